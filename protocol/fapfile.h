@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT */
+/* The .fap text format, versions 2.0 and 2.1: a header line, then two lines for each frame (68 mask flags; frame
+ * number and one value for each set flag, except FAP 1 with four values and FAP 2 with six). Works on memory. */
+#ifndef FACCIA_PROTOCOL_FAPFILE_H
+#define FACCIA_PROTOCOL_FAPFILE_H
+
+#include "protocol/fap.h"
+#include <stddef.h>
+
+struct fapfile {
+    char version[8]; /* "2.0", "2.1"; "" when the header is missing */
+    char *name;      /* may hold spaces; "" when the header is missing */
+    double fps;      /* 25 when the header is missing */
+    size_t count;
+    struct fap_frame *frames;
+};
+
+struct fapfile_error {
+    size_t line, column; /* 1-based */
+    const char *message; /* static */
+};
+
+/* Parses text[0..size). 0 on success: release with fapfile_free. -1: *error says why, *out is untouched.
+ * Accepts CRLF, '#' comments, a missing header, spaces in the name, and -inf (read as 0). */
+int fapfile_read(const char *text, size_t size, struct fapfile *out, struct fapfile_error *error);
+void fapfile_free(struct fapfile *file);
+
+/* Writers of version 2.1. Each prints into out (cap bytes, NUL-terminated) and returns the length that the whole text needs,
+ * as snprintf does. frame_number is 0-based. */
+size_t fapfile_write_header(const char *name, double fps, size_t count, char *out, size_t cap);
+size_t fapfile_write_frame(const struct fap_frame *frame, size_t frame_number, char *out, size_t cap);
+
+#endif

@@ -1,0 +1,125 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The voice plugin interface.
+ *
+ * A voice plugin is a shared object that exports one symbol, `faccia_voice`, a const struct faccia_voice. It runs in a worker
+ * process (faccia-voice), one plugin in each, so it may crash, leak or hang without hurting the daemon. All functions are
+ * called from one thread, except cancel. Only the host's thread may call the sink, and only during speak.
+ *
+ * Texts are UTF-8. Times are samples of the sentence's own audio, counted from its first sample. */
+#ifndef FACCIA_VOICE_H
+#define FACCIA_VOICE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define FACCIA_VOICE_ABI 1
+
+/* What a plugin can do (faccia_voice.capabilities). */
+enum {
+    FACCIA_VOICE_STREAMS = 1u << 0, /* hands out audio while it still synthesises */
+    FACCIA_VOICE_MARKS = 1u << 1,   /* reports marks itself; otherwise the host places them at word boundaries */
+    FACCIA_VOICE_RATE = 1u << 2,
+    FACCIA_VOICE_PITCH = 1u << 3,
+    FACCIA_VOICE_RANGE = 1u << 4,
+    FACCIA_VOICE_VOLUME = 1u << 5,
+    FACCIA_VOICE_PHONEMES = 1u << 6, /* speaks IPA given in a span */
+    FACCIA_VOICE_EMOTION = 1u << 7,
+};
+
+/* One voice. id is unique inside the plugin: the world sees "PLUGIN:ID". */
+struct faccia_voice_info {
+    const char *id;      /* "it", "it+f2" */
+    const char *name;    /* for people */
+    const char *lang;    /* BCP 47 */
+    const char *gender;  /* "female", "male", "neutral" */
+    const char *quality; /* "formant", "diphone", "neural", "recorded" */
+    const char *licence; /* SPDX expression */
+    uint32_t sample_rate;
+};
+
+enum faccia_span_kind { FACCIA_SPAN_TEXT, FACCIA_SPAN_BREAK, FACCIA_SPAN_MARK };
+
+/* One stretch of a sentence. */
+struct faccia_span {
+    uint32_t kind;       /* enum faccia_span_kind */
+    const char *text;    /* TEXT: what to say; MARK: the mark's name */
+    const char *lang;    /* BCP 47; NULL = the voice's */
+    const char *phones;  /* NULL, or IPA that replaces the text */
+    const char *say_as;  /* NULL, or how to read it */
+    const char *emotion; /* NULL, or a name, with intensity 0..1 */
+    double intensity;
+    double seconds;              /* BREAK */
+    double rate;                 /* words per minute; 0 = the voice's own */
+    double pitch, range, volume; /* factors, 1 = the voice's own */
+    uint32_t emphasis;           /* 0 none, 1 reduced, 2 weak, 3 medium, 4 strong */
+};
+
+struct faccia_sentence {
+    const char *voice; /* a voice id of this plugin */
+    const struct faccia_span *spans;
+    size_t span_count;
+};
+
+/* A phone. Pauses are phones too: ipa "" and sampa "_". */
+struct faccia_phone {
+    const char *ipa;     /* without stress marks */
+    const char *symbol;  /* the engine's own name for it, for diagnostics */
+    uint64_t start, end; /* samples; phones touch and never overlap */
+    uint32_t stress;     /* 0 none, 1 secondary, 2 primary: of the syllable whose nucleus this is */
+};
+
+struct faccia_word {
+    uint32_t span;        /* index of its span */
+    size_t offset, bytes; /* where it stands in the span's text */
+    uint64_t start, end;  /* samples; end 0 = unknown: the next word's start or the end of the audio */
+};
+
+/* Where a plugin delivers. Every function returns 0 to go on, anything else to make speak return soon.
+ * Audio is mono 16 bit. Phones, words and marks come in order of time, and may come before or after their audio. */
+struct faccia_sink {
+    uint32_t size;
+    void *ctx;
+    int (*audio)(void *ctx, const int16_t *samples, size_t count, uint32_t sample_rate);
+    int (*phone)(void *ctx, const struct faccia_phone *phone);
+    int (*word)(void *ctx, const struct faccia_word *word);
+    int (*mark)(void *ctx, const char *name, uint64_t at);
+    int (*warning)(void *ctx, const char *message);
+};
+
+struct faccia_voice {
+    uint32_t abi;  /* FACCIA_VOICE_ABI */
+    uint32_t size; /* sizeof(struct faccia_voice) */
+    const char *name;
+    const char *version;
+    const char *licence; /* SPDX expression */
+    uint32_t capabilities;
+
+    /* Start the engine. config is the plugin's part of the configuration, a JSON object as text, never NULL.
+     * Returns 0 and *self, or -1 with a sentence in message (cap bytes). */
+    int (*open)(const char *config, void **self, char *message, size_t cap);
+
+    /* Calls each for every voice. */
+    void (*list)(void *self, void (*each)(void *ctx, const struct faccia_voice_info *voice), void *ctx);
+
+    /* Speak one sentence into the sink. Returns 0 when all of it was spoken or the sink said stop, -1 with a sentence
+     * in message when the engine failed. */
+    int (*speak)(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
+                 char *message, size_t cap);
+
+    /* Make a running speak return soon. May be NULL. Called from another thread. */
+    void (*cancel)(void *self);
+
+    void (*close)(void *self);
+};
+
+#define FACCIA_VOICE_SYMBOL "faccia_voice"
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

@@ -1,0 +1,70 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The voice pool: worker processes that run voice plugins, and the queue of sentences before them. Lives on one libuv loop; all
+ * functions and callbacks belong to that loop's thread. */
+#ifndef FACCIA_VOICE_POOL_H
+#define FACCIA_VOICE_POOL_H
+
+#include "server/base/error.h"
+#include "server/markup/score.h"
+#include "server/voice/utterance.h"
+#include <stdbool.h>
+#include <uv.h>
+
+struct voice_pool;
+struct voice_job;
+
+struct voice_pool_options {
+    const char *worker;     /* path of the faccia-voice program */
+    const char *plugin_dir; /* every *.so in it is a plugin */
+    unsigned workers;       /* processes for each plugin, default 1 */
+    /* A sentence is given up, and its worker killed, after deadline_base + deadline_per_byte * bytes of text (seconds).
+     * Defaults 10 and 0.05. */
+    double deadline_base, deadline_per_byte;
+    const char *config; /* JSON object: plugin name -> its own configuration object; NULL = {} */
+};
+
+/* A voice as the world sees it. Strings live as long as the pool. */
+struct voice {
+    const char *id; /* "espeak:it+f2" */
+    const char *plugin, *name, *lang, *gender, *quality, *licence;
+    uint32_t sample_rate;
+};
+
+/* Starts the workers. ready is called once, when every plugin has listed its voices or has failed to start; a plugin that failed
+ * is skipped with a log line. Returns NULL with *e when no plugin or no worker program is found. */
+struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_options *options,
+                                   void (*ready)(void *ctx), void *ctx, struct error *e);
+
+/* Kills the workers, fails the jobs with code "cancelled", frees everything; closed is called at last. */
+void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *ctx);
+
+const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *count);
+
+/* Finds a voice: by id ("espeak:it"), by id inside any plugin ("it+f2"), or, when name is NULL, the best for lang. preferred is
+ * a NULL-terminated list of ids to be tried first for a lang (from the language pack), or NULL. NULL with *e
+ * ("unknown-voice", "unknown-language"): field "voice" or "lang". */
+const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,
+                                    const char *const *preferred, struct error *e);
+
+/* What to speak: one sentence of a score. Copied by voice_pool_speak. */
+struct voice_request {
+    const struct voice *voice;
+    const struct score *score;
+    size_t sentence;            /* index */
+    double rate;                /* words per minute, 0 = the voice's own; the styles' factors multiply it */
+    double pitch, volume;       /* factors, 1 = the voice's own */
+};
+
+struct voice_callbacks {
+    void (*done)(void *ctx, struct utterance *utterance); /* the receiver owns it */
+    void (*failed)(void *ctx, const struct error *e);     /* "voice-failed", "voice-timeout", "voice-crashed" */
+};
+
+/* Queues the sentence; exactly one callback follows, later, unless the job is cancelled. */
+struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_request *request,
+                                   const struct voice_callbacks *callbacks, void *ctx);
+
+/* Forgets the job: no callback will come. A running worker is told to stop. */
+void voice_job_cancel(struct voice_job *job);
+
+#endif

@@ -1,0 +1,48 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The utterance: one sentence as a voice spoke it. The voice stage hands it to the face stage. */
+#ifndef FACCIA_VOICE_UTTERANCE_H
+#define FACCIA_VOICE_UTTERANCE_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+enum { PHONE_NAME_BYTES = 16 };
+
+/* Phones touch, in order, and cover the audio from 0 to its end. A pause has ipa "" and sampa "_". */
+struct phone {
+    char ipa[PHONE_NAME_BYTES];    /* UTF-8, without stress marks; length mark kept */
+    char sampa[PHONE_NAME_BYTES];  /* X-SAMPA of the same */
+    char symbol[PHONE_NAME_BYTES]; /* the voice's own name for it */
+    uint32_t start, end;           /* samples from the utterance's first */
+    uint8_t stress;                /* 0 none, 1 secondary, 2 primary */
+};
+
+struct word {
+    uint32_t start, end;     /* samples */
+    size_t from, to;         /* bytes of the input text */
+};
+
+struct mark {
+    char *name;
+    uint32_t at; /* sample */
+};
+
+struct utterance {
+    uint32_t sample_rate; /* Hz */
+    int16_t *pcm;         /* mono */
+    uint32_t samples;
+    struct phone *phones;
+    size_t phone_count;
+    struct word *words;
+    size_t word_count;
+    struct mark *marks;
+    size_t mark_count;
+    char **warnings; /* what the voice could not do */
+    size_t warning_count;
+    char lang[16];   /* BCP 47 of the voice */
+    size_t from, to; /* the sentence's bytes of the input */
+};
+
+void utterance_free(struct utterance *u);
+
+#endif
