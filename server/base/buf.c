@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/buf.h"
+#include "server/base/mem.h"
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+void buf_free(struct buf *b) {
+    free(b->data);
+    *b = (struct buf){0};
+}
+
+void *buf_reserve(struct buf *b, size_t extra) {
+    b->data = mem_grow(b->data, &b->cap, b->size + extra, 1);
+    return b->data + b->size;
+}
+
+void buf_add(struct buf *b, const void *data, size_t size) {
+    if (!size)
+        return;
+    memcpy(buf_reserve(b, size), data, size);
+    b->size += size;
+}
+
+void buf_printf(struct buf *b, const char *format, ...) {
+    va_list args, again;
+    va_start(args, format);
+    va_copy(again, args);
+    int length = vsnprintf(NULL, 0, format, args);
+    va_end(args);
+    if (length > 0) {
+        vsnprintf(buf_reserve(b, (size_t)length + 1), (size_t)length + 1, format, again);
+        b->size += (size_t)length;
+    }
+    va_end(again);
+}
+
+void buf_consume(struct buf *b, size_t size) {
+    b->size -= size;
+    memmove(b->data, b->data + size, b->size);
+}

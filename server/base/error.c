@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/error.h"
+#include <stdio.h>
+#include <string.h>
+
+static void fill(struct error *e, const char *code, const char *format, va_list args) {
+    *e = (struct error){.code = code};
+    vsnprintf(e->message, sizeof e->message, format, args);
+}
+
+int error_set(struct error *e, const char *code, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    fill(e, code, format, args);
+    va_end(args);
+    return -1;
+}
+
+int error_at_byte(struct error *e, const char *code, size_t byte, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    fill(e, code, format, args);
+    va_end(args);
+    e->place = PLACE_BYTE;
+    e->byte = byte;
+    return -1;
+}
+
+int error_at_line(struct error *e, const char *code, size_t line, size_t column, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    fill(e, code, format, args);
+    va_end(args);
+    e->place = PLACE_LINE;
+    e->line = line;
+    e->column = column;
+    return -1;
+}
+
+int error_in_field(struct error *e, const char *code, const char *field, const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    fill(e, code, format, args);
+    va_end(args);
+    e->place = PLACE_FIELD;
+    snprintf(e->field, sizeof e->field, "%s", field);
+    return -1;
+}
+
+const char *error_text(const struct error *e, char *out, size_t cap) {
+    switch (e->place) {
+    case PLACE_BYTE:
+        snprintf(out, cap, "byte %zu: %s", e->byte, e->message);
+        break;
+    case PLACE_LINE:
+        snprintf(out, cap, "%zu:%zu: %s", e->line, e->column, e->message);
+        break;
+    case PLACE_FIELD:
+        snprintf(out, cap, "%s: %s", e->field, e->message);
+        break;
+    default:
+        snprintf(out, cap, "%s", e->message);
+    }
+    return out;
+}

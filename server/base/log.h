@@ -1,0 +1,10 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Log lines on standard error: "faccia: warning: message", or with the priority in brackets when journald reads them. */
+#ifndef FACCIA_BASE_LOG_H
+#define FACCIA_BASE_LOG_H
+
+void log_error(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void log_warn(const char *format, ...) __attribute__((format(printf, 1, 2)));
+void log_info(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+#endif

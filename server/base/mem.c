@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/mem.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void *checked(void *p, size_t size) {
+    if (!p && size) {
+        fprintf(stderr, "faccia: out of memory (%zu bytes wanted)\n", size);
+        abort();
+    }
+    return p;
+}
+
+void *mem_alloc(size_t size) {
+    return checked(calloc(1, size ? size : 1), size);
+}
+
+void *mem_resize(void *p, size_t size) {
+    return checked(realloc(p, size ? size : 1), size);
+}
+
+char *mem_strndup(const char *s, size_t n) {
+    n = strnlen(s, n);
+    char *copy = mem_alloc(n + 1);
+    memcpy(copy, s, n);
+    return copy;
+}
+
+char *mem_strdup(const char *s) {
+    return mem_strndup(s, strlen(s));
+}
+
+void *mem_grow(void *p, size_t *cap, size_t need, size_t element) {
+    if (need <= *cap)
+        return p;
+    size_t wanted = *cap ? *cap * 2 : 8;
+    if (wanted < need)
+        wanted = need;
+    *cap = wanted;
+    return mem_resize(p, wanted * element);
+}

@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where the program's own files lie: beside it in a build tree, or under its prefix when it is installed. */
+#ifndef FACCIA_BASE_PATHS_H
+#define FACCIA_BASE_PATHS_H
+
+/* Absolute paths; free with paths_free. An empty string where nothing was found. */
+struct paths {
+    char *models;  /* holds speech/, heads/; $FACCIA_MODELS overrides */
+    char *web;     /* the page and its bundle; $FACCIA_WEB overrides */
+    char *plugins; /* voice plugins; $FACCIA_PLUGINS overrides */
+    char *worker;  /* the faccia-voice program; $FACCIA_WORKER overrides */
+};
+
+void paths_find(struct paths *paths);
+void paths_free(struct paths *paths);
+
+#endif

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/utf8.h"
+
+size_t utf8_next(const char *s, size_t n, uint32_t *cp) {
+    const uint8_t *u = (const uint8_t *)s;
+    if (u[0] < 0x80) {
+        *cp = u[0];
+        return 1;
+    }
+    size_t length = u[0] >= 0xF0 ? 4 : u[0] >= 0xE0 ? 3 : 2;
+    if (u[0] < 0xC2 || u[0] > 0xF4 || n < length)
+        return 0;
+    uint32_t c = u[0] & (0x7Fu >> length);
+    for (size_t i = 1; i < length; i++) {
+        if ((u[i] & 0xC0) != 0x80)
+            return 0;
+        c = c << 6 | (u[i] & 0x3F);
+    }
+    if ((length == 3 && c < 0x800) || (length == 4 && c < 0x10000) || c > 0x10FFFF || (c >= 0xD800 && c < 0xE000))
+        return 0;
+    *cp = c;
+    return length;
+}
+
+size_t utf8_put(uint32_t cp, char *out) {
+    if (cp < 0x80) {
+        out[0] = (char)cp;
+        return 1;
+    }
+    if (cp > 0x10FFFF || (cp >= 0xD800 && cp < 0xE000))
+        return 0;
+    size_t length = cp >= 0x10000 ? 4 : cp >= 0x800 ? 3 : 2;
+    for (size_t i = length - 1; i > 0; i--, cp >>= 6)
+        out[i] = (char)(0x80 | (cp & 0x3F));
+    out[0] = (char)((0xF00u >> length & 0xFF) | cp);
+    return length;
+}
+
+size_t utf8_check(const char *s, size_t n) {
+    size_t at = 0;
+    while (at < n) {
+        uint32_t cp;
+        size_t length = utf8_next(s + at, n - at, &cp);
+        if (!length)
+            return at;
+        at += length;
+    }
+    return n;
+}
+
+size_t utf8_utf16_units(const char *s, size_t n) {
+    size_t units = 0;
+    for (size_t i = 0; i < n; i++) {
+        uint8_t u = (uint8_t)s[i];
+        units += (u & 0xC0) != 0x80;
+        units += u >= 0xF0;
+    }
+    return units;
+}
