@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Plain text: sentences end at . ? ! … (and their like in other scripts) and at blank lines. */
+#ifndef FACCIA_MARKUP_PLAIN_H
+#define FACCIA_MARKUP_PLAIN_H
+
+#include "server/markup/markup.h"
+
+int plain_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+               struct error *e);
+
+/* Length in bytes of the sentence at the head of text[0..size), with its closing marks and the white space after it. At most
+ * PLAIN_SENTENCE_BYTES, cut at a comma or a space where a longer one has any, so that speech can begin early. */
+enum { PLAIN_SENTENCE_BYTES = 400 };
+size_t plain_sentence(const char *text, size_t size, const struct markup_rules *rules);
+
+#endif
