@@ -48,12 +48,13 @@ size_t utf8_check(const char *s, size_t n) {
     return n;
 }
 
-size_t utf8_utf16_units(const char *s, size_t n) {
-    size_t units = 0;
-    for (size_t i = 0; i < n; i++) {
-        uint8_t u = (uint8_t)s[i];
-        units += (u & 0xC0) != 0x80;
-        units += u >= 0xF0;
+size_t utf16_offset(struct utf16_counter *counter, const char *s, size_t byte) {
+    if (byte < counter->bytes)
+        *counter = (struct utf16_counter){0};
+    for (; counter->bytes < byte; counter->bytes++) {
+        uint8_t u = (uint8_t)s[counter->bytes];
+        counter->units += (u & 0xC0) != 0x80;
+        counter->units += u >= 0xF0;
     }
-    return units;
+    return counter->units;
 }

@@ -15,7 +15,11 @@ size_t utf8_put(uint32_t cp, char *out);
 /* Offset of the first malformed byte, or n when all is well. */
 size_t utf8_check(const char *s, size_t n);
 
-/* Number of UTF-16 units of well-formed s[0..n). */
-size_t utf8_utf16_units(const char *s, size_t n);
+/* Converts byte offsets of one well-formed text to offsets in UTF-16 units. Remembers where it was: offsets that mostly rise cost a
+ * single pass over the text. Begins zeroed. */
+struct utf16_counter {
+    size_t bytes, units;
+};
+size_t utf16_offset(struct utf16_counter *counter, const char *s, size_t byte);
 
 #endif

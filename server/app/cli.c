@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/app/cli.h"
+#include <stdarg.h>
+#include <stdio.h>
+
+void cli_complain(const char *format, ...) {
+    va_list args;
+    va_start(args, format);
+    fputs("faccia: ", stderr);
+    vfprintf(stderr, format, args);
+    fputc('\n', stderr);
+    va_end(args);
+}
+
+static void on_ready(void *ctx) {
+    *(bool *)ctx = true;
+}
+
+int cli_open(struct cli *cli) {
+    struct error e;
+    char text[400];
+    bool ready = false;
+    *cli = (struct cli){0};
+    paths_find(&cli->paths);
+    uv_loop_init(&cli->loop);
+    cli->studio = (struct studio){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
+    struct voice_pool_options options = {.worker = cli->paths.worker, .plugin_dir = cli->paths.plugins};
+    snprintf(text, sizeof text, "%s/speech", cli->paths.models);
+    if (speech_packs_load(&cli->packs, text, &e) ||
+        !(cli->studio.voices = voice_pool_open(&cli->loop, &options, on_ready, &ready, &e))) {
+        cli_complain("%s", error_text(&e, text, sizeof text));
+        return -1;
+    }
+    while (!ready && uv_run(&cli->loop, UV_RUN_ONCE))
+        ;
+    size_t count;
+    voice_pool_voices(cli->studio.voices, &count);
+    if (!count)
+        cli_complain("no voice plugin could be started");
+    return count ? 0 : -1;
+}
+
+void cli_close(struct cli *cli) {
+    if (cli->studio.voices)
+        voice_pool_close(cli->studio.voices, NULL, NULL);
+    uv_run(&cli->loop, UV_RUN_DEFAULT);
+    uv_loop_close(&cli->loop);
+    speech_packs_free(&cli->packs);
+    paths_free(&cli->paths);
+}

@@ -1,0 +1,250 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* faccia say: a text through all stages into files. */
+#include "server/app/cli.h"
+#include "server/base/buf.h"
+#include "server/stream/export.h"
+#include <errno.h>
+#include <getopt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+static const char usage[] =
+    "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
+    "Speaks TEXT, a file, or standard input (-). Without --wav, --fap or --json the timing goes to standard output.\n"
+    "\n"
+    "  -l, --lang TAG       it, pt-BR, tr, en (it)\n"
+    "  -v, --voice ID       a voice that 'faccia voices' lists\n"
+    "  -r, --rate WPM       words per minute, 40 to 500\n"
+    "      --pitch FACTOR   0.25 to 4 (1)\n"
+    "      --volume FACTOR  0.25 to 4 (1)\n"
+    "      --fps N          FAP frames per second, 1 to 120 (25)\n"
+    "  -e, --engine NAME    visible-speech engine (dominance)\n"
+    "      --markup KIND    plain\n"
+    "      --still          only the lips move\n"
+    "      --seed N         another life of the face; the same number gives the same face (0)\n"
+    "  -f, --file FILE      the text\n"
+    "      --wav FILE       the sound, mono 16 bit\n"
+    "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
+    "      --json FILE      phones, words and marks with their times\n"
+    "  -h, --help           print this and exit\n"
+    "FILE - is standard input or output. Exit status: 0 spoken, 1 failed, 2 wrong usage.\n";
+
+/* One file to be written. */
+struct output {
+    const char *path; /* NULL = not asked for */
+    FILE *file;
+    struct export export;
+};
+
+enum { WAV, FAP, JSON, OUTPUTS };
+
+struct say {
+    struct cli cli;
+    struct speech *speech;
+    struct output outputs[OUTPUTS];
+    bool failed, finished;
+};
+
+static int flush(struct say *s, struct output *o) {
+    struct buf *out = &o->export.out;
+    if (fwrite(out->data, 1, out->size, o->file) == out->size && !fflush(o->file)) {
+        out->size = 0;
+        return 0;
+    }
+    cli_complain("%s: %s", o->path, strerror(errno));
+    s->failed = true;
+    o->path = NULL; /* one message is enough */
+    return -1;
+}
+
+static void on_scene(void *ctx, struct scene scene) {
+    struct say *s = ctx;
+    for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
+        if (!o->path)
+            continue;
+        export_scene(&o->export, &scene);
+        if (o->export.format->streams)
+            flush(s, o);
+    }
+    scene_free(&scene);
+    speech_release(s->speech);
+}
+
+static void on_problem(void *ctx, const struct error *e, bool warning) {
+    struct say *s = ctx;
+    char text[400];
+    cli_complain("%s%s", warning ? "warning: " : "", error_text(e, text, sizeof text));
+    s->failed |= !warning;
+    for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++)
+        if (o->path)
+            export_warning(&o->export, e);
+}
+
+/* A WAV file that can be rewound gets its true length; a pipe keeps "unknown". */
+static void finish_wav(struct output *o) {
+    uint8_t header[WAV_HEADER_BYTES];
+    if (!o->export.sample_rate || fseek(o->file, 0, SEEK_SET))
+        return;
+    wav_header(header, o->export.sample_rate, o->export.samples);
+    fwrite(header, 1, sizeof header, o->file);
+}
+
+static void on_finished(void *ctx, size_t spoken) {
+    struct say *s = ctx;
+    s->finished = true;
+    s->failed |= !spoken;
+    for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
+        if (!o->path)
+            continue;
+        export_end(&o->export);
+        flush(s, o);
+        if (o == &s->outputs[WAV])
+            finish_wav(o);
+    }
+}
+
+static int open_outputs(struct say *s) {
+    static const char *const names[OUTPUTS] = {"wav", "fap", "json"};
+    int standard = 0;
+    if (!s->outputs[WAV].path && !s->outputs[FAP].path && !s->outputs[JSON].path)
+        s->outputs[JSON].path = "-";
+    for (int i = 0; i < OUTPUTS; i++) {
+        struct output *o = &s->outputs[i];
+        if (!o->path)
+            continue;
+        bool is_standard = !strcmp(o->path, "-");
+        standard += is_standard;
+        o->file = is_standard ? stdout : fopen(o->path, "wb");
+        if (!o->file) {
+            cli_complain("%s: %s", o->path, strerror(errno));
+            return EXIT_FAILED;
+        }
+        export_begin(&o->export, export_by_name(names[i]), s->speech);
+    }
+    if (standard > 1) {
+        cli_complain("only one of --wav, --fap and --json can go to standard output");
+        return EXIT_USAGE;
+    }
+    return EXIT_DONE;
+}
+
+static void close_outputs(struct say *s) {
+    for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
+        if (o->file && (o->file == stdout ? fflush(o->file) : fclose(o->file)) && o->path) {
+            cli_complain("%s: %s", o->path, strerror(errno));
+            s->failed = true;
+        }
+        export_free(&o->export);
+    }
+}
+
+static int read_text(const char *path, struct buf *text) {
+    FILE *file = !strcmp(path, "-") ? stdin : fopen(path, "rb");
+    size_t got = 1;
+    while (file && got) {
+        got = fread(buf_reserve(text, 65536), 1, 65536, file);
+        text->size += got;
+    }
+    int failed = !file || ferror(file);
+    if (failed)
+        cli_complain("%s: %s", path, strerror(errno));
+    if (file && file != stdin)
+        fclose(file);
+    return failed ? -1 : 0;
+}
+
+/* The exit code, or -1 to go on. */
+static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
+    static const struct option options[] = {
+        {"lang", 1, NULL, 'l'},   {"voice", 1, NULL, 'v'}, {"rate", 1, NULL, 'r'},   {"pitch", 1, NULL, 1},
+        {"volume", 1, NULL, 1},   {"fps", 1, NULL, 1},     {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},
+        {"seed", 1, NULL, 1},     {"still", 0, NULL, 1},   {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},
+        {"fap", 1, NULL, 'F'},    {"json", 1, NULL, 'J'},  {"help", 0, NULL, 'h'},   {0},
+    };
+    const char *path = NULL;
+    struct error e;
+    char message[400];
+    for (int c, at; (at = -1, c = getopt_long(argc, argv, "l:v:r:e:f:h", options, &at)) != -1;) {
+        for (int i = 0; at < 0 && options[i].name; i++)
+            at = options[i].val == c ? i : -1;
+        switch (c) {
+        case 'f':
+            path = optarg;
+            break;
+        case 'W':
+            s->outputs[WAV].path = optarg;
+            break;
+        case 'F':
+            s->outputs[FAP].path = optarg;
+            break;
+        case 'J':
+            s->outputs[JSON].path = optarg;
+            break;
+        case 'h':
+            fputs(usage, stdout);
+            return EXIT_DONE;
+        case '?':
+            fputs("Try 'faccia say --help'.\n", stderr);
+            return EXIT_USAGE;
+        default: {
+            const char *word = optarg ? optarg : "true";
+            struct request_value value = {REQUEST_WORD, word, strlen(word), 0};
+            if (request_set(request, options[at].name, value, &e)) {
+                cli_complain("--%s", error_text(&e, message, sizeof message));
+                return EXIT_USAGE;
+            }
+        }
+        }
+    }
+    if (!path && optind + 1 == argc && !strcmp(argv[optind], "-"))
+        path = argv[optind++];
+    if (!path == (optind == argc)) {
+        cli_complain(path ? "unexpected '%s': the text is in a file" : "no text: give it, a --file, or - for standard input",
+                     argv[optind]);
+        return EXIT_USAGE;
+    }
+    if (path && read_text(path, text))
+        return EXIT_FAILED;
+    for (int i = optind; i < argc; i++)
+        buf_printf(text, "%s%s", i > optind ? " " : "", argv[i]);
+    request_set(request, "text", (struct request_value){REQUEST_STRING, text->size ? (char *)text->data : "", text->size, 0},
+                &e);
+    return -1;
+}
+
+static int speak(struct say *s, const struct speech_request *request) {
+    static const struct speech_callbacks callbacks = {on_scene, on_problem, on_finished};
+    struct error e;
+    char message[400];
+    s->speech = speech_open(&s->cli.studio, request, &callbacks, s, &e);
+    if (!s->speech) {
+        cli_complain("%s", error_text(&e, message, sizeof message));
+        return e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
+    }
+    int status = open_outputs(s);
+    if (!status) {
+        speech_start(s->speech);
+        while (!s->finished && uv_run(&s->cli.loop, UV_RUN_ONCE))
+            ;
+    }
+    close_outputs(s);
+    speech_free(s->speech);
+    return status ? status : s->failed ? EXIT_FAILED : EXIT_DONE;
+}
+
+int say_main(int argc, char **argv) {
+    struct say s = {0};
+    struct speech_request request;
+    struct buf text = {0};
+    request_init(&request);
+    int status = parse(argc, argv, &s, &request, &text);
+    if (status < 0) {
+        status = cli_open(&s.cli) ? EXIT_FAILED : speak(&s, &request);
+        cli_close(&s.cli);
+    }
+    request_free(&request);
+    buf_free(&text);
+    return status;
+}

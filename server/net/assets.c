@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/assets.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/net/models.h"
+#include <glob.h>
+#include <libwebsockets.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <zlib.h>
+
+enum { ASSET_BYTES_MAX = 64 << 20 };
+
+static const char *type_of(const char *path) {
+    static const char *const types[][2] = {
+        {".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"},
+        {".mjs", "text/javascript; charset=utf-8"}, {".css", "text/css; charset=utf-8"},
+        {".json", "application/json"}, {".svg", "image/svg+xml"}, {".png", "image/png"},
+        {".ico", "image/x-icon"}, {".webp", "image/webp"}, {".woff2", "font/woff2"},
+        {".wasm", "application/wasm"}, {".map", "application/json"}, {".txt", "text/plain; charset=utf-8"},
+    };
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)
+        if (!strcmp(dot, types[i][0]))
+            return types[i][1];
+    return NULL;
+}
+
+static uint8_t *read_file(const char *path, size_t *size) {
+    FILE *file = fopen(path, "rb");
+    if (!file)
+        return NULL;
+    uint8_t *data = NULL;
+    size_t cap = 0, got = 1;
+    *size = 0;
+    while (got && *size < ASSET_BYTES_MAX) {
+        data = mem_grow(data, &cap, *size + 65536, 1);
+        got = fread(data + *size, 1, 65536, file);
+        *size += got;
+    }
+    bool whole = feof(file) && !ferror(file);
+    fclose(file);
+    if (!whole) {
+        free(data);
+        return NULL;
+    }
+    return data;
+}
+
+/* Takes FILE.gz when it lies beside FILE, else compresses. */
+static void pack(struct asset *a, const char *file) {
+    char sibling[4096];
+    snprintf(sibling, sizeof sibling, "%s.gz", file);
+    a->packed = read_file(sibling, &a->packed_size);
+    if (a->packed)
+        return;
+    z_stream z = {0};
+    if (deflateInit2(&z, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+        return;
+    size_t cap = deflateBound(&z, a->size);
+    a->packed = mem_alloc(cap);
+    z.next_in = a->data;
+    z.avail_in = (uInt)a->size;
+    z.next_out = a->packed;
+    z.avail_out = (uInt)cap;
+    int result = deflate(&z, Z_FINISH);
+    a->packed_size = cap - z.avail_out;
+    deflateEnd(&z);
+    if (result != Z_STREAM_END || a->packed_size > a->size - a->size / 10) {
+        free(a->packed);
+        a->packed = NULL;
+    }
+}
+
+static struct asset *add(struct assets *assets, const char *path, const char *type, const char *file, uint8_t *data,
+                         size_t size) {
+    struct asset *a = mem_alloc(sizeof *a);
+    a->path = mem_strdup(path);
+    a->type = type;
+    a->data = data;
+    a->size = size;
+    uint8_t digest[20];
+    lws_SHA1(data, size, digest);
+    for (int i = 0; i < 20; i++)
+        snprintf(a->hash + 2 * i, 3, "%02x", digest[i]);
+    pack(a, file);
+    assets->files = mem_grow(assets->files, &assets->cap, assets->count + 1, sizeof(struct asset *));
+    assets->files[assets->count++] = a;
+    return a;
+}
+
+static void load_web(struct assets *assets, const char *folder) {
+    char pattern[4096];
+    glob_t found;
+    snprintf(pattern, sizeof pattern, "%s/*.*", folder);
+    if (glob(pattern, 0, NULL, &found))
+        return;
+    for (size_t i = 0; i < found.gl_pathc; i++) {
+        const char *file = found.gl_pathv[i], *name = strrchr(file, '/'), *type = type_of(name);
+        size_t size;
+        uint8_t *data = type ? read_file(file, &size) : NULL;
+        if (data)
+            add(assets, strcmp(name, "/index.html") ? name : "/", type, file, data, size);
+    }
+    globfree(&found);
+}
+
+static int load_head(struct assets *assets, const char *file, struct error *e) {
+    const char *name = strrchr(file, '/') + 1;
+    size_t size, length = strcspn(name, ".");
+    char path[256];
+    snprintf(path, sizeof path, "/v1/models/%.*s", (int)length, name);
+    uint8_t *data = read_file(file, &size);
+    if (!data)
+        return error_set(e, "bad-model", "%s: cannot be read", file);
+    struct model model = {.asset = add(assets, path, "application/json", file, data, size)};
+    assets->models = mem_grow(assets->models, &assets->model_cap, assets->model_count + 1, sizeof model);
+    assets->models[assets->model_count++] = model;
+    return model_split(&assets->models[assets->model_count - 1], file, e);
+}
+
+int assets_load(struct assets *assets, const char *web, const char *models, struct error *e) {
+    char pattern[4096];
+    glob_t found;
+    int failed = 0;
+    *assets = (struct assets){0};
+    load_web(assets, web);
+    snprintf(pattern, sizeof pattern, "%s/heads/*.json", models);
+    if (!glob(pattern, 0, NULL, &found)) {
+        for (size_t i = 0; i < found.gl_pathc && !failed; i++)
+            failed = load_head(assets, found.gl_pathv[i], e);
+        globfree(&found);
+    }
+    if (!assets_find(assets, "/"))
+        log_warn("no page to serve: '%s' holds no index.html", web);
+    if (!assets->model_count)
+        log_warn("no head model in '%s/heads'", models);
+    if (failed)
+        assets_free(assets);
+    return failed;
+}
+
+void assets_free(struct assets *assets) {
+    for (size_t i = 0; i < assets->model_count; i++)
+        model_free(&assets->models[i]);
+    for (size_t i = 0; i < assets->count; i++) {
+        free(assets->files[i]->path);
+        free(assets->files[i]->data);
+        free(assets->files[i]->packed);
+        free(assets->files[i]);
+    }
+    free(assets->files);
+    free(assets->models);
+    *assets = (struct assets){0};
+}
+
+const struct asset *assets_find(const struct assets *assets, const char *path) {
+    for (size_t i = 0; i < assets->count; i++)
+        if (!strcmp(assets->files[i]->path, path))
+            return assets->files[i];
+    return NULL;
+}
+
+const struct model *assets_model(const struct assets *assets, const char *name) {
+    for (size_t i = 0; i < assets->model_count; i++)
+        if (!strcmp(assets->models[i].name, name))
+            return &assets->models[i];
+    return NULL;
+}

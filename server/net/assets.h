@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The files that the daemon serves, read at start and kept in memory, so that no request ever reaches the disk: the web client and the
+ * head models. */
+#ifndef FACCIA_NET_ASSETS_H
+#define FACCIA_NET_ASSETS_H
+
+#include "server/base/error.h"
+#include <stddef.h>
+#include <stdint.h>
+
+struct asset {
+    char *path; /* as in the address: "/talking-head.js", "/v1/models/mara" */
+    const char *type;
+    uint8_t *data; /* as it is */
+    size_t size;
+    uint8_t *packed; /* gzip, or NULL where that saves nothing */
+    size_t packed_size;
+    char hash[41]; /* SHA-1 of data, hex: the ETag */
+};
+
+/* A head model: its asset, and its parts as the JSON texts that go over the socket. */
+struct model {
+    char *name, *title;
+    struct asset *asset;
+    struct model_part {
+        char *kind, *name; /* "head", "texture" or "part" */
+        char *json;
+    } * parts;
+    size_t part_count;
+};
+
+struct assets {
+    struct asset **files;
+    size_t count, cap;
+    struct model *models;
+    size_t model_count, model_cap;
+};
+
+/* Loads the web folder (flat; may be missing: then there is no page) and models/heads/NAME.json. A FILE.gz beside a
+ * file is taken as its compressed form. -1 with *e when a head cannot be read. */
+int assets_load(struct assets *assets, const char *web, const char *models, struct error *e);
+void assets_free(struct assets *assets);
+
+const struct asset *assets_find(const struct assets *assets, const char *path);
+const struct model *assets_model(const struct assets *assets, const char *name);
+
+#endif

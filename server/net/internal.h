@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of the net stage share. */
+#ifndef FACCIA_NET_INTERNAL_H
+#define FACCIA_NET_INTERNAL_H
+
+#include "server/base/buf.h"
+#include "server/net/assets.h"
+#include "server/net/net.h"
+#include <jansson.h>
+#include <libwebsockets.h>
+
+struct net {
+    struct net_options options;
+    const struct studio *studio;
+    struct lws_context *context;
+    struct lws_vhost *vhost;
+    struct assets assets;
+    unsigned connections;
+    uint64_t streams; /* numbers given so far */
+    bool ready;
+};
+
+/* What libwebsockets keeps for each connection: one of the two. */
+struct session {
+    struct socket *socket;
+    struct exchange *exchange;
+};
+
+int net_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size);
+
+/* message.c: JSON out of the stage's types, and back. */
+
+/* {"type":"error","code",...} with the place; a new reference. */
+json_t *message_error(const struct error *e);
+json_t *message_event(const struct stream_event *event, const char *stream);
+json_t *message_hello(const struct net *net, const char *stream);
+json_t *message_voices(const struct net *net);
+json_t *message_models(const struct net *net);
+json_t *message_health(const struct net *net);
+
+/* Appends the object as text and drops it. */
+void message_write(struct buf *out, json_t *object);
+
+/* Sets the request's fields from the members of a speak message, or from the query of an address. */
+int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
+int request_from_query(struct speech_request *request, struct lws *wsi, const char *except, struct error *e);
+
+/* socket.c: one WebSocket client. */
+struct socket *socket_open(struct net *net, struct lws *wsi);
+void socket_close(struct socket *socket);
+int socket_receive(struct socket *socket, const char *data, size_t size);
+int socket_writeable(struct socket *socket);
+
+/* exchange.c: one HTTP request and its answer. Every function returns what the libwebsockets callback has to return. */
+struct exchange *exchange_open(struct net *net, struct lws *wsi);
+void exchange_close(struct exchange *x);
+int exchange_writeable(struct exchange *x);
+bool exchange_answered(const struct exchange *x); /* its head has been sent */
+bool exchange_done(const struct exchange *x);     /* all of it has been sent: close it */
+
+/* An answer of known length; body is copied. */
+int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size);
+int exchange_json(struct exchange *x, unsigned status, json_t *object); /* drops the object */
+int exchange_error(struct exchange *x, unsigned status, const struct error *e);
+int exchange_allow(struct exchange *x, unsigned status, const char *methods); /* an empty answer that names the methods */
+
+/* An answer whose body lives as long as the net. */
+int exchange_asset(struct exchange *x, const struct asset *asset);
+
+/* An answer of unknown length, in chunks. */
+int exchange_begin(struct exchange *x, const char *type);
+void exchange_add(struct exchange *x, const void *data, size_t size);
+void exchange_end(struct exchange *x);
+size_t exchange_unsent(const struct exchange *x);
+
+struct net *exchange_net(const struct exchange *x);
+struct lws *exchange_wsi(const struct exchange *x);
+
+/* The owner of a body that is being received or made. */
+struct exchange_work {
+    int (*body)(void *self, const void *data, size_t size);
+    int (*body_end)(void *self);
+    void (*sent)(void *self); /* bytes have left: more may come */
+    void (*free)(void *self);
+    void *self;
+};
+void exchange_set_work(struct exchange *x, struct exchange_work work);
+struct exchange_work *exchange_get_work(struct exchange *x);
+
+/* routes.c */
+int routes_serve(struct exchange *x, const char *path, size_t length, int method);
+
+/* speech_post.c: POST /v1/speech */
+int speech_post(struct exchange *x);
+
+#endif

@@ -1,0 +1,208 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/internal.h"
+#include <stdio.h>
+#include <string.h>
+
+static int append(const char *text, size_t size, void *buf) {
+    buf_add(buf, text, size);
+    return 0;
+}
+
+void message_write(struct buf *out, json_t *object) {
+    json_dump_callback(object, append, out, JSON_COMPACT | JSON_REAL_PRECISION(7));
+    json_decref(object);
+}
+
+static void set_int(json_t *object, const char *name, size_t value) {
+    json_object_set_new_nocheck(object, name, json_integer((json_int_t)value));
+}
+
+/* Input that is quoted in a message may not be UTF-8, or may have been cut inside a character. */
+static json_t *quoted(const char *value) {
+    char copy[512];
+    json_t *string = json_string(value);
+    if (string)
+        return string;
+    snprintf(copy, sizeof copy, "%s", value);
+    for (char *c = copy; *c; c++)
+        if ((unsigned char)*c >= 0x80)
+            *c = '?';
+    return json_string(copy);
+}
+
+static void set_string(json_t *object, const char *name, const char *value) {
+    if (value)
+        json_object_set_new(object, name, quoted(value));
+}
+
+static void set_seconds(json_t *object, const char *name, const struct stream_event *e, uint32_t samples) {
+    double seconds = e->sample_rate ? (double)samples / e->sample_rate : 0;
+    json_object_set_new_nocheck(object, name, json_real(seconds));
+}
+
+static void set_error(json_t *object, const struct error *e) {
+    set_string(object, "code", e->code);
+    set_string(object, "message", e->message);
+    if (e->place == PLACE_BYTE)
+        set_int(object, "byte", e->byte);
+    if (e->place == PLACE_FIELD)
+        set_string(object, "field", e->field);
+    if (e->place == PLACE_LINE) {
+        set_int(object, "line", e->line);
+        set_int(object, "column", e->column);
+    }
+}
+
+json_t *message_error(const struct error *e) {
+    json_t *object = json_pack("{ss}", "type", "error");
+    set_error(object, e);
+    return object;
+}
+
+static void set_place(json_t *object, const struct stream_event *e) {
+    set_int(object, "start", e->start);
+    set_int(object, "end", e->end);
+    set_int(object, "utf16_start", e->utf16_start);
+    set_int(object, "utf16_end", e->utf16_end);
+}
+
+static void set_time(json_t *object, const struct stream_event *e) {
+    set_seconds(object, "time", e, e->sample);
+    set_int(object, "sample", e->sample);
+}
+
+json_t *message_event(const struct stream_event *e, const char *stream) {
+    static const char *const types[] = {
+        [STREAM_BEGIN] = "begin", [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word", [STREAM_MARK] = "mark",
+        [STREAM_WARNING] = "warning", [STREAM_ERROR] = "error", [STREAM_END] = "end",
+    };
+    json_t *object = json_object();
+    set_string(object, "type", types[e->kind]);
+    set_string(object, "stream", stream);
+    set_int(object, "utterance", e->utterance);
+    set_string(object, "id", e->id);
+    switch (e->kind) {
+    case STREAM_BEGIN:
+        set_int(object, "rate", e->sample_rate);
+        json_object_set_new(object, "fps", e->fps == (int)e->fps ? json_integer((int)e->fps) : json_real(e->fps));
+        set_string(object, "voice", e->voice);
+        set_string(object, "lang", e->lang);
+        set_string(object, "engine", e->engine);
+        break;
+    case STREAM_SENTENCE:
+    case STREAM_WORD:
+        set_time(object, e);
+        set_seconds(object, "duration", e, e->duration);
+        set_place(object, e);
+        if (e->kind == STREAM_WORD)
+            json_object_set_new(object, "text", json_stringn(e->text, e->end - e->start));
+        break;
+    case STREAM_MARK:
+        set_time(object, e);
+        set_string(object, "name", e->text);
+        break;
+    case STREAM_WARNING:
+    case STREAM_ERROR:
+        set_error(object, e->error);
+        break;
+    case STREAM_END:
+        set_string(object, "reason", e->reason);
+        set_seconds(object, "duration", e, e->duration);
+        break;
+    }
+    return object;
+}
+
+json_t *message_models(const struct net *net) {
+    json_t *models = json_array();
+    for (size_t i = 0; i < net->assets.model_count; i++) {
+        const struct model *m = &net->assets.models[i];
+        json_array_append_new(models, json_pack("{ss ss ss sI}", "name", m->name, "title", m->title, "hash",
+                                                m->asset->hash, "bytes", (json_int_t)m->asset->size));
+    }
+    return models;
+}
+
+json_t *message_voices(const struct net *net) {
+    json_t *voices = json_array();
+    size_t count = 0;
+    const struct voice *v = net->ready ? voice_pool_voices(net->studio->voices, &count) : NULL;
+    for (size_t i = 0; i < count; i++)
+        json_array_append_new(voices, json_pack("{ss ss ss ss ss ss ss si}", "id", v[i].id, "name", v[i].name, "lang",
+                                                v[i].lang, "gender", v[i].gender, "quality", v[i].quality, "licence",
+                                                v[i].licence, "plugin", v[i].plugin, "rate", (int)v[i].sample_rate));
+    return voices;
+}
+
+json_t *message_health(const struct net *net) {
+    return json_pack("{ss ss si}", "status", net->ready ? "ok" : "starting", "server", "faccia/" FACCIA_VERSION,
+                     "connections", (int)net->connections);
+}
+
+json_t *message_hello(const struct net *net, const char *stream) {
+    json_t *languages = json_array(), *engines = json_array();
+    const struct speech_packs *packs = net->studio->packs;
+    for (size_t i = 0; i < packs->count; i++)
+        json_array_append_new(languages, json_pack("{ss ss}", "tag", speech_pack_lang(packs->packs[i]), "name",
+                                                   speech_pack_name(packs->packs[i])));
+    for (const char *const *engine = face_engines(); *engine; engine++)
+        json_array_append_new(engines, json_string(*engine));
+    const struct net_options *o = &net->options;
+    return json_pack("{ss si ss ss si s[s] s[s] ss so so so s{si si si si}}", "type", "hello", "protocol", 1, "server",
+                     "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "pcm_s16le", "fap", "plain",
+                     "lang", net->studio->default_lang, "languages", languages, "engines", engines, "models",
+                     message_models(net), "limits", "text_bytes", (int)o->text_bytes, "message_bytes",
+                     (int)o->message_bytes, "queue", (int)o->queue, "connections", (int)o->connections);
+}
+
+static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {
+    struct request_value v = {.type = REQUEST_BOOL};
+    switch (json_typeof(value)) {
+    case JSON_STRING:
+        v = (struct request_value){REQUEST_STRING, json_string_value(value), json_string_length(value), 0};
+        break;
+    case JSON_INTEGER:
+    case JSON_REAL:
+        v = (struct request_value){REQUEST_NUMBER, NULL, 0, json_number_value(value)};
+        break;
+    case JSON_TRUE:
+    case JSON_FALSE:
+        v.number = json_is_true(value);
+        break;
+    case JSON_NULL:
+        return 0; /* as if it were not there */
+    default:
+        v = (struct request_value){REQUEST_STRUCTURE, NULL, 0, 0};
+    }
+    return request_set(request, name, v, e) < 0 ? -1 : 0;
+}
+
+int request_from_json(struct speech_request *request, const json_t *object, struct error *e) {
+    const char *name;
+    json_t *value;
+    json_object_foreach((json_t *)object, name, value) {
+        if (set_field(request, name, value, e))
+            return -1;
+    }
+    return 0;
+}
+
+int request_from_query(struct speech_request *request, struct lws *wsi, const char *except, struct error *e) {
+    char part[512];
+    for (int n = 0;; n++) {
+        int length = lws_hdr_copy_fragment(wsi, part, sizeof part, WSI_TOKEN_HTTP_URI_ARGS, n);
+        if (length == -2)
+            return error_in_field(e, "bad-field", "query", "part %d is too long", n + 1);
+        if (length < 0)
+            return 0;
+        char *equals = strchr(part, '=');
+        if (!equals)
+            continue;
+        *equals = '\0';
+        struct request_value value = {REQUEST_WORD, equals + 1, strlen(equals + 1), 0};
+        if (except && !strcmp(part, except))
+            continue;
+        if (strcmp(part, "text") && request_set(request, part, value, e) < 0)
+            return -1;
+    }
+}

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The net stage: HTTP and WebSocket on libwebsockets, on the same libuv loop as everything else. */
+#ifndef FACCIA_NET_NET_H
+#define FACCIA_NET_NET_H
+
+#include "server/stream/stream.h"
+
+/* Every limit stands beside its default; protocol/README.md tells the clients. */
+struct net_options {
+    const char *host;          /* address to listen on; "127.0.0.1" */
+    int port;                  /* 8080; 0 = any free one */
+    bool remote;               /* allow a host that is not loopback; false */
+    const char *web, *models;  /* folders */
+    unsigned text_bytes;       /* longest text of one speak or POST; 100000 */
+    unsigned message_bytes;    /* longest message of a client; 262144 */
+    unsigned queue;            /* utterances that wait on one stream; 32 */
+    unsigned connections;      /* open connections; 1000 */
+    unsigned send_bytes;       /* unsent bytes at which media to one client wait; 262144 */
+    unsigned send_bytes_max;   /* unsent bytes at which the client is closed as too slow; 4194304 */
+    unsigned stall_seconds;    /* a client that takes nothing for so long while bytes wait is closed; 10 */
+};
+
+extern const struct net_options net_defaults;
+
+struct net;
+
+/* Listens at once. NULL with *e: "bad-field" (host not loopback without remote), "listen" or what assets_load says. */
+struct net *net_open(const struct studio *studio, const struct net_options *options, struct error *e);
+int net_port(const struct net *net);
+
+/* The voices are there: until then /healthz answers 503 and a speak fails with "voice-unavailable". */
+void net_set_ready(struct net *net);
+
+/* Closes all connections; then run the loop until it is empty and call net_free. */
+void net_close(struct net *net);
+void net_free(struct net *net);
+
+#endif

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/internal.h"
+#include <string.h>
+
+static json_t *voices(const struct net *net) {
+    return json_pack("{so}", "voices", message_voices(net));
+}
+
+static json_t *models(const struct net *net) {
+    return json_pack("{so}", "models", message_models(net));
+}
+
+/* What answers where. A route has a JSON document to get, or takes a POST. */
+static const struct route {
+    const char *path;
+    json_t *(*get)(const struct net *net);
+    int (*post)(struct exchange *x);
+} routes[] = {
+    {"/healthz", message_health, NULL},
+    {"/v1/voices", voices, NULL},
+    {"/v1/models", models, NULL},
+    {"/v1/speech", NULL, speech_post},
+    {"/v1/stream", NULL, NULL},
+};
+
+static const struct route *find(const char *path) {
+    for (size_t i = 0; i < sizeof routes / sizeof *routes; i++)
+        if (!strcmp(routes[i].path, path))
+            return &routes[i];
+    return NULL;
+}
+
+int routes_serve(struct exchange *x, const char *uri, size_t length, int method) {
+    struct net *net = exchange_net(x);
+    struct error e;
+    char path[256] = "";
+    if (length < sizeof path)
+        memcpy(path, uri, length);
+    path[length < sizeof path ? length : 0] = '\0';
+    const struct route *route = find(path);
+    const struct asset *asset = route ? NULL : assets_find(&net->assets, path);
+    bool get = method == LWSHUMETH_GET || method == LWSHUMETH_HEAD;
+    if (!route && !asset) {
+        error_set(&e, "not-found", "nothing is at this address");
+        return exchange_error(x, 404, &e);
+    }
+    const char *methods = route && route->post ? "POST, OPTIONS" : "GET, HEAD, OPTIONS";
+    if (method == LWSHUMETH_OPTIONS)
+        return exchange_allow(x, 204, methods);
+    if (asset && get)
+        return exchange_asset(x, asset);
+    if (route && route->get && get)
+        return exchange_json(x, route->get == message_health && !net->ready ? 503 : 200, route->get(net));
+    if (route && route->post && method == LWSHUMETH_POST)
+        return route->post(x);
+    if (route && !route->get && !route->post && get) {
+        error_set(&e, "upgrade-required", "this is the address of the WebSocket");
+        return exchange_error(x, 426, &e);
+    }
+    error_set(&e, "method-not-allowed", "this address takes %s", methods);
+    return exchange_error(x, 405, &e);
+}

@@ -1,0 +1,266 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One WebSocket client: its messages in, and the queue of what goes out to it. */
+#include "server/base/mem.h"
+#include "server/net/internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* A message on its way out; the bytes begin after room for the frame header. */
+struct outgoing {
+    struct outgoing *next;
+    size_t size;
+    enum lws_write_protocol type;
+    uint8_t bytes[];
+};
+
+struct socket {
+    struct net *net;
+    struct lws *wsi;
+    char name[24];
+    struct stream *stream;
+    struct speech_request defaults; /* from the address */
+    struct buf message;             /* being received */
+    bool too_long;                  /* its rest is being dropped */
+    struct outgoing *first, **last;
+    size_t unsent;
+    bool doomed; /* the client took nothing for too long */
+    const struct model *model; /* being sent, part by part */
+    size_t model_part;
+};
+
+static void push(struct socket *s, struct outgoing *o, size_t size, enum lws_write_protocol type) {
+    o->next = NULL;
+    o->size = size;
+    o->type = type;
+    if (!s->first)
+        lws_set_timer_usecs(s->wsi, (lws_usec_t)s->net->options.stall_seconds * LWS_US_PER_SEC);
+    *s->last = o;
+    s->last = &o->next;
+    s->unsent += size;
+    if (s->unsent > s->net->options.send_bytes)
+        lws_rx_flow_control(s->wsi, 0); /* hear no more of one who does not listen */
+    if (s->unsent > s->net->options.send_bytes_max)
+        s->doomed = true;
+    lws_callback_on_writable(s->wsi);
+}
+
+static void push_text(struct socket *s, const struct buf *text) {
+    struct outgoing *o = mem_alloc(sizeof *o + LWS_PRE + text->size);
+    memcpy(o->bytes + LWS_PRE, text->data, text->size);
+    push(s, o, text->size, LWS_WRITE_TEXT);
+}
+
+static void push_json(struct socket *s, json_t *object) {
+    struct buf text = {0};
+    message_write(&text, object);
+    push_text(s, &text);
+    buf_free(&text);
+}
+
+static void push_error(struct socket *s, const struct error *e) {
+    push_json(s, message_error(e));
+}
+
+static void on_event(void *ctx, const struct stream_event *event) {
+    struct socket *s = ctx;
+    push_json(s, message_event(event, s->name));
+}
+
+static void on_media(void *ctx, const struct chunk *chunk, const struct fap_frame *frames) {
+    struct socket *s = ctx;
+    size_t cap = CHUNK_HEADER_BYTES + chunk->audio_bytes + (size_t)chunk->frame_count * CHUNK_FRAME_BYTES_MAX;
+    struct outgoing *o = mem_alloc(sizeof *o + LWS_PRE + cap);
+    size_t size = chunk_encode(chunk, frames, o->bytes + LWS_PRE, cap);
+    push(s, o, size, LWS_WRITE_BINARY);
+}
+
+static bool on_ready(void *ctx) {
+    const struct socket *s = ctx;
+    return s->unsent < s->net->options.send_bytes;
+}
+
+struct socket *socket_open(struct net *net, struct lws *wsi) {
+    static const struct stream_sink sink = {on_event, on_media, on_ready};
+    struct socket *s = mem_alloc(sizeof *s);
+    struct error e = {0};
+    s->net = net;
+    s->wsi = wsi;
+    s->last = &s->first;
+    snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)++net->streams);
+    request_init(&s->defaults);
+    s->stream = stream_new(net->studio, &sink, s, net->options.queue);
+    push_json(s, message_hello(net, s->name));
+    if (request_from_query(&s->defaults, wsi, NULL, &e))
+        push_error(s, &e);
+    return s;
+}
+
+void socket_close(struct socket *s) {
+    stream_free(s->stream);
+    request_free(&s->defaults);
+    buf_free(&s->message);
+    for (struct outgoing *o = s->first, *next; o; o = next) {
+        next = o->next;
+        free(o);
+    }
+    free(s);
+}
+
+static void speak(struct socket *s, const struct speech_request *request) {
+    stream_speak(s->stream, request);
+}
+
+static void speak_json(struct socket *s, const json_t *message) {
+    struct speech_request request;
+    struct error e = {0};
+    request_copy(&request, &s->defaults);
+    if (request_from_json(&request, message, &e))
+        stream_refuse(s->stream, request.id, &e);
+    else
+        speak(s, &request);
+    request_free(&request);
+}
+
+static void speak_text(struct socket *s, const char *text, size_t size) {
+    struct speech_request request;
+    struct error e;
+    request_copy(&request, &s->defaults);
+    request_set(&request, "text", (struct request_value){REQUEST_STRING, text, size, 0}, &e);
+    speak(s, &request);
+    request_free(&request);
+}
+
+/* The next part goes out when the one before has left. */
+static void push_model_part(struct socket *s) {
+    const struct model *m = s->model;
+    const struct model_part *part = &m->parts[s->model_part];
+    struct buf text = {0};
+    message_write(&text, json_pack("{ss ss ss si si ss ss}", "type", "model", "name", m->name, "hash", m->asset->hash,
+                                   "index", (int)s->model_part, "count", (int)m->part_count, "kind", part->kind,
+                                   "part", part->name));
+    text.size--; /* the object goes on */
+    buf_printf(&text, ",\"data\":");
+    buf_add(&text, part->json, strlen(part->json));
+    buf_add(&text, "}", 1);
+    push_text(s, &text);
+    buf_free(&text);
+    if (++s->model_part == m->part_count)
+        s->model = NULL;
+}
+
+static void send_model(struct socket *s, const json_t *message) {
+    const char *name = json_string_value(json_object_get(message, "name"));
+    const struct assets *assets = &s->net->assets;
+    struct error e;
+    s->model = name ? assets_model(assets, name) : assets->model_count ? &assets->models[0] : NULL;
+    s->model_part = 0;
+    if (s->model) {
+        push_model_part(s);
+    } else {
+        error_in_field(&e, "unknown-model", "name", "no model '%s'", name ? name : "");
+        push_error(s, &e);
+    }
+}
+
+static void pong(struct socket *s, const json_t *message) {
+    json_t *answer = json_pack("{ss}", "type", "pong");
+    json_object_set(answer, "id", json_object_get(message, "id"));
+    push_json(s, answer);
+}
+
+static void stop(struct socket *s, const json_t *message) {
+    (void)message;
+    stream_stop(s->stream);
+}
+
+static void dispatch(struct socket *s, const json_t *message) {
+    static const struct {
+        const char *type;
+        void (*act)(struct socket *s, const json_t *message);
+    } types[] = {{"speak", speak_json}, {"stop", stop}, {"model", send_model}, {"ping", pong}};
+    const char *type = json_string_value(json_object_get(message, "type"));
+    struct error e;
+    if (!json_is_object(message) || !type) {
+        error_in_field(&e, "bad-message", "type", "a message is an object with a string 'type'");
+        push_error(s, &e);
+        return;
+    }
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        if (!strcmp(types[i].type, type)) {
+            types[i].act(s, message);
+            return;
+        }
+    error_in_field(&e, "unknown-type", "type", "no message type '%s'", type);
+    push_error(s, &e);
+}
+
+/* A whole text message. */
+static void hear(struct socket *s, const char *data, size_t size) {
+    size_t blank = 0;
+    while (blank < size && strchr(" \t\r\n", data[blank]))
+        blank++;
+    if (blank == size || data[blank] != '{') {
+        speak_text(s, data, size);
+        return;
+    }
+    json_error_t why;
+    struct error e;
+    json_t *message = json_loadb(data, size, JSON_ALLOW_NUL, &why);
+    if (message) {
+        dispatch(s, message);
+        json_decref(message);
+        return;
+    }
+    error_at_byte(&e, "bad-json", (size_t)why.position, "%s", why.text);
+    push_error(s, &e);
+}
+
+int socket_receive(struct socket *s, const char *data, size_t size) {
+    bool whole = lws_is_final_fragment(s->wsi) && !lws_remaining_packet_payload(s->wsi);
+    bool binary = lws_frame_is_binary(s->wsi);
+    if (s->message.size + size > s->net->options.message_bytes)
+        s->too_long = true;
+    if (!binary && !s->too_long)
+        buf_add(&s->message, data, size);
+    if (!whole)
+        return s->doomed ? -1 : 0;
+    struct error e;
+    if (s->too_long) {
+        error_set(&e, "message-too-long", "a message may have %u bytes", s->net->options.message_bytes);
+        push_error(s, &e);
+    } else if (binary) {
+        error_set(&e, "binary-message", "a client sends no binary messages");
+        push_error(s, &e);
+    } else {
+        hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);
+    }
+    buf_free(&s->message);
+    s->too_long = false;
+    return s->doomed ? -1 : 0;
+}
+
+int socket_writeable(struct socket *s) {
+    struct outgoing *o = s->first;
+    if (s->doomed) {
+        lws_close_reason(s->wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, (unsigned char *)"too-slow", 8);
+        return -1;
+    }
+    if (!o)
+        return 0;
+    if (lws_write(s->wsi, o->bytes + LWS_PRE, o->size, o->type) < 0)
+        return -1;
+    s->first = o->next;
+    if (!s->first)
+        s->last = &s->first;
+    s->unsent -= o->size;
+    free(o);
+    if (s->unsent <= s->net->options.send_bytes)
+        lws_rx_flow_control(s->wsi, 1);
+    lws_set_timer_usecs(s->wsi, s->first ? (lws_usec_t)s->net->options.stall_seconds * LWS_US_PER_SEC
+                                         : LWS_SET_TIMER_USEC_CANCEL);
+    if (!s->first && s->model)
+        push_model_part(s);
+    if (s->first)
+        lws_callback_on_writable(s->wsi);
+    return 0;
+}

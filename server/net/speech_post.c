@@ -1,0 +1,145 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* POST /v1/speech: the body is the text, the answer its sound, its FAPs or its timing. */
+#include "server/base/mem.h"
+#include "server/markup/markup.h"
+#include "server/net/internal.h"
+#include "server/stream/export.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* No further sentence is taken while more than this waits to be sent. */
+enum { UNSENT_BYTES_MAX = 1 << 20 };
+
+struct post {
+    struct exchange *x;
+    struct buf text;
+    struct speech *speech;
+    struct export out;
+    struct error failure; /* the last sentence that failed */
+    size_t owed;          /* scenes used up and not yet released */
+    bool begun;
+};
+
+static void release(struct post *p) {
+    for (; p->owed && exchange_unsent(p->x) < UNSENT_BYTES_MAX; p->owed--)
+        speech_release(p->speech);
+}
+
+static void on_scene(void *ctx, struct scene scene) {
+    struct post *p = ctx;
+    export_scene(&p->out, &scene);
+    scene_free(&scene);
+    if (p->out.format->streams) {
+        if (!p->begun)
+            exchange_begin(p->x, p->out.format->content_type);
+        p->begun = true;
+        exchange_add(p->x, p->out.out.data, p->out.out.size);
+        buf_consume(&p->out.out, p->out.out.size);
+    }
+    p->owed++;
+    release(p);
+}
+
+static void on_problem(void *ctx, const struct error *e, bool warning) {
+    struct post *p = ctx;
+    export_warning(&p->out, e);
+    if (!warning)
+        p->failure = *e;
+}
+
+static void on_finished(void *ctx, size_t spoken) {
+    struct post *p = ctx;
+    if (!spoken) {
+        exchange_error(p->x, 500, &p->failure);
+        return;
+    }
+    export_end(&p->out);
+    if (p->begun)
+        exchange_end(p->x);
+    else
+        exchange_answer(p->x, 200, p->out.format->content_type, p->out.out.data, p->out.out.size);
+}
+
+static int on_body(void *self, const void *data, size_t size) {
+    struct post *p = self;
+    struct error e;
+    unsigned limit = exchange_net(p->x)->options.text_bytes;
+    if (exchange_answered(p->x))
+        return 0;
+    if (p->text.size + size > limit) {
+        error_set(&e, "text-too-long", "a text may have %u bytes", limit);
+        return exchange_error(p->x, 413, &e);
+    }
+    buf_add(&p->text, data, size);
+    return 0;
+}
+
+/* The query's part of the request, and the format. The status of the answer when something is wrong, else 0. */
+static unsigned read_query(struct post *p, struct speech_request *request, struct error *e) {
+    struct lws *wsi = exchange_wsi(p->x);
+    char type[128] = "text/plain", name[32];
+    lws_hdr_copy(wsi, type, sizeof type, WSI_TOKEN_HTTP_CONTENT_TYPE);
+    const struct markup_kind *kind = markup_by_content_type(type);
+    /* curl --data says this by itself, and means the bytes as they are */
+    if (!kind && !strncmp(type, "application/x-www-form-urlencoded", 33))
+        kind = markup_by_name("plain");
+    if (!kind) {
+        error_set(e, "unsupported-media-type", "no markup has the type '%s'", type);
+        return 415;
+    }
+    request->markup = mem_strdup(kind->name);
+    if (request_from_query(request, wsi, "format", e))
+        return 400;
+    const char *format = lws_get_urlarg_by_name(wsi, "format=", name, sizeof name);
+    p->out.format = export_by_name(format ? format : "wav");
+    if (!p->out.format) {
+        error_in_field(e, "unknown-format", "format", "no format '%s'", format);
+        return 400;
+    }
+    return 0;
+}
+
+static int on_body_end(void *self) {
+    static const struct speech_callbacks callbacks = {on_scene, on_problem, on_finished};
+    struct post *p = self;
+    struct net *net = exchange_net(p->x);
+    struct speech_request request;
+    struct error e;
+    if (exchange_answered(p->x) || p->speech)
+        return 0;
+    request_init(&request);
+    unsigned status = read_query(p, &request, &e);
+    if (!status) {
+        request_set(&request, "text",
+                    (struct request_value){REQUEST_STRING, p->text.size ? (char *)p->text.data : "", p->text.size, 0},
+                    &e);
+        p->speech = speech_open(net->studio, &request, &callbacks, p, &e);
+        status = p->speech ? 0 : !strcmp(e.code, "voice-unavailable") ? 503 : 400;
+    }
+    if (!status) {
+        export_begin(&p->out, p->out.format, p->speech);
+        speech_start(p->speech);
+    }
+    request_free(&request);
+    buf_free(&p->text);
+    return status ? exchange_error(p->x, status, &e) : 0;
+}
+
+static void on_sent(void *self) {
+    release(self);
+}
+
+static void on_free(void *self) {
+    struct post *p = self;
+    speech_free(p->speech);
+    export_free(&p->out);
+    buf_free(&p->text);
+    free(p);
+}
+
+int speech_post(struct exchange *x) {
+    struct post *p = mem_alloc(sizeof *p);
+    p->x = x;
+    exchange_set_work(x, (struct exchange_work){on_body, on_body_end, on_sent, on_free, p});
+    return 0;
+}

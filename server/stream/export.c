@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/stream/export.h"
+#include "protocol/fapfile.h"
+#include <string.h>
+
+static void put32(uint8_t *at, uint32_t value) {
+    for (int i = 0; i < 4; i++)
+        at[i] = (uint8_t)(value >> (8 * i));
+}
+
+void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t samples) {
+    uint32_t bytes = samples > (UINT32_MAX - 36) / 2 ? UINT32_MAX : samples * 2;
+    memcpy(out, "RIFF....WAVEfmt \20\0\0\0\1\0\1\0........\2\0\20\0data....", WAV_HEADER_BYTES);
+    put32(out + 4, bytes == UINT32_MAX ? bytes : bytes + 36);
+    put32(out + 24, sample_rate);
+    put32(out + 28, sample_rate * 2);
+    put32(out + 40, bytes);
+}
+
+static void wav_scene(struct export *x, const struct scene *scene) {
+    const struct utterance *u = scene->utterance;
+    if (!x->scenes) {
+        wav_header(buf_reserve(&x->out, WAV_HEADER_BYTES), u->sample_rate, UINT32_MAX);
+        x->out.size += WAV_HEADER_BYTES;
+    }
+    buf_add(&x->out, u->pcm, (size_t)u->samples * 2);
+}
+
+static void wav_end(struct export *x) {
+    (void)x;
+}
+
+static void fap_scene(struct export *x, const struct scene *scene) {
+    uint32_t end = frame_from_sample((uint64_t)scene->start + scene->utterance->samples,
+                                     scene->utterance->sample_rate, x->fps);
+    for (; x->frames < end; x->frames++) {
+        struct fap_frame frame;
+        scene_frame(scene, x->fps, x->frames, &frame);
+        size_t room = 2048, length = fapfile_write_frame(&frame, x->frames, buf_reserve(&x->out, room), room);
+        if (length >= room)
+            fapfile_write_frame(&frame, x->frames, buf_reserve(&x->out, length + 1), length + 1);
+        x->out.size += length;
+    }
+}
+
+/* The header tells the number of frames, so it comes last and is put in front. */
+static void fap_end(struct export *x) {
+    char header[256];
+    size_t length = fapfile_write_header("faccia", x->fps, x->frames, header, sizeof header);
+    buf_reserve(&x->out, length);
+    memmove(x->out.data + length, x->out.data, x->out.size);
+    memcpy(x->out.data, header, length);
+    x->out.size += length;
+}
+
+const struct export_format export_formats[] = {
+    {"wav", "audio/wav", true, wav_scene, wav_end},
+    {"fap", "text/plain; charset=utf-8", false, fap_scene, fap_end},
+    {"json", "application/json", false, export_json_scene, export_json_end},
+    {0},
+};
+
+const struct export_format *export_by_name(const char *name) {
+    for (const struct export_format *format = export_formats; format->name; format++)
+        if (!strcmp(format->name, name))
+            return format;
+    return NULL;
+}
+
+void export_begin(struct export *x, const struct export_format *format, const struct speech *speech) {
+    *x = (struct export){.format = format, .speech = speech, .fps = speech_request(speech)->fps};
+}
+
+void export_scene(struct export *x, const struct scene *scene) {
+    x->sample_rate = scene->utterance->sample_rate;
+    x->format->scene(x, scene);
+    x->samples = scene->start + scene->utterance->samples;
+    x->scenes++;
+}
+
+void export_end(struct export *x) {
+    x->format->end(x);
+}
+
+void export_free(struct export *x) {
+    buf_free(&x->out);
+    buf_free(&x->phones);
+    buf_free(&x->words);
+    buf_free(&x->marks);
+    buf_free(&x->warnings);
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A speech written down whole: as sound (WAV), as face animation (.fap) or as its timing (JSON). For files and HTTP answers. */
+#ifndef FACCIA_STREAM_EXPORT_H
+#define FACCIA_STREAM_EXPORT_H
+
+#include "server/base/buf.h"
+#include "server/base/utf8.h"
+#include "server/stream/speech.h"
+
+struct export;
+
+/* One format. */
+struct export_format {
+    const char *name; /* "wav" */
+    const char *content_type;
+    /* Its bytes can leave while the speech is made; otherwise only all at the end. */
+    bool streams;
+    void (*scene)(struct export *x, const struct scene *scene);
+    void (*end)(struct export *x);
+};
+
+/* The state of one export. Bytes that are ready lie in out; the owner takes them from its head. */
+struct export {
+    const struct export_format *format;
+    struct buf out;
+    const struct speech *speech;
+    double fps;
+    uint32_t samples, sample_rate, frames; /* so far */
+    size_t scenes;
+    struct buf phones, words, marks, warnings; /* members of the JSON's lists */
+    struct utf16_counter utf16;
+};
+
+/* The formats on offer, ended by a name of NULL. */
+extern const struct export_format export_formats[];
+const struct export_format *export_by_name(const char *name);
+
+void export_begin(struct export *x, const struct export_format *format, const struct speech *speech);
+void export_scene(struct export *x, const struct scene *scene);
+void export_warning(struct export *x, const struct error *e);
+void export_end(struct export *x);
+void export_free(struct export *x);
+
+/* The 44 bytes of a WAV header for mono 16 bit sound; samples = UINT32_MAX when the length is not known yet. */
+enum { WAV_HEADER_BYTES = 44 };
+void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t samples);
+
+void export_json_scene(struct export *x, const struct scene *scene);
+void export_json_end(struct export *x);
+
+#endif

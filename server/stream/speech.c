@@ -1,0 +1,240 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/stream/speech.h"
+#include "server/base/mem.h"
+#include "server/markup/markup.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Sentences that are being spoken or wait to be used up: enough to hide the voice's work, few enough that a stop wastes little and that
+ * many speeches share the voices fairly. */
+enum { WINDOW = 3 };
+
+struct slot {
+    struct speech *speech;
+    struct voice_job *job;       /* set while the voice works on it */
+    struct utterance *utterance; /* set when it is ready */
+    struct error failure;
+};
+
+struct speech {
+    const struct studio *studio;
+    struct speech_request request;
+    struct score *score;
+    const struct speech_pack *pack;
+    const struct voice *voice;
+    struct speech_callbacks callbacks;
+    void *ctx;
+    struct slot slots[WINDOW];
+    size_t submitted, delivered, released; /* sentences; released <= delivered <= submitted <= released + WINDOW */
+    size_t spoken;                         /* scenes that came */
+    uint32_t samples, sample_rate;
+    bool busy, freed; /* inside a callback; to be freed after it */
+};
+
+void scene_free(struct scene *scene) {
+    utterance_free(scene->utterance);
+    face_track_free(scene->track);
+    *scene = (struct scene){0};
+}
+
+void scene_frame(const struct scene *scene, double fps, uint32_t k, struct fap_frame *frame) {
+    face_track_sample(scene->track, k / fps - (double)scene->start / scene->utterance->sample_rate, frame);
+}
+
+uint32_t frame_from_sample(uint64_t sample, uint32_t sample_rate, double fps) {
+    /* the protocol counts frame rates in hundredths, so this is exact */
+    uint64_t hundredths = (uint64_t)llround(fps * 100), per = 100 * (uint64_t)sample_rate;
+    return (uint32_t)((sample * hundredths + per - 1) / per);
+}
+
+static void deliver(struct speech *s);
+
+static void on_done(void *ctx, struct utterance *utterance) {
+    struct slot *slot = ctx;
+    slot->job = NULL;
+    slot->utterance = utterance;
+    deliver(slot->speech);
+}
+
+static void on_failed(void *ctx, const struct error *e) {
+    struct slot *slot = ctx;
+    slot->job = NULL;
+    slot->failure = *e;
+    deliver(slot->speech);
+}
+
+static void submit(struct speech *s) {
+    static const struct voice_callbacks callbacks = {on_done, on_failed};
+    while (s->submitted < s->score->sentence_count && s->submitted < s->released + WINDOW) {
+        struct slot *slot = &s->slots[s->submitted % WINDOW];
+        *slot = (struct slot){.speech = s};
+        struct voice_request request = {.voice = s->voice,
+                                        .score = s->score,
+                                        .sentence = s->submitted,
+                                        .rate = s->request.rate,
+                                        .pitch = s->request.pitch,
+                                        .volume = s->request.volume};
+        slot->job = voice_pool_speak(s->studio->voices, &request, &callbacks, slot);
+        s->submitted++;
+    }
+}
+
+static void warn(void *ctx, const char *message) {
+    struct speech *s = ctx;
+    struct error e;
+    error_set(&e, "voice-warning", "%s", message);
+    if (!s->freed)
+        s->callbacks.problem(s->ctx, &e, true);
+}
+
+static void play(struct speech *s, struct slot *slot) {
+    struct utterance *u = slot->utterance;
+    slot->utterance = NULL;
+    for (size_t i = 0; i < u->warning_count; i++)
+        warn(s, u->warnings[i]);
+    struct face_options options = {.engine = s->request.engine,
+                                   .still = s->request.still,
+                                   .seed = (uint64_t)s->request.seed,
+                                   .begin = s->sample_rate ? (double)s->samples / s->sample_rate : 0};
+    struct scene scene = {u, face_track_new(s->pack, u, &options, warn, s), s->samples};
+    s->sample_rate = u->sample_rate;
+    s->samples += u->samples;
+    s->spoken++;
+    if (s->freed)
+        scene_free(&scene);
+    else
+        s->callbacks.scene(s->ctx, scene);
+}
+
+/* Hands on, in order, what is ready. */
+static void deliver(struct speech *s) {
+    if (s->busy)
+        return;
+    s->busy = true;
+    while (!s->freed && s->delivered < s->submitted) {
+        struct slot *slot = &s->slots[s->delivered % WINDOW];
+        if (slot->job)
+            break;
+        s->delivered++;
+        if (slot->utterance && s->sample_rate && slot->utterance->sample_rate != s->sample_rate) {
+            utterance_free(slot->utterance);
+            slot->utterance = NULL;
+            error_set(&slot->failure, "voice-failed", "the voice changed its sample rate between sentences");
+        }
+        if (slot->utterance) {
+            play(s, slot);
+        } else {
+            s->released++;
+            s->callbacks.problem(s->ctx, &slot->failure, false);
+        }
+        if (!s->freed)
+            submit(s);
+    }
+    if (!s->freed && s->delivered == s->score->sentence_count)
+        s->callbacks.finished(s->ctx, s->spoken);
+    s->busy = false;
+    if (s->freed)
+        speech_free(s);
+}
+
+/* The language and the voice that the request asks for; each may follow from the other. */
+static int choose_voice(struct speech *s, struct error *e) {
+    const struct speech_packs *packs = s->studio->packs;
+    const char *lang = s->request.lang;
+    size_t voices = 0;
+    if (s->studio->voices)
+        voice_pool_voices(s->studio->voices, &voices);
+    if (!voices)
+        return error_set(e, "voice-unavailable", "no voice is there (yet)");
+    if (lang && !(s->pack = speech_packs_find(packs, lang)))
+        return error_in_field(e, "unknown-language", "lang", "no language '%s'", lang);
+    if (!lang)
+        s->pack = speech_packs_find(packs, s->studio->default_lang);
+    const char *const *preferred = speech_pack_voices(s->pack);
+    s->voice = voice_pool_find(s->studio->voices, s->request.voice, speech_pack_lang(s->pack), preferred, e);
+    if (!s->voice)
+        return -1;
+    /* the phones are the voice's, so the lips follow its language where there is a pack for it */
+    const struct speech_pack *own = speech_packs_find(packs, s->voice->lang);
+    if (own)
+        s->pack = own;
+    return 0;
+}
+
+static int check_engine(const struct speech *s, struct error *e) {
+    if (!s->request.engine)
+        return 0;
+    for (const char *const *engine = face_engines(); *engine; engine++)
+        if (!strcmp(*engine, s->request.engine))
+            return 0;
+    return error_in_field(e, "unknown-engine", "engine", "no engine '%s'", s->request.engine);
+}
+
+static int read_text(struct speech *s, struct error *e) {
+    const char *name = s->request.markup ? s->request.markup : "plain";
+    const struct markup_kind *kind = markup_by_name(name);
+    if (!kind)
+        return error_in_field(e, "unknown-markup", "markup", "no markup '%s'", name);
+    struct markup_rules rules = {speech_pack_abbreviations(s->pack)};
+    if (!s->request.text)
+        return error_in_field(e, "missing-field", "text", "is missing");
+    s->score = markup_read(kind, s->request.text, s->request.text_size, &rules, e);
+    return s->score ? 0 : -1;
+}
+
+struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
+                           const struct speech_callbacks *callbacks, void *ctx, struct error *e) {
+    struct speech *s = mem_alloc(sizeof *s);
+    s->studio = studio;
+    s->callbacks = *callbacks;
+    s->ctx = ctx;
+    request_copy(&s->request, request);
+    if (choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
+        speech_free(s);
+        return NULL;
+    }
+    return s;
+}
+
+void speech_start(struct speech *s) {
+    submit(s);
+}
+
+void speech_free(struct speech *s) {
+    if (!s)
+        return;
+    for (; s->delivered < s->submitted; s->delivered++) {
+        struct slot *slot = &s->slots[s->delivered % WINDOW];
+        if (slot->job)
+            voice_job_cancel(slot->job);
+        utterance_free(slot->utterance);
+    }
+    s->freed = true;
+    if (s->busy)
+        return;
+    score_free(s->score);
+    request_free(&s->request);
+    free(s);
+}
+
+void speech_release(struct speech *s) {
+    s->released++;
+    submit(s);
+}
+
+const struct voice *speech_voice(const struct speech *s) {
+    return s->voice;
+}
+
+const char *speech_lang(const struct speech *s) {
+    return speech_pack_lang(s->pack);
+}
+
+const char *speech_engine(const struct speech *s) {
+    return s->request.engine ? s->request.engine : face_engines()[0];
+}
+
+const struct speech_request *speech_request(const struct speech *s) {
+    return &s->request;
+}

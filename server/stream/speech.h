@@ -1,0 +1,61 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A speech: one request on its way through markup, voice and face, sentence by sentence. What comes out are scenes: a sentence's audio
+ * with its face track. Scenes come as soon as they are ready, in order, and only a few ahead of what has been released. */
+#ifndef FACCIA_STREAM_SPEECH_H
+#define FACCIA_STREAM_SPEECH_H
+
+#include "server/face/packs.h"
+#include "server/face/track.h"
+#include "server/stream/request.h"
+#include "server/voice/pool.h"
+
+/* What all speeches share. Borrowed. */
+struct studio {
+    uv_loop_t *loop;
+    struct voice_pool *voices;
+    const struct speech_packs *packs;
+    const char *default_lang;
+};
+
+/* One spoken sentence. The receiver of a scene owns it. */
+struct scene {
+    struct utterance *utterance;
+    struct face_track *track;
+    uint32_t start; /* its first sample, counted from the speech's beginning */
+};
+
+void scene_free(struct scene *scene);
+
+/* The frame with number k of the speech, k / fps seconds from its beginning. */
+void scene_frame(const struct scene *scene, double fps, uint32_t k, struct fap_frame *frame);
+
+/* The first frame that does not lie before that sample of the speech. */
+uint32_t frame_from_sample(uint64_t sample, uint32_t sample_rate, double fps);
+
+struct speech;
+
+struct speech_callbacks {
+    void (*scene)(void *ctx, struct scene scene);
+    /* A sentence could not be spoken (code set), or something of it was not acted on (code "warning"). */
+    void (*problem)(void *ctx, const struct error *e, bool warning);
+    /* No scene follows. spoken = how many came. */
+    void (*finished)(void *ctx, size_t spoken);
+};
+
+/* Checks the request, which is copied. NULL with *e when it cannot be met. */
+struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
+                           const struct speech_callbacks *callbacks, void *ctx, struct error *e);
+
+/* Begins. Callbacks come later, from the loop; none after speech_free, which may be called from within one. */
+void speech_start(struct speech *speech);
+void speech_free(struct speech *speech);
+
+/* One scene has been used up: another may come. */
+void speech_release(struct speech *speech);
+
+const struct voice *speech_voice(const struct speech *speech);
+const char *speech_lang(const struct speech *speech);
+const char *speech_engine(const struct speech *speech);
+const struct speech_request *speech_request(const struct speech *speech);
+
+#endif
