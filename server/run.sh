@@ -1,0 +1,51 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Installs what is missing, builds, and starts the daemon. Safe to run again: what is there is left alone.
+set -eu
+
+usage() {
+    cat <<'TEXT'
+Usage: sh server/run.sh [--build-only] [--] [OPTION of facciad]...
+Installs what is missing (Debian packages, npm packages), builds, and starts facciad on 127.0.0.1:8080.
+
+  --build-only   stop after the build
+  -h, --help     print this and exit
+
+Options of facciad: build/server/app/facciad --help. For example: sh server/run.sh --port 9000
+TEXT
+}
+
+die() {
+    echo "run.sh: $*" >&2
+    exit 1
+}
+
+build_only=no
+while [ $# -gt 0 ]; do
+    case $1 in
+    -h | --help)
+        usage
+        exit 0
+        ;;
+    --build-only) build_only=yes ;;
+    --)
+        shift
+        break
+        ;;
+    *) break ;;
+    esac
+    shift
+done
+
+root=$(cd "$(dirname "$0")/.." && pwd)
+. "$root/server/setup.sh"
+
+need_packages gcc libc6-dev pkg-config meson ninja-build python3 libwebsockets-dev libwebsockets-evlib-uv libuv1-dev \
+    libjansson-dev zlib1g-dev libespeak-ng-dev espeak-ng-data
+need_node
+need_modules "$root/models"
+need_modules "$root/web"
+build "$root/build"
+
+[ $build_only = yes ] && exit 0
+exec "$root/build/server/app/facciad" "$@"

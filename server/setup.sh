@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Functions for run.sh and tests/run.sh: what they need is there afterwards, and what is there already is left alone.
+# Wants $root, the top of the tree, and a function die.
+
+as_root() {
+    if [ "$(id -u)" = 0 ]; then
+        "$@"
+    elif command -v sudo >/dev/null; then
+        sudo "$@"
+    else
+        die "not root and no sudo here; run this as root, then try again: $*"
+    fi
+}
+
+# need_packages PACKAGE...: Debian packages.
+need_packages() {
+    command -v dpkg-query >/dev/null || die "this is no Debian system; install the equivalents of: $*"
+    missing=
+    for package in "$@"; do
+        case $(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true) in
+        *' installed') ;;
+        *) missing="$missing $package" ;;
+        esac
+    done
+    [ -z "$missing" ] && return
+    echo "Installing$missing"
+    as_root apt-get update -qq || die "apt-get update failed; is the network there?"
+    # shellcheck disable=SC2086
+    as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends $missing >/dev/null ||
+        die "apt-get could not install$missing"
+}
+
+# need_node: Node.js 18 or newer, with npm.
+need_node() {
+    command -v node >/dev/null || need_packages nodejs
+    command -v npm >/dev/null || need_packages npm
+    node -e 'process.exit(parseInt(process.versions.node) < 18)' ||
+        die "Node.js 18 or newer is wanted, this is $(node --version); install Debian's nodejs"
+}
+
+# need_modules FOLDER: the npm packages that its package-lock.json names. npm leaves a copy of the lock when it is done.
+need_modules() {
+    if [ "$1/node_modules/.faccia-lock" -nt "$1/package-lock.json" ]; then
+        return
+    fi
+    echo "Installing the npm packages of ${1#"$root"/}"
+    (cd "$1" && npm ci --no-audit --no-fund --loglevel=error) || die "npm ci failed in $1; is the network there?"
+    touch "$1/node_modules/.faccia-lock"
+}
+
+# build FOLDER [MESON OPTION]...: configures once, then builds what has changed.
+build() {
+    folder=$1
+    shift
+    if [ ! -f "$folder/build.ninja" ]; then
+        meson setup "$folder" "$root" "$@" >"$folder.log" 2>&1 || {
+            cat "$folder.log" >&2
+            die "meson could not configure $folder"
+        }
+        rm -f "$folder.log"
+    fi
+    ninja -C "$folder" --quiet || die "the build in $folder failed"
+}
