@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Replays the examples of the written protocol against the daemon.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { contains, Daemon, root } from '../lib/daemon.mjs';
+
+const text = fs.readFileSync(path.join(root, 'protocol/README.md'), 'utf8');
+const examples = (kind) => [...text.matchAll(new RegExp('```' + kind + '\\n([^]*?)```', 'g'))].map((match) => match[1].trim().split('\n'));
+
+let daemon;
+before(async () => (daemon = await Daemon.start()));
+after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+
+test('there are examples', () => {
+  assert.ok(examples('stream').length >= 6);
+  assert.ok(examples('http').length >= 5);
+});
+
+for (const lines of examples('stream'))
+  test(`stream: ${lines[0]}`, async () => {
+    const stream = await daemon.stream();
+    await stream.wait({ type: 'hello', protocol: 1 });
+    let from = stream.messages.length;
+    for (const line of lines) {
+      const body = line.slice(2);
+      if (line.startsWith('> ')) {
+        stream.send(body);
+      } else {
+        const found = await stream.wait(JSON.parse(body), { from });
+        from = stream.messages.indexOf(found) + 1;
+      }
+    }
+    await stream.close();
+  });
+
+for (const lines of examples('http'))
+  test(`http: ${lines[0]}`, async () => {
+    const [, method, address, type, body] = lines[0].match(/^> (\S+) (\S+)(?: (\S+) (.*))?$/);
+    const response = await daemon.get(address, { method, body, headers: type ? { 'content-type': type } : {} });
+    const [, status, answered] = lines[1].match(/^< (\d+) (\S+)$/);
+    assert.equal(response.status, Number(status));
+    assert.equal(response.headers.get('content-type'), answered);
+    const value = await response.json();
+    if (lines[2]) assert.ok(contains(value, JSON.parse(lines[2].slice(2))), JSON.stringify(value).slice(0, 300));
+  });

@@ -1,0 +1,127 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Starts the real daemon on a free port, and talks to it.
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+import WebSocket from 'ws';
+import { decodeChunk } from '../../protocol/chunk.mjs';
+
+export const root = path.resolve(fileURLToPath(import.meta.url), '../../..');
+export const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');
+export const artefacts = process.env.FACCIA_ARTEFACTS ?? path.join(root, 'build', 'test-artefacts');
+
+export class Daemon {
+  /** @param {string[]} options of facciad; env: further variables */
+  static async start(options = [], env = {}) {
+    const daemon = new Daemon();
+    daemon.log = '';
+    daemon.process = spawn(path.join(build, 'server/app/facciad'), ['--port', '0', ...options], {
+      stdio: ['ignore', 'ignore', 'pipe'],
+      env: { ...process.env, ...env },
+    });
+    daemon.exited = once(daemon.process, 'exit').then(([code, signal]) => ({ code, signal }));
+    daemon.process.stderr.setEncoding('utf8').on('data', (text) => (daemon.log += text));
+    const line = await daemon.logged(/listening on http:\/\/[^:]*:(\d+)\//);
+    daemon.port = Number(line[1]);
+    daemon.url = `http://127.0.0.1:${daemon.port}`;
+    await daemon.logged(/ready: |no voice plugin/);
+    return daemon;
+  }
+
+  /** Waits until the log matches; fails when the daemon ends first. */
+  async logged(pattern, milliseconds = 20000) {
+    const deadline = Date.now() + milliseconds;
+    for (;;) {
+      const match = this.log.match(pattern);
+      if (match) return match;
+      if (this.process.exitCode !== null || Date.now() > deadline)
+        throw new Error(`the daemon did not log ${pattern}:\n${this.log}`);
+      await new Promise((resolve) => setTimeout(resolve, 10));
+    }
+  }
+
+  /** Ends it as an operator would. A sanitizer that found something makes the exit code other than 0. */
+  async stop() {
+    this.process.kill('SIGTERM');
+    return this.exited;
+  }
+
+  get(address, options) {
+    return fetch(this.url + address, options);
+  }
+
+  stream(query = '', options = {}) {
+    return Stream.open(`ws://127.0.0.1:${this.port}/v1/stream${query}`, options);
+  }
+}
+
+/** A WebSocket client that keeps all it hears. */
+export class Stream {
+  static async open(url, options) {
+    const stream = new Stream();
+    stream.messages = [];
+    stream.chunks = [];
+    stream.waiters = new Set();
+    stream.socket = new WebSocket(url, { perMessageDeflate: false, ...options });
+    stream.socket.on('message', (data, binary) => {
+      if (binary) stream.chunks.push({ ...decodeChunk(data), arrived: performance.now() });
+      else stream.messages.push({ ...JSON.parse(data), arrived: performance.now() });
+      for (const waiter of stream.waiters) waiter();
+    });
+    stream.closed = new Promise((resolve) => stream.socket.on('close', (code, reason) => resolve({ code, reason: String(reason) })));
+    await new Promise((resolve, reject) => stream.socket.on('open', resolve).on('error', reject));
+    return stream;
+  }
+
+  send(message) {
+    this.socket.send(typeof message === 'string' ? message : JSON.stringify(message));
+  }
+
+  /** The first message, from index `from` on, that holds all members of the pattern (or satisfies it). */
+  async wait(pattern, { from = 0, milliseconds = 20000 } = {}) {
+    const fits = typeof pattern === 'function' ? pattern : (message) => contains(message, pattern);
+    return this.until(() => this.messages.slice(from).find(fits), milliseconds, JSON.stringify(pattern) ?? String(pattern));
+  }
+
+  /** Waits until the condition gives something true. */
+  until(condition, milliseconds = 20000, what = String(condition)) {
+    return new Promise((resolve, reject) => {
+      const timer = setTimeout(() => {
+        this.waiters.delete(check);
+        reject(new Error(`waited in vain for ${what}; heard ${JSON.stringify(this.messages.slice(-5))}`));
+      }, milliseconds);
+      const check = () => {
+        const value = condition();
+        if (!value) return;
+        clearTimeout(timer);
+        this.waiters.delete(check);
+        resolve(value);
+      };
+      this.waiters.add(check);
+      check();
+    });
+  }
+
+  close() {
+    this.socket.close();
+    return this.closed;
+  }
+}
+
+/** Does the value hold all that the pattern shows? "..." stands for anything. */
+export function contains(value, pattern) {
+  if (pattern === '...') return value !== undefined;
+  if (Array.isArray(pattern))
+    return Array.isArray(value) && value.length === pattern.length && pattern.every((p, i) => contains(value[i], p));
+  if (pattern && typeof pattern === 'object')
+    return value && typeof value === 'object' && Object.keys(pattern).every((key) => contains(value[key], pattern[key]));
+  return value === pattern;
+}
+
+/** All FAP frames of an utterance, in order, as {time, values}. */
+export function framesOf(chunks, utterance) {
+  return chunks
+    .filter((chunk) => utterance === undefined || chunk.utterance === utterance)
+    .flatMap((chunk) => chunk.frames.map((values, i) => ({ time: (chunk.firstFrame + i) / chunk.fps, values })));
+}
