@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Engine and sampling alone, on ten minutes of speech: seconds of speech for each second of CPU, next to the synthesis of the
+ * same speech in the same run. Usage: engine TEXT-FILE LANG FPS. */
+#include "server/app/cli.h"
+#include "server/base/buf.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+struct bench {
+    struct cli cli;
+    struct speech *speech;
+    struct utterance **utterances;
+    size_t count, cap;
+    double seconds;
+    bool finished;
+};
+
+static double cpu(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &t);
+    return (double)t.tv_sec + (double)t.tv_nsec / 1e9;
+}
+
+static void on_scene(void *ctx, struct scene scene) {
+    struct bench *b = ctx;
+    b->utterances = realloc(b->utterances, (b->count + 1) * sizeof(struct utterance *));
+    b->utterances[b->count++] = scene.utterance;
+    b->seconds += (double)scene.utterance->samples / scene.utterance->sample_rate;
+    face_track_free(scene.track);
+    speech_release(b->speech);
+}
+
+static void on_problem(void *ctx, const struct error *e, bool warning) {
+    (void)ctx;
+    fprintf(stderr, "%s: %s\n", warning ? "warning" : "error", e->message);
+}
+
+static void on_finished(void *ctx, size_t spoken) {
+    (void)spoken;
+    ((struct bench *)ctx)->finished = true;
+}
+
+static long run(const struct bench *b, const struct speech_pack *pack, double fps) {
+    long sum = 0; /* so that nothing is optimised away */
+    struct face_options options = {.seed = 1};
+    for (size_t i = 0; i < b->count; i++) {
+        const struct utterance *u = b->utterances[i];
+        struct face_track *track = face_track_new(pack, u, &options, NULL, NULL);
+        struct fap_frame frame;
+        for (long k = 0; k < fps * u->samples / u->sample_rate; k++) {
+            face_track_sample(track, (double)k / fps, &frame);
+            sum += frame.value[3];
+        }
+        face_track_free(track);
+    }
+    return sum;
+}
+
+int main(int argc, char **argv) {
+    static const struct speech_callbacks callbacks = {on_scene, on_problem, on_finished};
+    struct bench b = {0};
+    struct speech_request request;
+    struct error e;
+    if (argc != 4)
+        return 2;
+    FILE *file = fopen(argv[1], "rb");
+    if (!file || cli_open(&b.cli))
+        return 1;
+    struct buf text = {0};
+    for (size_t got = 1; got; text.size += got)
+        got = fread(buf_reserve(&text, 65536), 1, 65536, file);
+    fclose(file);
+    request_init(&request);
+    request_set(&request, "text", (struct request_value){REQUEST_STRING, (char *)text.data, text.size, 0}, &e);
+    request_set(&request, "lang", (struct request_value){REQUEST_WORD, argv[2], strlen(argv[2]), 0}, &e);
+    b.speech = speech_open(&b.cli.studio, &request, &callbacks, &b, &e);
+    if (!b.speech)
+        return 1;
+    speech_start(b.speech);
+    while (!b.finished && uv_run(&b.cli.loop, UV_RUN_ONCE))
+        ;
+    const struct speech_pack *pack = speech_packs_find(&b.cli.packs, argv[2]);
+    double fps = atof(argv[3]);
+    printf("{\"seconds\":%.1f,\"fps\":%g,\"cpu\":[", b.seconds, fps);
+    for (int i = 0; i < 5; i++) {
+        double before = cpu();
+        long sum = run(&b, pack, fps);
+        printf("%s%.4f", i ? "," : "", cpu() - before + 0 * (double)sum);
+    }
+    puts("]}");
+    return 0;
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The reference of first-media.mjs: how long libespeak-ng alone needs from a text to its first audio callback.
+ * Usage: espeak_first VOICE RUNS TEXT; prints the milliseconds of each run. */
+#include <espeak-ng/speak_lib.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+static double now_ms(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec / 1e6;
+}
+
+/* espeak's callback has no room for a context before the first event, so these are the program's only globals. */
+static double started;
+static int heard;
+
+static int on_audio(short *samples, int count, espeak_EVENT *events) {
+    (void)events;
+    if (samples && count > 0 && !heard) {
+        heard = 1;
+        printf("%.3f\n", now_ms() - started);
+    }
+    return heard; /* 1 = stop */
+}
+
+int main(int argc, char **argv) {
+    if (argc != 4 || espeak_Initialize(AUDIO_OUTPUT_RETRIEVAL, 0, NULL, 0) < 0) {
+        fputs("Usage: espeak_first VOICE RUNS TEXT\n", stderr);
+        return 2;
+    }
+    espeak_SetSynthCallback(on_audio);
+    espeak_SetVoiceByName(argv[1]);
+    for (int run = atoi(argv[2]); run > 0; run--) {
+        heard = 0;
+        started = now_ms();
+        espeak_Synth(argv[3], strlen(argv[3]) + 1, 0, POS_CHARACTER, 0, espeakCHARS_UTF8, NULL, NULL);
+        espeak_Synchronize();
+    }
+    espeak_Terminate();
+    return 0;
+}

@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// From `speak` to the first media message on loopback, next to libespeak-ng alone up to its first audio callback, in one run.
+// Usage: node tests/bench/first-media.mjs [RUNS]
+import { execFileSync } from 'node:child_process';
+import path from 'node:path';
+import { build, Daemon } from '../lib/daemon.mjs';
+import { median, quantile } from './figures.mjs';
+import { prose, sentence } from './text.mjs';
+
+const runs = Number(process.argv[2] ?? 30);
+execFileSync('ninja', ['-C', build, '--quiet', 'bench_espeak_first']);
+const daemon = await Daemon.start();
+const { voices } = await (await daemon.get('/v1/voices')).json();
+const voice = voices.find((v) => v.id === 'espeak:it');
+
+for (const [name, text] of [['one sentence', sentence], ['five minutes', prose(300)]]) {
+  const alone = execFileSync(path.join(build, 'tests/bench/bench_espeak_first'), ['it', String(runs + 3), text])
+    .toString().trim().split('\n').map(Number).slice(3);
+  const ours = [];
+  for (let run = 0; run < runs + 3; run++) {
+    const stream = await daemon.stream();
+    await stream.wait({ type: 'hello' });
+    const started = performance.now();
+    stream.send({ type: 'speak', lang: 'it', voice: voice.id, text });
+    await stream.until(() => stream.chunks.length > 0);
+    if (run >= 3) ours.push(stream.chunks[0].arrived - started);
+    stream.send({ type: 'stop' });
+    await stream.wait({ type: 'end' });
+    await stream.close();
+  }
+  console.log(`${name}: first media ${median(ours).toFixed(2)} ms (90 %: ${quantile(ours, 0.9).toFixed(2)}), ` +
+    `libespeak-ng alone ${median(alone).toFixed(2)} ms, above it ${(median(ours) - median(alone)).toFixed(2)} ms (${runs} runs, medians)`);
+}
+await daemon.stop();
