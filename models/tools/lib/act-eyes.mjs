@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * Eyelids, eyeballs and pupils: FAPs 19 to 30. A lid turns about the eyeball's centre on an axis along x, so every point keeps
+ * its distance from the eyeball; each point of the margin turns by as much as brings it on the other lid's margin.
+ */
+import { EYE_MARGIN } from './hm08.mjs';
+import { lidMargin } from './neutral.mjs';
+import { nearestOnLine, piecewise, plateau } from './zones.mjs';
+
+const SIDES = { l: { upper: 19, lower: 21, yaw: 23, pitch: 25, thrust: 27, point: ['3.1', '3.3'] },
+  r: { upper: 20, lower: 22, yaw: 24, pitch: 26, thrust: 28, point: ['3.2', '3.4'] } };
+
+/** Weights of both lids of one eye over the base vertices, and the angle that closes the eye at the feature points. */
+export function lidWeights(ctx, side, tuning) {
+  const { p, topology } = ctx;
+  const centre = ctx.eyes[side];
+  const loops = topology.eye[side];
+  const { ring, upper } = lidMargin(loops, p);
+  const polar = (v) => Math.atan2(p[v * 3 + 1] - centre[1], p[v * 3 + 2] - centre[2]);
+  const line = (want) => {
+    const points = ring.filter((v, c) => upper[c] === want).map((v) => [p[v * 3], polar(v)]).sort((a, b) => a[0] - b[0]);
+    return (x) => piecewise(points.map((q) => q[0]), points.map((q) => q[1]), x);
+  };
+  const top = line(true), bottom = line(false);
+  const gap = ring.map((v) => Math.max(0, top(p[v * 3]) - bottom(p[v * 3])));
+  const [upperPoint, lowerPoint] = SIDES[side].point.map((name) => ring.indexOf(ctx.fdpVertex[name]));
+  const points = ring.map((v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]);
+  const values = ring.map((_, c) => [gap[c], upper[c] ? 1 : 0]);
+  const inside = new Set(loops.slice(EYE_MARGIN, EYE_MARGIN + 4).flat());
+  const behind = new Set(loops.slice(EYE_MARGIN + 4).flat());
+  const lashes = [1, 2].map((n) => ctx.inGroup(`helper-${side}-eyelashes-${n}`));
+  const weights = { upper: new Float64Array(p.length / 3), lower: new Float64Array(p.length / 3) };
+  const skin = new Set(topology.faces.flatMap((f) => f.v));
+  for (let v = 0; v < weights.upper.length; v++) {
+    const lash = lashes[0][v] || lashes[1][v];
+    if (!(skin.has(v) || lash) || behind.has(v)) continue;
+    const q = [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]];
+    if (Math.hypot(q[0] - centre[0], q[1], q[2]) > 45) continue;
+    const near = nearestOnLine(points, values, q, true);
+    const isUpper = lash ? lashes[1][v] : near.value[1] > 0.5;
+    const reach = isUpper ? tuning.upperReach : tuning.lowerReach;
+    const fade = lash || inside.has(v) ? 1 : plateau(near.distance, tuning.rigid, reach);
+    const all = gap[isUpper ? upperPoint : lowerPoint];
+    weights[isUpper ? 'upper' : 'lower'][v] = Math.min(1, (fade * near.value[0]) / all);
+  }
+  return { ...weights, angle: { upper: gap[upperPoint], lower: gap[lowerPoint] }, centre };
+}
+
+export function eyeActions(actions, ctx, tuning) {
+  for (const [side, faps] of Object.entries(SIDES)) {
+    const lids = lidWeights(ctx, side, tuning);
+    const pivot = lids.centre;
+    actions.turn({ name: `lid_${side}_upper`, fap: faps.upper, pivot, axis: [1, 0, 0], radians: lids.angle.upper / 1024, at: (v) => lids.upper[v] });
+    actions.turn({ name: `lid_${side}_lower`, fap: faps.lower, pivot, axis: [-1, 0, 0], radians: lids.angle.lower / 1024, at: (v) => lids.lower[v] });
+    const rigid = { [`eye_${side}`]: 1 };
+    actions.turn({ name: `eye_${side}_yaw`, fap: faps.yaw, pivot, axis: [0, 1, 0], radians: 1e-5, rigid });
+    actions.turn({ name: `eye_${side}_pitch`, fap: faps.pitch, pivot, axis: [1, 0, 0], radians: 1e-5, rigid });
+  }
+}

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** From a recipe to a head in the format of protocol/head-model.md. */
+import { Actions } from './actions.mjs';
+import { eyeActions, lidWeights } from './act-eyes.mjs';
+import { faceActions } from './act-face.mjs';
+import { headTurns } from './act-head.mjs';
+import { jawActions } from './act-jaw.mjs';
+import { mouthActions } from './act-mouth.mjs';
+import { tongueActions } from './act-tongue.mjs';
+import { readBase } from './assets.mjs';
+import { eyePart } from './eye.mjs';
+import { readTopology } from './hm08.mjs';
+import { measureUnits, pointOf, readLandmarks } from './landmarks.mjs';
+import { groupVertices } from './mesh.mjs';
+import { mouthGrid } from './mouth-grid.mjs';
+import { closeLips, setLids } from './neutral.mjs';
+import { packHead } from './pack.mjs';
+import { applyActions, applyHeadTurns, proxyPart, skinPart } from './parts.mjs';
+import { buildShape, targetInMm } from './shape.mjs';
+import { makeTextures } from './textures.mjs';
+
+/** Displacements below this (mm for one mm of the FAP) are left out. */
+const LEAST_MOVE = 2e-3;
+
+export async function buildHead(assets, recipe) {
+  const base = readBase(assets);
+  const topology = readTopology(base);
+  const { p, eyes } = buildShape(assets, base, recipe);
+  const ctx = makeContext(assets, base, topology, p, eyes);
+
+  ctx.grid = gridOf(ctx, recipe);
+  closeLips(p, topology, ctx.grid);
+  Object.assign(ctx, readLandmarks(base, topology, p, recipe));
+  for (const side of ['l', 'r']) setLids(ctx, side, lidWeights(ctx, side, recipe.faps.lids), recipe.eyes.iris / 2);
+  Object.assign(ctx, readLandmarks(base, topology, p, recipe));
+  const eyeSpec = eyeGeometry(recipe.eyes);
+  ctx.fdp['3.5'] = [eyes.l[0], eyes.l[1], eyes.l[2] + eyeSpec.radius + eyeSpec.bulge];
+  ctx.fdp['3.6'] = [eyes.r[0], eyes.r[1], eyes.r[2] + eyeSpec.radius + eyeSpec.bulge];
+  ctx.fapu = measureUnits(ctx.fdp);
+  ctx.grid = gridOf(ctx, recipe);
+
+  const actions = new Actions(ctx);
+  jawActions(actions, ctx, ctx.grid, recipe.faps.jaw);
+  mouthActions(actions, ctx.grid, recipe.faps.mouth);
+  eyeActions(actions, ctx, recipe.faps.lids);
+  faceActions(actions, ctx, recipe.faps.face);
+  tongueActions(actions, ctx, recipe.faps.tongue);
+  const head = headTurns(ctx, recipe.faps.head);
+
+  const parts = makeParts(ctx, recipe, eyeSpec);
+  for (const part of parts) {
+    if (recipe.parts[part.name].follows !== false) applyActions(part, actions, LEAST_MOVE);
+    applyHeadTurns(part, head);
+    part.material = recipe.parts[part.name].material;
+  }
+  const textures = await makeTextures(ctx, recipe, parts, eyeSpec);
+  const materials = Object.fromEntries(Object.entries(recipe.materials).filter(([, m]) => m));
+  return packHead({ recipe, fapu: ctx.fapu, fdp: ctx.fdp, turns: [...actions.turns, ...head.turns], textures, materials, parts });
+}
+
+function makeContext(assets, base, topology, p, eyes) {
+  const flags = new Map();
+  return {
+    assets, base, topology, p, eyes,
+    point: (spec) => pointOf(base, p, spec),
+    target: (name) => targetInMm(assets, name),
+    inGroup(name) {
+      if (!flags.has(name)) {
+        const flag = new Uint8Array(p.length / 3);
+        for (const v of groupVertices(base, name)) flag[v] = 1;
+        flags.set(name, flag);
+      }
+      return flags.get(name);
+    },
+  };
+}
+
+function gridOf(ctx, recipe) {
+  const x = (name) => Math.abs(ctx.p[recipe.fdp[name] * 3]);
+  const middle = {
+    upper: { inner: x('2.6/2.7'), outer: x('8.5/8.6') },
+    lower: { inner: x('2.8/2.9'), outer: x('8.7/8.8') },
+    cornerInner: x('2.4/2.5'),
+    cornerOuter: x('8.3/8.4'),
+  };
+  return mouthGrid(ctx.topology, ctx.p, middle, recipe.faps.mouth.reach);
+}
+
+/** Angles at the eyeball from the widths in mm that the recipe gives. */
+function eyeGeometry(eyes) {
+  const half = (width) => Math.asin(width / 2 / (eyes.radius + eyes.bulge * 0.6));
+  const irisAngle = half(eyes.iris), pupilAngle = half(eyes.iris * eyes.pupil);
+  const inside = Array.from({ length: 4 }, (_, i) => (pupilAngle * (i + 1)) / 4);
+  const iris = Array.from({ length: 5 }, (_, i) => pupilAngle + ((irisAngle - pupilAngle) * (i + 1)) / 5);
+  const white = Array.from({ length: 9 }, (_, i) => irisAngle + ((eyes.span - irisAngle) * (i + 1)) / 9);
+  return { ...eyes, irisAngle, pupilAngle, bulgeAngle: irisAngle * 1.25, rings: [...inside, ...iris, ...white] };
+}
+
+function makeParts(ctx, recipe, eyeSpec) {
+  const spec = recipe.parts;
+  const isUpper = ctx.inGroup('helper-upper-teeth');
+  const upperFace = (f, refs) => isUpper[refs[f.v[0]][0][0]];
+  return [
+    skinPart(ctx, spec.skin),
+    eyePart('eye_l', ctx.eyes.l, eyeSpec, { thrust: 27, dilate: 29 }),
+    eyePart('eye_r', ctx.eyes.r, eyeSpec, { thrust: 28, dilate: 30 }),
+    proxyPart(ctx, 'teeth_upper', spec.teeth_upper, upperFace),
+    proxyPart(ctx, 'teeth_lower', spec.teeth_lower, (f, refs) => !upperFace(f, refs)),
+    proxyPart(ctx, 'tongue', spec.tongue),
+    proxyPart(ctx, 'hair', spec.hair),
+    proxyPart(ctx, 'brows', spec.brows),
+    proxyPart(ctx, 'lashes', spec.lashes),
+  ];
+}

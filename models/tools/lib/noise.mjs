@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Value noise that is the same on every machine. */
+
+function hash(x, y, z) {
+  let h = Math.imul(x, 0x27d4eb2d) ^ Math.imul(y, 0x165667b1) ^ Math.imul(z, 0x9e3779b1);
+  h = Math.imul(h ^ (h >>> 15), 0x85ebca6b);
+  h = Math.imul(h ^ (h >>> 13), 0xc2b2ae35);
+  return ((h ^ (h >>> 16)) >>> 0) / 4294967296;
+}
+
+/** Smooth noise of -1..1, one feature a unit. */
+export function noise(x, y, z = 0) {
+  const ix = Math.floor(x), iy = Math.floor(y), iz = Math.floor(z);
+  const fade = (t) => t * t * (3 - 2 * t);
+  const u = fade(x - ix), v = fade(y - iy), w = fade(z - iz);
+  let sum = 0;
+  for (let c = 0; c < 8; c++) {
+    const a = c & 1, b = (c >> 1) & 1, d = c >> 2;
+    sum += hash(ix + a, iy + b, iz + d) * (a ? u : 1 - u) * (b ? v : 1 - v) * (d ? w : 1 - w);
+  }
+  return sum * 2 - 1;
+}
+
+/** Several octaves, each half as large and half as strong. */
+export function fractal(x, y, z, octaves) {
+  let sum = 0, strength = 0.5, scale = 1;
+  for (let i = 0; i < octaves; i++) {
+    sum += strength * noise(x * scale, y * scale, z * scale + i * 17);
+    strength /= 2;
+    scale *= 2;
+  }
+  return sum;
+}

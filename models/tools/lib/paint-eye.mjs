@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** The eye's texture, painted: pupil, iris with fibres and a dark limbus, sclera with a warm rim and faint vessels. */
+import { hex, mix, ramp } from './color.mjs';
+import { eyeAngle } from './eye.mjs';
+import { fractal, noise } from './noise.mjs';
+import { smoothstep } from './zones.mjs';
+
+/** @param {object} spec eye geometry @param {object} look the recipe's colours @returns {Float32Array} size x size x 3 */
+export function paintEye(size, spec, look) {
+  const iris = look.iris.map(([at, colour]) => [at, hex(colour)]);
+  const white = look.sclera.map(([at, colour]) => [at, hex(colour)]);
+  const vessel = hex(look.vessel), limbus = hex(look.limbus), pupil = hex(look.pupilColour);
+  const out = new Float32Array(size * size * 3);
+  for (let j = 0; j < size; j++) {
+    for (let i = 0; i < size; i++) {
+      const x = (i + 0.5) / size - 0.5, y = 0.5 - (j + 0.5) / size;
+      const angle = eyeAngle(spec, Math.hypot(x, y));
+      const turn = Math.atan2(y, x);
+      const inIris = (angle - spec.pupilAngle) / (spec.irisAngle - spec.pupilAngle);
+      let c = sclera(white, vessel, spec, angle, x, y);
+      const fibre = irisColour(iris, inIris, turn);
+      const shade = mix(fibre, limbus, smoothstep(0.68, 1, inIris) * look.limbusStrength);
+      c = mix(shade, c, smoothstep(0.97, 1.13, inIris));
+      c = mix(pupil, c, smoothstep(-0.06, 0.1, inIris + 0.03 * noise(turn * 9, 4)));
+      out.set(c, (j * size + i) * 3);
+    }
+  }
+  return out;
+}
+
+/** Fibres: noise that is stretched along the radius and meets itself at the full turn. */
+function irisColour(stops, r, turn) {
+  const cx = Math.cos(turn), cy = Math.sin(turn);
+  const fine = fractal(cx * 26, cy * 26, r * 1.6, 3);
+  const coarse = noise(cx * 7 + 40, cy * 7, r * 1.1);
+  const c = ramp(stops, Math.min(1, Math.max(0, r + 0.09 * coarse)));
+  const light = 1 + 0.55 * fine + 0.16 * coarse;
+  return c.map((v) => Math.min(255, v * light));
+}
+
+function sclera(stops, vessel, spec, angle, x, y) {
+  const c = ramp(stops, (angle - spec.irisAngle) / (spec.span - spec.irisAngle));
+  const far = smoothstep(spec.irisAngle * 1.4, spec.irisAngle * 2.6, angle);
+  const line = Math.abs(fractal(x * 22 + 3, y * 34, 5, 3));
+  return mix(c, vessel, far * 0.35 * smoothstep(0.035, 0, line));
+}

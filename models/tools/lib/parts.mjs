@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** The parts of the head: skin cut from the base mesh, proxies fitted to it, and for each its share in the actions. */
+import { readProxy } from './assets.mjs';
+import { triangulate } from './mesh.mjs';
+
+/** @returns part with `refs`: for each vertex [base vertex, weight] pairs, and `position` in mm */
+export function skinPart(ctx, spec) {
+  const { base, p } = ctx;
+  const group = base.groups.indexOf('body');
+  const keep = (f) => f.group === group && f.v.every((v) => p[v * 3 + 1] > spec.cut.y && Math.abs(p[v * 3]) < spec.cut.x);
+  const mesh = triangulate(base.faces, base.uvs, keep);
+  return finish('skin', mesh, mesh.source.map((v) => [[v, 1]]), (v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]], mesh.source);
+}
+
+/** A proxy: p = sum of weights * base vertices + offset. */
+export function proxyPart(ctx, name, spec, keep) {
+  const proxy = readProxy(ctx.assets, spec.proxy);
+  const { p } = ctx;
+  const refs = proxy.refs.map((three, i) => three.map((v, j) => [v, proxy.weights[i][j]]).filter(([, w]) => w !== 0));
+  const place = (i) => [0, 1, 2].map((k) => refs[i].reduce((sum, [v, w]) => sum + w * p[v * 3 + k], 0)
+    + proxy.offsets[i][k] * 100 * (spec.scale ?? 1) + (spec.shift?.[k] ?? 0));
+  const mesh = triangulate(proxy.faces, proxy.uvs, keep ? (f) => keep(f, refs) : undefined);
+  return { ...finish(name, mesh, mesh.source.map((i) => refs[i]), place, mesh.source), proxy };
+}
+
+function finish(name, mesh, refs, place, source) {
+  return {
+    name, refs, uv: mesh.uv, index: mesh.index, smooth: mesh.smooth, source,
+    position: Float64Array.from(source.flatMap(place)), moves: [], turns: [],
+  };
+}
+
+/** Gives a part its share of the moves and turns: the weighted mean of the fields at its base vertices. */
+export function applyActions(part, actions, least) {
+  for (const { fap, sign, field } of actions.moves) {
+    const vertices = [], deltas = [];
+    part.refs.forEach((refs, i) => {
+      const d = [0, 0, 0];
+      for (const [v, w] of refs) for (let k = 0; k < 3; k++) d[k] += w * field[v * 3 + k];
+      if (Math.hypot(...d) >= least) {
+        vertices.push(i);
+        deltas.push(...d);
+      }
+    });
+    if (vertices.length) part.moves.push({ fap, sign, vertices, deltas });
+  }
+  for (const turn of actions.turns) {
+    if (turn.rigid[part.name] !== undefined) {
+      part.turns.push({ turn: turn.name, weight: turn.rigid[part.name] });
+      continue;
+    }
+    pushTurn(part, turn.name, part.refs.map((refs) => refs.reduce((sum, [v, w]) => sum + w * turn.weights[v], 0)));
+  }
+}
+
+/** Head turns: by the place of each vertex. */
+export function applyHeadTurns(part, head) {
+  const p = part.position;
+  const weights = Array.from({ length: p.length / 3 }, (_, v) => head.weight(p[v * 3], p[v * 3 + 1], p[v * 3 + 2]));
+  const rigid = weights.every((w) => w > 0.999);
+  for (const turn of head.turns) {
+    if (rigid) part.turns.push({ turn: turn.name, weight: 1 });
+    else pushTurn(part, turn.name, weights);
+  }
+}
+
+function pushTurn(part, turn, weights) {
+  const bytes = weights.map((w) => Math.round(Math.min(1, Math.max(0, w)) * 255));
+  const vertices = bytes.flatMap((b, v) => (b ? [v] : []));
+  if (vertices.length) part.turns.push({ turn, vertices, weights: vertices.map((v) => bytes[v]) });
+}
