@@ -5,6 +5,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { contains, Daemon, root } from '../lib/daemon.mjs';
+import { violations } from '../lib/schema.mjs';
 
 const text = fs.readFileSync(path.join(root, 'protocol/README.md'), 'utf8');
 const examples = (kind) => [...text.matchAll(new RegExp('```' + kind + '\\n([^]*?)```', 'g'))].map((match) => match[1].trim().split('\n'));
@@ -32,6 +33,7 @@ for (const lines of examples('stream'))
         from = stream.messages.indexOf(found) + 1;
       }
     }
+    for (const { arrived, ...message } of stream.messages) assert.equal(violations('server', message), null, `${arrived} ${message.type}`);
     await stream.close();
   });
 
