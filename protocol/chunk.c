@@ -73,7 +73,8 @@ size_t chunk_encode(const struct chunk *c, const struct fap_frame *frames, uint8
                                                            : c->audio_codec != CHUNK_AUDIO_PCM_S16LE ||
                                                                  c->audio_bytes != (uint64_t)c->samples * 2;
     bool bad_fap = c->fap_codec > CHUNK_FAP_PLAIN || (c->fap_codec == CHUNK_FAP_NONE && c->frame_count);
-    size_t most = CHUNK_HEADER_BYTES + (size_t)c->audio_bytes + (size_t)c->frame_count * CHUNK_FRAME_BYTES_MAX;
+    size_t most =
+        CHUNK_HEADER_BYTES + (size_t)c->audio_bytes + (size_t)c->frame_count * CHUNK_FRAME_BYTES_MAX;
     if (bad_audio || bad_fap || cap < most || !c->sample_rate || !c->fps_hundreds)
         return 0;
     out[0] = MAGIC;
@@ -200,8 +201,8 @@ static const char *check_header(const uint8_t *data, size_t size, struct chunk *
     return NULL;
 }
 
-const char *chunk_decode(const uint8_t *data, size_t size, struct chunk *c, struct fap_frame *frames, size_t frame_cap,
-                         size_t *error_at) {
+const char *chunk_decode(const uint8_t *data, size_t size, struct chunk *c, struct fap_frame *frames,
+                         size_t frame_cap, size_t *error_at) {
     const char *wrong = check_header(data, size, c, error_at);
     if (wrong)
         return wrong;

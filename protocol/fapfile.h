@@ -7,26 +7,31 @@
 #include "protocol/fap.h"
 #include <stddef.h>
 
+enum { FAPFILE_FPS_MAX = 1000 };
+
 struct fapfile {
     char version[8]; /* "2.0", "2.1"; "" when the header is missing */
-    char *name;      /* may hold spaces; "" when the header is missing */
+    char *name;      /* may hold spaces; "" when it or the header is missing */
     double fps;      /* 25 when the header is missing */
     size_t count;
     struct fap_frame *frames;
 };
 
 struct fapfile_error {
-    size_t line, column; /* 1-based */
+    size_t line, column; /* 1-based, columns in bytes */
     const char *message; /* static */
 };
 
 /* Parses text[0..size). 0 on success: release with fapfile_free. -1: *error says why, *out is untouched.
- * Accepts CRLF, '#' comments, a missing header, spaces in the name, and -inf (read as 0). */
+ * Accepts LF, CRLF and CR, '#' comment lines, blank lines, a missing header, spaces in the name, more frames than the
+ * header states, -inf (read as 0) and decimals (rounded). The frames' numbers are not used: they count in the order in
+ * which they stand. Values may be outside the FAPs' ranges: see fap_clamp. */
 int fapfile_read(const char *text, size_t size, struct fapfile *out, struct fapfile_error *error);
 void fapfile_free(struct fapfile *file);
 
 /* Writers of version 2.1. Each prints into out (cap bytes, NUL-terminated) and returns the length that the whole text needs,
- * as snprintf does. frame_number is 0-based. */
+ * as snprintf does. frame_number is 0-based. Of the name, control characters become spaces; of the frame rate (over 0, at
+ * most FAPFILE_FPS_MAX), six decimals are written. */
 size_t fapfile_write_header(const char *name, double fps, size_t count, char *out, size_t cap);
 size_t fapfile_write_frame(const struct fap_frame *frame, size_t frame_number, char *out, size_t cap);
 

@@ -4,209 +4,262 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The text, line by line and word by word. */
+/* The line that is being read, without its end, and where in it the next word begins. */
 struct reader {
-    const char *at, *end; /* what follows the current line */
-    const char *line, *line_end, *word;
-    size_t number; /* of the current line, 1-based */
+    const char *text, *limit; /* what has not been cut into lines yet */
+    const char *line, *line_end, *at;
+    size_t line_number;
     struct fapfile_error *error;
 };
 
-static int fail(struct reader *r, const char *at, const char *message) {
-    *r->error = (struct fapfile_error){r->number, (size_t)(at - r->line) + 1, message};
+struct word {
+    const char *at;
+    size_t size;
+};
+
+static bool is_space(char c) {
+    return c == ' ' || (c >= '\t' && c <= '\r');
+}
+
+static bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+/* Marks the place `at` in the current line. Returns -1. */
+static int wrong(struct reader *r, const char *at, const char *message) {
+    *r->error = (struct fapfile_error){r->line_number, (size_t)(at - r->line) + 1, message};
     return -1;
 }
 
-static bool is_blank(char c) {
-    return c == ' ' || c == '\t' || c == '\r';
+/* Lines end with LF, CR LF or CR. */
+static bool next_line(struct reader *r) {
+    if (r->text == r->limit)
+        return false;
+    const char *end = r->text;
+    while (end < r->limit && *end != '\n' && *end != '\r')
+        end++;
+    r->line = r->at = r->text;
+    r->line_end = end;
+    r->line_number++;
+    if (end < r->limit && *end++ == '\r' && end < r->limit && *end == '\n')
+        end++;
+    r->text = end;
+    return true;
 }
 
-/* The next line that is not empty and no comment. */
-static bool next_line(struct reader *r) {
-    while (r->at < r->end) {
-        const char *newline = memchr(r->at, '\n', (size_t)(r->end - r->at));
-        r->line = r->word = r->at;
-        r->line_end = newline ? newline : r->end;
-        r->at = newline ? newline + 1 : r->end;
-        r->number++;
-        while (r->word < r->line_end && is_blank(*r->word))
-            r->word++;
-        if (r->word < r->line_end && *r->word != '#')
+static void skip_space(struct reader *r) {
+    while (r->at < r->line_end && is_space(*r->at))
+        r->at++;
+}
+
+/* The next line that is neither blank nor a comment, from its first word on. At the end of the file the place
+ * is the beginning of the line that would follow. */
+static bool next_content(struct reader *r) {
+    while (next_line(r)) {
+        skip_space(r);
+        if (r->at < r->line_end && *r->at != '#')
             return true;
     }
-    r->line = r->line_end = r->word = r->end;
-    r->number++;
+    r->line = r->line_end = r->at = r->limit;
+    r->line_number++;
     return false;
 }
 
-/* The next word of the line into out (too long a one is cut); false at the line's end. *start = where it stands. */
-static bool next_word(struct reader *r, char out[32], const char **start) {
-    size_t length = 0;
-    while (r->word < r->line_end && is_blank(*r->word))
-        r->word++;
-    *start = r->word;
-    for (; r->word < r->line_end && !is_blank(*r->word); r->word++)
-        if (length < 31)
-            out[length++] = *r->word;
-    out[length] = '\0';
-    return length > 0;
+/* The next word of the line; its size is 0 at the end. */
+static struct word next_word(struct reader *r) {
+    skip_space(r);
+    struct word w = {r->at, 0};
+    while (r->at < r->line_end && !is_space(*r->at))
+        r->at++;
+    w.size = (size_t)(r->at - w.at);
+    return w;
 }
 
-static int read_number(struct reader *r, double low, double high, double *value) {
-    char word[32], *end;
-    const char *start;
-    if (!next_word(r, word, &start))
-        return fail(r, start, "a value is missing");
-    *value = strtod(word, &end);
-    if (*end || isnan(*value))
-        return fail(r, start, "not a number");
-    if (isinf(*value))
-        *value = 0; /* some tools write -inf for "nothing" */
-    if (*value < low || *value > high)
-        return fail(r, start, "a value out of range");
-    return 0;
+/* [+-]DIGITS[.DIGITS], by hand because strtod goes by the locale and wants a NUL. False when w is none. */
+static bool parse_number(struct word w, double *value) {
+    size_t i = 0, digits = 0;
+    double mantissa = 0, scale = 1;
+    bool negative = w.size && w.at[0] == '-';
+    if (w.size && (w.at[0] == '-' || w.at[0] == '+'))
+        i++;
+    for (; i < w.size && is_digit(w.at[i]); i++, digits++)
+        mantissa = mantissa * 10 + (w.at[i] - '0');
+    if (i < w.size && w.at[i] == '.')
+        for (i++; i < w.size && is_digit(w.at[i]); i++, digits++) {
+            if (scale >= 1e9)
+                continue; /* further decimals change nothing that matters here */
+            mantissa = mantissa * 10 + (w.at[i] - '0');
+            scale *= 10;
+        }
+    *value = (negative ? -mantissa : mantissa) / scale;
+    return digits && i == w.size;
 }
 
-static int read_bytes(struct reader *r, uint8_t *out, int count) {
-    for (int i = 0; i < count; i++) {
+static bool is_infinite(struct word w) {
+    return w.size == 4 && !memcmp(w.at, "-inf", 4);
+}
+
+static int read_value(struct reader *r, double min, double max, const char *range, double *value) {
+    struct word w = next_word(r);
+    if (!w.size)
+        return wrong(r, w.at, "fewer values than the mask has flags");
+    if (is_infinite(w)) {
+        *value = 0;
+        return 0;
+    }
+    if (!parse_number(w, value))
+        return wrong(r, w.at, "this is no number");
+    *value = nearbyint(*value);
+    return *value < min || *value > max ? wrong(r, w.at, range) : 0;
+}
+
+static int read_small(struct reader *r, size_t count, uint8_t *out) {
+    for (size_t i = 0; i < count; i++) {
         double value;
-        if (read_number(r, 0, 255, &value))
+        if (read_value(r, 0, UINT8_MAX, "a value of FAP 1 or 2 must be 0 to 255", &value))
             return -1;
         out[i] = (uint8_t)value;
     }
     return 0;
 }
 
-static int end_line(struct reader *r, const char *message) {
-    char word[32];
-    const char *start;
-    return next_word(r, word, &start) ? fail(r, start, message) : 0;
-}
-
-static int read_mask(struct reader *r, struct fap_frame *f) {
+static int read_mask(struct reader *r, struct fap_frame *frame) {
     for (int n = 1; n <= FAP_COUNT; n++) {
-        char word[32];
-        const char *start;
-        if (!next_word(r, word, &start))
-            return fail(r, start, "a mask has 68 flags");
-        if (strcmp(word, "0") && strcmp(word, "1"))
-            return fail(r, start, "a flag is 0 or 1");
-        f->mask[(n - 1) / 8] |= (uint8_t)((word[0] - '0') << ((n - 1) % 8));
+        struct word w = next_word(r);
+        if (!w.size)
+            return wrong(r, w.at, "fewer than 68 mask flags");
+        if (w.size != 1 || (*w.at != '0' && *w.at != '1'))
+            return wrong(r, w.at, "a mask flag must be 0 or 1");
+        if (*w.at == '1')
+            fap_frame_set(frame, n, 0);
     }
-    return end_line(r, "a mask has 68 flags");
+    struct word more = next_word(r);
+    return more.size ? wrong(r, more.at, "more than 68 mask flags") : 0;
 }
 
-static int read_values(struct reader *r, struct fap_frame *f) {
-    double value;
-    if (read_number(r, 0, 4294967295.0, &value)) /* the frame's number: order tells it already */
-        return -1;
-    for (int n = 1; n <= FAP_COUNT; n++) {
-        int failed = 0;
-        if (!fap_frame_has(f, n))
+static int read_values(struct reader *r, struct fap_frame *frame) {
+    struct word number = next_word(r);
+    for (size_t i = 0; i < number.size; i++)
+        if (!is_digit(number.at[i]))
+            return wrong(r, number.at, "the values must begin with the number of the frame");
+    uint8_t v[4], e[6];
+    if (fap_frame_has(frame, 1)) {
+        if (read_small(r, sizeof v, v))
+            return -1;
+        frame->viseme = (struct fap_viseme){v[0], v[1], v[2], v[3]};
+    }
+    if (fap_frame_has(frame, 2)) {
+        if (read_small(r, sizeof e, e))
+            return -1;
+        frame->expression = (struct fap_expression){e[0], e[1], e[2], e[3], e[4], e[5]};
+    }
+    for (int n = 3; n <= FAP_COUNT; n++) {
+        double value;
+        if (!fap_frame_has(frame, n))
             continue;
-        if (n == 1) {
-            failed = read_bytes(r, (uint8_t *)&f->viseme, 4);
-        } else if (n == 2) {
-            failed = read_bytes(r, (uint8_t *)&f->expression, 6);
-        } else {
-            failed = read_number(r, -2147483647.0, 2147483647.0, &value);
-            f->value[n] = (int32_t)value;
-        }
-        if (failed)
+        if (read_value(r, INT32_MIN, INT32_MAX, "a value must fit 32 bits", &value))
             return -1;
+        frame->value[n] = (int32_t)value;
     }
-    return end_line(r, "more values than flags");
+    struct word more = next_word(r);
+    return more.size ? wrong(r, more.at, "more values than the mask has flags") : 0;
 }
 
-/* Is the current line a mask? Then the file has no header. */
-static bool is_mask(struct reader r) {
-    char word[32];
-    const char *start;
-    int flags = 0;
-    for (; next_word(&r, word, &start); flags++)
-        if (strcmp(word, "0") && strcmp(word, "1"))
-            return false;
-    return flags == FAP_COUNT;
-}
-
-/* "VERSION NAME FPS COUNT"; the name may hold spaces, so the numbers are taken from the right. */
-static int read_header(struct reader *r, struct fapfile *file, size_t *count) {
-    char word[32], *end;
-    const char *start, *last[2] = {NULL, NULL}, *name = NULL;
-    if (!next_word(r, word, &start) || (strcmp(word, "2.0") && strcmp(word, "2.1")))
-        return fail(r, start, "neither a header of version 2.0 or 2.1 nor a mask of 68 flags");
-    memcpy(file->version, word, 4); /* "2.0" or "2.1" */
-    while (next_word(r, word, &start)) {
-        name = name ? name : start;
-        last[0] = last[1];
-        last[1] = start;
-    }
-    if (!last[0] || last[0] == name)
-        return fail(r, r->line_end, "a header has version, name, frame rate and number of frames");
-    r->word = last[0];
-    next_word(r, word, &start);
-    file->fps = strtod(word, &end);
-    if (*end || !(file->fps > 0 && file->fps <= 1000))
-        return fail(r, start, "not a frame rate");
-    next_word(r, word, &start);
-    *count = strtoull(word, &end, 10);
-    if (*end || *word == '-')
-        return fail(r, start, "not a number of frames");
-    for (end = (char *)last[0]; end > name && is_blank(end[-1]);)
+/* The last word before `end`; its size is 0 when there is none. */
+static struct word last_word(const char *begin, const char *end) {
+    while (end > begin && is_space(end[-1]))
         end--;
-    free(file->name);
-    file->name = calloc(1, (size_t)(end - name) + 1);
-    if (!file->name)
-        return fail(r, name, "out of memory");
-    memcpy(file->name, name, (size_t)(end - name));
+    const char *at = end;
+    while (at > begin && !is_space(at[-1]))
+        at--;
+    return (struct word){at, (size_t)(end - at)};
+}
+
+/* VERSION NAME FPS COUNT. The name may hold spaces, so the numbers are taken from the right; it may be
+ * missing too. */
+static int read_header(struct reader *r, struct fapfile *file, double *stated) {
+    struct word version = next_word(r);
+    struct word count = last_word(r->at, r->line_end), fps = last_word(r->at, count.at);
+    if (version.size != 3 || (memcmp(version.at, "2.0", 3) && memcmp(version.at, "2.1", 3)))
+        return wrong(r, version.at, "neither a header of version 2.0 or 2.1 nor a mask");
+    skip_space(r);
+    bool number = parse_number(fps, &file->fps);
+    if (!fps.size || (fps.at == r->at && !number))
+        return wrong(r, r->line_end, "the header ends before frame rate and number of frames");
+    if (!number || !(file->fps > 0 && file->fps <= FAPFILE_FPS_MAX))
+        return wrong(r, fps.at, "the frame rate must be a number over 0 and at most 1000");
+    if (!parse_number(count, stated) || *stated < 0 || *stated > UINT32_MAX || *stated != floor(*stated))
+        return wrong(r, count.at, "this is no number of frames");
+    const char *end = fps.at;
+    while (end > r->at && is_space(end[-1]))
+        end--;
+    const char *nul = memchr(r->at, '\0', (size_t)(end - r->at));
+    if (nul)
+        return wrong(r, nul, "the name holds a NUL character");
+    memcpy(file->version, version.at, version.size);
+    memcpy(file->name, r->at, (size_t)(end - r->at)); /* into room for the whole line, zeroed */
     return 0;
 }
 
-static int read_frames(struct reader *r, struct fapfile *file) {
-    size_t cap = 0;
-    do {
-        if (file->count == cap) {
-            cap = cap ? cap * 2 : 64;
-            struct fap_frame *more = realloc(file->frames, cap * sizeof *more);
-            if (!more)
-                return fail(r, r->line, "out of memory");
-            file->frames = more;
-        }
-        struct fap_frame *f = &file->frames[file->count];
-        memset(f, 0, sizeof *f);
-        if (read_mask(r, f))
+static int add_frame(struct fapfile *file, size_t *cap, const struct fap_frame *frame) {
+    if (file->count == *cap) {
+        size_t more = *cap ? *cap * 2 : 64;
+        if (more > SIZE_MAX / sizeof *frame)
             return -1;
-        if (!next_line(r))
-            return fail(r, r->line, "a mask without its values");
-        if (read_values(r, f))
+        struct fap_frame *frames = realloc(file->frames, more * sizeof *frame);
+        if (!frames)
             return -1;
-        file->count++;
-    } while (next_line(r));
+        file->frames = frames;
+        *cap = more;
+    }
+    file->frames[file->count++] = *frame;
     return 0;
+}
+
+static int read_frame(struct reader *r, struct fap_frame *frame) {
+    *frame = (struct fap_frame){0};
+    if (read_mask(r, frame))
+        return -1;
+    if (!next_content(r))
+        return wrong(r, r->at, "the file ends before the values of a mask");
+    return read_values(r, frame);
+}
+
+static int read_all(struct reader *r, struct fapfile *file) {
+    if (!next_content(r))
+        return wrong(r, r->at, "the file is empty");
+    struct reader ahead = *r;
+    struct word first = next_word(&ahead);
+    bool header = first.size != 1 || (*first.at != '0' && *first.at != '1');
+    size_t cap = 0;
+    double stated = 0;
+    file->fps = 25;
+    file->name = calloc(1, (size_t)(r->line_end - r->line) + 1);
+    if (!file->name)
+        return wrong(r, r->line, "out of memory");
+    if (header && read_header(r, file, &stated))
+        return -1;
+    for (bool more = !header || next_content(r); more; more = next_content(r)) {
+        struct fap_frame frame;
+        if (read_frame(r, &frame))
+            return -1;
+        if (add_frame(file, &cap, &frame))
+            return wrong(r, r->line, "out of memory");
+    }
+    return (double)file->count < stated ? wrong(r, r->at, "fewer frames than the header states") : 0;
 }
 
 int fapfile_read(const char *text, size_t size, struct fapfile *out, struct fapfile_error *error) {
-    struct reader r = {.at = text, .end = text + size, .line = text, .line_end = text, .word = text, .error = error};
-    struct fapfile file = {.fps = 25, .name = calloc(1, 1)};
-    size_t count = 0;
-    int failed = file.name ? 0 : fail(&r, text, "out of memory");
-    bool some = next_line(&r);
-    if (!failed && !some)
-        failed = fail(&r, r.line, "nothing but comments");
-    bool headless = some && is_mask(r);
-    if (!failed && !headless) {
-        failed = read_header(&r, &file, &count);
-        some = next_line(&r);
-    }
-    if (!failed && some)
-        failed = read_frames(&r, &file);
-    if (!failed && !headless && file.count < count)
-        failed = fail(&r, r.line, "fewer frames than the header states");
-    if (failed)
+    static const char byte_order_mark[] = {'\xEF', '\xBB', '\xBF'};
+    size_t skip = size >= 3 && !memcmp(text, byte_order_mark, 3) ? 3 : 0;
+    struct reader r = {.text = text + skip, .limit = text + size, .error = error};
+    struct fapfile file = {0};
+    if (read_all(&r, &file)) {
         fapfile_free(&file);
-    else
-        *out = file;
-    return failed;
+        return -1;
+    }
+    *out = file;
+    return 0;
 }
 
 void fapfile_free(struct fapfile *file) {
