@@ -9,7 +9,8 @@
 
 struct speech_pack;
 
-/* Loads path; "inherits" names another pack in the same folder. NULL with *e (field = JSON path) when it is not as it must be. */
+/* Loads path; "inherits" names another pack in the same folder. NULL with *e (field = JSON path) when it is
+ * not as it must be. */
 struct speech_pack *speech_pack_load(const char *path, struct error *e);
 void speech_pack_free(struct speech_pack *pack);
 
@@ -19,7 +20,8 @@ const char *speech_pack_name(const struct speech_pack *pack); /* in the language
 /* Voice ids to be tried first for this language, NULL-terminated. */
 const char *const *speech_pack_voices(const struct speech_pack *pack);
 
-/* Abbreviations (lower case, without the final dot) after which a full stop ends no sentence, NULL-terminated. */
+/* Abbreviations (lower case, without the final dot) after which a full stop ends no sentence,
+ * NULL-terminated. */
 const char *const *speech_pack_abbreviations(const struct speech_pack *pack);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The face track: the values of all FAPs over the time of one utterance, the sum of its layers, to be sampled at any rate. The face
- * stage hands it to the stream stage. */
+/* The face track: the values of all FAPs over the time of one utterance, the sum of its layers, to be sampled
+ * at any rate. The face stage hands it to the stream stage. */
 #ifndef FACCIA_FACE_TRACK_H
 #define FACCIA_FACE_TRACK_H
 
@@ -8,7 +8,8 @@
 #include "server/face/speech.h"
 #include "server/voice/utterance.h"
 
-/* A layer adds its part to the values at time t (s from the utterance's start). faps[n] is FAP n in FAP units, as reals. */
+/* A layer adds its part to the values at time t (s from the utterance's start). faps[n] is FAP n in FAP
+ * units, as reals. */
 struct face_layer {
     void (*add)(void *self, double t, double faps[FAP_COUNT + 1]);
     void (*free)(void *self);
@@ -16,16 +17,17 @@ struct face_layer {
 };
 
 struct face_options {
-    const char *engine;    /* NULL or "dominance" */
-    bool still;            /* lips only: no life layer */
-    uint64_t seed;         /* of the life layer: the same seed gives the same track */
-    double begin;          /* time of this utterance's start on the life layer's clock, s */
+    const char *engine; /* NULL or "dominance" */
+    bool still;         /* lips only: no life layer */
+    uint64_t seed;      /* of the life layer: the same seed gives the same track */
+    double begin;       /* time of this utterance's start on the life layer's clock, s */
 };
 
 struct face_track;
 
-/* Builds the track. Phones that the pack cannot map are reported through warn (may be NULL) and get the nearest
- * phone's targets. Never fails: a pack that loaded can serve any utterance. The utterance may be freed afterwards. */
+/* Builds the track. Phones that the pack cannot map are reported through warn (may be NULL) and get the
+ * nearest phone's targets. Never fails: a pack that loaded can serve any utterance. The utterance may be
+ * freed afterwards. */
 struct face_track *face_track_new(const struct speech_pack *pack, const struct utterance *u,
                                   const struct face_options *options,
                                   void (*warn)(void *ctx, const char *message), void *ctx);
@@ -34,8 +36,8 @@ void face_track_free(struct face_track *track);
 /* Adds a layer; the track owns it. */
 void face_track_add(struct face_track *track, struct face_layer layer);
 
-/* The face at t seconds (any t: before 0 and after the end it is at rest), clamped to the FAP ranges, rounded to FAP
- * units. Cheapest when t does not go backwards. Cost does not depend on the utterance's length. */
+/* The face at t seconds (any t: before 0 and after the end it is at rest), clamped to the FAP ranges, rounded
+ * to FAP units. Cheapest when t does not go backwards. Cost does not depend on the utterance's length. */
 void face_track_sample(struct face_track *track, double t, struct fap_frame *frame);
 
 /* The engines that face_options.engine may name, NULL-terminated. */

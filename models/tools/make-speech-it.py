@@ -1,0 +1,335 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Writes models/speech/it.json from measured lip targets.
+
+    make-speech-it.py TARGETS.csv > models/speech/it.json
+
+TARGETS.csv holds figures of Italian speakers taken with the ELITE motion tracker, as the open Greta agent keeps them
+(LipData.xml of its lip model); it is not part of this repository, its numbers live on in it.json. Its columns are vowel,
+consonant, parameter, apex, apex_time, middle. `vowel` names the phone that is described (1 = stressed, E O = open); a consonant
+there is described beside the vowel that `consonant` names. Parameters: ULO, LLO opening of the upper and lower lip from rest,
+JAW, LW lip width, ULP, LLP protrusion; mm. apex = the extreme value, apex_time = where in the phone it lies.
+
+What else goes in: the printed coefficients of /p b m/ beside /a/ and the findings round them (E. Leone, "LUCIA-WebGL", table
+3.2 and chapter 3.4.3), and the choices below, each with its reason.
+"""
+import csv
+import json
+import sys
+
+PARAMS = ["LI", "LS", "AR", "PI", "PS", "EM"]
+SOURCE = {"LI": "LLO", "LS": "ULO", "AR": "LW", "PI": "LLP", "PS": "ULP", "EM": "JAW"}
+
+# From the markers' mm to the face's. The speakers over-articulate isolated VCV words, and the markers sit on the outer border of the
+# lips: taken as they are, a stressed /a/ would open 25 mm. The upper lip's share is reduced more, as a measured opening was split
+# 9:16 between the lips, where a relaxed upper lip rises by a fifth of the whole. JAW is the chin's path, twice the lower lip's; with
+# 0.43 chin and lower lip go together, as they do in a face. LW is one corner's path: AR counts both. Width and protrusion are
+# enlarged a little because they are what sets /i e/ apart from /o u/ for a lip reader.
+SCALE = {"LI": 0.70, "LS": 0.40, "AR": 2 * 1.3, "PI": 1.3, "PS": 1.3, "EM": 0.43}
+
+# Protruded lips roll outwards: their inner border, which is what is seen, opens less than the markers do. At 1.5 mm of upper
+# protrusion a quarter less.
+ROLL = 0.25 / 1.5
+
+# Close vowels are closed a little further than the over-articulating speakers have them: a lip reader tells /i/ from /e/ and /u/ from
+# /o/ by the opening first.
+CLOSE = {"i": 0.82, "u": 0.85, "y": 0.85}
+
+VOWEL_CONTEXTS = {"pause": ["pause"], "pbm": ["p", "b", "m"], "fv": ["f"], "tdsz": ["s"], "tʃ": ["tS"], "kgnr": ["g"],
+                  "l": ["l"], "w": ["w"]}
+CONSONANT_CONTEXTS = ["a", "e", "i", "o", "u", "y"]
+
+
+def read(path):
+    rows = {}
+    with open(path, newline="") as f:
+        for r in csv.DictReader(f):
+            rows[r["vowel"], r["consonant"], r["parameter"]] = (float(r["apex"]), float(r["apex_time"]))
+    return rows
+
+
+def num(x, digits):
+    x = round(x, digits)
+    return int(x) if x == int(x) else x
+
+
+def target(rows, param, phone, beside):
+    """Mean over the rows of one phone beside each of some others: (T in mm of the face, t)."""
+    got = [rows[phone, b, SOURCE[param]] for b in beside]
+    T = sum(g[0] for g in got) / len(got) * SCALE[param]
+    t = sum(g[1] for g in got) / len(got)
+    return T, min(0.9, max(0.1, t))
+
+
+def entry(T, t, **more):
+    return {"t": num(t, 3), "T": num(T, 2), **more}
+
+
+def squeeze(table):
+    """One entry "any" where all contexts are equal."""
+    values = list(table.values())
+    return {"any": values[0]} if all(v == values[0] for v in values) else table
+
+
+def vowel_table(rows, row, factor=1.0):
+    table = {}
+    for p in PARAMS:
+        table[p] = {}
+        for context, beside in VOWEL_CONTEXTS.items():
+            T, t = target(rows, p, row, beside)
+            if p in ("LI", "LS"):
+                push = sum(rows[row, b, "ULP"][0] for b in beside) / len(beside)
+                T *= factor * CLOSE.get(row[0], 1) * (1 - ROLL * min(1.5, max(0, push)))
+            table[p][context] = entry(T, t)
+        table[p] = squeeze(table[p])
+    return table
+
+
+def consonant_table(rows, row, **override):
+    """override: parameter -> function of the context that gives (T, t)."""
+    table = {}
+    for p in PARAMS:
+        table[p] = {}
+        for v in CONSONANT_CONTEXTS:
+            T, t = override[p](v) if p in override else target(rows, p, row, [v])
+            table[p][v] = entry(T, t)
+        table[p] = squeeze(table[p])
+    return table
+
+
+# Leone, table 3.2: LI beside /a/.
+PRINTED = {"p": {"t": 0.330, "T": -2.0, "c_bw": 0.881, "c_fw": 2.072},
+           "b": {"t": 0.260, "T": -1.0, "c_bw": 0.584, "c_fw": 2.072},
+           "m": {"t": 0.140, "T": -0.2, "c_bw": 0.386, "c_fw": 0.595}}
+# Activation and release rise from /a/ through /i/ to /u/ (chapter 3.4.3.3); by how much is not printed.
+RISE = {"a": 1.0, "e": 1.1, "i": 1.2, "o": 1.35, "u": 1.5, "y": 1.5}
+# The targets' places differ beside /a/ and fall together beside /u/ (chapter 3.4.3.1); the way between them in equal measure.
+TOGETHER = {"a": 0.0, "e": 0.25, "i": 0.5, "o": 0.75, "u": 1.0, "y": 1.0}
+
+
+def bilabial_table(rows, row):
+    printed = PRINTED[row]
+    table = consonant_table(rows, row)
+    at_a = rows[row, "a", "LLO"][0]
+    for p in ("LI", "LS"):
+        table[p] = {}
+        for v in CONSONANT_CONTEXTS:
+            # The printed pressing beside /a/, changed with the vowel as the markers' pressing changes; the upper lip presses as much
+            # less as it opens less.
+            T = printed["T"] * rows[row, v, "LLO"][0] / at_a
+            if p == "LS":
+                T *= 9 / 16 * SCALE["LS"] / SCALE["LI"]
+            t = printed["t"] + TOGETHER[v] * (PRINTED["p"]["t"] - printed["t"])
+            table[p][v] = entry(T, t, c_bw=num(printed["c_bw"] * RISE[v], 3), c_fw=num(printed["c_fw"] * RISE[v], 3))
+    return table
+
+
+def shape(alpha, k, theta, c, p=(1, 1), beta=(0.025, 0.025)):
+    """theta, c: one number for both sides, or (before, after). beta and p: the thesis's starting values, little shape."""
+    both = lambda x: x if isinstance(x, tuple) else (x, x)
+    (tb, tf), (cb, cf) = both(theta), both(c)
+    return {"alpha": alpha, "k": k, "theta_bw": tb, "theta_fw": tf, "c_bw": cb, "c_fw": cf,
+            "p_bw": p[0], "p_fw": p[1], "beta_bw": beta[0], "beta_fw": beta[1]}
+
+
+def shapes(opening, width, lower_push=None, upper_push=None, upper=None, jaw=None):
+    lower_push = lower_push or width
+    return {"LI": opening, "LS": upper or opening, "AR": width, "PI": lower_push, "PS": upper_push or lower_push,
+            "EM": jaw or opening}
+
+
+def group(kind, viseme, context, coefficients):
+    return {"kind": kind, "viseme": viseme, "context": context, "coefficients": coefficients}
+
+
+# Vowels resist: they end what comes from beyond them. A rounded vowel reaches far back (small theta_bw), so that rounding is seen
+# before the vowel begins.
+OPEN_VOWEL = shape(1, 1, 8, 1)
+SPREAD = shape(1, 1, 12, 1)
+ROUND = shape(1, 1, (4, 9), 1)
+# No dominance: the curve glides from vowel to vowel.
+GLIDE = shape(0, 0, 6, 1)
+WEAK = shape(0.2, 0.2, 8, 1)
+
+GROUPS = {
+    "a": group("vowel", 10, "a", shapes(OPEN_VOWEL, SPREAD)),
+    "e": group("vowel", 11, "e", shapes(OPEN_VOWEL, SPREAD)),
+    "i": group("vowel", 12, "i", shapes(OPEN_VOWEL, SPREAD)),
+    "o": group("vowel", 13, "o", shapes(OPEN_VOWEL, ROUND)),
+    "u": group("vowel", 14, "u", shapes(OPEN_VOWEL, ROUND)),
+    "y": group("vowel", 14, "y", shapes(OPEN_VOWEL, ROUND)),
+    # theta as printed in table 3.2; c comes with the targets.
+    "pbm": group("consonant", 1, "pbm", shapes(shape(1, 1, (8.907, 3.0), 1), WEAK, jaw=shape(0.8, 0.9, 10, 1))),
+    # Dominance just under 1; the lower lip draws back whatever the vowels do.
+    "fv": group("consonant", 2, "fv", shapes(shape(0.97, 1, 12, 1), shape(0.3, 0.3, 9, 1), shape(0.97, 1, 12, 1), WEAK,
+                                             jaw=shape(0.9, 0.9, 12, 1))),
+    "sz": group("consonant", 7, "tdsz", shapes(shape(0.95, 0.9, 15, 1), WEAK)),
+    # Close, hold, open: a flat top and steep flanks; dominance below 1.
+    "tsdz": group("consonant", 7, "tdsz", shapes(shape(0.9, 0.9, 1500, 3), WEAK)),
+    # /t/ moves like /ts dz/, /d/ like /tS dZ/: see the phones.
+    "td": group("consonant", 4, "tdsz", shapes(shape(0.85, 0.8, 15, 1), WEAK)),
+    "tʃdʒ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.85, 0.8, 10, 1))),
+    "ʎɲ": group("consonant", 8, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.3, 0.3, 9, 1))),
+    "ʃ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.9, 0.9, 8, 1))),
+    "gk": group("consonant", 5, "kgnr", shapes(shape(0.25, 0.1, 9, 1), shape(0.1, 0.1, 8, 1))),
+    "lnr": group("consonant", 8, "kgnr", shapes(GLIDE, GLIDE)),
+    "θð": group("consonant", 3, "tdsz", shapes(shape(0.9, 0.9, 15, 1), WEAK)),
+    "w": group("consonant", 14, "w", shapes(shape(0.9, 0.9, 12, 1), shape(1, 1, (5, 9), 1))),
+    "j": group("consonant", 12, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.5, 0.4, 10, 1))),
+    "h": group("consonant", 0, "pause", shapes(GLIDE, GLIDE)),
+}
+
+
+def vowel(rows, sampa, grp, plain, stressed, factor=1.0):
+    return {"sampa": sampa, "group": grp, "targets": vowel_table(rows, plain, factor),
+            "stressed": vowel_table(rows, stressed, factor)}
+
+
+def consonant(rows, sampa, grp, row, contact=None, coefficients=None, viseme=None, table=None, **override):
+    out = {"sampa": sampa, "group": grp}
+    if viseme is not None:
+        out["viseme"] = viseme
+    if contact:
+        out["contact"] = contact
+    if coefficients:
+        out["coefficients"] = coefficients
+    out["targets"] = table or consonant_table(rows, row, **override)
+    return out
+
+
+def lips(press, to):
+    return {"kind": "lips", "from": 0, "to": to, "press": press}
+
+
+def phones(rows):
+    # The lower lip rests against the upper incisors, the upper lip is raised off it so that they show: 2 mm and less are what tells
+    # /f v/ from /p b m/. The markers' 0.5 mm would look closed.
+    def fv(v):
+        return {"LI": (0.4, 0.5), "LS": (0.8 if v in "ouy" else 1.2, 0.5)}
+    # No figures for /L N/: their opening is like that of /tS/ (chapter 3.4.3.2), their width like that of /n/.
+    def palatal(p):
+        return lambda v: target(rows, p, "tS", [v])
+    # /j/ is a short unstressed /i/ in every context.
+    def like_i(p):
+        def get(v):
+            T, _ = target(rows, p, "i", ["pause"])
+            return (T * 0.8 if p in ("LI", "LS", "EM") else T), 0.5
+        return get
+
+    teeth = {"kind": "teeth", "from": 0.1, "to": 0.85, "reach": 0.7, "retract": 1.6}
+    plateau = {p: {k: v for k, v in GROUPS["tsdz"]["coefficients"][p].items() if k[:5] == "theta" or k[0] == "c"}
+               for p in ("LI", "LS", "EM")}
+    fv_over = dict(LI=lambda v: fv(v)["LI"], LS=lambda v: fv(v)["LS"],
+                   PI=lambda v: (min(-1.8, target(rows, "PI", "f", [v])[0]), 0.4))
+    i_over = {p: like_i(p) for p in PARAMS}
+    palatal_over = {p: palatal(p) for p in ("LI", "LS", "EM")}
+    out = {
+        "a": vowel(rows, "a", "a", "a", "a1"),
+        "e": vowel(rows, "e", "e", "e", "e1"),
+        # The figures do not tell open from closed e and o; an open one is a little wider.
+        "ɛ": vowel(rows, "E", "e", "e", "E1", 1.08),
+        "i": vowel(rows, "i", "i", "i", "i1"),
+        "o": vowel(rows, "o", "o", "o", "o1"),
+        "ɔ": vowel(rows, "O", "o", "o", "O1", 1.08),
+        "u": vowel(rows, "u", "u", "u", "u1"),
+        "p": consonant(rows, "p", "pbm", "p", lips(0.25, 0.75), table=bilabial_table(rows, "p")),
+        "b": consonant(rows, "b", "pbm", "b", lips(0.18, 0.85), table=bilabial_table(rows, "b")),
+        "m": consonant(rows, "m", "pbm", "m", lips(0.12, 0.92), table=bilabial_table(rows, "m")),
+        "f": consonant(rows, "f", "fv", "f", teeth, **fv_over),
+        "v": consonant(rows, "v", "fv", "v", teeth, **fv_over),
+        "t": consonant(rows, "t", "td", "t", coefficients=plateau),
+        "d": consonant(rows, "d", "td", "d"),
+        "s": consonant(rows, "s", "sz", "s"),
+        "z": consonant(rows, "z", "sz", "z"),
+        "ts": consonant(rows, "ts", "tsdz", "t", viseme=4),
+        "dz": consonant(rows, "dz", "tsdz", "d", viseme=4),
+        "tʃ": consonant(rows, "tS", "tʃdʒ", "tS"),
+        "dʒ": consonant(rows, "dZ", "tʃdʒ", "tS"),
+        "ʃ": consonant(rows, "S", "ʃ", "SS"),
+        "ʎ": consonant(rows, "L", "ʎɲ", "n", **palatal_over),
+        "ɲ": consonant(rows, "J", "ʎɲ", "n", **palatal_over),
+        "k": consonant(rows, "k", "gk", "k"),
+        "ɡ": consonant(rows, "g", "gk", "g"),
+        "l": consonant(rows, "l", "lnr", "l"),
+        "n": consonant(rows, "n", "lnr", "n"),
+        # The thesis groups /r/ with /l n/; a trill needs the jaw, so it is felt a little.
+        "r": consonant(rows, "r", "lnr", "r", viseme=9, coefficients={p: {"alpha": 0.15} for p in ("LI", "LS", "EM")}),
+        "j": consonant(rows, "j", "j", "i", **i_over),
+        "w": consonant(rows, "w", "w", "w"),
+        # What loan words and the voices bring in.
+        "y": {"sampa": "y", "group": "y", "targets": vowel_table(rows, "y"), "gain": {"LI": 1.1, "LS": 1.1, "EM": 1.1}},
+        "θ": consonant(rows, "T", "θð", "th"),
+        "ð": {"sampa": "D", "like": "θ"},
+        "ʒ": {"sampa": "Z", "like": "ʃ"},
+        "ŋ": {"sampa": "N", "like": "k"},
+        "ɱ": {"sampa": "F", "like": "v"},
+        "ɾ": {"sampa": "4", "like": "r"},
+        "ɪ": {"sampa": "I", "like": {"i": 0.7, "e": 0.3}},
+        "ʊ": {"sampa": "U", "like": {"u": 0.7, "o": 0.3}},
+        "ɒ": {"sampa": "Q", "like": {"ɔ": 0.7, "a": 0.3}},
+        "ə": {"sampa": "@", "like": {"e": 0.6, "o": 0.4}, "gain": {"LI": 0.75, "LS": 0.75, "EM": 0.75}},
+        "h": {"sampa": "h", "group": "h", "targets": {p: {"any": {"t": 0.5, "T": 0}} for p in PARAMS}},
+        "ʔ": {"sampa": "?", "like": "h"},
+        "x": {"sampa": "x", "like": "k"},
+    }
+    return out
+
+
+# None that is also a word which may end a sentence (via, col, don, mar...).
+ABBREVIATIONS = """sig sigg sigra dott dr prof proff ing avv arch geom rag mons egr gent spett cav comm magg serg amm pag pagg pp cap
+ capp vol voll fasc art artt num nr cfr ecc op cit ibid tab tav fig sec sgg segg vs tel av lett trad edd rist prov genn febb lug
+ ago sett ott nov dic ant ital lat gr""".split()
+
+
+def pack(rows):
+    return {
+        "tag": "it",
+        "name": "italiano",
+        "sources": [
+            "Targets and their places: ELITE motion capture of Italian speakers, figures as kept in the open Greta agent, scaled "
+            "as models/tools/make-speech-it.py tells.",
+            "Bilabials beside /a/, viseme groups, findings: E. Leone, LUCIA-WebGL, chapter 3.4 and table 3.2.",
+        ],
+        "voices": ["espeak:it+f2", "espeak:it"],
+        "abbreviations": list(dict.fromkeys(ABBREVIATIONS)),
+        "alphabet": "ipa",
+        # A grown-up's face, mm.
+        "fapu": {"IRISD": 11.7, "ES": 62, "ENS": 42, "MNS": 21, "MW": 50},
+        "rest": {"reach": 0.16, "leave": 0.14, "partial": 0.15,
+                 "coefficients": {p: shape(1, 1, 7, 1, beta=(0, 0)) for p in PARAMS}},
+        "undershoot": {"LI": 0.055, "LS": 0.055, "AR": 0.035, "PI": 0.035, "PS": 0.035, "EM": 0.06},
+        "contexts": {"vowels": list(VOWEL_CONTEXTS), "consonants": CONSONANT_CONTEXTS},
+        "groups": GROUPS,
+        "phones": phones(rows),
+    }
+
+
+def dump(value, depth=0):
+    """JSON with one line for each parameter and context."""
+    text = json.dumps(value, ensure_ascii=False)
+    indent = "  " * depth
+    is_flat = isinstance(value, dict) and not any(isinstance(v, (dict, list)) for v in value.values())
+    if len(indent) + len(text) <= 124 or is_flat and depth:
+        return text
+    if isinstance(value, dict):
+        inner = ",\n".join(f'{indent}  {json.dumps(k, ensure_ascii=False)}: {dump(v, depth + 1)}' for k, v in value.items())
+        return "{\n" + inner + "\n" + indent + "}"
+    if isinstance(value, list) and all(isinstance(v, str) and len(v) < 20 for v in value):
+        lines, line = [], ""
+        for v in value:
+            item = json.dumps(v, ensure_ascii=False) + ", "
+            if len(line) + len(item) > 110:
+                lines.append(line.rstrip())
+                line = ""
+            line += item
+        lines.append(line.rstrip(", "))
+        return "[\n" + "\n".join(f"{indent}  {line}" for line in lines) + "\n" + indent + "]"
+    if isinstance(value, list):
+        return "[\n" + ",\n".join(f"{indent}  {dump(v, depth + 1)}" for v in value) + "\n" + indent + "]"
+    return text
+
+
+if __name__ == "__main__":
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    print(dump(pack(read(sys.argv[1]))))

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/face/engine.h"
+#include <string.h>
+
+/* The first is the default. */
+static const struct face_engine *const engines[] = {&engine_dominance};
+static const char *const names[] = {"dominance", NULL};
+
+const struct face_engine *engine_find(const char *name) {
+    for (size_t i = 0; i < sizeof engines / sizeof *engines; i++)
+        if (!name || !strcmp(engines[i]->name, name))
+            return engines[i];
+    return NULL;
+}
+
+const char *const *face_engines(void) {
+    return names;
+}

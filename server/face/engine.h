@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Visible-speech engines: each makes a layer that moves the mouth from the same timed phones. */
+#ifndef FACCIA_FACE_ENGINE_H
+#define FACCIA_FACE_ENGINE_H
+
+#include "server/face/gestures.h"
+#include "server/face/track.h"
+
+struct face_engine {
+    const char *name;
+    /* The gestures may be freed afterwards; the pack outlives the layer. */
+    struct face_layer (*layer)(const struct speech_pack *pack, const struct gestures *g);
+};
+
+extern const struct face_engine engine_dominance;
+
+/* NULL = the default one. Unknown names find nothing. */
+const struct face_engine *engine_find(const char *name);
+
+#endif

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Reading a JSON file strictly: every value knows where it stands, so that an error names its path
+ * ("phones.p.targets.LI.a.T"). The functions return 0, or -1 after filling the root's error (code "bad-pack",
+ * field = path). */
+#ifndef FACCIA_FACE_JSON_PLACE_H
+#define FACCIA_FACE_JSON_PLACE_H
+
+#include "server/base/error.h"
+#include <jansson.h>
+#include <stdbool.h>
+
+struct json_place {
+    const struct json_place *up; /* NULL at the root */
+    const char *key;             /* NULL for an array's item */
+    size_t index;
+    json_t *json; /* NULL when there is no such value */
+    struct error *error;
+};
+
+/* Reads a file into *root; the caller releases root->json with json_decref. Duplicate keys are an error. */
+int json_place_load(const char *path, struct json_place *root, struct error *e);
+
+struct json_place json_place_key(const struct json_place *up, const char *key);
+struct json_place json_place_item(const struct json_place *up, size_t index);
+
+int json_place_fail(const struct json_place *at, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+int json_place_object(const struct json_place *at);
+int json_place_array(const struct json_place *at);
+/* An object with no other keys than these; the list ends with NULL. */
+int json_place_keys(const struct json_place *at, const char *const *allowed);
+int json_place_real(const struct json_place *at, double min, double max, double *out);
+/* A string that is not empty; *out belongs to the JSON value. */
+int json_place_text(const struct json_place *at, const char **out);
+/* An array of strings, copied; *out ends with NULL; release it with json_texts_free. */
+int json_place_texts(const struct json_place *at, char ***out);
+void json_texts_free(char **texts);
+/* One of the names, as its index. */
+int json_place_choice(const struct json_place *at, const char *const *names, size_t *out);
+
+#endif
