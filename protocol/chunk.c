@@ -43,19 +43,30 @@ static int32_t value_of(const struct fap_frame *f, int n) {
     return fap_frame_has(f, n) ? f->value[n] : 0;
 }
 
+static struct fap_viseme viseme_of(const struct fap_frame *f) {
+    return fap_frame_has(f, 1) ? f->viseme : (struct fap_viseme){0};
+}
+
+static struct fap_expression expression_of(const struct fap_frame *f) {
+    return fap_frame_has(f, 2) ? f->expression : (struct fap_expression){0};
+}
+
+/* Returns the end of the code, for which there is room for CHUNK_FRAME_BYTES_MAX. */
 static uint8_t *put_frame(uint8_t *at, const struct fap_frame *f, const struct fap_frame *before) {
     uint8_t *mask = at;
+    struct fap_viseme viseme = viseme_of(f), viseme_before = viseme_of(before);
+    struct fap_expression expression = expression_of(f), expression_before = expression_of(before);
     memset(mask, 0, FAP_MASK_BYTES);
     at += FAP_MASK_BYTES;
-    if (memcmp(&f->viseme, &before->viseme, sizeof f->viseme)) {
+    if (memcmp(&viseme, &viseme_before, sizeof viseme)) {
         mask[0] |= 1;
-        memcpy(at, &f->viseme, 4);
-        at += 4;
+        memcpy(at, &viseme, sizeof viseme);
+        at += sizeof viseme;
     }
-    if (memcmp(&f->expression, &before->expression, sizeof f->expression)) {
+    if (memcmp(&expression, &expression_before, sizeof expression)) {
         mask[0] |= 2;
-        memcpy(at, &f->expression, 6);
-        at += 6;
+        memcpy(at, &expression, sizeof expression);
+        at += sizeof expression;
     }
     for (int n = 3; n <= FAP_COUNT; n++) {
         int32_t difference = minus(value_of(f, n), value_of(before, n));
@@ -67,16 +78,18 @@ static uint8_t *put_frame(uint8_t *at, const struct fap_frame *f, const struct f
     return at;
 }
 
-size_t chunk_encode(const struct chunk *c, const struct fap_frame *frames, uint8_t *out, size_t cap) {
-    static const struct fap_frame zero;
-    bool bad_audio = c->audio_codec == CHUNK_AUDIO_SILENCE ? c->audio_bytes != 0
-                                                           : c->audio_codec != CHUNK_AUDIO_PCM_S16LE ||
-                                                                 c->audio_bytes != (uint64_t)c->samples * 2;
-    bool bad_fap = c->fap_codec > CHUNK_FAP_PLAIN || (c->fap_codec == CHUNK_FAP_NONE && c->frame_count);
-    size_t most =
-        CHUNK_HEADER_BYTES + (size_t)c->audio_bytes + (size_t)c->frame_count * CHUNK_FRAME_BYTES_MAX;
-    if (bad_audio || bad_fap || cap < most || !c->sample_rate || !c->fps_hundreds)
-        return 0;
+static bool can_encode(const struct chunk *c) {
+    bool pcm = c->audio_codec == CHUNK_AUDIO_PCM_S16LE;
+    if (!pcm && c->audio_codec != CHUNK_AUDIO_SILENCE)
+        return false;
+    if (c->audio_bytes != (pcm ? (uint64_t)c->samples * 2 : 0))
+        return false;
+    if (c->fap_codec > CHUNK_FAP_PLAIN || (c->fap_codec == CHUNK_FAP_NONE && c->frame_count))
+        return false;
+    return c->sample_rate && c->fps_hundreds;
+}
+
+static void put_header(uint8_t *out, const struct chunk *c) {
     out[0] = MAGIC;
     out[1] = CHUNK_VERSION;
     out[2] = c->audio_codec;
@@ -89,13 +102,26 @@ size_t chunk_encode(const struct chunk *c, const struct fap_frame *frames, uint8
     put32(out + 20, c->samples);
     put32(out + 24, c->first_frame);
     put32(out + 28, c->audio_bytes);
-    uint8_t *at = out + CHUNK_HEADER_BYTES;
+}
+
+size_t chunk_encode(const struct chunk *c, const struct fap_frame *frames, uint8_t *out, size_t cap) {
+    static const struct fap_frame zero;
+    if (!can_encode(c) || cap < CHUNK_HEADER_BYTES || cap - CHUNK_HEADER_BYTES < c->audio_bytes)
+        return 0;
+    put_header(out, c);
+    size_t size = CHUNK_HEADER_BYTES;
     if (c->audio_bytes)
-        memcpy(at, c->audio, c->audio_bytes);
-    at += c->audio_bytes;
-    for (unsigned i = 0; i < c->frame_count; i++)
-        at = put_frame(at, &frames[i], i ? &frames[i - 1] : &zero);
-    return (size_t)(at - out);
+        memcpy(out + size, c->audio, c->audio_bytes);
+    size += c->audio_bytes;
+    for (size_t i = 0; i < c->frame_count; i++) {
+        uint8_t code[CHUNK_FRAME_BYTES_MAX];
+        size_t length = (size_t)(put_frame(code, &frames[i], i ? &frames[i - 1] : &zero) - code);
+        if (cap - size < length)
+            return 0;
+        memcpy(out + size, code, length);
+        size += length;
+    }
+    return size;
 }
 
 struct reader {
@@ -150,8 +176,6 @@ static const char *get_frame(struct reader *r, struct fap_frame *f) {
         wrong = get_varint(r, &difference);
         f->value[n] = plus(f->value[n], difference);
     }
-    for (int i = 0; i < FAP_MASK_BYTES; i++)
-        f->mask[i] |= mask[i];
     return wrong;
 }
 
@@ -207,7 +231,7 @@ const char *chunk_decode(const uint8_t *data, size_t size, struct chunk *c, stru
     if (wrong)
         return wrong;
     struct reader r = {data, size, CHUNK_HEADER_BYTES + (size_t)c->audio_bytes};
-    struct fap_frame frame = {0};
+    struct fap_frame frame = {.mask = {255, 255, 255, 255, 255, 255, 255, 255, 15}};
     for (unsigned i = 0; i < c->frame_count && !wrong; i++) {
         wrong = get_frame(&r, &frame);
         if (!wrong && i < frame_cap)

@@ -31,11 +31,12 @@ export class ChunkError extends Error {
  * @property {number} samples duration
  * @property {number} firstFrame number of the first frame; frame k stands at k / fps seconds
  * @property {number} audioCodec AUDIO_*
- * @property {Int16Array|null} audio
+ * @property {Int16Array|null} audio a copy; null for silence
  * @property {number} fapCodec FAP_*
- * @property {Int32Array[]} frames values by FAP number; entry 0 unused, entries 1 and 2 are 0
- * @property {Uint8Array[]} visemes of each frame: select1, select2, blend, def
- * @property {Uint8Array[]} expressions of each frame: select1, intensity1, select2, intensity2, init_face, def
+ * @property {Int32Array[]} frames values by FAP number; entries 0, 1 and 2 are 0
+ * @property {Uint8Array[]} visemes FAP 1 of each frame: select1, select2, blend, def
+ * @property {Uint8Array[]} expressions FAP 2 of each frame: select1, intensity1, select2, intensity2,
+ *   init_face, def
  */
 
 const limits = [
@@ -82,16 +83,18 @@ class FrameReader {
     this.expression = new Uint8Array(6);
   }
 
-  take(count, wrong = 'a value is cut short') {
-    if (this.bytes.length - this.at < count) throw new ChunkError(wrong, this.at);
+  /** Steps over `count` bytes; returns where they begin. */
+  skip(count, wrong = 'a value is cut short') {
+    const begin = this.at;
+    if (this.bytes.length - begin < count) throw new ChunkError(wrong, begin);
     this.at += count;
-    return this.bytes.subarray(this.at - count, this.at);
+    return begin;
   }
 
   varint() {
     let value = 0;
     for (let shift = 0; shift < 35; shift += 7) {
-      const [byte] = this.take(1);
+      const byte = this.bytes[this.skip(1)];
       if (shift === 28 && byte > 0x0f) break;
       value |= (byte & 0x7f) << shift;
       if (byte < 0x80) return (value >>> 1) ^ -(value & 1);
@@ -100,13 +103,14 @@ class FrameReader {
   }
 
   next() {
-    const mask = this.take(MASK_BYTES, "a frame's mask is cut short");
-    if (mask[8] & 0xf0) throw new ChunkError('the mask names a FAP above 68', this.at - 1);
-    if (mask[0] & 1) this.viseme = this.take(4).slice();
-    if (mask[0] & 2) this.expression = this.take(6).slice();
+    const { bytes, values } = this;
+    const mask = this.skip(MASK_BYTES, "a frame's mask is cut short");
+    if (bytes[this.at - 1] & 0xf0) throw new ChunkError('the mask names a FAP above 68', this.at - 1);
+    if (bytes[mask] & 1) this.viseme = bytes.slice(this.skip(4), this.at);
+    if (bytes[mask] & 2) this.expression = bytes.slice(this.skip(6), this.at);
     for (let n = 3; n <= FAP_COUNT; n++)
-      if ((mask[(n - 1) >> 3] >> ((n - 1) & 7)) & 1) this.values[n] += this.varint();
-    return this.values.slice();
+      if ((bytes[mask + ((n - 1) >> 3)] >> ((n - 1) & 7)) & 1) values[n] += this.varint();
+    return values.slice();
   }
 }
 
@@ -116,11 +120,14 @@ class FrameReader {
  * @throws {ChunkError}
  */
 export function decodeChunk(data) {
-  const bytes = data instanceof Uint8Array ? data : new Uint8Array(data);
-  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  // A new view in any case: slice() of Node's Buffer does not copy.
+  const { buffer, byteOffset, byteLength } = ArrayBuffer.isView(data) ? data : new Uint8Array(data);
+  const bytes = new Uint8Array(buffer, byteOffset, byteLength);
+  const view = new DataView(buffer, byteOffset, byteLength);
   const { frameCount, audioBytes, ...chunk } = readHeader(bytes, view);
   const end = HEADER_BYTES + audioBytes;
-  chunk.audio = chunk.audioCodec === AUDIO_SILENCE ? null : new Int16Array(bytes.slice(HEADER_BYTES, end).buffer);
+  const silent = chunk.audioCodec === AUDIO_SILENCE;
+  chunk.audio = silent ? null : new Int16Array(bytes.slice(HEADER_BYTES, end).buffer);
   chunk.frames = [];
   chunk.visemes = [];
   chunk.expressions = [];
@@ -132,6 +139,13 @@ export function decodeChunk(data) {
   }
   if (reader.at !== bytes.length) throw new ChunkError('bytes after the last frame', reader.at);
   return chunk;
+}
+
+/** Little-endian. */
+function putNumber(out, count, value) {
+  if (!Number.isInteger(value) || value < 0 || value >= 256 ** count)
+    throw new RangeError(`${value} does not fit ${count} bytes`);
+  for (let i = 0; i < count; i++) out.push(Math.floor(value / 256 ** i) % 256);
 }
 
 function putVarint(out, difference) {
@@ -160,34 +174,45 @@ function putFrame(out, values, viseme, expression, before) {
   }
 }
 
+function checkForEncoding({ audioCodec, fapCodec, sampleRate, fps, samples, frames }, audioBytes) {
+  const check = (fine, name) => {
+    if (!fine) throw new RangeError(`a media chunk cannot have this ${name}`);
+  };
+  check(audioCodec === AUDIO_SILENCE || audioCodec === AUDIO_PCM_S16LE, 'audioCodec');
+  check(audioBytes === (audioCodec === AUDIO_SILENCE ? 0 : samples * 2), 'audio');
+  check(fapCodec === FAP_PLAIN || (fapCodec === FAP_NONE && frames.length === 0), 'frames');
+  check(sampleRate > 0, 'sampleRate');
+  check(Math.round(fps * 100) > 0, 'fps');
+}
+
 /**
- * @param {Chunk} chunk
+ * @param {Chunk} chunk visemes and expressions may be left out
  * @returns {Uint8Array}
+ * @throws {RangeError} when a member is out of range
  */
 export function encodeChunk(chunk) {
-  const audioBytes = chunk.audio ? chunk.audio.byteLength : 0;
-  const head = new Uint8Array(HEADER_BYTES + audioBytes);
-  const view = new DataView(head.buffer);
-  head.set([MAGIC, VERSION, chunk.audioCodec, chunk.fapCodec]);
-  view.setUint32(4, chunk.utterance, true);
-  view.setUint32(8, chunk.sampleRate, true);
-  view.setUint16(12, Math.round(chunk.fps * 100), true);
-  view.setUint16(14, chunk.frames.length, true);
-  view.setUint32(16, chunk.start, true);
-  view.setUint32(20, chunk.samples, true);
-  view.setUint32(24, chunk.firstFrame, true);
-  view.setUint32(28, audioBytes, true);
-  if (chunk.audio) head.set(new Uint8Array(chunk.audio.buffer, chunk.audio.byteOffset, audioBytes), HEADER_BYTES);
-  const out = [];
-  let before = { values: new Int32Array(FAP_COUNT + 1), viseme: new Uint8Array(4), expression: new Uint8Array(6) };
+  const audioBytes = chunk.audio?.byteLength ?? 0;
+  checkForEncoding(chunk, audioBytes);
+  const out = [MAGIC, VERSION, chunk.audioCodec, chunk.fapCodec];
+  putNumber(out, 4, chunk.utterance);
+  putNumber(out, 4, chunk.sampleRate);
+  putNumber(out, 2, Math.round(chunk.fps * 100));
+  putNumber(out, 2, chunk.frames.length);
+  putNumber(out, 4, chunk.start);
+  putNumber(out, 4, chunk.samples);
+  putNumber(out, 4, chunk.firstFrame);
+  putNumber(out, 4, audioBytes);
+  let before = { values: new Int32Array(FAP_COUNT + 1), viseme: Array(4).fill(0), expression: Array(6).fill(0) };
   chunk.frames.forEach((values, i) => {
     const viseme = chunk.visemes?.[i] ?? before.viseme;
     const expression = chunk.expressions?.[i] ?? before.expression;
     putFrame(out, values, viseme, expression, before);
     before = { values, viseme, expression };
   });
-  const bytes = new Uint8Array(head.length + out.length);
-  bytes.set(head);
-  bytes.set(out, head.length);
+  const bytes = new Uint8Array(out.length + audioBytes);
+  bytes.set(out.slice(0, HEADER_BYTES));
+  const { audio } = chunk;
+  if (audio) bytes.set(new Uint8Array(audio.buffer, audio.byteOffset, audioBytes), HEADER_BYTES);
+  bytes.set(out.slice(HEADER_BYTES), HEADER_BYTES + audioBytes);
   return bytes;
 }

@@ -96,7 +96,9 @@ static bool parse_number(struct word w, double *value) {
 }
 
 static bool is_infinite(struct word w) {
-    return w.size == 4 && !memcmp(w.at, "-inf", 4);
+    if (w.size == 4 && (*w.at == '-' || *w.at == '+'))
+        w = (struct word){w.at + 1, 3};
+    return w.size == 3 && !memcmp(w.at, "inf", 3);
 }
 
 static int read_value(struct reader *r, double min, double max, const char *range, double *value) {
@@ -104,7 +106,7 @@ static int read_value(struct reader *r, double min, double max, const char *rang
     if (!w.size)
         return wrong(r, w.at, "fewer values than the mask has flags");
     if (is_infinite(w)) {
-        *value = 0;
+        *value = 0; /* what some tools write for "nothing" */
         return 0;
     }
     if (!parse_number(w, value))

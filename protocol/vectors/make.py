@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Writes chunks.json: media chunks with their contents, coded here from the text of README.md alone, and damaged ones with the
-byte at which a decoder has to complain. Usage: make.py > chunks.json"""
+byte at which a decoder has to complain. "loose" chunks can be decoded, but an encoder writes them shorter.
+Usage: make.py > chunks.json"""
 import json
 import random
 import struct
@@ -80,6 +81,13 @@ good = [
 ]
 
 
+def recode(name, base, at, old, new):
+    """The chunk `base`, in whose bytes the part at `at` is written in another way."""
+    data = bytes.fromhex(base["hex"])
+    assert data[at:at + len(old)] == old
+    return {**base, "name": name, "hex": (data[:at] + new + data[at + len(old):]).hex()}
+
+
 def damage(name, base, at, change):
     data = bytearray.fromhex(base["hex"])
     change(data)
@@ -92,7 +100,12 @@ def put(at, *values):
     return change
 
 
-one, sound = good[2], good[1]
+one, sound, select = good[2], good[1], good[3]
+loose = [
+    recode("a value in more bytes than it needs", one, 41, varint(500), b"\xe8\x87\x80\x80\x00"),
+    recode("a difference of 0", one, 32, b"\x04" + bytes(8) + varint(500),
+           b"\x0c" + bytes(8) + varint(500) + varint(0)),
+]
 full = len(bytes.fromhex(one["hex"]))
 bad = [
     {"name": "nothing", "hex": "", "at": 0},
@@ -108,8 +121,12 @@ bad = [
     damage("audio that does not fit its samples", sound, 28, put(20, 6)),
     damage("a mask cut short", one, 32, lambda d: d.__delitem__(slice(38, None))),
     damage("a value cut short", one, full - 1, lambda d: d.__delitem__(slice(full - 1, None))),
+    damage("FAP 1 cut short", select, 41, lambda d: d.__delitem__(slice(44, None))),
+    damage("FAP 2 cut short", select, 54, lambda d: d.__delitem__(slice(59, None))),
     damage("FAP 69", one, 40, put(40, 0x10)),
     damage("a value of six bytes", one, 45, lambda d: d.__setitem__(slice(41, None), b"\xff" * 5 + b"\x00")),
+    damage("a value over 32 bits", one, 45, lambda d: d.__setitem__(slice(41, None), b"\xff" * 4 + b"\x10")),
+    damage("more frames than there are", one, full, put(14, 255, 255)),
     damage("a byte too many", one, full, lambda d: d.append(0)),
 ]
-print(json.dumps({"good": good, "bad": bad}, indent=1))
+print(json.dumps({"good": good, "loose": loose, "bad": bad}, indent=1))
