@@ -197,8 +197,8 @@ def consonant(rows, sampa, grp, row, contact=None, coefficients=None, viseme=Non
     return out
 
 
-def lips(press, to):
-    return {"kind": "lips", "from": 0, "to": to, "press": press}
+def lips(press, release):
+    return {"kind": "lips", "onset": 0, "release": release, "press": press}
 
 
 def phones(rows):
@@ -216,7 +216,7 @@ def phones(rows):
             return (T * 0.8 if p in ("LI", "LS", "EM") else T), 0.5
         return get
 
-    teeth = {"kind": "teeth", "from": 0.1, "to": 0.85, "reach": 0.7, "retract": 1.6}
+    teeth = {"kind": "teeth", "onset": 0.008, "release": 0.012, "reach": 0.7, "retract": 1.6}
     plateau = {p: {k: v for k, v in GROUPS["tsdz"]["coefficients"][p].items() if k[:5] == "theta" or k[0] == "c"}
                for p in ("LI", "LS", "EM")}
     fv_over = dict(LI=lambda v: fv(v)["LI"], LS=lambda v: fv(v)["LS"],
@@ -232,9 +232,9 @@ def phones(rows):
         "o": vowel(rows, "o", "o", "o", "o1"),
         "ɔ": vowel(rows, "O", "o", "o", "O1", 1.08),
         "u": vowel(rows, "u", "u", "u", "u1"),
-        "p": consonant(rows, "p", "pbm", "p", lips(0.25, 0.75), table=bilabial_table(rows, "p")),
-        "b": consonant(rows, "b", "pbm", "b", lips(0.18, 0.85), table=bilabial_table(rows, "b")),
-        "m": consonant(rows, "m", "pbm", "m", lips(0.12, 0.92), table=bilabial_table(rows, "m")),
+        "p": consonant(rows, "p", "pbm", "p", lips(0.25, 0.03), table=bilabial_table(rows, "p")),
+        "b": consonant(rows, "b", "pbm", "b", lips(0.18, 0.012), table=bilabial_table(rows, "b")),
+        "m": consonant(rows, "m", "pbm", "m", lips(0.12, 0.008), table=bilabial_table(rows, "m")),
         "f": consonant(rows, "f", "fv", "f", teeth, **fv_over),
         "v": consonant(rows, "v", "fv", "v", teeth, **fv_over),
         "t": consonant(rows, "t", "td", "t", coefficients=plateau),

@@ -8,7 +8,7 @@
  * than late ones, but the release must not swallow the next vowel. */
 #define STRETCH_BEFORE 0.6
 #define MAX_RAMP 0.07
-#define MIN_RAMP 0.004
+#define MIN_RAMP 0.015
 
 static enum contact_kind kind_of(const struct gesture *g) {
     return g->phone ? g->phone->contact.kind : CONTACT_NONE;
@@ -49,9 +49,10 @@ void contacts_from(const struct gestures *g, struct contacts *out) {
         if (!kind_of(item))
             continue;
         const struct contact_rule *rule = &item->phone->contact;
-        double length = item->end - item->start;
-        struct contact c = {
-            .rule = rule, .begin = item->start + rule->from * length, .end = item->start + rule->to * length};
+        double length = (item->end - item->start) / item->phones;
+        struct contact c = {.rule = rule,
+                            .begin = item->start + fmin(rule->onset, CONTACT_MAX_ONSET * length),
+                            .end = item->end - fmin(rule->release, CONTACT_MAX_RELEASE * length)};
         double earliest = limit(g, i, true), latest = limit(g, i, false);
         bool follows = i && kind_of(item - 1) == rule->kind;
         if (follows) { /* one closure for both */

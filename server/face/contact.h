@@ -7,9 +7,13 @@
 
 #include "server/face/gestures.h"
 
-/* A contact lasts at least this long, s, so that one frame of 25 a second always falls into it. A stretch of
- * at most 17 ms before and after a sound of 8 ms is below what viewers notice (40 ms lead, 60 ms lag for p b
- * m: Leone, "LUCIA-WebGL", chapter 1). */
+/* In short phones onset and release shrink to these parts of the phone. */
+#define CONTACT_MAX_ONSET 0.2
+#define CONTACT_MAX_RELEASE 0.45
+
+/* A contact lasts at least this long, s, so that one frame of 25 a second always falls into it. The stretch
+ * stays below what viewers notice: p b m may lead the sound by 40 ms and lag by 60 ms (Leone, "LUCIA-WebGL",
+ * chapter 1). */
 #define CONTACT_MIN_SECONDS 0.042
 
 struct contact {

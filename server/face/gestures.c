@@ -44,10 +44,11 @@ static void add(struct gestures *g, const struct speech_phone *phone, double sta
     struct gesture *last = g->count ? &g->items[g->count - 1] : NULL;
     if (last && last->phone == phone && (!phone || !speech_phone_is_vowel(phone))) {
         last->end = end;
+        last->phones++;
         return;
     }
     g->items = mem_grow(g->items, &g->cap, g->count + 1, sizeof *g->items);
-    g->items[g->count++] = (struct gesture){phone, start, end, stress};
+    g->items[g->count++] = (struct gesture){phone, start, end, stress, 1};
 }
 
 static bool has_stress(const struct utterance *u) {

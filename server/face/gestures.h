@@ -10,6 +10,7 @@ struct gesture {
     const struct speech_phone *phone; /* NULL = pause */
     double start, end;                /* s */
     double stress;                    /* 0 none .. 1 primary */
+    unsigned phones;                  /* of the utterance that it stands for: 2 for a geminate said as two */
 };
 
 struct gestures {

@@ -40,7 +40,17 @@ const struct speech_phone *speech_pack_phone(const struct speech_pack *pack, con
     return phone ? phone : find_sampa(pack, key, bytes);
 }
 
-/* Copies without ties and stress marks, which keys do not have. */
+/* Nasal vowels may come as one character: their letter, which a tilde follows. */
+static uint32_t without_tilde(uint32_t code) {
+    static const uint32_t letters[][2] = {{0xE3, 'a'},  {0xF5, 'o'},   {0x129, 'i'},
+                                          {0x169, 'u'}, {0x1EBD, 'e'}, {0x1EF9, 'y'}};
+    for (size_t i = 0; i < sizeof letters / sizeof *letters; i++)
+        if (letters[i][0] == code)
+            return letters[i][1];
+    return 0;
+}
+
+/* Copies without ties and stress marks, which keys do not have, and with tildes set apart. */
 static size_t clean(const char *ipa, char out[NAME_BYTES]) {
     size_t n = strlen(ipa), used = 0, step;
     for (size_t i = 0; i < n; i += step) {
@@ -53,6 +63,12 @@ static size_t clean(const char *ipa, char out[NAME_BYTES]) {
         bool is_tie = code == 0x361 || code == 0x35C, is_stress = code == 0x2C8 || code == 0x2CC;
         if (is_tie || is_stress || used + step >= NAME_BYTES)
             continue;
+        uint32_t letter = without_tilde(code);
+        if (letter && used + 3 < NAME_BYTES) {
+            out[used++] = (char)letter;
+            used += utf8_put(0x303, out + used);
+            continue;
+        }
         memcpy(out + used, ipa + i, step);
         used += step;
     }

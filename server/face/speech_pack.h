@@ -38,10 +38,10 @@ enum contact_kind { CONTACT_NONE, CONTACT_LIPS, CONTACT_TEETH };
 /* What has to touch while the phone lasts, whatever the speech rate. */
 struct contact_rule {
     enum contact_kind kind;
-    double from, to; /* part of the phone, 0..1 */
-    double press;    /* LIPS: mm that the inner lips are pressed beyond touching */
-    double reach;    /* TEETH: mm below its rest at which the lower lip meets the upper incisors */
-    double retract;  /* TEETH: mm that it lies behind its rest */
+    double onset, release; /* s after the phone's start and before its end; see contact.h */
+    double press;          /* LIPS: mm that the inner lips are pressed beyond touching */
+    double reach;          /* TEETH: mm below its rest at which the lower lip meets the upper incisors */
+    double retract;        /* TEETH: mm that it lies behind its rest */
 };
 
 struct speech_group {

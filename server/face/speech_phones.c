@@ -133,10 +133,10 @@ static int read_parts(struct reader *r, const struct json_place *at, struct spee
 static int read_contact(const struct json_place *at, struct contact_rule *contact) {
     static const char *const kinds[] = {"none", "lips", "teeth", NULL};
     static const char *const keys[3][6] = {{"kind", NULL},
-                                           {"kind", "from", "to", "press", NULL},
-                                           {"kind", "from", "to", "reach", "retract", NULL}};
-    struct json_place kind = json_place_key(at, "kind"), from = json_place_key(at, "from"),
-                      to = json_place_key(at, "to"), press = json_place_key(at, "press"),
+                                           {"kind", "onset", "release", "press", NULL},
+                                           {"kind", "onset", "release", "reach", "retract", NULL}};
+    struct json_place kind = json_place_key(at, "kind"), onset = json_place_key(at, "onset"),
+                      release = json_place_key(at, "release"), press = json_place_key(at, "press"),
                       reach = json_place_key(at, "reach"), retract = json_place_key(at, "retract");
     size_t k;
     if (json_place_object(at) || json_place_choice(&kind, kinds, &k) || json_place_keys(at, keys[k]))
@@ -144,7 +144,8 @@ static int read_contact(const struct json_place *at, struct contact_rule *contac
     *contact = (struct contact_rule){.kind = (enum contact_kind)k};
     if (k == CONTACT_NONE)
         return 0;
-    if (json_place_real(&from, 0, 1, &contact->from) || json_place_real(&to, contact->from, 1, &contact->to))
+    if (json_place_real(&onset, 0, 0.1, &contact->onset) ||
+        json_place_real(&release, 0, 0.1, &contact->release))
         return -1;
     if (k == CONTACT_LIPS)
         return json_place_real(&press, 0.02, 1, &contact->press);

@@ -19,7 +19,8 @@ struct raw_target {
     double at;
     struct coefficients c;
     enum target_kind kind;
-    double reached; /* how much of the way from the neighbours' targets it gets */
+    double reached; /* how much of the way from the neighbours it gets */
+    double leaves;  /* where its neighbours' ways begin: its target, or touching where that lies beyond */
 };
 
 struct raw_list {
@@ -90,16 +91,16 @@ static struct coefficients of_phone(const struct gesture *g, const struct contex
 }
 
 static void add(struct raw_list *list, double at, const struct coefficients *c, enum target_kind kind,
-                double reached) {
+                double reached, double leaves) {
     if (c->alpha <= 0)
         return;
     list->items = mem_grow(list->items, &list->cap, list->count + 1, sizeof *list->items);
-    list->items[list->count++] = (struct raw_target){at, *c, kind, reached};
+    list->items[list->count++] = (struct raw_target){at, *c, kind, reached, leaves};
 }
 
 static void add_rest(struct raw_list *list, double at, const struct speech_rest *rest, int p,
                      double reached) {
-    add(list, at, &rest->coefficients[p], TARGET_REST, reached);
+    add(list, at, &rest->coefficients[p], TARGET_REST, reached, 0);
 }
 
 static void add_pause(struct raw_list *list, const struct gesture *g, const struct speech_rest *rest, int p,
@@ -115,14 +116,19 @@ static void add_pause(struct raw_list *list, const struct gesture *g, const stru
         add_rest(list, g->end - fmin(rest->leave, length), rest, p, 1);
 }
 
+/* Lips that are pressed together begin to open from where they touch. */
+static bool is_pressed(const struct gesture *g, int p) {
+    return g->phone->contact.kind == CONTACT_LIPS && (p == PARAM_LI || p == PARAM_LS);
+}
+
 static void add_phone(struct raw_list *list, const struct gesture *g, const struct contexts *contexts,
                       double undershoot, int p) {
     struct coefficients c = of_phone(g, contexts, p);
     double length = g->end - g->start, at = g->start + c.t * length; /* (3.19) */
     if (is_vowel(g))
-        add(list, at, &c, TARGET_VOWEL, covered(length, undershoot));
+        add(list, at, &c, TARGET_VOWEL, covered(length, undershoot), c.T);
     else
-        add(list, at, &c, TARGET_CONSONANT, 1);
+        add(list, at, &c, TARGET_CONSONANT, 1, is_pressed(g, p) ? fmax(0, c.T) : c.T);
 }
 
 /* Mean target of the neighbours that the target is measured against, weighted by their dominance: a vowel's
@@ -136,7 +142,7 @@ static double origin(const struct raw_list *list, size_t i) {
         const struct raw_target *neighbour = &list->items[side < 0 ? i - 1 : i + 1];
         if (neighbour->kind == self->kind)
             continue;
-        sum += neighbour->c.alpha * neighbour->c.T;
+        sum += neighbour->c.alpha * neighbour->leaves;
         weights += neighbour->c.alpha;
     }
     return weights > 0 ? sum / weights : self->c.T;

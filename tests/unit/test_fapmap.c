@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/face/fapmap.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* One mm is 1024 / 20.48 = 50 units of MNS and 1024 / 51.2 = 20 of MW. */
+static const struct speech_fapu fapu = {.irisd = 12, .es = 64, .ens = 40, .mns = 20.48, .mw = 51.2};
+
+#define NEAR(a, b) assert_true(fabs((a) - (b)) < 1e-9)
+
+static void rest_is_neutral(void **state) {
+    (void)state;
+    double faps[FAP_COUNT + 1] = {0};
+    fapmap_add(&fapu, (double[PARAM_COUNT]){0}, faps);
+    for (int n = 0; n <= FAP_COUNT; n++)
+        assert_true(faps[n] == 0);
+}
+
+/* Senses of the FAP table: a lowered lower lip is negative raise_b_midlip, a raised upper lip negative
+ * lower_t_midlip. */
+static void has_the_senses_of_the_table(void **state) {
+    (void)state;
+    double faps[FAP_COUNT + 1] = {0};
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_LI] = 4}, faps);
+    NEAR(faps[5], -200);
+    NEAR(faps[4], 0);
+    assert_true(faps[10] < -100 && faps[10] > -200 && faps[11] == faps[10]);
+    assert_true(faps[52] < -100 && faps[57] < 0 && faps[58] == faps[57] && faps[51] == 0 && faps[55] == 0);
+
+    memset(faps, 0, sizeof faps);
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_LS] = 2}, faps);
+    NEAR(faps[4], -100);
+    assert_true(faps[5] == 0 && faps[8] < -50 && faps[9] == faps[8] && faps[51] < -50 && faps[55] < 0 &&
+                faps[56] == faps[55]);
+
+    memset(faps, 0, sizeof faps);
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_AR] = -6}, faps);
+    NEAR(faps[6], -60); /* 3 mm each */
+    NEAR(faps[7], -60);
+    NEAR(faps[53], -60);
+    NEAR(faps[54], -60);
+    assert_true(faps[12] < 0 && faps[41] == 0);
+
+    memset(faps, 0, sizeof faps);
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_PI] = -2, [PARAM_PS] = 3}, faps);
+    NEAR(faps[16], -100);
+    NEAR(faps[17], 150);
+
+    memset(faps, 0, sizeof faps);
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_EM] = 10}, faps);
+    NEAR(faps[3], 500);
+    /* open_jaw does not move the lips; the corners sink with it. */
+    assert_true(faps[4] == 0 && faps[5] == 0 && faps[12] < 0 && faps[12] == faps[13] && faps[59] == faps[12]);
+    NEAR(faps[8] + faps[10], 0);
+}
+
+static void adds_to_what_is_there(void **state) {
+    (void)state;
+    double faps[FAP_COUNT + 1];
+    for (int n = 0; n <= FAP_COUNT; n++)
+        faps[n] = 7;
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_LI] = 1}, faps);
+    NEAR(faps[5], 7 - 50);
+    NEAR(faps[4], 7);
+    NEAR(faps[68], 7);
+}
+
+static void a_narrow_mouth_closes_at_its_sides(void **state) {
+    (void)state;
+    double wide[FAP_COUNT + 1] = {0}, narrow[FAP_COUNT + 1] = {0};
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_LI] = 4}, wide);
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_LI] = 4, [PARAM_AR] = -6}, narrow);
+    NEAR(wide[4] + wide[5], narrow[4] + narrow[5]);
+    assert_true(wide[8] + wide[10] < narrow[8] + narrow[10] && narrow[8] + narrow[10] < 0);
+}
+
+static const struct contact_rule lips = {.kind = CONTACT_LIPS, .press = 0.2};
+static const struct contact_rule teeth = {.kind = CONTACT_TEETH, .reach = 0.5, .retract = 2};
+
+static void closes_lips_on_demand(void **state) {
+    (void)state;
+    struct contact_demand demand[CONTACT_TEETH + 1] = {[CONTACT_LIPS] = {&lips, 1}};
+    double faps[FAP_COUNT + 1] = {[4] = -100, [5] = -300, [8] = -50, [10] = -150, [9] = 20, [11] = 20};
+    fapmap_touch(&fapu, demand, faps);
+    NEAR(faps[4] + faps[5], 10); /* 0.2 mm */
+    NEAR(faps[8] + faps[10], 10);
+    NEAR(faps[9] + faps[11], 40); /* was closed already */
+    assert_true(faps[5] > -50 && faps[52] > 200);
+
+    double half[FAP_COUNT + 1] = {[4] = -100, [5] = -290};
+    demand[CONTACT_LIPS].weight = 0.5;
+    fapmap_touch(&fapu, demand, half);
+    NEAR(half[4] + half[5], -190);
+}
+
+static void brings_the_lip_to_the_teeth_on_demand(void **state) {
+    (void)state;
+    struct contact_demand demand[CONTACT_TEETH + 1] = {[CONTACT_TEETH] = {&teeth, 1}};
+    double faps[FAP_COUNT + 1] = {[4] = -60, [5] = -300, [16] = 20};
+    fapmap_touch(&fapu, demand, faps);
+    NEAR(faps[5], -25);
+    NEAR(faps[16], -100);
+    NEAR(faps[4], -60);
+    double there[FAP_COUNT + 1] = {[5] = -10, [16] = -150};
+    fapmap_touch(&fapu, demand, there);
+    NEAR(there[5], -10);
+    NEAR(there[16], -150);
+}
+
+static void parts_lips_that_overlap(void **state) {
+    (void)state;
+    double limit = FAPMAP_MAX_PRESS * 50;
+    double faps[FAP_COUNT + 1] = {[4] = 60, [5] = 100, [8] = -30, [10] = 30, [51] = 60, [52] = 100};
+    fapmap_part_lips(&fapu, faps);
+    NEAR(faps[4] + faps[5], limit);
+    NEAR(faps[5] - faps[4], 40); /* each gives way alike */
+    NEAR(faps[8], -30);
+    NEAR(faps[10], 30);
+    NEAR(faps[51], 60);
+    NEAR(faps[52], 100);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(rest_is_neutral),         cmocka_unit_test(has_the_senses_of_the_table),
+        cmocka_unit_test(adds_to_what_is_there),   cmocka_unit_test(a_narrow_mouth_closes_at_its_sides),
+        cmocka_unit_test(closes_lips_on_demand),   cmocka_unit_test(brings_the_lip_to_the_teeth_on_demand),
+        cmocka_unit_test(parts_lips_that_overlap),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

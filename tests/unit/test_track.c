@@ -1,0 +1,434 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/mem.h"
+#include "server/face/track.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { RATE = 22050, PRESS_LIMIT = 16 }; /* press: FAPMAP_MAX_PRESS in FAP units, rounded up */
+
+static int load(void **state) {
+    struct error e = {0};
+    *state = speech_pack_load(SOURCE_ROOT "/models/speech/it.json", &e);
+    return *state ? 0 : -1;
+}
+
+static int unload(void **state) {
+    speech_pack_free(*state);
+    return 0;
+}
+
+/* Phones as "p.080 'a.120 _.300": name, duration in ms, a quote before a stressed one. Durations are
+ * multiplied by stretch. */
+static struct utterance *utter(const char *text, double stretch) {
+    struct utterance *u = mem_alloc(sizeof *u);
+    u->sample_rate = RATE;
+    char *copy = mem_strdup(text), *save;
+    double at = 0;
+    for (char *item = strtok_r(copy, " ", &save); item; item = strtok_r(NULL, " ", &save)) {
+        u->phones = mem_resize(u->phones, (u->phone_count + 1) * sizeof *u->phones);
+        struct phone *p = &u->phones[u->phone_count++];
+        char *dot = strchr(item, '.');
+        *p = (struct phone){.stress = *item == '\'' ? 2 : 0, .start = (uint32_t)at};
+        *dot = '\0';
+        item += p->stress != 0;
+        if (strcmp(item, "_") != 0)
+            snprintf(p->ipa, sizeof p->ipa, "%s", item);
+        at += atof(dot + 1) / 1000 * stretch * RATE;
+        p->end = (uint32_t)at;
+    }
+    u->samples = (uint32_t)at;
+    free(copy);
+    return u;
+}
+
+static void done(struct utterance *u) {
+    free(u->phones);
+    free(u);
+}
+
+static void count_warning(void *ctx, const char *message) {
+    assert_true(strlen(message) > 10);
+    ++*(int *)ctx;
+}
+
+static struct face_track *track_of(const struct speech_pack *pack, const struct utterance *u) {
+    struct face_options options = {.still = true};
+    return face_track_new(pack, u, &options, NULL, NULL);
+}
+
+static int top_and_bottom(const struct fap_frame *f, int upper, int lower) {
+    return f->value[upper] + f->value[lower];
+}
+
+static bool is_closed(const struct fap_frame *f) {
+    return top_and_bottom(f, 4, 5) >= 0 && top_and_bottom(f, 8, 10) >= 0 && top_and_bottom(f, 9, 11) >= 0;
+}
+
+static bool is_bilabial(const struct phone *p) {
+    return strchr("pbm", p->ipa[0]) && p->ipa[0];
+}
+
+/* La mamma parla piano; papà beve il caffè, troppo vino; abbiamo; campo, ombra. At 1: about 160 words a
+ * minute. */
+static const char speech[] = "l.063 a.050 m.069 'a.065 m.075 m.070 a.040 p.080 'a.100 r.040 l.050 a.045 "
+                             "p.080 j.087 'a.087 n.070 o.046 _.200 p.070 a.060 p.068 "
+                             "'a.084 b.064 'ɛ.082 v.050 e.072 i.093 l.040 k.084 a.066 f.076 f.076 'ɛ.157 "
+                             "_.150 t.080 r.045 'ɔ.080 p.070 p.070 o.060 v.060 'i.110 "
+                             "n.060 o.080 _.100 a.050 b.060 bː.090 j.050 'a.090 m.060 o.060 k.080 'a.090 "
+                             "m.055 p.060 o.070 'o.080 m.060 b.050 r.040 a.080 _.300";
+
+static void check_closures(const struct speech_pack *pack, double stretch, struct face_layer *layer) {
+    struct utterance *u = utter(speech, stretch);
+    struct face_track *track = track_of(pack, u);
+    if (layer)
+        face_track_add(track, *layer);
+    struct fap_frame f;
+    for (size_t i = 0; i < u->phone_count; i++) {
+        const struct phone *p = &u->phones[i];
+        if (!is_bilabial(p))
+            continue;
+        /* From the beginning of the closure to the release: the last 45 %, and at most 30 ms, of a phone may
+         * belong to the release. */
+        double start = (double)p->start / RATE, length = (double)(p->end - p->start) / RATE;
+        double end = start + length - fmin(0.45 * length, 0.03);
+        for (double t = start; t <= end; t += 0.001) {
+            face_track_sample(track, t, &f);
+            if (!is_closed(&f))
+                fail_msg("stretch %g: phone %zu, %s, open at %.3f (%.3f..%.3f)", stretch, i, p->ipa, t, start,
+                         end);
+        }
+        /* However the frames fall, at 25 a second one of them shows it. */
+        for (double phase = 0; phase < 0.04; phase += 0.005) {
+            int closed = 0;
+            for (double t = phase + 0.04 * floor((start - 0.04) / 0.04); t < end + 0.04; t += 0.04) {
+                face_track_sample(track, t, &f);
+                closed += t > 0 && is_closed(&f);
+            }
+            assert_true(closed > 0);
+        }
+    }
+    face_track_free(track);
+    done(u);
+}
+
+static void closes_bilabials_at_every_rate(void **state) {
+    for (double wpm = 80; wpm <= 450; wpm += 10)
+        check_closures(*state, 160 / wpm, NULL);
+}
+
+/* Pulls the lips apart with all its might. */
+static void open_wide(void *self, double t, double faps[FAP_COUNT + 1]) {
+    (void)self;
+    (void)t;
+    static const int inner[] = {4, 5, 8, 9, 10, 11};
+    for (size_t i = 0; i < 6; i++)
+        faps[inner[i]] -= 400;
+    faps[16] += 300;
+}
+
+static void no_layer_opens_a_closure(void **state) {
+    struct face_layer layer = {open_wide, NULL, NULL};
+    check_closures(*state, 1, &layer);
+    check_closures(*state, 0.4, &layer);
+}
+
+static void brings_the_lip_to_the_teeth(void **state) {
+    for (double wpm = 80; wpm <= 450; wpm += 10) {
+        struct utterance *u = utter(speech, 160 / wpm);
+        struct face_track *track = track_of(*state, u);
+        for (size_t i = 0; i < u->phone_count; i++) {
+            const struct phone *p = &u->phones[i];
+            if (!p->ipa[0] || !strchr("fv", p->ipa[0]))
+                continue;
+            struct fap_frame f;
+            face_track_sample(track, (double)(p->start + p->end) / 2 / RATE, &f);
+            /* 0.7 mm below rest and 1.6 mm behind it, on a face with 21 mm from nose to mouth. */
+            assert_true(f.value[5] >= -35 && f.value[16] <= -78);
+            /* The upper lip leaves the teeth free: no bilabial. */
+            assert_true(f.value[4] < -20 && !is_closed(&f));
+        }
+        face_track_free(track);
+        done(u);
+    }
+}
+
+static void lips_never_pass_through_each_other(void **state) {
+    for (double stretch = 0.3; stretch < 2.2; stretch += 0.1) {
+        struct utterance *u = utter(speech, stretch);
+        struct face_track *track = track_of(*state, u);
+        for (double t = -0.1; t < (double)u->samples / RATE + 0.2; t += 0.005) {
+            struct fap_frame f;
+            face_track_sample(track, t, &f);
+            assert_true(top_and_bottom(&f, 4, 5) <= PRESS_LIMIT);
+            assert_true(top_and_bottom(&f, 8, 10) <= PRESS_LIMIT);
+            assert_true(top_and_bottom(&f, 9, 11) <= PRESS_LIMIT);
+            /* An open mouth is most open in the middle. */
+            if (top_and_bottom(&f, 4, 5) < -10)
+                assert_true(top_and_bottom(&f, 4, 5) <= top_and_bottom(&f, 8, 10));
+        }
+        face_track_free(track);
+        done(u);
+    }
+}
+
+static void rests_before_and_after(void **state) {
+    struct utterance *u = utter(speech, 1);
+    struct face_track *track = track_of(*state, u);
+    double end = (double)u->samples / RATE;
+    const double times[] = {-100, -0.01, 0, end, end + 0.01, end + 1000};
+    struct fap_frame f;
+    for (size_t i = 0; i < sizeof times / sizeof *times; i++) {
+        face_track_sample(track, times[i], &f);
+        for (int n = 3; n <= FAP_COUNT; n++)
+            assert_int_equal(f.value[n], 0);
+        assert_int_equal(f.viseme.select1, 0);
+    }
+    /* No jump into or out of it. */
+    face_track_sample(track, 0.005, &f);
+    assert_in_range(f.value[3], 0, 20);
+    face_track_sample(track, end - 0.005, &f);
+    assert_in_range(f.value[3], 0, 20);
+    face_track_free(track);
+    done(u);
+}
+
+static void moves_without_jumps(void **state) {
+    struct utterance *u = utter(speech, 1);
+    struct face_track *track = track_of(*state, u);
+    struct fap_frame before, now;
+    face_track_sample(track, 0, &before);
+    for (double t = 0.01; t < (double)u->samples / RATE; t += 0.01) {
+        face_track_sample(track, t, &now);
+        for (int n = 3; n <= 18; n++) {
+            double mm = abs(now.value[n] - before.value[n]) * (n == 6 || n == 7 ? 50 : 21) / 1024.0;
+            if (mm > 4.5) /* 450 mm/s: lips reach 300 to 400 */
+                fail_msg("FAP %d moves %.1f mm in 10 ms at %.2f", n, mm, t);
+        }
+        before = now;
+    }
+    face_track_free(track);
+    done(u);
+}
+
+static double gap_at(struct face_track *track, double t) {
+    struct fap_frame f;
+    face_track_sample(track, t, &f);
+    return -top_and_bottom(&f, 4, 5) * 21 / 1024.0;
+}
+
+static void shows_vowels(void **state) {
+    struct utterance *u =
+        utter("_.200 p.080 'a.130 p.080 'i.130 p.080 'u.130 p.080 a.060 p.080 a.150 _.300", 1);
+    struct face_track *track = track_of(*state, u);
+    struct fap_frame i, w;
+    double a = gap_at(track, 0.345), short_a = gap_at(track, 0.94), long_a = gap_at(track, 1.125);
+    assert_true(a > 8 && a < 14);
+    assert_true(short_a < 0.8 * long_a && short_a > 1); /* undershoot */
+    assert_true(gap_at(track, 0.555) < 0.75 * a && gap_at(track, 0.765) < gap_at(track, 0.555));
+    face_track_sample(track, 0.56, &i);
+    face_track_sample(track, 0.78, &w);
+    assert_true(i.value[6] > 25 && i.value[7] == i.value[6]);
+    assert_true(w.value[6] < -60 && w.value[16] > 40 && w.value[17] > 60);
+    face_track_free(track);
+    done(u);
+}
+
+static void anticipates_rounding(void **state) {
+    struct utterance *u = utter("_.200 'a.120 s.060 t.060 r.050 'u.120 t.070 i.100 _.300", 1);
+    struct face_track *track = track_of(*state, u);
+    struct fap_frame early, late;
+    face_track_sample(track, 0.43, &early); /* end of the t, 60 ms before the u */
+    face_track_sample(track, 0.55, &late);
+    assert_true(early.value[6] < -25);
+    assert_true(early.value[6] > late.value[6]);
+    face_track_free(track);
+    done(u);
+}
+
+static void samples_in_any_order(void **state) {
+    struct utterance *u = utter(speech, 1);
+    struct face_track *a = track_of(*state, u), *b = track_of(*state, u);
+    struct fap_frame x, y;
+    uint32_t random = 1;
+    for (int i = 0; i < 2000; i++) {
+        random = random * 1664525 + 1013904223;
+        double t = (double)(random >> 8) / (1 << 24) * u->samples / RATE;
+        face_track_sample(a, t, &x);
+        struct face_track *fresh = i % 100 ? NULL : track_of(*state, u);
+        face_track_sample(fresh ? fresh : b, t, &y);
+        assert_memory_equal(&x, &y, sizeof x);
+        face_track_free(fresh);
+    }
+    face_track_free(a);
+    face_track_free(b);
+    done(u);
+}
+
+static void push_everything(void *self, double t, double faps[FAP_COUNT + 1]) {
+    (void)t;
+    for (int n = 3; n <= FAP_COUNT; n++)
+        faps[n] += *(double *)self;
+}
+
+static void clamps_and_masks(void **state) {
+    struct utterance *u = utter("'a.200", 1);
+    for (int sign = -1; sign <= 1; sign += 2) {
+        double push = sign * 1e8;
+        struct face_track *track = track_of(*state, u);
+        face_track_add(track, (struct face_layer){push_everything, NULL, &push});
+        struct fap_frame f;
+        face_track_sample(track, 0.1, &f);
+        assert_true(fap_frame_has(&f, 1) && !fap_frame_has(&f, 2));
+        for (int n = 3; n <= FAP_COUNT; n++) {
+            assert_true(fap_frame_has(&f, n));
+            assert_in_range(f.value[n] - fap_table[n].min, 0, fap_table[n].max - fap_table[n].min);
+        }
+        assert_int_equal(f.value[48], sign < 0 ? fap_table[48].min : fap_table[48].max);
+        face_track_free(track);
+    }
+    done(u);
+}
+
+static void lives_by_its_seed(void **state) {
+    struct utterance *u = utter("_.500", 1);
+    struct face_options options = {.seed = 7, .begin = 100};
+    struct face_track *a = face_track_new(*state, u, &options, NULL, NULL),
+                      *b = face_track_new(*state, u, &options, NULL, NULL);
+    options.begin = 110;
+    struct face_track *later = face_track_new(*state, u, &options, NULL, NULL);
+    options.seed = 8;
+    struct face_track *other = face_track_new(*state, u, &options, NULL, NULL);
+    struct fap_frame f, g;
+    int blinks = 0, differences = 0;
+    bool was_closed = false;
+    for (int i = 0; i < 25 * 600; i++) {
+        double t = i / 25.0;
+        face_track_sample(a, t, &f);
+        face_track_sample(b, t, &g);
+        assert_memory_equal(&f, &g, sizeof f);
+        face_track_sample(later, t - 10, &g);
+        for (int n = 3; n <= FAP_COUNT; n++)
+            assert_in_range(f.value[n] - g.value[n] + 1, 0, 2); /* the clock runs on over utterances */
+        face_track_sample(other, t - 10, &g);
+        differences += f.value[49] != g.value[49];
+        assert_int_equal(f.value[23], -f.value[49]); /* the eyes stay where they look */
+        assert_in_range(abs(f.value[48]) + abs(f.value[49]) + abs(f.value[50]), 0, 3 * 1745 * 2);
+        assert_int_equal(f.value[19], f.value[20]);
+        bool is_shut = f.value[19] > 700;
+        blinks += is_shut && !was_closed;
+        was_closed = is_shut;
+        assert_int_equal(f.value[3], 0);
+    }
+    assert_in_range(blinks, 10 * 17, 10 * 30);
+    assert_true(differences > 10000);
+    face_track_free(a);
+    face_track_free(b);
+    face_track_free(later);
+    face_track_free(other);
+    done(u);
+}
+
+static void begins_life_at_the_neutral_face(void **state) {
+    struct utterance *u = utter("_.500", 1);
+    struct face_options options = {.seed = 7};
+    struct face_track *track = face_track_new(*state, u, &options, NULL, NULL);
+    struct fap_frame f;
+    face_track_sample(track, 0, &f);
+    for (int n = 3; n <= FAP_COUNT; n++)
+        assert_int_equal(f.value[n], 0);
+    face_track_free(track);
+    done(u);
+}
+
+static void blends_visemes(void **state) {
+    struct utterance *u = utter("p.100 'a.100 f.100", 1);
+    struct face_track *track = track_of(*state, u);
+    struct fap_frame f;
+    face_track_sample(track, 0.05, &f);
+    assert_int_equal(f.viseme.select1, 1);
+    assert_int_equal(f.viseme.blend, 63);
+    face_track_sample(track, 0.1, &f);
+    assert_int_equal(f.viseme.select1, 1);
+    assert_int_equal(f.viseme.select2, 10);
+    assert_in_range(f.viseme.blend, 31, 32);
+    face_track_sample(track, 0.25, &f);
+    assert_int_equal(f.viseme.select1, 2);
+    face_track_sample(track, 5, &f);
+    assert_int_equal(f.viseme.select1, 0);
+    face_track_free(track);
+    done(u);
+}
+
+static void reports_unknown_phones_once(void **state) {
+    struct utterance *u = utter("ɯ.100 p.080 ɯ.100 ʘ.080 a.100", 1);
+    struct face_options options = {.still = true};
+    int warnings = 0;
+    struct face_track *track = face_track_new(*state, u, &options, count_warning, &warnings);
+    assert_int_equal(warnings, 2);
+    assert_true(gap_at(track, 0.05) > 1); /* shown like another vowel */
+    face_track_free(track);
+    done(u);
+}
+
+static void bears_odd_utterances(void **state) {
+    static const char *const odd[] = {"p.000",
+                                      "a.000 b.000 a.000",
+                                      "s.080 t.080 r.050",
+                                      "_.010",
+                                      "_.500",
+                                      "p.080 p.080 p.080",
+                                      "a.001 m.001 a.001",
+                                      "mmm.100 aiueo.200 ptk.100",
+                                      "_.030 a.100 _.030"};
+    struct fap_frame f;
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+        struct utterance *u = utter(odd[i], 1);
+        struct face_track *track = track_of(*state, u);
+        for (double t = -0.1; t < 0.6; t += 0.003) {
+            face_track_sample(track, t, &f);
+            assert_true(top_and_bottom(&f, 4, 5) <= PRESS_LIMIT);
+        }
+        face_track_free(track);
+        done(u);
+    }
+    struct utterance nothing = {0};
+    struct face_track *track = track_of(*state, &nothing);
+    face_track_sample(track, 0, &f);
+    assert_int_equal(f.value[3], 0);
+    face_track_free(track);
+}
+
+static void names_its_engines(void **state) {
+    (void)state;
+    assert_string_equal(face_engines()[0], "dominance");
+    assert_null(face_engines()[1]);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(closes_bilabials_at_every_rate),
+        cmocka_unit_test(no_layer_opens_a_closure),
+        cmocka_unit_test(brings_the_lip_to_the_teeth),
+        cmocka_unit_test(lips_never_pass_through_each_other),
+        cmocka_unit_test(rests_before_and_after),
+        cmocka_unit_test(moves_without_jumps),
+        cmocka_unit_test(shows_vowels),
+        cmocka_unit_test(anticipates_rounding),
+        cmocka_unit_test(samples_in_any_order),
+        cmocka_unit_test(clamps_and_masks),
+        cmocka_unit_test(lives_by_its_seed),
+        cmocka_unit_test(begins_life_at_the_neutral_face),
+        cmocka_unit_test(blends_visemes),
+        cmocka_unit_test(reports_unknown_phones_once),
+        cmocka_unit_test(bears_odd_utterances),
+        cmocka_unit_test(names_its_engines),
+    };
+    return cmocka_run_group_tests(tests, load, unload);
+}
