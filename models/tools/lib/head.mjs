@@ -8,6 +8,7 @@ import { jawActions } from './act-jaw.mjs';
 import { mouthActions } from './act-mouth.mjs';
 import { tongueActions } from './act-tongue.mjs';
 import { readBase } from './assets.mjs';
+import { layOut } from './atlas.mjs';
 import { eyePart } from './eye.mjs';
 import { readTopology } from './hm08.mjs';
 import { measureUnits, pointOf, readLandmarks } from './landmarks.mjs';
@@ -16,6 +17,7 @@ import { mouthGrid } from './mouth-grid.mjs';
 import { closeLips, setLids } from './neutral.mjs';
 import { packHead } from './pack.mjs';
 import { applyActions, applyHeadTurns, proxyPart, skinPart } from './parts.mjs';
+import { longEdges, refine, skinDetail } from './refine.mjs';
 import { buildShape, targetInMm } from './shape.mjs';
 import { makeTextures } from './textures.mjs';
 
@@ -29,11 +31,11 @@ export async function buildHead(assets, recipe) {
   const ctx = makeContext(assets, base, topology, p, eyes);
 
   ctx.grid = gridOf(ctx, recipe);
-  closeLips(p, topology, ctx.grid);
+  closeLips(p, topology, ctx.grid, recipe.faps.mouth.tuck);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
   for (const side of ['l', 'r']) setLids(ctx, side, lidWeights(ctx, side, recipe.faps.lids), recipe.eyes.iris / 2);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
-  const eyeSpec = eyeGeometry(recipe.eyes);
+  const eyeSpec = eyeGeometry(recipe.eyes, eyes.radius - recipe.eyes.inset);
   ctx.fdp['3.5'] = [eyes.l[0], eyes.l[1], eyes.l[2] + eyeSpec.radius + eyeSpec.bulge];
   ctx.fdp['3.6'] = [eyes.r[0], eyes.r[1], eyes.r[2] + eyeSpec.radius + eyeSpec.bulge];
   ctx.fapu = measureUnits(ctx.fdp);
@@ -48,12 +50,16 @@ export async function buildHead(assets, recipe) {
   const head = headTurns(ctx, recipe.faps.head);
 
   const parts = makeParts(ctx, recipe, eyeSpec);
+  parts[0] = refine(parts[0], skinDetail(ctx, parts[0], recipe.parts.skin));
+  layOut(parts[0], recipe.skin.atlas);
+  const hair = parts.findIndex((part) => part.name === 'hair');
+  parts[hair] = refine(parts[hair], longEdges(parts[hair], recipe.parts.hair.longestEdge));
   for (const part of parts) {
     if (recipe.parts[part.name].follows !== false) applyActions(part, actions, LEAST_MOVE);
     applyHeadTurns(part, head);
     part.material = recipe.parts[part.name].material;
   }
-  const textures = await makeTextures(ctx, recipe, parts, eyeSpec);
+  const textures = await makeTextures({ ctx, recipe, parts, eyeSpec });
   const materials = Object.fromEntries(Object.entries(recipe.materials).filter(([, m]) => m));
   return packHead({ recipe, fapu: ctx.fapu, fdp: ctx.fdp, turns: [...actions.turns, ...head.turns], textures, materials, parts });
 }
@@ -87,13 +93,13 @@ function gridOf(ctx, recipe) {
 }
 
 /** Angles at the eyeball from the widths in mm that the recipe gives. */
-function eyeGeometry(eyes) {
-  const half = (width) => Math.asin(width / 2 / (eyes.radius + eyes.bulge * 0.6));
+function eyeGeometry(eyes, radius) {
+  const half = (width) => Math.asin(width / 2 / (radius + eyes.bulge * 0.6));
   const irisAngle = half(eyes.iris), pupilAngle = half(eyes.iris * eyes.pupil);
   const inside = Array.from({ length: 4 }, (_, i) => (pupilAngle * (i + 1)) / 4);
   const iris = Array.from({ length: 5 }, (_, i) => pupilAngle + ((irisAngle - pupilAngle) * (i + 1)) / 5);
   const white = Array.from({ length: 9 }, (_, i) => irisAngle + ((eyes.span - irisAngle) * (i + 1)) / 9);
-  return { ...eyes, irisAngle, pupilAngle, bulgeAngle: irisAngle * 1.25, rings: [...inside, ...iris, ...white] };
+  return { ...eyes, radius, irisAngle, pupilAngle, bulgeAngle: irisAngle * 1.25, rings: [...inside, ...iris, ...white] };
 }
 
 function makeParts(ctx, recipe, eyeSpec) {

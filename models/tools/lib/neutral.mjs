@@ -5,9 +5,10 @@ import { piecewise } from './zones.mjs';
 
 /**
  * Brings the two inner lip lines together where the base mesh leaves a gap; both give way by half, and the change fades
- * over the lips and into the mouth with the inner share of the grid.
+ * over the lips and into the mouth with the inner share of the grid. `tuck` (mm) then puts the lower line a little up and back
+ * behind the upper one, so that no light comes through between the vertices.
  */
-export function closeLips(p, topology, grid) {
+export function closeLips(p, topology, grid, tuck) {
   const line = (side, from, to) => {
     const points = topology.mouth[side][MOUTH_CONTACT].slice(from, to + 1)
       .map((v) => [Math.abs(p[v * 3]), p[v * 3 + 1], p[v * 3 + 2]]);
@@ -24,7 +25,8 @@ export function closeLips(p, topology, grid) {
     const side = p[v * 3] >= 0 ? 'l' : 'r';
     const sign = grid.lower[v] === 0.5 ? 0 : grid.lower[v] > 0.5 ? -1 : 1;
     const x = p[v * 3];
-    for (const k of [1, 2]) p[v * 3 + k] += sign * grid.inner[v] * shift[side](x, k);
+    const hidden = sign < 0 ? tuck * grid.inner[v] ** 2 : 0;
+    for (const k of [1, 2]) p[v * 3 + k] += sign * grid.inner[v] * shift[side](x, k) + hidden * (k === 1 ? 0.6 : -1);
   }
 }
 

@@ -5,8 +5,12 @@ import { eyeAngle } from './eye.mjs';
 import { fractal, noise } from './noise.mjs';
 import { smoothstep } from './zones.mjs';
 
-/** @param {object} spec eye geometry @param {object} look the recipe's colours @returns {Float32Array} size x size x 3 */
-export function paintEye(size, spec, look) {
+/**
+ * @param {object} spec eye geometry @param {object} look the recipe's colours
+ * @param {(angle: number, turn: number) => number} sky share of the sky that a point of the eye sees between the lids
+ * @returns {Float32Array} size x size x 3
+ */
+export function paintEye(size, spec, look, sky) {
   const iris = look.iris.map(([at, colour]) => [at, hex(colour)]);
   const white = look.sclera.map(([at, colour]) => [at, hex(colour)]);
   const vessel = hex(look.vessel), limbus = hex(look.limbus), pupil = hex(look.pupilColour);
@@ -22,10 +26,29 @@ export function paintEye(size, spec, look) {
       const shade = mix(fibre, limbus, smoothstep(0.68, 1, inIris) * look.limbusStrength);
       c = mix(shade, c, smoothstep(0.97, 1.13, inIris));
       c = mix(pupil, c, smoothstep(-0.06, 0.1, inIris + 0.03 * noise(turn * 9, 4)));
-      out.set(c, (j * size + i) * 3);
+      const light = look.shadeFloor + (1 - look.shadeFloor) * smoothstep(0, look.shadeOpen, sky(angle, turn));
+      out.set(c.map((v, k) => v * light ** look.shadeTint[k]), (j * size + i) * 3);
     }
   }
   return out;
+}
+
+/** The occlusion of both eyes' vertices, averaged, as a function of the place on the eye. */
+export function eyeSky(spec, lists) {
+  const n = spec.columns;
+  const mean = (r, c) => {
+    const v = r < 0 ? 0 : 1 + r * n + (((c % n) + n) % n);
+    return lists.reduce((sum, list) => sum + list[v], 0) / lists.length;
+  };
+  return (angle, turn) => {
+    let r = -1;
+    while (r < spec.rings.length - 2 && spec.rings[r + 1] < angle) r++;
+    const inner = r < 0 ? 0 : spec.rings[r], outer = spec.rings[r + 1];
+    const t = Math.min(1, (angle - inner) / (outer - inner));
+    const column = (turn / (2 * Math.PI)) * n, c = Math.floor(column), u = column - c;
+    const around = (ring) => mean(ring, c) * (1 - u) + mean(ring, c + 1) * u;
+    return around(r) * (1 - t) + around(r + 1) * t;
+  };
 }
 
 /** Fibres: noise that is stretched along the radius and meets itself at the full turn. */

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** The parts of the head: skin cut from the base mesh, proxies fitted to it, and for each its share in the actions. */
 import { readProxy } from './assets.mjs';
+import { EYE_MARGIN } from './hm08.mjs';
 import { triangulate } from './mesh.mjs';
+import { nearestOnLine } from './zones.mjs';
 
 /** @returns part with `refs`: for each vertex [base vertex, weight] pairs, and `position` in mm */
 export function skinPart(ctx, spec) {
@@ -9,7 +11,7 @@ export function skinPart(ctx, spec) {
   const group = base.groups.indexOf('body');
   const keep = (f) => f.group === group && f.v.every((v) => p[v * 3 + 1] > spec.cut.y && Math.abs(p[v * 3]) < spec.cut.x);
   const mesh = triangulate(base.faces, base.uvs, keep);
-  return finish('skin', mesh, mesh.source.map((v) => [[v, 1]]), (v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]], mesh.source);
+  return finish('skin', mesh, mesh.source.map((v) => [[v, 1]]), (v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]);
 }
 
 /** A proxy: p = sum of weights * base vertices + offset. */
@@ -17,16 +19,25 @@ export function proxyPart(ctx, name, spec, keep) {
   const proxy = readProxy(ctx.assets, spec.proxy);
   const { p } = ctx;
   const refs = proxy.refs.map((three, i) => three.map((v, j) => [v, proxy.weights[i][j]]).filter(([, w]) => w !== 0));
-  const place = (i) => [0, 1, 2].map((k) => refs[i].reduce((sum, [v, w]) => sum + w * p[v * 3 + k], 0)
+  const fitted = (i) => [0, 1, 2].map((k) => refs[i].reduce((sum, [v, w]) => sum + w * p[v * 3 + k], 0)
     + proxy.offsets[i][k] * 100 * (spec.scale ?? 1) + (spec.shift?.[k] ?? 0));
+  const place = spec.shorten ? (i) => shortened(ctx, fitted(i), spec.shorten) : fitted;
   const mesh = triangulate(proxy.faces, proxy.uvs, keep ? (f) => keep(f, refs) : undefined);
-  return { ...finish(name, mesh, mesh.source.map((i) => refs[i]), place, mesh.source), proxy };
+  return { ...finish(name, mesh, mesh.source.map((i) => refs[i]), place), proxy };
 }
 
-function finish(name, mesh, refs, place, source) {
+/** Draws a lash towards its root, the nearest point of the lids' margins. */
+function shortened({ p, topology }, q, factor) {
+  const loop = (q[0] > 0 ? topology.eye.l : topology.eye.r)[EYE_MARGIN];
+  const points = loop.map((v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]);
+  const root = nearestOnLine(points, points, q, true).value;
+  return root.map((x, k) => x + (q[k] - x) * factor);
+}
+
+function finish(name, mesh, refs, place) {
   return {
-    name, refs, uv: mesh.uv, index: mesh.index, smooth: mesh.smooth, source,
-    position: Float64Array.from(source.flatMap(place)), moves: [], turns: [],
+    name, refs, uv: mesh.uv, index: mesh.index, smooth: mesh.smooth,
+    position: Float64Array.from(mesh.source.flatMap(place)), moves: [], turns: [],
   };
 }
 

@@ -8,7 +8,7 @@ import { groupVertices } from './mesh.mjs';
 
 const MM_PER_UNIT = 100;
 
-/** @returns {{p: Float64Array, eyes: {l: number[], r: number[]}}} p is the shape in mm */
+/** @returns {{p: Float64Array, eyes: {l: number[], r: number[], radius: number}}} p is the shape in mm */
 export function buildShape(assets, base, recipe) {
   const p = Float64Array.from(base.positions);
   for (const [name, weight] of Object.entries(recipe.shape)) {
@@ -16,11 +16,12 @@ export function buildShape(assets, base, recipe) {
     for (let i = 0; i < p.length; i++) p[i] += d[i] * weight;
   }
   for (let i = 0; i < p.length; i++) p[i] *= MM_PER_UNIT;
-  const l = sphereCentre(p, groupVertices(base, 'helper-l-eye'));
-  const r = sphereCentre(p, groupVertices(base, 'helper-r-eye'));
-  const origin = l.map((x, k) => (x + r[k]) / 2);
+  const l = fitSphere(p, groupVertices(base, 'helper-l-eye'));
+  const r = fitSphere(p, groupVertices(base, 'helper-r-eye'));
+  const origin = l.centre.map((x, k) => (x + r.centre[k]) / 2);
   for (let i = 0; i < p.length; i++) p[i] -= origin[i % 3];
-  return { p, eyes: { l: l.map((x, k) => x - origin[k]), r: r.map((x, k) => x - origin[k]) } };
+  const place = (c) => c.map((x, k) => x - origin[k]);
+  return { p, eyes: { l: place(l.centre), r: place(r.centre), radius: (l.radius + r.radius) / 2 } };
 }
 
 /** A morph target in mm. */
@@ -29,10 +30,10 @@ export function targetInMm(assets, name) {
 }
 
 /**
- * Centre of the sphere that fits the points best in the algebraic sense: |q|^2 = 2 c.q + k, linear in c and k. The eye
+ * The sphere that fits the points best in the algebraic sense: |q|^2 = 2 c.q + k, linear in c and k = r^2 - |c|^2. The eye
  * helper is a sphere with a bulge for the cornea; the bulge is few points and shifts the centre by a few tenths of a mm.
  */
-function sphereCentre(p, vertices) {
+function fitSphere(p, vertices) {
   const m = Array.from({ length: 4 }, () => new Float64Array(5));
   for (const v of vertices) {
     const q = [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]];
@@ -43,7 +44,8 @@ function sphereCentre(p, vertices) {
       m[i][4] += row[i] * rhs;
     }
   }
-  return Array.from(solve(m)).slice(0, 3);
+  const [x, y, z, k] = solve(m);
+  return { centre: [x, y, z], radius: Math.sqrt(k + x * x + y * y + z * z) };
 }
 
 /** Gauss elimination with pivoting of n rows of n + 1 columns. */

@@ -1,28 +1,54 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The textures of a head, as WebP. */
+/** The textures of a head, as WebP: painted, or the package's with new colours. */
 import path from 'node:path';
-import sharp from 'sharp';
-import { paintEye } from './paint-eye.mjs';
+import { occlusion } from './bake.mjs';
+import { bleed, readImage, recolour, writeImage } from './image.mjs';
+import { normals } from './mesh.mjs';
+import { eyeSky, paintEye } from './paint-eye.mjs';
+import { paintHair } from './paint-hair.mjs';
+import { paintSkin } from './paint-skin.mjs';
 
-export async function makeTextures(ctx, recipe, parts, eyeSpec) {
+const PAINTERS = {
+  eye: paintBothEyes,
+  skin: paintSkin,
+  asset: paintAsset,
+};
+
+/** @param {{ctx: object, recipe: object, parts: object[], eyeSpec: object}} scene */
+export async function makeTextures(scene) {
   const out = {};
-  for (const [name, spec] of Object.entries(recipe.textures)) {
-    const image = spec.paint === 'eye'
-      ? fromFloats(paintEye(spec.size, eyeSpec, recipe.eyes.look), spec.size, 3)
-      : sharp(assetFile(ctx, spec, parts)).resize(spec.size, spec.size);
-    const data = await image.webp({ quality: spec.quality ?? 85, alphaQuality: 90, effort: 6 }).toBuffer();
+  for (const [name, spec] of Object.entries(scene.recipe.textures)) {
+    const image = await PAINTERS[spec.paint](spec, scene);
+    const data = await writeImage(image, spec.quality ?? 85);
     out[name] = { type: 'image/webp', width: spec.size, height: spec.size, data };
   }
   return out;
+}
+
+function paintBothEyes({ size }, { recipe, parts, eyeSpec }) {
+  const named = (name) => parts.find((part) => part.name === name);
+  const { occlusion: rules } = recipe.skin;
+  const sky = ['eye_l', 'eye_r'].map((name) => occlusion(named(name), normals(named(name).position, named(name).index, null),
+    [{ part: named('skin'), weight: 1 }], { ...rules, bias: 0.3 }));
+  return { size, data: paintEye(size, eyeSpec, recipe.eyes.look, eyeSky(eyeSpec, sky)) };
+}
+
+async function paintAsset(spec, { ctx, parts }) {
+  const image = await readImage(assetFile(ctx, spec, parts), spec.size);
+  if (spec.ramp) recolour(image, spec.ramp);
+  if (spec.strands) paintHair(image, spec.strands);
+  if (spec.alpha) sharpenAlpha(image, spec.alpha);
+  bleed(image, spec.size / 32);
+  return image;
+}
+
+/** Alpha between `low` and `high` (0..1) becomes the whole range: thin strands survive the cut at one half. */
+function sharpenAlpha({ data }, [low, high]) {
+  for (let i = 3; i < data.length; i += 4) data[i] = Math.min(255, Math.max(0, ((data[i] / 255 - low) / (high - low)) * 255));
 }
 
 function assetFile(ctx, spec, parts) {
   if (spec.file) return ctx.assets.data(spec.file);
   const { proxy } = parts.find((part) => part.material === spec.material);
   return path.join(proxy.folder, proxy.texture);
-}
-
-function fromFloats(pixels, size, channels) {
-  const bytes = Buffer.from(Uint8ClampedArray.from(pixels, Math.round).buffer);
-  return sharp(bytes, { raw: { width: size, height: size, channels } });
 }

@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * The skin's texture, painted on the surface in millimetres: a base tone with some of the package's texture in it, zones of
+ * colour round feature points, lips, lid margins, brows' underpainting, mottling, pores and freckles, and ambient occlusion.
+ */
+import { dilate, eachTexel, occlusion } from './bake.mjs';
+import { hex, mix } from './color.mjs';
+import { readImage } from './image.mjs';
+import { normals } from './mesh.mjs';
+import { fractal, noise } from './noise.mjs';
+import { eyeLines, lidPaint } from './paint-lids.mjs';
+import { lipPaint, lipParameter } from './paint-lips.mjs';
+import { ellipsoid, smoothstep } from './zones.mjs';
+
+export async function paintSkin(spec, scene) {
+  const { ctx, recipe, parts } = scene;
+  const look = recipe.skin;
+  const part = parts.find((x) => x.name === 'skin');
+  const size = spec.size;
+  const source = await readImage(ctx.assets.data(look.file), 2048);
+  const vertexNormals = normals(part.position, part.index, part.smooth);
+  const stops = (names) => names.map((name) => ({ part: parts.find((x) => x.name === name), weight: look.occlusion.parts[name] }));
+  const sky = occlusion(part, vertexNormals, stops(Object.keys(look.occlusion.parts)), look.occlusion);
+  const open = occlusion(part, vertexNormals, [{ ...stops(['hair'])[0], weight: 1 }], look.scalp);
+  const zones = look.zones.flatMap((z) => z.points.map((name) => ({
+    weight: ellipsoid(ctx.fdp[name].map((x, k) => x + z.shift[k] * (k === 0 ? Math.sign(x) || 1 : 1)), z.radii, z.flat ?? 0),
+    colour: hex(z.colour), strength: z.strength,
+  })));
+  const onPart = (list) => part.refs.map((refs) => refs.reduce((sum, [v, w]) => sum + w * list[v], 0));
+  const lips = lipParameter(ctx);
+  const [lipT, lipDepth, lipS] = [lips.t, lips.depth, ctx.grid.s].map(onPart);
+  const lids = eyeLines(ctx);
+  const tone = hex(look.tone), scalp = hex(look.scalp.colour);
+  const data = new Float32Array(size * size * 3);
+  const done = eachTexel(part, size, (texel, a, b, c, wa, wb, wc) => {
+    const at = (list, stride, k) => wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
+    const q = [0, 1, 2].map((k) => at(part.position, 3, k));
+    const attribute = (list) => wa * list[a] + wb * list[b] + wc * list[c];
+    const light = Math.min(1, (wa * sky[a] + wb * sky[b] + wc * sky[c]) / look.occlusion.open);
+    let colour = mix(tone, sampled(source, at(part.sourceUv, 2, 0), at(part.sourceUv, 2, 1)), look.fromPackage);
+    for (const z of zones) {
+      const w = z.weight(q[0], q[1], q[2]);
+      if (w > 0) colour = mix(colour, z.colour, w * z.strength);
+    }
+    colour = mottle(colour, q, look);
+    colour = lidPaint(colour, q, lids, look.lids);
+    colour = lipPaint(colour, q, attribute(lipT), attribute(lipDepth), attribute(lipS), look.lips);
+    colour = pores(colour, q, look, attribute(lipT));
+    const covered = 1 - (wa * open[a] + wb * open[b] + wc * open[c]);
+    colour = mix(shade(colour, light, look.occlusion), scalp, smoothstep(look.scalp.from, look.scalp.to, covered));
+    data.set(colour, texel * 3);
+  });
+  dilate(data, done, size, 12);
+  return { size, data };
+}
+
+/** Uneven blood and pigment: slow noise in redness and in lightness. */
+function mottle(c, q, look) {
+  const red = fractal(q[0] / 14, q[1] / 14, q[2] / 14, 3) * look.mottle;
+  const light = fractal(q[0] / 22 + 50, q[1] / 22, q[2] / 22, 3) * look.mottle * 0.6;
+  return [c[0] * (1 + light + red * 0.25), c[1] * (1 + light - red * 0.55), c[2] * (1 + light - red * 0.5)];
+}
+
+/** Pores, fine creases and a few freckles; not on the lips. */
+function pores(c, q, look, lipT) {
+  const skin = smoothstep(1, 1.25, lipT);
+  if (!skin) return c;
+  const fine = noise(q[0] / 0.55, q[1] / 0.55, q[2] / 0.55) * 0.6 + noise(q[0] / 0.28, q[1] / 0.28, q[2] / 0.28) * 0.4;
+  const k = 1 + fine * look.pores * skin;
+  const spot = smoothstep(0.62, 0.86, noise(q[0] / 1.9 + 9, q[1] / 1.9, q[2] / 1.9)) * Math.max(0, noise(q[0] / 13, q[1] / 13, q[2] / 13 + 4));
+  const f = spot * look.freckles * skin;
+  return [c[0] * k * (1 - f * 0.25), c[1] * k * (1 - f * 0.45), c[2] * k * (1 - f * 0.6)];
+}
+
+/** Light that comes through less sky turns warmer: blue goes first. */
+function shade(c, light, { strength, tint }) {
+  return c.map((x, k) => x * (1 - strength * (1 - light ** tint[k])));
+}
+
+function sampled(image, u, v) {
+  const { size, data } = image;
+  const x = Math.min(size - 1.001, Math.max(0, u * size - 0.5)), y = Math.min(size - 1.001, Math.max(0, (1 - v) * size - 0.5));
+  const i = Math.floor(x), j = Math.floor(y), fx = x - i, fy = y - j;
+  const at = (dx, dy, k) => data[((j + dy) * size + i + dx) * 4 + k];
+  return [0, 1, 2].map((k) => (at(0, 0, k) * (1 - fx) + at(1, 0, k) * fx) * (1 - fy) + (at(0, 1, k) * (1 - fx) + at(1, 1, k) * fx) * fy);
+}
