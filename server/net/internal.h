@@ -50,6 +50,7 @@ struct socket *socket_open(struct net *net, struct lws *wsi);
 void socket_close(struct socket *socket);
 int socket_receive(struct socket *socket, const char *data, size_t size);
 int socket_writeable(struct socket *socket);
+int socket_timer(struct socket *socket); /* -1: a client that takes nothing */
 
 /* exchange.c: one HTTP request and its answer. Every function returns what the libwebsockets callback has to return. */
 struct exchange *exchange_open(struct net *net, struct lws *wsi);

@@ -108,7 +108,7 @@ int net_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
     case LWS_CALLBACK_SERVER_WRITEABLE:
         return socket_writeable(session->socket);
     case LWS_CALLBACK_TIMER:
-        return -1; /* a client that takes nothing */
+        return socket_timer(session->socket);
     case LWS_CALLBACK_CLOSED:
         if (session->socket)
             socket_close(session->socket);

@@ -23,22 +23,47 @@ struct socket {
     bool too_long;                  /* its rest is being dropped */
     struct outgoing *first, **last;
     size_t unsent;
-    bool doomed; /* the client took nothing for too long */
+    uint64_t progress; /* loop time of the last message that left, or of the first that waits, ms */
+    bool watching;     /* the timer is set */
+    bool deaf;         /* hears no more of one who does not listen, until he does */
+    bool doomed;       /* the client took nothing for too long */
     const struct model *model; /* being sent, part by part */
     size_t model_part;
 };
+
+/* libwebsockets cannot take a timer back, so this one is set again while there is something to watch. */
+static void watch_stall(struct socket *s) {
+    if (!s->watching)
+        lws_set_timer_usecs(s->wsi, (lws_usec_t)s->net->options.stall_seconds * LWS_US_PER_SEC);
+    s->watching = true;
+}
+
+int socket_timer(struct socket *s) {
+    uint64_t still = uv_now(s->net->studio->loop) - s->progress;
+    s->watching = false;
+    if (!s->first)
+        return 0;
+    if (still >= (uint64_t)s->net->options.stall_seconds * 1000)
+        return -1;
+    watch_stall(s);
+    return 0;
+}
 
 static void push(struct socket *s, struct outgoing *o, size_t size, enum lws_write_protocol type) {
     o->next = NULL;
     o->size = size;
     o->type = type;
-    if (!s->first)
-        lws_set_timer_usecs(s->wsi, (lws_usec_t)s->net->options.stall_seconds * LWS_US_PER_SEC);
+    if (!s->first) {
+        s->progress = uv_now(s->net->studio->loop);
+        watch_stall(s);
+    }
     *s->last = o;
     s->last = &o->next;
     s->unsent += size;
-    if (s->unsent > s->net->options.send_bytes)
-        lws_rx_flow_control(s->wsi, 0); /* hear no more of one who does not listen */
+    if (!s->deaf && s->unsent > s->net->options.send_bytes) {
+        s->deaf = true;
+        lws_rx_flow_control(s->wsi, 0);
+    }
     if (s->unsent > s->net->options.send_bytes_max)
         s->doomed = true;
     lws_callback_on_writable(s->wsi);
@@ -107,7 +132,14 @@ void socket_close(struct socket *s) {
 }
 
 static void speak(struct socket *s, const struct speech_request *request) {
-    stream_speak(s->stream, request);
+    unsigned limit = s->net->options.text_bytes;
+    struct error e;
+    if (request->text_size <= limit) {
+        stream_speak(s->stream, request);
+        return;
+    }
+    error_in_field(&e, "text-too-long", "text", "a text may have %u bytes", limit);
+    stream_refuse(s->stream, request->id, &e);
 }
 
 static void speak_json(struct socket *s, const json_t *message) {
@@ -211,7 +243,11 @@ static void hear(struct socket *s, const char *data, size_t size) {
         json_decref(message);
         return;
     }
-    error_at_byte(&e, "bad-json", (size_t)why.position, "%s", why.text);
+    /* jansson counts the character that it stumbled over, unless it was the end */
+    size_t at = (size_t)why.position;
+    if (at && json_error_code(&why) != json_error_premature_end_of_input)
+        at--;
+    error_at_byte(&e, "bad-json", at, "%s", why.text);
     push_error(s, &e);
 }
 
@@ -254,10 +290,11 @@ int socket_writeable(struct socket *s) {
         s->last = &s->first;
     s->unsent -= o->size;
     free(o);
-    if (s->unsent <= s->net->options.send_bytes)
+    if (s->deaf && s->unsent <= s->net->options.send_bytes) {
+        s->deaf = false;
         lws_rx_flow_control(s->wsi, 1);
-    lws_set_timer_usecs(s->wsi, s->first ? (lws_usec_t)s->net->options.stall_seconds * LWS_US_PER_SEC
-                                         : LWS_SET_TIMER_USEC_CANCEL);
+    }
+    s->progress = uv_now(s->net->studio->loop);
     if (!s->first && s->model)
         push_model_part(s);
     if (s->first)

