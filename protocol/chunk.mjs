@@ -202,7 +202,11 @@ export function encodeChunk(chunk) {
   putNumber(out, 4, chunk.samples);
   putNumber(out, 4, chunk.firstFrame);
   putNumber(out, 4, audioBytes);
-  let before = { values: new Int32Array(FAP_COUNT + 1), viseme: Array(4).fill(0), expression: Array(6).fill(0) };
+  let before = {
+    values: new Int32Array(FAP_COUNT + 1),
+    viseme: Array(4).fill(0),
+    expression: Array(6).fill(0),
+  };
   chunk.frames.forEach((values, i) => {
     const viseme = chunk.visemes?.[i] ?? before.viseme;
     const expression = chunk.expressions?.[i] ?? before.expression;

@@ -8,8 +8,8 @@ export const FAP_COUNT = 68;
 export const AU = 1e-5;
 
 /**
- * @typedef {{number: number, name: string, group: number, unit: string, bidirectional: boolean, direction: string,
- *   fdp: string, quant_step: number, i_steps: number, p_steps: number, min: number, max: number}} Fap
+ * @typedef {{number: number, name: string, group: number, unit: string, bidirectional: boolean,
+ *   direction: string, fdp: string, quant_step: number, i_steps: number, p_steps: number, min: number, max: number}} Fap
  * @type {Fap[]} indexed by FAP number
  */
 export const faps = [];

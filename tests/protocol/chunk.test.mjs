@@ -4,7 +4,13 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
 import {
-  AUDIO_PCM_S16LE, AUDIO_SILENCE, ChunkError, decodeChunk, encodeChunk, FAP_NONE, FAP_PLAIN,
+  AUDIO_PCM_S16LE,
+  AUDIO_SILENCE,
+  ChunkError,
+  decodeChunk,
+  encodeChunk,
+  FAP_NONE,
+  FAP_PLAIN,
 } from '../../protocol/chunk.mjs';
 
 const vectors = JSON.parse(fs.readFileSync(new URL('../../protocol/vectors/chunks.json', import.meta.url)));
@@ -43,7 +49,10 @@ for (const vector of vectors.loose)
 
 for (const vector of vectors.bad)
   test(`refuses: ${vector.name}`, () => {
-    assert.throws(() => decodeChunk(bytesOf(vector)), (e) => e instanceof ChunkError && e.at === vector.at);
+    assert.throws(
+      () => decodeChunk(bytesOf(vector)),
+      (e) => e instanceof ChunkError && e.at === vector.at,
+    );
   });
 
 test('reads ArrayBuffers, and views and Buffers at any place', () => {
@@ -71,15 +80,35 @@ test('encodes without visemes and expressions', () => {
 
 test('refuses to encode nonsense', () => {
   const fine = {
-    utterance: 1, sampleRate: 8000, fps: 25, start: 0, samples: 2, firstFrame: 0,
-    audioCodec: AUDIO_PCM_S16LE, audio: new Int16Array(2), fapCodec: FAP_PLAIN, frames: [new Int32Array(69)],
+    utterance: 1,
+    sampleRate: 8000,
+    fps: 25,
+    start: 0,
+    samples: 2,
+    firstFrame: 0,
+    audioCodec: AUDIO_PCM_S16LE,
+    audio: new Int16Array(2),
+    fapCodec: FAP_PLAIN,
+    frames: [new Int32Array(69)],
   };
   assert.equal(encodeChunk(fine).length, 32 + 4 + 9);
   const wrong = [
-    { audio: new Int16Array(3) }, { audio: null }, { audioCodec: AUDIO_SILENCE }, { audioCodec: 9 },
-    { fapCodec: FAP_NONE }, { fapCodec: 9 }, { sampleRate: 0 }, { sampleRate: 2 ** 32 },
-    { fps: 0 }, { fps: 656 }, { fps: NaN }, { start: -1 },
-    { start: 0.5 }, { utterance: undefined }, { firstFrame: 2 ** 32 }, { frames: Array(65536).fill(fine.frames[0]) },
+    { audio: new Int16Array(3) },
+    { audio: null },
+    { audioCodec: AUDIO_SILENCE },
+    { audioCodec: 9 },
+    { fapCodec: FAP_NONE },
+    { fapCodec: 9 },
+    { sampleRate: 0 },
+    { sampleRate: 2 ** 32 },
+    { fps: 0 },
+    { fps: 656 },
+    { fps: NaN },
+    { start: -1 },
+    { start: 0.5 },
+    { utterance: undefined },
+    { firstFrame: 2 ** 32 },
+    { frames: Array(65536).fill(fine.frames[0]) },
   ];
   for (const change of wrong)
     assert.throws(() => encodeChunk({ ...fine, ...change }), RangeError, JSON.stringify(Object.keys(change)));

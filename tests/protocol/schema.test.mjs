@@ -1,14 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The schemas against the examples of the written protocol: what the client sends there is valid, or is there to be refused.
+// The schemas against the examples of the written protocol: what the client sends there is valid, or is there to be
+// refused; the server's messages stand there with some of their members.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import { test } from 'node:test';
+import Ajv from 'ajv/dist/2020.js';
 import { violations } from '../lib/schema.mjs';
 
-const text = fs.readFileSync(new URL('../../protocol/README.md', import.meta.url), 'utf8');
-const sent = [...text.matchAll(/^> (\{.*\})$/gm)].map((match) => JSON.parse(match[1]));
+const read = (name) => fs.readFileSync(new URL(`../../protocol/${name}`, import.meta.url), 'utf8');
+const examples = [...read('README.md').matchAll(/```stream\n([^]*?)```/g)].map((match) => match[1]);
+const messages = (sign) =>
+  examples.flatMap((text) =>
+    [...text.matchAll(new RegExp(`^${sign} (\\{.*\\})$`, 'gm'))].map((match) => JSON.parse(match[1])),
+  );
+
+for (const name of ['client', 'server', 'head-model'])
+  test(`${name} is a strict schema of draft 2020-12`, () => {
+    const schema = JSON.parse(read(`schema/${name}.json`));
+    const ajv = new Ajv({ strict: true, strictTypes: false, strictRequired: false });
+    assert.ok(ajv.validateSchema(schema), ajv.errorsText());
+    ajv.compile(schema);
+  });
 
 test('the examples of the client are valid', () => {
+  const sent = messages('>');
   assert.ok(sent.length >= 4);
   for (const message of sent) {
     const wrong = violations('client', message);
@@ -16,10 +31,143 @@ test('the examples of the client are valid', () => {
   }
 });
 
-test('the schemas refuse what is not in the protocol', () => {
-  assert.ok(violations('client', { type: 'speak' }));
-  assert.ok(violations('client', { type: 'speak', text: 'a', rate: 5000 }));
-  assert.ok(violations('server', { type: 'end', stream: 's1', utterance: 1, reason: 'bored', duration: 1 }));
-  assert.ok(violations('server', { type: 'pong', extra: 1 }));
-  assert.ok(violations('head-model', { format: 'faccia-head' }));
+/** The members of the server's messages, with values to stand in for those that an example leaves out. */
+const whole = {
+  pong: {},
+  begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance' },
+  sentence: {
+    stream: 's',
+    utterance: 1,
+    time: 0,
+    sample: 0,
+    duration: 1,
+    start: 0,
+    end: 1,
+    utf16_start: 0,
+    utf16_end: 1,
+  },
+  word: {
+    stream: 's',
+    utterance: 1,
+    time: 0,
+    sample: 0,
+    duration: 1,
+    start: 0,
+    end: 1,
+    utf16_start: 0,
+    utf16_end: 1,
+    text: 'x',
+  },
+  end: { stream: 's', utterance: 1, reason: 'done', duration: 1 },
+  error: { code: 'x', message: 'x', byte: 0 },
+};
+
+test('the examples of the server are valid', () => {
+  const answers = messages('<');
+  assert.ok(answers.length >= 10);
+  for (const message of answers) {
+    const shown = Object.fromEntries(Object.entries(message).filter(([, value]) => value !== '...'));
+    for (const name of Object.keys(message))
+      // a "..." stands for a member that there is
+      assert.ok(name in shown || name in whole[message.type], `${message.type} ${name}`);
+    assert.equal(violations('server', { ...whole[message.type], ...shown }), null, JSON.stringify(message));
+  }
+});
+
+const refused = {
+  client: [
+    {},
+    [],
+    { type: 'speak' },
+    { type: 'speak', text: '' },
+    { type: 'speak', text: 5 },
+    { type: 'speak', text: 'a', rate: 5000 },
+    { type: 'speak', text: 'a', rate: '120' },
+    { type: 'speak', text: 'a', fps: 0.5 },
+    { type: 'speak', text: 'a', seed: 1.5 },
+    { type: 'speak', text: 'a', still: 1 },
+    { type: 'speak', text: 'a', id: 'x'.repeat(65) },
+    { type: 'model', name: 1 },
+  ],
+  server: [
+    { type: 'end', stream: 's1', utterance: 1, reason: 'bored', duration: 1 },
+    { type: 'pong', extra: 1 },
+    { ...whole.word, type: 'word', text: undefined },
+    { ...whole.word, type: 'word', time: -1 },
+    { ...whole.begin, type: 'begin', utterance: 0 },
+    { type: 'error', code: 'Bad Code', message: 'x' },
+    { type: 'error', code: 'x', message: 'x', line: 3 },
+    { type: 'error', code: 'x', message: 'x', stream: 's' },
+  ],
+};
+for (const [name, list] of Object.entries(refused))
+  test(`the ${name} schema refuses what is not in the protocol`, () => {
+    for (const message of list) assert.ok(violations(name, message), JSON.stringify(message));
+  });
+
+const vector = [0, 0, 0];
+const head = () => ({
+  format: 'faccia-head',
+  version: 1,
+  name: 'mara',
+  title: 'Mara',
+  licence: 'CC0-1.0',
+  credits: ['somebody'],
+  fapu: { IRISD: 11.9, ES: 62, ENS: 49, MNS: 21, MW: 50 },
+  fdp: { 2.1: [0, -92.4, 71.2], '2.10': vector },
+  view: { target: vector, distance: 620, fov: 26 },
+  turns: [{ name: 'jaw', fap: 3, pivot: vector, axis: [1, 0, 0], radians: 0.0123 }],
+  textures: { skin: { type: 'image/webp', width: 1024, height: 1024, data: 'AAAA' } },
+  materials: {
+    skin: {
+      texture: 'skin',
+      color: [1, 1, 1],
+      roughness: 0.6,
+      specular: 0.3,
+      alpha: 'opaque',
+      double_sided: false,
+    },
+  },
+  parts: [
+    {
+      name: 'skin',
+      material: 'skin',
+      vertices: 3,
+      triangles: 1,
+      position: { data: 'AAAA', scale: 0.005, offset: vector },
+      uv: { data: 'AAAA' },
+      index: { data: 'AAAA' },
+      smooth: { data: 'AAA=' },
+      moves: [{ fap: 5, sign: 'both', vertices: 'AAAA', deltas: { data: 'AA==', scale: 0.0001 } }],
+      turns: [
+        { turn: 'jaw', vertices: 'AAAA', weights: 'AAAA' },
+        { turn: 'jaw', weight: 1 },
+      ],
+    },
+  ],
+});
+
+test('the schema of the head model takes a head and refuses a damaged one', () => {
+  assert.equal(violations('head-model', head()), null);
+  const damages = [
+    (h) => delete h.fapu.MNS,
+    (h) => (h.fapu.MNS = 0),
+    (h) => (h.fdp.chin = vector),
+    (h) => (h.version = 2),
+    (h) => (h.parts = []),
+    (h) => (h.turns[0].fap = 2),
+    (h) => (h.turns[0].pivot = [0, 0]),
+    (h) => (h.materials.skin.alpha = 'glass'),
+    (h) => delete h.parts[0].position.scale,
+    (h) => (h.parts[0].index.data = '*'),
+    (h) => (h.parts[0].moves[0].sign = 'up'),
+    (h) => (h.parts[0].turns[1].vertices = 'AAAA'),
+    (h) => delete h.parts[0].turns[0].weights,
+    (h) => (h.parts[0].colour = 1),
+  ];
+  for (const damage of damages) {
+    const damaged = head();
+    damage(damaged);
+    assert.ok(violations('head-model', damaged), String(damage));
+  }
 });
