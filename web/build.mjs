@@ -1,0 +1,52 @@
+// SPDX-License-Identifier: MIT
+// Bundles the element and copies the page: node build.mjs FOLDER [DEPFILE]
+import { build } from 'esbuild';
+import { copyFileSync, mkdirSync, readdirSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const here = path.dirname(fileURLToPath(import.meta.url));
+const [out, depfile] = process.argv.slice(2);
+if (!out) {
+  console.error('usage: node build.mjs FOLDER [DEPFILE]');
+  process.exit(2);
+}
+
+const common = { bundle: true, minify: true, format: 'esm', target: 'es2022', legalComments: 'none' };
+const inputs = new Set([path.join(here, 'build.mjs')]);
+const note = ({ inputs: found }) => Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
+
+/** `inline:FILE` is the text of that script, bundled: it has to be loaded from a blob. */
+const inline = {
+  name: 'inline',
+  setup(setup) {
+    setup.onResolve({ filter: /^inline:/ }, ({ path: file, resolveDir }) => ({
+      path: path.resolve(resolveDir, file.slice('inline:'.length)),
+      namespace: 'inline',
+    }));
+    setup.onLoad({ filter: /.*/, namespace: 'inline' }, async ({ path: file }) => {
+      const result = await build({ ...common, format: 'iife', entryPoints: [file], write: false, metafile: true });
+      note(result.metafile);
+      return { contents: result.outputFiles[0].text, loader: 'text' };
+    });
+  },
+};
+
+mkdirSync(out, { recursive: true });
+const result = await build({
+  ...common,
+  entryPoints: [path.join(here, 'src/talking-head.mjs')],
+  outfile: path.join(out, 'talking-head.js'),
+  banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors. */' },
+  metafile: true,
+  plugins: [inline],
+});
+note(result.metafile);
+for (const file of readdirSync(path.join(here, 'page'))) {
+  inputs.add(path.join(here, 'page', file));
+  copyFileSync(path.join(here, 'page', file), path.join(out, file));
+}
+if (depfile) {
+  const escape = (file) => file.replaceAll(' ', '\\ ');
+  writeFileSync(depfile, `${escape(path.join(out, 'talking-head.js'))}: ${[...inputs].map(escape).join(' ')}\n`);
+}

@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+const browser = Object.fromEntries(
+  `AbortController AudioWorkletNode Blob CustomEvent HTMLElement Option ResizeObserver TextDecoder URL WebSocket
+  addEventListener atob cancelAnimationFrame clearInterval clearTimeout console createImageBitmap customElements document
+  fetch globalThis matchMedia performance removeEventListener requestAnimationFrame setInterval setTimeout`
+    .split(/\s+/)
+    .map((name) => [name, 'readonly']),
+);
+
+export default [
+  {
+    files: ['**/*.{js,mjs}'],
+    languageOptions: { ecmaVersion: 2024, sourceType: 'module', globals: { ...browser, process: 'readonly' } },
+    rules: {
+      'no-undef': 'error',
+      'no-unused-vars': ['error', { argsIgnorePattern: '^_', varsIgnorePattern: '^_' }],
+      'no-dupe-keys': 'error',
+      'no-unreachable': 'error',
+      'no-fallthrough': 'error',
+      'no-var': 'error',
+      'prefer-const': 'error',
+      eqeqeq: ['error', 'always'],
+      'max-len': ['error', { code: 128, ignoreUrls: true, ignoreStrings: true, ignoreTemplateLiterals: true }],
+    },
+  },
+];

@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: MIT
+const words = {
+  it: {
+    face: 'La testa', loading: 'Si carica la testa…', text: 'Testo da dire', lang: 'Lingua', rate: 'Velocità', speak: 'Parla',
+    stop: 'Ferma', captions: 'Sottotitoli', hint: 'Ctrl + Invio: parla. Esc: ferma.', unit: '{n} parole al minuto',
+    connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
+    head: 'Testa: {title}. {credits}',
+  },
+  pt: {
+    face: 'A cabeça', loading: 'Carregando a cabeça…', text: 'Texto a dizer', lang: 'Idioma', rate: 'Velocidade', speak: 'Falar',
+    stop: 'Parar', captions: 'Legendas', hint: 'Ctrl + Enter: falar. Esc: parar.', unit: '{n} palavras por minuto',
+    connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
+    head: 'Cabeça: {title}. {credits}',
+  },
+  tr: {
+    face: 'Baş', loading: 'Baş yükleniyor…', text: 'Söylenecek metin', lang: 'Dil', rate: 'Hız', speak: 'Konuş',
+    stop: 'Dur', captions: 'Altyazılar', hint: 'Ctrl + Enter: konuş. Esc: dur.', unit: 'dakikada {n} sözcük',
+    connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
+    head: 'Baş: {title}. {credits}',
+  },
+  en: {
+    face: 'The head', loading: 'Loading the head…', text: 'Text to speak', lang: 'Language', rate: 'Speed', speak: 'Speak',
+    stop: 'Stop', captions: 'Captions', hint: 'Ctrl + Enter: speak. Esc: stop.', unit: '{n} words a minute',
+    connecting: 'Connecting…', open: 'Connected', waiting: 'Not connected, trying again', closed: 'Not connected',
+    head: 'Head: {title}. {credits}',
+  },
+};
+
+const samples = {
+  it: 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura, ché la diritta via era smarrita.',
+  pt: 'Amor é fogo que arde sem se ver, é ferida que dói, e não se sente; é um contentamento descontente.',
+  tr: 'Yaşamak bir ağaç gibi tek ve hür ve bir orman gibi kardeşçesine, bu hasret bizim.',
+  en: 'Shall I compare thee to a summer’s day? Thou art more lovely and more temperate.',
+};
+
+const $ = (id) => document.getElementById(id);
+const [head, form, text, lang, rate] = ['head', 'form', 'text', 'lang', 'rate'].map($);
+let state = 'connecting';
+let shown = null;
+
+const primary = (tag) => tag.slice(0, 2);
+const say = (name, values = {}) =>
+  (words[primary(lang.value)] ?? words.en)[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
+
+function offer(languages) {
+  const chosen = lang.value;
+  lang.replaceChildren(...languages.map(({ tag, name }) => new Option(name, tag)));
+  if (languages.some(({ tag }) => tag === chosen)) lang.value = chosen;
+}
+
+function translate() {
+  document.documentElement.lang = text.lang = head.lang = lang.value;
+  for (const element of document.querySelectorAll('[data-text]')) element.textContent = say(element.dataset.text);
+  if (Object.values(samples).includes(text.value) || !text.value.trim()) text.value = samples[primary(lang.value)] ?? '';
+  $('rate-value').value = say('unit', { n: rate.value });
+  $('connection').dataset.state = state;
+  $('connection').querySelector('.text').textContent = say(state);
+  if (shown) $('credits').textContent = say('head', { title: shown.title, credits: shown.credits.join(' ') });
+}
+
+function speak() {
+  $('problem').textContent = '';
+  head.stop();
+  head.speak(text.value, { lang: lang.value, rate: Number(rate.value) });
+}
+
+head.addEventListener('hello', ({ detail }) => {
+  offer(detail.languages);
+  translate();
+});
+head.addEventListener('connection', ({ detail }) => {
+  state = detail.state;
+  translate();
+});
+head.addEventListener('progress', ({ detail }) => {
+  if (detail.ratio === null) $('progress').removeAttribute('value');
+  else $('progress').value = detail.ratio;
+});
+head.addEventListener('ready', ({ detail }) => {
+  $('loading').hidden = true;
+  shown = detail;
+  translate();
+});
+head.addEventListener('error', ({ detail }) => ($('problem').textContent = detail.message));
+
+form.addEventListener('submit', (event) => {
+  event.preventDefault();
+  speak();
+});
+$('stop').addEventListener('click', () => head.stop());
+$('captions').addEventListener('change', ({ target }) => (head.captions = target.checked));
+lang.addEventListener('change', translate);
+rate.addEventListener('input', translate);
+document.addEventListener('keydown', (event) => {
+  if (event.key === 'Escape') head.stop();
+  if (event.key === 'Enter' && (event.ctrlKey || event.metaKey)) speak();
+});
+
+offer([
+  { tag: 'it', name: 'Italiano' }, { tag: 'pt-BR', name: 'Português (Brasil)' }, { tag: 'tr', name: 'Türkçe' },
+  { tag: 'en', name: 'English' },
+]);
+translate();

@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: MIT
+// What pulls the samples out of a pump: the audio thread, the page on behalf of the audio thread, or nobody but a clock.
+import { Pump } from './pump.mjs';
+import workletSource from 'inline:./worklet.mjs';
+
+const loaded = new WeakMap(); // context -> promise of its worklet module
+
+function loadWorklet(context) {
+  if (!loaded.has(context)) {
+    const url = URL.createObjectURL(new Blob([workletSource], { type: 'text/javascript' }));
+    loaded.set(context, context.audioWorklet.addModule(url).finally(() => URL.revokeObjectURL(url)));
+  }
+  return loaded.get(context);
+}
+
+/** In the audio thread. */
+class WorkletDriver {
+  static async create(context, report) {
+    await loadWorklet(context);
+    return new WorkletDriver(context, report);
+  }
+
+  constructor(context, report) {
+    this.node = new AudioWorkletNode(context, 'faccia-pump', { numberOfInputs: 0, outputChannelCount: [1] });
+    this.node.port.onmessage = ({ data }) => report(data);
+    this.node.connect(context.destination);
+  }
+
+  push(block) {
+    this.node.port.postMessage(['push', block], [block.buffer]);
+  }
+
+  finish() {
+    this.node.port.postMessage(['finish']);
+  }
+
+  flush() {
+    this.node.port.postMessage(['flush']);
+  }
+
+  close() {
+    this.node.port.onmessage = null;
+    this.node.disconnect();
+  }
+}
+
+/** In the page, where there is no worklet: browsers offer it over HTTPS and on localhost only. */
+class ScriptDriver {
+  constructor(context, report) {
+    this.pump = new Pump(context.sampleRate, report);
+    this.node = context.createScriptProcessor(1024, 0, 1);
+    this.node.onaudioprocess = ({ outputBuffer, playbackTime }) =>
+      this.pump.render(outputBuffer.getChannelData(0), Math.round(playbackTime * context.sampleRate));
+    this.node.connect(context.destination);
+  }
+
+  push(block) {
+    this.pump.push(block);
+  }
+
+  finish() {
+    this.pump.finish();
+  }
+
+  flush() {
+    this.pump.flush();
+  }
+
+  close() {
+    this.node.onaudioprocess = null;
+    this.node.disconnect();
+  }
+}
+
+/** Without sound: the samples go by as time does. Frames count from the page's beginning. */
+export class SilentDriver {
+  constructor(rate, report) {
+    this.pump = new Pump(rate, report);
+    this.frame = null;
+    this.sink = new Float32Array(1024);
+  }
+
+  /** To be called often. @param {number} seconds the page's clock */
+  run(seconds) {
+    const now = Math.floor(seconds * this.pump.rate);
+    this.frame ??= now;
+    while (this.frame < now) {
+      const out = this.sink.subarray(0, Math.min(this.sink.length, now - this.frame));
+      this.pump.render(out, this.frame);
+      this.frame += out.length;
+    }
+  }
+
+  push(block) {
+    this.pump.push(block);
+  }
+
+  finish() {
+    this.pump.finish();
+  }
+
+  flush() {
+    this.pump.flush();
+  }
+}
+
+/** The best driver that this browser has, connected to the context's output. */
+export function createAudioDriver(context, report) {
+  return context.audioWorklet ? WorkletDriver.create(context, report) : new ScriptDriver(context, report);
+}

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: MIT
+// One AudioContext for all the heads of a page: each one costs the browser an audio thread.
+
+let context = null;
+let users = 0;
+
+/** @returns {AudioContext|null} null where the browser has none */
+export function acquireContext() {
+  const Context = globalThis.AudioContext ?? globalThis.webkitAudioContext;
+  if (!Context) return null;
+  context ??= new Context({ latencyHint: 'interactive' });
+  users++;
+  return context;
+}
+
+export function releaseContext() {
+  if (--users === 0) {
+    context.close();
+    context = null;
+  }
+}

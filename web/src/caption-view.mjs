@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: MIT
+
+const LINGER_MS = 1500; // after the end, so that the last words can be read
+
+/** The captions on the page. */
+export class CaptionView {
+  /** @param {HTMLElement} box with the elements .said, .word and .rest */
+  constructor(box) {
+    this.box = box;
+    this.spans = ['said', 'word', 'rest'].map((name) => box.querySelector(`.${name}`));
+    this.key = '';
+    this.timer = 0;
+  }
+
+  set shown(on) {
+    this.box.hidden = !on;
+  }
+
+  /** @param {{said: string, word: string, rest: string}|null} line @param {string} [lang] of the text */
+  show(line, lang) {
+    if (!line) {
+      if (this.key && !this.timer) this.timer = setTimeout(() => this.clear(), LINGER_MS);
+      return;
+    }
+    clearTimeout(this.timer);
+    this.timer = 0;
+    const parts = [line.said, line.word, line.rest];
+    const key = parts.join('\u0000');
+    if (key === this.key) return;
+    this.key = key;
+    if (lang) this.box.lang = lang;
+    this.spans.forEach((span, i) => (span.textContent = parts[i]));
+  }
+
+  clear() {
+    clearTimeout(this.timer);
+    this.timer = 0;
+    this.key = '';
+    for (const span of this.spans) span.textContent = '';
+  }
+}

@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: MIT
+
+const LINE_CHARACTERS = 84; // two lines of 42, what subtitles use
+
+/**
+ * Cuts a stretch of text into pieces that fit a caption, at spaces, after punctuation where there is any late enough.
+ * @returns {{start: number, end: number}[]} places in the text, UTF-16
+ */
+export function cutCaption(text, start, end, size = LINE_CHARACTERS) {
+  const pieces = [];
+  while (start < end) {
+    while (start < end && /\s/.test(text[start])) start++;
+    let cut = end;
+    if (end - start > size) {
+      const window = text.slice(start, start + size + 1);
+      const clause = /^[^]*[,;:.!?…»”)](?=\s)/.exec(window)?.[0].length ?? 0;
+      const space = window.search(/\s\S*$/);
+      cut = start + (clause > size / 2 ? clause : space > 0 ? space : size);
+      if (/[\uDC00-\uDFFF]/.test(text[cut] ?? '')) cut--; // not between the halves of a character
+    }
+    let stop = cut;
+    while (stop > start && /\s/.test(text[stop - 1])) stop--;
+    if (stop > start) pieces.push({ start, end: stop });
+    start = cut;
+  }
+  return pieces;
+}
+
+/**
+ * The captions of one utterance. It is told what is heard as it is heard, and says what to show.
+ */
+export class CaptionTrack {
+  /** @param {string} text as it was given to be spoken */
+  constructor(text) {
+    this.text = text;
+    this.pieces = [];
+    this.word = null;
+  }
+
+  /** @param {{utf16_start: number, utf16_end: number}} place */
+  sentence(place) {
+    this.pieces = cutCaption(this.text, place.utf16_start, place.utf16_end);
+    this.word = null;
+  }
+
+  /** @param {{utf16_start: number, utf16_end: number}} place */
+  heard(place) {
+    this.word = { start: place.utf16_start, end: place.utf16_end };
+  }
+
+  /** What is on show: said already, being said, and to come. Null when there is nothing. */
+  get line() {
+    if (!this.pieces.length) return null;
+    const { start: from, end: to } = this.word ?? this.pieces[0];
+    const piece = this.pieces.find((p) => from < p.end && to > p.start) ?? this.pieces[this.pieces.length - 1];
+    const clip = (place) => Math.min(piece.end, Math.max(piece.start, place));
+    const [begin, end] = this.word ? [clip(from), clip(to)] : [piece.start, piece.start];
+    return {
+      said: this.text.slice(piece.start, begin),
+      word: this.text.slice(begin, end),
+      rest: this.text.slice(end, piece.end),
+    };
+  }
+}

@@ -1,0 +1,294 @@
+// SPDX-License-Identifier: MIT
+import { CaptionView } from './caption-view.mjs';
+import { Connection } from './connection.mjs';
+import { FaceMixer, faceValues } from './face-mixer.mjs';
+import { fetchModel, httpBase, ModelAssembler } from './head/loader.mjs';
+import { Player } from './audio/player.mjs';
+import { Speech } from './speech.mjs';
+import { Stage } from './stage.mjs';
+import strings from './strings.json';
+import { template } from './template.mjs';
+
+const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number };
+const TICK_MS = 200; // while the page is hidden nothing is drawn, but words are still heard
+
+/** `<talking-head>`: see web/README.md. */
+export class TalkingHead extends HTMLElement {
+  static observedAttributes = ['src', 'model', 'quality', 'captions', 'still', 'lang', 'label'];
+
+  #speech = null;
+  #connection = null;
+  #heard = null;
+  #ready = false;
+  #title = '';
+  #aborter = null;
+  #drawn = { seconds: 0, at: 0 };
+  #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
+
+  constructor() {
+    super();
+    const root = this.attachShadow({ mode: 'open' });
+    root.innerHTML = template;
+    const $ = (selector) => root.querySelector(selector);
+    this.canvas = $('canvas');
+    this.messageBox = $('.message');
+    this.soundButton = $('.sound');
+    this.captionsButton = $('.switch');
+    this.captionView = new CaptionView($('.captions'));
+    this.mixer = new FaceMixer();
+    this.player = new Player((sound) => this.#soundChanged(sound));
+    this.stage = new Stage(this.canvas, {
+      frame: (now) => this.#frame(now),
+      trouble: (what) => this.#say(what),
+    });
+    this.soundButton.addEventListener('click', () => this.player.open());
+    this.captionsButton.addEventListener('click', () => (this.captions = !this.captions));
+  }
+
+  connectedCallback() {
+    this.#speech = new Speech({
+      player: this.player,
+      send: (message) => this.#connection?.send(message) ?? false,
+      emit: (type, detail) => this.#emit(type, detail),
+    });
+    this.#reducedMotion.addEventListener('change', this.#motionChanged);
+    addEventListener('online', this.#online);
+    this.stage.quality = this.getAttribute('quality') ?? 'auto';
+    this.stage.open();
+    this.#motionChanged();
+    this.#translate();
+    this.#showCaptions();
+    this.#connect();
+    this.timer = setInterval(() => document.hidden && this.#hear(performance.now()), TICK_MS);
+  }
+
+  disconnectedCallback() {
+    clearInterval(this.timer);
+    this.#reducedMotion.removeEventListener('change', this.#motionChanged);
+    removeEventListener('online', this.#online);
+    this.#speech.stop();
+    this.#disconnect();
+    this.player.close();
+    this.stage.close();
+  }
+
+  attributeChangedCallback(name, before, value) {
+    if (!this.isConnected || !this.#speech || before === value) return;
+    if (name === 'src' || name === 'model') this.#connect();
+    if (name === 'quality') this.stage.quality = value ?? 'auto';
+    if (name === 'captions') this.#showCaptions();
+    if (name === 'still') this.#motionChanged();
+    if (name === 'lang' || name === 'label') this.#translate();
+  }
+
+  /**
+   * Speaks the text after what is already queued.
+   * @param {string} text
+   * @param {object} [options] members of the protocol's `speak` message; those left out are taken from the attributes
+   * @returns {Promise<object>} the `end` message, when the end is heard (or it failed, or was stopped)
+   */
+  speak(text, options = {}) {
+    const defaults = {};
+    for (const [name, type] of Object.entries(SPEAK_ATTRIBUTES))
+      if (this.hasAttribute(name)) defaults[name] = type(this.getAttribute(name));
+    if (this.mixer.still) defaults.still = true;
+    const promise = this.#speech.speak(text, { ...defaults, ...options });
+    this.stage.wake();
+    return promise;
+  }
+
+  /** Silence at once; what is queued is forgotten. */
+  stop() {
+    this.#speech.stop();
+    this.captionView.clear();
+    this.stage.wake();
+  }
+
+  /**
+   * Holds the face in a pose, whatever is spoken, until it is called with null.
+   * @param {Record<number, number>|null} faps values by FAP number
+   */
+  pose(faps) {
+    this.mixer.pose = faps && faceValues(faps);
+    this.stage.wake();
+  }
+
+  get captions() {
+    return this.getAttribute('captions') !== 'off';
+  }
+
+  set captions(on) {
+    this.setAttribute('captions', on ? 'on' : 'off');
+  }
+
+  /** Figures for tests and measurements, not for pages: they may change. Times in seconds of the utterance heard. */
+  debug() {
+    const now = performance.now();
+    const heard = this.#speech?.tick(now);
+    return {
+      ...this.stage.debug,
+      state: !this.#ready ? 'loading' : this.#speech.busy ? 'speaking' : 'idle',
+      connection: this.#connection?.state ?? 'closed',
+      sound: this.player.sound,
+      sampleRate: this.player.rate,
+      underruns: this.player.underruns,
+      running: heard?.running ?? false,
+      utterance: heard?.utterance.number ?? null,
+      audioTime: heard?.seconds ?? null, // what is heard at this moment
+      frameTime: this.#drawn.seconds, // what the face that was drawn last belongs to
+      frameAge: now - this.#drawn.at, // milliseconds since it was drawn
+      fapValues: Array.from(this.mixer.values),
+    };
+  }
+
+  #emit(type, detail) {
+    this.dispatchEvent(new CustomEvent(type, { detail }));
+  }
+
+  #online = () => this.#connection?.hurry();
+
+  #motionChanged = () => {
+    this.mixer.still = this.hasAttribute('still') || this.#reducedMotion.matches;
+    this.stage.wake();
+  };
+
+  #text(name, values = {}) {
+    const table = strings[(this.lang || 'en').slice(0, 2)] ?? strings.en;
+    return table[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
+  }
+
+  #translate() {
+    this.canvas.setAttribute('aria-label', this.getAttribute('label') ?? this.#text('label', { title: this.#title }));
+    this.soundButton.textContent = `🔊 ${this.#text('sound')}`;
+    this.captionsButton.setAttribute('aria-label', this.#text('captions'));
+    this.captionsButton.title = this.#text('captions');
+  }
+
+  #say(what, values) {
+    this.messageBox.hidden = !what;
+    this.messageBox.textContent = what ? this.#text(what, values) : '';
+  }
+
+  #showCaptions() {
+    this.captionView.shown = this.captions;
+    this.captionsButton.setAttribute('aria-pressed', String(this.captions));
+  }
+
+  #soundChanged(sound) {
+    this.soundButton.hidden = sound !== 'blocked';
+    this.#emit('sound', { sound });
+    this.stage.wake();
+  }
+
+  // The connection and the model that comes through it
+
+  get #address() {
+    const url = new URL(this.getAttribute('src') || '/v1/stream', document.baseURI);
+    url.protocol = url.protocol.replace(/^http/, 'ws');
+    return url.href;
+  }
+
+  #connect() {
+    this.#disconnect();
+    this.#assembler = new ModelAssembler();
+    try {
+      this.#connection = new Connection(this.#address, {
+        onstate: (state) => this.#stateChanged(state),
+        onmessage: (message) => this.#message(message),
+        onmedia: (data) => {
+          this.#speech.media(data);
+          this.stage.wake();
+        },
+      });
+      this.#connection.open();
+    } catch {
+      this.#say('badAddress', { src: this.getAttribute('src') });
+      this.#emit('error', { type: 'error', code: 'bad-address', message: this.#text('badAddress', { src: this.getAttribute('src') }) });
+    }
+  }
+
+  #disconnect() {
+    this.#aborter?.abort();
+    this.#loading = null;
+    this.#connection?.close();
+    this.#connection = null;
+  }
+
+  #assembler = null;
+  #loading = null; // name of the model that is shown or on its way
+
+  #stateChanged({ state, hello, retryIn }) {
+    this.#emit('connection', { state, ...(retryIn === undefined ? {} : { retryIn }) });
+    if (state === 'open') {
+      this.#speech.linked();
+      this.#loadModel(hello);
+    } else {
+      this.#speech.unlinked();
+    }
+    this.stage.wake();
+  }
+
+  #message(message) {
+    if (message.type === 'model') this.#modelPart(message);
+    else {
+      this.#speech.hear(message);
+      if (message.type === 'hello') this.#emit('hello', message);
+      this.stage.wake();
+    }
+  }
+
+  async #loadModel(hello) {
+    const name = this.getAttribute('model') ?? hello.models?.[0]?.name;
+    if (!name || name === this.#loading) return;
+    this.#loading = name;
+    this.#aborter = new AbortController();
+    const { signal } = this.#aborter;
+    const size = hello.models?.find((model) => model.name === name)?.bytes;
+    const progress = (loaded, total) => this.#emit('progress', { loaded, total, ratio: total ? loaded / total : null });
+    let json;
+    try {
+      json = await fetchModel(`${httpBase(this.#address)}models/${encodeURIComponent(name)}`, size, progress, signal);
+    } catch {
+      // No way by HTTP (another origin that does not allow it, say): through the stream.
+      if (!signal.aborted) this.#connection?.send({ type: 'model', name });
+      return;
+    }
+    await this.#show(json);
+  }
+
+  #modelPart(message) {
+    this.#emit('progress', { loaded: message.index + 1, total: message.count, ratio: (message.index + 1) / message.count });
+    const json = this.#assembler.take(message);
+    if (json) this.#show(json);
+  }
+
+  async #show(json) {
+    try {
+      const model = await this.stage.show(json);
+      this.#title = model.title;
+      this.#translate();
+      this.#ready = true;
+      this.#emit('ready', { model: model.name, title: model.title, credits: model.credits });
+    } catch (error) {
+      console.error('talking-head:', error);
+      this.#say('noModel');
+      this.#emit('error', { type: 'error', code: 'bad-model', message: String(error.message) });
+    }
+  }
+
+  // What is heard and shown
+
+  #hear(now) {
+    this.#heard = this.#speech.tick(now);
+    this.captionView.show(this.#heard?.utterance.captions.line ?? null, this.#heard?.utterance.options.lang);
+    return this.#heard;
+  }
+
+  #frame(now) {
+    const heard = this.#hear(now);
+    const changed = this.mixer.update(now, heard);
+    if (heard) this.#drawn = { seconds: heard.seconds, at: performance.now() };
+    const more = changed || this.#speech.busy || this.mixer.changing(now);
+    return { values: this.mixer.values, more };
+  }
+}

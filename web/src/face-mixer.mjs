@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: MIT
+import { FAP_VALUES } from './face-track.mjs';
+
+const CHANGE_MS = 90; // from one source to the next: at rest within a tenth of a second after a stop
+const STALL_MS = 160; // how long a face waits for late frames before it goes to rest
+
+/** The FAPs that stay when the face is to keep still: jaw, lips and tongue. */
+const moving = (n) => (n >= 3 && n <= 18) || (n >= 43 && n <= 47) || (n >= 51 && n <= 60);
+
+/** @param {Record<number, number>} faps by number @returns {Float32Array} all of them */
+export function faceValues(faps) {
+  const values = new Float32Array(FAP_VALUES);
+  for (const [number, value] of Object.entries(faps)) values[number] = value;
+  return values;
+}
+
+const ease = (x) => x * x * (3 - 2 * x);
+
+/**
+ * What the face shows: the track that is heard, or rest. Where the source changes (speech ends, is stopped, stalls) it
+ * goes over smoothly from what it showed last.
+ */
+export class FaceMixer {
+  constructor() {
+    this.values = new Float32Array(FAP_VALUES);
+    this.still = false;
+    this.pose = null; // values that take the place of all sources
+    this.from = new Float32Array(FAP_VALUES);
+    this.target = new Float32Array(FAP_VALUES);
+    this.source = null;
+    this.since = -Infinity;
+    this.seen = -Infinity;
+  }
+
+  /**
+   * @param {number} now milliseconds
+   * @param {{track: import('./face-track.mjs').FaceTrack, seconds: number, running: boolean}|null} heard
+   * @returns {boolean} whether the values have changed
+   */
+  update(now, heard) {
+    const before = this.values.slice();
+    if (this.pose) {
+      this.#change(now, this.pose);
+      this.target.set(this.pose);
+    } else if (heard && heard.running && heard.track.sample(heard.seconds, this.target)) {
+      this.#change(now, heard.track);
+      this.seen = now;
+    } else if (!heard || now - this.seen > STALL_MS) {
+      this.#change(now, null);
+      this.target.fill(0);
+    }
+    const w = ease(Math.min(1, Math.max(0, (now - this.since) / CHANGE_MS)));
+    for (let n = 0; n < FAP_VALUES; n++) {
+      const target = this.still && !this.pose && !moving(n) ? 0 : this.target[n];
+      this.values[n] = w === 1 ? target : this.from[n] + w * (target - this.from[n]);
+    }
+    return this.values.some((value, n) => value !== before[n]);
+  }
+
+  /** Whether it still goes over from one source to another. */
+  changing(now) {
+    return now - this.since < CHANGE_MS;
+  }
+
+  #change(now, source) {
+    if (source === this.source) return;
+    this.source = source;
+    this.from.set(this.values);
+    this.since = now;
+  }
+}

@@ -1,0 +1,174 @@
+// SPDX-License-Identifier: MIT
+import {
+  AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Mesh,
+  NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector3,
+} from 'three';
+import { Drive, influencesOf, packInfluences } from './influences.mjs';
+import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
+import { loadTexture, whiteTexture } from './textures.mjs';
+
+const MOUTH_OPEN_MM = 9; // from here on the light goes in freely
+
+/** What the name of a part says about the way it is drawn. */
+function kindOf(name) {
+  if (/^(hair|lashes|brows)/.test(name)) return 'hair';
+  if (name.startsWith('eye')) return 'eye';
+  if (/^(teeth|tongue)/.test(name)) return 'mouth';
+  return name.startsWith('skin') ? 'skin' : 'other';
+}
+
+/** The head model as things to draw. FAPs go in, and the graphics processor does the rest. */
+export class Head {
+  /** @param {ReturnType<import('./model.mjs').readModel>} model */
+  static async create(model) {
+    const head = new Head(model);
+    await head.#loadTextures();
+    head.#build();
+    return head;
+  }
+
+  constructor(model) {
+    this.model = model;
+    this.drive = new Drive(model);
+    this.group = new Group();
+    this.parts = []; // {part, influences, geometry}
+    this.materials = [];
+    this.textures = new Map();
+    this.uniforms = {
+      slots: { value: this.drive.slotValues },
+      turnAngle: { value: this.drive.angles },
+      turnPivot: { value: model.turns.map(({ pivot }) => new Vector3(...pivot)) },
+      turnAxis: { value: model.turns.map(({ axis }) => new Vector3(...axis).normalize()) },
+      mouthOpen: { value: 0 },
+    };
+  }
+
+  async #loadTextures() {
+    const { materials, textures } = this.model;
+    await Promise.all(
+      Object.values(materials).map(async ({ texture, alpha }) => {
+        if (!texture || this.textures.has(texture)) return;
+        this.textures.set(texture, null);
+        this.textures.set(texture, await loadTexture(textures[texture], alpha === 'blend' || alpha === 'cutout'));
+      }),
+    );
+    this.white = whiteTexture();
+  }
+
+  #build() {
+    const built = this.model.parts.map((part) => ({ part, influences: influencesOf(part, this.drive) }));
+    // Reading the influences may have made new slots.
+    this.drive.slotValues = this.uniforms.slots.value = new Float32Array(Math.max(1, this.drive.slots.length));
+    for (const { part, influences } of built) {
+      const geometry = new BufferGeometry();
+      const packed = packInfluences(influences, this.drive.firstHeadTurn);
+      const reach = new BufferAttribute(new Uint8Array(4 * part.vertices).fill(255), 4, true);
+      geometry.setAttribute('position', new BufferAttribute(part.position, 3));
+      geometry.setAttribute('normal', new BufferAttribute(influences.normals, 3));
+      const uv = part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices);
+      geometry.setAttribute('uv', new BufferAttribute(uv, 2));
+      geometry.setAttribute('influence', new BufferAttribute(packed.vertices, 4));
+      geometry.setAttribute('reach', reach);
+      geometry.setIndex(new BufferAttribute(part.index, 1));
+      this.parts.push({ part, influences, geometry });
+      this.#addMeshes(part, geometry, this.#influenceTexture(packed));
+    }
+  }
+
+  #influenceTexture({ data, width, height }) {
+    const texture = new DataTexture(data, width, height, RGBAFormat, FloatType);
+    texture.minFilter = texture.magFilter = NearestFilter;
+    texture.needsUpdate = true;
+    this.textures.set(texture, texture);
+    return texture;
+  }
+
+  #addMeshes(part, geometry, influences) {
+    const look = this.model.materials[part.material] ?? {};
+    const kind = kindOf(part.name);
+    const add = (order, options) => {
+      const mesh = new Mesh(geometry, this.#material(look, kind, influences, options));
+      mesh.frustumCulled = false;
+      mesh.renderOrder = order;
+      mesh.userData.fineOnly = options.fineOnly ?? false;
+      this.group.add(mesh);
+    };
+    const thin = part.name === 'lashes' || part.name === 'brows'; // a few fibres on the skin: nothing to hide
+    if (look.alpha === 'blend' && thin) add(3, { cutoff: 0.02, opaque: 0 });
+    else if (look.alpha === 'blend') {
+      add(1, { cutoff: 0.5, opaque: 1 });
+      add(2, { cutoff: 0.02, opaque: 0, fineOnly: true }); // the soft edges of what the first pass has drawn
+    } else if (look.alpha === 'cutout') add(1, { cutoff: 0.5, opaque: 1 });
+    else add(0, { cutoff: 0, opaque: 1 });
+  }
+
+  #material(look, kind, influences, { cutoff, opaque }) {
+    const material = new ShaderMaterial({
+      vertexShader: vertexGlsl,
+      fragmentShader: fragmentGlsl,
+      side: look.double_sided ? DoubleSide : FrontSide,
+      depthWrite: opaque === 1,
+      uniforms: {
+        ...this.uniforms,
+        influences: { value: influences },
+        map: { value: this.textures.get(look.texture) ?? this.white },
+        tint: { value: new Vector3(...(look.color ?? [1, 1, 1])) },
+        roughness: { value: look.roughness ?? 0.6 },
+        specular: { value: look.specular ?? 0.3 },
+        subsurface: { value: look.subsurface ?? 0 },
+        cutoff: { value: cutoff },
+        opaque: { value: opaque },
+      },
+      defines: {
+        KIND: KINDS[kind],
+        FINE: 1,
+        SLOTS: this.uniforms.slots.value.length,
+        TURNS: Math.max(1, this.model.turns.length),
+        ...(look.alpha === 'blend' || look.alpha === 'cutout' ? { HAS_ALPHA: 1 } : {}),
+        ...(look.double_sided ? { TWO_SIDES: 1 } : {}),
+      },
+    });
+    if (!opaque) {
+      material.transparent = true;
+      material.blending = CustomBlending;
+      material.blendEquation = AddEquation;
+      material.blendSrc = material.blendSrcAlpha = OneFactor;
+      material.blendDst = material.blendDstAlpha = OneMinusSrcAlphaFactor;
+    }
+    this.materials.push(material);
+    return material;
+  }
+
+  /** @param {boolean} fine @param {number} anisotropy of the textures */
+  setQuality(fine, anisotropy) {
+    for (const material of this.materials) {
+      if (material.defines.FINE !== Number(fine)) material.needsUpdate = true;
+      material.defines.FINE = Number(fine);
+    }
+    for (const mesh of this.group.children) mesh.visible = fine || !mesh.userData.fineOnly;
+    for (const texture of this.textures.values()) {
+      if (texture.isDataTexture || texture.anisotropy === anisotropy) continue;
+      texture.anisotropy = anisotropy;
+      texture.needsUpdate = true;
+    }
+  }
+
+  /** @param {Float32Array} values by FAP number */
+  setFaps(values) {
+    this.drive.set(values);
+    const mns = this.model.fapu.MNS / 1024;
+    const open = mns * (values[4] - values[5] + values[3] * 0.5);
+    this.uniforms.mouthOpen.value = Math.min(1, Math.max(0, open / MOUTH_OPEN_MM));
+  }
+
+  get triangles() {
+    return this.model.parts.reduce((sum, { index }) => sum + index.length / 3, 0);
+  }
+
+  dispose() {
+    for (const { geometry } of this.parts) geometry.dispose();
+    for (const material of this.materials) material.dispose();
+    for (const texture of this.textures.values()) texture.dispose();
+    this.white.dispose();
+  }
+}

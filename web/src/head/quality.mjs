@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: MIT
+
+/** From the best to the cheapest: fine shading, samples for each pixel, largest ratio of pixels to CSS pixels. */
+export const LEVELS = [
+  { name: 'high', fine: true, samples: 4, ratio: 2, anisotropy: 8 },
+  { name: 'high-1x', fine: true, samples: 4, ratio: 1, anisotropy: 4 },
+  { name: 'fine', fine: true, samples: 0, ratio: 1, anisotropy: 2 },
+  { name: 'low', fine: false, samples: 0, ratio: 1, anisotropy: 1 },
+  { name: 'lowest', fine: false, samples: 0, ratio: 0.66, anisotropy: 1 },
+];
+
+const FIXED = { high: 0, low: 3 };
+
+const WINDOW = 20; // frames that a judgement rests on
+const SLOW_MS = 1000 / 28; // median above: one step down
+const VERY_SLOW_MS = 1000 / 14; // two steps
+const QUICK_MS = 1000 / 50; // below, for a while: one step up
+const QUICK_WINDOWS = 15;
+const PATIENCE_FACTOR = 4; // after a step up that had to be taken back
+
+/** Chooses the level by itself from the times between frames, measured while frames follow each other. */
+export class Governor {
+  /** @param {'auto'|'high'|'low'} wish */
+  constructor(wish = 'auto') {
+    this.wish(wish);
+  }
+
+  wish(wish) {
+    this.auto = !(wish in FIXED);
+    this.index = FIXED[wish] ?? 0;
+    this.intervals = [];
+    this.quick = 0;
+    this.patience = QUICK_WINDOWS;
+    this.raised = false;
+    this.skip = 3; // frames that pay for the change of the level itself
+  }
+
+  get level() {
+    return LEVELS[this.index];
+  }
+
+  /** Frames do not follow the one before: the next interval says nothing. */
+  pause() {
+    this.skip = 3;
+  }
+
+  /**
+   * @param {number} interval milliseconds since the frame before
+   * @returns {boolean} whether the level has changed
+   */
+  frame(interval) {
+    if (!this.auto) return false;
+    if (this.skip > 0) {
+      this.skip--;
+      return false;
+    }
+    this.intervals.push(interval);
+    if (this.intervals.length < WINDOW) return false;
+    const median = this.intervals.sort((a, b) => a - b)[WINDOW >> 1];
+    this.intervals = [];
+    return this.#judge(median);
+  }
+
+  #judge(median) {
+    if (median > SLOW_MS) {
+      if (this.raised) this.patience *= PATIENCE_FACTOR;
+      this.raised = false;
+      this.quick = 0;
+      return this.#step(median > VERY_SLOW_MS ? 2 : 1);
+    }
+    this.quick = median < QUICK_MS ? this.quick + 1 : 0;
+    if (this.quick < this.patience || this.index === 0) return false;
+    this.quick = 0;
+    this.raised = true;
+    return this.#step(-1);
+  }
+
+  #step(by) {
+    const index = Math.min(LEVELS.length - 1, Math.max(0, this.index + by));
+    if (index === this.index) return false;
+    this.index = index;
+    this.skip = 3;
+    return true;
+  }
+}

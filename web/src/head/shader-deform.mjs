@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: MIT
+// The deformation, in the vertex shader: see protocol/head-model.md and influences.mjs.
+
+export const deformGlsl = /* glsl */ `
+attribute vec4 influence;
+uniform highp sampler2D influences;
+uniform float slots[SLOTS];
+uniform vec3 turnPivot[TURNS];
+uniform vec3 turnAxis[TURNS];
+uniform float turnAngle[TURNS];
+
+vec4 influenceTexel(int i) {
+  return texelFetch(influences, ivec2(i & 1023, i >> 10), 0);
+}
+
+vec3 turnBy(vec3 p, vec3 axis, float c, float s) {
+  return p * c + cross(axis, p) * s + axis * (dot(axis, p) * (1.0 - c));
+}
+
+void deform(inout vec3 p, inout vec3 n) {
+  vec3 shift = vec3(0.0), bend = vec3(0.0);
+  int first = int(influence.x), end = first + 2 * int(influence.y);
+  for (int i = first; i < end; i += 2) {
+    vec4 move = influenceTexel(i);
+    float value = slots[int(move.x)];
+    if (value != 0.0) {
+      shift += value * move.yzw;
+      bend += value * influenceTexel(i + 1).yzw;
+    }
+  }
+  int counts = int(influence.w);
+  first = int(influence.z);
+  int head = first + (counts & 63);
+  end = head + (counts >> 6);
+  for (int i = first; i < head; i++) {
+    vec2 turn = influenceTexel(i).xy;
+    float angle = turnAngle[int(turn.x)] * turn.y;
+    if (angle != 0.0) {
+      float c = cos(angle), s = sin(angle);
+      vec3 axis = turnAxis[int(turn.x)], arm = p - turnPivot[int(turn.x)];
+      shift += turnBy(arm, axis, c, s) - arm;
+      bend += turnBy(n, axis, c, s) - n;
+    }
+  }
+  p += shift;
+  n += bend;
+  for (int i = head; i < end; i++) {
+    vec2 turn = influenceTexel(i).xy;
+    float angle = turnAngle[int(turn.x)] * turn.y;
+    if (angle != 0.0) {
+      float c = cos(angle), s = sin(angle);
+      vec3 axis = turnAxis[int(turn.x)], pivot = turnPivot[int(turn.x)];
+      p = pivot + turnBy(p - pivot, axis, c, s);
+      n = turnBy(n, axis, c, s);
+    }
+  }
+  n = normalize(n);
+}
+`;

@@ -1,0 +1,194 @@
+// SPDX-License-Identifier: MIT
+// How the surfaces of a head look. KIND says what is drawn (skin, hair, eye, mouth, other), FINE the quality.
+import { deformGlsl } from './shader-deform.mjs';
+import { FILL, GROUND, KEY, RIM, SKY } from './lights.mjs';
+
+export const KINDS = { other: 0, skin: 1, hair: 2, eye: 3, mouth: 4 };
+
+const vec3 = (v) => `vec3(${v.map((value) => value.toFixed(4)).join(', ')})`;
+
+const lightsGlsl = [
+  ...Object.entries({ KEY, FILL, RIM }).flatMap(([name, { direction, color }]) => [
+    `const vec3 ${name}_DIRECTION = ${vec3(direction)};`,
+    `const vec3 ${name}_COLOR = ${vec3(color)};`,
+  ]),
+  `const vec3 SKY = ${vec3(SKY)};`,
+  `const vec3 GROUND = ${vec3(GROUND)};`,
+].join('\n');
+
+const commonGlsl = /* glsl */ `
+${lightsGlsl}
+uniform vec3 tint;
+uniform float subsurface;
+varying vec2 surfaceUv;
+varying vec3 surfaceNormal;
+varying vec3 surfacePosition;
+varying vec4 surfaceLight; // open sky, key light, fill light: how much of each reaches it
+
+/** Light that goes round the edge of what it falls on, the red of it farthest when there is flesh below. */
+vec3 wrapped(float cosine) {
+#if KIND == 1
+  vec3 wrap = subsurface * vec3(1.3, 0.55, 0.35);
+#else
+  vec3 wrap = vec3(subsurface * 0.6);
+#endif
+  vec3 light = max(vec3(0.0), (cosine + wrap) / (1.0 + wrap));
+  return light * light / (0.6 + 0.4 * light) ;
+}
+
+vec3 diffuseLight(vec3 n, vec4 reach) {
+#if KIND == 1 || KIND == 4
+  vec3 ambientReach = pow(vec3(reach.x), vec3(0.8, 1.0, 1.05)); // what is lost in a crease comes back reddish
+  vec3 keyReach = pow(vec3(reach.y), vec3(0.75, 1.0, 1.05));
+#else
+  vec3 ambientReach = vec3(reach.x);
+  vec3 keyReach = vec3(reach.y);
+#endif
+  vec3 light = mix(GROUND, SKY, 0.5 + 0.5 * n.y) * ambientReach;
+  light += KEY_COLOR * wrapped(dot(n, KEY_DIRECTION)) * keyReach;
+  light += FILL_COLOR * wrapped(dot(n, FILL_DIRECTION)) * reach.z;
+  light += RIM_COLOR * wrapped(dot(n, RIM_DIRECTION)) * reach.x;
+  return light;
+}
+`;
+
+export const vertexGlsl = /* glsl */ `
+${deformGlsl}
+${commonGlsl}
+attribute vec4 reach;
+uniform float mouthOpen; // 0..1
+#if !FINE
+varying vec3 vertexLight;
+#endif
+
+void main() {
+  vec3 p = position, n = normal;
+  deform(p, n);
+  surfaceUv = uv;
+  surfaceNormal = n;
+  surfacePosition = p;
+  surfaceLight = reach;
+#if KIND == 4
+  surfaceLight *= mix(0.3, 1.0, mouthOpen);
+#endif
+#if !FINE
+  vertexLight = diffuseLight(n, surfaceLight);
+#endif
+  gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
+}
+`;
+
+export const fragmentGlsl = /* glsl */ `
+${commonGlsl}
+uniform sampler2D map;
+uniform float roughness;
+uniform float specular;
+uniform float cutoff;   // discard what is less opaque
+uniform float opaque;   // 1: what is left is opaque
+#if !FINE
+varying vec3 vertexLight;
+#endif
+
+vec3 toLinear(vec3 c) {
+  return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+}
+
+vec3 toDisplay(vec3 c) {
+#if FINE
+  return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
+#else
+  return sqrt(c) * (1.0 + 0.04 * (1.0 - c)) - 0.02 * (1.0 - c);
+#endif
+}
+
+/** Keeps colours as they are up to a bright tone, and bends what is brighter towards white. */
+vec3 filmic(vec3 c) {
+  float peak = max(c.r, max(c.g, c.b));
+  const float start = 0.7;
+  if (peak <= start) return c;
+  float room = 1.0 - start;
+  float pressed = 1.0 - room * room / (peak + room - start);
+  c *= pressed / peak;
+  return mix(c, vec3(pressed), 1.0 - 1.0 / (0.2 * (peak - pressed) + 1.0));
+}
+
+/** Highlights of a rough surface under one light (GGX with a simple visibility term). */
+float highlight(vec3 n, vec3 v, vec3 l, float rough) {
+  vec3 h = normalize(l + v);
+  float nl = max(dot(n, l), 0.0), nh = max(dot(n, h), 0.0), lh = max(dot(l, h), 0.1);
+  float a2 = rough * rough * rough * rough;
+  float d = nh * nh * (a2 - 1.0) + 1.0;
+  return nl * a2 / (d * d * lh * lh * (rough * 4.0 + 2.0));
+}
+
+float fresnel(float cosine) {
+  float x = 1.0 - cosine, x2 = x * x;
+  return x2 * x2 * x;
+}
+
+vec4 albedo() {
+  vec4 texel = texture2D(map, surfaceUv);
+#ifdef HAS_ALPHA
+  if (texel.a < max(cutoff, 0.01)) discard; // colours come multiplied by alpha, so that edges have no halo
+  texel.rgb = toLinear(min(texel.rgb / texel.a, vec3(1.0)));
+#endif
+  return vec4(texel.rgb * tint, texel.a);
+}
+
+vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
+  float facing = max(dot(n, v), 0.0);
+  float shine = 0.0;
+  vec3 color = vec3(0.0);
+#if KIND == 2
+  // Fibres: a band of light across them, along v of the texture.
+  vec3 dx = dFdx(surfacePosition), dy = dFdy(surfacePosition);
+  vec2 tx = dFdx(surfaceUv), ty = dFdy(surfaceUv);
+  vec3 fibre = normalize(dy * tx.x - dx * ty.x + 1e-5);
+  vec3 h = normalize(KEY_DIRECTION + v), k = normalize(RIM_DIRECTION + v);
+  float th = dot(fibre, h), tk = dot(fibre, k);
+  float band = pow(max(0.0, 1.0 - th * th), 40.0) * max(0.0, 0.3 + dot(n, KEY_DIRECTION)) * reach.y;
+  float back = pow(max(0.0, 1.0 - tk * tk), 24.0) * max(0.0, 0.2 + dot(n, RIM_DIRECTION)) * reach.x;
+  color = (KEY_COLOR * band + RIM_COLOR * back) * specular * (0.25 + base.rgb * 2.0) * 0.35;
+#else
+  float f0 = 0.028, rim = fresnel(facing);
+  shine = 0.7 * highlight(n, v, KEY_DIRECTION, roughness) + 0.3 * highlight(n, v, KEY_DIRECTION, roughness * 0.6);
+  color = KEY_COLOR * shine * (f0 + rim * 0.4) * reach.y;
+  color += FILL_COLOR * highlight(n, v, FILL_DIRECTION, roughness) * (f0 + rim * 0.4) * reach.z;
+  color += RIM_COLOR * highlight(n, v, RIM_DIRECTION, roughness) * (f0 + rim * 0.3) * reach.x;
+  vec3 mirror = reflect(-v, n);
+  color += mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * (f0 + rim * 0.25) * reach.x * reach.x * 0.6;
+  color *= specular * 3.3;
+#endif
+  return color;
+}
+
+#if KIND == 3
+/** The lamps mirrored in the cornea, and a little of the room. */
+vec3 catchLight(vec3 n, vec3 v, float reach) {
+  vec3 mirror = reflect(-v, n);
+  float key = smoothstep(0.93, 0.965, dot(mirror, normalize(KEY_DIRECTION + vec3(0.0, 0.05, 0.3))));
+  float fill = smoothstep(0.95, 0.985, dot(mirror, normalize(FILL_DIRECTION + vec3(-0.1, -0.2, 0.3))));
+  return (key * vec3(1.6) + fill * vec3(0.25)) * reach + mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * 0.05 * reach;
+}
+#endif
+
+void main() {
+  vec4 base = albedo();
+  vec3 n = normalize(surfaceNormal);
+#ifdef TWO_SIDES
+  if (!gl_FrontFacing) n = -n;
+#endif
+  vec3 v = normalize(cameraPosition - surfacePosition);
+  vec4 reach = surfaceLight;
+#if FINE
+  vec3 color = base.rgb * diffuseLight(n, reach) + shineOf(n, v, base, reach);
+#else
+  vec3 color = base.rgb * vertexLight;
+#endif
+#if KIND == 3
+  color += catchLight(n, v, min(1.0, reach.x * 1.6));
+#endif
+  float alpha = max(base.a, opaque);
+  gl_FragColor = vec4(toDisplay(clamp(filmic(color), 0.0, 1.0)) * alpha, alpha);
+}
+`;

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: MIT
+import {
+  Mesh, NoBlending, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, WebGLRenderer,
+  WebGLRenderTarget,
+} from 'three';
+
+/** A canvas with a head on it: camera, resolution, smoothing of edges. The background stays transparent. */
+export class View {
+  /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
+  constructor(canvas) {
+    const context = canvas.getContext('webgl2', {
+      alpha: true,
+      antialias: false, // done here, so that it can be switched
+      powerPreference: 'low-power',
+      premultipliedAlpha: true,
+    });
+    if (!context) throw new Error('no WebGL 2');
+    this.renderer = new WebGLRenderer({ canvas, context, antialias: false, alpha: true });
+    this.renderer.setClearColor(0, 0);
+    this.scene = new Scene();
+    this.camera = new PerspectiveCamera(26, 1, 50, 3000);
+    this.size = { width: 1, height: 1 };
+    this.level = null;
+    this.head = null;
+    this.target = null;
+    this.copy = new ShaderMaterial({
+      uniforms: { picture: { value: null } },
+      vertexShader: 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }',
+      fragmentShader:
+        'uniform sampler2D picture; void main() { gl_FragColor = texelFetch(picture, ivec2(gl_FragCoord.xy), 0); }',
+      blending: NoBlending,
+      depthTest: false,
+      depthWrite: false,
+    });
+    this.copyScene = new Scene();
+    this.copyScene.add(new Mesh(new PlaneGeometry(2, 2), this.copy));
+    this.copyScene.children[0].frustumCulled = false;
+    this.copyCamera = new OrthographicCamera();
+  }
+
+  /** @param {import('./head.mjs').Head} head */
+  show(head) {
+    this.head?.dispose();
+    this.scene.clear();
+    this.head = head;
+    this.scene.add(head.group);
+    if (this.level) this.setLevel(this.level);
+    this.#frame();
+  }
+
+  /** In CSS pixels. */
+  resize(width, height) {
+    this.size = { width: Math.max(1, width), height: Math.max(1, height) };
+    this.#layOut();
+  }
+
+  /** @param {typeof import('./quality.mjs').LEVELS[0]} level */
+  setLevel(level) {
+    this.level = level;
+    this.head?.setQuality(level.fine, Math.min(level.anisotropy, this.renderer.capabilities.getMaxAnisotropy()));
+    this.#layOut();
+  }
+
+  #layOut() {
+    if (!this.level) return;
+    const { width, height } = this.size;
+    const ratio = this.level.ratio < 1 ? this.level.ratio : Math.min(globalThis.devicePixelRatio || 1, this.level.ratio);
+    this.renderer.setPixelRatio(ratio);
+    this.renderer.setSize(width, height, false);
+    this.target?.dispose();
+    this.target = this.level.samples
+      ? new WebGLRenderTarget(Math.floor(width * ratio), Math.floor(height * ratio), { samples: this.level.samples })
+      : null;
+    this.#frame();
+  }
+
+  /** The portrait that the model asks for; in a narrow picture from farther away, so that it fits. */
+  #frame() {
+    if (!this.head) return;
+    const { target, distance, fov } = this.head.model.view;
+    const aspect = this.size.width / this.size.height;
+    this.camera.fov = fov;
+    this.camera.aspect = aspect;
+    this.camera.position.set(target[0], target[1], target[2] + distance * Math.max(1, 0.78 / aspect));
+    this.camera.lookAt(...target);
+    this.camera.updateProjectionMatrix();
+    this.camera.updateMatrixWorld();
+  }
+
+  draw() {
+    if (!this.head) return;
+    this.renderer.setRenderTarget(this.target);
+    this.renderer.render(this.scene, this.camera);
+    if (!this.target) return;
+    this.renderer.setRenderTarget(null);
+    this.copy.uniforms.picture.value = this.target.texture;
+    this.renderer.render(this.copyScene, this.copyCamera);
+  }
+
+  dispose() {
+    this.head?.dispose();
+    this.target?.dispose();
+    this.copy.dispose();
+    this.renderer.dispose();
+  }
+}

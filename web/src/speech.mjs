@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: MIT
+import { decodeChunk } from '../../protocol/chunk.mjs';
+import { Programme } from './programme.mjs';
+import { Utterance } from './utterance.mjs';
+
+const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
+
+/**
+ * All that is spoken: sends what is asked for, queues what comes on the player, and says on the audio's clock what is
+ * heard. Events: `begin`, `word`, `mark`, `end` as they are heard, `sentence` too; `error`, `warning` at once.
+ */
+export class Speech {
+  /**
+   * @param {object} ports player; send(message) -> boolean; emit(type, detail)
+   */
+  constructor({ player, send, emit }) {
+    Object.assign(this, { player, send, emit });
+    this.programme = new Programme();
+    /** @type {Set<Utterance>} */
+    this.open = new Set();
+    this.count = 0;
+  }
+
+  get busy() {
+    return this.open.size > 0;
+  }
+
+  /** @param {string} text @param {object} options further members of the `speak` message @returns {Promise<object>} */
+  speak(text, options = {}) {
+    const utterance = new Utterance(`u${++this.count}`, text, options);
+    this.open.add(utterance);
+    this.player.open();
+    this.#send(utterance);
+    if (!utterance.sent)
+      utterance.timer = setTimeout(() => this.#refuse(utterance, 'no-connection', 'There is no connection.'), PATIENCE_MS);
+    return utterance.promise;
+  }
+
+  stop() {
+    this.player.flush();
+    this.programme = new Programme();
+    this.send({ type: 'stop' });
+    for (const utterance of [...this.open]) {
+      utterance.cancelled = true;
+      if (!utterance.sent || utterance.answer)
+        this.#end(utterance, { type: 'end', duration: 0, ...utterance.answer, reason: 'stopped' });
+    }
+  }
+
+  /** The link is there: what waited for it goes out. */
+  linked() {
+    for (const utterance of this.open) if (!utterance.sent) this.#send(utterance);
+  }
+
+  /** The link is gone: what has come is still played, what was to come fails. */
+  unlinked() {
+    for (const utterance of [...this.open]) {
+      if (!utterance.sent) continue;
+      utterance.number = null; // the next connection counts anew
+      if (utterance.answer) continue;
+      const message = 'The connection was lost.';
+      this.emit('error', { type: 'error', code: 'connection-lost', message, id: utterance.options.id });
+      this.#close(utterance, { type: 'end', reason: utterance.cancelled ? 'stopped' : 'failed', code: 'connection-lost' });
+    }
+  }
+
+  /** @param {object} message of the server, of any type */
+  hear(message) {
+    const utterance = this.#about(message);
+    const detail = utterance ? this.#detail(utterance, message) : message;
+    if (message.type === 'error' || message.type === 'warning') this.emit(message.type, detail);
+    if (!utterance) return;
+    if (message.type === 'end') this.#close(utterance, message);
+    else if (utterance.cancelled) return;
+    else if (message.type === 'begin') this.#begin(utterance, message);
+    else if (utterance.item && ['sentence', 'word', 'mark'].includes(message.type))
+      this.programme.schedule(utterance.item, message.time, message);
+  }
+
+  /** @param {ArrayBuffer} data a media chunk */
+  media(data) {
+    const chunk = decodeChunk(data);
+    for (const utterance of this.open)
+      if (utterance.number === chunk.utterance && utterance.item && !utterance.cancelled)
+        this.player.write(utterance.take(chunk));
+  }
+
+  /**
+   * Lets happen what is due.
+   * @param {number} now performance.now()
+   * @returns {{utterance: Utterance, track: object, seconds: number, running: boolean}|null} what is heard
+   */
+  tick(now) {
+    const heard = this.player.heard(now);
+    for (const [item, message] of this.programme.take(heard)) this.#happen(item.utterance, message);
+    const found = this.programme.at(heard.position);
+    if (!found) return null;
+    const { utterance } = found.item;
+    utterance.track.forgetBefore(found.seconds);
+    return { utterance, track: utterance.track, seconds: found.seconds, running: heard.running };
+  }
+
+  #about(message) {
+    for (const utterance of this.open)
+      if (message.id === utterance.key || (message.utterance && message.utterance === utterance.number)) return utterance;
+    return null;
+  }
+
+  /** The message as the page gets it: with the page's own id. */
+  #detail(utterance, message) {
+    const { id: _, ...detail } = message;
+    return utterance.options.id === undefined ? detail : { ...detail, id: utterance.options.id };
+  }
+
+  #send(utterance) {
+    utterance.sent = this.send({ ...utterance.options, type: 'speak', text: utterance.text, id: utterance.key });
+    if (utterance.sent) clearTimeout(utterance.timer);
+  }
+
+  #begin(utterance, message) {
+    utterance.begin(message, this.player.rate);
+    utterance.item = this.programme.add(utterance, this.player.written, this.player.rate);
+    this.programme.schedule(utterance.item, 0, message);
+  }
+
+  #close(utterance, message) {
+    utterance.answer = message;
+    if (!utterance.item || utterance.cancelled) {
+      this.#end(utterance, message);
+      return;
+    }
+    this.player.write(utterance.resampler.finish());
+    this.player.finish();
+    this.programme.close(utterance.item, this.player.written, message);
+  }
+
+  #happen(utterance, message) {
+    if (message.type === 'sentence') utterance.captions.sentence(message);
+    if (message.type === 'word') utterance.captions.heard(message);
+    if (message.type === 'end') this.#end(utterance, message);
+    else this.emit(message.type, this.#detail(utterance, message));
+  }
+
+  #refuse(utterance, code, message) {
+    this.emit('error', { type: 'error', code, message, id: utterance.options.id });
+    this.#end(utterance, { type: 'end', reason: 'failed', code, duration: 0 });
+  }
+
+  #end(utterance, message) {
+    clearTimeout(utterance.timer);
+    this.open.delete(utterance);
+    if (utterance.item) this.programme.remove(utterance.item);
+    const detail = this.#detail(utterance, message);
+    this.emit('end', detail);
+    utterance.resolve(detail);
+  }
+}

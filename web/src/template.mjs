@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: MIT
+
+export const template = `
+<style>
+  :host { display: inline-flex; flex-direction: column; inline-size: 20rem; block-size: 26rem; position: relative;
+    font-family: system-ui, sans-serif; }
+  :host([hidden]), [hidden] { display: none !important; }
+  .stage { position: relative; flex: 1; min-block-size: 0; }
+  canvas { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; display: block; }
+  .message { position: absolute; inset: 0; margin: auto; inline-size: fit-content; block-size: fit-content;
+    max-inline-size: 90%; padding: 0.75em 1em; border-radius: 0.5em; text-align: center;
+    background: #1c1c1eee; color: #fff; }
+  button { font: inherit; cursor: pointer; border: 2px solid #fff; background: #1c1c1eee; color: #fff;
+    border-radius: 2em; min-block-size: 2.75em; min-inline-size: 2.75em; padding: 0 1em; }
+  button:focus-visible { outline: 3px solid #4c9dff; outline-offset: 2px; }
+  .sound { position: absolute; inset-inline: 0; inset-block-end: 0.75em; margin-inline: auto; inline-size: fit-content; }
+  .switch { position: absolute; inset-inline-end: 0.5em; inset-block-start: 0.5em; opacity: 0.55; padding: 0;
+    font-weight: 600; font-size: 0.85em; }
+  .switch:hover, .switch:focus-visible, .switch[aria-pressed='false'] { opacity: 1; }
+  .switch[aria-pressed='false'] { text-decoration: line-through; background: #6c6c70ee; }
+  .captions { flex: none; box-sizing: border-box; min-block-size: 3.7em; margin: 0; padding: 0.35em 0.6em; text-align: center;
+    font-size: 1.15em; line-height: 1.35; background: var(--talking-head-caption-background, #101014);
+    color: var(--talking-head-caption-color, #fff); border-radius: 0.4em; overflow-wrap: anywhere; }
+  .said { opacity: 0.72; }
+  .word { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);
+    border-radius: 0.2em; box-shadow: 0 0 0 0.12em var(--talking-head-word-background, #ffd60a); }
+</style>
+<div class="stage" part="stage">
+  <canvas part="canvas" role="img"></canvas>
+  <p class="message" part="message" role="status" hidden></p>
+  <button class="switch" part="captions-button" type="button">CC</button>
+  <button class="sound" part="sound-button" type="button" hidden></button>
+</div>
+<p class="captions" part="captions" aria-live="off" dir="auto"><span class="said" part="said"></span><span class="word"
+  part="word"></span><span class="rest" part="rest"></span></p>
+`;
