@@ -9,7 +9,7 @@ import { build, root } from '../lib/daemon.mjs';
 import { median } from './figures.mjs';
 import { prose } from './text.mjs';
 
-execFileSync('ninja', ['-C', build, '--quiet', 'bench_engine']);
+execFileSync('ninja', ['-C', build, '--quiet', 'tests/bench/bench_engine']);
 const file = path.join(fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-')), 'text');
 fs.writeFileSync(file, prose(600));
 const env = { ...process.env, FACCIA_MODELS: path.join(build, 'models'), FACCIA_PLUGINS: path.join(build, 'server/plugins'), FACCIA_WORKER: path.join(build, 'server/voice/faccia-voice') };

@@ -8,7 +8,7 @@ import { median, quantile } from './figures.mjs';
 import { prose, sentence } from './text.mjs';
 
 const runs = Number(process.argv[2] ?? 30);
-execFileSync('ninja', ['-C', build, '--quiet', 'bench_espeak_first']);
+execFileSync('ninja', ['-C', build, '--quiet', 'tests/bench/bench_espeak_first']);
 const daemon = await Daemon.start();
 const { voices } = await (await daemon.get('/v1/voices')).json();
 const voice = voices.find((v) => v.id === 'espeak:it');

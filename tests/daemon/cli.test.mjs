@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The command line: files, standard streams, exit codes, messages.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { build } from '../lib/daemon.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+const file = (name) => path.join(folder, name);
+const faccia = (args, input) => {
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, maxBuffer: 1 << 28 });
+  return { status, stdout, stderr: String(stderr) };
+};
+const say = (args, input) => faccia(['say', ...args], input);
+
+test('writes sound, face and timing that belong together', () => {
+  const names = { wav: file('a.wav'), fap: file('a.fap'), json: file('a.json') };
+  const { status, stderr } = say(['--lang', 'it', '--fps', '30', '--wav', names.wav, '--fap', names.fap, '--json', names.json, 'La mamma', 'parla piano. Ciao!']);
+  assert.equal(status, 0, stderr);
+  assert.equal(stderr, '');
+  const json = JSON.parse(fs.readFileSync(names.json));
+  const wav = fs.readFileSync(names.wav);
+  assert.equal(wav.readUInt32LE(40), wav.length - 44, 'the true length stands in the header');
+  assert.equal(wav.readUInt32LE(4), wav.length - 8);
+  assert.ok(Math.abs((wav.length - 44) / 2 / json.rate - json.duration) < 1e-4);
+  const lines = fs.readFileSync(names.fap, 'utf8').trim().split('\n');
+  const count = Number(lines[0].split(' ').at(-1));
+  assert.equal(count, Math.ceil(json.duration * 30 - 1e-6));
+  assert.equal(lines.length, 1 + 2 * count);
+  assert.equal(json.fps, 30);
+  for (const phone of json.phones) {
+    assert.ok(phone.end > phone.start);
+    assert.equal(typeof phone.ipa, 'string');
+    assert.equal(typeof phone.sampa, 'string');
+  }
+  assert.deepEqual(json.words.map((w) => w.text), ['La', 'mamma', 'parla', 'piano', 'Ciao']);
+});
+
+test('standard streams', () => {
+  const { status, stdout } = say(['--wav', '-', '-'], 'Ciao.');
+  assert.equal(status, 0);
+  assert.equal(stdout.toString('latin1', 0, 4), 'RIFF');
+  assert.ok(JSON.parse(say(['Ciao.']).stdout).phones.length > 3, 'without outputs the timing is printed');
+  fs.writeFileSync(file('text'), 'Buongiorno.');
+  assert.match(String(say(['--file', file('text'), '--fap', '-']).stdout), /^2\.1 /);
+});
+
+for (const [lang, text] of [['it', 'Buongiorno.'], ['pt-BR', 'Bom dia, coração.'], ['tr', 'Günaydın, nasılsınız?'], ['en', 'Good morning, how are you?']])
+  test(`speaks ${lang} without a warning`, () => {
+    const { status, stdout, stderr } = say(['--lang', lang, text]);
+    assert.equal(status, 0, stderr);
+    const json = JSON.parse(stdout);
+    assert.equal(json.lang, lang);
+    assert.deepEqual(json.warnings, []);
+  });
+
+test('a voice by its id, with a language of its own', () => {
+  const json = JSON.parse(say(['--voice', 'espeak:en-gb', 'Hello.']).stdout);
+  assert.equal(json.voice, 'espeak:en-gb');
+  assert.equal(json.lang, 'en');
+});
+
+test('rate and fps are honoured', () => {
+  const duration = (args) => JSON.parse(say([...args, 'Una frase come tante altre, né lunga né corta.']).stdout).duration;
+  assert.ok(duration(['--rate', '100']) > 1.5 * duration(['--rate', '250']));
+});
+
+const wrong = [
+  [[], 2, /no text/],
+  [['--lang', 'xx', 'a'], 2, /lang: no language 'xx'/],
+  [['--voice', 'nobody', 'a'], 2, /voice/],
+  [['--engine', 'steam', 'a'], 2, /engine/],
+  [['--fps', '0', 'a'], 2, /--fps: must be a number/],
+  [['--rate', 'fast', 'a'], 2, /--rate/],
+  [['--nothing'], 2, /Try 'faccia say --help'/],
+  [['--wav', '-', '--fap', '-', 'a'], 2, /only one/],
+  [['--file', '/nowhere/text', 'a'], 2, /unexpected 'a'/],
+  [['--file', '/nowhere/text'], 1, /\/nowhere\/text: No such file/],
+  [['--wav', '/nowhere/a.wav', 'a'], 1, /\/nowhere\/a\.wav: No such file/],
+  [['--wav', '/dev/full', 'a'], 1, /\/dev\/full: No space left/],
+  [[' '], 1, /nothing to speak/],
+];
+for (const [args, code, message] of wrong)
+  test(`say ${args.join(' ')}: exit ${code}`, () => {
+    const { status, stderr } = say(args, '');
+    assert.match(stderr, message);
+    assert.equal(status, code);
+  });
+
+test('bytes that are no UTF-8 are named', () => {
+  const { status, stderr } = say(['-'], Buffer.from([0x61, 0x62, 0xff]));
+  assert.equal(status, 1);
+  assert.match(stderr, /byte 2: the text is not UTF-8/);
+});
+
+test('commands, help and lists', () => {
+  assert.equal(faccia([]).status, 2);
+  assert.equal(faccia(['sing']).status, 2);
+  for (const args of [['--help'], ['say', '--help'], ['voices', '--help'], ['models', '--help'], ['--version']]) {
+    const { status, stdout } = faccia(args);
+    assert.equal(status, 0);
+    assert.ok(stdout.length > 5);
+  }
+  const voices = JSON.parse(faccia(['voices', '--json', '--lang', 'it']).stdout).voices;
+  assert.ok(voices.some((v) => v.id === 'espeak:it') && voices.every((v) => v.lang.startsWith('it')));
+  const models = JSON.parse(faccia(['models', '--json']).stdout).models;
+  assert.ok(models.some((m) => m.name === 'mara' && m.bytes > 100000));
+});
