@@ -26,6 +26,8 @@ SOURCE = {"LI": "LLO", "LS": "ULO", "AR": "LW", "PI": "LLP", "PS": "ULP", "EM": 
 # 0.43 chin and lower lip go together, as they do in a face. LW is one corner's path: AR counts both. Width and protrusion are
 # enlarged a little because they are what sets /i e/ apart from /o u/ for a lip reader.
 SCALE = {"LI": 0.70, "LS": 0.40, "AR": 2 * 1.3, "PI": 1.3, "PS": 1.3, "EM": 0.43}
+# Rounding even more: a clearly said /u/ takes a quarter of the width (here 13 mm of 50) and comes 3 mm forward.
+ROUNDING = {"AR": 1.35, "PI": 1.3, "PS": 1.3}
 
 # Protruded lips roll outwards: their inner border, which is what is seen, opens less than the markers do. At 1.5 mm of upper
 # protrusion a quarter less.
@@ -57,6 +59,8 @@ def target(rows, param, phone, beside):
     """Mean over the rows of one phone beside each of some others: (T in mm of the face, t)."""
     got = [rows[phone, b, SOURCE[param]] for b in beside]
     T = sum(g[0] for g in got) / len(got) * SCALE[param]
+    if param in ROUNDING and (T < 0) == (param == "AR"):
+        T *= ROUNDING[param]
     t = sum(g[1] for g in got) / len(got)
     return T, min(0.9, max(0.1, t))
 
@@ -205,7 +209,7 @@ def phones(rows):
     # The lower lip rests against the upper incisors, the upper lip is raised off it so that they show: 2 mm and less are what tells
     # /f v/ from /p b m/. The markers' 0.5 mm would look closed.
     def fv(v):
-        return {"LI": (0.4, 0.5), "LS": (0.8 if v in "ouy" else 1.2, 0.5)}
+        return {"LI": (0.4, 0.5), "LS": (1.1 if v in "ouy" else 1.5, 0.5)}
     # No figures for /L N/: their opening is like that of /tS/ (chapter 3.4.3.2), their width like that of /n/.
     def palatal(p):
         return lambda v: target(rows, p, "tS", [v])

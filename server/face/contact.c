@@ -32,6 +32,9 @@ static void stretch(struct contact *c, double earliest, double latest) {
     double missing = CONTACT_MIN_SECONDS - (c->end - c->begin);
     if (missing <= 0)
         return;
+    /* Where the neighbours are too short to give way by half, the contact goes before. */
+    earliest = fmin(earliest, c->begin - CONTACT_MIN_SECONDS / 2);
+    latest = fmax(latest, c->end + CONTACT_MIN_SECONDS / 2);
     double begin = fmax(earliest, c->begin - STRETCH_BEFORE * missing);
     double end = fmin(latest, fmax(c->end, begin + CONTACT_MIN_SECONDS));
     c->begin = fmin(c->begin, fmax(earliest, end - CONTACT_MIN_SECONDS));

@@ -27,7 +27,7 @@ struct face_track;
 
 /* Builds the track. Phones that the pack cannot map are reported through warn (may be NULL) and get the
  * nearest phone's targets. Never fails: a pack that loaded can serve any utterance. The utterance may be
- * freed afterwards. */
+ * freed afterwards; the pack must outlive the track. */
 struct face_track *face_track_new(const struct speech_pack *pack, const struct utterance *u,
                                   const struct face_options *options,
                                   void (*warn)(void *ctx, const char *message), void *ctx);

@@ -133,6 +133,29 @@ static void open_wide(void *self, double t, double faps[FAP_COUNT + 1]) {
     faps[16] += 300;
 }
 
+/* Voices at their very fastest give some phones no time at all. */
+static void shows_closures_that_last_no_time(void **state) {
+    static const char *const hurried[] = {"_.100 k.050 l.040 ɛ.000 b.000 e.000 ɾ.020 a.080 _.100",
+                                          "_.100 i.040 r.000 u.000 m.000 _.022 v.075 a.080 _.100",
+                                          "_.100 a.080 m.000 f.000 a.080 _.100"};
+    for (size_t i = 0; i < sizeof hurried / sizeof *hurried; i++) {
+        struct utterance *u = utter(hurried[i], 1);
+        struct face_track *track = track_of(*state, u);
+        size_t k = 0;
+        while (!is_bilabial(&u->phones[k]))
+            k++;
+        double at = (double)u->phones[k].start / RATE, closed = 0;
+        for (double t = at - 0.05; t < at + 0.05; t += 0.001) {
+            struct fap_frame f;
+            face_track_sample(track, t, &f);
+            closed += is_closed(&f) ? 0.001 : 0;
+        }
+        assert_true(closed > 0.04);
+        face_track_free(track);
+        done(u);
+    }
+}
+
 static void no_layer_opens_a_closure(void **state) {
     struct face_layer layer = {open_wide, NULL, NULL};
     check_closures(*state, 1, &layer);
@@ -414,6 +437,7 @@ static void names_its_engines(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(closes_bilabials_at_every_rate),
+        cmocka_unit_test(shows_closures_that_last_no_time),
         cmocka_unit_test(no_layer_opens_a_closure),
         cmocka_unit_test(brings_the_lip_to_the_teeth),
         cmocka_unit_test(lips_never_pass_through_each_other),
