@@ -39,6 +39,7 @@ struct faccia_voice_info {
     const char *quality; /* "formant", "diphone", "neural", "recorded" */
     const char *licence; /* SPDX expression */
     uint32_t sample_rate;
+    uint32_t rate;       /* its own words per minute; 0 = unknown */
 };
 
 enum faccia_span_kind { FACCIA_SPAN_TEXT, FACCIA_SPAN_BREAK, FACCIA_SPAN_MARK };

@@ -20,6 +20,7 @@ struct voice_pool_options {
     /* A sentence is given up, and its worker killed, after deadline_base + deadline_per_byte * bytes of text (seconds).
      * Defaults 10 and 0.05. */
     double deadline_base, deadline_per_byte;
+    double retry_after; /* a plugin that does not start is tried again after so many seconds, default 60 */
     const char *config; /* JSON object: plugin name -> its own configuration object; NULL = {} */
 };
 
@@ -28,10 +29,13 @@ struct voice {
     const char *id; /* "espeak:it+f2" */
     const char *plugin, *name, *lang, *gender, *quality, *licence;
     uint32_t sample_rate;
+    uint32_t rate; /* its own words per minute */
 };
 
-/* Starts the workers. ready is called once, when every plugin has listed its voices or has failed to start; a plugin that failed
- * is skipped with a log line. Returns NULL with *e when no plugin or no worker program is found. */
+/* Starts the workers. ready is called once, when every plugin has listed its voices or has failed to start; a
+ * plugin that failed is skipped with a log line. The process ignores SIGPIPE from then on (a write to a worker that
+ * has just died would raise it). Returns NULL with *e ("voice-unavailable") when no plugin or no worker program is
+ * found. */
 struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_options *options,
                                    void (*ready)(void *ctx), void *ctx, struct error *e);
 
@@ -42,7 +46,7 @@ const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *cou
 
 /* Finds a voice: by id ("espeak:it"), by id inside any plugin ("it+f2"), or, when name is NULL, the best for lang. preferred is
  * a NULL-terminated list of ids to be tried first for a lang (from the language pack), or NULL. NULL with *e
- * ("unknown-voice", "unknown-language"): field "voice" or "lang". */
+ * ("unknown-voice", "unknown-language", field "voice" or "lang"; "voice-unavailable" when there are no voices at all). */
 const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,
                                     const char *const *preferred, struct error *e);
 

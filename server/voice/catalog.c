@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The voices that the plugins have, and the choice among them. */
+#include "server/base/mem.h"
+#include "server/voice/pool_parts.h"
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* What the catalog allocated: strings and outgrown lists, all kept for those who still point at them. */
+struct catalog_block {
+    struct catalog_block *next;
+    void *data;
+};
+
+static void *keep(struct catalog *catalog, void *data) {
+    struct catalog_block *block = mem_alloc(sizeof *block);
+    *block = (struct catalog_block){catalog->blocks, data};
+    catalog->blocks = block;
+    return data;
+}
+
+static const char *keep_text(struct catalog *catalog, const json_t *object, const char *key) {
+    const char *text = json_string_value(json_object_get(object, key));
+    return keep(catalog, mem_strdup(text ? text : ""));
+}
+
+static const struct voice *by_id(const struct catalog *catalog, const char *id) {
+    for (size_t i = 0; i < catalog->count; i++)
+        if (!strcmp(catalog->voices[i].id, id))
+            return &catalog->voices[i];
+    return NULL;
+}
+
+static void add(struct catalog *catalog, const char *plugin, const json_t *object) {
+    const char *id = json_string_value(json_object_get(object, "id"));
+    char full[128];
+    if (!id || !*id || (size_t)snprintf(full, sizeof full, "%s:%s", plugin, id) >= sizeof full ||
+        by_id(catalog, full))
+        return;
+    json_int_t sample_rate = json_integer_value(json_object_get(object, "sample_rate"));
+    json_int_t rate = json_integer_value(json_object_get(object, "rate"));
+    catalog->voices[catalog->count++] = (struct voice){
+        .id = keep(catalog, mem_strdup(full)),
+        .plugin = plugin,
+        .name = keep_text(catalog, object, "name"),
+        .lang = keep_text(catalog, object, "lang"),
+        .gender = keep_text(catalog, object, "gender"),
+        .quality = keep_text(catalog, object, "quality"),
+        .licence = keep_text(catalog, object, "licence"),
+        .sample_rate = sample_rate >= ASSEMBLY_RATE_MIN && sample_rate <= ASSEMBLY_RATE_MAX
+                           ? (uint32_t)sample_rate
+                           : 22050,
+        .rate = rate > 0 && rate < 2000 ? (uint32_t)rate : 170,
+    };
+}
+
+int catalog_add(struct catalog *catalog, const char *plugin, const char *description, struct error *e) {
+    json_error_t why;
+    json_t *root = json_loads(description, 0, &why), *voices = json_object_get(root, "voices"), *voice;
+    size_t i;
+    if (!json_array_size(voices)) {
+        json_decref(root);
+        return error_set(e, "voice-failed", "has no voices");
+    }
+    struct voice *longer = mem_alloc((catalog->count + json_array_size(voices)) * sizeof *longer);
+    if (catalog->count)
+        memcpy(longer, catalog->voices, catalog->count * sizeof *longer);
+    catalog->voices = keep(catalog, longer);
+    json_array_foreach(voices, i, voice) add(catalog, plugin, voice);
+    json_decref(root);
+    return 0;
+}
+
+void catalog_free(struct catalog *catalog) {
+    for (struct catalog_block *block = catalog->blocks, *next; block; block = next) {
+        next = block->next;
+        free(block->data);
+        free(block);
+    }
+    *catalog = (struct catalog){0};
+}
+
+const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *count) {
+    *count = pool->catalog.count;
+    return pool->catalog.voices;
+}
+
+static const struct voice *by_name(const struct catalog *catalog, const char *name) {
+    const struct voice *voice = by_id(catalog, name);
+    for (size_t i = 0; i < catalog->count && !voice; i++)
+        if (!strcmp(catalog->voices[i].id + strlen(catalog->voices[i].plugin) + 1, name))
+            voice = &catalog->voices[i];
+    return voice;
+}
+
+/* How well a voice's language fits: 3 the same tag, 2 a variety of what was asked for ("en" finds "en-GB"), 1
+ * the same language. */
+static int fit(const char *voice, const char *wanted) {
+    size_t primary = strcspn(wanted, "-"), length = strlen(wanted);
+    if (!strcasecmp(voice, wanted))
+        return 3;
+    if (!strncasecmp(voice, wanted, length) && voice[length] == '-')
+        return 2;
+    return strcspn(voice, "-") == primary && !strncasecmp(voice, wanted, primary);
+}
+
+const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,
+                                    const char *const *preferred, struct error *e) {
+    const struct catalog *catalog = &pool->catalog;
+    const struct voice *best = NULL;
+    int best_fit = 0;
+    if (!catalog->count) {
+        error_set(e, "voice-unavailable", "no voice plugin runs");
+        return NULL;
+    }
+    if (name) {
+        best = by_name(catalog, name);
+        if (!best)
+            error_in_field(e, "unknown-voice", "voice", "there is no voice \"%.80s\"", name);
+        return best;
+    }
+    for (; preferred && *preferred && !best; preferred++)
+        best = by_name(catalog, *preferred);
+    if (best)
+        return best;
+    for (size_t i = 0; i < catalog->count && lang; i++) {
+        int f = fit(catalog->voices[i].lang, lang);
+        if (f > best_fit) {
+            best_fit = f;
+            best = &catalog->voices[i];
+        }
+    }
+    if (!best)
+        error_in_field(e, "unknown-language", "lang", "no voice speaks \"%.80s\"", lang ? lang : "");
+    return best;
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The plugin inside a worker process. */
+#ifndef FACCIA_VOICE_HOST_H
+#define FACCIA_VOICE_HOST_H
+
+#include "server/voice/faccia-voice.h"
+
+struct host {
+    void *library;
+    const struct faccia_voice *api;
+    void *self;
+};
+
+/* Loads the shared object and opens the plugin. -1 with a sentence for people in message. */
+int host_open(struct host *host, const char *path, const char *config, char *message, size_t cap);
+void host_close(struct host *host);
+
+/* The plugin and its voices as JSON:
+ * {"name","version","licence","capabilities","voices":[{"id","name","lang","gender","quality",
+ * "licence","sample_rate","rate"}]}. The caller frees it. */
+char *host_describe(const struct host *host);
+
+#endif

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A worker's half of the socket: hears what the daemon wants, says what the plugin delivers. A thread of its
+ * own listens, so that a sentence can be cancelled while the plugin speaks, and so that the process ends with
+ * the daemon. */
+#ifndef FACCIA_VOICE_MOUTHPIECE_H
+#define FACCIA_VOICE_MOUTHPIECE_H
+
+#include "server/voice/faccia-voice.h"
+#include "server/voice/wire.h"
+
+struct mouthpiece;
+
+/* Begins to listen on the socket. It stays open until the process ends. */
+struct mouthpiece *mouthpiece_open(int fd);
+
+/* Waits for the next OPEN or SPEAK. The payload is valid until the next call. False when the daemon has gone:
+ * the process must end, and is ended a second later. */
+bool mouthpiece_next(struct mouthpiece *m, struct wire_frame *frame);
+
+/* Says one frame with a string in it. */
+void mouthpiece_say(struct mouthpiece *m, enum wire_type type, const char *string);
+
+/* Speaks a sentence with the plugin and says all of it, DONE included. */
+void mouthpiece_speak(struct mouthpiece *m, const struct faccia_voice *api, void *self, uint32_t job,
+                      const struct faccia_sentence *sentence);
+
+#endif

@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/voice/plan.h"
+#include "server/base/mem.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool same(const char *a, const char *b) {
+    return a == b || (a && b && !strcmp(a, b));
+}
+
+/* Would the two styles make the same span? A stretch to be read in its own way, or from given phones, stands
+ * alone. */
+static bool joins(const struct score_style *a, const struct score_style *b) {
+    if (a->say_as || b->say_as || a->phonemes || b->phonemes)
+        return false;
+    return a == b || (same(a->lang, b->lang) && same(a->voice, b->voice) && a->rate == b->rate &&
+                      a->pitch == b->pitch && a->range == b->range && a->volume == b->volume &&
+                      a->emphasis == b->emphasis && same(a->emotion.name, b->emotion.name) &&
+                      a->emotion.intensity == b->emotion.intensity);
+}
+
+static char *copy(const char *s) {
+    return s ? mem_strdup(s) : NULL;
+}
+
+static struct faccia_span *add_span(struct plan *plan, uint32_t kind) {
+    plan->spans = mem_grow(plan->spans, &plan->span_cap, plan->span_count + 1, sizeof *plan->spans);
+    struct faccia_span *span = &plan->spans[plan->span_count++];
+    *span = (struct faccia_span){.kind = kind, .pitch = 1, .range = 1, .volume = 1};
+    return span;
+}
+
+static void begin_text(struct plan *plan, const struct score_style *style,
+                       const struct plan_prosody *prosody) {
+    struct faccia_span *span = add_span(plan, FACCIA_SPAN_TEXT);
+    span->lang = copy(style->lang);
+    span->phones = copy(style->phonemes);
+    span->say_as = copy(style->say_as);
+    span->emotion = copy(style->emotion.name);
+    span->intensity = style->emotion.intensity;
+    span->rate = prosody->rate;
+    if (style->rate != 1)
+        span->rate = (prosody->rate > 0 ? prosody->rate : prosody->own_rate) * style->rate;
+    span->pitch = prosody->pitch * style->pitch;
+    span->range = style->range;
+    span->volume = prosody->volume * style->volume;
+    span->emphasis = (uint32_t)style->emphasis;
+}
+
+static void add_text(struct plan *plan, const struct score_item *item) {
+    struct faccia_span *span = &plan->spans[plan->span_count - 1];
+    size_t before = span->text ? strlen(span->text) : 0, bytes = strlen(item->text);
+    char *text = mem_resize((char *)span->text, before + bytes + 1);
+    memcpy(text + before, item->text, bytes + 1);
+    span->text = text;
+    plan->text_bytes += bytes;
+    plan->pieces = mem_grow(plan->pieces, &plan->piece_cap, plan->piece_count + 1, sizeof *plan->pieces);
+    plan->pieces[plan->piece_count++] = (struct plan_piece){
+        .span = (uint32_t)(plan->span_count - 1),
+        .offset = before,
+        .bytes = bytes,
+        .from = item->start,
+        .to = item->end,
+        .verbatim = item->verbatim,
+    };
+}
+
+void plan_make(struct plan *plan, const struct score *score, size_t sentence,
+               const struct plan_prosody *prosody) {
+    const struct score_sentence *s = &score->sentences[sentence];
+    const struct score_style *style = NULL; /* of the text span that is still open */
+    *plan = (struct plan){.from = s->start, .to = s->end};
+    for (size_t i = s->first; i < s->first + s->count; i++) {
+        const struct score_item *item = &score->items[i];
+        if (item->kind == SCORE_TEXT) {
+            if (!item->text || !*item->text)
+                continue;
+            if (!style || !joins(style, item->style))
+                begin_text(plan, item->style, prosody);
+            style = item->style;
+            add_text(plan, item);
+            continue;
+        }
+        style = NULL;
+        if (item->kind == SCORE_MARK) {
+            add_span(plan, FACCIA_SPAN_MARK)->text = mem_strdup(item->text ? item->text : "");
+        } else {
+            double seconds = isfinite(item->seconds) && item->seconds > 0 ? item->seconds : 0;
+            add_span(plan, FACCIA_SPAN_BREAK)->seconds = seconds;
+            plan->break_seconds += seconds;
+        }
+    }
+}
+
+void plan_free(struct plan *plan) {
+    for (size_t i = 0; i < plan->span_count; i++) {
+        struct faccia_span *span = &plan->spans[i];
+        free((char *)span->text);
+        free((char *)span->lang);
+        free((char *)span->phones);
+        free((char *)span->say_as);
+        free((char *)span->emotion);
+    }
+    free(plan->spans);
+    free(plan->pieces);
+    *plan = (struct plan){0};
+}
+
+static bool inside_character(const char *text, size_t at) {
+    return ((unsigned char)text[at] & 0xC0) == 0x80;
+}
+
+bool plan_locate(const struct plan *plan, uint32_t span, size_t offset, size_t bytes, size_t *from,
+                 size_t *to) {
+    if (span >= plan->span_count || plan->spans[span].kind != FACCIA_SPAN_TEXT)
+        return false;
+    const char *text = plan->spans[span].text;
+    size_t length = strlen(text);
+    if (offset >= length || !bytes)
+        return false;
+    size_t end = bytes < length - offset ? offset + bytes : length;
+    while (offset > 0 && inside_character(text, offset))
+        offset--;
+    while (end < length && inside_character(text, end))
+        end++;
+    bool found = false;
+    for (size_t i = 0; i < plan->piece_count; i++) {
+        const struct plan_piece *p = &plan->pieces[i];
+        if (p->span != span || p->offset + p->bytes <= offset || p->offset >= end)
+            continue;
+        if (!found)
+            *from = p->verbatim && offset > p->offset ? p->from + (offset - p->offset) : p->from;
+        *to = p->verbatim && end < p->offset + p->bytes ? p->from + (end - p->offset) : p->to;
+        found = true;
+    }
+    return found;
+}

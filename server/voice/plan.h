@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a voice is asked to speak: one sentence of a score as the spans of the plugin interface, and the way
+ * back from a place in a span to the bytes of the input. */
+#ifndef FACCIA_VOICE_PLAN_H
+#define FACCIA_VOICE_PLAN_H
+
+#include "server/markup/score.h"
+#include "server/voice/faccia-voice.h"
+
+/* A score item inside a span's text. */
+struct plan_piece {
+    uint32_t span;
+    size_t offset, bytes; /* in the span's text */
+    size_t from, to;      /* bytes of the input */
+    bool verbatim;        /* the text is exactly the input, so places inside map one to one */
+};
+
+struct plan {
+    struct faccia_span *spans; /* strings belong to the plan */
+    size_t span_count, span_cap;
+    struct plan_piece *pieces; /* in the order of the spans */
+    size_t piece_count, piece_cap;
+    size_t from, to;      /* the sentence's bytes of the input */
+    size_t text_bytes;    /* of all spans */
+    double break_seconds; /* of all breaks */
+};
+
+/* What multiplies, or stands in for, the styles of the score. */
+struct plan_prosody {
+    double rate;          /* words per minute, 0 = the voice's own */
+    double own_rate;      /* the voice's own words per minute */
+    double pitch, volume; /* factors */
+};
+
+/* Adjacent text items of one style become one span, so that no word is cut. The plan does not keep the score.
+ */
+void plan_make(struct plan *plan, const struct score *score, size_t sentence,
+               const struct plan_prosody *prosody);
+void plan_free(struct plan *plan);
+
+/* The input bytes of a piece of a span's text. What lies outside the text is cut off, and both ends are moved
+ * outwards to whole characters. False when nothing is left. */
+bool plan_locate(const struct plan *plan, uint32_t span, size_t offset, size_t bytes, size_t *from,
+                 size_t *to);
+
+#endif

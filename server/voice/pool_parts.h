@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Inside of the voice pool: plugins with their queues, workers, jobs. */
+#ifndef FACCIA_VOICE_POOL_PARTS_H
+#define FACCIA_VOICE_POOL_PARTS_H
+
+#include "server/voice/assemble.h"
+#include "server/voice/plan.h"
+#include "server/voice/pool.h"
+
+/* First in, first out. */
+struct job_queue {
+    struct voice_job *first, *last;
+};
+
+/* One sentence, from voice_pool_speak to its callback. */
+struct voice_job {
+    struct voice_job *next;  /* in its queue */
+    struct job_queue *queue; /* NULL = it is spoken */
+    struct plugin *plugin;
+    struct worker *worker; /* that speaks it */
+    uint32_t number;       /* on the wire */
+    bool cancelled;        /* nobody waits for it any more */
+    const struct voice *voice;
+    struct plan plan;
+    struct assembly *assembly;
+    struct voice_callbacks callbacks;
+    void *ctx;
+};
+
+enum worker_state {
+    WORKER_STARTING, /* has not said hello */
+    WORKER_IDLE,
+    WORKER_SPEAKING,
+    WORKER_STOPPING, /* was told to stop speaking */
+    WORKER_RESTING,  /* no process: it will be started again when the timer rings */
+};
+
+/* One seat for a process; the process may change. */
+struct worker {
+    struct plugin *plugin;
+    enum worker_state state;
+    struct process *process; /* NULL when resting */
+    struct voice_job *job;
+    uv_timer_t timer;       /* start, sentence, stop, rest: what the state says */
+    unsigned failed_starts; /* in a row */
+    bool given_up;          /* too many of them */
+};
+
+struct plugin {
+    struct voice_pool *pool;
+    char *name, *path, *config;
+    struct worker *workers;
+    size_t worker_count;
+    struct job_queue waiting; /* sentences, oldest first */
+    bool known;               /* its voices are listed, or it is clear that it does not start */
+};
+
+/* The voices of all plugins. Pointers into it stay valid when it grows: old lists are kept. */
+struct catalog {
+    struct voice *voices;
+    size_t count;
+    struct catalog_block *blocks;
+};
+
+struct voice_pool {
+    uv_loop_t *loop;
+    char *worker_path;
+    double deadline_base, deadline_per_byte, retry_after;
+    struct plugin *plugins;
+    size_t plugin_count;
+    struct catalog catalog;
+    uint32_t last_job;
+    struct job_queue doomed; /* sentences that cannot be spoken and wait for the callback, */
+    uv_timer_t soon;         /* which may not come inside voice_pool_speak */
+    void (*ready)(void *ctx);
+    void *ready_ctx;
+    bool is_ready;
+    bool closing;
+    size_t open_handles; /* that hold up voice_pool_close */
+    void (*closed)(void *ctx);
+    void *closed_ctx;
+};
+
+/* pool.c */
+void pool_plugin_known(struct plugin *plugin); /* after known was set */
+void pool_job_end(struct voice_job *job, struct utterance *u,
+                  const struct error *e); /* calls back, frees the job */
+struct voice_job *
+pool_next_job(struct plugin *plugin);             /* the sentence to be spoken next, taken from the queue */
+void pool_fail_waiting(struct plugin *plugin);    /* when no worker of it will come */
+void pool_handle_closed(struct voice_pool *pool); /* one of open_handles */
+
+/* worker.c */
+void worker_open(struct worker *worker, struct plugin *plugin);
+void worker_close(struct worker *worker);  /* the job fails with "cancelled" */
+void worker_wake(struct worker *worker);   /* speaks the next sentence if it is idle */
+void worker_cancel(struct worker *worker); /* the sentence that it speaks */
+
+/* catalog.c */
+int catalog_add(struct catalog *catalog, const char *plugin, const char *description, struct error *e);
+void catalog_free(struct catalog *catalog);
+
+#endif

@@ -1,0 +1,18 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/voice/utterance.h"
+#include <stdlib.h>
+
+void utterance_free(struct utterance *u) {
+    if (!u)
+        return;
+    for (size_t i = 0; i < u->mark_count; i++)
+        free(u->marks[i].name);
+    for (size_t i = 0; i < u->warning_count; i++)
+        free(u->warnings[i]);
+    free(u->pcm);
+    free(u->phones);
+    free(u->words);
+    free(u->marks);
+    free(u->warnings);
+    free(u);
+}

@@ -1,0 +1,84 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the daemon and a voice worker say to each other over one socket pair: frames of a header and a
+ * payload. Both ends run on the same machine and come from the same build, so numbers are in native order.
+ *
+ * Daemon to worker: OPEN once, then SPEAK and CANCEL. Worker to daemon: HELLO or FAILED once, then for each
+ * SPEAK any number of AUDIO and EVENTS and one DONE. Neither end trusts the other: every length is checked
+ * before it is used. */
+#ifndef FACCIA_VOICE_WIRE_H
+#define FACCIA_VOICE_WIRE_H
+
+#include "server/base/buf.h"
+#include "server/voice/faccia-voice.h"
+#include <stdbool.h>
+
+enum wire_type {
+    WIRE_OPEN = 1, /* string: the plugin's configuration, JSON */
+    WIRE_SPEAK,    /* a sentence */
+    WIRE_CANCEL,   /* nothing; the header's job is to end soon */
+    WIRE_HELLO,    /* string: JSON, the plugin and its voices */
+    WIRE_FAILED,   /* string: why the plugin cannot be used */
+    WIRE_AUDIO,    /* u32 sample rate, then samples */
+    WIRE_EVENTS,   /* struct wire_event, one after the other */
+    WIRE_DONE,     /* u32: 0 = spoken, else failed; string: why */
+    WIRE_TYPE_END
+};
+
+/* The descriptor on which a worker finds its socket. */
+enum { WIRE_FD = 3 };
+
+enum { WIRE_HEADER_BYTES = 12, WIRE_PAYLOAD_MAX = 16 << 20 };
+
+struct wire_frame {
+    enum wire_type type;
+    uint32_t job; /* the sentence it is about, 0 = none */
+    const uint8_t *data;
+    size_t size;
+};
+
+/* Adds the header of a frame; wire_end fills in its length. Returns the place for wire_end. */
+size_t wire_begin(struct buf *b, enum wire_type type, uint32_t job);
+void wire_end(struct buf *b, size_t place);
+
+/* Looks for a whole frame at data[0..size): 1 = found, and *used bytes belong to it; 0 = more bytes are
+ * needed; -1 = garbage. */
+int wire_next(const uint8_t *data, size_t size, struct wire_frame *frame, size_t *used);
+
+/* Payloads. A string is its length, its bytes and a NUL; NULL has a length of its own. */
+void wire_put_u32(struct buf *b, uint32_t v);
+void wire_put_u64(struct buf *b, uint64_t v);
+void wire_put_string(struct buf *b, const char *s);
+
+/* Reads a payload. After the first thing that is not there, bad is set and everything reads as 0 or NULL.
+ * Strings point into the payload. */
+struct wire_reader {
+    const uint8_t *at, *end;
+    bool bad;
+};
+
+struct wire_reader wire_read(const struct wire_frame *frame);
+uint32_t wire_get_u32(struct wire_reader *r);
+uint64_t wire_get_u64(struct wire_reader *r);
+const char *wire_get_string(struct wire_reader *r);
+
+/* A sentence. Reading allocates the spans (free them); their strings point into the payload. False when it is
+ * not a sentence. */
+void wire_put_sentence(struct buf *b, const struct faccia_sentence *sentence);
+bool wire_get_sentence(struct wire_reader *r, struct faccia_sentence *sentence, struct faccia_span **spans);
+
+enum wire_event_kind { WIRE_PHONE = 1, WIRE_WORD, WIRE_MARK, WIRE_WARNING };
+
+struct wire_event {
+    enum wire_event_kind kind;
+    struct faccia_phone phone;
+    struct faccia_word word;
+    const char *text; /* MARK: its name; WARNING: the message */
+    uint64_t at;      /* MARK */
+};
+
+void wire_put_event(struct buf *b, const struct wire_event *event);
+
+/* The next event: false at the end of the payload, or (r->bad) when the payload is broken. */
+bool wire_get_event(struct wire_reader *r, struct wire_event *event);
+
+#endif

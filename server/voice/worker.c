@@ -1,0 +1,257 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One seat for a worker process: starts it, gives it sentences, watches the clock, starts it anew when it is
+ * lost. */
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/voice/pool_parts.h"
+#include "server/voice/process.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    START_MS = 30000, /* to say hello: a neural voice loads its weights */
+    STOP_MS = 300,    /* to stop speaking when told to */
+    REST_MS = 100,    /* before the second start in a row; doubled for each further one */
+    STARTS = 5,       /* in a row, before the plugin is given up for a while */
+};
+
+static void start(struct worker *w);
+
+static void on_time(uv_timer_t *timer);
+
+static void set_state(struct worker *w, enum worker_state state, uint64_t ms) {
+    w->state = state;
+    if (ms)
+        uv_timer_start(&w->timer, on_time, ms, 0);
+    else
+        uv_timer_stop(&w->timer);
+}
+
+/* Ends the sentence that is spoken. */
+static void end_job(struct worker *w, struct utterance *u, const struct error *e) {
+    struct voice_job *job = w->job;
+    w->job = NULL;
+    if (job)
+        pool_job_end(job, u, e);
+}
+
+static bool any_left(const struct plugin *plugin) {
+    for (size_t i = 0; i < plugin->worker_count; i++)
+        if (!plugin->workers[i].given_up)
+            return true;
+    return false;
+}
+
+static void give_up(struct worker *w, const char *why) {
+    struct plugin *plugin = w->plugin;
+    if (!w->given_up)
+        log_error("the voice %s does not start: %s; it will be tried again every %.0f s", plugin->name, why,
+                  plugin->pool->retry_after);
+    w->given_up = true;
+    set_state(w, WORKER_RESTING, (uint64_t)(plugin->pool->retry_after * 1000) + 1);
+    if (any_left(plugin))
+        return;
+    plugin->known = true;
+    pool_fail_waiting(plugin);
+    pool_plugin_known(plugin);
+}
+
+/* The process is lost; why follows "the voice NAME". Before its hello that is a failed start; later it costs
+ * the sentence that it spoke. */
+static void lose(struct worker *w, const char *code, const char *why, bool hopeless) {
+    struct plugin *plugin = w->plugin;
+    struct error e;
+    bool starting = w->state == WORKER_STARTING;
+    if (plugin->pool->closing)
+        return;
+    if (w->process)
+        process_stop(w->process, false);
+    w->process = NULL;
+    error_set(&e, code, "the voice %s %s", plugin->name, why);
+    if (!starting) {
+        if (w->state != WORKER_STOPPING)
+            log_warn("the voice %s %s; it is started again", plugin->name, why);
+        w->state = WORKER_RESTING;
+        start(w);
+        end_job(w, NULL, &e);
+        return;
+    }
+    w->failed_starts++;
+    if (hopeless || w->failed_starts >= STARTS || w->given_up)
+        give_up(w, why);
+    else
+        set_state(w, WORKER_RESTING, (uint64_t)REST_MS << (w->failed_starts - 1));
+}
+
+static void on_time(uv_timer_t *timer) {
+    struct worker *w = timer->data;
+    switch (w->state) {
+    case WORKER_STARTING:
+        lose(w, "voice-failed", "does not answer", false);
+        break;
+    case WORKER_SPEAKING:
+        lose(w, "voice-timeout", "took too long", false);
+        break;
+    case WORKER_STOPPING:
+        lose(w, "voice-timeout", "did not stop", false);
+        break;
+    case WORKER_RESTING:
+        start(w);
+        break;
+    case WORKER_IDLE:
+        break;
+    }
+}
+
+static void hello(struct worker *w, const char *description) {
+    struct plugin *plugin = w->plugin;
+    struct error e;
+    if (!plugin->known || w->given_up) {
+        if (catalog_add(&plugin->pool->catalog, plugin->name, description, &e) < 0) {
+            lose(w, "voice-failed", e.message, true);
+            return;
+        }
+    }
+    if (w->given_up)
+        log_info("the voice %s has started after all", plugin->name);
+    w->failed_starts = 0;
+    w->given_up = false;
+    set_state(w, WORKER_IDLE, 0);
+    plugin->known = true;
+    pool_plugin_known(plugin);
+    worker_wake(w);
+}
+
+/* All has been said about the sentence. */
+static void done(struct worker *w, struct wire_reader *r) {
+    struct voice_job *job = w->job;
+    uint32_t failed = wire_get_u32(r);
+    const char *message = wire_get_string(r);
+    struct error e;
+    if (r->bad) {
+        lose(w, "voice-failed", "sent garbage", false);
+        return;
+    }
+    struct utterance *u = NULL;
+    if (job->cancelled)
+        failed = 0;
+    else if (failed)
+        error_set(&e, "voice-failed", "%s",
+                  message && *message ? message : "the voice did not say why it failed");
+    else
+        u = assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate);
+    set_state(w, WORKER_IDLE, 0);
+    end_job(w, u, failed ? &e : NULL);
+    worker_wake(w);
+}
+
+/* A sentence that is to stop is listened to no more, until it is done. */
+static void said(void *ctx, const struct wire_frame *frame) {
+    struct worker *w = ctx;
+    struct wire_reader r = wire_read(frame);
+    struct error e;
+    int result = 0;
+    bool speaking = w->state == WORKER_SPEAKING || w->state == WORKER_STOPPING;
+    if (w->state == WORKER_STARTING && (frame->type == WIRE_HELLO || frame->type == WIRE_FAILED)) {
+        const char *text = wire_get_string(&r);
+        if (text && frame->type == WIRE_HELLO)
+            hello(w, text);
+        else
+            lose(w, "voice-failed", text ? text : "sent garbage", true);
+        return;
+    }
+    if (!speaking || frame->job != w->job->number)
+        lose(w, "voice-failed", "sent garbage", false);
+    else if (frame->type == WIRE_DONE)
+        done(w, &r);
+    else if (frame->type == WIRE_AUDIO && w->state == WORKER_SPEAKING)
+        result = assembly_audio(w->job->assembly, frame, &e);
+    else if (frame->type == WIRE_EVENTS && w->state == WORKER_SPEAKING)
+        result = assembly_events(w->job->assembly, frame, &e);
+    else if (frame->type != WIRE_AUDIO && frame->type != WIRE_EVENTS)
+        lose(w, "voice-failed", "sent garbage", false);
+    if (result < 0)
+        lose(w, e.code, e.message, false);
+}
+
+static void died(void *ctx, const char *how) {
+    lose(ctx, "voice-crashed", how, false);
+}
+
+static void gone(void *ctx) {
+    struct worker *w = ctx;
+    pool_handle_closed(w->plugin->pool);
+}
+
+static void start(struct worker *w) {
+    static const struct process_callbacks callbacks = {said, died, gone};
+    struct plugin *plugin = w->plugin;
+    struct error e;
+    plugin->pool->open_handles++;
+    set_state(w, WORKER_STARTING, START_MS);
+    w->process =
+        process_start(plugin->pool->loop, plugin->pool->worker_path, plugin->path, &callbacks, w, &e);
+    if (!w->process) {
+        lose(w, e.code, e.message, false);
+        return;
+    }
+    struct buf b = {0};
+    size_t place = wire_begin(&b, WIRE_OPEN, 0);
+    wire_put_string(&b, plugin->config);
+    wire_end(&b, place);
+    process_send(w->process, &b);
+    buf_free(&b);
+}
+
+void worker_open(struct worker *w, struct plugin *plugin) {
+    w->plugin = plugin;
+    w->timer.data = w;
+    uv_timer_init(plugin->pool->loop, &w->timer);
+    plugin->pool->open_handles++;
+    start(w);
+}
+
+static void on_timer_closed(uv_handle_t *handle) {
+    struct worker *w = handle->data;
+    pool_handle_closed(w->plugin->pool);
+}
+
+void worker_close(struct worker *w) {
+    struct error e;
+    bool idle = w->state == WORKER_IDLE;
+    uv_close((uv_handle_t *)&w->timer, on_timer_closed);
+    if (w->process)
+        process_stop(w->process, idle);
+    w->process = NULL;
+    error_set(&e, "cancelled", "the voice %s is shut down", w->plugin->name);
+    end_job(w, NULL, &e);
+}
+
+void worker_wake(struct worker *w) {
+    struct voice_pool *pool = w->plugin->pool;
+    struct voice_job *job = w->state == WORKER_IDLE && !pool->closing ? pool_next_job(w->plugin) : NULL;
+    if (!job)
+        return;
+    double seconds = pool->deadline_base + pool->deadline_per_byte * (double)job->plan.text_bytes;
+    const struct faccia_sentence sentence = {job->voice->id + strlen(w->plugin->name) + 1, job->plan.spans,
+                                             job->plan.span_count};
+    struct buf b = {0};
+    size_t place = wire_begin(&b, WIRE_SPEAK, job->number);
+    wire_put_sentence(&b, &sentence);
+    wire_end(&b, place);
+    job->worker = w;
+    job->assembly = assembly_new(&job->plan);
+    w->job = job;
+    set_state(w, WORKER_SPEAKING, (uint64_t)(seconds * 1000) + 1);
+    process_send(w->process, &b);
+    buf_free(&b);
+}
+
+void worker_cancel(struct worker *w) {
+    struct buf b = {0};
+    size_t place = wire_begin(&b, WIRE_CANCEL, w->job->number);
+    wire_end(&b, place);
+    set_state(w, WORKER_STOPPING, STOP_MS);
+    process_send(w->process, &b);
+    buf_free(&b);
+}
