@@ -66,15 +66,17 @@ static void fill_h(struct curve *curve, bool forward) {
 
 /* Which segments are felt in each gap between two targets. No gesture reaches further than DOMINANCE_REACH
  * segments, but R has a short tail beyond that, hence the doubled search. */
+enum { SEARCH = 2 * DOMINANCE_REACH };
+
 static void fill_ranges(struct curve *curve) {
     for (size_t gap = 0; gap <= curve->count; gap++) {
         size_t first = gap, last = gap;
         double begin = gap ? curve->segments[gap - 1].at : -INFINITY,
                end = gap < curve->count ? curve->segments[gap].at : INFINITY;
-        for (size_t i = gap, steps = 0; i-- > 0 && steps < 2 * DOMINANCE_REACH; steps++)
+        for (size_t i = gap, steps = 0; i-- > 0 && steps < SEARCH; steps++)
             if (curve->segments[i].to > begin)
                 first = i;
-        for (size_t i = gap, steps = 0; i < curve->count && steps < 2 * DOMINANCE_REACH; i++, steps++)
+        for (size_t i = gap, steps = 0; i < curve->count && steps < SEARCH; i++, steps++)
             if (curve->segments[i].from < end)
                 last = i + 1;
         curve->first[gap] = (uint32_t)first;

@@ -9,12 +9,12 @@
 #define SIDE_MIN 0.55
 
 /* Secondary motion, mm per mm. */
-#define CORNER_PER_JAW -0.12   /* corners sink with the jaw */
+#define CORNER_PER_JAW (-0.12) /* corners sink with the jaw */
 #define CORNER_PER_SPREAD 0.12 /* and rise a little as they spread */
 #define CHIN_PER_PRESS 0.5     /* the chin muscle lifts a pressing lower lip */
 #define CHIN_PER_PUSH 0.2      /* and a protruding one */
-#define CHEEK_PER_JAW -0.06    /* cheeks get hollow as the jaw sinks */
-#define CHEEK_PER_PUSH -0.15   /* and as the lips are pushed forward */
+#define CHEEK_PER_JAW (-0.06)  /* cheeks get hollow as the jaw sinks */
+#define CHEEK_PER_PUSH (-0.15) /* and as the lips are pushed forward */
 #define CHEEK_PER_PRESS 0.2    /* air is held behind closed lips */
 #define LIFT_PER_SPREAD 0.12   /* spreading lifts the cheeks */
 #define OUTER_PER_INNER 0.85   /* the outer contour moves less than the inner one */
