@@ -1,0 +1,195 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A voice that does what its text says: the first word of a sentence is the name of a trick. Any other text
+ * is spoken, 10 ms for each byte, one phone and one word for each word. */
+#include "server/voice/faccia-voice.h"
+#include <signal.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { RATE = 16000, BYTE = RATE / 100 };
+
+static int puppet_open(const char *config, void **self, char *message, size_t cap) {
+    (void)config, (void)message, (void)cap;
+    *self = malloc(1);
+    return 0;
+}
+
+static void puppet_close(void *self) {
+    free(self);
+}
+
+static void puppet_list(void *self, void (*each)(void *ctx, const struct faccia_voice_info *voice),
+                        void *ctx) {
+    (void)self;
+    const struct faccia_voice_info plain = {"plain",    "Puppet",           "it", "neutral",
+                                            "recorded", "GPL-3.0-or-later", RATE, 100};
+    struct faccia_voice_info other = plain;
+    other.id = "gb";
+    other.lang = "en-GB";
+    each(ctx, &plain);
+    each(ctx, &other);
+    each(ctx, &plain); /* twice: the host must not mind */
+}
+
+static int speak_audio(const struct faccia_sink *sink, size_t samples) {
+    int16_t block[BYTE];
+    for (int i = 0; i < BYTE; i++)
+        block[i] = 1000;
+    for (size_t done = 0; done < samples; done += BYTE)
+        if (sink->audio(sink->ctx, block, BYTE, RATE))
+            return 1;
+    return 0;
+}
+
+static int phone(const struct faccia_sink *sink, const char *ipa, uint64_t start, uint64_t end) {
+    return sink->phone(sink->ctx, &(struct faccia_phone){ipa, "x", start, end, 0});
+}
+
+static int word(const struct faccia_sink *sink, size_t offset, size_t bytes, uint64_t start) {
+    return sink->word(sink->ctx, &(struct faccia_word){0, offset, bytes, start, 0});
+}
+
+static void speak_plainly(const struct faccia_sentence *sentence, const struct faccia_sink *sink) {
+    uint64_t at = 0;
+    for (uint32_t s = 0; s < sentence->span_count; s++) {
+        const char *text = sentence->spans[s].kind == FACCIA_SPAN_TEXT ? sentence->spans[s].text : "";
+        for (size_t i = 0, n; text[i]; i += n) {
+            n = strcspn(text + i, " ");
+            if (n) {
+                phone(sink, "a", at, at + n * BYTE);
+                sink->word(sink->ctx, &(struct faccia_word){s, i, n, at, 0});
+            }
+            n += n == 0 || text[i + n] == ' ';
+            at += n * BYTE;
+        }
+    }
+    speak_audio(sink, at);
+}
+
+static void crash(const struct faccia_sink *sink) {
+    speak_audio(sink, RATE * 5);
+    signal(SIGABRT, SIG_DFL);
+    abort();
+}
+
+static void hang(const struct faccia_sink *sink) {
+    (void)sink;
+    for (;;)
+        pause();
+}
+
+static void slow(const struct faccia_sink *sink) {
+    while (!speak_audio(sink, BYTE))
+        usleep(1000);
+}
+
+static void backwards(const struct faccia_sink *sink) {
+    speak_audio(sink, 10 * BYTE);
+    phone(sink, "a", 5 * BYTE, 6 * BYTE);
+    phone(sink, "b", 2 * BYTE, 8 * BYTE);
+    phone(sink, "d", 7 * BYTE, BYTE);
+    word(sink, 0, 4, 5 * BYTE);
+    word(sink, 4, 5, 2 * BYTE);
+}
+
+static void beyond(const struct faccia_sink *sink) {
+    phone(sink, "a", 0, UINT64_MAX);
+    phone(sink, "b", UINT64_MAX - 1, UINT64_MAX);
+    word(sink, 0, SIZE_MAX, 0);
+    word(sink, SIZE_MAX, SIZE_MAX, 3);
+    sink->word(sink->ctx, &(struct faccia_word){UINT32_MAX, 0, 1, 0, 0});
+    sink->mark(sink->ctx, "unasked", UINT64_MAX);
+    speak_audio(sink, 10 * BYTE);
+}
+
+static void names(const struct faccia_sink *sink) {
+    phone(sink, "\xFF\xFE", 0, BYTE);
+    phone(sink, "\u0251\u0251\u0251\u0251\u0251\u0251\u0251\u0251\u0251\u0251", BYTE, 2 * BYTE);
+    sink->phone(sink->ctx, &(struct faccia_phone){NULL, NULL, 2 * BYTE, 3 * BYTE, 77});
+    sink->warning(sink->ctx, "bad \xC3");
+    speak_audio(sink, 3 * BYTE);
+}
+
+static void rates(const struct faccia_sink *sink) {
+    int16_t sample = 0;
+    sink->audio(sink->ctx, &sample, 1, RATE);
+    sink->audio(sink->ctx, &sample, 1, RATE * 2);
+}
+
+static void pitchless(const struct faccia_sink *sink) {
+    int16_t sample = 0;
+    sink->audio(sink->ctx, &sample, 1, 1);
+}
+
+static void flood(const struct faccia_sink *sink) {
+    while (!speak_audio(sink, RATE))
+        continue;
+}
+
+static void chatter(const struct faccia_sink *sink) {
+    while (!phone(sink, "a", 0, 1))
+        continue;
+}
+
+static void garbage(const struct faccia_sink *sink) {
+    (void)sink;
+    char bytes[64];
+    memset(bytes, 0xEE, sizeof bytes);
+    if (write(3, bytes, sizeof bytes) < 0)
+        abort();
+}
+
+static void leave(const struct faccia_sink *sink) {
+    (void)sink;
+    _exit(3);
+}
+
+static void print(const struct faccia_sink *sink) {
+    printf("a plugin that prints\n");
+    fflush(stdout);
+    speak_audio(sink, BYTE);
+}
+
+static const struct {
+    const char *name;
+    void (*play)(const struct faccia_sink *sink);
+} tricks[] = {
+    {"crash", crash},     {"hang", hang},       {"slow", slow},   {"backwards", backwards},
+    {"beyond", beyond},   {"names", names},     {"rates", rates}, {"pitchless", pitchless},
+    {"flood", flood},     {"chatter", chatter}, {"leave", leave}, {"print", print},
+    {"garbage", garbage},
+};
+
+static int puppet_speak(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
+                        char *message, size_t cap) {
+    (void)self;
+    const char *text = sentence->span_count && sentence->spans[0].text ? sentence->spans[0].text : "";
+    size_t length = strcspn(text, " ");
+    if (length == 4 && !memcmp(text, "fail", 4)) {
+        snprintf(message, cap, "it does not want to");
+        return -1;
+    }
+    for (size_t i = 0; i < sizeof tricks / sizeof *tricks; i++)
+        if (strlen(tricks[i].name) == length && !memcmp(text, tricks[i].name, length)) {
+            tricks[i].play(sink);
+            return 0;
+        }
+    speak_plainly(sentence, sink);
+    return 0;
+}
+
+__attribute__((visibility("default"))) const struct faccia_voice faccia_voice = {
+    .abi = FACCIA_VOICE_ABI,
+    .size = sizeof(struct faccia_voice),
+    .name = "puppet",
+    .version = "1",
+    .licence = "GPL-3.0-or-later",
+    .capabilities = FACCIA_VOICE_STREAMS,
+    .open = puppet_open,
+    .list = puppet_list,
+    .speak = puppet_speak,
+    .close = puppet_close,
+};
