@@ -33,7 +33,7 @@ export function readBase(assets) {
 
 /**
  * A proxy. `refs` are three base vertices for each proxy vertex, `weights` their weights; where the package has a vertex
- * that sits right on a base vertex it writes weights 1, 0, 0.
+ * that sits right on a base vertex it writes weights 1, 0, 0. `hides` flags the base vertices that lie under a garment.
  */
 export function readProxy(assets, name) {
   const file = assets.data('proxies', `${name}.json`);
@@ -43,6 +43,7 @@ export function readProxy(assets, name) {
     refs: json.ref_vIdxs,
     weights: json.weights,
     offsets: json.offsets,
+    hides: json.metadata.deleteVerts,
     folder: path.dirname(file),
     texture: json.materials[0].mapDiffuse,
   };

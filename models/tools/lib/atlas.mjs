@@ -7,7 +7,8 @@
 /**
  * @param {{uv: number[], index: number[]}} part its `uv` is replaced, the old one kept as `sourceUv`
  * @param {{at: number[], box: number[], turn: boolean}[]} layout for each island the texture coordinate `at` that lies in its
- *   old rectangle, its new rectangle `box` (x, y, width, height) and whether it is turned by a quarter
+ *   old rectangle, its new rectangle `box` (x, y, width, height), whether it is turned by a quarter, and optionally a `focus`
+ *   (place `at`, `width`, `gain`, each for x and y, in shares of the rectangle) that gets more room than the rest
  */
 export function layOut(part, layout) {
   part.sourceUv = part.uv;
@@ -18,13 +19,28 @@ export function layOut(part, layout) {
     const target = layout.find(({ at }) => at[0] >= u0 && at[0] <= u1 && at[1] >= v0 && at[1] <= v1);
     if (!target) throw new Error(`the atlas has no place for the island u ${u0}..${u1}, v ${v0}..${v1}`);
     const [x, y, w, h] = target.box;
+    const stretch = [0, 1].map((k) => (target.focus ? focused(target.focus, k) : (t) => t));
     for (const v of island) {
       const a = (part.uv[v * 2] - u0) / (u1 - u0), b = (part.uv[v * 2 + 1] - v0) / (v1 - v0);
-      uv[v * 2] = x + w * (target.turn ? 1 - b : a);
-      uv[v * 2 + 1] = y + h * (target.turn ? 1 - a : b);
+      uv[v * 2] = x + w * stretch[0](target.turn ? 1 - b : a);
+      uv[v * 2 + 1] = y + h * stretch[1](target.turn ? 1 - a : b);
     }
   }
   part.uv = uv;
+}
+
+/** A monotone map of 0..1 on itself, steepest at the focus: the integral of 1 + gain * bell. */
+function focused({ at, width, gain }, k) {
+  const steps = 512;
+  const table = [0];
+  for (let i = 0; i < steps; i++) {
+    const d = ((i + 0.5) / steps - at[k]) / width[k];
+    table.push(table[i] + 1 + gain[k] * Math.exp(-d * d));
+  }
+  return (t) => {
+    const i = Math.min(steps - 1, Math.floor(t * steps));
+    return (table[i] + (table[i + 1] - table[i]) * (t * steps - i)) / table[steps];
+  };
 }
 
 function islands({ uv, index }) {

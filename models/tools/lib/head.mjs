@@ -33,7 +33,7 @@ export async function buildHead(assets, recipe) {
   ctx.grid = gridOf(ctx, recipe);
   closeLips(p, topology, ctx.grid, recipe.faps.mouth.tuck);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
-  for (const side of ['l', 'r']) setLids(ctx, side, lidWeights(ctx, side, recipe.faps.lids), recipe.eyes.iris / 2);
+  for (const side of ['l', 'r']) setLids(ctx, side, lidWeights(ctx, side, recipe.faps.lids), recipe.eyes.opening / 2);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
   const eyeSpec = eyeGeometry(recipe.eyes, eyes.radius - recipe.eyes.inset);
   ctx.fdp['3.5'] = [eyes.l[0], eyes.l[1], eyes.l[2] + eyeSpec.radius + eyeSpec.bulge];
@@ -55,7 +55,7 @@ export async function buildHead(assets, recipe) {
   const hair = parts.findIndex((part) => part.name === 'hair');
   parts[hair] = refine(parts[hair], longEdges(parts[hair], recipe.parts.hair.longestEdge));
   for (const part of parts) {
-    if (recipe.parts[part.name].follows !== false) applyActions(part, actions, LEAST_MOVE);
+    if (recipe.parts[part.name].follows) applyActions(part, actions, LEAST_MOVE);
     applyHeadTurns(part, head);
     part.material = recipe.parts[part.name].material;
   }
@@ -106,8 +106,9 @@ function makeParts(ctx, recipe, eyeSpec) {
   const spec = recipe.parts;
   const isUpper = ctx.inGroup('helper-upper-teeth');
   const upperFace = (f, refs) => isUpper[refs[f.v[0]][0][0]];
+  const clothes = spec.clothes ? [proxyPart(ctx, 'clothes', spec.clothes)] : [];
   return [
-    skinPart(ctx, spec.skin),
+    skinPart(ctx, spec.skin, clothes[0]?.proxy.hides),
     eyePart('eye_l', ctx.eyes.l, eyeSpec, { thrust: 27, dilate: 29 }),
     eyePart('eye_r', ctx.eyes.r, eyeSpec, { thrust: 28, dilate: 30 }),
     proxyPart(ctx, 'teeth_upper', spec.teeth_upper, upperFace),
@@ -116,5 +117,6 @@ function makeParts(ctx, recipe, eyeSpec) {
     proxyPart(ctx, 'hair', spec.hair),
     proxyPart(ctx, 'brows', spec.brows),
     proxyPart(ctx, 'lashes', spec.lashes),
+    ...clothes,
   ];
 }

@@ -19,9 +19,8 @@ export async function paintSkin(spec, scene) {
   const size = spec.size;
   const source = await readImage(ctx.assets.data(look.file), 2048);
   const vertexNormals = normals(part.position, part.index, part.smooth);
-  const stops = (names) => names.map((name) => ({ part: parts.find((x) => x.name === name), weight: look.occlusion.parts[name] }));
-  const sky = occlusion(part, vertexNormals, stops(Object.keys(look.occlusion.parts)), look.occlusion);
-  const open = occlusion(part, vertexNormals, [{ ...stops(['hair'])[0], weight: 1 }], look.scalp);
+  const occluders = Object.entries(look.occlusion.parts).map(([name, weight]) => ({ part: parts.find((x) => x.name === name), weight }));
+  const sky = occlusion(part, vertexNormals, occluders, look.occlusion);
   const zones = look.zones.flatMap((z) => z.points.map((name) => ({
     weight: ellipsoid(ctx.fdp[name].map((x, k) => x + z.shift[k] * (k === 0 ? Math.sign(x) || 1 : 1)), z.radii, z.flat ?? 0),
     colour: hex(z.colour), strength: z.strength,
@@ -36,7 +35,7 @@ export async function paintSkin(spec, scene) {
     const at = (list, stride, k) => wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
     const q = [0, 1, 2].map((k) => at(part.position, 3, k));
     const attribute = (list) => wa * list[a] + wb * list[b] + wc * list[c];
-    const light = Math.min(1, (wa * sky[a] + wb * sky[b] + wc * sky[c]) / look.occlusion.open);
+    const light = Math.min(1, Math.max(0, wa * sky[a] + wb * sky[b] + wc * sky[c]) / look.occlusion.open);
     let colour = mix(tone, sampled(source, at(part.sourceUv, 2, 0), at(part.sourceUv, 2, 1)), look.fromPackage);
     for (const z of zones) {
       const w = z.weight(q[0], q[1], q[2]);
@@ -46,9 +45,9 @@ export async function paintSkin(spec, scene) {
     colour = lidPaint(colour, q, lids, look.lids);
     colour = lipPaint(colour, q, attribute(lipT), attribute(lipDepth), attribute(lipS), look.lips);
     colour = pores(colour, q, look, attribute(lipT));
-    const covered = 1 - (wa * open[a] + wb * open[b] + wc * open[c]);
-    colour = mix(shade(colour, light, look.occlusion), scalp, smoothstep(look.scalp.from, look.scalp.to, covered));
-    data.set(colour, texel * 3);
+    const behind = q[1] - look.scalp.slope * q[2] - look.scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
+    colour = mix(colour, scalp, smoothstep(-look.scalp.soft, look.scalp.soft, behind));
+    data.set(shade(colour, light, look.occlusion), texel * 3);
   });
   dilate(data, done, size, 12);
   return { size, data };

@@ -5,11 +5,11 @@ import { EYE_MARGIN } from './hm08.mjs';
 import { triangulate } from './mesh.mjs';
 import { nearestOnLine } from './zones.mjs';
 
-/** @returns part with `refs`: for each vertex [base vertex, weight] pairs, and `position` in mm */
-export function skinPart(ctx, spec) {
+/** @param {number[]|undefined} hidden flags base vertices under clothes @returns part with `refs`: for each vertex [base vertex, weight] pairs, and `position` in mm */
+export function skinPart(ctx, spec, hidden) {
   const { base, p } = ctx;
   const group = base.groups.indexOf('body');
-  const keep = (f) => f.group === group && f.v.every((v) => p[v * 3 + 1] > spec.cut.y && Math.abs(p[v * 3]) < spec.cut.x);
+  const keep = (f) => f.group === group && !f.v.every((v) => hidden?.[v]) && f.v.every((v) => p[v * 3 + 1] > spec.cut.y && Math.abs(p[v * 3]) < spec.cut.x);
   const mesh = triangulate(base.faces, base.uvs, keep);
   return finish('skin', mesh, mesh.source.map((v) => [[v, 1]]), (v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]);
 }
@@ -22,7 +22,11 @@ export function proxyPart(ctx, name, spec, keep) {
   const fitted = (i) => [0, 1, 2].map((k) => refs[i].reduce((sum, [v, w]) => sum + w * p[v * 3 + k], 0)
     + proxy.offsets[i][k] * 100 * (spec.scale ?? 1) + (spec.shift?.[k] ?? 0));
   const place = spec.shorten ? (i) => shortened(ctx, fitted(i), spec.shorten) : fitted;
-  const mesh = triangulate(proxy.faces, proxy.uvs, keep ? (f) => keep(f, refs) : undefined);
+  const inside = (i) => {
+    const q = fitted(i);
+    return !spec.cut || (q[1] > spec.cut.y && Math.abs(q[0]) < spec.cut.x);
+  };
+  const mesh = triangulate(proxy.faces, proxy.uvs, (f) => f.v.every(inside) && (!keep || keep(f, refs)));
   return { ...finish(name, mesh, mesh.source.map((i) => refs[i]), place), proxy };
 }
 
