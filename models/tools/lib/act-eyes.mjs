@@ -22,8 +22,11 @@ export function lidWeights(ctx, side, tuning) {
     return (x) => piecewise(points.map((q) => q[0]), points.map((q) => q[1]), x);
   };
   const top = line(true), bottom = line(false);
-  const gap = ring.map((v) => Math.max(0, top(p[v * 3]) - bottom(p[v * 3])));
   const [upperPoint, lowerPoint] = SIDES[side].point.map((name) => ring.indexOf(ctx.fdpVertex[name]));
+  // Beside the feature points a little more than meeting, because the margins' corners do not face each other there.
+  const middle = p[ring[upperPoint] * 3];
+  const gap = ring.map((v) => Math.max(0, top(p[v * 3]) - bottom(p[v * 3]))
+    + tuning.overlap * (1 - Math.exp(-(((p[v * 3] - middle) / 3) ** 2))));
   const points = ring.map((v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]);
   const values = ring.map((_, c) => [gap[c], upper[c] ? 1 : 0]);
   const inside = new Set(loops.slice(EYE_MARGIN, EYE_MARGIN + 4).flat());

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Lips and corners: FAPs 4 to 13, 16, 17 and 51 to 60. */
 import { along } from './actions.mjs';
-import { cardinalBasis, raisedCosine } from './zones.mjs';
+import { cardinalBasis, raisedCosine, smoothstep } from './zones.mjs';
 
 /** Feature points along a lip: right corner, half-way, middle, half-way, left corner. */
 const NODES = [-1, -0.5, 0, 0.5, 1];
@@ -12,7 +12,7 @@ const LOWER = [[5, 52, MIDDLE], [10, 57, HALF_L], [11, 58, HALF_R]];
 const CORNERS = [[6, 53, 12, 59, CORNER_L, 1], [7, 54, 13, 60, CORNER_R, -1]];
 
 /** @param {object} tuning the recipe's `faps.mouth` */
-export function mouthActions(actions, grid, tuning) {
+export function mouthActions(actions, ctx, grid, tuning) {
   const basis = cardinalBasis(NODES, tuning.cornerSteepness);
   const isLower = (v) => grid.lower[v] > 0.5;
   const isUpper = (v) => grid.lower[v] < 0.5;
@@ -33,13 +33,18 @@ export function mouthActions(actions, grid, tuning) {
 
   for (const [stretchIn, stretchOut, raiseIn, raiseOut, node, side] of CORNERS) {
     const pull = (v) => Math.max(0, grid.s[v] * side) ** tuning.stretchPower;
-    for (const [sign, back] of [['positive', tuning.stretchBack], ['negative', tuning.purseForward]]) {
+    const corner = ctx.fdpVertex[side > 0 ? '8.3' : '8.4'];
+    for (const [sign, back, cheek] of [['positive', tuning.stretchBack, tuning.stretchCheek], ['negative', tuning.purseForward, tuning.purseCheek]]) {
       const dir = (v) => [side, 0, -back * Math.abs(grid.s[v])];
+      const beyond = cheekField(ctx, grid, cheek, corner, side);
       actions.move(stretchIn, sign, (v) => along(grid.inner[v] * pull(v), dir(v)));
-      actions.move(stretchOut, sign, (v) => along(grid.outer[v] * pull(v), dir(v)));
+      actions.move(stretchOut, sign, (v) => sum(along(grid.outer[v] * pull(v), dir(v)), beyond(v)));
     }
     actions.move(raiseIn, 'both', (v) => along(grid.inner[v] * basis(node, grid.s[v]), [0, 1, 0]));
-    actions.move(raiseOut, 'both', (v) => along(grid.outer[v] * basis(node, grid.s[v]), [0, 1, tuning.raiseForward]));
+    const up = (v) => along(grid.outer[v] * basis(node, grid.s[v]), [0, 1, tuning.raiseForward]);
+    const beyond = cheekField(ctx, grid, tuning.raiseCheek, corner, side);
+    actions.move(raiseOut, 'positive', (v) => sum(up(v), beyond(v)));
+    actions.move(raiseOut, 'negative', up);
   }
 
   /** Pushing: the whole lip, its outer contour and the skin beside it, less towards the corners. */
@@ -55,4 +60,25 @@ export function mouthActions(actions, grid, tuning) {
   };
   push(16, isLower, -tuning.pushEvert);
   push(17, isUpper, tuning.pushEvert);
+}
+
+/**
+ * What an expression target of the mesh does on one half of the face where the lips' own zones end: cheeks, folds beside the
+ * nose. Scaled so that the target's corner of the mouth would move by one unit along `axis`; only the recipe's `axes` count.
+ */
+function cheekField(ctx, grid, { target, axis, axes, gain }, corner, side) {
+  const field = ctx.target(target);
+  const unit = Math.abs(field[corner * 3 + axis]) / gain;
+  const skin = new Set(ctx.topology.faces.flatMap((f) => f.v));
+  return (v) => {
+    if (!skin.has(v) || grid.inMouth[v]) return null;
+    const rest = 1 - Math.min(1, grid.inner[v] + grid.outer[v]);
+    const half = smoothstep(-6, 6, ctx.p[v * 3] * side);
+    const w = (rest * half) / unit;
+    return w ? axes.map((on, k) => on * w * field[v * 3 + k]) : null;
+  };
+}
+
+function sum(a, b) {
+  return a && b ? a.map((x, k) => x + b[k]) : a ?? b;
 }

@@ -43,7 +43,7 @@ export async function buildHead(assets, recipe) {
 
   const actions = new Actions(ctx);
   jawActions(actions, ctx, ctx.grid, recipe.faps.jaw);
-  mouthActions(actions, ctx.grid, recipe.faps.mouth);
+  mouthActions(actions, ctx, ctx.grid, recipe.faps.mouth);
   eyeActions(actions, ctx, recipe.faps.lids);
   faceActions(actions, ctx, recipe.faps.face);
   tongueActions(actions, ctx, recipe.faps.tongue);

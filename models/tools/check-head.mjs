@@ -1,0 +1,19 @@
+#!/usr/bin/env node
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Checks a built head: check-head.mjs HEAD.json. Prints what is wrong; exit code 1 when anything is. */
+import fs from 'node:fs';
+import * as check from './lib/check.mjs';
+import { unpack } from './lib/deform.mjs';
+
+const [file] = process.argv.slice(2);
+if (!file) {
+  console.error('usage: check-head.mjs HEAD.json');
+  process.exit(2);
+}
+const head = unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
+const problems = Object.entries(check).filter(([name]) => name.startsWith('check')).flatMap(([, run]) => run(head));
+const packed = `${file}.gz`;
+if (fs.existsSync(packed) && fs.statSync(packed).size > check.MOST_BYTES) problems.push(`${packed} has more than ${check.MOST_BYTES} bytes`);
+for (const p of problems) console.log(p);
+console.log(problems.length ? `${problems.length} problems` : `${head.name}: as it should be`);
+process.exit(problems.length ? 1 : 0);
