@@ -44,6 +44,7 @@ build "$root/build/sanitized" -Db_sanitize=address,undefined -Db_lundef=false -D
 artefacts="$root/build/test-artefacts"
 mkdir -p "$artefacts"
 export FACCIA_ARTEFACTS="$artefacts" FACCIA_MODELS="$root/build/models" FACCIA_WEB="$root/build/web"
+export LSAN_OPTIONS="suppressions=$root/tests/lsan.supp:print_suppressions=0"
 export ASAN_OPTIONS="detect_leaks=1:abort_on_error=0" UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
 
 passed=0

@@ -136,8 +136,8 @@ static void done(struct worker *w, struct wire_reader *r) {
     if (job->cancelled)
         failed = 0;
     else if (failed)
-        error_set(&e, "voice-failed", "%s",
-                  message && *message ? message : "the voice did not say why it failed");
+        error_set(&e, "voice-failed", "the voice %s failed: %s", w->plugin->name,
+                  message && *message ? message : "it does not say why");
     else
         u = assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate);
     set_state(w, WORKER_IDLE, 0);

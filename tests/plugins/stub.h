@@ -22,9 +22,9 @@ static void stub_close(void *self) {
     (void)self;
 }
 
-#define STUB_TABLE(version)                                                                                  \
+#define STUB_TABLE(ABI)                                                                                  \
     __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = {                        \
-        .abi = version,                                                                                      \
+        .abi = ABI,                                                                                          \
         .size = sizeof(struct faccia_voice),                                                                 \
         .name = "stub",                                                                                      \
         .version = "1",                                                                                      \
