@@ -30,6 +30,7 @@ export class FaceMixer {
     this.source = null;
     this.since = -Infinity;
     this.seen = -Infinity;
+    this.before = -Infinity; // the update before
   }
 
   /**
@@ -38,7 +39,7 @@ export class FaceMixer {
    * @returns {boolean} whether the values have changed
    */
   update(now, heard) {
-    const before = this.values.slice();
+    const shown = this.values.slice();
     if (this.pose) {
       this.#change(now, this.pose);
       this.target.set(this.pose);
@@ -54,7 +55,8 @@ export class FaceMixer {
       const target = this.still && !this.pose && !moving(n) ? 0 : this.target[n];
       this.values[n] = w === 1 ? target : this.from[n] + w * (target - this.from[n]);
     }
-    return this.values.some((value, n) => value !== before[n]);
+    this.before = now;
+    return this.values.some((value, n) => value !== shown[n]);
   }
 
   /** Whether it still goes over from one source to another. */
@@ -66,6 +68,6 @@ export class FaceMixer {
     if (source === this.source) return;
     this.source = source;
     this.from.set(this.values);
-    this.since = now;
+    this.since = Math.max(this.before, now - CHANGE_MS / 2); // on its way in this frame already
   }
 }

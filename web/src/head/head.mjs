@@ -1,13 +1,27 @@
 // SPDX-License-Identifier: MIT
 import {
-  AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Mesh,
-  NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector3,
+  AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Matrix4,
+  Mesh, NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector3,
 } from 'three';
+import { faceValues } from '../face-mixer.mjs';
+import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
+import { fibres, volumeNormals } from './hair.mjs';
+import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
-import { loadTexture, whiteTexture } from './textures.mjs';
+import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const MOUTH_OPEN_MM = 9; // from here on the light goes in freely
+const SLICE_MS = 12; // of work at a time, while the page lives on
+
+const THIN = ['lashes', 'brows']; // a few fibres on the skin: they hide nothing
+
+/** Where shadows are taken: speaking, so that there is light between the lips. */
+const SHADOW_POSE = faceValues({
+  3: 350, 4: 150, 5: -450, 8: 150, 9: 150, 10: -400, 11: -400, 51: 150, 52: -450, 55: 150, 56: 150, 57: -400, 58: -400,
+});
+
+const breath = () => new Promise((resolve) => setTimeout(resolve));
 
 /** What the name of a part says about the way it is drawn. */
 function kindOf(name) {
@@ -23,7 +37,8 @@ export class Head {
   static async create(model) {
     const head = new Head(model);
     await head.#loadTextures();
-    head.#build();
+    await head.#build();
+    await head.#shade();
     return head;
   }
 
@@ -39,7 +54,9 @@ export class Head {
       turnAngle: { value: this.drive.angles },
       turnPivot: { value: model.turns.map(({ pivot }) => new Vector3(...pivot)) },
       turnAxis: { value: model.turns.map(({ axis }) => new Vector3(...axis).normalize()) },
+      headTurn: { value: new Matrix4() },
       mouthOpen: { value: 0 },
+      lipFront: { value: model.fdp['2.2']?.[2] ?? 0 },
     };
   }
 
@@ -55,23 +72,49 @@ export class Head {
     this.white = whiteTexture();
   }
 
-  #build() {
-    const built = this.model.parts.map((part) => ({ part, influences: influencesOf(part, this.drive) }));
+  async #build() {
+    const built = [];
+    for (const part of this.model.parts) {
+      built.push({ part, influences: influencesOf(part, this.drive) });
+      await breath();
+    }
     // Reading the influences may have made new slots.
     this.drive.slotValues = this.uniforms.slots.value = new Float32Array(Math.max(1, this.drive.slots.length));
     for (const { part, influences } of built) {
       const geometry = new BufferGeometry();
-      const packed = packInfluences(influences, this.drive.firstHeadTurn);
+      const packed = packInfluences(influences, this.drive);
       const reach = new BufferAttribute(new Uint8Array(4 * part.vertices).fill(255), 4, true);
       geometry.setAttribute('position', new BufferAttribute(part.position, 3));
-      geometry.setAttribute('normal', new BufferAttribute(influences.normals, 3));
+      const kind = kindOf(part.name);
+      const volume = kind === 'hair' && !THIN.includes(part.name);
+      geometry.setAttribute('normal', new BufferAttribute(volume ? volumeNormals(part, influences.normals) : influences.normals, 3));
       const uv = part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices);
       geometry.setAttribute('uv', new BufferAttribute(uv, 2));
+      if (kind === 'hair') geometry.setAttribute('fibre', new BufferAttribute(fibres(part), 3));
       geometry.setAttribute('influence', new BufferAttribute(packed.vertices, 4));
       geometry.setAttribute('reach', reach);
       geometry.setIndex(new BufferAttribute(part.index, 1));
       this.parts.push({ part, influences, geometry });
       this.#addMeshes(part, geometry, this.#influenceTexture(packed));
+    }
+  }
+
+  /** How much light reaches each vertex. */
+  async #shade() {
+    this.drive.set(SHADOW_POSE);
+    const posed = this.parts.map(({ part, influences }) => ({
+      ...deform(part, influences, this.drive),
+      index: part.index,
+      shades: !THIN.includes(part.name),
+    }));
+    const bake = bakeOcclusion(posed);
+    for (let result = { done: false }, start = 0; !result.done; ) {
+      if (performance.now() - start > SLICE_MS) {
+        await breath();
+        start = performance.now();
+      }
+      result = bake.next();
+      if (result.done) result.value.forEach((reach, i) => this.parts[i].geometry.attributes.reach.array.set(reach));
     }
   }
 
@@ -93,8 +136,7 @@ export class Head {
       mesh.userData.fineOnly = options.fineOnly ?? false;
       this.group.add(mesh);
     };
-    const thin = part.name === 'lashes' || part.name === 'brows'; // a few fibres on the skin: nothing to hide
-    if (look.alpha === 'blend' && thin) add(3, { cutoff: 0.02, opaque: 0 });
+    if (look.alpha === 'blend' && THIN.includes(part.name)) add(3, { cutoff: 0.02, opaque: 0 });
     else if (look.alpha === 'blend') {
       add(1, { cutoff: 0.5, opaque: 1 });
       add(2, { cutoff: 0.02, opaque: 0, fineOnly: true }); // the soft edges of what the first pass has drawn
@@ -146,16 +188,15 @@ export class Head {
       material.defines.FINE = Number(fine);
     }
     for (const mesh of this.group.children) mesh.visible = fine || !mesh.userData.fineOnly;
-    for (const texture of this.textures.values()) {
-      if (texture.isDataTexture || texture.anisotropy === anisotropy) continue;
-      texture.anisotropy = anisotropy;
-      texture.needsUpdate = true;
-    }
+    for (const texture of this.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, fine, anisotropy);
   }
 
   /** @param {Float32Array} values by FAP number */
   setFaps(values) {
     this.drive.set(values);
+    const origin = new Vector3(...this.drive.withHead([0, 0, 0]));
+    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
+    this.uniforms.headTurn.value.makeBasis(...axes).setPosition(origin);
     const mns = this.model.fapu.MNS / 1024;
     const open = mns * (values[4] - values[5] + values[3] * 0.5);
     this.uniforms.mouthOpen.value = Math.min(1, Math.max(0, open / MOUTH_OPEN_MM));

@@ -33,7 +33,7 @@ export class Drive {
     return this.numbers.get(key);
   }
 
-  /** @param {Float32Array} values by FAP number */
+  /** @param {Float32Array} values by FAP number @returns {this} */
   set(values) {
     this.slots.forEach(({ fap, sign, scale }, i) => {
       const value = values[fap];
@@ -41,6 +41,13 @@ export class Drive {
       this.slotValues[i] = counts ? value * scale : 0;
     });
     this.turns.forEach(({ fap, radians }, i) => (this.angles[i] = values[fap] * radians));
+    return this;
+  }
+
+  /** Where something that turns wholly with the head gets to. */
+  withHead(p) {
+    for (let i = this.firstHeadTurn; i < this.turns.length; i++) p = turned(p, this.turns[i], this.angles[i]);
+    return p;
   }
 }
 
@@ -123,11 +130,15 @@ export function influencesOf(part, drive) {
   return { normals: normals.rest, moves, turns };
 }
 
+/** In the place of the number of head turns: the vertex makes all of them wholly, so that one matrix does. */
+export const WHOLE_HEAD = 63;
+
 /**
  * Packs the influences into one texture of RGBA floats: a move takes two texels (slot and delta, change of the normal),
  * a turn one (turn, weight). Each vertex gets (first move, moves, first turn, turns + 64 * turns of the head).
  */
-export function packInfluences({ moves, turns }, firstHeadTurn) {
+export function packInfluences({ moves, turns }, { firstHeadTurn, turns: all }) {
+  const headTurns = all.length - firstHeadTurn;
   const vertices = new Float32Array(4 * moves.length);
   const texels = [];
   moves.forEach((list, v) => {
@@ -142,11 +153,12 @@ export function packInfluences({ moves, turns }, firstHeadTurn) {
       shared.set(key, texels.length / 4);
       for (const { turn, weight } of list) texels.push(turn, weight, 0, 0);
     }
-    const ofHead = list.filter(({ turn }) => turn >= firstHeadTurn).length;
+    const ofHead = list.filter(({ turn }) => turn >= firstHeadTurn);
+    const whole = ofHead.length === headTurns && ofHead.every(({ weight }) => weight === 1);
     vertices[4 * v + 2] = shared.get(key);
-    vertices[4 * v + 3] = list.length - ofHead + 64 * ofHead;
+    vertices[4 * v + 3] = list.length - ofHead.length + 64 * (whole ? WHOLE_HEAD : ofHead.length);
   });
-  const width = 1024;
+  const width = 1024; // the shader knows it
   const height = Math.max(1, Math.ceil(texels.length / 4 / width));
   const data = new Float32Array(4 * width * height);
   data.set(texels);

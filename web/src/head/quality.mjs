@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: MIT
 
-/** From the best to the cheapest: fine shading, samples for each pixel, largest ratio of pixels to CSS pixels. */
+/**
+ * From the best to the cheapest: fine shading; samples for each pixel; share of the display's pixels, and how many pixels
+ * there are to a CSS pixel at most.
+ */
 export const LEVELS = [
-  { name: 'high', fine: true, samples: 4, ratio: 2, anisotropy: 8 },
-  { name: 'high-1x', fine: true, samples: 4, ratio: 1, anisotropy: 4 },
-  { name: 'fine', fine: true, samples: 0, ratio: 1, anisotropy: 2 },
-  { name: 'low', fine: false, samples: 0, ratio: 1, anisotropy: 1 },
-  { name: 'lowest', fine: false, samples: 0, ratio: 0.66, anisotropy: 1 },
+  { name: 'high', fine: true, samples: 4, share: 1, ratio: 2, anisotropy: 8 },
+  { name: 'high-1x', fine: true, samples: 4, share: 1, ratio: 1, anisotropy: 4 },
+  { name: 'fine', fine: true, samples: 0, share: 1, ratio: 1, anisotropy: 2 },
+  { name: 'low', fine: false, samples: 0, share: 0.75, ratio: 1, anisotropy: 1 },
+  { name: 'lowest', fine: false, samples: 0, share: 0.5, ratio: 0.75, anisotropy: 1 },
 ];
 
 const FIXED = { high: 0, low: 3 };

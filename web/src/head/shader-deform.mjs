@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The deformation, in the vertex shader: see protocol/head-model.md and influences.mjs.
 
+import { WHOLE_HEAD } from './influences.mjs';
+
 export const deformGlsl = /* glsl */ `
 attribute vec4 influence;
 uniform highp sampler2D influences;
@@ -8,6 +10,7 @@ uniform float slots[SLOTS];
 uniform vec3 turnPivot[TURNS];
 uniform vec3 turnAxis[TURNS];
 uniform float turnAngle[TURNS];
+uniform mat4 headTurn;
 
 vec4 influenceTexel(int i) {
   return texelFetch(influences, ivec2(i & 1023, i >> 10), 0);
@@ -30,8 +33,7 @@ void deform(inout vec3 p, inout vec3 n) {
   }
   int counts = int(influence.w);
   first = int(influence.z);
-  int head = first + (counts & 63);
-  end = head + (counts >> 6);
+  int head = first + (counts & 63), headTurns = counts >> 6;
   for (int i = first; i < head; i++) {
     vec2 turn = influenceTexel(i).xy;
     float angle = turnAngle[int(turn.x)] * turn.y;
@@ -44,7 +46,12 @@ void deform(inout vec3 p, inout vec3 n) {
   }
   p += shift;
   n += bend;
-  for (int i = head; i < end; i++) {
+  if (headTurns == ${WHOLE_HEAD}) {
+    p = (headTurn * vec4(p, 1.0)).xyz;
+    n = mat3(headTurn) * n;
+    headTurns = 0;
+  }
+  for (int i = head; i < head + headTurns; i++) {
     vec2 turn = influenceTexel(i).xy;
     float angle = turnAngle[int(turn.x)] * turn.y;
     if (angle != 0.0) {

@@ -23,12 +23,15 @@ uniform float subsurface;
 varying vec2 surfaceUv;
 varying vec3 surfaceNormal;
 varying vec3 surfacePosition;
+#if KIND == 2
+varying vec3 surfaceFibre;
+#endif
 varying vec4 surfaceLight; // open sky, key light, fill light: how much of each reaches it
 
 /** Light that goes round the edge of what it falls on, the red of it farthest when there is flesh below. */
 vec3 wrapped(float cosine) {
 #if KIND == 1
-  vec3 wrap = subsurface * vec3(1.3, 0.55, 0.35);
+  vec3 wrap = subsurface * vec3(1.0, 0.5, 0.35);
 #else
   vec3 wrap = vec3(subsurface * 0.6);
 #endif
@@ -56,7 +59,11 @@ export const vertexGlsl = /* glsl */ `
 ${deformGlsl}
 ${commonGlsl}
 attribute vec4 reach;
+#if KIND == 2
+attribute vec3 fibre;
+#endif
 uniform float mouthOpen; // 0..1
+uniform float lipFront; // z of the lips
 #if !FINE
 varying vec3 vertexLight;
 #endif
@@ -69,7 +76,11 @@ void main() {
   surfacePosition = p;
   surfaceLight = reach;
 #if KIND == 4
-  surfaceLight *= mix(0.3, 1.0, mouthOpen);
+  // What light the lips let in gets lost behind them.
+  float depth = max(0.0, lipFront - position.z - 4.0);
+  surfaceLight = vec4(exp(-depth / mix(5.0, 14.0, mouthOpen)) * mix(0.35, 0.8, mouthOpen));
+#elif KIND == 2
+  surfaceFibre = mat3(headTurn) * fibre;
 #endif
 #if !FINE
   vertexLight = diffuseLight(n, surfaceLight);
@@ -90,14 +101,18 @@ varying vec3 vertexLight;
 #endif
 
 vec3 toLinear(vec3 c) {
+#if FINE
   return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+#else
+  return c * c;
+#endif
 }
 
 vec3 toDisplay(vec3 c) {
 #if FINE
   return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
 #else
-  return sqrt(c) * (1.0 + 0.04 * (1.0 - c)) - 0.02 * (1.0 - c);
+  return sqrt(c);
 #endif
 }
 
@@ -131,6 +146,8 @@ vec4 albedo() {
 #ifdef HAS_ALPHA
   if (texel.a < max(cutoff, 0.01)) discard; // colours come multiplied by alpha, so that edges have no halo
   texel.rgb = toLinear(min(texel.rgb / texel.a, vec3(1.0)));
+#elif !FINE
+  texel.rgb = toLinear(texel.rgb);
 #endif
   return vec4(texel.rgb * tint, texel.a);
 }
@@ -140,15 +157,15 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   float shine = 0.0;
   vec3 color = vec3(0.0);
 #if KIND == 2
-  // Fibres: a band of light across them, along v of the texture.
-  vec3 dx = dFdx(surfacePosition), dy = dFdy(surfacePosition);
-  vec2 tx = dFdx(surfaceUv), ty = dFdy(surfaceUv);
-  vec3 fibre = normalize(dy * tx.x - dx * ty.x + 1e-5);
+  // A band of light across the fibres (Kajiya and Kay 1989), and a wider one in the colour of the hair.
+  vec3 fibre = normalize(surfaceFibre + 0.25 * n);
   vec3 h = normalize(KEY_DIRECTION + v), k = normalize(RIM_DIRECTION + v);
   float th = dot(fibre, h), tk = dot(fibre, k);
-  float band = pow(max(0.0, 1.0 - th * th), 40.0) * max(0.0, 0.3 + dot(n, KEY_DIRECTION)) * reach.y;
-  float back = pow(max(0.0, 1.0 - tk * tk), 24.0) * max(0.0, 0.2 + dot(n, RIM_DIRECTION)) * reach.x;
-  color = (KEY_COLOR * band + RIM_COLOR * back) * specular * (0.25 + base.rgb * 2.0) * 0.35;
+  float across = max(0.0, 1.0 - th * th);
+  float facingKey = max(0.0, 0.25 + dot(n, KEY_DIRECTION)) * reach.y;
+  color = KEY_COLOR * (pow(across, 60.0) * 0.05 + pow(across, 14.0) * base.rgb * 0.6) * facingKey;
+  color += RIM_COLOR * pow(max(0.0, 1.0 - tk * tk), 20.0) * max(0.0, dot(n, RIM_DIRECTION)) * base.rgb * reach.x;
+  color *= specular * 2.5;
 #else
   float f0 = 0.028, rim = fresnel(facing);
   shine = 0.7 * highlight(n, v, KEY_DIRECTION, roughness) + 0.3 * highlight(n, v, KEY_DIRECTION, roughness * 0.6);
@@ -166,7 +183,7 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
 /** The lamps mirrored in the cornea, and a little of the room. */
 vec3 catchLight(vec3 n, vec3 v, float reach) {
   vec3 mirror = reflect(-v, n);
-  float key = smoothstep(0.93, 0.965, dot(mirror, normalize(KEY_DIRECTION + vec3(0.0, 0.05, 0.3))));
+  float key = smoothstep(0.955, 0.975, dot(mirror, normalize(KEY_DIRECTION + vec3(0.0, 0.05, 0.3))));
   float fill = smoothstep(0.95, 0.985, dot(mirror, normalize(FILL_DIRECTION + vec3(-0.1, -0.2, 0.3))));
   return (key * vec3(1.6) + fill * vec3(0.25)) * reach + mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * 0.05 * reach;
 }
@@ -175,7 +192,7 @@ vec3 catchLight(vec3 n, vec3 v, float reach) {
 void main() {
   vec4 base = albedo();
   vec3 n = normalize(surfaceNormal);
-#ifdef TWO_SIDES
+#if defined(TWO_SIDES) && KIND != 2
   if (!gl_FrontFacing) n = -n;
 #endif
   vec3 v = normalize(cameraPosition - surfacePosition);

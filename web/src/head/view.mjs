@@ -64,7 +64,7 @@ export class View {
   #layOut() {
     if (!this.level) return;
     const { width, height } = this.size;
-    const ratio = this.level.ratio < 1 ? this.level.ratio : Math.min(globalThis.devicePixelRatio || 1, this.level.ratio);
+    const ratio = Math.min((globalThis.devicePixelRatio || 1) * this.level.share, this.level.ratio);
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.target?.dispose();
