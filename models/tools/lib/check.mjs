@@ -35,6 +35,34 @@ export function checkParts(head) {
   return out;
 }
 
+/** No cracks: an open edge with a vertex in its middle shows as three open edges in a triangle. */
+export function checkCracks(head) {
+  const out = [];
+  for (const part of head.parts) {
+    const same = (v) => (part.smooth ? part.smooth[v] : v);
+    const uses = new Map();
+    for (let t = 0; t < part.index.length; t += 3) {
+      for (let i = 0; i < 3; i++) {
+        const a = same(part.index[t + i]), b = same(part.index[t + ((i + 1) % 3)]);
+        const key = a < b ? `${a}/${b}` : `${b}/${a}`;
+        uses.set(key, (uses.get(key) ?? 0) + 1);
+      }
+    }
+    const open = new Map();
+    for (const [key, n] of uses) {
+      if (n !== 1) continue;
+      const [a, b] = key.split('/').map(Number);
+      for (const [x, y] of [[a, b], [b, a]]) (open.get(x) ?? open.set(x, new Set()).get(x)).add(y);
+    }
+    const size = (a, b) => Math.hypot(...[0, 1, 2].map((k) => part.position[a * 3 + k] - part.position[b * 3 + k]));
+    for (const [a, ends] of open) for (const b of ends) for (const m of ends) {
+      if (a > b || m === b || !open.get(b).has(m)) continue;
+      if (size(a, m) + size(m, b) < size(a, b) * 1.1) out.push(`${part.name}: a crack between vertices ${a} and ${b}`);
+    }
+  }
+  return out;
+}
+
 /** Every FAP acts on something, and moves its feature point by value * FAPU / 1024 along its direction. */
 export function checkFeaturePoints(head) {
   const out = [];

@@ -55,7 +55,8 @@ export function skinDetail(ctx, part, spec) {
     const toEye = Math.min(...['l', 'r'].map((side) => Math.hypot(...q.map((x, k) => x - ctx.eyes[side][k]))));
     return ctx.grid.inner[v] + ctx.grid.outer[v] > 0.4 || toEye < ctx.eyes.radius + 6;
   });
-  return (a, b) => (near[a] && near[b] ? long(a, b) : part.position[a * 3 + 1] > spec.refineAbove && longer(a, b));
+  const high = (v) => part.position[v * 3 + 1] > spec.refineAbove;
+  return (a, b) => (near[a] && near[b] ? long(a, b) : high(a) && high(b) && longer(a, b));
 }
 
 /** The triangles that replace one triangle; cut[i] is the vertex in the middle of the edge from v[i] to the next, or -1. */
