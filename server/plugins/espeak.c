@@ -62,11 +62,11 @@ static void take_event(struct espeak *self, const espeak_EVENT *event) {
         memcpy(p->symbol, event->id.string, sizeof event->id.string);
         p->start = sample;
         p->pause = *p->symbol == '_';
-    } else if (event->type == espeakEVENT_WORD && event->length > 0 && event->text_position > 0) {
+    } else if (event->type == espeakEVENT_WORD && event->text_position > 0) {
         struct es_words *words = &self->words;
         words->list = mem_grow(words->list, &words->cap, words->count + 1, sizeof *words->list);
-        words->list[words->count++] =
-            (struct es_word){.start = sample, .position = (size_t)event->text_position - 1};
+        words->list[words->count++] = (struct es_word){
+            .start = sample, .position = (size_t)event->text_position - 1, .empty = event->length == 0};
     } else if (event->type == espeakEVENT_MARK && event->id.name) {
         size_t span = strtoul(event->id.name, NULL, 10);
         if (span < self->sentence->span_count && self->sentence->spans[span].kind == FACCIA_SPAN_MARK)

@@ -136,7 +136,7 @@ static void add_span(const struct writer *w, uint32_t index, const struct faccia
     if (level)
         tag(t, "<emphasis level=\"%s\">", level);
     if (changed)
-        tag(t, "<prosody rate=\"%d%%\"", (p.rate * 100 + t->prosody.rate / 2) / t->prosody.rate);
+        tag(t, "<prosody rate=\"%d%%\"", p.rate * 100 / t->prosody.rate);
     if (changed && p.pitch != t->prosody.pitch)
         tag(t, " pitch=\"%d\"", p.pitch);
     if (changed && p.range != t->prosody.range)

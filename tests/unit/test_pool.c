@@ -34,7 +34,7 @@ struct scene {
     struct result results[JOBS];
     struct voice_job *jobs[JOBS];
     size_t count, finished;
-    bool ready, closed;
+    bool ready, closing, closed;
     void (*when_finished)(struct scene *s);
 };
 
@@ -64,10 +64,11 @@ static void link_plugin(const struct scene *s, const char *name) {
     assert_int_equal(symlink(from, to), 0);
 }
 
-/* names: plugins, ended by NULL. */
-static void open_scene(struct scene *s, struct voice_pool_options options, const char *const *names) {
+/* names: plugins, ended by NULL. A failed test leaves its scene, with handles that libuv knows, where it is.
+ */
+static struct scene *open_scene(struct voice_pool_options options, const char *const *names) {
     struct error e;
-    memset(s, 0, sizeof *s);
+    struct scene *s = mem_alloc(sizeof *s);
     strcpy(s->folder, "/tmp/faccia-test-XXXXXX");
     assert_non_null(mkdtemp(s->folder));
     for (; *names; names++)
@@ -83,19 +84,25 @@ static void open_scene(struct scene *s, struct voice_pool_options options, const
     assert_false(s->ready);
     uv_run(&s->loop, UV_RUN_DEFAULT);
     assert_true(s->ready);
+    return s;
 }
 
-#define OPEN(scene, options, ...)                                                                            \
-    open_scene(scene, (struct voice_pool_options)options, (const char *const[]){__VA_ARGS__, NULL})
+#define OPEN(options, ...)                                                                                   \
+    open_scene((struct voice_pool_options)options, (const char *const[]){__VA_ARGS__, NULL})
 #define WITH(...)                                                                                            \
     { __VA_ARGS__ }
 
+static void close_pool(struct scene *s) {
+    s->closing = true;
+    voice_pool_close(s->pool, on_closed, s);
+}
+
 static void shut(struct scene *s) {
-    if (!s->closed) {
-        voice_pool_close(s->pool, on_closed, s);
-        uv_run(&s->loop, UV_RUN_DEFAULT);
-    }
-    assert_true(s->closed);
+    if (!s->closing)
+        close_pool(s);
+    while (!s->closed)
+        uv_run(&s->loop, UV_RUN_ONCE);
+    uv_run(&s->loop, UV_RUN_DEFAULT);
     assert_int_equal(uv_loop_close(&s->loop), 0);
     for (size_t i = 0; i < s->count; i++)
         utterance_free(s->results[i].u);
@@ -103,6 +110,7 @@ static void shut(struct scene *s) {
     char command[128];
     snprintf(command, sizeof command, "rm -r %s", s->folder);
     assert_int_equal(system(command), 0);
+    free(s);
 }
 
 static void finish(struct result *r) {
@@ -211,20 +219,19 @@ static void check_text(const struct result *r, const char *text, const char *con
 
 static void espeak_speaks_italian(void **state) {
     (void)state;
-    struct scene s;
-    OPEN(&s, WITH(0), "espeak");
-    const struct result *mamma = speak(&s, "it", "La mamma parla."),
-                        *friend = speak(&s, "it", "«L'amica», perché…"),
-                        *female = speak(&s, "espeak:it+f2", "La mamma parla.");
-    run(&s);
+    struct scene *s = OPEN(WITH(0), "espeak");
+    const struct result *mamma = speak(s, "it", "La mamma parla."),
+                        *friend = speak(s, "it", "«L'amica», perché…"),
+                        *female = speak(s, "espeak:it+f2", "La mamma parla.");
+    run(s);
     check_text(mamma, "La mamma parla.", WORDS("La", "mamma", "parla"), "l a m ˈa m m a p ˈa r l a _ ");
     check_text(friend, "«L'amica», perché…", WORDS("L'amica", "perché"), "_ l a m ˈi k a _ p e r k ˈe _ ");
     check_text(female, "La mamma parla.", WORDS("La", "mamma", "parla"), "l a m ˈa m m a p ˈa r l a _ ");
     assert_string_equal(mamma->u->lang, "it");
     assert_int_equal(mamma->u->sample_rate, 22050);
-    assert_string_equal(voice(&s, "it+f2")->gender, "female");
-    assert_string_equal(voice(&s, "pt-br")->lang, "pt-BR");
-    shut(&s);
+    assert_string_equal(voice(s, "it+f2")->gender, "female");
+    assert_string_equal(voice(s, "pt-br")->lang, "pt-BR");
+    shut(s);
 }
 
 static double loudest(const struct utterance *u, uint32_t from, uint32_t to) {
@@ -239,11 +246,10 @@ static double loudest(const struct utterance *u, uint32_t from, uint32_t to) {
 static void espeak_gives_closures_to_stops(void **state) {
     (void)state;
     static const char text[] = "La pappa, tutto il pacco. Capo";
-    struct scene s;
     unsigned stops = 0;
-    OPEN(&s, WITH(0), "espeak");
-    const struct result *r = speak(&s, "it", text);
-    run(&s);
+    struct scene *s = OPEN(WITH(0), "espeak");
+    const struct result *r = speak(s, "it", text);
+    run(s);
     assert_false(r->failed);
     check_whole(r->u, text);
     for (size_t i = 1; i < r->u->phone_count; i++) {
@@ -261,7 +267,7 @@ static void espeak_gives_closures_to_stops(void **state) {
             assert_true(p->end - p->start < 150 * ms); /* not the pause before it */
     }
     assert_int_equal(stops, 8);
-    shut(&s);
+    shut(s);
 }
 
 /* Marks, breaks, styles and escapes through SSML: places and pauses are where they belong. */
@@ -271,21 +277,20 @@ static void espeak_follows_the_score(void **state) {
         slow = {.rate = 0.6, .pitch = 1.3, .range = 1, .volume = 1},
         spell = {.rate = 1, .pitch = 1, .range = 1, .volume = 1, .say_as = "characters"},
         strange = {.rate = 1, .pitch = 1, .range = 1, .volume = 1, .say_as = "moonwise"};
-    struct scene s;
-    OPEN(&s, WITH(0), "espeak");
-    add(&s, "Uno <due> & ")->end = 12;
-    struct score_item *item = score_add(s.score, SCORE_MARK, 12, 13);
+    struct scene *s = OPEN(WITH(0), "espeak");
+    add(s, "Uno <due> & ")->end = 12;
+    struct score_item *item = score_add(s->score, SCORE_MARK, 12, 13);
     item->text = "qui & \"là\"";
-    item = score_add(s.score, SCORE_BREAK, 13, 14);
+    item = score_add(s->score, SCORE_BREAK, 13, 14);
     item->seconds = 0.8;
-    item = add(&s, "casa ");
+    item = add(s, "casa ");
     item->start = 14, item->end = 19, item->style = &slow;
-    item = add(&s, "UE ");
+    item = add(s, "UE ");
     item->start = 19, item->end = 22, item->style = &spell;
-    item = add(&s, "fine.");
+    item = add(s, "fine.");
     item->start = 22, item->end = 27, item->style = &strange;
-    const struct result *r = speak_items(&s, "it", 0), *plain = speak(&s, "it", "casa");
-    run(&s);
+    const struct result *r = speak_items(s, "it", 0), *plain = speak(s, "it", "casa");
+    run(s);
     static const char text[] = "Uno <due> & MBcasa UE fine.";
     assert_false(r->failed);
     check_whole(r->u, text);
@@ -302,53 +307,52 @@ static void espeak_follows_the_score(void **state) {
     assert_memory_equal(text + r->u->words[r->u->word_count - 1].from, "fine", 4);
     uint32_t silence = 0, rate = r->u->sample_rate;
     for (size_t i = 0; i < r->u->phone_count; i++)
-        if (!*r->u->phones[i].ipa && r->u->phones[i].end <= r->u->words[casa].start)
+        if (!*r->u->phones[i].ipa && r->u->phones[i].end <= r->u->words[casa].start &&
+            r->u->phones[i].start >= r->u->words[casa - 1].end)
             silence += r->u->phones[i].end - r->u->phones[i].start;
-    print_message("silence %f\n", silence*1000.0/rate);
     assert_true(fabs(silence * 1000.0 / rate - 800) < 120);
     assert_true(r->u->marks[0].at <= r->u->words[casa].start);
     double slowly = r->u->words[casa].end - r->u->words[casa].start,
            usually = plain->u->words[0].end - plain->u->words[0].start;
     assert_true(slowly > 1.25 * usually);
     assert_int_equal(r->u->warning_count, 1); /* moonwise */
-    shut(&s);
+    shut(s);
 }
 
 static void espeak_keeps_the_rate_in_its_bounds(void **state) {
     (void)state;
-    struct scene s;
-    OPEN(&s, WITH(0), "espeak");
-    add(&s, "una frase di prova");
-    const struct result *fast = speak_items(&s, "it", 300);
-    add(&s, "una frase di prova");
-    const struct result *usual = speak_items(&s, "it", 0);
-    add(&s, "una frase di prova");
-    const struct result *wild = speak_items(&s, "it", 5000);
-    run(&s);
+    struct scene *s = OPEN(WITH(0), "espeak");
+    add(s, "una frase di prova");
+    const struct result *fast = speak_items(s, "it", 300);
+    add(s, "una frase di prova");
+    const struct result *usual = speak_items(s, "it", 0);
+    add(s, "una frase di prova");
+    const struct result *wild = speak_items(s, "it", 5000);
+    run(s);
     assert_true(fast->u->samples < 0.75 * usual->u->samples);
     assert_int_equal(fast->u->warning_count, 0);
     assert_true(wild->u->samples < fast->u->samples);
-    assert_int_equal(wild->u->warning_count, 1);
-    shut(&s);
+    assert_int_equal(wild->u->warning_count, 1); /* the rate; above it the times would be wrong */
+    check_whole(wild->u, "una frase di prova");
+    shut(s);
 }
 
 static void sentences_come_back_in_order(void **state) {
     (void)state;
     static char texts[50][40];
-    struct scene s;
-    OPEN(&s, WITH(0), "espeak");
+    struct scene *s = OPEN(WITH(0), "espeak");
     for (int i = 0; i < 50; i++) {
         snprintf(texts[i], sizeof texts[i], "Frase %d, di cinquanta.", i + 1);
-        speak(&s, i % 3 ? "it" : "it+f2", texts[i]);
+        speak(s, i % 3 ? "it" : "it+f2", texts[i]);
     }
-    run(&s);
+    run(s);
     for (unsigned i = 0; i < 50; i++) {
-        assert_false(s.results[i].failed);
-        assert_int_equal(s.results[i].order, i + 1);
-        check_whole(s.results[i].u, texts[i]);
-        assert_int_equal(s.results[i].u->word_count, 4);
+        assert_false(s->results[i].failed);
+        assert_int_equal(s->results[i].order, i + 1);
+        check_whole(s->results[i].u, texts[i]);
+        assert_int_equal(s->results[i].u->word_count, 4);
     }
-    shut(&s);
+    shut(s);
 }
 
 /* Whatever a plugin does, it costs its own sentence; those before and after are spoken. */
@@ -356,21 +360,20 @@ static void a_fault_costs_one_sentence(void **state) {
     (void)state;
     static const char *const faults[][2] = {
         {"crash", "voice-crashed"}, {"leave", "voice-crashed"},    {"fail", "voice-failed"},
-        {"rates", "voice-failed"},  {"pitchless", "voice-failed"}, {"garbage", "voice-failed"},
+        {"rates", "voice-failed"},  {"pitchless", "voice-failed"}, {"garbage", "voice-crashed"},
         {"flood", "voice-failed"},  {"chatter", "voice-failed"},   {"hang", "voice-timeout"},
         {"slow", "voice-timeout"},
     };
     enum { COUNT = sizeof faults / sizeof *faults };
-    struct scene s;
-    OPEN(&s, WITH(.deadline_base = 1.5), "puppet");
-    speak(&s, "plain", "uno");
+    struct scene *s = OPEN(WITH(.deadline_base = 1.5), "puppet");
+    speak(s, "plain", "uno");
     for (size_t i = 0; i < COUNT; i++) {
-        speak(&s, "plain", faults[i][0]);
-        speak(&s, "plain", "uno due");
+        speak(s, "plain", faults[i][0]);
+        speak(s, "plain", "uno due");
     }
-    run(&s);
+    run(s);
     for (size_t i = 0; i < 2 * COUNT + 1; i++) {
-        const struct result *r = &s.results[i];
+        const struct result *r = &s->results[i];
         assert_int_equal(r->order, i + 1);
         if (i % 2) {
             check_failed(r, faults[i / 2][1]);
@@ -379,20 +382,19 @@ static void a_fault_costs_one_sentence(void **state) {
             assert_int_equal(r->u->word_count, i ? 2 : 1);
         }
     }
-    assert_string_equal(s.results[5].e.message, "the voice puppet failed: it does not want to");
-    shut(&s);
+    assert_string_equal(s->results[5].e.message, "the voice puppet failed: it does not want to");
+    shut(s);
 }
 
 static void what_can_be_mended_is_mended(void **state) {
     (void)state;
-    struct scene s;
-    OPEN(&s, WITH(0), "puppet");
+    struct scene *s = OPEN(WITH(0), "puppet");
     const char *const lies[] = {"backwards", "beyond", "names", "print"};
     for (size_t i = 0; i < 4; i++)
-        speak(&s, "plain", lies[i]);
-    run(&s);
+        speak(s, "plain", lies[i]);
+    run(s);
     for (size_t i = 0; i < 4; i++) {
-        const struct utterance *u = s.results[i].u;
+        const struct utterance *u = s->results[i].u;
         assert_non_null(u);
         assert_true(i == 3 ? u->warning_count == 0 : u->warning_count > 0);
         uint32_t at = 0;
@@ -405,7 +407,7 @@ static void what_can_be_mended_is_mended(void **state) {
         for (size_t k = 0; k < u->word_count; k++)
             assert_true(u->words[k].to <= strlen(lies[i]) && u->words[k].end <= u->samples);
     }
-    shut(&s);
+    shut(s);
 }
 
 /* A cancelled sentence never calls back, whether it waits, is spoken, or is spoken by a plugin that does not
@@ -414,106 +416,101 @@ static void cancelling_forgets_a_sentence(void **state) {
     (void)state;
     static const char *const first[] = {"slow", "hang", "uno"};
     for (size_t i = 0; i < 3; i++) {
-        struct scene s;
-        OPEN(&s, WITH(0), "puppet");
-        const struct result *spoken = speak(&s, "plain", first[i]);
-        const struct result *waiting = speak(&s, "plain", "due");
-        const struct result *last = speak(&s, "plain", "waiting too");
-        const struct result *after = speak(&s, "plain", "tre");
+        struct scene *s = OPEN(WITH(0), "puppet");
+        const struct result *spoken = speak(s, "plain", first[i]);
+        const struct result *waiting = speak(s, "plain", "due");
+        const struct result *last = speak(s, "plain", "waiting too");
+        const struct result *after = speak(s, "plain", "tre");
         for (int k = 0; k < 20; k++) {
             usleep(1000);
-            uv_run(&s.loop, UV_RUN_NOWAIT);
+            uv_run(&s->loop, UV_RUN_NOWAIT);
         }
-        assert_int_equal(s.finished, i == 2 ? 4 : 0);
+        assert_int_equal(s->finished, i == 2 ? 4 : 0);
         if (i == 2) {
-            shut(&s);
+            shut(s);
             continue;
         }
-        voice_job_cancel(s.jobs[1]);
-        voice_job_cancel(s.jobs[0]);
-        voice_job_cancel(s.jobs[2]);
-        s.count = 1; /* one callback is to come */
-        uv_run(&s.loop, UV_RUN_DEFAULT);
-        assert_int_equal(s.finished, 1);
+        voice_job_cancel(s->jobs[1]);
+        voice_job_cancel(s->jobs[0]);
+        voice_job_cancel(s->jobs[2]);
+        s->count = 1; /* one callback is to come */
+        uv_run(&s->loop, UV_RUN_DEFAULT);
+        assert_int_equal(s->finished, 1);
         assert_int_equal(spoken->order + waiting->order + last->order, 0);
         assert_int_equal(after->order, 1);
         assert_int_equal(after->u->word_count, 1);
         utterance_free(after->u);
-        s.count = 0;
-        shut(&s);
+        s->count = 0;
+        shut(s);
     }
 }
 
 static void espeak_stops_when_cancelled(void **state) {
     (void)state;
-    struct scene s;
-    OPEN(&s, WITH(0), "espeak");
+    struct scene *s = OPEN(WITH(0), "espeak");
     char *text = mem_alloc(90001);
     for (int i = 0; i < 90000; i += 9)
         memcpy(text + i, "parlare, ", 9);
-    speak(&s, "it", text); /* over an hour of speech */
-    speak(&s, "it", "breve");
-    uv_run(&s.loop, UV_RUN_NOWAIT);
-    voice_job_cancel(s.jobs[0]);
-    s.count = 1;
-    uv_run(&s.loop, UV_RUN_DEFAULT);
-    assert_int_equal(s.results[1].order, 1);
-    assert_int_equal(s.results[1].u->word_count, 1);
-    utterance_free(s.results[1].u);
-    s.count = 0;
+    speak(s, "it", text); /* over an hour of speech */
+    speak(s, "it", "breve");
+    uv_run(&s->loop, UV_RUN_NOWAIT);
+    voice_job_cancel(s->jobs[0]);
+    s->count = 1;
+    uv_run(&s->loop, UV_RUN_DEFAULT);
+    assert_int_equal(s->results[1].order, 1);
+    assert_int_equal(s->results[1].u->word_count, 1);
+    utterance_free(s->results[1].u);
+    s->count = 0;
     free(text);
-    shut(&s);
+    shut(s);
 }
 
 static void bad_plugins_are_passed_over(void **state) {
     (void)state;
-    struct scene s;
     struct error e;
     size_t count;
-    OPEN(&s, WITH(0), "puppet", "old", "empty", "refuses", "dies");
-    const struct voice *voices = voice_pool_voices(s.pool, &count);
+    struct scene *s = OPEN(WITH(0), "puppet", "old", "empty", "refuses", "dies");
+    const struct voice *voices = voice_pool_voices(s->pool, &count);
     assert_int_equal(count, 2);
     assert_string_equal(voices[0].id, "puppet:plain");
     assert_string_equal(voices[0].plugin, "puppet");
     assert_int_equal(voices[0].rate, 100);
-    assert_null(voice_pool_find(s.pool, "never", NULL, NULL, &e));
-    speak(&s, "puppet:plain", "ciao");
-    run(&s);
-    assert_false(s.results[0].failed);
-    shut(&s);
+    assert_null(voice_pool_find(s->pool, "never", NULL, NULL, &e));
+    speak(s, "puppet:plain", "ciao");
+    run(s);
+    assert_false(s->results[0].failed);
+    shut(s);
 }
 
 /* A plugin that kept dying at its start is tried again later. */
 static void a_plugin_may_recover(void **state) {
     (void)state;
-    struct scene s;
     size_t count = 0;
     char file[] = "/tmp/faccia-test-alive-XXXXXX", config[128];
     int fd = mkstemp(file);
     close(fd);
     unlink(file);
     snprintf(config, sizeof config, "{\"dies\":{\"file\":\"%s\"}}", file);
-    OPEN(&s, WITH(.retry_after = 0.2, .config = config), "dies");
-    voice_pool_voices(s.pool, &count);
+    struct scene *s = OPEN(WITH(.retry_after = 0.2, .config = config), "dies");
+    voice_pool_voices(s->pool, &count);
     assert_int_equal(count, 0);
     fclose(fopen(file, "w"));
     while (!count) {
-        uv_run(&s.loop, UV_RUN_ONCE);
-        voice_pool_voices(s.pool, &count);
+        uv_run(&s->loop, UV_RUN_ONCE);
+        voice_pool_voices(s->pool, &count);
     }
-    speak(&s, "never", "ciao");
-    run(&s);
-    assert_false(s.results[0].failed);
-    assert_int_equal(s.results[0].u->samples, 0);
+    speak(s, "never", "ciao");
+    run(s);
+    assert_false(s->results[0].failed);
+    assert_int_equal(s->results[0].u->samples, 0);
     unlink(file);
-    shut(&s);
+    shut(s);
 }
 
 static void finds_voices(void **state) {
     (void)state;
-    struct scene s;
     struct error e;
-    OPEN(&s, WITH(0), "puppet", "espeak");
+    struct scene *s = OPEN(WITH(0), "puppet", "espeak");
     const char *const preferred[] = {"nobody:it", "espeak:it+f2", NULL};
     const struct {
         const char *name, *lang;
@@ -527,75 +524,70 @@ static void finds_voices(void **state) {
         {NULL, "en-GB", NULL, "espeak:en-gb"},  {NULL, "fa-Latn", NULL, "espeak:fa-latn"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        const struct voice *v = voice_pool_find(s.pool, cases[i].name, cases[i].lang, cases[i].preferred, &e);
+        const struct voice *v =
+            voice_pool_find(s->pool, cases[i].name, cases[i].lang, cases[i].preferred, &e);
         assert_non_null(v);
         assert_string_equal(v->id, cases[i].found);
     }
-    assert_null(voice_pool_find(s.pool, "espeak:nobody", "it", NULL, &e));
+    assert_null(voice_pool_find(s->pool, "espeak:nobody", "it", NULL, &e));
     assert_string_equal(e.code, "unknown-voice");
     assert_string_equal(e.field, "voice");
-    assert_null(voice_pool_find(s.pool, NULL, "xx", NULL, &e));
+    assert_null(voice_pool_find(s->pool, NULL, "xx", NULL, &e));
     assert_string_equal(e.code, "unknown-language");
-    assert_null(voice_pool_find(s.pool, NULL, "i", NULL, &e));
-    assert_null(voice_pool_find(s.pool, NULL, "", NULL, &e));
+    assert_null(voice_pool_find(s->pool, NULL, "i", NULL, &e));
+    assert_null(voice_pool_find(s->pool, NULL, "", NULL, &e));
     assert_string_equal(e.field, "lang");
-    shut(&s);
+    shut(s);
 }
 
 static void closing_fails_what_is_queued(void **state) {
     (void)state;
-    struct scene s;
-    OPEN(&s, WITH(.workers = 2), "puppet");
+    struct scene *s = OPEN(WITH(.workers = 2), "puppet");
     for (int i = 0; i < 5; i++)
-        speak(&s, "plain", i < 2 ? "slow" : "uno");
-    uv_run(&s.loop, UV_RUN_NOWAIT);
-    voice_pool_close(s.pool, on_closed, &s);
-    assert_int_equal(s.finished, 5);
+        speak(s, "plain", i < 2 ? "slow" : "uno");
+    uv_run(&s->loop, UV_RUN_NOWAIT);
+    close_pool(s);
+    assert_int_equal(s->finished, 5);
     for (int i = 0; i < 5; i++)
-        check_failed(&s.results[i], "cancelled");
-    uv_run(&s.loop, UV_RUN_DEFAULT);
-    shut(&s);
+        check_failed(&s->results[i], "cancelled");
+    shut(s);
 }
 
 /* Two workers speak at the same time: the quick sentence overtakes the slow one, and a crash stays with its
  * own. */
 static void workers_work_side_by_side(void **state) {
     (void)state;
-    struct scene s;
-    OPEN(&s, WITH(.workers = 2, .deadline_base = 1), "puppet");
-    speak(&s, "plain", "slow");
-    speak(&s, "plain", "uno");
-    speak(&s, "plain", "crash");
-    speak(&s, "plain", "due");
-    run(&s);
-    check_failed(&s.results[0], "voice-timeout");
-    check_failed(&s.results[2], "voice-crashed");
-    assert_false(s.results[1].failed || s.results[3].failed);
-    assert_int_equal(s.results[0].order, 4);
-    shut(&s);
+    struct scene *s = OPEN(WITH(.workers = 2, .deadline_base = 1), "puppet");
+    speak(s, "plain", "slow");
+    speak(s, "plain", "uno");
+    speak(s, "plain", "crash");
+    speak(s, "plain", "due");
+    run(s);
+    check_failed(&s->results[0], "voice-timeout");
+    check_failed(&s->results[2], "voice-crashed");
+    assert_false(s->results[1].failed || s->results[3].failed);
+    assert_int_equal(s->results[0].order, 4);
+    shut(s);
 }
 
 /* The next sentence may be asked for, and the pool closed, from inside a callback. */
 static void close_inside(struct scene *s) {
     s->when_finished = NULL;
-    voice_pool_close(s->pool, on_closed, s);
+    close_pool(s);
 }
 
 static void callbacks_may_close_the_pool(void **state) {
     (void)state;
     static const char *const texts[] = {"uno", "crash", "rates", "fail"};
     for (size_t i = 0; i < 4; i++) {
-        struct scene s;
-        OPEN(&s, WITH(0), "puppet");
-        speak(&s, "plain", texts[i]);
-        speak(&s, "plain", "due");
-        s.when_finished = close_inside;
-        uv_run(&s.loop, UV_RUN_DEFAULT);
-        uv_run(&s.loop, UV_RUN_DEFAULT);
-        assert_int_equal(s.finished, 2);
-        assert_int_equal(s.results[0].failed, i > 0);
-        check_failed(&s.results[1], "cancelled");
-        shut(&s);
+        struct scene *s = OPEN(WITH(0), "puppet");
+        speak(s, "plain", texts[i]);
+        speak(s, "plain", "due");
+        s->when_finished = close_inside;
+        run(s);
+        assert_int_equal(s->results[0].failed, i > 0);
+        check_failed(&s->results[1], "cancelled");
+        shut(s);
     }
 }
 
