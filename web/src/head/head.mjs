@@ -6,7 +6,7 @@ import {
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
-import { fibres, volumeNormals } from './hair.mjs';
+import { eyeNormals, fibres, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
@@ -20,6 +20,9 @@ const THIN = ['lashes', 'brows']; // a few fibres on the skin: they hide nothing
 const SHADOW_POSE = faceValues({
   3: 350, 4: 150, 5: -450, 8: 150, 9: 150, 10: -400, 11: -400, 51: 150, 52: -450, 55: 150, 56: 150, 57: -400, 58: -400,
 });
+
+/** Where the light on them is asked for: the same, with the lids down, since what is folded away would stay dark. */
+const LIT_POSE = faceValues({ ...SHADOW_POSE, 19: 800, 20: 800, 21: 150, 22: 150 });
 
 const breath = () => new Promise((resolve) => setTimeout(resolve));
 
@@ -86,8 +89,7 @@ export class Head {
       const reach = new BufferAttribute(new Uint8Array(4 * part.vertices).fill(255), 4, true);
       geometry.setAttribute('position', new BufferAttribute(part.position, 3));
       const kind = kindOf(part.name);
-      const volume = kind === 'hair' && !THIN.includes(part.name);
-      geometry.setAttribute('normal', new BufferAttribute(volume ? volumeNormals(part, influences.normals) : influences.normals, 3));
+      geometry.setAttribute('normal', new BufferAttribute(this.#normals(part, influences.normals), 3));
       const uv = part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices);
       geometry.setAttribute('uv', new BufferAttribute(uv, 2));
       if (kind === 'hair') geometry.setAttribute('fibre', new BufferAttribute(fibres(part), 3));
@@ -99,15 +101,39 @@ export class Head {
     }
   }
 
+  #normals(part, normals) {
+    const kind = kindOf(part.name);
+    if (kind === 'hair' && !THIN.includes(part.name)) return volumeNormals(part, normals);
+    return kind === 'eye' ? eyeNormals(part, ...this.#eye(part)) : normals;
+  }
+
+  /** What the eyeball turns about, and the radius of its iris in those of the ball. */
+  #eye({ turns, position }) {
+    const { pivot } = this.model.turns[turns[0]?.turn] ?? { pivot: [0, 0, 0] };
+    const radius = Math.hypot(...pivot.map((value, k) => position[k] - value));
+    return [pivot, this.model.fapu.IRISD / 2 / radius];
+  }
+
+  #eyeUniforms(part) {
+    const [center, iris] = this.#eye(part);
+    return { eyeCenter: { value: new Vector3(...center) }, irisRadius: { value: iris } };
+  }
+
   /** How much light reaches each vertex. */
   async #shade() {
-    this.drive.set(SHADOW_POSE);
-    const posed = this.parts.map(({ part, influences }) => ({
-      ...deform(part, influences, this.drive),
-      index: part.index,
-      shades: !THIN.includes(part.name),
-    }));
-    const bake = bakeOcclusion(posed);
+    const posed = (pose) => {
+      this.drive.set(pose);
+      return this.parts.map(({ part, influences }) => deform(part, influences, this.drive));
+    };
+    const [standing, lit] = [SHADOW_POSE, LIT_POSE].map(posed);
+    const bake = bakeOcclusion(
+      this.parts.map(({ part }, i) => ({
+        position: standing[i].position,
+        index: part.index,
+        shades: !THIN.includes(part.name),
+        seen: lit[i],
+      })),
+    );
     for (let result = { done: false }, start = 0; !result.done; ) {
       if (performance.now() - start > SLICE_MS) {
         await breath();
@@ -130,7 +156,7 @@ export class Head {
     const look = this.model.materials[part.material] ?? {};
     const kind = kindOf(part.name);
     const add = (order, options) => {
-      const mesh = new Mesh(geometry, this.#material(look, kind, influences, options));
+      const mesh = new Mesh(geometry, this.#material(part, look, kind, influences, options));
       mesh.frustumCulled = false;
       mesh.renderOrder = order;
       mesh.userData.fineOnly = options.fineOnly ?? false;
@@ -144,7 +170,7 @@ export class Head {
     else add(0, { cutoff: 0, opaque: 1 });
   }
 
-  #material(look, kind, influences, { cutoff, opaque }) {
+  #material(part, look, kind, influences, { cutoff, opaque }) {
     const material = new ShaderMaterial({
       vertexShader: vertexGlsl,
       fragmentShader: fragmentGlsl,
@@ -158,6 +184,7 @@ export class Head {
         roughness: { value: look.roughness ?? 0.6 },
         specular: { value: look.specular ?? 0.3 },
         subsurface: { value: look.subsurface ?? 0 },
+        ...(kind === 'eye' ? this.#eyeUniforms(part) : {}),
         cutoff: { value: cutoff },
         opaque: { value: opaque },
       },

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import { FILL, KEY } from './lights.mjs';
+import { FILL, KEY, RIM } from './lights.mjs';
 
 const SIZE = 192; // of a depth picture, in both directions
 const BIAS_MM = 2.5; // surfaces do not shade themselves
@@ -79,43 +79,42 @@ class DepthPicture {
     const [fx, fy] = [Math.min(1, points[i] - 0.5 - x), Math.min(1, points[i + 1] - 0.5 - y)];
     const at = y * SIZE + x;
     const open = (k) => (this.depth[k] <= points[i + 2] + BIAS_MM ? 1 : 0);
-    return (
-      (open(at) * (1 - fx) + open(at + 1) * fx) * (1 - fy) + (open(at + SIZE) * (1 - fx) + open(at + SIZE + 1) * fx) * fy
-    );
+    const row = (k) => open(k) * (1 - fx) + open(k + 1) * fx;
+    return row(at) * (1 - fy) + row(at + SIZE) * fy;
   }
 }
 
 /**
  * How much light reaches each vertex of a head, when every part can stand in the way of every other: of the open sky
- * round it, of the key light, of the fill light. A generator that yields after each direction, so that the work can be
+ * round it, of the key light, of the fill light, of the rim light. A generator that yields after each direction, so that the work can be
  * spread; it returns the parts' lists.
- * @param {{position: Float32Array, normal: Float32Array, index: Uint16Array, shades: boolean}[]} parts posed; `shades`: it
- *   casts shadows
- * @returns {Generator<void, Uint8Array[]>} for each part four bytes a vertex: sky, key, fill, 255
+ * @param {{position: Float32Array, index: Uint16Array, shades: boolean,
+ *   seen: {position: Float32Array, normal: Float32Array}}[]} parts `position`: where it stands in the way, if it `shades`;
+ *   `seen`: where the light on it is asked for
+ * @returns {Generator<void, Uint8Array[]>} for each part four bytes a vertex: sky, key, fill, rim
  */
 export function* bakeOcclusion(parts) {
-  const all = parts.flatMap(({ position }) => [position.reduce((max, value) => Math.max(max, Math.abs(value)), 0)]);
-  const radius = Math.max(...all) * Math.sqrt(2);
+  const radius = Math.SQRT2 * Math.max(...parts.map(({ position }) => position.reduce((m, x) => Math.max(m, Math.abs(x)), 0)));
   const lights = [
     { directions: directions(SKY_DIRECTIONS, [0, 1, 0], 0), sky: true },
     { directions: directions(LAMP_DIRECTIONS, KEY.direction, LAMP_RADIUS) },
-    { directions: directions(LAMP_DIRECTIONS, FILL.direction, LAMP_RADIUS * 1.5) },
+    { directions: directions(LAMP_DIRECTIONS, FILL.direction, LAMP_RADIUS) },
+    { directions: directions(LAMP_DIRECTIONS, RIM.direction, LAMP_RADIUS) },
   ];
   const sums = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
   const weights = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
   for (const [l, light] of lights.entries())
     for (const direction of light.directions) {
       const picture = new DepthPicture(direction, radius, [0, 0, 0]);
-      const points = parts.map(({ position }) => picture.project(position));
-      parts.forEach(({ index, shades }, i) => shades && picture.draw(points[i], index));
-      parts.forEach(({ normal }, i) => {
-        for (let v = 0; v < points[i].length; v += 3) {
+      for (const { position, index, shades } of parts) if (shades) picture.draw(picture.project(position), index);
+      parts.forEach(({ seen }, i) => {
+        const points = picture.project(seen.position);
+        for (let v = 0; v < points.length; v += 3) {
           // What faces away from the sky's part gets nothing from it anyway.
-          const facing = dot(normal.subarray(v, v + 3), direction);
-          const weight = light.sky ? Math.max(0, facing) : 1;
-          if (!weight) continue;
-          sums[i][l][v / 3] += weight * picture.reaches(points[i], v);
-          weights[i][l][v / 3] += weight;
+          const facing = light.sky ? dot(seen.normal.subarray(v, v + 3), direction) : 1;
+          if (facing <= 0) continue;
+          sums[i][l][v / 3] += facing * picture.reaches(points, v);
+          weights[i][l][v / 3] += facing;
         }
       });
       yield;

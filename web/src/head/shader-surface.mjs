@@ -25,8 +25,12 @@ varying vec3 surfaceNormal;
 varying vec3 surfacePosition;
 #if KIND == 2
 varying vec3 surfaceFibre;
+#elif KIND == 3
+uniform vec3 eyeCenter;
+uniform float irisRadius; // as a share of the eyeball's radius
+varying vec3 eyePlace;    // on the unit eyeball, looking along z
 #endif
-varying vec4 surfaceLight; // open sky, key light, fill light: how much of each reaches it
+varying vec4 surfaceLight; // open sky, key, fill and rim light: how much of each reaches it
 
 /** Light that goes round the edge of what it falls on, the red of it farthest when there is flesh below. */
 vec3 wrapped(float cosine) {
@@ -50,7 +54,7 @@ vec3 diffuseLight(vec3 n, vec4 reach) {
   vec3 light = mix(GROUND, SKY, 0.5 + 0.5 * n.y) * ambientReach;
   light += KEY_COLOR * wrapped(dot(n, KEY_DIRECTION)) * keyReach;
   light += FILL_COLOR * wrapped(dot(n, FILL_DIRECTION)) * reach.z;
-  light += RIM_COLOR * wrapped(dot(n, RIM_DIRECTION)) * reach.x;
+  light += RIM_COLOR * wrapped(dot(n, RIM_DIRECTION)) * reach.w;
   return light;
 }
 `;
@@ -79,6 +83,8 @@ void main() {
   // What light the lips let in gets lost behind them.
   float depth = max(0.0, lipFront - position.z - 4.0);
   surfaceLight = vec4(exp(-depth / mix(5.0, 14.0, mouthOpen)) * mix(0.35, 0.8, mouthOpen));
+#elif KIND == 3
+  eyePlace = normalize(position - eyeCenter);
 #elif KIND == 2
   surfaceFibre = mat3(headTurn) * fibre;
 #endif
@@ -163,15 +169,20 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   float th = dot(fibre, h), tk = dot(fibre, k);
   float across = max(0.0, 1.0 - th * th);
   float facingKey = max(0.0, 0.25 + dot(n, KEY_DIRECTION)) * reach.y;
-  color = KEY_COLOR * (pow(across, 60.0) * 0.05 + pow(across, 14.0) * base.rgb * 0.6) * facingKey;
-  color += RIM_COLOR * pow(max(0.0, 1.0 - tk * tk), 20.0) * max(0.0, dot(n, RIM_DIRECTION)) * base.rgb * reach.x;
+  color = KEY_COLOR * (pow(across, 80.0) * 0.02 + pow(across, 14.0) * base.rgb * 0.7) * facingKey;
+  color += RIM_COLOR * pow(max(0.0, 1.0 - tk * tk), 20.0) * max(0.0, dot(n, RIM_DIRECTION)) * base.rgb * reach.w;
   color *= specular * 2.5;
 #else
-  float f0 = 0.028, rim = fresnel(facing);
-  shine = 0.7 * highlight(n, v, KEY_DIRECTION, roughness) + 0.3 * highlight(n, v, KEY_DIRECTION, roughness * 0.6);
+  float f0 = 0.028, rim = fresnel(facing), rough = roughness;
+#if KIND == 1
+  // Lips are moist; the red of the picture says where they are.
+  float lips = smoothstep(0.58, 0.72, (base.r - base.g) / (base.r + 1e-3));
+  rough = mix(rough, 0.34, lips);
+#endif
+  shine = 0.7 * highlight(n, v, KEY_DIRECTION, rough) + 0.3 * highlight(n, v, KEY_DIRECTION, rough * 0.6);
   color = KEY_COLOR * shine * (f0 + rim * 0.4) * reach.y;
-  color += FILL_COLOR * highlight(n, v, FILL_DIRECTION, roughness) * (f0 + rim * 0.4) * reach.z;
-  color += RIM_COLOR * highlight(n, v, RIM_DIRECTION, roughness) * (f0 + rim * 0.3) * reach.x;
+  color += FILL_COLOR * highlight(n, v, FILL_DIRECTION, rough) * (f0 + rim * 0.4) * reach.z;
+  color += RIM_COLOR * highlight(n, v, RIM_DIRECTION, rough) * (f0 + rim * 0.3) * reach.w;
   vec3 mirror = reflect(-v, n);
   color += mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * (f0 + rim * 0.25) * reach.x * reach.x * 0.6;
   color *= specular * 3.3;
@@ -180,12 +191,21 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
 }
 
 #if KIND == 3
+/** The iris lies behind a lens: it glows opposite the lamp, and darkens at its border. */
+vec3 iris(vec3 color) {
+  float distance = length(eyePlace.xy) / irisRadius;
+  float inside = 1.0 - smoothstep(0.85, 1.0, distance);
+  float glow = inside * smoothstep(0.25, 0.7, distance) * max(0.0, dot(eyePlace.xy / irisRadius, -normalize(KEY_DIRECTION.xy)));
+  float border = smoothstep(0.72, 0.95, distance) * (1.0 - smoothstep(0.95, 1.18, distance));
+  return color * (1.0 + 1.3 * glow) * (1.0 - 0.45 * border);
+}
+
 /** The lamps mirrored in the cornea, and a little of the room. */
 vec3 catchLight(vec3 n, vec3 v, float reach) {
   vec3 mirror = reflect(-v, n);
   float key = smoothstep(0.955, 0.975, dot(mirror, normalize(KEY_DIRECTION + vec3(0.0, 0.05, 0.3))));
-  float fill = smoothstep(0.95, 0.985, dot(mirror, normalize(FILL_DIRECTION + vec3(-0.1, -0.2, 0.3))));
-  return (key * vec3(1.6) + fill * vec3(0.25)) * reach + mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * 0.05 * reach;
+  float fill = smoothstep(0.97, 0.985, dot(mirror, normalize(FILL_DIRECTION + vec3(-0.1, -0.2, 0.3))));
+  return (key * vec3(1.6) + fill * vec3(0.12)) * reach + mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * 0.04 * reach;
 }
 #endif
 
@@ -197,13 +217,16 @@ void main() {
 #endif
   vec3 v = normalize(cameraPosition - surfacePosition);
   vec4 reach = surfaceLight;
+#if KIND == 3
+  base.rgb = iris(base.rgb);
+#endif
 #if FINE
   vec3 color = base.rgb * diffuseLight(n, reach) + shineOf(n, v, base, reach);
 #else
   vec3 color = base.rgb * vertexLight;
 #endif
 #if KIND == 3
-  color += catchLight(n, v, min(1.0, reach.x * 1.6));
+  color += catchLight(n, v, min(1.0, 0.15 + reach.x * 1.6));
 #endif
   float alpha = max(base.a, opaque);
   gl_FragColor = vec4(toDisplay(clamp(filmic(color), 0.0, 1.0)) * alpha, alpha);

@@ -54,3 +54,24 @@ export function fibres({ position, uv, index, smooth, vertices }) {
   }
   return out;
 }
+
+const CORNEA = 1.5; // it is curved more than the ball it sits on
+const LIMBUS = 1.35; // where it has gone over into the ball, in radii of the iris
+
+/**
+ * The normals of an eye, whatever the mesh of its iris looks like: a ball with a cornea, looking along z.
+ * @param {import('./model.mjs').Part} part @param {number[]} center @param {number} iris its radius, in those of the ball
+ */
+export function eyeNormals({ position }, center, iris) {
+  const out = new Float32Array(position.length);
+  const edge = Math.asin(Math.min(1, iris));
+  for (let v = 0; v < out.length; v += 3) {
+    const [x, y, z] = center.map((value, k) => position[v + k] - value);
+    const angle = Math.atan2(Math.hypot(x, y), z);
+    const flat = Math.min(1, Math.max(0, (angle / edge - 1) / (LIMBUS - 1)));
+    const bent = angle * (CORNEA + (1 - CORNEA) * flat);
+    const aside = Math.hypot(x, y) || 1;
+    out.set([(x / aside) * Math.sin(bent), (y / aside) * Math.sin(bent), Math.cos(bent)], v);
+  }
+  return out;
+}
