@@ -11,10 +11,10 @@ const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
  */
 export class Speech {
   /**
-   * @param {object} ports player; send(message) -> boolean; emit(type, detail)
+   * @param {object} ports player; send(message) -> boolean; emit(type, detail); setTimeout of tests
    */
-  constructor({ player, send, emit }) {
-    Object.assign(this, { player, send, emit });
+  constructor({ player, send, emit, setTimeout = (...args) => globalThis.setTimeout(...args) }) {
+    Object.assign(this, { player, send, emit, setTimeout });
     this.programme = new Programme();
     /** @type {Set<Utterance>} */
     this.open = new Set();
@@ -32,7 +32,7 @@ export class Speech {
     this.player.open();
     this.#send(utterance);
     if (!utterance.sent)
-      utterance.timer = setTimeout(() => this.#refuse(utterance, 'no-connection', 'There is no connection.'), PATIENCE_MS);
+      utterance.timer = this.setTimeout(() => this.#refuse(utterance, 'no-connection', 'There is no connection.'), PATIENCE_MS);
     return utterance.promise;
   }
 

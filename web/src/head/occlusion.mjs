@@ -86,7 +86,7 @@ class DepthPicture {
 
 /**
  * How much light reaches each vertex of a head, when every part can stand in the way of every other: of the open sky
- * round it, of the key light, of the fill light, of the rim light. A generator that yields after each direction, so that the work can be
+ * round it, and of the key, fill and rim light. A generator that yields after each direction, so that the work can be
  * spread; it returns the parts' lists.
  * @param {{position: Float32Array, index: Uint16Array, shades: boolean,
  *   seen: {position: Float32Array, normal: Float32Array}}[]} parts `position`: where it stands in the way, if it `shades`;
