@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Brows, cheeks, nose and ears: FAPs 31 to 42 and 61 to 68, zones round their feature points. */
 import { along } from './actions.mjs';
-import { cardinalBasis, ellipsoid, piecewise, plateau } from './zones.mjs';
+import { cardinalBasis, ellipsoid, piecewise, plateau, smoothstep } from './zones.mjs';
 
 const BROWS = [['4.1', 31, 32], ['4.3', 33, 34], ['4.5', 35, 36]];
 
@@ -15,9 +15,15 @@ export function faceActions(actions, ctx, tuning) {
       const centre = ctx.fdp[zone.points[i]].map((x, k) => x + zone.shift[k] * (k === 0 ? side : 1));
       const weight = ellipsoid(centre, zone.radii, zone.flat);
       const direction = [zone.direction[0] * (zone.faps.length > 1 ? side : 1), zone.direction[1], zone.direction[2]];
-      actions.move(fap, 'both', (v, x, y, z) => outside(v) && along(weight(x, y, z), direction));
+      actions.move(fap, 'both', (v, x, y, z) => outside(v) && along(weight(x, y, z) * spared(ctx, x, y, z), direction));
     }
   }
+}
+
+/** 0 on the lids, 1 from some mm outside: the cheeks must not push the lids through the eyeballs. */
+function spared({ eyes }, x, y, z) {
+  const far = Math.min(...['l', 'r'].map((side) => Math.hypot(x - eyes[side][0], y - eyes[side][1], z - eyes[side][2])));
+  return smoothstep(eyes.radius + 2, eyes.radius + 12, far);
 }
 
 /** Along a brow the three points share the movement; it fades over the forehead above and to the lid's fold below. */

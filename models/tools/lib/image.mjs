@@ -14,7 +14,7 @@ export function writeImage({ size, data }, quality) {
   const channels = data.length / (size * size);
   const bytes = Buffer.from(Uint8ClampedArray.from(data, Math.round).buffer);
   return sharp(bytes, { raw: { width: size, height: size, channels } })
-    .webp({ quality, alphaQuality: 95, effort: 6, smartSubsample: true }).toBuffer();
+    .webp({ quality, alphaQuality: 95, effort: 4, smartSubsample: true }).toBuffer();
 }
 
 /** New colours by brightness: stops of [brightness 0..1, colour]; brightness is stretched so that its extremes reach 0 and 1. */

@@ -3,7 +3,7 @@
 import { readProxy } from './assets.mjs';
 import { EYE_MARGIN } from './hm08.mjs';
 import { triangulate } from './mesh.mjs';
-import { nearestOnLine } from './zones.mjs';
+import { ellipsoid, nearestOnLine } from './zones.mjs';
 
 /** @param {number[]|undefined} hidden flags base vertices under clothes @returns part with `refs`: for each vertex [base vertex, weight] pairs, and `position` in mm */
 export function skinPart(ctx, spec, hidden) {
@@ -14,14 +14,19 @@ export function skinPart(ctx, spec, hidden) {
   return finish('skin', mesh, mesh.source.map((v) => [[v, 1]]), (v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]);
 }
 
-/** A proxy: p = sum of weights * base vertices + offset. */
+/** A proxy: p = sum of weights * base vertices + offset, then the recipe's `tweaks`: zones that are shifted by some mm. */
 export function proxyPart(ctx, name, spec, keep) {
   const proxy = readProxy(ctx.assets, spec.proxy);
   const { p } = ctx;
   const refs = proxy.refs.map((three, i) => three.map((v, j) => [v, proxy.weights[i][j]]).filter(([, w]) => w !== 0));
   const fitted = (i) => [0, 1, 2].map((k) => refs[i].reduce((sum, [v, w]) => sum + w * p[v * 3 + k], 0)
     + proxy.offsets[i][k] * 100 * (spec.scale ?? 1) + (spec.shift?.[k] ?? 0));
-  const place = spec.shorten ? (i) => shortened(ctx, fitted(i), spec.shorten) : fitted;
+  const tweaks = (spec.tweaks ?? []).map((t) => ({ weight: ellipsoid(t.centre, t.radii, t.flat), shift: t.shift }));
+  const tweaked = (i) => {
+    const q = fitted(i);
+    return q.map((x, k) => x + tweaks.reduce((sum, t) => sum + t.weight(...q) * t.shift[k], 0));
+  };
+  const place = spec.shorten ? (i) => shortened(ctx, tweaked(i), spec.shorten) : tweaked;
   const inside = (i) => {
     const q = fitted(i);
     return !spec.cut || (q[1] > spec.cut.y && Math.abs(q[0]) < spec.cut.x);
