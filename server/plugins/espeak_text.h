@@ -14,7 +14,8 @@ struct es_prosody {
     int rate, pitch, range, volume;
 };
 
-/* From 450 on espeak-ng speeds its finished audio up (libsonic), and the times of its events do not follow. */
+/* From 450 on espeak-ng speeds its finished audio up (libsonic), and the times of its events do not follow.
+ */
 enum { ES_RATE_OWN = 175, ES_RATE_MIN = 80, ES_RATE_MAX = 449 };
 
 struct es_place {

@@ -270,6 +270,26 @@ static void espeak_gives_closures_to_stops(void **state) {
     shut(s);
 }
 
+/* A variant with an echo, which sounds on in its closures, has them where the plain voice has them. */
+static void espeak_hears_closures_through_an_echo(void **state) {
+    (void)state;
+    struct scene *s = OPEN(WITH(0), "espeak");
+    const struct result *plain = speak(s, "it", "La pappa, tutto il pacco: topo e capo.");
+    const struct result *echo = speak(s, "it+f2", "La pappa, tutto il pacco: topo e capo.");
+    unsigned stops = 0;
+    run(s);
+    assert_int_equal(plain->u->phone_count, echo->u->phone_count);
+    for (size_t i = 0; i < plain->u->phone_count; i++) {
+        const struct phone *a = &plain->u->phones[i], *b = &echo->u->phones[i];
+        if (!*a->ipa || !strchr("ptk", *a->ipa))
+            continue;
+        stops++;
+        assert_true(fabs((double)(a->end - a->start) - (double)(b->end - b->start)) < 0.010 * 22050);
+    }
+    assert_int_equal(stops, 10);
+    shut(s);
+}
+
 /* Marks, breaks, styles and escapes through SSML: places and pauses are where they belong. */
 static void espeak_follows_the_score(void **state) {
     (void)state;
@@ -610,6 +630,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(espeak_speaks_italian),
         cmocka_unit_test(espeak_gives_closures_to_stops),
+        cmocka_unit_test(espeak_hears_closures_through_an_echo),
         cmocka_unit_test(espeak_follows_the_score),
         cmocka_unit_test(espeak_keeps_the_rate_in_its_bounds),
         cmocka_unit_test(espeak_stops_when_cancelled),
