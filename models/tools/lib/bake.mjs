@@ -37,7 +37,7 @@ export function eachTexel(part, size, fn) {
   return done;
 }
 
-/** Fills what no triangle covers with the colour of the nearest filled texels, pass by pass, then with their mean. */
+/** Fills what no triangle covers with the mean colour, and near the filled texels, ring by ring, with their colour. */
 export function dilate(data, done, size, passes) {
   const sum = [0, 0, 0];
   let n = 0;
@@ -47,20 +47,26 @@ export function dilate(data, done, size, passes) {
     n++;
   }
   for (let i = 0; i < done.length; i++) if (!done[i]) for (let k = 0; k < 3; k++) data[i * 3 + k] = sum[k] / n;
-  let edge = [];
-  for (let i = 0; i < done.length; i++) if (!done[i]) edge.push(i);
+  const steps = [-1, 1, -size, size];
+  const free = (i, step) => {
+    const j = i + step;
+    const wraps = (step === -1 && i % size === 0) || (step === 1 && i % size === size - 1);
+    return j >= 0 && j < done.length && !wraps && !done[j] ? j : -1;
+  };
+  let ring = [];
+  for (let i = 0; i < done.length; i++) if (done[i] && steps.some((step) => free(i, step) >= 0)) ring.push(i);
   for (let pass = 0; pass < passes; pass++) {
-    const fill = [];
-    const rest = [];
-    for (const i of edge) {
-      const x = i % size;
-      const near = [x > 0 ? i - 1 : -1, x < size - 1 ? i + 1 : -1, i - size, i + size].filter((j) => j >= 0 && j < done.length && done[j]);
-      if (near.length) fill.push([i, near]);
-      else rest.push(i);
+    const next = [];
+    for (const i of ring) {
+      for (const step of steps) {
+        const j = free(i, step);
+        if (j < 0) continue;
+        done[j] = 1;
+        for (let k = 0; k < 3; k++) data[j * 3 + k] = data[i * 3 + k];
+        next.push(j);
+      }
     }
-    for (const [i, near] of fill) for (let k = 0; k < 3; k++) data[i * 3 + k] = near.reduce((s, j) => s + data[j * 3 + k], 0) / near.length;
-    for (const [i] of fill) done[i] = 1;
-    edge = rest;
+    ring = next;
   }
 }
 
