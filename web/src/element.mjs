@@ -10,7 +10,7 @@ import strings from './strings.json';
 import { template } from './template.mjs';
 
 const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number };
-const TICK_MS = 200; // while the page is hidden nothing is drawn, but words are still heard
+const TICK_MS = 50; // while nothing is drawn (a hidden page, no WebGL) words are still heard
 
 /** `<talking-head>`: see web/README.md. */
 export class TalkingHead extends HTMLElement {
@@ -22,6 +22,7 @@ export class TalkingHead extends HTMLElement {
   #ready = false;
   #title = '';
   #aborter = null;
+  #said = null; // the message on show
   #drawn = { seconds: 0, at: 0 };
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
 
@@ -59,7 +60,7 @@ export class TalkingHead extends HTMLElement {
     this.#translate();
     this.#showCaptions();
     this.#connect();
-    this.timer = setInterval(() => document.hidden && this.#hear(performance.now()), TICK_MS);
+    this.timer = setInterval(() => (document.hidden || !this.stage.draws) && this.#hear(performance.now()), TICK_MS);
   }
 
   disconnectedCallback() {
@@ -165,6 +166,7 @@ export class TalkingHead extends HTMLElement {
   }
 
   #say(what, values) {
+    this.#said = what;
     this.messageBox.hidden = !what;
     this.messageBox.textContent = what ? this.#text(what, values) : '';
   }
@@ -190,6 +192,7 @@ export class TalkingHead extends HTMLElement {
 
   #connect() {
     this.#disconnect();
+    if (this.#said === 'badAddress' || this.#said === 'noModel') this.#say(null);
     this.#assembler = new ModelAssembler();
     try {
       this.#connection = new Connection(this.#address, {

@@ -61,6 +61,10 @@ export class Stage {
     this.view = null;
   }
 
+  get draws() {
+    return this.view !== null;
+  }
+
   /** @param {object} json the head model @returns {Promise<object>} the model as read */
   async show(json) {
     const model = readModel(json);

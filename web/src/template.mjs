@@ -18,11 +18,13 @@ export const template = `
     font-weight: 600; font-size: 0.85em; }
   .switch:hover, .switch:focus-visible, .switch[aria-pressed='false'] { opacity: 1; }
   .switch[aria-pressed='false'] { text-decoration: line-through; background: #6c6c70ee; }
-  .captions { flex: none; box-sizing: border-box; min-block-size: 3.7em; margin: 0; padding: 0.35em 0.6em; text-align: center;
+  .captions { flex: none; box-sizing: border-box; min-block-size: 3.6em; display: grid; place-items: center;
+    padding: 0.35em 0.6em; text-align: center;
     font-size: 1.15em; line-height: 1.35; background: var(--talking-head-caption-background, #101014);
     color: var(--talking-head-caption-color, #fff); border-radius: 0.4em; overflow-wrap: anywhere; }
+  .captions p { margin: 0; }
   .said { opacity: 0.72; }
-  .word { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);
+  .word:not(:empty) { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);
     border-radius: 0.2em; box-shadow: 0 0 0 0.12em var(--talking-head-word-background, #ffd60a); }
 </style>
 <div class="stage" part="stage">
@@ -31,6 +33,6 @@ export const template = `
   <button class="switch" part="captions-button" type="button">CC</button>
   <button class="sound" part="sound-button" type="button" hidden></button>
 </div>
-<p class="captions" part="captions" aria-live="off" dir="auto"><span class="said" part="said"></span><span class="word"
-  part="word"></span><span class="rest" part="rest"></span></p>
+<div class="captions" part="captions" aria-live="off"><p dir="auto"><span class="said" part="said"></span><span class="word"
+  part="word"></span><span class="rest" part="rest"></span></p></div>
 `;
