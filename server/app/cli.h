@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the commands of the command line share. Exit codes: 0 done, 1 it could not be done, 2 it was asked wrongly. */
+/* What the commands of the command line share. Exit codes: 0 done, 1 it could not be done, 2 it was asked
+ * wrongly. */
 #ifndef FACCIA_APP_CLI_H
 #define FACCIA_APP_CLI_H
 

@@ -5,14 +5,13 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char usage[] =
-    "Usage: faccia COMMAND [ARGUMENT]...\n"
-    "\n"
-    "  say      speak a text: its sound, its face animation, its timing\n"
-    "  voices   list the voices\n"
-    "  models   list the head models\n"
-    "\n"
-    "'faccia COMMAND --help' tells more. The daemon is facciad.\n";
+static const char usage[] = "Usage: faccia COMMAND [ARGUMENT]...\n"
+                            "\n"
+                            "  say      speak a text: its sound, its face animation, its timing\n"
+                            "  voices   list the voices\n"
+                            "  models   list the head models\n"
+                            "\n"
+                            "'faccia COMMAND --help' tells more. The daemon is facciad.\n";
 
 static const struct {
     const char *name;

@@ -74,7 +74,8 @@ static int on_body(void *self, const void *data, size_t size) {
     return 0;
 }
 
-/* The query's part of the request, and the format. The status of the answer when something is wrong, else 0. */
+/* The query's part of the request, and the format. The status of the answer when something is wrong, else 0.
+ */
 static unsigned read_query(struct post *p, struct speech_request *request, struct error *e) {
     struct lws *wsi = exchange_wsi(p->x);
     char type[128] = "text/plain", name[32];
@@ -110,9 +111,10 @@ static int on_body_end(void *self) {
     request_init(&request);
     unsigned status = read_query(p, &request, &e);
     if (!status) {
-        request_set(&request, "text",
-                    (struct request_value){REQUEST_STRING, p->text.size ? (char *)p->text.data : "", p->text.size, 0},
-                    &e);
+        request_set(
+            &request, "text",
+            (struct request_value){REQUEST_STRING, p->text.size ? (char *)p->text.data : "", p->text.size, 0},
+            &e);
         p->speech = speech_open(net->studio, &request, &callbacks, p, &e);
         status = p->speech ? 0 : !strcmp(e.code, "voice-unavailable") ? 503 : 400;
     }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The JSON export: {"lang","voice","engine","fps","rate","duration","phones","words","marks","warnings"}; times in seconds. */
+/* The JSON export: {"lang","voice","engine","fps","rate","duration","phones","words","marks","warnings"};
+ * times in seconds. */
 #include "server/stream/export.h"
 #include <jansson.h>
 
@@ -23,17 +24,17 @@ void export_json_scene(struct export *x, const struct scene *scene) {
     for (size_t i = 0; i < u->phone_count; i++) {
         const struct phone *p = &u->phones[i];
         add_member(&x->phones,
-                   json_pack("{ss ss sf sf si}", "ipa", p->ipa, "sampa", p->sampa, "start", (start + p->start) / rate,
-                             "end", (start + p->end) / rate, "stress", p->stress));
+                   json_pack("{ss ss sf sf si}", "ipa", p->ipa, "sampa", p->sampa, "start",
+                             (start + p->start) / rate, "end", (start + p->end) / rate, "stress", p->stress));
     }
     for (size_t i = 0; i < u->word_count; i++) {
         const struct word *w = &u->words[i];
         size_t utf16_start = utf16_offset(&x->utf16, text, w->from);
-        add_member(&x->words,
-                   json_pack("{ss% sf sf sI sI sI sI}", "text", text + w->from, w->to - w->from, "start",
-                             (start + w->start) / rate, "end", (start + w->end) / rate, "byte_start",
-                             (json_int_t)w->from, "byte_end", (json_int_t)w->to, "utf16_start", (json_int_t)utf16_start,
-                             "utf16_end", (json_int_t)utf16_offset(&x->utf16, text, w->to)));
+        add_member(&x->words, json_pack("{ss% sf sf sI sI sI sI}", "text", text + w->from, w->to - w->from,
+                                        "start", (start + w->start) / rate, "end", (start + w->end) / rate,
+                                        "byte_start", (json_int_t)w->from, "byte_end", (json_int_t)w->to,
+                                        "utf16_start", (json_int_t)utf16_start, "utf16_end",
+                                        (json_int_t)utf16_offset(&x->utf16, text, w->to)));
     }
     for (size_t i = 0; i < u->mark_count; i++)
         add_member(&x->marks,
@@ -42,7 +43,8 @@ void export_json_scene(struct export *x, const struct scene *scene) {
 
 void export_warning(struct export *x, const struct error *e) {
     char text[400];
-    add_member(&x->warnings, json_pack("{ss ss}", "code", e->code, "message", error_text(e, text, sizeof text)));
+    add_member(&x->warnings,
+               json_pack("{ss ss}", "code", e->code, "message", error_text(e, text, sizeof text)));
 }
 
 static void add_list(struct buf *out, const char *name, const struct buf *members) {
@@ -55,10 +57,10 @@ static void add_list(struct buf *out, const char *name, const struct buf *member
 }
 
 void export_json_end(struct export *x) {
-    json_t *head = json_pack("{ss ss ss sf si sf}", "lang", speech_lang(x->speech), "voice",
-                             speech_voice(x->speech)->id, "engine", speech_engine(x->speech), "fps", x->fps, "rate",
-                             (int)x->sample_rate, "duration",
-                             x->sample_rate ? (double)x->samples / x->sample_rate : 0.0);
+    json_t *head =
+        json_pack("{ss ss ss sf si sf}", "lang", speech_lang(x->speech), "voice", speech_voice(x->speech)->id,
+                  "engine", speech_engine(x->speech), "fps", x->fps, "rate", (int)x->sample_rate, "duration",
+                  x->sample_rate ? (double)x->samples / x->sample_rate : 0.0);
     json_dump_callback(head, append, &x->out, JSON_COMPACT | JSON_REAL_PRECISION(7));
     json_decref(head);
     x->out.size--; /* the object goes on */

@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Sentences that are being spoken or wait to be used up: enough to hide the voice's work, few enough that a stop wastes little and that
- * many speeches share the voices fairly. */
+/* Sentences that are being spoken or wait to be used up: enough to hide the voice's work, few enough that a
+ * stop wastes little and that many speeches share the voices fairly. */
 enum { WINDOW = 3 };
 
 struct slot {
@@ -26,8 +26,9 @@ struct speech {
     struct speech_callbacks callbacks;
     void *ctx;
     struct slot slots[WINDOW];
-    size_t submitted, delivered, released; /* sentences; released <= delivered <= submitted <= released + WINDOW */
-    size_t spoken;                         /* scenes that came */
+    size_t submitted, delivered,
+        released;  /* sentences; released <= delivered <= submitted <= released + WINDOW */
+    size_t spoken; /* scenes that came */
     uint32_t samples, sample_rate;
     bool busy, freed; /* inside a callback; to be freed after it */
 };
