@@ -40,14 +40,40 @@ test('is small enough, and the packed file holds the same', () => {
 
 test('stays out of its own way: no tooth comes through the skin when she speaks', () => {
   const skin = head.parts.find((p) => p.name === 'skin');
-  const a = { 3: 550, 4: -330, 8: -330, 9: -330, 51: -330, 55: -330, 56: -330, 5: -600, 10: -600, 11: -600, 52: -600, 57: -600, 58: -600 };
+  const a = {
+    3: 550,
+    4: -330,
+    8: -330,
+    9: -330,
+    51: -330,
+    55: -330,
+    56: -330,
+    5: -600,
+    10: -600,
+    11: -600,
+    52: -600,
+    57: -600,
+    58: -600,
+  };
   const moved = pose(head, skin, a);
-  const chin = nearest(skin, head.fdp['2.10']), lip = nearest(skin, head.fdp['8.2']);
-  const teeth = pose(head, head.parts.find((p) => p.name === 'teeth_lower'), a);
+  const chin = nearest(skin, head.fdp['2.10']),
+    lip = nearest(skin, head.fdp['8.2']);
+  const teeth = pose(
+    head,
+    head.parts.find((p) => p.name === 'teeth_lower'),
+    a,
+  );
   let front = -Infinity;
-  for (let i = 0; i < teeth.length; i += 3) if (Math.abs(teeth[i]) < 6 && teeth[i + 1] > moved[chin * 3 + 1]) front = Math.max(front, teeth[i + 2]);
-  for (const [name, v] of [['chin', chin], ['lower lip', lip]]) {
-    assert.ok(moved[v * 3 + 2] > front + 1, `${name} at ${moved[v * 3 + 2].toFixed(1)} mm, teeth at ${front.toFixed(1)} mm`);
+  for (let i = 0; i < teeth.length; i += 3)
+    if (Math.abs(teeth[i]) < 6 && teeth[i + 1] > moved[chin * 3 + 1]) front = Math.max(front, teeth[i + 2]);
+  for (const [name, v] of [
+    ['chin', chin],
+    ['lower lip', lip],
+  ]) {
+    assert.ok(
+      moved[v * 3 + 2] > front + 1,
+      `${name} at ${moved[v * 3 + 2].toFixed(1)} mm, teeth at ${front.toFixed(1)} mm`,
+    );
   }
 });
 
@@ -56,10 +82,15 @@ test('is built the same every time', () => {
   try {
     const again = path.join(folder, 'again.json');
     const tool = path.join(root, 'models/tools/build-head.mjs');
-    const run = spawnSync(process.execPath, [tool, path.join(root, 'models/heads/mara.json'), again], { encoding: 'utf8' });
+    const run = spawnSync(process.execPath, [tool, path.join(root, 'models/heads/mara.json'), again], {
+      encoding: 'utf8',
+    });
     assert.equal(run.status, 0, run.stderr);
     assert.ok(fs.readFileSync(again).equals(text), 'the JSON differs');
-    assert.ok(fs.readFileSync(`${again}.gz`).equals(fs.readFileSync(`${file}.gz`)), 'the packed file differs');
+    assert.ok(
+      fs.readFileSync(`${again}.gz`).equals(fs.readFileSync(`${file}.gz`)),
+      'the packed file differs',
+    );
   } finally {
     fs.rmSync(folder, { recursive: true });
   }
@@ -72,7 +103,11 @@ test('a recipe with a mistake is refused with a reason', () => {
     recipe.shape['nose/nose-of-brass'] = 1;
     fs.writeFileSync(path.join(folder, 'wrong.json'), JSON.stringify(recipe));
     const tool = path.join(root, 'models/tools/build-head.mjs');
-    const run = spawnSync(process.execPath, [tool, path.join(folder, 'wrong.json'), path.join(folder, 'out.json')], { encoding: 'utf8' });
+    const run = spawnSync(
+      process.execPath,
+      [tool, path.join(folder, 'wrong.json'), path.join(folder, 'out.json')],
+      { encoding: 'utf8' },
+    );
     assert.notEqual(run.status, 0);
     assert.match(run.stderr, /nose\/nose-of-brass/);
     assert.ok(!fs.existsSync(path.join(folder, 'out.json')));
@@ -82,7 +117,8 @@ test('a recipe with a mistake is refused with a reason', () => {
 });
 
 function nearest(part, place) {
-  let best = 0, least = Infinity;
+  let best = 0,
+    least = Infinity;
   for (let v = 0; v < part.position.length / 3; v++) {
     const d = Math.hypot(...place.map((x, k) => x - part.position[v * 3 + k]));
     if (d < least) [best, least] = [v, d];

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * The jaw: FAPs 3, 14, 15 and 18. The skin's share in the jaw's turn comes from the mesh's own mouth-open target (the angle
- * that its displacement means at each vertex, the chin's being 1), less what the lips' own FAPs do: FAP 3 alone leaves the lips.
+ * The jaw: FAPs 3, 14, 15 and 18. The skin's share in the jaw's turn comes from the mesh's own mouth-open
+ * target (the angle that its displacement means at each vertex, the chin's being 1), less what the lips' own
+ * FAPs do: FAP 3 alone leaves the lips.
  */
 import { along } from './actions.mjs';
 import { ellipsoid } from './zones.mjs';
@@ -21,18 +22,26 @@ export function jawActions(actions, ctx, grid, tuning) {
   const glide = tuning.glide;
   const chin = fdp['2.1'];
   const drop = (angle) => {
-    const y = chin[1] - pivot[1], z = chin[2] - pivot[2];
+    const y = chin[1] - pivot[1],
+      z = chin[2] - pivot[2];
     return -(y * Math.cos(angle) - z * Math.sin(angle) - y);
   };
   const reference = (tuning.reference * fapu.MNS) / 1024;
-  let low = 0, high = 1;
+  let low = 0,
+    high = 1;
   for (let i = 0; i < 60; i++) {
     const mid = (low + high) / 2;
     if (drop(mid) < reference) low = mid;
     else high = mid;
   }
   actions.turn({
-    name: 'jaw', fap: 3, pivot, axis: [1, 0, 0], radians: low / tuning.reference, at: (v) => share(v), rigid: { teeth_lower: 1 },
+    name: 'jaw',
+    fap: 3,
+    pivot,
+    axis: [1, 0, 0],
+    radians: low / tuning.reference,
+    at: (v) => share(v),
+    rigid: { teeth_lower: 1 },
   });
   actions.plainMove(3, 'both', (v) => along(share(v) * glide, [0, 0, 1]));
 
@@ -42,7 +51,11 @@ export function jawActions(actions, ctx, grid, tuning) {
 
   const boss = ellipsoid(fdp['2.10'], tuning.chinRadii, 0.1);
   const skin = new Set(topology.faces.flatMap((f) => f.v));
-  actions.move(18, 'both', (v, x, y, z) => skin.has(v) && !grid.inMouth[v] && along(boss(x, y, z), [0, 1, 0.15]));
+  actions.move(
+    18,
+    'both',
+    (v, x, y, z) => skin.has(v) && !grid.inMouth[v] && along(boss(x, y, z), [0, 1, 0.15]),
+  );
 }
 
 /** `whole`: all that belongs to the jaw; `weights`: the same without what the lips' FAPs move. */
@@ -51,7 +64,8 @@ function jawWeights(ctx, grid, pivot, tuning) {
   const open = ctx.target(tuning.openTarget);
   const raw = new Float64Array(p.length / 3);
   const angle = (v) => {
-    const y = p[v * 3 + 1] - pivot[1], z = p[v * 3 + 2] - pivot[2];
+    const y = p[v * 3 + 1] - pivot[1],
+      z = p[v * 3 + 2] - pivot[2];
     return (open[v * 3 + 2] * y - open[v * 3 + 1] * z) / (y * y + z * z);
   };
   const unit = angle(ctx.fdpVertex['2.1']);
@@ -65,9 +79,11 @@ function jawWeights(ctx, grid, pivot, tuning) {
     }
     w = next;
   }
-  // Inside the mouth the loops from the lower lip to the bag's floor belong to the jaw, those of the upper lip do not.
+  // Inside the mouth the loops from the lower lip to the bag's floor belong to the jaw, those of the upper
+  // lip do not.
   for (let v = 0; v < w.length; v++) {
-    if (grid.inMouth[v]) w[v] = grid.lower[v] > 0.5 ? Math.max(w[v], tuning.floor) : Math.min(w[v], tuning.roof);
+    if (grid.inMouth[v])
+      w[v] = grid.lower[v] > 0.5 ? Math.max(w[v], tuning.floor) : Math.min(w[v], tuning.roof);
   }
   const top = w[ctx.fdpVertex['2.1']];
   const whole = w.map((x) => Math.min(1, x / top));
