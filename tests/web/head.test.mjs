@@ -156,7 +156,8 @@ test('the packed influences say what the lists say', () => {
     moves: [[], [{ slot: 3, delta: [1, 2, 3], normal: [4, 5, 6] }], [{ slot: 1, delta: [7, 8, 9], normal: [0, 0, 1] }]],
     turns: [turnsOf([0, 0.5], [1, 1], [2, 1]), turnsOf([1, 1], [2, 1]), turnsOf([0, 0.5], [1, 0.25], [2, 1])],
   };
-  const { vertices, data, width, height } = packInfluences(lists, { firstHeadTurn: 1, turns });
+  const { vertices, data, width, height, needs } = packInfluences(lists, { firstHeadTurn: 1, turns });
+  assert.deepEqual(needs, { MOVES: 1, OWN_TURNS: 1, PARTIAL_HEAD: 1 });
   assert.equal(data.length, 4 * width * height);
   const texel = (i) => [...data.subarray(4 * i, 4 * i + 4)];
   lists.moves.forEach((list, v) => {
@@ -243,6 +244,14 @@ test('it goes up again when frames are quick, but not to and fro', () => {
   feed(governor, 45, 30);
   assert.equal(governor.index, 1);
   assert.equal(feed(governor, 1000 / 60, 320), 0, 'more patient the second time');
+});
+
+test('very slow frames are not waited for, and without a graphics processor it begins low', () => {
+  const governor = new Governor('auto');
+  assert.equal(feed(governor, 400, 8), 1);
+  assert.equal(governor.index, 2);
+  assert.equal(new Governor('auto', true).level.fine, false);
+  assert.equal(new Governor('high', true).level.fine, true);
 });
 
 test('a chosen quality is left alone', () => {

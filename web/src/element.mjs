@@ -34,6 +34,7 @@ export class TalkingHead extends HTMLElement {
     this.canvas = $('canvas');
     this.messageBox = $('.message');
     this.soundButton = $('.sound');
+    this.soundLabel = $('.sound span');
     this.captionsButton = $('.switch');
     this.captionView = new CaptionView($('.captions'));
     this.mixer = new FaceMixer();
@@ -160,7 +161,7 @@ export class TalkingHead extends HTMLElement {
 
   #translate() {
     this.canvas.setAttribute('aria-label', this.getAttribute('label') ?? this.#text('label', { title: this.#title }));
-    this.soundButton.textContent = `🔊 ${this.#text('sound')}`;
+    this.soundLabel.textContent = this.#text('sound');
     this.captionsButton.setAttribute('aria-label', this.#text('captions'));
     this.captionsButton.title = this.#text('captions');
   }

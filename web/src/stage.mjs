@@ -19,6 +19,7 @@ export class Stage {
   constructor(canvas, ports) {
     this.canvas = canvas;
     this.ports = ports;
+    this.wish = 'auto';
     this.governor = new Governor();
     this.request = 0;
     this.last = -Infinity;
@@ -48,6 +49,7 @@ export class Stage {
       this.ports.trouble('noWebgl');
       return;
     }
+    this.governor = new Governor(this.wish, this.view.software);
     this.view.setLevel(this.governor.level);
     this.observer.observe(this.canvas);
     this.#resize();
@@ -77,6 +79,7 @@ export class Stage {
 
   /** @param {'auto'|'high'|'low'} wish */
   set quality(wish) {
+    this.wish = wish;
     this.governor.wish(wish);
     this.view?.setLevel(this.governor.level);
     this.wake();

@@ -97,7 +97,7 @@ export class Head {
       geometry.setAttribute('reach', reach);
       geometry.setIndex(new BufferAttribute(part.index, 1));
       this.parts.push({ part, influences, geometry });
-      this.#addMeshes(part, geometry, this.#influenceTexture(packed));
+      this.#addMeshes(part, geometry, { texture: this.#influenceTexture(packed), needs: packed.needs });
     }
   }
 
@@ -178,7 +178,7 @@ export class Head {
       depthWrite: opaque === 1,
       uniforms: {
         ...this.uniforms,
-        influences: { value: influences },
+        influences: { value: influences.texture },
         map: { value: this.textures.get(look.texture) ?? this.white },
         tint: { value: new Vector3(...(look.color ?? [1, 1, 1])) },
         roughness: { value: look.roughness ?? 0.6 },
@@ -191,6 +191,7 @@ export class Head {
       defines: {
         KIND: KINDS[kind],
         FINE: 1,
+        ...influences.needs,
         SLOTS: this.uniforms.slots.value.length,
         TURNS: Math.max(1, this.model.turns.length),
         ...(look.alpha === 'blend' || look.alpha === 'cutout' ? { HAS_ALPHA: 1 } : {}),

@@ -136,6 +136,7 @@ export const WHOLE_HEAD = 63;
 /**
  * Packs the influences into one texture of RGBA floats: a move takes two texels (slot and delta, change of the normal),
  * a turn one (turn, weight). Each vertex gets (first move, moves, first turn, turns + 64 * turns of the head).
+ * `needs` says what there is of each kind.
  */
 export function packInfluences({ moves, turns }, { firstHeadTurn, turns: all }) {
   const headTurns = all.length - firstHeadTurn;
@@ -162,5 +163,10 @@ export function packInfluences({ moves, turns }, { firstHeadTurn, turns: all }) 
   const height = Math.max(1, Math.ceil(texels.length / 4 / width));
   const data = new Float32Array(4 * width * height);
   data.set(texels);
-  return { vertices, data, width, height };
+  const needs = {
+    MOVES: Number(moves.some((list) => list.length)),
+    OWN_TURNS: Number(turns.some((list) => list.some(({ turn }) => turn < firstHeadTurn))),
+    PARTIAL_HEAD: Number(turns.some((list) => list.some(({ turn, weight }) => turn >= firstHeadTurn && weight !== 1))),
+  };
+  return { vertices, data, width, height, needs };
 }

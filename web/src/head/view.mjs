@@ -38,6 +38,13 @@ export class View {
     this.copyCamera = new OrthographicCamera();
   }
 
+  /** Whether there is no graphics processor behind it. */
+  get software() {
+    const gl = this.renderer.getContext();
+    const named = gl.getExtension('WEBGL_debug_renderer_info')?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER;
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(gl.getParameter(named) ?? '');
+  }
+
   /** @param {import('./head.mjs').Head} head */
   show(head) {
     this.head?.dispose();
