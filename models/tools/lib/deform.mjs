@@ -77,7 +77,7 @@ export function unitLength(head, fap) {
 }
 
 /** Rodrigues' formula about an axis through the turn's pivot. */
-export function rotate(turn, angle, x, y, z) {
+function rotate(turn, angle, x, y, z) {
   const [ax, ay, az] = turn.axis;
   const px = x - turn.pivot[0],
     py = y - turn.pivot[1],

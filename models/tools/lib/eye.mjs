@@ -9,7 +9,7 @@ import { piecewise, raisedCosine } from './zones.mjs';
 const IRIS_SHARE = 0.21;
 
 /** Distance from the middle of the texture for an angle from the optical axis, and back. */
-export function eyeRadius(spec, angle) {
+function eyeRadius(spec, angle) {
   return piecewise([0, spec.irisAngle, spec.span], [0, IRIS_SHARE, 0.5], angle);
 }
 
@@ -21,7 +21,7 @@ export function eyeAngle(spec, radius) {
  * @param {{radius: number, bulge: number, bulgeAngle: number, span: number}} spec radius and bulge in mm,
  *   angles in radians
  */
-export function eyePart(name, centre, spec, faps, fapu) {
+export function eyePart(name, centre, spec, faps) {
   const position = [],
     uv = [],
     index = [],

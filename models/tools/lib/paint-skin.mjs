@@ -40,6 +40,7 @@ export async function paintSkin(spec, scene) {
   const lips = lipParameter(ctx);
   const [lipT, lipDepth, lipS] = [lips.t, lips.depth, ctx.grid.s].map(onPart);
   const lids = eyeLines(ctx);
+  const ear = earZone(ctx.fdp, look.scalp.ears);
   const tone = hex(look.tone),
     scalp = hex(look.scalp.colour);
   const data = new Float32Array(size * size * 3);
@@ -64,11 +65,27 @@ export async function paintSkin(spec, scene) {
     colour = pores(colour, q, look, attribute(lipT));
     const behind =
       q[1] - look.scalp.slope * q[2] - look.scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
-    colour = mix(colour, scalp, smoothstep(-look.scalp.soft, look.scalp.soft, behind));
+    const hairy = smoothstep(-look.scalp.soft, look.scalp.soft, behind) * (1 - ear(q));
+    colour = mix(colour, scalp, hairy);
     data.set(shade(colour, light, look.occlusion), texel * 3);
   });
   dilate(data, done, size, 12);
   return { size, data };
+}
+
+/** 1 on the ears, between the top and the lobe of each. */
+function earZone(fdp, radii) {
+  const ears = [
+    ['10.1', '10.5'],
+    ['10.2', '10.6'],
+  ].map(([top, lobe]) =>
+    ellipsoid(
+      fdp[top].map((x, k) => (x + fdp[lobe][k]) / 2),
+      radii,
+      0.75,
+    ),
+  );
+  return ([x, y, z]) => Math.max(...ears.map((weight) => weight(x, y, z)));
 }
 
 /** Uneven blood and pigment: slow noise in redness and in lightness. */
