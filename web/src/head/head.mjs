@@ -18,7 +18,7 @@ const THIN = ['lashes', 'brows']; // a few fibres on the skin: they hide nothing
 
 /** Where shadows are taken: speaking, so that there is light between the lips. */
 const SHADOW_POSE = faceValues({
-  3: 350, 4: 150, 5: -450, 8: 150, 9: 150, 10: -400, 11: -400, 51: 150, 52: -450, 55: 150, 56: 150, 57: -400, 58: -400,
+  3: 350, 4: -150, 5: -450, 8: -150, 9: -150, 10: -400, 11: -400, 51: -150, 52: -450, 55: -150, 56: -150, 57: -400, 58: -400,
 });
 
 /** Where the light on them is asked for: the same, with the lids down, since what is folded away would stay dark. */
@@ -226,7 +226,7 @@ export class Head {
     const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
     this.uniforms.headTurn.value.makeBasis(...axes).setPosition(origin);
     const mns = this.model.fapu.MNS / 1024;
-    const open = mns * (values[4] - values[5] + values[3] * 0.5);
+    const open = mns * (values[3] * 0.5 - values[4] - values[5]);
     this.uniforms.mouthOpen.value = Math.min(1, Math.max(0, open / MOUTH_OPEN_MM));
   }
 

@@ -82,7 +82,7 @@ void main() {
 #if KIND == 4
   // What light the lips let in gets lost behind them.
   float depth = max(0.0, lipFront - position.z - 4.0);
-  surfaceLight = vec4(exp(-depth / mix(5.0, 14.0, mouthOpen)) * mix(0.35, 0.8, mouthOpen));
+  surfaceLight = vec4(exp(-depth / mix(4.0, 8.5, mouthOpen)) * mix(0.45, 1.1, mouthOpen));
 #elif KIND == 3
   eyePlace = normalize(position - eyeCenter);
 #elif KIND == 2
@@ -158,10 +158,9 @@ vec4 albedo() {
   return vec4(texel.rgb * tint, texel.a);
 }
 
+#if KIND != 3
 vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
-  float facing = max(dot(n, v), 0.0);
-  float shine = 0.0;
-  vec3 color = vec3(0.0);
+  vec3 color;
 #if KIND == 2
   // A band of light across the fibres (Kajiya and Kay 1989), and a wider one in the colour of the hair.
   vec3 fibre = normalize(surfaceFibre + 0.25 * n);
@@ -173,24 +172,23 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   color += RIM_COLOR * pow(max(0.0, 1.0 - tk * tk), 20.0) * max(0.0, dot(n, RIM_DIRECTION)) * base.rgb * reach.w;
   color *= specular * 2.5;
 #else
-  float f0 = 0.028, rim = fresnel(facing), rough = roughness;
+  float f0 = 0.028, rim = fresnel(max(dot(n, v), 0.0)), rough = roughness;
 #if KIND == 1
   // Lips are moist; the red of the picture says where they are.
   float lips = smoothstep(0.58, 0.72, (base.r - base.g) / (base.r + 1e-3));
   rough = mix(rough, 0.34, lips);
 #endif
-  shine = 0.7 * highlight(n, v, KEY_DIRECTION, rough) + 0.3 * highlight(n, v, KEY_DIRECTION, rough * 0.6);
+  float shine = 0.75 * highlight(n, v, KEY_DIRECTION, rough) + 0.25 * highlight(n, v, KEY_DIRECTION, rough * 0.75);
   color = KEY_COLOR * shine * (f0 + rim * 0.4) * reach.y;
   color += FILL_COLOR * highlight(n, v, FILL_DIRECTION, rough) * (f0 + rim * 0.4) * reach.z;
   color += RIM_COLOR * highlight(n, v, RIM_DIRECTION, rough) * (f0 + rim * 0.3) * reach.w;
   vec3 mirror = reflect(-v, n);
   color += mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * (f0 + rim * 0.25) * reach.x * reach.x * 0.6;
-  color *= specular * 3.3;
+  color *= specular * 2.6;
 #endif
   return color;
 }
-
-#if KIND == 3
+#else
 /** The iris lies behind a lens: it glows opposite the lamp, and darkens at its border. */
 vec3 iris(vec3 color) {
   float distance = length(eyePlace.xy) / irisRadius;
@@ -221,7 +219,10 @@ void main() {
   base.rgb = iris(base.rgb);
 #endif
 #if FINE
-  vec3 color = base.rgb * diffuseLight(n, reach) + shineOf(n, v, base, reach);
+  vec3 color = base.rgb * diffuseLight(n, reach);
+#if KIND != 3
+  color += shineOf(n, v, base, reach);
+#endif
 #else
   vec3 color = base.rgb * vertexLight;
 #endif
