@@ -22,8 +22,8 @@ function rig({ linked = true } = {}) {
       this.flushed++;
       this.position = this.written;
     },
-    heard() {
-      return { position: this.position, running: this.running };
+    heard(now, ahead = 0) {
+      return { position: this.position + ahead * RATE, running: this.running };
     },
   };
   const link = { up: linked };
@@ -46,7 +46,8 @@ function rig({ linked = true } = {}) {
       ),
     play: (position) => {
       player.position = position;
-      return speech.tick(0);
+      speech.tick(0);
+      return speech.heard(0);
     },
   };
 }
@@ -104,6 +105,17 @@ test('two utterances follow each other on the stream of samples', () => {
   const second = play(130);
   assert.deepEqual([second.utterance.text, second.seconds], ['b', 0.03]);
   assert.deepEqual(names(), ['begin', 'done', 'begin']);
+});
+
+test('the face can be asked for ahead of what is heard, without anything happening', () => {
+  const { speech, hear, chunk, play, names } = rig();
+  speech.speak('a');
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0.1, 'uno'));
+  chunk(1, 0, 500);
+  play(90);
+  assert.equal(speech.heard(0, 0.05).seconds, 0.14);
+  assert.deepEqual(names(), ['begin']);
 });
 
 test('stop silences before the server answers, and nothing of what was cut comes up', async () => {
