@@ -18,6 +18,9 @@ struct es_prosody {
  */
 enum { ES_RATE_OWN = 175, ES_RATE_MIN = 80, ES_RATE_MAX = 449 };
 
+/* No break is longer: seconds. */
+enum { ES_BREAK_MAX = 600 };
+
 struct es_place {
     uint32_t span;   /* UINT32_MAX: markup */
     uint32_t offset; /* in the span's text, bytes */
