@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/internal.h"
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,7 +10,7 @@ static int append(const char *text, size_t size, void *buf) {
 }
 
 void message_write(struct buf *out, json_t *object) {
-    json_dump_callback(object, append, out, JSON_COMPACT | JSON_REAL_PRECISION(7));
+    json_dump_callback(object, append, out, JSON_COMPACT | JSON_REAL_PRECISION(12));
     json_decref(object);
 }
 
@@ -36,7 +37,7 @@ static void set_string(json_t *object, const char *name, const char *value) {
 }
 
 static void set_seconds(json_t *object, const char *name, const struct stream_event *e, uint32_t samples) {
-    double seconds = e->sample_rate ? (double)samples / e->sample_rate : 0;
+    double seconds = e->sample_rate ? round((double)samples / e->sample_rate * 1e6) / 1e6 : 0;
     json_object_set_new_nocheck(object, name, json_real(seconds));
 }
 

@@ -28,7 +28,8 @@ struct export {
     double fps;
     uint32_t samples, sample_rate, frames; /* so far */
     size_t scenes;
-    struct buf phones, words, marks, warnings; /* members of the JSON's lists */
+    size_t phones;                     /* in the JSON so far */
+    struct buf words, marks, warnings; /* members of its other lists */
     struct utf16_counter utf16;
 };
 
