@@ -24,6 +24,7 @@ export const template = `
     padding: 0.35em 0.6em; text-align: center;
     font-size: 1.15em; line-height: 1.35; background: var(--talking-head-caption-background, #101014);
     color: var(--talking-head-caption-color, #fff); border-radius: 0.4em; overflow-wrap: anywhere; }
+  .captions.empty { background: none; }
   .captions p { margin: 0; }
   .said { opacity: 0.72; }
   .word:not(:empty) { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);

@@ -163,11 +163,10 @@ export class Head {
       this.group.add(mesh);
     };
     if (look.alpha === 'blend' && THIN.includes(part.name)) add(3, { cutoff: 0.02, opaque: 0 });
-    else if (look.alpha === 'blend') {
+    else if (look.alpha === 'blend' || look.alpha === 'cutout') {
       add(1, { cutoff: 0.5, opaque: 1 });
-      add(2, { cutoff: 0.02, opaque: 0, fineOnly: true }); // the soft edges of what the first pass has drawn
-    } else if (look.alpha === 'cutout') add(1, { cutoff: 0.5, opaque: 1 });
-    else add(0, { cutoff: 0, opaque: 1 });
+      add(2, { cutoff: 0.05, opaque: 0, fineOnly: true }); // the soft edges of what the first pass has drawn
+    } else add(0, { cutoff: 0, opaque: 1 });
   }
 
   #material(part, look, kind, influences, { cutoff, opaque }) {

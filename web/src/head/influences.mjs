@@ -4,6 +4,7 @@ import { Normals } from './normals.mjs';
 
 const TRIAL_MM = 2; // the normals' change is measured at about this displacement
 const TRIAL_RADIANS = 0.15;
+const NOWHERE = [0, 0, 0];
 const LEAST_NORMAL_CHANGE = 0.004; // at the trial displacement: below, nobody sees it
 
 /**
@@ -84,10 +85,10 @@ export function influencesOf(part, drive) {
   const addNormals = (vertices, slot, amount, deltaOf, explained) => {
     for (const [v, normal] of normals.displaced(vertices, trial)) {
       const before = explained(v);
-      const change = normal.map((value, k) => value - before[k]);
+      const change = [normal[0] - before[0], normal[1] - before[1], normal[2] - before[2]];
       const delta = deltaOf(v);
-      if (!delta && Math.hypot(...change) < LEAST_NORMAL_CHANGE) continue;
-      moves[v].push({ slot, delta: delta ?? [0, 0, 0], normal: change.map((value) => value / amount) });
+      if (!delta && Math.hypot(change[0], change[1], change[2]) < LEAST_NORMAL_CHANGE) continue;
+      moves[v].push({ slot, delta: delta ?? NOWHERE, normal: change.map((value) => value / amount) });
     }
     restore(vertices);
   };

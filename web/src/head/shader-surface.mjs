@@ -48,7 +48,7 @@ vec3 diffuseLight(vec3 n, vec4 reach) {
   vec3 ambientReach = pow(vec3(reach.x), vec3(0.8, 1.0, 1.05)); // what is lost in a crease comes back reddish
   vec3 keyReach = pow(vec3(reach.y), vec3(0.75, 1.0, 1.05));
 #else
-  vec3 ambientReach = vec3(reach.x);
+  vec3 ambientReach = vec3(max(reach.x, 0.12)); // hair lets some through
   vec3 keyReach = vec3(reach.y);
 #endif
   vec3 light = mix(GROUND, SKY, 0.5 + 0.5 * n.y) * ambientReach;
