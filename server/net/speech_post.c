@@ -25,6 +25,11 @@ static void release(struct post *p) {
         speech_release(p->speech);
 }
 
+static void pass_on(struct post *p) {
+    exchange_add(p->x, p->out.out.data, p->out.out.size);
+    buf_consume(&p->out.out, p->out.out.size);
+}
+
 static void on_scene(void *ctx, struct scene scene) {
     struct post *p = ctx;
     export_scene(&p->out, &scene);
@@ -33,8 +38,7 @@ static void on_scene(void *ctx, struct scene scene) {
         if (!p->begun)
             exchange_begin(p->x, p->out.format->content_type);
         p->begun = true;
-        exchange_add(p->x, p->out.out.data, p->out.out.size);
-        buf_consume(&p->out.out, p->out.out.size);
+        pass_on(p);
     }
     p->owed++;
     release(p);
@@ -54,10 +58,12 @@ static void on_finished(void *ctx, size_t spoken) {
         return;
     }
     export_end(&p->out);
-    if (p->begun)
+    if (p->begun) {
+        pass_on(p);
         exchange_end(p->x);
-    else
+    } else {
         exchange_answer(p->x, 200, p->out.format->content_type, p->out.out.data, p->out.out.size);
+    }
 }
 
 static int on_body(void *self, const void *data, size_t size) {
