@@ -3,8 +3,8 @@
 #include <string.h>
 
 /* The first is the default. */
-static const struct face_engine *const engines[] = {&engine_dominance};
-static const char *const names[] = {"dominance", NULL};
+static const struct face_engine *const engines[] = {&engine_dominance, &engine_cohen_massaro};
+static const char *const names[] = {"dominance", "cohen-massaro", NULL};
 
 const struct face_engine *engine_find(const char *name) {
     for (size_t i = 0; i < sizeof engines / sizeof *engines; i++)

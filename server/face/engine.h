@@ -8,11 +8,14 @@
 
 struct face_engine {
     const char *name;
-    /* The gestures may be freed afterwards; the pack outlives the layer. */
+    /* The track shows closures at any rate, whatever the curves make of them (contact.h). */
+    bool contacts;
+    /* The pack outlives the layer, the gestures do not. */
     struct face_layer (*layer)(const struct speech_pack *pack, const struct gestures *g);
 };
 
 extern const struct face_engine engine_dominance;
+extern const struct face_engine engine_cohen_massaro;
 
 /* NULL = the default one. Unknown names find nothing. */
 const struct face_engine *engine_find(const char *name);

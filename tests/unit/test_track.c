@@ -428,10 +428,42 @@ static void bears_odd_utterances(void **state) {
     face_track_free(track);
 }
 
+static struct face_track *track_by(const struct speech_pack *pack, const struct utterance *u,
+                                   const char *engine) {
+    struct face_options options = {.still = true, .engine = engine};
+    return face_track_new(pack, u, &options, NULL, NULL);
+}
+
+/* The share of bilabials whose lips touch at their middle. */
+static double closed_share(const struct speech_pack *pack, double stretch, const char *engine) {
+    struct utterance *u = utter(speech, stretch);
+    struct face_track *track = track_by(pack, u, engine);
+    int closed = 0, all = 0;
+    for (size_t i = 0; i < u->phone_count; i++) {
+        if (!is_bilabial(&u->phones[i]))
+            continue;
+        struct fap_frame f;
+        face_track_sample(track, (u->phones[i].start + 0.5 * (u->phones[i].end - u->phones[i].start)) / RATE,
+                          &f);
+        closed += is_closed(&f);
+        all++;
+    }
+    face_track_free(track);
+    done(u);
+    return (double)closed / all;
+}
+
+static void the_baseline_loses_closures_at_speed(void **state) {
+    double slow = closed_share(*state, 2, "cohen-massaro"), fast = closed_share(*state, 0.5, "cohen-massaro");
+    assert_true(fast < slow && fast < 0.5);
+    assert_true(closed_share(*state, 0.5, "dominance") == 1);
+}
+
 static void names_its_engines(void **state) {
     (void)state;
     assert_string_equal(face_engines()[0], "dominance");
-    assert_null(face_engines()[1]);
+    assert_string_equal(face_engines()[1], "cohen-massaro");
+    assert_null(face_engines()[2]);
 }
 
 int main(void) {
@@ -452,6 +484,7 @@ int main(void) {
         cmocka_unit_test(blends_visemes),
         cmocka_unit_test(reports_unknown_phones_once),
         cmocka_unit_test(bears_odd_utterances),
+        cmocka_unit_test(the_baseline_loses_closures_at_speed),
         cmocka_unit_test(names_its_engines),
     };
     return cmocka_run_group_tests(tests, load, unload);
