@@ -10,12 +10,15 @@ struct face_engine {
     const char *name;
     /* The track shows closures at any rate, whatever the curves make of them (contact.h). */
     bool contacts;
-    /* The pack outlives the layer, the gestures do not. */
+    /* Whether the pack has what the engine needs. */
+    bool (*speaks)(const struct speech_pack *pack);
+    /* Only for a pack that it speaks. The pack outlives the layer, the gestures do not. */
     struct face_layer (*layer)(const struct speech_pack *pack, const struct gestures *g);
 };
 
 extern const struct face_engine engine_dominance;
 extern const struct face_engine engine_cohen_massaro;
+extern const struct face_engine engine_context;
 
 /* NULL = the default one. Unknown names find nothing. */
 const struct face_engine *engine_find(const char *name);

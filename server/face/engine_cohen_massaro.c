@@ -9,4 +9,4 @@ static struct face_layer layer(const struct speech_pack *pack, const struct gest
     return mouth_layer(pack, g, TARGETS_ORIGINAL);
 }
 
-const struct face_engine engine_cohen_massaro = {"cohen-massaro", false, layer};
+const struct face_engine engine_cohen_massaro = {"cohen-massaro", false, mouth_speaks, layer};

@@ -7,4 +7,4 @@ static struct face_layer layer(const struct speech_pack *pack, const struct gest
     return mouth_layer(pack, g, TARGETS_LOOK_AHEAD);
 }
 
-const struct face_engine engine_dominance = {"dominance", true, layer};
+const struct face_engine engine_dominance = {"dominance", true, mouth_speaks, layer};

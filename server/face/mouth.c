@@ -25,6 +25,10 @@ static void mouth_free(void *self) {
     free(mouth);
 }
 
+bool mouth_speaks(const struct speech_pack *pack) {
+    return pack != NULL;
+}
+
 struct face_layer mouth_layer(const struct speech_pack *pack, const struct gestures *g,
                               enum targets_function function) {
     struct mouth *mouth = mem_alloc(sizeof *mouth);

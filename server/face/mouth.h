@@ -6,6 +6,9 @@
 #include "server/face/targets.h"
 #include "server/face/track.h"
 
+/* Any pack will do. */
+bool mouth_speaks(const struct speech_pack *pack);
+
 struct face_layer mouth_layer(const struct speech_pack *pack, const struct gestures *g,
                               enum targets_function function);
 

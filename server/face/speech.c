@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/speech.h"
 #include "server/base/mem.h"
+#include "server/face/context_table.h"
 #include "server/face/speech_read.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -155,14 +156,30 @@ static int inherit(struct speech_pack *pack, const struct json_place *at, const 
     return 0;
 }
 
+static int read_visemes(struct speech_pack *pack, const struct json_place *at, const char *path) {
+    const char *name;
+    if (!at->json)
+        return 0;
+    if (json_place_text(at, &name))
+        return -1;
+    char *folder = beside(path, "visemes/", name), *file = beside(folder, name, ".json");
+    struct error inner = {0};
+    pack->visemes = context_table_load(file, pack, &inner);
+    free(folder);
+    free(file);
+    char text[sizeof inner.message + sizeof inner.field];
+    return pack->visemes ? 0
+                         : json_place_fail(at, "\"%s\": %s", name, error_text(&inner, text, sizeof text));
+}
+
 static int read_pack(struct speech_pack *pack, const struct json_place *root, const char *path, int depth) {
     static const char *const base_keys[] = {"tag",      "name",   "sources", "voices", "abbreviations",
                                             "alphabet", "fapu",   "rest",    "groups", "undershoot",
-                                            "contexts", "phones", NULL};
+                                            "contexts", "phones", "visemes", NULL};
     static const char *const heir_keys[] = {"tag",           "name",   "inherits", "sources", "voices",
-                                            "abbreviations", "groups", "phones",   NULL};
+                                            "abbreviations", "groups", "phones", "visemes", NULL};
     struct json_place inherits = json_place_key(root, "inherits"), groups = json_place_key(root, "groups"),
-                      phones = json_place_key(root, "phones");
+                      phones = json_place_key(root, "phones"), visemes = json_place_key(root, "visemes");
     if (json_place_keys(root, inherits.json ? heir_keys : base_keys) || read_name(root, "tag", &pack->lang) ||
         read_name(root, "name", &pack->name) || read_sources(root) ||
         read_texts(root, "voices", &pack->voices) ||
@@ -171,7 +188,7 @@ static int read_pack(struct speech_pack *pack, const struct json_place *root, co
         return -1;
     if ((groups.json || !inherits.json) && speech_read_groups(pack, &groups))
         return -1;
-    return speech_read_phones(pack, &phones);
+    return speech_read_phones(pack, &phones) || read_visemes(pack, &visemes, path) ? -1 : 0;
 }
 
 static struct speech_pack *load(const char *path, int depth, struct error *e) {
@@ -205,6 +222,7 @@ void speech_pack_free(struct speech_pack *pack) {
     for (size_t i = 0; i < pack->group_count; i++)
         free(pack->groups[i].name);
     free(pack->groups);
+    context_table_free(pack->visemes);
     speech_pack_free(pack->base);
     free(pack->lang);
     free(pack->name);

@@ -81,6 +81,8 @@ struct speech_rest {
     struct coefficients coefficients[PARAM_COUNT];
 };
 
+struct context_table;
+
 enum { VOWEL_CONTEXT_PAUSE = 0, SPEECH_MAX_CONTEXTS = 16 };
 
 struct speech_pack {
@@ -98,6 +100,7 @@ struct speech_pack {
     size_t group_count;
     struct speech_phone **phones; /* sorted by ipa */
     size_t phone_count;
+    struct context_table *visemes; /* context_table.h; owned; NULL when the language has none */
     size_t longest; /* bytes of the longest ipa or sampa key, the base's included */
 };
 

@@ -30,7 +30,7 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct u
     const struct face_engine *engine = engine_find(options->engine);
     track->fapu = pack->fapu;
     track->end = gestures.end;
-    if (!engine)
+    if (!engine || !engine->speaks(pack))
         engine = engine_find(NULL);
     track->speech = engine->layer(pack, &gestures);
     if (engine->contacts)
