@@ -3,9 +3,9 @@
 #include <string.h>
 
 /* The first is the default. */
-static const struct face_engine *const engines[] = {&engine_dominance, &engine_cohen_massaro,
-                                                    &engine_context};
-static const char *const names[] = {"dominance", "cohen-massaro", "context", NULL};
+static const struct face_engine *const engines[] = {&engine_dominance, &engine_cohen_massaro, &engine_context,
+                                                    &engine_syllable};
+static const char *const names[] = {"dominance", "cohen-massaro", "context", "syllable", NULL};
 
 const struct face_engine *engine_find(const char *name) {
     for (size_t i = 0; i < sizeof engines / sizeof *engines; i++)

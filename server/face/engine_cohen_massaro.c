@@ -5,7 +5,9 @@
 #include "server/face/engine.h"
 #include "server/face/mouth.h"
 
-static struct face_layer layer(const struct speech_pack *pack, const struct gestures *g) {
+static struct face_layer layer(const struct speech_pack *pack, const struct utterance *u,
+                               struct gestures *g) {
+    (void)u;
     return mouth_layer(pack, g, TARGETS_ORIGINAL);
 }
 

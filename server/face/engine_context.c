@@ -23,7 +23,9 @@ static void add_pause(struct morph *morph, const struct gesture *g, const struct
     }
 }
 
-static struct face_layer layer(const struct speech_pack *pack, const struct gestures *g) {
+static struct face_layer layer(const struct speech_pack *pack, const struct utterance *u,
+                               struct gestures *g) {
+    (void)u;
     const struct context_table *table = pack->visemes;
     const double *rest = table->shapes.items[table->silence].faps;
     struct morph morph = {.ease = MORPH_SMOOTH};

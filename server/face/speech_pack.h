@@ -82,6 +82,7 @@ struct speech_rest {
 };
 
 struct context_table;
+struct spelling;
 
 enum { VOWEL_CONTEXT_PAUSE = 0, SPEECH_MAX_CONTEXTS = 16 };
 
@@ -101,7 +102,8 @@ struct speech_pack {
     struct speech_phone **phones; /* sorted by ipa */
     size_t phone_count;
     struct context_table *visemes; /* context_table.h; owned; NULL when the language has none */
-    size_t longest; /* bytes of the longest ipa or sampa key, the base's included */
+    struct spelling *letters;      /* spelling.h; the same */
+    size_t longest;                /* bytes of the longest ipa or sampa key, the base's included */
 };
 
 /* The phone of exactly that IPA key, or of that SAMPA key when there is no such IPA key; in the pack or what

@@ -32,7 +32,7 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct u
     track->end = gestures.end;
     if (!engine || !engine->speaks(pack))
         engine = engine_find(NULL);
-    track->speech = engine->layer(pack, &gestures);
+    track->speech = engine->layer(pack, u, &gestures);
     if (engine->contacts)
         contacts_from(&gestures, &track->contacts);
     visemes_from(&gestures, &track->visemes);

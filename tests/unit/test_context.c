@@ -276,7 +276,7 @@ static void reaches_its_keys_in_the_middle_of_phones(void **state) {
         assert_true(!ipa || items[i].phone);
     }
     struct gestures g = {items, count, count, 1.2};
-    struct face_layer layer = engine_context.layer(pack, &g);
+    struct face_layer layer = engine_context.layer(pack, NULL, &g);
     const double *last = NULL;
     double last_at = 0;
     for (size_t i = 0; i < count - 1; i++) {
