@@ -16,6 +16,10 @@ enum speech_param {
     PARAM_PI, /* protrusion of the lower lip, positive = forward */
     PARAM_PS, /* protrusion of the upper lip, positive = forward */
     PARAM_EM, /* jaw, positive = lowered */
+    /* The tongue, which the same source names as its next step. */
+    PARAM_TH, /* height of the tip, positive = raised */
+    PARAM_TA, /* advance of the tip, positive = forward */
+    PARAM_TB, /* height of the body, positive = raised */
     PARAM_COUNT
 };
 

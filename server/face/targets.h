@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From gestures to the curves of the six articulatory parameters: targets in context (Leone,
+/* From gestures to the curves of the articulatory parameters: targets in context (Leone,
  * "LUCIA-WebGL", 3.17-3.19). */
 #ifndef FACCIA_FACE_TARGETS_H
 #define FACCIA_FACE_TARGETS_H

@@ -428,6 +428,53 @@ static void bears_odd_utterances(void **state) {
     face_track_free(track);
 }
 
+static double tongue(struct face_track *track, double t, int fap) {
+    struct fap_frame f;
+    face_track_sample(track, t, &f);
+    return f.value[fap] * (fap == 45 ? 50 : 21) / 1024.0;
+}
+
+/* The tip's height over its rest place, mm of the skull: what the jaw carries down must be added. */
+static double tip_height(struct face_track *track, double t) {
+    struct fap_frame f;
+    face_track_sample(track, t, &f);
+    return (f.value[44] - 0.8 * f.value[3]) * 21 / 1024.0;
+}
+
+static void moves_the_tongue(void **state) {
+    static const char *const ridge[] = {"t", "d", "n", "l", "r"}, *const velar[] = {"k", "ɡ"};
+    for (double stretch = 0.5; stretch <= 2; stretch *= 2) {
+        char text[64];
+        double middle = (0.2 + 0.12 + 0.04) * stretch;
+        for (size_t i = 0; i < sizeof ridge / sizeof *ridge; i++) {
+            snprintf(text, sizeof text, "_.200 'a.120 %s.080 a.120 _.300", ridge[i]);
+            struct utterance *u = utter(text, stretch);
+            struct face_track *track = track_of(*state, u);
+            assert_true(tip_height(track, middle) > 4); /* at the ridge behind the teeth, jaw open or not */
+            assert_true(tip_height(track, 0.26 * stretch) < 0);
+            face_track_free(track);
+            done(u);
+        }
+        for (size_t i = 0; i < sizeof velar / sizeof *velar; i++) {
+            snprintf(text, sizeof text, "_.200 'a.120 %s.080 a.120 _.300", velar[i]);
+            struct utterance *u = utter(text, stretch);
+            struct face_track *track = track_of(*state, u);
+            assert_true(tongue(track, middle, 46) > 5 && tongue(track, middle, 45) < -1);
+            assert_true(tip_height(track, middle) < 1);
+            face_track_free(track);
+            done(u);
+        }
+    }
+    struct utterance *u = utter("_.200 'a.120 θ.100 a.120 b.100 'i.120 _.300", 1);
+    struct face_track *track = track_of(*state, u);
+    assert_true(tongue(track, 0.36, 45) > 3.5); /* between the teeth */
+    assert_true(tongue(track, 0.7, 46) > 4);    /* /i/: the body is high */
+    for (double t = 0; t < 1.1; t += 0.01)
+        assert_true(tongue(track, t, 44) > -1.2 && tongue(track, t, 46) > -2.2); /* the mouth's floor */
+    face_track_free(track);
+    done(u);
+}
+
 static struct face_track *track_by(const struct speech_pack *pack, const struct utterance *u,
                                    const char *engine) {
     struct face_options options = {.still = true, .engine = engine};
@@ -486,6 +533,7 @@ int main(void) {
         cmocka_unit_test(blends_visemes),
         cmocka_unit_test(reports_unknown_phones_once),
         cmocka_unit_test(bears_odd_utterances),
+        cmocka_unit_test(moves_the_tongue),
         cmocka_unit_test(the_baseline_loses_closures_at_speed),
         cmocka_unit_test(names_its_engines),
     };
