@@ -11,13 +11,17 @@ there is described beside the vowel that `consonant` names. Parameters: ULO, LLO
 JAW, LW lip width, ULP, LLP protrusion; mm. apex = the extreme value, apex_time = where in the phone it lies.
 
 What else goes in: the printed coefficients of /p b m/ beside /a/ and the findings round them (E. Leone, "LUCIA-WebGL", table
-3.2 and chapter 3.4.3), and the choices below, each with its reason.
+3.2 and chapter 3.4.3), and the choices below, each with its reason. The tongue was not measured: its targets follow from the
+phones' articulatory features (models/speech/alphabets/ipa.json), see TONGUE.
 """
 import csv
 import json
+import pathlib
 import sys
 
-PARAMS = ["LI", "LS", "AR", "PI", "PS", "EM"]
+LIPS = ["LI", "LS", "AR", "PI", "PS", "EM"]
+TONGUE = ["TH", "TA", "TB"]
+PARAMS = LIPS + TONGUE
 SOURCE = {"LI": "LLO", "LS": "ULO", "AR": "LW", "PI": "LLP", "PS": "ULP", "EM": "JAW"}
 
 # From the markers' mm to the face's. The speakers over-articulate isolated VCV words, and the markers sit on the outer border of the
@@ -40,6 +44,41 @@ CLOSE = {"i": 0.82, "u": 0.85, "y": 0.85}
 VOWEL_CONTEXTS = {"pause": ["pause"], "pbm": ["p", "b", "m"], "fv": ["f"], "tdsz": ["s"], "tʃ": ["tS"], "kgnr": ["g"],
                   "l": ["l"], "w": ["w"]}
 CONSONANT_CONTEXTS = ["a", "e", "i", "o", "u", "y"]
+
+
+# The tongue in mm of the skull from rest, where it lies flat with its tip at the edges of the teeth: TH height of the tip, TA its
+# advance, TB height of the body. The ridge behind the upper teeth is 5.5 mm above the tip's rest place, the palate 8 mm above the
+# body's; between the teeth the tip stands 5 mm before its rest. Where a consonant needs only a part of the tongue the others are
+# given, but hardly bind (see GROUPS).
+ALPHABET = json.loads((pathlib.Path(__file__).parent / "../speech/alphabets/ipa.json").read_text())
+PLACES = {
+    "dental": {"plosive": (4.5, 1.5, 0), "fricative": (0.8, 5, 0)},
+    "alveolar": {"fricative": (3.2, 0, 0.5), "lateral": (5.5, 0.8, -1), "trill": (5, -1.5, 0), "any": (5.5, 0, 0)},
+    "postalveolar": {"any": (3.5, -2.5, 3)},
+    "palatal": {"approximant": (-1, 0, 5.5), "any": (-1, -0.5, 7.5)},
+    "velar": {"any": (-1.5, -4, 7.5)},
+    "labial-velar": {"any": (-1.5, -4, 4)},
+}
+HEIGHTS = ["close", "near-close", "close-mid", "mid", "open-mid", "near-open", "open"]
+DEPTHS = ["front", "near-front", "central", "near-back", "back"]
+# How much of the chin's way down the tip has: it rides on the jaw while it is at rest there.
+TIP_PER_JAW = 0.8
+
+
+def tongue_of_consonant(ipa):
+    """An affricate has its tip where its first letter has it, and all else from its second."""
+    def place(letter):
+        features = ALPHABET["consonants"][letter]
+        manners = PLACES.get(features["place"], {})
+        return manners.get(features["manner"], manners.get("any", (0, 0, 0)))
+    return {"TH": place(ipa[0])[0], "TA": place(ipa[-1])[1], "TB": place(ipa[-1])[2]}
+
+
+def tongue_of_vowel(ipa, jaw):
+    features = ALPHABET["vowels"][ipa]
+    openness = HEIGHTS.index(features["height"]) / 6
+    depth = DEPTHS.index(features["depth"]) / 4
+    return {"TH": -TIP_PER_JAW * jaw, "TA": 0.5 - 5 * max(depth, openness / 2), "TB": 5 - 10 * openness - depth}
 
 
 def read(path):
@@ -75,9 +114,9 @@ def squeeze(table):
     return {"any": values[0]} if all(v == values[0] for v in values) else table
 
 
-def vowel_table(rows, row, factor=1.0):
+def vowel_table(rows, ipa, row, factor=1.0):
     table = {}
-    for p in PARAMS:
+    for p in LIPS:
         table[p] = {}
         for context, beside in VOWEL_CONTEXTS.items():
             T, t = target(rows, p, row, beside)
@@ -86,18 +125,23 @@ def vowel_table(rows, row, factor=1.0):
                 T *= factor * CLOSE.get(row[0], 1) * (1 - ROLL * min(1.5, max(0, push)))
             table[p][context] = entry(T, t)
         table[p] = squeeze(table[p])
+    jaw = sum(target(rows, "EM", row, beside)[0] for beside in VOWEL_CONTEXTS.values()) / len(VOWEL_CONTEXTS)
+    for p, T in tongue_of_vowel(ipa, jaw).items():
+        table[p] = {"any": entry(T, 0.5)}
     return table
 
 
-def consonant_table(rows, row, **override):
+def consonant_table(rows, ipa, row, **override):
     """override: parameter -> function of the context that gives (T, t)."""
     table = {}
-    for p in PARAMS:
+    for p in LIPS:
         table[p] = {}
         for v in CONSONANT_CONTEXTS:
             T, t = override[p](v) if p in override else target(rows, p, row, [v])
             table[p][v] = entry(T, t)
         table[p] = squeeze(table[p])
+    for p, T in tongue_of_consonant(ipa).items():
+        table[p] = {"any": entry(T, 0.4)}
     return table
 
 
@@ -113,7 +157,7 @@ TOGETHER = {"a": 0.0, "e": 0.25, "i": 0.5, "o": 0.75, "u": 1.0, "y": 1.0}
 
 def bilabial_table(rows, row):
     printed = PRINTED[row]
-    table = consonant_table(rows, row)
+    table = consonant_table(rows, row, row)
     at_a = rows[row, "a", "LLO"][0]
     for p in ("LI", "LS"):
         table[p] = {}
@@ -136,10 +180,14 @@ def shape(alpha, k, theta, c, p=(1, 1), beta=(0.025, 0.025)):
             "p_bw": p[0], "p_fw": p[1], "beta_bw": beta[0], "beta_fw": beta[1]}
 
 
-def shapes(opening, width, lower_push=None, upper_push=None, upper=None, jaw=None):
+# No dominance: the curve glides from vowel to vowel.
+GLIDE = shape(0, 0, 6, 1)
+
+
+def shapes(opening, width, lower_push=None, upper_push=None, upper=None, jaw=None, tongue=(None, None, None)):
     lower_push = lower_push or width
     return {"LI": opening, "LS": upper or opening, "AR": width, "PI": lower_push, "PS": upper_push or lower_push,
-            "EM": jaw or opening}
+            "EM": jaw or opening, **{p: c or GLIDE for p, c in zip(TONGUE, tongue)}}
 
 
 def group(kind, viseme, context, coefficients):
@@ -151,45 +199,48 @@ def group(kind, viseme, context, coefficients):
 OPEN_VOWEL = shape(1, 1, 8, 1)
 SPREAD = shape(1, 1, 12, 1)
 ROUND = shape(1, 1, (4, 9), 1)
-# No dominance: the curve glides from vowel to vowel.
-GLIDE = shape(0, 0, 6, 1)
 WEAK = shape(0.2, 0.2, 8, 1)
+# The tongue of vowels; the tip of consonants that need it is faster than anything else in the mouth.
+TONGUE_OF_VOWELS = (OPEN_VOWEL, SPREAD, shape(1, 1, 10, 1))
+TIP = (shape(1, 1, 18, 1), shape(1, 1, 15, 1), WEAK)
+BLADE = (shape(1, 1, 16, 1), shape(0.9, 0.9, 14, 1), shape(0.8, 0.8, 12, 1))
+BODY = (shape(0.3, 0.3, 10, 1), shape(0.5, 0.5, 10, 1), shape(1, 1, 14, 1))
 
 GROUPS = {
-    "a": group("vowel", 10, "a", shapes(OPEN_VOWEL, SPREAD)),
-    "e": group("vowel", 11, "e", shapes(OPEN_VOWEL, SPREAD)),
-    "i": group("vowel", 12, "i", shapes(OPEN_VOWEL, SPREAD)),
-    "o": group("vowel", 13, "o", shapes(OPEN_VOWEL, ROUND)),
-    "u": group("vowel", 14, "u", shapes(OPEN_VOWEL, ROUND)),
-    "y": group("vowel", 14, "y", shapes(OPEN_VOWEL, ROUND)),
+    "a": group("vowel", 10, "a", shapes(OPEN_VOWEL, SPREAD, tongue=TONGUE_OF_VOWELS)),
+    "e": group("vowel", 11, "e", shapes(OPEN_VOWEL, SPREAD, tongue=TONGUE_OF_VOWELS)),
+    "i": group("vowel", 12, "i", shapes(OPEN_VOWEL, SPREAD, tongue=TONGUE_OF_VOWELS)),
+    "o": group("vowel", 13, "o", shapes(OPEN_VOWEL, ROUND, tongue=TONGUE_OF_VOWELS)),
+    "u": group("vowel", 14, "u", shapes(OPEN_VOWEL, ROUND, tongue=TONGUE_OF_VOWELS)),
+    "y": group("vowel", 14, "y", shapes(OPEN_VOWEL, ROUND, tongue=TONGUE_OF_VOWELS)),
     # theta as printed in table 3.2; c comes with the targets.
     "pbm": group("consonant", 1, "pbm", shapes(shape(1, 1, (8.907, 3.0), 1), WEAK, jaw=shape(0.8, 0.9, 10, 1))),
     # Dominance just under 1; the lower lip draws back whatever the vowels do.
     "fv": group("consonant", 2, "fv", shapes(shape(0.97, 1, 12, 1), shape(0.3, 0.3, 9, 1), shape(0.97, 1, 12, 1), WEAK,
                                              jaw=shape(0.9, 0.9, 12, 1))),
-    "sz": group("consonant", 7, "tdsz", shapes(shape(0.95, 0.9, 15, 1), WEAK)),
+    "sz": group("consonant", 7, "tdsz", shapes(shape(0.95, 0.9, 15, 1), WEAK, tongue=TIP)),
     # Close, hold, open: a flat top and steep flanks; dominance below 1.
-    "tsdz": group("consonant", 7, "tdsz", shapes(shape(0.9, 0.9, 1500, 3), WEAK)),
+    "tsdz": group("consonant", 7, "tdsz", shapes(shape(0.9, 0.9, 1500, 3), WEAK, tongue=TIP)),
     # /t/ moves like /ts dz/, /d/ like /tS dZ/: see the phones.
-    "td": group("consonant", 4, "tdsz", shapes(shape(0.85, 0.8, 15, 1), WEAK)),
-    "tʃdʒ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.85, 0.8, 10, 1))),
-    "ʎɲ": group("consonant", 8, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.3, 0.3, 9, 1))),
-    "ʃ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.9, 0.9, 8, 1))),
-    "gk": group("consonant", 5, "kgnr", shapes(shape(0.25, 0.1, 9, 1), shape(0.1, 0.1, 8, 1))),
-    "lnr": group("consonant", 8, "kgnr", shapes(GLIDE, GLIDE)),
-    "θð": group("consonant", 3, "tdsz", shapes(shape(0.9, 0.9, 15, 1), WEAK)),
-    "w": group("consonant", 14, "w", shapes(shape(0.9, 0.9, 12, 1), shape(1, 1, (5, 9), 1))),
-    "j": group("consonant", 12, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.5, 0.4, 10, 1))),
+    "td": group("consonant", 4, "tdsz", shapes(shape(0.85, 0.8, 15, 1), WEAK, tongue=TIP)),
+    "tʃdʒ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.85, 0.8, 10, 1), tongue=BLADE)),
+    "ʎɲ": group("consonant", 8, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.3, 0.3, 9, 1), tongue=BODY)),
+    "ʃ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.9, 0.9, 8, 1), tongue=BLADE)),
+    "gk": group("consonant", 5, "kgnr", shapes(shape(0.25, 0.1, 9, 1), shape(0.1, 0.1, 8, 1), tongue=BODY)),
+    "lnr": group("consonant", 8, "kgnr", shapes(GLIDE, GLIDE, tongue=TIP)),
+    "θð": group("consonant", 3, "tdsz", shapes(shape(0.9, 0.9, 15, 1), WEAK, tongue=TIP)),
+    "w": group("consonant", 14, "w", shapes(shape(0.9, 0.9, 12, 1), shape(1, 1, (5, 9), 1), tongue=BODY)),
+    "j": group("consonant", 12, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.5, 0.4, 10, 1), tongue=BODY)),
     "h": group("consonant", 0, "pause", shapes(GLIDE, GLIDE)),
 }
 
 
-def vowel(rows, sampa, grp, plain, stressed, factor=1.0):
-    return {"sampa": sampa, "group": grp, "targets": vowel_table(rows, plain, factor),
-            "stressed": vowel_table(rows, stressed, factor)}
+def vowel(rows, ipa, sampa, grp, plain, stressed, factor=1.0):
+    return {"sampa": sampa, "group": grp, "targets": vowel_table(rows, ipa, plain, factor),
+            "stressed": vowel_table(rows, ipa, stressed, factor)}
 
 
-def consonant(rows, sampa, grp, row, contact=None, coefficients=None, viseme=None, table=None, **override):
+def consonant(rows, ipa, sampa, grp, row, contact=None, coefficients=None, viseme=None, table=None, **override):
     out = {"sampa": sampa, "group": grp}
     if viseme is not None:
         out["viseme"] = viseme
@@ -197,7 +248,7 @@ def consonant(rows, sampa, grp, row, contact=None, coefficients=None, viseme=Non
         out["contact"] = contact
     if coefficients:
         out["coefficients"] = coefficients
-    out["targets"] = table or consonant_table(rows, row, **override)
+    out["targets"] = table or consonant_table(rows, ipa, row, **override)
     return out
 
 
@@ -225,44 +276,44 @@ def phones(rows):
                for p in ("LI", "LS", "EM")}
     fv_over = dict(LI=lambda v: fv(v)["LI"], LS=lambda v: fv(v)["LS"],
                    PI=lambda v: (min(-1.8, target(rows, "PI", "f", [v])[0]), 0.4))
-    i_over = {p: like_i(p) for p in PARAMS}
+    i_over = {p: like_i(p) for p in LIPS}
     palatal_over = {p: palatal(p) for p in ("LI", "LS", "EM")}
     out = {
-        "a": vowel(rows, "a", "a", "a", "a1"),
-        "e": vowel(rows, "e", "e", "e", "e1"),
+        "a": vowel(rows, "a", "a", "a", "a", "a1"),
+        "e": vowel(rows, "e", "e", "e", "e", "e1"),
         # The figures do not tell open from closed e and o; an open one is a little wider.
-        "ɛ": vowel(rows, "E", "e", "e", "E1", 1.08),
-        "i": vowel(rows, "i", "i", "i", "i1"),
-        "o": vowel(rows, "o", "o", "o", "o1"),
-        "ɔ": vowel(rows, "O", "o", "o", "O1", 1.08),
-        "u": vowel(rows, "u", "u", "u", "u1"),
-        "p": consonant(rows, "p", "pbm", "p", lips(0.25, 0.03), table=bilabial_table(rows, "p")),
-        "b": consonant(rows, "b", "pbm", "b", lips(0.18, 0.012), table=bilabial_table(rows, "b")),
-        "m": consonant(rows, "m", "pbm", "m", lips(0.12, 0.008), table=bilabial_table(rows, "m")),
-        "f": consonant(rows, "f", "fv", "f", teeth, **fv_over),
-        "v": consonant(rows, "v", "fv", "v", teeth, **fv_over),
-        "t": consonant(rows, "t", "td", "t", coefficients=plateau),
-        "d": consonant(rows, "d", "td", "d"),
-        "s": consonant(rows, "s", "sz", "s"),
-        "z": consonant(rows, "z", "sz", "z"),
-        "ts": consonant(rows, "ts", "tsdz", "t", viseme=4),
-        "dz": consonant(rows, "dz", "tsdz", "d", viseme=4),
-        "tʃ": consonant(rows, "tS", "tʃdʒ", "tS"),
-        "dʒ": consonant(rows, "dZ", "tʃdʒ", "tS"),
-        "ʃ": consonant(rows, "S", "ʃ", "SS"),
-        "ʎ": consonant(rows, "L", "ʎɲ", "n", **palatal_over),
-        "ɲ": consonant(rows, "J", "ʎɲ", "n", **palatal_over),
-        "k": consonant(rows, "k", "gk", "k"),
-        "ɡ": consonant(rows, "g", "gk", "g"),
-        "l": consonant(rows, "l", "lnr", "l"),
-        "n": consonant(rows, "n", "lnr", "n"),
+        "ɛ": vowel(rows, "ɛ", "E", "e", "e", "E1", 1.08),
+        "i": vowel(rows, "i", "i", "i", "i", "i1"),
+        "o": vowel(rows, "o", "o", "o", "o", "o1"),
+        "ɔ": vowel(rows, "ɔ", "O", "o", "o", "O1", 1.08),
+        "u": vowel(rows, "u", "u", "u", "u", "u1"),
+        "p": consonant(rows, "p", "p", "pbm", "p", lips(0.25, 0.03), table=bilabial_table(rows, "p")),
+        "b": consonant(rows, "b", "b", "pbm", "b", lips(0.18, 0.012), table=bilabial_table(rows, "b")),
+        "m": consonant(rows, "m", "m", "pbm", "m", lips(0.12, 0.008), table=bilabial_table(rows, "m")),
+        "f": consonant(rows, "f", "f", "fv", "f", teeth, **fv_over),
+        "v": consonant(rows, "v", "v", "fv", "v", teeth, **fv_over),
+        "t": consonant(rows, "t", "t", "td", "t", coefficients=plateau),
+        "d": consonant(rows, "d", "d", "td", "d"),
+        "s": consonant(rows, "s", "s", "sz", "s"),
+        "z": consonant(rows, "z", "z", "sz", "z"),
+        "ts": consonant(rows, "ts", "ts", "tsdz", "t", viseme=4),
+        "dz": consonant(rows, "dz", "dz", "tsdz", "d", viseme=4),
+        "tʃ": consonant(rows, "tʃ", "tS", "tʃdʒ", "tS"),
+        "dʒ": consonant(rows, "dʒ", "dZ", "tʃdʒ", "tS"),
+        "ʃ": consonant(rows, "ʃ", "S", "ʃ", "SS"),
+        "ʎ": consonant(rows, "ʎ", "L", "ʎɲ", "n", **palatal_over),
+        "ɲ": consonant(rows, "ɲ", "J", "ʎɲ", "n", **palatal_over),
+        "k": consonant(rows, "k", "k", "gk", "k"),
+        "ɡ": consonant(rows, "ɡ", "g", "gk", "g"),
+        "l": consonant(rows, "l", "l", "lnr", "l"),
+        "n": consonant(rows, "n", "n", "lnr", "n"),
         # The thesis groups /r/ with /l n/; a trill needs the jaw, so it is felt a little.
-        "r": consonant(rows, "r", "lnr", "r", viseme=9, coefficients={p: {"alpha": 0.15} for p in ("LI", "LS", "EM")}),
-        "j": consonant(rows, "j", "j", "i", **i_over),
-        "w": consonant(rows, "w", "w", "w"),
+        "r": consonant(rows, "r", "r", "lnr", "r", viseme=9, coefficients={p: {"alpha": 0.15} for p in ("LI", "LS", "EM")}),
+        "j": consonant(rows, "j", "j", "j", "i", **i_over),
+        "w": consonant(rows, "w", "w", "w", "w"),
         # What loan words and the voices bring in.
-        "y": {"sampa": "y", "group": "y", "targets": vowel_table(rows, "y"), "gain": {"LI": 1.1, "LS": 1.1, "EM": 1.1}},
-        "θ": consonant(rows, "T", "θð", "th"),
+        "y": {"sampa": "y", "group": "y", "targets": vowel_table(rows, "y", "y"), "gain": {"LI": 1.1, "LS": 1.1, "EM": 1.1}},
+        "θ": consonant(rows, "θ", "T", "θð", "th"),
         "ð": {"sampa": "D", "like": "θ"},
         "ʒ": {"sampa": "Z", "like": "ʃ"},
         "ŋ": {"sampa": "N", "like": "k"},
@@ -292,6 +343,7 @@ def pack(rows):
         "sources": [
             "Targets and their places: ELITE motion capture of Italian speakers, figures as kept in the open Greta agent, scaled "
             "as models/tools/make-speech-it.py tells.",
+            "The tongue: from the phones' articulatory features.",
             "Bilabials beside /a/, viseme groups, findings: E. Leone, LUCIA-WebGL, chapter 3.4 and table 3.2.",
         ],
         "voices": ["espeak:it+f2", "espeak:it"],
@@ -301,7 +353,8 @@ def pack(rows):
         "fapu": {"IRISD": 11.7, "ES": 62, "ENS": 42, "MNS": 21, "MW": 50},
         "rest": {"reach": 0.16, "leave": 0.14, "partial": 0.15,
                  "coefficients": {p: shape(1, 1, 7, 1, beta=(0, 0)) for p in PARAMS}},
-        "undershoot": {"LI": 0.055, "LS": 0.055, "AR": 0.035, "PI": 0.035, "PS": 0.035, "EM": 0.06},
+        "undershoot": {"LI": 0.055, "LS": 0.055, "AR": 0.035, "PI": 0.035, "PS": 0.035, "EM": 0.06,
+                       "TH": 0.06, "TA": 0.035, "TB": 0.05},
         "contexts": {"vowels": list(VOWEL_CONTEXTS), "consonants": CONSONANT_CONTEXTS},
         "groups": GROUPS,
         "phones": phones(rows),

@@ -64,25 +64,28 @@ static void fill_h(struct curve *curve, bool forward) {
     }
 }
 
-/* Which segments are felt in each gap between two targets. No gesture reaches further than DOMINANCE_REACH
- * segments, but R has a short tail beyond that, hence the doubled search. */
-enum { SEARCH = 2 * DOMINANCE_REACH };
-
-static void fill_ranges(struct curve *curve) {
+/* Which segments are felt in each gap between two targets. `reach`: no segment is felt further away than so
+ * many gaps. */
+static void fill_ranges(struct curve *curve, size_t reach) {
+    curve->first = mem_alloc((curve->count + 1) * sizeof *curve->first);
+    curve->last = mem_alloc((curve->count + 1) * sizeof *curve->last);
     for (size_t gap = 0; gap <= curve->count; gap++) {
         size_t first = gap, last = gap;
         double begin = gap ? curve->segments[gap - 1].at : -INFINITY,
                end = gap < curve->count ? curve->segments[gap].at : INFINITY;
-        for (size_t i = gap, steps = 0; i-- > 0 && steps < SEARCH; steps++)
+        for (size_t i = gap, steps = 0; i-- > 0 && steps < reach; steps++)
             if (curve->segments[i].to > begin)
                 first = i;
-        for (size_t i = gap, steps = 0; i < curve->count && steps < SEARCH; i++, steps++)
+        for (size_t i = gap, steps = 0; i < curve->count && steps < reach; i++, steps++)
             if (curve->segments[i].from < end)
                 last = i + 1;
         curve->first[gap] = (uint32_t)first;
         curve->last[gap] = (uint32_t)last;
     }
 }
+
+/* No gesture reaches further than DOMINANCE_REACH segments, but R has a short tail beyond that. */
+enum { SEARCH = 2 * DOMINANCE_REACH };
 
 void curve_link(struct curve *curve) {
     fill_h(curve, true);
@@ -92,9 +95,33 @@ void curve_link(struct curve *curve) {
         s->from = s->at - RESISTANCE_END * s->h_bw;
         s->to = s->at + RESISTANCE_END * s->h_fw;
     }
-    curve->first = mem_alloc((curve->count + 1) * sizeof *curve->first);
-    curve->last = mem_alloc((curve->count + 1) * sizeof *curve->last);
-    fill_ranges(curve);
+    fill_ranges(curve, SEARCH);
+}
+
+/* Below this a gesture is not felt. */
+#define ORIGINAL_LEAST 1e-4
+/* As many segments as fast speech has in ORIGINAL_REACH. */
+enum { ORIGINAL_SEARCH = 100 };
+
+static double original_reach(double theta, double c) {
+    double reach = theta > 0 ? pow(-log(ORIGINAL_LEAST) / theta, 1 / c) : ORIGINAL_REACH;
+    return fmin(reach, ORIGINAL_REACH);
+}
+
+void curve_link_original(struct curve *curve) {
+    for (size_t i = 0; i < curve->count; i++) {
+        struct segment *s = &curve->segments[i];
+        s->c.c_bw = s->c.c_fw = (s->c.c_bw + s->c.c_fw) / 2;
+        s->h_bw = s->h_fw = INFINITY; /* then R = S = 1 */
+        s->from = s->at - original_reach(s->c.theta_bw, s->c.c_bw);
+        s->to = s->at + original_reach(s->c.theta_fw, s->c.c_fw);
+        /* Between two segments that are further apart both are felt. */
+        if (i)
+            s->from = fmin(s->from, s[-1].at);
+        if (i + 1 < curve->count)
+            s->to = fmax(s->to, s[1].at);
+    }
+    fill_ranges(curve, ORIGINAL_SEARCH);
 }
 
 static size_t seek(const struct curve *curve, double t, size_t next) {

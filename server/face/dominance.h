@@ -32,8 +32,8 @@ struct curve {
     uint32_t *first, *last;
 };
 
-/* Where in the curve the last instant lay, and how many segments have been evaluated so far. Begins as zeros.
- */
+/* Where in the curve the last instant lay, and how many segments have been evaluated so far. Begins as
+ * zeros. */
 struct curve_cursor {
     size_t next; /* the first segment whose target comes later */
     uint64_t evaluated;
@@ -46,6 +46,12 @@ void curve_add(struct curve *curve, double at, const struct coefficients *c);
 /* Fills h_bw and h_fw by the recursion of (3.15) and what follows from them. Call once, after the last
  * curve_add. */
 void curve_link(struct curve *curve);
+
+/* Instead of curve_link: makes F(t) the original function (3.2) of Cohen and Massaro, where S = R = 1 and one
+ * c, here the mean of both, serves before and after the target. No gesture is felt for more than
+ * ORIGINAL_REACH s: it bounds the cost of one instant. */
+#define ORIGINAL_REACH 4.0
+void curve_link_original(struct curve *curve);
 
 /* F(t), (3.16). Before the first target and after the last one: that target. */
 double curve_at(const struct curve *curve, double t, struct curve_cursor *cursor);

@@ -8,11 +8,19 @@
 
 struct face_engine {
     const char *name;
-    /* The gestures may be freed afterwards; the pack outlives the layer. */
-    struct face_layer (*layer)(const struct speech_pack *pack, const struct gestures *g);
+    /* The track shows closures at any rate, whatever the curves make of them (contact.h). */
+    bool contacts;
+    /* Whether the pack has what the engine needs. */
+    bool (*speaks)(const struct speech_pack *pack);
+    /* Only for a pack that it speaks. The pack outlives the layer, the rest does not. An engine that makes
+     * out gestures where the voice gave no phones puts them in g, for the closures and FAP 1. */
+    struct face_layer (*layer)(const struct speech_pack *pack, const struct utterance *u, struct gestures *g);
 };
 
 extern const struct face_engine engine_dominance;
+extern const struct face_engine engine_cohen_massaro;
+extern const struct face_engine engine_context;
+extern const struct face_engine engine_syllable;
 
 /* NULL = the default one. Unknown names find nothing. */
 const struct face_engine *engine_find(const char *name);

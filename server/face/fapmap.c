@@ -19,6 +19,13 @@
 #define LIFT_PER_SPREAD 0.12   /* spreading lifts the cheeks */
 #define OUTER_PER_INNER 0.85   /* the outer contour moves less than the inner one */
 
+/* How much of the chin's way down the tongue's tip and body are carried, and how far they sink into the floor
+ * of the mouth, mm. */
+#define TIP_PER_JAW 0.8
+#define BODY_PER_JAW 0.5
+#define TIP_FLOOR (-1.0)
+#define BODY_FLOOR (-2.0)
+
 /* How two lips share the way to each other. */
 #define LOWER_SHARE 0.7
 
@@ -59,6 +66,9 @@ void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], do
     faps[13] += corner * mns;
     faps[59] += corner * mns;
     faps[60] += corner * mns;
+    faps[44] += fmax(mm[PARAM_TH] + TIP_PER_JAW * jaw, TIP_FLOOR) * mns;
+    faps[45] += mm[PARAM_TA] * mw;
+    faps[46] += fmax(mm[PARAM_TB] + BODY_PER_JAW * jaw, BODY_FLOOR) * mns;
     faps[16] += mm[PARAM_PI] * mns;
     faps[17] += mm[PARAM_PS] * mns;
     faps[18] += (CHIN_PER_PRESS * press + CHIN_PER_PUSH * push) * mns;

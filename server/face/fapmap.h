@@ -13,7 +13,10 @@
 #define FAPMAP_MAX_PRESS 0.3
 
 /* Adds to faps what the parameters mean for jaw (3), inner lips (4-11), corners (12, 13), protrusion (16,
- * 17), chin (18), cheeks (39-42) and outer lips (51-60). The modelled speaker's FAPUs turn mm into FAP units.
+ * 17), chin (18), cheeks (39-42), tongue (44-46) and outer lips (51-60). The tongue's heights are measured
+ * from the skull and FAPs 44 and 46 move it against the jaw that carries it, so that a tip at the ridge stays
+ * there however the jaw moves; lower than on the floor of the mouth it cannot lie. The modelled speaker's
+ * FAPUs turn mm into FAP units.
  */
 void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], double faps[FAP_COUNT + 1]);
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/speech.h"
 #include "server/base/mem.h"
+#include "server/face/context_table.h"
 #include "server/face/speech_read.h"
+#include "server/face/spelling.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -155,14 +157,44 @@ static int inherit(struct speech_pack *pack, const struct json_place *at, const 
     return 0;
 }
 
+/* What an engine needs besides the pack: a file of a folder beside it, or nothing. */
+static int read_extra(struct speech_pack *pack, const struct json_place *at, const char *folder,
+                      const char *path,
+                      bool (*load_it)(struct speech_pack *pack, const char *file, struct error *e)) {
+    const char *name;
+    if (!at->json)
+        return 0;
+    if (json_place_text(at, &name))
+        return -1;
+    char *beside_it = beside(path, folder, name), *file = beside(beside_it, name, ".json");
+    struct error inner = {0};
+    bool is_loaded = load_it(pack, file, &inner);
+    free(beside_it);
+    free(file);
+    char text[sizeof inner.message + sizeof inner.field];
+    return is_loaded ? 0 : json_place_fail(at, "\"%s\": %s", name, error_text(&inner, text, sizeof text));
+}
+
+static bool load_visemes(struct speech_pack *pack, const char *file, struct error *e) {
+    pack->visemes = context_table_load(file, pack, e);
+    return pack->visemes != NULL;
+}
+
+static bool load_letters(struct speech_pack *pack, const char *file, struct error *e) {
+    pack->letters = spelling_load(file, pack, e);
+    return pack->letters != NULL;
+}
+
 static int read_pack(struct speech_pack *pack, const struct json_place *root, const char *path, int depth) {
-    static const char *const base_keys[] = {"tag",      "name",   "sources", "voices", "abbreviations",
-                                            "alphabet", "fapu",   "rest",    "groups", "undershoot",
-                                            "contexts", "phones", NULL};
-    static const char *const heir_keys[] = {"tag",           "name",   "inherits", "sources", "voices",
-                                            "abbreviations", "groups", "phones",   NULL};
+    static const char *const base_keys[] = {"tag",      "name",   "sources", "voices",  "abbreviations",
+                                            "alphabet", "fapu",   "rest",    "groups",  "undershoot",
+                                            "contexts", "phones", "visemes", "letters", NULL};
+    static const char *const heir_keys[] = {"tag",     "name",          "inherits", "sources",
+                                            "voices",  "abbreviations", "groups",   "phones",
+                                            "visemes", "letters",       NULL};
     struct json_place inherits = json_place_key(root, "inherits"), groups = json_place_key(root, "groups"),
-                      phones = json_place_key(root, "phones");
+                      phones = json_place_key(root, "phones"), visemes = json_place_key(root, "visemes"),
+                      letters = json_place_key(root, "letters");
     if (json_place_keys(root, inherits.json ? heir_keys : base_keys) || read_name(root, "tag", &pack->lang) ||
         read_name(root, "name", &pack->name) || read_sources(root) ||
         read_texts(root, "voices", &pack->voices) ||
@@ -171,7 +203,10 @@ static int read_pack(struct speech_pack *pack, const struct json_place *root, co
         return -1;
     if ((groups.json || !inherits.json) && speech_read_groups(pack, &groups))
         return -1;
-    return speech_read_phones(pack, &phones);
+    return speech_read_phones(pack, &phones) || read_extra(pack, &visemes, "visemes/", path, load_visemes) ||
+                   read_extra(pack, &letters, "letters/", path, load_letters)
+               ? -1
+               : 0;
 }
 
 static struct speech_pack *load(const char *path, int depth, struct error *e) {
@@ -205,6 +240,8 @@ void speech_pack_free(struct speech_pack *pack) {
     for (size_t i = 0; i < pack->group_count; i++)
         free(pack->groups[i].name);
     free(pack->groups);
+    context_table_free(pack->visemes);
+    spelling_free(pack->letters);
     speech_pack_free(pack->base);
     free(pack->lang);
     free(pack->name);

@@ -16,6 +16,10 @@ enum speech_param {
     PARAM_PI, /* protrusion of the lower lip, positive = forward */
     PARAM_PS, /* protrusion of the upper lip, positive = forward */
     PARAM_EM, /* jaw, positive = lowered */
+    /* The tongue, which the same source names as its next step. */
+    PARAM_TH, /* height of the tip, positive = raised */
+    PARAM_TA, /* advance of the tip, positive = forward */
+    PARAM_TB, /* height of the body, positive = raised */
     PARAM_COUNT
 };
 
@@ -81,6 +85,9 @@ struct speech_rest {
     struct coefficients coefficients[PARAM_COUNT];
 };
 
+struct context_table;
+struct spelling;
+
 enum { VOWEL_CONTEXT_PAUSE = 0, SPEECH_MAX_CONTEXTS = 16 };
 
 struct speech_pack {
@@ -98,7 +105,9 @@ struct speech_pack {
     size_t group_count;
     struct speech_phone **phones; /* sorted by ipa */
     size_t phone_count;
-    size_t longest; /* bytes of the longest ipa or sampa key, the base's included */
+    struct context_table *visemes; /* context_table.h; owned; NULL when the language has none */
+    struct spelling *letters;      /* spelling.h; the same */
+    size_t longest;                /* bytes of the longest ipa or sampa key, the base's included */
 };
 
 /* The phone of exactly that IPA key, or of that SAMPA key when there is no such IPA key; in the pack or what

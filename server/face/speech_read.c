@@ -3,7 +3,8 @@
 #include "server/base/mem.h"
 #include <string.h>
 
-const char *const speech_params[PARAM_COUNT + 1] = {"LI", "LS", "AR", "PI", "PS", "EM", NULL};
+const char *const speech_params[PARAM_COUNT + 1] = {"LI", "LS", "AR", "PI", "PS",
+                                                    "EM", "TH", "TA", "TB", NULL};
 
 static const struct {
     const char *name;

@@ -148,7 +148,7 @@ static double origin(const struct raw_list *list, size_t i) {
     return weights > 0 ? sum / weights : self->c.T;
 }
 
-static void to_curve(const struct raw_list *list, struct curve *curve) {
+static void to_curve(const struct raw_list *list, enum targets_function function, struct curve *curve) {
     for (size_t i = 0; i < list->count; i++) {
         struct raw_target target = list->items[i];
         if (target.reached < 1) {
@@ -157,25 +157,29 @@ static void to_curve(const struct raw_list *list, struct curve *curve) {
         }
         curve_add(curve, target.at, &target.c);
     }
-    curve_link(curve);
+    if (function == TARGETS_ORIGINAL)
+        curve_link_original(curve);
+    else
+        curve_link(curve);
 }
 
-void targets_curves(const struct speech_pack *pack, const struct gestures *g,
+void targets_curves(const struct speech_pack *pack, const struct gestures *g, enum targets_function function,
                     struct curve curves[PARAM_COUNT]) {
     struct contexts *contexts = find_contexts(g);
     struct raw_list list = {0};
     for (int p = 0; p < PARAM_COUNT; p++) {
         list.count = 0;
+        double undershoot = function == TARGETS_ORIGINAL ? 0 : pack->undershoot[p];
         add_rest(&list, 0, &pack->rest, p, 1);
         for (size_t i = 0; i < g->count; i++) {
             if (g->items[i].phone)
-                add_phone(&list, &g->items[i], &contexts[i], pack->undershoot[p], p);
+                add_phone(&list, &g->items[i], &contexts[i], undershoot, p);
             else
                 add_pause(&list, &g->items[i], &pack->rest, p, i == 0, i + 1 == g->count);
         }
         add_rest(&list, g->end, &pack->rest, p, 1);
         curves[p] = (struct curve){0};
-        to_curve(&list, &curves[p]);
+        to_curve(&list, function, &curves[p]);
     }
     free(list.items);
     free(contexts);

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From gestures to the curves of the six articulatory parameters: targets in context (Leone,
+/* From gestures to the curves of the articulatory parameters: targets in context (Leone,
  * "LUCIA-WebGL", 3.17-3.19). */
 #ifndef FACCIA_FACE_TARGETS_H
 #define FACCIA_FACE_TARGETS_H
 
 #include "server/face/dominance.h"
 #include "server/face/gestures.h"
+
+/* Which function makes the curve of the targets: the one of LUCIA, or the one that it came from (3.2). */
+enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL };
 
 /* The rules:
  * - A consonant between two vowels has the mean of the coefficients that it has in the two symmetric contexts
@@ -17,10 +20,11 @@
  * - Undershoot: a vowel that lasts d seconds reaches the part 1 - exp(-(d / u)^1.5) of the way from its
  * consonants' targets to its own, u being the pack's "undershoot" (after Lindblom, JASA 35, 1963: vowels
  * shrink with their duration). Without it a vowel that resists like the consonants would open fully at any
- * speech rate.
+ * speech rate. The original function undershoots by itself, since nothing stops a gesture: it gets the
+ * targets as they are.
  * - A pause brings the mouth to rest, completely when it is long enough; the mouth is at rest at time 0 and
  * at the end. */
-void targets_curves(const struct speech_pack *pack, const struct gestures *g,
+void targets_curves(const struct speech_pack *pack, const struct gestures *g, enum targets_function function,
                     struct curve curves[PARAM_COUNT]);
 
 #endif

@@ -30,8 +30,11 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct u
     const struct face_engine *engine = engine_find(options->engine);
     track->fapu = pack->fapu;
     track->end = gestures.end;
-    track->speech = (engine ? engine : engine_find(NULL))->layer(pack, &gestures);
-    contacts_from(&gestures, &track->contacts);
+    if (!engine || !engine->speaks(pack))
+        engine = engine_find(NULL);
+    track->speech = engine->layer(pack, u, &gestures);
+    if (engine->contacts)
+        contacts_from(&gestures, &track->contacts);
     visemes_from(&gestures, &track->visemes);
     gestures_free(&gestures);
     if (!options->still)

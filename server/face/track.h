@@ -17,10 +17,11 @@ struct face_layer {
 };
 
 struct face_options {
-    const char *engine; /* NULL or "dominance" */
-    bool still;         /* lips only: no life layer */
-    uint64_t seed;      /* of the life layer: the same seed gives the same track */
-    double begin;       /* time of this utterance's start on the life layer's clock, s */
+    const char
+        *engine;   /* NULL = the default one, which also stands in for one that does not speak the pack */
+    bool still;    /* lips only: no life layer */
+    uint64_t seed; /* of the life layer: the same seed gives the same track */
+    double begin;  /* time of this utterance's start on the life layer's clock, s */
 };
 
 struct face_track;
@@ -42,5 +43,9 @@ void face_track_sample(struct face_track *track, double t, struct fap_frame *fra
 
 /* The engines that face_options.engine may name, NULL-terminated. */
 const char *const *face_engines(void);
+
+/* Whether there is an engine of that name (NULL = the default one, which speaks all languages) and the pack
+ * has what it needs. */
+bool face_engine_speaks(const char *name, const struct speech_pack *pack);
 
 #endif

@@ -178,7 +178,10 @@ static int check_engine(const struct speech *s, struct error *e) {
         return 0;
     for (const char *const *engine = face_engines(); *engine; engine++)
         if (!strcmp(*engine, s->request.engine))
-            return 0;
+            return face_engine_speaks(*engine, s->pack)
+                       ? 0
+                       : error_in_field(e, "unknown-engine", "engine", "the engine '%s' does not speak '%s'",
+                                        *engine, speech_pack_lang(s->pack));
     return error_in_field(e, "unknown-engine", "engine", "no engine '%s'", s->request.engine);
 }
 

@@ -9,6 +9,23 @@ static bool joins(const struct word *last, size_t from, size_t to) {
     return from < last->to && last->from < to;
 }
 
+/* Joined words' texts follow each other, unless they are the same stretch. Takes the text over. */
+static void add_text(struct word *w, char *text) {
+    if (strcmp(w->text, text) != 0) {
+        size_t n = strlen(w->text);
+        w->text = mem_resize(w->text, n + strlen(text) + 1);
+        strcpy(w->text + n, text);
+    }
+    free(text);
+}
+
+static bool has_sound(const struct utterance *u) {
+    for (size_t i = 0; i < u->phone_count; i++)
+        if (*u->phones[i].ipa)
+            return true;
+    return false;
+}
+
 /* Where the word's last sound ends: pauses at its end are not part of it. *phone is the first phone that can
  * matter. */
 static uint32_t sound_end(const struct utterance *u, const struct word *w, size_t *phone) {
@@ -38,13 +55,20 @@ void assembly_tidy_words(struct assembly *a) {
             last->from = from < last->from ? from : last->from;
             last->to = to > last->to ? to : last->to;
             last->end = end;
+            add_text(last, plan_text(a->plan, said->span, said->offset, said->bytes));
         } else {
             if (last && last->end > start)
                 last->end = start;
-            u->words[u->word_count++] = (struct word){.start = start, .end = end, .from = from, .to = to};
+            u->words[u->word_count++] =
+                (struct word){.start = start,
+                              .end = end,
+                              .from = from,
+                              .to = to,
+                              .text = plan_text(a->plan, said->span, said->offset, said->bytes)};
         }
     }
-    for (size_t i = 0; i < u->word_count; i++)
+    bool has_phones = has_sound(u);
+    for (size_t i = 0; i < u->word_count && has_phones; i++)
         u->words[i].end = sound_end(u, &u->words[i], &phone);
 }
 

@@ -111,19 +111,34 @@ static bool inside_character(const char *text, size_t at) {
     return ((unsigned char)text[at] & 0xC0) == 0x80;
 }
 
-bool plan_locate(const struct plan *plan, uint32_t span, size_t offset, size_t bytes, size_t *from,
-                 size_t *to) {
+/* Cuts off what lies outside the span's text and moves both ends outwards to whole characters. False when
+ * nothing is left. */
+static bool clip(const struct plan *plan, uint32_t span, size_t *offset, size_t bytes, size_t *end) {
     if (span >= plan->span_count || plan->spans[span].kind != FACCIA_SPAN_TEXT)
         return false;
     const char *text = plan->spans[span].text;
     size_t length = strlen(text);
-    if (offset >= length || !bytes)
+    if (*offset >= length || !bytes)
         return false;
-    size_t end = bytes < length - offset ? offset + bytes : length;
-    while (offset > 0 && inside_character(text, offset))
-        offset--;
-    while (end < length && inside_character(text, end))
-        end++;
+    *end = bytes < length - *offset ? *offset + bytes : length;
+    while (*offset > 0 && inside_character(text, *offset))
+        --*offset;
+    while (*end < length && inside_character(text, *end))
+        ++*end;
+    return true;
+}
+
+char *plan_text(const struct plan *plan, uint32_t span, size_t offset, size_t bytes) {
+    size_t end;
+    return clip(plan, span, &offset, bytes, &end) ? mem_strndup(plan->spans[span].text + offset, end - offset)
+                                                  : mem_strdup("");
+}
+
+bool plan_locate(const struct plan *plan, uint32_t span, size_t offset, size_t bytes, size_t *from,
+                 size_t *to) {
+    size_t end;
+    if (!clip(plan, span, &offset, bytes, &end))
+        return false;
     bool found = false;
     for (size_t i = 0; i < plan->piece_count; i++) {
         const struct plan_piece *p = &plan->pieces[i];

@@ -36,6 +36,9 @@ struct plan_prosody {
  */
 void plan_make(struct plan *plan, const struct score *score, size_t sentence,
                const struct plan_prosody *prosody);
+/* The characters of a span's text at that place, in part or whole, as a copy; "" when there are none. */
+char *plan_text(const struct plan *plan, uint32_t span, size_t offset, size_t bytes);
+
 void plan_free(struct plan *plan);
 
 /* The input bytes of a piece of a span's text. What lies outside the text is cut off, and both ends are moved

@@ -9,6 +9,8 @@ void utterance_free(struct utterance *u) {
         free(u->marks[i].name);
     for (size_t i = 0; i < u->warning_count; i++)
         free(u->warnings[i]);
+    for (size_t i = 0; i < u->word_count; i++)
+        free(u->words[i].text);
     free(u->pcm);
     free(u->phones);
     free(u->words);

@@ -18,8 +18,9 @@ struct phone {
 };
 
 struct word {
-    uint32_t start, end;     /* samples */
-    size_t from, to;         /* bytes of the input text */
+    uint32_t start, end; /* samples */
+    size_t from, to;     /* bytes of the input text */
+    char *text;          /* what the voice was given to say, UTF-8; NULL when it is not known */
 };
 
 struct mark {

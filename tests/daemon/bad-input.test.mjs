@@ -37,6 +37,7 @@ const cases = [
   ['an unknown language', speak({ text: 'a', lang: 'xx' }), { code: 'unknown-language', field: 'lang' }],
   ['an unknown voice', speak({ text: 'a', voice: 'nobody' }), { code: 'unknown-voice', field: 'voice' }],
   ['an unknown engine', speak({ text: 'a', engine: 'steam' }), { code: 'unknown-engine', field: 'engine' }],
+  ['an engine without a table for the language', speak({ text: 'a', lang: 'it', engine: 'context' }), { code: 'unknown-engine', field: 'engine' }],
   ['an unknown markup', speak({ text: 'a', markup: 'rtf' }), { code: 'unknown-markup', field: 'markup' }],
   ['a rate out of range', speak({ text: 'a', rate: 5000 }), { code: 'bad-field', field: 'rate' }],
   ['a rate that is a string', speak({ text: 'a', rate: 'fast' }), { code: 'bad-field', field: 'rate' }],

@@ -74,6 +74,7 @@ const wrong = [
   [['--lang', 'xx', 'a'], 2, /lang: no language 'xx'/],
   [['--voice', 'nobody', 'a'], 2, /voice/],
   [['--engine', 'steam', 'a'], 2, /engine/],
+  [['--lang', 'it', '--engine', 'context', 'a'], 2, /engine: .*'context' does not speak 'it'/],
   [['--fps', '0', 'a'], 2, /--fps: must be a number/],
   [['--rate', 'fast', 'a'], 2, /--rate/],
   [['--nothing'], 2, /Try 'faccia say --help'/],

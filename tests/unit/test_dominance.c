@@ -157,11 +157,63 @@ static void costs_the_same_for_any_length(void **state) {
     assert_true(cost(10000, 0.5) < 2 * DOMINANCE_REACH + 2);
 }
 
+/* (3.2) as it stands, over all segments. */
+static double original(const struct curve *curve, double t) {
+    double above = 0, below = 0;
+    for (size_t i = 0; i < curve->count; i++) {
+        const struct coefficients *c = &curve->segments[i].c;
+        double tau = t - curve->segments[i].at, exponent = (c->c_bw + c->c_fw) / 2;
+        double d = c->alpha * exp(-(tau < 0 ? c->theta_bw : c->theta_fw) * pow(fabs(tau), exponent));
+        above += c->T * d;
+        below += d;
+    }
+    return above / below;
+}
+
+static void knows_the_original_function(void **state) {
+    (void)state;
+    struct curve curve = sample_curve(), plain = {0};
+    for (size_t i = 0; i < curve.count; i++)
+        curve_add(&plain, curve.segments[i].at, &curve.segments[i].c);
+    curve_link_original(&plain);
+    struct curve_cursor cursor = {0};
+    double most = 0;
+    for (double t = 0.001; t < 0.9; t += 0.003) {
+        NEAR(curve_at(&plain, t, &cursor), original(&curve, t), 0.02);
+        most = fmax(most, fabs(original(&curve, t) - curve_at(&curve, t, &(struct curve_cursor){0})));
+    }
+    assert_true(most > 0.5); /* it is another curve */
+    /* The bilabial of the middle does not get to its target: this is what the resistance was made for. */
+    assert_true(curve_at(&plain, 0.2, &cursor) > 0);
+    NEAR(curve_at(&curve, 0.2, &cursor), P.T, 0.3);
+    curve_free(&curve);
+    curve_free(&plain);
+}
+
+/* However long the silence between two targets. */
+static void original_bears_long_gaps(void **state) {
+    (void)state;
+    struct curve curve = {0};
+    curve_add(&curve, 0, &REST);
+    curve_add(&curve, 100, &V);
+    curve_link_original(&curve);
+    for (double t = -1; t < 102; t += 0.5) {
+        double value = curve_at(&curve, t, &(struct curve_cursor){0});
+        assert_true(value >= -1e-9 && value <= V.T + 1e-9);
+    }
+    curve_free(&curve);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(follows_the_formulas), cmocka_unit_test(finds_the_resistant_neighbours),
-        cmocka_unit_test(gives_the_curve),      cmocka_unit_test(leaves_out_what_has_no_effect),
-        cmocka_unit_test(bears_far_targets),    cmocka_unit_test(costs_the_same_for_any_length),
+        cmocka_unit_test(follows_the_formulas),
+        cmocka_unit_test(finds_the_resistant_neighbours),
+        cmocka_unit_test(gives_the_curve),
+        cmocka_unit_test(leaves_out_what_has_no_effect),
+        cmocka_unit_test(bears_far_targets),
+        cmocka_unit_test(costs_the_same_for_any_length),
+        cmocka_unit_test(knows_the_original_function),
+        cmocka_unit_test(original_bears_long_gaps),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

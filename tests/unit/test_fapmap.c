@@ -59,6 +59,28 @@ static void has_the_senses_of_the_table(void **state) {
     NEAR(faps[8] + faps[10], 0);
 }
 
+static void carries_the_tongue_by_the_jaw(void **state) {
+    (void)state;
+    double faps[FAP_COUNT + 1] = {0};
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_TH] = 5, [PARAM_TA] = -2, [PARAM_TB] = 3}, faps);
+    NEAR(faps[44], 250);
+    NEAR(faps[45], -40);
+    NEAR(faps[46], 150);
+    assert_true(faps[43] == 0 && faps[47] == 0 && faps[3] == 0 && faps[5] == 0);
+
+    /* A tip at the ridge has further to go from an open jaw. */
+    memset(faps, 0, sizeof faps);
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_TH] = 5, [PARAM_TB] = 3, [PARAM_EM] = 10}, faps);
+    NEAR(faps[44], 650);
+    NEAR(faps[46], 400);
+
+    /* It does not go through the floor of the mouth when the jaw closes under it. */
+    memset(faps, 0, sizeof faps);
+    fapmap_add(&fapu, (double[PARAM_COUNT]){[PARAM_TH] = -6, [PARAM_TB] = -5, [PARAM_EM] = 1}, faps);
+    NEAR(faps[44], -50);
+    NEAR(faps[46], -100);
+}
+
 static void adds_to_what_is_there(void **state) {
     (void)state;
     double faps[FAP_COUNT + 1];
@@ -127,9 +149,13 @@ static void parts_lips_that_overlap(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(rest_is_neutral),         cmocka_unit_test(has_the_senses_of_the_table),
-        cmocka_unit_test(adds_to_what_is_there),   cmocka_unit_test(a_narrow_mouth_closes_at_its_sides),
-        cmocka_unit_test(closes_lips_on_demand),   cmocka_unit_test(brings_the_lip_to_the_teeth_on_demand),
+        cmocka_unit_test(rest_is_neutral),
+        cmocka_unit_test(has_the_senses_of_the_table),
+        cmocka_unit_test(carries_the_tongue_by_the_jaw),
+        cmocka_unit_test(adds_to_what_is_there),
+        cmocka_unit_test(a_narrow_mouth_closes_at_its_sides),
+        cmocka_unit_test(closes_lips_on_demand),
+        cmocka_unit_test(brings_the_lip_to_the_teeth_on_demand),
         cmocka_unit_test(parts_lips_that_overlap),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

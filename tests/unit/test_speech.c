@@ -261,6 +261,7 @@ static void names_the_place_of_an_error(void **state) {
     check_broken(w, "phones/p/targets/LI/a", NULL, "phones.p.targets.LI");
     check_broken(w, "phones/p/targets/LI/q", "{}", "phones.p.targets.LI.q");
     check_broken(w, "phones/p/targets/XX", "{}", "phones.p.targets.XX");
+    check_broken(w, "phones/t/targets/TH", NULL, "phones.t.targets.TH");
     check_broken(w, "phones/p/targets", NULL, "phones.p.targets");
     check_broken(w, "phones/p/group", "\"lips\"", "phones.p.group");
     check_broken(w, "phones/p/stressed", "{}", "phones.p.stressed");

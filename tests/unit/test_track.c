@@ -428,10 +428,91 @@ static void bears_odd_utterances(void **state) {
     face_track_free(track);
 }
 
+static double tongue(struct face_track *track, double t, int fap) {
+    struct fap_frame f;
+    face_track_sample(track, t, &f);
+    return f.value[fap] * (fap == 45 ? 50 : 21) / 1024.0;
+}
+
+/* The tip's height over its rest place, mm of the skull: what the jaw carries down must be added. */
+static double tip_height(struct face_track *track, double t) {
+    struct fap_frame f;
+    face_track_sample(track, t, &f);
+    return (f.value[44] - 0.8 * f.value[3]) * 21 / 1024.0;
+}
+
+static void moves_the_tongue(void **state) {
+    static const char *const ridge[] = {"t", "d", "n", "l", "r"}, *const velar[] = {"k", "ɡ"};
+    for (double stretch = 0.5; stretch <= 2; stretch *= 2) {
+        char text[64];
+        double middle = (0.2 + 0.12 + 0.04) * stretch;
+        for (size_t i = 0; i < sizeof ridge / sizeof *ridge; i++) {
+            snprintf(text, sizeof text, "_.200 'a.120 %s.080 a.120 _.300", ridge[i]);
+            struct utterance *u = utter(text, stretch);
+            struct face_track *track = track_of(*state, u);
+            assert_true(tip_height(track, middle) > 4); /* at the ridge behind the teeth, jaw open or not */
+            assert_true(tip_height(track, 0.26 * stretch) < 0);
+            face_track_free(track);
+            done(u);
+        }
+        for (size_t i = 0; i < sizeof velar / sizeof *velar; i++) {
+            snprintf(text, sizeof text, "_.200 'a.120 %s.080 a.120 _.300", velar[i]);
+            struct utterance *u = utter(text, stretch);
+            struct face_track *track = track_of(*state, u);
+            assert_true(tongue(track, middle, 46) > 5 && tongue(track, middle, 45) < -1);
+            assert_true(tip_height(track, middle) < 1);
+            face_track_free(track);
+            done(u);
+        }
+    }
+    struct utterance *u = utter("_.200 'a.120 θ.100 a.120 b.100 'i.120 _.300", 1);
+    struct face_track *track = track_of(*state, u);
+    assert_true(tongue(track, 0.36, 45) > 3.5); /* between the teeth */
+    assert_true(tongue(track, 0.7, 46) > 4);    /* /i/: the body is high */
+    for (double t = 0; t < 1.1; t += 0.01)
+        assert_true(tongue(track, t, 44) > -1.2 && tongue(track, t, 46) > -2.2); /* the mouth's floor */
+    face_track_free(track);
+    done(u);
+}
+
+static struct face_track *track_by(const struct speech_pack *pack, const struct utterance *u,
+                                   const char *engine) {
+    struct face_options options = {.still = true, .engine = engine};
+    return face_track_new(pack, u, &options, NULL, NULL);
+}
+
+/* The share of bilabials whose lips touch at their middle. */
+static double closed_share(const struct speech_pack *pack, double stretch, const char *engine) {
+    struct utterance *u = utter(speech, stretch);
+    struct face_track *track = track_by(pack, u, engine);
+    int closed = 0, all = 0;
+    for (size_t i = 0; i < u->phone_count; i++) {
+        if (!is_bilabial(&u->phones[i]))
+            continue;
+        struct fap_frame f;
+        face_track_sample(track, (u->phones[i].start + 0.5 * (u->phones[i].end - u->phones[i].start)) / RATE,
+                          &f);
+        closed += is_closed(&f);
+        all++;
+    }
+    face_track_free(track);
+    done(u);
+    return (double)closed / all;
+}
+
+static void the_baseline_loses_closures_at_speed(void **state) {
+    double slow = closed_share(*state, 2, "cohen-massaro"), fast = closed_share(*state, 0.5, "cohen-massaro");
+    assert_true(fast < slow && fast < 0.5);
+    assert_true(closed_share(*state, 0.5, "dominance") == 1);
+}
+
 static void names_its_engines(void **state) {
     (void)state;
     assert_string_equal(face_engines()[0], "dominance");
-    assert_null(face_engines()[1]);
+    assert_string_equal(face_engines()[1], "cohen-massaro");
+    assert_string_equal(face_engines()[2], "context");
+    assert_string_equal(face_engines()[3], "syllable");
+    assert_null(face_engines()[4]);
 }
 
 int main(void) {
@@ -452,6 +533,8 @@ int main(void) {
         cmocka_unit_test(blends_visemes),
         cmocka_unit_test(reports_unknown_phones_once),
         cmocka_unit_test(bears_odd_utterances),
+        cmocka_unit_test(moves_the_tongue),
+        cmocka_unit_test(the_baseline_loses_closures_at_speed),
         cmocka_unit_test(names_its_engines),
     };
     return cmocka_run_group_tests(tests, load, unload);
