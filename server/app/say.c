@@ -12,7 +12,8 @@
 
 static const char usage[] =
     "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
-    "Speaks TEXT, a file, or standard input (-). Without --wav, --fap or --json the timing goes to standard output.\n"
+    "Speaks TEXT, a file, or standard input (-). Without --wav, --fap or --json the timing goes to standard "
+    "output.\n"
     "\n"
     "  -l, --lang TAG       it, pt-BR, tr, en (it)\n"
     "  -v, --voice ID       a voice that 'faccia voices' lists\n"
@@ -143,10 +144,10 @@ static void close_outputs(struct say *s) {
 /* The exit code, or -1 to go on. */
 static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
     static const struct option options[] = {
-        {"lang", 1, NULL, 'l'},   {"voice", 1, NULL, 'v'}, {"rate", 1, NULL, 'r'},   {"pitch", 1, NULL, 1},
-        {"volume", 1, NULL, 1},   {"fps", 1, NULL, 1},     {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},
-        {"seed", 1, NULL, 1},     {"still", 0, NULL, 1},   {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},
-        {"fap", 1, NULL, 'F'},    {"json", 1, NULL, 'J'},  {"help", 0, NULL, 'h'},   {0},
+        {"lang", 1, NULL, 'l'}, {"voice", 1, NULL, 'v'}, {"rate", 1, NULL, 'r'},   {"pitch", 1, NULL, 1},
+        {"volume", 1, NULL, 1}, {"fps", 1, NULL, 1},     {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},
+        {"seed", 1, NULL, 1},   {"still", 0, NULL, 1},   {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},
+        {"fap", 1, NULL, 'F'},  {"json", 1, NULL, 'J'},  {"help", 0, NULL, 'h'},   {0},
     };
     const char *path = NULL;
     struct error e;
@@ -186,7 +187,8 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
     int status = cli_text(argc, argv, path, text);
     if (status >= 0)
         return status;
-    request_set(request, "text", (struct request_value){REQUEST_STRING, text->size ? (char *)text->data : "", text->size, 0},
+    request_set(request, "text",
+                (struct request_value){REQUEST_STRING, text->size ? (char *)text->data : "", text->size, 0},
                 &e);
     return -1;
 }

@@ -8,20 +8,20 @@ double eval_gap(const struct speech_pack *pack, const struct fap_frame *frame) {
 }
 
 const struct eval_measure eval_measures[EVAL_MEASURES] = {
-    {"lips_seen", "lips", "Bilabials closed in a frame", EVAL_SHARE, true},
-    {"lips_held", "held", "Bilabials closed throughout", EVAL_SHARE, true},
-    {"teeth_seen", "teeth", "Labiodentals touching in a frame", EVAL_SHARE, true},
-    {"teeth_held", "held", "Labiodentals touching throughout", EVAL_SHARE, true},
-    {"opening", "open", "Opening of vowels / target", EVAL_RATIO, true},
-    {"opening_error", "err", "Mean error of the opening", EVAL_MM, false},
-    {"rounding", "round", "Narrowing in /o u/ / target", EVAL_RATIO, true},
-    {"protrusion", "protr", "Protrusion in /o u/ / target", EVAL_RATIO, true},
-    {"anticipation", "antic", "Narrowing before /o u/ / their target", EVAL_RATIO, true},
-    {"speed", "speed", "Largest speed of the gap", EVAL_SPEED, false},
-    {"jerk", "jerk", "Largest jerk of the gap", EVAL_JERK, false},
-    {"overlap", "overlap", "Lips passing through each other", EVAL_MM, false},
-    {"reader", "reader", "Read by a nearest neighbour", EVAL_SHARE, true},
-    {"reader_usual", "usual", "The same, always saying the commonest", EVAL_SHARE, false},
+    {"lips_seen", "lips", "Bilabials closed in a frame", EVAL_SHARE},
+    {"lips_held", "held", "Bilabials closed throughout", EVAL_SHARE},
+    {"teeth_seen", "teeth", "Labiodentals touching in a frame", EVAL_SHARE},
+    {"teeth_held", "held", "Labiodentals touching throughout", EVAL_SHARE},
+    {"opening", "open", "Opening of vowels / target", EVAL_RATIO},
+    {"opening_error", "err", "Mean error of the opening", EVAL_MM},
+    {"rounding", "round", "Narrowing in /o u/ / target", EVAL_RATIO},
+    {"protrusion", "protr", "Protrusion in /o u/ / target", EVAL_RATIO},
+    {"anticipation", "antic", "Narrowing before /o u/ / their target", EVAL_RATIO},
+    {"speed", "speed", "Largest speed of the gap", EVAL_SPEED},
+    {"jerk", "jerk", "Largest jerk of the gap", EVAL_JERK},
+    {"overlap", "overlap", "Lips passing through each other", EVAL_MM},
+    {"reader", "reader", "Read by a nearest neighbour", EVAL_SHARE},
+    {"reader_usual", "usual", "The same, always saying the commonest", EVAL_SHARE},
 };
 
 static double share(size_t part, size_t count) {

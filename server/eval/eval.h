@@ -78,8 +78,7 @@ struct eval_measure {
         EVAL_MM,
         EVAL_SPEED,
         EVAL_JERK
-    } unit;    /* 0..1; 1 = on target; mm; mm/s; mm/s^3 */
-    bool goal; /* 1 is wanted */
+    } unit; /* 0..1; 1 = on target; mm; mm/s; mm/s^3 */
 };
 extern const struct eval_measure eval_measures[EVAL_MEASURES];
 

@@ -67,7 +67,7 @@ static double factor(const struct eval_measure *m) {
 static void draw_measure(const struct plot *p, int which, double left, double top, struct buf *out) {
     static const char *const units[] = {"%", "%", "mm", "mm/s", "m/s³"};
     const struct eval_measure *m = &eval_measures[which];
-    double lowest = 0, highest = m->goal ? 105 : 0, y[p->rate_count];
+    double lowest = 0, highest = m->unit == EVAL_SHARE || m->unit == EVAL_RATIO ? 105 : 0, y[p->rate_count];
     char title[160];
     for (size_t i = 0; i < p->engine_count * p->rate_count; i++) {
         double value = p->values[i][which] * factor(m);
