@@ -18,9 +18,9 @@ static bool touches(const struct eval_input *in, const struct contact_rule *rule
            (frame.value[16] - HALF_UNIT) * unit <= -rule->retract;
 }
 
-static bool is_seen(const struct eval_input *in, const struct contact *c, double begin, double end) {
-    double last = floor((in->start + end) * in->fps + 1e-9);
-    for (double k = ceil((in->start + begin) * in->fps - 1e-9); k <= last; k++)
+static bool is_seen(const struct eval_input *in, const struct contact *c) {
+    double last = floor((in->start + c->end) * in->fps + 1e-9);
+    for (double k = ceil((in->start + c->begin) * in->fps - 1e-9); k <= last; k++)
         if (touches(in, c->rule, k / in->fps - in->start))
             return true;
     return false;
@@ -40,10 +40,11 @@ void eval_touch(struct eval *e, const struct eval_input *in, const struct gestur
     for (size_t i = 0; i < contacts.count; i++) {
         const struct contact *c = &contacts.items[i];
         struct eval_touch *touch = c->rule->kind == CONTACT_LIPS ? &e->lips : &e->teeth;
-        /* before its first and after its last sample a face is at rest */
+        /* a contact may begin before the first sample, in the rest between sentences, which ends no sooner
+         * than there */
         double begin = fmax(c->begin, EVAL_FINE_STEP), end = fmin(c->end, g->end - EVAL_FINE_STEP);
         touch->count++;
-        touch->seen += is_seen(in, c, begin, end);
+        touch->seen += is_seen(in, c);
         touch->held += is_held(in, c, begin, end);
     }
     contacts_free(&contacts);
