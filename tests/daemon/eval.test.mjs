@@ -92,7 +92,7 @@ test('the listening test: 27 words, three modes, three ratios', () => {
   assert.equal(faces.size, 27);
   for (const item of manifest.items) {
     const face = parseFap(fs.readFileSync(file(`kit/fap/${item.name}_dominance.fap`), 'utf8'));
-    const gap = (frame) => -(frame.values[UPPER] + frame.values[LOWER]);
+    const gap = (frame) => -(frame[UPPER] + frame[LOWER]);
     const gaps = face.frames.map(gap);
     const begin = Math.floor((item.start - 0.2) * face.fps);
     assert.ok(gaps.slice(0, begin).every((g) => Math.abs(g) < 5), `${item.name}: at rest during the carrier`);
