@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/cli.h"
+#include "server/base/mem.h"
 #include <errno.h>
 #include <getopt.h>
 #include <stdarg.h>
+#include <stdlib.h>
 #include <string.h>
 
 void cli_complain(const char *format, ...) {
@@ -95,4 +97,17 @@ int cli_text(int argc, char **argv, const char *path, struct buf *text) {
     for (int i = optind; i < argc; i++)
         buf_printf(text, "%s%s", i > optind ? " " : "", argv[i]);
     return -1;
+}
+
+int cli_try_engine(const struct cli *cli, const struct speech_request *request, const char *engine,
+                   struct error *e) {
+    static const struct speech_callbacks none;
+    struct speech_request copy;
+    request_copy(&copy, request);
+    free(copy.engine);
+    copy.engine = mem_strdup(engine);
+    struct speech *speech = speech_open(&cli->studio, &copy, &none, NULL, e);
+    request_free(&copy);
+    speech_free(speech);
+    return speech ? 0 : -1;
 }

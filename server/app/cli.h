@@ -39,6 +39,11 @@ int cli_finish(FILE *file, const char *path);
  * none), or standard input when the only word is "-". The exit code after a message, or -1 to go on. */
 int cli_text(int argc, char **argv, const char *path, struct buf *text);
 
+/* Whether the request could be spoken with that engine. -1 with *e; its field (PLACE_FIELD) is "engine" when
+ * that is what does not fit. */
+int cli_try_engine(const struct cli *cli, const struct speech_request *request, const char *engine,
+                   struct error *e);
+
 int say_main(int argc, char **argv);
 int voices_main(int argc, char **argv);
 int models_main(int argc, char **argv);

@@ -17,7 +17,7 @@ static const char usage[] =
     "\n"
     "  -l, --lang TAG       it, pt-BR, tr, en (it)\n"
     "  -v, --voice ID       a voice that 'faccia voices' lists\n"
-    "  -e, --engine NAME    visible-speech engine; may be given several times (all there are)\n"
+    "  -e, --engine NAME    visible-speech engine; may be given several times (all that the language has)\n"
     "  -r, --rates LIST     words per minute, 40 to 500, with commas (80,120,160,200,240,280,320)\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "  -f, --file FILE      the text\n"
@@ -221,11 +221,6 @@ static int parse(int argc, char **argv, struct run *run, struct buf *text) {
         cli_complain("only one of --json and --svg can go to standard output");
         return EXIT_USAGE;
     }
-    for (const char *const *engine = face_engines(); !run->report.engine_count && *engine; engine++)
-        if (engine - face_engines() < STRETCH_ENGINES)
-            run->report.engines[engine - face_engines()] = *engine;
-    while (run->report.engines[run->report.engine_count])
-        run->report.engine_count++;
     status = cli_text(argc, argv, path, text);
     if (status < 0)
         request_set(
@@ -258,14 +253,38 @@ static int write_report(struct run *run) {
     return status;
 }
 
+/* Without --engine: those that can speak this. Otherwise each that was named must. */
+static int choose_engines(struct run *run) {
+    struct eval_report *r = &run->report;
+    struct error e;
+    char message[400];
+    bool all = !r->engine_count;
+    for (const char *const *engine = face_engines(); all && *engine && r->engine_count < STRETCH_ENGINES;
+         engine++)
+        r->engines[r->engine_count++] = *engine;
+    for (size_t i = 0; i < r->engine_count;) {
+        if (!cli_try_engine(&run->cli, &run->request, r->engines[i], &e)) {
+            i++;
+        } else if (all && e.place == PLACE_FIELD && !strcmp(e.field, "engine")) {
+            memmove(r->engines + i, r->engines + i + 1, (--r->engine_count - i) * sizeof *r->engines);
+        } else {
+            cli_complain("%s", error_text(&e, message, sizeof message));
+            return e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
+        }
+    }
+    return EXIT_DONE;
+}
+
 static int evaluate(struct run *run) {
     struct eval_report *r = &run->report;
+    int status = choose_engines(run);
+    if (status)
+        return status;
     size_t rows = r->engine_count * r->rate_count;
     r->rates = run->rates;
     r->fps = run->request.fps;
     r->evals = mem_alloc(rows * sizeof *r->evals);
     r->values = mem_alloc(rows * sizeof *r->values);
-    int status = EXIT_DONE;
     for (run->rate = 0; !status && run->rate < r->rate_count; run->rate++)
         status = speak(run);
     for (size_t i = 0; !status && i < rows; i++)

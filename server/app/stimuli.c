@@ -80,8 +80,8 @@ static void on_finished(void *ctx, size_t spoken) {
     }
 }
 
-/* The item's samples in its sentence: those of the last word's phones. Words and phones are cut at slightly different
- * places, so a phone belongs to the word that its middle lies in. */
+/* The item's samples in its sentence: those of the last word's phones. Words and phones are cut at slightly
+ * different places, so a phone belongs to the word that its middle lies in. */
 static void item_range(const struct utterance *u, size_t *from, size_t *to) {
     const struct word *last = u->word_count ? &u->words[u->word_count - 1] : NULL;
     *from = *to = 0;
@@ -140,6 +140,10 @@ static struct face_track *item_track(const struct kit *kit, const char *engine, 
     for (size_t i = 0; i < u->phone_count; i++)
         if (u->phones[i].end > from)
             alone.phones[alone.phone_count++] = u->phones[i];
+    if (u->word_count) { /* some engines go by words */
+        alone.words = &u->words[u->word_count - 1];
+        alone.word_count = 1;
+    }
     const struct speech_pack *pack = speech_packs_find(&kit->cli.packs, speech_lang(kit->speech));
     struct face_track *track = face_track_new(pack, &alone, &options, NULL, NULL);
     free(alone.phones);
@@ -319,6 +323,29 @@ static int make_folder(const struct kit *kit, const char *name) {
     return -1;
 }
 
+/* Those named must be able to speak the set; the others are the first engines that can, then the still face.
+ */
+static int choose_faces(struct kit *kit) {
+    char *text = stimuli_sentence(&kit->set, &kit->set.items[0]), message[400];
+    struct error e;
+    int status = EXIT_DONE;
+    request_set(&kit->request, "text", (struct request_value){REQUEST_STRING, text, strlen(text), 0}, &e);
+    free(text);
+    for (size_t i = 0; !status && i < kit->face_count; i++) {
+        if (kit->faces[i] == still || !cli_try_engine(&kit->cli, &kit->request, kit->faces[i], &e))
+            continue;
+        cli_complain("%s", error_text(&e, message, sizeof message));
+        status = e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
+    }
+    for (const char *const *engine = face_engines(); *engine && kit->face_count < FACES; engine++)
+        if ((!kit->face_count || kit->faces[0] != *engine) &&
+            !cli_try_engine(&kit->cli, &kit->request, *engine, &e))
+            kit->faces[kit->face_count++] = *engine;
+    if (kit->face_count < FACES && (!kit->face_count || kit->faces[0] != still))
+        kit->faces[kit->face_count++] = still;
+    return status;
+}
+
 static int make(struct kit *kit) {
     char path[PATH_BYTES], text[400];
     struct error e;
@@ -330,12 +357,14 @@ static int make(struct kit *kit) {
     }
     if (!kit->request.voice)
         kit->request.lang = mem_strdup(kit->set.lang);
+    int status = choose_faces(kit);
+    if (status)
+        return status;
     if (make_folder(kit, "") || make_folder(kit, "wav") || make_folder(kit, "fap"))
         return EXIT_FAILED;
     kit->items = json_array();
     kit->trials = json_array();
     kit->films = json_object();
-    int status = EXIT_DONE;
     for (size_t i = 0; !status && i < kit->set.item_count; i++)
         status = speak_item(kit, i);
     if (!status && write_page(kit))
@@ -360,15 +389,6 @@ static int add_face(struct kit *kit, const char *name) {
     }
     kit->faces[kit->face_count++] = face;
     return -1;
-}
-
-/* Fills up with the first engines that are not there yet, then with the still face. */
-static void default_faces(struct kit *kit) {
-    for (const char *const *engine = face_engines(); *engine && kit->face_count < FACES; engine++)
-        if (!kit->face_count || kit->faces[0] != *engine)
-            kit->faces[kit->face_count++] = *engine;
-    if (kit->face_count < FACES && kit->faces[0] != still)
-        kit->faces[kit->face_count++] = still;
 }
 
 /* The exit code, or -1 to go on. */
@@ -421,7 +441,6 @@ static int parse(int argc, char **argv, struct kit *kit) {
         cli_complain(kit->out ? "unexpected '%s'" : "no folder: give --out", argv[optind]);
         status = EXIT_USAGE;
     }
-    default_faces(kit);
     return status;
 }
 
