@@ -406,6 +406,25 @@ static void a_fault_costs_one_sentence(void **state) {
     shut(s);
 }
 
+/* A process that dies between two sentences costs none. */
+static void a_death_at_rest_costs_nothing(void **state) {
+    (void)state;
+    struct scene *s = OPEN(WITH(0), "puppet");
+    for (int i = 0; i < 2; i++) {
+        speak(s, "plain", "late");
+        run(s);
+        for (int k = 0; k < 60; k++) {
+            usleep(1000);
+            uv_run(&s->loop, UV_RUN_NOWAIT);
+        }
+        speak(s, "plain", "uno");
+        run(s);
+    }
+    for (int i = 0; i < 4; i++)
+        assert_false(s->results[i].failed);
+    shut(s);
+}
+
 static void what_can_be_mended_is_mended(void **state) {
     (void)state;
     struct scene *s = OPEN(WITH(0), "puppet");
@@ -636,6 +655,7 @@ int main(void) {
         cmocka_unit_test(espeak_stops_when_cancelled),
         cmocka_unit_test(sentences_come_back_in_order),
         cmocka_unit_test(a_fault_costs_one_sentence),
+        cmocka_unit_test(a_death_at_rest_costs_nothing),
         cmocka_unit_test(what_can_be_mended_is_mended),
         cmocka_unit_test(cancelling_forgets_a_sentence),
         cmocka_unit_test(bad_plugins_are_passed_over),

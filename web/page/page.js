@@ -37,7 +37,7 @@ const words = {
 const samples = {
   it: 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura, ché la diritta via era smarrita.',
   pt: 'Amor é fogo que arde sem se ver, é ferida que dói, e não se sente; é um contentamento descontente.',
-  tr: 'Yaşamak bir ağaç gibi tek ve hür ve bir orman gibi kardeşçesine, bu hasret bizim.',
+  tr: 'Gelin tanış olalım, işi kolay kılalım, sevelim sevilelim, dünya kimseye kalmaz.',
   en: 'Shall I compare thee to a summer’s day? Thou art more lovely and more temperate.',
 };
 

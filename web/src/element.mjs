@@ -108,9 +108,11 @@ export class TalkingHead extends HTMLElement {
   /**
    * Holds the face in a pose, whatever is spoken, until it is called with null.
    * @param {Record<number, number>|null} faps values by FAP number
+   * @param {{ease?: boolean}} [options] ease false: at once, for poses that follow each other as the frames of a film
    */
-  pose(faps) {
+  pose(faps, { ease = true } = {}) {
     this.mixer.pose = faps && faceValues(faps);
+    this.mixer.film = !ease;
     this.stage.wake();
   }
 
