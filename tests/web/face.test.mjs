@@ -106,6 +106,17 @@ test('keeping still, only jaw, lips and tongue move', () => {
   assert.deepEqual(moved, [...lips, ...tongue, ...outer]);
 });
 
+test('a pose is gone over to smoothly when it is asked for so', () => {
+  const mixer = new FaceMixer();
+  mixer.pose = faceValues({ 3: 250 });
+  mixer.ease = true;
+  mixer.update(0, null);
+  mixer.update(16, null);
+  assert.ok(mixer.values[3] < 200, `${mixer.values[3]}`);
+  mixer.update(140, null);
+  assert.equal(mixer.values[3], 250);
+});
+
 test('a pose takes the place of what is spoken, at once', () => {
   const mixer = new FaceMixer();
   mixer.update(0, heard(track([100, 100, 100]), 0.04));

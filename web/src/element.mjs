@@ -108,11 +108,11 @@ export class TalkingHead extends HTMLElement {
   /**
    * Holds the face in a pose, whatever is spoken, until it is called with null.
    * @param {Record<number, number>|null} faps values by FAP number
-   * @param {{ease?: boolean}} [options] ease false: at once, for poses that follow each other as the frames of a film
+   * @param {{ease?: boolean}} [options] ease: go over to it smoothly, not at once
    */
-  pose(faps, { ease = true } = {}) {
+  pose(faps, { ease = false } = {}) {
     this.mixer.pose = faps && faceValues(faps);
-    this.mixer.film = !ease;
+    this.mixer.ease = ease;
     this.stage.wake();
   }
 

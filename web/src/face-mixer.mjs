@@ -4,8 +4,6 @@ import { FAP_VALUES } from './face-track.mjs';
 const CHANGE_MS = 90; // from one source to the next: at rest within a tenth of a second after a stop
 const STALL_MS = 160; // how long a face waits for late frames before it goes to rest
 
-const FILM = Symbol('film'); // the source of all poses that follow each other at once
-
 /** The FAPs that stay when the face is to keep still: jaw, lips and tongue. */
 const moving = (n) => (n >= 3 && n <= 18) || (n >= 43 && n <= 47) || (n >= 51 && n <= 60);
 
@@ -27,7 +25,7 @@ export class FaceMixer {
     this.values = new Float32Array(FAP_VALUES);
     this.still = false;
     this.pose = null; // values that take the place of all sources
-    this.film = false; // whether one pose follows the other without a transition
+    this.ease = false; // whether a pose is gone over to smoothly, or taken at once
     this.from = new Float32Array(FAP_VALUES);
     this.target = new Float32Array(FAP_VALUES);
     this.source = null;
@@ -44,7 +42,8 @@ export class FaceMixer {
   update(now, heard) {
     const shown = this.values.slice();
     if (this.pose) {
-      this.#change(now, this.film ? FILM : this.pose);
+      this.#change(now, this.pose);
+      if (!this.ease) this.since = -Infinity;
       this.target.set(this.pose);
     } else if (heard && heard.running && heard.track.sample(heard.seconds, this.target)) {
       this.#change(now, heard.track);
