@@ -453,8 +453,8 @@ static void what_can_be_mended_is_mended(void **state) {
  * listen. */
 static void cancelling_forgets_a_sentence(void **state) {
     (void)state;
-    static const char *const first[] = {"slow", "hang", "uno"};
-    for (size_t i = 0; i < 3; i++) {
+    static const char *const first[] = {"slow", "hang"};
+    for (size_t i = 0; i < 2; i++) {
         struct scene *s = OPEN(WITH(0), "puppet");
         const struct result *spoken = speak(s, "plain", first[i]);
         const struct result *waiting = speak(s, "plain", "due");
@@ -464,11 +464,7 @@ static void cancelling_forgets_a_sentence(void **state) {
             usleep(1000);
             uv_run(&s->loop, UV_RUN_NOWAIT);
         }
-        assert_int_equal(s->finished, i == 2 ? 4 : 0);
-        if (i == 2) {
-            shut(s);
-            continue;
-        }
+        assert_int_equal(s->finished, 0);
         voice_job_cancel(s->jobs[1]);
         voice_job_cancel(s->jobs[0]);
         voice_job_cancel(s->jobs[2]);
