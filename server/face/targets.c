@@ -4,6 +4,12 @@
 #include <math.h>
 #include <stdlib.h>
 
+/* The packs' extents were found beside the resistance, which ends gestures; without it they would reach over
+ * half a sentence and nothing would ever close. Times this they are where Cohen and Massaro have theirs,
+ * about 0.03 per ms.
+ */
+#define ORIGINAL_EXTENT 3.0
+
 /* The two contexts of each gesture: for a consonant those of its vowels, for a vowel twice that of what
  * follows. */
 struct contexts {
@@ -154,6 +160,10 @@ static void to_curve(const struct raw_list *list, enum targets_function function
         if (target.reached < 1) {
             double from = origin(list, i);
             target.c.T = from + target.reached * (target.c.T - from);
+        }
+        if (function == TARGETS_ORIGINAL) {
+            target.c.theta_bw *= ORIGINAL_EXTENT;
+            target.c.theta_fw *= ORIGINAL_EXTENT;
         }
         curve_add(curve, target.at, &target.c);
     }

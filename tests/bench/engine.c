@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Engine and sampling alone, on ten minutes of speech: seconds of speech for each second of CPU, next to the
- * synthesis of the same speech in the same run. Usage: engine TEXT-FILE LANG FPS. */
+ * synthesis of the same speech in the same run. Usage: engine TEXT-FILE LANG FPS [ENGINE]. */
 #include "server/app/cli.h"
 #include "server/base/buf.h"
 #include <stdio.h>
@@ -42,9 +42,9 @@ static void on_finished(void *ctx, size_t spoken) {
     ((struct bench *)ctx)->finished = true;
 }
 
-static long run(const struct bench *b, const struct speech_pack *pack, double fps) {
+static long run(const struct bench *b, const struct speech_pack *pack, double fps, const char *engine) {
     long sum = 0; /* so that nothing is optimised away */
-    struct face_options options = {.seed = 1};
+    struct face_options options = {.seed = 1, .engine = engine};
     for (size_t i = 0; i < b->count; i++) {
         const struct utterance *u = b->utterances[i];
         struct face_track *track = face_track_new(pack, u, &options, NULL, NULL);
@@ -63,7 +63,7 @@ int main(int argc, char **argv) {
     struct bench b = {0};
     struct speech_request request;
     struct error e;
-    if (argc != 4)
+    if (argc < 4 || argc > 5)
         return 2;
     FILE *file = fopen(argv[1], "rb");
     if (!file || cli_open(&b.cli))
@@ -87,7 +87,7 @@ int main(int argc, char **argv) {
     printf("{\"seconds\":%.1f,\"fps\":%g,\"cpu\":[", b.seconds, fps);
     for (int i = 0; i < 5; i++) {
         double before = cpu();
-        long sum = run(&b, pack, fps);
+        long sum = run(&b, pack, fps, argc > 4 ? argv[4] : NULL);
         printf("%s%.4f", i ? "," : "", cpu() - before + 0 * (double)sum);
     }
     puts("]}");

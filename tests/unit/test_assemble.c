@@ -227,6 +227,22 @@ static void cuts_names_between_characters(void **state) {
     end(&s);
 }
 
+/* A voice that knows when words begin and no more: they last to the next one. */
+static void keeps_words_without_phones(void **state) {
+    (void)state;
+    struct scene s;
+    struct error e;
+    begin(&s, "uno due");
+    assert_int_equal(audio(&s, 1000, RATE, &e), 0);
+    word(&s, 0, 0, 3, 100);
+    word(&s, 0, 4, 3, 600);
+    finish(&s);
+    check_word(&s, 0, 100, 600, 0, 3);
+    check_word(&s, 1, 600, 1000, 4, 7);
+    assert_string_equal(s.u->words[1].text, "due");
+    end(&s);
+}
+
 /* "<b>L</b>'<b>amica</b> 12 €": items of one style joined, one replaced, one in another style. */
 static void maps_words_to_the_input(void **state) {
     (void)state;
@@ -255,6 +271,9 @@ static void maps_words_to_the_input(void **state) {
     check_word(&s, 0, 0, 200, 3, 18);
     check_word(&s, 1, 200, 400, 20, 26);
     check_word(&s, 2, 400, 1000, 31, 33);
+    assert_string_equal(s.u->words[0].text, "L'amìca");
+    assert_string_equal(s.u->words[1].text, "dodici");
+    assert_string_equal(s.u->words[2].text, "ur");
     assert_int_equal(s.u->warning_count, 1);
     size_t from, to;
     assert_true(plan_locate(&s.plan, 0, 5, 1, &from, &to)); /* second byte of ì: all of it */
@@ -321,6 +340,7 @@ int main(void) {
         cmocka_unit_test(refuses_broken_audio),
         cmocka_unit_test(refuses_too_many_events),
         cmocka_unit_test(cuts_names_between_characters),
+        cmocka_unit_test(keeps_words_without_phones),
         cmocka_unit_test(maps_words_to_the_input),
         cmocka_unit_test(places_marks),
         cmocka_unit_test(places_marks_that_are_not_reported),

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/face/track.h"
+#include "tests/unit/utter.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -11,7 +12,7 @@
 
 #include <cmocka.h>
 
-enum { RATE = 22050, PRESS_LIMIT = 16 }; /* press: FAPMAP_MAX_PRESS in FAP units, rounded up */
+enum { RATE = UTTER_RATE, PRESS_LIMIT = 16 }; /* press: FAPMAP_MAX_PRESS in FAP units, rounded up */
 
 static int load(void **state) {
     struct error e = {0};
@@ -22,35 +23,6 @@ static int load(void **state) {
 static int unload(void **state) {
     speech_pack_free(*state);
     return 0;
-}
-
-/* Phones as "p.080 'a.120 _.300": name, duration in ms, a quote before a stressed one. Durations are
- * multiplied by stretch. */
-static struct utterance *utter(const char *text, double stretch) {
-    struct utterance *u = mem_alloc(sizeof *u);
-    u->sample_rate = RATE;
-    char *copy = mem_strdup(text), *save;
-    double at = 0;
-    for (char *item = strtok_r(copy, " ", &save); item; item = strtok_r(NULL, " ", &save)) {
-        u->phones = mem_resize(u->phones, (u->phone_count + 1) * sizeof *u->phones);
-        struct phone *p = &u->phones[u->phone_count++];
-        char *dot = strchr(item, '.');
-        *p = (struct phone){.stress = *item == '\'' ? 2 : 0, .start = (uint32_t)at};
-        *dot = '\0';
-        item += p->stress != 0;
-        if (strcmp(item, "_") != 0)
-            snprintf(p->ipa, sizeof p->ipa, "%s", item);
-        at += atof(dot + 1) / 1000 * stretch * RATE;
-        p->end = (uint32_t)at;
-    }
-    u->samples = (uint32_t)at;
-    free(copy);
-    return u;
-}
-
-static void done(struct utterance *u) {
-    free(u->phones);
-    free(u);
 }
 
 static void count_warning(void *ctx, const char *message) {
@@ -74,15 +46,6 @@ static bool is_closed(const struct fap_frame *f) {
 static bool is_bilabial(const struct phone *p) {
     return strchr("pbm", p->ipa[0]) && p->ipa[0];
 }
-
-/* La mamma parla piano; papà beve il caffè, troppo vino; abbiamo; campo, ombra. At 1: about 160 words a
- * minute. */
-static const char speech[] = "l.063 a.050 m.069 'a.065 m.075 m.070 a.040 p.080 'a.100 r.040 l.050 a.045 "
-                             "p.080 j.087 'a.087 n.070 o.046 _.200 p.070 a.060 p.068 "
-                             "'a.084 b.064 'ɛ.082 v.050 e.072 i.093 l.040 k.084 a.066 f.076 f.076 'ɛ.157 "
-                             "_.150 t.080 r.045 'ɔ.080 p.070 p.070 o.060 v.060 'i.110 "
-                             "n.060 o.080 _.100 a.050 b.060 bː.090 j.050 'a.090 m.060 o.060 k.080 'a.090 "
-                             "m.055 p.060 o.070 'o.080 m.060 b.050 r.040 a.080 _.300";
 
 static void check_closures(const struct speech_pack *pack, double stretch, struct face_layer *layer) {
     struct utterance *u = utter(speech, stretch);
@@ -502,7 +465,7 @@ static double closed_share(const struct speech_pack *pack, double stretch, const
 
 static void the_baseline_loses_closures_at_speed(void **state) {
     double slow = closed_share(*state, 2, "cohen-massaro"), fast = closed_share(*state, 0.5, "cohen-massaro");
-    assert_true(fast < slow && fast < 0.5);
+    assert_true(slow > 0.6 && fast < 0.3);
     assert_true(closed_share(*state, 0.5, "dominance") == 1);
 }
 
