@@ -26,5 +26,6 @@ void cli_complain(const char *format, ...) __attribute__((format(printf, 1, 2)))
 int say_main(int argc, char **argv);
 int voices_main(int argc, char **argv);
 int models_main(int argc, char **argv);
+int timed_main(int argc, char **argv);
 
 #endif

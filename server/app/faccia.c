@@ -11,13 +11,14 @@ static const char usage[] =
     "  say      speak a text: its sound, its face animation, its timing\n"
     "  voices   list the voices\n"
     "  models   list the head models\n"
+    "  timed    the face for recorded speech, from a timed transcription\n"
     "\n"
     "'faccia COMMAND --help' tells more. The daemon is facciad.\n";
 
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
-} commands[] = {{"say", say_main}, {"voices", voices_main}, {"models", models_main}};
+} commands[] = {{"say", say_main}, {"voices", voices_main}, {"models", models_main}, {"timed", timed_main}};
 
 int main(int argc, char **argv) {
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error like any other */
