@@ -50,5 +50,6 @@ int models_main(int argc, char **argv);
 int eval_main(int argc, char **argv);
 int stimuli_main(int argc, char **argv);
 int anova_main(int argc, char **argv);
+int timed_main(int argc, char **argv);
 
 #endif

@@ -8,6 +8,7 @@
 static const char usage[] = "Usage: faccia COMMAND [ARGUMENT]...\n"
                             "\n"
                             "  say      speak a text: its sound, its face animation, its timing\n"
+                            "  timed    the face for recorded speech, from a timed transcription\n"
                             "  voices   list the voices\n"
                             "  models   list the head models\n"
                             "  eval     measure how well the lips can be read, engine by engine\n"
@@ -20,7 +21,7 @@ static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
 } commands[] = {
-    {"say", say_main},   {"voices", voices_main},   {"models", models_main},
+    {"say", say_main},   {"timed", timed_main},     {"voices", voices_main}, {"models", models_main},
     {"eval", eval_main}, {"stimuli", stimuli_main}, {"anova", anova_main},
 };
 

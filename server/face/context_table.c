@@ -21,16 +21,21 @@ size_t context_sound(const struct context_table *table, const struct speech_phon
     return found ? found->sound : CONTEXT_SILENCE;
 }
 
-long context_sound_named(const struct context_table *table, const char *name) {
+const struct context_phone *context_phone_named(const struct context_table *table, const char *name) {
     for (size_t i = 0; i < table->phone_count; i++) {
         const struct context_phone *phone = &table->phones[i];
         if (!strcmp(phone->ipa, name))
-            return (long)phone->sound;
+            return phone;
         for (char **symbol = phone->symbols; *symbol; symbol++)
             if (!strcmp(*symbol, name))
-                return (long)phone->sound;
+                return phone;
     }
-    return -1;
+    return NULL;
+}
+
+long context_sound_named(const struct context_table *table, const char *name) {
+    const struct context_phone *phone = context_phone_named(table, name);
+    return phone ? (long)phone->sound : -1;
 }
 
 /* 1 + class of the vowel at a place, or NOT_THERE. */

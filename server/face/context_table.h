@@ -81,6 +81,9 @@ void context_table_free(struct context_table *table);
 /* The sound of a pack's phone; NULL = silence. */
 size_t context_sound(const struct context_table *table, const struct speech_phone *phone);
 
+/* A phone by its IPA name or its symbol in transcriptions, or NULL. */
+const struct context_phone *context_phone_named(const struct context_table *table, const char *name);
+
 /* The sound of a phone by its IPA name or its symbol in transcriptions, or -1. */
 long context_sound_named(const struct context_table *table, const char *name);
 

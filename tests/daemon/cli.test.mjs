@@ -98,10 +98,23 @@ test('bytes that are no UTF-8 are named', () => {
   assert.match(stderr, /byte 2: the text is not UTF-8/);
 });
 
+test('a timed transcription becomes a face without a voice', () => {
+  fs.writeFileSync(file('timed.txt'), "0: 680 ##\n1: 1048 nn\n2: 3464 'a~\n3: 5686 uu\n4: 89546 ##\n5: 95270\n");
+  const { status, stdout } = faccia(['timed', file('timed.txt')]);
+  assert.equal(status, 0);
+  const lines = String(stdout).split('\n');
+  assert.equal(lines[0], '2.1 faccia 30 90'); // 2.98 s
+  assert.equal(lines.length, 1 + 2 * 90 + 1);
+  fs.writeFileSync(file('wrong.txt'), '0: 680 ##\n1: 1048 qq\n2: 2000\n');
+  const wrong = faccia(['timed', file('wrong.txt')]);
+  assert.equal(wrong.status, 1);
+  assert.match(wrong.stderr, /wrong\.txt:2:1: unknown symbol qq/);
+});
+
 test('commands, help and lists', () => {
   assert.equal(faccia([]).status, 2);
   assert.equal(faccia(['sing']).status, 2);
-  for (const args of [['--help'], ['say', '--help'], ['voices', '--help'], ['models', '--help'], ['--version']]) {
+  for (const args of [['--help'], ['say', '--help'], ['voices', '--help'], ['models', '--help'], ['timed', '--help'], ['--version']]) {
     const { status, stdout } = faccia(args);
     assert.equal(status, 0);
     assert.ok(stdout.length > 5);
