@@ -39,26 +39,53 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
+/** A second of a film, and a fourth mode that shows it, as somebody would add the films of a real speaker. */
+async function addFilm() {
+  const film = await page.evaluate(async () => {
+    const canvas = document.createElement('canvas');
+    const context = canvas.getContext('2d');
+    const recorder = new MediaRecorder(canvas.captureStream(25), { mimeType: 'video/webm' });
+    const parts = [];
+    recorder.ondataavailable = (event) => parts.push(event.data);
+    const timer = setInterval(() => context.fillRect(Math.random() * 200, 0, 20, 99), 40);
+    recorder.start();
+    await new Promise((resolve) => setTimeout(resolve, 1000));
+    recorder.stop();
+    await new Promise((resolve) => (recorder.onstop = resolve));
+    clearInterval(timer);
+    return Array.from(new Uint8Array(await new Blob(parts).arrayBuffer()));
+  });
+  fs.writeFileSync(path.join(kit, 'film.webm'), Buffer.from(film));
+  const place = /(<script type="application\/json" id="data">)(.*?)(<\/script>)/s;
+  const html = fs.readFileSync(path.join(kit, 'index.html'), 'utf8');
+  const data = JSON.parse(html.match(place)[2]);
+  data.modes.push({ name: 'film', kind: 'video' });
+  for (const trial of data.trials.filter(({ mode }) => mode === 'audio')) data.trials.push({ ...trial, mode: 'film', video: 'film.webm' });
+  fs.writeFileSync(path.join(kit, 'index.html'), html.replace(place, (_, open, old, close) => open + JSON.stringify(data) + close));
+}
+
 /** Watches the lips' gap in FAP units while a word is heard, until it can be confirmed. */
 const watch = () => page.evaluate(async ([upper, lower]) => {
   const face = document.querySelector('talking-head');
   const button = document.querySelector('#answer button');
   const gaps = [];
+  const video = document.querySelector('video');
   document.querySelector('#answer input[value="papa"]').click();
   while (button.disabled) {
     const values = face.debug().fapValues;
     gaps.push(-(values[upper] + values[lower]));
     await new Promise((resolve) => setTimeout(resolve, 15));
   }
-  return { gaps, seen: !face.classList.contains('away') };
+  return { gaps, seen: !face.classList.contains('away'), filmed: !video.classList.contains('away') && video.currentTime > 0 };
 }, [UPPER, LOWER]);
 
 test('a listener goes through all blocks, and the answers are analysed', async () => {
+  await addFilm();
   await page.goto(`file://${kit}/index.html?quality=low`);
   await page.fill('[name="listener"]', 'Anna, 1');
   await page.click('#welcome button');
   const watched = [];
-  for (let block = 0; block < 3; block++) {
+  for (let block = 0; block < 4; block++) {
     await page.waitForSelector('#pause button', { timeout: 90000 });
     await page.click('#pause button');
     for (let trial = 0; trial < 2; trial++) {
@@ -78,21 +105,22 @@ test('a listener goes through all blocks, and the answers are analysed', async (
 
   const [head, ...rows] = fs.readFileSync(file, 'utf8').trim().split('\r\n');
   assert.equal(head, 'listener,block,trial,mode,snr,item,answer,correct,seconds');
-  assert.equal(rows.length, 6);
+  assert.equal(rows.length, 8);
   const fields = rows.map((row) => row.match(/^"Anna, 1",(\d),(\d),(\w+),-12,(\w+),papa,([01]),[\d.]+$/));
   for (const [i, [, block, , mode, item, correct]] of fields.entries()) {
     assert.equal(Number(block), Math.floor(i / 2) + 1);
     assert.equal(correct === '1', item === 'papa');
-    assert.equal(watched[i].seen, mode !== 'audio');
+    assert.equal(watched[i].seen, mode === 'dominance' || mode === 'still');
+    assert.equal(watched[i].filmed, mode === 'film');
     if (mode !== 'dominance') assert.ok(Math.max(...watched[i].gaps) <= 0, 'the face kept still');
   }
   // whatever the speed at which the face is drawn here, over two words it was seen open
   assert.ok(Math.max(...watched.flatMap(({ gaps }) => gaps)) > 60, 'the mouth opened');
   const modes = fields.map((field) => field[3]);
-  assert.deepEqual([...new Set(modes)].sort(), ['audio', 'dominance', 'still']);
+  assert.deepEqual([...new Set(modes)].sort(), ['audio', 'dominance', 'film', 'still']);
 
   fs.writeFileSync(path.join(folder, 'other.csv'), fs.readFileSync(file, 'utf8').replaceAll('Anna', 'Bea').replace(/,1,([\d.]+\r\n)/, ',0,$1'));
   const { status, stdout } = faccia('anova', '--csv', file, '--csv', path.join(folder, 'other.csv'));
   assert.equal(status, 0);
-  assert.match(stdout, /-12 {2}all +2 {4}3 /);
+  assert.match(stdout, /-12 {2}all +3 {4}4 /);
 });
