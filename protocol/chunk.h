@@ -24,22 +24,24 @@ struct chunk {
     uint32_t sample_rate;  /* Hz */
     uint16_t fps_hundreds; /* frame rate * 100 */
     uint16_t frame_count;
-    uint32_t start;       /* first sample, counted from the utterance's beginning */
-    uint32_t samples;     /* duration */
-    uint32_t first_frame; /* number of the first frame; frame k stands at sample k*100*sample_rate/fps_hundreds */
+    uint32_t start;   /* first sample, counted from the utterance's beginning */
+    uint32_t samples; /* duration */
+    uint32_t
+        first_frame; /* number of the first frame; frame k stands at sample k*100*sample_rate/fps_hundreds */
     uint32_t audio_bytes;
     const uint8_t *audio; /* borrowed */
 };
 
-/* Writes header, audio and the frames (chunk->frame_count of them, codec chunk->fap_codec) to out. What the mask of a
- * frame leaves out counts as 0. Values are not compared with the FAPs' ranges. Returns the number of bytes, or 0 when cap is too small or a field is out of range.
- * cap = CHUNK_HEADER_BYTES + audio_bytes + frame_count * CHUNK_FRAME_BYTES_MAX always suffices. */
+/* Writes header, audio and the frames (chunk->frame_count of them, codec chunk->fap_codec) to out. What the
+ * mask of a frame leaves out counts as 0. Values are not compared with the FAPs' ranges. Returns the number
+ * of bytes, or 0 when cap is too small or a field is out of range. cap = CHUNK_HEADER_BYTES + audio_bytes +
+ * frame_count * CHUNK_FRAME_BYTES_MAX always suffices. */
 size_t chunk_encode(const struct chunk *chunk, const struct fap_frame *frames, uint8_t *out, size_t cap);
 
-/* Reads the header, points chunk->audio into data, and checks all frames; the first frame_cap of them go to frames, with
- * every FAP in their masks. Returns NULL, or a static sentence that says what is wrong; *error_at is then the byte where,
- * and *chunk and frames mean nothing. Values may be outside the FAPs' ranges: see fap_clamp. start + samples and
- * first_frame + frame_count may exceed 32 bits. */
+/* Reads the header, points chunk->audio into data, and checks all frames; the first frame_cap of them go to
+ * frames, with every FAP in their masks. Returns NULL, or a static sentence that says what is wrong;
+ * *error_at is then the byte where, and *chunk and frames mean nothing. Values may be outside the FAPs'
+ * ranges: see fap_clamp. start + samples and first_frame + frame_count may exceed 32 bits. */
 const char *chunk_decode(const uint8_t *data, size_t size, struct chunk *chunk, struct fap_frame *frames,
                          size_t frame_cap, size_t *error_at);
 

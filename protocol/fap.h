@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 /* The 68 face animation parameters of MPEG-4 (ISO/IEC 14496-2, annex C) and one frame of their values.
- * FAPs are numbered 1..68 as in the standard; every array here is indexed by that number, entry 0 is unused. */
+ * FAPs are numbered 1..68 as in the standard; every array here is indexed by that number, entry 0 is unused.
+ */
 #ifndef FACCIA_PROTOCOL_FAP_H
 #define FACCIA_PROTOCOL_FAP_H
 
@@ -14,7 +15,15 @@ enum {
 
 /* Face animation parameter units. A value v of a FAP in a length unit means v * UNIT / 1024, where UNIT is
  * the distance measured on the neutral face; in AU it means v * 1e-5 rad. */
-enum fap_unit { FAP_UNIT_NONE, FAP_UNIT_IRISD, FAP_UNIT_ES, FAP_UNIT_ENS, FAP_UNIT_MNS, FAP_UNIT_MW, FAP_UNIT_AU };
+enum fap_unit {
+    FAP_UNIT_NONE,
+    FAP_UNIT_IRISD,
+    FAP_UNIT_ES,
+    FAP_UNIT_ENS,
+    FAP_UNIT_MNS,
+    FAP_UNIT_MW,
+    FAP_UNIT_AU
+};
 
 struct fap_info {
     const char *name;      /* "open_jaw" */

@@ -30,12 +30,12 @@ need_packages() {
         die "apt-get could not install$missing"
 }
 
-# need_node: Node.js 18 or newer, with npm.
+# need_node: Node.js 18.20 or newer (Debian 12 has 18.20), with npm.
 need_node() {
     command -v node >/dev/null || need_packages nodejs
     command -v npm >/dev/null || need_packages npm
-    node -e 'process.exit(parseInt(process.versions.node) < 18)' ||
-        die "Node.js 18 or newer is wanted, this is $(node --version); install Debian's nodejs"
+    node -e 'const [a, b] = process.versions.node.split("."); process.exit(a > 18 || (a == 18 && b >= 20) ? 0 : 1)' ||
+        die "Node.js 18.20 or newer is wanted, this is $(node --version); install Debian's nodejs"
 }
 
 # need_modules FOLDER: the npm packages that its package-lock.json names. npm leaves a copy of the lock when it is done.

@@ -36,7 +36,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
 sh "$root/server/run.sh" --build-only
-need_packages libcmocka-dev chromium espeak-ng libsndfile1-dev
+need_packages libcmocka-dev chromium espeak-ng librsvg2-bin witalian wbrazilian wamerican hunspell-tr
 need_modules "$root/tests"
 
 # The daemon is tested with the sanitizers built in; the browser, which needs speed, with the ordinary build.

@@ -11,9 +11,12 @@ if (!file) {
   process.exit(2);
 }
 const head = unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
-const problems = Object.entries(check).filter(([name]) => name.startsWith('check')).flatMap(([, run]) => run(head));
+const problems = Object.entries(check)
+  .filter(([name]) => name.startsWith('check'))
+  .flatMap(([, run]) => run(head));
 const packed = `${file}.gz`;
-if (fs.existsSync(packed) && fs.statSync(packed).size > check.MOST_BYTES) problems.push(`${packed} has more than ${check.MOST_BYTES} bytes`);
+if (fs.existsSync(packed) && fs.statSync(packed).size > check.MOST_BYTES)
+  problems.push(`${packed} has more than ${check.MOST_BYTES} bytes`);
 for (const p of problems) console.log(p);
 console.log(problems.length ? `${problems.length} problems` : `${head.name}: as it should be`);
 process.exit(problems.length ? 1 : 0);

@@ -1,7 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/cli.h"
+#include "server/base/mem.h"
+#include <errno.h>
+#include <getopt.h>
 #include <stdarg.h>
-#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
 
 void cli_complain(const char *format, ...) {
     va_list args;
@@ -47,4 +51,63 @@ void cli_close(struct cli *cli) {
     uv_loop_close(&cli->loop);
     speech_packs_free(&cli->packs);
     paths_free(&cli->paths);
+}
+
+int cli_read(const char *path, struct buf *text) {
+    FILE *file = !strcmp(path, "-") ? stdin : fopen(path, "rb");
+    size_t got = 1;
+    while (file && got) {
+        got = fread(buf_reserve(text, 65536), 1, 65536, file);
+        text->size += got;
+    }
+    int failed = !file || ferror(file);
+    if (failed)
+        cli_complain("%s: %s", path, strerror(errno));
+    if (file && file != stdin)
+        fclose(file);
+    return failed ? -1 : 0;
+}
+
+FILE *cli_create(const char *path) {
+    FILE *file = !strcmp(path, "-") ? stdout : fopen(path, "wb");
+    if (!file)
+        cli_complain("%s: %s", path, strerror(errno));
+    return file;
+}
+
+int cli_finish(FILE *file, const char *path) {
+    bool failed = ferror(file);
+    failed |= (file == stdout ? fflush(file) : fclose(file)) != 0;
+    if (failed)
+        cli_complain("%s: %s", path, strerror(errno));
+    return failed ? -1 : 0;
+}
+
+int cli_text(int argc, char **argv, const char *path, struct buf *text) {
+    if (!path && optind + 1 == argc && !strcmp(argv[optind], "-"))
+        path = argv[optind++];
+    if (!path == (optind == argc)) {
+        cli_complain(path ? "unexpected '%s': the text is in a file"
+                          : "no text: give it, a --file, or - for standard input",
+                     argv[optind]);
+        return EXIT_USAGE;
+    }
+    if (path && cli_read(path, text))
+        return EXIT_FAILED;
+    for (int i = optind; i < argc; i++)
+        buf_printf(text, "%s%s", i > optind ? " " : "", argv[i]);
+    return -1;
+}
+
+int cli_try_engine(const struct cli *cli, const struct speech_request *request, const char *engine,
+                   struct error *e) {
+    static const struct speech_callbacks none;
+    struct speech_request copy;
+    request_copy(&copy, request);
+    free(copy.engine);
+    copy.engine = mem_strdup(engine);
+    struct speech *speech = speech_open(&cli->studio, &copy, &none, NULL, e);
+    request_free(&copy);
+    speech_free(speech);
+    return speech ? 0 : -1;
 }

@@ -5,20 +5,25 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char usage[] =
-    "Usage: faccia COMMAND [ARGUMENT]...\n"
-    "\n"
-    "  say      speak a text: its sound, its face animation, its timing\n"
-    "  voices   list the voices\n"
-    "  models   list the head models\n"
-    "  timed    the face for recorded speech, from a timed transcription\n"
-    "\n"
-    "'faccia COMMAND --help' tells more. The daemon is facciad.\n";
+static const char usage[] = "Usage: faccia COMMAND [ARGUMENT]...\n"
+                            "\n"
+                            "  say      speak a text: its sound, its face animation, its timing\n"
+                            "  voices   list the voices\n"
+                            "  models   list the head models\n"
+                            "  eval     measure how well the lips can be read, engine by engine\n"
+                            "  stimuli  make a listening test: speech in noise, with and without a face\n"
+                            "  anova    analyse the results of such a test\n"
+                            "  timed    the face for recorded speech, from a timed transcription\n"
+                            "\n"
+                            "'faccia COMMAND --help' tells more. The daemon is facciad.\n";
 
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
-} commands[] = {{"say", say_main}, {"voices", voices_main}, {"models", models_main}, {"timed", timed_main}};
+} commands[] = {
+    {"say", say_main},         {"voices", voices_main}, {"models", models_main}, {"eval", eval_main},
+    {"stimuli", stimuli_main}, {"anova", anova_main},   {"timed", timed_main},
+};
 
 int main(int argc, char **argv) {
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error like any other */

@@ -60,7 +60,21 @@ static void replace(char **path, const char *with) {
 }
 
 static void parse(int argc, char **argv, struct daemon_options *o, struct paths *paths) {
-    enum { HOST = 256, PORT, REMOTE, LANG, WORKERS, TEXT, MESSAGE, QUEUE, CONNECTIONS, MODELS, WEB, PLUGINS, VERSION };
+    enum {
+        HOST = 256,
+        PORT,
+        REMOTE,
+        LANG,
+        WORKERS,
+        TEXT,
+        MESSAGE,
+        QUEUE,
+        CONNECTIONS,
+        MODELS,
+        WEB,
+        PLUGINS,
+        VERSION
+    };
     static const struct option options[] = {
         {"host", 1, NULL, HOST},
         {"port", 1, NULL, PORT},

@@ -64,9 +64,10 @@ int voices_main(int argc, char **argv) {
         if (lang && !matches(v[i].lang, lang))
             continue;
         if (json)
-            json_array_append_new(list, json_pack("{ss ss ss ss ss ss ss}", "id", v[i].id, "name", v[i].name, "lang",
-                                                  v[i].lang, "gender", v[i].gender, "quality", v[i].quality, "licence",
-                                                  v[i].licence, "plugin", v[i].plugin));
+            json_array_append_new(list,
+                                  json_pack("{ss ss ss ss ss ss ss}", "id", v[i].id, "name", v[i].name,
+                                            "lang", v[i].lang, "gender", v[i].gender, "quality", v[i].quality,
+                                            "licence", v[i].licence, "plugin", v[i].plugin));
         else
             printf("%-24s %-10s %-8s %-9s %s\n", v[i].id, v[i].lang, v[i].gender, v[i].quality, v[i].name);
     }
@@ -99,8 +100,9 @@ int models_main(int argc, char **argv) {
             const char *title = json_string_value(json_object_get(head, "title"));
             stat(found.gl_pathv[i], &info);
             if (name)
-                json_array_append_new(list, json_pack("{ss ss sI}", "name", name, "title", title ? title : name, "bytes",
-                                                      (json_int_t)info.st_size));
+                json_array_append_new(list,
+                                      json_pack("{ss ss sI}", "name", name, "title", title ? title : name,
+                                                "bytes", (json_int_t)info.st_size));
             else
                 cli_complain("%s: %s", found.gl_pathv[i], head ? "not a head model" : why.text);
             json_decref(head);

@@ -12,7 +12,8 @@
 
 static const char usage[] =
     "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
-    "Speaks TEXT, a file, or standard input (-). Without --wav, --fap or --json the timing goes to standard output.\n"
+    "Speaks TEXT, a file, or standard input (-). Without --wav, --fap or --json the timing goes to standard "
+    "output.\n"
     "\n"
     "  -l, --lang TAG       it, pt-BR, tr, en (it)\n"
     "  -v, --voice ID       a voice that 'faccia voices' lists\n"
@@ -140,28 +141,13 @@ static void close_outputs(struct say *s) {
     }
 }
 
-static int read_text(const char *path, struct buf *text) {
-    FILE *file = !strcmp(path, "-") ? stdin : fopen(path, "rb");
-    size_t got = 1;
-    while (file && got) {
-        got = fread(buf_reserve(text, 65536), 1, 65536, file);
-        text->size += got;
-    }
-    int failed = !file || ferror(file);
-    if (failed)
-        cli_complain("%s: %s", path, strerror(errno));
-    if (file && file != stdin)
-        fclose(file);
-    return failed ? -1 : 0;
-}
-
 /* The exit code, or -1 to go on. */
 static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
     static const struct option options[] = {
-        {"lang", 1, NULL, 'l'},   {"voice", 1, NULL, 'v'}, {"rate", 1, NULL, 'r'},   {"pitch", 1, NULL, 1},
-        {"volume", 1, NULL, 1},   {"fps", 1, NULL, 1},     {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},
-        {"seed", 1, NULL, 1},     {"still", 0, NULL, 1},   {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},
-        {"fap", 1, NULL, 'F'},    {"json", 1, NULL, 'J'},  {"help", 0, NULL, 'h'},   {0},
+        {"lang", 1, NULL, 'l'}, {"voice", 1, NULL, 'v'}, {"rate", 1, NULL, 'r'},   {"pitch", 1, NULL, 1},
+        {"volume", 1, NULL, 1}, {"fps", 1, NULL, 1},     {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},
+        {"seed", 1, NULL, 1},   {"still", 0, NULL, 1},   {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},
+        {"fap", 1, NULL, 'F'},  {"json", 1, NULL, 'J'},  {"help", 0, NULL, 'h'},   {0},
     };
     const char *path = NULL;
     struct error e;
@@ -198,18 +184,11 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         }
         }
     }
-    if (!path && optind + 1 == argc && !strcmp(argv[optind], "-"))
-        path = argv[optind++];
-    if (!path == (optind == argc)) {
-        cli_complain(path ? "unexpected '%s': the text is in a file" : "no text: give it, a --file, or - for standard input",
-                     argv[optind]);
-        return EXIT_USAGE;
-    }
-    if (path && read_text(path, text))
-        return EXIT_FAILED;
-    for (int i = optind; i < argc; i++)
-        buf_printf(text, "%s%s", i > optind ? " " : "", argv[i]);
-    request_set(request, "text", (struct request_value){REQUEST_STRING, text->size ? (char *)text->data : "", text->size, 0},
+    int status = cli_text(argc, argv, path, text);
+    if (status >= 0)
+        return status;
+    request_set(request, "text",
+                (struct request_value){REQUEST_STRING, text->size ? (char *)text->data : "", text->size, 0},
                 &e);
     return -1;
 }

@@ -37,6 +37,8 @@ void buf_printf(struct buf *b, const char *format, ...) {
 }
 
 void buf_consume(struct buf *b, size_t size) {
+    if (!size)
+        return;
     b->size -= size;
     memmove(b->data, b->data + size, b->size);
 }

@@ -18,7 +18,8 @@ struct error {
 };
 
 /* Fill *e; return -1 so that a caller can `return error_set(...)`. */
-int error_set(struct error *e, const char *code, const char *format, ...) __attribute__((format(printf, 3, 4)));
+int error_set(struct error *e, const char *code, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 int error_at_byte(struct error *e, const char *code, size_t byte, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 int error_at_line(struct error *e, const char *code, size_t line, size_t column, const char *format, ...)

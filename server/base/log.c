@@ -4,7 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* One write per line, so that lines of several processes do not mix. The priority prefix is for journald alone. */
+/* One write per line, so that lines of several processes do not mix. The priority prefix is for journald
+ * alone. */
 static void line(int priority, const char *word, const char *format, va_list args) {
     char text[1024], out[1200];
     vsnprintf(text, sizeof text, format, args);

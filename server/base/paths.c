@@ -28,10 +28,11 @@ void paths_find(struct paths *paths) {
     program[length < 0 ? 0 : length] = '\0';
     const char *folder = dirname(program);
     /* build tree (build/server/app/PROGRAM), then an installed prefix (bin/PROGRAM) */
-    paths->models = find("FACCIA_MODELS", folder, (const char *const[]){"../../models", "../share/faccia/models", NULL});
+    paths->models =
+        find("FACCIA_MODELS", folder, (const char *const[]){"../../models", "../share/faccia/models", NULL});
     paths->web = find("FACCIA_WEB", folder, (const char *const[]){"../../web", "../share/faccia/web", NULL});
-    paths->plugins = find("FACCIA_PLUGINS", folder,
-                          (const char *const[]){"../plugins", "../lib/faccia/plugins", NULL});
+    paths->plugins =
+        find("FACCIA_PLUGINS", folder, (const char *const[]){"../plugins", "../lib/faccia/plugins", NULL});
     paths->worker = find("FACCIA_WORKER", folder,
                          (const char *const[]){"../voice/faccia-voice", "../lib/faccia/faccia-voice", NULL});
 }

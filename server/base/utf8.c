@@ -16,7 +16,8 @@ size_t utf8_next(const char *s, size_t n, uint32_t *cp) {
             return 0;
         c = c << 6 | (u[i] & 0x3F);
     }
-    if ((length == 3 && c < 0x800) || (length == 4 && c < 0x10000) || c > 0x10FFFF || (c >= 0xD800 && c < 0xE000))
+    if ((length == 3 && c < 0x800) || (length == 4 && c < 0x10000) || c > 0x10FFFF ||
+        (c >= 0xD800 && c < 0xE000))
         return 0;
     *cp = c;
     return length;

@@ -6,7 +6,8 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Decodes the character at s (n > 0 bytes). Returns its length 1..4 and the code point in *cp, or 0 when it is malformed. */
+/* Decodes the character at s (n > 0 bytes). Returns its length 1..4 and the code point in *cp, or 0 when it
+ * is malformed. */
 size_t utf8_next(const char *s, size_t n, uint32_t *cp);
 
 /* Writes cp to out (4 bytes) and returns the length, 0 when cp is no character. */
@@ -15,8 +16,8 @@ size_t utf8_put(uint32_t cp, char *out);
 /* Offset of the first malformed byte, or n when all is well. */
 size_t utf8_check(const char *s, size_t n);
 
-/* Converts byte offsets of one well-formed text to offsets in UTF-16 units. Remembers where it was: offsets that mostly rise cost a
- * single pass over the text. Begins zeroed. */
+/* Converts byte offsets of one well-formed text to offsets in UTF-16 units. Remembers where it was: offsets
+ * that mostly rise cost a single pass over the text. Begins zeroed. */
 struct utf16_counter {
     size_t bytes, units;
 };

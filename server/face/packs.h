@@ -10,12 +10,13 @@ struct speech_packs {
     size_t count, cap;
 };
 
-/* Loads every *.json of the folder. -1 with *e (code "bad-pack") when one is broken or there is none; the message names the file. */
+/* Loads every *.json of the folder. -1 with *e (code "bad-pack") when one is broken or there is none; the
+ * message names the file. */
 int speech_packs_load(struct speech_packs *packs, const char *folder, struct error *e);
 void speech_packs_free(struct speech_packs *packs);
 
-/* The pack for a BCP 47 tag, compared without regard to case: the same tag, else the same language ("it-CH" and "pt" find "it" and
- * "pt-BR"), else NULL. */
+/* The pack for a BCP 47 tag, compared without regard to case: the same tag, else the same language ("it-CH"
+ * and "pt" find "it" and "pt-BR"), else NULL. */
 const struct speech_pack *speech_packs_find(const struct speech_packs *packs, const char *lang);
 
 #endif

@@ -25,7 +25,8 @@ extern const struct markup_kind markup_kinds[];
 const struct markup_kind *markup_by_name(const char *name);
 const struct markup_kind *markup_by_content_type(const char *type);
 
-/* Reads UTF-8 text[0..size). NULL with *e: "bad-utf8", "nul" (byte), "empty-text", or what the reader says. */
+/* Reads UTF-8 text[0..size). NULL with *e: "bad-utf8", "nul" (byte), "empty-text", or what the reader says.
+ */
 struct score *markup_read(const struct markup_kind *kind, const char *text, size_t size,
                           const struct markup_rules *rules, struct error *e);
 

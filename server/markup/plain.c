@@ -23,12 +23,13 @@ static bool is_space(uint32_t c) {
 }
 
 static bool is_terminator(uint32_t c) {
-    return c == '.' || c == '?' || c == '!' || c == 0x2026 /* … */ || c == 0x061F || c == 0x0964 || c == 0x3002 ||
-           c == 0xFF01 || c == 0xFF1F;
+    return c == '.' || c == '?' || c == '!' || c == 0x2026 /* … */ || c == 0x061F || c == 0x0964 ||
+           c == 0x3002 || c == 0xFF01 || c == 0xFF1F;
 }
 
 static bool is_closing(uint32_t c) {
-    return c == '"' || c == '\'' || c == ')' || c == ']' || c == 0xBB || c == 0x2019 || c == 0x201D || c == 0x203A;
+    return c == '"' || c == '\'' || c == ')' || c == ']' || c == 0xBB || c == 0x2019 || c == 0x201D ||
+           c == 0x203A;
 }
 
 /* Lower-case letters of the Latin scripts that the languages here use. */

@@ -73,8 +73,8 @@ void score_end_sentence(struct score *score) {
     }
     if (first == score->item_count)
         return;
-    score->sentences = mem_grow(score->sentences, &score->sentence_cap, score->sentence_count + 1,
-                                sizeof *score->sentences);
+    score->sentences =
+        mem_grow(score->sentences, &score->sentence_cap, score->sentence_count + 1, sizeof *score->sentences);
     score->sentences[score->sentence_count++] = (struct score_sentence){
         .first = first,
         .count = score->item_count - first,

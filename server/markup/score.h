@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The score: what the markup stage hands to the voice stage. A list of items in reading order, cut into sentences;
- * every item knows which bytes of the input it came from. All strings belong to the score. */
+/* The score: what the markup stage hands to the voice stage. A list of items in reading order, cut into
+ * sentences; every item knows which bytes of the input it came from. All strings belong to the score. */
 #ifndef FACCIA_MARKUP_SCORE_H
 #define FACCIA_MARKUP_SCORE_H
 
@@ -36,10 +36,10 @@ struct score_style {
 
 struct score_item {
     enum score_kind kind;
-    size_t start, end;               /* bytes of the input */
-    const char *text;                /* SCORE_TEXT: UTF-8; SCORE_MARK: the name */
-    bool verbatim;                   /* text is exactly input[start..end), so offsets inside it map one to one */
-    double seconds;                  /* SCORE_BREAK */
+    size_t start, end; /* bytes of the input */
+    const char *text;  /* SCORE_TEXT: UTF-8; SCORE_MARK: the name */
+    bool verbatim;     /* text is exactly input[start..end), so offsets inside it map one to one */
+    double seconds;    /* SCORE_BREAK */
     const struct score_style *style; /* never NULL */
 };
 

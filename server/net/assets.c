@@ -15,11 +15,19 @@ enum { ASSET_BYTES_MAX = 64 << 20 };
 
 static const char *type_of(const char *path) {
     static const char *const types[][2] = {
-        {".html", "text/html; charset=utf-8"}, {".js", "text/javascript; charset=utf-8"},
-        {".mjs", "text/javascript; charset=utf-8"}, {".css", "text/css; charset=utf-8"},
-        {".json", "application/json"}, {".svg", "image/svg+xml"}, {".png", "image/png"},
-        {".ico", "image/x-icon"}, {".webp", "image/webp"}, {".woff2", "font/woff2"},
-        {".wasm", "application/wasm"}, {".map", "application/json"}, {".txt", "text/plain; charset=utf-8"},
+        {".html", "text/html; charset=utf-8"},
+        {".js", "text/javascript; charset=utf-8"},
+        {".mjs", "text/javascript; charset=utf-8"},
+        {".css", "text/css; charset=utf-8"},
+        {".json", "application/json"},
+        {".svg", "image/svg+xml"},
+        {".png", "image/png"},
+        {".ico", "image/x-icon"},
+        {".webp", "image/webp"},
+        {".woff2", "font/woff2"},
+        {".wasm", "application/wasm"},
+        {".map", "application/json"},
+        {".txt", "text/plain; charset=utf-8"},
     };
     const char *dot = strrchr(path, '.');
     for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)
@@ -74,8 +82,8 @@ static void pack(struct asset *a, const char *file) {
     }
 }
 
-static struct asset *add(struct assets *assets, const char *path, const char *type, const char *file, uint8_t *data,
-                         size_t size) {
+static struct asset *add(struct assets *assets, const char *path, const char *type, const char *file,
+                         uint8_t *data, size_t size) {
     struct asset *a = mem_alloc(sizeof *a);
     a->path = mem_strdup(path);
     a->type = type;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The files that the daemon serves, read at start and kept in memory, so that no request ever reaches the disk: the web client and the
- * head models. */
+/* The files that the daemon serves, read at start and kept in memory, so that no request ever reaches the
+ * disk: the web client and the head models. */
 #ifndef FACCIA_NET_ASSETS_H
 #define FACCIA_NET_ASSETS_H
 
@@ -36,8 +36,8 @@ struct assets {
     size_t model_count, model_cap;
 };
 
-/* Loads the web folder (flat; may be missing: then there is no page) and models/heads/NAME.json. A FILE.gz beside a
- * file is taken as its compressed form. -1 with *e when a head cannot be read. */
+/* Loads the web folder (flat; may be missing: then there is no page) and models/heads/NAME.json. A FILE.gz
+ * beside a file is taken as its compressed form. -1 with *e when a head cannot be read. */
 int assets_load(struct assets *assets, const char *web, const char *models, struct error *e);
 void assets_free(struct assets *assets);
 

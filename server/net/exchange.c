@@ -57,7 +57,8 @@ bool exchange_answered(const struct exchange *x) {
     return x->answered;
 }
 
-/* The response's head is built here; any of its functions may find it full, which no header of ours makes it. */
+/* The response's head is built here; any of its functions may find it full, which no header of ours makes it.
+ */
 struct head {
     struct lws *wsi;
     uint8_t bytes[LWS_PRE + HEAD_BYTES];
@@ -76,8 +77,9 @@ static void head_begin(struct head *h, struct exchange *x, unsigned status) {
 static void head_add(struct head *h, const char *name, const char *value) {
     char field[64];
     snprintf(field, sizeof field, "%s:", name);
-    h->failed |= lws_add_http_header_by_name(h->wsi, (const unsigned char *)field, (const unsigned char *)value,
-                                             (int)strlen(value), &h->at, h->end);
+    h->failed |=
+        lws_add_http_header_by_name(h->wsi, (const unsigned char *)field, (const unsigned char *)value,
+                                    (int)strlen(value), &h->at, h->end);
 }
 
 static void head_common(struct head *h, const char *type) {

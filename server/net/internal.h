@@ -52,7 +52,8 @@ int socket_receive(struct socket *socket, const char *data, size_t size);
 int socket_writeable(struct socket *socket);
 int socket_timer(struct socket *socket); /* -1: a client that takes nothing */
 
-/* exchange.c: one HTTP request and its answer. Every function returns what the libwebsockets callback has to return. */
+/* exchange.c: one HTTP request and its answer. Every function returns what the libwebsockets callback has to
+ * return. */
 struct exchange *exchange_open(struct net *net, struct lws *wsi);
 void exchange_close(struct exchange *x);
 int exchange_writeable(struct exchange *x);
@@ -63,7 +64,8 @@ bool exchange_done(const struct exchange *x);     /* all of it has been sent: cl
 int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size);
 int exchange_json(struct exchange *x, unsigned status, json_t *object); /* drops the object */
 int exchange_error(struct exchange *x, unsigned status, const struct error *e);
-int exchange_allow(struct exchange *x, unsigned status, const char *methods); /* an empty answer that names the methods */
+int exchange_allow(struct exchange *x, unsigned status,
+                   const char *methods); /* an empty answer that names the methods */
 
 /* An answer whose body lives as long as the net. */
 int exchange_asset(struct exchange *x, const struct asset *asset);

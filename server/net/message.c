@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/internal.h"
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -9,7 +10,7 @@ static int append(const char *text, size_t size, void *buf) {
 }
 
 void message_write(struct buf *out, json_t *object) {
-    json_dump_callback(object, append, out, JSON_COMPACT | JSON_REAL_PRECISION(7));
+    json_dump_callback(object, append, out, JSON_COMPACT | JSON_REAL_PRECISION(12));
     json_decref(object);
 }
 
@@ -36,7 +37,7 @@ static void set_string(json_t *object, const char *name, const char *value) {
 }
 
 static void set_seconds(json_t *object, const char *name, const struct stream_event *e, uint32_t samples) {
-    double seconds = e->sample_rate ? (double)samples / e->sample_rate : 0;
+    double seconds = e->sample_rate ? round((double)samples / e->sample_rate * 1e6) / 1e6 : 0;
     json_object_set_new_nocheck(object, name, json_real(seconds));
 }
 
@@ -73,8 +74,9 @@ static void set_time(json_t *object, const struct stream_event *e) {
 
 json_t *message_event(const struct stream_event *e, const char *stream) {
     static const char *const types[] = {
-        [STREAM_BEGIN] = "begin", [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word", [STREAM_MARK] = "mark",
-        [STREAM_WARNING] = "warning", [STREAM_ERROR] = "error", [STREAM_END] = "end",
+        [STREAM_BEGIN] = "begin", [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
+        [STREAM_MARK] = "mark",   [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
+        [STREAM_END] = "end",
     };
     json_t *object = json_object();
     set_string(object, "type", types[e->kind]);
@@ -84,7 +86,8 @@ json_t *message_event(const struct stream_event *e, const char *stream) {
     switch (e->kind) {
     case STREAM_BEGIN:
         set_int(object, "rate", e->sample_rate);
-        json_object_set_new(object, "fps", e->fps == (int)e->fps ? json_integer((int)e->fps) : json_real(e->fps));
+        json_object_set_new(object, "fps",
+                            e->fps == (int)e->fps ? json_integer((int)e->fps) : json_real(e->fps));
         set_string(object, "voice", e->voice);
         set_string(object, "lang", e->lang);
         set_string(object, "engine", e->engine);
@@ -128,31 +131,33 @@ json_t *message_voices(const struct net *net) {
     size_t count = 0;
     const struct voice *v = net->ready ? voice_pool_voices(net->studio->voices, &count) : NULL;
     for (size_t i = 0; i < count; i++)
-        json_array_append_new(voices, json_pack("{ss ss ss ss ss ss ss si}", "id", v[i].id, "name", v[i].name, "lang",
-                                                v[i].lang, "gender", v[i].gender, "quality", v[i].quality, "licence",
-                                                v[i].licence, "plugin", v[i].plugin, "rate", (int)v[i].sample_rate));
+        json_array_append_new(voices,
+                              json_pack("{ss ss ss ss ss ss ss si}", "id", v[i].id, "name", v[i].name, "lang",
+                                        v[i].lang, "gender", v[i].gender, "quality", v[i].quality, "licence",
+                                        v[i].licence, "plugin", v[i].plugin, "rate", (int)v[i].sample_rate));
     return voices;
 }
 
 json_t *message_health(const struct net *net) {
-    return json_pack("{ss ss si}", "status", net->ready ? "ok" : "starting", "server", "faccia/" FACCIA_VERSION,
-                     "connections", (int)net->connections);
+    return json_pack("{ss ss si}", "status", net->ready ? "ok" : "starting", "server",
+                     "faccia/" FACCIA_VERSION, "connections", (int)net->connections);
 }
 
 json_t *message_hello(const struct net *net, const char *stream) {
     json_t *languages = json_array(), *engines = json_array();
     const struct speech_packs *packs = net->studio->packs;
     for (size_t i = 0; i < packs->count; i++)
-        json_array_append_new(languages, json_pack("{ss ss}", "tag", speech_pack_lang(packs->packs[i]), "name",
-                                                   speech_pack_name(packs->packs[i])));
+        json_array_append_new(languages, json_pack("{ss ss}", "tag", speech_pack_lang(packs->packs[i]),
+                                                   "name", speech_pack_name(packs->packs[i])));
     for (const char *const *engine = face_engines(); *engine; engine++)
         json_array_append_new(engines, json_string(*engine));
     const struct net_options *o = &net->options;
-    return json_pack("{ss si ss ss si s[s] s[s] ss so so so s{si si si si}}", "type", "hello", "protocol", 1, "server",
-                     "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "pcm_s16le", "fap", "plain",
-                     "lang", net->studio->default_lang, "languages", languages, "engines", engines, "models",
-                     message_models(net), "limits", "text_bytes", (int)o->text_bytes, "message_bytes",
-                     (int)o->message_bytes, "queue", (int)o->queue, "connections", (int)o->connections);
+    return json_pack("{ss si ss ss si s[s] s[s] ss so so so s{si si si si}}", "type", "hello", "protocol", 1,
+                     "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "pcm_s16le",
+                     "fap", "plain", "lang", net->studio->default_lang, "languages", languages, "engines",
+                     engines, "models", message_models(net), "limits", "text_bytes", (int)o->text_bytes,
+                     "message_bytes", (int)o->message_bytes, "queue", (int)o->queue, "connections",
+                     (int)o->connections);
 }
 
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {

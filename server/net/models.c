@@ -20,8 +20,8 @@ int model_split(struct model *m, const char *file, struct error *e) {
     const char *name = json_string_value(json_object_get(head, "name"));
     const char *title = json_string_value(json_object_get(head, "title"));
     const char *base = strrchr(m->asset->path, '/') + 1;
-    if (!head || !format || strcmp(format, "faccia-head") || !name || strcmp(name, base) || !json_is_array(parts) ||
-        !json_is_object(textures)) {
+    if (!head || !format || strcmp(format, "faccia-head") || !name || strcmp(name, base) ||
+        !json_is_array(parts) || !json_is_object(textures)) {
         json_decref(head);
         return error_set(e, "bad-model", "%s: %s", file,
                          head ? "not a faccia-head of that name with parts and textures" : why.text);

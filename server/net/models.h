@@ -5,7 +5,8 @@
 
 #include "server/net/assets.h"
 
-/* Fills name, title and parts from the asset's JSON. -1 with *e "bad-model" when it is no head model; file is for the message. */
+/* Fills name, title and parts from the asset's JSON. -1 with *e "bad-model" when it is no head model; file is
+ * for the message. */
 int model_split(struct model *model, const char *file, struct error *e);
 void model_free(struct model *model);
 

@@ -129,7 +129,8 @@ static bool is_loopback(const char *host) {
         if (a->ai_family == AF_INET)
             loopback &= ntohl(((struct sockaddr_in *)a->ai_addr)->sin_addr.s_addr) >> 24 == 127;
         else
-            loopback &= a->ai_family == AF_INET6 && IN6_IS_ADDR_LOOPBACK(&((struct sockaddr_in6 *)a->ai_addr)->sin6_addr);
+            loopback &= a->ai_family == AF_INET6 &&
+                        IN6_IS_ADDR_LOOPBACK(&((struct sockaddr_in6 *)a->ai_addr)->sin6_addr);
     }
     freeaddrinfo(list);
     return loopback;
@@ -157,7 +158,8 @@ static int listen_on(struct net *net, struct error *e) {
         .iface = net->options.host,
         .protocols = protocols,
         .foreign_loops = loops,
-        .options = LWS_SERVER_OPTION_LIBUV | LWS_SERVER_OPTION_EXPLICIT_VHOSTS | LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND,
+        .options = LWS_SERVER_OPTION_LIBUV | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
+                   LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND,
         .user = net,
         .retry_and_idle_policy = &idle,
         .keepalive_timeout = 30,
@@ -168,8 +170,8 @@ static int listen_on(struct net *net, struct error *e) {
     net->context = lws_create_context(&info);
     net->vhost = net->context ? lws_create_vhost(net->context, &info) : NULL;
     if (!net->vhost)
-        return error_set(e, "listen", "cannot listen on %s port %d (is another program there?)", net->options.host,
-                         net->options.port);
+        return error_set(e, "listen", "cannot listen on %s port %d (is another program there?)",
+                         net->options.host, net->options.port);
     return 0;
 }
 
@@ -204,7 +206,8 @@ void net_close(struct net *net) {
         lws_context_destroy(net->context);
 }
 
-/* libwebsockets on libuv is destroyed in two steps: the second frees, once the loop has closed its handles. */
+/* libwebsockets on libuv is destroyed in two steps: the second frees, once the loop has closed its handles.
+ */
 void net_free(struct net *net) {
     if (net->context)
         lws_context_destroy(net->context);

@@ -7,24 +7,25 @@
 
 /* Every limit stands beside its default; protocol/README.md tells the clients. */
 struct net_options {
-    const char *host;          /* address to listen on; "127.0.0.1" */
-    int port;                  /* 8080; 0 = any free one */
-    bool remote;               /* allow a host that is not loopback; false */
-    const char *web, *models;  /* folders */
-    unsigned text_bytes;       /* longest text of one speak or POST; 100000 */
-    unsigned message_bytes;    /* longest message of a client; 262144 */
-    unsigned queue;            /* utterances that wait on one stream; 32 */
-    unsigned connections;      /* open connections; 1000 */
-    unsigned send_bytes;       /* unsent bytes at which media to one client wait; 262144 */
-    unsigned send_bytes_max;   /* unsent bytes at which the client is closed as too slow; 4194304 */
-    unsigned stall_seconds;    /* a client that takes nothing for so long while bytes wait is closed; 10 */
+    const char *host;         /* address to listen on; "127.0.0.1" */
+    int port;                 /* 8080; 0 = any free one */
+    bool remote;              /* allow a host that is not loopback; false */
+    const char *web, *models; /* folders */
+    unsigned text_bytes;      /* longest text of one speak or POST; 100000 */
+    unsigned message_bytes;   /* longest message of a client; 262144 */
+    unsigned queue;           /* utterances that wait on one stream; 32 */
+    unsigned connections;     /* open connections; 1000 */
+    unsigned send_bytes;      /* unsent bytes at which media to one client wait; 262144 */
+    unsigned send_bytes_max;  /* unsent bytes at which the client is closed as too slow; 4194304 */
+    unsigned stall_seconds;   /* a client that takes nothing for so long while bytes wait is closed; 10 */
 };
 
 extern const struct net_options net_defaults;
 
 struct net;
 
-/* Listens at once. NULL with *e: "bad-field" (host not loopback without remote), "listen" or what assets_load says. */
+/* Listens at once. NULL with *e: "bad-field" (host not loopback without remote), "listen" or what assets_load
+ * says. */
 struct net *net_open(const struct studio *studio, const struct net_options *options, struct error *e);
 int net_port(const struct net *net);
 

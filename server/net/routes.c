@@ -16,11 +16,8 @@ static const struct route {
     json_t *(*get)(const struct net *net);
     int (*post)(struct exchange *x);
 } routes[] = {
-    {"/healthz", message_health, NULL},
-    {"/v1/voices", voices, NULL},
-    {"/v1/models", models, NULL},
-    {"/v1/speech", NULL, speech_post},
-    {"/v1/stream", NULL, NULL},
+    {"/healthz", message_health, NULL}, {"/v1/voices", voices, NULL}, {"/v1/models", models, NULL},
+    {"/v1/speech", NULL, speech_post},  {"/v1/stream", NULL, NULL},
 };
 
 static const struct route *find(const char *path) {

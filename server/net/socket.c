@@ -23,10 +23,10 @@ struct socket {
     bool too_long;                  /* its rest is being dropped */
     struct outgoing *first, **last;
     size_t unsent;
-    uint64_t progress; /* loop time of the last message that left, or of the first that waits, ms */
-    bool watching;     /* the timer is set */
-    bool deaf;         /* hears no more of one who does not listen, until he does */
-    bool doomed;       /* the client took nothing for too long */
+    uint64_t progress;         /* loop time of the last message that left, or of the first that waits, ms */
+    bool watching;             /* the timer is set */
+    bool deaf;                 /* hears no more of one who does not listen, until he does */
+    bool doomed;               /* the client took nothing for too long */
     const struct model *model; /* being sent, part by part */
     size_t model_part;
 };
@@ -167,9 +167,9 @@ static void push_model_part(struct socket *s) {
     const struct model *m = s->model;
     const struct model_part *part = &m->parts[s->model_part];
     struct buf text = {0};
-    message_write(&text, json_pack("{ss ss ss si si ss ss}", "type", "model", "name", m->name, "hash", m->asset->hash,
-                                   "index", (int)s->model_part, "count", (int)m->part_count, "kind", part->kind,
-                                   "part", part->name));
+    message_write(&text, json_pack("{ss ss ss si si ss ss}", "type", "model", "name", m->name, "hash",
+                                   m->asset->hash, "index", (int)s->model_part, "count", (int)m->part_count,
+                                   "kind", part->kind, "part", part->name));
     text.size--; /* the object goes on */
     buf_printf(&text, ",\"data\":");
     buf_add(&text, part->json, strlen(part->json));

@@ -25,6 +25,11 @@ static void release(struct post *p) {
         speech_release(p->speech);
 }
 
+static void pass_on(struct post *p) {
+    exchange_add(p->x, p->out.out.data, p->out.out.size);
+    buf_consume(&p->out.out, p->out.out.size);
+}
+
 static void on_scene(void *ctx, struct scene scene) {
     struct post *p = ctx;
     export_scene(&p->out, &scene);
@@ -33,8 +38,7 @@ static void on_scene(void *ctx, struct scene scene) {
         if (!p->begun)
             exchange_begin(p->x, p->out.format->content_type);
         p->begun = true;
-        exchange_add(p->x, p->out.out.data, p->out.out.size);
-        buf_consume(&p->out.out, p->out.out.size);
+        pass_on(p);
     }
     p->owed++;
     release(p);
@@ -54,10 +58,12 @@ static void on_finished(void *ctx, size_t spoken) {
         return;
     }
     export_end(&p->out);
-    if (p->begun)
+    if (p->begun) {
+        pass_on(p);
         exchange_end(p->x);
-    else
+    } else {
         exchange_answer(p->x, 200, p->out.format->content_type, p->out.out.data, p->out.out.size);
+    }
 }
 
 static int on_body(void *self, const void *data, size_t size) {
@@ -74,7 +80,8 @@ static int on_body(void *self, const void *data, size_t size) {
     return 0;
 }
 
-/* The query's part of the request, and the format. The status of the answer when something is wrong, else 0. */
+/* The query's part of the request, and the format. The status of the answer when something is wrong, else 0.
+ */
 static unsigned read_query(struct post *p, struct speech_request *request, struct error *e) {
     struct lws *wsi = exchange_wsi(p->x);
     char type[128] = "text/plain", name[32];
@@ -110,9 +117,10 @@ static int on_body_end(void *self) {
     request_init(&request);
     unsigned status = read_query(p, &request, &e);
     if (!status) {
-        request_set(&request, "text",
-                    (struct request_value){REQUEST_STRING, p->text.size ? (char *)p->text.data : "", p->text.size, 0},
-                    &e);
+        request_set(
+            &request, "text",
+            (struct request_value){REQUEST_STRING, p->text.size ? (char *)p->text.data : "", p->text.size, 0},
+            &e);
         p->speech = speech_open(net->studio, &request, &callbacks, p, &e);
         status = p->speech ? 0 : !strcmp(e.code, "voice-unavailable") ? 503 : 400;
     }

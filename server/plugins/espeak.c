@@ -9,6 +9,7 @@
 #include "server/voice/faccia-voice.h"
 #include <espeak-ng/speak_lib.h>
 #include <jansson.h>
+#include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -25,7 +26,9 @@ struct espeak {
     uint32_t sample_rate;
     atomic_bool cancelled;
     /* of the sentence that is spoken */
-    const struct faccia_sentence *sentence;
+    const struct faccia_sentence *sentence; /* without breaks at its ends */
+    uint32_t first_span;                    /* its first, in the whole sentence */
+    uint32_t lead;                          /* samples of silence before it */
     const struct faccia_sink *sink;
     bool stopped; /* by the sink or by cancel */
     int16_t *pcm;
@@ -56,17 +59,17 @@ static int take_transcription(const char *phonemes) {
 }
 
 static void take_event(struct espeak *self, const espeak_EVENT *event) {
-    uint32_t sample = event->sample > 0 ? (uint32_t)event->sample : 0;
+    uint32_t sample = self->lead + (event->sample > 0 ? (uint32_t)event->sample : 0);
     if (event->type == espeakEVENT_PHONEME && *event->id.string != '(') { /* "(fr)": a change of language */
         struct es_phone *p = es_phones_add(&self->phones);
         memcpy(p->symbol, event->id.string, sizeof event->id.string);
         p->start = sample;
         p->pause = *p->symbol == '_';
-    } else if (event->type == espeakEVENT_WORD && event->length > 0 && event->text_position > 0) {
+    } else if (event->type == espeakEVENT_WORD && event->text_position > 0) {
         struct es_words *words = &self->words;
         words->list = mem_grow(words->list, &words->cap, words->count + 1, sizeof *words->list);
-        words->list[words->count++] =
-            (struct es_word){.start = sample, .position = (size_t)event->text_position - 1};
+        words->list[words->count++] = (struct es_word){
+            .start = sample, .position = (size_t)event->text_position - 1, .empty = event->length == 0};
     } else if (event->type == espeakEVENT_MARK && event->id.name) {
         size_t span = strtoul(event->id.name, NULL, 10);
         if (span < self->sentence->span_count && self->sentence->spans[span].kind == FACCIA_SPAN_MARK)
@@ -74,15 +77,18 @@ static void take_event(struct espeak *self, const espeak_EVENT *event) {
     }
 }
 
+static void pass_on(struct espeak *self, const int16_t *samples, size_t count) {
+    self->pcm = mem_grow(self->pcm, &self->pcm_cap, self->pcm_count + count, sizeof *self->pcm);
+    memcpy(self->pcm + self->pcm_count, samples, count * sizeof *samples);
+    self->pcm_count += count;
+    self->stopped |= self->sink->audio(self->sink->ctx, samples, count, self->sample_rate) != 0;
+}
+
 /* Returns 1 to stop. */
 static int take_audio(short *samples, int count, espeak_EVENT *events) {
     struct espeak *self = events->user_data;
-    if (samples && count > 0) {
-        self->pcm = mem_grow(self->pcm, &self->pcm_cap, self->pcm_count + (size_t)count, sizeof *self->pcm);
-        memcpy(self->pcm + self->pcm_count, samples, (size_t)count * sizeof *samples);
-        self->pcm_count += (size_t)count;
-        self->stopped |= self->sink->audio(self->sink->ctx, samples, (size_t)count, self->sample_rate) != 0;
-    }
+    if (samples && count > 0)
+        pass_on(self, samples, (size_t)count);
     for (; events->type != espeakEVENT_LIST_TERMINATED; events++)
         take_event(self, events);
     self->stopped |= atomic_load(&self->cancelled);
@@ -117,7 +123,7 @@ static void report(struct espeak *self, const struct es_text *text) {
     }
     for (size_t i = 0; i < self->words.count && !self->stopped; i++) {
         const struct es_word *w = &self->words.list[i];
-        const struct faccia_word word = {w->span, w->offset, w->bytes, w->start, 0};
+        const struct faccia_word word = {self->first_span + w->span, w->offset, w->bytes, w->start, 0};
         if (w->bytes)
             self->stopped = sink->word(sink->ctx, &word) != 0;
     }
@@ -128,21 +134,46 @@ static void warn(void *ctx, const char *message) {
     sink->warning(sink->ctx, message);
 }
 
-static int es_speak(void *ctx, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
-                    char *message, size_t cap) {
-    struct espeak *self = ctx;
-    const struct es_voice *voice = es_voices_find(&self->voices, sentence->voice);
-    if (!voice) {
-        snprintf(message, cap, "espeak-ng has no voice \"%s\"", sentence->voice);
-        return -1;
+/* Breaks at the ends of a sentence: the engine would drop them. */
+static void speak_silence(struct espeak *self, const struct faccia_span *spans, size_t count) {
+    static const int16_t silence[4096];
+    for (size_t i = 0; i < count && !self->stopped; i++) {
+        double seconds = spans[i].kind == FACCIA_SPAN_BREAK && spans[i].seconds > 0 ? spans[i].seconds : 0;
+        size_t left = (size_t)(fmin(seconds, ES_BREAK_MAX) * self->sample_rate), part;
+        if (spans[i].kind == FACCIA_SPAN_MARK)
+            self->stopped |= self->sink->mark(self->sink->ctx, spans[i].text, self->pcm_count) != 0;
+        for (; left && !self->stopped; left -= part) {
+            part = left < sizeof silence / sizeof *silence ? left : sizeof silence / sizeof *silence;
+            pass_on(self, silence, part);
+            self->stopped |= atomic_load(&self->cancelled);
+        }
     }
+}
+
+/* The spans that the engine is given: without what ends in a break before the first text, or begins with one
+ * after the last. */
+static struct faccia_sentence inner_part(const struct faccia_sentence *sentence) {
+    const struct faccia_span *spans = sentence->spans;
+    size_t begin = 0, end = 0, text = 0, last = 0;
+    while (text < sentence->span_count && spans[text].kind != FACCIA_SPAN_TEXT)
+        text++;
+    for (size_t i = 0; i < sentence->span_count; i++) {
+        if (spans[i].kind == FACCIA_SPAN_BREAK && i < text)
+            begin = i + 1;
+        if (spans[i].kind == FACCIA_SPAN_TEXT)
+            last = i;
+    }
+    if (text == sentence->span_count)
+        return (struct faccia_sentence){sentence->voice, spans + text, 0};
+    for (end = last + 1; end < sentence->span_count && spans[end].kind != FACCIA_SPAN_BREAK;)
+        end++;
+    return (struct faccia_sentence){sentence->voice, spans + begin, end - begin};
+}
+
+/* Synthesises the inner part and reports it. */
+static espeak_ERROR speak_text(struct espeak *self, const struct es_voice *voice) {
     struct es_text text;
-    es_text_make(&text, sentence, voice, &self->voices, warn, (void *)sink);
-    atomic_store(&self->cancelled, false);
-    self->sentence = sentence;
-    self->sink = sink;
-    self->stopped = false;
-    self->pcm_count = self->phones.count = self->words.count = self->clause = 0;
+    es_text_make(&text, self->sentence, voice, &self->voices, warn, (void *)self->sink);
     set_up(self, voice, &text.prosody);
     unsigned flags = espeakCHARS_UTF8 | espeakENDPAUSE | (text.ssml ? espeakSSML : 0);
     espeak_ERROR result =
@@ -151,10 +182,35 @@ static int es_speak(void *ctx, const struct faccia_sentence *sentence, const str
     if (!self->stopped && result == EE_OK)
         report(self, &text);
     es_text_free(&text);
+    return result;
+}
+
+static int es_speak(void *ctx, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
+                    char *message, size_t cap) {
+    struct espeak *self = ctx;
+    const struct es_voice *voice = es_voices_find(&self->voices, sentence->voice);
+    const struct faccia_sentence inner = inner_part(sentence);
+    size_t first = (size_t)(inner.spans - sentence->spans), rest = first + inner.span_count;
+    espeak_ERROR result = EE_OK;
+    if (!voice) {
+        snprintf(message, cap, "espeak-ng has no voice \"%s\"", sentence->voice);
+        return -1;
+    }
+    atomic_store(&self->cancelled, false);
+    self->sentence = &inner;
+    self->first_span = (uint32_t)first;
+    self->sink = sink;
+    self->stopped = false;
+    self->pcm_count = self->phones.count = self->words.count = self->clause = 0;
+    speak_silence(self, sentence->spans, first);
+    self->lead = (uint32_t)self->pcm_count;
+    if (inner.span_count && !self->stopped)
+        result = speak_text(self, voice);
     if (result != EE_OK && !self->stopped) {
         snprintf(message, cap, "espeak-ng answered with error %d", (int)result);
         return -1;
     }
+    speak_silence(self, sentence->spans + rest, sentence->span_count - rest);
     return 0;
 }
 

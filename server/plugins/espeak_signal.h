@@ -10,8 +10,9 @@ struct es_audio {
     uint32_t count, rate;
 };
 
-/* Where the silence that ends at `end` begins, not before `from`. */
-uint32_t es_silence_start(const struct es_audio *audio, uint32_t from, uint32_t end);
+/* Where the silence that ends at `end` begins, not before `from`. Silence is what is weaker than the echo of
+ * the loudest sample in [heard, end); with heard = end, it is silence indeed. */
+uint32_t es_silence_start(const struct es_audio *audio, uint32_t from, uint32_t end, uint32_t heard);
 
 /* Where a nasal or liquid that began at `from` opens into its vowel, if the vowel was reported at `at`: the
  * engine reports it after the transition, by 10 to 30 ms too late. The opening is where the energy of the

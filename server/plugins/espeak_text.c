@@ -111,6 +111,17 @@ static const char *interpretation(const char *say_as) {
     return NULL;
 }
 
+/* Spelling characters of other scripts overruns a buffer in espeak-ng 1.51. */
+static bool can_be_spelled(const char *s) {
+    uint32_t c;
+    for (size_t length; *s; s += length) {
+        length = utf8_next(s, strnlen(s, 4), &c);
+        if (!length || c >= 0x530)
+            return false;
+    }
+    return true;
+}
+
 static const char *emphasis_level(uint32_t emphasis) {
     static const char *const levels[] = {NULL, "reduced", "none", "moderate", "strong"};
     return emphasis < sizeof levels / sizeof *levels ? levels[emphasis] : NULL;
@@ -127,8 +138,10 @@ static void add_span(const struct writer *w, uint32_t index, const struct faccia
     }
     if (s->phones)
         warn(w, "espeak-ng reads the text instead of the given phones");
+    if (as && !can_be_spelled(s->text))
+        as = NULL;
     if (s->say_as && !as)
-        warn(w, "espeak-ng cannot read as \"%s\"", s->say_as);
+        warn(w, "espeak-ng cannot read this as \"%s\"", s->say_as);
     struct es_prosody p = prosody_of(w, s);
     bool changed = !same_prosody(&p, &t->prosody);
     if (other)
@@ -136,7 +149,7 @@ static void add_span(const struct writer *w, uint32_t index, const struct faccia
     if (level)
         tag(t, "<emphasis level=\"%s\">", level);
     if (changed)
-        tag(t, "<prosody rate=\"%d%%\"", (p.rate * 100 + t->prosody.rate / 2) / t->prosody.rate);
+        tag(t, "<prosody rate=\"%d%%\"", p.rate * 100 / t->prosody.rate);
     if (changed && p.pitch != t->prosody.pitch)
         tag(t, " pitch=\"%d\"", p.pitch);
     if (changed && p.range != t->prosody.range)
@@ -187,7 +200,7 @@ void es_text_make(struct es_text *text, const struct faccia_sentence *sentence, 
     for (uint32_t i = 0; i < sentence->span_count; i++) {
         const struct faccia_span *s = &sentence->spans[i];
         if (s->kind == FACCIA_SPAN_BREAK)
-            tag(text, "<break time=\"%.0fms\"/>", s->seconds > 0 ? fmin(s->seconds, 600) * 1000 : 0);
+            tag(text, "<break time=\"%.0fms\"/>", s->seconds > 0 ? fmin(s->seconds, ES_BREAK_MAX) * 1000 : 0);
         else if (s->kind == FACCIA_SPAN_MARK)
             tag(text, "<mark name=\"%u\"/>", i);
         else if (text->ssml)

@@ -14,7 +14,12 @@ struct es_prosody {
     int rate, pitch, range, volume;
 };
 
-enum { ES_RATE_OWN = 175, ES_RATE_MIN = 80, ES_RATE_MAX = 450 };
+/* From 450 on espeak-ng speeds its finished audio up (libsonic), and the times of its events do not follow.
+ */
+enum { ES_RATE_OWN = 175, ES_RATE_MIN = 80, ES_RATE_MAX = 449 };
+
+/* No break is longer: seconds. */
+enum { ES_BREAK_MAX = 600 };
 
 struct es_place {
     uint32_t span;   /* UINT32_MAX: markup */

@@ -12,6 +12,9 @@ enum { PAUSE_MS = 40 };
  */
 enum { SHARE_MS = 60 };
 
+/* The longest that an echo comes after the sound, and goes on; and what a sound takes to die away: ms. */
+enum { ECHO_MS = 300, FADE_MS = 15 };
+
 enum manner { OTHER, VOICELESS_STOP, VOICED_STOP, NASAL, LIQUID, VOWEL };
 
 /* By the first symbol of the IPA: an affricate begins as a stop does. */
@@ -24,7 +27,8 @@ static enum manner manner_of(const struct es_phone *p) {
         {VOICED_STOP,
          "b d g \u0261 \u0256 \u025F \u0262 \u0253 \u0257 \u0284 \u0260 \u029B \u02A3 \u02A4 \u02A5"},
         {NASAL, "m n \u0271 \u0272 \u014B \u0273 \u0274"},
-        {LIQUID, "l r \u026B \u026D \u028E \u029F \u0279 \u027B \u027D \u027E \u0280 \u0281"},
+        {LIQUID,
+         "l r j w \u0265 \u0270 \u026B \u026D \u028E \u029F \u0279 \u027B \u027D \u027E \u0280 \u0281"},
         {VOWEL,
          "a e i o u y \u0250 \u0251 \u0252 \u0254 \u0258 \u0259 \u025A \u025B \u025C \u025D \u025E \u0264 "
          "\u0268 \u026A \u026F \u0275 \u0276 \u0289 \u028A \u028C \u028F \u00E6 \u00F8 \u0153 \u1D7B \u1D7F"},
@@ -50,11 +54,20 @@ static uint32_t samples_of(const struct es_audio *audio, unsigned ms) {
     return audio->rate * ms / 1000;
 }
 
+/* What the boundaries are judged by. */
+struct evidence {
+    const struct es_audio *audio;
+    const uint32_t *word_starts; /* sorted */
+    size_t word_count;
+    bool echo; /* the voice has one: closures are not silent */
+};
+
 /* The last word start in [from, to], or `to`. */
-static uint32_t word_start(const uint32_t *starts, size_t count, uint32_t from, uint32_t to) {
-    while (count && starts[count - 1] > to)
+static uint32_t word_start(const struct evidence *e, uint32_t from, uint32_t to) {
+    size_t count = e->word_count;
+    while (count && e->word_starts[count - 1] > to)
         count--;
-    return count && starts[count - 1] >= from ? starts[count - 1] : to;
+    return count && e->word_starts[count - 1] >= from ? e->word_starts[count - 1] : to;
 }
 
 /* Phones that are no sound of their own, such as a short schwa before an r or a glide between vowels: a vowel
@@ -102,26 +115,53 @@ static void drop_empty_pauses(struct es_phones *phones) {
     phones->count = kept;
 }
 
-/* Silence before p that is not part of the phone before. Returns where p begins; *pause is where a pause
- * begins if there is one. */
-static uint32_t corrected_start(const struct es_phones *phones, size_t i, const struct es_audio *audio,
-                                const uint32_t *starts, size_t count, uint32_t *pause) {
-    const struct es_phone *p = &phones->list[i], *before = i ? p - 1 : NULL;
-    enum manner manner = manner_of(p);
-    uint32_t from = before ? before->start : 0;
-    *pause = UINT32_MAX;
-    if (p->pause || (before && before->pause && manner != VOICELESS_STOP))
+/* Some variants of a voice have an echo: it is heard in the pauses, after the last sound has died away. */
+static bool has_echo(const struct es_phones *phones, const struct es_audio *audio) {
+    for (size_t i = phones->count; i-- > 1;)
+        if (phones->list[i].pause && !phones->list[i - 1].pause) {
+            uint32_t from = phones->list[i].start + samples_of(audio, FADE_MS),
+                     to = from + samples_of(audio, ECHO_MS / 4);
+            return to <= audio->count && es_silence_start(audio, from, to, to) > from;
+        }
+    return true;
+}
+
+/* What may be heard again in p's closure: after a voiced sound, whatever was just said; but a hiss may be
+ * weaker than that. */
+static uint32_t heard_from(const struct evidence *e, const struct es_phone *p,
+                           const struct es_phone *before) {
+    enum manner manner = manner_of(before);
+    uint32_t echo = samples_of(e->audio, ECHO_MS);
+    if (!e->echo)
         return p->start;
-    uint32_t silence = es_silence_start(audio, from, p->start);
-    if (!before || before->pause)
-        return manner == VOICELESS_STOP ? word_start(starts, count, silence, p->start) : p->start;
-    if (silence == from && (manner_of(before) == VOICELESS_STOP || manner_of(before) == VOICED_STOP))
-        return p->start; /* a stop without a burst keeps its silence */
-    if (manner == VOICELESS_STOP || manner == VOICED_STOP || manner == NASAL)
-        return silence;
-    if (manner == VOWEL && (manner_of(before) == NASAL || manner_of(before) == LIQUID))
-        return es_release(audio, from, p->start);
-    if (p->start - silence >= samples_of(audio, PAUSE_MS))
+    if (manner != VOWEL && manner != NASAL && manner != LIQUID)
+        return before->start;
+    return p->start > echo ? p->start - echo : 0;
+}
+
+static bool is_stop(enum manner manner) {
+    return manner == VOICELESS_STOP || manner == VOICED_STOP;
+}
+
+/* Where phone i begins; *pause is where a pause before it begins if there is one that has no name. */
+static uint32_t corrected_start(const struct evidence *e, const struct es_phones *phones, size_t i,
+                                uint32_t *pause) {
+    const struct es_phone *p = &phones->list[i], *before = i ? p - 1 : NULL;
+    enum manner manner = manner_of(p), manner_before = before ? manner_of(before) : OTHER;
+    *pause = UINT32_MAX;
+    if (p->pause)
+        return p->start;
+    if (!before || before->pause) /* silence tells nothing here, but the closure begins where the word does */
+        return manner == VOICELESS_STOP ? word_start(e, before ? before->start : 0, p->start) : p->start;
+    if (manner == VOWEL && (manner_before == NASAL || manner_before == LIQUID))
+        return es_release(e->audio, before->start, p->start);
+    if (is_stop(manner) || manner == NASAL) {
+        uint32_t silence = es_silence_start(e->audio, before->start, p->start, heard_from(e, p, before));
+        /* a stop without a burst keeps its silence */
+        return silence == before->start && is_stop(manner_before) ? p->start : silence;
+    }
+    uint32_t silence = es_silence_start(e->audio, before->start, p->start, p->start);
+    if (p->start - silence >= samples_of(e->audio, PAUSE_MS) && silence > before->start)
         *pause = silence;
     return p->start;
 }
@@ -129,9 +169,10 @@ static uint32_t corrected_start(const struct es_phones *phones, size_t i, const 
 void es_time(struct es_phones *phones, const struct es_audio *audio, const uint32_t *word_starts,
              size_t word_count) {
     absorb_nameless(phones);
+    const struct evidence evidence = {audio, word_starts, word_count, has_echo(phones, audio)};
     struct es_phones timed = {0};
     for (size_t i = 0; i < phones->count; i++) {
-        uint32_t pause, start = corrected_start(phones, i, audio, word_starts, word_count, &pause);
+        uint32_t pause, start = corrected_start(&evidence, phones, i, &pause);
         if (pause != UINT32_MAX) {
             struct es_phone *silent = es_phones_add(&timed);
             silent->start = pause;

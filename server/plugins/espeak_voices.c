@@ -30,6 +30,17 @@ static const char *gender_name(int gender) {
     return gender == 2 ? "female" : "male";
 }
 
+/* As many whole entries as fit; the rest of out is zero. */
+static void copy_langs(char *out, size_t cap, const char *langs) {
+    size_t used = 0;
+    for (size_t length; *langs; langs += length, used += length) {
+        length = strlen(langs) + 1;
+        if (used + length >= cap)
+            return;
+        memcpy(out + used, langs, length);
+    }
+}
+
 static void add(struct es_voices *voices, const espeak_VOICE *voice) {
     const char *file = voice->identifier, *base = strrchr(file, '/');
     if (!strncmp(file, "mb/", 3) || !voice->languages || !*voice->languages)
@@ -44,6 +55,7 @@ static void add(struct es_voices *voices, const espeak_VOICE *voice) {
     snprintf(v->file, sizeof v->file, "%s", file);
     snprintf(v->name, sizeof v->name, "%s", voice->name);
     write_tag(v->lang, sizeof v->lang, tag);
+    copy_langs(v->langs, sizeof v->langs, voice->languages);
     if (!es_voices_find(voices, v->id))
         voices->count++;
 }
@@ -68,8 +80,16 @@ static void add_variants(struct es_voices *voices, const char *variant, int gend
     }
 }
 
-static int by_id(const void *a, const void *b) {
-    return strcmp(((const struct es_voice *)a)->id, ((const struct es_voice *)b)->id);
+static int by_language(const void *a, const void *b) {
+    const struct es_voice *v = a, *w = b;
+    size_t primary = strcspn(v->lang, "-"), other = strcspn(w->lang, "-");
+    int order = strncmp(v->lang, w->lang, primary < other ? primary : other);
+    bool variant = strchr(v->id, '+'), variant_too = strchr(w->id, '+');
+    if (order || primary != other)
+        return order ? order : primary < other ? -1 : 1;
+    if (variant != variant_too)
+        return variant ? 1 : -1;
+    return *v->langs != *w->langs ? *v->langs - *w->langs : strcmp(v->id, w->id);
 }
 
 void es_voices_load(struct es_voices *voices, const char *const *variants, size_t variant_count) {
@@ -83,7 +103,7 @@ void es_voices_load(struct es_voices *voices, const char *const *variants, size_
             if (!strncmp(list[k]->identifier, "!v/", 3) && !strcmp(list[k]->identifier + 3, variants[i]))
                 add_variants(voices, variants[i], list[k]->gender);
     if (voices->count)
-        qsort(voices->list, voices->count, sizeof *voices->list, by_id);
+        qsort(voices->list, voices->count, sizeof *voices->list, by_language);
 }
 
 void es_voices_free(struct es_voices *voices) {
@@ -98,15 +118,24 @@ const struct es_voice *es_voices_find(const struct es_voices *voices, const char
     return NULL;
 }
 
+/* How unusual the voice is for the tag, or -1. */
+static int priority(const struct es_voice *v, const char *lang) {
+    for (const char *entry = v->langs; *entry; entry += strlen(entry) + 1)
+        if (!strcasecmp(entry + 1, lang))
+            return (unsigned char)*entry;
+    return -1;
+}
+
 const struct es_voice *es_voices_for_lang(const struct es_voices *voices, const char *lang) {
     size_t primary = strcspn(lang, "-");
-    const struct es_voice *same_language = NULL;
+    const struct es_voice *best = NULL, *same_language = NULL;
     for (size_t i = 0; i < voices->count; i++) {
         const struct es_voice *v = &voices->list[i];
-        if (!strcasecmp(v->lang, lang))
-            return v;
+        int p = priority(v, lang);
+        if (p >= 0 && (!best || p < priority(best, lang)))
+            best = v;
         if (!same_language && !strncasecmp(v->lang, lang, primary) && strcspn(v->lang, "-") == primary)
             same_language = v;
     }
-    return same_language;
+    return best ? best : same_language;
 }

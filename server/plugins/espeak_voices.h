@@ -6,15 +6,17 @@
 #include <stddef.h>
 
 struct es_voice {
-    char id[48];   /* "it", "it+f2" */
-    char file[96]; /* what espeak_SetVoiceByName takes: "roa/it+f2" */
-    char name[80]; /* "Italian (f2)" */
-    char lang[32]; /* BCP 47 */
+    char id[48];    /* "it", "it+f2" */
+    char file[96];  /* what espeak_SetVoiceByName takes: "roa/it+f2" */
+    char name[80];  /* "Italian (f2)" */
+    char lang[32];  /* BCP 47 */
+    char langs[96]; /* espeak-ng's list: a byte of priority (low is better) and a tag, again and again, then a
+                       zero */
     const char *gender;
 };
 
 struct es_voices {
-    struct es_voice *list; /* sorted by id */
+    struct es_voice *list; /* by language; the plain voices first, and of these the usual one first */
     size_t count, cap;
 };
 

@@ -51,7 +51,7 @@ static void measure(struct es_word *w, const char *s, size_t limit) {
         else if (!last)
             start = end + length;
     }
-    w->bytes = (last ? last : end) - w->offset;
+    w->bytes = w->empty ? 0 : end - w->offset;
     if (last) {
         w->bytes = last - start;
         w->offset = start;

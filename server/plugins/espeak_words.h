@@ -9,6 +9,7 @@
 struct es_word {
     uint32_t start;       /* sample */
     size_t position;      /* character of the text, 0-based */
+    bool empty;           /* reported without a length: a word all the same if letters follow */
     uint32_t span;        /* set by es_words_locate */
     size_t offset, bytes; /* in the span's text; bytes 0 = part of the word before */
 };

@@ -12,8 +12,9 @@ struct cut {
     size_t word, mark;
 };
 
-/* The chunk from cut->at on, at most samples long, with its frames in frames (room for CUT_FRAMES). Moves cut->at on. The words and marks
- * from cut->word and cut->mark on that begin before the new cut->at belong to it. */
+/* The chunk from cut->at on, at most samples long, with its frames in frames (room for CUT_FRAMES). Moves
+ * cut->at on. The words and marks from cut->word and cut->mark on that begin before the new cut->at belong to
+ * it. */
 enum { CUT_FRAMES = 16 };
 void cut_chunk(struct cut *cut, const struct scene *scene, double fps, uint32_t samples, struct chunk *chunk,
                struct fap_frame *frames);

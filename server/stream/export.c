@@ -56,7 +56,7 @@ static void fap_end(struct export *x) {
 const struct export_format export_formats[] = {
     {"wav", "audio/wav", true, wav_scene, wav_end},
     {"fap", "text/plain; charset=utf-8", false, fap_scene, fap_end},
-    {"json", "application/json", false, export_json_scene, export_json_end},
+    {"json", "application/json", true, export_json_scene, export_json_end},
     {0},
 };
 
@@ -84,7 +84,6 @@ void export_end(struct export *x) {
 
 void export_free(struct export *x) {
     buf_free(&x->out);
-    buf_free(&x->phones);
     buf_free(&x->words);
     buf_free(&x->marks);
     buf_free(&x->warnings);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A speech written down whole: as sound (WAV), as face animation (.fap) or as its timing (JSON). For files and HTTP answers. */
+/* A speech written down whole: as sound (WAV), as face animation (.fap) or as its timing (JSON). For files
+ * and HTTP answers. */
 #ifndef FACCIA_STREAM_EXPORT_H
 #define FACCIA_STREAM_EXPORT_H
 
@@ -27,7 +28,8 @@ struct export {
     double fps;
     uint32_t samples, sample_rate, frames; /* so far */
     size_t scenes;
-    struct buf phones, words, marks, warnings; /* members of the JSON's lists */
+    size_t phones;                     /* in the JSON so far */
+    struct buf words, marks, warnings; /* members of its other lists */
     struct utf16_counter utf16;
 };
 
@@ -41,7 +43,8 @@ void export_warning(struct export *x, const struct error *e);
 void export_end(struct export *x);
 void export_free(struct export *x);
 
-/* The 44 bytes of a WAV header for mono 16 bit sound; samples = UINT32_MAX when the length is not known yet. */
+/* The 44 bytes of a WAV header for mono 16 bit sound; samples = UINT32_MAX when the length is not known yet.
+ */
 enum { WAV_HEADER_BYTES = 44 };
 void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t samples);
 

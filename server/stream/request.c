@@ -54,7 +54,8 @@ void request_copy(struct speech_request *to, const struct speech_request *from) 
 static int set_string(char **string, const struct field *f, const struct request_value *v, struct error *e) {
     if (v->type != REQUEST_STRING && v->type != REQUEST_WORD)
         return error_in_field(e, "bad-field", f->name, "must be a string");
-    if (f->type == STRING && ((double)v->size < f->min || (double)v->size > f->max || memchr(v->string, 0, v->size)))
+    if (f->type == STRING &&
+        ((double)v->size < f->min || (double)v->size > f->max || memchr(v->string, 0, v->size)))
         return error_in_field(e, "bad-field", f->name, "must have %.0f to %.0f bytes", f->min, f->max);
     free(*string);
     *string = mem_alloc(v->size + 1);
@@ -94,7 +95,8 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
     return error_in_field(e, "bad-field", f->name, "must be true or false");
 }
 
-int request_set(struct speech_request *request, const char *name, struct request_value value, struct error *e) {
+int request_set(struct speech_request *request, const char *name, struct request_value value,
+                struct error *e) {
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         const struct field *f = &fields[i];
         void *member = (char *)request + f->offset;

@@ -11,14 +11,14 @@
 struct speech_request {
     char *text; /* as it came: not checked, may hold NUL */
     size_t text_size;
-    char *id;                      /* the client's own name for it; NULL = none; at most 64 bytes */
-    char *lang, *voice, *engine;   /* NULL = the default */
-    char *markup;                  /* NULL = plain */
-    double rate;                   /* words per minute, 40..500; 0 = the voice's own */
-    double pitch, volume;          /* factors, 0.25..4 */
-    double fps;                    /* 1..120 */
-    double seed;                   /* integer, 0..2^53 */
-    bool still;                    /* only the lips move */
+    char *id;                    /* the client's own name for it; NULL = none; at most 64 bytes */
+    char *lang, *voice, *engine; /* NULL = the default */
+    char *markup;                /* NULL = plain */
+    double rate;                 /* words per minute, 40..500; 0 = the voice's own */
+    double pitch, volume;        /* factors, 0.25..4 */
+    double fps;                  /* 1..120 */
+    double seed;                 /* integer, 0..2^53 */
+    bool still;                  /* only the lips move */
 };
 
 void request_init(struct speech_request *request);
@@ -39,8 +39,9 @@ struct request_value {
     double number; /* NUMBER, BOOL */
 };
 
-/* Sets the field of that name. 0; 1 when there is no such field (nothing is done); -1 with *e "bad-field" when the value is not
- * of the field's type or range. */
-int request_set(struct speech_request *request, const char *name, struct request_value value, struct error *e);
+/* Sets the field of that name. 0; 1 when there is no such field (nothing is done); -1 with *e "bad-field"
+ * when the value is not of the field's type or range. */
+int request_set(struct speech_request *request, const char *name, struct request_value value,
+                struct error *e);
 
 #endif

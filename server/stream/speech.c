@@ -6,8 +6,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Sentences that are being spoken or wait to be used up: enough to hide the voice's work, few enough that a stop wastes little and that
- * many speeches share the voices fairly. */
+/* Sentences that are being spoken or wait to be used up: enough to hide the voice's work, few enough that a
+ * stop wastes little and that many speeches share the voices fairly. */
 enum { WINDOW = 3 };
 
 struct slot {
@@ -26,8 +26,9 @@ struct speech {
     struct speech_callbacks callbacks;
     void *ctx;
     struct slot slots[WINDOW];
-    size_t submitted, delivered, released; /* sentences; released <= delivered <= submitted <= released + WINDOW */
-    size_t spoken;                         /* scenes that came */
+    size_t submitted, delivered,
+        released;  /* sentences; released <= delivered <= submitted <= released + WINDOW */
+    size_t spoken; /* scenes that came */
     uint32_t samples, sample_rate;
     bool busy, freed; /* inside a callback; to be freed after it */
 };
@@ -107,6 +108,15 @@ static void play(struct speech *s, struct slot *slot) {
         s->callbacks.scene(s->ctx, scene);
 }
 
+/* Why the utterance cannot follow the ones before it, or NULL. */
+static const char *misfit(const struct speech *s, const struct utterance *u) {
+    if (s->sample_rate && u->sample_rate != s->sample_rate)
+        return "the voice changed its sample rate between sentences";
+    if (u->samples > UINT32_MAX - s->samples)
+        return "the speech is longer than its clock can count";
+    return NULL;
+}
+
 /* Hands on, in order, what is ready. */
 static void deliver(struct speech *s) {
     if (s->busy)
@@ -117,10 +127,11 @@ static void deliver(struct speech *s) {
         if (slot->job)
             break;
         s->delivered++;
-        if (slot->utterance && s->sample_rate && slot->utterance->sample_rate != s->sample_rate) {
+        const char *unfit = slot->utterance ? misfit(s, slot->utterance) : NULL;
+        if (unfit) {
             utterance_free(slot->utterance);
             slot->utterance = NULL;
-            error_set(&slot->failure, "voice-failed", "the voice changed its sample rate between sentences");
+            error_set(&slot->failure, "voice-failed", "%s", unfit);
         }
         if (slot->utterance) {
             play(s, slot);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A speech: one request on its way through markup, voice and face, sentence by sentence. What comes out are scenes: a sentence's audio
- * with its face track. Scenes come as soon as they are ready, in order, and only a few ahead of what has been released. */
+/* A speech: one request on its way through markup, voice and face, sentence by sentence. What comes out are
+ * scenes: a sentence's audio with its face track. Scenes come as soon as they are ready, in order, and only a
+ * few ahead of what has been released. */
 #ifndef FACCIA_STREAM_SPEECH_H
 #define FACCIA_STREAM_SPEECH_H
 
@@ -46,7 +47,8 @@ struct speech_callbacks {
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
                            const struct speech_callbacks *callbacks, void *ctx, struct error *e);
 
-/* Begins. Callbacks come later, from the loop; none after speech_free, which may be called from within one. */
+/* Begins. Callbacks come later, from the loop; none after speech_free, which may be called from within one.
+ */
 void speech_start(struct speech *speech);
 void speech_free(struct speech *speech);
 

@@ -19,8 +19,8 @@ struct turn {
     size_t scene_count, scene_cap;
     struct cut cut;
     bool started, begun, sentence_said;
-    bool finished; /* no further scene comes */
-    size_t spoken; /* scenes that came */
+    bool finished;              /* no further scene comes */
+    size_t spoken;              /* scenes that came */
     uint32_t sent, sample_rate; /* samples that left */
     struct utf16_counter utf16;
 };
@@ -191,7 +191,8 @@ static void pump(struct stream *s) {
     }
 }
 
-struct stream *stream_new(const struct studio *studio, const struct stream_sink *sink, void *ctx, unsigned queue) {
+struct stream *stream_new(const struct studio *studio, const struct stream_sink *sink, void *ctx,
+                          unsigned queue) {
     struct stream *s = mem_alloc(sizeof *s);
     s->studio = studio;
     s->sink = *sink;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The stream stage: a queue of speeches becomes events and media chunks, paced to real time with a small lead. One stream
- * for each listener; it knows nothing of how they travel. */
+/* The stream stage: a queue of speeches becomes events and media chunks, paced to real time with a small
+ * lead. One stream for each listener; it knows nothing of how they travel. */
 #ifndef FACCIA_STREAM_STREAM_H
 #define FACCIA_STREAM_STREAM_H
 
@@ -27,14 +27,14 @@ enum stream_event_kind {
 struct stream_event {
     enum stream_event_kind kind;
     uint32_t utterance;
-    const char *id; /* the client's, or NULL */
-    uint32_t sample_rate, sample, duration;          /* SENTENCE, WORD, MARK; END: duration of all, samples */
-    size_t start, end, utf16_start, utf16_end;       /* SENTENCE, WORD: the place in the text; end exclusive */
-    const char *text;                                /* WORD: end - start bytes that stand there; MARK: its name */
-    const struct error *error;                       /* WARNING, ERROR */
-    const char *reason;                              /* END: "done", "stopped", "failed" */
-    const char *voice, *lang, *engine;               /* BEGIN */
-    double fps;                                      /* BEGIN */
+    const char *id;                            /* the client's, or NULL */
+    uint32_t sample_rate, sample, duration;    /* SENTENCE, WORD, MARK; END: duration of all, samples */
+    size_t start, end, utf16_start, utf16_end; /* SENTENCE, WORD: the place in the text; end exclusive */
+    const char *text;                          /* WORD: end - start bytes that stand there; MARK: its name */
+    const struct error *error;                 /* WARNING, ERROR */
+    const char *reason;                        /* END: "done", "stopped", "failed" */
+    const char *voice, *lang, *engine;         /* BEGIN */
+    double fps;                                /* BEGIN */
 };
 
 struct stream_sink {
@@ -46,13 +46,14 @@ struct stream_sink {
 
 struct stream;
 
-struct stream *stream_new(const struct studio *studio, const struct stream_sink *sink, void *ctx, unsigned queue);
+struct stream *stream_new(const struct studio *studio, const struct stream_sink *sink, void *ctx,
+                          unsigned queue);
 
 /* No callback comes after this. */
 void stream_free(struct stream *stream);
 
-/* Takes the request under the next utterance number and queues it. When it is refused (also "queue-full"), its ERROR and END events come
- * at once. */
+/* Takes the request under the next utterance number and queues it. When it is refused (also "queue-full"),
+ * its ERROR and END events come at once. */
 void stream_speak(struct stream *stream, const struct speech_request *request);
 
 /* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END. */

@@ -56,20 +56,29 @@ static void add(struct catalog *catalog, const char *plugin, const json_t *objec
     };
 }
 
+/* Voices are in the order of their plugins' names, whichever starts first; a plugin's own voices in its
+ * order. */
 int catalog_add(struct catalog *catalog, const char *plugin, const char *description, struct error *e) {
     json_error_t why;
     json_t *root = json_loads(description, 0, &why), *voices = json_object_get(root, "voices"), *voice;
-    size_t i;
-    if (!json_array_size(voices)) {
+    size_t i, before = 0, added = json_array_size(voices), total = catalog->count;
+    if (!added) {
         json_decref(root);
         return error_set(e, "voice-failed", "has no voices");
     }
-    struct voice *longer = mem_alloc((catalog->count + json_array_size(voices)) * sizeof *longer);
-    if (catalog->count)
-        memcpy(longer, catalog->voices, catalog->count * sizeof *longer);
+    while (before < total && strcmp(catalog->voices[before].plugin, plugin) <= 0)
+        before++;
+    const struct voice *shorter = catalog->voices;
+    struct voice *longer = mem_alloc((total + added) * sizeof *longer);
+    if (before)
+        memcpy(longer, shorter, before * sizeof *longer);
     catalog->voices = keep(catalog, longer);
+    catalog->count = before;
     json_array_foreach(voices, i, voice) add(catalog, plugin, voice);
     json_decref(root);
+    if (before < total)
+        memcpy(longer + catalog->count, shorter + before, (total - before) * sizeof *longer);
+    catalog->count += total - before;
     return 0;
 }
 

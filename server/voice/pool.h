@@ -39,7 +39,8 @@ struct voice {
 struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_options *options,
                                    void (*ready)(void *ctx), void *ctx, struct error *e);
 
-/* Kills the workers, fails the jobs with code "cancelled", frees everything; closed is called at last. */
+/* Ends the workers (idle ones may close their plugin, for at most 2 s), fails the jobs with code "cancelled" at once, frees
+ * everything; closed is called at last. */
 void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *ctx);
 
 const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *count);

@@ -56,31 +56,35 @@ static void give_up(struct worker *w, const char *why) {
     pool_plugin_known(plugin);
 }
 
-/* The process is lost; why follows "the voice NAME". Before its hello that is a failed start; later it costs
- * the sentence that it spoke. */
+/* A start that came to nothing: the next one comes later, and much later after several. */
+static void rest(struct worker *w, const char *why, bool hopeless) {
+    w->failed_starts++;
+    if (hopeless || w->failed_starts >= STARTS || w->given_up)
+        give_up(w, why);
+    else
+        set_state(w, WORKER_RESTING, (uint64_t)REST_MS << (w->failed_starts - 1));
+}
+
+/* The process is lost; why follows "the voice NAME". That costs the sentence that it spoke, if any, and
+ * another process is started: at once if this one was of any use. */
 static void lose(struct worker *w, const char *code, const char *why, bool hopeless) {
     struct plugin *plugin = w->plugin;
+    enum worker_state state = w->state;
     struct error e;
-    bool starting = w->state == WORKER_STARTING;
     if (plugin->pool->closing)
         return;
     if (w->process)
         process_stop(w->process, false);
     w->process = NULL;
     error_set(&e, code, "the voice %s %s", plugin->name, why);
-    if (!starting) {
-        if (w->state != WORKER_STOPPING)
-            log_warn("the voice %s %s; it is started again", plugin->name, why);
-        w->state = WORKER_RESTING;
+    if (state == WORKER_IDLE || state == WORKER_SPEAKING)
+        log_warn("the voice %s %s; it is started again", plugin->name, why);
+    w->state = WORKER_RESTING;
+    if (state == WORKER_SPEAKING || state == WORKER_STOPPING)
         start(w);
-        end_job(w, NULL, &e);
-        return;
-    }
-    w->failed_starts++;
-    if (hopeless || w->failed_starts >= STARTS || w->given_up)
-        give_up(w, why);
     else
-        set_state(w, WORKER_RESTING, (uint64_t)REST_MS << (w->failed_starts - 1));
+        rest(w, why, hopeless);
+    end_job(w, NULL, &e);
 }
 
 static void on_time(uv_timer_t *timer) {
@@ -114,7 +118,6 @@ static void hello(struct worker *w, const char *description) {
     }
     if (w->given_up)
         log_info("the voice %s has started after all", plugin->name);
-    w->failed_starts = 0;
     w->given_up = false;
     set_state(w, WORKER_IDLE, 0);
     plugin->known = true;
@@ -133,6 +136,7 @@ static void done(struct worker *w, struct wire_reader *r) {
         return;
     }
     struct utterance *u = NULL;
+    w->failed_starts = 0;
     if (job->cancelled)
         failed = 0;
     else if (failed)
@@ -145,31 +149,34 @@ static void done(struct worker *w, struct wire_reader *r) {
     worker_wake(w);
 }
 
-/* A sentence that is to stop is listened to no more, until it is done. */
+/* The first thing a process says. */
+static void greeted(struct worker *w, const struct wire_frame *frame) {
+    struct wire_reader r = wire_read(frame);
+    const char *text = wire_get_string(&r);
+    if (text && frame->type == WIRE_HELLO)
+        hello(w, text);
+    else
+        lose(w, "voice-failed", text && frame->type == WIRE_FAILED ? text : "sent garbage", true);
+}
+
 static void said(void *ctx, const struct wire_frame *frame) {
     struct worker *w = ctx;
     struct wire_reader r = wire_read(frame);
     struct error e;
     int result = 0;
-    bool speaking = w->state == WORKER_SPEAKING || w->state == WORKER_STOPPING;
-    if (w->state == WORKER_STARTING && (frame->type == WIRE_HELLO || frame->type == WIRE_FAILED)) {
-        const char *text = wire_get_string(&r);
-        if (text && frame->type == WIRE_HELLO)
-            hello(w, text);
-        else
-            lose(w, "voice-failed", text ? text : "sent garbage", true);
+    if (w->state == WORKER_STARTING) {
+        greeted(w, frame);
         return;
     }
-    if (!speaking || frame->job != w->job->number)
-        lose(w, "voice-failed", "sent garbage", false);
-    else if (frame->type == WIRE_DONE)
+    bool expected = w->job && frame->job == w->job->number;
+    if (expected && frame->type == WIRE_DONE)
         done(w, &r);
-    else if (frame->type == WIRE_AUDIO && w->state == WORKER_SPEAKING)
-        result = assembly_audio(w->job->assembly, frame, &e);
-    else if (frame->type == WIRE_EVENTS && w->state == WORKER_SPEAKING)
-        result = assembly_events(w->job->assembly, frame, &e);
-    else if (frame->type != WIRE_AUDIO && frame->type != WIRE_EVENTS)
-        lose(w, "voice-failed", "sent garbage", false);
+    else if (expected && frame->type == WIRE_AUDIO)
+        result = w->job->cancelled ? 0 : assembly_audio(w->job->assembly, frame, &e);
+    else if (expected && frame->type == WIRE_EVENTS)
+        result = w->job->cancelled ? 0 : assembly_events(w->job->assembly, frame, &e);
+    else
+        result = error_set(&e, "voice-failed", "sent garbage");
     if (result < 0)
         lose(w, e.code, e.message, false);
 }

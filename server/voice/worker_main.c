@@ -21,7 +21,7 @@
 static void set_limits(void) {
     const struct rlimit none = {0, 0};
     setrlimit(RLIMIT_CORE, &none);
-#ifndef __SANITIZE_ADDRESS__
+#if !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__ /* they map terabytes */
     const struct rlimit space = {ADDRESS_SPACE, ADDRESS_SPACE};
     setrlimit(RLIMIT_AS, &space);
 #endif

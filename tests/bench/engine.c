@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Engine and sampling alone, on ten minutes of speech: seconds of speech for each second of CPU, next to the synthesis of the
- * same speech in the same run. Usage: engine TEXT-FILE LANG FPS [ENGINE]. */
+/* Engine and sampling alone, on ten minutes of speech: seconds of speech for each second of CPU, next to the
+ * synthesis of the same speech in the same run. Usage: engine TEXT-FILE LANG FPS [ENGINE]. */
 #include "server/app/cli.h"
 #include "server/base/buf.h"
 #include <stdio.h>
@@ -73,7 +73,8 @@ int main(int argc, char **argv) {
         got = fread(buf_reserve(&text, 65536), 1, 65536, file);
     fclose(file);
     request_init(&request);
-    request_set(&request, "text", (struct request_value){REQUEST_STRING, (char *)text.data, text.size, 0}, &e);
+    request_set(&request, "text", (struct request_value){REQUEST_STRING, (char *)text.data, text.size, 0},
+                &e);
     request_set(&request, "lang", (struct request_value){REQUEST_WORD, argv[2], strlen(argv[2]), 0}, &e);
     b.speech = speech_open(&b.cli.studio, &request, &callbacks, &b, &e);
     if (!b.speech)

@@ -153,6 +153,12 @@ static void print(const struct faccia_sink *sink) {
     speak_audio(sink, BYTE);
 }
 
+/* Dies a little after the sentence. */
+static void late(const struct faccia_sink *sink) {
+    speak_audio(sink, BYTE);
+    ualarm(30000, 0);
+}
+
 static const struct {
     const char *name;
     void (*play)(const struct faccia_sink *sink);
@@ -160,7 +166,7 @@ static const struct {
     {"crash", crash},     {"hang", hang},       {"slow", slow},   {"backwards", backwards},
     {"beyond", beyond},   {"names", names},     {"rates", rates}, {"pitchless", pitchless},
     {"flood", flood},     {"chatter", chatter}, {"leave", leave}, {"print", print},
-    {"garbage", garbage},
+    {"garbage", garbage}, {"late", late},
 };
 
 static int puppet_speak(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,

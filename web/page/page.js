@@ -2,34 +2,42 @@
 const words = {
   it: {
     face: 'La testa', loading: 'Si carica la testa…', text: 'Testo da dire', lang: 'Lingua', rate: 'Velocità', speak: 'Parla',
-    stop: 'Ferma', captions: 'Sottotitoli', hint: 'Ctrl + Invio: parla. Esc: ferma.', unit: '{n} parole al minuto',
+    stop: 'Ferma', captions: 'Sottotitoli', hint: 'Ctrl + Invio: parla. Esc: ferma.', unit: '({n} parole al minuto)',
     connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
     head: 'Testa: {title}. {credits}',
+    'no-connection': 'Non c’è connessione con il server.', 'connection-lost': 'La connessione si è interrotta.',
+    'empty-text': 'Non c’è nulla da dire.',
   },
   pt: {
     face: 'A cabeça', loading: 'Carregando a cabeça…', text: 'Texto a dizer', lang: 'Idioma', rate: 'Velocidade', speak: 'Falar',
-    stop: 'Parar', captions: 'Legendas', hint: 'Ctrl + Enter: falar. Esc: parar.', unit: '{n} palavras por minuto',
+    stop: 'Parar', captions: 'Legendas', hint: 'Ctrl + Enter: falar. Esc: parar.', unit: '({n} palavras por minuto)',
     connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
     head: 'Cabeça: {title}. {credits}',
+    'no-connection': 'Não há conexão com o servidor.', 'connection-lost': 'A conexão foi interrompida.',
+    'empty-text': 'Não há nada a dizer.',
   },
   tr: {
     face: 'Baş', loading: 'Baş yükleniyor…', text: 'Söylenecek metin', lang: 'Dil', rate: 'Hız', speak: 'Konuş',
-    stop: 'Dur', captions: 'Altyazılar', hint: 'Ctrl + Enter: konuş. Esc: dur.', unit: 'dakikada {n} sözcük',
+    stop: 'Dur', captions: 'Altyazılar', hint: 'Ctrl + Enter: konuş. Esc: dur.', unit: '(dakikada {n} sözcük)',
     connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
     head: 'Baş: {title}. {credits}',
+    'no-connection': 'Sunucuyla bağlantı yok.', 'connection-lost': 'Bağlantı kesildi.',
+    'empty-text': 'Söylenecek bir şey yok.',
   },
   en: {
     face: 'The head', loading: 'Loading the head…', text: 'Text to speak', lang: 'Language', rate: 'Speed', speak: 'Speak',
-    stop: 'Stop', captions: 'Captions', hint: 'Ctrl + Enter: speak. Esc: stop.', unit: '{n} words a minute',
+    stop: 'Stop', captions: 'Captions', hint: 'Ctrl + Enter: speak. Esc: stop.', unit: '({n} words a minute)',
     connecting: 'Connecting…', open: 'Connected', waiting: 'Not connected, trying again', closed: 'Not connected',
     head: 'Head: {title}. {credits}',
+    'no-connection': 'There is no connection to the server.', 'connection-lost': 'The connection was lost.',
+    'empty-text': 'There is nothing to say.',
   },
 };
 
 const samples = {
   it: 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura, ché la diritta via era smarrita.',
   pt: 'Amor é fogo que arde sem se ver, é ferida que dói, e não se sente; é um contentamento descontente.',
-  tr: 'Yaşamak bir ağaç gibi tek ve hür ve bir orman gibi kardeşçesine, bu hasret bizim.',
+  tr: 'Gelin tanış olalım, işi kolay kılalım, sevelim sevilelim, dünya kimseye kalmaz.',
   en: 'Shall I compare thee to a summer’s day? Thou art more lovely and more temperate.',
 };
 
@@ -39,8 +47,8 @@ let state = 'connecting';
 let shown = null;
 
 const primary = (tag) => tag.slice(0, 2);
-const say = (name, values = {}) =>
-  (words[primary(lang.value)] ?? words.en)[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
+const table = () => words[primary(lang.value)] ?? words.en;
+const say = (name, values = {}) => table()[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
 
 function offer(languages) {
   const chosen = lang.value;
@@ -81,7 +89,8 @@ head.addEventListener('ready', ({ detail }) => {
   shown = detail;
   translate();
 });
-head.addEventListener('error', ({ detail }) => ($('problem').textContent = detail.message));
+head.addEventListener('error', ({ detail }) => ($('problem').textContent = table()[detail.code] ?? detail.message));
+head.addEventListener('begin', () => ($('problem').textContent = ''));
 
 form.addEventListener('submit', (event) => {
   event.preventDefault();

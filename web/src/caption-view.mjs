@@ -10,6 +10,7 @@ export class CaptionView {
     this.spans = ['said', 'word', 'rest'].map((name) => box.querySelector(`.${name}`));
     this.key = '';
     this.timer = 0;
+    this.clear();
   }
 
   set shown(on) {
@@ -29,13 +30,18 @@ export class CaptionView {
     if (key === this.key) return;
     this.key = key;
     if (lang) this.box.lang = lang;
-    this.spans.forEach((span, i) => (span.textContent = parts[i]));
+    this.#write(parts);
   }
 
   clear() {
     clearTimeout(this.timer);
     this.timer = 0;
     this.key = '';
-    for (const span of this.spans) span.textContent = '';
+    this.#write(['', '', '']);
+  }
+
+  #write(parts) {
+    this.spans.forEach((span, i) => (span.textContent = parts[i]));
+    this.box.classList.toggle('empty', !parts.some(Boolean));
   }
 }

@@ -10,7 +10,7 @@ import strings from './strings.json';
 import { template } from './template.mjs';
 
 const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number };
-const TICK_MS = 200; // while the page is hidden nothing is drawn, but words are still heard
+const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden page, no WebGL), or slowly
 
 /** `<talking-head>`: see web/README.md. */
 export class TalkingHead extends HTMLElement {
@@ -18,11 +18,11 @@ export class TalkingHead extends HTMLElement {
 
   #speech = null;
   #connection = null;
-  #heard = null;
   #ready = false;
   #title = '';
   #aborter = null;
-  #drawn = { seconds: 0, at: 0 };
+  #said = null; // the message on show
+  #drawn = { seconds: null, at: 0 };
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
 
   constructor() {
@@ -33,12 +33,13 @@ export class TalkingHead extends HTMLElement {
     this.canvas = $('canvas');
     this.messageBox = $('.message');
     this.soundButton = $('.sound');
+    this.soundLabel = $('.sound span');
     this.captionsButton = $('.switch');
     this.captionView = new CaptionView($('.captions'));
     this.mixer = new FaceMixer();
     this.player = new Player((sound) => this.#soundChanged(sound));
     this.stage = new Stage(this.canvas, {
-      frame: (now) => this.#frame(now),
+      frame: (now, ahead) => this.#frame(now, ahead),
       trouble: (what) => this.#say(what),
     });
     this.soundButton.addEventListener('click', () => this.player.open());
@@ -59,7 +60,7 @@ export class TalkingHead extends HTMLElement {
     this.#translate();
     this.#showCaptions();
     this.#connect();
-    this.timer = setInterval(() => document.hidden && this.#hear(performance.now()), TICK_MS);
+    this.timer = setInterval(() => this.#hear(performance.now()), TICK_MS);
   }
 
   disconnectedCallback() {
@@ -107,9 +108,11 @@ export class TalkingHead extends HTMLElement {
   /**
    * Holds the face in a pose, whatever is spoken, until it is called with null.
    * @param {Record<number, number>|null} faps values by FAP number
+   * @param {{ease?: boolean}} [options] ease: go over to it smoothly, not at once
    */
-  pose(faps) {
+  pose(faps, { ease = false } = {}) {
     this.mixer.pose = faps && faceValues(faps);
+    this.mixer.ease = ease;
     this.stage.wake();
   }
 
@@ -124,7 +127,7 @@ export class TalkingHead extends HTMLElement {
   /** Figures for tests and measurements, not for pages: they may change. Times in seconds of the utterance heard. */
   debug() {
     const now = performance.now();
-    const heard = this.#speech?.tick(now);
+    const heard = this.#speech?.heard(now);
     return {
       ...this.stage.debug,
       state: !this.#ready ? 'loading' : this.#speech.busy ? 'speaking' : 'idle',
@@ -135,8 +138,8 @@ export class TalkingHead extends HTMLElement {
       running: heard?.running ?? false,
       utterance: heard?.utterance.number ?? null,
       audioTime: heard?.seconds ?? null, // what is heard at this moment
-      frameTime: this.#drawn.seconds, // what the face that was drawn last belongs to
-      frameAge: now - this.#drawn.at, // milliseconds since it was drawn
+      frameTime: this.#drawn.seconds, // what the face that was drawn last belongs to; null: to nothing that is spoken
+      frameAge: now - this.#drawn.at, // milliseconds since it came on the display; negative: it is still on its way there
       fapValues: Array.from(this.mixer.values),
     };
   }
@@ -159,12 +162,13 @@ export class TalkingHead extends HTMLElement {
 
   #translate() {
     this.canvas.setAttribute('aria-label', this.getAttribute('label') ?? this.#text('label', { title: this.#title }));
-    this.soundButton.textContent = `🔊 ${this.#text('sound')}`;
+    this.soundLabel.textContent = this.#text('sound');
     this.captionsButton.setAttribute('aria-label', this.#text('captions'));
     this.captionsButton.title = this.#text('captions');
   }
 
   #say(what, values) {
+    this.#said = what;
     this.messageBox.hidden = !what;
     this.messageBox.textContent = what ? this.#text(what, values) : '';
   }
@@ -190,6 +194,7 @@ export class TalkingHead extends HTMLElement {
 
   #connect() {
     this.#disconnect();
+    if (this.#said === 'badAddress' || this.#said === 'noModel') this.#say(null);
     this.#assembler = new ModelAssembler();
     try {
       this.#connection = new Connection(this.#address, {
@@ -279,16 +284,16 @@ export class TalkingHead extends HTMLElement {
   // What is heard and shown
 
   #hear(now) {
-    this.#heard = this.#speech.tick(now);
-    this.captionView.show(this.#heard?.utterance.captions.line ?? null, this.#heard?.utterance.options.lang);
-    return this.#heard;
+    this.#speech.tick(now);
+    const { captions, options } = this.#speech.heard(now)?.utterance ?? {};
+    this.captionView.show(captions?.line ?? null, options?.lang);
   }
 
-  #frame(now) {
-    const heard = this.#hear(now);
+  #frame(now, ahead) {
+    this.#hear(now);
+    const heard = this.#speech.heard(now, ahead / 1000);
     const changed = this.mixer.update(now, heard);
-    if (heard) this.#drawn = { seconds: heard.seconds, at: performance.now() };
-    const more = changed || this.#speech.busy || this.mixer.changing(now);
-    return { values: this.mixer.values, more };
+    this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
+    return { values: this.mixer.values, more: changed || this.#speech.busy || this.mixer.changing(now) };
   }
 }

@@ -25,11 +25,13 @@ export class FaceMixer {
     this.values = new Float32Array(FAP_VALUES);
     this.still = false;
     this.pose = null; // values that take the place of all sources
+    this.ease = false; // whether a pose is gone over to smoothly, or taken at once
     this.from = new Float32Array(FAP_VALUES);
     this.target = new Float32Array(FAP_VALUES);
     this.source = null;
     this.since = -Infinity;
     this.seen = -Infinity;
+    this.before = -Infinity; // the update before
   }
 
   /**
@@ -38,9 +40,10 @@ export class FaceMixer {
    * @returns {boolean} whether the values have changed
    */
   update(now, heard) {
-    const before = this.values.slice();
+    const shown = this.values.slice();
     if (this.pose) {
       this.#change(now, this.pose);
+      if (!this.ease) this.since = -Infinity;
       this.target.set(this.pose);
     } else if (heard && heard.running && heard.track.sample(heard.seconds, this.target)) {
       this.#change(now, heard.track);
@@ -54,7 +57,8 @@ export class FaceMixer {
       const target = this.still && !this.pose && !moving(n) ? 0 : this.target[n];
       this.values[n] = w === 1 ? target : this.from[n] + w * (target - this.from[n]);
     }
-    return this.values.some((value, n) => value !== before[n]);
+    this.before = now;
+    return this.values.some((value, n) => value !== shown[n]);
   }
 
   /** Whether it still goes over from one source to another. */
@@ -66,6 +70,6 @@ export class FaceMixer {
     if (source === this.source) return;
     this.source = source;
     this.from.set(this.values);
-    this.since = now;
+    this.since = Math.max(this.before, now - CHANGE_MS / 2); // on its way in this frame already
   }
 }

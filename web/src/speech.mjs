@@ -11,10 +11,10 @@ const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
  */
 export class Speech {
   /**
-   * @param {object} ports player; send(message) -> boolean; emit(type, detail)
+   * @param {object} ports player; send(message) -> boolean; emit(type, detail); setTimeout of tests
    */
-  constructor({ player, send, emit }) {
-    Object.assign(this, { player, send, emit });
+  constructor({ player, send, emit, setTimeout = (...args) => globalThis.setTimeout(...args) }) {
+    Object.assign(this, { player, send, emit, setTimeout });
     this.programme = new Programme();
     /** @type {Set<Utterance>} */
     this.open = new Set();
@@ -32,7 +32,7 @@ export class Speech {
     this.player.open();
     this.#send(utterance);
     if (!utterance.sent)
-      utterance.timer = setTimeout(() => this.#refuse(utterance, 'no-connection', 'There is no connection.'), PATIENCE_MS);
+      utterance.timer = this.setTimeout(() => this.#refuse(utterance, 'no-connection', 'There is no connection.'), PATIENCE_MS);
     return utterance.promise;
   }
 
@@ -85,19 +85,24 @@ export class Speech {
         this.player.write(utterance.take(chunk));
   }
 
-  /**
-   * Lets happen what is due.
-   * @param {number} now performance.now()
-   * @returns {{utterance: Utterance, track: object, seconds: number, running: boolean}|null} what is heard
-   */
+  /** Lets happen what is due. @param {number} now performance.now() */
   tick(now) {
     const heard = this.player.heard(now);
     for (const [item, message] of this.programme.take(heard)) this.#happen(item.utterance, message);
-    const found = this.programme.at(heard.position);
+  }
+
+  /**
+   * @param {number} now performance.now()
+   * @param {number} ahead what will be heard so many seconds later
+   * @returns {{utterance: Utterance, track: object, seconds: number, running: boolean}|null} what is heard
+   */
+  heard(now, ahead = 0) {
+    const { position, running } = this.player.heard(now, ahead);
+    const found = this.programme.at(position);
     if (!found) return null;
     const { utterance } = found.item;
     utterance.track.forgetBefore(found.seconds);
-    return { utterance, track: utterance.track, seconds: found.seconds, running: heard.running };
+    return { utterance, track: utterance.track, seconds: found.seconds, running };
   }
 
   #about(message) {

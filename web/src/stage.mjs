@@ -4,7 +4,8 @@ import { readModel } from './head/model.mjs';
 import { Governor } from './head/quality.mjs';
 import { View } from './head/view.mjs';
 
-const PAUSE_MS = 400; // between frames: more is no interval but a rest
+const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden page
+const AHEAD_MOST_MS = 120;
 
 /**
  * The canvas: draws the head when something has changed, at the display's rate while something moves, and finds the
@@ -13,15 +14,17 @@ const PAUSE_MS = 400; // between frames: more is no interval but a rest
 export class Stage {
   /**
    * @param {HTMLCanvasElement} canvas
-   * @param {object} ports frame(now) -> {values, more}: what to show and whether it goes on moving; trouble('noWebgl' |
-   *   'lost' | null)
+   * @param {object} ports frame(now, ahead) -> {values, more}: what to show `ahead` milliseconds later, when the picture is
+   *   on the display, and whether it goes on moving; trouble('noWebgl' | 'lost' | null)
    */
   constructor(canvas, ports) {
     this.canvas = canvas;
     this.ports = ports;
+    this.wish = 'auto';
     this.governor = new Governor();
     this.request = 0;
     this.last = -Infinity;
+    this.following = false; // whether the next frame is to come right after the last one
     this.frames = 0;
     this.interval = 0; // of the frames that follow each other, smoothed
     this.view = null;
@@ -48,6 +51,7 @@ export class Stage {
       this.ports.trouble('noWebgl');
       return;
     }
+    this.governor = new Governor(this.wish, this.view.software);
     this.view.setLevel(this.governor.level);
     this.observer.observe(this.canvas);
     this.#resize();
@@ -73,6 +77,7 @@ export class Stage {
 
   /** @param {'auto'|'high'|'low'} wish */
   set quality(wish) {
+    this.wish = wish;
     this.governor.wish(wish);
     this.view?.setLevel(this.governor.level);
     this.wake();
@@ -93,14 +98,16 @@ export class Stage {
     this.request = 0;
     const interval = now - this.last;
     this.last = now;
-    if (interval > PAUSE_MS) this.governor.pause();
+    if (!this.following || interval > PAUSE_MS) this.governor.pause();
     else {
       this.interval = this.interval ? this.interval + 0.1 * (interval - this.interval) : interval;
       if (this.governor.frame(interval)) this.view.setLevel(this.governor.level);
     }
-    const { values, more } = this.ports.frame(now);
+    // A picture is seen when the next one can be begun, not before.
+    const { values, more } = this.ports.frame(performance.now(), Math.min(AHEAD_MOST_MS, this.interval));
     this.view.head?.setFaps(values);
     this.#paint();
+    this.following = more;
     if (more) this.wake();
   }
 

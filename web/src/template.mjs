@@ -14,23 +14,29 @@ export const template = `
     border-radius: 2em; min-block-size: 2.75em; min-inline-size: 2.75em; padding: 0 1em; }
   button:focus-visible { outline: 3px solid #4c9dff; outline-offset: 2px; }
   .sound { position: absolute; inset-inline: 0; inset-block-end: 0.75em; margin-inline: auto; inline-size: fit-content; }
+  svg { inline-size: 1.4em; vertical-align: -0.3em; fill: none; stroke: currentColor; stroke-width: 2; stroke-linejoin: round;
+    stroke-linecap: round; }
   .switch { position: absolute; inset-inline-end: 0.5em; inset-block-start: 0.5em; opacity: 0.55; padding: 0;
     font-weight: 600; font-size: 0.85em; }
   .switch:hover, .switch:focus-visible, .switch[aria-pressed='false'] { opacity: 1; }
   .switch[aria-pressed='false'] { text-decoration: line-through; background: #6c6c70ee; }
-  .captions { flex: none; box-sizing: border-box; min-block-size: 3.7em; margin: 0; padding: 0.35em 0.6em; text-align: center;
+  .captions { flex: none; box-sizing: border-box; min-block-size: 3.6em; display: grid; place-items: center;
+    padding: 0.35em 0.6em; text-align: center;
     font-size: 1.15em; line-height: 1.35; background: var(--talking-head-caption-background, #101014);
     color: var(--talking-head-caption-color, #fff); border-radius: 0.4em; overflow-wrap: anywhere; }
+  .captions.empty { background: none; }
+  .captions p { margin: 0; }
   .said { opacity: 0.72; }
-  .word { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);
+  .word:not(:empty) { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);
     border-radius: 0.2em; box-shadow: 0 0 0 0.12em var(--talking-head-word-background, #ffd60a); }
 </style>
 <div class="stage" part="stage">
   <canvas part="canvas" role="img"></canvas>
   <p class="message" part="message" role="status" hidden></p>
   <button class="switch" part="captions-button" type="button">CC</button>
-  <button class="sound" part="sound-button" type="button" hidden></button>
+  <button class="sound" part="sound-button" type="button" hidden><svg viewBox="0 0 24 24" aria-hidden="true"><path
+    d="M4 9v6h4l5 4V5L8 9zM16 8.5a5 5 0 0 1 0 7M18.5 6a8.5 8.5 0 0 1 0 12"/></svg> <span></span></button>
 </div>
-<p class="captions" part="captions" aria-live="off" dir="auto"><span class="said" part="said"></span><span class="word"
-  part="word"></span><span class="rest" part="rest"></span></p>
+<div class="captions" part="captions" aria-live="off"><p dir="auto"><span class="said" part="said"></span><span class="word"
+  part="word"></span><span class="rest" part="rest"></span></p></div>
 `;

@@ -1,16 +1,22 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Eyelids, eyeballs and pupils: FAPs 19 to 30. A lid turns about the eyeball's centre on an axis along x, so every point keeps
- * its distance from the eyeball; each point of the margin turns by as much as brings it on the other lid's margin.
+ * Eyelids, eyeballs and pupils: FAPs 19 to 30. A lid turns about the eyeball's centre on an axis along x, so
+ * every point keeps its distance from the eyeball; each point of the margin turns by as much as brings it on
+ * the other lid's margin.
  */
 import { EYE_MARGIN } from './hm08.mjs';
 import { lidMargin } from './neutral.mjs';
 import { nearestOnLine, piecewise, plateau } from './zones.mjs';
 
-const SIDES = { l: { upper: 19, lower: 21, yaw: 23, pitch: 25, thrust: 27, point: ['3.1', '3.3'] },
-  r: { upper: 20, lower: 22, yaw: 24, pitch: 26, thrust: 28, point: ['3.2', '3.4'] } };
+const SIDES = {
+  l: { upper: 19, lower: 21, yaw: 23, pitch: 25, thrust: 27, point: ['3.1', '3.3'] },
+  r: { upper: 20, lower: 22, yaw: 24, pitch: 26, thrust: 28, point: ['3.2', '3.4'] },
+};
 
-/** Weights of both lids of one eye over the base vertices, and the angle that closes the eye at the feature points. */
+/**
+ * Weights of both lids of one eye over the base vertices, and the angle that closes the eye at the feature
+ * points.
+ */
 export function lidWeights(ctx, side, tuning) {
   const { p, topology } = ctx;
   const centre = ctx.eyes[side];
@@ -18,15 +24,28 @@ export function lidWeights(ctx, side, tuning) {
   const { ring, upper } = lidMargin(loops, p);
   const polar = (v) => Math.atan2(p[v * 3 + 1] - centre[1], p[v * 3 + 2] - centre[2]);
   const line = (want) => {
-    const points = ring.filter((v, c) => upper[c] === want).map((v) => [p[v * 3], polar(v)]).sort((a, b) => a[0] - b[0]);
-    return (x) => piecewise(points.map((q) => q[0]), points.map((q) => q[1]), x);
+    const points = ring
+      .filter((v, c) => upper[c] === want)
+      .map((v) => [p[v * 3], polar(v)])
+      .sort((a, b) => a[0] - b[0]);
+    return (x) =>
+      piecewise(
+        points.map((q) => q[0]),
+        points.map((q) => q[1]),
+        x,
+      );
   };
-  const top = line(true), bottom = line(false);
+  const top = line(true),
+    bottom = line(false);
   const [upperPoint, lowerPoint] = SIDES[side].point.map((name) => ring.indexOf(ctx.fdpVertex[name]));
-  // Beside the feature points a little more than meeting, because the margins' corners do not face each other there.
+  // Beside the feature points a little more than meeting, because the margins' corners do not face each other
+  // there.
   const middle = p[ring[upperPoint] * 3];
-  const gap = ring.map((v) => Math.max(0, top(p[v * 3]) - bottom(p[v * 3]))
-    + tuning.overlap * (1 - Math.exp(-(((p[v * 3] - middle) / 3) ** 2))));
+  const gap = ring.map(
+    (v) =>
+      Math.max(0, top(p[v * 3]) - bottom(p[v * 3])) +
+      tuning.overlap * (1 - Math.exp(-(((p[v * 3] - middle) / 3) ** 2))),
+  );
   const points = ring.map((v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]);
   const values = ring.map((_, c) => [gap[c], upper[c] ? 1 : 0]);
   const inside = new Set(loops.slice(EYE_MARGIN, EYE_MARGIN + 4).flat());
@@ -53,10 +72,31 @@ export function eyeActions(actions, ctx, tuning) {
   for (const [side, faps] of Object.entries(SIDES)) {
     const lids = lidWeights(ctx, side, tuning);
     const pivot = lids.centre;
-    actions.turn({ name: `lid_${side}_upper`, fap: faps.upper, pivot, axis: [1, 0, 0], radians: lids.angle.upper / 1024, at: (v) => lids.upper[v] });
-    actions.turn({ name: `lid_${side}_lower`, fap: faps.lower, pivot, axis: [-1, 0, 0], radians: lids.angle.lower / 1024, at: (v) => lids.lower[v] });
+    actions.turn({
+      name: `lid_${side}_upper`,
+      fap: faps.upper,
+      pivot,
+      axis: [1, 0, 0],
+      radians: lids.angle.upper / 1024,
+      at: (v) => lids.upper[v],
+    });
+    actions.turn({
+      name: `lid_${side}_lower`,
+      fap: faps.lower,
+      pivot,
+      axis: [-1, 0, 0],
+      radians: lids.angle.lower / 1024,
+      at: (v) => lids.lower[v],
+    });
     const rigid = { [`eye_${side}`]: 1 };
     actions.turn({ name: `eye_${side}_yaw`, fap: faps.yaw, pivot, axis: [0, 1, 0], radians: 1e-5, rigid });
-    actions.turn({ name: `eye_${side}_pitch`, fap: faps.pitch, pivot, axis: [1, 0, 0], radians: 1e-5, rigid });
+    actions.turn({
+      name: `eye_${side}_pitch`,
+      fap: faps.pitch,
+      pivot,
+      axis: [1, 0, 0],
+      radians: 1e-5,
+      rigid,
+    });
   }
 }

@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Brows, cheeks, nose and ears: FAPs 31 to 42 and 61 to 68, zones round their feature points. */
 import { along } from './actions.mjs';
-import { cardinalBasis, ellipsoid, piecewise, plateau } from './zones.mjs';
+import { cardinalBasis, ellipsoid, piecewise, plateau, smoothstep } from './zones.mjs';
 
-const BROWS = [['4.1', 31, 32], ['4.3', 33, 34], ['4.5', 35, 36]];
+const BROWS = [
+  ['4.1', 31, 32],
+  ['4.3', 33, 34],
+  ['4.5', 35, 36],
+];
 
 export function faceActions(actions, ctx, tuning) {
   const skin = new Set(ctx.topology.faces.flatMap((f) => f.v));
@@ -14,13 +18,32 @@ export function faceActions(actions, ctx, tuning) {
       const side = i === 0 ? 1 : -1;
       const centre = ctx.fdp[zone.points[i]].map((x, k) => x + zone.shift[k] * (k === 0 ? side : 1));
       const weight = ellipsoid(centre, zone.radii, zone.flat);
-      const direction = [zone.direction[0] * (zone.faps.length > 1 ? side : 1), zone.direction[1], zone.direction[2]];
-      actions.move(fap, 'both', (v, x, y, z) => outside(v) && along(weight(x, y, z), direction));
+      const direction = [
+        zone.direction[0] * (zone.faps.length > 1 ? side : 1),
+        zone.direction[1],
+        zone.direction[2],
+      ];
+      actions.move(
+        fap,
+        'both',
+        (v, x, y, z) => outside(v) && along(weight(x, y, z) * spared(ctx, x, y, z), direction),
+      );
     }
   }
 }
 
-/** Along a brow the three points share the movement; it fades over the forehead above and to the lid's fold below. */
+/** 0 on the lids, 1 from some mm outside: the cheeks must not push the lids through the eyeballs. */
+function spared({ eyes }, x, y, z) {
+  const far = Math.min(
+    ...['l', 'r'].map((side) => Math.hypot(x - eyes[side][0], y - eyes[side][1], z - eyes[side][2])),
+  );
+  return smoothstep(eyes.radius + 2, eyes.radius + 12, far);
+}
+
+/**
+ * Along a brow the three points share the movement; it fades over the forehead above and to the lid's fold
+ * below.
+ */
 function browActions(actions, ctx, outside, tuning) {
   for (const side of [1, -1]) {
     const names = BROWS.map(([name]) => (side > 0 ? name : `4.${Number(name.slice(2)) + 1}`));
@@ -30,16 +53,28 @@ function browActions(actions, ctx, outside, tuning) {
     const fade = (x, y, z) => {
       const ax = x * side;
       const line = piecewise(xs, ys, ax);
-      const vertical = y > line ? plateau(y - line, tuning.flat, tuning.above) : plateau(line - y, tuning.flat, tuning.below);
+      const vertical =
+        y > line
+          ? plateau(y - line, tuning.flat, tuning.above)
+          : plateau(line - y, tuning.flat, tuning.below);
       const inward = plateau(xs[0] - ax, 0, tuning.inward);
       const outward = plateau(ax - xs[2], 0, tuning.outward);
       return vertical * inward * outward * plateau(-z, 0, 30);
     };
     BROWS.forEach(([, left, right], i) => {
-      actions.move(side > 0 ? left : right, 'both', (v, x, y, z) =>
-        outside(v) && along(fade(x, y, z) * basis(i, Math.max(xs[0], Math.min(xs[2], x * side))), [0, 1, tuning.forward]));
+      actions.move(
+        side > 0 ? left : right,
+        'both',
+        (v, x, y, z) =>
+          outside(v) &&
+          along(fade(x, y, z) * basis(i, Math.max(xs[0], Math.min(xs[2], x * side))), [0, 1, tuning.forward]),
+      );
     });
     const squeeze = ellipsoid(ctx.fdp[names[0]], tuning.squeezeRadii, 0.1);
-    actions.move(side > 0 ? 37 : 38, 'both', (v, x, y, z) => outside(v) && along(squeeze(x, y, z), [-side, 0, tuning.squeezeForward]));
+    actions.move(
+      side > 0 ? 37 : 38,
+      'both',
+      (v, x, y, z) => outside(v) && along(squeeze(x, y, z), [-side, 0, tuning.squeezeForward]),
+    );
   }
 }

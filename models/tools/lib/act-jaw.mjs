@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * The jaw: FAPs 3, 14, 15 and 18. The skin's share in the jaw's turn comes from the mesh's own mouth-open target (the angle
- * that its displacement means at each vertex, the chin's being 1), less what the lips' own FAPs do: FAP 3 alone leaves the lips.
+ * The jaw: FAPs 3, 14, 15 and 18. The skin's share in the jaw's turn comes from the mesh's own mouth-open
+ * target (the angle that its displacement means at each vertex, the chin's being 1), less what the lips' own
+ * FAPs do: FAP 3 alone leaves the lips.
  */
 import { along } from './actions.mjs';
 import { ellipsoid } from './zones.mjs';
@@ -10,10 +11,10 @@ export function jawActions(actions, ctx, grid, tuning) {
   const { p, fdp, fapu, topology } = ctx;
   const pivot = ctx.point(tuning.condyle);
   pivot[0] = 0;
-  const weights = jawWeights(ctx, grid, pivot, tuning);
+  const { whole, weights } = jawWeights(ctx, grid, pivot, tuning);
   const isTongue = ctx.inGroup('helper-tongue');
   const isTeeth = ctx.inGroup('helper-lower-teeth');
-  const share = (v) => (isTeeth[v] ? 1 : isTongue[v] ? tongueShare(v) : weights[v]);
+  const share = (v, skin = weights) => (isTeeth[v] ? 1 : isTongue[v] ? tongueShare(v) : skin[v]);
   const root = ctx.fdp['6.2'][2] - tuning.tongueRoot;
   const tongueShare = (v) => Math.min(1, Math.max(0.2, (p[v * 3 + 2] - root) / tuning.tongueRoot + 0.2));
 
@@ -21,36 +22,50 @@ export function jawActions(actions, ctx, grid, tuning) {
   const glide = tuning.glide;
   const chin = fdp['2.1'];
   const drop = (angle) => {
-    const y = chin[1] - pivot[1], z = chin[2] - pivot[2];
+    const y = chin[1] - pivot[1],
+      z = chin[2] - pivot[2];
     return -(y * Math.cos(angle) - z * Math.sin(angle) - y);
   };
   const reference = (tuning.reference * fapu.MNS) / 1024;
-  let low = 0, high = 1;
+  let low = 0,
+    high = 1;
   for (let i = 0; i < 60; i++) {
     const mid = (low + high) / 2;
     if (drop(mid) < reference) low = mid;
     else high = mid;
   }
   actions.turn({
-    name: 'jaw', fap: 3, pivot, axis: [1, 0, 0], radians: low / tuning.reference, at: share, rigid: { teeth_lower: 1 },
+    name: 'jaw',
+    fap: 3,
+    pivot,
+    axis: [1, 0, 0],
+    radians: low / tuning.reference,
+    at: (v) => share(v),
+    rigid: { teeth_lower: 1 },
   });
   actions.plainMove(3, 'both', (v) => along(share(v) * glide, [0, 0, 1]));
 
-  const lips = (v) => (grid.lower[v] > 0.5 ? (grid.inner[v] + grid.outer[v]) * tuning.lipsFollow : 0);
-  actions.move(14, 'both', (v) => along(Math.max(share(v), lips(v)), [0, 0, 1]));
-  actions.move(15, 'both', (v) => along(Math.max(share(v), lips(v)), [-1, 0, 0]));
+  // No other FAP moves the lower lip sideways, so here it goes with the jaw.
+  actions.move(14, 'both', (v) => along(share(v, whole), [0, 0, 1]));
+  actions.move(15, 'both', (v) => along(share(v, whole), [-1, 0, 0]));
 
   const boss = ellipsoid(fdp['2.10'], tuning.chinRadii, 0.1);
   const skin = new Set(topology.faces.flatMap((f) => f.v));
-  actions.move(18, 'both', (v, x, y, z) => skin.has(v) && !grid.inMouth[v] && along(boss(x, y, z), [0, 1, 0.15]));
+  actions.move(
+    18,
+    'both',
+    (v, x, y, z) => skin.has(v) && !grid.inMouth[v] && along(boss(x, y, z), [0, 1, 0.15]),
+  );
 }
 
+/** `whole`: all that belongs to the jaw; `weights`: the same without what the lips' FAPs move. */
 function jawWeights(ctx, grid, pivot, tuning) {
   const { p, topology } = ctx;
   const open = ctx.target(tuning.openTarget);
   const raw = new Float64Array(p.length / 3);
   const angle = (v) => {
-    const y = p[v * 3 + 1] - pivot[1], z = p[v * 3 + 2] - pivot[2];
+    const y = p[v * 3 + 1] - pivot[1],
+      z = p[v * 3 + 2] - pivot[2];
     return (open[v * 3 + 2] * y - open[v * 3 + 1] * z) / (y * y + z * z);
   };
   const unit = angle(ctx.fdpVertex['2.1']);
@@ -64,12 +79,13 @@ function jawWeights(ctx, grid, pivot, tuning) {
     }
     w = next;
   }
-  // Inside the mouth the loops from the lower lip to the bag's floor belong to the jaw, those of the upper lip do not.
+  // Inside the mouth the loops from the lower lip to the bag's floor belong to the jaw, those of the upper
+  // lip do not.
   for (let v = 0; v < w.length; v++) {
-    const lipShare = Math.min(1, grid.inner[v] + grid.outer[v]);
-    if (grid.inMouth[v]) w[v] = grid.lower[v] > 0.5 ? Math.max(w[v], tuning.floor) : Math.min(w[v], 1 - Math.abs(grid.s[v]) < 0.1 ? 1 : 0.3);
-    w[v] *= 1 - lipShare;
+    if (grid.inMouth[v])
+      w[v] = grid.lower[v] > 0.5 ? Math.max(w[v], tuning.floor) : Math.min(w[v], tuning.roof);
   }
   const top = w[ctx.fdpVertex['2.1']];
-  return w.map((x) => Math.min(1, x / top));
+  const whole = w.map((x) => Math.min(1, x / top));
+  return { whole, weights: whole.map((x, v) => x * (1 - Math.min(1, grid.inner[v] + grid.outer[v]))) };
 }

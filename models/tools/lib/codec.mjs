@@ -22,7 +22,8 @@ export function decode(type, text) {
 
 /** Three axes as int16 with one scale and one offset for each axis: value * scale + offset. */
 export function encodePositions(p) {
-  const low = [Infinity, Infinity, Infinity], high = [-Infinity, -Infinity, -Infinity];
+  const low = [Infinity, Infinity, Infinity],
+    high = [-Infinity, -Infinity, -Infinity];
   for (let i = 0; i < p.length; i++) {
     low[i % 3] = Math.min(low[i % 3], p[i]);
     high[i % 3] = Math.max(high[i % 3], p[i]);
@@ -30,14 +31,27 @@ export function encodePositions(p) {
   const offset = low.map((x, k) => round((x + high[k]) / 2, 1e3));
   const reach = Math.max(...high.map((x, k) => Math.max(x - offset[k], offset[k] - low[k])));
   const scale = Math.ceil((reach / 32767) * 1e7) / 1e7;
-  return { data: encode('int16', Array.from(p, (x, i) => Math.round((x - offset[i % 3]) / scale))), scale, offset };
+  return {
+    data: encode(
+      'int16',
+      Array.from(p, (x, i) => Math.round((x - offset[i % 3]) / scale)),
+    ),
+    scale,
+    offset,
+  };
 }
 
 /** Three axes as int16 with one scale, no offset. */
 export function encodeDeltas(d) {
   const reach = d.reduce((m, x) => Math.max(m, Math.abs(x)), 1e-6);
   const scale = Math.ceil((reach / 32767) * 1e9) / 1e9;
-  return { data: encode('int16', Array.from(d, (x) => Math.round(x / scale))), scale };
+  return {
+    data: encode(
+      'int16',
+      Array.from(d, (x) => Math.round(x / scale)),
+    ),
+    scale,
+  };
 }
 
 export function round(x, steps) {

@@ -13,7 +13,8 @@ export function mix(a, b, t) {
 export function ramp(stops, x) {
   if (x <= stops[0][0]) return stops[0][1];
   for (let i = 1; i < stops.length; i++) {
-    if (x <= stops[i][0]) return mix(stops[i - 1][1], stops[i][1], (x - stops[i - 1][0]) / (stops[i][0] - stops[i - 1][0]));
+    if (x <= stops[i][0])
+      return mix(stops[i - 1][1], stops[i][1], (x - stops[i - 1][0]) / (stops[i][0] - stops[i - 1][0]));
   }
   return stops[stops.length - 1][1];
 }

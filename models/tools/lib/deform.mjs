@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** What a client does with a head (protocol/head-model.md), in plain numbers: for the checks and for pictures. */
+/**
+ * What a client does with a head (protocol/head-model.md), in plain numbers: for the checks and for pictures.
+ */
 import { decode } from './codec.mjs';
 import { FAPS } from './faps.mjs';
 
@@ -37,7 +39,8 @@ export function pose(head, part, faps) {
   const out = Float64Array.from(p);
   for (const move of part.moves) {
     const value = faps[move.fap] ?? 0;
-    if (!value || (move.sign === 'positive' && value < 0) || (move.sign === 'negative' && value > 0)) continue;
+    if (!value || (move.sign === 'positive' && value < 0) || (move.sign === 'negative' && value > 0))
+      continue;
     const amount = value * unitLength(head, move.fap);
     move.vertices.forEach((v, i) => {
       for (let k = 0; k < 3; k++) out[v * 3 + k] += amount * move.deltas[i * 3 + k];
@@ -74,10 +77,13 @@ export function unitLength(head, fap) {
 }
 
 /** Rodrigues' formula about an axis through the turn's pivot. */
-export function rotate(turn, angle, x, y, z) {
+function rotate(turn, angle, x, y, z) {
   const [ax, ay, az] = turn.axis;
-  const px = x - turn.pivot[0], py = y - turn.pivot[1], pz = z - turn.pivot[2];
-  const c = Math.cos(angle), s = Math.sin(angle);
+  const px = x - turn.pivot[0],
+    py = y - turn.pivot[1],
+    pz = z - turn.pivot[2];
+  const c = Math.cos(angle),
+    s = Math.sin(angle);
   const d = (ax * px + ay * py + az * pz) * (1 - c);
   return [
     turn.pivot[0] + px * c + (ay * pz - az * py) * s + ax * d,

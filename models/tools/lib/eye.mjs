@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A generated eyeball: a sphere about the z axis with a low corneal bulge, its texture the front seen from before.
+ * A generated eyeball: a sphere about the z axis with a low corneal bulge, its texture the front seen from
+ * before.
  */
 import { piecewise, raisedCosine } from './zones.mjs';
 
@@ -8,7 +9,7 @@ import { piecewise, raisedCosine } from './zones.mjs';
 const IRIS_SHARE = 0.21;
 
 /** Distance from the middle of the texture for an angle from the optical axis, and back. */
-export function eyeRadius(spec, angle) {
+function eyeRadius(spec, angle) {
   return piecewise([0, spec.irisAngle, spec.span], [0, IRIS_SHARE, 0.5], angle);
 }
 
@@ -16,19 +17,30 @@ export function eyeAngle(spec, radius) {
   return piecewise([0, IRIS_SHARE, 0.5], [0, spec.irisAngle, spec.span], radius);
 }
 
-/** @param {{radius: number, bulge: number, bulgeAngle: number, span: number}} spec radius and bulge in mm, angles in radians */
-export function eyePart(name, centre, spec, faps, fapu) {
-  const position = [], uv = [], index = [], angles = [];
+/**
+ * @param {{radius: number, bulge: number, bulgeAngle: number, span: number}} spec radius and bulge in mm,
+ *   angles in radians
+ */
+export function eyePart(name, centre, spec, faps) {
+  const position = [],
+    uv = [],
+    index = [],
+    angles = [];
   const add = (angle, turn) => {
     const r = spec.radius + spec.bulge * raisedCosine(angle / spec.bulgeAngle);
     const s = Math.sin(angle) * r;
-    position.push(centre[0] + s * Math.cos(turn), centre[1] + s * Math.sin(turn), centre[2] + Math.cos(angle) * r);
+    position.push(
+      centre[0] + s * Math.cos(turn),
+      centre[1] + s * Math.sin(turn),
+      centre[2] + Math.cos(angle) * r,
+    );
     const t = eyeRadius(spec, angle);
     uv.push(0.5 + t * Math.cos(turn), 0.5 + t * Math.sin(turn));
     angles.push([angle, turn]);
   };
   add(0, 0);
-  const rings = spec.rings.length, n = spec.columns;
+  const rings = spec.rings.length,
+    n = spec.columns;
   for (const angle of spec.rings) for (let c = 0; c < n; c++) add(angle, (2 * Math.PI * c) / n);
   const at = (r, c) => 1 + r * n + (c % n);
   for (let c = 0; c < n; c++) {
@@ -37,7 +49,16 @@ export function eyePart(name, centre, spec, faps, fapu) {
       index.push(at(r - 1, c), at(r, c), at(r, c + 1), at(r - 1, c), at(r, c + 1), at(r - 1, c + 1));
     }
   }
-  const part = { name, refs: angles.map(() => []), uv, index, smooth: null, position: Float64Array.from(position), moves: [], turns: [] };
+  const part = {
+    name,
+    refs: angles.map(() => []),
+    uv,
+    index,
+    smooth: null,
+    position: Float64Array.from(position),
+    moves: [],
+    turns: [],
+  };
   const all = angles.map((_, v) => v);
   part.moves.push({ fap: faps.thrust, sign: 'both', vertices: all, deltas: all.flatMap(() => [0, 0, 1]) });
   part.moves.push(pupilMove(faps.dilate, angles, spec));
@@ -45,11 +66,12 @@ export function eyePart(name, centre, spec, faps, fapu) {
 }
 
 /**
- * A wider pupil: the texture goes outward with the mesh, fully at the pupil's border, not at all at the iris's. A unit of
- * diameter is half a unit of radius.
+ * A wider pupil: the texture goes outward with the mesh, fully at the pupil's border, not at all at the
+ * iris's. A unit of diameter is half a unit of radius.
  */
 function pupilMove(fap, angles, spec) {
-  const vertices = [], deltas = [];
+  const vertices = [],
+    deltas = [];
   angles.forEach(([angle, turn], v) => {
     const pupil = spec.pupilAngle;
     const w = angle <= pupil ? angle / pupil : raisedCosine((angle - pupil) / (spec.irisAngle - pupil));

@@ -33,7 +33,8 @@ export async function buildHead(assets, recipe) {
   ctx.grid = gridOf(ctx, recipe);
   closeLips(p, topology, ctx.grid, recipe.faps.mouth.tuck);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
-  for (const side of ['l', 'r']) setLids(ctx, side, lidWeights(ctx, side, recipe.faps.lids), recipe.eyes.opening / 2);
+  for (const side of ['l', 'r'])
+    setLids(ctx, side, lidWeights(ctx, side, recipe.faps.lids), recipe.eyes.opening / 2);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
   const eyeSpec = eyeGeometry(recipe.eyes, eyes.radius - recipe.eyes.inset);
   ctx.fdp['3.5'] = [eyes.l[0], eyes.l[1], eyes.l[2] + eyeSpec.radius + eyeSpec.bulge];
@@ -61,13 +62,25 @@ export async function buildHead(assets, recipe) {
   }
   const textures = await makeTextures({ ctx, recipe, parts, eyeSpec });
   const materials = Object.fromEntries(Object.entries(recipe.materials).filter(([, m]) => m));
-  return packHead({ recipe, fapu: ctx.fapu, fdp: ctx.fdp, turns: [...actions.turns, ...head.turns], textures, materials, parts });
+  return packHead({
+    recipe,
+    fapu: ctx.fapu,
+    fdp: ctx.fdp,
+    turns: [...actions.turns, ...head.turns],
+    textures,
+    materials,
+    parts,
+  });
 }
 
 function makeContext(assets, base, topology, p, eyes) {
   const flags = new Map();
   return {
-    assets, base, topology, p, eyes,
+    assets,
+    base,
+    topology,
+    p,
+    eyes,
     point: (spec) => pointOf(base, p, spec),
     target: (name) => targetInMm(assets, name),
     inGroup(name) {
@@ -95,11 +108,19 @@ function gridOf(ctx, recipe) {
 /** Angles at the eyeball from the widths in mm that the recipe gives. */
 function eyeGeometry(eyes, radius) {
   const half = (width) => Math.asin(width / 2 / (radius + eyes.bulge * 0.6));
-  const irisAngle = half(eyes.iris), pupilAngle = half(eyes.iris * eyes.pupil);
+  const irisAngle = half(eyes.iris),
+    pupilAngle = half(eyes.iris * eyes.pupil);
   const inside = Array.from({ length: 4 }, (_, i) => (pupilAngle * (i + 1)) / 4);
   const iris = Array.from({ length: 5 }, (_, i) => pupilAngle + ((irisAngle - pupilAngle) * (i + 1)) / 5);
   const white = Array.from({ length: 9 }, (_, i) => irisAngle + ((eyes.span - irisAngle) * (i + 1)) / 9);
-  return { ...eyes, radius, irisAngle, pupilAngle, bulgeAngle: irisAngle * 1.25, rings: [...inside, ...iris, ...white] };
+  return {
+    ...eyes,
+    radius,
+    irisAngle,
+    pupilAngle,
+    bulgeAngle: irisAngle * 1.25,
+    rings: [...inside, ...iris, ...white],
+  };
 }
 
 function makeParts(ctx, recipe, eyeSpec) {

@@ -5,8 +5,11 @@ import { hex, luma, ramp } from './color.mjs';
 
 /** @returns {Promise<{size: number, data: Float32Array}>} RGBA, 0..255, square, scaled with a cubic kernel */
 export async function readImage(file, size) {
-  const { data } = await sharp(file).ensureAlpha().resize(size, size, { kernel: 'cubic', fit: 'fill' })
-    .raw().toBuffer({ resolveWithObject: true });
+  const { data } = await sharp(file)
+    .ensureAlpha()
+    .resize(size, size, { kernel: 'cubic', fit: 'fill' })
+    .raw()
+    .toBuffer({ resolveWithObject: true });
   return { size, data: Float32Array.from(data) };
 }
 
@@ -14,23 +17,31 @@ export function writeImage({ size, data }, quality) {
   const channels = data.length / (size * size);
   const bytes = Buffer.from(Uint8ClampedArray.from(data, Math.round).buffer);
   return sharp(bytes, { raw: { width: size, height: size, channels } })
-    .webp({ quality, alphaQuality: 95, effort: 6, smartSubsample: true }).toBuffer();
+    .webp({ quality, alphaQuality: 95, effort: 4, smartSubsample: true })
+    .toBuffer();
 }
 
-/** New colours by brightness: stops of [brightness 0..1, colour]; brightness is stretched so that its extremes reach 0 and 1. */
+/**
+ * New colours by brightness: stops of [brightness 0..1, colour]; brightness is stretched so that its extremes
+ * reach 0 and 1.
+ */
 export function recolour(image, stops) {
   const colours = stops.map(([at, text]) => [at, hex(text)]);
   const d = image.data;
   const seen = [];
   for (let i = 0; i < d.length; i += 4) if (d[i + 3] > 127) seen.push(luma([d[i], d[i + 1], d[i + 2]]));
   seen.sort((a, b) => a - b);
-  const low = seen[Math.floor(seen.length * 0.01)], high = seen[Math.floor(seen.length * 0.99)];
+  const low = seen[Math.floor(seen.length * 0.01)],
+    high = seen[Math.floor(seen.length * 0.99)];
   for (let i = 0; i < d.length; i += 4) {
     d.set(ramp(colours, (luma([d[i], d[i + 1], d[i + 2]]) - low) / (high - low)), i);
   }
 }
 
-/** Carries the colour of opaque texels into the transparent ones beside them, so that filtering shows no dark fringe. */
+/**
+ * Carries the colour of opaque texels into the transparent ones beside them, so that filtering shows no dark
+ * fringe.
+ */
 export function bleed(image, passes) {
   const { size, data } = image;
   const known = new Uint8Array(size * size);
@@ -51,14 +62,23 @@ export function bleed(image, passes) {
         if (was[i]) continue;
         const c = [0, 0, 0];
         let n = 0;
-        for (const [dx, dy] of [[1, 0], [-1, 0], [0, 1], [0, -1]]) {
-          const u = x + dx, v = y + dy;
+        for (const [dx, dy] of [
+          [1, 0],
+          [-1, 0],
+          [0, 1],
+          [0, -1],
+        ]) {
+          const u = x + dx,
+            v = y + dy;
           if (u < 0 || v < 0 || u >= size || v >= size || !was[v * size + u]) continue;
           for (let k = 0; k < 3; k++) c[k] += data[(v * size + u) * 4 + k];
           n++;
         }
         if (!n) continue;
-        data.set(c.map((v) => v / n), i * 4);
+        data.set(
+          c.map((v) => v / n),
+          i * 4,
+        );
         known[i] = 1;
       }
     }

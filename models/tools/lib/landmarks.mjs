@@ -3,12 +3,14 @@
 import { groupVertices } from './mesh.mjs';
 
 /**
- * A recipe names a point by a base vertex, by `{"group": name}` (mean of a group's vertices) or by `{"vertex": n, "shift":
- * [x, y, z]}` in mm. Keys of the form "2.4/2.5" give a left point; the right one is its mirror vertex.
+ * A recipe names a point by a base vertex, by `{"group": name}` (mean of a group's vertices) or by
+ * `{"vertex": n, "shift": [x, y, z]}` in mm. Keys of the form "2.4/2.5" give a left point; the right one is
+ * its mirror vertex.
  * @returns {{fdp: Object<string, number[]>, fdpVertex: Object<string, number>}}
  */
 export function readLandmarks(base, topology, p, recipe) {
-  const fdp = {}, fdpVertex = {};
+  const fdp = {},
+    fdpVertex = {};
   for (const [key, spec] of Object.entries(recipe.fdp)) {
     const [left, right] = key.split('/');
     fdp[left] = pointOf(base, p, spec);

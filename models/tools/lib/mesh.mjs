@@ -14,7 +14,8 @@ export function neighbours(faces, count) {
   const out = Array.from({ length: count }, () => new Set());
   for (const f of faces) {
     for (let i = 0; i < f.v.length; i++) {
-      const a = f.v[i], b = f.v[(i + 1) % f.v.length];
+      const a = f.v[i],
+        b = f.v[(i + 1) % f.v.length];
       out[a].add(b);
       out[b].add(a);
     }
@@ -24,13 +25,17 @@ export function neighbours(faces, count) {
 
 /**
  * Triangles with one vertex for each pair of (source vertex, texture coordinate).
- * @returns {{source: number[], uv: number[], index: number[], smooth: number[]|null}} source: the vertex's number in the
- *   quad mesh; uv: two numbers a vertex; smooth: first vertex at the same place, or null when there are no seams.
+ * @returns {{source: number[], uv: number[], index: number[], smooth: number[]|null}} source: the vertex's
+ *   number in the quad mesh; uv: two numbers a vertex; smooth: first vertex at the same place, or null when
+ *   there are no seams.
  */
 export function triangulate(faces, uvs, keep = () => true) {
   const known = new Map();
   const first = new Map();
-  const source = [], uv = [], index = [], smooth = [];
+  const source = [],
+    uv = [],
+    index = [],
+    smooth = [];
   let seams = false;
   const vertex = (v, t) => {
     const key = `${v}/${t}`;
@@ -50,7 +55,8 @@ export function triangulate(faces, uvs, keep = () => true) {
     if (!keep(f)) continue;
     const c = f.v.map((v, i) => vertex(v, f.uv[i]));
     for (let i = 2; i < c.length; i++) {
-      if (f.v[0] !== f.v[i - 1] && f.v[i - 1] !== f.v[i] && f.v[i] !== f.v[0]) index.push(c[0], c[i - 1], c[i]);
+      if (f.v[0] !== f.v[i - 1] && f.v[i - 1] !== f.v[i] && f.v[i] !== f.v[0])
+        index.push(c[0], c[i - 1], c[i]);
     }
   }
   return { source, uv, index, smooth: seams ? smooth : null };
@@ -61,10 +67,18 @@ export function normals(p, index, smooth) {
   const n = new Float64Array(p.length);
   const at = (i) => (smooth ? smooth[i] : i) * 3;
   for (let t = 0; t < index.length; t += 3) {
-    const a = index[t] * 3, b = index[t + 1] * 3, c = index[t + 2] * 3;
-    const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2];
-    const vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];
-    const nx = uy * vz - uz * vy, ny = uz * vx - ux * vz, nz = ux * vy - uy * vx;
+    const a = index[t] * 3,
+      b = index[t + 1] * 3,
+      c = index[t + 2] * 3;
+    const ux = p[b] - p[a],
+      uy = p[b + 1] - p[a + 1],
+      uz = p[b + 2] - p[a + 2];
+    const vx = p[c] - p[a],
+      vy = p[c + 1] - p[a + 1],
+      vz = p[c + 2] - p[a + 2];
+    const nx = uy * vz - uz * vy,
+      ny = uz * vx - ux * vz,
+      nz = ux * vy - uy * vx;
     for (let k = 0; k < 3; k++) {
       const o = at(index[t + k]);
       n[o] += nx;

@@ -4,20 +4,29 @@ import { MOUTH_CONTACT, EYE_MARGIN } from './hm08.mjs';
 import { piecewise } from './zones.mjs';
 
 /**
- * Brings the two inner lip lines together where the base mesh leaves a gap; both give way by half, and the change fades
- * over the lips and into the mouth with the inner share of the grid. `tuck` (mm) then puts the lower line a little up and back
- * behind the upper one, so that no light comes through between the vertices.
+ * Brings the two inner lip lines together where the base mesh leaves a gap; both give way by half, and the
+ * change fades over the lips and into the mouth with the inner share of the grid. `tuck` (mm) then puts the
+ * lower line a little up and back behind the upper one, so that no light comes through between the vertices.
  */
 export function closeLips(p, topology, grid, tuck) {
   const line = (side, from, to) => {
-    const points = topology.mouth[side][MOUTH_CONTACT].slice(from, to + 1)
-      .map((v) => [Math.abs(p[v * 3]), p[v * 3 + 1], p[v * 3 + 2]]);
+    const points = topology.mouth[side][MOUTH_CONTACT].slice(from, to + 1).map((v) => [
+      Math.abs(p[v * 3]),
+      p[v * 3 + 1],
+      p[v * 3 + 2],
+    ]);
     points.sort((a, b) => a[0] - b[0]);
-    return (x, k) => piecewise(points.map((q) => q[0]), points.map((q) => q[k]), Math.abs(x));
+    return (x, k) =>
+      piecewise(
+        points.map((q) => q[0]),
+        points.map((q) => q[k]),
+        Math.abs(x),
+      );
   };
   const shift = {};
   for (const side of ['l', 'r']) {
-    const upper = line(side, 0, 11), lower = line(side, 11, 19);
+    const upper = line(side, 0, 11),
+      lower = line(side, 11, 19);
     shift[side] = (x, k) => (lower(x, k) - upper(x, k)) / 2;
   }
   const vertices = new Set(topology.mouth.l.flat().concat(topology.mouth.r.flat()));
@@ -26,7 +35,8 @@ export function closeLips(p, topology, grid, tuck) {
     const sign = grid.lower[v] === 0.5 ? 0 : grid.lower[v] > 0.5 ? -1 : 1;
     const x = p[v * 3];
     const hidden = sign < 0 ? tuck * grid.inner[v] ** 2 : 0;
-    for (const k of [1, 2]) p[v * 3 + k] += sign * grid.inner[v] * shift[side](x, k) + hidden * (k === 1 ? 0.6 : -1);
+    for (const k of [1, 2])
+      p[v * 3 + k] += sign * grid.inner[v] * shift[side](x, k) + hidden * (k === 1 ? 0.6 : -1);
   }
 }
 
@@ -42,8 +52,8 @@ export function lidMargin(loops, p) {
 }
 
 /**
- * Turns both lids of an eye until the middles of their margins stand at the iris's upper and lower border (`half` above and
- * below the eye's axis).
+ * Turns both lids of an eye until the middles of their margins stand at the iris's upper and lower border
+ * (`half` above and below the eye's axis).
  */
 export function setLids(ctx, side, lids, half) {
   const { p } = ctx;
@@ -54,8 +64,10 @@ export function setLids(ctx, side, lids, half) {
     const angle = Math.atan2(p[v + 1] - cy, p[v + 2] - cz) - Math.asin(y / r);
     for (let i = 0; i < weights.length; i++) {
       if (!weights[i]) continue;
-      const c = Math.cos(angle * weights[i]), s = Math.sin(angle * weights[i]);
-      const dy = p[i * 3 + 1] - cy, dz = p[i * 3 + 2] - cz;
+      const c = Math.cos(angle * weights[i]),
+        s = Math.sin(angle * weights[i]);
+      const dy = p[i * 3 + 1] - cy,
+        dz = p[i * 3 + 2] - cz;
       p[i * 3 + 1] = cy + dy * c - dz * s;
       p[i * 3 + 2] = cz + dy * s + dz * c;
     }

@@ -10,12 +10,18 @@ function hash(x, y, z) {
 
 /** Smooth noise of -1..1, one feature a unit. */
 export function noise(x, y, z = 0) {
-  const ix = Math.floor(x), iy = Math.floor(y), iz = Math.floor(z);
+  const ix = Math.floor(x),
+    iy = Math.floor(y),
+    iz = Math.floor(z);
   const fade = (t) => t * t * (3 - 2 * t);
-  const u = fade(x - ix), v = fade(y - iy), w = fade(z - iz);
+  const u = fade(x - ix),
+    v = fade(y - iy),
+    w = fade(z - iz);
   let sum = 0;
   for (let c = 0; c < 8; c++) {
-    const a = c & 1, b = (c >> 1) & 1, d = c >> 2;
+    const a = c & 1,
+      b = (c >> 1) & 1,
+      d = c >> 2;
     sum += hash(ix + a, iy + b, iz + d) * (a ? u : 1 - u) * (b ? v : 1 - v) * (d ? w : 1 - w);
   }
   return sum * 2 - 1;
@@ -23,7 +29,9 @@ export function noise(x, y, z = 0) {
 
 /** Several octaves, each half as large and half as strong. */
 export function fractal(x, y, z, octaves) {
-  let sum = 0, strength = 0.5, scale = 1;
+  let sum = 0,
+    strength = 0.5,
+    scale = 1;
   for (let i = 0; i < octaves; i++) {
     sum += strength * noise(x * scale, y * scale, z * scale + i * 17);
     strength /= 2;

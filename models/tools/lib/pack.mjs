@@ -14,8 +14,16 @@ export function packHead({ recipe, fapu, fdp, turns, textures, materials, parts 
     fapu: Object.fromEntries(Object.entries(fapu).map(([k, x]) => [k, round(x, 1e4)])),
     fdp: Object.fromEntries(Object.entries(fdp).map(([k, p]) => [k, place(p)])),
     view: recipe.view,
-    turns: turns.map(({ name, fap, pivot, axis, radians }) => ({ name, fap, pivot: place(pivot), axis, radians: Number(radians.toPrecision(9)) })),
-    textures: Object.fromEntries(Object.entries(textures).map(([name, t]) => [name, { ...t, data: t.data.toString('base64') }])),
+    turns: turns.map(({ name, fap, pivot, axis, radians }) => ({
+      name,
+      fap,
+      pivot: place(pivot),
+      axis,
+      radians: Number(radians.toPrecision(9)),
+    })),
+    textures: Object.fromEntries(
+      Object.entries(textures).map(([name, t]) => [name, { ...t, data: t.data.toString('base64') }]),
+    ),
     materials,
     parts: parts.map(packPart),
   };
@@ -28,15 +36,25 @@ function packPart(part) {
     vertices: part.position.length / 3,
     triangles: part.index.length / 3,
     position: encodePositions(part.position),
-    uv: { data: encode('uint16', part.uv.map((x) => Math.round(Math.min(1, Math.max(0, x)) * 65535))) },
+    uv: {
+      data: encode(
+        'uint16',
+        part.uv.map((x) => Math.round(Math.min(1, Math.max(0, x)) * 65535)),
+      ),
+    },
     index: { data: encode('uint16', part.index) },
   };
   if (part.smooth) out.smooth = { data: encode('uint16', part.smooth) };
   out.moves = part.moves.map((m) => ({
-    fap: m.fap, sign: m.sign, vertices: encode('uint16', m.vertices), deltas: encodeDeltas(m.deltas),
+    fap: m.fap,
+    sign: m.sign,
+    vertices: encode('uint16', m.vertices),
+    deltas: encodeDeltas(m.deltas),
   }));
-  out.turns = part.turns.map((t) => (t.vertices
-    ? { turn: t.turn, vertices: encode('uint16', t.vertices), weights: encode('uint8', t.weights) }
-    : { turn: t.turn, weight: t.weight }));
+  out.turns = part.turns.map((t) =>
+    t.vertices
+      ? { turn: t.turn, vertices: encode('uint16', t.vertices), weights: encode('uint8', t.weights) }
+      : { turn: t.turn, weight: t.weight },
+  );
   return out;
 }

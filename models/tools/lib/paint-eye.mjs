@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** The eye's texture, painted: pupil, iris with fibres and a dark limbus, sclera with a warm rim and faint vessels. */
+/**
+ * The eye's texture, painted: pupil, iris with fibres and a dark limbus, sclera with a warm rim and faint
+ * vessels.
+ */
 import { hex, mix, ramp } from './color.mjs';
 import { eyeAngle } from './eye.mjs';
 import { fractal, noise } from './noise.mjs';
@@ -7,17 +10,21 @@ import { smoothstep } from './zones.mjs';
 
 /**
  * @param {object} spec eye geometry @param {object} look the recipe's colours
- * @param {(angle: number, turn: number) => number} sky share of the sky that a point of the eye sees between the lids
+ * @param {(angle: number, turn: number) => number} sky share of the sky that a point of the eye sees between
+ *   the lids
  * @returns {Float32Array} size x size x 3
  */
 export function paintEye(size, spec, look, sky) {
   const iris = look.iris.map(([at, colour]) => [at, hex(colour)]);
   const white = look.sclera.map(([at, colour]) => [at, hex(colour)]);
-  const vessel = hex(look.vessel), limbus = hex(look.limbus), pupil = hex(look.pupilColour);
+  const vessel = hex(look.vessel),
+    limbus = hex(look.limbus),
+    pupil = hex(look.pupilColour);
   const out = new Float32Array(size * size * 3);
   for (let j = 0; j < size; j++) {
     for (let i = 0; i < size; i++) {
-      const x = (i + 0.5) / size - 0.5, y = 0.5 - (j + 0.5) / size;
+      const x = (i + 0.5) / size - 0.5,
+        y = 0.5 - (j + 0.5) / size;
       const angle = eyeAngle(spec, Math.hypot(x, y));
       const turn = Math.atan2(y, x);
       const inIris = (angle - spec.pupilAngle) / (spec.irisAngle - spec.pupilAngle);
@@ -27,7 +34,10 @@ export function paintEye(size, spec, look, sky) {
       c = mix(shade, c, smoothstep(0.97, 1.13, inIris));
       c = mix(pupil, c, smoothstep(-0.06, 0.1, inIris + 0.03 * noise(turn * 9, 4)));
       const light = look.shadeFloor + (1 - look.shadeFloor) * smoothstep(0, look.shadeOpen, sky(angle, turn));
-      out.set(c.map((v, k) => v * light ** look.shadeTint[k]), (j * size + i) * 3);
+      out.set(
+        c.map((v, k) => v * light ** look.shadeTint[k]),
+        (j * size + i) * 3,
+      );
     }
   }
   return out;
@@ -43,9 +53,12 @@ export function eyeSky(spec, lists) {
   return (angle, turn) => {
     let r = -1;
     while (r < spec.rings.length - 2 && spec.rings[r + 1] < angle) r++;
-    const inner = r < 0 ? 0 : spec.rings[r], outer = spec.rings[r + 1];
+    const inner = r < 0 ? 0 : spec.rings[r],
+      outer = spec.rings[r + 1];
     const t = Math.min(1, (angle - inner) / (outer - inner));
-    const column = (turn / (2 * Math.PI)) * n, c = Math.floor(column), u = column - c;
+    const column = (turn / (2 * Math.PI)) * n,
+      c = Math.floor(column),
+      u = column - c;
     const around = (ring) => mean(ring, c) * (1 - u) + mean(ring, c + 1) * u;
     return around(r) * (1 - t) + around(r + 1) * t;
   };
@@ -53,7 +66,8 @@ export function eyeSky(spec, lists) {
 
 /** Fibres: noise that is stretched along the radius and meets itself at the full turn. */
 function irisColour(stops, r, turn) {
-  const cx = Math.cos(turn), cy = Math.sin(turn);
+  const cx = Math.cos(turn),
+    cy = Math.sin(turn);
   const fine = fractal(cx * 26, cy * 26, r * 1.6, 3);
   const coarse = noise(cx * 7 + 40, cy * 7, r * 1.1);
   const c = ramp(stops, Math.min(1, Math.max(0, r + 0.09 * coarse)));

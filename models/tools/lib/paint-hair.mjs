@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Hair: the package's texture tells where strands run (the direction across which brightness changes least) and which regions are
- * light; new strands are drawn by smearing noise along that direction, in the recipe's colours.
+ * Hair: the package's texture tells where strands run (the direction across which brightness changes least)
+ * and which regions are light; new strands are drawn by smearing noise along that direction, in the recipe's
+ * colours.
  */
 import { hex, luma, ramp } from './color.mjs';
 import { blur } from './image.mjs';
@@ -10,13 +11,15 @@ import { noise } from './noise.mjs';
 /** Recolours the image in place. */
 export function paintHair({ size, data }, look) {
   const light = new Float32Array(size * size);
-  for (let i = 0; i < light.length; i++) light[i] = Math.log(4 + luma([data[i * 4], data[i * 4 + 1], data[i * 4 + 2]]));
+  for (let i = 0; i < light.length; i++)
+    light[i] = Math.log(4 + luma([data[i * 4], data[i * 4 + 1], data[i * 4 + 2]]));
   const flow = strandDirections(light, size, look.flowBlur);
   const strands = smear(size, flow, look);
   const broad = blur(light, size, look.broadBlur);
   const detail = blur(light, size, 0.7);
   const sorted = Float32Array.from(broad).sort();
-  const low = sorted[Math.floor(sorted.length * 0.02)], high = sorted[Math.floor(sorted.length * 0.99)];
+  const low = sorted[Math.floor(sorted.length * 0.02)],
+    high = sorted[Math.floor(sorted.length * 0.99)];
   const stops = look.ramp.map(([at, text]) => [at, hex(text)]);
   for (let i = 0; i < light.length; i++) {
     const shine = (broad[i] - low) / (high - low);
@@ -28,11 +31,14 @@ export function paintHair({ size, data }, look) {
 
 /** Unit vectors along the strands, from the structure tensor of the brightness. */
 function strandDirections(light, size, radius) {
-  const xx = new Float32Array(light.length), xy = new Float32Array(light.length), yy = new Float32Array(light.length);
+  const xx = new Float32Array(light.length),
+    xy = new Float32Array(light.length),
+    yy = new Float32Array(light.length);
   for (let y = 1; y < size - 1; y++) {
     for (let x = 1; x < size - 1; x++) {
       const i = y * size + x;
-      const gx = light[i + 1] - light[i - 1], gy = light[i + size] - light[i - size];
+      const gx = light[i + 1] - light[i - 1],
+        gy = light[i + size] - light[i - size];
       xx[i] = gx * gx;
       xy[i] = gx * gy;
       yy[i] = gy * gy;
@@ -51,20 +57,33 @@ function strandDirections(light, size, radius) {
 /** Line integral of noise along the strands, brought to about -1..1. */
 function smear(size, flow, look) {
   const grain = new Float32Array(size * size);
-  for (let y = 0; y < size; y++) for (let x = 0; x < size; x++) {
-    grain[y * size + x] = noise(x / look.grain, y / look.grain) * 0.6 + noise(x / (look.grain * 3) + 70, y / (look.grain * 3)) * 0.7;
-  }
+  for (let y = 0; y < size; y++)
+    for (let x = 0; x < size; x++) {
+      grain[y * size + x] =
+        noise(x / look.grain, y / look.grain) * 0.6 +
+        noise(x / (look.grain * 3) + 70, y / (look.grain * 3)) * 0.7;
+    }
   const out = new Float32Array(size * size);
   for (let y = 0; y < size; y++) {
     for (let x = 0; x < size; x++) {
-      let sum = grain[y * size + x], n = 1;
+      let sum = grain[y * size + x],
+        n = 1;
       for (const sign of [1, -1]) {
-        let px = x, py = y, dx = 0, dy = 0;
+        let px = x,
+          py = y,
+          dx = 0,
+          dy = 0;
         for (let k = 0; k < look.length; k++) {
-          const i = (Math.min(size - 1, Math.max(0, Math.round(py))) * size + Math.min(size - 1, Math.max(0, Math.round(px))));
-          let fx = flow[i * 2], fy = flow[i * 2 + 1];
+          const i =
+            Math.min(size - 1, Math.max(0, Math.round(py))) * size +
+            Math.min(size - 1, Math.max(0, Math.round(px)));
+          let fx = flow[i * 2],
+            fy = flow[i * 2 + 1];
           const along = k ? fx * dx + fy * dy : sign;
-          if (along < 0) { fx = -fx; fy = -fy; }
+          if (along < 0) {
+            fx = -fx;
+            fy = -fy;
+          }
           px += fx * 1.5;
           py += fy * 1.5;
           dx = fx;

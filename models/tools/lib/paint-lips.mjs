@@ -6,14 +6,15 @@ import { noise } from './noise.mjs';
 import { smoothstep } from './zones.mjs';
 
 /**
- * For every base vertex `t`: 0 on the line where the lips touch, 1 on the outer contour, more on the skin (2 = far), and `depth`: mm
- * behind the line of contact.
+ * For every base vertex `t`: 0 on the line where the lips touch, 1 on the outer contour, more on the skin (2
+ * = far), and `depth`: mm behind the line of contact.
  */
 export function lipParameter(ctx) {
   const { p, topology } = ctx;
   const t = new Float64Array(p.length / 3).fill(2);
   const depth = new Float64Array(p.length / 3);
-  const gap = (a, b) => Math.hypot(p[a * 3] - p[b * 3], p[a * 3 + 1] - p[b * 3 + 1], p[a * 3 + 2] - p[b * 3 + 2]);
+  const gap = (a, b) =>
+    Math.hypot(p[a * 3] - p[b * 3], p[a * 3 + 1] - p[b * 3 + 1], p[a * 3 + 2] - p[b * 3 + 2]);
   for (const loops of [topology.mouth.l, topology.mouth.r]) {
     for (let c = 0; c < loops[0].length; c++) {
       const column = loops.map((l) => l[c]);

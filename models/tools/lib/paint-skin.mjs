@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * The skin's texture, painted on the surface in millimetres: a base tone with some of the package's texture in it, zones of
- * colour round feature points, lips, lid margins, brows' underpainting, mottling, pores and freckles, and ambient occlusion.
+ * The skin's texture, painted on the surface in millimetres: a base tone with some of the package's texture
+ * in it, zones of colour round feature points, lips, lid margins, brows' underpainting, mottling, pores and
+ * freckles, and ambient occlusion.
  */
 import { dilate, eachTexel, occlusion } from './bake.mjs';
 import { hex, mix } from './color.mjs';
@@ -19,24 +20,41 @@ export async function paintSkin(spec, scene) {
   const size = spec.size;
   const source = await readImage(ctx.assets.data(look.file), 2048);
   const vertexNormals = normals(part.position, part.index, part.smooth);
-  const occluders = Object.entries(look.occlusion.parts).map(([name, weight]) => ({ part: parts.find((x) => x.name === name), weight }));
+  const occluders = Object.entries(look.occlusion.parts).map(([name, weight]) => ({
+    part: parts.find((x) => x.name === name),
+    weight,
+  }));
   const sky = occlusion(part, vertexNormals, occluders, look.occlusion);
-  const zones = look.zones.flatMap((z) => z.points.map((name) => ({
-    weight: ellipsoid(ctx.fdp[name].map((x, k) => x + z.shift[k] * (k === 0 ? Math.sign(x) || 1 : 1)), z.radii, z.flat ?? 0),
-    colour: hex(z.colour), strength: z.strength,
-  })));
+  const zones = look.zones.flatMap((z) =>
+    z.points.map((name) => ({
+      weight: ellipsoid(
+        ctx.fdp[name].map((x, k) => x + z.shift[k] * (k === 0 ? Math.sign(x) || 1 : 1)),
+        z.radii,
+        z.flat ?? 0,
+      ),
+      colour: hex(z.colour),
+      strength: z.strength,
+    })),
+  );
   const onPart = (list) => part.refs.map((refs) => refs.reduce((sum, [v, w]) => sum + w * list[v], 0));
   const lips = lipParameter(ctx);
   const [lipT, lipDepth, lipS] = [lips.t, lips.depth, ctx.grid.s].map(onPart);
   const lids = eyeLines(ctx);
-  const tone = hex(look.tone), scalp = hex(look.scalp.colour);
+  const ear = earZone(ctx.fdp, look.scalp.ears);
+  const tone = hex(look.tone),
+    scalp = hex(look.scalp.colour);
   const data = new Float32Array(size * size * 3);
   const done = eachTexel(part, size, (texel, a, b, c, wa, wb, wc) => {
-    const at = (list, stride, k) => wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
+    const at = (list, stride, k) =>
+      wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
     const q = [0, 1, 2].map((k) => at(part.position, 3, k));
     const attribute = (list) => wa * list[a] + wb * list[b] + wc * list[c];
     const light = Math.min(1, Math.max(0, wa * sky[a] + wb * sky[b] + wc * sky[c]) / look.occlusion.open);
-    let colour = mix(tone, sampled(source, at(part.sourceUv, 2, 0), at(part.sourceUv, 2, 1)), look.fromPackage);
+    let colour = mix(
+      tone,
+      sampled(source, at(part.sourceUv, 2, 0), at(part.sourceUv, 2, 1)),
+      look.fromPackage,
+    );
     for (const z of zones) {
       const w = z.weight(q[0], q[1], q[2]);
       if (w > 0) colour = mix(colour, z.colour, w * z.strength);
@@ -45,12 +63,29 @@ export async function paintSkin(spec, scene) {
     colour = lidPaint(colour, q, lids, look.lids);
     colour = lipPaint(colour, q, attribute(lipT), attribute(lipDepth), attribute(lipS), look.lips);
     colour = pores(colour, q, look, attribute(lipT));
-    const behind = q[1] - look.scalp.slope * q[2] - look.scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
-    colour = mix(colour, scalp, smoothstep(-look.scalp.soft, look.scalp.soft, behind));
+    const behind =
+      q[1] - look.scalp.slope * q[2] - look.scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
+    const hairy = smoothstep(-look.scalp.soft, look.scalp.soft, behind) * (1 - ear(q));
+    colour = mix(colour, scalp, hairy);
     data.set(shade(colour, light, look.occlusion), texel * 3);
   });
   dilate(data, done, size, 12);
   return { size, data };
+}
+
+/** 1 on the ears, between the top and the lobe of each. */
+function earZone(fdp, radii) {
+  const ears = [
+    ['10.1', '10.5'],
+    ['10.2', '10.6'],
+  ].map(([top, lobe]) =>
+    ellipsoid(
+      fdp[top].map((x, k) => (x + fdp[lobe][k]) / 2),
+      radii,
+      0.75,
+    ),
+  );
+  return ([x, y, z]) => Math.max(...ears.map((weight) => weight(x, y, z)));
 }
 
 /** Uneven blood and pigment: slow noise in redness and in lightness. */
@@ -64,9 +99,12 @@ function mottle(c, q, look) {
 function pores(c, q, look, lipT) {
   const skin = smoothstep(1, 1.25, lipT);
   if (!skin) return c;
-  const fine = noise(q[0] / 0.55, q[1] / 0.55, q[2] / 0.55) * 0.6 + noise(q[0] / 0.28, q[1] / 0.28, q[2] / 0.28) * 0.4;
+  const fine =
+    noise(q[0] / 0.55, q[1] / 0.55, q[2] / 0.55) * 0.6 + noise(q[0] / 0.28, q[1] / 0.28, q[2] / 0.28) * 0.4;
   const k = 1 + fine * look.pores * skin;
-  const spot = smoothstep(0.62, 0.86, noise(q[0] / 1.9 + 9, q[1] / 1.9, q[2] / 1.9)) * Math.max(0, noise(q[0] / 13, q[1] / 13, q[2] / 13 + 4));
+  const spot =
+    smoothstep(0.62, 0.86, noise(q[0] / 1.9 + 9, q[1] / 1.9, q[2] / 1.9)) *
+    Math.max(0, noise(q[0] / 13, q[1] / 13, q[2] / 13 + 4));
   const f = spot * look.freckles * skin;
   return [c[0] * k * (1 - f * 0.25), c[1] * k * (1 - f * 0.45), c[2] * k * (1 - f * 0.6)];
 }
@@ -78,8 +116,16 @@ function shade(c, light, { strength, tint }) {
 
 function sampled(image, u, v) {
   const { size, data } = image;
-  const x = Math.min(size - 1.001, Math.max(0, u * size - 0.5)), y = Math.min(size - 1.001, Math.max(0, (1 - v) * size - 0.5));
-  const i = Math.floor(x), j = Math.floor(y), fx = x - i, fy = y - j;
+  const x = Math.min(size - 1.001, Math.max(0, u * size - 0.5)),
+    y = Math.min(size - 1.001, Math.max(0, (1 - v) * size - 0.5));
+  const i = Math.floor(x),
+    j = Math.floor(y),
+    fx = x - i,
+    fy = y - j;
   const at = (dx, dy, k) => data[((j + dy) * size + i + dx) * 4 + k];
-  return [0, 1, 2].map((k) => (at(0, 0, k) * (1 - fx) + at(1, 0, k) * fx) * (1 - fy) + (at(0, 1, k) * (1 - fx) + at(1, 1, k) * fx) * fy);
+  return [0, 1, 2].map(
+    (k) =>
+      (at(0, 0, k) * (1 - fx) + at(1, 0, k) * fx) * (1 - fy) +
+      (at(0, 1, k) * (1 - fx) + at(1, 1, k) * fx) * fy,
+  );
 }

@@ -1,17 +1,27 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Finer triangles where the outline matters. A split edge gets a vertex on the curve that its end points and normals give (the
- * edge of a PN triangle, Vlachos et al. 2001); the old vertices stay where they are, so feature points stay exact, and the
- * actions of a new vertex are the mean of its two neighbours'.
+ * Finer triangles where the outline matters. A split edge gets a vertex on the curve that its end points and
+ * normals give (the edge of a PN triangle, Vlachos et al. 2001); the old vertices stay where they are, so
+ * feature points stay exact, and the actions of a new vertex are the mean of its two neighbours'.
  */
 import { normals } from './mesh.mjs';
 
-/** @param {(a: number, b: number) => boolean} split whether the edge between two vertices is to be split; symmetric */
+/**
+ * @param {(a: number, b: number) => boolean} split whether the edge between two vertices is to be split;
+ *   symmetric
+ */
 export function refine(part, split) {
-  const first = part.smooth ?? part.index.reduce((all, v) => { all[v] = v; return all; }, []);
+  const first =
+    part.smooth ??
+    part.index.reduce((all, v) => {
+      all[v] = v;
+      return all;
+    }, []);
   const n = normals(part.position, part.index, part.smooth);
   const middles = new Map();
-  const position = Array.from(part.position), uv = part.uv.slice(), refs = part.refs.slice();
+  const position = Array.from(part.position),
+    uv = part.uv.slice(),
+    refs = part.refs.slice();
   const smooth = Array.from({ length: refs.length }, (_, v) => first[v] ?? v);
   const places = new Map();
 
@@ -21,7 +31,8 @@ export function refine(part, split) {
     if (middles.has(key)) return middles.get(key);
     const i = refs.length;
     middles.set(key, i);
-    const fa = smooth[a], fb = smooth[b];
+    const fa = smooth[a],
+      fb = smooth[b];
     const place = fa < fb ? `${fa}/${fb}` : `${fb}/${fa}`;
     if (!places.has(place)) places.set(place, i);
     smooth.push(places.get(place));
@@ -43,22 +54,30 @@ export function refine(part, split) {
 
 /** Edges of more than that length in mm. */
 export function longEdges({ position: p }, length) {
-  return (a, b) => Math.hypot(p[a * 3] - p[b * 3], p[a * 3 + 1] - p[b * 3 + 1], p[a * 3 + 2] - p[b * 3 + 2]) > length;
+  return (a, b) =>
+    Math.hypot(p[a * 3] - p[b * 3], p[a * 3 + 1] - p[b * 3 + 1], p[a * 3 + 2] - p[b * 3 + 2]) > length;
 }
 
 /** Edges of the lips, the lids and the nose's underside that are long enough to show as corners. */
 export function skinDetail(ctx, part, spec) {
-  const long = longEdges(part, spec.longestEdge), longer = longEdges(part, spec.longestElsewhere);
+  const long = longEdges(part, spec.longestEdge),
+    longer = longEdges(part, spec.longestElsewhere);
   const near = part.refs.map((refs) => {
     const [v] = refs[0];
     const q = [ctx.p[v * 3], ctx.p[v * 3 + 1], ctx.p[v * 3 + 2]];
-    const toEye = Math.min(...['l', 'r'].map((side) => Math.hypot(...q.map((x, k) => x - ctx.eyes[side][k]))));
+    const toEye = Math.min(
+      ...['l', 'r'].map((side) => Math.hypot(...q.map((x, k) => x - ctx.eyes[side][k]))),
+    );
     return ctx.grid.inner[v] + ctx.grid.outer[v] > 0.4 || toEye < ctx.eyes.radius + 6;
   });
-  return (a, b) => (near[a] && near[b] ? long(a, b) : part.position[a * 3 + 1] > spec.refineAbove && longer(a, b));
+  const high = (v) => part.position[v * 3 + 1] > spec.refineAbove;
+  return (a, b) => (near[a] && near[b] ? long(a, b) : high(a) && high(b) && longer(a, b));
 }
 
-/** The triangles that replace one triangle; cut[i] is the vertex in the middle of the edge from v[i] to the next, or -1. */
+/**
+ * The triangles that replace one triangle; cut[i] is the vertex in the middle of the edge from v[i] to the
+ * next, or -1.
+ */
 function pieces(v, cut) {
   const count = cut.filter((c) => c >= 0).length;
   if (count === 0) return v;
@@ -73,8 +92,11 @@ function pieces(v, cut) {
 
 function curved(p, n, a, b) {
   const d = [0, 1, 2].map((k) => p[b * 3 + k] - p[a * 3 + k]);
-  const wa = [0, 1, 2].reduce((s, k) => s + d[k] * n[a * 3 + k], 0), wb = -[0, 1, 2].reduce((s, k) => s + d[k] * n[b * 3 + k], 0);
-  return [0, 1, 2].map((k) => (p[a * 3 + k] + p[b * 3 + k]) / 2 - (wa * n[a * 3 + k] + wb * n[b * 3 + k]) / 8);
+  const wa = [0, 1, 2].reduce((s, k) => s + d[k] * n[a * 3 + k], 0),
+    wb = -[0, 1, 2].reduce((s, k) => s + d[k] * n[b * 3 + k], 0);
+  return [0, 1, 2].map(
+    (k) => (p[a * 3 + k] + p[b * 3 + k]) / 2 - (wa * n[a * 3 + k] + wb * n[b * 3 + k]) / 8,
+  );
 }
 
 function meanOf(a, b) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * The neutral head in millimetres: base mesh plus the recipe's morph targets, moved so that the origin lies between the
- * centres of the eyeballs. Everything is kept for all base vertices, helpers included, because the proxies hang on them.
+ * The neutral head in millimetres: base mesh plus the recipe's morph targets, moved so that the origin lies
+ * between the centres of the eyeballs. Everything is kept for all base vertices, helpers included, because
+ * the proxies hang on them.
  */
 import { readTarget } from './assets.mjs';
 import { groupVertices } from './mesh.mjs';
@@ -30,8 +31,9 @@ export function targetInMm(assets, name) {
 }
 
 /**
- * The sphere that fits the points best in the algebraic sense: |q|^2 = 2 c.q + k, linear in c and k = r^2 - |c|^2. The eye
- * helper is a sphere with a bulge for the cornea; the bulge is few points and shifts the centre by a few tenths of a mm.
+ * The sphere that fits the points best in the algebraic sense: |q|^2 = 2 c.q + k, linear in c and k = r^2 -
+ * |c|^2. The eye helper is a sphere with a bulge for the cornea; the bulge is few points and shifts the
+ * centre by a few tenths of a mm.
  */
 function fitSphere(p, vertices) {
   const m = Array.from({ length: 4 }, () => new Float64Array(5));

@@ -9,12 +9,17 @@ const COVER = ['skin', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue']
 
 /** @param {{yaw: number, pitch: number}} from direction of the eye, 0, 0 = straight before the face */
 export function view(head, faps, { yaw, pitch }) {
-  const width = Math.round((WINDOW.right - WINDOW.left) / STEP), height = Math.round((WINDOW.top - WINDOW.bottom) / STEP);
+  const width = Math.round((WINDOW.right - WINDOW.left) / STEP),
+    height = Math.round((WINDOW.top - WINDOW.bottom) / STEP);
   const depth = new Float32Array(width * height).fill(-Infinity);
   const owner = new Int8Array(width * height).fill(-1);
-  const cy = Math.cos(yaw), sy = Math.sin(yaw), cp = Math.cos(pitch), sp = Math.sin(pitch);
+  const cy = Math.cos(yaw),
+    sy = Math.sin(yaw),
+    cp = Math.cos(pitch),
+    sp = Math.sin(pitch);
   const project = (x, y, z) => {
-    const a = x * cy - z * sy, b = x * sy + z * cy;
+    const a = x * cy - z * sy,
+      b = x * sy + z * cy;
     return [(a - WINDOW.left) / STEP, (y * cp - b * sp - WINDOW.bottom) / STEP, b * cp + y * sp];
   };
   COVER.forEach((name, number) => {
@@ -32,8 +37,10 @@ export function view(head, faps, { yaw, pitch }) {
 function draw(depth, owner, width, height, number, a, b, c) {
   const area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
   if (area <= 1e-9) return; // turned away
-  const x0 = Math.max(0, Math.floor(Math.min(a[0], b[0], c[0]))), x1 = Math.min(width - 1, Math.floor(Math.max(a[0], b[0], c[0])));
-  const y0 = Math.max(0, Math.floor(Math.min(a[1], b[1], c[1]))), y1 = Math.min(height - 1, Math.floor(Math.max(a[1], b[1], c[1])));
+  const x0 = Math.max(0, Math.floor(Math.min(a[0], b[0], c[0]))),
+    x1 = Math.min(width - 1, Math.floor(Math.max(a[0], b[0], c[0])));
+  const y0 = Math.max(0, Math.floor(Math.min(a[1], b[1], c[1]))),
+    y1 = Math.min(height - 1, Math.floor(Math.max(a[1], b[1], c[1])));
   for (let y = y0; y <= y1; y++) {
     for (let x = x0; x <= x1; x++) {
       const wa = ((b[0] - x - 0.5) * (c[1] - y - 0.5) - (b[1] - y - 0.5) * (c[0] - x - 0.5)) / area;

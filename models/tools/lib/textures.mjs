@@ -28,8 +28,14 @@ export async function makeTextures(scene) {
 function paintBothEyes({ size }, { recipe, parts, eyeSpec }) {
   const named = (name) => parts.find((part) => part.name === name);
   const { occlusion: rules } = recipe.skin;
-  const sky = ['eye_l', 'eye_r'].map((name) => occlusion(named(name), normals(named(name).position, named(name).index, null),
-    [{ part: named('skin'), weight: 1 }], { ...rules, bias: 0.3 }));
+  const sky = ['eye_l', 'eye_r'].map((name) =>
+    occlusion(
+      named(name),
+      normals(named(name).position, named(name).index, null),
+      [{ part: named('skin'), weight: 1 }],
+      { ...rules, bias: 0.3 },
+    ),
+  );
   return { size, data: paintEye(size, eyeSpec, recipe.eyes.look, eyeSky(eyeSpec, sky)) };
 }
 
@@ -42,9 +48,12 @@ async function paintAsset(spec, { ctx, parts }) {
   return image;
 }
 
-/** Alpha between `low` and `high` (0..1) becomes the whole range: thin strands survive the cut at one half. */
+/**
+ * Alpha between `low` and `high` (0..1) becomes the whole range: thin strands survive the cut at one half.
+ */
 function sharpenAlpha({ data }, [low, high]) {
-  for (let i = 3; i < data.length; i += 4) data[i] = Math.min(255, Math.max(0, ((data[i] / 255 - low) / (high - low)) * 255));
+  for (let i = 3; i < data.length; i += 4)
+    data[i] = Math.min(255, Math.max(0, ((data[i] / 255 - low) / (high - low)) * 255));
 }
 
 function assetFile(ctx, spec, parts) {

@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Weights of influence zones: ellipsoids and curves with a raised cosine, and interpolation between feature points. */
+/**
+ * Weights of influence zones: ellipsoids and curves with a raised cosine, and interpolation between feature
+ * points.
+ */
 
 /** 1 at 0, 0 from 1 on: W = 0.5 (1 + cos(pi d)). */
 export function raisedCosine(d) {
@@ -13,7 +16,13 @@ export function plateau(d, flat, reach) {
 
 /** An ellipsoid with half axes `radii` round `centre`, its inner part `flat` (0..1) at full weight. */
 export function ellipsoid(centre, radii, flat = 0) {
-  return (x, y, z) => plateau(Math.hypot((x - centre[0]) / radii[0], (y - centre[1]) / radii[1], (z - centre[2]) / radii[2]), flat, 1);
+  return (x, y, z) => {
+    const a = (x - centre[0]) / radii[0],
+      b = (y - centre[1]) / radii[1],
+      c = (z - centre[2]) / radii[2];
+    const square = a * a + b * b + c * c;
+    return square >= 1 ? 0 : plateau(Math.sqrt(square), flat, 1);
+  };
 }
 
 /** 0 below `a`, 1 above `b`, smooth between. Also works downward when a > b. */
@@ -23,8 +32,9 @@ export function smoothstep(a, b, x) {
 }
 
 /**
- * Cardinal Hermite basis over nodes: `basis(i, x)` is 1 at node i and 0 at all others, and the sum over i is 1, so feature
- * points on a line do not disturb each other. `steep` multiplies the slope at the two ends (an ellipse rather than an arc).
+ * Cardinal Hermite basis over nodes: `basis(i, x)` is 1 at node i and 0 at all others, and the sum over i is
+ * 1, so feature points on a line do not disturb each other. `steep` multiplies the slope at the two ends (an
+ * ellipse rather than an arc).
  */
 export function cardinalBasis(nodes, steep = 1) {
   const n = nodes.length;
@@ -41,9 +51,14 @@ export function cardinalBasis(nodes, steep = 1) {
     while (x > nodes[k + 1]) k++;
     const h = nodes[k + 1] - nodes[k];
     const t = (x - nodes[k]) / h;
-    const t2 = t * t, t3 = t2 * t;
-    return y[k] * (2 * t3 - 3 * t2 + 1) + h * slope(y, k) * (t3 - 2 * t2 + t)
-      + y[k + 1] * (3 * t2 - 2 * t3) + h * slope(y, k + 1) * (t3 - t2);
+    const t2 = t * t,
+      t3 = t2 * t;
+    return (
+      y[k] * (2 * t3 - 3 * t2 + 1) +
+      h * slope(y, k) * (t3 - 2 * t2 + t) +
+      y[k + 1] * (3 * t2 - 2 * t3) +
+      h * slope(y, k + 1) * (t3 - t2)
+    );
   };
 }
 
@@ -56,22 +71,35 @@ export function piecewise(from, to, x) {
   return to[to.length - 1];
 }
 
-/** Nearest point of a polyline: distance, and the value interpolated from `values` (several numbers a point). */
+/**
+ * Nearest point of a polyline: distance, and the value interpolated from `values` (several numbers a point).
+ */
 export function nearestOnLine(points, values, q, closed = false) {
-  let best = { distance: Infinity, value: null };
   const n = points.length;
+  let least = Infinity,
+    at = 0,
+    share = 0;
   for (let i = 0; i < (closed ? n : n - 1); i++) {
-    const a = points[i], b = points[(i + 1) % n];
-    let ab = 0, aq = 0;
-    for (let k = 0; k < 3; k++) {
-      ab += (b[k] - a[k]) ** 2;
-      aq += (b[k] - a[k]) * (q[k] - a[k]);
-    }
-    const t = ab > 0 ? Math.min(1, Math.max(0, aq / ab)) : 0;
-    const d = Math.hypot(...a.map((x, k) => x + t * (b[k] - x) - q[k]));
-    if (d < best.distance) {
-      best = { distance: d, value: values[i].map((x, k) => x + t * (values[(i + 1) % n][k] - x)) };
+    const a = points[i],
+      b = points[(i + 1) % n];
+    const bx = b[0] - a[0],
+      by = b[1] - a[1],
+      bz = b[2] - a[2];
+    const qx = q[0] - a[0],
+      qy = q[1] - a[1],
+      qz = q[2] - a[2];
+    const square = bx * bx + by * by + bz * bz;
+    const t = square > 0 ? Math.min(1, Math.max(0, (bx * qx + by * qy + bz * qz) / square)) : 0;
+    const dx = t * bx - qx,
+      dy = t * by - qy,
+      dz = t * bz - qz;
+    const d = dx * dx + dy * dy + dz * dz;
+    if (d < least) {
+      least = d;
+      at = i;
+      share = t;
     }
   }
-  return best;
+  const next = values[(at + 1) % n];
+  return { distance: Math.sqrt(least), value: values[at].map((x, k) => x + share * (next[k] - x)) };
 }

@@ -83,15 +83,19 @@ export class Player {
     return this.audio ?? this.silent;
   }
 
-  /** Time on the clock of positions. @param {number} now performance.now() @returns {{position, running}} */
-  heard(now) {
+  /**
+   * @param {number} now performance.now()
+   * @param {number} ahead seconds: what is heard then
+   * @returns {{position: number, running: boolean}}
+   */
+  heard(now, ahead = 0) {
     if (!this.driver) return { position: this.written, running: false };
     let frame;
     if (this.audio) {
-      frame = this.clock.at(this.context, now) * this.rate;
+      frame = (this.clock.at(this.context, now) + ahead) * this.rate;
     } else {
       if (this.sound !== 'off') this.silent.run(now / 1000); // it is known that there is no sound
-      frame = (now / 1000) * this.rate;
+      frame = (now / 1000 + ahead) * this.rate;
     }
     const { position, running } = this.map.at(frame);
     return { position: position + this.offset, running };

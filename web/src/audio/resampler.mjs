@@ -48,7 +48,8 @@ export class Resampler {
     for (let i = 0; i < block.length; i++) joined[this.input.length + i] = block[i] * scale;
     this.input = joined;
     this.received += block.length;
-    return this.#make(this.outputLength(Math.max(0, this.received - this.half)));
+    const known = this.table ? this.received - this.half : this.received;
+    return this.#make(this.outputLength(Math.max(0, known)));
   }
 
   /** The rest, after the last block. */

@@ -1,13 +1,30 @@
 // SPDX-License-Identifier: MIT
 import {
-  AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Mesh,
-  NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector3,
+  AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Matrix4,
+  Mesh, NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector3,
 } from 'three';
+import { faceValues } from '../face-mixer.mjs';
+import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
+import { eyeNormals, fibres, volumeNormals } from './surfaces.mjs';
+import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
-import { loadTexture, whiteTexture } from './textures.mjs';
+import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const MOUTH_OPEN_MM = 9; // from here on the light goes in freely
+const SLICE_MS = 12; // of work at a time, while the page lives on
+
+const THIN = ['lashes', 'brows']; // a few fibres on the skin: they hide nothing
+
+/** Where shadows are taken: speaking, so that there is light between the lips. */
+const SHADOW_POSE = faceValues({
+  3: 350, 4: -150, 5: -450, 8: -150, 9: -150, 10: -400, 11: -400, 51: -150, 52: -450, 55: -150, 56: -150, 57: -400, 58: -400,
+});
+
+/** Where the light on them is asked for: the same, with the lids down, since what is folded away would stay dark. */
+const LIT_POSE = faceValues({ ...SHADOW_POSE, 19: 800, 20: 800, 21: 150, 22: 150 });
+
+const breath = () => new Promise((resolve) => setTimeout(resolve));
 
 /** What the name of a part says about the way it is drawn. */
 function kindOf(name) {
@@ -23,7 +40,8 @@ export class Head {
   static async create(model) {
     const head = new Head(model);
     await head.#loadTextures();
-    head.#build();
+    await head.#build();
+    await head.#shade();
     return head;
   }
 
@@ -39,7 +57,9 @@ export class Head {
       turnAngle: { value: this.drive.angles },
       turnPivot: { value: model.turns.map(({ pivot }) => new Vector3(...pivot)) },
       turnAxis: { value: model.turns.map(({ axis }) => new Vector3(...axis).normalize()) },
+      headTurn: { value: new Matrix4() },
       mouthOpen: { value: 0 },
+      lipFront: { value: model.fdp['2.2']?.[2] ?? 0 },
     };
   }
 
@@ -55,23 +75,72 @@ export class Head {
     this.white = whiteTexture();
   }
 
-  #build() {
-    const built = this.model.parts.map((part) => ({ part, influences: influencesOf(part, this.drive) }));
+  async #build() {
+    const built = [];
+    for (const part of this.model.parts) {
+      built.push({ part, influences: influencesOf(part, this.drive) });
+      await breath();
+    }
     // Reading the influences may have made new slots.
     this.drive.slotValues = this.uniforms.slots.value = new Float32Array(Math.max(1, this.drive.slots.length));
     for (const { part, influences } of built) {
       const geometry = new BufferGeometry();
-      const packed = packInfluences(influences, this.drive.firstHeadTurn);
+      const packed = packInfluences(influences, this.drive);
       const reach = new BufferAttribute(new Uint8Array(4 * part.vertices).fill(255), 4, true);
       geometry.setAttribute('position', new BufferAttribute(part.position, 3));
-      geometry.setAttribute('normal', new BufferAttribute(influences.normals, 3));
+      const kind = kindOf(part.name);
+      geometry.setAttribute('normal', new BufferAttribute(this.#normals(part, influences.normals), 3));
       const uv = part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices);
       geometry.setAttribute('uv', new BufferAttribute(uv, 2));
+      if (kind === 'hair') geometry.setAttribute('fibre', new BufferAttribute(fibres(part), 3));
       geometry.setAttribute('influence', new BufferAttribute(packed.vertices, 4));
       geometry.setAttribute('reach', reach);
       geometry.setIndex(new BufferAttribute(part.index, 1));
       this.parts.push({ part, influences, geometry });
-      this.#addMeshes(part, geometry, this.#influenceTexture(packed));
+      this.#addMeshes(part, geometry, { texture: this.#influenceTexture(packed), needs: packed.needs });
+    }
+  }
+
+  #normals(part, normals) {
+    const kind = kindOf(part.name);
+    if (kind === 'hair' && !THIN.includes(part.name)) return volumeNormals(part, normals);
+    return kind === 'eye' ? eyeNormals(part, ...this.#eye(part)) : normals;
+  }
+
+  /** What the eyeball turns about, and the radius of its iris in those of the ball. */
+  #eye({ turns, position }) {
+    const { pivot } = this.model.turns[turns[0]?.turn] ?? { pivot: [0, 0, 0] };
+    const radius = Math.hypot(...pivot.map((value, k) => position[k] - value));
+    return [pivot, this.model.fapu.IRISD / 2 / radius];
+  }
+
+  #eyeUniforms(part) {
+    const [center, iris] = this.#eye(part);
+    return { eyeCenter: { value: new Vector3(...center) }, irisRadius: { value: iris } };
+  }
+
+  /** How much light reaches each vertex. */
+  async #shade() {
+    const posed = (pose) => {
+      this.drive.set(pose);
+      return this.parts.map(({ part, influences }) => deform(part, influences, this.drive));
+    };
+    const [standing, lit] = [SHADOW_POSE, LIT_POSE].map(posed);
+    const bake = bakeOcclusion(
+      this.parts.map(({ part }, i) => ({
+        position: standing[i].position,
+        index: part.index,
+        shades: !THIN.includes(part.name),
+        seen: lit[i],
+      })),
+    );
+    for (let result = { done: false }, start = 0; !result.done; ) {
+      if (performance.now() - start > SLICE_MS) {
+        await breath();
+        start = performance.now();
+      }
+      result = bake.next();
+      if (result.done) result.value.forEach((reach, i) => this.parts[i].geometry.attributes.reach.array.set(reach));
     }
   }
 
@@ -87,22 +156,20 @@ export class Head {
     const look = this.model.materials[part.material] ?? {};
     const kind = kindOf(part.name);
     const add = (order, options) => {
-      const mesh = new Mesh(geometry, this.#material(look, kind, influences, options));
+      const mesh = new Mesh(geometry, this.#material(part, look, kind, influences, options));
       mesh.frustumCulled = false;
       mesh.renderOrder = order;
       mesh.userData.fineOnly = options.fineOnly ?? false;
       this.group.add(mesh);
     };
-    const thin = part.name === 'lashes' || part.name === 'brows'; // a few fibres on the skin: nothing to hide
-    if (look.alpha === 'blend' && thin) add(3, { cutoff: 0.02, opaque: 0 });
-    else if (look.alpha === 'blend') {
+    if (look.alpha === 'blend' && THIN.includes(part.name)) add(3, { cutoff: 0.02, opaque: 0 });
+    else if (look.alpha === 'blend' || look.alpha === 'cutout') {
       add(1, { cutoff: 0.5, opaque: 1 });
-      add(2, { cutoff: 0.02, opaque: 0, fineOnly: true }); // the soft edges of what the first pass has drawn
-    } else if (look.alpha === 'cutout') add(1, { cutoff: 0.5, opaque: 1 });
-    else add(0, { cutoff: 0, opaque: 1 });
+      add(2, { cutoff: 0.05, opaque: 0, fineOnly: true }); // the soft edges of what the first pass has drawn
+    } else add(0, { cutoff: 0, opaque: 1 });
   }
 
-  #material(look, kind, influences, { cutoff, opaque }) {
+  #material(part, look, kind, influences, { cutoff, opaque }) {
     const material = new ShaderMaterial({
       vertexShader: vertexGlsl,
       fragmentShader: fragmentGlsl,
@@ -110,18 +177,20 @@ export class Head {
       depthWrite: opaque === 1,
       uniforms: {
         ...this.uniforms,
-        influences: { value: influences },
+        influences: { value: influences.texture },
         map: { value: this.textures.get(look.texture) ?? this.white },
         tint: { value: new Vector3(...(look.color ?? [1, 1, 1])) },
         roughness: { value: look.roughness ?? 0.6 },
         specular: { value: look.specular ?? 0.3 },
         subsurface: { value: look.subsurface ?? 0 },
+        ...(kind === 'eye' ? this.#eyeUniforms(part) : {}),
         cutoff: { value: cutoff },
         opaque: { value: opaque },
       },
       defines: {
         KIND: KINDS[kind],
         FINE: 1,
+        ...influences.needs,
         SLOTS: this.uniforms.slots.value.length,
         TURNS: Math.max(1, this.model.turns.length),
         ...(look.alpha === 'blend' || look.alpha === 'cutout' ? { HAS_ALPHA: 1 } : {}),
@@ -146,18 +215,17 @@ export class Head {
       material.defines.FINE = Number(fine);
     }
     for (const mesh of this.group.children) mesh.visible = fine || !mesh.userData.fineOnly;
-    for (const texture of this.textures.values()) {
-      if (texture.isDataTexture || texture.anisotropy === anisotropy) continue;
-      texture.anisotropy = anisotropy;
-      texture.needsUpdate = true;
-    }
+    for (const texture of this.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, fine, anisotropy);
   }
 
   /** @param {Float32Array} values by FAP number */
   setFaps(values) {
     this.drive.set(values);
+    const origin = new Vector3(...this.drive.withHead([0, 0, 0]));
+    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
+    this.uniforms.headTurn.value.makeBasis(...axes).setPosition(origin);
     const mns = this.model.fapu.MNS / 1024;
-    const open = mns * (values[4] - values[5] + values[3] * 0.5);
+    const open = mns * (values[3] * 0.5 - values[4] - values[5]);
     this.uniforms.mouthOpen.value = Math.min(1, Math.max(0, open / MOUTH_OPEN_MM));
   }
 

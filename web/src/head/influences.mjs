@@ -4,6 +4,7 @@ import { Normals } from './normals.mjs';
 
 const TRIAL_MM = 2; // the normals' change is measured at about this displacement
 const TRIAL_RADIANS = 0.15;
+const NOWHERE = [0, 0, 0];
 const LEAST_NORMAL_CHANGE = 0.004; // at the trial displacement: below, nobody sees it
 
 /**
@@ -33,7 +34,7 @@ export class Drive {
     return this.numbers.get(key);
   }
 
-  /** @param {Float32Array} values by FAP number */
+  /** @param {Float32Array} values by FAP number @returns {this} */
   set(values) {
     this.slots.forEach(({ fap, sign, scale }, i) => {
       const value = values[fap];
@@ -41,6 +42,13 @@ export class Drive {
       this.slotValues[i] = counts ? value * scale : 0;
     });
     this.turns.forEach(({ fap, radians }, i) => (this.angles[i] = values[fap] * radians));
+    return this;
+  }
+
+  /** Where something that turns wholly with the head gets to. */
+  withHead(p) {
+    for (let i = this.firstHeadTurn; i < this.turns.length; i++) p = turned(p, this.turns[i], this.angles[i]);
+    return p;
   }
 }
 
@@ -77,10 +85,10 @@ export function influencesOf(part, drive) {
   const addNormals = (vertices, slot, amount, deltaOf, explained) => {
     for (const [v, normal] of normals.displaced(vertices, trial)) {
       const before = explained(v);
-      const change = normal.map((value, k) => value - before[k]);
+      const change = [normal[0] - before[0], normal[1] - before[1], normal[2] - before[2]];
       const delta = deltaOf(v);
-      if (!delta && Math.hypot(...change) < LEAST_NORMAL_CHANGE) continue;
-      moves[v].push({ slot, delta: delta ?? [0, 0, 0], normal: change.map((value) => value / amount) });
+      if (!delta && Math.hypot(change[0], change[1], change[2]) < LEAST_NORMAL_CHANGE) continue;
+      moves[v].push({ slot, delta: delta ?? NOWHERE, normal: change.map((value) => value / amount) });
     }
     restore(vertices);
   };
@@ -123,11 +131,16 @@ export function influencesOf(part, drive) {
   return { normals: normals.rest, moves, turns };
 }
 
+/** In the place of the number of head turns: the vertex makes all of them wholly, so that one matrix does. */
+export const WHOLE_HEAD = 63;
+
 /**
  * Packs the influences into one texture of RGBA floats: a move takes two texels (slot and delta, change of the normal),
  * a turn one (turn, weight). Each vertex gets (first move, moves, first turn, turns + 64 * turns of the head).
+ * `needs` says what there is of each kind.
  */
-export function packInfluences({ moves, turns }, firstHeadTurn) {
+export function packInfluences({ moves, turns }, { firstHeadTurn, turns: all }) {
+  const headTurns = all.length - firstHeadTurn;
   const vertices = new Float32Array(4 * moves.length);
   const texels = [];
   moves.forEach((list, v) => {
@@ -142,13 +155,19 @@ export function packInfluences({ moves, turns }, firstHeadTurn) {
       shared.set(key, texels.length / 4);
       for (const { turn, weight } of list) texels.push(turn, weight, 0, 0);
     }
-    const ofHead = list.filter(({ turn }) => turn >= firstHeadTurn).length;
+    const ofHead = list.filter(({ turn }) => turn >= firstHeadTurn);
+    const whole = ofHead.length === headTurns && ofHead.every(({ weight }) => weight === 1);
     vertices[4 * v + 2] = shared.get(key);
-    vertices[4 * v + 3] = list.length - ofHead + 64 * ofHead;
+    vertices[4 * v + 3] = list.length - ofHead.length + 64 * (whole ? WHOLE_HEAD : ofHead.length);
   });
-  const width = 1024;
+  const width = 1024; // the shader knows it
   const height = Math.max(1, Math.ceil(texels.length / 4 / width));
   const data = new Float32Array(4 * width * height);
   data.set(texels);
-  return { vertices, data, width, height };
+  const needs = {
+    MOVES: Number(moves.some((list) => list.length)),
+    OWN_TURNS: Number(turns.some((list) => list.some(({ turn }) => turn < firstHeadTurn))),
+    PARTIAL_HEAD: Number(turns.some((list) => list.some(({ turn, weight }) => turn >= firstHeadTurn && weight !== 1))),
+  };
+  return { vertices, data, width, height, needs };
 }

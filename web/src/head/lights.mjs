@@ -3,7 +3,7 @@
 
 const unit = (v) => v.map((value) => value / Math.hypot(...v));
 
-export const KEY = { direction: unit([-0.55, 0.55, 0.72]), color: [2.35, 2.2, 2.02] };
+export const KEY = { direction: unit([-0.55, 0.55, 0.72]), color: [2.0, 1.88, 1.72] };
 export const FILL = { direction: unit([0.85, 0.1, 0.55]), color: [0.42, 0.47, 0.55] };
 export const RIM = { direction: unit([0.6, 0.45, -0.75]), color: [1.3, 1.35, 1.45] };
 export const SKY = [0.5, 0.53, 0.58];

@@ -30,20 +30,27 @@ export class Normals {
     this.places = flat(vertices, (v) => this.shared[v]);
   }
 
-  #at(position, place) {
-    const sum = [0, 0, 0];
+  /** The sum of the triangles' normals, each as long as its triangle is large, at length 1. */
+  #at(p, place) {
+    const { shared, index } = this;
+    let [x, y, z] = [0, 0, 0];
     for (let i = this.corners.start[place]; i < this.corners.start[place + 1]; i++) {
-      const corner = this.corners.items[i];
-      const first = corner - (corner % 3);
-      const [a, b, c] = [0, 1, 2].map((k) => 3 * this.shared[this.index[first + k]]);
-      const u = [0, 1, 2].map((k) => position[b + k] - position[a + k]);
-      const w = [0, 1, 2].map((k) => position[c + k] - position[a + k]);
-      sum[0] += u[1] * w[2] - u[2] * w[1];
-      sum[1] += u[2] * w[0] - u[0] * w[2];
-      sum[2] += u[0] * w[1] - u[1] * w[0];
+      const first = this.corners.items[i] - (this.corners.items[i] % 3);
+      const a = 3 * shared[index[first]];
+      const b = 3 * shared[index[first + 1]];
+      const c = 3 * shared[index[first + 2]];
+      const ux = p[b] - p[a];
+      const uy = p[b + 1] - p[a + 1];
+      const uz = p[b + 2] - p[a + 2];
+      const wx = p[c] - p[a];
+      const wy = p[c + 1] - p[a + 1];
+      const wz = p[c + 2] - p[a + 2];
+      x += uy * wz - uz * wy;
+      y += uz * wx - ux * wz;
+      z += ux * wy - uy * wx;
     }
-    const length = Math.hypot(...sum) || 1;
-    return sum.map((value) => value / length);
+    const length = Math.hypot(x, y, z) || 1;
+    return [x / length, y / length, z / length];
   }
 
   #write(out, vertex, value) {

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: MIT
 
-/** From the best to the cheapest: fine shading, samples for each pixel, largest ratio of pixels to CSS pixels. */
+/**
+ * From the best to the cheapest: fine shading; samples for each pixel; share of the display's pixels, and how many pixels
+ * there are to a CSS pixel at most.
+ */
 export const LEVELS = [
-  { name: 'high', fine: true, samples: 4, ratio: 2, anisotropy: 8 },
-  { name: 'high-1x', fine: true, samples: 4, ratio: 1, anisotropy: 4 },
-  { name: 'fine', fine: true, samples: 0, ratio: 1, anisotropy: 2 },
-  { name: 'low', fine: false, samples: 0, ratio: 1, anisotropy: 1 },
-  { name: 'lowest', fine: false, samples: 0, ratio: 0.66, anisotropy: 1 },
+  { name: 'high', fine: true, samples: 4, share: 1, ratio: 2, anisotropy: 8 },
+  { name: 'high-1x', fine: true, samples: 4, share: 1, ratio: 1, anisotropy: 4 },
+  { name: 'fine', fine: true, samples: 0, share: 1, ratio: 1, anisotropy: 2 },
+  { name: 'low', fine: false, samples: 0, share: 0.75, ratio: 1, anisotropy: 1 },
+  { name: 'lowest', fine: false, samples: 0, share: 0.5, ratio: 0.75, anisotropy: 1 },
 ];
 
 const FIXED = { high: 0, low: 3 };
 
-const WINDOW = 20; // frames that a judgement rests on
+const WINDOW = 20; // frames that a judgement rests on,
+const WINDOW_LEAST = 5; // or fewer when they take
+const WINDOW_MS = 1200; // so long together
 const SLOW_MS = 1000 / 28; // median above: one step down
 const VERY_SLOW_MS = 1000 / 14; // two steps
 const QUICK_MS = 1000 / 50; // below, for a while: one step up
@@ -20,15 +25,17 @@ const PATIENCE_FACTOR = 4; // after a step up that had to be taken back
 
 /** Chooses the level by itself from the times between frames, measured while frames follow each other. */
 export class Governor {
-  /** @param {'auto'|'high'|'low'} wish */
-  constructor(wish = 'auto') {
+  /** @param {'auto'|'high'|'low'} wish @param {boolean} software whether the graphics are drawn by the processor */
+  constructor(wish = 'auto', software = false) {
+    this.software = software;
     this.wish(wish);
   }
 
   wish(wish) {
     this.auto = !(wish in FIXED);
-    this.index = FIXED[wish] ?? 0;
+    this.index = FIXED[wish] ?? (this.software ? FIXED.low : 0);
     this.intervals = [];
+    this.spent = 0; // milliseconds that the intervals take together
     this.quick = 0;
     this.patience = QUICK_WINDOWS;
     this.raised = false;
@@ -55,8 +62,11 @@ export class Governor {
       return false;
     }
     this.intervals.push(interval);
-    if (this.intervals.length < WINDOW) return false;
-    const median = this.intervals.sort((a, b) => a - b)[WINDOW >> 1];
+    this.spent += interval;
+    const { length } = this.intervals;
+    if (length < WINDOW && (length < WINDOW_LEAST || this.spent < WINDOW_MS)) return false;
+    const median = this.intervals.sort((a, b) => a - b)[length >> 1];
+    this.spent = 0;
     this.intervals = [];
     return this.#judge(median);
   }

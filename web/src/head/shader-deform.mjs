@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The deformation, in the vertex shader: see protocol/head-model.md and influences.mjs.
+// The deformation, in the vertex shader: see protocol/head-model.md and influences.mjs. A part without moves, turns of its own
+// or vertices that turn with the head in part goes without their loops (MOVES, OWN_TURNS, PARTIAL_HEAD).
+
+import { WHOLE_HEAD } from './influences.mjs';
 
 export const deformGlsl = /* glsl */ `
 attribute vec4 influence;
@@ -8,6 +11,7 @@ uniform float slots[SLOTS];
 uniform vec3 turnPivot[TURNS];
 uniform vec3 turnAxis[TURNS];
 uniform float turnAngle[TURNS];
+uniform mat4 headTurn;
 
 vec4 influenceTexel(int i) {
   return texelFetch(influences, ivec2(i & 1023, i >> 10), 0);
@@ -19,6 +23,7 @@ vec3 turnBy(vec3 p, vec3 axis, float c, float s) {
 
 void deform(inout vec3 p, inout vec3 n) {
   vec3 shift = vec3(0.0), bend = vec3(0.0);
+#if MOVES
   int first = int(influence.x), end = first + 2 * int(influence.y);
   for (int i = first; i < end; i += 2) {
     vec4 move = influenceTexel(i);
@@ -28,11 +33,11 @@ void deform(inout vec3 p, inout vec3 n) {
       bend += value * influenceTexel(i + 1).yzw;
     }
   }
-  int counts = int(influence.w);
-  first = int(influence.z);
-  int head = first + (counts & 63);
-  end = head + (counts >> 6);
-  for (int i = first; i < head; i++) {
+#endif
+  int counts = int(influence.w), turns = int(influence.z);
+  int head = turns + (counts & 63), headTurns = counts >> 6;
+#if OWN_TURNS
+  for (int i = turns; i < head; i++) {
     vec2 turn = influenceTexel(i).xy;
     float angle = turnAngle[int(turn.x)] * turn.y;
     if (angle != 0.0) {
@@ -42,9 +47,16 @@ void deform(inout vec3 p, inout vec3 n) {
       bend += turnBy(n, axis, c, s) - n;
     }
   }
+#endif
   p += shift;
   n += bend;
-  for (int i = head; i < end; i++) {
+  if (headTurns == ${WHOLE_HEAD}) {
+    p = (headTurn * vec4(p, 1.0)).xyz;
+    n = mat3(headTurn) * n;
+    headTurns = 0;
+  }
+#if PARTIAL_HEAD
+  for (int i = head; i < head + headTurns; i++) {
     vec2 turn = influenceTexel(i).xy;
     float angle = turnAngle[int(turn.x)] * turn.y;
     if (angle != 0.0) {
@@ -54,6 +66,7 @@ void deform(inout vec3 p, inout vec3 n) {
       n = turnBy(n, axis, c, s);
     }
   }
+#endif
   n = normalize(n);
 }
 `;

@@ -23,12 +23,19 @@ uniform float subsurface;
 varying vec2 surfaceUv;
 varying vec3 surfaceNormal;
 varying vec3 surfacePosition;
-varying vec4 surfaceLight; // open sky, key light, fill light: how much of each reaches it
+#if KIND == 2
+varying vec3 surfaceFibre;
+#elif KIND == 3
+uniform vec3 eyeCenter;
+uniform float irisRadius; // as a share of the eyeball's radius
+varying vec3 eyePlace;    // on the unit eyeball, looking along z
+#endif
+varying vec4 surfaceLight; // open sky, key, fill and rim light: how much of each reaches it
 
 /** Light that goes round the edge of what it falls on, the red of it farthest when there is flesh below. */
 vec3 wrapped(float cosine) {
 #if KIND == 1
-  vec3 wrap = subsurface * vec3(1.3, 0.55, 0.35);
+  vec3 wrap = subsurface * vec3(1.0, 0.5, 0.35);
 #else
   vec3 wrap = vec3(subsurface * 0.6);
 #endif
@@ -41,13 +48,13 @@ vec3 diffuseLight(vec3 n, vec4 reach) {
   vec3 ambientReach = pow(vec3(reach.x), vec3(0.8, 1.0, 1.05)); // what is lost in a crease comes back reddish
   vec3 keyReach = pow(vec3(reach.y), vec3(0.75, 1.0, 1.05));
 #else
-  vec3 ambientReach = vec3(reach.x);
+  vec3 ambientReach = vec3(max(reach.x, 0.12)); // hair lets some through
   vec3 keyReach = vec3(reach.y);
 #endif
   vec3 light = mix(GROUND, SKY, 0.5 + 0.5 * n.y) * ambientReach;
   light += KEY_COLOR * wrapped(dot(n, KEY_DIRECTION)) * keyReach;
   light += FILL_COLOR * wrapped(dot(n, FILL_DIRECTION)) * reach.z;
-  light += RIM_COLOR * wrapped(dot(n, RIM_DIRECTION)) * reach.x;
+  light += RIM_COLOR * wrapped(dot(n, RIM_DIRECTION)) * reach.w;
   return light;
 }
 `;
@@ -56,7 +63,11 @@ export const vertexGlsl = /* glsl */ `
 ${deformGlsl}
 ${commonGlsl}
 attribute vec4 reach;
+#if KIND == 2
+attribute vec3 fibre;
+#endif
 uniform float mouthOpen; // 0..1
+uniform float lipFront; // z of the lips
 #if !FINE
 varying vec3 vertexLight;
 #endif
@@ -69,7 +80,13 @@ void main() {
   surfacePosition = p;
   surfaceLight = reach;
 #if KIND == 4
-  surfaceLight *= mix(0.3, 1.0, mouthOpen);
+  // What light the lips let in gets lost behind them.
+  float depth = max(0.0, lipFront - position.z - 4.0);
+  surfaceLight = vec4(exp(-depth / mix(4.0, 8.5, mouthOpen)) * mix(0.45, 1.1, mouthOpen));
+#elif KIND == 3
+  eyePlace = normalize(position - eyeCenter);
+#elif KIND == 2
+  surfaceFibre = mat3(headTurn) * fibre;
 #endif
 #if !FINE
   vertexLight = diffuseLight(n, surfaceLight);
@@ -90,14 +107,18 @@ varying vec3 vertexLight;
 #endif
 
 vec3 toLinear(vec3 c) {
+#if FINE
   return mix(c / 12.92, pow((c + 0.055) / 1.055, vec3(2.4)), step(0.04045, c));
+#else
+  return c * c;
+#endif
 }
 
 vec3 toDisplay(vec3 c) {
 #if FINE
   return mix(c * 12.92, 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, c));
 #else
-  return sqrt(c) * (1.0 + 0.04 * (1.0 - c)) - 0.02 * (1.0 - c);
+  return sqrt(c);
 #endif
 }
 
@@ -131,62 +152,82 @@ vec4 albedo() {
 #ifdef HAS_ALPHA
   if (texel.a < max(cutoff, 0.01)) discard; // colours come multiplied by alpha, so that edges have no halo
   texel.rgb = toLinear(min(texel.rgb / texel.a, vec3(1.0)));
+#elif !FINE
+  texel.rgb = toLinear(texel.rgb);
 #endif
   return vec4(texel.rgb * tint, texel.a);
 }
 
+#if KIND != 3
 vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
-  float facing = max(dot(n, v), 0.0);
-  float shine = 0.0;
-  vec3 color = vec3(0.0);
+  vec3 color;
 #if KIND == 2
-  // Fibres: a band of light across them, along v of the texture.
-  vec3 dx = dFdx(surfacePosition), dy = dFdy(surfacePosition);
-  vec2 tx = dFdx(surfaceUv), ty = dFdy(surfaceUv);
-  vec3 fibre = normalize(dy * tx.x - dx * ty.x + 1e-5);
+  // A band of light across the fibres (Kajiya and Kay 1989), and a wider one in the colour of the hair.
+  vec3 fibre = normalize(surfaceFibre + 0.25 * n);
   vec3 h = normalize(KEY_DIRECTION + v), k = normalize(RIM_DIRECTION + v);
   float th = dot(fibre, h), tk = dot(fibre, k);
-  float band = pow(max(0.0, 1.0 - th * th), 40.0) * max(0.0, 0.3 + dot(n, KEY_DIRECTION)) * reach.y;
-  float back = pow(max(0.0, 1.0 - tk * tk), 24.0) * max(0.0, 0.2 + dot(n, RIM_DIRECTION)) * reach.x;
-  color = (KEY_COLOR * band + RIM_COLOR * back) * specular * (0.25 + base.rgb * 2.0) * 0.35;
+  float across = max(0.0, 1.0 - th * th);
+  float facingKey = max(0.0, 0.25 + dot(n, KEY_DIRECTION)) * reach.y;
+  color = KEY_COLOR * (pow(across, 80.0) * 0.02 + pow(across, 14.0) * base.rgb * 0.7) * facingKey;
+  color += RIM_COLOR * pow(max(0.0, 1.0 - tk * tk), 20.0) * max(0.0, dot(n, RIM_DIRECTION)) * base.rgb * reach.w;
+  color *= specular * 2.5;
 #else
-  float f0 = 0.028, rim = fresnel(facing);
-  shine = 0.7 * highlight(n, v, KEY_DIRECTION, roughness) + 0.3 * highlight(n, v, KEY_DIRECTION, roughness * 0.6);
+  float f0 = 0.028, rim = fresnel(max(dot(n, v), 0.0)), rough = roughness;
+#if KIND == 1
+  // Lips are moist; the red of the picture says where they are.
+  float lips = smoothstep(0.58, 0.72, (base.r - base.g) / (base.r + 1e-3));
+  rough = mix(rough, 0.34, lips);
+#endif
+  float shine = 0.75 * highlight(n, v, KEY_DIRECTION, rough) + 0.25 * highlight(n, v, KEY_DIRECTION, rough * 0.75);
   color = KEY_COLOR * shine * (f0 + rim * 0.4) * reach.y;
-  color += FILL_COLOR * highlight(n, v, FILL_DIRECTION, roughness) * (f0 + rim * 0.4) * reach.z;
-  color += RIM_COLOR * highlight(n, v, RIM_DIRECTION, roughness) * (f0 + rim * 0.3) * reach.x;
+  color += FILL_COLOR * highlight(n, v, FILL_DIRECTION, rough) * (f0 + rim * 0.4) * reach.z;
+  color += RIM_COLOR * highlight(n, v, RIM_DIRECTION, rough) * (f0 + rim * 0.3) * reach.w;
   vec3 mirror = reflect(-v, n);
   color += mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * (f0 + rim * 0.25) * reach.x * reach.x * 0.6;
-  color *= specular * 3.3;
+  color *= specular * 2.6;
 #endif
   return color;
 }
+#else
+/** The iris lies behind a lens: it glows opposite the lamp, and darkens at its border. */
+vec3 iris(vec3 color) {
+  float distance = length(eyePlace.xy) / irisRadius;
+  float inside = 1.0 - smoothstep(0.85, 1.0, distance);
+  float glow = inside * smoothstep(0.25, 0.7, distance) * max(0.0, dot(eyePlace.xy / irisRadius, -normalize(KEY_DIRECTION.xy)));
+  float border = smoothstep(0.72, 0.95, distance) * (1.0 - smoothstep(0.95, 1.18, distance));
+  return color * (1.0 + 1.3 * glow) * (1.0 - 0.45 * border);
+}
 
-#if KIND == 3
 /** The lamps mirrored in the cornea, and a little of the room. */
 vec3 catchLight(vec3 n, vec3 v, float reach) {
   vec3 mirror = reflect(-v, n);
-  float key = smoothstep(0.93, 0.965, dot(mirror, normalize(KEY_DIRECTION + vec3(0.0, 0.05, 0.3))));
-  float fill = smoothstep(0.95, 0.985, dot(mirror, normalize(FILL_DIRECTION + vec3(-0.1, -0.2, 0.3))));
-  return (key * vec3(1.6) + fill * vec3(0.25)) * reach + mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * 0.05 * reach;
+  float key = smoothstep(0.955, 0.975, dot(mirror, normalize(KEY_DIRECTION + vec3(0.0, 0.05, 0.3))));
+  float fill = smoothstep(0.97, 0.985, dot(mirror, normalize(FILL_DIRECTION + vec3(-0.1, -0.2, 0.3))));
+  return (key * vec3(1.6) + fill * vec3(0.12)) * reach + mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * 0.04 * reach;
 }
 #endif
 
 void main() {
   vec4 base = albedo();
   vec3 n = normalize(surfaceNormal);
-#ifdef TWO_SIDES
+#if defined(TWO_SIDES) && KIND != 2
   if (!gl_FrontFacing) n = -n;
 #endif
   vec3 v = normalize(cameraPosition - surfacePosition);
   vec4 reach = surfaceLight;
+#if KIND == 3
+  base.rgb = iris(base.rgb);
+#endif
 #if FINE
-  vec3 color = base.rgb * diffuseLight(n, reach) + shineOf(n, v, base, reach);
+  vec3 color = base.rgb * diffuseLight(n, reach);
+#if KIND != 3
+  color += shineOf(n, v, base, reach);
+#endif
 #else
   vec3 color = base.rgb * vertexLight;
 #endif
 #if KIND == 3
-  color += catchLight(n, v, min(1.0, reach.x * 1.6));
+  color += catchLight(n, v, min(1.0, 0.15 + reach.x * 1.6));
 #endif
   float alpha = max(base.a, opaque);
   gl_FragColor = vec4(toDisplay(clamp(filmic(color), 0.0, 1.0)) * alpha, alpha);

@@ -1,25 +1,33 @@
 // SPDX-License-Identifier: MIT
-import { DataTexture, LinearFilter, LinearMipmapLinearFilter, NoColorSpace, SRGBColorSpace, Texture } from 'three';
+import {
+  DataTexture, LinearFilter, LinearMipmapLinearFilter, LinearMipmapNearestFilter, NoColorSpace, SRGBColorSpace, Texture,
+} from 'three';
 import { decodeTexture } from './model.mjs';
 
 /**
  * @param {object} json a texture of the model
- * @param {boolean} transparent whether its alpha is used: its colours are then multiplied by it, and are left as they are
- *   stored; else they are linear when sampled
+ * @param {boolean} transparent whether its alpha is used: its colours are then multiplied by it
  */
 export async function loadTexture(json, transparent) {
-  const bitmap = await decodeTexture(json, {
-    premultiplyAlpha: transparent ? 'premultiply' : 'none',
-    colorSpaceConversion: 'none',
-  });
-  const texture = new Texture(bitmap);
-  texture.colorSpace = transparent ? NoColorSpace : SRGBColorSpace;
+  const premultiplyAlpha = transparent ? 'premultiply' : 'none';
+  const texture = new Texture(await decodeTexture(json, { premultiplyAlpha, colorSpaceConversion: 'none' }));
   texture.flipY = false;
-  texture.minFilter = LinearMipmapLinearFilter;
   texture.magFilter = LinearFilter;
   texture.generateMipmaps = true;
-  texture.needsUpdate = true;
+  texture.userData.transparent = transparent;
   return texture;
+}
+
+/**
+ * Fine: colours are linear when sampled (but where they are multiplied by alpha: then the shader has to do it), and all
+ * filters are on. Else: as they are stored, and as cheap as can be.
+ */
+export function setTextureQuality(texture, fine, anisotropy) {
+  const colorSpace = fine && !texture.userData.transparent ? SRGBColorSpace : NoColorSpace;
+  const minFilter = fine ? LinearMipmapLinearFilter : LinearMipmapNearestFilter;
+  if (texture.version && texture.colorSpace === colorSpace && texture.anisotropy === anisotropy) return;
+  texture.dispose(); // its format on the graphics processor changes
+  Object.assign(texture, { colorSpace, minFilter, anisotropy, needsUpdate: true });
 }
 
 /** For materials without a texture. */

@@ -38,6 +38,13 @@ export class View {
     this.copyCamera = new OrthographicCamera();
   }
 
+  /** Whether there is no graphics processor behind it. */
+  get software() {
+    const gl = this.renderer.getContext();
+    const named = gl.getExtension('WEBGL_debug_renderer_info')?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER;
+    return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(gl.getParameter(named) ?? '');
+  }
+
   /** @param {import('./head.mjs').Head} head */
   show(head) {
     this.head?.dispose();
@@ -64,7 +71,7 @@ export class View {
   #layOut() {
     if (!this.level) return;
     const { width, height } = this.size;
-    const ratio = this.level.ratio < 1 ? this.level.ratio : Math.min(globalThis.devicePixelRatio || 1, this.level.ratio);
+    const ratio = Math.min((globalThis.devicePixelRatio || 1) * this.level.share, this.level.ratio);
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.target?.dispose();

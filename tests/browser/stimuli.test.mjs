@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The listening test's page, opened from the disk as listeners open it: sound and face go together, the answers are saved.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { launch } from '../lib/browser.mjs';
+import { artefacts, build, Daemon, root } from '../lib/daemon.mjs';
+
+const UPPER = 4;
+const LOWER = 5;
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+const kit = path.join(folder, 'kit');
+const faccia = (...args) => {
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args);
+  return { status, stdout: String(stdout), stderr: String(stderr) };
+};
+
+let daemon, browser, page;
+before(async () => {
+  daemon = await Daemon.start();
+  const set = JSON.parse(fs.readFileSync(path.join(root, 'models/stimuli/pt-BR.json')));
+  set.items = set.items.filter((item) => ['papa', 'lala'].includes(item.name));
+  set.snrs = [-12];
+  fs.writeFileSync(path.join(folder, 'set.json'), JSON.stringify(set));
+  const { status, stderr } = faccia('stimuli', '--out', kit, '--set', path.join(folder, 'set.json'), '--server', daemon.url,
+    '--engine', 'dominance', '--engine', 'still');
+  assert.equal(status, 0, stderr);
+  browser = await launch();
+  page = await browser.newPage({ viewport: { width: 800, height: 500 }, acceptDownloads: true });
+  page.problems = [];
+  page.on('pageerror', (error) => page.problems.push(String(error)));
+});
+after(async () => {
+  await browser?.close();
+  fs.rmSync(folder, { recursive: true });
+  assert.equal((await daemon.stop()).code, 0);
+});
+
+/** Watches the lips' gap in FAP units while a word is heard, until it can be confirmed. */
+const watch = () => page.evaluate(async ([upper, lower]) => {
+  const face = document.querySelector('talking-head');
+  const button = document.querySelector('#answer button');
+  const gaps = [];
+  document.querySelector('#answer input[value="papa"]').click();
+  while (button.disabled) {
+    const values = face.debug().fapValues;
+    gaps.push(-(values[upper] + values[lower]));
+    await new Promise((resolve) => setTimeout(resolve, 15));
+  }
+  return { gaps, seen: !face.classList.contains('away') };
+}, [UPPER, LOWER]);
+
+test('a listener goes through all blocks, and the answers are analysed', async () => {
+  await page.goto(`file://${kit}/index.html?quality=low`);
+  await page.fill('[name="listener"]', 'Anna, 1');
+  await page.click('#welcome button');
+  const watched = [];
+  for (let block = 0; block < 3; block++) {
+    await page.waitForSelector('#pause button', { timeout: 90000 });
+    await page.click('#pause button');
+    for (let trial = 0; trial < 2; trial++) {
+      watched.push(await watch());
+      assert.equal(await page.locator('#answer input').count(), 3, 'two words and "none of these"');
+      if (trial === 0) {
+        fs.mkdirSync(artefacts, { recursive: true });
+        await page.screenshot({ path: path.join(artefacts, `stimuli-${block}.png`) });
+      }
+      await page.click('#answer button');
+    }
+  }
+  const [download] = await Promise.all([page.waitForEvent('download'), page.click('#done button')]);
+  const file = path.join(folder, 'answers.csv');
+  await download.saveAs(file);
+  assert.deepEqual(page.problems, []);
+
+  const [head, ...rows] = fs.readFileSync(file, 'utf8').trim().split('\r\n');
+  assert.equal(head, 'listener,block,trial,mode,snr,item,answer,correct,seconds');
+  assert.equal(rows.length, 6);
+  const fields = rows.map((row) => row.match(/^"Anna, 1",(\d),(\d),(\w+),-12,(\w+),papa,([01]),[\d.]+$/));
+  for (const [i, [, block, , mode, item, correct]] of fields.entries()) {
+    assert.equal(Number(block), Math.floor(i / 2) + 1);
+    assert.equal(correct === '1', item === 'papa');
+    assert.equal(watched[i].seen, mode !== 'audio');
+    if (mode !== 'dominance') assert.ok(Math.max(...watched[i].gaps) <= 0, 'the face kept still');
+  }
+  // whatever the speed at which the face is drawn here, over two words it was seen open
+  assert.ok(Math.max(...watched.flatMap(({ gaps }) => gaps)) > 60, 'the mouth opened');
+  const modes = fields.map((field) => field[3]);
+  assert.deepEqual([...new Set(modes)].sort(), ['audio', 'dominance', 'still']);
+
+  fs.writeFileSync(path.join(folder, 'other.csv'), fs.readFileSync(file, 'utf8').replaceAll('Anna', 'Bea').replace(/,1,([\d.]+\r\n)/, ',0,$1'));
+  const { status, stdout } = faccia('anova', '--csv', file, '--csv', path.join(folder, 'other.csv'));
+  assert.equal(status, 0);
+  assert.match(stdout, /-12 {2}all +2 {4}3 /);
+});

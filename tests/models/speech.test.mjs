@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The speech packs against their schema; and what the loader says of a broken one.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { test } from 'node:test';
+import Ajv from 'ajv/dist/2020.js';
+import { build, root } from '../lib/daemon.mjs';
+
+const folder = path.join(root, 'models/speech');
+const read = (name) => JSON.parse(fs.readFileSync(path.join(folder, name)));
+const validate = new Ajv({ strict: false }).compile(read('schema/pack.json'));
+const packs = fs.readdirSync(folder).filter((name) => name.endsWith('.json'));
+
+test('there are four languages', () => assert.deepEqual(packs.sort(), ['en.json', 'it.json', 'pt-BR.json', 'tr.json']));
+
+for (const name of packs)
+  test(`${name} is as the schema says`, () => {
+    assert.ok(validate(read(name)), JSON.stringify(validate.errors?.slice(0, 3)));
+  });
+
+const broken = [
+  ['an unknown key', (pack) => (pack.phones.p.colour = 'red'), /phones\.p\.colour/],
+  ['a target outside of the phone', (pack) => (pack.phones.p.targets.LI.a.t = 2), /phones\.p\.targets\.LI\.a\.t/],
+  ['dominance above 1', (pack) => (pack.groups.a.coefficients.LI.alpha = 3), /groups\.a\.coefficients\.LI\.alpha/],
+  ['a contact of nothing', (pack) => (pack.phones.p.contact.kind = 'nose'), /phones\.p\.contact\.kind/],
+  ['no FAPUs', (pack) => delete pack.fapu, /fapu/],
+];
+for (const [what, change, place] of broken)
+  test(`${what}: schema and loader both name the place`, () => {
+    const pack = read('it.json');
+    change(pack);
+    assert.equal(validate(pack), false);
+    const models = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+    fs.cpSync(folder, path.join(models, 'speech'), { recursive: true });
+    fs.writeFileSync(path.join(models, 'speech/it.json'), JSON.stringify(pack));
+    const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', 'a'], { env: { ...process.env, FACCIA_MODELS: models } });
+    fs.rmSync(models, { recursive: true });
+    assert.equal(status, 1);
+    assert.match(String(stderr), place);
+  });
+
+test('a new language is a file', () => {
+  const models = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+  fs.cpSync(folder, path.join(models, 'speech'), { recursive: true });
+  const spanish = { tag: 'es', name: 'español', inherits: 'it', sources: ['a test'], voices: ['espeak:es'], abbreviations: ['sr'], phones: { x: { sampa: 'x', like: 'k' }, θ: { sampa: 'T', like: 'θ' } } };
+  assert.ok(validate(spanish), JSON.stringify(validate.errors?.slice(0, 3)));
+  fs.writeFileSync(path.join(models, 'speech/es.json'), JSON.stringify(spanish));
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', '--lang', 'es', 'El hijo come jamón.'], { env: { ...process.env, FACCIA_MODELS: models } });
+  fs.rmSync(models, { recursive: true });
+  assert.equal(status, 0, String(stderr));
+  assert.equal(JSON.parse(stdout).lang, 'es');
+});

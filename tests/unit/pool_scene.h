@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* For tests with a real voice pool: a pool over a folder with chosen plugins, the sentences spoken with it,
+ * and what came of them. Every step is checked. */
+#ifndef FACCIA_TESTS_POOL_SCENE_H
+#define FACCIA_TESTS_POOL_SCENE_H
+
+#include "server/voice/pool.h"
+
+enum { SCENE_JOBS = 64 };
+
+struct result {
+    struct utterance *u; /* NULL = failed or not there yet */
+    struct error e;
+    bool failed;
+    unsigned order; /* 1 = the first to come back */
+    struct scene *scene;
+};
+
+struct scene {
+    uv_loop_t loop;
+    uv_timer_t guard;
+    struct voice_pool *pool;
+    struct score *score;
+    char folder[64];
+    struct result results[SCENE_JOBS];
+    struct voice_job *jobs[SCENE_JOBS];
+    size_t count, finished;
+    bool ready, closing, closed;
+    void (*when_finished)(struct scene *s);
+};
+
+/* names: plugins ("espeak", or one of tests/plugins), ended by NULL. Returns when the pool is ready. A failed
+ * test leaves its scene, with handles that libuv knows, where it is. */
+struct scene *scene_open(struct voice_pool_options options, const char *const *names);
+#define OPEN(options, ...)                                                                                   \
+    scene_open((struct voice_pool_options)options, (const char *const[]){__VA_ARGS__, NULL})
+#define WITH(...)                                                                                            \
+    { __VA_ARGS__ }
+
+/* Closes the pool, if that was not begun, and frees everything. */
+void scene_close_pool(struct scene *s);
+void scene_shut(struct scene *s);
+
+const struct voice *scene_voice(struct scene *s, const char *name);
+
+/* Adds text to the sentence that is being made; scene_speak_items speaks it. The result is filled by
+ * scene_run. */
+struct score_item *scene_add(struct scene *s, const char *text);
+struct result *scene_speak_items(struct scene *s, const char *voice, double rate);
+struct result *scene_speak(struct scene *s, const char *voice, const char *text);
+void scene_run(struct scene *s); /* until all sentences have come back */
+
+void check_failed(const struct result *r, const char *code);
+
+/* Phones touch, have names and times and cover the audio; words lie inside the input. */
+void check_whole(const struct utterance *u, const char *text);
+
+#endif

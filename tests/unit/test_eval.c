@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Measures of faces whose values are known. */
+#include "server/base/mem.h"
+#include "server/eval/eval.h"
+#include "server/eval/plot.h"
+#include "server/face/contact.h"
+#include "server/face/track.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+enum { RATE = 1000 };
+
+enum {
+    LIPS_SEEN,
+    LIPS_HELD,
+    TEETH_SEEN,
+    TEETH_HELD,
+    OPENING,
+    OPENING_ERROR,
+    ROUNDING,
+    PROTRUSION,
+    ANTICIPATION,
+    SPEED,
+    JERK,
+    OVERLAP,
+    READER,
+    USUAL
+};
+
+static int load(void **state) {
+    struct error e = {0};
+    *state = speech_pack_load(SOURCE_ROOT "/models/speech/it.json", &e);
+    return *state ? 0 : -1;
+}
+
+static int unload(void **state) {
+    speech_pack_free(*state);
+    return 0;
+}
+
+/* A face given by mm of the modelled speaker as functions of time. */
+struct puppet {
+    const struct speech_pack *pack;
+    double (*gap)(double t);
+    double narrowing, protrusion, lower; /* lower: mm by which the lower lip alone is raised; the gap stays */
+    double overlap;                      /* mm of the left side */
+};
+
+static void pose(void *self, double t, struct fap_frame *frame) {
+    const struct puppet *p = self;
+    double mns = 1024 / p->pack->fapu.mns, mw = 1024 / p->pack->fapu.mw, lower = p->lower * mns;
+    *frame = (struct fap_frame){0};
+    fap_frame_set(frame, 5, (int32_t)lround(lower));
+    fap_frame_set(frame, 4, (int32_t)lround(-p->gap(t) * mns) - frame->value[5]);
+    fap_frame_set(frame, 6, (int32_t)lround(-p->narrowing / 2 * mw));
+    fap_frame_set(frame, 7, (int32_t)lround(-p->narrowing / 2 * mw));
+    fap_frame_set(frame, 16, (int32_t)lround(p->protrusion * mns));
+    fap_frame_set(frame, 17, (int32_t)lround(p->protrusion * mns));
+    fap_frame_set(frame, 8, (int32_t)lround(p->overlap * mns));
+}
+
+/* Phones as "p.080 a.120 _.300": name and duration in ms. Every run of phones between pauses is a word "w".
+ */
+static struct utterance *utter(const char *text) {
+    struct utterance *u = mem_alloc(sizeof *u);
+    char *copy = mem_strdup(text), *save;
+    bool in_word = false;
+    u->sample_rate = RATE;
+    for (char *item = strtok_r(copy, " ", &save); item; item = strtok_r(NULL, " ", &save)) {
+        u->phones = mem_resize(u->phones, (u->phone_count + 1) * sizeof *u->phones);
+        u->words = mem_resize(u->words, (u->word_count + 1) * sizeof *u->words);
+        struct phone *p = &u->phones[u->phone_count++];
+        char *dot = strchr(item, '.');
+        *p = (struct phone){.start = u->samples};
+        *dot = '\0';
+        if (strcmp(item, "_") != 0)
+            snprintf(p->ipa, sizeof p->ipa, "%s", item);
+        u->samples += (uint32_t)atoi(dot + 1);
+        p->end = u->samples;
+        if (p->ipa[0] && !in_word)
+            u->words[u->word_count++] = (struct word){p->start, p->end, 0, 1, NULL};
+        in_word = p->ipa[0] != '\0';
+        if (in_word)
+            u->words[u->word_count - 1].end = p->end;
+    }
+    free(copy);
+    return u;
+}
+
+static void done(struct utterance *u) {
+    free(u->phones);
+    free(u->words);
+    free(u);
+}
+
+static void measure(const char *text, const struct puppet *puppet, double fps, double values[EVAL_MEASURES]) {
+    struct utterance *u = utter(text);
+    struct eval e = {0};
+    struct eval_input in = {puppet->pack, u, "w", {pose, (void *)puppet}, fps, 0};
+    eval_add(&e, &in);
+    eval_values(&e, values);
+    eval_free(&e);
+    done(u);
+}
+
+static double shut(double t) {
+    (void)t;
+    return 0;
+}
+
+static double open_5(double t) {
+    (void)t;
+    return 5;
+}
+
+/* Closed from 0.5 to 0.58 s. */
+static double blink(double t) {
+    return t >= 0.5 && t <= 0.58 ? -0.1 : 5;
+}
+
+static void closures(void **state) {
+    struct puppet p = {.pack = *state, .gap = shut};
+    double v[EVAL_MEASURES];
+    /* the closure of /m/ is its time but the first 0 and the last 8 ms: 500 to 592 ms */
+    const char *text = "_.400 a.100 m.100 a.100 _.100";
+    measure(text, &p, 25, v);
+    assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 1);
+    assert_true(isnan(v[TEETH_SEEN]) && isnan(v[TEETH_HELD]));
+    p.gap = open_5;
+    measure(text, &p, 25, v);
+    assert_true(v[LIPS_SEEN] == 0 && v[LIPS_HELD] == 0);
+    p.gap = blink; /* seen, at 0.52 and 0.56, but opens too early */
+    measure(text, &p, 25, v);
+    assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 0);
+    measure("_.400 a.100 m.080 a.100 _.100", &p, 25, v);
+    assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 1);
+    measure("_.400 a.100 m.080 a.100 b.100 a.100 _.100", &p, 25, v);
+    assert_true(v[LIPS_SEEN] == 0.5 && v[LIPS_HELD] == 0.5);
+    measure("_.400 a.110 m.060 a.100 _.100", &p, 1, v); /* no frame falls into it */
+    assert_true(v[LIPS_SEEN] == 0 && v[LIPS_HELD] == 1);
+}
+
+static void teeth(void **state) {
+    const char *text = "_.400 a.100 f.100 a.100 _.100";
+    double v[EVAL_MEASURES];
+    /* the rule of /f/: at most 0.7 mm below rest, at least 1.6 mm back */
+    struct puppet p = {.pack = *state, .gap = open_5, .lower = -0.7, .protrusion = -1.6};
+    measure(text, &p, 25, v);
+    assert_true(v[TEETH_SEEN] == 1 && v[TEETH_HELD] == 1 && isnan(v[LIPS_SEEN]));
+    p.lower = -0.8;
+    measure(text, &p, 25, v);
+    assert_true(v[TEETH_SEEN] == 0 && v[TEETH_HELD] == 0);
+    p.lower = 0;
+    p.protrusion = -1.5;
+    measure(text, &p, 25, v);
+    assert_true(v[TEETH_SEEN] == 0);
+}
+
+static void vowels(void **state) {
+    double v[EVAL_MEASURES];
+    struct puppet p = {.pack = *state, .gap = open_5};
+    /* before a pause an unstressed /a/ opens by 4.83 + 1.55 mm; without any stress told, half-way to stressed
+     */
+    const struct speech_phone *a = speech_pack_phone(*state, "a", 1), *u = speech_pack_phone(*state, "u", 1);
+    assert_float_equal(a->plain[PARAM_LI].T + a->plain[PARAM_LS].T, 4.83 + 1.55, 1e-9);
+    double target =
+        (a->plain[PARAM_LI].T + a->stressed[PARAM_LI].T + a->plain[PARAM_LS].T + a->stressed[PARAM_LS].T) / 2;
+    measure("_.100 a.200 _.100", &p, 25, v);
+    assert_float_equal(v[OPENING], 5 / target, 0.005);
+    assert_float_equal(v[OPENING_ERROR], fabs(5 - target), 0.02);
+    assert_true(isnan(v[ROUNDING]) && isnan(v[ANTICIPATION]));
+    double narrow = -(u->plain[PARAM_AR].T + u->stressed[PARAM_AR].T) / 2;
+    double push =
+        (u->plain[PARAM_PI].T + u->stressed[PARAM_PI].T + u->plain[PARAM_PS].T + u->stressed[PARAM_PS].T) / 4;
+    p.narrowing = narrow / 2;
+    p.protrusion = push;
+    measure("_.100 k.100 u.200 _.100", &p, 25, v);
+    assert_float_equal(v[ROUNDING], 0.5, 0.01);
+    assert_float_equal(v[ANTICIPATION], 0.5, 0.01);
+    assert_float_equal(v[PROTRUSION], 1, 0.02);
+}
+
+static double ramp(double t) {
+    return 50 * t;
+}
+
+static double cube(double t) {
+    return 100 * t * t * t;
+}
+
+static void motion(void **state) {
+    double v[EVAL_MEASURES];
+    struct puppet p = {.pack = *state, .gap = ramp};
+    measure("_.100 a.200", &p, 25, v);
+    assert_float_equal(v[SPEED], 50, 1.1); /* two roundings of 0.02 mm in 0.04 s */
+    p.gap = cube;
+    measure("_.100 a.900", &p, 10, v);
+    assert_float_equal(v[JERK], 600, 4 * 0.021 * 1000);
+    assert_true(v[OVERLAP] == 0);
+    p.overlap = 0.3;
+    measure("_.100 a.200", &p, 25, v);
+    assert_true(v[OVERLAP] == 0);
+    p.overlap = 0.8;
+    measure("_.100 a.200", &p, 25, v);
+    assert_float_equal(v[OVERLAP], 0.5, 0.035);
+}
+
+static void reader(void **state) {
+    (void)state;
+    static const char classes[3];
+    struct reader r = {0};
+    assert_int_equal(reader_run(&r).read, 0);
+    for (int i = 0; i < 60; i++) {
+        struct reader_sample s = {.class = &classes[i % 3]};
+        s.features[7] = (float)(1000 * (i % 3)); /* tells the classes, */
+        s.features[8] = (float)(i * 7 % 10);     /* this one does not */
+        reader_add(&r, i < 30 ? READER_LEARN : READER_READ, &s);
+    }
+    struct reader_sample stranger = {.class = &r};
+    reader_add(&r, READER_READ, &stranger); /* of a class that was never learnt */
+    struct reader_result result = reader_run(&r);
+    assert_int_equal(result.read, 31);
+    assert_int_equal(result.right, 30);
+    assert_int_equal(result.usual, 10);
+    reader_free(&r);
+}
+
+static void reader_scales(void **state) {
+    (void)state;
+    /* unscaled, the large feature would hide the small one that tells the classes */
+    static const char classes[2];
+    struct reader r = {0};
+    for (int i = 0; i < 80; i++) {
+        struct reader_sample s = {.class = &classes[i % 2]};
+        s.features[0] = (float)(i % 2);
+        s.features[1] = (float)(1000 * sin(i));
+        reader_add(&r, i < 40 ? READER_LEARN : READER_READ, &s);
+    }
+    assert_int_equal(reader_run(&r).right, 40);
+    reader_free(&r);
+}
+
+static void halves(void **state) {
+    (void)state;
+    int count[READER_HALVES] = {0};
+    char word[16];
+    for (int i = 0; i < 1000; i++)
+        count[reader_half(word, (size_t)snprintf(word, sizeof word, "w%d", i))]++;
+    assert_in_range(count[0], 400, 600);
+    assert_int_equal(reader_half("Mamma", 5), reader_half("mamma", 5));
+}
+
+static void sample(void *track, double t, struct fap_frame *frame) {
+    face_track_sample(track, t, frame);
+}
+
+static void default_engine(void **state) {
+    struct utterance *u =
+        utter("_.100 p.030 a.050 p.020 a.040 f.025 a.050 m.020 o.060 v.030 u.050 b.040 o.060 _.200");
+    struct face_options options = {.still = true};
+    struct face_track *track = face_track_new(*state, u, &options, NULL, NULL);
+    struct eval_input in = {*state, u, "w", {sample, track}, 25, 0.013};
+    struct eval e = {0};
+    double v[EVAL_MEASURES];
+    eval_add(&e, &in);
+    assert_int_equal(e.lips.count, 4);
+    assert_int_equal(e.teeth.count, 2);
+    eval_values(&e, v);
+    assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 1 && v[TEETH_SEEN] == 1 && v[TEETH_HELD] == 1);
+    assert_true(v[OVERLAP] == 0);
+    eval_free(&e);
+    face_track_free(track);
+    done(u);
+}
+
+static void picture(void **state) {
+    struct utterance *u = utter("_.100 p.080 a.150 p.080 a.140 _.300");
+    struct puppet p = {.pack = *state, .gap = open_5};
+    struct eval_input in = {*state, u, "w", {pose, &p}, 25, 0};
+    struct stretch_choice choice = {0};
+    struct stretch stretch = {0};
+    assert_true(stretch_choose(&choice, *state, u, 0));
+    assert_int_equal(choice.contacts, 2);
+    assert_false(stretch_choose(&choice, *state, u, 1));
+    stretch_take(&stretch, &choice, &in, 0);
+    assert_float_equal(stretch.seconds, 0.65, 1e-6);
+    assert_float_equal(stretch.gaps[0][250], 5, 0.02);
+    assert_int_equal(stretch.span_count, 2);
+    const char *const engines[] = {"a<b"};
+    double rates[] = {100}, values[1][EVAL_MEASURES];
+    for (int i = 0; i < EVAL_MEASURES; i++)
+        values[0][i] = i % 2 ? NAN : 0.5;
+    struct plot plot = {"A & B",  engines, 1, rates, 1, (const double(*)[EVAL_MEASURES])values,
+                        &stretch, NULL};
+    struct buf out = {0};
+    plot_draw(&plot, &out);
+    buf_add(&out, "", 1);
+    assert_non_null(strstr((char *)out.data, "A &amp; B"));
+    assert_non_null(strstr((char *)out.data, "a&lt;b"));
+    assert_null(strstr((char *)out.data, "nan"));
+    buf_free(&out);
+    stretch_free(&stretch);
+    done(u);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(closures, load, unload),
+        cmocka_unit_test_setup_teardown(teeth, load, unload),
+        cmocka_unit_test_setup_teardown(vowels, load, unload),
+        cmocka_unit_test_setup_teardown(motion, load, unload),
+        cmocka_unit_test(reader),
+        cmocka_unit_test(reader_scales),
+        cmocka_unit_test(halves),
+        cmocka_unit_test_setup_teardown(default_engine, load, unload),
+        cmocka_unit_test_setup_teardown(picture, load, unload),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,216 @@
+// SPDX-License-Identifier: MIT
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { encodeChunk } from '../../protocol/chunk.mjs';
+import { Speech } from '../../web/src/speech.mjs';
+
+const RATE = 1000;
+
+/** A speech with a player that plays when it is told to, and a server that is played by the test. */
+function rig({ linked = true } = {}) {
+  const sent = [];
+  const events = [];
+  const timers = [];
+  const player = {
+    rate: RATE, written: 0, position: 0, flushed: 0, running: true,
+    open() {},
+    write(block) {
+      this.written += block.length;
+    },
+    finish() {},
+    flush() {
+      this.flushed++;
+      this.position = this.written;
+    },
+    heard(now, ahead = 0) {
+      return { position: this.position + ahead * RATE, running: this.running };
+    },
+  };
+  const link = { up: linked };
+  const speech = new Speech({
+    player,
+    send: (message) => link.up && sent.push(message) > 0,
+    emit: (type, detail) => events.push([type, detail]),
+    setTimeout: (act, after) => timers.push({ act, after }),
+  });
+  return {
+    speech, player, sent, events, link, timers,
+    names: () => events.map(([type, { text, reason }]) => text ?? reason ?? type),
+    hear: (message) => speech.hear(message),
+    chunk: (utterance, start, samples, frames = [], firstFrame = 0) =>
+      speech.media(
+        encodeChunk({
+          audioCodec: 1, fapCodec: 1, utterance, sampleRate: RATE, fps: 25, start, samples, firstFrame,
+          frames, audio: new Int16Array(samples),
+        }),
+      ),
+    play: (position) => {
+      player.position = position;
+      speech.tick(0);
+      return speech.heard(0);
+    },
+  };
+}
+
+const begin = (id, utterance) => ({ type: 'begin', id, utterance, rate: RATE, fps: 25 });
+const word = (id, utterance, time, text) => ({ type: 'word', id, utterance, time, text, utf16_start: 0, utf16_end: text.length });
+
+test('what happens is told when it is heard, in order, and the promise gives the end', async () => {
+  const { speech, sent, names, hear, chunk, play } = rig();
+  const promise = speech.speak('Uno due', { lang: 'it', id: 'mine' });
+  assert.deepEqual(sent, [{ lang: 'it', id: 'u1', type: 'speak', text: 'Uno due' }]);
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0, 'Uno'));
+  chunk(1, 0, 400, [new Int32Array(69)]);
+  hear(word('u1', 1, 0.4, 'due'));
+  chunk(1, 400, 300);
+  hear({ type: 'end', id: 'u1', utterance: 1, reason: 'done', duration: 0.7 });
+  play(0);
+  assert.deepEqual(names(), ['begin', 'Uno']);
+  const heard = play(399);
+  assert.equal(heard.seconds, 0.399);
+  assert.deepEqual(names(), ['begin', 'Uno']);
+  play(400);
+  assert.deepEqual(names(), ['begin', 'Uno', 'due']);
+  play(699);
+  assert.ok(speech.busy);
+  assert.equal(play(700), null);
+  assert.deepEqual(names(), ['begin', 'Uno', 'due', 'done']);
+  assert.deepEqual(await promise, { type: 'end', id: 'mine', utterance: 1, reason: 'done', duration: 0.7 });
+  assert.equal(speech.busy, false);
+});
+
+test('nothing begins before it sounds', () => {
+  const { speech, player, names, hear, play } = rig();
+  speech.speak('Uno');
+  hear(begin('u1', 1));
+  player.running = false;
+  play(0);
+  assert.deepEqual(names(), []);
+  player.running = true;
+  play(0);
+  assert.deepEqual(names(), ['begin']);
+});
+
+test('two utterances follow each other on the stream of samples', () => {
+  const { speech, hear, chunk, play, names } = rig();
+  speech.speak('a');
+  speech.speak('b');
+  hear(begin('u1', 1));
+  chunk(1, 0, 100);
+  hear({ type: 'end', id: 'u1', utterance: 1, reason: 'done' });
+  hear(begin('u2', 2));
+  chunk(2, 0, 100);
+  assert.equal(play(99).utterance.text, 'a');
+  const second = play(130);
+  assert.deepEqual([second.utterance.text, second.seconds], ['b', 0.03]);
+  assert.deepEqual(names(), ['begin', 'done', 'begin']);
+});
+
+test('the face can be asked for ahead of what is heard, without anything happening', () => {
+  const { speech, hear, chunk, play, names } = rig();
+  speech.speak('a');
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0.1, 'uno'));
+  chunk(1, 0, 500);
+  play(90);
+  assert.equal(speech.heard(0, 0.05).seconds, 0.14);
+  assert.deepEqual(names(), ['begin']);
+});
+
+test('stop silences before the server answers, and nothing of what was cut comes up', async () => {
+  const { speech, player, sent, names, hear, chunk, play } = rig();
+  const first = speech.speak('a');
+  const second = speech.speak('b');
+  hear(begin('u1', 1));
+  chunk(1, 0, 500);
+  play(100);
+  speech.stop();
+  assert.equal(player.flushed, 1);
+  assert.equal(play(player.written), null);
+  assert.deepEqual(sent.at(-1), { type: 'stop' });
+  chunk(1, 500, 500); // was on its way
+  hear(word('u1', 1, 0.5, 'late'));
+  assert.equal(player.written, 500);
+  hear({ type: 'end', id: 'u2', reason: 'stopped', duration: 0 });
+  hear({ type: 'end', id: 'u1', utterance: 1, reason: 'stopped', duration: 0.6 });
+  assert.equal((await first).reason, 'stopped');
+  assert.equal((await second).reason, 'stopped');
+  play(600);
+  assert.deepEqual(names(), ['begin', 'stopped', 'stopped']);
+});
+
+test('stop while the last half second plays, when the server is done already', async () => {
+  const { speech, hear, chunk, play } = rig();
+  const promise = speech.speak('a');
+  hear(begin('u1', 1));
+  chunk(1, 0, 500);
+  hear({ type: 'end', id: 'u1', utterance: 1, reason: 'done', duration: 0.5 });
+  play(100);
+  speech.stop();
+  assert.equal((await promise).reason, 'stopped');
+});
+
+test('after a stop the next utterance is heard', () => {
+  const { speech, player, hear, chunk, play } = rig();
+  speech.speak('a');
+  hear(begin('u1', 1));
+  chunk(1, 0, 500);
+  play(100);
+  speech.stop();
+  speech.speak('b');
+  hear({ type: 'end', id: 'u1', utterance: 1, reason: 'stopped' });
+  hear(begin('u2', 2));
+  chunk(2, 0, 300);
+  assert.equal(player.written, 800);
+  const heard = play(510);
+  assert.deepEqual([heard.utterance.text, heard.seconds], ['b', 0.01]);
+});
+
+test('a refusal ends at once, with its error', async () => {
+  const { speech, hear, events } = rig();
+  const promise = speech.speak('a', { lang: 'xx' });
+  hear({ type: 'error', id: 'u1', code: 'unknown-language', field: 'lang' });
+  hear({ type: 'end', id: 'u1', reason: 'failed' });
+  assert.equal((await promise).reason, 'failed');
+  assert.deepEqual(events[0], ['error', { type: 'error', code: 'unknown-language', field: 'lang' }]);
+});
+
+test('when the link is lost what has come is played out, then it fails', async () => {
+  const { speech, hear, chunk, play, events } = rig();
+  const promise = speech.speak('a', { id: 7 });
+  hear(begin('u1', 1));
+  chunk(1, 0, 500);
+  speech.unlinked();
+  assert.equal(events[0][1].code, 'connection-lost');
+  assert.equal(play(400).seconds, 0.4);
+  play(500);
+  assert.deepEqual(await promise, { type: 'end', reason: 'failed', code: 'connection-lost', id: 7 });
+});
+
+test('what is asked for before there is a link goes out when there is one', () => {
+  const { speech, sent, link } = rig({ linked: false });
+  speech.speak('a');
+  assert.deepEqual(sent, []);
+  link.up = true;
+  speech.linked();
+  assert.equal(sent[0].text, 'a');
+});
+
+test('when there is none for ten seconds it fails', async () => {
+  const { speech, events, timers } = rig({ linked: false });
+  const promise = speech.speak('a');
+  assert.equal(timers[0].after, 10000);
+  timers[0].act();
+  assert.deepEqual(await promise, { type: 'end', reason: 'failed', code: 'no-connection', duration: 0 });
+  assert.equal(events[0][1].code, 'no-connection');
+});
+
+test('a gap in the samples is filled, so that the face keeps its place', () => {
+  const { speech, player, hear, chunk } = rig();
+  speech.speak('a');
+  hear(begin('u1', 1));
+  chunk(1, 0, 100);
+  chunk(1, 250, 100);
+  assert.equal(player.written, 350);
+});

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+import { FILL, KEY, RIM } from './lights.mjs';
+
+const SIZE = 192; // of a depth picture, in both directions
+const BIAS_MM = 2.5; // surfaces do not shade themselves
+const SKY_DIRECTIONS = 40;
+const LAMP_DIRECTIONS = 9; // of each lamp, which has a size
+const LAMP_RADIUS = 0.2; // radians
+
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+const unit = (v) => v.map((value) => value / Math.hypot(...v));
+
+/** Two directions at right angles to `d` and each other. */
+function across(d) {
+  const u = unit(cross(Math.abs(d[1]) < 0.9 ? [0, 1, 0] : [1, 0, 0], d));
+  return [u, cross(d, u)];
+}
+
+/** Evenly over the sphere (a Fibonacci lattice), or over a cap of it. */
+function directions(count, axis, radius) {
+  const [u, v] = across(axis);
+  return Array.from({ length: count }, (_, i) => {
+    const height = radius ? 1 - ((1 - Math.cos(radius)) * (i + 0.5)) / count : 1 - (2 * (i + 0.5)) / count;
+    const ring = Math.sqrt(1 - height * height);
+    const angle = i * Math.PI * (3 - Math.sqrt(5));
+    return axis.map((value, k) => value * height + ring * (Math.cos(angle) * u[k] + Math.sin(angle) * v[k]));
+  });
+}
+
+/** What is nearest, seen from a direction: a picture of heights along it, in millimetres. */
+class DepthPicture {
+  constructor(direction, radius, center) {
+    [this.u, this.v] = across(direction);
+    this.d = direction;
+    this.scale = SIZE / (2 * radius);
+    this.center = center;
+    this.depth = new Float32Array(SIZE * SIZE).fill(-Infinity);
+  }
+
+  /** Positions as (column, row, height), flat. */
+  project(position) {
+    const out = new Float32Array(position.length);
+    for (let i = 0; i < position.length; i += 3) {
+      const p = [position[i] - this.center[0], position[i + 1] - this.center[1], position[i + 2] - this.center[2]];
+      out[i] = dot(p, this.u) * this.scale + SIZE / 2;
+      out[i + 1] = dot(p, this.v) * this.scale + SIZE / 2;
+      out[i + 2] = dot(p, this.d);
+    }
+    return out;
+  }
+
+  draw(points, index) {
+    for (let t = 0; t < index.length; t += 3) {
+      const [a, b, c] = [3 * index[t], 3 * index[t + 1], 3 * index[t + 2]];
+      const [ax, ay, bx, by, cx, cy] = [points[a], points[a + 1], points[b], points[b + 1], points[c], points[c + 1]];
+      const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+      if (!area) continue;
+      const left = Math.max(0, Math.ceil(Math.min(ax, bx, cx) - 0.5));
+      const right = Math.min(SIZE - 1, Math.floor(Math.max(ax, bx, cx) - 0.5));
+      const low = Math.max(0, Math.ceil(Math.min(ay, by, cy) - 0.5));
+      const high = Math.min(SIZE - 1, Math.floor(Math.max(ay, by, cy) - 0.5));
+      for (let y = low; y <= high; y++)
+        for (let x = left; x <= right; x++) {
+          const [px, py] = [x + 0.5, y + 0.5];
+          const wb = ((px - ax) * (cy - ay) - (py - ay) * (cx - ax)) / area;
+          const wc = ((bx - ax) * (py - ay) - (by - ay) * (px - ax)) / area;
+          if (wb < 0 || wc < 0 || wb + wc > 1) continue;
+          const depth = points[a + 2] + wb * (points[b + 2] - points[a + 2]) + wc * (points[c + 2] - points[a + 2]);
+          if (depth > this.depth[y * SIZE + x]) this.depth[y * SIZE + x] = depth;
+        }
+    }
+  }
+
+  /** How much of the light from there reaches a projected point: 0..1, by the four texels round it. */
+  reaches(points, i) {
+    const x = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i] - 0.5)));
+    const y = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i + 1] - 0.5)));
+    const [fx, fy] = [Math.min(1, points[i] - 0.5 - x), Math.min(1, points[i + 1] - 0.5 - y)];
+    const at = y * SIZE + x;
+    const open = (k) => (this.depth[k] <= points[i + 2] + BIAS_MM ? 1 : 0);
+    const row = (k) => open(k) * (1 - fx) + open(k + 1) * fx;
+    return row(at) * (1 - fy) + row(at + SIZE) * fy;
+  }
+}
+
+/**
+ * How much light reaches each vertex of a head, when every part can stand in the way of every other: of the open sky
+ * round it, and of the key, fill and rim light. A generator that yields after each direction, so that the work can be
+ * spread; it returns the parts' lists.
+ * @param {{position: Float32Array, index: Uint16Array, shades: boolean,
+ *   seen: {position: Float32Array, normal: Float32Array}}[]} parts `position`: where it stands in the way, if it `shades`;
+ *   `seen`: where the light on it is asked for
+ * @returns {Generator<void, Uint8Array[]>} for each part four bytes a vertex: sky, key, fill, rim
+ */
+export function* bakeOcclusion(parts) {
+  const radius = Math.SQRT2 * Math.max(...parts.map(({ position }) => position.reduce((m, x) => Math.max(m, Math.abs(x)), 0)));
+  const lights = [
+    { directions: directions(SKY_DIRECTIONS, [0, 1, 0], 0), sky: true },
+    { directions: directions(LAMP_DIRECTIONS, KEY.direction, LAMP_RADIUS) },
+    { directions: directions(LAMP_DIRECTIONS, FILL.direction, LAMP_RADIUS) },
+    { directions: directions(LAMP_DIRECTIONS, RIM.direction, LAMP_RADIUS) },
+  ];
+  const sums = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
+  const weights = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
+  for (const [l, light] of lights.entries())
+    for (const direction of light.directions) {
+      const picture = new DepthPicture(direction, radius, [0, 0, 0]);
+      for (const { position, index, shades } of parts) if (shades) picture.draw(picture.project(position), index);
+      parts.forEach(({ seen }, i) => {
+        const points = picture.project(seen.position);
+        for (let v = 0; v < points.length; v += 3) {
+          // What faces away from the sky's part gets nothing from it anyway.
+          const facing = light.sky ? dot(seen.normal.subarray(v, v + 3), direction) : 1;
+          if (facing <= 0) continue;
+          sums[i][l][v / 3] += facing * picture.reaches(points, v);
+          weights[i][l][v / 3] += facing;
+        }
+      });
+      yield;
+    }
+  return parts.map(({ position }, i) => {
+    const reach = new Uint8Array((4 * position.length) / 3).fill(255);
+    for (let v = 0; v < position.length / 3; v++)
+      for (let l = 0; l < lights.length; l++)
+        reach[4 * v + l] = Math.round((255 * sums[i][l][v]) / (weights[i][l][v] || 1));
+    return reach;
+  });
+}

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: MIT
+
+const VOLUME = 0.65;
+
+/**
+ * Hair is made of a few large leaves. Their normals lean towards those of a ball round the head, so that the whole is lit
+ * as one volume and not leaf by leaf.
+ * @param {import('./model.mjs').Part} part @param {Float32Array} normals
+ */
+export function volumeNormals({ position }, normals) {
+  const center = [0, 1, 2].map((k) => {
+    let sum = 0;
+    for (let i = k; i < position.length; i += 3) sum += position[i];
+    return (3 * sum) / position.length;
+  });
+  const out = new Float32Array(normals.length);
+  for (let v = 0; v < out.length; v += 3) {
+    const away = center.map((value, k) => position[v + k] - value);
+    const distance = Math.hypot(...away) || 1;
+    const n = normals.subarray(v, v + 3);
+    const side = n[0] * away[0] + n[1] * away[1] + n[2] * away[2] < 0 ? -1 : 1; // leaves have no outside
+    const mixed = away.map((value, k) => (VOLUME * value) / distance + (1 - VOLUME) * side * n[k]);
+    const length = Math.hypot(...mixed) || 1;
+    for (let k = 0; k < 3; k++) out[v + k] = mixed[k] / length;
+  }
+  return out;
+}
+
+/**
+ * The direction in which the fibres run at each vertex: that of the texture's v.
+ * @param {import('./model.mjs').Part} part
+ */
+export function fibres({ position, uv, index, smooth, vertices }) {
+  const sums = new Float32Array(3 * vertices);
+  const place = (v) => (smooth ? smooth[v] : v);
+  for (let t = 0; uv && t < index.length; t += 3) {
+    const [a, b, c] = index.subarray(t, t + 3);
+    const [u1, v1] = [uv[2 * b] - uv[2 * a], uv[2 * b + 1] - uv[2 * a + 1]];
+    const [u2, v2] = [uv[2 * c] - uv[2 * a], uv[2 * c + 1] - uv[2 * a + 1]];
+    const area = u1 * v2 - u2 * v1;
+    if (!area) continue;
+    for (let k = 0; k < 3; k++) {
+      const e1 = position[3 * b + k] - position[3 * a + k];
+      const e2 = position[3 * c + k] - position[3 * a + k];
+      const along = Math.sign(area) * (u1 * e2 - u2 * e1);
+      for (const v of [a, b, c]) sums[3 * place(v) + k] += along;
+    }
+  }
+  const out = new Float32Array(3 * vertices);
+  for (let v = 0; v < vertices; v++) {
+    const sum = sums.subarray(3 * place(v), 3 * place(v) + 3);
+    const length = Math.hypot(...sum) || 1;
+    for (let k = 0; k < 3; k++) out[3 * v + k] = sum[k] / length;
+  }
+  return out;
+}
+
+const CORNEA = 1.5; // it is curved more than the ball it sits on
+const LIMBUS = 1.35; // where it has gone over into the ball, in radii of the iris
+
+/**
+ * The normals of an eye, whatever the mesh of its iris looks like: a ball with a cornea, looking along z.
+ * @param {import('./model.mjs').Part} part @param {number[]} center @param {number} iris its radius, in those of the ball
+ */
+export function eyeNormals({ position }, center, iris) {
+  const out = new Float32Array(position.length);
+  const edge = Math.asin(Math.min(1, iris));
+  for (let v = 0; v < out.length; v += 3) {
+    const [x, y, z] = center.map((value, k) => position[v + k] - value);
+    const angle = Math.atan2(Math.hypot(x, y), z);
+    const flat = Math.min(1, Math.max(0, (angle / edge - 1) / (LIMBUS - 1)));
+    const bent = angle * (CORNEA + (1 - CORNEA) * flat);
+    const aside = Math.hypot(x, y) || 1;
+    out.set([(x / aside) * Math.sin(bent), (y / aside) * Math.sin(bent), Math.cos(bent)], v);
+  }
+  return out;
+}
