@@ -46,14 +46,14 @@ VOWEL_CONTEXTS = {"pause": ["pause"], "pbm": ["p", "b", "m"], "fv": ["f"], "tdsz
 CONSONANT_CONTEXTS = ["a", "e", "i", "o", "u", "y"]
 
 
-# The tongue in mm of the skull from rest, where it lies flat with its tip at the edges of the teeth: TH height of the tip, TA its
-# advance, TB height of the body. The ridge behind the upper teeth is 5.5 mm above the tip's rest place, the palate 8 mm above the
-# body's; between the teeth the tip stands 5 mm before its rest. Where a consonant needs only a part of the tongue the others are
-# given, but hardly bind (see GROUPS).
+# The tongue in mm of the skull from rest, where it lies flat with its tip a little behind the teeth: TH height of the tip, TA its
+# advance, TB height of the body. The ridge behind the upper teeth is 5.5 mm above the tip's rest place and 2 mm before it, the palate
+# 8 mm above the body's; between the teeth the tip stands 8 mm before its rest. Where a consonant needs only a part of the tongue the
+# others are given, but hardly bind (see GROUPS).
 ALPHABET = json.loads((pathlib.Path(__file__).parent / "../speech/alphabets/ipa.json").read_text())
 PLACES = {
-    "dental": {"plosive": (4.5, 1.5, 0), "fricative": (0.8, 5, 0)},
-    "alveolar": {"fricative": (3.2, 0, 0.5), "lateral": (5.5, 0.8, -1), "trill": (5, -1.5, 0), "any": (5.5, 0, 0)},
+    "dental": {"plosive": (4.5, 1.5, 0), "fricative": (0.8, 8, 0)},
+    "alveolar": {"fricative": (3.2, 1, 0.5), "lateral": (5.5, 3, -1), "trill": (5, 0, 0), "any": (5.5, 2, 0)},
     "postalveolar": {"any": (3.5, -2.5, 3)},
     "palatal": {"approximant": (-1, 0, 5.5), "any": (-1, -0.5, 7.5)},
     "velar": {"any": (-1.5, -4, 7.5)},
