@@ -85,7 +85,7 @@ static int read_line(struct reader *r, char *line) {
     if (!line[strspn(line, " \t")])
         return 0;
     unsigned long index, offset;
-    uint32_t at;
+    uint32_t at = 0;
     struct phone p = {0};
     if (r->ended)
         return fail(r, "there is something after the last line, the one without a symbol", "");
