@@ -92,13 +92,22 @@ int recording_subtract_rest(struct recording *r, const struct speech_rest *rest,
     return 0;
 }
 
-static bool same_phones(const struct recording *a, const struct recording *b) {
+static double spoken_time(const struct recording *r) {
+    double sum = 0;
+    for (size_t i = 0; i < r->phone_count; i++)
+        if (r->phones[i].ipa[0])
+            sum += r->phones[i].end - r->phones[i].start;
+    return sum;
+}
+
+static bool repeats(const struct recording *a, const struct recording *b) {
     if (a->phone_count != b->phone_count)
         return false;
     for (size_t i = 0; i < a->phone_count; i++)
         if (strcmp(a->phones[i].ipa, b->phones[i].ipa) != 0 || a->phones[i].stress != b->phones[i].stress)
             return false;
-    return true;
+    double x = spoken_time(a), y = spoken_time(b);
+    return fmax(x, y) <= RECORDING_SAME_RATE * fmin(x, y);
 }
 
 /* The phones with their mean lengths, from 0 s. */
@@ -162,11 +171,12 @@ struct recording *recordings_average(const struct recording *list, size_t count,
     *out_count = 0;
     for (size_t i = 0; i < count; i++) {
         size_t n = 0;
-        for (size_t k = i; k < count && !used[i]; k++)
-            if (!used[k] && same_phones(&list[i], &list[k]))
+        for (size_t k = i; k < count && (k == i ? !used[i] : n > 0); k++) {
+            if (!used[k] && repeats(&list[i], &list[k])) {
                 same[n++] = &list[k];
-        for (size_t k = i; k < count && n; k++)
-            used[k] |= same_phones(&list[i], &list[k]);
+                used[k] = true;
+            }
+        }
         if (n)
             average(same, n, &out[(*out_count)++]);
     }

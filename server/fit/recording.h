@@ -10,6 +10,10 @@
 /* Frames per second of what recordings_average makes, as in the thesis. */
 #define RECORDING_FPS 100
 
+/* Repetitions take times between the pauses that differ at most by this factor. Averaging slow with fast
+ * speech would lose what the rate does to the lips. */
+#define RECORDING_SAME_RATE 1.25
+
 struct recorded_phone {
     char ipa[PHONE_NAME_BYTES]; /* "" = pause */
     double start, end;          /* s */
@@ -37,10 +41,10 @@ int recording_add(struct recording *r, const struct recorded_phone *phone, struc
  * cover the phones. */
 int recording_subtract_rest(struct recording *r, const struct speech_rest *rest, struct error *e);
 
-/* Recordings of the same phones become one, in the order of their first: its phones have their mean lengths,
- * and each repetition's curves, stretched linearly between the boundaries of the phones and resampled by
- * cubic splines, are averaged. A curve is kept when all repetitions have it. All begin at 0 s. Returns a list
- * for recordings_free. */
+/* Recordings of the same phones at about the same rate (RECORDING_SAME_RATE) become one, in the order of
+ * their first: its phones have their mean lengths, and each repetition's curves, stretched linearly between
+ * the boundaries of the phones and resampled by cubic splines, are averaged. A curve is kept when all
+ * repetitions have it. All begin at 0 s. Returns a list for recordings_free. */
 struct recording *recordings_average(const struct recording *list, size_t count, size_t *out_count);
 
 /* The same phones as the face stage sees them. */

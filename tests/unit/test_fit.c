@@ -15,7 +15,10 @@
 #include <cmocka.h>
 
 #define NOISE 0.2 /* mm, standard deviation */
-enum { REPETITIONS = 3 };
+
+/* Three repetitions at an ordinary rate, three at a fast one. */
+static const double speeds[] = {0.95, 1, 1.05, 1.9, 2, 2.1};
+enum { RATES = 2, REPETITIONS = sizeof speeds / sizeof *speeds };
 
 static const enum speech_param recorded[] = {PARAM_LI, PARAM_AR};
 enum { RECORDED = sizeof recorded / sizeof *recorded };
@@ -114,7 +117,7 @@ static struct recording *record(const struct speech_pack *speaker, double noise,
     uint64_t seed = 11;
     for (size_t w = 0; w < WORDS; w++)
         for (size_t k = 0; k < REPETITIONS; k++)
-            list[w * REPETITIONS + k] = speak(speaker, words[w], 0.92 + 0.08 * (double)k, noise, &seed);
+            list[w * REPETITIONS + k] = speak(speaker, words[w], speeds[k], noise, &seed);
     struct recording *means = recordings_average(list, WORDS * REPETITIONS, count);
     for (size_t i = 0; i < WORDS * REPETITIONS; i++)
         recording_free(&list[i]);
@@ -147,8 +150,8 @@ static void finds_a_speaker(void **state) {
     change_speaker(speaker, 7);
     size_t count, clean_count;
     struct recording *seen = record(speaker, NOISE, &count), *clean = record(speaker, 0, &clean_count);
-    assert_int_equal(count, WORDS);
-    assert_int_equal(clean_count, WORDS);
+    assert_int_equal(count, WORDS * RATES);
+    assert_int_equal(clean_count, WORDS * RATES);
     struct fit_options options = {.function = TARGETS_LOOK_AHEAD, .first = 10, .then = 20};
     struct fit fit, original;
     fit_run(plain, seen, count, &options, &fit);
@@ -163,7 +166,7 @@ static void finds_a_speaker(void **state) {
             speech_params[p], ours, theirs, fit.error[p], original.error[p]);
         assert_true(fit.fitted[p]);
         assert_true(ours < 0.3 && fit.error[p] < 0.3);
-        assert_true(ours < theirs && fit.error[p] < original.error[p]);
+        assert_true(ours < 0.5 * theirs && fit.error[p] < original.error[p]);
     }
     assert_false(fit.fitted[PARAM_EM]);
     fit_free(&fit);
