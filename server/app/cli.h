@@ -50,6 +50,7 @@ int models_main(int argc, char **argv);
 int eval_main(int argc, char **argv);
 int stimuli_main(int argc, char **argv);
 int anova_main(int argc, char **argv);
+int fit_main(int argc, char **argv);
 int timed_main(int argc, char **argv);
 
 #endif

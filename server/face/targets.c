@@ -10,12 +10,6 @@
  */
 #define ORIGINAL_EXTENT 3.0
 
-/* The two contexts of each gesture: for a consonant those of its vowels, for a vowel twice that of what
- * follows. */
-struct contexts {
-    size_t before, after;
-};
-
 enum { NO_CONTEXT = SPEECH_MAX_CONTEXTS };
 
 enum target_kind { TARGET_CONSONANT, TARGET_VOWEL, TARGET_REST };
@@ -43,8 +37,8 @@ static bool is_vowel(const struct gesture *g) {
     return g->phone && speech_phone_is_vowel(g->phone);
 }
 
-static struct contexts *find_contexts(const struct gestures *g) {
-    struct contexts *out = mem_alloc((g->count + 1) * sizeof *out);
+struct target_contexts *targets_contexts(const struct gestures *g) {
+    struct target_contexts *out = mem_alloc((g->count + 1) * sizeof *out);
     size_t vowel = NO_CONTEXT;
     for (size_t i = 0; i < g->count; i++) {
         const struct speech_phone *phone = g->items[i].phone;
@@ -87,7 +81,7 @@ static struct coefficients between(const struct coefficients *a, const struct co
     return out;
 }
 
-static struct coefficients of_phone(const struct gesture *g, const struct contexts *contexts, int p) {
+static struct coefficients of_phone(const struct gesture *g, const struct target_contexts *contexts, int p) {
     size_t before = contexts->before * PARAM_COUNT + (size_t)p,
            after = contexts->after * PARAM_COUNT + (size_t)p;
     const struct speech_phone *phone = g->phone;
@@ -127,7 +121,7 @@ static bool is_pressed(const struct gesture *g, int p) {
     return g->phone->contact.kind == CONTACT_LIPS && (p == PARAM_LI || p == PARAM_LS);
 }
 
-static void add_phone(struct raw_list *list, const struct gesture *g, const struct contexts *contexts,
+static void add_phone(struct raw_list *list, const struct gesture *g, const struct target_contexts *contexts,
                       double undershoot, int p) {
     struct coefficients c = of_phone(g, contexts, p);
     double length = g->end - g->start, at = g->start + c.t * length; /* (3.19) */
@@ -173,24 +167,38 @@ static void to_curve(const struct raw_list *list, enum targets_function function
         curve_link(curve);
 }
 
+static void make_curve(const struct speech_pack *pack, const struct gestures *g,
+                       const struct target_contexts *contexts, enum targets_function function, int p,
+                       struct raw_list *list, struct curve *curve) {
+    double undershoot = function == TARGETS_ORIGINAL ? 0 : pack->undershoot[p];
+    list->count = 0;
+    add_rest(list, 0, &pack->rest, p, 1);
+    for (size_t i = 0; i < g->count; i++) {
+        if (g->items[i].phone)
+            add_phone(list, &g->items[i], &contexts[i], undershoot, p);
+        else
+            add_pause(list, &g->items[i], &pack->rest, p, i == 0, i + 1 == g->count);
+    }
+    add_rest(list, g->end, &pack->rest, p, 1);
+    *curve = (struct curve){0};
+    to_curve(list, function, curve);
+}
+
+void targets_curve(const struct speech_pack *pack, const struct gestures *g, enum targets_function function,
+                   int param, struct curve *curve) {
+    struct target_contexts *contexts = targets_contexts(g);
+    struct raw_list list = {0};
+    make_curve(pack, g, contexts, function, param, &list, curve);
+    free(list.items);
+    free(contexts);
+}
+
 void targets_curves(const struct speech_pack *pack, const struct gestures *g, enum targets_function function,
                     struct curve curves[PARAM_COUNT]) {
-    struct contexts *contexts = find_contexts(g);
+    struct target_contexts *contexts = targets_contexts(g);
     struct raw_list list = {0};
-    for (int p = 0; p < PARAM_COUNT; p++) {
-        list.count = 0;
-        double undershoot = function == TARGETS_ORIGINAL ? 0 : pack->undershoot[p];
-        add_rest(&list, 0, &pack->rest, p, 1);
-        for (size_t i = 0; i < g->count; i++) {
-            if (g->items[i].phone)
-                add_phone(&list, &g->items[i], &contexts[i], undershoot, p);
-            else
-                add_pause(&list, &g->items[i], &pack->rest, p, i == 0, i + 1 == g->count);
-        }
-        add_rest(&list, g->end, &pack->rest, p, 1);
-        curves[p] = (struct curve){0};
-        to_curve(&list, function, &curves[p]);
-    }
+    for (int p = 0; p < PARAM_COUNT; p++)
+        make_curve(pack, g, contexts, function, p, &list, &curves[p]);
     free(list.items);
     free(contexts);
 }

@@ -27,4 +27,15 @@ enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL };
 void targets_curves(const struct speech_pack *pack, const struct gestures *g, enum targets_function function,
                     struct curve curves[PARAM_COUNT]);
 
+/* The same for one parameter alone. */
+void targets_curve(const struct speech_pack *pack, const struct gestures *g, enum targets_function function,
+                   int param, struct curve *curve);
+
+/* The contexts of each gesture, as indices into a phone's tables: for a consonant those of its two vowels,
+ * for a vowel twice that of what follows. To be freed. */
+struct target_contexts {
+    size_t before, after;
+};
+struct target_contexts *targets_contexts(const struct gestures *g);
+
 #endif
