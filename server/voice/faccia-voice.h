@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The voice plugin interface.
  *
- * A voice plugin is a shared object that exports one symbol, `faccia_voice`, a const struct faccia_voice. It runs in a worker
- * process (faccia-voice), one plugin in each, so it may crash, leak or hang without hurting the daemon. All functions are
- * called from one thread, except cancel. Only the host's thread may call the sink, and only during speak.
+ * A voice plugin is a shared object that exports one symbol, `faccia_voice`, a const struct faccia_voice. It
+ * runs in a worker process (faccia-voice), one plugin in each, so it may crash, leak or hang without hurting
+ * the daemon. All functions are called from one thread, except cancel. Only the host's thread may call the
+ * sink, and only during speak.
  *
  * Texts are UTF-8. Times are samples of the sentence's own audio, counted from its first sample. */
 #ifndef FACCIA_VOICE_H
@@ -21,7 +22,8 @@ extern "C" {
 /* What a plugin can do (faccia_voice.capabilities). */
 enum {
     FACCIA_VOICE_STREAMS = 1u << 0, /* hands out audio while it still synthesises */
-    FACCIA_VOICE_MARKS = 1u << 1,   /* reports marks itself; otherwise the host places them at word boundaries */
+    FACCIA_VOICE_MARKS =
+        1u << 1, /* reports marks itself; otherwise the host places them at word boundaries */
     FACCIA_VOICE_RATE = 1u << 2,
     FACCIA_VOICE_PITCH = 1u << 3,
     FACCIA_VOICE_RANGE = 1u << 4,
@@ -39,7 +41,7 @@ struct faccia_voice_info {
     const char *quality; /* "formant", "diphone", "neural", "recorded" */
     const char *licence; /* SPDX expression */
     uint32_t sample_rate;
-    uint32_t rate;       /* its own words per minute; 0 = unknown */
+    uint32_t rate; /* its own words per minute; 0 = unknown */
 };
 
 enum faccia_span_kind { FACCIA_SPAN_TEXT, FACCIA_SPAN_BREAK, FACCIA_SPAN_MARK };
@@ -80,7 +82,8 @@ struct faccia_word {
 };
 
 /* Where a plugin delivers. Every function returns 0 to go on, anything else to make speak return soon.
- * Audio is mono 16 bit. Phones, words and marks come in order of time, and may come before or after their audio. */
+ * Audio is mono 16 bit. Phones, words and marks come in order of time, and may come before or after their
+ * audio. */
 struct faccia_sink {
     uint32_t size;
     void *ctx;
@@ -106,8 +109,8 @@ struct faccia_voice {
     /* Calls each for every voice. */
     void (*list)(void *self, void (*each)(void *ctx, const struct faccia_voice_info *voice), void *ctx);
 
-    /* Speak one sentence into the sink. Returns 0 when all of it was spoken or the sink said stop, -1 with a sentence
-     * in message when the engine failed. */
+    /* Speak one sentence into the sink. Returns 0 when all of it was spoken or the sink said stop, -1 with a
+     * sentence in message when the engine failed. */
     int (*speak)(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
                  char *message, size_t cap);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The voice pool: worker processes that run voice plugins, and the queue of sentences before them. Lives on one libuv loop; all
- * functions and callbacks belong to that loop's thread. */
+/* The voice pool: worker processes that run voice plugins, and the queue of sentences before them. Lives on
+ * one libuv loop; all functions and callbacks belong to that loop's thread. */
 #ifndef FACCIA_VOICE_POOL_H
 #define FACCIA_VOICE_POOL_H
 
@@ -17,8 +17,8 @@ struct voice_pool_options {
     const char *worker;     /* path of the faccia-voice program */
     const char *plugin_dir; /* every *.so in it is a plugin */
     unsigned workers;       /* processes for each plugin, default 1 */
-    /* A sentence is given up, and its worker killed, after deadline_base + deadline_per_byte * bytes of text (seconds).
-     * Defaults 10 and 0.05. */
+    /* A sentence is given up, and its worker killed, after deadline_base + deadline_per_byte * bytes of text
+     * (seconds). Defaults 10 and 0.05. */
     double deadline_base, deadline_per_byte;
     double retry_after; /* a plugin that does not start is tried again after so many seconds, default 60 */
     const char *config; /* JSON object: plugin name -> its own configuration object; NULL = {} */
@@ -33,21 +33,23 @@ struct voice {
 };
 
 /* Starts the workers. ready is called once, when every plugin has listed its voices or has failed to start; a
- * plugin that failed is skipped with a log line. The process ignores SIGPIPE from then on (a write to a worker that
- * has just died would raise it). Returns NULL with *e ("voice-unavailable") when no plugin or no worker program is
- * found. */
+ * plugin that failed is skipped with a log line. The process ignores SIGPIPE from then on (a write to a
+ * worker that has just died would raise it). Returns NULL with *e ("voice-unavailable") when no plugin or no
+ * worker program is found. */
 struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_options *options,
                                    void (*ready)(void *ctx), void *ctx, struct error *e);
 
-/* Ends the workers (idle ones may close their plugin, for at most 2 s), fails the jobs with code "cancelled" at once, frees
- * everything; closed is called at last. */
+/* Ends the workers (idle ones may close their plugin, for at most 2 s), fails the jobs with code "cancelled"
+ * at once, frees everything; closed is called at last. */
 void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *ctx);
 
 const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *count);
 
-/* Finds a voice: by id ("espeak:it"), by id inside any plugin ("it+f2"), or, when name is NULL, the best for lang. preferred is
- * a NULL-terminated list of ids to be tried first for a lang (from the language pack), or NULL. NULL with *e
- * ("unknown-voice", "unknown-language", field "voice" or "lang"; "voice-unavailable" when there are no voices at all). */
+/* Finds a voice: by id ("espeak:it"), by id inside any plugin ("it+f2"), or, when name is NULL, the best for
+ * lang. preferred is a NULL-terminated list of ids to be tried first for a lang (from the language pack), or
+ * NULL. NULL with *e
+ * ("unknown-voice", "unknown-language", field "voice" or "lang"; "voice-unavailable" when there are no voices
+ * at all). */
 const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,
                                     const char *const *preferred, struct error *e);
 
@@ -55,14 +57,14 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
 struct voice_request {
     const struct voice *voice;
     const struct score *score;
-    size_t sentence;            /* index */
-    double rate;                /* words per minute, 0 = the voice's own; the styles' factors multiply it */
-    double pitch, volume;       /* factors, 1 = the voice's own */
+    size_t sentence;      /* index */
+    double rate;          /* words per minute, 0 = the voice's own; the styles' factors multiply it */
+    double pitch, volume; /* factors, 1 = the voice's own */
 };
 
 struct voice_callbacks {
     void (*done)(void *ctx, struct utterance *utterance); /* the receiver owns it */
-    void (*failed)(void *ctx, const struct error *e);     /* "voice-failed", "voice-timeout", "voice-crashed" */
+    void (*failed)(void *ctx, const struct error *e); /* "voice-failed", "voice-timeout", "voice-crashed" */
 };
 
 /* Queues the sentence; exactly one callback follows, later, unless the job is cancelled. */

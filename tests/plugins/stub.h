@@ -22,7 +22,7 @@ static void stub_close(void *self) {
     (void)self;
 }
 
-#define STUB_TABLE(ABI)                                                                                  \
+#define STUB_TABLE(ABI)                                                                                      \
     __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = {                        \
         .abi = ABI,                                                                                          \
         .size = sizeof(struct faccia_voice),                                                                 \
