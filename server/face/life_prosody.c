@@ -1,0 +1,138 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/face/life_prosody.h"
+#include "server/base/mem.h"
+#include "server/face/life_dice.h"
+#include <stdlib.h>
+
+/* Prominence of an accent as loud and as long as the others, and what makes it more. */
+#define WEIGHT 0.4
+#define PER_LOUDNESS 0.5
+#define PER_LENGTH 0.35
+#define LAST_OF_PHRASE 0.2
+#define SPREAD 0.8
+
+enum { LOOKS = 32 }; /* samples that tell an accent's loudness */
+
+struct measure {
+    double loudness, length;
+    uint32_t sample;
+};
+
+void prosody_free(struct prosody *p) {
+    free(p->phrases);
+    free(p->accents);
+    *p = (struct prosody){0};
+}
+
+static bool is_pause(const struct phone *p) {
+    return !p->ipa[0];
+}
+
+static struct measure measure(const struct utterance *u, const struct phone *p) {
+    uint32_t size = p->end - p->start, sum = 0;
+    for (uint32_t i = 0; u->pcm && i < LOOKS; i++)
+        sum += (uint32_t)abs(u->pcm[p->start + (uint32_t)((uint64_t)size * (2 * i + LOOKS) / (4 * LOOKS))]);
+    return (struct measure){(double)sum / LOOKS, (double)size / u->sample_rate, p->start + size / 2};
+}
+
+static void add_phone(struct prosody *p, const struct utterance *u, const struct phone *phone,
+                      struct measure **measures, size_t *cap) {
+    double from = (double)phone->start / u->sample_rate, to = (double)phone->end / u->sample_rate;
+    struct phrase *last = p->phrase_count ? &p->phrases[p->phrase_count - 1] : NULL;
+    if (!last || from - last->to > PROSODY_PAUSE) {
+        p->phrases = mem_grow(p->phrases, &p->phrase_cap, p->phrase_count + 1, sizeof *p->phrases);
+        last = &p->phrases[p->phrase_count++];
+        *last = (struct phrase){.from = from, .first = p->accent_count};
+    }
+    last->to = to;
+    if (phone->stress < 2 || phone->end == phone->start)
+        return;
+    struct measure m = measure(u, phone);
+    struct accent *before = last->count ? &p->accents[p->accent_count - 1] : NULL;
+    if (before && before->at + (*measures)[p->accent_count - 1].length / 2 > from - 0.001) {
+        /* two stressed phones in touch are one syllable: its nucleus is the longer one */
+        if (m.length <= (*measures)[p->accent_count - 1].length)
+            return;
+        p->accent_count--;
+        last->count--;
+    }
+    p->accents = mem_grow(p->accents, &p->accent_cap, p->accent_count + 1, sizeof *p->accents);
+    *measures = mem_grow(*measures, cap, p->accent_count + 1, sizeof **measures);
+    (*measures)[p->accent_count] = m;
+    p->accents[p->accent_count++] = (struct accent){.at = (from + to) / 2};
+    last->count++;
+}
+
+/* Weights from what was measured, each against the mean. */
+static void weigh(struct prosody *p, const struct measure *measures) {
+    double loudness = 0, length = 0;
+    for (size_t i = 0; i < p->accent_count; i++) {
+        loudness += measures[i].loudness / (double)p->accent_count;
+        length += measures[i].length / (double)p->accent_count;
+    }
+    for (size_t i = 0; i < p->accent_count; i++) {
+        double loud = loudness > 0 ? measures[i].loudness / loudness - 1 : 0;
+        double weight = WEIGHT + PER_LOUDNESS * life_clip(loud, -SPREAD, SPREAD) +
+                        PER_LENGTH * life_clip(measures[i].length / length - 1, -SPREAD, SPREAD);
+        p->accents[i].weight = life_clip(weight, 0, 1);
+    }
+    for (size_t i = 0; i < p->phrase_count; i++)
+        if (p->phrases[i].count) {
+            struct accent *last = &p->accents[p->phrases[i].first + p->phrases[i].count - 1];
+            last->weight = fmin(1, last->weight + LAST_OF_PHRASE);
+        }
+}
+
+/* Marks those that no stronger one is close to: from left to right, giving way to the stronger. */
+static void choose_majors(struct prosody *p) {
+    struct accent *last = NULL;
+    for (struct accent *a = p->accents; a < p->accents + p->accent_count; a++) {
+        a->major = !last || a->at - last->at >= PROSODY_MAJOR_GAP || a->weight > last->weight;
+        if (a->major && last && a->at - last->at < PROSODY_MAJOR_GAP)
+            last->major = false;
+        if (a->major)
+            last = a;
+    }
+}
+
+static double semitones(double hz) {
+    return 12 * log2(hz);
+}
+
+/* Pitch of the major accents against their mean, and of the utterance's last voiced moments. */
+static void listen(struct prosody *p, const struct utterance *u, const struct measure *measures) {
+    double sum = 0, end = 0;
+    size_t heard = 0;
+    for (size_t i = 0; i < p->accent_count; i++) {
+        double hz = p->accents[i].major ? prosody_pitch(u, measures[i].sample) : 0;
+        if (hz > 0) {
+            p->accents[i].pitch = semitones(hz);
+            sum += p->accents[i].pitch;
+            heard++;
+        }
+    }
+    for (size_t i = 0; heard && i < p->accent_count; i++)
+        if (p->accents[i].pitch > 0)
+            p->accents[i].pitch = life_clip(p->accents[i].pitch - sum / (double)heard, -12, 12);
+    for (size_t i = u->phone_count, tries = 0; heard && end <= 0 && i-- && tries < 2;)
+        if (!is_pause(&u->phones[i])) {
+            tries++;
+            end = prosody_pitch(u, u->phones[i].end - (u->phones[i].end - u->phones[i].start) / 4);
+        }
+    if (end > 0)
+        p->rise = semitones(end) - sum / (double)heard;
+}
+
+void prosody_of(const struct utterance *u, struct prosody *p) {
+    *p = (struct prosody){.end = (double)u->samples / u->sample_rate};
+    struct measure *measures = NULL;
+    size_t cap = 0;
+    for (size_t i = 0; i < u->phone_count; i++)
+        if (!is_pause(&u->phones[i]) && u->phones[i].end <= u->samples)
+            add_phone(p, u, &u->phones[i], &measures, &cap);
+    weigh(p, measures);
+    choose_majors(p);
+    if (u->pcm)
+        listen(p, u, measures);
+    free(measures);
+}
