@@ -20,6 +20,13 @@ static void on_ready(void *ctx) {
     *(bool *)ctx = true;
 }
 
+static int load_expressions(struct cli *cli, struct error *e) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/expressions.json", cli->paths.models);
+    cli->studio.expressions = cli->expressions = expressions_load(path, e);
+    return cli->expressions ? 0 : -1;
+}
+
 int cli_open(struct cli *cli) {
     struct error e;
     char text[400];
@@ -30,7 +37,7 @@ int cli_open(struct cli *cli) {
     cli->studio = (struct studio){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
     struct voice_pool_options options = {.worker = cli->paths.worker, .plugin_dir = cli->paths.plugins};
     snprintf(text, sizeof text, "%s/speech", cli->paths.models);
-    if (speech_packs_load(&cli->packs, text, &e) ||
+    if (speech_packs_load(&cli->packs, text, &e) || load_expressions(cli, &e) ||
         !(cli->studio.voices = voice_pool_open(&cli->loop, &options, on_ready, &ready, &e))) {
         cli_complain("%s", error_text(&e, text, sizeof text));
         return -1;
@@ -50,6 +57,7 @@ void cli_close(struct cli *cli) {
     uv_run(&cli->loop, UV_RUN_DEFAULT);
     uv_loop_close(&cli->loop);
     speech_packs_free(&cli->packs);
+    expressions_free(cli->expressions);
     paths_free(&cli->paths);
 }
 

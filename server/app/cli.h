@@ -16,6 +16,7 @@ struct cli {
     uv_loop_t loop;
     struct paths paths;
     struct speech_packs packs;
+    struct expressions *expressions;
     struct studio studio;
 };
 

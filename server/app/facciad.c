@@ -12,6 +12,7 @@ struct daemon {
     uv_loop_t loop;
     struct paths paths;
     struct speech_packs packs;
+    struct expressions *expressions;
     struct studio studio;
     struct net *net;
     uv_signal_t stop_signals[2];
@@ -185,7 +186,12 @@ static int start(struct daemon *d, const struct daemon_options *o, struct error 
         return -1;
     if (!speech_packs_find(&d->packs, o->lang))
         return error_in_field(e, "unknown-language", "--lang", "no language '%s'", o->lang);
-    d->studio = (struct studio){.loop = &d->loop, .packs = &d->packs, .default_lang = o->lang};
+    snprintf(path, sizeof path, "%s/expressions.json", d->paths.models);
+    d->expressions = expressions_load(path, e);
+    if (!d->expressions)
+        return -1;
+    d->studio = (struct studio){
+        .loop = &d->loop, .packs = &d->packs, .expressions = d->expressions, .default_lang = o->lang};
     d->net = net_open(&d->studio, &o->net, e);
     if (!d->net)
         return -1;
@@ -226,6 +232,7 @@ int main(int argc, char **argv) {
         net_free(d.net);
     uv_loop_close(&d.loop);
     speech_packs_free(&d.packs);
+    expressions_free(d.expressions);
     paths_free(&d.paths);
     return status;
 }

@@ -36,6 +36,7 @@ json_t *message_event(const struct stream_event *event, const char *stream);
 json_t *message_hello(const struct net *net, const char *stream);
 json_t *message_voices(const struct net *net);
 json_t *message_models(const struct net *net);
+json_t *message_expressions(const struct net *net);
 json_t *message_health(const struct net *net);
 
 /* Appends the object as text and drops it. */
@@ -44,6 +45,11 @@ void message_write(struct buf *out, json_t *object);
 /* Sets the request's fields from the members of a speak message, or from the query of an address. */
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
 int request_from_query(struct speech_request *request, struct lws *wsi, const char *except, struct error *e);
+
+/* live.c: what an idle and an express message ask for. -1 with *e. The mix borrows from the message. */
+int live_idle(const json_t *message, const struct speech_request *defaults, uint64_t seed,
+              struct idle_options *options, bool *on, struct error *e);
+int live_express(const json_t *message, struct stream_mix *mix, struct error *e);
 
 /* socket.c: one WebSocket client. */
 struct socket *socket_open(struct net *net, struct lws *wsi);

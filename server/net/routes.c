@@ -10,14 +10,18 @@ static json_t *models(const struct net *net) {
     return json_pack("{so}", "models", message_models(net));
 }
 
+static json_t *expressions(const struct net *net) {
+    return json_pack("{so}", "expressions", message_expressions(net));
+}
+
 /* What answers where. A route has a JSON document to get, or takes a POST. */
 static const struct route {
     const char *path;
     json_t *(*get)(const struct net *net);
     int (*post)(struct exchange *x);
 } routes[] = {
-    {"/healthz", message_health, NULL}, {"/v1/voices", voices, NULL}, {"/v1/models", models, NULL},
-    {"/v1/speech", NULL, speech_post},  {"/v1/stream", NULL, NULL},
+    {"/healthz", message_health, NULL},     {"/v1/voices", voices, NULL},      {"/v1/models", models, NULL},
+    {"/v1/expressions", expressions, NULL}, {"/v1/speech", NULL, speech_post}, {"/v1/stream", NULL, NULL},
 };
 
 static const struct route *find(const char *path) {

@@ -16,6 +16,7 @@ struct outgoing {
 struct socket {
     struct net *net;
     struct lws *wsi;
+    uint64_t number;
     char name[24];
     struct stream *stream;
     struct speech_request defaults; /* from the address */
@@ -111,7 +112,8 @@ struct socket *socket_open(struct net *net, struct lws *wsi) {
     s->net = net;
     s->wsi = wsi;
     s->last = &s->first;
-    snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)++net->streams);
+    s->number = ++net->streams;
+    snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)s->number);
     request_init(&s->defaults);
     s->stream = stream_new(net->studio, &sink, s, net->options.queue);
     push_json(s, message_hello(net, s->name));
@@ -205,11 +207,29 @@ static void stop(struct socket *s, const json_t *message) {
     stream_stop(s->stream);
 }
 
+static void idle(struct socket *s, const json_t *message) {
+    struct idle_options options;
+    struct error e;
+    bool on;
+    if (live_idle(message, &s->defaults, s->number, &options, &on, &e))
+        push_error(s, &e);
+    else
+        stream_idle(s->stream, on ? &options : NULL);
+}
+
+static void express(struct socket *s, const json_t *message) {
+    struct stream_mix mix;
+    struct error e;
+    if (live_express(message, &mix, &e) || stream_express(s->stream, &mix, &e))
+        push_error(s, &e);
+}
+
 static void dispatch(struct socket *s, const json_t *message) {
     static const struct {
         const char *type;
         void (*act)(struct socket *s, const json_t *message);
-    } types[] = {{"speak", speak_json}, {"stop", stop}, {"model", send_model}, {"ping", pong}};
+    } types[] = {{"speak", speak_json}, {"stop", stop}, {"model", send_model},
+                 {"ping", pong},        {"idle", idle}, {"express", express}};
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {

@@ -25,11 +25,13 @@ struct speech {
     const struct voice *voice;
     struct speech_callbacks callbacks;
     void *ctx;
+    void (*direct_face)(void *ctx, struct face_options *options);
     struct slot slots[WINDOW];
     size_t submitted, delivered,
         released;  /* sentences; released <= delivered <= submitted <= released + WINDOW */
     size_t spoken; /* scenes that came */
     uint32_t samples, sample_rate;
+    bool warned;      /* of what the markup stage did not act on */
     bool busy, freed; /* inside a callback; to be freed after it */
 };
 
@@ -94,11 +96,16 @@ static void play(struct speech *s, struct slot *slot) {
     slot->utterance = NULL;
     for (size_t i = 0; i < u->warning_count; i++)
         warn(s, u->warnings[i]);
-    struct face_options options = {.engine = s->request.engine,
-                                   .still = s->request.still,
-                                   .life = 1,
-                                   .seed = (uint64_t)s->request.seed,
-                                   .begin = s->sample_rate ? (double)s->samples / s->sample_rate : 0};
+    const struct speech_request *r = &s->request;
+    struct face_options options = {.engine = r->engine,
+                                   .still = r->still,
+                                   .life = r->life < 0 ? 1 : r->life,
+                                   .seed = r->seed < 0 ? 0 : (uint64_t)r->seed,
+                                   .begin = s->sample_rate ? (double)s->samples / s->sample_rate : 0,
+                                   .blend = r->blend,
+                                   .expressions = s->studio->expressions};
+    if (s->direct_face && !s->freed)
+        s->direct_face(s->ctx, &options);
     struct scene scene = {u, face_track_new(s->pack, u, &options, warn, s), s->samples};
     s->sample_rate = u->sample_rate;
     s->samples += u->samples;
@@ -118,11 +125,18 @@ static const char *misfit(const struct speech *s, const struct utterance *u) {
     return NULL;
 }
 
+static void warn_of_markup(struct speech *s) {
+    for (size_t i = 0; !s->warned && !s->freed && i < s->score->warning_count; i++)
+        s->callbacks.problem(s->ctx, &s->score->warnings[i], true);
+    s->warned = true;
+}
+
 /* Hands on, in order, what is ready. */
 static void deliver(struct speech *s) {
     if (s->busy)
         return;
     s->busy = true;
+    warn_of_markup(s);
     while (!s->freed && s->delivered < s->submitted) {
         struct slot *slot = &s->slots[s->delivered % WINDOW];
         if (slot->job)
@@ -195,7 +209,11 @@ static int read_text(struct speech *s, struct error *e) {
     if (!s->request.text)
         return error_in_field(e, "missing-field", "text", "is missing");
     s->score = markup_read(kind, s->request.text, s->request.text_size, &rules, e);
-    return s->score ? 0 : -1;
+    if (!s->score)
+        return -1;
+    if (s->studio->expressions)
+        expressions_direct(s->studio->expressions, s->score);
+    return 0;
 }
 
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
@@ -214,6 +232,10 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
 
 void speech_start(struct speech *s) {
     submit(s);
+}
+
+void speech_direct_face(struct speech *s, void (*face)(void *ctx, struct face_options *options)) {
+    s->direct_face = face;
 }
 
 void speech_free(struct speech *s) {

@@ -15,6 +15,7 @@ struct studio {
     uv_loop_t *loop;
     struct voice_pool *voices;
     const struct speech_packs *packs;
+    const struct expressions *expressions;
     const char *default_lang;
 };
 
@@ -37,7 +38,7 @@ struct speech;
 
 struct speech_callbacks {
     void (*scene)(void *ctx, struct scene scene);
-    /* A sentence could not be spoken (code set), or something of it was not acted on (code "warning"). */
+    /* A sentence could not be spoken, or (warning) something of the text was not acted on. */
     void (*problem)(void *ctx, const struct error *e, bool warning);
     /* No scene follows. spoken = how many came. */
     void (*finished)(void *ctx, size_t spoken);
@@ -50,6 +51,10 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
 /* Begins. Callbacks come later, from the loop; none after speech_free, which may be called from within one.
  */
 void speech_start(struct speech *speech);
+
+/* Before the start: `face` is asked before a scene's face is made. It may change how that is to be, so that
+ * it goes on from the face before (seed, begin, life) and shows a mood. */
+void speech_direct_face(struct speech *speech, void (*face)(void *ctx, struct face_options *options));
 void speech_free(struct speech *speech);
 
 /* One scene has been used up: another may come. */
