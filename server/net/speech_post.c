@@ -6,6 +6,7 @@
 #include "server/stream/export.h"
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* No further sentence is taken while more than this waits to be sent. */
 enum { UNSENT_BYTES_MAX = 1 << 20 };
@@ -80,21 +81,30 @@ static int on_body(void *self, const void *data, size_t size) {
     return 0;
 }
 
+/* The markup that a content type stands for; NULL: none. */
+static const char *markup_of(const char *type) {
+    /* any markup; and what curl --data says by itself, meaning the bytes as they are */
+    static const char *const any[] = {"", "application/xml", "text/xml", "application/x-www-form-urlencoded"};
+    size_t length = strcspn(type, "; \t");
+    for (size_t i = 0; i < sizeof any / sizeof *any; i++)
+        if (strlen(any[i]) == length && !strncasecmp(any[i], type, length))
+            return "auto";
+    const struct markup_kind *kind = markup_by_content_type(type);
+    return kind ? kind->name : NULL;
+}
+
 /* The query's part of the request, and the format. The status of the answer when something is wrong, else 0.
  */
 static unsigned read_query(struct post *p, struct speech_request *request, struct error *e) {
     struct lws *wsi = exchange_wsi(p->x);
-    char type[128] = "text/plain", name[32];
+    char type[128] = "", name[32];
     lws_hdr_copy(wsi, type, sizeof type, WSI_TOKEN_HTTP_CONTENT_TYPE);
-    const struct markup_kind *kind = markup_by_content_type(type);
-    /* curl --data says this by itself, and means the bytes as they are */
-    if (!kind && !strncmp(type, "application/x-www-form-urlencoded", 33))
-        kind = markup_by_name("plain");
-    if (!kind) {
+    const char *markup = markup_of(type);
+    if (!markup) {
         error_set(e, "unsupported-media-type", "no markup has the type '%s'", type);
         return 415;
     }
-    request->markup = mem_strdup(kind->name);
+    request->markup = mem_strdup(markup);
     if (request_from_query(request, wsi, "format", e))
         return 400;
     const char *format = lws_get_urlarg_by_name(wsi, "format=", name, sizeof name);
