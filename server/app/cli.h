@@ -54,5 +54,6 @@ int anova_main(int argc, char **argv);
 int fit_main(int argc, char **argv);
 int timed_main(int argc, char **argv);
 int life_main(int argc, char **argv);
+int check_main(int argc, char **argv);
 
 #endif

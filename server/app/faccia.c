@@ -9,6 +9,7 @@ static const char usage[] = "Usage: faccia COMMAND [ARGUMENT]...\n"
                             "\n"
                             "  say      speak a text: its sound, its face animation, its timing\n"
                             "  timed    the face for recorded speech, from a timed transcription\n"
+                            "  check    tell what in a text with markup would not be acted on\n"
                             "  voices   list the voices\n"
                             "  models   list the head models\n"
                             "  eval     measure how well the lips can be read, engine by engine\n"
@@ -26,6 +27,7 @@ static const struct {
     {"say", say_main},       {"timed", timed_main}, {"voices", voices_main},
     {"models", models_main}, {"eval", eval_main},   {"stimuli", stimuli_main},
     {"anova", anova_main},   {"fit", fit_main},     {"life", life_main},
+    {"check", check_main},
 };
 
 int main(int argc, char **argv) {

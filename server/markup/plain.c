@@ -19,7 +19,7 @@ static uint32_t look(const struct cursor *c, size_t *length) {
 
 static bool is_space(uint32_t c) {
     return c == ' ' || (c >= '\t' && c <= '\r') || c == 0xA0 || (c >= 0x2000 && c <= 0x200B) || c == 0x2028 ||
-           c == 0x2029 || c == 0x3000;
+           c == 0x2029 || c == 0x3000 || c == 0xFEFF /* byte order mark */;
 }
 
 static bool is_terminator(uint32_t c) {

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/score.h"
 #include "server/base/mem.h"
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -41,6 +43,7 @@ void score_free(struct score *score) {
     }
     free(score->items);
     free(score->sentences);
+    free(score->cues);
     free(score->warnings);
     free(score);
 }
@@ -63,6 +66,48 @@ struct score_item *score_add(struct score *score, enum score_kind kind, size_t s
     struct score_item *item = &score->items[score->item_count++];
     *item = (struct score_item){.kind = kind, .start = start, .end = end, .style = &score_plain_style};
     return item;
+}
+
+struct score_cue *score_add_cue(struct score *score, const char *kind, const char *name, size_t at) {
+    score->cues = mem_grow(score->cues, &score->cue_cap, score->cue_count + 1, sizeof *score->cues);
+    struct score_cue *cue = &score->cues[score->cue_count++];
+    *cue = (struct score_cue){
+        .kind = kind,
+        .name = score_strndup(score, name, strlen(name)),
+        .first = score->item_count,
+        .last = score->item_count,
+        .at = at,
+        .intensity = 1,
+        .weight = -1,
+        .duration = {.share = 1},
+        .onset = -1,
+        .offset = -1,
+    };
+    return cue;
+}
+
+void score_warn(struct score *score, size_t at, const char *code, const char *format, ...) {
+    if (score->warning_count == SCORE_WARNINGS)
+        return;
+    score->warnings =
+        mem_grow(score->warnings, &score->warning_cap, score->warning_count + 1, sizeof *score->warnings);
+    struct error *warning = &score->warnings[score->warning_count++];
+    char message[sizeof warning->message];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    if (score->warning_count == SCORE_WARNINGS) {
+        code = "more-warnings";
+        strcpy(message, "there is more that is not acted on");
+    }
+    if (!score->input) {
+        error_at_byte(warning, code, at, "%s", message);
+        return;
+    }
+    size_t line, column;
+    lines_place(&score->lines, score->input, at < score->input_size ? at : score->input_size, &line, &column);
+    error_at_line(warning, code, line, column, "%s", message);
 }
 
 void score_end_sentence(struct score *score) {
