@@ -91,6 +91,7 @@ json_t *message_event(const struct stream_event *e, const char *stream) {
         set_string(object, "voice", e->voice);
         set_string(object, "lang", e->lang);
         set_string(object, "engine", e->engine);
+        set_string(object, "markup", e->markup);
         if (e->idle >= 0)
             json_object_set_new_nocheck(object, "idle", json_real(e->idle));
         break;

@@ -81,15 +81,12 @@ static int on_body(void *self, const void *data, size_t size) {
     return 0;
 }
 
-/* The markup that a content type stands for; NULL: none. */
+/* The markup that a content type stands for; NULL: none. What curl --data says by itself means the bytes as
+ * they are, and some say nothing. */
 static const char *markup_of(const char *type) {
-    /* any markup; and what curl --data says by itself, meaning the bytes as they are */
-    static const char *const any[] = {"", "application/xml", "text/xml", "application/x-www-form-urlencoded"};
-    size_t length = strcspn(type, "; \t");
-    for (size_t i = 0; i < sizeof any / sizeof *any; i++)
-        if (strlen(any[i]) == length && !strncasecmp(any[i], type, length))
-            return "auto";
     const struct markup_kind *kind = markup_by_content_type(type);
+    if (!*type || !strncasecmp(type, "application/x-www-form-urlencoded", 33))
+        return "auto";
     return kind ? kind->name : NULL;
 }
 

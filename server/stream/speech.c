@@ -20,6 +20,7 @@ struct slot {
 struct speech {
     const struct studio *studio;
     struct speech_request request;
+    const struct markup_kind *markup;
     struct score *score;
     const struct speech_pack *pack;
     const struct voice *voice;
@@ -168,6 +169,7 @@ static void deliver(struct speech *s) {
 static int choose_voice(struct speech *s, struct error *e) {
     const struct speech_packs *packs = s->studio->packs;
     const char *lang = s->request.lang;
+    char stated[MARKUP_LANG_BYTES];
     size_t voices = 0;
     if (s->studio->voices)
         voice_pool_voices(s->studio->voices, &voices);
@@ -175,7 +177,10 @@ static int choose_voice(struct speech *s, struct error *e) {
         return error_set(e, "voice-unavailable", "no voice is there (yet)");
     if (lang && !(s->pack = speech_packs_find(packs, lang)))
         return error_in_field(e, "unknown-language", "lang", "no language '%s'", lang);
-    if (!lang)
+    if (!lang && s->markup != markup_by_name("plain") &&
+        markup_lang(s->request.text, s->request.text_size, stated))
+        s->pack = speech_packs_find(packs, stated);
+    if (!s->pack)
         s->pack = speech_packs_find(packs, s->studio->default_lang);
     const char *const *preferred = speech_pack_voices(s->pack);
     s->voice = voice_pool_find(s->studio->voices, s->request.voice, speech_pack_lang(s->pack), preferred, e);
@@ -200,15 +205,30 @@ static int check_engine(const struct speech *s, struct error *e) {
     return error_in_field(e, "unknown-engine", "engine", "no engine '%s'", s->request.engine);
 }
 
-static int read_text(struct speech *s, struct error *e) {
-    const char *name = s->request.markup ? s->request.markup : "plain";
-    const struct markup_kind *kind = markup_by_name(name);
-    if (!kind)
+/* From here on the request's text is what all places count in. */
+static int decode_text(struct speech *s, struct error *e) {
+    char *text;
+    size_t size;
+    const char *name = s->request.markup ? s->request.markup : "auto";
+    s->markup = markup_by_name(name);
+    if (!s->markup)
         return error_in_field(e, "unknown-markup", "markup", "no markup '%s'", name);
-    struct markup_rules rules = {speech_pack_abbreviations(s->pack)};
     if (!s->request.text)
         return error_in_field(e, "missing-field", "text", "is missing");
-    s->score = markup_read(kind, s->request.text, s->request.text_size, &rules, e);
+    if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))
+        return -1;
+    if (text) {
+        free(s->request.text);
+        s->request.text = text;
+        s->request.text_size = size;
+    }
+    s->markup = markup_detect(s->markup, s->request.text, s->request.text_size);
+    return 0;
+}
+
+static int read_text(struct speech *s, struct error *e) {
+    struct markup_rules rules = {speech_pack_abbreviations(s->pack), speech_pack_lang(s->pack)};
+    s->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, e);
     if (!s->score)
         return -1;
     if (s->studio->expressions)
@@ -223,7 +243,7 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);
-    if (choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
+    if (decode_text(s, e) || choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
         speech_free(s);
         return NULL;
     }
@@ -270,6 +290,10 @@ const char *speech_lang(const struct speech *s) {
 
 const char *speech_engine(const struct speech *s) {
     return s->request.engine ? s->request.engine : face_engines()[0];
+}
+
+const char *speech_markup(const struct speech *s) {
+    return s->markup->name;
 }
 
 const struct speech_request *speech_request(const struct speech *s) {

@@ -63,6 +63,8 @@ void speech_release(struct speech *speech);
 const struct voice *speech_voice(const struct speech *speech);
 const char *speech_lang(const struct speech *speech);
 const char *speech_engine(const struct speech *speech);
+const char *speech_markup(const struct speech *speech); /* what the text is: "plain", "ssml"... */
+/* As it was asked for; its text is UTF-8 now. */
 const struct speech_request *speech_request(const struct speech *speech);
 
 #endif

@@ -131,6 +131,7 @@ static void say_begin(struct turn *t) {
                                   .voice = speech_voice(t->speech)->id,
                                   .lang = speech_lang(t->speech),
                                   .engine = speech_engine(t->speech),
+                                  .markup = speech_markup(t->speech),
                                   .fps = speech_request(t->speech)->fps,
                                   .idle = s->idle ? idle_time(s->idle, start) : -1});
 }

@@ -28,14 +28,14 @@ enum stream_event_kind {
 struct stream_event {
     enum stream_event_kind kind;
     uint32_t utterance;
-    const char *id;                            /* the client's, or NULL */
-    uint32_t sample_rate, sample, duration;    /* SENTENCE, WORD, MARK; END: duration of all, samples */
-    size_t start, end, utf16_start, utf16_end; /* SENTENCE, WORD: the place in the text; end exclusive */
-    const char *text;                          /* WORD: end - start bytes that stand there; MARK: its name */
-    const struct error *error;                 /* WARNING, ERROR */
-    const char *reason;                        /* END: "done", "stopped", "failed" */
-    const char *voice, *lang, *engine;         /* BEGIN */
-    double fps;                                /* BEGIN */
+    const char *id;                             /* the client's, or NULL */
+    uint32_t sample_rate, sample, duration;     /* SENTENCE, WORD, MARK; END: duration of all, samples */
+    size_t start, end, utf16_start, utf16_end;  /* SENTENCE, WORD: the place in the text; end exclusive */
+    const char *text;                           /* WORD: end - start bytes that stand there; MARK: its name */
+    const struct error *error;                  /* WARNING, ERROR */
+    const char *reason;                         /* END: "done", "stopped", "failed" */
+    const char *voice, *lang, *engine, *markup; /* BEGIN */
+    double fps;                                 /* BEGIN */
     double idle; /* BEGIN: when it begins on the idle clock, s; negative: nobody idles */
 };
 
