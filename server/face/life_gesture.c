@@ -32,8 +32,8 @@
 #define PHRASE_RISE 0.7
 #define PHRASE_FALL 0.7
 
-/* A question: from this rise on, semitones. */
-#define QUESTION_RISE 3.0
+/* A question: from this rise on, semitones, within the last phone. */
+#define QUESTION_RISE 1.2
 #define QUESTION_ROLL 3.0
 #define QUESTION_BROW 70
 

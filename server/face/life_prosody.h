@@ -30,7 +30,7 @@ struct prosody {
     struct accent *accents;
     size_t accent_count, accent_cap;
     double end;  /* of the utterance */
-    double rise; /* semitones that the voice ends above its accents; 0 when it cannot be heard */
+    double rise; /* semitones that the voice rises in the last voiced phone; 0 when it cannot be heard */
 };
 
 /* Costs a few microseconds for each second of speech: samples are looked at where accents are. */
