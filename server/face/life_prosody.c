@@ -14,7 +14,7 @@
 /* semitones from the mean */
 #define MISHEARD 9
 
-enum { LOOKS = 32 }; /* samples that tell an accent's loudness */
+enum { LOOKS = 16 }; /* samples that tell an accent's loudness */
 
 struct measure {
     double loudness, length;
