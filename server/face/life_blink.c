@@ -37,6 +37,7 @@
 #define PAUSE_SCATTER 0.07
 #define KEPT 0.8
 #define AT_PAUSE 0.6
+#define AT_PAUSE_PER_SECOND 0.35
 #define ADDED 0.22
 #define ADDED_EACH 1.5
 
@@ -138,7 +139,7 @@ static void add_within(struct blinks *blinks, struct dice *d, double at, double 
 static void add_some(struct blinks *blinks, struct dice *d, const struct phrase *phrase, double begin,
                      double from, double to) {
     double roll = dice_roll(d), end = begin + phrase->to;
-    if (roll < AT_PAUSE)
+    if (roll < fmin(AT_PAUSE, AT_PAUSE_PER_SECOND * (phrase->to - phrase->from)))
         add_within(blinks, d, end + PAUSE_SCATTER * dice_normal(d), from, to);
     for (double at = begin + phrase->from; at + ADDED_EACH < end; at += ADDED_EACH) {
         double wait = ADDED_EACH * dice_roll(d);
@@ -170,7 +171,10 @@ void blinks_of_speech(struct blinks *blinks, uint64_t seed, const struct prosody
     }
     for (size_t k = 0; k < p->phrase_count; k++)
         add_some(&merged, &d, &p->phrases[k], from, begin, to);
-    tidy(&merged, first);
+    tidy(&merged, first ? first - 1 : 0);
+    while (i < blinks->count && merged.count > first &&
+           merged.items[merged.count - 1].at > blinks->items[i].at - INTERVAL_SHORTEST)
+        merged.count--; /* what follows cannot give way */
     for (; i < blinks->count; i++)
         keep(&merged, &blinks->items[i]);
     blinks_free(blinks);
