@@ -208,12 +208,12 @@ static void life_free(void *self) {
 
 static void prepare_speech(struct life *life, const struct utterance *u) {
     struct prosody prosody;
-    prosody_of(u, &prosody);
+    prosody_of(u, life->begin, &prosody);
     life->end = life->begin + prosody.end;
     window_of(&life->speech, life->seed, life->begin, life->end);
     glances_of_speech(&life->speech.glances, life->seed, &prosody, life->begin, life->end);
     blinks_of_speech(&life->speech.blinks, life->seed, &prosody, life->begin, life->end);
-    life_gestures_of(&prosody, life->seed, life->begin, &life->gestures);
+    life_gestures_of(&prosody, life->seed, &life->gestures);
     prosody_free(&prosody);
 }
 

@@ -24,7 +24,7 @@
 #define SHALLOWEST 0.5
 #define TWICE 0.06
 #define TWICE_AFTER 0.38
-#define LAG 0.004
+#define LAG 0.002
 
 /* Blinks with gaze shifts: the larger, the surer (C. Evinger et al., Exp. Brain Res. 100, 1994). */
 #define EVOKED_FROM 8.0
@@ -150,7 +150,7 @@ static void add_some(struct blinks *blinks, struct dice *d, const struct phrase 
 
 void blinks_of_speech(struct blinks *blinks, uint64_t seed, const struct prosody *p, double from, double to) {
     double begin = from + INTERVAL_SHORTEST;
-    struct dice d = dice_of(seed, DICE_PLAN, ~llround(1000 * from));
+    struct dice d = dice_of(seed, DICE_PLAN, ~p->name);
     struct blinks merged = {0};
     size_t i = 0, phrase = 0;
     if (!p->phrase_count)

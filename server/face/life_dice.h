@@ -17,6 +17,7 @@ enum dice_use {
     DICE_ASYMMETRY,
     DICE_PLAN,
     DICE_GESTURES,
+    DICE_NODS,
     DICE_USES,
 };
 

@@ -168,7 +168,7 @@ void glances_of_speech(struct shifts *glances, uint64_t seed, const struct proso
     if (to - from < PLAN_SHORTEST)
         return;
     size_t first = shifts_find(glances, take) + 1, after = shifts_find(glances, back) + 1;
-    struct dice d = dice_of(seed, DICE_PLAN, llround(1000 * from));
+    struct dice d = dice_of(seed, DICE_PLAN, prosody->name);
     struct shifts merged = {0};
     for (size_t i = 0; i < first; i++)
         shifts_add(&merged, &glances->items[i]);

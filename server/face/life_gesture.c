@@ -143,16 +143,19 @@ static void in_order(struct gesture_curves *curves) {
     qsort(curves->items, curves->count, sizeof *curves->items, by_time);
 }
 
-void life_gestures_of(const struct prosody *p, uint64_t seed, double begin, struct life_gestures *out) {
-    struct dice d = dice_of(seed, DICE_GESTURES, llround(1000 * begin));
+void life_gestures_of(const struct prosody *p, uint64_t seed, struct life_gestures *out) {
+    struct dice d = dice_of(seed, DICE_GESTURES, p->name);
     *out = (struct life_gestures){0};
     for (size_t i = 0; i < p->phrase_count; i++) {
         const struct phrase *phrase = &p->phrases[i];
         double next = i + 1 < p->phrase_count ? phrase[1].from : phrase->to;
         breathe(&out->quick, &d, i ? phrase[-1].to : 0, phrase->from, p->end);
         hold(&out->slow, &d, phrase->from, fmin(next, p->end - PHRASE_FALL), p->end);
-        for (size_t k = phrase->first; k < phrase->first + phrase->count; k++)
-            nod(&out->quick, &p->accents[k], &d, p->end);
+        for (size_t k = phrase->first; k < phrase->first + phrase->count; k++) {
+            /* its own dice, so that no accent changes with what the others do */
+            struct dice own = dice_of(seed, DICE_NODS, p->name + (int64_t)k);
+            nod(&out->quick, &p->accents[k], &own, p->end);
+        }
     }
     if (p->phrase_count && p->rise > QUESTION_RISE)
         ask(&out->slow, &d, &p->phrases[p->phrase_count - 1], p->end);

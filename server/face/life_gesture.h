@@ -37,7 +37,7 @@ struct life_gestures {
 
 struct prosody;
 
-void life_gestures_of(const struct prosody *prosody, uint64_t seed, double begin, struct life_gestures *out);
+void life_gestures_of(const struct prosody *prosody, uint64_t seed, struct life_gestures *out);
 void life_gestures_free(struct life_gestures *gestures);
 
 /* Sets out. */

@@ -14,7 +14,9 @@
 /* semitones from the mean */
 #define MISHEARD 9
 
-enum { LOOKS = 16 }; /* samples that tell an accent's loudness */
+#define NAME_SECONDS 8.0
+
+enum { LOOKS = 64 }; /* samples that tell an accent's loudness */
 
 struct measure {
     double loudness, length;
@@ -133,8 +135,17 @@ static double rise(const struct utterance *u) {
     return 0;
 }
 
-void prosody_of(const struct utterance *u, struct prosody *p) {
-    *p = (struct prosody){.end = (double)u->samples / u->sample_rate};
+/* FNV-1a of the phones. */
+static int64_t name_of(const struct utterance *u, double begin) {
+    uint64_t hash = 0xCBF29CE484222325u + (uint64_t)llround(begin / NAME_SECONDS);
+    for (size_t i = 0; i < u->phone_count; i++)
+        for (const char *c = u->phones[i].ipa; *c; c++)
+            hash = (hash ^ (uint8_t)*c) * 0x100000001B3u;
+    return (int64_t)(hash >> 8);
+}
+
+void prosody_of(const struct utterance *u, double begin, struct prosody *p) {
+    *p = (struct prosody){.name = name_of(u, begin), .end = (double)u->samples / u->sample_rate};
     struct measure *measures = NULL;
     size_t cap = 0;
     for (size_t i = 0; i < u->phone_count; i++)
