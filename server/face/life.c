@@ -166,7 +166,7 @@ static void add(void *self, double t, double faps[FAP_COUNT + 1]) {
         life_gestures_at(&life->gestures, t, gestures);
 
     double motion = strength * liveliness_at(life, clock).motion,
-           breath = rest * breath_at(&life->breath, clock);
+           breath = rest > 0 ? rest * breath_at(&life->breath, clock) : 0;
     double swaying = 1 + SWAY_SPEAKING * (1 - rest);
     double pitch = motion * (at[HEAD_PITCH] + (double)gestures[GESTURE_PITCH] + BREATH_PITCH * breath +
                              swaying * SWAY_PITCH * noise[HEAD_PITCH]);

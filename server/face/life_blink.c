@@ -70,6 +70,8 @@ static int by_time(const void *a, const void *b) {
 
 /* Puts the blinks from index `first` on in order and drops those that come too soon after another. */
 static void tidy(struct blinks *blinks, size_t first) {
+    if (blinks->count <= first)
+        return;
     qsort(blinks->items + first, blinks->count - first, sizeof *blinks->items, by_time);
     size_t kept = first;
     for (size_t i = first; i < blinks->count; i++) {

@@ -140,7 +140,8 @@ static int by_time(const void *a, const void *b) {
 }
 
 static void in_order(struct gesture_curves *curves) {
-    qsort(curves->items, curves->count, sizeof *curves->items, by_time);
+    if (curves->count)
+        qsort(curves->items, curves->count, sizeof *curves->items, by_time);
 }
 
 void life_gestures_of(const struct prosody *p, uint64_t seed, struct life_gestures *out) {

@@ -16,7 +16,7 @@
 
 #define NAME_SECONDS 8.0
 
-enum { LOOKS = 64 }; /* samples that tell an accent's loudness */
+enum { LOOKS = 32 }; /* samples that tell an accent's loudness */
 
 struct measure {
     double loudness, length;
@@ -109,7 +109,8 @@ static void listen(struct prosody *p, const struct utterance *u, const struct me
     double sum = 0;
     size_t heard = 0;
     for (size_t i = 0; i < p->accent_count; i++) {
-        double hz = p->accents[i].major ? prosody_pitch(u, measures[i].sample) : 0;
+        bool strong = p->accents[i].major && p->accents[i].weight > WEIGHT;
+        double hz = strong ? prosody_pitch(u, measures[i].sample) : 0;
         p->accents[i].pitch = hz > 0 ? semitones(hz) : 0;
         sum += p->accents[i].pitch;
         heard += hz > 0;

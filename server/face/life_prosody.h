@@ -14,7 +14,7 @@ struct accent {
     double at;     /* the vowel's middle */
     double weight; /* prominence, 0..1, from loudness, length and place, against the others */
     bool major;    /* stands out: the strongest within PROSODY_MAJOR_GAP */
-    double pitch;  /* major: semitones above (or below) the utterance's major accents; 0 when unvoiced */
+    double pitch;  /* of the stronger majors: semitones above (or below) their mean; 0 when unvoiced */
 };
 
 #define PROSODY_MAJOR_GAP 0.75
