@@ -15,6 +15,7 @@ static const char usage[] = "Usage: faccia COMMAND [ARGUMENT]...\n"
                             "  stimuli  make a listening test: speech in noise, with and without a face\n"
                             "  anova    analyse the results of such a test\n"
                             "  fit      make a speech pack from recordings of a speaker\n"
+                            "  token    sign a token for a daemon that demands them\n"
                             "\n"
                             "'faccia COMMAND --help' tells more. The daemon is facciad.\n";
 
@@ -23,7 +24,7 @@ static const struct {
     int (*run)(int argc, char **argv);
 } commands[] = {
     {"say", say_main},   {"timed", timed_main},     {"voices", voices_main}, {"models", models_main},
-    {"eval", eval_main}, {"stimuli", stimuli_main}, {"anova", anova_main},   {"fit", fit_main},
+    {"eval", eval_main}, {"stimuli", stimuli_main}, {"anova", anova_main},   {"fit", fit_main},   {"token", token_main},
 };
 
 int main(int argc, char **argv) {
