@@ -5,8 +5,9 @@
 #include <stdlib.h>
 
 #define DEGREE 1745.33
-#define LIDS 940.0        /* FAP 19 of a closed eye */
-#define BLINK_BEGINS 0.12 /* of it; lids that follow the gaze stay below */
+#define LIDS 940.0  /* FAP 19 of a closed eye */
+#define FOLLOW 15.0 /* what it follows the eye for each degree */
+#define BLINK_BEGINS 0.08
 #define BLINK_COUNTS 0.4
 #define BLINK_COMPLETE 0.95
 #define SACCADE_SPEED 20.0 /* degrees a second; slower is drift or the head */
@@ -117,7 +118,7 @@ void life_statistics_add(struct life_statistics *s, const struct fap_frame *fram
     const int32_t *v = frame->value;
     double now = (double)s->frames / s->fps;
     double head[3] = {v[48] / DEGREE, v[49] / DEGREE, v[50] / DEGREE};
-    see_lids(s, now, v[19] / LIDS);
+    see_lids(s, now, (v[19] - FOLLOW * v[25] / DEGREE) / LIDS);
     see_gaze(s, now, (const double[]){v[23] / DEGREE + head[1], v[25] / DEGREE + head[0]});
     see_head(s, head);
     s->frames++;

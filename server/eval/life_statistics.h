@@ -19,8 +19,8 @@ struct life_list {
 struct life_statistics {
     double fps;
     size_t frames;
-    struct life_list intervals, durations; /* of blinks: start to start; lids below half-way until above it,
-                                              measured at a tenth of the way */
+    struct life_list intervals, durations; /* of blinks: start to start; while the lids are away from where
+                                              they follow the gaze */
     size_t blinks, incomplete;
     struct life_list saccades;                 /* sizes of those of half a degree and more */
     struct life_list away;                     /* how long glances away from the listener last */

@@ -18,14 +18,13 @@
 #define LID_LOWER_FOLLOWS 7.0
 
 /* Sway of the head, degrees each way; what speech adds to it. */
-#define SWAY_HZ 0.3
+#define SWAY_HZ 0.4 /* also of the eyes' drift */
 #define SWAY_PITCH 0.5
 #define SWAY_YAW 0.8
 #define SWAY_ROLL 0.45
 #define SWAY_SPEAKING 0.5
 
-/* Fixations drift. */
-#define DRIFT_HZ 0.9
+/* Fixations drift, degrees. */
 #define DRIFT 0.15
 
 #define BREATH_PITCH (-0.35) /* degrees: breathing in lifts the head */
@@ -52,8 +51,8 @@ struct life {
     double strength, begin, end; /* s on the clock; end = begin: nobody speaks */
     struct life_influence influence;
     struct window speech, now; /* that of the utterance; the one of the block that was asked for last */
-    struct gesture_curves gestures;
-    struct noise sway, drift;
+    struct life_gestures gestures;
+    struct noise noise;
     struct breath breath;
     double brow, lid, corner; /* uneven, FAP units: half goes to each side */
 };
@@ -129,16 +128,16 @@ static void part_lips(double amount, double faps[FAP_COUNT + 1]) {
         faps[moves[i].fap] += amount * moves[i].part;
 }
 
-static void add_gestures(const double g[GESTURE_CHANNELS], double strength, double faps[FAP_COUNT + 1]) {
+static void add_gestures(const float g[GESTURE_CHANNELS], double strength, double faps[FAP_COUNT + 1]) {
     for (int side = 0; side < 2; side++) {
-        double brow = strength * g[GESTURE_BROW_LEFT + side];
+        double brow = strength * (double)g[GESTURE_BROW_LEFT + side];
         faps[31 + side] += 0.8 * brow;
         faps[33 + side] += brow;
         faps[35 + side] += 0.9 * brow;
-        faps[61 + side] += strength * g[GESTURE_NOSTRILS];
+        faps[61 + side] += strength * (double)g[GESTURE_NOSTRILS];
     }
     if (g[GESTURE_LIPS] > 0)
-        part_lips(strength * g[GESTURE_LIPS], faps);
+        part_lips(strength * (double)g[GESTURE_LIPS], faps);
 }
 
 static void add_unevenness(const struct life *life, double fade, double rest, double faps[FAP_COUNT + 1]) {
@@ -157,27 +156,28 @@ static void add(void *self, double t, double faps[FAP_COUNT + 1]) {
     if (clock <= 0)
         return;
     double fade = life_smooth(clock / FADE_IN), strength = fade * life->strength;
-    double rest = rest_at(life, clock), sway[NOISE_CHANNELS], drift[NOISE_CHANNELS], at[SHIFT_CHANNELS] = {0};
-    double gestures[GESTURE_CHANNELS] = {0};
+    double rest = rest_at(life, clock), noise[NOISE_CHANNELS], at[SHIFT_CHANNELS] = {0};
+    float gestures[GESTURE_CHANNELS] = {0};
     struct window *w = window_at(life, clock);
     shifts_at(&w->glances, clock, at);
     shifts_at(&w->poses, clock, at);
-    noise_at(&life->sway, clock, sway);
-    noise_at(&life->drift, clock, drift);
+    noise_at(&life->noise, clock, noise);
     if (rest < 1)
-        gesture_curves_at(&life->gestures, t, gestures);
+        life_gestures_at(&life->gestures, t, gestures);
 
     double motion = strength * liveliness_at(life, clock).motion,
-           breath = rest * breath_at(&life->breath, clock);
+           breath = rest > 0 ? rest * breath_at(&life->breath, clock) : 0;
     double swaying = 1 + SWAY_SPEAKING * (1 - rest);
-    double pitch = motion * (at[HEAD_PITCH] + gestures[GESTURE_PITCH] + BREATH_PITCH * breath +
-                             swaying * SWAY_PITCH * sway[0]);
-    double yaw = motion * (at[HEAD_YAW] + gestures[GESTURE_YAW] + swaying * SWAY_YAW * sway[1]);
-    double roll = motion * (at[HEAD_ROLL] + gestures[GESTURE_ROLL] + swaying * SWAY_ROLL * sway[2]);
+    double pitch = motion * (at[HEAD_PITCH] + (double)gestures[GESTURE_PITCH] + BREATH_PITCH * breath +
+                             swaying * SWAY_PITCH * noise[HEAD_PITCH]);
+    double yaw =
+        motion * (at[HEAD_YAW] + (double)gestures[GESTURE_YAW] + swaying * SWAY_YAW * noise[HEAD_YAW]);
+    double roll =
+        motion * (at[HEAD_ROLL] + (double)gestures[GESTURE_ROLL] + swaying * SWAY_ROLL * noise[HEAD_ROLL]);
     /* The eyes keep their target while the head moves. */
     double eyes = fade * (life->strength < 1 ? life->strength : (3 + life->strength) / 4);
-    double eye_yaw = eyes * (at[GAZE_YAW] + DRIFT * drift[0]) - yaw,
-           eye_pitch = eyes * (at[GAZE_PITCH] + DRIFT * drift[1]) - pitch;
+    double eye_yaw = eyes * (at[GAZE_YAW] + DRIFT * noise[GAZE_YAW]) - yaw,
+           eye_pitch = eyes * (at[GAZE_PITCH] + DRIFT * noise[GAZE_PITCH]) - pitch;
     for (int side = 0; side < 2; side++) {
         faps[23 + side] += DEGREE * eye_yaw;
         faps[25 + side] += DEGREE * eye_pitch;
@@ -202,18 +202,18 @@ static void life_free(void *self) {
     struct life *life = self;
     window_free(&life->speech);
     window_free(&life->now);
-    gesture_curves_free(&life->gestures);
+    life_gestures_free(&life->gestures);
     free(life);
 }
 
 static void prepare_speech(struct life *life, const struct utterance *u) {
     struct prosody prosody;
-    prosody_of(u, &prosody);
+    prosody_of(u, life->begin, &prosody);
     life->end = life->begin + prosody.end;
     window_of(&life->speech, life->seed, life->begin, life->end);
     glances_of_speech(&life->speech.glances, life->seed, &prosody, life->begin, life->end);
     blinks_of_speech(&life->speech.blinks, life->seed, &prosody, life->begin, life->end);
-    gesture_curves_of(&prosody, life->seed, life->begin, &life->gestures);
+    life_gestures_of(&prosody, life->seed, &life->gestures);
     prosody_free(&prosody);
 }
 
@@ -229,8 +229,7 @@ struct face_layer life_layer(const struct face_options *options, const struct ut
                           .begin = options->begin,
                           .end = options->begin,
                           .influence = influence,
-                          .sway = noise_of(seed, DICE_SWAY, SWAY_HZ),
-                          .drift = noise_of(seed, DICE_DRIFT, DRIFT_HZ),
+                          .noise = noise_of(seed, SWAY_HZ),
                           .breath = {.seed = seed},
                           .brow = UNEVEN_BROW * dice_between(&d, 0.4, 1),
                           .lid = UNEVEN_LID * dice_between(&d, 0.4, 1),

@@ -9,9 +9,10 @@
  * whatever the utterances are. (The influence has to agree, too, and so do seed and strength.)
  * - It may be sampled in any order, with the same values; forwards it is cheapest, and each sample costs the
  *   same, however long the utterance and the clock are.
- * - Lips and jaw part a little for a breath in pauses before speech; never within CONTACT_MAX_ONSET and the
- *   like of a phone, so that no closure is touched. Mouth corners are slightly uneven at rest, and that goes
- *   away in speech. Otherwise FAPs 3 to 18 and 51 to 60 are left alone.
+ * - Lips and jaw part a little for a breath, in pauses before speech alone: at least 80 ms before the next
+ *   phone they are where speech put them, so that no closure is touched. Mouth corners (FAPs 12, 13, 59, 60)
+ *   are slightly uneven at rest, and that goes away in speech. Otherwise FAPs 3 to 18, 37 to 47 and 51 to 60
+ *   are left alone.
  * - Speed and acceleration of the head are bounded: all its ways are smooth to the second derivative. */
 #ifndef FACCIA_FACE_LIFE_H
 #define FACCIA_FACE_LIFE_H

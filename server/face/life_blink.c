@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 /* Intervals between blinks: log-normal (Bentivoglio et al. 1997). */
-#define INTERVAL_MEDIAN 3.1
+#define INTERVAL_MEDIAN 2.9
 #define INTERVAL_DEVIATION 0.65
 #define INTERVAL_SHORTEST 0.6
 
@@ -24,7 +24,7 @@
 #define SHALLOWEST 0.5
 #define TWICE 0.06
 #define TWICE_AFTER 0.38
-#define LAG 0.004
+#define LAG 0.002
 
 /* Blinks with gaze shifts: the larger, the surer (C. Evinger et al., Exp. Brain Res. 100, 1994). */
 #define EVOKED_FROM 8.0
@@ -36,8 +36,9 @@
 #define MOVE_MOST 0.7
 #define PAUSE_SCATTER 0.07
 #define KEPT 0.8
-#define AT_PAUSE 0.5
-#define ADDED 0.15
+#define AT_PAUSE 0.6
+#define AT_PAUSE_PER_SECOND 0.35
+#define ADDED 0.22
 #define ADDED_EACH 1.5
 
 void blinks_free(struct blinks *blinks) {
@@ -69,6 +70,8 @@ static int by_time(const void *a, const void *b) {
 
 /* Puts the blinks from index `first` on in order and drops those that come too soon after another. */
 static void tidy(struct blinks *blinks, size_t first) {
+    if (blinks->count <= first)
+        return;
     qsort(blinks->items + first, blinks->count - first, sizeof *blinks->items, by_time);
     size_t kept = first;
     for (size_t i = first; i < blinks->count; i++) {
@@ -117,14 +120,39 @@ static size_t nearest_end(const struct prosody *p, size_t from, double t) {
     return from;
 }
 
+/* When it is over, however slow it is made. */
+static double over(const struct blink *b) {
+    return b->at + SLOWEST * (double)(b->closing + b->closed + b->opening) + fabs((double)b->lag);
+}
+
 static void keep(struct blinks *blinks, const struct blink *b) {
     blinks->items = mem_grow(blinks->items, &blinks->cap, blinks->count + 1, sizeof *b);
     blinks->items[blinks->count++] = *b;
 }
 
+/* Adds one within from..to, with all that is to be seen of it; later ones are put back. */
+static void add_within(struct blinks *blinks, struct dice *d, double at, double from, double to) {
+    struct blink *b = add(blinks, d, at);
+    b->at -= fmax(0, over(b) - to);
+    if (b->at < from)
+        blinks->count--;
+}
+
+static void add_some(struct blinks *blinks, struct dice *d, const struct phrase *phrase, double begin,
+                     double from, double to) {
+    double roll = dice_roll(d), end = begin + phrase->to;
+    if (roll < fmin(AT_PAUSE, AT_PAUSE_PER_SECOND * (phrase->to - phrase->from)))
+        add_within(blinks, d, end + PAUSE_SCATTER * dice_normal(d), from, to);
+    for (double at = begin + phrase->from; at + ADDED_EACH < end; at += ADDED_EACH) {
+        double wait = ADDED_EACH * dice_roll(d);
+        if (dice_roll(d) < ADDED)
+            add_within(blinks, d, at + wait, from, to);
+    }
+}
+
 void blinks_of_speech(struct blinks *blinks, uint64_t seed, const struct prosody *p, double from, double to) {
-    double begin = from + INTERVAL_SHORTEST, last = to - BLINK_LONGEST; /* only these are seen inside alone */
-    struct dice d = dice_of(seed, DICE_PLAN, ~llround(1000 * from));
+    double begin = from + INTERVAL_SHORTEST;
+    struct dice d = dice_of(seed, DICE_PLAN, ~p->name);
     struct blinks merged = {0};
     size_t i = 0, phrase = 0;
     if (!p->phrase_count)
@@ -132,27 +160,23 @@ void blinks_of_speech(struct blinks *blinks, uint64_t seed, const struct prosody
     for (; i < blinks->count && blinks->items[i].at < begin; i++)
         keep(&merged, &blinks->items[i]);
     size_t first = merged.count;
-    for (; i < blinks->count && blinks->items[i].at < last; i++) {
+    for (; i < blinks->count && over(&blinks->items[i]) < to; i++) {
         struct blink b = blinks->items[i];
         phrase = nearest_end(p, phrase, b.at - from);
         double pause = from + p->phrases[phrase].to + PAUSE_SCATTER * dice_normal(&d), roll = dice_roll(&d);
-        if (b.mark < 1 && !b.twin && fabs(pause - b.at) < MOVE_MOST)
-            b.at = life_clip(pause, begin, last);
-        else if (roll > KEPT)
-            continue;
-        keep(&merged, &b);
+        double was = b.at;
+        b.at = fmax(pause, begin);
+        if (b.mark >= 1 || b.twin || fabs(b.at - was) > MOVE_MOST || over(&b) > to)
+            b.at = was;
+        if (b.at != was || roll < KEPT)
+            keep(&merged, &b);
     }
-    for (size_t k = 0; k < p->phrase_count; k++) {
-        double at = from + p->phrases[k].to + PAUSE_SCATTER * dice_normal(&d), roll = dice_roll(&d);
-        if (roll < AT_PAUSE && at > begin && at < last)
-            add(&merged, &d, at);
-        for (double in = from + p->phrases[k].from; (in += ADDED_EACH) < from + p->phrases[k].to;) {
-            at = in - ADDED_EACH * dice_roll(&d);
-            if (dice_roll(&d) < ADDED && at > begin && at < last)
-                add(&merged, &d, at);
-        }
-    }
-    tidy(&merged, first);
+    for (size_t k = 0; k < p->phrase_count; k++)
+        add_some(&merged, &d, &p->phrases[k], from, begin, to);
+    tidy(&merged, first ? first - 1 : 0);
+    while (i < blinks->count && merged.count > first &&
+           merged.items[merged.count - 1].at > blinks->items[i].at - INTERVAL_SHORTEST)
+        merged.count--; /* what follows cannot give way */
     for (; i < blinks->count; i++)
         keep(&merged, &blinks->items[i]);
     blinks_free(blinks);

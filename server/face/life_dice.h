@@ -12,12 +12,12 @@ enum dice_use {
     DICE_GLANCES,
     DICE_POSES,
     DICE_BLINKS,
-    DICE_SWAY,
-    DICE_DRIFT,
+    DICE_NOISE,
     DICE_BREATH,
     DICE_ASYMMETRY,
     DICE_PLAN,
     DICE_GESTURES,
+    DICE_NODS,
     DICE_USES,
 };
 

@@ -7,7 +7,7 @@
 #include "server/face/life_shift.h"
 
 /* Glances away: seconds at the listener and away, median and deviation of the logarithm. */
-#define LISTENER_MEDIAN 4.2
+#define LISTENER_MEDIAN 3.7
 #define LISTENER_DEVIATION 0.6
 #define LISTENER_SHORTEST 1.2
 #define AWAY_MEDIAN 0.8
@@ -42,13 +42,13 @@
 /* While speaking: probabilities of a glance away at the start of an utterance, for each second that it lasts,
  * and before a phrase, by the length of the pause and of the phrase. */
 #define PLAN_SHORTEST 1.6
-#define START_PER_SECOND 0.1
-#define START_MOST 0.65
+#define START_PER_SECOND 0.2
+#define START_MOST 0.8
 #define HESITATION 0.5
 #define HESITATES 0.7
 #define LONG_PHRASE 1.4
-#define BEFORE_LONG 0.5
-#define BEFORE_SHORT 0.12
+#define BEFORE_LONG 0.6
+#define BEFORE_SHORT 0.25
 
 static void aim(struct shift *s, const struct shift *from, double yaw, double pitch) {
     double size = hypot(yaw, pitch), turn = size > HEAD_FROM ? HEAD_SHARE * (size - HEAD_FROM) / size : 0;
@@ -151,6 +151,7 @@ static void plan(struct shifts *out, struct dice *d, const struct prosody *p, do
     double at = from;
     for (size_t i = 0; i < p->phrase_count; i++) {
         double before, gone = shyness(p, i, d, &before), leave = begin + p->phrases[i].from - before;
+        leave = i ? leave : fmax(leave, at);
         if (gone < AWAY_SHORTEST || leave < at || leave + gone > to)
             continue;
         listen(out, d, at, leave - FIXATION_SHORTEST);
@@ -167,7 +168,7 @@ void glances_of_speech(struct shifts *glances, uint64_t seed, const struct proso
     if (to - from < PLAN_SHORTEST)
         return;
     size_t first = shifts_find(glances, take) + 1, after = shifts_find(glances, back) + 1;
-    struct dice d = dice_of(seed, DICE_PLAN, llround(1000 * from));
+    struct dice d = dice_of(seed, DICE_PLAN, prosody->name);
     struct shifts merged = {0};
     for (size_t i = 0; i < first; i++)
         shifts_add(&merged, &glances->items[i]);

@@ -32,8 +32,8 @@
 #define PHRASE_RISE 0.7
 #define PHRASE_FALL 0.7
 
-/* A question: from this rise on, semitones. */
-#define QUESTION_RISE 3.0
+/* A question: from this rise on, semitones, within the last phone. */
+#define QUESTION_RISE 1.2
 #define QUESTION_ROLL 3.0
 #define QUESTION_BROW 70
 
@@ -46,9 +46,10 @@
 #define BREATH_NOSTRILS 20
 #define BREATH_LIPS 34
 
-void gesture_curves_free(struct gesture_curves *curves) {
-    free(curves->items);
-    *curves = (struct gesture_curves){0};
+void life_gestures_free(struct life_gestures *gestures) {
+    free(gestures->quick.items);
+    free(gestures->slow.items);
+    *gestures = (struct life_gestures){0};
 }
 
 /* Adds it when it fits into 0..end; a fall that does not is shortened. NULL when it was left out. */
@@ -60,6 +61,7 @@ static struct gesture_curve *add(struct gesture_curves *curves, double end, doub
     curves->items = mem_grow(curves->items, &curves->cap, curves->count + 1, sizeof *curves->items);
     struct gesture_curve *g = &curves->items[curves->count++];
     *g = (struct gesture_curve){at, (float)rise, (float)hold, (float)fmin(fall, room), {0}};
+    curves->longest = fmax(curves->longest, rise + hold + fall);
     return g;
 }
 
@@ -137,39 +139,53 @@ static int by_time(const void *a, const void *b) {
     return x < y ? -1 : x > y;
 }
 
-void gesture_curves_of(const struct prosody *p, uint64_t seed, double begin, struct gesture_curves *out) {
-    struct dice d = dice_of(seed, DICE_GESTURES, llround(1000 * begin));
-    *out = (struct gesture_curves){0};
+static void in_order(struct gesture_curves *curves) {
+    if (curves->count)
+        qsort(curves->items, curves->count, sizeof *curves->items, by_time);
+}
+
+void life_gestures_of(const struct prosody *p, uint64_t seed, struct life_gestures *out) {
+    struct dice d = dice_of(seed, DICE_GESTURES, p->name);
+    *out = (struct life_gestures){0};
     for (size_t i = 0; i < p->phrase_count; i++) {
         const struct phrase *phrase = &p->phrases[i];
         double next = i + 1 < p->phrase_count ? phrase[1].from : phrase->to;
-        breathe(out, &d, i ? phrase[-1].to : 0, phrase->from, p->end);
-        hold(out, &d, phrase->from, fmin(next, p->end - PHRASE_FALL), p->end);
-        for (size_t k = phrase->first; k < phrase->first + phrase->count; k++)
-            nod(out, &p->accents[k], &d, p->end);
+        breathe(&out->quick, &d, i ? phrase[-1].to : 0, phrase->from, p->end);
+        hold(&out->slow, &d, phrase->from, fmin(next, p->end - PHRASE_FALL), p->end);
+        for (size_t k = phrase->first; k < phrase->first + phrase->count; k++) {
+            /* its own dice, so that no accent changes with what the others do */
+            struct dice own = dice_of(seed, DICE_NODS, p->name + (int64_t)k);
+            nod(&out->quick, &p->accents[k], &own, p->end);
+        }
     }
     if (p->phrase_count && p->rise > QUESTION_RISE)
-        ask(out, &d, &p->phrases[p->phrase_count - 1], p->end);
-    qsort(out->items, out->count, sizeof *out->items, by_time);
+        ask(&out->slow, &d, &p->phrases[p->phrase_count - 1], p->end);
+    in_order(&out->quick);
+    in_order(&out->slow);
 }
 
-void gesture_curves_at(struct gesture_curves *curves, double t, double out[GESTURE_CHANNELS]) {
+static void add_at(struct gesture_curves *curves, double t, float out[GESTURE_CHANNELS]) {
     size_t i = curves->cursor;
-    while (i && curves->items[i - 1].at > t - GESTURE_LONGEST)
+    while (i && curves->items[i - 1].at > t - curves->longest)
         i--;
-    while (i < curves->count && curves->items[i].at <= t - GESTURE_LONGEST)
+    while (i < curves->count && curves->items[i].at <= t - curves->longest)
         i++;
     curves->cursor = i;
-    for (int c = 0; c < GESTURE_CHANNELS; c++)
-        out[c] = 0;
     for (; i < curves->count && curves->items[i].at < t; i++) {
         const struct gesture_curve *g = &curves->items[i];
         double since = t - g->at, rise = (double)g->rise, fall = since - rise - (double)g->hold;
         if (fall >= (double)g->fall)
             continue;
         double x = since < rise ? since / rise : fall < 0 ? 1 : 1 - fall / (double)g->fall;
-        double shape = life_smooth(x);
+        float shape = (float)life_smooth(x);
         for (int c = 0; c < GESTURE_CHANNELS; c++)
-            out[c] += shape * (double)g->amount[c];
+            out[c] += shape * g->amount[c];
     }
+}
+
+void life_gestures_at(struct life_gestures *gestures, double t, float out[GESTURE_CHANNELS]) {
+    for (int c = 0; c < GESTURE_CHANNELS; c++)
+        out[c] = 0;
+    add_at(&gestures->quick, t, out);
+    add_at(&gestures->slow, t, out);
 }

@@ -13,13 +13,10 @@ enum {
     GESTURE_ROLL,
     GESTURE_BROW_LEFT, /* raised, FAP units */
     GESTURE_BROW_RIGHT,
-    GESTURE_NOSTRILS, /* widened, FAP units */
-    GESTURE_LIPS,     /* parted, FAP units */
-    GESTURE_CHANNELS,
+    GESTURE_NOSTRILS,     /* widened, FAP units */
+    GESTURE_LIPS,         /* parted, FAP units */
+    GESTURE_CHANNELS = 8, /* a whole number of vectors */
 };
-
-/* The longest, s. */
-#define GESTURE_LONGEST 6.0
 
 struct gesture_curve {
     double at; /* s from the utterance's start */
@@ -30,15 +27,20 @@ struct gesture_curve {
 struct gesture_curves {
     struct gesture_curve *items; /* in order of time */
     size_t count, cap, cursor;
+    double longest; /* s */
+};
+
+/* Short ones and long ones apart, so that at any time only a few have to be looked at. */
+struct life_gestures {
+    struct gesture_curves quick, slow;
 };
 
 struct prosody;
 
-void gesture_curves_of(const struct prosody *prosody, uint64_t seed, double begin,
-                       struct gesture_curves *out);
-void gesture_curves_free(struct gesture_curves *curves);
+void life_gestures_of(const struct prosody *prosody, uint64_t seed, struct life_gestures *out);
+void life_gestures_free(struct life_gestures *gestures);
 
 /* Sets out. */
-void gesture_curves_at(struct gesture_curves *curves, double t, double out[GESTURE_CHANNELS]);
+void life_gestures_at(struct life_gestures *gestures, double t, float out[GESTURE_CHANNELS]);
 
 #endif

@@ -6,15 +6,15 @@
 #define BREATH_IN 1.5
 #define BREATH_OUT 1.9
 
-struct noise noise_of(uint64_t seed, enum dice_use use, double hz) {
-    return (struct noise){.seed = seed, .use = use, .hz = hz, .whole = -1};
+struct noise noise_of(uint64_t seed, double hz) {
+    return (struct noise){.seed = seed, .hz = hz, .whole = -1};
 }
 
 void noise_at(struct noise *n, double clock, double out[NOISE_CHANNELS]) {
     double phase = clock * n->hz, whole = floor(phase), x = phase - whole;
     if (whole != n->whole) {
-        struct dice before = dice_of(n->seed, n->use, (int64_t)whole),
-                    after = dice_of(n->seed, n->use, (int64_t)whole + 1);
+        struct dice before = dice_of(n->seed, DICE_NOISE, (int64_t)whole),
+                    after = dice_of(n->seed, DICE_NOISE, (int64_t)whole + 1);
         for (int c = 0; c < NOISE_CHANNELS; c++) {
             n->a[c] = dice_between(&before, -1, 1);
             n->b[c] = dice_between(&after, -1, 1);

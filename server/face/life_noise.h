@@ -5,18 +5,17 @@
 
 #include "server/face/life_dice.h"
 
-enum { NOISE_CHANNELS = 3 };
+enum { NOISE_CHANNELS = 5 };
 
 /* Smooth noise in some channels at one frequency; keeps the slopes of the period that was asked for last. */
 struct noise {
     uint64_t seed;
-    enum dice_use use;
     double hz;
     double whole; /* of the phase; below 0: none yet */
     double a[NOISE_CHANNELS], b[NOISE_CHANNELS];
 };
 
-struct noise noise_of(uint64_t seed, enum dice_use use, double hz);
+struct noise noise_of(uint64_t seed, double hz);
 
 /* clock >= 0. -1..1, smooth to the second derivative. */
 void noise_at(struct noise *noise, double clock, double out[NOISE_CHANNELS]);

@@ -11,6 +11,11 @@
 #define LAST_OF_PHRASE 0.2
 #define SPREAD 0.8
 
+/* semitones from the mean */
+#define MISHEARD 9
+
+#define NAME_SECONDS 8.0
+
 enum { LOOKS = 32 }; /* samples that tell an accent's loudness */
 
 struct measure {
@@ -99,32 +104,49 @@ static double semitones(double hz) {
     return 12 * log2(hz);
 }
 
-/* Pitch of the major accents against their mean, and of the utterance's last voiced moments. */
+/* Pitch of the major accents against their mean; what is too far off was misheard. */
 static void listen(struct prosody *p, const struct utterance *u, const struct measure *measures) {
-    double sum = 0, end = 0;
+    double sum = 0;
     size_t heard = 0;
     for (size_t i = 0; i < p->accent_count; i++) {
-        double hz = p->accents[i].major ? prosody_pitch(u, measures[i].sample) : 0;
-        if (hz > 0) {
-            p->accents[i].pitch = semitones(hz);
-            sum += p->accents[i].pitch;
-            heard++;
-        }
+        bool strong = p->accents[i].major && p->accents[i].weight > WEIGHT;
+        double hz = strong ? prosody_pitch(u, measures[i].sample) : 0;
+        p->accents[i].pitch = hz > 0 ? semitones(hz) : 0;
+        sum += p->accents[i].pitch;
+        heard += hz > 0;
     }
-    for (size_t i = 0; heard && i < p->accent_count; i++)
-        if (p->accents[i].pitch > 0)
-            p->accents[i].pitch = life_clip(p->accents[i].pitch - sum / (double)heard, -12, 12);
-    for (size_t i = u->phone_count, tries = 0; heard && end <= 0 && i-- && tries < 2;)
-        if (!is_pause(&u->phones[i])) {
-            tries++;
-            end = prosody_pitch(u, u->phones[i].end - (u->phones[i].end - u->phones[i].start) / 4);
-        }
-    if (end > 0)
-        p->rise = semitones(end) - sum / (double)heard;
+    for (size_t i = 0; heard && i < p->accent_count; i++) {
+        double above = p->accents[i].pitch - sum / (double)heard;
+        p->accents[i].pitch = p->accents[i].pitch > 0 && fabs(above) < MISHEARD ? above : 0;
+    }
 }
 
-void prosody_of(const struct utterance *u, struct prosody *p) {
-    *p = (struct prosody){.end = (double)u->samples / u->sample_rate};
+/* Semitones that the voice rises within the last phone, or the one before where that has no voice. */
+static double rise(const struct utterance *u) {
+    for (size_t i = u->phone_count, tries = 0; i-- && tries < 2;) {
+        const struct phone *p = &u->phones[i];
+        if (is_pause(p))
+            continue;
+        tries++;
+        double from = prosody_pitch(u, p->start + (p->end - p->start) / 4);
+        double to = prosody_pitch(u, p->end - (p->end - p->start) / 8);
+        if (from > 0 && to > 0)
+            return semitones(to) - semitones(from);
+    }
+    return 0;
+}
+
+/* FNV-1a of the phones. */
+static int64_t name_of(const struct utterance *u, double begin) {
+    uint64_t hash = 0xCBF29CE484222325u + (uint64_t)llround(begin / NAME_SECONDS);
+    for (size_t i = 0; i < u->phone_count; i++)
+        for (const char *c = u->phones[i].ipa; *c; c++)
+            hash = (hash ^ (uint8_t)*c) * 0x100000001B3u;
+    return (int64_t)(hash >> 8);
+}
+
+void prosody_of(const struct utterance *u, double begin, struct prosody *p) {
+    *p = (struct prosody){.name = name_of(u, begin), .end = (double)u->samples / u->sample_rate};
     struct measure *measures = NULL;
     size_t cap = 0;
     for (size_t i = 0; i < u->phone_count; i++)
@@ -132,7 +154,9 @@ void prosody_of(const struct utterance *u, struct prosody *p) {
             add_phone(p, u, &u->phones[i], &measures, &cap);
     weigh(p, measures);
     choose_majors(p);
-    if (u->pcm)
+    if (u->pcm) {
         listen(p, u, measures);
+        p->rise = rise(u);
+    }
     free(measures);
 }

@@ -149,6 +149,7 @@ static void deliver(struct speech *s) {
             slot->utterance = NULL;
             error_set(&slot->failure, "voice-failed", "%s", unfit);
         }
+        metrics_add(s->studio->metrics, slot->utterance ? METRIC_SENTENCES : METRIC_SENTENCES_FAILED, 1);
         if (slot->utterance) {
             play(s, slot);
         } else {

@@ -55,7 +55,15 @@ static void go_on_from(struct stream *s, uint64_t at) {
 /* Ends the first turn. */
 static void end_turn(struct stream *s, const char *reason) {
     struct turn *t = s->turns;
+    struct metrics *metrics = s->studio->metrics;
     s->turns = t->next;
+    metrics_add(metrics,
+                *reason == 'd'   ? METRIC_UTTERANCES_DONE
+                : *reason == 's' ? METRIC_UTTERANCES_STOPPED
+                                 : METRIC_UTTERANCES_FAILED,
+                1);
+    if (t->sample_rate)
+        metrics_add(metrics, METRIC_SPEECH_SECONDS, (double)t->sent / t->sample_rate);
     if (s->waiting)
         s->waiting--;
     give(t, (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});
@@ -126,6 +134,7 @@ static void say_begin(struct turn *t) {
     go_on_from(s, start);
     s->life = t->life_begin;
     t->begun = true;
+    metrics_first_media(t->stream->studio->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->scenes[0].utterance->sample_rate;
     give(t, (struct stream_event){.kind = STREAM_BEGIN,
                                   .voice = speech_voice(t->speech)->id,
@@ -241,6 +250,7 @@ void stream_speak(struct stream *s, const struct speech_request *request) {
     }
     struct turn *t = mem_alloc(sizeof *t);
     t->stream = s;
+    t->asked = uv_hrtime();
     t->speech = speech_open(s->studio, request, &speech_callbacks, t, &e);
     if (!t->speech) {
         free(t);
@@ -257,6 +267,10 @@ void stream_speak(struct stream *s, const struct speech_request *request) {
         start(t);
     else
         s->waiting++;
+}
+
+bool stream_busy(const struct stream *s) {
+    return s->turns != NULL;
 }
 
 void stream_stop(struct stream *s) {

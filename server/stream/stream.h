@@ -69,6 +69,8 @@ void stream_idle(struct stream *stream, const struct idle_options *options);
 
 /* Sets the stream's mood, from the next media on, until it is set anew. -1 with *e as mood_set. */
 int stream_express(struct stream *stream, const struct stream_mix *mix, struct error *e);
+/* Does it speak, or does anything wait? */
+bool stream_busy(const struct stream *stream);
 
 /* Cuts the utterance that speaks and forgets those that wait; each gets its END. */
 void stream_stop(struct stream *stream);

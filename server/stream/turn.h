@@ -16,6 +16,7 @@ struct turn {
     struct scene *scenes; /* the first is being cut */
     size_t scene_count, scene_cap;
     struct cut cut;
+    uint64_t asked; /* uv_hrtime of the request */
     bool started, begun, sentence_said;
     bool finished;              /* no further scene comes */
     size_t spoken;              /* scenes that came */
