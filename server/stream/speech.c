@@ -185,14 +185,37 @@ static int check_engine(const struct speech *s, struct error *e) {
     return error_in_field(e, "unknown-engine", "engine", "no engine '%s'", s->request.engine);
 }
 
-static int read_text(struct speech *s, struct error *e) {
-    const char *name = s->request.markup ? s->request.markup : "plain";
-    const struct markup_kind *kind = markup_by_name(name);
-    if (!kind)
+static int choose_markup(struct speech *s, const struct markup_kind **kind, struct error *e) {
+    const char *name = s->request.markup ? s->request.markup : "auto";
+    *kind = markup_by_name(name);
+    if (!*kind)
         return error_in_field(e, "unknown-markup", "markup", "no markup '%s'", name);
-    struct markup_rules rules = {speech_pack_abbreviations(s->pack)};
     if (!s->request.text)
         return error_in_field(e, "missing-field", "text", "is missing");
+    *kind = markup_detect(*kind, s->request.text, s->request.text_size);
+    return 0;
+}
+
+/* What a document says of its language counts where the request says nothing. */
+static void adopt_lang(struct speech *s, const struct markup_kind *kind) {
+    char lang[MARKUP_LANG_BYTES];
+    if (!s->request.lang && !s->request.voice && kind != markup_by_name("plain") &&
+        markup_lang(s->request.text, s->request.text_size, lang) && speech_packs_find(s->studio->packs, lang))
+        s->request.lang = mem_strdup(lang);
+}
+
+/* Places in the text are places in its UTF-8, so that is what the request holds from here on. */
+static int read_text(struct speech *s, const struct markup_kind *kind, struct error *e) {
+    struct markup_rules rules = {speech_pack_abbreviations(s->pack), speech_pack_lang(s->pack)};
+    char *utf8;
+    size_t size;
+    if (markup_decode(s->request.text, s->request.text_size, &utf8, &size, e))
+        return -1;
+    if (utf8) {
+        free(s->request.text);
+        s->request.text = utf8;
+        s->request.text_size = size;
+    }
     s->score = markup_read(kind, s->request.text, s->request.text_size, &rules, e);
     return s->score ? 0 : -1;
 }
@@ -204,7 +227,11 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);
-    if (choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
+    const struct markup_kind *kind;
+    int failed = choose_markup(s, &kind, e);
+    if (!failed)
+        adopt_lang(s, kind);
+    if (failed || choose_voice(s, e) || check_engine(s, e) || read_text(s, kind, e)) {
         speech_free(s);
         return NULL;
     }
@@ -212,7 +239,14 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
 }
 
 void speech_start(struct speech *s) {
-    submit(s);
+    s->busy = true;
+    for (size_t i = 0; i < s->score->warning_count && !s->freed; i++)
+        s->callbacks.problem(s->ctx, &s->score->warnings[i], true);
+    s->busy = false;
+    if (s->freed)
+        speech_free(s);
+    else
+        submit(s);
 }
 
 void speech_free(struct speech *s) {
