@@ -54,7 +54,8 @@ static const char *const meant[][2] = {
 };
 
 /* Activation and evaluation as MaryTTS gives them for APML's affects (its emotion dimensions, after Schroeder
- * and Cowie); where several share a direction the first stands for all. */
+ * and Cowie); where several share a direction the first stands for all.
+ * The six basic ones come first, and are taken where they lie within about 14 degrees of the nearest. */
 static const struct {
     const char *name;
     double activation, evaluation;
@@ -65,6 +66,8 @@ static const struct {
     {"disliking", 15, -35},    {"fear-confirmed", -30, -50}, {"reproach", -3, -30}, {"resentment", 0, -40},
     {"satisfaction", -15, 33}, {"disappointment", 2, -25},
 };
+
+enum { BASIC = 6 };
 
 const char *affect_meant(const char *name) {
     for (size_t i = 0; i < sizeof meant / sizeof *meant; i++)
@@ -81,7 +84,7 @@ const char *affect_at(double activation, double evaluation, double *intensity) {
     for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
         double a = places[i].activation, e = places[i].evaluation;
         double cosine = (a * activation + e * evaluation) / (hypot(a, e) * radius);
-        if (cosine > best + 1e-9) {
+        if (cosine > best + (i < BASIC ? 0 : 0.03)) {
             best = cosine;
             name = places[i].name;
         }

@@ -91,7 +91,9 @@ int prolog_read(const char *text, size_t size, struct prolog *prolog, struct err
         if (begins(&s, "<?")) {
             s.at += 2;
             well = skip_past(&s, "?>");
-            if (well && s.at - item > 7 && !memcmp(text + item, "<?xml", 5) && is_white(text[item + 5]))
+            if (!memcmp(text + item, "<?xml", s.size - item > 5 ? 5 : s.size - item))
+                prolog->declared = true;
+            if (well && prolog->declared && s.at - item > 7 && is_white(text[item + 5]))
                 read_encoding(&s, item, prolog);
             else if (!prolog->instruction)
                 prolog->instruction = item;
@@ -99,6 +101,7 @@ int prolog_read(const char *text, size_t size, struct prolog *prolog, struct err
             s.at += 4;
             well = skip_past(&s, "-->");
         } else if (begins(&s, "<!DOCTYPE") || begins(&s, "<!doctype")) {
+            prolog->declared = true;
             well = skip_doctype(&s, prolog);
         } else {
             break;

@@ -3,6 +3,7 @@
 #include "server/base/utf8.h"
 #include "server/markup/detect.h"
 #include "server/markup/plain.h"
+#include "server/markup/white.h"
 #include <string.h>
 #include <strings.h>
 
@@ -72,17 +73,25 @@ static const struct {
     {"disgusted", "jsml"},
 };
 
+/* Something that begins with a tag and ends with one. */
+static bool looks_like_xml(const struct prolog *prolog, const char *text, size_t size) {
+    while (size && is_white(text[size - 1]))
+        size--;
+    return prolog->root_bytes && ((*prolog->root | 32) >= 'a' && (*prolog->root | 32) <= 'z') &&
+           text[size - 1] == '>';
+}
+
 const struct markup_kind *markup_detect(const struct markup_kind *kind, const char *text, size_t size) {
     struct prolog prolog;
     struct error e;
-    const char *name = "plain";
     if (kind->read != auto_read)
         return kind;
-    if (!prolog_read(text, size, &prolog, &e))
-        for (size_t i = 0; i < sizeof roots / sizeof *roots; i++)
-            if (prolog_root_is(&prolog, roots[i].root))
-                name = roots[i].kind;
-    return markup_by_name(name);
+    bool broken = prolog_read(text, size, &prolog, &e);
+    for (size_t i = 0; i < sizeof roots / sizeof *roots; i++)
+        if (prolog_root_is(&prolog, roots[i].root))
+            return markup_by_name(roots[i].kind);
+    bool xml = prolog.declared || (!broken && looks_like_xml(&prolog, text, size));
+    return markup_by_name(xml ? "ssml" : "plain");
 }
 
 bool markup_lang(const char *text, size_t size, char *out) {

@@ -26,8 +26,9 @@ extern const struct markup_kind markup_kinds[];
 const struct markup_kind *markup_by_name(const char *name);
 const struct markup_kind *markup_by_content_type(const char *type);
 
-/* Finds out what is in the text: "auto" looks at the root element, and what begins with none that is known is
- * plain text. Other kinds are what they are. */
+/* Finds out what is in the text: "auto" looks at the root element. What begins with none that is known is SSML
+ * when it has an XML declaration or a DOCTYPE, or begins and ends with a tag (so that tags are never read
+ * aloud), and else plain text. Other kinds are what they are. */
 const struct markup_kind *markup_detect(const struct markup_kind *kind, const char *text, size_t size);
 
 /* The language that the root element states (BCP 47, out has MARKUP_LANG_BYTES). False when it states none. */

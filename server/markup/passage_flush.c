@@ -174,7 +174,7 @@ static void emit(struct flush *f, const struct run *run, size_t from, size_t to)
 static void make_items(struct flush *f) {
     struct passage *p = f->p;
     const char *s = (const char *)p->flat.data;
-    size_t at = 0, run = 0;
+    size_t at = 0, run = 0, sound = 0; /* pieces before `sound` belong to one */
     while (at < p->flat.size && is_white(s[at]))
         at++;
     while (at < p->flat.size || run < f->run_count) {
@@ -184,8 +184,12 @@ static void make_items(struct flush *f) {
         while (to > from && is_white(s[to - 1]))
             to--;
         bool last = end == p->flat.size;
-        for (; run < f->run_count && (last || f->runs[run].from < end); run++) {
+        for (; run < f->run_count; run++) {
             const struct run *r = &f->runs[run];
+            if (!last && r->from >= end && r->piece >= sound)
+                break;
+            if (r->of->kind == SCORE_AUDIO && r->of->until > sound)
+                sound = r->of->until;
             size_t a = r->from > from ? r->from : from, b = r->to < to ? r->to : to;
             if (r->of->kind != SCORE_TEXT)
                 emit(f, r, r->from, r->from);

@@ -51,7 +51,7 @@ static void add_item(const struct score_item *item, size_t index, struct buf *ou
 static void add_time(const char *name, struct score_time time, double usual_share, struct buf *out) {
     if (time.seconds > 0)
         buf_printf(out, " %s=%.3gs", name, time.seconds);
-    if (time.share != usual_share)
+    else if (time.share != usual_share)
         buf_printf(out, " %s=%.3g%%", name, time.share * 100);
 }
 

@@ -268,6 +268,25 @@ static int compare_cues(const void *a, const void *b) {
     return kind ? kind : strcmp(x->name, y->name);
 }
 
+/* By their places. */
+static int compare_warnings(const void *a, const void *b) {
+    const struct error *x = a, *y = b;
+    if (x->line != y->line)
+        return x->line < y->line ? -1 : 1;
+    if (x->column != y->column)
+        return x->column < y->column ? -1 : 1;
+    return strcmp(x->message, y->message);
+}
+
+/* What was found late, at the end of an element or of a sentence, goes where it belongs. */
+static void sort(struct score *score) {
+    size_t warnings = score->warning_count - (score->warning_count == SCORE_WARNINGS);
+    if (score->cue_count)
+        qsort(score->cues, score->cue_count, sizeof *score->cues, compare_cues);
+    if (warnings)
+        qsort(score->warnings, warnings, sizeof *score->warnings, compare_warnings);
+}
+
 static int walk(struct walk *w, const struct prolog *prolog) {
     static const char prefix[] = "<_>", suffix[] = "</_>";
     struct reader *r = &w->reader;
@@ -280,8 +299,7 @@ static int walk(struct walk *w, const struct prolog *prolog) {
         return -1;
     passage_close(&r->passage, 0);
     reader_boundary(r);
-    if (r->score->cue_count)
-        qsort(r->score->cues, r->score->cue_count, sizeof *r->score->cues, compare_cues);
+    sort(r->score);
     return 0;
 }
 

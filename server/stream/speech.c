@@ -178,7 +178,7 @@ static int choose_voice(struct speech *s, struct error *e) {
         return error_set(e, "voice-unavailable", "no voice is there (yet)");
     if (lang && !(s->pack = speech_packs_find(packs, lang)))
         return error_in_field(e, "unknown-language", "lang", "no language '%s'", lang);
-    if (!lang && s->markup != markup_by_name("plain") &&
+    if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
         markup_lang(s->request.text, s->request.text_size, stated))
         s->pack = speech_packs_find(packs, stated);
     if (!s->pack)
