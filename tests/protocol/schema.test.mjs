@@ -34,7 +34,7 @@ test('the examples of the client are valid', () => {
 /** The members of the server's messages, with values to stand in for those that an example leaves out. */
 const whole = {
   pong: {},
-  begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance', markup: 'plain' },
+  begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance', markup: 'plain', idle: 0 },
   sentence: {
     stream: 's',
     utterance: 1,
