@@ -52,5 +52,6 @@ int stimuli_main(int argc, char **argv);
 int anova_main(int argc, char **argv);
 int fit_main(int argc, char **argv);
 int timed_main(int argc, char **argv);
+int expressions_main(int argc, char **argv);
 
 #endif

@@ -11,6 +11,7 @@ static const char usage[] = "Usage: faccia COMMAND [ARGUMENT]...\n"
                             "  timed    the face for recorded speech, from a timed transcription\n"
                             "  voices   list the voices\n"
                             "  models   list the head models\n"
+                            "  expressions  list the expressions, or write how they look\n"
                             "  eval     measure how well the lips can be read, engine by engine\n"
                             "  stimuli  make a listening test: speech in noise, with and without a face\n"
                             "  anova    analyse the results of such a test\n"
@@ -24,6 +25,7 @@ static const struct {
 } commands[] = {
     {"say", say_main},   {"timed", timed_main},     {"voices", voices_main}, {"models", models_main},
     {"eval", eval_main}, {"stimuli", stimuli_main}, {"anova", anova_main},   {"fit", fit_main},
+    {"expressions", expressions_main},
 };
 
 int main(int argc, char **argv) {
