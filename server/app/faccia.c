@@ -23,8 +23,9 @@ static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
 } commands[] = {
-    {"say", say_main},   {"timed", timed_main},     {"voices", voices_main}, {"models", models_main},
-    {"eval", eval_main}, {"stimuli", stimuli_main}, {"anova", anova_main},   {"fit", fit_main}, {"check", check_main},
+    {"say", say_main},       {"timed", timed_main}, {"voices", voices_main},
+    {"models", models_main}, {"eval", eval_main},   {"stimuli", stimuli_main},
+    {"anova", anova_main},   {"fit", fit_main},     {"check", check_main},
 };
 
 int main(int argc, char **argv) {
