@@ -7,14 +7,15 @@
 #include <getopt.h>
 #include <stdlib.h>
 
-static const char usage[] = "Usage: faccia check [OPTION]... FILE...\n"
-                            "Reads each FILE (- = standard input) as it would be spoken, and tells what in it is "
-                            "wrong or is not acted on:\n"
-                            "FILE:LINE:COLUMN: warning|error: message. The exit code is 1 when there is an error.\n"
-                            "\n"
-                            "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, or auto (auto): by the root "
-                            "element\n"
-                            "  -s, --score        also write what was understood\n";
+static const char usage[] =
+    "Usage: faccia check [OPTION]... FILE...\n"
+    "Reads each FILE (- = standard input) as it would be spoken, and tells what in it is "
+    "wrong or is not acted on:\n"
+    "FILE:LINE:COLUMN: warning|error: message. The exit code is 1 when there is an error.\n"
+    "\n"
+    "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, or auto (auto): by the root "
+    "element\n"
+    "  -s, --score        also write what was understood\n";
 
 struct check {
     const struct markup_kind *kind;

@@ -56,5 +56,6 @@ int token_main(int argc, char **argv);
 int timed_main(int argc, char **argv);
 int life_main(int argc, char **argv);
 int check_main(int argc, char **argv);
+int expressions_main(int argc, char **argv);
 
 #endif

@@ -14,6 +14,7 @@ static const struct {
     {"timed", timed_main, "the face for recorded speech, from a timed transcription"},
     {"voices", voices_main, "list the voices"},
     {"models", models_main, "list the head models"},
+    {"expressions", expressions_main, "list the expressions, or write how they look"},
     {"eval", eval_main, "measure how well the lips can be read, engine by engine"},
     {"stimuli", stimuli_main, "make a listening test: speech in noise, with and without a face"},
     {"anova", anova_main, "analyse the results of such a test"},
@@ -26,7 +27,7 @@ static const struct {
 static void print_usage(FILE *out) {
     fputs("Usage: faccia COMMAND [OPTION]...\nThe talking head without a network.\n\n", out);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        fprintf(out, "  %-11s %s\n", commands[i].name, commands[i].help);
+        fprintf(out, "  %-12s %s\n", commands[i].name, commands[i].help);
     fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad.\n", out);
 }
 

@@ -60,10 +60,14 @@ static const struct {
     const char *name;
     double activation, evaluation;
 } places[] = {
-    {"anger", 34, -36},        {"disgust", -17, -40},       {"fear", 15, -44},     {"joy", 17, 42},
-    {"sadness", -20, -40},     {"surprise", 40, 0},         {"hate", 60, -60},     {"love", 1, 33},
-    {"gloating", 40, 30},      {"hope", 20, 20},            {"pride", 30, 40},     {"gratitude", 20, 40},
-    {"disliking", 15, -35},    {"fear-confirmed", -30, -50}, {"reproach", -3, -30}, {"resentment", 0, -40},
+    {"anger", 34, -36},        {"disgust", -17, -40},
+    {"fear", 15, -44},         {"joy", 17, 42},
+    {"sadness", -20, -40},     {"surprise", 40, 0},
+    {"hate", 60, -60},         {"love", 1, 33},
+    {"gloating", 40, 30},      {"hope", 20, 20},
+    {"pride", 30, 40},         {"gratitude", 20, 40},
+    {"disliking", 15, -35},    {"fear-confirmed", -30, -50},
+    {"reproach", -3, -30},     {"resentment", 0, -40},
     {"satisfaction", -15, 33}, {"disappointment", 2, -25},
 };
 

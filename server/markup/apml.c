@@ -93,7 +93,7 @@ static void cue(struct tag *tag, const char *kind, const char *name, const struc
 
 /* "complex:X_maskedby_Y": Y is shown and X leaks through; "complex:X_Y", "X_superposedto_Y": both at once. */
 static void complex_affect(struct tag *tag, const char *name, const struct timing *t) {
-    static const struct choice rules[] = {{"maskedby", 0.3}, {"masked-by", 0.3}, {"masked", 0.3},
+    static const struct choice rules[] = {{"maskedby", 0.3},     {"masked-by", 0.3},    {"masked", 0.3},
                                           {"superposedto", 0.6}, {"superposedby", 0.6}, {"and", 0.6}};
     char parts[3][40] = {"", "", ""};
     int count = sscanf(name, "%39[^_]_%39[^_]_%39[^_]", parts[0], parts[1], parts[2]);
@@ -245,5 +245,7 @@ static const struct element elements[] = {
     {.name = "turnallocation", .flags = ELEMENT_BOUNDARY, .begin = begin_turn},
 };
 
-const struct vocabulary apml_vocabulary = {
-    .name = "apml", .root = "apml", .elements = elements, .element_count = sizeof elements / sizeof *elements};
+const struct vocabulary apml_vocabulary = {.name = "apml",
+                                           .root = "apml",
+                                           .elements = elements,
+                                           .element_count = sizeof elements / sizeof *elements};

@@ -53,8 +53,9 @@ int markup_decode(const char *text, size_t size, char **out, size_t *out_size, s
     while (known < count && strcmp(encodings[known].name, prolog.encoding) != 0)
         known++;
     if (known == count)
-        return at_byte(e, "unknown-encoding", text, prolog.encoding_at,
-                       "this encoding is not read here; UTF-8, ISO-8859-1, ISO-8859-9 and windows-1252, -1254 are");
+        return at_byte(
+            e, "unknown-encoding", text, prolog.encoding_at,
+            "this encoding is not read here; UTF-8, ISO-8859-1, ISO-8859-9 and windows-1252, -1254 are");
     struct buf buf = {0};
     for (size_t i = 0; i < size; i++) {
         uint32_t c = decode((uint8_t)text[i], encodings[known].turkish, encodings[known].windows);

@@ -6,13 +6,13 @@
 #include "server/markup/reader.h"
 
 struct prolog {
-    size_t end;          /* byte where the root element begins, or what stands in its place */
-    const char *root;    /* its name, not ended; NULL when there is none */
+    size_t end;       /* byte where the root element begins, or what stands in its place */
+    const char *root; /* its name, not ended; NULL when there is none */
     size_t root_bytes;
-    bool declared;       /* there is an XML declaration or a DOCTYPE, complete or not */
-    size_t entities;     /* byte of the first entity declaration; 0 = none */
-    size_t instruction;  /* byte of the first processing instruction; 0 = none */
-    char encoding[32];   /* as the XML declaration states it, lower case; "" = not stated */
+    bool declared;      /* there is an XML declaration or a DOCTYPE, complete or not */
+    size_t entities;    /* byte of the first entity declaration; 0 = none */
+    size_t instruction; /* byte of the first processing instruction; 0 = none */
+    char encoding[32];  /* as the XML declaration states it, lower case; "" = not stated */
     size_t encoding_at;
 };
 

@@ -23,8 +23,10 @@ void emotionml_begin_unused(struct reader *r, struct tag *tag);
 #define EMOTIONML_DIMENSION                                                                                  \
     { .name = "dimension", .begin = emotionml_begin_dimension, .ignored = " confidence " }
 #define EMOTIONML_UNUSED(NAME)                                                                               \
-    { .name = NAME, .flags = ELEMENT_SILENT, .begin = emotionml_begin_unused,                                \
-      .quiet = " name value confidence freq samples " }
+    {                                                                                                        \
+        .name = NAME, .flags = ELEMENT_SILENT, .begin = emotionml_begin_unused,                              \
+        .quiet = " name value confidence freq samples "                                                      \
+    }
 #define EMOTIONML_ABOUT(NAME)                                                                                \
     { .name = NAME, .flags = ELEMENT_SILENT, .quiet = " uri role media-type type name " }
 

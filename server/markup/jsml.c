@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* JSML: the Java Speech Markup Language, Sun Microsystems, versions 0.5 (1997) and 0.6 (1999; W3C Note of
- * 5 June 2000), with the emotion elements of E. Akagunduz, "Talking head with expressions" (METU, 2004). Names
- * of elements and attributes are compared without regard to case; a document needs no root. */
+ * 5 June 2000), with the emotion elements of E. Akagunduz, "Talking head with expressions" (METU, 2004).
+ * Names of elements and attributes are compared without regard to case; a document needs no root. */
 #include "server/markup/prosody.h"
 #include "server/markup/styles.h"
 #include <string.h>
@@ -33,7 +33,8 @@ static void begin_voice(struct reader *r, struct tag *tag) {
 }
 
 static void begin_sayas(struct reader *r, struct tag *tag) {
-    const char *class_name = tag_take(tag, "class"), *sub = tag_take(tag, "sub"), *phones = tag_take(tag, "phon");
+    const char *class_name = tag_take(tag, "class"), *sub = tag_take(tag, "sub"),
+               *phones = tag_take(tag, "phon");
     if (!class_name && !sub && !phones)
         score_warn(r->score, tag->at, "missing-attribute", "sayas has a class, sub or phon");
     if (class_name)
@@ -89,14 +90,14 @@ static void begin_marker(struct reader *r, struct tag *tag) {
 static void begin_engine(struct reader *r, struct tag *tag) {
     (void)tag_take(tag, "name");
     (void)tag_take(tag, "data");
-    score_warn(r->score, tag->at, "ignored", "no data is passed to a speech engine: the text is read instead");
+    score_warn(r->score, tag->at, "ignored",
+               "no data is passed to a speech engine: the text is read instead");
 }
 
 /* The thesis's weight is the emotion's share in the face, 0.2 where the element does not say it. */
 static void begin_emotion(struct reader *r, struct tag *tag) {
-    static const char *const affects[][2] = {{"afraid", "fear"},      {"anger", "anger"},
-                                             {"angry", "anger"},      {"disgusted", "disgust"},
-                                             {"happy", "joy"},        {"sad", "sadness"},
+    static const char *const affects[][2] = {{"afraid", "fear"},       {"anger", "anger"}, {"angry", "anger"},
+                                             {"disgusted", "disgust"}, {"happy", "joy"},   {"sad", "sadness"},
                                              {"surprised", "surprise"}};
     const char *weight = tag_take(tag, "weight"), *affect = NULL;
     double share = 0.2;

@@ -65,11 +65,26 @@ const struct markup_kind *markup_by_content_type(const char *type) {
 static const struct {
     const char *root, *kind;
 } roots[] = {
-    {"speak", "ssml"},         {"apml", "apml"},          {"performative", "apml"}, {"turnallocation", "apml"},
-    {"emotionml", "emotionml"}, {"jsml", "jsml"},         {"sent", "jsml"},         {"para", "jsml"},
-    {"div", "jsml"},           {"sayas", "jsml"},         {"emp", "jsml"},          {"pros", "jsml"},
-    {"marker", "jsml"},        {"engine", "jsml"},        {"angry", "jsml"},        {"anger", "jsml"},
-    {"afraid", "jsml"},        {"sad", "jsml"},           {"happy", "jsml"},        {"surprised", "jsml"},
+    {"speak", "ssml"},
+    {"apml", "apml"},
+    {"performative", "apml"},
+    {"turnallocation", "apml"},
+    {"emotionml", "emotionml"},
+    {"jsml", "jsml"},
+    {"sent", "jsml"},
+    {"para", "jsml"},
+    {"div", "jsml"},
+    {"sayas", "jsml"},
+    {"emp", "jsml"},
+    {"pros", "jsml"},
+    {"marker", "jsml"},
+    {"engine", "jsml"},
+    {"angry", "jsml"},
+    {"anger", "jsml"},
+    {"afraid", "jsml"},
+    {"sad", "jsml"},
+    {"happy", "jsml"},
+    {"surprised", "jsml"},
     {"disgusted", "jsml"},
 };
 

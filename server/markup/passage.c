@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/passage.h"
-#include "server/markup/white.h"
 #include "server/base/mem.h"
+#include "server/markup/white.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A passage of marked-up text between two hard boundaries (the ends of paragraphs, of a document...), as it is
- * collected: its text flat, without the tags, and pieces that know where it came from and how it is to be
+/* A passage of marked-up text between two hard boundaries (the ends of paragraphs, of a document...), as it
+ * is collected: its text flat, without the tags, and pieces that know where it came from and how it is to be
  * said. When it is complete it is cut into sentences as plain text is, and goes to the score.
  *
  * Styles and cues hold for whole words. One that begins or ends inside a word is moved outwards, with a
@@ -15,8 +15,8 @@
 /* A piece of the input that is one thing. */
 struct piece {
     enum score_kind kind;
-    bool verbatim; /* its text is input[start..end) */
-    bool atomic;   /* stands for itself: no sentence, no style and no word crosses its ends */
+    bool verbatim;      /* its text is input[start..end) */
+    bool atomic;        /* stands for itself: no sentence, no style and no word crosses its ends */
     size_t flat, bytes; /* its text in the flat text; others: the point where they stand */
     size_t start, end;  /* bytes of the input */
     const char *name;   /* SCORE_MARK, SCORE_AUDIO; belongs to the score */

@@ -210,9 +210,7 @@ static size_t find_item(const struct flush *f, enum where where, size_t key) {
     while (low < high) {
         size_t middle = (low + high) / 2;
         const struct run *r = &f->placed[middle];
-        bool before = where == OF_PIECE     ? r->piece < key
-                      : where == ENDS_AFTER ? r->to <= key
-                                            : r->from < key;
+        bool before = where == OF_PIECE ? r->piece < key : where == ENDS_AFTER ? r->to <= key : r->from < key;
         if (before)
             low = middle + 1;
         else
@@ -230,8 +228,8 @@ static void place_span(struct flush *f, struct span *span) {
             inside = true;
             first = find_item(f, ENDS_AFTER, from);
         } else {
-            first = span->back ? find_item(f, ENDS_AFTER, span->first_flat)
-                               : find_item(f, OF_PIECE, span->first);
+            first =
+                span->back ? find_item(f, ENDS_AFTER, span->first_flat) : find_item(f, OF_PIECE, span->first);
         }
     }
     if (span->ended) {

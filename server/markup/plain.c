@@ -88,11 +88,17 @@ static size_t skip_space(struct cursor c, bool *blank_line) {
     return c.at;
 }
 
+static bool is_letter(char c) {
+    return (c | 32) >= 'a' && (c | 32) <= 'z';
+}
+
 size_t plain_sentence(const char *text, size_t size, const struct markup_rules *rules) {
     struct cursor c = {text, size, 0};
     size_t comma = 0, space = 0, length;
     bool blank_line;
     while (c.at < size) {
+        while (c.at < PLAIN_SENTENCE_BYTES && c.at + 1 < size && is_letter(text[c.at]))
+            c.at++;
         uint32_t cp = look(&c, &length);
         if (is_terminator(cp)) {
             size_t end = sentence_end(c, rules);

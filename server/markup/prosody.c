@@ -7,10 +7,10 @@ static const struct choice rates[] = {{"x-slow", 0.5}, {"slow", 0.75},   {"mediu
                                       {"fast", 1.35},  {"x-fast", 1.75}, {"reset", 1}};
 static const struct choice pitches[] = {{"x-low", 0.7}, {"low", 0.85},   {"medium", 1}, {"default", 1},
                                         {"high", 1.2},  {"x-high", 1.4}, {"reset", 1}};
-static const struct choice ranges[] = {{"x-low", 0.25}, {"low", 0.6},   {"medium", 1}, {"default", 1},
-                                       {"high", 1.5},   {"x-high", 2},  {"reset", 1}};
-static const struct choice volumes[] = {{"silent", 0}, {"x-soft", 0.35}, {"soft", 0.6}, {"medium", 1},
-                                        {"default", 1}, {"loud", 1.4},   {"x-loud", 2}, {"reset", 1}};
+static const struct choice ranges[] = {{"x-low", 0.25}, {"low", 0.6},  {"medium", 1}, {"default", 1},
+                                       {"high", 1.5},   {"x-high", 2}, {"reset", 1}};
+static const struct choice volumes[] = {{"silent", 0},  {"x-soft", 0.35}, {"soft", 0.6}, {"medium", 1},
+                                        {"default", 1}, {"loud", 1.4},    {"x-loud", 2}, {"reset", 1}};
 
 static const struct {
     const struct choice *words;
@@ -38,7 +38,8 @@ static double unit_of(enum prosody_kind kind, const struct prosody_dialect *d, c
     }
 }
 
-static bool apply(enum prosody_kind kind, const struct prosody_dialect *d, const char *value, double *factor) {
+static bool apply(enum prosody_kind kind, const struct prosody_dialect *d, const char *value,
+                  double *factor) {
     struct quantity q;
     const struct choice *word = choice_find(kinds[kind].words, kinds[kind].count, value);
     if (word) {

@@ -13,8 +13,8 @@ struct prosody_dialect {
     double volume; /* the number that means an unchanged volume */
 };
 
-/* What absolute values are related to, since a voice does not tell its own: a pitch between those of women and
- * men, its usual range, and a reader's rate. */
+/* What absolute values are related to, since a voice does not tell its own: a pitch between those of women
+ * and men, its usual range, and a reader's rate. */
 enum { PROSODY_HZ = 150, PROSODY_RANGE_HZ = 60, PROSODY_WPM = 170 };
 
 /* Takes the attribute, where it is there, into the factor. Words and absolute values replace it, percentages,

@@ -1,60 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/reader.h"
 #include "server/markup/white.h"
-#include <stdarg.h>
-#include <stdio.h>
 #include <string.h>
 #include <strings.h>
-
-static size_t find_attribute(const struct tag *tag, const char *name) {
-    for (size_t i = 0; i < tag->count; i++)
-        if (!strcasecmp(tag->attributes[2 * i], name))
-            return i;
-    return tag->count;
-}
-
-const char *tag_take(struct tag *tag, const char *name) {
-    size_t i = find_attribute(tag, name);
-    if (i == tag->count)
-        return NULL;
-    tag->taken |= (uint64_t)1 << i;
-    return tag->attributes[2 * i + 1];
-}
-
-/* Byte of the input where that attribute begins; the tag's when it is not there. */
-static size_t attribute_place(const struct tag *tag, const char *name) {
-    size_t wanted = find_attribute(tag, name);
-    const char *s = tag->r->text + tag->at, *end = s + tag->bytes;
-    if (wanted == tag->count)
-        return tag->at;
-    while (s < end && !is_white(*s))
-        s++;
-    for (size_t i = 0; s < end; i++) {
-        while (s < end && is_white(*s))
-            s++;
-        if (i == wanted)
-            return (size_t)(s - tag->r->text);
-        while (s < end && *s != '"' && *s != '\'')
-            s++;
-        const char *close = s < end ? memchr(s + 1, *s, (size_t)(end - s - 1)) : NULL;
-        s = close ? close + 1 : end;
-    }
-    return tag->at;
-}
-
-void tag_warn(struct tag *tag, const char *name, const char *code, const char *format, ...) {
-    char message[200];
-    va_list args;
-    va_start(args, format);
-    vsnprintf(message, sizeof message, format, args);
-    va_end(args);
-    score_warn(tag->r->score, attribute_place(tag, name), code, "%s", message);
-}
-
-void tag_bad(struct tag *tag, const char *name, const char *why) {
-    const char *value = tag_take(tag, name);
-    tag_warn(tag, name, "bad-value", "%s=\"%.60s\" %s", name, value ? value : "", why);
-}
 
 /* Letters, digits and hyphens (BCP 47). */
 static bool is_language(const char *s) {
@@ -169,11 +117,8 @@ const char *reader_captured(struct reader *r, struct frame *frame) {
 
 void reader_say(struct reader *r, const struct frame *frame, const char *text,
                 const struct score_style *style) {
-    struct piece piece = {.start = frame->inside,
-                          .end = r->end,
-                          .style = style,
-                          .depth = frame->style_depth,
-                          .atomic = true};
+    struct piece piece = {
+        .start = frame->inside, .end = r->end, .style = style, .depth = frame->style_depth, .atomic = true};
     if (*text)
         passage_text(&r->passage, text, strlen(text), piece);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Inside of the markup stage: what the readers of XML vocabularies share. A vocabulary is a table of elements;
- * xml.c walks through the document and calls what the table says. */
+/* Inside of the markup stage: what the readers of XML vocabularies share. A vocabulary is a table of
+ * elements; xml.c walks through the document and calls what the table says. */
 #ifndef FACCIA_MARKUP_READER_H
 #define FACCIA_MARKUP_READER_H
 
@@ -37,8 +37,8 @@ struct element {
 };
 
 struct vocabulary {
-    const char *name, *root;         /* the kind, and its root element */
-    const struct element *elements;  /* sorted by name */
+    const char *name, *root;        /* the kind, and its root element */
+    const struct element *elements; /* sorted by name */
     size_t element_count;
     bool rootless; /* a document may be several elements, and text, without a root */
     void (*common)(struct reader *r, struct tag *tag); /* attributes that any element may have; may be NULL */
@@ -54,11 +54,11 @@ struct frame {
     const struct score_style *kept; /* the same, in the score */
     size_t style_depth;             /* of the element that set it */
     bool silent, whole;
-    bool captures;              /* its text goes to the reader's capture */
-    bool sentence;              /* one that ends with it was begun */
-    const char *value;          /* free for the element's functions; belongs to the score */
-    size_t piece, flushes;      /* of the passage: what comes inside begins here */
-    struct emotion {            /* EmotionML, while an emotion is open */
+    bool captures;         /* its text goes to the reader's capture */
+    bool sentence;         /* one that ends with it was begun */
+    const char *value;     /* free for the element's functions; belongs to the score */
+    size_t piece, flushes; /* of the passage: what comes inside begins here */
+    struct emotion {       /* EmotionML, while an emotion is open */
         double activation, evaluation, intensity;
         bool is_placed; /* on the disc */
         struct score_time duration, delay;
@@ -69,7 +69,7 @@ struct frame {
 struct tag {
     struct reader *r;
     struct frame *frame;
-    size_t at, bytes; /* of the tag in the input */
+    size_t at, bytes;        /* of the tag in the input */
     const char **attributes; /* name, value... */
     size_t count;
     uint64_t taken;
@@ -100,6 +100,10 @@ const char *tag_take(struct tag *tag, const char *name);
 void tag_bad(struct tag *tag, const char *name, const char *why);
 void tag_warn(struct tag *tag, const char *name, const char *code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+
+/* Warn of attributes that were not taken, and of references to entities, which vanish in the parser. */
+void tag_check_attributes(struct tag *tag);
+void tag_check_references(struct tag *tag);
 
 /* The attributes of any vocabulary: xml:lang and its like. */
 void reader_language(struct tag *tag, const char *attribute);

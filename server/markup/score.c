@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/score.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -15,11 +16,14 @@ struct score_block {
     _Alignas(max_align_t) char data[];
 };
 
+enum { BLOCK_MIN = 4096, BLOCK_MAX = 1 << 18 };
+
 static void *keep(struct score *score, size_t size) {
     size = (size + _Alignof(max_align_t) - 1) & ~(_Alignof(max_align_t) - 1);
     struct score_block *block = score->blocks;
     if (!block || block->size - block->used < size) {
-        size_t room = size > 4096 ? size : 4096;
+        size_t room = block && block->size < BLOCK_MAX ? 2 * block->size : BLOCK_MIN;
+        room = size > room ? size : room;
         block = mem_alloc(sizeof *block + room);
         block->size = room;
         block->next = score->blocks;
@@ -97,6 +101,7 @@ void score_warn(struct score *score, size_t at, const char *code, const char *fo
     va_start(args, format);
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
+    utf8_mend(message);
     if (score->warning_count == SCORE_WARNINGS) {
         code = "more-warnings";
         strcpy(message, "there is more that is not acted on");

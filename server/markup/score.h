@@ -37,8 +37,8 @@ struct score_emotion {
  *   telephone, currency, measure, name, address
  *   net:email, net:url */
 struct score_style {
-    const char *lang;   /* BCP 47; NULL = the request's */
-    const char *voice;  /* NULL = the request's; else as written: one name, or several by preference, spaced */
+    const char *lang;  /* BCP 47; NULL = the request's */
+    const char *voice; /* NULL = the request's; else as written: one name, or several by preference, spaced */
     const char *gender; /* of the voice: NULL = any, "male", "female", "neutral" */
     double rate, pitch, range, volume;
     enum score_emphasis emphasis;
@@ -73,8 +73,8 @@ struct score_item {
     const char *text; /* SCORE_TEXT: UTF-8; SCORE_MARK: the name; SCORE_AUDIO: what the author wrote as src */
     bool verbatim;    /* text is exactly input[start..end), so offsets inside it map one to one */
     double seconds;   /* SCORE_BREAK */
-    size_t fallback;  /* SCORE_AUDIO: so many items that follow it, in its sentence, are its alternate content:
-                         left out when the sound is played, spoken when it cannot be */
+    size_t fallback; /* SCORE_AUDIO: so many items that follow it, in its sentence, are its alternate content:
+                        left out when the sound is played, spoken when it cannot be */
     const struct score_style *style; /* never NULL */
 };
 

@@ -5,8 +5,8 @@ static void add_style(const struct score_style *s, struct buf *out) {
     static const char *const levels[] = {"none", "reduced", "weak", "medium", "strong"};
     const struct {
         const char *name, *value;
-    } words[] = {{"lang", s->lang},       {"voice", s->voice},       {"gender", s->gender},
-                 {"say-as", s->say_as},   {"phonemes", s->phonemes}, {"emotion", s->emotion.name}};
+    } words[] = {{"lang", s->lang},     {"voice", s->voice},       {"gender", s->gender},
+                 {"say-as", s->say_as}, {"phonemes", s->phonemes}, {"emotion", s->emotion.name}};
     const struct {
         const char *name;
         double value;

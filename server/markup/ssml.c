@@ -141,7 +141,8 @@ static const struct element elements[] = {
     {.name = "audio",
      .begin = begin_audio,
      .end = end_audio,
-     .ignored = " fetchtimeout fetchhint maxage maxstale clipBegin clipEnd repeatCount repeatDur soundLevel speed "},
+     .ignored =
+         " fetchtimeout fetchhint maxage maxstale clipBegin clipEnd repeatCount repeatDur soundLevel speed "},
     {.name = "break", .begin = begin_break},
     EMOTIONML_CATEGORY,
     {.name = "desc", .flags = ELEMENT_SILENT},
@@ -169,10 +170,13 @@ static const struct element elements[] = {
     {.name = "sub", .begin = begin_sub, .end = style_end_capture},
     {.name = "token", .ignored = " role onlangfailure "},
     EMOTIONML_UNUSED("trace"),
-    {.name = "voice", .begin = begin_voice,
+    {.name = "voice",
+     .begin = begin_voice,
      .ignored = " age variant languages required ordering onvoicefailure "},
     {.name = "w", .ignored = " role onlangfailure "},
 };
 
-const struct vocabulary ssml_vocabulary = {
-    .name = "ssml", .root = "speak", .elements = elements, .element_count = sizeof elements / sizeof *elements};
+const struct vocabulary ssml_vocabulary = {.name = "ssml",
+                                           .root = "speak",
+                                           .elements = elements,
+                                           .element_count = sizeof elements / sizeof *elements};

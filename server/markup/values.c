@@ -49,7 +49,8 @@ bool quantity_read(const char *s, struct quantity *q) {
 }
 
 bool quantity_seconds(const char *text, double unit, double *seconds) {
-    static const struct choice units[] = {{"s", 1}, {"sec", 1}, {"ms", 0.001}, {"msec", 0.001}, {"msecs", 0.001}};
+    static const struct choice units[] = {
+        {"s", 1}, {"sec", 1}, {"ms", 0.001}, {"msec", 0.001}, {"msecs", 0.001}};
     struct quantity q;
     if (!quantity_read(text, &q))
         return false;

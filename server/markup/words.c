@@ -15,8 +15,8 @@ static bool is_word(uint32_t c) {
         return c == 0xAA || c == 0xAD || c == 0xB5 || c == 0xBA;
     if (c == 0xD7 || c == 0xF7)
         return false;
-    return c < 0x2000 || c == 0x2019 || (c >= 0x2C00 && c < 0x2E00) || (c >= 0xA640 && c < 0xAC00 && c > 0xA63F) ||
-           (c >= 0x10000 && c < 0x1F000);
+    return c < 0x2000 || c == 0x2019 || (c >= 0x2C00 && c < 0x2E00) ||
+           (c >= 0xA640 && c < 0xAC00 && c > 0xA63F) || (c >= 0x10000 && c < 0x1F000);
 }
 
 static bool is_apostrophe(uint32_t c) {

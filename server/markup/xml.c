@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The walk through an XML document. No DTD is read and no entity is expanded but the five that XML defines:
  * the parser never sees the prolog (detect.c passes over it), so nothing can be declared. */
+#include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include "server/markup/detect.h"
 #include "server/markup/reader.h"
-#include "server/base/mem.h"
 #include <expat.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -66,47 +67,10 @@ static bool same_style(const struct score_style *a, const struct score_style *b)
            a->emphasis == b->emphasis && same(a->say_as, b->say_as) && same(a->phonemes, b->phonemes);
 }
 
-/* Entity references in attributes vanish in the parser. */
-static void check_references(struct walk *w, size_t at, size_t bytes) {
-    static const char *const known[] = {"&lt;", "&gt;", "&amp;", "&quot;", "&apos;", "&#"};
-    const char *s = w->reader.text + at, *end = s + bytes;
-    while ((s = memchr(s, '&', (size_t)(end - s)))) {
-        bool found = false;
-        for (size_t i = 0; i < sizeof known / sizeof *known && !found; i++)
-            found = !strncmp(s, known[i], strlen(known[i]));
-        if (!found)
-            score_warn(w->reader.score, (size_t)(s - w->reader.text), "entity",
-                       "entities are not expanded: nothing is read here");
-        s++;
-    }
-}
-
 static void take_common(struct reader *r, struct tag *tag) {
     reader_language(tag, "xml:lang");
     if (r->vocabulary->common)
         r->vocabulary->common(r, tag);
-}
-
-static bool listed(const char *list, const char *name) {
-    size_t length = strlen(name);
-    for (const char *at = list; at && (at = strcasestr(at, name)); at += length)
-        if (at > list && at[-1] == ' ' && at[length] == ' ')
-            return true;
-    return false;
-}
-
-static void check_attributes(struct tag *tag) {
-    static const char quiet[] = " xmlns xml:id xml:space id version xsi:schemaLocation ";
-    const struct element *element = tag->frame->element;
-    for (size_t i = 0; i < tag->count; i++) {
-        const char *name = tag->attributes[2 * i];
-        if (tag->taken >> i & 1 || listed(quiet, name) || listed(element->quiet, name) ||
-            !strncmp(name, "xmlns:", 6))
-            continue;
-        bool known = listed(element->ignored, name);
-        tag_warn(tag, name, known ? "ignored" : "unknown-attribute",
-                 known ? "the attribute '%.40s' is not acted on" : "no attribute '%.40s' is known here", name);
-    }
 }
 
 static void begin_known(struct reader *r, struct frame *frame, struct tag *tag) {
@@ -116,7 +80,7 @@ static void begin_known(struct reader *r, struct frame *frame, struct tag *tag) 
     take_common(r, tag);
     if (element->begin)
         element->begin(r, tag);
-    check_attributes(tag);
+    tag_check_attributes(tag);
     if (same_style(&frame->style, outer))
         return;
     frame->kept = score_keep_style(r->score, &frame->style);
@@ -152,12 +116,11 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
                             .piece = r->passage.piece_count};
     if (frame->silent)
         return;
-    if (memchr(r->text + tag.at, '&', tag.bytes))
-        check_references(w, tag.at, tag.bytes);
+    tag_check_references(&tag);
     frame->element = find_element(r->vocabulary, name);
     if (!frame->element) {
-        score_warn(r->score, tag.at, "unknown-element", "no element '%.40s' is known: its text is read as it is",
-                   name);
+        score_warn(r->score, tag.at, "unknown-element",
+                   "no element '%.40s' is known: its text is read as it is", name);
         return;
     }
     frame->silent = frame->element->flags & ELEMENT_SILENT;
@@ -209,8 +172,8 @@ static void on_entity(void *ctx, const XML_Char *name, int is_parameter) {
     struct walk *w = ctx;
     (void)is_parameter;
     if (!w->failed && !w->reader.frames[w->reader.depth].silent)
-        score_warn(w->reader.score, here(w), "entity", "the entity '%.40s' is not expanded: nothing is read here",
-                   name);
+        score_warn(w->reader.score, here(w), "entity",
+                   "the entity '%.40s' is not expanded: nothing is read here", name);
 }
 
 static void on_instruction(void *ctx, const XML_Char *target, const XML_Char *data) {
@@ -232,6 +195,7 @@ static void explain(struct walk *w) {
         snprintf(message, sizeof message, "the element '%.*s' of line %zu is not closed",
                  (int)(length < 40 ? length : 40), r->text + open + 1, line);
     }
+    utf8_mend(message);
     place_error(w, "bad-xml", here(w), message);
 }
 
@@ -280,8 +244,11 @@ static int compare_warnings(const void *a, const void *b) {
 
 /* What was found late, at the end of an element or of a sentence, goes where it belongs. */
 static void sort(struct score *score) {
-    size_t warnings = score->warning_count - (score->warning_count == SCORE_WARNINGS);
-    if (score->cue_count)
+    size_t warnings = score->warning_count - (score->warning_count == SCORE_WARNINGS), in_order = 1;
+    while (in_order < score->cue_count &&
+           compare_cues(&score->cues[in_order - 1], &score->cues[in_order]) <= 0)
+        in_order++;
+    if (in_order < score->cue_count)
         qsort(score->cues, score->cue_count, sizeof *score->cues, compare_cues);
     if (warnings)
         qsort(score->warnings, warnings, sizeof *score->warnings, compare_warnings);
@@ -316,7 +283,8 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
         score_warn(score, prolog.instruction, "ignored", "processing instructions are not acted on");
     struct walk *w = mem_alloc(sizeof *w);
     struct reader *r = &w->reader;
-    *r = (struct reader){.score = score, .text = text, .size = size, .rules = rules, .vocabulary = vocabulary};
+    *r =
+        (struct reader){.score = score, .text = text, .size = size, .rules = rules, .vocabulary = vocabulary};
     r->passage = (struct passage){.score = score, .text = text, .rules = rules};
     r->frames[0] = (struct frame){.style = score_plain_style, .kept = &score_plain_style};
     w->error = e;

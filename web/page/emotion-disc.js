@@ -11,7 +11,7 @@ const LEAST = 0.005; // an intensity below is none
 /**
  * Lays the affects out. Their true angle is that of (evaluation, activation), but some basic emotions nearly share it:
  * so the basic ones are put at equal distances in the order of their angles, and what lies between two of them stays
- * between them.
+ * between them. The others lie inside, in the order of how far they are from neutral.
  * @param {Affect[]} affects
  * @returns {(Affect & {angle: number, radius: number})[]} angle: radians, counterclockwise from the right; radius 0..1
  */
@@ -21,7 +21,8 @@ export function layOut(affects) {
   if (!basics.length) return [];
   const first = angle(basics[0]);
   const step = TURN / basics.length;
-  const far = Math.max(...affects.map((a) => Math.hypot(a.activation, a.evaluation))) || 1;
+  const size = (a) => Math.hypot(a.activation, a.evaluation);
+  const others = affects.filter((a) => !a.basic).sort((a, b) => size(a) - size(b));
   return affects.map((affect) => {
     const own = basics.indexOf(affect);
     if (own >= 0) return { ...affect, angle: turn(first + own * step), radius: 1 };
@@ -31,7 +32,7 @@ export function layOut(affects) {
     while (i > 0 && starts[i] > from) i--;
     const length = (starts[i + 1] ?? TURN) - starts[i];
     const share = length ? (from - starts[i]) / length : 0;
-    const radius = 0.25 + 0.6 * (Math.hypot(affect.activation, affect.evaluation) / far);
+    const radius = 0.35 + 0.48 * (others.indexOf(affect) / Math.max(1, others.length - 1));
     return { ...affect, angle: turn(first + (i + share) * step), radius };
   });
 }
