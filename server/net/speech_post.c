@@ -167,6 +167,8 @@ int speech_post(struct exchange *x) {
     struct post *p = mem_alloc(sizeof *p);
     p->x = x;
     p->markup = markup;
-    exchange_set_work(x, (struct exchange_work){on_body, on_body_end, on_sent, on_free, p});
+    exchange_set_work(
+        x, (struct exchange_work){
+               .body = on_body, .body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
     return 0;
 }
