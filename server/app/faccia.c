@@ -16,7 +16,8 @@ static const char usage[] = "Usage: faccia COMMAND [ARGUMENT]...\n"
                             "  anova    analyse the results of such a test\n"
                             "  fit      make a speech pack from recordings of a speaker\n"
                             "\n"
-                            "'faccia COMMAND --help' tells more. The daemon is facciad.\n";
+                            "'faccia COMMAND --help' tells more. The daemon is facciad. The environment variable\n"
+                            "FACCIA_VOICE_CONFIG may name a file with what the voice plugins are told.\n";
 
 static const struct {
     const char *name;

@@ -3,6 +3,7 @@
 #include "server/base/log.h"
 #include "server/base/paths.h"
 #include "server/net/net.h"
+#include "server/voice/config.h"
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -40,6 +41,7 @@ static const char usage[] =
     "      --models DIR          heads and language packs\n"
     "      --web DIR             the page and its scripts\n"
     "      --plugins DIR         voice plugins\n"
+    "      --voice-config FILE   what the voice plugins are told, JSON (server/plugins/README.md)\n"
     "  -h, --help                print this and exit\n"
     "      --version             print the version and exit\n";
 
@@ -73,6 +75,7 @@ static void parse(int argc, char **argv, struct daemon_options *o, struct paths 
         MODELS,
         WEB,
         PLUGINS,
+        VOICE_CONFIG,
         VERSION
     };
     static const struct option options[] = {
@@ -88,6 +91,7 @@ static void parse(int argc, char **argv, struct daemon_options *o, struct paths 
         {"models", 1, NULL, MODELS},
         {"web", 1, NULL, WEB},
         {"plugins", 1, NULL, PLUGINS},
+        {"voice-config", 1, NULL, VOICE_CONFIG},
         {"help", 0, NULL, 'h'},
         {"version", 0, NULL, VERSION},
         {0},
@@ -130,6 +134,9 @@ static void parse(int argc, char **argv, struct daemon_options *o, struct paths 
             break;
         case PLUGINS:
             replace(&paths->plugins, optarg);
+            break;
+        case VOICE_CONFIG:
+            replace(&paths->voice_config, optarg);
             break;
         case 'h':
             fputs(usage, stdout);
@@ -189,7 +196,13 @@ static int start(struct daemon *d, const struct daemon_options *o, struct error 
     d->net = net_open(&d->studio, &o->net, e);
     if (!d->net)
         return -1;
-    d->studio.voices = voice_pool_open(&d->loop, &o->voices, on_ready, d, e);
+    struct voice_pool_options voices = o->voices;
+    char *config = *d->paths.voice_config ? voice_config_read(d->paths.voice_config, e) : NULL;
+    if (*d->paths.voice_config && !config)
+        return -1;
+    voices.config = config;
+    d->studio.voices = voice_pool_open(&d->loop, &voices, on_ready, d, e);
+    free(config);
     if (!d->studio.voices)
         return -1;
     for (int i = 0; i < 2; i++) {

@@ -57,7 +57,7 @@ int fe_voices_load(struct fe_voices *voices, const char *path, const char *datad
         return 0;
     snprintf(message, cap, "none of Festival's voices is installed under %s (Debian: festvox-italp16k)",
              datadir);
-    return -1;
+    return 1;
 }
 
 void fe_voices_free(struct fe_voices *voices) {

@@ -33,7 +33,8 @@ struct fe_voices {
     json_t *root;           /* owns all of it */
 };
 
-/* Reads the table. datadir is Festival's. -1 with a sentence in message. */
+/* Reads the table. datadir is Festival's. With a sentence in message: 1 when none of its
+ * voices is installed, -1 when the table is wrong. */
 int fe_voices_load(struct fe_voices *voices, const char *path, const char *datadir, char *message,
                    size_t cap);
 void fe_voices_free(struct fe_voices *voices);
