@@ -212,20 +212,23 @@ static int fe_open(const char *text, void **out, char *message, size_t cap) {
     const char *program = setting(config, "program", "festival");
     struct festival *self = mem_alloc(sizeof *self);
     char *table = beside("festival.json");
-    int result = 1;                 /* nothing to run here */
+    int result = -1;
     setlocale(LC_CTYPE, "C.UTF-8"); /* for transliteration */
     self->script = beside("festival.scm");
     self->program = find_program(program);
-    if (!self->program)
-        snprintf(message, cap, "the program \"%s\" is not installed (Debian: festival)", program);
-    else if (!(result = fe_voices_load(&self->voices, setting(config, "table", table),
-                                       setting(config, "datadir", "/usr/share/festival"), message, cap)) &&
-             (result = fe_child_open(&self->child, self->program, self->script)) < 0)
+    if (fe_child_open(&self->child, self->program, self->script) < 0) {
         snprintf(message, cap, "no event descriptor is left");
+    } else if (!self->program) {
+        snprintf(message, cap, "the program \"%s\" is not installed (Debian: festival)", program);
+        result = 1;
+    } else {
+        result = fe_voices_load(&self->voices, setting(config, "table", table),
+                                setting(config, "datadir", "/usr/share/festival"), message, cap);
+    }
     free(table);
     json_decref(config);
     *out = self;
-    if (result < 0)
+    if (result)
         fe_close(self);
     return result;
 }
