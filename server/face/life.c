@@ -101,8 +101,11 @@ static void add(void *self, double t, double faps[FAP_COUNT + 1]) {
     faps[62] += fade * BREATH_NOSTRILS * breath;
 }
 
-struct face_layer life_layer(uint64_t seed, double begin) {
+struct face_layer life_layer(const struct face_options *options, const struct utterance *u,
+                             struct life_influence influence) {
+    (void)u;
+    (void)influence;
     struct life *life = mem_alloc(sizeof *life);
-    *life = (struct life){seed, begin};
+    *life = (struct life){options->seed, options->begin};
     return (struct face_layer){add, free, life};
 }

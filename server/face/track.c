@@ -38,7 +38,7 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct u
     visemes_from(&gestures, &track->visemes);
     gestures_free(&gestures);
     if (!options->still)
-        face_track_add(track, life_layer(options->seed, options->begin));
+        face_track_add(track, life_layer(options, u, (struct life_influence){0}));
     return track;
 }
 

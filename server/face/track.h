@@ -5,6 +5,7 @@
 #define FACCIA_FACE_TRACK_H
 
 #include "protocol/fap.h"
+#include "server/expression/expressions.h"
 #include "server/face/speech.h"
 #include "server/voice/utterance.h"
 
@@ -16,12 +17,22 @@ struct face_layer {
     void *self;
 };
 
+/* How expressions share the mouth with speech. */
+enum face_blend {
+    BLEND_REGIONS,  /* the upper face is free, the mouth gets a limited offset */
+    BLEND_WEIGHTED, /* E. Akagunduz 2004, eq. 5.1 to 5.4: weights omega and rho over the whole face */
+};
+
 struct face_options {
     const char
         *engine;   /* NULL = the default one, which also stands in for one that does not speak the pack */
-    bool still;    /* lips only: no life layer */
+    bool still;    /* lips only: no life, no expressions */
+    double life;   /* strength of the life layer, 0..2; 1 = as people are */
     uint64_t seed; /* of the life layer: the same seed gives the same track */
     double begin;  /* time of this utterance's start on the life layer's clock, s */
+    enum face_blend blend;
+    const struct expressions *expressions; /* borrowed, must outlive the track; NULL = cues are not shown */
+    const struct mood *mood;               /* borrowed, may change while the track is used; NULL = neutral */
 };
 
 struct face_track;
@@ -32,6 +43,10 @@ struct face_track;
 struct face_track *face_track_new(const struct speech_pack *pack, const struct utterance *u,
                                   const struct face_options *options,
                                   void (*warn)(void *ctx, const char *message), void *ctx);
+
+/* The face while nobody speaks: life and mood only, without an end. Times are on the life layer's clock. */
+struct face_track *face_track_idle(const struct face_options *options);
+
 void face_track_free(struct face_track *track);
 
 /* Adds a layer; the track owns it. */

@@ -12,15 +12,15 @@ enum score_kind {
     SCORE_TEXT,  /* text to be spoken in one style */
     SCORE_BREAK, /* a pause of `seconds` */
     SCORE_MARK,  /* a name to be reported when it is reached */
+    SCORE_AUDIO, /* a sound file to be heard here */
 };
 
 enum score_emphasis { EMPHASIS_NONE, EMPHASIS_REDUCED, EMPHASIS_WEAK, EMPHASIS_MEDIUM, EMPHASIS_STRONG };
 
-/* Emotion over a stretch of text; envelope times in seconds, intensity and weight 0..1. */
+/* An emotion that the voice itself may know how to play (FACCIA_VOICE_EMOTION). */
 struct score_emotion {
-    const char *name; /* an entry of the expressions file; NULL = neutral */
-    double intensity, weight;
-    double delay, onset, offset;
+    const char *name; /* an affect of the expressions file; NULL = neutral */
+    double intensity; /* 0..1 */
 };
 
 /* How a stretch is to be said. Factors multiply the voice's own value; 1 = unchanged. */
@@ -34,12 +34,32 @@ struct score_style {
     struct score_emotion emotion;
 };
 
+/* What is to be shown, and heard in the voice, over a stretch: an affect, a performative, an emphasis... The
+ * expressions file (models/expressions.json) tells how each looks and sounds. */
+struct score_cue {
+    const char *kind;   /* "affect", "performative", "certainty", "meta-cognitive", "belief-relation", "turn",
+                           "emphasis", "pitch-accent", "boundary", "deictic", "adjectival" */
+    const char *name;   /* "joy", "warn", "LplusHstar"...: as the author wrote it, in lower case */
+    size_t first, last; /* items [first, last); first == last: at the point before item first */
+    size_t at;          /* byte of the input where the author asked for it */
+    double intensity;   /* 0..1 */
+    double
+        weight; /* the face's share in the mouth (omega of the Turkish thesis), 0..1; negative = not given */
+    /* Its time: begins delay after the stretch, rises for onset, lasts duration in all, falls for offset at
+     * its end. Delay and duration are seconds + share * (length of the stretch). Seconds are >= 0; an onset
+     * or offset that is negative = not given: the expression's own. */
+    struct score_time {
+        double seconds, share;
+    } delay, duration;
+    double onset, offset; /* s */
+};
+
 struct score_item {
     enum score_kind kind;
     size_t start, end; /* bytes of the input */
-    const char *text;  /* SCORE_TEXT: UTF-8; SCORE_MARK: the name */
-    bool verbatim;     /* text is exactly input[start..end), so offsets inside it map one to one */
-    double seconds;    /* SCORE_BREAK */
+    const char *text; /* SCORE_TEXT: UTF-8; SCORE_MARK: the name; SCORE_AUDIO: what the author wrote as src */
+    bool verbatim;    /* text is exactly input[start..end), so offsets inside it map one to one */
+    double seconds;   /* SCORE_BREAK */
     const struct score_style *style; /* never NULL */
 };
 
@@ -54,7 +74,9 @@ struct score {
     size_t item_count, item_cap;
     struct score_sentence *sentences;
     size_t sentence_count, sentence_cap;
-    struct error *warnings; /* what was not acted on, with its place */
+    struct score_cue *cues; /* in the order of their beginnings; they may overlap and nest */
+    size_t cue_count, cue_cap;
+    struct error *warnings; /* what was not acted on, with its line and column */
     size_t warning_count, warning_cap;
     struct score_block *blocks; /* owns strings and styles */
 };
@@ -70,6 +92,15 @@ const char *score_strndup(struct score *score, const char *s, size_t n);
 const struct score_style *score_keep_style(struct score *score, const struct score_style *style);
 
 struct score_item *score_add(struct score *score, enum score_kind kind, size_t start, size_t end);
+
+/* A cue with intensity 1, the whole stretch for its time, and nothing else given. */
+struct score_cue *score_add_cue(struct score *score, const char *kind, const char *name, size_t at);
+
+/* What stands at that byte of the input is not acted on (or not as it was meant). At most
+ * SCORE_WARNINGS are kept; the last then says that there were more. */
+enum { SCORE_WARNINGS = 1000 };
+void score_warn(struct score *score, size_t at, const char *code, const char *format, ...)
+    __attribute__((format(printf, 4, 5)));
 
 /* Closes the sentence that began after the last closed one. Does nothing when it has no items. */
 void score_end_sentence(struct score *score);

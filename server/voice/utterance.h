@@ -3,6 +3,7 @@
 #ifndef FACCIA_VOICE_UTTERANCE_H
 #define FACCIA_VOICE_UTTERANCE_H
 
+#include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -28,6 +29,17 @@ struct mark {
     uint32_t at; /* sample */
 };
 
+/* A cue of the score (struct score_cue) with its time in this sentence. One that covers several sentences is
+ * in each; then it is not to fade in or out between them. */
+struct cue {
+    char *kind, *name;
+    uint32_t start, end;      /* samples: first word's start to last word's end; start == end: a point */
+    double intensity, weight; /* as in score_cue */
+    double delay, duration;   /* s, from start; duration of the part in this sentence */
+    double onset, offset;     /* s; negative = the expression's own */
+    bool began_before, goes_on;
+};
+
 struct utterance {
     uint32_t sample_rate; /* Hz */
     int16_t *pcm;         /* mono */
@@ -38,6 +50,8 @@ struct utterance {
     size_t word_count;
     struct mark *marks;
     size_t mark_count;
+    struct cue *cues;
+    size_t cue_count;
     char **warnings; /* what the voice could not do */
     size_t warning_count;
     char lang[16];   /* BCP 47 of the voice */

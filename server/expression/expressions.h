@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The expressions file, models/expressions.json: how affects, performatives, accents and the other cues of a
+ * score look and sound. Immutable once loaded. */
+#ifndef FACCIA_EXPRESSION_EXPRESSIONS_H
+#define FACCIA_EXPRESSION_EXPRESSIONS_H
+
+#include "server/base/error.h"
+#include "server/markup/score.h"
+#include <stdbool.h>
+#include <stddef.h>
+
+struct expressions;
+
+/* One entry, as lists show it. */
+struct expression_info {
+    const char *kind, *name;
+    double activation, evaluation; /* -1..1, place on the emotion disc; only of kind "affect" */
+    bool basic;                    /* one of the six basic emotions */
+};
+
+/* NULL with *e (field = JSON path) when the file is not as it must be. */
+struct expressions *expressions_load(const char *path, struct error *e);
+void expressions_free(struct expressions *expressions);
+
+size_t expressions_count(const struct expressions *expressions);
+struct expression_info expressions_info(const struct expressions *expressions, size_t index);
+
+/* Index of the entry that a cue means, also by an alias ("worried", "angry"); -1 when there is none. */
+int expressions_find(const struct expressions *expressions, const char *kind, const char *name);
+
+/* The voice's part: multiplies the styles of the items under each cue by the expression's factors for rate,
+ * pitch, range and volume at its intensity, and names the affect in style.emotion. A cue that the file does
+ * not know is removed with a warning at its place. */
+void expressions_direct(const struct expressions *expressions, struct score *score);
+
+/* A mixture of affects that somebody sets from outside (an emotion disc) and that holds until it is set anew.
+ * It changes smoothly: `ease` seconds from what is shown to what is asked. Times are the life layer's clock.
+ */
+enum { MOOD_MIX = 4 };
+struct mood;
+struct mood *mood_new(const struct expressions *expressions);
+void mood_free(struct mood *mood);
+/* names[i] with intensities[i] 0..1, count <= MOOD_MIX, from time `at` on. -1 with *e ("unknown-expression",
+ * field "mix.I.name"). */
+int mood_set(struct mood *mood, const char *const *names, const double *intensities, size_t count, double at,
+             double ease, struct error *e);
+
+/* How the expressions at a moment change the signs of life; all 1 when neutral. */
+struct liveliness {
+    double blink_rate, blink_length; /* factors */
+    double motion;                   /* factor of head motion */
+};
+
+#endif
