@@ -106,10 +106,7 @@ static bool spells(const char *say_as) {
 static void add_text(struct speaking *s, uint32_t index) {
     const struct faccia_span *span = &s->sentence->spans[index];
     const char *own = s->piece.voice->info.lang;
-    bool known;
-    struct fe_prosody prosody = fe_prosody_of(&s->self->voices, s->piece.voice, span, &known);
-    if (!known)
-        warn(s, "this voice has no prosody for the emotion \"%.60s\"", span->emotion);
+    const struct fe_prosody prosody = fe_prosody_of(s->piece.voice, span);
     if (span->phones)
         warn(s, "Festival reads the text instead of the given phones%s", "");
     if (span->say_as && !spells(span->say_as))
@@ -240,7 +237,7 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
     .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_RATE | FACCIA_VOICE_PITCH | FACCIA_VOICE_RANGE |
-                    FACCIA_VOICE_VOLUME | FACCIA_VOICE_EMOTION,
+                    FACCIA_VOICE_VOLUME,
     .open = fe_open,
     .list = fe_list,
     .speak = fe_speak,

@@ -16,14 +16,7 @@ static double between(double low, double x, double high) {
     return x < low ? low : x > high ? high : x;
 }
 
-static double factor(const json_t *emotion, const char *key, double intensity) {
-    const json_t *value = json_object_get(emotion, key);
-    return json_is_number(value) && json_number_value(value) > 0 ? pow(json_number_value(value), intensity)
-                                                                 : 1;
-}
-
-struct fe_prosody fe_prosody_of(const struct fe_voices *voices, const struct fe_voice *voice,
-                                const struct faccia_span *span, bool *known) {
+struct fe_prosody fe_prosody_of(const struct fe_voice *voice, const struct faccia_span *span) {
     /* rate, pitch, range, volume for each level: none, reduced, weak, medium, strong */
     static const double levels[][4] = {
         {1, 1, 1, 1}, {1.1, 0.95, 0.8, 0.85}, {1, 1, 1, 1}, {0.92, 1.08, 1.2, 1.15}, {0.85, 1.15, 1.4, 1.3}};
@@ -34,15 +27,6 @@ struct fe_prosody fe_prosody_of(const struct fe_voices *voices, const struct fe_
         .range = (span->range >= 0 ? span->range : 1) * level[2],
         .volume = (span->volume >= 0 ? span->volume : 1) * level[3],
     };
-    const json_t *emotion = span->emotion ? json_object_get(voices->emotions, span->emotion) : NULL;
-    double intensity = between(0, span->intensity, 1);
-    *known = !span->emotion || emotion;
-    if (emotion) {
-        rate *= factor(emotion, "rate", intensity);
-        p.pitch *= factor(emotion, "pitch", intensity);
-        p.range *= factor(emotion, "range", intensity);
-        p.volume *= factor(emotion, "volume", intensity);
-    }
     p.stretch = between(STRETCH_MIN, rate > 0 ? 1 / rate : 1, STRETCH_MAX);
     p.pitch = between(FACTOR_MIN, p.pitch, FACTOR_MAX);
     p.range = between(0.01, p.range, FACTOR_MAX);

@@ -13,9 +13,8 @@ struct fe_prosody {
     double volume;  /* of the samples */
 };
 
-/* Emphasis and emotion are mapped to the same four. known is false when the table has no such emotion. */
-struct fe_prosody fe_prosody_of(const struct fe_voices *voices, const struct fe_voice *voice,
-                                const struct faccia_span *span, bool *known);
+/* Emphasis is mapped to the same four. Emotions come as factors already; Festival has no tables for them. */
+struct fe_prosody fe_prosody_of(const struct fe_voice *voice, const struct faccia_span *span);
 
 /* Multiplies the samples [from, to) by gain times a volume, which moves there from *now within some ms; what
  * would not fit 16 bits is bent. */

@@ -32,7 +32,7 @@ static int read_voice(json_t *object, const json_t *languages, struct fe_voice *
 int fe_voices_load(struct fe_voices *voices, const char *path, const char *datadir, char *message,
                    size_t cap) {
     json_error_t why;
-    json_t *languages, *list, *emotions, *object;
+    json_t *languages, *list, *object;
     size_t i;
     *voices = (struct fe_voices){.root = json_load_file(path, 0, &why)};
     if (!voices->root || json_unpack_ex(voices->root, &why, JSON_STRICT, "{s:o s:o s:o}", "languages",
@@ -40,7 +40,6 @@ int fe_voices_load(struct fe_voices *voices, const char *path, const char *datad
         snprintf(message, cap, "%s: line %d: %s", path, why.line, why.text);
         return -1;
     }
-    voices->emotions = emotions;
     json_array_foreach(list, i, object) {
         struct fe_voice v = {.units = 1};
         const char *data = "";

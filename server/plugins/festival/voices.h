@@ -29,8 +29,7 @@ struct fe_voice {
 struct fe_voices {
     struct fe_voice list[FE_VOICES_MAX]; /* those that are installed */
     size_t count;
-    const json_t *emotions; /* name -> {"rate", "pitch", "range", "volume"}: factors at full intensity */
-    json_t *root;           /* owns all of it */
+    json_t *root; /* owns all of it */
 };
 
 /* Reads the table. datadir is Festival's. With a sentence in message: 1 when none of its
