@@ -35,8 +35,8 @@ int fe_voices_load(struct fe_voices *voices, const char *path, const char *datad
     json_t *languages, *list, *object;
     size_t i;
     *voices = (struct fe_voices){.root = json_load_file(path, 0, &why)};
-    if (!voices->root || json_unpack_ex(voices->root, &why, JSON_STRICT, "{s:o s:o s:o}", "languages",
-                                        &languages, "emotions", &emotions, "voices", &list)) {
+    if (!voices->root || json_unpack_ex(voices->root, &why, JSON_STRICT, "{s:o s:o}", "languages", &languages,
+                                        "voices", &list)) {
         snprintf(message, cap, "%s: line %d: %s", path, why.line, why.text);
         return -1;
     }
