@@ -54,8 +54,35 @@ static void add_frames(struct cm_sound *sound, size_t *cap, const short *frames,
     }
 }
 
-int cm_sound_read(struct cm_sound *sound, const void *data, size_t size, uint32_t raw, char *message,
-                  size_t cap) {
+static uint32_t get_u32(const uint8_t *at) {
+    return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
+}
+
+static void put_u32(uint8_t *at, size_t value) {
+    for (int i = 0; i < 4; i++)
+        at[i] = (uint8_t)(value >> 8 * i);
+}
+
+/* A program that writes WAV to a pipe cannot go back to write its length, and says 0: then it is the rest. */
+static void mend_length(uint8_t *data, size_t size) {
+    if (size < 12 || memcmp(data, "RIFF", 4) != 0 || memcmp(data + 8, "WAVE", 4) != 0)
+        return;
+    for (size_t at = 12; size - at > 8;) {
+        size_t length = get_u32(data + at + 4);
+        if (!memcmp(data + at, "data", 4) && length == 0) {
+            put_u32(data + at + 4, size - at - 8);
+            put_u32(data + 4, size - 8);
+            return;
+        }
+        if (length > size - at - 8)
+            return;
+        at += 8 + length + length % 2;
+        if (at > size)
+            return;
+    }
+}
+
+int cm_sound_read(struct cm_sound *sound, void *data, size_t size, uint32_t raw, char *message, size_t cap) {
     struct memory memory = {data, (sf_count_t)size, 0};
     SF_VIRTUAL_IO io = {get_size, seek, get, put, tell};
     SF_INFO info = {0};
@@ -68,6 +95,7 @@ int cm_sound_read(struct cm_sound *sound, const void *data, size_t size, uint32_
         memcpy(sound->samples, data, sound->count * sizeof *sound->samples);
         return 0;
     }
+    mend_length(data, size);
     SNDFILE *file = size ? sf_open_virtual(&io, SFM_READ, &info, &memory) : NULL;
     if (!file || info.channels < 1 || info.channels > CHANNELS_MAX) {
         snprintf(message, cap, "wrote no sound (%zu bytes): %s", size,

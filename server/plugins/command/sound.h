@@ -13,8 +13,7 @@ struct cm_sound {
 };
 
 /* From a file's bytes. raw: they are samples of that rate without a header; 0 = a sound file. -1 with a
- * sentence in message. Free sound->samples. */
-int cm_sound_read(struct cm_sound *sound, const void *data, size_t size, uint32_t raw, char *message,
-                  size_t cap);
+ * sentence in message. Free sound->samples. A WAV header without a length is mended in data. */
+int cm_sound_read(struct cm_sound *sound, void *data, size_t size, uint32_t raw, char *message, size_t cap);
 
 #endif
