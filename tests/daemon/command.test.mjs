@@ -147,13 +147,15 @@ for (const [text, message] of [['{', /bad\.json/], ['[]', /wanted is an object w
     assert.equal(status, 1);
   });
 
-test('a stop ends the program and what it has started', async () => {
+test('a stop ends the program and what it has started', async (t) => {
   const pids = path.join(folder, 'pids');
   const waits = script('waits', `sleep 1000 & echo $! $$ >${pids}; wait`);
   const daemon = await Daemon.start(['--voice-config', configure({ id: 'w', argv: [waits, '{text}'] }).FACCIA_VOICE_CONFIG]);
+  t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
   const stream = await daemon.stream();
   stream.send({ type: 'speak', lang: 'it', voice: 'command:w', id: 'w', text: 'Ciao.' });
-  while (!fs.existsSync(pids) || !fs.readFileSync(pids, 'utf8').includes('\n')) await new Promise((resolve) => setTimeout(resolve, 10));
+  const written = Date.now() + 20000;
+  while ((!fs.existsSync(pids) || !fs.readFileSync(pids, 'utf8').includes('\n')) && Date.now() < written) await new Promise((resolve) => setTimeout(resolve, 10));
   stream.send({ type: 'stop' });
   await stream.wait({ type: 'end', id: 'w', reason: 'stopped' });
   const runs = (pid) => {

@@ -133,8 +133,9 @@ process.stdin.on('end', () => child.stdin.end());
 };
 
 for (const [what, code] of [['dies', 'voice-failed'], ['hangs', 'voice-timeout']])
-  test(`a Festival that ${what} costs one sentence`, async () => {
+  test(`a Festival that ${what} costs one sentence`, async (t) => {
     const daemon = await Daemon.start(['--voice-config', faulty(what)]);
+    t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
     const stream = await daemon.stream();
     stream.send({ type: 'speak', lang: 'it', voice: 'festival:lp', id: 'x', text: 'Una frase.\n\nCade adesso.\n\nPoi si continua.' });
     const error = await stream.wait({ type: 'error', id: 'x' }, { milliseconds: 40000 });
@@ -145,8 +146,9 @@ for (const [what, code] of [['dies', 'voice-failed'], ['hangs', 'voice-timeout']
     assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
   });
 
-test('a Festival that was killed while idle is not missed, and a stop reaches it', async () => {
+test('a Festival that was killed while idle is not missed, and a stop reaches it', async (t) => {
   const daemon = await Daemon.start();
+  t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
   const stream = await daemon.stream();
   const speak = (id, text) => stream.send({ type: 'speak', lang: 'it', voice: 'festival:lp', id, text });
   speak('a', 'Una frase.');
@@ -170,10 +172,11 @@ test('a Festival that was killed while idle is not missed, and a stop reaches it
   assert.deepEqual(festivals(daemon.process.pid), []);
 });
 
-test('without Festival the daemon says so and serves', async () => {
+test('without Festival the daemon says so and serves', async (t) => {
   const config = path.join(folder, 'none.json');
   fs.writeFileSync(config, JSON.stringify({ festival: { program: '/nowhere/festival' } }));
   const daemon = await Daemon.start(['--voice-config', config]);
+  t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
   await daemon.logged(/the voice festival is not there: the program "\/nowhere\/festival" is not installed/);
   const { voices } = await (await daemon.get('/v1/voices')).json();
   assert.ok(voices.length && voices.every((v) => v.plugin !== 'festival'));

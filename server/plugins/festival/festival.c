@@ -59,9 +59,9 @@ static enum outcome speak_tokens(struct speaking *s, size_t from, size_t to, dou
     struct fe_child *child = &s->self->child;
     char how[64] = "";
     bool refused = false, killed = false;
-    for (int attempt = 0; attempt < 2 && !killed; attempt++) {
+    for (int attempt = 0; attempt < 2; attempt++) {
         struct buf request = {0};
-        fe_piece_request(&s->piece, from, to, attempt > 0, lead, trail, &request);
+        fe_piece_request(&s->piece, from, to, attempt > 0 && !killed, lead, trail, &request);
         enum fe_result result = ask(s, &request, &refused);
         buf_free(&request);
         if (result == FE_OK && !refused)
@@ -70,7 +70,7 @@ static enum outcome speak_tokens(struct speaking *s, size_t from, size_t to, dou
             fe_child_kill(child, how, sizeof how);
         if (result == FE_CANCELLED)
             return STOPPED;
-        killed = strstr(how, "signal 9") || strstr(how, "signal 15"); /* by somebody who wanted that */
+        killed = strstr(how, "signal 9") || strstr(how, "signal 15");
     }
     if (refused)
         snprintf(s->message, s->cap, "Festival cannot speak this: %s", child->complaint);
