@@ -5,23 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-<<<<<<< HEAD
-static const char usage[] = "Usage: faccia COMMAND [ARGUMENT]...\n"
-                            "\n"
-                            "  say      speak a text: its sound, its face animation, its timing\n"
-                            "  timed    the face for recorded speech, from a timed transcription\n"
-                            "  voices   list the voices\n"
-                            "  models   list the head models\n"
-                            "  eval     measure how well the lips can be read, engine by engine\n"
-                            "  stimuli  make a listening test: speech in noise, with and without a face\n"
-                            "  anova    analyse the results of such a test\n"
-                            "  fit      make a speech pack from recordings of a speaker\n"
-                            "\n"
-                            "'faccia COMMAND --help' tells more. The daemon is facciad. The environment variable\n"
-                            "FACCIA_VOICE_CONFIG may name a file with what the voice plugins are told.\n";
-
-=======
->>>>>>> main
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
@@ -43,7 +26,9 @@ static void print_usage(FILE *out) {
     fputs("Usage: faccia COMMAND [OPTION]...\nThe talking head without a network.\n\n", out);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         fprintf(out, "  %-11s %s\n", commands[i].name, commands[i].help);
-    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad.\n", out);
+    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad. $FACCIA_VOICE_CONFIG may name a file with what\n"
+          "the voice plugins are told.\n",
+          out);
 }
 
 int main(int argc, char **argv) {
