@@ -40,7 +40,7 @@ struct faccia_voice_info {
     const char *name;    /* for people */
     const char *lang;    /* BCP 47 */
     const char *gender;  /* "female", "male", "neutral" */
-    const char *quality; /* "formant", "diphone", "neural", "recorded" */
+    const char *quality; /* "formant", "diphone", "parametric", "neural", "recorded", "unknown" */
     const char *licence; /* SPDX expression */
     uint32_t sample_rate;
     uint32_t rate; /* its own words per minute; 0 = unknown */

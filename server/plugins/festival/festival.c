@@ -53,9 +53,10 @@ static enum fe_result ask(struct speaking *s, const struct buf *request, bool *r
     return result == FE_OK ? fe_piece_answer(&s->piece, child, refused) : result;
 }
 
-/* Speaks the tokens [from, to). What Festival refuses, or dies of, it is asked for once more in plain form.
- */
-static enum outcome speak_tokens(struct speaking *s, size_t from, size_t to, double lead, double trail) {
+/* Asks for the tokens [from, to), and once more in plain form when Festival refuses them or dies of them; as
+ * they were if somebody has killed it. *theirs: they are to blame, not Festival's state. */
+static enum outcome try_tokens(struct speaking *s, size_t from, size_t to, double lead, double trail,
+                               bool *theirs) {
     struct fe_child *child = &s->self->child;
     char how[64] = "";
     bool refused = false, killed = false;
@@ -72,12 +73,32 @@ static enum outcome speak_tokens(struct speaking *s, size_t from, size_t to, dou
             return STOPPED;
         killed = strstr(how, "signal 9") || strstr(how, "signal 15");
     }
+    *theirs = refused || (!killed && strstr(how, "signal"));
     if (refused)
         snprintf(s->message, s->cap, "Festival cannot speak this: %s", child->complaint);
     else
         snprintf(s->message, s->cap, "Festival %s%s%s", *how ? how : "cannot be started",
                  *child->complaint ? ": " : "", child->complaint);
     return FAILED;
+}
+
+/* Speaks the tokens [from, to). Of those that cannot be spoken together halves are tried, down to the word
+ * that is left out. */
+static enum outcome speak_tokens(struct speaking *s, size_t from, size_t to, double lead, double trail) {
+    bool theirs = false;
+    enum outcome outcome = try_tokens(s, from, to, lead, trail, &theirs);
+    if (outcome != FAILED || !theirs)
+        return outcome;
+    if (to - from == 1) {
+        const struct fe_token *t = &s->piece.tokens.list[from];
+        char word[64];
+        snprintf(word, sizeof word, "%.*s", (int)t->bytes, s->sentence->spans[t->span].text + t->offset);
+        warn(s, "Festival cannot speak \"%s\"", word);
+        return SPOKEN;
+    }
+    size_t middle = from + (to - from) / 2;
+    outcome = speak_tokens(s, from, middle, lead, SEAM);
+    return outcome == SPOKEN ? speak_tokens(s, middle, to, SEAM, trail) : outcome;
 }
 
 /* Speaks what has been collected, and then the silence. Long stretches go in pieces, so that the first sound
