@@ -1,20 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Speaks on the command line, and looks at what comes out: sound, phones, words, the face.
+// Speaks on the command line, and looks at what comes out: sound, phones, words.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { build } from './daemon.mjs';
-import { parseFap } from './fapfile.mjs';
 
-/** Runs `faccia say`. Gives {status, stderr, json, pcm, rate, frames}; json and what follows only when it succeeded. */
+/** Runs `faccia say`. Gives {status, stderr, json, pcm, rate}; json and what follows only when it succeeded. */
 export function say(args, text, env = {}) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   const file = (name) => path.join(folder, name);
   try {
     const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'),
-      ['say', '--still', '--wav', file('wav'), '--fap', file('fap'), '--json', file('json'), ...args, '-'],
+      ['say', '--still', '--wav', file('wav'), '--json', file('json'), ...args, '-'],
       { input: text, env: { ...process.env, ...env } });
     const result = { status, stderr: String(stderr) };
     if (status !== 0) return result;
@@ -24,14 +23,13 @@ export function say(args, text, env = {}) {
       json: JSON.parse(fs.readFileSync(file('json'))),
       rate: wav.readUInt32LE(24),
       pcm: new Int16Array(wav.buffer.slice(wav.byteOffset + 44, wav.byteOffset + wav.length)),
-      frames: parseFap(fs.readFileSync(file('fap'), 'utf8')),
     };
   } finally {
     fs.rmSync(folder, { recursive: true });
   }
 }
 
-/** Phones touch and cover the sound, words and marks are in order. */
+/** Phones touch and cover the sound, words are in order and do not overlap. */
 export function checkOrder({ json }) {
   let at = 0;
   for (const phone of json.phones) {
@@ -39,8 +37,7 @@ export function checkOrder({ json }) {
     at = phone.end;
   }
   assert.ok(Math.abs(at - json.duration) < 1e-3, `phones end at ${at}, the sound at ${json.duration}`);
-  for (const list of [json.words, json.marks])
-    list.forEach((item, i) => assert.ok(i === 0 || (item.start ?? item.at ?? item.time) >= (list[i - 1].start ?? list[i - 1].at ?? list[i - 1].time)));
+  json.words.forEach((word, i) => assert.ok(word.end >= word.start && (!i || word.start >= json.words[i - 1].end - 1e-6), word.text));
 }
 
 /** The largest step between two samples: what wraps round makes one of almost 65536. */

@@ -1,5 +1,6 @@
 ;; SPDX-License-Identifier: GPL-3.0-or-later
-;; What Festival is taught when the plugin starts it. A request is one call of faccia.speak; the answer goes to descriptor 3:
+;; What Festival is taught when the plugin starts it. A request is one call of faccia.speak; the answer goes to
+;; descriptor 3:
 ;;   p NAME START END STRESS    a segment, seconds
 ;;   w INDEX START END          a word of the token INDEX, seconds
 ;;   a COUNT RATE               and then so many samples, 16 bit, native order
@@ -12,9 +13,11 @@
 (set! faccia.lead 0)
 (set! faccia.trail 0)
 
+(set! faccia.token "R:SylStructure.parent.parent.R:Token.parent.") ; from a segment
+
 ;; A segment's factor, from its token; pauses have none.
 (define (faccia.factor seg name)
-  (let ((f (parse-number (item.feat seg (string-append "R:SylStructure.parent.parent.R:Token.parent." name)))))
+  (let ((f (parse-number (item.feat seg (string-append faccia.token name)))))
     (if (> f 0) f 1)))
 
 (define (faccia.silence? seg)
@@ -74,8 +77,8 @@
   (faccia.Int_Targets utt)
   (faccia.bend utt))
 
-;; Diphones are added up in 16 bit where they overlap, and wrap round: they are made quieter before. They belong to the voice's
-;; database, so it is a copy that is scaled.
+;; Diphones are added up in 16 bit where they overlap, and wrap round: they are made quieter before. They belong to
+;; the voice's database, so it is a copy that is scaled.
 (set! faccia.unit_concat us_unit_concat)
 (define (us_unit_concat utt)
   (mapcar
@@ -90,23 +93,32 @@
   (let ((out (fopen faccia.fd "w")) (wave (utt.wave utt)) stress)
     (mapcar
      (lambda (seg)
-       (set! stress (if (string-equal (item.feat seg "ph_vc") "+") (item.feat seg "R:SylStructure.parent.stress") 0))
-       (format out "p %s %s %s %s\n" (item.name seg) (item.feat seg "segment_start") (item.feat seg "segment_end") stress))
+       (set! stress (if (string-equal (item.feat seg "ph_vc") "+")
+                       (item.feat seg "R:SylStructure.parent.stress")
+                       0))
+       (format out "p %s %s %s %s\n" (item.name seg) (item.feat seg "segment_start")
+               (item.feat seg "segment_end") stress))
      (utt.relation.items utt 'Segment))
     (mapcar
      (lambda (word)
        (if (item.relation.daughters word 'SylStructure)
-           (format out "w %s %s %s\n" (item.feat word "R:Token.parent.faccia_index") (item.feat word "word_start")
-                   (item.feat word "word_end"))))
+           (format out "w %s %s %s\n" (item.feat word "R:Token.parent.faccia_index")
+                   (item.feat word "word_start") (item.feat word "word_end"))))
      (utt.relation.items utt 'Word))
-    (format out "a %s %s\n" (cadr (assoc 'num_samples (wave.info wave))) (cadr (assoc 'sample_rate (wave.info wave))))
+    (format out "a %s %s\n" (cadr (assoc 'num_samples (wave.info wave)))
+            (cadr (assoc 'sample_rate (wave.info wave))))
     (fclose out)
     (wave.save wave faccia.fd 'raw)))
 
-;; tokens: (TEXT PREPUNCTUATION PUNCTUATION INDEX STRETCH PITCH RANGE) each; hts: what is added to an HTS engine's parameters.
+;; tokens: (TEXT PREPUNCTUATION PUNCTUATION INDEX STRETCH PITCH RANGE) each; hts: what is added to an HTS engine's
+;; parameters.
 (define (faccia.synthesise voice units lead trail hts tokens)
   (if (not (equal? voice faccia.voice))
-      (begin (set! faccia.voice nil) (eval (list voice)) (set! faccia.voice voice) (set! faccia.hts hts_engine_params)))
+      (begin
+        (set! faccia.voice nil)
+        (eval (list voice))
+        (set! faccia.voice voice)
+        (set! faccia.hts hts_engine_params)))
   (set! faccia.units units)
   (set! faccia.lead lead)
   (set! faccia.trail trail)
