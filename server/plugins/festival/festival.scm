@@ -1,6 +1,6 @@
 ;; SPDX-License-Identifier: GPL-3.0-or-later
-;; What Festival is taught when the plugin starts it. A request is one call of faccia.speak; the answer goes to
-;; descriptor 3:
+;; What Festival is taught when the plugin starts it. A request is one call of faccia.speak; the answer goes
+;; to descriptor 3:
 ;;   p NAME START END STRESS    a segment, seconds
 ;;   w INDEX START END          a word of the token INDEX, seconds
 ;;   a COUNT RATE               and then so many samples, 16 bit, native order
@@ -77,8 +77,8 @@
   (faccia.Int_Targets utt)
   (faccia.bend utt))
 
-;; Diphones are added up in 16 bit where they overlap, and wrap round: they are made quieter before. They belong to
-;; the voice's database, so it is a copy that is scaled.
+;; Diphones are added up in 16 bit where they overlap, and wrap round: they are made quieter before. They
+;; belong to the voice's database, so it is a copy that is scaled.
 (set! faccia.unit_concat us_unit_concat)
 (define (us_unit_concat utt)
   (mapcar
@@ -110,8 +110,8 @@
     (fclose out)
     (wave.save wave faccia.fd 'raw)))
 
-;; tokens: (TEXT PREPUNCTUATION PUNCTUATION INDEX STRETCH PITCH RANGE) each; hts: what is added to an HTS engine's
-;; parameters.
+;; tokens: (TEXT PREPUNCTUATION PUNCTUATION INDEX STRETCH PITCH RANGE) each; hts: what is added to an HTS
+;; engine's parameters.
 (define (faccia.synthesise voice units lead trail hts tokens)
   (if (not (equal? voice faccia.voice))
       (begin
