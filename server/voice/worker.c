@@ -76,7 +76,7 @@ static void lose(struct worker *w, const char *code, const char *why, bool hopel
     if (plugin->pool->closing)
         return;
     if (w->process)
-        process_stop(w->process, false);
+        process_stop(w->process, hopeless); /* one that has said why it ends is about to */
     w->process = NULL;
     error_set(&e, code, "the voice %s %s", plugin->name, why);
     if (state == WORKER_IDLE || state == WORKER_SPEAKING)

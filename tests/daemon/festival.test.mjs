@@ -151,21 +151,21 @@ test('a Festival that was killed while idle is not missed, and a stop reaches it
   t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
   const stream = await daemon.stream();
   const speak = (id, text) => stream.send({ type: 'speak', lang: 'it', voice: 'festival:lp', id, text });
-  speak('a', 'Una frase.');
+  speak('a', 'La prima frase.');
   assert.equal((await stream.wait({ type: 'end', id: 'a' })).reason, 'done');
   const [festival] = festivals(daemon.process.pid);
   process.kill(festival.pid, 'SIGKILL');
-  speak('b', 'Una frase.');
+  speak('b', 'La seconda frase.');
   assert.equal((await stream.wait({ type: 'end', id: 'b' })).reason, 'done');
   assert.equal(stream.messages.filter((m) => m.type === 'error').length, 0);
   const [another] = festivals(daemon.process.pid);
   assert.notEqual(another.pid, festival.pid);
   process.kill(another.pid, 'SIGSTOP'); // it will not answer
-  speak('c', 'Una frase.');
+  speak('c', 'La terza frase.');
   await new Promise((resolve) => setTimeout(resolve, 200));
   stream.send({ type: 'stop' });
   await stream.wait({ type: 'end', id: 'c', reason: 'stopped' });
-  speak('d', 'Una frase.');
+  speak('d', 'La quarta frase.');
   assert.equal((await stream.wait({ type: 'end', id: 'd' })).reason, 'done');
   await stream.close();
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
