@@ -61,7 +61,7 @@ async function firstAudio(daemon, voice) {
   for (let i = 0; i < 12; i++) {
     const before = stream.chunks.length;
     const start = performance.now();
-    stream.send({ type: 'speak', lang: 'it', voice, id: `u${i}`, text: sentence });
+    stream.send({ type: 'speak', lang: 'it', voice, id: `u${i}`, text: `${sentence.slice(0, -1)}, ${"ancora ".repeat(i % 6)}${i > 5 ? "e poi" : "poi"} basta.` }); // each its own: the daemon remembers
     await stream.until(() => stream.chunks.length > before, 60000);
     times.push(performance.now() - start);
     stream.send({ type: 'stop' });
