@@ -16,6 +16,7 @@ static const struct {
                    {"pcm", CHUNK_AUDIO_PCM_S16LE}},
   fap_names[] = {{"none", CHUNK_FAP_NONE}, {"plain", CHUNK_FAP_PLAIN}};
 
+const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE};
 const struct encoding encoding_default = {CHUNK_AUDIO_PCM_S16LE, CHUNK_FAP_PLAIN};
 
 int encoding_audio(const char *name) {

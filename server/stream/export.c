@@ -74,7 +74,7 @@ void export_begin(struct export *x, const struct export_format *format, const st
 void export_scene(struct export *x, const struct scene *scene) {
     x->sample_rate = scene->utterance->sample_rate;
     x->format->scene(x, scene);
-    x->samples = scene->start + scene->utterance->samples;
+    x->samples = (uint32_t)scene->start + scene->utterance->samples;
     x->scenes++;
 }
 

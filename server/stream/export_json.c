@@ -38,7 +38,7 @@ static void open_object(struct export *x) {
 void export_json_scene(struct export *x, const struct scene *scene) {
     const struct utterance *u = scene->utterance;
     const char *text = speech_request(x->speech)->text;
-    uint64_t start = scene->start;
+    uint64_t start = (uint64_t)scene->start;
     uint32_t rate = u->sample_rate;
     if (!x->scenes)
         open_object(x);
