@@ -219,12 +219,13 @@ json_t *message_hello(const struct net *net, const char *stream) {
     for (const char *const *engine = face_engines(); *engine; engine++)
         json_array_append_new(engines, json_string(*engine));
     const struct net_options *o = &net->options;
-    return json_pack("{ss si ss ss si s[s] s[s] ss so so so so s{si si si si}}", "type", "hello", "protocol",
+    return json_pack("{ss si ss ss si s[s] s[s] ss so so so so s{si si si si si si}}", "type", "hello", "protocol",
                      1, "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "pcm_s16le",
                      "fap", "plain", "lang", net->studio->default_lang, "languages", languages, "engines",
                      engines, "expressions", affects(net->studio->expressions), "models", message_models(net),
                      "limits", "text_bytes", (int)o->text_bytes, "message_bytes", (int)o->message_bytes,
-                     "queue", (int)o->queue, "connections", (int)o->connections);
+                     "queue", (int)o->queue, "connections", (int)o->connections,
+                     "rooms", (int)o->rooms, "play_bytes", (int)o->play_bytes);
 }
 
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {
