@@ -61,7 +61,7 @@ for (const { address, method, operation } of operations) {
     const url = address.replace('{name}', models[0].name);
     const wantsRoom = parameters(operation).some((p) => p.name === 'room');
     const query = wantsRoom ? '?room=api' : '';
-    const options = { method, headers: { connection: 'close' } };
+    const options = { method };
     if (operation.requestBody?.content['text/plain']) Object.assign(options, { body: 'Sì.', headers: { 'content-type': 'text/plain' } });
     if (operation.requestBody?.content['multipart/form-data']) {
       options.body = new FormData();
