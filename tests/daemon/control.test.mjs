@@ -229,11 +229,10 @@ test('a jump in a pause, before the beginning, and again and again', async () =>
   await stream.wait({ type: 'paused', id: 'a' });
   stream.send({ type: 'jump', mark: 'due' });
   const jumped = await stream.wait({ type: 'jumped', mark: 'due' });
-  const count = stream.chunks.length;
   stream.send({ type: 'resume' });
   const resumed = await stream.wait({ type: 'resumed', id: 'a' });
   assert.equal(resumed.sample, jumped.sample);
-  assert.equal(stream.chunks.length, count, 'nothing moves in a pause');
+  assert.ok(!stream.chunks.some((c) => c.arrived > jumped.arrived && c.arrived < resumed.arrived), 'nothing moves in a pause');
   for (let i = 0; i < 50; i++) stream.send({ type: 'jump', mark: i % 2 ? 'due' : 'tre' });
   await stream.until(() => stream.messages.filter((m) => m.type === 'jumped').length === 52);
   await stream.wait({ type: 'end', id: 'a', reason: 'done' });
