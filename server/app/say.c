@@ -22,7 +22,7 @@ static const char usage[] =
     "      --volume FACTOR  0.25 to 4 (1)\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context or syllable\n"
-    "      --markup KIND    plain\n"
+    "      --markup KIND    auto, plain, apml, jsml, ssml or emotionml (auto)\n"
     "      --still          only the lips move\n"
     "      --seed N         another life of the face; the same number gives the same face (0)\n"
     "  -f, --file FILE      the text\n"

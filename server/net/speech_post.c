@@ -89,7 +89,7 @@ static unsigned read_query(struct post *p, struct speech_request *request, struc
     const struct markup_kind *kind = markup_by_content_type(type);
     /* curl --data says this by itself, and means the bytes as they are */
     if (!kind && !strncmp(type, "application/x-www-form-urlencoded", 33))
-        kind = markup_by_name("plain");
+        kind = markup_by_name("auto");
     if (!kind) {
         error_set(e, "unsupported-media-type", "no markup has the type '%s'", type);
         return 415;
