@@ -51,7 +51,9 @@ int eval_main(int argc, char **argv);
 int stimuli_main(int argc, char **argv);
 int anova_main(int argc, char **argv);
 int fit_main(int argc, char **argv);
+int token_main(int argc, char **argv);
 int timed_main(int argc, char **argv);
+int life_main(int argc, char **argv);
 int check_main(int argc, char **argv);
 
 #endif

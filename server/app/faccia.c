@@ -5,28 +5,32 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char usage[] = "Usage: faccia COMMAND [ARGUMENT]...\n"
-                            "\n"
-                            "  say      speak a text: its sound, its face animation, its timing\n"
-                            "  timed    the face for recorded speech, from a timed transcription\n"
-                            "  check    tell what in a text with markup would not be acted on\n"
-                            "  voices   list the voices\n"
-                            "  models   list the head models\n"
-                            "  eval     measure how well the lips can be read, engine by engine\n"
-                            "  stimuli  make a listening test: speech in noise, with and without a face\n"
-                            "  anova    analyse the results of such a test\n"
-                            "  fit      make a speech pack from recordings of a speaker\n"
-                            "\n"
-                            "'faccia COMMAND --help' tells more. The daemon is facciad.\n";
-
 static const struct {
     const char *name;
     int (*run)(int argc, char **argv);
+    const char *help;
 } commands[] = {
-    {"say", say_main},       {"timed", timed_main}, {"voices", voices_main},
-    {"models", models_main}, {"eval", eval_main},   {"stimuli", stimuli_main},
-    {"anova", anova_main},   {"fit", fit_main},     {"check", check_main},
+    {"say", say_main, "speak a text: its sound, its face animation, its timing"},
+    {"timed", timed_main, "the face for recorded speech, from a timed transcription"},
+    {"check", check_main, "tell what in a text with markup would not be acted on"},
+    {"voices", voices_main, "list the voices"},
+    {"models", models_main, "list the head models"},
+    {"eval", eval_main, "measure how well the lips can be read, engine by engine"},
+    {"stimuli", stimuli_main, "make a listening test: speech in noise, with and without a face"},
+    {"anova", anova_main, "analyse the results of such a test"},
+    {"fit", fit_main, "make a speech pack from recordings of a speaker"},
+    {"life", life_main, "what the face does of itself, in figures"},
+    {"token", token_main, "sign a token for a daemon that demands them"},
 };
+
+static void print_usage(FILE *out) {
+    fputs("Usage: faccia COMMAND [OPTION]...\nThe talking head without a network.\n\n", out);
+    for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
+        fprintf(out, "  %-11s %s\n", commands[i].name, commands[i].help);
+    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad. $FACCIA_VOICE_CONFIG may name a file with what\n"
+          "the voice plugins are told.\n",
+          out);
+}
 
 int main(int argc, char **argv) {
     signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error like any other */
@@ -35,7 +39,7 @@ int main(int argc, char **argv) {
         if (!strcmp(commands[i].name, name))
             return commands[i].run(argc - 1, argv + 1);
     if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) {
-        fputs(usage, stdout);
+        print_usage(stdout);
         return EXIT_DONE;
     }
     if (!strcmp(name, "--version")) {
@@ -44,6 +48,6 @@ int main(int argc, char **argv) {
     }
     if (*name)
         cli_complain("no command '%s'", name);
-    fputs(usage, stderr);
+    print_usage(stderr);
     return EXIT_USAGE;
 }

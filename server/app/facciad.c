@@ -1,155 +1,70 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* facciad: the daemon. Puts the stages together on one loop, and stops cleanly when it is told to. */
+/* facciad: the daemon. Puts the stages together on one loop, reads its settings anew on SIGHUP, and stops
+ * cleanly when it is told to. */
+#include "server/app/service.h"
+#include "server/app/settings.h"
 #include "server/base/log.h"
-#include "server/base/paths.h"
 #include "server/net/net.h"
-#include <getopt.h>
+#include <arpa/inet.h>
+#include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+enum { SIGNALS = 3, GOODBYE_MS = 200, LOOK_MS = 50 };
+
 struct daemon {
     uv_loop_t loop;
+    int argc;
+    char **argv;
     struct paths paths;
+    struct settings settings;
+    struct secrets secrets;
+    char *voice_config;
+    int *sockets; /* from systemd */
+    unsigned socket_count;
     struct speech_packs packs;
+    struct metrics metrics;
     struct studio studio;
     struct net *net;
-    uv_signal_t stop_signals[2];
-    bool signals_set, stopping;
+    uv_signal_t signals[SIGNALS];
+    uv_timer_t watchdog, ending;
+    uint64_t end_by; /* loop time, ms */
+    bool running, draining, dismissed, stopped;
 };
 
-struct daemon_options {
-    struct net_options net;
-    struct voice_pool_options voices;
-    const char *lang;
-};
-
-static const char usage[] =
-    "Usage: facciad [OPTION]...\n"
-    "Serves the talking head: a page, a WebSocket and HTTP (protocol/README.md says how).\n"
-    "\n"
-    "      --host ADDRESS        listen on this address (127.0.0.1)\n"
-    "      --port N              listen on this port; 0 = any free one (8080)\n"
-    "      --remote              allow an ADDRESS that other machines can reach\n"
-    "      --lang TAG            language of requests that name none (it)\n"
-    "      --workers N           processes for each voice plugin, 1 to 64 (1)\n"
-    "      --max-text N          longest text of one request, bytes (100000)\n"
-    "      --max-message N       longest message of a client, bytes (262144)\n"
-    "      --max-queue N         utterances that may wait on one stream (32)\n"
-    "      --max-connections N   open connections (1000)\n"
-    "      --models DIR          heads and language packs\n"
-    "      --web DIR             the page and its scripts\n"
-    "      --plugins DIR         voice plugins\n"
-    "  -h, --help                print this and exit\n"
-    "      --version             print the version and exit\n";
-
-/* A whole number in its range, or the end with a message. */
-static unsigned number(const char *option, const char *text, unsigned long min, unsigned long max) {
-    char *end;
-    unsigned long value = strtoul(text, &end, 10);
-    if (*end || end == text || *text == '-' || value < min || value > max) {
-        fprintf(stderr, "facciad: --%s: '%s' is not a number from %lu to %lu\n", option, text, min, max);
-        exit(2);
-    }
-    return (unsigned)value;
+static void complain(const struct error *e) {
+    char text[512];
+    log_error("%s", error_text(e, text, sizeof text));
 }
 
-static void replace(char **path, const char *with) {
-    free(*path);
-    *path = strdup(with);
-}
-
-static void parse(int argc, char **argv, struct daemon_options *o, struct paths *paths) {
-    enum {
-        HOST = 256,
-        PORT,
-        REMOTE,
-        LANG,
-        WORKERS,
-        TEXT,
-        MESSAGE,
-        QUEUE,
-        CONNECTIONS,
-        MODELS,
-        WEB,
-        PLUGINS,
-        VERSION
+static struct net_options net_options_of(const struct daemon *d) {
+    const struct settings *s = &d->settings;
+    return (struct net_options){
+        .host = s->host,
+        .port = (int)s->port,
+        .remote = s->remote,
+        .listen_fds = d->sockets,
+        .listen_count = d->socket_count,
+        .origins = s->origins,
+        .secrets = d->secrets.count ? &d->secrets : NULL,
+        .web = s->web,
+        .models = s->models,
+        .text_bytes = s->text_bytes,
+        .message_bytes = s->message_bytes,
+        .queue = s->queue,
+        .connections = s->connections,
+        .address_connections = s->address_connections,
+        .address_requests = s->address_requests,
+        .send_bytes = s->send_bytes,
+        .send_bytes_max = s->send_bytes_max,
+        .stall_seconds = s->stall_seconds,
     };
-    static const struct option options[] = {
-        {"host", 1, NULL, HOST},
-        {"port", 1, NULL, PORT},
-        {"remote", 0, NULL, REMOTE},
-        {"lang", 1, NULL, LANG},
-        {"workers", 1, NULL, WORKERS},
-        {"max-text", 1, NULL, TEXT},
-        {"max-message", 1, NULL, MESSAGE},
-        {"max-queue", 1, NULL, QUEUE},
-        {"max-connections", 1, NULL, CONNECTIONS},
-        {"models", 1, NULL, MODELS},
-        {"web", 1, NULL, WEB},
-        {"plugins", 1, NULL, PLUGINS},
-        {"help", 0, NULL, 'h'},
-        {"version", 0, NULL, VERSION},
-        {0},
-    };
-    for (int c, at; (at = 0, c = getopt_long(argc, argv, "h", options, &at)) != -1;) {
-        const char *name = options[at].name;
-        switch (c) {
-        case HOST:
-            o->net.host = optarg;
-            break;
-        case PORT:
-            o->net.port = (int)number(name, optarg, 0, 65535);
-            break;
-        case REMOTE:
-            o->net.remote = true;
-            break;
-        case LANG:
-            o->lang = optarg;
-            break;
-        case WORKERS:
-            o->voices.workers = number(name, optarg, 1, 64);
-            break;
-        case TEXT:
-            o->net.text_bytes = number(name, optarg, 1, 100 << 20);
-            break;
-        case MESSAGE:
-            o->net.message_bytes = number(name, optarg, 64, 200 << 20);
-            break;
-        case QUEUE:
-            o->net.queue = number(name, optarg, 1, 10000);
-            break;
-        case CONNECTIONS:
-            o->net.connections = number(name, optarg, 1, 100000);
-            break;
-        case MODELS:
-            replace(&paths->models, optarg);
-            break;
-        case WEB:
-            replace(&paths->web, optarg);
-            break;
-        case PLUGINS:
-            replace(&paths->plugins, optarg);
-            break;
-        case 'h':
-            fputs(usage, stdout);
-            exit(0);
-        case VERSION:
-            puts("facciad " FACCIA_VERSION);
-            exit(0);
-        default:
-            fputs("Try 'facciad --help'.\n", stderr);
-            exit(2);
-        }
-    }
-    if (optind < argc) {
-        fprintf(stderr, "facciad: unexpected '%s'\nTry 'facciad --help'.\n", argv[optind]);
-        exit(2);
-    }
 }
 
 static void on_ready(void *ctx) {
     struct daemon *d = ctx;
+    char status[80];
     size_t count;
     voice_pool_voices(d->studio.voices, &count);
     if (!count) {
@@ -157,75 +72,206 @@ static void on_ready(void *ctx) {
         return;
     }
     net_set_ready(d->net);
-    log_info("ready: %zu voices, %zu languages", count, d->packs.count);
+    snprintf(status, sizeof status, "%zu voices, %zu languages", count, d->packs.count);
+    log_info("ready: %s", status);
+    service_ready(status);
+}
+
+/* The settings that do not wait for a restart. */
+static void reload(struct daemon *d) {
+    struct settings settings;
+    struct settings_request request;
+    struct secrets secrets = {0};
+    struct error e;
+    service_reloading();
+    if (settings_read(&settings, &request, d->argc, d->argv, &d->paths, &e) ||
+        (settings.token_file && secrets_load(&secrets, settings.token_file, &e))) {
+        complain(&e);
+        log_warn("the settings stay as they were");
+        settings_free(&settings);
+    } else if (d->secrets.count && !secrets.count) {
+        log_warn("tokens cannot be given up while the daemon runs; the settings stay as they were");
+        settings_free(&settings);
+    } else {
+        struct settings old = d->settings;
+        struct secrets old_secrets = d->secrets;
+        d->settings = settings;
+        d->secrets = secrets;
+        struct net_options options = net_options_of(d);
+        net_change(d->net, &options);
+        settings_apply_log(&d->settings);
+        if (settings_need_restart(&old, &settings))
+            log_warn(
+                "some of the changed settings count after a restart only: those of listen, speech, voices, "
+                "paths");
+        log_info("settings read anew");
+        settings_free(&old);
+        secrets_free(&old_secrets);
+    }
+    service_ready("running");
 }
 
 static void stop(struct daemon *d) {
-    if (d->stopping)
+    if (d->stopped)
         return;
-    d->stopping = true;
+    d->stopped = true;
     if (d->net)
         net_close(d->net);
     if (d->studio.voices)
         voice_pool_close(d->studio.voices, NULL, NULL);
-    for (int i = 0; d->signals_set && i < 2; i++)
-        uv_close((uv_handle_t *)&d->stop_signals[i], NULL);
+    if (!d->running)
+        return;
+    for (int i = 0; i < SIGNALS; i++)
+        uv_close((uv_handle_t *)&d->signals[i], NULL);
+    uv_close((uv_handle_t *)&d->ending, NULL);
+    service_watchdog_stop(&d->watchdog);
+}
+
+/* Speech may go on until its end or the limit; then all are told goodbye, and a moment later it is over. */
+static void on_ending(uv_timer_t *timer) {
+    struct daemon *d = timer->data;
+    if (d->dismissed) {
+        stop(d);
+    } else if (!net_busy(d->net) || uv_now(&d->loop) >= d->end_by) {
+        d->dismissed = true;
+        net_dismiss(d->net, "stopping");
+        uv_timer_start(timer, on_ending, GOODBYE_MS, 0);
+    }
+}
+
+static void drain(struct daemon *d) {
+    d->draining = true;
+    d->end_by = uv_now(&d->loop) + (uint64_t)d->settings.stop_seconds * 1000;
+    service_stopping();
+    net_drain(d->net);
+    uv_timer_start(&d->ending, on_ending, 0, LOOK_MS);
 }
 
 static void on_signal(uv_signal_t *handle, int number) {
+    struct daemon *d = handle->data;
+    if (number == SIGHUP) {
+        reload(d);
+        return;
+    }
     log_info("%s: stopping", strsignal(number));
-    stop(handle->data);
+    if (d->draining)
+        stop(d);
+    else
+        drain(d);
 }
 
-static int start(struct daemon *d, const struct daemon_options *o, struct error *e) {
-    static const int signals[] = {SIGTERM, SIGINT};
+static void watch(struct daemon *d) {
+    static const int signals[SIGNALS] = {SIGTERM, SIGINT, SIGHUP};
+    for (int i = 0; i < SIGNALS; i++) {
+        uv_signal_init(&d->loop, &d->signals[i]);
+        d->signals[i].data = d;
+        uv_signal_start(&d->signals[i], on_signal, signals[i]);
+    }
+    uv_timer_init(&d->loop, &d->ending);
+    d->ending.data = d;
+    service_watchdog_start(&d->loop, &d->watchdog);
+    d->running = true;
+}
+
+static int start(struct daemon *d, struct error *e) {
+    const struct settings *s = &d->settings;
     char path[4096];
-    snprintf(path, sizeof path, "%s/speech", d->paths.models);
+    if (s->token_file && secrets_load(&d->secrets, s->token_file, e))
+        return -1;
+    snprintf(path, sizeof path, "%s/speech", s->models);
     if (speech_packs_load(&d->packs, path, e))
         return -1;
-    if (!speech_packs_find(&d->packs, o->lang))
-        return error_in_field(e, "unknown-language", "--lang", "no language '%s'", o->lang);
-    d->studio = (struct studio){.loop = &d->loop, .packs = &d->packs, .default_lang = o->lang};
-    d->net = net_open(&d->studio, &o->net, e);
+    if (!speech_packs_find(&d->packs, s->lang))
+        return error_in_field(e, "unknown-language", "--lang", "no language '%s'", s->lang);
+    d->studio = (struct studio){
+        .loop = &d->loop, .packs = &d->packs, .default_lang = s->lang, .metrics = &d->metrics};
+    struct net_options options = net_options_of(d);
+    d->net = net_open(&d->studio, &options, e);
     if (!d->net)
         return -1;
-    d->studio.voices = voice_pool_open(&d->loop, &o->voices, on_ready, d, e);
+    d->voice_config = s->voices ? json_dumps(s->voices, JSON_COMPACT) : NULL;
+    struct voice_pool_options voices = {.worker = s->worker,
+                                        .plugin_dir = s->plugins,
+                                        .workers = s->workers,
+                                        .deadline_base = s->deadline_base,
+                                        .deadline_per_byte = s->deadline_per_byte,
+                                        .config = d->voice_config,
+                                        .cache = {.bytes = (size_t)s->cache_megabytes << 20,
+                                                  .file = s->cache_file,
+                                                  .file_bytes = (uint64_t)s->cache_file_megabytes << 20},
+                                        .metrics = &d->metrics};
+    d->studio.voices = voice_pool_open(&d->loop, &voices, on_ready, d, e);
     if (!d->studio.voices)
         return -1;
-    for (int i = 0; i < 2; i++) {
-        uv_signal_init(&d->loop, &d->stop_signals[i]);
-        d->stop_signals[i].data = d;
-        uv_signal_start(&d->stop_signals[i], on_signal, signals[i]);
+    watch(d);
+    return 0;
+}
+
+/* Of the first socket that systemd has opened. */
+static int port_of(int fd) {
+    struct sockaddr_storage address;
+    socklen_t size = sizeof address;
+    if (getsockname(fd, (struct sockaddr *)&address, &size))
+        return 0;
+    return ntohs(address.ss_family == AF_INET6 ? ((struct sockaddr_in6 *)&address)->sin6_port
+                                               : ((struct sockaddr_in *)&address)->sin_port);
+}
+
+static int run(struct daemon *d) {
+    struct error e;
+    signal(SIGPIPE, SIG_IGN);
+    uv_loop_init(&d->loop);
+    int status = start(d, &e) ? 1 : 0;
+    if (status) {
+        complain(&e);
+        stop(d);
+    } else {
+        log_info("listening on http://%s:%d/", d->settings.host,
+                 d->socket_count ? port_of(d->sockets[0]) : net_port(d->net));
     }
-    d->signals_set = true;
+    uv_run(&d->loop, UV_RUN_DEFAULT);
+    if (d->net)
+        net_free(d->net);
+    uv_loop_close(&d->loop);
+    speech_packs_free(&d->packs);
+    secrets_free(&d->secrets);
+    free(d->voice_config);
+    return status;
+}
+
+/* What can be answered without starting; -1 to go on. */
+static int answer(const struct settings *settings, const struct settings_request *request) {
+    struct buf text = {0};
+    if (request->help)
+        settings_help(&text);
+    else if (request->version)
+        buf_printf(&text, "facciad " FACCIA_VERSION "\n");
+    else if (request->print)
+        settings_print(settings, &text);
+    else
+        return -1;
+    fwrite(text.data, 1, text.size, stdout);
+    buf_free(&text);
     return 0;
 }
 
 int main(int argc, char **argv) {
-    struct daemon d = {0};
-    struct daemon_options options = {.net = net_defaults, .lang = "it"};
+    struct daemon d = {.argc = argc, .argv = argv};
+    struct settings_request request;
     struct error e;
-    char text[400];
+    char text[512];
+    int status;
     paths_find(&d.paths);
-    parse(argc, argv, &options, &d.paths);
-    options.net.web = d.paths.web;
-    options.net.models = d.paths.models;
-    options.voices.worker = d.paths.worker;
-    options.voices.plugin_dir = d.paths.plugins;
-    signal(SIGPIPE, SIG_IGN);
-    uv_loop_init(&d.loop);
-    int status = start(&d, &options, &e) ? 1 : 0;
-    if (status) {
-        log_error("%s", error_text(&e, text, sizeof text));
-        stop(&d);
-    } else {
-        log_info("listening on http://%s:%d/", options.net.host, net_port(d.net));
+    if (settings_read(&d.settings, &request, argc, argv, &d.paths, &e)) {
+        fprintf(stderr, "facciad: %s\n", error_text(&e, text, sizeof text));
+        status = 2;
+    } else if ((status = answer(&d.settings, &request)) < 0) {
+        settings_apply_log(&d.settings);
+        d.socket_count = service_sockets(&d.sockets);
+        status = run(&d);
     }
-    uv_run(&d.loop, UV_RUN_DEFAULT);
-    if (d.net)
-        net_free(d.net);
-    uv_loop_close(&d.loop);
-    speech_packs_free(&d.packs);
+    settings_free(&d.settings);
     paths_free(&d.paths);
+    free(d.sockets);
     return status;
 }

@@ -1,15 +1,53 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/log.h"
 #include <stdarg.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+static bool is_json(void) {
+    const char *format = getenv("FACCIA_LOG");
+    return format && !strcmp(format, "json");
+}
+
+/* The text as a JSON string. */
+static void quote(char *out, size_t cap, const char *text) {
+    size_t n = 0;
+    for (; *text && n + 8 < cap; text++) {
+        unsigned char c = (unsigned char)*text;
+        if (c == '"' || c == '\\')
+            n += (size_t)snprintf(out + n, cap - n, "\\%c", c);
+        else if (c < 0x20)
+            n += (size_t)snprintf(out + n, cap - n, "\\u%04x", c);
+        else
+            out[n++] = (char)c;
+    }
+    out[n] = '\0';
+}
+
+static void write_json(char *out, size_t cap, const char *word, const char *text) {
+    struct timespec now;
+    struct tm utc;
+    char at[32], quoted[1000];
+    clock_gettime(CLOCK_REALTIME, &now);
+    strftime(at, sizeof at, "%Y-%m-%dT%H:%M:%S", gmtime_r(&now.tv_sec, &utc));
+    quote(quoted, sizeof quoted, text);
+    snprintf(out, cap, "{\"time\":\"%s.%03ldZ\",\"level\":\"%.*s\",\"pid\":%ld,\"message\":\"%s\"}\n", at,
+             now.tv_nsec / 1000000, *word ? (int)strcspn(word, ":") : 4, *word ? word : "info",
+             (long)getpid(), quoted);
+}
 
 /* One write per line, so that lines of several processes do not mix. The priority prefix is for journald
  * alone. */
 static void line(int priority, const char *word, const char *format, va_list args) {
     char text[1024], out[1200];
     vsnprintf(text, sizeof text, format, args);
-    if (getenv("JOURNAL_STREAM"))
+    if (is_json())
+        write_json(out, sizeof out, word, text);
+    else if (getenv("JOURNAL_STREAM"))
         snprintf(out, sizeof out, "<%d>%s\n", priority, text);
     else
         snprintf(out, sizeof out, "faccia: %s%s\n", word, text);

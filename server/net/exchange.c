@@ -16,6 +16,8 @@ struct exchange {
     void *owned;      /* that body's memory, if it is the exchange's */
     struct buf queue; /* of an answer in chunks: what waits */
     bool chunked, complete, answered, done;
+    bool shared; /* any page may have the answer */
+    struct guest guest;
 };
 
 struct exchange *exchange_open(struct net *net, struct lws *wsi) {
@@ -26,8 +28,11 @@ struct exchange *exchange_open(struct net *net, struct lws *wsi) {
 }
 
 void exchange_close(struct exchange *x) {
-    if (x->work.free)
+    if (x->work.free) {
         x->work.free(x->work.self);
+        x->net->works--;
+    }
+    guest_leave(x->net, &x->guest);
     free(x->owned);
     buf_free(&x->queue);
     free(x);
@@ -43,6 +48,7 @@ struct lws *exchange_wsi(const struct exchange *x) {
 
 void exchange_set_work(struct exchange *x, struct exchange_work work) {
     x->work = work;
+    x->net->works++;
 }
 
 struct exchange_work *exchange_get_work(struct exchange *x) {
@@ -82,10 +88,23 @@ static void head_add(struct head *h, const char *name, const char *value) {
                                     (int)strlen(value), &h->at, h->end);
 }
 
-static void head_common(struct head *h, const char *type) {
+/* Which pages a browser lets see the answer (Fetch standard, CORS protocol). */
+static void head_origin(struct head *h, const struct exchange *x) {
+    char origin[256];
+    if (x->shared) {
+        head_add(h, "access-control-allow-origin", "*");
+        return;
+    }
+    head_add(h, "vary", "origin");
+    if (lws_hdr_copy(x->wsi, origin, sizeof origin, WSI_TOKEN_ORIGIN) > 0 &&
+        guest_origin_allowed(x->net, x->wsi))
+        head_add(h, "access-control-allow-origin", origin);
+}
+
+static void head_common(struct head *h, const struct exchange *x, const char *type) {
     head_add(h, "content-type", type);
     head_add(h, "x-content-type-options", "nosniff");
-    head_add(h, "access-control-allow-origin", "*");
+    head_origin(h, x);
 }
 
 static int head_send(struct head *h) {
@@ -112,7 +131,7 @@ int exchange_answer(struct exchange *x, unsigned status, const char *type, const
     x->owned = mem_alloc(size);
     memcpy(x->owned, body, size);
     head_begin(&h, x, status);
-    head_common(&h, type);
+    head_common(&h, x, type);
     head_add(&h, "cache-control", "no-store");
     return send_known(x, &h, x->owned, size);
 }
@@ -121,6 +140,10 @@ int exchange_allow(struct exchange *x, unsigned status, const char *methods) {
     struct head h;
     head_begin(&h, x, status);
     head_add(&h, "allow", methods);
+    head_origin(&h, x);
+    head_add(&h, "access-control-allow-methods", methods);
+    head_add(&h, "access-control-allow-headers", "authorization, content-type");
+    head_add(&h, "access-control-max-age", "600");
     return send_known(x, &h, NULL, 0);
 }
 
@@ -137,6 +160,27 @@ int exchange_error(struct exchange *x, unsigned status, const struct error *e) {
     return exchange_json(x, status, message_error(e));
 }
 
+bool exchange_permits(struct exchange *x, enum right right, int *result) {
+    struct error e;
+    if (!guest_origin_allowed(x->net, x->wsi)) {
+        metrics_add(x->net->studio->metrics, METRIC_REFUSED_ORIGIN, 1);
+        error_set(&e, "forbidden-origin", "pages from there may not use this server");
+        *result = exchange_error(x, 403, &e);
+        return false;
+    }
+    if (!right)
+        return true;
+    bool refused = guest_enter(x->net, x->wsi, &x->guest, &e) ||
+                   guest_may(x->net, &x->guest, right, NULL, &e) || guest_ask(x->net, &x->guest, &e);
+    if (refused)
+        *result = exchange_error(x,
+                                 !strncmp(e.code, "too-many", 8) ? 429
+                                 : !strcmp(e.code, "forbidden")  ? 403
+                                                                 : 401,
+                                 &e);
+    return !refused;
+}
+
 static bool header_has(const struct exchange *x, enum lws_token_indexes token, const char *word) {
     char value[512];
     return lws_hdr_copy(x->wsi, value, sizeof value, token) > 0 && strstr(value, word);
@@ -145,12 +189,13 @@ static bool header_has(const struct exchange *x, enum lws_token_indexes token, c
 int exchange_asset(struct exchange *x, const struct asset *a) {
     struct head h;
     char etag[64], version[64];
+    x->shared = true;
     snprintf(etag, sizeof etag, "W/\"%s\"", a->hash);
     bool unchanged = header_has(x, WSI_TOKEN_HTTP_IF_NONE_MATCH, a->hash);
     bool packed = a->packed && header_has(x, WSI_TOKEN_HTTP_ACCEPT_ENCODING, "gzip");
     const char *asked = lws_get_urlarg_by_name(x->wsi, "v=", version, sizeof version);
     head_begin(&h, x, unchanged ? 304 : 200);
-    head_common(&h, a->type);
+    head_common(&h, x, a->type);
     head_add(&h, "etag", etag);
     head_add(&h, "vary", "accept-encoding");
     head_add(&h, "cache-control",
@@ -165,7 +210,7 @@ int exchange_asset(struct exchange *x, const struct asset *a) {
 int exchange_begin(struct exchange *x, const char *type) {
     struct head h;
     head_begin(&h, x, 200);
-    head_common(&h, type);
+    head_common(&h, x, type);
     head_add(&h, "cache-control", "no-store");
     head_add(&h, "transfer-encoding", "chunked");
     x->chunked = true;

@@ -3,8 +3,10 @@
 #ifndef FACCIA_NET_INTERNAL_H
 #define FACCIA_NET_INTERNAL_H
 
+#include "server/access/tally.h"
 #include "server/base/buf.h"
 #include "server/net/assets.h"
+#include "server/net/guest.h"
 #include "server/net/net.h"
 #include <jansson.h>
 #include <libwebsockets.h>
@@ -17,7 +19,11 @@ struct net {
     struct assets assets;
     unsigned connections;
     uint64_t streams; /* numbers given so far */
-    bool ready;
+    bool ready, draining;
+    struct tally tally;
+    struct listener **listeners;
+    struct socket *sockets; /* all that are open */
+    unsigned works;         /* HTTP answers that are being made */
 };
 
 /* What libwebsockets keeps for each connection: one of the two. */
@@ -51,6 +57,8 @@ void socket_close(struct socket *socket);
 int socket_receive(struct socket *socket, const char *data, size_t size);
 int socket_writeable(struct socket *socket);
 int socket_timer(struct socket *socket); /* -1: a client that takes nothing */
+bool sockets_busy(const struct net *net);
+void sockets_dismiss(struct net *net, const char *reason); /* closes all, with the reason */
 
 /* exchange.c: one HTTP request and its answer. Every function returns what the libwebsockets callback has to
  * return. */
@@ -77,6 +85,9 @@ void exchange_end(struct exchange *x);
 size_t exchange_unsent(const struct exchange *x);
 
 struct net *exchange_net(const struct exchange *x);
+
+/* Whether he who asks may do that; when not, it has been answered and *result is what to return. */
+bool exchange_permits(struct exchange *x, enum right right, int *result);
 struct lws *exchange_wsi(const struct exchange *x);
 
 /* The owner of a body that is being received or made. */
@@ -89,6 +100,10 @@ struct exchange_work {
 };
 void exchange_set_work(struct exchange *x, struct exchange_work work);
 struct exchange_work *exchange_get_work(struct exchange *x);
+
+/* listen.c */
+void listeners_open(struct net *net);
+void listeners_close(struct net *net);
 
 /* routes.c */
 int routes_serve(struct exchange *x, const char *path, size_t length, int method);

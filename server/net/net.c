@@ -60,7 +60,13 @@ static int on_upgrade(struct lws *wsi) {
         lws_return_http_status(wsi, HTTP_STATUS_NOT_FOUND, NULL);
         return -1;
     }
-    if (net->connections > net->options.connections) {
+    if (!guest_origin_allowed(net, wsi)) {
+        metrics_add(net->studio->metrics, METRIC_REFUSED_ORIGIN, 1);
+        lws_return_http_status(wsi, HTTP_STATUS_FORBIDDEN, NULL);
+        return -1;
+    }
+    if (net->draining || net->connections > net->options.connections) {
+        metrics_add(net->studio->metrics, METRIC_REFUSED_LIMIT, 1);
         lws_return_http_status(wsi, HTTP_STATUS_SERVICE_UNAVAILABLE, NULL);
         return -1;
     }
@@ -69,6 +75,9 @@ static int on_upgrade(struct lws *wsi) {
 
 static int on_connection(struct net *net, int change) {
     net->connections += (unsigned)change;
+    metrics_add(net->studio->metrics, METRIC_CONNECTIONS, change);
+    if (change > 0)
+        metrics_add(net->studio->metrics, METRIC_CONNECTIONS_TOTAL, 1);
     /* some room above the limit, so that a refusal can still be told */
     return change > 0 && net->connections > net->options.connections + 50 ? -1 : 0;
 }
@@ -154,8 +163,8 @@ static int listen_on(struct net *net, struct error *e) {
     static const lws_retry_bo_t idle = {.secs_since_valid_ping = 30, .secs_since_valid_hangup = 40};
     void *loops[] = {net->studio->loop};
     struct lws_context_creation_info info = {
-        .port = net->options.port ? net->options.port : 0,
-        .iface = net->options.host,
+        .port = net->options.listen_count ? CONTEXT_PORT_NO_LISTEN : net->options.port,
+        .iface = net->options.listen_count ? NULL : net->options.host,
         .protocols = protocols,
         .foreign_loops = loops,
         .options = LWS_SERVER_OPTION_LIBUV | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
@@ -169,6 +178,7 @@ static int listen_on(struct net *net, struct error *e) {
     lws_set_log_level(LLL_ERR | LLL_WARN, on_log);
     net->context = lws_create_context(&info);
     net->vhost = net->context ? lws_create_vhost(net->context, &info) : NULL;
+    listeners_open(net);
     if (!net->vhost)
         return error_set(e, "listen", "cannot listen on %s port %d (is another program there?)",
                          net->options.host, net->options.port);
@@ -176,9 +186,15 @@ static int listen_on(struct net *net, struct error *e) {
 }
 
 struct net *net_open(const struct studio *studio, const struct net_options *options, struct error *e) {
-    if (!options->remote && !is_loopback(options->host)) {
+    if (!options->remote && !options->listen_count && !is_loopback(options->host)) {
         error_in_field(e, "bad-field", "host",
                        "'%s' is not a loopback address; to be heard by other machines, say so with --remote",
+                       options->host);
+        return NULL;
+    }
+    if (options->remote && !options->secrets && !options->listen_count && !is_loopback(options->host)) {
+        error_in_field(e, "bad-field", "host",
+                       "'%s' can be reached by other machines: tokens are needed, so name a --token-file",
                        options->host);
         return NULL;
     }
@@ -187,10 +203,38 @@ struct net *net_open(const struct studio *studio, const struct net_options *opti
     net->studio = studio;
     if (assets_load(&net->assets, options->web, options->models, e) || listen_on(net, e)) {
         net_close(net);
+        uv_run(studio->loop, UV_RUN_DEFAULT); /* libwebsockets' handles are closed before the net is freed */
         net_free(net);
         return NULL;
     }
     return net;
+}
+
+void net_change(struct net *net, const struct net_options *options) {
+    struct net_options *o = &net->options;
+    o->origins = options->origins;
+    o->secrets = options->secrets;
+    o->text_bytes = options->text_bytes;
+    o->message_bytes = options->message_bytes;
+    o->queue = options->queue;
+    o->connections = options->connections;
+    o->address_connections = options->address_connections;
+    o->address_requests = options->address_requests;
+    o->send_bytes = options->send_bytes;
+    o->send_bytes_max = options->send_bytes_max;
+    o->stall_seconds = options->stall_seconds;
+}
+
+void net_drain(struct net *net) {
+    net->draining = true;
+}
+
+bool net_busy(const struct net *net) {
+    return net->works || sockets_busy(net);
+}
+
+void net_dismiss(struct net *net, const char *reason) {
+    sockets_dismiss(net, reason);
 }
 
 int net_port(const struct net *net) {
@@ -202,6 +246,7 @@ void net_set_ready(struct net *net) {
 }
 
 void net_close(struct net *net) {
+    listeners_close(net);
     if (net->context)
         lws_context_destroy(net->context);
 }
@@ -212,5 +257,6 @@ void net_free(struct net *net) {
     if (net->context)
         lws_context_destroy(net->context);
     assets_free(&net->assets);
+    tally_free(&net->tally);
     free(net);
 }

@@ -3,21 +3,28 @@
 #ifndef FACCIA_NET_NET_H
 #define FACCIA_NET_NET_H
 
+#include "server/access/token.h"
 #include "server/stream/stream.h"
 
 /* Every limit stands beside its default; protocol/README.md tells the clients. */
 struct net_options {
-    const char *host;         /* address to listen on; "127.0.0.1" */
-    int port;                 /* 8080; 0 = any free one */
-    bool remote;              /* allow a host that is not loopback; false */
-    const char *web, *models; /* folders */
-    unsigned text_bytes;      /* longest text of one speak or POST; 100000 */
-    unsigned message_bytes;   /* longest message of a client; 262144 */
-    unsigned queue;           /* utterances that wait on one stream; 32 */
-    unsigned connections;     /* open connections; 1000 */
-    unsigned send_bytes;      /* unsent bytes at which media to one client wait; 262144 */
-    unsigned send_bytes_max;  /* unsent bytes at which the client is closed as too slow; 4194304 */
-    unsigned stall_seconds;   /* a client that takes nothing for so long while bytes wait is closed; 10 */
+    const char *host;              /* address to listen on; "127.0.0.1" */
+    int port;                      /* 8080; 0 = any free one */
+    bool remote;                   /* allow a host that is not loopback, which needs secrets too; false */
+    const int *listen_fds;         /* sockets that are listened on already, instead of host and port; */
+    unsigned listen_count;         /* none */
+    char *const *origins;          /* pages that are let in, NULL-terminated; NULL = those of this machine */
+    const struct secrets *secrets; /* tokens are demanded; NULL = anybody may do all */
+    const char *web, *models;      /* folders */
+    unsigned text_bytes;           /* longest text of one speak or POST; 100000 */
+    unsigned message_bytes;        /* longest message of a client; 262144 */
+    unsigned queue;                /* utterances that wait on one stream; 32 */
+    unsigned connections;          /* open connections; 1000 */
+    unsigned address_connections;  /* of one address, or one token's subject; 0 = no limit of its own */
+    unsigned address_requests;     /* utterances and POSTs of such in a minute; 0 = no limit */
+    unsigned send_bytes;           /* unsent bytes at which media to one client wait; 262144 */
+    unsigned send_bytes_max;       /* unsent bytes at which the client is closed as too slow; 4194304 */
+    unsigned stall_seconds; /* a client that takes nothing for so long while bytes wait is closed; 10 */
 };
 
 extern const struct net_options net_defaults;
@@ -31,6 +38,18 @@ int net_port(const struct net *net);
 
 /* The voices are there: until then /healthz answers 503 and a speak fails with "voice-unavailable". */
 void net_set_ready(struct net *net);
+
+/* Takes the limits, origins and secrets of options; the rest stays as it is. */
+void net_change(struct net *net, const struct net_options *options);
+
+/* Takes no new connection and no new utterance. */
+void net_drain(struct net *net);
+
+/* Does anybody still hear something? */
+bool net_busy(const struct net *net);
+
+/* Tells all WebSocket clients goodbye with the reason; their connections close when that has left. */
+void net_dismiss(struct net *net, const char *reason);
 
 /* Closes all connections; then run the loop until it is empty and call net_free. */
 void net_close(struct net *net);

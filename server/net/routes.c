@@ -10,14 +10,25 @@ static json_t *models(const struct net *net) {
     return json_pack("{so}", "models", message_models(net));
 }
 
+static int metrics(struct exchange *x) {
+    struct buf text = {0};
+    metrics_write(exchange_net(x)->studio->metrics, &text);
+    int result = exchange_answer(x, 200, "text/plain; version=0.0.4", text.data, text.size);
+    buf_free(&text);
+    return result;
+}
+
 /* What answers where. A route has a JSON document to get, or takes a POST. */
 static const struct route {
     const char *path;
     json_t *(*get)(const struct net *net);
     int (*post)(struct exchange *x);
+    int (*answer)(struct exchange *x); /* to a GET, with something other than JSON */
+    enum right right;                  /* that is needed; 0 = none */
 } routes[] = {
-    {"/healthz", message_health, NULL}, {"/v1/voices", voices, NULL}, {"/v1/models", models, NULL},
-    {"/v1/speech", NULL, speech_post},  {"/v1/stream", NULL, NULL},
+    {"/healthz", message_health, NULL, NULL, 0}, {"/v1/voices", voices, NULL, NULL, 0},
+    {"/v1/models", models, NULL, NULL, 0},       {"/v1/speech", NULL, speech_post, NULL, RIGHT_SPEAK},
+    {"/v1/stream", NULL, NULL, NULL, 0},         {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE},
 };
 
 static const struct route *find(const char *path) {
@@ -29,6 +40,7 @@ static const struct route *find(const char *path) {
 
 int routes_serve(struct exchange *x, const char *uri, size_t length, int method) {
     struct net *net = exchange_net(x);
+    metrics_add(net->studio->metrics, METRIC_REQUESTS, 1);
     struct error e;
     char path[256] = "";
     if (length < sizeof path)
@@ -46,11 +58,20 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
         return exchange_allow(x, 204, methods);
     if (asset && get)
         return exchange_asset(x, asset);
+    int refusal;
+    if (route && !exchange_permits(x, get && !route->answer ? 0 : route->right, &refusal))
+        return refusal;
+    if (route && route->answer && get)
+        return route->answer(x);
+    if (net->draining && method == LWSHUMETH_POST) {
+        error_set(&e, "stopping", "the server is about to stop");
+        return exchange_error(x, 503, &e);
+    }
     if (route && route->get && get)
         return exchange_json(x, route->get == message_health && !net->ready ? 503 : 200, route->get(net));
     if (route && route->post && method == LWSHUMETH_POST)
         return route->post(x);
-    if (route && !route->get && !route->post && get) {
+    if (route && !route->get && !route->post && !route->answer && get) {
         error_set(&e, "upgrade-required", "this is the address of the WebSocket");
         return exchange_error(x, 426, &e);
     }

@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* So long a client may take to answer a goodbye. */
+enum { GOODBYE_SECONDS = 2 };
+
 /* A message on its way out; the bytes begin after room for the frame header. */
 struct outgoing {
     struct outgoing *next;
@@ -16,6 +19,8 @@ struct outgoing {
 struct socket {
     struct net *net;
     struct lws *wsi;
+    struct socket *next, **self; /* in the net's list */
+    struct guest guest;
     char name[24];
     struct stream *stream;
     struct speech_request defaults; /* from the address */
@@ -23,10 +28,12 @@ struct socket {
     bool too_long;                  /* its rest is being dropped */
     struct outgoing *first, **last;
     size_t unsent;
-    uint64_t progress;         /* loop time of the last message that left, or of the first that waits, ms */
-    bool watching;             /* the timer is set */
-    bool deaf;                 /* hears no more of one who does not listen, until he does */
-    bool doomed;               /* the client took nothing for too long */
+    uint64_t progress;  /* loop time of the last message that left, or of the first that waits, ms */
+    bool watching;      /* the timer is set */
+    bool deaf;          /* hears no more of one who does not listen, until he does */
+    const char *doomed; /* why the connection is to be closed */
+    enum lws_close_status doom;
+    bool closing;
     const struct model *model; /* being sent, part by part */
     size_t model_part;
 };
@@ -43,10 +50,20 @@ int socket_timer(struct socket *s) {
     s->watching = false;
     if (!s->first)
         return 0;
-    if (still >= (uint64_t)s->net->options.stall_seconds * 1000)
+    if (still >= (uint64_t)s->net->options.stall_seconds * 1000) {
+        metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
         return -1;
+    }
     watch_stall(s);
     return 0;
+}
+
+static void dismiss(struct socket *s, enum lws_close_status status, const char *reason) {
+    if (s->doomed)
+        return;
+    s->doomed = reason;
+    s->doom = status;
+    lws_callback_on_writable(s->wsi);
 }
 
 static void push(struct socket *s, struct outgoing *o, size_t size, enum lws_write_protocol type) {
@@ -64,8 +81,10 @@ static void push(struct socket *s, struct outgoing *o, size_t size, enum lws_wri
         s->deaf = true;
         lws_rx_flow_control(s->wsi, 0);
     }
-    if (s->unsent > s->net->options.send_bytes_max)
-        s->doomed = true;
+    if (s->unsent > s->net->options.send_bytes_max && !s->doomed) {
+        metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
+        dismiss(s, LWS_CLOSE_STATUS_POLICY_VIOLATION, "too-slow");
+    }
     lws_callback_on_writable(s->wsi);
 }
 
@@ -96,6 +115,10 @@ static void on_media(void *ctx, const struct chunk *chunk, const struct fap_fram
     size_t cap = CHUNK_HEADER_BYTES + chunk->audio_bytes + (size_t)chunk->frame_count * CHUNK_FRAME_BYTES_MAX;
     struct outgoing *o = mem_alloc(sizeof *o + LWS_PRE + cap);
     size_t size = chunk_encode(chunk, frames, o->bytes + LWS_PRE, cap);
+    struct metrics *metrics = s->net->studio->metrics;
+    metrics_add(metrics, METRIC_CHUNKS, 1);
+    metrics_add(metrics, METRIC_AUDIO_BYTES, chunk->audio_bytes);
+    metrics_add(metrics, METRIC_FAP_BYTES, (double)(size - chunk->audio_bytes));
     push(s, o, size, LWS_WRITE_BINARY);
 }
 
@@ -110,17 +133,31 @@ struct socket *socket_open(struct net *net, struct lws *wsi) {
     struct error e = {0};
     s->net = net;
     s->wsi = wsi;
+    s->next = net->sockets;
+    s->self = &net->sockets;
+    if (s->next)
+        s->next->self = &s->next;
+    net->sockets = s;
     s->last = &s->first;
     snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)++net->streams);
     request_init(&s->defaults);
     s->stream = stream_new(net->studio, &sink, s, net->options.queue);
     push_json(s, message_hello(net, s->name));
+    if (guest_enter(net, wsi, &s->guest, &e)) {
+        push_error(s, &e);
+        if (!s->guest.entered)
+            dismiss(s, LWS_CLOSE_STATUS_POLICY_VIOLATION, e.code);
+    }
     if (request_from_query(&s->defaults, wsi, NULL, &e))
         push_error(s, &e);
     return s;
 }
 
 void socket_close(struct socket *s) {
+    *s->self = s->next;
+    if (s->next)
+        s->next->self = s->self;
+    guest_leave(s->net, &s->guest);
     stream_free(s->stream);
     request_free(&s->defaults);
     buf_free(&s->message);
@@ -134,12 +171,15 @@ void socket_close(struct socket *s) {
 static void speak(struct socket *s, const struct speech_request *request) {
     unsigned limit = s->net->options.text_bytes;
     struct error e;
-    if (request->text_size <= limit) {
+    int refused = guest_may(s->net, &s->guest, RIGHT_SPEAK, NULL, &e) || guest_ask(s->net, &s->guest, &e);
+    if (!refused && s->net->draining)
+        refused = error_set(&e, "stopping", "the server is about to stop");
+    if (!refused && request->text_size > limit)
+        refused = error_in_field(&e, "text-too-long", "text", "a text may have %u bytes", limit);
+    if (refused)
+        stream_refuse(s->stream, request->id, &e);
+    else
         stream_speak(s->stream, request);
-        return;
-    }
-    error_in_field(&e, "text-too-long", "text", "a text may have %u bytes", limit);
-    stream_refuse(s->stream, request->id, &e);
 }
 
 static void speak_json(struct socket *s, const json_t *message) {
@@ -205,11 +245,25 @@ static void stop(struct socket *s, const json_t *message) {
     stream_stop(s->stream);
 }
 
+static void authorise(struct socket *s, const json_t *message) {
+    const char *token = json_string_value(json_object_get(message, "token"));
+    struct error e;
+    if (token ? guest_show(s->net, &s->guest, token, &e)
+              : error_in_field(&e, "missing-field", "token", "is missing"))
+        push_error(s, &e);
+    else
+        push_json(s, json_pack("{ss ss}", "type", "authorized", "subject", s->guest.token.subject));
+}
+
 static void dispatch(struct socket *s, const json_t *message) {
     static const struct {
         const char *type;
         void (*act)(struct socket *s, const json_t *message);
-    } types[] = {{"speak", speak_json}, {"stop", stop}, {"model", send_model}, {"ping", pong}};
+    } types[] = {{"speak", speak_json},
+                 {"stop", stop},
+                 {"model", send_model},
+                 {"ping", pong},
+                 {"authorize", authorise}};
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {
@@ -259,7 +313,7 @@ int socket_receive(struct socket *s, const char *data, size_t size) {
     if (!binary && !s->too_long)
         buf_add(&s->message, data, size);
     if (!whole)
-        return s->doomed ? -1 : 0;
+        return 0;
     struct error e;
     if (s->too_long) {
         error_set(&e, "message-too-long", "a message may have %u bytes", s->net->options.message_bytes);
@@ -272,14 +326,32 @@ int socket_receive(struct socket *s, const char *data, size_t size) {
     }
     buf_free(&s->message);
     s->too_long = false;
-    return s->doomed ? -1 : 0;
+    return 0;
+}
+
+/* What lws_close_reason does, had it a chance: with libuv, libwebsockets 4.1 closes a connection whose
+ * callback returned -1 twice, the second time without waiting for its close frame. So that frame (RFC
+ * 6455, 5.5.1) is written here, by the number that the library has for it, and the client's answer ends the
+ * connection. */
+static int say_goodbye(struct socket *s) {
+    enum { WRITE_CLOSE = 4, STATUS_BYTES = 2, REASON_BYTES = 64 };
+    uint8_t frame[LWS_PRE + STATUS_BYTES + REASON_BYTES], *payload = frame + LWS_PRE;
+    size_t size = strlen(s->doomed) < REASON_BYTES ? strlen(s->doomed) : REASON_BYTES;
+    payload[0] = (uint8_t)(s->doom >> 8);
+    payload[1] = (uint8_t)s->doom;
+    memcpy(payload + STATUS_BYTES, s->doomed, size);
+    lws_set_timeout(s->wsi, PENDING_TIMEOUT_CLOSE_ACK, GOODBYE_SECONDS);
+    return lws_write(s->wsi, payload, STATUS_BYTES + size, (enum lws_write_protocol)WRITE_CLOSE) < 0 ? -1 : 0;
 }
 
 int socket_writeable(struct socket *s) {
     struct outgoing *o = s->first;
-    if (s->doomed) {
-        lws_close_reason(s->wsi, LWS_CLOSE_STATUS_POLICY_VIOLATION, (unsigned char *)"too-slow", 8);
-        return -1;
+    if (s->closing)
+        return 0;
+    /* he who is too slow gets nothing more; others get what is on its way */
+    if (s->doomed && (!o || s->unsent > s->net->options.send_bytes_max)) {
+        s->closing = true;
+        return say_goodbye(s);
     }
     if (!o)
         return 0;
@@ -289,6 +361,7 @@ int socket_writeable(struct socket *s) {
     if (!s->first)
         s->last = &s->first;
     s->unsent -= o->size;
+    metrics_add(s->net->studio->metrics, METRIC_SENT_BYTES, (double)o->size);
     free(o);
     if (s->deaf && s->unsent <= s->net->options.send_bytes) {
         s->deaf = false;
@@ -297,7 +370,19 @@ int socket_writeable(struct socket *s) {
     s->progress = uv_now(s->net->studio->loop);
     if (!s->first && s->model)
         push_model_part(s);
-    if (s->first)
+    if (s->first || s->doomed)
         lws_callback_on_writable(s->wsi);
     return 0;
+}
+
+bool sockets_busy(const struct net *net) {
+    for (const struct socket *s = net->sockets; s; s = s->next)
+        if (s->first || stream_busy(s->stream))
+            return true;
+    return false;
+}
+
+void sockets_dismiss(struct net *net, const char *reason) {
+    for (struct socket *s = net->sockets; s; s = s->next)
+        dismiss(s, LWS_CLOSE_STATUS_GOINGAWAY, reason);
 }

@@ -96,6 +96,7 @@ static void play(struct speech *s, struct slot *slot) {
         warn(s, u->warnings[i]);
     struct face_options options = {.engine = s->request.engine,
                                    .still = s->request.still,
+                                   .life = 1,
                                    .seed = (uint64_t)s->request.seed,
                                    .begin = s->sample_rate ? (double)s->samples / s->sample_rate : 0};
     struct scene scene = {u, face_track_new(s->pack, u, &options, warn, s), s->samples};
@@ -133,6 +134,7 @@ static void deliver(struct speech *s) {
             slot->utterance = NULL;
             error_set(&slot->failure, "voice-failed", "%s", unfit);
         }
+        metrics_add(s->studio->metrics, slot->utterance ? METRIC_SENTENCES : METRIC_SENTENCES_FAILED, 1);
         if (slot->utterance) {
             play(s, slot);
         } else {

@@ -5,6 +5,7 @@
 #ifndef FACCIA_STREAM_SPEECH_H
 #define FACCIA_STREAM_SPEECH_H
 
+#include "server/base/metrics.h"
 #include "server/face/packs.h"
 #include "server/face/track.h"
 #include "server/stream/request.h"
@@ -16,6 +17,7 @@ struct studio {
     struct voice_pool *voices;
     const struct speech_packs *packs;
     const char *default_lang;
+    struct metrics *metrics; /* NULL = nobody counts */
 };
 
 /* One spoken sentence. The receiver of a scene owns it. */

@@ -18,6 +18,7 @@ struct turn {
     struct scene *scenes; /* the first is being cut */
     size_t scene_count, scene_cap;
     struct cut cut;
+    uint64_t asked; /* uv_hrtime of the request */
     bool started, begun, sentence_said;
     bool finished;              /* no further scene comes */
     size_t spoken;              /* scenes that came */
@@ -64,7 +65,15 @@ static void drop_scene(struct turn *t) {
 /* Ends the first turn. */
 static void end_turn(struct stream *s, const char *reason) {
     struct turn *t = s->turns;
+    struct metrics *metrics = s->studio->metrics;
     s->turns = t->next;
+    metrics_add(metrics,
+                *reason == 'd'   ? METRIC_UTTERANCES_DONE
+                : *reason == 's' ? METRIC_UTTERANCES_STOPPED
+                                 : METRIC_UTTERANCES_FAILED,
+                1);
+    if (t->sample_rate)
+        metrics_add(metrics, METRIC_SPEECH_SECONDS, (double)t->sent / t->sample_rate);
     if (s->waiting)
         s->waiting--;
     give(t, (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});
@@ -105,6 +114,7 @@ static const struct speech_callbacks speech_callbacks = {on_scene, on_problem, o
 
 static void say_begin(struct turn *t) {
     t->begun = true;
+    metrics_first_media(t->stream->studio->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->scenes[0].utterance->sample_rate;
     give(t, (struct stream_event){.kind = STREAM_BEGIN,
                                   .voice = speech_voice(t->speech)->id,
@@ -237,6 +247,7 @@ void stream_speak(struct stream *s, const struct speech_request *request) {
     }
     struct turn *t = mem_alloc(sizeof *t);
     t->stream = s;
+    t->asked = uv_hrtime();
     t->speech = speech_open(s->studio, request, &speech_callbacks, t, &e);
     if (!t->speech) {
         free(t);
@@ -252,6 +263,10 @@ void stream_speak(struct stream *s, const struct speech_request *request) {
         start(t);
     else
         s->waiting++;
+}
+
+bool stream_busy(const struct stream *s) {
+    return s->turns != NULL;
 }
 
 void stream_stop(struct stream *s) {

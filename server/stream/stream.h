@@ -59,6 +59,9 @@ void stream_speak(struct stream *stream, const struct speech_request *request);
 /* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END. */
 void stream_refuse(struct stream *stream, const char *id, const struct error *e);
 
+/* Does it speak, or does anything wait? */
+bool stream_busy(const struct stream *stream);
+
 /* Cuts the utterance that speaks and forgets those that wait; each gets its END. */
 void stream_stop(struct stream *stream);
 

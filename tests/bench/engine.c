@@ -44,7 +44,7 @@ static void on_finished(void *ctx, size_t spoken) {
 
 static long run(const struct bench *b, const struct speech_pack *pack, double fps, const char *engine) {
     long sum = 0; /* so that nothing is optimised away */
-    struct face_options options = {.seed = 1, .engine = engine};
+    struct face_options options = {.seed = 1, .life = 1, .engine = engine};
     for (size_t i = 0; i < b->count; i++) {
         const struct utterance *u = b->utterances[i];
         struct face_track *track = face_track_new(pack, u, &options, NULL, NULL);

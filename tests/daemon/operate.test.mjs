@@ -2,9 +2,10 @@
 // Starting and stopping the daemon as an operator does: options, refusals, signals.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
-import { test } from 'node:test';
+import { after, test } from 'node:test';
 import { build, Daemon } from '../lib/daemon.mjs';
 
 const facciad = (args) => {
@@ -21,8 +22,9 @@ test('help and version', () => {
 
 const refusals = [
   [['--host', '0.0.0.0', '--port', '0'], 1, /--remote/],
+  [['--host', '0.0.0.0', '--port', '0', '--remote'], 1, /--token-file/],
   [['--host', 'nowhere.invalid', '--port', '0'], 1, /loopback/],
-  [['--port', '70000'], 2, /--port: '70000' is not a number from 0 to 65535/],
+  [['--port', '70000'], 2, /--port: '70000' is not a whole number from 0 to 65535/],
   [['--port', 'x'], 2, /--port/],
   [['--workers', '0'], 2, /--workers/],
   [['--lang', 'xx', '--port', '0'], 1, /no language 'xx'/],
@@ -47,7 +49,7 @@ test('a port that is taken is told', async () => {
 });
 
 test('other machines are let in when it is said', async () => {
-  const daemon = await Daemon.start(['--host', '0.0.0.0', '--remote']);
+  const daemon = await Daemon.start(['--host', '0.0.0.0', '--remote', '--token-file', file('secret', 'x'.repeat(32))]);
   assert.equal((await daemon.get('/healthz')).status, 200);
   assert.equal((await daemon.stop()).code, 0);
 });
@@ -110,4 +112,161 @@ test('a reader that stands still holds nobody up, and is let go', async () => {
   await other.close();
   assert.ok(connections <= 2, 'the one that stands still was let go');
   assert.equal((await daemon.stop()).code, 0);
+});
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-operate-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+const file = (name, content) => {
+  const where = path.join(folder, name);
+  fs.writeFileSync(where, typeof content === 'string' ? content : JSON.stringify(content));
+  return where;
+};
+
+test('settings: the file, then the environment, then the options', () => {
+  const config = file('a.json', { limits: { text_bytes: 1000, queue: 5, connections: 7 }, access: { origins: ['https://a.example'] } });
+  const { status, stdout } = spawnSync(path.join(build, 'server/app/facciad'), ['--print-config', '--config', config, '--max-connections', '9'], {
+    encoding: 'utf8',
+    env: { ...process.env, FACCIA_MAX_QUEUE: '6', FACCIA_MAX_CONNECTIONS: '8' },
+  });
+  assert.equal(status, 0);
+  const { limits, access, listen } = JSON.parse(stdout);
+  assert.deepEqual([limits.text_bytes, limits.queue, limits.connections], [1000, 6, 9]);
+  assert.deepEqual(access.origins, ['https://a.example']);
+  assert.equal(listen.port, 8080);
+  // what is printed is a file that says the same
+  const again = facciad(['--print-config', '--config', file('b.json', stdout)]);
+  assert.deepEqual(JSON.parse(again.stdout), JSON.parse(stdout));
+});
+
+test('every option stands in the help with its member, and every member in the printed settings', () => {
+  const help = facciad(['--help']).stdout;
+  const printed = JSON.parse(facciad(['--print-config']).stdout);
+  const members = [...help.matchAll(/\[(\w+)\.(\w+)\]$/gm)].map(([, group, name]) => `${group}.${name}`);
+  assert.deepEqual(
+    members.sort(),
+    Object.entries(printed).flatMap(([group, all]) => Object.keys(all).map((name) => `${group}.${name}`)).sort(),
+  );
+});
+
+const wrongFiles = [
+  ['{"limits": {"text_bytes": "many"}}', /limits\.text_bytes: must be a number from 1 to 104857600/],
+  ['{"limits": {"text_bytes": 1.5}}', /limits\.text_bytes: '1\.5' is not a whole number/],
+  ['{"limits": {"text_byte": 1}}', /limits\.text_byte: there is no such setting/],
+  ['{"limits": 3}', /limits: must be an object/],
+  ['{"listen": {"remote": 1}}', /listen\.remote: must be true or false/],
+  ['{"access": {"origins": "x"}}', /access\.origins: must be a list/],
+  ['{"access": {"origins": [1]}}', /access\.origins: item 0/],
+  ['{"log": {"format": "xml"}}', /log\.format: 'xml' is not one of text\|json/],
+  ['{"voices": {"plugins": {"espeak": 1}}}', /voices\.plugins\.espeak: must be an object/],
+  ['{"limits":\n {"queue": }}', /:2:\d+: /],
+  ['[]', /must be an object/],
+];
+for (const [content, message] of wrongFiles)
+  test(`settings ${JSON.stringify(content)} are refused`, () => {
+    const { status, stderr } = facciad(['--port', '0', '--config', file('wrong.json', content)]);
+    assert.equal(status, 2);
+    assert.match(stderr, message);
+  });
+
+test('a file that is not there, and a wrong variable', () => {
+  assert.match(facciad(['--config', '/nowhere.json']).stderr, /\/nowhere\.json/);
+  const { status, stderr } = spawnSync(path.join(build, 'server/app/facciad'), [], { encoding: 'utf8', env: { ...process.env, FACCIA_PORT: 'x' } });
+  assert.equal(status, 2);
+  assert.match(stderr, /FACCIA_PORT: 'x'/);
+});
+
+test('SIGHUP: new limits count, wrong ones leave the old in force', async () => {
+  const config = file('live.json', { limits: { text_bytes: 10 } });
+  const daemon = await Daemon.start(['--config', config]);
+  const stream = await daemon.stream();
+  const says = async (id) => {
+    stream.send({ type: 'speak', id, lang: 'it', text: 'Buongiorno a tutti.' });
+    return (await stream.wait({ type: 'end', id })).reason;
+  };
+  assert.equal(await says('a'), 'failed');
+  file('live.json', { limits: { text_bytes: 100 } });
+  daemon.process.kill('SIGHUP');
+  await daemon.logged(/settings read anew/);
+  assert.equal(await says('b'), 'done');
+  file('live.json', '{');
+  daemon.process.kill('SIGHUP');
+  await daemon.logged(/settings stay as they were/);
+  assert.equal(await says('c'), 'done');
+  file('live.json', { limits: { text_bytes: 100 }, voices: { workers: 3 } });
+  daemon.process.kill('SIGHUP');
+  await daemon.logged(/after a restart only/);
+  assert.equal((await daemon.stop()).code, 0);
+});
+
+test('SIGTERM lets speech end, takes nothing new, and says goodbye', async () => {
+  const daemon = await Daemon.start(['--stop-seconds', '60']);
+  const stream = await daemon.stream();
+  stream.send({ type: 'speak', id: 'last', lang: 'it', text: 'Questa frase si sente fino alla fine.' });
+  await stream.until(() => stream.chunks.length > 0);
+  daemon.process.kill('SIGTERM');
+  await daemon.logged(/stopping/);
+  stream.send({ type: 'speak', id: 'late', lang: 'it', text: 'Troppo tardi.' });
+  await stream.wait({ type: 'error', id: 'late', code: 'stopping' });
+  await stream.wait({ type: 'end', id: 'last', reason: 'done' });
+  assert.deepEqual(await stream.closed, { code: 1001, reason: 'stopping' });
+  assert.deepEqual(await daemon.exited, { code: 0, signal: null });
+});
+
+test('SIGTERM cuts what is too long, and a second one does not wait', async () => {
+  const long = { type: 'speak', lang: 'it', text: 'Una frase lunga, che non finisce mai. '.repeat(50) };
+  for (const [seconds, times] of [['1', 1], ['3600', 2]]) {
+    const daemon = await Daemon.start(['--stop-seconds', seconds]);
+    const stream = await daemon.stream();
+    stream.send(long);
+    await stream.until(() => stream.chunks.length > 0);
+    for (let i = 0; i < times; i++) {
+      daemon.process.kill('SIGTERM');
+      await daemon.logged(/stopping/);
+    }
+    assert.deepEqual(await daemon.exited, { code: 0, signal: null });
+  }
+});
+
+test('log lines as JSON', async () => {
+  const daemon = await Daemon.start(['--log', 'json']).catch((error) => error);
+  assert.ok(daemon instanceof Daemon, String(daemon));
+  assert.equal((await daemon.stop()).code, 0);
+  const lines = daemon.log.trim().split('\n').map((line) => JSON.parse(line));
+  assert.ok(lines.some((line) => line.level === 'info' && /^ready: /.test(line.message)));
+  assert.ok(lines.every((line) => /^\d{4}-.*Z$/.test(line.time) && line.pid > 0));
+});
+
+test('as a service: the socket is given, and what happens is told', async () => {
+  // what systemd does: it listens, hands the socket over as descriptor 3, and hears datagrams
+  const script = `
+import os, socket, subprocess, sys, urllib.request, signal
+heard = socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM)
+path = sys.argv[1] + '/notify'
+heard.bind(path)
+heard.settimeout(20)
+server = socket.socket()
+server.bind(('127.0.0.1', 0))
+server.listen()
+def hand_over():
+    os.dup2(server.fileno(), 3)
+    os.set_inheritable(3, True)
+    os.environ['LISTEN_PID'] = str(os.getpid())
+env = dict(os.environ, LISTEN_FDS='1', NOTIFY_SOCKET=path)
+child = subprocess.Popen(['sh', '-c', 'LISTEN_PID=$$ exec "$0"', sys.argv[2]], env=env, pass_fds=[3], preexec_fn=hand_over)
+def wait(word):
+    while True:
+        text = heard.recv(4096).decode()
+        if word in text:
+            return
+wait('READY=1')
+print(urllib.request.urlopen('http://127.0.0.1:%d/healthz' % server.getsockname()[1]).status)
+child.send_signal(signal.SIGHUP)
+wait('RELOADING=1')
+wait('READY=1')
+child.terminate()
+wait('STOPPING=1')
+print(child.wait())
+`;
+  const { stdout, stderr } = spawnSync('python3', ['-c', script, folder, path.join(build, 'server/app/facciad')], { encoding: 'utf8', timeout: 60000 });
+  assert.equal(stdout, '200\n0\n', stderr);
 });

@@ -18,7 +18,8 @@ export class Daemon {
     daemon.log = '';
     daemon.process = spawn(path.join(build, 'server/app/facciad'), ['--port', '0', ...options], {
       stdio: ['ignore', 'ignore', 'pipe'],
-      env: { ...process.env, ...env },
+      // a test that is done does not wait for the speech's end
+      env: { FACCIA_STOP_SECONDS: '0', ...process.env, ...env },
     });
     daemon.exited = once(daemon.process, 'exit').then(([code, signal]) => ({ code, signal }));
     daemon.process.stderr.setEncoding('utf8').on('data', (text) => (daemon.log += text));

@@ -282,48 +282,9 @@ static void clamps_and_masks(void **state) {
     done(u);
 }
 
-static void lives_by_its_seed(void **state) {
-    struct utterance *u = utter("_.500", 1);
-    struct face_options options = {.seed = 7, .begin = 100};
-    struct face_track *a = face_track_new(*state, u, &options, NULL, NULL),
-                      *b = face_track_new(*state, u, &options, NULL, NULL);
-    options.begin = 110;
-    struct face_track *later = face_track_new(*state, u, &options, NULL, NULL);
-    options.seed = 8;
-    struct face_track *other = face_track_new(*state, u, &options, NULL, NULL);
-    struct fap_frame f, g;
-    int blinks = 0, differences = 0;
-    bool was_closed = false;
-    for (int i = 0; i < 25 * 600; i++) {
-        double t = i / 25.0;
-        face_track_sample(a, t, &f);
-        face_track_sample(b, t, &g);
-        assert_memory_equal(&f, &g, sizeof f);
-        face_track_sample(later, t - 10, &g);
-        for (int n = 3; n <= FAP_COUNT; n++)
-            assert_in_range(f.value[n] - g.value[n] + 1, 0, 2); /* the clock runs on over utterances */
-        face_track_sample(other, t - 10, &g);
-        differences += f.value[49] != g.value[49];
-        assert_int_equal(f.value[23], -f.value[49]); /* the eyes stay where they look */
-        assert_in_range(abs(f.value[48]) + abs(f.value[49]) + abs(f.value[50]), 0, 3 * 1745 * 2);
-        assert_int_equal(f.value[19], f.value[20]);
-        bool is_shut = f.value[19] > 700;
-        blinks += is_shut && !was_closed;
-        was_closed = is_shut;
-        assert_int_equal(f.value[3], 0);
-    }
-    assert_in_range(blinks, 10 * 17, 10 * 30);
-    assert_true(differences > 10000);
-    face_track_free(a);
-    face_track_free(b);
-    face_track_free(later);
-    face_track_free(other);
-    done(u);
-}
-
 static void begins_life_at_the_neutral_face(void **state) {
     struct utterance *u = utter("_.500", 1);
-    struct face_options options = {.seed = 7};
+    struct face_options options = {.life = 1, .seed = 7};
     struct face_track *track = face_track_new(*state, u, &options, NULL, NULL);
     struct fap_frame f;
     face_track_sample(track, 0, &f);
@@ -491,7 +452,6 @@ int main(void) {
         cmocka_unit_test(anticipates_rounding),
         cmocka_unit_test(samples_in_any_order),
         cmocka_unit_test(clamps_and_masks),
-        cmocka_unit_test(lives_by_its_seed),
         cmocka_unit_test(begins_life_at_the_neutral_face),
         cmocka_unit_test(blends_visemes),
         cmocka_unit_test(reports_unknown_phones_once),

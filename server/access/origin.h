@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Which pages may use the daemon: the Origin header (RFC 6454, 7) against a list. */
+#ifndef FACCIA_ACCESS_ORIGIN_H
+#define FACCIA_ACCESS_ORIGIN_H
+
+#include <stdbool.h>
+
+/* origin: what the browser sent; NULL = nothing was sent, as by programs that are no browsers: allowed. host:
+ * the request's Host header, whose own pages are allowed too; NULL where that must not count (a name that an
+ * attacker lets point to this machine makes page and host agree: DNS rebinding). list: NULL-terminated or
+ * NULL; "*" stands for all; a star in a host name for anything there. Where it is empty, pages from this
+ * machine are allowed. */
+bool origin_allowed(const char *origin, const char *host, char *const *list);
+
+#endif

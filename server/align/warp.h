@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Dynamic time warping (H. Sakoe and S. Chiba, IEEE Trans. ASSP 26, 1978) of a recording onto a reference of
+ * the same words: which moment of the recording is which of the reference. Between words the recording may
+ * pause where the reference does not, and run on where the reference pauses. */
+#ifndef FACCIA_ALIGN_WARP_H
+#define FACCIA_ALIGN_WARP_H
+
+#include "server/align/mfcc.h"
+
+struct warp_options {
+    /* Frames of the reference before which the recording may pause: the words' beginnings, in order. */
+    const size_t *gaps;
+    size_t gap_count;
+    bool open_end; /* the recording may go on after the reference's last frame */
+};
+
+/* at[j] for each frame j of the reference, and at[reference->count]: the frame of the recording at which it
+ * begins. Never decreases. Returns the mean distance along the path, or a negative number when the recording
+ * is too short to hold the reference (fewer than a third of its frames). Memory: about recording->count *
+ * (reference->count + gap_count) bytes. */
+double warp(const struct features *recording, const struct features *reference,
+            const struct warp_options *options, size_t *at);
+
+#endif

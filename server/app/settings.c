@@ -1,0 +1,156 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/app/settings.h"
+#include "server/app/settings_table.h"
+#include "server/base/mem.h"
+#include <getopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+void settings_free(struct settings *s) {
+    for (size_t i = 0; i < settings_count; i++)
+        setting_clear(s, &settings_table[i]);
+}
+
+static void set_defaults(struct settings *s, const struct paths *paths) {
+    struct error e;
+    for (size_t i = 0; i < settings_count; i++)
+        if (settings_table[i].value)
+            setting_from_text(s, &settings_table[i], settings_table[i].value, "", &e);
+    s->models = mem_strdup(paths->models);
+    s->web = mem_strdup(paths->web);
+    s->plugins = mem_strdup(paths->plugins);
+    s->worker = mem_strdup(paths->worker);
+}
+
+/* FACCIA_MAX_TEXT for --max-text. */
+static const char *variable(const struct setting *setting, char out[64]) {
+    snprintf(out, 64, "FACCIA_%s", setting->option);
+    for (char *c = out; *c; c++)
+        *c = *c == '-' ? '_' : *c >= 'a' && *c <= 'z' ? (char)(*c - 'a' + 'A') : *c;
+    return out;
+}
+
+static int read_environment(struct settings *s, struct error *e) {
+    char name[64];
+    for (size_t i = 0; i < settings_count; i++) {
+        const char *value = getenv(variable(&settings_table[i], name));
+        if (value && *value && setting_from_text(s, &settings_table[i], value, name, e))
+            return -1;
+    }
+    return 0;
+}
+
+enum { OPTION_HELP = 1000, OPTION_VERSION, OPTION_PRINT, OPTION_CONFIG };
+
+static int read_options(struct settings *s, struct settings_request *request, int argc, char **argv,
+                        bool only_request, struct error *e) {
+    struct option options[SETTINGS_MAX + 5] = {
+        {"help", 0, NULL, OPTION_HELP},
+        {"version", 0, NULL, OPTION_VERSION},
+        {"print-config", 0, NULL, OPTION_PRINT},
+        {"config", 1, NULL, OPTION_CONFIG},
+    };
+    for (size_t i = 0; i < settings_count; i++) {
+        const struct setting *setting = &settings_table[i];
+        options[4 + i] = (struct option){setting->option, setting->type != SETTING_FLAG, NULL, (int)i};
+    }
+    bool listed[SETTINGS_MAX] = {false};
+    char name[64];
+    optind = 1;
+    opterr = !only_request;
+    for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+        if (c == 'h' || c == OPTION_HELP)
+            request->help = true;
+        else if (c == OPTION_VERSION)
+            request->version = true;
+        else if (c == OPTION_PRINT)
+            request->print = true;
+        else if (c == OPTION_CONFIG)
+            request->file = optarg;
+        else if (c == '?')
+            return error_set(e, "bad-option", "try 'facciad --help'");
+        else if (!only_request) {
+            const struct setting *setting = &settings_table[c];
+            snprintf(name, sizeof name, "--%s", setting->option);
+            if (setting->type == SETTING_LIST && !listed[c])
+                setting_clear(s, setting);
+            listed[c] = true;
+            if (setting_from_text(s, setting, setting->type == SETTING_FLAG ? "true" : optarg, name, e))
+                return -1;
+        }
+    }
+    if (optind < argc)
+        return error_set(e, "bad-option", "unexpected '%s'; try 'facciad --help'", argv[optind]);
+    return 0;
+}
+
+int settings_read(struct settings *s, struct settings_request *request, int argc, char **argv,
+                  const struct paths *paths, struct error *e) {
+    *s = (struct settings){0};
+    *request = (struct settings_request){.file = getenv("FACCIA_CONFIG")};
+    set_defaults(s, paths);
+    /* The file is read first, so its name is looked for before all else; what is wrong is told later. */
+    (void)read_options(s, request, argc, argv, true, e);
+    if (request->help || request->version)
+        return 0;
+    if (request->file && *request->file && settings_from_file(s, request->file, e))
+        return -1;
+    if (read_environment(s, e))
+        return -1;
+    return read_options(s, request, argc, argv, false, e);
+}
+
+bool settings_need_restart(const struct settings *old, const struct settings *now) {
+    static const char *const groups[] = {"listen.", "speech.", "voices.", "paths."};
+    json_t *a = json_object(), *b = json_object();
+    for (size_t i = 0; i < settings_count; i++)
+        for (size_t g = 0; g < sizeof groups / sizeof *groups; g++)
+            if (!strncmp(settings_table[i].path, groups[g], strlen(groups[g]))) {
+                setting_to_json(old, &settings_table[i], a);
+                setting_to_json(now, &settings_table[i], b);
+            }
+    bool differ = !json_equal(a, b);
+    json_decref(a);
+    json_decref(b);
+    return differ;
+}
+
+/* The workers, which log too, inherit it. */
+void settings_apply_log(const struct settings *s) {
+    setenv("FACCIA_LOG", s->log, 1);
+}
+
+void settings_print(const struct settings *s, struct buf *out) {
+    json_t *root = json_object();
+    for (size_t i = 0; i < settings_count; i++)
+        setting_to_json(s, &settings_table[i], root);
+    char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+    buf_printf(out, "%s\n", text);
+    free(text);
+    json_decref(root);
+}
+
+void settings_help(struct buf *out) {
+    char name[64], option[64];
+    buf_printf(out, "Usage: facciad [OPTION]...\n"
+                    "Serves the talking head: a page, a WebSocket and HTTP (protocol/README.md says how).\n\n"
+                    "      --config FILE            settings as JSON; the members stand in brackets below\n"
+                    "      --print-config           print the settings in force as such a file, and exit\n"
+                    "  -h, --help                   print this and exit\n"
+                    "      --version                print the version and exit\n\n");
+    for (size_t i = 0; i < settings_count; i++) {
+        const struct setting *setting = &settings_table[i];
+        snprintf(option, sizeof option, "--%s%s%s", setting->option, setting->shape ? " " : "",
+                 setting->shape ? setting->shape : "");
+        buf_printf(out, "      %-24s %s", option, setting->help);
+        if (setting->type == SETTING_NUMBER || setting->type == SETTING_REAL)
+            buf_printf(out, ", %.12g to %.12g", setting->min, setting->max);
+        if (setting->value && *setting->value && setting->type != SETTING_FLAG)
+            buf_printf(out, " (%s)", setting->value);
+        buf_printf(out, " [%s]\n", setting->path);
+    }
+    buf_printf(out,
+               "\nEvery option can also be given in the environment, as %s for --%s, and so on; the file is\n"
+               "$FACCIA_CONFIG. Options override the environment, which overrides the file.\n",
+               variable(&settings_table[1], name), settings_table[1].option);
+}

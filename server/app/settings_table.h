@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Inside of the settings: the table, and one setting in and out of text and JSON. */
+#ifndef FACCIA_APP_SETTINGS_TABLE_H
+#define FACCIA_APP_SETTINGS_TABLE_H
+
+#include "server/app/settings.h"
+
+enum { SETTINGS_MAX = 64 };
+
+struct setting {
+    const char *path;   /* in the file: "limits.text_bytes" */
+    const char *option; /* "max-text" */
+    enum {
+        SETTING_STRING,
+        SETTING_NUMBER, /* whole */
+        SETTING_REAL,
+        SETTING_FLAG,
+        SETTING_LIST,   /* of strings; the option may be repeated, the variable has commas */
+        SETTING_OBJECT, /* as an option or variable: the name of a file */
+        SETTING_CHOICE, /* one of the words of shape, with | between */
+    } type;
+    size_t offset; /* in struct settings */
+    double min, max;
+    const char *value; /* default, as text; NULL = none */
+    const char *shape; /* "N", "FILE": for the help */
+    const char *help;
+};
+
+extern const struct setting settings_table[];
+extern const size_t settings_count;
+
+/* -1 with *e, whose field is name. */
+int setting_from_text(struct settings *s, const struct setting *setting, const char *text, const char *name,
+                      struct error *e);
+int settings_from_file(struct settings *s, const char *file, struct error *e);
+
+/* Puts it where its path says. */
+void setting_to_json(const struct settings *s, const struct setting *setting, json_t *root);
+void setting_clear(struct settings *s, const struct setting *setting);
+
+#endif

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the daemon counts, and its report in the text format of Prometheus (version 0.0.4). */
+#ifndef FACCIA_BASE_METRICS_H
+#define FACCIA_BASE_METRICS_H
+
+#include "server/base/buf.h"
+#include <stddef.h>
+
+/* The order of the table in metrics.c. */
+enum metric {
+    METRIC_CONNECTIONS,
+    METRIC_CONNECTIONS_TOTAL,
+    METRIC_REFUSED_LIMIT,
+    METRIC_REFUSED_ORIGIN,
+    METRIC_REFUSED_TOKEN,
+    METRIC_TOO_SLOW,
+    METRIC_REQUESTS,
+    METRIC_UTTERANCES_DONE,
+    METRIC_UTTERANCES_STOPPED,
+    METRIC_UTTERANCES_FAILED,
+    METRIC_SENTENCES,
+    METRIC_SENTENCES_FAILED,
+    METRIC_SPEECH_SECONDS,
+    METRIC_CHUNKS,
+    METRIC_AUDIO_BYTES,
+    METRIC_FAP_BYTES,
+    METRIC_SENT_BYTES,
+    METRIC_ROOMS,
+    METRIC_CACHE_HITS,
+    METRIC_CACHE_MISSES,
+    METRICS,
+};
+
+/* Seconds from an utterance's request to its first media. */
+enum { METRIC_BUCKETS = 10 };
+
+struct metrics {
+    double values[METRICS];
+    double first_media_sum;
+    unsigned long first_media[METRIC_BUCKETS + 1]; /* not cumulated; the last is beyond all bounds */
+};
+
+/* metrics may be NULL: nobody counts. */
+void metrics_add(struct metrics *metrics, enum metric metric, double by);
+void metrics_first_media(struct metrics *metrics, double seconds);
+
+void metrics_write(const struct metrics *metrics, struct buf *out);
+
+#endif

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/stream/opus_audio.h"
+#include "server/base/mem.h"
+#include <opus/opus.h>
+#include <soxr.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { BLOCK = 1024 };
+
+struct opus_audio {
+    OpusEncoder *encoder;
+    soxr_t resampler; /* NULL at 48 kHz */
+    int skip;
+    int16_t waiting[OPUS_PACKET_SAMPLES];
+    size_t waiting_count;
+    uint64_t in, coded; /* samples at 48 kHz that came in, and that are in packets */
+};
+
+static int open_encoder(struct opus_audio *o, unsigned bitrate) {
+    int error;
+    o->encoder = opus_encoder_create(OPUS_RATE, 1, OPUS_APPLICATION_VOIP, &error);
+    if (!o->encoder)
+        return -1;
+    opus_int32 skip = 0;
+    opus_encoder_ctl(o->encoder, OPUS_SET_BITRATE((opus_int32)bitrate));
+    opus_encoder_ctl(o->encoder, OPUS_SET_SIGNAL(OPUS_SIGNAL_VOICE));
+    opus_encoder_ctl(o->encoder, OPUS_SET_INBAND_FEC(0));
+    opus_encoder_ctl(o->encoder, OPUS_GET_LOOKAHEAD(&skip));
+    o->skip = skip;
+    return 0;
+}
+
+static int open_resampler(struct opus_audio *o, uint32_t rate) {
+    soxr_error_t error = NULL;
+    soxr_io_spec_t io = soxr_io_spec(SOXR_INT16_I, SOXR_INT16_I);
+    io.flags = SOXR_NO_DITHER; /* the same speech gives the same packets */
+    soxr_quality_spec_t quality = soxr_quality_spec(SOXR_MQ, 0);
+    if (rate != OPUS_RATE)
+        o->resampler = soxr_create(rate, OPUS_RATE, 1, &error, &io, &quality, NULL);
+    return error ? -1 : 0;
+}
+
+struct opus_audio *opus_audio_new(uint32_t sample_rate, unsigned bitrate) {
+    struct opus_audio *o = mem_alloc(sizeof *o);
+    if (open_encoder(o, bitrate) || open_resampler(o, sample_rate)) {
+        opus_audio_free(o);
+        return NULL;
+    }
+    return o;
+}
+
+void opus_audio_free(struct opus_audio *o) {
+    if (!o)
+        return;
+    if (o->encoder)
+        opus_encoder_destroy(o->encoder);
+    if (o->resampler)
+        soxr_delete(o->resampler);
+    free(o);
+}
+
+unsigned opus_audio_skip(const struct opus_audio *o) {
+    return (unsigned)o->skip;
+}
+
+static void put_packet(struct opus_audio *o, struct buf *out) {
+    uint8_t *at = buf_reserve(out, 2 + OPUS_PACKET_BYTES), packet[OPUS_PACKET_BYTES];
+    int size = opus_encode(o->encoder, o->waiting, OPUS_PACKET_SAMPLES, packet, OPUS_PACKET_BYTES);
+    if (size < 0)
+        size = 0; /* an empty packet: the decoder conceals it */
+    int length = 1;
+    at[0] = (uint8_t)size;
+    if (size >= 252) {
+        at[0] = (uint8_t)(252 + (size & 3));
+        at[1] = (uint8_t)((size - at[0]) >> 2);
+        length = 2;
+    }
+    memcpy(at + length, packet, (size_t)size);
+    out->size += (size_t)(length + size);
+    o->coded += OPUS_PACKET_SAMPLES;
+    o->waiting_count = 0;
+}
+
+/* Samples at 48 kHz. */
+static unsigned fill(struct opus_audio *o, const int16_t *pcm, size_t count, struct buf *out) {
+    unsigned packets = 0;
+    while (count) {
+        size_t room = OPUS_PACKET_SAMPLES - o->waiting_count, take = count < room ? count : room;
+        memcpy(o->waiting + o->waiting_count, pcm, take * sizeof *pcm);
+        o->waiting_count += take;
+        pcm += take;
+        count -= take;
+        if (o->waiting_count == OPUS_PACKET_SAMPLES) {
+            put_packet(o, out);
+            packets++;
+        }
+    }
+    return packets;
+}
+
+/* pcm NULL = no more comes: what the filter still holds. */
+static unsigned resample(struct opus_audio *o, const int16_t *pcm, size_t count, struct buf *out) {
+    int16_t block[BLOCK];
+    unsigned packets = 0;
+    for (;;) {
+        size_t used = 0, made = 0;
+        if (soxr_process(o->resampler, pcm, count, &used, block, BLOCK, &made))
+            return packets;
+        o->in += made;
+        packets += fill(o, block, made, out);
+        if (pcm) {
+            pcm += used;
+            count -= used;
+        }
+        if ((!pcm || !count) && made < BLOCK)
+            return packets;
+    }
+}
+
+unsigned opus_audio_add(struct opus_audio *o, const int16_t *pcm, size_t count, struct buf *out) {
+    if (!count)
+        return 0;
+    if (o->resampler)
+        return resample(o, pcm, count, out);
+    o->in += count;
+    return fill(o, pcm, count, out);
+}
+
+unsigned opus_audio_end(struct opus_audio *o, struct buf *out) {
+    static const int16_t silence[OPUS_PACKET_SAMPLES];
+    unsigned packets = o->resampler ? resample(o, NULL, 0, out) : 0;
+    while (o->coded < o->in + (unsigned)o->skip)
+        packets += fill(o, silence, OPUS_PACKET_SAMPLES - o->waiting_count, out);
+    return packets;
+}

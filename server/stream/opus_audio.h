@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Speech as Opus packets (RFC 6716) of 20 ms, for media chunks: mono, 48 kHz clock, no in-band FEC, no
+ * container. One encoder for one utterance. */
+#ifndef FACCIA_STREAM_OPUS_AUDIO_H
+#define FACCIA_STREAM_OPUS_AUDIO_H
+
+#include "server/base/buf.h"
+#include <stdint.h>
+
+enum {
+    OPUS_RATE = 48000,
+    OPUS_PACKET_SAMPLES = 960, /* 20 ms */
+    OPUS_BITRATE = 20000,      /* bit/s, variable */
+    OPUS_PACKET_BYTES = 400,   /* most that a packet may have */
+};
+
+struct opus_audio;
+
+/* For sound of that rate, 8000 to 192000 Hz. NULL when the libraries refuse. */
+struct opus_audio *opus_audio_new(uint32_t sample_rate, unsigned bitrate);
+void opus_audio_free(struct opus_audio *o);
+
+/* Samples at 48 kHz that a decoder drops at the utterance's beginning, so that the packets' sound begins with
+ * the first sample that was put in. */
+unsigned opus_audio_skip(const struct opus_audio *o);
+
+/* Takes samples and appends the packets that have become full, each after its length: one byte below 252, or
+ * two (RFC 6716, 3.2.1). Returns how many packets. */
+unsigned opus_audio_add(struct opus_audio *o, const int16_t *pcm, size_t count, struct buf *out);
+
+/* The rest, filled up with silence: after this all that was put in can be heard. */
+unsigned opus_audio_end(struct opus_audio *o, struct buf *out);
+
+#endif
