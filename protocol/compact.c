@@ -32,6 +32,17 @@ static bool get(const uint8_t **at, const uint8_t *end, uint32_t *value) {
     return false;
 }
 
+uint32_t compact_packets(const uint8_t *audio, size_t size) {
+    uint32_t count = 0;
+    for (size_t at = 0; at < size; count++) {
+        size_t length = audio[at++];
+        if (length >= 252 && at < size)
+            length += 4u * audio[at++];
+        at += length;
+    }
+    return count;
+}
+
 /* What the chunk after this one is, if nothing changes. */
 static void follow(struct compact *state, const struct chunk *chunk) {
     state->known = true;
@@ -55,6 +66,8 @@ size_t compact_write(struct compact *state, const struct chunk *c, bool begin, u
         n += put(out + n, c->fps_hundreds);
         n += put(out + n, c->start);
         n += put(out + n, c->first_frame);
+        if (c->audio_codec == CHUNK_AUDIO_OPUS)
+            n += put(out + n, c->first_packet);
     }
     if (samples)
         n += put(out + n, c->samples);
@@ -66,8 +79,10 @@ size_t compact_write(struct compact *state, const struct chunk *c, bool begin, u
 
 static const char *read_position(const uint8_t **at, const uint8_t *end, struct chunk *c) {
     uint32_t fps;
+    c->first_packet = 0;
     if (!get(at, end, &c->utterance) || !get(at, end, &c->sample_rate) || !get(at, end, &fps) ||
-        !get(at, end, &c->start) || !get(at, end, &c->first_frame))
+        !get(at, end, &c->start) || !get(at, end, &c->first_frame) ||
+        (c->audio_codec == CHUNK_AUDIO_OPUS && !get(at, end, &c->first_packet)))
         return "the position is cut short";
     if (!c->sample_rate || !fps || fps > UINT16_MAX)
         return "a rate that cannot be";
@@ -86,7 +101,7 @@ const char *compact_read(struct compact *state, const uint8_t *data, size_t size
     uint8_t flags = *at++;
     c.audio_codec = flags >> AUDIO_SHIFT & CODECS;
     c.fap_codec = flags >> FAP_SHIFT & CODECS;
-    if (c.audio_codec > CHUNK_AUDIO_OPUS || c.fap_codec > CHUNK_FAP_FBA)
+    if (c.audio_codec > CHUNK_AUDIO_OPUS || (c.fap_codec != CHUNK_FAP_NONE && c.fap_codec != CHUNK_FAP_FBA))
         return "a codec that is not known here";
     if (!(flags & POSITION) && !state->known)
         return "no chunk to begin with has come yet";
@@ -108,5 +123,7 @@ const char *compact_read(struct compact *state, const uint8_t *data, size_t size
     *fap_size = (size_t)(end - *fap);
     *chunk = c;
     follow(state, &c);
+    if (c.audio_codec == CHUNK_AUDIO_OPUS)
+        state->next.first_packet += compact_packets(c.audio, c.audio_bytes);
     return NULL;
 }

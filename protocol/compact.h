@@ -18,6 +18,9 @@ struct compact {
     struct chunk next; /* utterance, sample_rate, fps_hundreds, start, samples, first_frame of the next one */
 };
 
+/* How many Opus packets lie there; the last may be cut short. */
+uint32_t compact_packets(const uint8_t *audio, size_t size);
+
 /* Writes the header for a chunk whose audio and FAP bytes follow. begin: all that a reader needs to begin
  * here is said (it is by itself where the chunk does not follow from the one before). out has room for
  * COMPACT_HEADER_BYTES_MAX. Returns the number of bytes. */

@@ -34,7 +34,7 @@ export class CompactReader {
 
   /**
    * @param {ArrayBuffer|Uint8Array} data one message
-   * @returns the chunk as decodeChunk gives it; `audio` is an Int16Array for PCM, a list of packets for Opus, or null;
+   * @returns the chunk as decodeChunk gives it, and the number of its first Opus packet; `audio` is an Int16Array for PCM, a list of packets for Opus, or null;
    *   without frames (`missing` true) when the packets that they build on have not come
    */
   decode(data) {
@@ -58,11 +58,12 @@ export class CompactReader {
     if (flags < 0x80 || flags & 1) throw new ChunkError('not a compact chunk', 0);
     const audioCodec = (flags >> 4) & 3;
     const fapCodec = (flags >> 2) & 3;
-    if (audioCodec > AUDIO_OPUS || fapCodec > FAP_FBA) throw new ChunkError('a codec that is not known here', 0);
+    if (audioCodec > AUDIO_OPUS || (fapCodec !== FAP_NONE && fapCodec !== FAP_FBA)) throw new ChunkError('a codec that is not known here', 0);
     if (!(flags & 0x40) && !this.#next) throw new ChunkError('no chunk to begin with has come yet', 0);
     const chunk = { ...this.#next };
     if (flags & 0x40) {
       Object.assign(chunk, { utterance: number(), sampleRate: number(), fps: number() / 100, start: number(), firstFrame: number() });
+      chunk.firstPacket = audioCodec === AUDIO_OPUS ? number() : 0;
       if (!chunk.sampleRate || !chunk.fps || chunk.fps > 655.35) throw new ChunkError('a rate that cannot be', at);
       if (!(flags & 2)) throw new ChunkError('a position without a duration', at);
     }
@@ -72,7 +73,9 @@ export class CompactReader {
     if (audioBytes > bytes.length - at) throw new ChunkError('the audio is cut short', at);
     if (count && fapCodec === FAP_NONE) throw new ChunkError('frames without a codec', at);
     const audio = bytes.slice(at, at + audioBytes);
+    const packets = audioCodec === AUDIO_OPUS ? opusPackets(audio) : null;
     this.#next = {
+      firstPacket: chunk.firstPacket + (packets?.length ?? 0),
       utterance: chunk.utterance,
       sampleRate: chunk.sampleRate,
       fps: chunk.fps,
@@ -82,7 +85,7 @@ export class CompactReader {
     };
     chunk.audioCodec = audioCodec;
     chunk.fapCodec = fapCodec;
-    chunk.audio = audioCodec === AUDIO_SILENCE ? null : audioCodec === AUDIO_OPUS ? opusPackets(audio) : new Int16Array(audio.buffer, 0, audioBytes >> 1);
+    chunk.audio = packets ?? (audioCodec === AUDIO_SILENCE ? null : new Int16Array(audio.buffer, 0, audioBytes >> 1));
     this.#takeFrames(chunk, bytes.subarray(at + audioBytes), count);
     return chunk;
   }
