@@ -203,7 +203,11 @@ static int start(struct daemon *d, struct error *e) {
                                         .workers = s->workers,
                                         .deadline_base = s->deadline_base,
                                         .deadline_per_byte = s->deadline_per_byte,
-                                        .config = d->voice_config};
+                                        .config = d->voice_config,
+                                        .cache = {.bytes = (size_t)s->cache_megabytes << 20,
+                                                  .file = s->cache_file,
+                                                  .file_bytes = (uint64_t)s->cache_file_megabytes << 20},
+                                        .metrics = &d->metrics};
     d->studio.voices = voice_pool_open(&d->loop, &voices, on_ready, d, e);
     if (!d->studio.voices)
         return -1;

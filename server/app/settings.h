@@ -19,7 +19,9 @@ struct settings {
     char *lang;
     unsigned workers;
     double deadline_base, deadline_per_byte; /* s */
-    json_t *voices;                          /* plugin name -> its own configuration */
+    unsigned cache_megabytes, cache_file_megabytes;
+    char *cache_file;
+    json_t *voices; /* plugin name -> its own configuration */
     unsigned text_bytes, message_bytes, queue, connections, address_connections, address_requests;
     unsigned send_bytes, send_bytes_max;
     unsigned stall_seconds, stop_seconds;

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* A sentence above this would not fit a frame. */
@@ -48,6 +49,8 @@ struct voice_job *pool_next_job(struct plugin *plugin) {
 static void free_job(struct voice_job *job) {
     assembly_free(job->assembly);
     plan_free(&job->plan);
+    buf_free(&job->key);
+    buf_free(&job->spoken);
     free(job);
 }
 
@@ -62,6 +65,12 @@ void pool_job_end(struct voice_job *job, struct utterance *u, const struct error
         callbacks.done(ctx, u);
     else
         callbacks.failed(ctx, e);
+}
+
+static void queue_job(struct voice_job *job) {
+    push(&job->plugin->waiting, job);
+    for (size_t i = 0; i < job->plugin->worker_count && !job->worker; i++)
+        worker_wake(&job->plugin->workers[i]);
 }
 
 static void fail_all(struct job_queue *queue, const char *code, const char *why) {
@@ -85,8 +94,61 @@ static bool runs(const struct plugin *plugin) {
     return false;
 }
 
+void pool_job_said(struct voice_job *job, const struct wire_frame *frame) {
+    struct voice_cache *cache = job->plugin->pool->cache;
+    if (!cache || job->uncacheable)
+        return;
+    if (job->spoken.size + frame->size + WIRE_HEADER_BYTES > cache_value_max(cache)) {
+        job->uncacheable = true;
+        buf_free(&job->spoken);
+        return;
+    }
+    size_t place = wire_begin(&job->spoken, frame->type, 0);
+    buf_add(&job->spoken, frame->data, frame->size);
+    wire_end(&job->spoken, place);
+}
+
+void pool_job_spoken(struct voice_job *job) {
+    struct voice_cache *cache = job->plugin->pool->cache;
+    if (cache && !job->uncacheable && job->spoken.size)
+        cache_put(cache, &job->key, &job->spoken);
+}
+
+/* Says again what the worker once said; a value that cannot be used (it lay on a disk) is spoken anew. */
+static void recall(struct voice_job *job) {
+    struct wire_frame frame;
+    struct error e;
+    size_t used;
+    const uint8_t *at = job->spoken.data, *end = at + job->spoken.size;
+    int state = 0;
+    job->assembly = assembly_new(&job->plan);
+    while (at < end && (state = wire_next(at, (size_t)(end - at), &frame, &used)) == 1) {
+        if (frame.type == WIRE_AUDIO
+                ? assembly_audio(job->assembly, &frame, &e)
+                : frame.type != WIRE_EVENTS || assembly_events(job->assembly, &frame, &e))
+            break;
+        at += used;
+    }
+    if (at == end) {
+        pool_job_end(job, assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate), NULL);
+        return;
+    }
+    assembly_free(job->assembly);
+    job->assembly = NULL;
+    job->spoken.size = 0;
+    if (runs(job->plugin))
+        queue_job(job);
+    else
+        push(&job->plugin->pool->doomed, job);
+}
+
 static void on_soon(uv_timer_t *timer) {
     struct voice_pool *pool = timer->data;
+    while (pool->known.first) {
+        struct voice_job *job = pool->known.first;
+        take_out(job);
+        recall(job);
+    }
     fail_all(&pool->doomed, "voice-failed", "does not run, or not for a sentence as long as this");
 }
 
@@ -128,6 +190,10 @@ static int find_plugins(struct voice_pool *pool, const struct voice_pool_options
         plugin->config = config_of(config, plugin->name);
         plugin->path = mem_alloc(strlen(options->plugin_dir) + strlen(entry->d_name) + 2);
         sprintf(plugin->path, "%s/%s", options->plugin_dir, entry->d_name);
+        struct stat file = {0};
+        stat(plugin->path, &file);
+        snprintf(plugin->edition, sizeof plugin->edition, "%lld.%09ld", (long long)file.st_mtim.tv_sec,
+                 file.st_mtim.tv_nsec);
     }
     if (folder)
         closedir(folder);
@@ -158,6 +224,7 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
     pool->worker_path = mem_strdup(options->worker);
     pool->deadline_base = options->deadline_base > 0 ? options->deadline_base : 10;
     pool->deadline_per_byte = options->deadline_per_byte > 0 ? options->deadline_per_byte : 0.05;
+    pool->metrics = options->metrics;
     pool->retry_after = options->retry_after > 0 ? options->retry_after : 60;
     pool->ready = ready;
     pool->ready_ctx = ctx;
@@ -169,6 +236,7 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
         return NULL;
     }
     signal(SIGPIPE, SIG_IGN);
+    pool->cache = cache_open(loop, &options->cache);
     uv_timer_init(loop, &pool->soon);
     pool->soon.data = pool;
     pool->open_handles = 1;
@@ -208,6 +276,9 @@ void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *
         fail_all(&plugin->waiting, "cancelled", "is shut down");
     }
     fail_all(&pool->doomed, "cancelled", "is shut down");
+    fail_all(&pool->known, "cancelled", "is shut down");
+    cache_close(pool->cache);
+    pool->cache = NULL;
 }
 
 static struct plugin *plugin_of(struct voice_pool *pool, const struct voice *voice) {
@@ -215,6 +286,21 @@ static struct plugin *plugin_of(struct voice_pool *pool, const struct voice *voi
     while (strcmp(pool->plugins[i].name, voice->plugin) != 0)
         i++;
     return &pool->plugins[i];
+}
+
+/* Makes the key: all that the worker is told, and which worker it is. True when the cache has the sentence.
+ */
+static bool look_up(struct voice_job *job) {
+    struct voice_pool *pool = job->plugin->pool;
+    const struct faccia_sentence sentence = {job->voice->id, job->plan.spans, job->plan.span_count};
+    wire_put_string(&job->key, job->plugin->edition);
+    wire_put_string(&job->key, job->plugin->config);
+    wire_put_sentence(&job->key, &sentence);
+    const struct buf *value = cache_get(pool->cache, &job->key);
+    metrics_add(pool->metrics, value ? METRIC_CACHE_HITS : METRIC_CACHE_MISSES, 1);
+    if (value)
+        buf_add(&job->spoken, value->data, value->size);
+    return value != NULL;
 }
 
 struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_request *request,
@@ -232,15 +318,14 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
     job->callbacks = *callbacks;
     job->ctx = ctx;
     plan_make(&job->plan, request->score, request->sentence, &prosody);
-    if (!runs(job->plugin) || job->plan.text_bytes > TEXT_BYTES_MAX || pool->closing) {
+    if (pool->cache && look_up(job))
+        push(&pool->known, job);
+    else if (!runs(job->plugin) || job->plan.text_bytes > TEXT_BYTES_MAX || pool->closing)
         push(&pool->doomed, job);
-        if (!pool->closing)
-            uv_timer_start(&pool->soon, on_soon, 0, 0);
-        return job;
-    }
-    push(&job->plugin->waiting, job);
-    for (size_t i = 0; i < job->plugin->worker_count && !job->worker; i++)
-        worker_wake(&job->plugin->workers[i]);
+    if (!job->queue)
+        queue_job(job);
+    else if (!pool->closing)
+        uv_timer_start(&pool->soon, on_soon, 0, 0);
     return job;
 }
 

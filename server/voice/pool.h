@@ -5,7 +5,9 @@
 #define FACCIA_VOICE_POOL_H
 
 #include "server/base/error.h"
+#include "server/base/metrics.h"
 #include "server/markup/score.h"
+#include "server/voice/cache.h"
 #include "server/voice/utterance.h"
 #include <stdbool.h>
 #include <uv.h>
@@ -22,6 +24,8 @@ struct voice_pool_options {
     double deadline_base, deadline_per_byte;
     double retry_after; /* a plugin that does not start is tried again after so many seconds, default 60 */
     const char *config; /* JSON object: plugin name -> its own configuration object; NULL = {} */
+    struct cache_options cache; /* what is kept of finished sentences; all 0 = nothing */
+    struct metrics *metrics;    /* NULL = nobody counts */
 };
 
 /* A voice as the world sees it. Strings live as long as the pool. */

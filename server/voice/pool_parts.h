@@ -6,6 +6,7 @@
 #include "server/voice/assemble.h"
 #include "server/voice/plan.h"
 #include "server/voice/pool.h"
+#include "server/voice/wire.h"
 
 /* First in, first out. */
 struct job_queue {
@@ -23,6 +24,9 @@ struct voice_job {
     const struct voice *voice;
     struct plan plan;
     struct assembly *assembly;
+    struct buf key;    /* of the cache; empty without one */
+    struct buf spoken; /* what the worker has said, for the cache; given up when it grows too large */
+    bool uncacheable;
     struct voice_callbacks callbacks;
     void *ctx;
 };
@@ -49,6 +53,7 @@ struct worker {
 struct plugin {
     struct voice_pool *pool;
     char *name, *path, *config;
+    char edition[48]; /* changes when the plugin's file does */
     struct worker *workers;
     size_t worker_count;
     struct job_queue waiting; /* sentences, oldest first */
@@ -70,8 +75,11 @@ struct voice_pool {
     size_t plugin_count;
     struct catalog catalog;
     uint32_t last_job;
-    struct job_queue doomed; /* sentences that cannot be spoken and wait for the callback, */
-    uv_timer_t soon;         /* which may not come inside voice_pool_speak */
+    struct job_queue doomed;   /* sentences that cannot be spoken and wait for the callback, */
+    struct job_queue known;    /* sentences that were found in the cache and wait for theirs, */
+    uv_timer_t soon;           /* which may not come inside voice_pool_speak */
+    struct voice_cache *cache; /* NULL = none */
+    struct metrics *metrics;
     void (*ready)(void *ctx);
     void *ready_ctx;
     bool is_ready;
@@ -89,6 +97,10 @@ struct voice_job *
 pool_next_job(struct plugin *plugin);             /* the sentence to be spoken next, taken from the queue */
 void pool_fail_waiting(struct plugin *plugin);    /* when no worker of it will come */
 void pool_handle_closed(struct voice_pool *pool); /* one of open_handles */
+
+/* What the worker said about the sentence: kept for the cache, if there is one. */
+void pool_job_said(struct voice_job *job, const struct wire_frame *frame);
+void pool_job_spoken(struct voice_job *job); /* all of it, and without a failure */
 
 /* worker.c */
 void worker_open(struct worker *worker, struct plugin *plugin);

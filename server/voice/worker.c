@@ -142,8 +142,10 @@ static void done(struct worker *w, struct wire_reader *r) {
     else if (failed)
         error_set(&e, "voice-failed", "the voice %s failed: %s", w->plugin->name,
                   message && *message ? message : "it does not say why");
-    else
+    else {
         u = assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate);
+        pool_job_spoken(job);
+    }
     set_state(w, WORKER_IDLE, 0);
     end_job(w, u, failed ? &e : NULL);
     worker_wake(w);
@@ -177,6 +179,8 @@ static void said(void *ctx, const struct wire_frame *frame) {
         result = w->job->cancelled ? 0 : assembly_events(w->job->assembly, frame, &e);
     else
         result = error_set(&e, "voice-failed", "sent garbage");
+    if (!result && w->job && (frame->type == WIRE_AUDIO || frame->type == WIRE_EVENTS))
+        pool_job_said(w->job, frame);
     if (result < 0)
         lose(w, e.code, e.message, false);
 }

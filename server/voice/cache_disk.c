@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/voice/cache_disk.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include <sqlite3.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+#include <unistd.h>
+
+/* Values that may wait to be written. */
+enum { WAITING_MAX = 64, BUSY_MS = 1000 };
+
+/* The schema's number; a file of another is begun anew. */
+#define SCHEMA 1
+#define SCHEMA_TEXT "1"
+
+struct write {
+    struct write *next;
+    struct buf key, value;
+};
+
+struct cache_disk {
+    uv_loop_t *loop;
+    sqlite3 *reader, *writer; /* each used by one thread at a time */
+    sqlite3_stmt *get;
+    uint64_t room;
+    struct write *waiting;
+    unsigned waiting_count;
+    uv_work_t work;
+    struct write *writing; /* in the thread pool */
+    int result;            /* of the last write */
+    char *file;
+    bool damaged; /* seen so; it is begun anew when nobody writes */
+    bool complained, closing;
+};
+
+static int run(sqlite3 *db, const char *sql) {
+    return sqlite3_exec(db, sql, NULL, NULL, NULL);
+}
+
+static int schema_of(sqlite3 *db) {
+    sqlite3_stmt *statement = NULL;
+    int number = -1;
+    if (sqlite3_prepare_v2(db, "PRAGMA user_version", -1, &statement, NULL) == SQLITE_OK &&
+        sqlite3_step(statement) == SQLITE_ROW)
+        number = sqlite3_column_int(statement, 0);
+    sqlite3_finalize(statement);
+    return number;
+}
+
+/* Write-ahead logging: a crash loses the last sentences at most, and a reader never waits for a writer. */
+static int prepare(sqlite3 *db) {
+    sqlite3_busy_timeout(db, BUSY_MS);
+    int number = schema_of(db);
+    if (number != 0 && number != SCHEMA)
+        return SQLITE_CORRUPT;
+    return run(db, "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;"
+                   "CREATE TABLE IF NOT EXISTS sentence (key BLOB PRIMARY KEY, value BLOB NOT NULL, "
+                   "bytes INTEGER NOT NULL, used INTEGER NOT NULL) WITHOUT ROWID;"
+                   "CREATE INDEX IF NOT EXISTS sentence_used ON sentence (used, bytes);"
+                   "PRAGMA user_version=" SCHEMA_TEXT ";");
+}
+
+static int open_both(struct cache_disk *disk) {
+    int result = sqlite3_open(disk->file, &disk->writer);
+    if (result == SQLITE_OK)
+        result = prepare(disk->writer);
+    if (result == SQLITE_OK)
+        result = sqlite3_open_v2(disk->file, &disk->reader, SQLITE_OPEN_READONLY, NULL);
+    if (result == SQLITE_OK)
+        result = sqlite3_prepare_v2(disk->reader, "SELECT value FROM sentence WHERE key = ?", -1, &disk->get,
+                                    NULL);
+    return result;
+}
+
+static void close_both(struct cache_disk *disk) {
+    sqlite3_finalize(disk->get);
+    sqlite3_close(disk->reader);
+    sqlite3_close(disk->writer);
+    disk->get = NULL;
+    disk->reader = disk->writer = NULL;
+}
+
+static void remove_file(const char *file) {
+    static const char *const ends[] = {"", "-wal", "-shm"};
+    char path[4096];
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        snprintf(path, sizeof path, "%s%s", file, ends[i]);
+        unlink(path);
+    }
+}
+
+static bool is_damage(int result) {
+    return result == SQLITE_CORRUPT || result == SQLITE_NOTADB;
+}
+
+/* While nobody writes. */
+static int begin_anew(struct cache_disk *disk) {
+    log_warn("the cache %s is damaged or of another version; it is begun anew", disk->file);
+    close_both(disk);
+    remove_file(disk->file);
+    disk->damaged = false;
+    return open_both(disk);
+}
+
+static void destroy(struct cache_disk *disk) {
+    close_both(disk);
+    free(disk->file);
+    free(disk);
+}
+
+struct cache_disk *cache_disk_open(uv_loop_t *loop, const char *file, uint64_t bytes) {
+    struct cache_disk *disk = mem_alloc(sizeof *disk);
+    *disk = (struct cache_disk){.loop = loop, .room = bytes, .file = mem_strdup(file)};
+    int result = open_both(disk);
+    if (is_damage(result))
+        result = begin_anew(disk);
+    if (result != SQLITE_OK) {
+        log_warn("no cache on disk: %s: %s", file, sqlite3_errstr(result));
+        destroy(disk);
+        return NULL;
+    }
+    disk->work.data = disk;
+    return disk;
+}
+
+static void free_write(struct write *w) {
+    buf_free(&w->key);
+    buf_free(&w->value);
+    free(w);
+}
+
+static sqlite3_int64 now_ms(void) {
+    struct timespec now;
+    clock_gettime(CLOCK_REALTIME, &now);
+    return (sqlite3_int64)now.tv_sec * 1000 + now.tv_nsec / 1000000;
+}
+
+static int write_one(struct cache_disk *disk, const struct write *w) {
+    sqlite3_stmt *put = NULL, *trim = NULL;
+    if (!disk->writer)
+        return SQLITE_CANTOPEN;
+    int result = sqlite3_prepare_v2(disk->writer,
+                                    "INSERT OR REPLACE INTO sentence (key, value, bytes, used) "
+                                    "VALUES (?1, ?2, ?3, ?4)",
+                                    -1, &put, NULL);
+    if (result == SQLITE_OK) {
+        sqlite3_bind_blob64(put, 1, w->key.data, w->key.size, SQLITE_STATIC);
+        sqlite3_bind_blob64(put, 2, w->value.data, w->value.size, SQLITE_STATIC);
+        sqlite3_bind_int64(put, 3, (sqlite3_int64)(w->key.size + w->value.size));
+        sqlite3_bind_int64(put, 4, now_ms());
+        result = sqlite3_step(put);
+    }
+    sqlite3_finalize(put);
+    /* the oldest go: all that have more than the room in newer ones */
+    if (result == SQLITE_DONE)
+        result = sqlite3_prepare_v2(
+            disk->writer,
+            "DELETE FROM sentence WHERE (SELECT sum(bytes) FROM sentence) > ?1 AND key IN "
+            "(SELECT key FROM (SELECT key, sum(bytes) OVER (ORDER BY used DESC, key) AS total "
+            "FROM sentence) WHERE total > ?1)",
+            -1, &trim, NULL);
+    if (result == SQLITE_OK) {
+        sqlite3_bind_int64(trim, 1, (sqlite3_int64)disk->room);
+        result = sqlite3_step(trim);
+    }
+    sqlite3_finalize(trim);
+    return result == SQLITE_DONE ? SQLITE_OK : result;
+}
+
+static void in_thread(uv_work_t *work) {
+    struct cache_disk *disk = work->data;
+    disk->result = write_one(disk, disk->writing);
+}
+
+static void next_write(struct cache_disk *disk);
+
+static void on_written(uv_work_t *work, int status) {
+    struct cache_disk *disk = work->data;
+    disk->damaged |= is_damage(disk->result);
+    if (!status && disk->result != SQLITE_OK && !disk->complained && !disk->damaged) {
+        log_warn("the cache on disk takes no more: %s", sqlite3_errstr(disk->result));
+        disk->complained = true;
+    }
+    free_write(disk->writing);
+    disk->writing = NULL;
+    if (disk->damaged)
+        begin_anew(disk);
+    next_write(disk);
+}
+
+static void next_write(struct cache_disk *disk) {
+    struct write *w = disk->waiting;
+    if (disk->writing)
+        return;
+    if (!w) {
+        if (disk->closing)
+            destroy(disk);
+        return;
+    }
+    disk->waiting = w->next;
+    disk->waiting_count--;
+    disk->writing = w;
+    uv_queue_work(disk->loop, &disk->work, in_thread, on_written);
+}
+
+void cache_disk_put(struct cache_disk *disk, const struct buf *key, const struct buf *value) {
+    if (disk->waiting_count >= WAITING_MAX)
+        return;
+    struct write *w = mem_alloc(sizeof *w), **last = &disk->waiting;
+    buf_add(&w->key, key->data, key->size);
+    buf_add(&w->value, value->data, value->size);
+    while (*last)
+        last = &(*last)->next;
+    *last = w;
+    disk->waiting_count++;
+    next_write(disk);
+}
+
+void cache_disk_close(struct cache_disk *disk) {
+    if (!disk)
+        return;
+    disk->closing = true;
+    next_write(disk);
+}
+
+bool cache_disk_get(struct cache_disk *disk, const struct buf *key, struct buf *value) {
+    if (!disk->get)
+        return false;
+    sqlite3_bind_blob64(disk->get, 1, key->data, key->size, SQLITE_STATIC);
+    int result = sqlite3_step(disk->get);
+    bool found = result == SQLITE_ROW;
+    disk->damaged |= is_damage(result);
+    if (found)
+        buf_add(value, sqlite3_column_blob(disk->get, 0), (size_t)sqlite3_column_bytes(disk->get, 0));
+    sqlite3_reset(disk->get);
+    if (disk->damaged && !disk->writing)
+        begin_anew(disk);
+    return found;
+}

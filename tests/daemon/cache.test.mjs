@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What was spoken once is not spoken again, in this process and in the next.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { Daemon } from '../lib/daemon.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-cache-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+
+const text = 'Il mare era calmo. La barca partì. Il mare era calmo.';
+const say = async (daemon, query = 'lang=it', what = text) => {
+  const answers = await Promise.all(
+    ['wav', 'json'].map((format) => daemon.get(`/v1/speech?${query}&format=${format}`, { method: 'POST', body: what, headers: { 'content-type': 'text/plain' } })),
+  );
+  assert.ok(answers.every((answer) => answer.ok));
+  return { wav: Buffer.from(await answers[0].arrayBuffer()), json: await answers[1].json() };
+};
+const counts = async (daemon) => {
+  const metrics = await (await daemon.get('/metrics')).text();
+  return ['hit', 'miss'].map((result) => Number(metrics.match(new RegExp(`^faccia_cache_total\\{result="${result}"\\} (.*)$`, 'm'))[1]));
+};
+
+test('the same sentence is the same sound, to the sample, with its words in their new places', async () => {
+  const daemon = await Daemon.start();
+  const first = await say(daemon);
+  const [hits, misses] = await counts(daemon);
+  const second = await say(daemon);
+  assert.deepEqual(second.wav, (await say(daemon)).wav);
+  assert.deepEqual(await counts(daemon), [hits + 12, misses]);
+  assert.deepEqual(second.json.words.map((w) => w.text), first.json.words.map((w) => w.text));
+  // elsewhere in a text, a word is at its own place
+  const moved = await say(daemon, 'lang=it', `Prima di tutto. ${text}`);
+  const sea = moved.json.words.filter((w) => w.text === 'mare');
+  assert.equal(sea.length, 2);
+  assert.ok(sea[1].start > sea[0].start);
+  // what sounds different is another sentence
+  const [, before] = await counts(daemon);
+  await say(daemon, 'lang=it&rate=250');
+  await say(daemon, 'lang=it&pitch=1.5');
+  await say(daemon, 'lang=tr');
+  assert.ok((await counts(daemon))[1] >= before + 6);
+  assert.equal((await daemon.stop()).code, 0);
+});
+
+test('without a cache every sentence is spoken', async () => {
+  const daemon = await Daemon.start(['--cache', '0']);
+  await say(daemon);
+  await say(daemon);
+  assert.deepEqual(await counts(daemon), [0, 0]);
+  assert.equal((await daemon.stop()).code, 0);
+});
+
+test('on disk it outlives the process, also one that was killed; a damaged file does no harm', async () => {
+  const file = path.join(folder, 'cache');
+  const options = ['--cache', '0', '--cache-file', file];
+  let daemon = await Daemon.start(options);
+  await say(daemon);
+  const before = (await say(daemon)).wav;
+  assert.equal((await daemon.stop()).code, 0);
+  daemon = await Daemon.start(options);
+  assert.deepEqual((await say(daemon)).wav, before);
+  assert.equal((await counts(daemon))[1], 0);
+  await say(daemon, 'lang=it', 'Una frase nuova.');
+  daemon.process.kill('SIGKILL');
+  await daemon.exited;
+  daemon = await Daemon.start(options);
+  assert.deepEqual((await say(daemon)).wav, before);
+  assert.equal((await daemon.stop()).code, 0);
+  fs.writeFileSync(file, 'x'.repeat(20000));
+  daemon = await Daemon.start(options);
+  assert.match(daemon.log, /begun anew/);
+  assert.ok((await say(daemon)).wav.length > 10000);
+  assert.equal((await daemon.stop()).code, 0);
+});

@@ -1,0 +1,189 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/voice/cache.h"
+#include <setjmp.h>
+#include <signal.h>
+#include <stdarg.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+
+static struct buf bytes(const char *format, int n, size_t size) {
+    struct buf b = {0};
+    buf_printf(&b, format, n);
+    while (b.size < size)
+        buf_add(&b, "0123456789abcdef", size - b.size < 16 ? size - b.size : 16);
+    return b;
+}
+
+static bool holds(struct voice_cache *cache, int n, size_t size) {
+    struct buf key = bytes("key %d", n, 0), value = bytes("value %d ", n, size);
+    const struct buf *found = cache_get(cache, &key);
+    bool same = found && found->size == value.size && !memcmp(found->data, value.data, value.size);
+    if (found)
+        assert_true(same);
+    buf_free(&key);
+    buf_free(&value);
+    return same;
+}
+
+static void put(struct voice_cache *cache, int n, size_t size) {
+    struct buf key = bytes("key %d", n, 0), value = bytes("value %d ", n, size);
+    cache_put(cache, &key, &value);
+    buf_free(&key);
+    buf_free(&value);
+}
+
+static void memory(void **state) {
+    (void)state;
+    uv_loop_t *loop = uv_default_loop();
+    struct voice_cache *cache = cache_open(loop, &(struct cache_options){.bytes = 10000});
+    assert_false(holds(cache, 1, 100));
+    for (int n = 0; n < 9; n++)
+        put(cache, n, 1000);
+    for (int n = 0; n < 9; n++)
+        assert_true(holds(cache, n, 1000));
+    assert_true(holds(cache, 0, 1000)); /* asked for, so number 1 is the oldest now */
+    put(cache, 9, 1000);
+    assert_true(holds(cache, 0, 1000));
+    assert_false(holds(cache, 1, 1000));
+    put(cache, 5, 2000); /* in place of the other */
+    assert_true(holds(cache, 5, 2000));
+    put(cache, 20, 3000); /* over a quarter of the room */
+    assert_false(holds(cache, 20, 3000));
+    assert_true(holds(cache, 5, 2000));
+    cache_close(cache);
+    assert_null(cache_open(loop, &(struct cache_options){0}));
+}
+
+static char folder[] = "/tmp/faccia-cache-XXXXXX", file[64];
+
+static struct voice_cache *on_disk(size_t memory, uint64_t room) {
+    return cache_open(uv_default_loop(), &(struct cache_options){memory, file, room});
+}
+
+static void finish(struct voice_cache *cache) {
+    cache_close(cache);
+    uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+}
+
+static void disk(void **state) {
+    (void)state;
+    struct voice_cache *cache = on_disk(0, 1 << 20);
+    for (int n = 0; n < 20; n++)
+        put(cache, n, 5000);
+    finish(cache);
+    cache = on_disk(100000, 1 << 20);
+    for (int n = 0; n < 20; n++)
+        assert_true(holds(cache, n, 5000));
+    finish(cache);
+}
+
+static void disk_is_bounded(void **state) {
+    (void)state;
+    struct voice_cache *cache = on_disk(0, 30000);
+    for (int n = 100; n < 160; n++) {
+        put(cache, n, 5000);
+        uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+        usleep(1500); /* the order is that of the clock, in ms */
+    }
+    int kept = 0;
+    for (int n = 100; n < 160; n++)
+        kept += holds(cache, n, 5000);
+    assert_in_range(kept, 4, 6);
+    assert_true(holds(cache, 159, 5000));
+    finish(cache);
+}
+
+static void scribble(long at, const char *what, size_t size) {
+    FILE *f = fopen(file, "r+");
+    fseek(f, at, SEEK_SET);
+    fwrite(what, 1, size, f);
+    fclose(f);
+}
+
+static void damaged_files(void **state) {
+    (void)state;
+    static const char noise[8192] = "this is no database at all";
+    for (int n = 0; n < 3; n++) {
+        finish(on_disk(0, 1 << 20));
+        if (n == 0)
+            scribble(0, noise, sizeof noise);
+        else if (n == 1)
+            scribble(4096, noise, sizeof noise); /* inside */
+        else
+            assert_int_equal(truncate(file, 5000), 0);
+        struct voice_cache *cache = on_disk(0, 1 << 20);
+        assert_non_null(cache);
+        /* the damage may show at the first write only, which is lost then */
+        for (int again = 0; again < 2; again++) {
+            put(cache, 300 + n, 5000);
+            uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+        }
+        assert_true(holds(cache, 300 + n, 5000));
+        finish(cache);
+    }
+}
+
+/* No room left: what is there can be had, and nothing breaks. */
+static void full_disk(void **state) {
+    (void)state;
+    struct rlimit before, small;
+    getrlimit(RLIMIT_FSIZE, &before);
+    struct voice_cache *cache = on_disk(0, 1 << 30);
+    put(cache, 400, 5000);
+    uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    signal(SIGXFSZ, SIG_IGN);
+    small = before;
+    small.rlim_cur = 200000;
+    setrlimit(RLIMIT_FSIZE, &small);
+    for (int n = 401; n < 501; n++) {
+        put(cache, n, 20000);
+        uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    }
+    assert_true(holds(cache, 400, 5000));
+    assert_false(holds(cache, 500, 20000));
+    setrlimit(RLIMIT_FSIZE, &before);
+    finish(cache);
+    cache = on_disk(0, 1 << 30);
+    assert_true(holds(cache, 400, 5000));
+    finish(cache);
+}
+
+static void no_such_place(void **state) {
+    (void)state;
+    assert_null(cache_open(uv_default_loop(), &(struct cache_options){0, "/nowhere/at/all", 1000}));
+    struct voice_cache *cache =
+        cache_open(uv_default_loop(), &(struct cache_options){1000, "/nowhere/at/all", 1000});
+    put(cache, 1, 100);
+    assert_true(holds(cache, 1, 100));
+    finish(cache);
+}
+
+static int make_folder(void **state) {
+    (void)state;
+    if (!mkdtemp(folder))
+        return -1;
+    snprintf(file, sizeof file, "%s/cache", folder);
+    return 0;
+}
+
+static int remove_folder(void **state) {
+    (void)state;
+    char command[128];
+    snprintf(command, sizeof command, "rm -r '%s'", folder);
+    return system(command);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(memory),        cmocka_unit_test(disk),      cmocka_unit_test(disk_is_bounded),
+        cmocka_unit_test(damaged_files), cmocka_unit_test(full_disk), cmocka_unit_test(no_such_place),
+    };
+    return cmocka_run_group_tests(tests, make_folder, remove_folder);
+}
