@@ -151,25 +151,26 @@ test('from idling to speech and back the face as drawn takes no jump', async () 
 });
 
 test('she idles only while she is seen and not to keep still', async () => {
+  const faps = () => page.evaluate(() => JSON.stringify(document.querySelector('talking-head').faps));
   const moves = async () => {
-    const before = await page.evaluate(() => JSON.stringify(document.querySelector('talking-head').faps));
-    await page.waitForTimeout(700);
-    return before !== (await page.evaluate(() => JSON.stringify(document.querySelector('talking-head').faps)));
+    const now = await faps();
+    await page.waitForFunction((old) => JSON.stringify(document.querySelector('talking-head').faps) !== old, now, { timeout: 20000 });
   };
-  assert.ok(await moves());
-  await page.evaluate(() => document.querySelector('talking-head').setAttribute('still', ''));
-  await page.waitForTimeout(600);
-  assert.equal(await moves(), false);
-  assert.equal(await page.evaluate(() => Object.keys(document.querySelector('talking-head').faps).length), 0);
-  await page.evaluate(() => document.querySelector('talking-head').removeAttribute('still'));
-  await page.waitForTimeout(600);
-  assert.ok(await moves());
-  await page.evaluate(() => (document.querySelector('talking-head').style.marginInlineStart = '-4000px'));
-  await page.waitForTimeout(600);
-  assert.equal(await moves(), false);
-  await page.evaluate(() => (document.querySelector('talking-head').style.marginInlineStart = ''));
-  await page.waitForTimeout(600);
-  assert.ok(await moves());
+  const rests = async () => {
+    await page.waitForFunction(() => !Object.keys(document.querySelector('talking-head').faps).length, null, { timeout: 20000 });
+    await page.waitForTimeout(300);
+    assert.equal(await faps(), '{}');
+  };
+  const change = (act) => page.evaluate(`{ const head = document.querySelector('talking-head'); ${act} }`);
+  await moves();
+  await change("head.setAttribute('still', '')");
+  await rests();
+  await change("head.removeAttribute('still')");
+  await moves();
+  await change("head.style.marginInlineStart = '-4000px'");
+  await rests();
+  await change("head.style.marginInlineStart = ''");
+  await moves();
 });
 
 test('the attribute `expression` is a mood', async () => {
