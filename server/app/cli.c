@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/cli.h"
 #include "server/base/mem.h"
+#include "server/voice/config.h"
 #include <errno.h>
 #include <getopt.h>
 #include <stdarg.h>
@@ -35,13 +36,19 @@ int cli_open(struct cli *cli) {
     paths_find(&cli->paths);
     uv_loop_init(&cli->loop);
     cli->studio = (struct studio){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
-    struct voice_pool_options options = {.worker = cli->paths.worker, .plugin_dir = cli->paths.plugins};
+    struct voice_pool_options options = {
+        .worker = cli->paths.worker, .plugin_dir = cli->paths.plugins, .quiet = true};
+    bool configured = *cli->paths.voice_config;
+    char *config = configured ? voice_config_read(cli->paths.voice_config, &e) : NULL;
+    options.config = config;
     snprintf(text, sizeof text, "%s/speech", cli->paths.models);
-    if (speech_packs_load(&cli->packs, text, &e) || load_expressions(cli, &e) ||
+    if ((configured && !config) || speech_packs_load(&cli->packs, text, &e) || load_expressions(cli, &e) ||
         !(cli->studio.voices = voice_pool_open(&cli->loop, &options, on_ready, &ready, &e))) {
         cli_complain("%s", error_text(&e, text, sizeof text));
+        free(config);
         return -1;
     }
+    free(config);
     while (!ready && uv_run(&cli->loop, UV_RUN_ONCE))
         ;
     size_t count;

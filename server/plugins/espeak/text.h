@@ -5,7 +5,7 @@
 #define FACCIA_PLUGINS_ESPEAK_TEXT_H
 
 #include "server/base/buf.h"
-#include "server/plugins/espeak_voices.h"
+#include "server/plugins/espeak/voices.h"
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 

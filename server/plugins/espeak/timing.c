@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/espeak_timing.h"
+#include "server/plugins/espeak/timing.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include <stdlib.h>

@@ -5,8 +5,8 @@
 #ifndef FACCIA_PLUGINS_ESPEAK_TIMING_H
 #define FACCIA_PLUGINS_ESPEAK_TIMING_H
 
-#include "server/plugins/espeak_align.h"
-#include "server/plugins/espeak_signal.h"
+#include "server/plugins/espeak/align.h"
+#include "server/plugins/espeak/signal.h"
 
 /* A list of phones whose starts are the events' times, and whose ends are yet to be found. */
 struct es_phones {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/espeak_signal.h"
+#include "server/plugins/espeak/signal.h"
 #include <stdlib.h>
 
 /* Samples are silence up to this value, and an echo up to this fraction of what is echoed: some variants of a

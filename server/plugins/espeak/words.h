@@ -4,7 +4,7 @@
 #ifndef FACCIA_PLUGINS_ESPEAK_WORDS_H
 #define FACCIA_PLUGINS_ESPEAK_WORDS_H
 
-#include "server/plugins/espeak_text.h"
+#include "server/plugins/espeak/text.h"
 
 struct es_word {
     uint32_t start;       /* sample */
