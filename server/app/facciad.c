@@ -55,6 +55,7 @@ static struct net_options net_options_of(const struct daemon *d) {
         .message_bytes = s->message_bytes,
         .queue = s->queue,
         .connections = s->connections,
+        .rooms = s->rooms,
         .address_connections = s->address_connections,
         .address_requests = s->address_requests,
         .send_bytes = s->send_bytes,

@@ -72,14 +72,27 @@ static void set_time(json_t *object, const struct stream_event *e) {
     set_int(object, "sample", e->sample);
 }
 
-json_t *message_event(const struct stream_event *e, const char *stream) {
+const char *message_event_name(enum stream_event_kind kind) {
     static const char *const types[] = {
         [STREAM_BEGIN] = "begin", [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
         [STREAM_MARK] = "mark",   [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
         [STREAM_END] = "end",
     };
+    return types[kind];
+}
+
+json_t *message_rooms(const struct net *net) {
+    json_t *rooms = json_array();
+    for (const struct channel *c = net->rooms; c; c = channel_next(c))
+        json_array_append_new(rooms,
+                              json_pack("{ss si sb}", "name", channel_name(c), "followers",
+                                        (int)channel_followers(c), "speaks", stream_busy(channel_stream(c))));
+    return rooms;
+}
+
+json_t *message_event(const struct stream_event *e, const char *stream) {
     json_t *object = json_object();
-    set_string(object, "type", types[e->kind]);
+    set_string(object, "type", message_event_name(e->kind));
     set_string(object, "stream", stream);
     set_int(object, "utterance", e->utterance);
     set_string(object, "id", e->id);

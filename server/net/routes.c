@@ -10,6 +10,10 @@ static json_t *models(const struct net *net) {
     return json_pack("{so}", "models", message_models(net));
 }
 
+static json_t *rooms(const struct net *net) {
+    return json_pack("{so}", "rooms", message_rooms(net));
+}
+
 static json_t *expressions(const struct net *net) {
     return json_pack("{so}", "expressions", message_expressions(net));
 }
@@ -35,6 +39,10 @@ static const struct route {
     {"/v1/models", models, NULL, NULL, 0},
     {"/v1/speech", NULL, speech_post, NULL, RIGHT_SPEAK},
     {"/v1/expressions", expressions, NULL, NULL, 0},
+    {"/v1/rooms", rooms, NULL, NULL, RIGHT_LISTEN},
+    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN},
+    {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK},
+    {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK},
     {"/v1/stream", NULL, NULL, NULL, 0},
     {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE},
 };
@@ -67,7 +75,8 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
     if (asset && get)
         return exchange_asset(x, asset);
     int refusal;
-    if (route && !exchange_permits(x, get && !route->answer ? 0 : route->right, &refusal))
+    char room[TOKEN_ROOM + 2];
+    if (route && !exchange_permits(x, route->right, exchange_query(x, "room", room, sizeof room), &refusal))
         return refusal;
     if (route && route->answer && get)
         return route->answer(x);

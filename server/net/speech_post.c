@@ -19,6 +19,7 @@ struct post {
     struct error failure; /* the last sentence that failed */
     size_t owed;          /* scenes used up and not yet released */
     bool begun;
+    const char *markup; /* by the type of the body */
 };
 
 static void release(struct post *p) {
@@ -90,18 +91,24 @@ static const char *markup_of(const char *type) {
     return kind ? kind->name : NULL;
 }
 
+const char *post_markup(struct exchange *x, int *result) {
+    char type[128] = "";
+    struct error e;
+    lws_hdr_copy(exchange_wsi(x), type, sizeof type, WSI_TOKEN_HTTP_CONTENT_TYPE);
+    const char *markup = markup_of(type);
+    if (!markup) {
+        error_set(&e, "unsupported-media-type", "no markup has the type '%s'", type);
+        *result = exchange_error(x, 415, &e);
+    }
+    return markup;
+}
+
 /* The query's part of the request, and the format. The status of the answer when something is wrong, else 0.
  */
 static unsigned read_query(struct post *p, struct speech_request *request, struct error *e) {
     struct lws *wsi = exchange_wsi(p->x);
-    char type[128] = "", name[32];
-    lws_hdr_copy(wsi, type, sizeof type, WSI_TOKEN_HTTP_CONTENT_TYPE);
-    const char *markup = markup_of(type);
-    if (!markup) {
-        error_set(e, "unsupported-media-type", "no markup has the type '%s'", type);
-        return 415;
-    }
-    request->markup = mem_strdup(markup);
+    char name[32];
+    request->markup = mem_strdup(p->markup);
     if (request_from_query(request, wsi, "format", e))
         return 400;
     const char *format = lws_get_urlarg_by_name(wsi, "format=", name, sizeof name);
@@ -153,8 +160,15 @@ static void on_free(void *self) {
 }
 
 int speech_post(struct exchange *x) {
+    int result = 0;
+    const char *markup = post_markup(x, &result);
+    if (!markup)
+        return result;
     struct post *p = mem_alloc(sizeof *p);
     p->x = x;
-    exchange_set_work(x, (struct exchange_work){on_body, on_body_end, on_sent, on_free, p});
+    p->markup = markup;
+    exchange_set_work(
+        x, (struct exchange_work){
+               .body = on_body, .body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
     return 0;
 }

@@ -137,6 +137,7 @@ struct utterance *assembly_finish(struct assembly *a, const char *lang, uint32_t
     assembly_tidy_phones(a);
     assembly_tidy_words(a);
     assembly_tidy_marks(a);
+    assembly_time_cues(a);
     a->u = NULL;
     return u;
 }

@@ -44,4 +44,7 @@ void assembly_tidy_phones(struct assembly *a);
 void assembly_tidy_words(struct assembly *a);
 void assembly_tidy_marks(struct assembly *a);
 
+/* The cues of the plan with their times. After the words. */
+void assembly_time_cues(struct assembly *a);
+
 #endif

@@ -66,11 +66,39 @@ static void add_text(struct plan *plan, const struct score_item *item) {
     };
 }
 
+/* What of the cue lies in the sentence, if anything. A point is where the item that follows it is; one at the
+ * very end belongs to the last sentence. */
+static void add_cue(struct plan *plan, const struct score *score, const struct score_sentence *s,
+                    const struct score_cue *cue) {
+    size_t end = s->first + s->count, first = cue->first, last = cue->last;
+    bool at_the_end = first == score->item_count && end == score->item_count;
+    bool point = first == last;
+    if (point ? (first < s->first || first >= end) && !at_the_end : last <= s->first || first >= end)
+        return;
+    struct plan_cue mine = {.intensity = cue->intensity,
+                            .weight = cue->weight,
+                            .onset = cue->onset,
+                            .offset = cue->offset,
+                            .delay = cue->delay,
+                            .duration = cue->duration,
+                            .began_before = first<s->first, .goes_on = last> end};
+    first = first < s->first ? s->first : first;
+    last = last > end ? end : last;
+    mine.from = first < end ? score->items[first].start : s->end;
+    mine.to = point ? mine.from : score->items[last - 1].end;
+    mine.kind = mem_strdup(cue->kind);
+    mine.name = mem_strdup(cue->name);
+    plan->cues = mem_grow(plan->cues, &plan->cue_cap, plan->cue_count + 1, sizeof *plan->cues);
+    plan->cues[plan->cue_count++] = mine;
+}
+
 void plan_make(struct plan *plan, const struct score *score, size_t sentence,
                const struct plan_prosody *prosody) {
     const struct score_sentence *s = &score->sentences[sentence];
     const struct score_style *style = NULL; /* of the text span that is still open */
     *plan = (struct plan){.from = s->start, .to = s->end};
+    for (size_t i = 0; i < score->cue_count; i++)
+        add_cue(plan, score, s, &score->cues[i]);
     for (size_t i = s->first; i < s->first + s->count; i++) {
         const struct score_item *item = &score->items[i];
         if (item->kind == SCORE_TEXT) {
@@ -102,6 +130,11 @@ void plan_free(struct plan *plan) {
         free((char *)span->say_as);
         free((char *)span->emotion);
     }
+    for (size_t i = 0; i < plan->cue_count; i++) {
+        free((char *)plan->cues[i].kind);
+        free((char *)plan->cues[i].name);
+    }
+    free(plan->cues);
     free(plan->spans);
     free(plan->pieces);
     *plan = (struct plan){0};

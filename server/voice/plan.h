@@ -15,11 +15,23 @@ struct plan_piece {
     bool verbatim;        /* the text is exactly the input, so places inside map one to one */
 };
 
+/* A cue of the score, as far as it lies in the sentence. */
+struct plan_cue {
+    const char *kind; /* belongs to the plan, as does the name */
+    const char *name;
+    size_t from, to;                         /* bytes of the input; from == to: a point before what follows */
+    double intensity, weight, onset, offset; /* as in score_cue */
+    struct score_time delay, duration;
+    bool began_before, goes_on;
+};
+
 struct plan {
     struct faccia_span *spans; /* strings belong to the plan */
     size_t span_count, span_cap;
     struct plan_piece *pieces; /* in the order of the spans */
     size_t piece_count, piece_cap;
+    struct plan_cue *cues;
+    size_t cue_count, cue_cap;
     size_t from, to;      /* the sentence's bytes of the input */
     size_t text_bytes;    /* of all spans */
     double break_seconds; /* of all breaks */

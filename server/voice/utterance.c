@@ -13,6 +13,11 @@ void utterance_free(struct utterance *u) {
         free(u->words[i].text);
     free(u->pcm);
     free(u->phones);
+    for (size_t i = 0; i < u->cue_count; i++) {
+        free(u->cues[i].kind);
+        free(u->cues[i].name);
+    }
+    free(u->cues);
     free(u->words);
     free(u->marks);
     free(u->warnings);
