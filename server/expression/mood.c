@@ -63,7 +63,11 @@ static double run_out(double speed, double since, double *slope) {
 }
 
 static double value_at(const struct turn *turn, size_t i, double clock, double *slope) {
-    double since = fmax(0, clock - turn->at), x = fmin(1, since / turn->ease), way = turn->to[i] - turn->from[i];
+    double since = fmax(0, clock - turn->at), x = since / turn->ease, way = turn->to[i] - turn->from[i];
+    *slope = 0;
+    if (x >= 1 && since >= RUN_OUT)
+        return turn->to[i];
+    x = fmin(1, x);
     double bump = run_out(turn->speed[i], since, slope);
     *slope += way * 6 * x * (1 - x) / turn->ease;
     double value = turn->from[i] + way * x * x * (3 - 2 * x) + bump;

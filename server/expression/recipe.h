@@ -63,7 +63,6 @@ struct expression {
 
 const struct expression *expressions_at(const struct expressions *expressions, size_t index);
 
-
 /* How much of each affect is in the mood at a time of its clock. Returns how many there are; they are
  * in the order of the file. */
 struct mood_part {

@@ -23,23 +23,25 @@
 
 #define INTENSITY_MAX 63 /* of FAP 2 */
 
-enum part { PART_FREE, PART_LIPS, PART_CORNER_HEIGHT, PART_CORNER_WIDTH, PART_TONGUE };
+enum part { PART_FREE, PART_LIPS, PART_CORNERS, PART_TONGUE };
 
+static const uint8_t lips[] = {3, 4, 5, 8, 9, 10, 11, 14, 15, 16, 17, 18, 51, 52, 55, 56, 57, 58},
+                     heights[] = {12, 13, 59, 60}, widths[] = {6, 7, 53, 54};
+
+/* clang-format off */
 static const uint8_t part_of[FAP_COUNT + 1] = {
-    [3] = PART_LIPS,          [4] = PART_LIPS,           [5] = PART_LIPS,           [6] = PART_CORNER_WIDTH,
-    [7] = PART_CORNER_WIDTH,  [8] = PART_LIPS,           [9] = PART_LIPS,           [10] = PART_LIPS,
-    [11] = PART_LIPS,         [12] = PART_CORNER_HEIGHT, [13] = PART_CORNER_HEIGHT, [14] = PART_LIPS,
-    [15] = PART_LIPS,         [16] = PART_LIPS,          [17] = PART_LIPS,          [18] = PART_LIPS,
-    [43] = PART_TONGUE,       [44] = PART_TONGUE,        [45] = PART_TONGUE,        [46] = PART_TONGUE,
-    [47] = PART_TONGUE,       [51] = PART_LIPS,          [52] = PART_LIPS,          [53] = PART_CORNER_WIDTH,
-    [54] = PART_CORNER_WIDTH, [55] = PART_LIPS,          [56] = PART_LIPS,          [57] = PART_LIPS,
-    [58] = PART_LIPS,         [59] = PART_CORNER_HEIGHT, [60] = PART_CORNER_HEIGHT};
+    [3] = PART_LIPS, PART_LIPS, PART_LIPS, PART_CORNERS, PART_CORNERS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS,
+    [12] = PART_CORNERS, PART_CORNERS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS,
+    [43] = PART_TONGUE, PART_TONGUE, PART_TONGUE, PART_TONGUE, PART_TONGUE,
+    [51] = PART_LIPS, PART_LIPS, PART_CORNERS, PART_CORNERS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS,
+    [59] = PART_CORNERS, PART_CORNERS,
+};
+/* clang-format on */
 
 void blend_add(struct blend *b, const struct pose *pose, double w, struct mouth_share mouth) {
     const double kept[] = {[PART_FREE] = w,
                            [PART_LIPS] = w * (1 - b->activity * (1 - mouth.lips)),
-                           [PART_CORNER_HEIGHT] = w * (1 - b->activity * (1 - mouth.corners)),
-                           [PART_CORNER_WIDTH] = w * (1 - b->activity * (1 - mouth.corners)),
+                           [PART_CORNERS] = w * (1 - b->activity * (1 - mouth.corners)),
                            [PART_TONGUE] = w * (1 - b->activity)};
     for (size_t i = 0; i < pose->count; i++)
         b->faps[pose->faps[i].fap] += kept[part_of[pose->faps[i].fap]] * pose->faps[i].value;
@@ -57,48 +59,47 @@ void blend_add_weighted(struct blend *b, const struct pose *pose, double omega) 
 }
 
 static double limit(double value, double max) {
-    return fmin(max, fmax(-max, value));
+    return value > max ? max : value < -max ? -max : value;
 }
 
 /* What stays within bounds while she speaks and is free in pauses. */
-static double offset(const struct blend *b, int n, double max) {
-    double inside = limit(b->faps[n], max);
-    return b->faps[n] + b->activity * (inside - b->faps[n]);
+static void hold(struct blend *b, const uint8_t *faps, size_t count, double max, double share) {
+    for (size_t i = 0; i < count; i++) {
+        double value = b->faps[faps[i]];
+        b->faps[faps[i]] = share * (value + b->activity * (limit(value, max) - value));
+    }
 }
 
 static double smooth(double x) {
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
-static void join_regions(const struct blend *b, double faps[FAP_COUNT + 1]) {
+static void hold_mouth(struct blend *b, const double faps[FAP_COUNT + 1]) {
     /* Where the mouth has to be closed, or the lip at the teeth, speech has it alone. */
-    double free = 1 - b->contact, round = 1 - ROUND_SHARE * smooth(-(faps[6] + faps[7]) / (2 * ROUND));
-    for (int n = 3; n <= FAP_COUNT; n++) {
-        switch (part_of[n]) {
-        case PART_LIPS:
-            faps[n] += free * offset(b, n, LIPS_MAX);
-            break;
-        case PART_CORNER_HEIGHT:
-            faps[n] += offset(b, n, CORNER_HEIGHT_MAX);
-            break;
-        case PART_CORNER_WIDTH:
-            faps[n] += (b->faps[n] > 0 ? round : 1) * offset(b, n, CORNER_WIDTH_MAX);
-            break;
-        default:
-            faps[n] += b->faps[n];
-        }
-    }
+    hold(b, lips, sizeof lips, LIPS_MAX, 1 - b->contact);
+    hold(b, heights, sizeof heights, CORNER_HEIGHT_MAX, 1);
+    bool pulls = b->faps[6] + b->faps[7] > 0;
+    double round = smooth(-(faps[6] + faps[7]) / (2 * ROUND));
+    hold(b, widths, sizeof widths, CORNER_WIDTH_MAX, pulls ? 1 - ROUND_SHARE * round : 1);
 }
 
 /* Eq. 5.3 and 5.4 as displacements: (1 - omega) speech + omega rho emotion. The published rule lets lips open
  * in closures; here it gives way to them. */
-static void join_weighted(const struct blend *b, double faps[FAP_COUNT + 1]) {
-    double omega = fmin(1, b->omega), free = 1 - b->contact;
-    for (int n = 3; n <= FAP_COUNT; n++) {
-        bool is_bound = part_of[n] == PART_LIPS || part_of[n] == PART_TONGUE;
-        faps[n] *= 1 - omega * (is_bound ? free : 1);
-        faps[n] += (is_bound ? free : 1) * b->faps[n];
-    }
+static void hold_speech(struct blend *b, double faps[FAP_COUNT + 1]) {
+    double omega = b->omega < 1 ? b->omega : 1, free = 1 - b->contact;
+    for (int n = 3; n <= FAP_COUNT; n++)
+        faps[n] *= 1 - omega * (part_of[n] == PART_LIPS || part_of[n] == PART_TONGUE ? free : 1);
+    for (size_t i = 0; i < sizeof lips; i++)
+        b->faps[lips[i]] *= free;
+}
+
+static void articulate(double factor, double faps[FAP_COUNT + 1]) {
+    if (factor == 1)
+        return;
+    factor = factor < ARTICULATION_MIN ? ARTICULATION_MIN : limit(factor, ARTICULATION_MAX);
+    for (int n = 3; n <= FAP_COUNT; n++)
+        if (part_of[n] != PART_TONGUE)
+            faps[n] *= factor;
 }
 
 /* The recipes say where she looks; the eyes in the head make up for what the head does. */
@@ -111,16 +112,13 @@ static void hold_gaze(double faps[FAP_COUNT + 1]) {
 
 void blend_join(struct blend *b, double faps[FAP_COUNT + 1]) {
     hold_gaze(b->faps);
-    double articulation = limit(b->articulation, ARTICULATION_MAX);
-    articulation = fmax(ARTICULATION_MIN, articulation);
-    if (articulation != 1)
-        for (int n = 3; n <= FAP_COUNT; n++)
-            if (part_of[n] != PART_TONGUE)
-                faps[n] *= articulation;
+    articulate(b->articulation, faps);
     if (b->rule == BLEND_WEIGHTED)
-        join_weighted(b, faps);
+        hold_speech(b, faps);
     else
-        join_regions(b, faps);
+        hold_mouth(b, faps);
+    for (int n = 3; n <= FAP_COUNT; n++)
+        faps[n] += b->faps[n];
 }
 
 struct fap_expression blend_basics(const double shares[BASIC_COUNT + 1]) {

@@ -4,7 +4,6 @@
 #include "server/face/blend.h"
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
 /* The mood has the weight that an emotion has by default: WEIGHT_DEFAULT of show.c. */
 #define MOOD_WEIGHT 0.2
@@ -57,7 +56,7 @@ void express_free(struct express *x) {
 }
 
 static bool is_affect(const struct seen *seen) {
-    return !seen->show || !strcmp(seen->expression->kind, "affect");
+    return !seen->show || seen->show->is_affect;
 }
 
 /* An emotion that comes drives out those before it. By the weighted rule two that follow each other
