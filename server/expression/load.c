@@ -72,6 +72,8 @@ static int read_all(const struct json_place *root, struct expressions *all) {
         if (at.json && read_kind(&at, *kind, all))
             return -1;
     }
+    if (!all->count)
+        return json_place_fail(root, "there is no entry");
     if (sort_names(root, all))
         return -1;
     /* Mixtures come before what they are mixed from is completed, outer lips and all. */
@@ -83,8 +85,6 @@ static int read_all(const struct json_place *root, struct expressions *all) {
                 return -1;
         }
     }
-    if (!all->count)
-        return json_place_fail(root, "there is no entry");
     return 0;
 }
 

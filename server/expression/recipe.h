@@ -12,8 +12,7 @@ enum {
     AFFECTS_MAX = 64,
 };
 
-/* Some FAPs with their values in FAP units, rising by number. Those of the eyeballs (23-26) say where she
- * looks from a head at rest; the head's own way is taken off them when they are shown. */
+/* Some FAPs with their values in FAP units, rising by number. */
 struct pose {
     struct pose_fap {
         int fap;

@@ -26,7 +26,7 @@
 enum part { PART_FREE, PART_LIPS, PART_CORNERS, PART_TONGUE };
 
 static const uint8_t lips[] = {3, 4, 5, 8, 9, 10, 11, 14, 15, 16, 17, 18, 51, 52, 55, 56, 57, 58},
-                     heights[] = {12, 13, 59, 60}, widths[] = {6, 7, 53, 54};
+                     heights[] = {12, 13, 59, 60}, widths[] = {6, 7, 53, 54}, tongue[] = {43, 44, 45, 46, 47};
 
 /* clang-format off */
 static const uint8_t part_of[FAP_COUNT + 1] = {
@@ -38,13 +38,23 @@ static const uint8_t part_of[FAP_COUNT + 1] = {
 };
 /* clang-format on */
 
+/* Adds w times the pose: the mouth's part to b->mouth, in shares by part, the rest to the face. */
+static void add(struct blend *b, const struct pose *pose, double w, const double shares[]) {
+    for (size_t i = 0; i < pose->count; i++) {
+        const struct pose_fap *p = &pose->faps[i];
+        enum part part = part_of[p->fap];
+        if (part)
+            b->mouth[p->fap] += w * shares[part] * p->value;
+        else
+            b->face[p->fap] += w * p->value;
+    }
+}
+
 void blend_add(struct blend *b, const struct pose *pose, double w, struct mouth_share mouth) {
-    const double kept[] = {[PART_FREE] = w,
-                           [PART_LIPS] = w * (1 - b->activity * (1 - mouth.lips)),
-                           [PART_CORNERS] = w * (1 - b->activity * (1 - mouth.corners)),
-                           [PART_TONGUE] = w * (1 - b->activity)};
-    for (size_t i = 0; i < pose->count; i++)
-        b->faps[pose->faps[i].fap] += kept[part_of[pose->faps[i].fap]] * pose->faps[i].value;
+    const double shares[] = {[PART_LIPS] = 1 - b->activity * (1 - mouth.lips),
+                             [PART_CORNERS] = 1 - b->activity * (1 - mouth.corners),
+                             [PART_TONGUE] = 1 - b->activity};
+    add(b, pose, w, shares);
 }
 
 double blend_shown(double omega) {
@@ -52,73 +62,53 @@ double blend_shown(double omega) {
 }
 
 void blend_add_weighted(struct blend *b, const struct pose *pose, double omega) {
-    double shown = blend_shown(omega);
-    b->omega += omega;
-    for (size_t i = 0; i < pose->count; i++)
-        b->faps[pose->faps[i].fap] += shown * pose->faps[i].value;
+    static const double whole[] = {1, 1, 1, 1};
+    add(b, pose, blend_shown(omega), whole);
 }
 
 static double limit(double value, double max) {
     return value > max ? max : value < -max ? -max : value;
 }
 
-/* What stays within bounds while she speaks and is free in pauses. */
-static void hold(struct blend *b, const uint8_t *faps, size_t count, double max, double share) {
-    for (size_t i = 0; i < count; i++) {
-        double value = b->faps[faps[i]];
-        b->faps[faps[i]] = share * (value + b->activity * (limit(value, max) - value));
-    }
-}
-
 static double smooth(double x) {
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
-static void hold_mouth(struct blend *b, const double faps[FAP_COUNT + 1]) {
+/* (1 - omega) speech. The published rule lets lips open in closures; here it gives way to them. */
+static void weaken(const struct blend *b, double omega) {
+    double lips_left = 1 - omega * (1 - b->contact);
+    for (int n = 3; n <= FAP_COUNT; n++)
+        b->face[n] *= part_of[n] == PART_LIPS || part_of[n] == PART_TONGUE ? lips_left : 1 - omega;
+}
+
+void blend_speech(const struct blend *b, double articulation, double omega) {
+    articulation = articulation < ARTICULATION_MIN ? ARTICULATION_MIN : limit(articulation, ARTICULATION_MAX);
+    if (articulation != 1)
+        for (int n = 3; n <= FAP_COUNT; n++)
+            if (part_of[n] != PART_TONGUE)
+                b->face[n] *= articulation;
+    if (omega > 0)
+        weaken(b, limit(omega, 1));
+}
+
+/* Adds FAPs of the mouth: what stays within max while she speaks and is free in pauses. */
+static void join(const struct blend *b, const uint8_t *faps, size_t count, double max, double share) {
+    for (size_t i = 0; i < count; i++) {
+        double value = b->mouth[faps[i]];
+        b->face[faps[i]] += share * (value + b->activity * (limit(value, max) - value));
+    }
+}
+
+void blend_join(const struct blend *b) {
     /* Where the mouth has to be closed, or the lip at the teeth, speech has it alone. */
-    hold(b, lips, sizeof lips, LIPS_MAX, 1 - b->contact);
-    hold(b, heights, sizeof heights, CORNER_HEIGHT_MAX, 1);
-    bool pulls = b->faps[6] + b->faps[7] > 0;
-    double round = smooth(-(faps[6] + faps[7]) / (2 * ROUND));
-    hold(b, widths, sizeof widths, CORNER_WIDTH_MAX, pulls ? 1 - ROUND_SHARE * round : 1);
-}
-
-/* Eq. 5.3 and 5.4 as displacements: (1 - omega) speech + omega rho emotion. The published rule lets lips open
- * in closures; here it gives way to them. */
-static void hold_speech(struct blend *b, double faps[FAP_COUNT + 1]) {
-    double omega = b->omega < 1 ? b->omega : 1, free = 1 - b->contact;
-    for (int n = 3; n <= FAP_COUNT; n++)
-        faps[n] *= 1 - omega * (part_of[n] == PART_LIPS || part_of[n] == PART_TONGUE ? free : 1);
-    for (size_t i = 0; i < sizeof lips; i++)
-        b->faps[lips[i]] *= free;
-}
-
-static void articulate(double factor, double faps[FAP_COUNT + 1]) {
-    if (factor == 1)
-        return;
-    factor = factor < ARTICULATION_MIN ? ARTICULATION_MIN : limit(factor, ARTICULATION_MAX);
-    for (int n = 3; n <= FAP_COUNT; n++)
-        if (part_of[n] != PART_TONGUE)
-            faps[n] *= factor;
-}
-
-/* The recipes say where she looks; the eyes in the head make up for what the head does. */
-static void hold_gaze(double faps[FAP_COUNT + 1]) {
-    faps[23] -= faps[49];
-    faps[24] -= faps[49];
-    faps[25] -= faps[48];
-    faps[26] -= faps[48];
-}
-
-void blend_join(struct blend *b, double faps[FAP_COUNT + 1]) {
-    hold_gaze(b->faps);
-    articulate(b->articulation, faps);
-    if (b->rule == BLEND_WEIGHTED)
-        hold_speech(b, faps);
-    else
-        hold_mouth(b, faps);
-    for (int n = 3; n <= FAP_COUNT; n++)
-        faps[n] += b->faps[n];
+    double free = 1 - b->contact, width = 1;
+    bool bounded = b->rule == BLEND_REGIONS;
+    if (bounded && b->mouth[6] + b->mouth[7] > 0)
+        width = 1 - ROUND_SHARE * smooth(-(b->face[6] + b->face[7]) / (2 * ROUND));
+    join(b, lips, sizeof lips, bounded ? LIPS_MAX : INFINITY, free);
+    join(b, heights, sizeof heights, bounded ? CORNER_HEIGHT_MAX : INFINITY, 1);
+    join(b, widths, sizeof widths, bounded ? CORNER_WIDTH_MAX : INFINITY, width);
+    join(b, tongue, sizeof tongue, INFINITY, free);
 }
 
 struct fap_expression blend_basics(const double shares[BASIC_COUNT + 1]) {

@@ -59,6 +59,10 @@ static bool is_affect(const struct seen *seen) {
     return !seen->show || seen->show->is_affect;
 }
 
+static bool is_weighted(const struct express *x, const struct seen *seen) {
+    return x->rule == BLEND_WEIGHTED && is_affect(seen);
+}
+
 /* An emotion that comes drives out those before it. By the weighted rule two that follow each other
  * cross-fade of themselves: each has its own straight line. */
 static void give_way(struct express *x, const struct show *to, double level) {
@@ -122,23 +126,30 @@ void express_blend(struct express *x, double t, const struct contact_demand dema
     *basic = (struct fap_expression){0};
     if (!x->seen_count)
         return;
-    struct blend blend = {.rule = x->rule, .articulation = 1};
+    struct blend blend = {.rule = x->rule, .face = faps};
+    double articulation = 1, omega = 0;
     blend.activity = activity_at(&x->activity, t, &x->activity_cursor);
     blend.contact = fmax(demand[CONTACT_LIPS].weight, demand[CONTACT_TEETH].weight);
     for (size_t i = 0; i < x->seen_count; i++) {
+        articulation *= 1 + (x->seen[i].expression->articulation - 1) * x->seen[i].level;
+        omega += is_weighted(x, &x->seen[i]) ? x->seen[i].omega : 0;
+    }
+    blend_speech(&blend, articulation, omega);
+    for (size_t i = 0; i < x->seen_count; i++) {
         const struct seen *seen = &x->seen[i];
         const struct expression *e = seen->expression;
-        if (x->rule == BLEND_WEIGHTED && is_affect(seen))
+        double shown = seen->level;
+        if (is_weighted(x, seen)) {
+            shown = blend_shown(seen->omega);
             blend_add_weighted(&blend, &e->pose, seen->omega);
-        else
+        } else {
             blend_add(&blend, &e->pose, seen->level, e->mouth);
+        }
         add_gesture(seen, t, &blend);
-        blend.articulation *= 1 + (e->articulation - 1) * seen->level;
-        double shown = x->rule == BLEND_WEIGHTED && is_affect(seen) ? blend_shown(seen->omega) : seen->level;
         for (int b = 1; b <= BASIC_COUNT; b++)
             shares[b] += e->basics[b] * shown;
     }
-    blend_join(&blend, faps);
+    blend_join(&blend);
     *basic = blend_basics(shares);
 }
 
