@@ -30,6 +30,30 @@ need_packages() {
         die "apt-get could not install$missing"
 }
 
+# want_packages PACKAGE...: Debian packages, those of main that are to be had; nothing fails when they are not.
+want_packages() {
+    wanted=
+    for package in "$@"; do
+        case $(dpkg-query -W -f '${Status}' "$package" 2>/dev/null || true) in
+        *' installed') ;;
+        *) wanted="$wanted $package" ;;
+        esac
+    done
+    [ -z "$wanted" ] && return
+    # shellcheck disable=SC2086
+    set -- $wanted
+    apt-cache policy "$1" | grep -q '/main ' || as_root apt-get update -qq || true
+    wanted=
+    for package in "$@"; do
+        apt-cache policy "$package" | grep -q '/main ' && wanted="$wanted $package"
+    done
+    [ -n "$wanted" ] && echo "Installing$wanted"
+    # shellcheck disable=SC2086
+    [ -n "$wanted" ] && as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends \
+        $wanted >/dev/null && return
+    echo "Not to be had: $*; the voices in them will be missing" >&2
+}
+
 # need_node: Node.js 18.20 or newer (Debian 12 has 18.20), with npm.
 need_node() {
     command -v node >/dev/null || need_packages nodejs

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/cli.h"
 #include "server/base/mem.h"
+#include "server/voice/config.h"
 #include <errno.h>
 #include <getopt.h>
 #include <stdarg.h>
@@ -20,6 +21,13 @@ static void on_ready(void *ctx) {
     *(bool *)ctx = true;
 }
 
+static int load_expressions(struct cli *cli, struct error *e) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/expressions.json", cli->paths.models);
+    cli->studio.expressions = cli->expressions = expressions_load(path, e);
+    return cli->expressions ? 0 : -1;
+}
+
 int cli_open(struct cli *cli) {
     struct error e;
     char text[400];
@@ -28,13 +36,19 @@ int cli_open(struct cli *cli) {
     paths_find(&cli->paths);
     uv_loop_init(&cli->loop);
     cli->studio = (struct studio){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
-    struct voice_pool_options options = {.worker = cli->paths.worker, .plugin_dir = cli->paths.plugins};
+    struct voice_pool_options options = {
+        .worker = cli->paths.worker, .plugin_dir = cli->paths.plugins, .quiet = true};
+    bool configured = *cli->paths.voice_config;
+    char *config = configured ? voice_config_read(cli->paths.voice_config, &e) : NULL;
+    options.config = config;
     snprintf(text, sizeof text, "%s/speech", cli->paths.models);
-    if (speech_packs_load(&cli->packs, text, &e) ||
+    if ((configured && !config) || speech_packs_load(&cli->packs, text, &e) || load_expressions(cli, &e) ||
         !(cli->studio.voices = voice_pool_open(&cli->loop, &options, on_ready, &ready, &e))) {
         cli_complain("%s", error_text(&e, text, sizeof text));
+        free(config);
         return -1;
     }
+    free(config);
     while (!ready && uv_run(&cli->loop, UV_RUN_ONCE))
         ;
     size_t count;
@@ -50,6 +64,7 @@ void cli_close(struct cli *cli) {
     uv_run(&cli->loop, UV_RUN_DEFAULT);
     uv_loop_close(&cli->loop);
     speech_packs_free(&cli->packs);
+    expressions_free(cli->expressions);
     paths_free(&cli->paths);
 }
 

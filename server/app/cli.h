@@ -16,6 +16,7 @@ struct cli {
     uv_loop_t loop;
     struct paths paths;
     struct speech_packs packs;
+    struct expressions *expressions;
     struct studio studio;
 };
 
@@ -54,6 +55,7 @@ int fit_main(int argc, char **argv);
 int token_main(int argc, char **argv);
 int timed_main(int argc, char **argv);
 int life_main(int argc, char **argv);
+int check_main(int argc, char **argv);
 int expressions_main(int argc, char **argv);
 
 #endif

@@ -20,14 +20,17 @@ static const struct {
     {"anova", anova_main, "analyse the results of such a test"},
     {"fit", fit_main, "make a speech pack from recordings of a speaker"},
     {"life", life_main, "what the face does of itself, in figures"},
+    {"check", check_main, "tell what in a text with markup would not be acted on"},
     {"token", token_main, "sign a token for a daemon that demands them"},
 };
 
 static void print_usage(FILE *out) {
     fputs("Usage: faccia COMMAND [OPTION]...\nThe talking head without a network.\n\n", out);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        fprintf(out, "  %-11s %s\n", commands[i].name, commands[i].help);
-    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad.\n", out);
+        fprintf(out, "  %-12s %s\n", commands[i].name, commands[i].help);
+    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad. $FACCIA_VOICE_CONFIG may name a file with what\n"
+          "the voice plugins are told.\n",
+          out);
 }
 
 int main(int argc, char **argv) {

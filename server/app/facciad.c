@@ -24,6 +24,7 @@ struct daemon {
     int *sockets; /* from systemd */
     unsigned socket_count;
     struct speech_packs packs;
+    struct expressions *expressions;
     struct metrics metrics;
     struct studio studio;
     struct net *net;
@@ -54,6 +55,7 @@ static struct net_options net_options_of(const struct daemon *d) {
         .message_bytes = s->message_bytes,
         .queue = s->queue,
         .connections = s->connections,
+        .rooms = s->rooms,
         .address_connections = s->address_connections,
         .address_requests = s->address_requests,
         .send_bytes = s->send_bytes,
@@ -183,8 +185,15 @@ static int start(struct daemon *d, struct error *e) {
         return -1;
     if (!speech_packs_find(&d->packs, s->lang))
         return error_in_field(e, "unknown-language", "--lang", "no language '%s'", s->lang);
-    d->studio = (struct studio){
-        .loop = &d->loop, .packs = &d->packs, .default_lang = s->lang, .metrics = &d->metrics};
+    snprintf(path, sizeof path, "%s/expressions.json", s->models);
+    d->expressions = expressions_load(path, e);
+    if (!d->expressions)
+        return -1;
+    d->studio = (struct studio){.loop = &d->loop,
+                                .packs = &d->packs,
+                                .expressions = d->expressions,
+                                .default_lang = s->lang,
+                                .metrics = &d->metrics};
     struct net_options options = net_options_of(d);
     d->net = net_open(&d->studio, &options, e);
     if (!d->net)
@@ -234,6 +243,7 @@ static int run(struct daemon *d) {
         net_free(d->net);
     uv_loop_close(&d->loop);
     speech_packs_free(&d->packs);
+    expressions_free(d->expressions);
     secrets_free(&d->secrets);
     free(d->voice_config);
     return status;

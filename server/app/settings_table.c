@@ -39,6 +39,8 @@ const struct setting settings_table[] = {
      "utterances that may wait on one stream"},
     {"limits.connections", "max-connections", SETTING_NUMBER, MEMBER(connections), 1, 100000, "1000", "N",
      "open connections"},
+    {"limits.rooms", "max-rooms", SETTING_NUMBER, MEMBER(rooms), 1, 100000, "100", "N",
+     "rooms that have somebody in them"},
     {"limits.address_connections", "max-per-address", SETTING_NUMBER, MEMBER(address_connections), 0, 100000,
      "0", "N", "open connections from one address or with one token's subject; 0 = no limit of its own"},
     {"limits.address_requests", "max-requests", SETTING_NUMBER, MEMBER(address_requests), 0, 1000000, "0",

@@ -35,6 +35,7 @@ void paths_find(struct paths *paths) {
         find("FACCIA_PLUGINS", folder, (const char *const[]){"../plugins", "../lib/faccia/plugins", NULL});
     paths->worker = find("FACCIA_WORKER", folder,
                          (const char *const[]){"../voice/faccia-voice", "../lib/faccia/faccia-voice", NULL});
+    paths->voice_config = find("FACCIA_VOICE_CONFIG", folder, (const char *const[]){NULL});
 }
 
 void paths_free(struct paths *paths) {
@@ -42,5 +43,6 @@ void paths_free(struct paths *paths) {
     free(paths->web);
     free(paths->plugins);
     free(paths->worker);
+    free(paths->voice_config);
     *paths = (struct paths){0};
 }

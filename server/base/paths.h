@@ -5,10 +5,11 @@
 
 /* Absolute paths; free with paths_free. An empty string where nothing was found. */
 struct paths {
-    char *models;  /* holds speech/, heads/; $FACCIA_MODELS overrides */
-    char *web;     /* the page and its bundle; $FACCIA_WEB overrides */
-    char *plugins; /* voice plugins; $FACCIA_PLUGINS overrides */
-    char *worker;  /* the faccia-voice program; $FACCIA_WORKER overrides */
+    char *models;       /* holds speech/, heads/; $FACCIA_MODELS overrides */
+    char *web;          /* the page and its bundle; $FACCIA_WEB overrides */
+    char *plugins;      /* voice plugins; $FACCIA_PLUGINS overrides */
+    char *worker;       /* the faccia-voice program; $FACCIA_WORKER overrides */
+    char *voice_config; /* $FACCIA_VOICE_CONFIG: the voices' configuration file */
 };
 
 void paths_find(struct paths *paths);

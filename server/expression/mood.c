@@ -99,7 +99,9 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
     for (size_t i = 0; i < mood->affects; i++) {
         /* More than the whole face there is not. */
         next.to[i] = to[i] / fmax(1, sum);
-        if (mood->count)
+        if (!mood->count && ease <= 0)
+            next.from[i] = next.to[i]; /* it has been so all along */
+        else if (mood->count)
             next.from[i] = value_at(turn_at(mood, next.at), i, next.at, &next.speed[i]);
         if (next.to[i] > 0 || next.from[i] > 0)
             next.used = i + 1;

@@ -5,8 +5,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The mood has the weight that an emotion has by default: WEIGHT_DEFAULT of show.c. */
-#define MOOD_WEIGHT 0.2
+/* By the weighted rule a mood shows as it does on a face that does not speak: rho times this is 1. */
+#define MOOD_WEIGHT (1 / 3.0)
 
 /* An expression at an instant. */
 struct seen {

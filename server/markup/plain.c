@@ -19,7 +19,7 @@ static uint32_t look(const struct cursor *c, size_t *length) {
 
 static bool is_space(uint32_t c) {
     return c == ' ' || (c >= '\t' && c <= '\r') || c == 0xA0 || (c >= 0x2000 && c <= 0x200B) || c == 0x2028 ||
-           c == 0x2029 || c == 0x3000;
+           c == 0x2029 || c == 0x3000 || c == 0xFEFF /* byte order mark */;
 }
 
 static bool is_terminator(uint32_t c) {
@@ -88,11 +88,17 @@ static size_t skip_space(struct cursor c, bool *blank_line) {
     return c.at;
 }
 
+static bool is_letter(char c) {
+    return (c | 32) >= 'a' && (c | 32) <= 'z';
+}
+
 size_t plain_sentence(const char *text, size_t size, const struct markup_rules *rules) {
     struct cursor c = {text, size, 0};
     size_t comma = 0, space = 0, length;
     bool blank_line;
     while (c.at < size) {
+        while (c.at < PLAIN_SENTENCE_BYTES && c.at + 1 < size && is_letter(text[c.at]))
+            c.at++;
         uint32_t cp = look(&c, &length);
         if (is_terminator(cp)) {
             size_t end = sentence_end(c, rules);

@@ -72,14 +72,27 @@ static void set_time(json_t *object, const struct stream_event *e) {
     set_int(object, "sample", e->sample);
 }
 
-json_t *message_event(const struct stream_event *e, const char *stream) {
+const char *message_event_name(enum stream_event_kind kind) {
     static const char *const types[] = {
         [STREAM_BEGIN] = "begin", [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
         [STREAM_MARK] = "mark",   [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
         [STREAM_END] = "end",
     };
+    return types[kind];
+}
+
+json_t *message_rooms(const struct net *net) {
+    json_t *rooms = json_array();
+    for (const struct channel *c = net->rooms; c; c = channel_next(c))
+        json_array_append_new(rooms,
+                              json_pack("{ss si sb}", "name", channel_name(c), "followers",
+                                        (int)channel_followers(c), "speaks", stream_busy(channel_stream(c))));
+    return rooms;
+}
+
+json_t *message_event(const struct stream_event *e, const char *stream) {
     json_t *object = json_object();
-    set_string(object, "type", types[e->kind]);
+    set_string(object, "type", message_event_name(e->kind));
     set_string(object, "stream", stream);
     set_int(object, "utterance", e->utterance);
     set_string(object, "id", e->id);
@@ -91,6 +104,9 @@ json_t *message_event(const struct stream_event *e, const char *stream) {
         set_string(object, "voice", e->voice);
         set_string(object, "lang", e->lang);
         set_string(object, "engine", e->engine);
+        set_string(object, "markup", e->markup);
+        if (e->idle >= 0)
+            json_object_set_new_nocheck(object, "idle", json_real(e->idle));
         break;
     case STREAM_SENTENCE:
     case STREAM_WORD:
@@ -126,6 +142,36 @@ json_t *message_models(const struct net *net) {
     return models;
 }
 
+json_t *message_expressions(const struct net *net) {
+    const struct expressions *expressions = net->studio->expressions;
+    json_t *list = json_array();
+    for (size_t i = 0; i < expressions_count(expressions); i++) {
+        struct expression_info info = expressions_info(expressions, i);
+        json_array_append_new(list, json_pack("{ss ss sf sf sb}", "kind", info.kind, "name", info.name,
+                                              "activation", info.activation, "evaluation", info.evaluation,
+                                              "basic", info.basic));
+    }
+    return list;
+}
+
+static json_t *affects(const struct expressions *expressions) {
+    json_t *names = json_array();
+    for (size_t i = 0; i < expressions_count(expressions); i++) {
+        struct expression_info info = expressions_info(expressions, i);
+        if (!strcmp(info.kind, "affect"))
+            json_array_append_new(names, json_string(info.name));
+    }
+    return names;
+}
+
+static json_t *engines_of(const struct speech_pack *pack) {
+    json_t *engines = json_array();
+    for (const char *const *engine = face_engines(); *engine; engine++)
+        if (face_engine_speaks(*engine, pack))
+            json_array_append_new(engines, json_string(*engine));
+    return engines;
+}
+
 json_t *message_voices(const struct net *net) {
     json_t *voices = json_array();
     size_t count = 0;
@@ -147,17 +193,18 @@ json_t *message_hello(const struct net *net, const char *stream) {
     json_t *languages = json_array(), *engines = json_array();
     const struct speech_packs *packs = net->studio->packs;
     for (size_t i = 0; i < packs->count; i++)
-        json_array_append_new(languages, json_pack("{ss ss}", "tag", speech_pack_lang(packs->packs[i]),
-                                                   "name", speech_pack_name(packs->packs[i])));
+        json_array_append_new(languages, json_pack("{ss ss so}", "tag", speech_pack_lang(packs->packs[i]),
+                                                   "name", speech_pack_name(packs->packs[i]), "engines",
+                                                   engines_of(packs->packs[i])));
     for (const char *const *engine = face_engines(); *engine; engine++)
         json_array_append_new(engines, json_string(*engine));
     const struct net_options *o = &net->options;
-    return json_pack("{ss si ss ss si s[s] s[s] ss so so so s{si si si si}}", "type", "hello", "protocol", 1,
-                     "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "pcm_s16le",
+    return json_pack("{ss si ss ss si s[s] s[s] ss so so so so s{si si si si}}", "type", "hello", "protocol",
+                     1, "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "pcm_s16le",
                      "fap", "plain", "lang", net->studio->default_lang, "languages", languages, "engines",
-                     engines, "models", message_models(net), "limits", "text_bytes", (int)o->text_bytes,
-                     "message_bytes", (int)o->message_bytes, "queue", (int)o->queue, "connections",
-                     (int)o->connections);
+                     engines, "expressions", affects(net->studio->expressions), "models", message_models(net),
+                     "limits", "text_bytes", (int)o->text_bytes, "message_bytes", (int)o->message_bytes,
+                     "queue", (int)o->queue, "connections", (int)o->connections);
 }
 
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {

@@ -20,6 +20,7 @@ struct net_options {
     unsigned message_bytes;        /* longest message of a client; 262144 */
     unsigned queue;                /* utterances that wait on one stream; 32 */
     unsigned connections;          /* open connections; 1000 */
+    unsigned rooms;                /* that have somebody in them; 100 */
     unsigned address_connections;  /* of one address, or one token's subject; 0 = no limit of its own */
     unsigned address_requests;     /* utterances and POSTs of such in a minute; 0 = no limit */
     unsigned send_bytes;           /* unsent bytes at which media to one client wait; 262144 */

@@ -8,26 +8,18 @@
 /* So long a client may take to answer a goodbye. */
 enum { GOODBYE_SECONDS = 2 };
 
-/* A message on its way out; the bytes begin after room for the frame header. */
-struct outgoing {
-    struct outgoing *next;
-    size_t size;
-    enum lws_write_protocol type;
-    uint8_t bytes[];
-};
-
 struct socket {
     struct net *net;
     struct lws *wsi;
+    uint64_t number;
     struct socket *next, **self; /* in the net's list */
     struct guest guest;
     char name[24];
-    struct stream *stream;
+    struct follower follower;       /* of its own stream, or of a room's */
     struct speech_request defaults; /* from the address */
     struct buf message;             /* being received */
     bool too_long;                  /* its rest is being dropped */
-    struct outgoing *first, **last;
-    size_t unsent;
+    struct outbox outbox;
     uint64_t progress;  /* loop time of the last message that left, or of the first that waits, ms */
     bool watching;      /* the timer is set */
     bool deaf;          /* hears no more of one who does not listen, until he does */
@@ -48,7 +40,7 @@ static void watch_stall(struct socket *s) {
 int socket_timer(struct socket *s) {
     uint64_t still = uv_now(s->net->studio->loop) - s->progress;
     s->watching = false;
-    if (!s->first)
+    if (outbox_empty(&s->outbox))
         return 0;
     if (still >= (uint64_t)s->net->options.stall_seconds * 1000) {
         metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
@@ -66,22 +58,18 @@ static void dismiss(struct socket *s, enum lws_close_status status, const char *
     lws_callback_on_writable(s->wsi);
 }
 
-static void push(struct socket *s, struct outgoing *o, size_t size, enum lws_write_protocol type) {
-    o->next = NULL;
-    o->size = size;
-    o->type = type;
-    if (!s->first) {
+static void push(struct socket *s, struct parcel *parcel) {
+    const struct net_options *options = &s->net->options;
+    if (outbox_empty(&s->outbox)) {
         s->progress = uv_now(s->net->studio->loop);
         watch_stall(s);
     }
-    *s->last = o;
-    s->last = &o->next;
-    s->unsent += size;
-    if (!s->deaf && s->unsent > s->net->options.send_bytes) {
+    outbox_push(&s->outbox, parcel);
+    if (!s->deaf && s->outbox.unsent > options->send_bytes) {
         s->deaf = true;
         lws_rx_flow_control(s->wsi, 0);
     }
-    if (s->unsent > s->net->options.send_bytes_max && !s->doomed) {
+    if (s->outbox.unsent > options->send_bytes_max && !s->doomed) {
         metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
         dismiss(s, LWS_CLOSE_STATUS_POLICY_VIOLATION, "too-slow");
     }
@@ -89,9 +77,9 @@ static void push(struct socket *s, struct outgoing *o, size_t size, enum lws_wri
 }
 
 static void push_text(struct socket *s, const struct buf *text) {
-    struct outgoing *o = mem_alloc(sizeof *o + LWS_PRE + text->size);
-    memcpy(o->bytes + LWS_PRE, text->data, text->size);
-    push(s, o, text->size, LWS_WRITE_TEXT);
+    struct parcel *parcel = parcel_new(LWS_WRITE_TEXT, text->data, text->size);
+    push(s, parcel);
+    parcel_release(parcel);
 }
 
 static void push_json(struct socket *s, json_t *object) {
@@ -105,30 +93,85 @@ static void push_error(struct socket *s, const struct error *e) {
     push_json(s, message_error(e));
 }
 
-static void on_event(void *ctx, const struct stream_event *event) {
-    struct socket *s = ctx;
-    push_json(s, message_event(event, s->name));
+static struct socket *socket_of(struct follower *f) {
+    return (struct socket *)((char *)f - offsetof(struct socket, follower));
 }
 
-static void on_media(void *ctx, const struct chunk *chunk, const struct fap_frame *frames) {
-    struct socket *s = ctx;
-    size_t cap = CHUNK_HEADER_BYTES + chunk->audio_bytes + (size_t)chunk->frame_count * CHUNK_FRAME_BYTES_MAX;
-    struct outgoing *o = mem_alloc(sizeof *o + LWS_PRE + cap);
-    size_t size = chunk_encode(chunk, frames, o->bytes + LWS_PRE, cap);
-    struct metrics *metrics = s->net->studio->metrics;
-    metrics_add(metrics, METRIC_CHUNKS, 1);
-    metrics_add(metrics, METRIC_AUDIO_BYTES, chunk->audio_bytes);
-    metrics_add(metrics, METRIC_FAP_BYTES, (double)(size - chunk->audio_bytes));
-    push(s, o, size, LWS_WRITE_BINARY);
+/* In a room, one who is too slow is moved on to the live edge; on a stream of his own it waits for him. */
+static void on_delivery(struct follower *f, struct parcel *parcel) {
+    struct socket *s = socket_of(f);
+    bool full = s->outbox.unsent > s->net->options.send_bytes;
+    if (!parcel->media || !full || !channel_is_room(f->channel)) {
+        push(s, parcel);
+        return;
+    }
+    outbox_drop_media(&s->outbox);
+    f->waits = true;
+    if (!f->lagging)
+        push_json(s, json_pack("{ss ss ss}", "type", "warning", "code", "skipped", "message",
+                               "media were left out: they came faster than they were taken"));
+    f->lagging = true;
 }
 
-static bool on_ready(void *ctx) {
-    const struct socket *s = ctx;
-    return s->unsent < s->net->options.send_bytes;
+static void enter(struct socket *s, struct channel *channel) {
+    s->follower.idle = false;
+    channel_join(channel, &s->follower);
+}
+
+static struct stream *stream_of(const struct socket *s) {
+    return channel_stream(s->follower.channel);
+}
+
+/* The room that he is in, or NULL. */
+static const char *room_of(const struct socket *s) {
+    const struct channel *c = s->follower.channel;
+    return channel_is_room(c) ? channel_name(c) : NULL;
+}
+
+static int join(struct socket *s, const char *room, struct error *e) {
+    struct error ignored;
+    if (guest_may(s->net, &s->guest, RIGHT_LISTEN, room, e))
+        return -1;
+    struct channel *channel = channel_room(s->net, room, e);
+    if (!channel || channel == s->follower.channel)
+        return channel ? 0 : -1;
+    channel_leave(&s->follower);
+    push_json(s, json_pack("{ss ss si sb}", "type", "joined", "room", room, "followers",
+                           (int)channel_followers(channel) + 1, "may_speak",
+                           !guest_may(s->net, &s->guest, RIGHT_SPEAK, room, &ignored)));
+    enter(s, channel);
+    return 0;
+}
+
+static int set_media(struct socket *s, const char *audio, const char *fap, struct error *e) {
+    struct encoding encoding = s->follower.encoding;
+    int codec;
+    if (audio && (codec = encoding_audio(audio)) < 0)
+        return error_in_field(e, "unknown-codec", "audio", "no audio codec '%s'", audio);
+    if (audio)
+        encoding.audio = (uint8_t)codec;
+    if (fap && (codec = encoding_fap(fap)) < 0)
+        return error_in_field(e, "unknown-codec", "fap", "no FAP codec '%s'", fap);
+    if (fap)
+        encoding.fap = (uint8_t)codec;
+    channel_want(&s->follower, &encoding);
+    return 0;
+}
+
+/* What the address asks for, besides the defaults of requests. */
+static void read_query(struct socket *s) {
+    char room[TOKEN_ROOM + 2], audio[32], fap[32];
+    struct error e;
+    const char *in = lws_get_urlarg_by_name(s->wsi, "room=", room, sizeof room);
+    if (request_from_query(&s->defaults, s->wsi, NULL, &e) ||
+        set_media(s, lws_get_urlarg_by_name(s->wsi, "audio=", audio, sizeof audio),
+                  lws_get_urlarg_by_name(s->wsi, "fap=", fap, sizeof fap), &e))
+        push_error(s, &e);
+    if (in && join(s, in, &e))
+        push_error(s, &e);
 }
 
 struct socket *socket_open(struct net *net, struct lws *wsi) {
-    static const struct stream_sink sink = {on_event, on_media, on_ready};
     struct socket *s = mem_alloc(sizeof *s);
     struct error e = {0};
     s->net = net;
@@ -138,18 +181,20 @@ struct socket *socket_open(struct net *net, struct lws *wsi) {
     if (s->next)
         s->next->self = &s->next;
     net->sockets = s;
-    s->last = &s->first;
-    snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)++net->streams);
+    outbox_open(&s->outbox);
+    s->number = ++net->streams;
+    snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)s->number);
     request_init(&s->defaults);
-    s->stream = stream_new(net->studio, &sink, s, net->options.queue);
+    s->follower = (struct follower){
+        .encoding = encoding_default, .media = true, .outbox = &s->outbox, .deliver = on_delivery};
+    enter(s, channel_new(net, s->name));
     push_json(s, message_hello(net, s->name));
     if (guest_enter(net, wsi, &s->guest, &e)) {
         push_error(s, &e);
         if (!s->guest.entered)
             dismiss(s, LWS_CLOSE_STATUS_POLICY_VIOLATION, e.code);
     }
-    if (request_from_query(&s->defaults, wsi, NULL, &e))
-        push_error(s, &e);
+    read_query(s);
     return s;
 }
 
@@ -158,28 +203,45 @@ void socket_close(struct socket *s) {
     if (s->next)
         s->next->self = s->self;
     guest_leave(s->net, &s->guest);
-    stream_free(s->stream);
+    channel_leave(&s->follower);
     request_free(&s->defaults);
     buf_free(&s->message);
-    for (struct outgoing *o = s->first, *next; o; o = next) {
-        next = o->next;
-        free(o);
-    }
+    outbox_close(&s->outbox);
     free(s);
+}
+
+/* In a room, others need not hear of it. */
+static void refuse(struct socket *s, const char *id, const struct error *e) {
+    if (!room_of(s)) {
+        stream_refuse(stream_of(s), id, e);
+        return;
+    }
+    json_t *error = message_error(e), *end = json_pack("{ss ss}", "type", "end", "reason", "failed");
+    if (id) {
+        json_object_set_new(error, "id", json_string(id));
+        json_object_set_new(end, "id", json_string(id));
+    }
+    push_json(s, error);
+    push_json(s, end);
+}
+
+/* Whether he may have the stream do something. */
+static int may_direct(struct socket *s, struct error *e) {
+    return guest_may(s->net, &s->guest, RIGHT_SPEAK, room_of(s), e);
 }
 
 static void speak(struct socket *s, const struct speech_request *request) {
     unsigned limit = s->net->options.text_bytes;
     struct error e;
-    int refused = guest_may(s->net, &s->guest, RIGHT_SPEAK, NULL, &e) || guest_ask(s->net, &s->guest, &e);
+    int refused = may_direct(s, &e) || guest_ask(s->net, &s->guest, &e);
     if (!refused && s->net->draining)
         refused = error_set(&e, "stopping", "the server is about to stop");
     if (!refused && request->text_size > limit)
         refused = error_in_field(&e, "text-too-long", "text", "a text may have %u bytes", limit);
     if (refused)
-        stream_refuse(s->stream, request->id, &e);
+        refuse(s, request->id, &e);
     else
-        stream_speak(s->stream, request);
+        stream_speak(stream_of(s), request);
 }
 
 static void speak_json(struct socket *s, const json_t *message) {
@@ -187,7 +249,7 @@ static void speak_json(struct socket *s, const json_t *message) {
     struct error e = {0};
     request_copy(&request, &s->defaults);
     if (request_from_json(&request, message, &e))
-        stream_refuse(s->stream, request.id, &e);
+        refuse(s, request.id, &e);
     else
         speak(s, &request);
     request_free(&request);
@@ -241,8 +303,52 @@ static void pong(struct socket *s, const json_t *message) {
 }
 
 static void stop(struct socket *s, const json_t *message) {
+    struct error e;
     (void)message;
-    stream_stop(s->stream);
+    if (may_direct(s, &e))
+        push_error(s, &e);
+    else
+        stream_stop(stream_of(s));
+}
+
+static void idle(struct socket *s, const json_t *message) {
+    struct idle_options options;
+    struct error e;
+    bool on;
+    if (live_idle(message, &s->defaults, s->number, &options, &on, &e))
+        push_error(s, &e);
+    else
+        channel_idle(&s->follower, on ? &options : NULL);
+}
+
+static void express(struct socket *s, const json_t *message) {
+    struct stream_mix mix;
+    struct error e;
+    if (may_direct(s, &e) || live_express(message, &mix, &e) || stream_express(stream_of(s), &mix, &e))
+        push_error(s, &e);
+}
+
+static void join_room(struct socket *s, const json_t *message) {
+    const char *room = json_string_value(json_object_get(message, "room"));
+    struct error e;
+    if (room ? join(s, room, &e) : error_in_field(&e, "missing-field", "room", "is missing"))
+        push_error(s, &e);
+}
+
+static void leave_room(struct socket *s, const json_t *message) {
+    (void)message;
+    if (!room_of(s))
+        return;
+    push_json(s, json_pack("{ss ss}", "type", "left", "room", room_of(s)));
+    channel_leave(&s->follower);
+    enter(s, channel_new(s->net, s->name));
+}
+
+static void choose_media(struct socket *s, const json_t *message) {
+    struct error e;
+    if (set_media(s, json_string_value(json_object_get(message, "audio")),
+                  json_string_value(json_object_get(message, "fap")), &e))
+        push_error(s, &e);
 }
 
 static void authorise(struct socket *s, const json_t *message) {
@@ -259,11 +365,9 @@ static void dispatch(struct socket *s, const json_t *message) {
     static const struct {
         const char *type;
         void (*act)(struct socket *s, const json_t *message);
-    } types[] = {{"speak", speak_json},
-                 {"stop", stop},
-                 {"model", send_model},
-                 {"ping", pong},
-                 {"authorize", authorise}};
+    } types[] = {{"speak", speak_json}, {"stop", stop},         {"model", send_model},    {"ping", pong},
+                 {"idle", idle},        {"express", express},   {"authorize", authorise}, {"join", join_room},
+                 {"leave", leave_room}, {"media", choose_media}};
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {
@@ -345,39 +449,40 @@ static int say_goodbye(struct socket *s) {
 }
 
 int socket_writeable(struct socket *s) {
-    struct outgoing *o = s->first;
     if (s->closing)
         return 0;
     /* he who is too slow gets nothing more; others get what is on its way */
-    if (s->doomed && (!o || s->unsent > s->net->options.send_bytes_max)) {
+    if (s->doomed && (outbox_empty(&s->outbox) || s->outbox.unsent > s->net->options.send_bytes_max)) {
         s->closing = true;
         return say_goodbye(s);
     }
-    if (!o)
+    struct parcel *parcel = outbox_pop(&s->outbox);
+    if (!parcel)
         return 0;
-    if (lws_write(s->wsi, o->bytes + LWS_PRE, o->size, o->type) < 0)
+    int sent = lws_write(s->wsi, parcel_body(parcel), parcel->size, parcel->type);
+    metrics_add(s->net->studio->metrics, METRIC_SENT_BYTES, (double)parcel->size);
+    parcel_release(parcel);
+    if (sent < 0)
         return -1;
-    s->first = o->next;
-    if (!s->first)
-        s->last = &s->first;
-    s->unsent -= o->size;
-    metrics_add(s->net->studio->metrics, METRIC_SENT_BYTES, (double)o->size);
-    free(o);
-    if (s->deaf && s->unsent <= s->net->options.send_bytes) {
+    if (s->deaf && s->outbox.unsent <= s->net->options.send_bytes) {
         s->deaf = false;
         lws_rx_flow_control(s->wsi, 1);
     }
+    if (s->follower.lagging && outbox_empty(&s->outbox)) {
+        s->follower.lagging = false;
+        channel_resume(&s->follower);
+    }
     s->progress = uv_now(s->net->studio->loop);
-    if (!s->first && s->model)
+    if (outbox_empty(&s->outbox) && s->model)
         push_model_part(s);
-    if (s->first || s->doomed)
+    if (!outbox_empty(&s->outbox) || s->doomed)
         lws_callback_on_writable(s->wsi);
     return 0;
 }
 
 bool sockets_busy(const struct net *net) {
     for (const struct socket *s = net->sockets; s; s = s->next)
-        if (s->first || stream_busy(s->stream))
+        if (!outbox_empty(&s->outbox) || stream_busy(stream_of(s)))
             return true;
     return false;
 }

@@ -9,7 +9,7 @@
 /* The fields that anyone may set, with the limits that protocol/README.md states. */
 static const struct field {
     const char *name;
-    enum { TEXT, STRING, NUMBER, INTEGER, FLAG } type;
+    enum { TEXT, STRING, NUMBER, INTEGER, FLAG, BLEND } type;
     size_t offset;
     double min, max; /* of a number; of a string: max = its longest, in bytes */
 } fields[] = {
@@ -24,11 +24,13 @@ static const struct field {
     {"volume", NUMBER, offsetof(struct speech_request, volume), 0.25, 4},
     {"fps", NUMBER, offsetof(struct speech_request, fps), 1, 120},
     {"seed", INTEGER, offsetof(struct speech_request, seed), 0, 9007199254740992.0},
+    {"life", NUMBER, offsetof(struct speech_request, life), 0, 2},
+    {"blend", BLEND, offsetof(struct speech_request, blend), 0, 0},
     {"still", FLAG, offsetof(struct speech_request, still), 0, 1},
 };
 
 void request_init(struct speech_request *request) {
-    *request = (struct speech_request){.pitch = 1, .volume = 1, .fps = 25};
+    *request = (struct speech_request){.pitch = 1, .volume = 1, .fps = 25, .seed = -1, .life = -1};
 }
 
 void request_free(struct speech_request *request) {
@@ -95,6 +97,18 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
     return error_in_field(e, "bad-field", f->name, "must be true or false");
 }
 
+static int set_blend(enum face_blend *blend, const struct field *f, const struct request_value *v,
+                     struct error *e) {
+    static const char *const words[] = {[BLEND_REGIONS] = "regions", [BLEND_WEIGHTED] = "weighted"};
+    bool word = v->type == REQUEST_STRING || v->type == REQUEST_WORD;
+    for (int i = 0; word && i < 2; i++)
+        if (strlen(words[i]) == v->size && !memcmp(words[i], v->string, v->size)) {
+            *blend = (enum face_blend)i;
+            return 0;
+        }
+    return error_in_field(e, "bad-field", f->name, "must be regions or weighted");
+}
+
 int request_set(struct speech_request *request, const char *name, struct request_value value,
                 struct error *e) {
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
@@ -115,6 +129,8 @@ int request_set(struct speech_request *request, const char *name, struct request
             return set_number(member, f, &value, e);
         case FLAG:
             return set_flag(member, f, &value, e);
+        case BLEND:
+            return set_blend(member, f, &value, e);
         }
     }
     return 1;

@@ -4,6 +4,7 @@
 #define FACCIA_STREAM_REQUEST_H
 
 #include "server/base/error.h"
+#include "server/face/track.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -17,7 +18,9 @@ struct speech_request {
     double rate;                 /* words per minute, 40..500; 0 = the voice's own */
     double pitch, volume;        /* factors, 0.25..4 */
     double fps;                  /* 1..120 */
-    double seed;                 /* integer, 0..2^53 */
+    double seed;                 /* integer, 0..2^53; negative = not given */
+    double life;                 /* strength of the signs of life, 0..2; negative = not given */
+    enum face_blend blend;       /* how expressions share the mouth with speech */
     bool still;                  /* only the lips move */
 };
 

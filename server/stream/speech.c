@@ -20,16 +20,19 @@ struct slot {
 struct speech {
     const struct studio *studio;
     struct speech_request request;
+    const struct markup_kind *markup;
     struct score *score;
     const struct speech_pack *pack;
     const struct voice *voice;
     struct speech_callbacks callbacks;
     void *ctx;
+    void (*direct_face)(void *ctx, struct face_options *options);
     struct slot slots[WINDOW];
     size_t submitted, delivered,
         released;  /* sentences; released <= delivered <= submitted <= released + WINDOW */
     size_t spoken; /* scenes that came */
     uint32_t samples, sample_rate;
+    bool warned;      /* of what the markup stage did not act on */
     bool busy, freed; /* inside a callback; to be freed after it */
 };
 
@@ -94,11 +97,16 @@ static void play(struct speech *s, struct slot *slot) {
     slot->utterance = NULL;
     for (size_t i = 0; i < u->warning_count; i++)
         warn(s, u->warnings[i]);
-    struct face_options options = {.engine = s->request.engine,
-                                   .still = s->request.still,
-                                   .life = 1,
-                                   .seed = (uint64_t)s->request.seed,
-                                   .begin = s->sample_rate ? (double)s->samples / s->sample_rate : 0};
+    const struct speech_request *r = &s->request;
+    struct face_options options = {.engine = r->engine,
+                                   .still = r->still,
+                                   .life = r->life < 0 ? 1 : r->life,
+                                   .seed = r->seed < 0 ? 0 : (uint64_t)r->seed,
+                                   .begin = s->sample_rate ? (double)s->samples / s->sample_rate : 0,
+                                   .blend = r->blend,
+                                   .expressions = s->studio->expressions};
+    if (s->direct_face && !s->freed)
+        s->direct_face(s->ctx, &options);
     struct scene scene = {u, face_track_new(s->pack, u, &options, warn, s), s->samples};
     s->sample_rate = u->sample_rate;
     s->samples += u->samples;
@@ -118,11 +126,18 @@ static const char *misfit(const struct speech *s, const struct utterance *u) {
     return NULL;
 }
 
+static void warn_of_markup(struct speech *s) {
+    for (size_t i = 0; !s->warned && !s->freed && i < s->score->warning_count; i++)
+        s->callbacks.problem(s->ctx, &s->score->warnings[i], true);
+    s->warned = true;
+}
+
 /* Hands on, in order, what is ready. */
 static void deliver(struct speech *s) {
     if (s->busy)
         return;
     s->busy = true;
+    warn_of_markup(s);
     while (!s->freed && s->delivered < s->submitted) {
         struct slot *slot = &s->slots[s->delivered % WINDOW];
         if (slot->job)
@@ -155,6 +170,7 @@ static void deliver(struct speech *s) {
 static int choose_voice(struct speech *s, struct error *e) {
     const struct speech_packs *packs = s->studio->packs;
     const char *lang = s->request.lang;
+    char stated[MARKUP_LANG_BYTES];
     size_t voices = 0;
     if (s->studio->voices)
         voice_pool_voices(s->studio->voices, &voices);
@@ -162,7 +178,10 @@ static int choose_voice(struct speech *s, struct error *e) {
         return error_set(e, "voice-unavailable", "no voice is there (yet)");
     if (lang && !(s->pack = speech_packs_find(packs, lang)))
         return error_in_field(e, "unknown-language", "lang", "no language '%s'", lang);
-    if (!lang)
+    if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
+        markup_lang(s->request.text, s->request.text_size, stated))
+        s->pack = speech_packs_find(packs, stated);
+    if (!s->pack)
         s->pack = speech_packs_find(packs, s->studio->default_lang);
     const char *const *preferred = speech_pack_voices(s->pack);
     s->voice = voice_pool_find(s->studio->voices, s->request.voice, speech_pack_lang(s->pack), preferred, e);
@@ -187,16 +206,35 @@ static int check_engine(const struct speech *s, struct error *e) {
     return error_in_field(e, "unknown-engine", "engine", "no engine '%s'", s->request.engine);
 }
 
-static int read_text(struct speech *s, struct error *e) {
-    const char *name = s->request.markup ? s->request.markup : "plain";
-    const struct markup_kind *kind = markup_by_name(name);
-    if (!kind)
+/* From here on the request's text is what all places count in. */
+static int decode_text(struct speech *s, struct error *e) {
+    char *text;
+    size_t size;
+    const char *name = s->request.markup ? s->request.markup : "auto";
+    s->markup = markup_by_name(name);
+    if (!s->markup)
         return error_in_field(e, "unknown-markup", "markup", "no markup '%s'", name);
-    struct markup_rules rules = {speech_pack_abbreviations(s->pack)};
     if (!s->request.text)
         return error_in_field(e, "missing-field", "text", "is missing");
-    s->score = markup_read(kind, s->request.text, s->request.text_size, &rules, e);
-    return s->score ? 0 : -1;
+    if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))
+        return -1;
+    if (text) {
+        free(s->request.text);
+        s->request.text = text;
+        s->request.text_size = size;
+    }
+    s->markup = markup_detect(s->markup, s->request.text, s->request.text_size);
+    return 0;
+}
+
+static int read_text(struct speech *s, struct error *e) {
+    struct markup_rules rules = {speech_pack_abbreviations(s->pack), speech_pack_lang(s->pack)};
+    s->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, e);
+    if (!s->score)
+        return -1;
+    if (s->studio->expressions)
+        expressions_direct(s->studio->expressions, s->score);
+    return 0;
 }
 
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
@@ -206,7 +244,7 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);
-    if (choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
+    if (decode_text(s, e) || choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
         speech_free(s);
         return NULL;
     }
@@ -215,6 +253,10 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
 
 void speech_start(struct speech *s) {
     submit(s);
+}
+
+void speech_direct_face(struct speech *s, void (*face)(void *ctx, struct face_options *options)) {
+    s->direct_face = face;
 }
 
 void speech_free(struct speech *s) {
@@ -249,6 +291,10 @@ const char *speech_lang(const struct speech *s) {
 
 const char *speech_engine(const struct speech *s) {
     return s->request.engine ? s->request.engine : face_engines()[0];
+}
+
+const char *speech_markup(const struct speech *s) {
+    return s->markup->name;
 }
 
 const struct speech_request *speech_request(const struct speech *s) {

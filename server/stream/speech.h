@@ -16,6 +16,7 @@ struct studio {
     uv_loop_t *loop;
     struct voice_pool *voices;
     const struct speech_packs *packs;
+    const struct expressions *expressions;
     const char *default_lang;
     struct metrics *metrics; /* NULL = nobody counts */
 };
@@ -39,7 +40,7 @@ struct speech;
 
 struct speech_callbacks {
     void (*scene)(void *ctx, struct scene scene);
-    /* A sentence could not be spoken (code set), or something of it was not acted on (code "warning"). */
+    /* A sentence could not be spoken, or (warning) something of the text was not acted on. */
     void (*problem)(void *ctx, const struct error *e, bool warning);
     /* No scene follows. spoken = how many came. */
     void (*finished)(void *ctx, size_t spoken);
@@ -52,6 +53,10 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
 /* Begins. Callbacks come later, from the loop; none after speech_free, which may be called from within one.
  */
 void speech_start(struct speech *speech);
+
+/* Before the start: `face` is asked before a scene's face is made. It may change how that is to be, so that
+ * it goes on from the face before (seed, begin, life) and shows a mood. */
+void speech_direct_face(struct speech *speech, void (*face)(void *ctx, struct face_options *options));
 void speech_free(struct speech *speech);
 
 /* One scene has been used up: another may come. */
@@ -60,6 +65,8 @@ void speech_release(struct speech *speech);
 const struct voice *speech_voice(const struct speech *speech);
 const char *speech_lang(const struct speech *speech);
 const char *speech_engine(const struct speech *speech);
+const char *speech_markup(const struct speech *speech); /* what the text is: "plain", "ssml"... */
+/* As it was asked for; its text is UTF-8 now. */
 const struct speech_request *speech_request(const struct speech *speech);
 
 #endif

@@ -1,30 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/stream/stream.h"
 #include "server/base/mem.h"
-#include "server/base/utf8.h"
-#include "server/stream/cut.h"
+#include "server/stream/turn.h"
 #include <stdlib.h>
-#include <string.h>
 
 /* Asked again this soon when the sink is not ready, ms. */
 enum { RETRY_MS = 20 };
-
-/* One utterance: a speech that speaks or waits, and the scenes of it that are ready. */
-struct turn {
-    struct turn *next;
-    struct stream *stream;
-    struct speech *speech;
-    uint32_t utterance;
-    struct scene *scenes; /* the first is being cut */
-    size_t scene_count, scene_cap;
-    struct cut cut;
-    uint64_t asked; /* uv_hrtime of the request */
-    bool started, begun, sentence_said;
-    bool finished;              /* no further scene comes */
-    size_t spoken;              /* scenes that came */
-    uint32_t sent, sample_rate; /* samples that left */
-    struct utf16_counter utf16;
-};
 
 struct stream {
     const struct studio *studio;
@@ -35,6 +16,11 @@ struct stream {
     unsigned waiting, queue_limit;
     uint32_t utterances;   /* numbers given so far */
     uint64_t played_until; /* loop time at which all media sent will have been heard, ms */
+    uint64_t spoken_until; /* the same of the utterances' media: idle ones may be cut short */
+    double life;           /* what the life clock shows at played_until, s; 0 before the first media */
+    struct idle *idle;     /* NULL: off */
+    struct idle_options idling;
+    struct mix mix;
 };
 
 static void pump(struct stream *s);
@@ -47,19 +33,23 @@ static void wake_in(struct stream *s, uint64_t ms) {
     uv_timer_start(s->timer, on_timer, ms, 0);
 }
 
-static void give(struct turn *t, struct stream_event event) {
-    event.utterance = t->utterance;
-    event.id = t->speech ? speech_request(t->speech)->id : event.id;
-    event.sample_rate = t->sample_rate;
-    t->stream->sink.event(t->stream->ctx, &event);
+static void give(const struct turn *t, struct stream_event event) {
+    turn_give(t, &t->stream->sink, t->stream->ctx, event);
 }
 
-static void drop_scene(struct turn *t) {
-    scene_free(&t->scenes[0]);
-    t->scene_count--;
-    memmove(t->scenes, t->scenes + 1, t->scene_count * sizeof *t->scenes);
-    t->cut = (struct cut){0};
-    t->sentence_said = false;
+static uint64_t later(uint64_t a, uint64_t b) {
+    return a > b ? a : b;
+}
+
+/* What the life clock shows at a loop time. */
+static double life_at(const struct stream *s, uint64_t at) {
+    return s->life + ((double)at - (double)s->played_until) / 1000;
+}
+
+/* Media go on from the loop time `at`: what was sent for later is forgotten. */
+static void go_on_from(struct stream *s, uint64_t at) {
+    s->life = s->played_until ? life_at(s, at) : 0;
+    s->played_until = at;
 }
 
 /* Ends the first turn. */
@@ -77,17 +67,43 @@ static void end_turn(struct stream *s, const char *reason) {
     if (s->waiting)
         s->waiting--;
     give(t, (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});
-    while (t->scene_count)
-        drop_scene(t);
-    speech_free(t->speech);
-    free(t->scenes);
-    free(t);
+    turn_free(t);
+}
+
+/* Where on the life clock an utterance begins: when those before it have ended, or now. */
+static double place(const struct turn *turn) {
+    const struct stream *s = turn->stream;
+    uint64_t start = later(uv_now(s->studio->loop), s->spoken_until);
+    double life = s->played_until ? life_at(s, start) : 0;
+    for (const struct turn *t = s->turns; t != turn; t = t->next)
+        if (t->placed)
+            life = t->life_begin + t->length;
+    return life;
+}
+
+static void on_face(void *ctx, struct face_options *options) {
+    struct turn *t = ctx;
+    struct stream *s = t->stream;
+    const struct speech_request *request = speech_request(t->speech);
+    if (!t->placed)
+        t->life_begin = place(t);
+    t->placed = true;
+    if (request->life < 0)
+        options->life = s->idling.life;
+    options->mood = s->mix.mood;
+    if (request->seed < 0) {
+        options->seed = s->idling.seed;
+        options->begin += t->life_begin;
+        return;
+    }
+    if (!t->mood)
+        t->mood = mix_copy(&s->mix);
+    options->mood = t->mood;
 }
 
 static void on_scene(void *ctx, struct scene scene) {
     struct turn *t = ctx;
-    t->scenes = mem_grow(t->scenes, &t->scene_cap, t->scene_count + 1, sizeof *t->scenes);
-    t->scenes[t->scene_count++] = scene;
+    turn_add_scene(t, scene);
     wake_in(t->stream, 0);
 }
 
@@ -113,6 +129,10 @@ static void on_finished(void *ctx, size_t spoken) {
 static const struct speech_callbacks speech_callbacks = {on_scene, on_problem, on_finished};
 
 static void say_begin(struct turn *t) {
+    struct stream *s = t->stream;
+    uint64_t start = later(uv_now(s->studio->loop), s->spoken_until);
+    go_on_from(s, start);
+    s->life = t->life_begin;
     t->begun = true;
     metrics_first_media(t->stream->studio->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->scenes[0].utterance->sample_rate;
@@ -120,84 +140,63 @@ static void say_begin(struct turn *t) {
                                   .voice = speech_voice(t->speech)->id,
                                   .lang = speech_lang(t->speech),
                                   .engine = speech_engine(t->speech),
-                                  .fps = speech_request(t->speech)->fps});
+                                  .markup = speech_markup(t->speech),
+                                  .fps = speech_request(t->speech)->fps,
+                                  .idle = s->idle ? idle_time(s->idle, start) : -1});
 }
 
-static void say_place(struct turn *t, enum stream_event_kind kind, uint32_t from, uint32_t to, size_t start,
-                      size_t end) {
-    const char *text = speech_request(t->speech)->text;
-    size_t utf16_start = utf16_offset(&t->utf16, text, start);
-    give(t, (struct stream_event){.kind = kind,
-                                  .sample = t->scenes[0].start + from,
-                                  .duration = to - from,
-                                  .start = start,
-                                  .end = end,
-                                  .utf16_start = utf16_start,
-                                  .utf16_end = utf16_offset(&t->utf16, text, end),
-                                  .text = text + start});
-}
-
-/* What begins before the cut and has not been said. */
-static void say_events(struct turn *t) {
-    const struct utterance *u = t->scenes[0].utterance;
-    bool last = t->cut.at == u->samples;
-    if (!t->sentence_said)
-        say_place(t, STREAM_SENTENCE, 0, u->samples, u->from, u->to);
-    t->sentence_said = true;
-    for (; t->cut.word < u->word_count && (last || u->words[t->cut.word].start < t->cut.at); t->cut.word++) {
-        const struct word *w = &u->words[t->cut.word];
-        say_place(t, STREAM_WORD, w->start, w->end, w->from, w->to);
-    }
-    for (; t->cut.mark < u->mark_count && (last || u->marks[t->cut.mark].at < t->cut.at); t->cut.mark++) {
-        const struct mark *m = &u->marks[t->cut.mark];
-        give(t, (struct stream_event){
-                    .kind = STREAM_MARK, .sample = t->scenes[0].start + m->at, .text = m->name});
-    }
-}
-
-static void send_chunk(struct turn *t) {
+static void send_speech(struct turn *t) {
     struct stream *s = t->stream;
     struct fap_frame frames[CUT_FRAMES];
     struct chunk chunk;
-    uint32_t rate = t->scenes[0].utterance->sample_rate;
-    cut_chunk(&t->cut, &t->scenes[0], speech_request(t->speech)->fps, rate * STREAM_CHUNK_MS / 1000, &chunk,
-              frames);
-    chunk.utterance = t->utterance;
-    say_events(t);
-    t->sent += chunk.samples;
-    uint64_t now = uv_now(s->studio->loop);
-    if (s->played_until < now)
-        s->played_until = now;
-    s->played_until += (uint64_t)chunk.samples * 1000 / rate;
+    if (!t->begun)
+        say_begin(t);
+    turn_cut(t, &s->sink, s->ctx, &chunk, frames);
+    /* late media hold the life clock up: it is theirs */
+    s->played_until =
+        later(s->played_until, uv_now(s->studio->loop)) + (uint64_t)chunk.samples * 1000 / chunk.sample_rate;
+    s->spoken_until = s->played_until;
+    s->life = t->life_begin + (double)t->sent / chunk.sample_rate;
     s->sink.media(s->ctx, &chunk, frames);
-    if (t->cut.at == t->scenes[0].utterance->samples) {
-        drop_scene(t);
-        speech_release(t->speech);
-    }
+    turn_drop_scene_if_done(t);
+}
+
+static void send_idle(struct stream *s) {
+    struct fap_frame frames[IDLE_FRAMES];
+    struct chunk chunk;
+    go_on_from(s, later(s->played_until, uv_now(s->studio->loop)));
+    idle_chunk(s->idle, s->played_until, s->life, &chunk, frames);
+    go_on_from(s, s->played_until + IDLE_CHUNK_MS);
+    s->sink.media(s->ctx, &chunk, frames);
 }
 
 /* Sends what may be sent now, and sees to it that it is called again when more may. */
 static void pump(struct stream *s) {
-    for (struct turn *t; (t = s->turns);) {
-        if (t->finished && !t->scene_count) {
+    for (;;) {
+        struct turn *t = s->turns;
+        if (t && t->finished && !t->scene_count) {
             end_turn(s, t->spoken ? "done" : "failed");
             start(s->turns);
             continue;
         }
-        if (!t->scene_count)
+        bool speaks = t && t->scene_count;
+        if (!speaks && (!s->idle || (t && t->begun)))
             return;
         if (!s->sink.ready(s->ctx)) {
             wake_in(s, RETRY_MS);
             return;
         }
         uint64_t now = uv_now(s->studio->loop);
-        if (s->played_until >= now + STREAM_LEAD_MS) {
-            wake_in(s, s->played_until - now - STREAM_LEAD_MS + 1);
+        uint64_t lead = speaks ? STREAM_LEAD_MS : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
+        uint64_t until = speaks && !t->begun ? s->spoken_until : s->played_until;
+        if (until >= now + lead) {
+            wake_in(s, until - now - lead + 1);
             return;
         }
-        if (!t->begun)
-            say_begin(t);
-        send_chunk(t);
+        if (speaks)
+            send_speech(t);
+        else
+            send_idle(s);
     }
 }
 
@@ -208,6 +207,8 @@ struct stream *stream_new(const struct studio *studio, const struct stream_sink 
     s->sink = *sink;
     s->ctx = ctx;
     s->queue_limit = queue;
+    s->idling.life = 1;
+    mix_open(&s->mix, studio->expressions);
     s->timer = mem_alloc(sizeof *s->timer);
     uv_timer_init(studio->loop, s->timer);
     s->timer->data = s;
@@ -227,7 +228,9 @@ void stream_free(struct stream *s) {
     if (!s)
         return;
     s->sink.event = ignore_event;
+    stream_idle(s, NULL);
     stream_stop(s);
+    mix_close(&s->mix);
     uv_close((uv_handle_t *)s->timer, free_timer);
     free(s);
 }
@@ -254,6 +257,7 @@ void stream_speak(struct stream *s, const struct speech_request *request) {
         stream_refuse(s, request->id, &e);
         return;
     }
+    speech_direct_face(t->speech, on_face);
     t->utterance = ++s->utterances;
     struct turn **last = &s->turns;
     while (*last)
@@ -273,5 +277,31 @@ void stream_stop(struct stream *s) {
     uv_timer_stop(s->timer);
     while (s->turns)
         end_turn(s, "stopped");
-    s->played_until = 0;
+    /* the listener drops what was spoken and has not been heard */
+    uint64_t now = uv_now(s->studio->loop);
+    if (s->spoken_until > now)
+        go_on_from(s, now);
+    s->spoken_until = 0;
+    if (s->idle)
+        wake_in(s, 0);
+}
+
+void stream_idle(struct stream *s, const struct idle_options *options) {
+    if (options && s->idle && idle_is(s->idle, options))
+        return;
+    idle_free(s->idle);
+    s->idle = NULL;
+    if (!options)
+        return;
+    s->idling = *options;
+    s->idle = idle_new(s->studio, options, s->mix.mood, uv_now(s->studio->loop));
+    wake_in(s, 0);
+}
+
+int stream_express(struct stream *s, const struct stream_mix *mix, struct error *e) {
+    if (mix_set(&s->mix, mix, s->life, e))
+        return -1;
+    for (const struct turn *t = s->turns; t; t = t->next)
+        mix_follow(&s->mix, t->mood, t->sent ? (double)t->sent / t->sample_rate : 0);
+    return 0;
 }

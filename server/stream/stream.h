@@ -5,7 +5,8 @@
 #define FACCIA_STREAM_STREAM_H
 
 #include "protocol/chunk.h"
-#include "server/stream/speech.h"
+#include "server/stream/idle.h"
+#include "server/stream/mix.h"
 
 enum {
     STREAM_CHUNK_MS = 100, /* media in one chunk */
@@ -27,14 +28,15 @@ enum stream_event_kind {
 struct stream_event {
     enum stream_event_kind kind;
     uint32_t utterance;
-    const char *id;                            /* the client's, or NULL */
-    uint32_t sample_rate, sample, duration;    /* SENTENCE, WORD, MARK; END: duration of all, samples */
-    size_t start, end, utf16_start, utf16_end; /* SENTENCE, WORD: the place in the text; end exclusive */
-    const char *text;                          /* WORD: end - start bytes that stand there; MARK: its name */
-    const struct error *error;                 /* WARNING, ERROR */
-    const char *reason;                        /* END: "done", "stopped", "failed" */
-    const char *voice, *lang, *engine;         /* BEGIN */
-    double fps;                                /* BEGIN */
+    const char *id;                             /* the client's, or NULL */
+    uint32_t sample_rate, sample, duration;     /* SENTENCE, WORD, MARK; END: duration of all, samples */
+    size_t start, end, utf16_start, utf16_end;  /* SENTENCE, WORD: the place in the text; end exclusive */
+    const char *text;                           /* WORD: end - start bytes that stand there; MARK: its name */
+    const struct error *error;                  /* WARNING, ERROR */
+    const char *reason;                         /* END: "done", "stopped", "failed" */
+    const char *voice, *lang, *engine, *markup; /* BEGIN */
+    double fps;                                 /* BEGIN */
+    double idle; /* BEGIN: when it begins on the idle clock, s; negative: nobody idles */
 };
 
 struct stream_sink {
@@ -59,6 +61,14 @@ void stream_speak(struct stream *stream, const struct speech_request *request);
 /* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END. */
 void stream_refuse(struct stream *stream, const char *id, const struct error *e);
 
+/* Has the face idle while nothing is spoken: silent chunks of utterance 0. options = NULL: no longer. The
+ * life layer's clock runs on through idling and utterances, so the face does not jump between them; only an
+ * utterance with a seed of its own has a clock of its own. An utterance takes the place of the idle media
+ * that lie beyond its beginning. */
+void stream_idle(struct stream *stream, const struct idle_options *options);
+
+/* Sets the stream's mood, from the next media on, until it is set anew. -1 with *e as mood_set. */
+int stream_express(struct stream *stream, const struct stream_mix *mix, struct error *e);
 /* Does it speak, or does anything wait? */
 bool stream_busy(const struct stream *stream);
 

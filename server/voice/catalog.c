@@ -33,7 +33,7 @@ static const struct voice *by_id(const struct catalog *catalog, const char *id) 
     return NULL;
 }
 
-static void add(struct catalog *catalog, const char *plugin, const json_t *object) {
+static void add(struct catalog *catalog, const char *plugin, uint32_t capabilities, const json_t *object) {
     const char *id = json_string_value(json_object_get(object, "id"));
     char full[128];
     if (!id || !*id || (size_t)snprintf(full, sizeof full, "%s:%s", plugin, id) >= sizeof full ||
@@ -53,6 +53,7 @@ static void add(struct catalog *catalog, const char *plugin, const json_t *objec
                            ? (uint32_t)sample_rate
                            : 22050,
         .rate = rate > 0 && rate < 2000 ? (uint32_t)rate : 170,
+        .capabilities = capabilities,
     };
 }
 
@@ -74,7 +75,8 @@ int catalog_add(struct catalog *catalog, const char *plugin, const char *descrip
         memcpy(longer, shorter, before * sizeof *longer);
     catalog->voices = keep(catalog, longer);
     catalog->count = before;
-    json_array_foreach(voices, i, voice) add(catalog, plugin, voice);
+    uint32_t capabilities = (uint32_t)json_integer_value(json_object_get(root, "capabilities"));
+    json_array_foreach(voices, i, voice) add(catalog, plugin, capabilities, voice);
     json_decref(root);
     if (before < total)
         memcpy(longer + catalog->count, shorter + before, (total - before) * sizeof *longer);

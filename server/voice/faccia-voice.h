@@ -30,6 +30,8 @@ enum {
     FACCIA_VOICE_VOLUME = 1u << 5,
     FACCIA_VOICE_PHONEMES = 1u << 6, /* speaks IPA given in a span */
     FACCIA_VOICE_EMOTION = 1u << 7,
+    FACCIA_VOICE_UNTIMED = 1u << 8, /* may deliver audio without phones or words: whoever wants their times
+                                       has to find them in the audio */
 };
 
 /* One voice. id is unique inside the plugin: the world sees "PLUGIN:ID". */
@@ -38,7 +40,7 @@ struct faccia_voice_info {
     const char *name;    /* for people */
     const char *lang;    /* BCP 47 */
     const char *gender;  /* "female", "male", "neutral" */
-    const char *quality; /* "formant", "diphone", "neural", "recorded" */
+    const char *quality; /* "formant", "diphone", "parametric", "neural", "recorded", "unknown" */
     const char *licence; /* SPDX expression */
     uint32_t sample_rate;
     uint32_t rate; /* its own words per minute; 0 = unknown */
@@ -103,7 +105,9 @@ struct faccia_voice {
     uint32_t capabilities;
 
     /* Start the engine. config is the plugin's part of the configuration, a JSON object as text, never NULL.
-     * Returns 0 and *self, or -1 with a sentence in message (cap bytes). */
+     * Returns 0 and *self; 1 with a sentence in message (cap bytes) when there is nothing to run here,
+     * because its engine is not installed or nothing is configured; -1 with a sentence in message when it
+     * failed. */
     int (*open)(const char *config, void **self, char *message, size_t cap);
 
     /* Calls each for every voice. */

@@ -45,13 +45,11 @@ int host_open(struct host *host, const char *path, const char *config, char *mes
     if (bad)
         return fail(message, cap, path, bad);
     *message = '\0';
-    if (host->api->open(config, &host->self, message, cap) != 0) {
-        message[cap - 1] = '\0';
-        if (!*message)
-            return fail(message, cap, path, "the plugin did not start");
-        return -1;
-    }
-    return 0;
+    int result = host->api->open(config, &host->self, message, cap);
+    message[cap - 1] = '\0';
+    if (result && !*message)
+        return fail(message, cap, path, "the plugin did not start");
+    return result > 0 ? 1 : result ? -1 : 0;
 }
 
 void host_close(struct host *host) {

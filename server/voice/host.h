@@ -11,7 +11,8 @@ struct host {
     void *self;
 };
 
-/* Loads the shared object and opens the plugin. -1 with a sentence for people in message. */
+/* Loads the shared object and opens the plugin. With a sentence for people in message: 1 when the plugin has
+ * nothing to run here, -1 when it failed. */
 int host_open(struct host *host, const char *path, const char *config, char *message, size_t cap);
 void host_close(struct host *host);
 

@@ -226,6 +226,7 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
     pool->deadline_per_byte = options->deadline_per_byte > 0 ? options->deadline_per_byte : 0.05;
     pool->metrics = options->metrics;
     pool->retry_after = options->retry_after > 0 ? options->retry_after : 60;
+    pool->quiet = options->quiet;
     pool->ready = ready;
     pool->ready_ctx = ctx;
     int result = 0;

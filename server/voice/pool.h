@@ -24,6 +24,7 @@ struct voice_pool_options {
     double deadline_base, deadline_per_byte;
     double retry_after; /* a plugin that does not start is tried again after so many seconds, default 60 */
     const char *config; /* JSON object: plugin name -> its own configuration object; NULL = {} */
+    bool quiet;         /* plugins that have nothing to run here are not named in the log */
     struct cache_options cache; /* what is kept of finished sentences; all 0 = nothing */
     struct metrics *metrics;    /* NULL = nobody counts */
 };
@@ -33,7 +34,8 @@ struct voice {
     const char *id; /* "espeak:it+f2" */
     const char *plugin, *name, *lang, *gender, *quality, *licence;
     uint32_t sample_rate;
-    uint32_t rate; /* its own words per minute */
+    uint32_t rate;         /* its own words per minute */
+    uint32_t capabilities; /* of its plugin: FACCIA_VOICE_... */
 };
 
 /* Starts the workers. ready is called once, when every plugin has listed its voices or has failed to start; a

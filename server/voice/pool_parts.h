@@ -48,6 +48,7 @@ struct worker {
     uv_timer_t timer;       /* start, sentence, stop, rest: what the state says */
     unsigned failed_starts; /* in a row */
     bool given_up;          /* too many of them */
+    bool absent;            /* it had nothing to run when it was started last */
 };
 
 struct plugin {
@@ -71,6 +72,7 @@ struct voice_pool {
     uv_loop_t *loop;
     char *worker_path;
     double deadline_base, deadline_per_byte, retry_after;
+    bool quiet;
     struct plugin *plugins;
     size_t plugin_count;
     struct catalog catalog;

@@ -81,3 +81,44 @@ size_t sampa_from_ipa(const char *ipa, char *out, size_t cap) {
         strcpy(out, "_");
     return unknown;
 }
+
+/* Code points whose X-SAMPA means another one first: ligatures, letters with a tilde of their own, signs that
+ * may stand above or below. */
+static bool is_second(uint32_t ipa) {
+    static const uint32_t second[] = {0x00E3, 0x00F1, 0x00F5, 0x0129, 0x0169, 0x02A3, 0x02A4, 0x02A5,
+                                      0x02A6, 0x02A7, 0x02A8, 0x030A, 0x030D, 0x03B5, 0x1EBD, 0x1EF9};
+    for (size_t i = 0; i < sizeof second / sizeof *second; i++)
+        if (second[i] == ipa)
+            return true;
+    return false;
+}
+
+/* The longest symbol at the head of the string; NULL when there is none. */
+static const struct symbol *longest(const char *sampa) {
+    const struct symbol *best = NULL;
+    for (size_t i = 0; i < sizeof symbols / sizeof *symbols; i++) {
+        const struct symbol *s = &symbols[i];
+        size_t length = strlen(s->sampa);
+        if (length && (!best || length > strlen(best->sampa)) && !strncmp(sampa, s->sampa, length) &&
+            !is_second(s->ipa))
+            best = s;
+    }
+    return best;
+}
+
+size_t sampa_to_ipa(const char *sampa, char *out, size_t cap) {
+    size_t used = 0, unknown = 0;
+    while (*sampa) {
+        const struct symbol *s = longest(sampa);
+        char bytes[4];
+        size_t length = s ? utf8_put(s->ipa, bytes) : 0;
+        if (used + length >= cap)
+            break;
+        memcpy(out + used, bytes, length);
+        used += length;
+        unknown += !s && !strchr("_- ", *sampa) && ((unsigned char)*sampa & 0xC0) != 0x80;
+        sampa += s ? strlen(s->sampa) : 1;
+    }
+    out[used] = '\0';
+    return unknown;
+}

@@ -2,9 +2,9 @@
 /* What the daemon and a voice worker say to each other over one socket pair: frames of a header and a
  * payload. Both ends run on the same machine and come from the same build, so numbers are in native order.
  *
- * Daemon to worker: OPEN once, then SPEAK and CANCEL. Worker to daemon: HELLO or FAILED once, then for each
- * SPEAK any number of AUDIO and EVENTS and one DONE. Neither end trusts the other: every length is checked
- * before it is used. */
+ * Daemon to worker: OPEN once, then SPEAK and CANCEL. Worker to daemon: HELLO, FAILED or ABSENT once, then
+ * for each SPEAK any number of AUDIO and EVENTS and one DONE. Neither end trusts the other: every length is
+ * checked before it is used. */
 #ifndef FACCIA_VOICE_WIRE_H
 #define FACCIA_VOICE_WIRE_H
 
@@ -21,6 +21,7 @@ enum wire_type {
     WIRE_AUDIO,    /* u32 sample rate, then samples */
     WIRE_EVENTS,   /* struct wire_event, one after the other */
     WIRE_DONE,     /* u32: 0 = spoken, else failed; string: why */
+    WIRE_ABSENT,   /* string: why the plugin has nothing to run; instead of FAILED */
     WIRE_TYPE_END
 };
 

@@ -44,7 +44,9 @@ static bool any_left(const struct plugin *plugin) {
 
 static void give_up(struct worker *w, const char *why) {
     struct plugin *plugin = w->plugin;
-    if (!w->given_up)
+    if (w->absent && !plugin->known && !plugin->pool->quiet)
+        log_info("the voice %s is not there: %s", plugin->name, why);
+    if (!w->given_up && !w->absent)
         log_error("the voice %s does not start: %s; it will be tried again every %.0f s", plugin->name, why,
                   plugin->pool->retry_after);
     w->given_up = true;
@@ -74,7 +76,7 @@ static void lose(struct worker *w, const char *code, const char *why, bool hopel
     if (plugin->pool->closing)
         return;
     if (w->process)
-        process_stop(w->process, false);
+        process_stop(w->process, hopeless); /* one that has said why it ends is about to */
     w->process = NULL;
     error_set(&e, code, "the voice %s %s", plugin->name, why);
     if (state == WORKER_IDLE || state == WORKER_SPEAKING)
@@ -155,10 +157,12 @@ static void done(struct worker *w, struct wire_reader *r) {
 static void greeted(struct worker *w, const struct wire_frame *frame) {
     struct wire_reader r = wire_read(frame);
     const char *text = wire_get_string(&r);
+    w->absent = text && frame->type == WIRE_ABSENT;
     if (text && frame->type == WIRE_HELLO)
         hello(w, text);
     else
-        lose(w, "voice-failed", text && frame->type == WIRE_FAILED ? text : "sent garbage", true);
+        lose(w, "voice-failed", text && (w->absent || frame->type == WIRE_FAILED) ? text : "sent garbage",
+             true);
 }
 
 static void said(void *ctx, const struct wire_frame *frame) {

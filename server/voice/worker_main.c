@@ -76,8 +76,9 @@ static int run(struct mouthpiece *m, const char *plugin) {
         log_error("a voice worker was not told its configuration");
         return 1;
     }
-    if (host_open(&host, plugin, config, message, sizeof message) < 0) {
-        mouthpiece_say(m, WIRE_FAILED, message);
+    int result = host_open(&host, plugin, config, message, sizeof message);
+    if (result) {
+        mouthpiece_say(m, result > 0 ? WIRE_ABSENT : WIRE_FAILED, message);
         return 1;
     }
     char *description = host_describe(&host);

@@ -34,7 +34,7 @@ test('the examples of the client are valid', () => {
 /** The members of the server's messages, with values to stand in for those that an example leaves out. */
 const whole = {
   pong: {},
-  begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance' },
+  begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance', markup: 'plain', idle: 0 },
   sentence: {
     stream: 's',
     utterance: 1,
@@ -59,7 +59,8 @@ const whole = {
     text: 'x',
   },
   end: { stream: 's', utterance: 1, reason: 'done', duration: 1 },
-  error: { code: 'x', message: 'x', byte: 0 },
+  error: { code: 'x', message: 'x', byte: 0, line: 1, column: 1 },
+  warning: { stream: 's', utterance: 1, code: 'x', message: 'x' },
 };
 
 test('the examples of the server are valid', () => {

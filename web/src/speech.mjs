@@ -11,10 +11,11 @@ const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
  */
 export class Speech {
   /**
-   * @param {object} ports player; send(message) -> boolean; emit(type, detail); setTimeout of tests
+   * @param {object} ports player; send(message) -> boolean; emit(type, detail); idle(chunk): media of nobody's; setTimeout
+   *   of tests
    */
-  constructor({ player, send, emit, setTimeout = (...args) => globalThis.setTimeout(...args) }) {
-    Object.assign(this, { player, send, emit, setTimeout });
+  constructor({ player, send, emit, idle = () => {}, setTimeout = (...args) => globalThis.setTimeout(...args) }) {
+    Object.assign(this, { player, send, emit, idle, setTimeout });
     this.programme = new Programme();
     /** @type {Set<Utterance>} */
     this.open = new Set();
@@ -80,6 +81,10 @@ export class Speech {
   /** @param {ArrayBuffer} data a media chunk */
   media(data) {
     const chunk = decodeChunk(data);
+    if (chunk.utterance === 0) {
+      this.idle(chunk);
+      return;
+    }
     for (const utterance of this.open)
       if (utterance.number === chunk.utterance && utterance.item && !utterance.cancelled)
         this.player.write(utterance.take(chunk));

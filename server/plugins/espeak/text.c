@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/plugins/espeak/text.h"
+#include "server/base/mem.h"
+#include "server/base/utf8.h"
+#include <math.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+struct writer {
+    struct es_text *out;
+    const struct es_voice *voice;
+    const struct es_voices *voices;
+    void (*warn)(void *ctx, const char *message);
+    void *ctx;
+};
+
+static void warn(const struct writer *w, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void warn(const struct writer *w, const char *format, ...) {
+    char message[200];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    w->warn(w->ctx, message);
+}
+
+static int bounded(const struct writer *w, const char *what, double value, int min, int max) {
+    if (value >= min && value <= max)
+        return (int)lround(value);
+    int nearest = value < min ? min : max;
+    warn(w, "the voice speaks with a %s of %d instead of %.0f", what, nearest, value);
+    return nearest;
+}
+
+/* Pitch: espeak-ng's 0..99 is exponential, an octave for each 50. Range and volume are linear. */
+static struct es_prosody prosody_of(const struct writer *w, const struct faccia_span *s) {
+    struct es_prosody p = {.rate = ES_RATE_OWN, .pitch = 50, .range = 50, .volume = 100};
+    if (s->rate > 0)
+        p.rate = bounded(w, "rate", s->rate, ES_RATE_MIN, ES_RATE_MAX);
+    if (s->pitch > 0 && s->pitch != 1)
+        p.pitch = bounded(w, "pitch", 50 + 50 * log2(s->pitch), 0, 99);
+    if (s->range >= 0 && s->range != 1)
+        p.range = bounded(w, "pitch range", 50 * s->range, 0, 99);
+    if (s->volume >= 0 && s->volume != 1)
+        p.volume = bounded(w, "volume", 100 * s->volume, 0, 200);
+    return p;
+}
+
+static bool same_prosody(const struct es_prosody *a, const struct es_prosody *b) {
+    return a->rate == b->rate && a->pitch == b->pitch && a->range == b->range && a->volume == b->volume;
+}
+
+static void place(struct es_text *t, uint32_t span, size_t offset) {
+    t->places = mem_grow(t->places, &t->place_cap, t->place_count + 1, sizeof *t->places);
+    t->places[t->place_count++] = (struct es_place){span, (uint32_t)offset};
+}
+
+/* ASCII markup. */
+static void tag(struct es_text *t, const char *format, ...) __attribute__((format(printf, 2, 3)));
+static void tag(struct es_text *t, const char *format, ...) {
+    char markup[160];
+    va_list args;
+    va_start(args, format);
+    int length = vsnprintf(markup, sizeof markup, format, args);
+    va_end(args);
+    for (int i = 0; i < length; i++)
+        place(t, UINT32_MAX, 0);
+    buf_add(&t->text, markup, (size_t)length);
+}
+
+/* Control characters would be commands to espeak-ng, private characters are its own names for things. */
+static bool is_spoken(uint32_t c) {
+    return c >= ' ' && c != 0x7F && !(c >= 0x80 && c < 0xA0) && !(c >= 0xE000 && c < 0xF900) && c != 0xFFFE &&
+           c != 0xFFFF;
+}
+
+static void add_text(struct es_text *t, uint32_t span, const char *s) {
+    for (size_t at = 0, size = strlen(s), length; at < size; at += length) {
+        uint32_t c;
+        length = utf8_next(s + at, size - at, &c);
+        if (!length)
+            c = length = 1;
+        const char *entity = c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : NULL;
+        if (t->ssml && entity) {
+            for (size_t i = 0; entity[i]; i++)
+                place(t, span, at);
+            buf_add(&t->text, entity, strlen(entity));
+            continue;
+        }
+        place(t, span, at);
+        if (is_spoken(c))
+            buf_add(&t->text, s + at, length);
+        else
+            buf_add(&t->text, " ", 1);
+    }
+}
+
+/* The ways of reading that espeak-ng has, by the names that SSML 1.1 and JSML documents use. */
+static const char *interpretation(const char *say_as) {
+    static const char *const known[][2] = {
+        {"characters", "characters"}, {"letters", "characters"},       {"spell", "characters"},
+        {"spell-out", "characters"},  {"verbatim", "characters"},      {"literal", "characters"},
+        {"digits", "tts:digits"},     {"number:digits", "tts:digits"}, {"telephone", "telephone"},
+    };
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (!strcasecmp(say_as, known[i][0]))
+            return known[i][1];
+    return NULL;
+}
+
+/* Spelling characters of other scripts overruns a buffer in espeak-ng 1.51. */
+static bool can_be_spelled(const char *s) {
+    uint32_t c;
+    for (size_t length; *s; s += length) {
+        length = utf8_next(s, strnlen(s, 4), &c);
+        if (!length || c >= 0x530)
+            return false;
+    }
+    return true;
+}
+
+static const char *emphasis_level(uint32_t emphasis) {
+    static const char *const levels[] = {NULL, "reduced", "none", "moderate", "strong"};
+    return emphasis < sizeof levels / sizeof *levels ? levels[emphasis] : NULL;
+}
+
+static void add_span(const struct writer *w, uint32_t index, const struct faccia_span *s) {
+    struct es_text *t = w->out;
+    const struct es_voice *other = NULL;
+    const char *as = s->say_as ? interpretation(s->say_as) : NULL, *level = emphasis_level(s->emphasis);
+    if (s->lang && strcasecmp(s->lang, w->voice->lang) != 0) {
+        other = es_voices_for_lang(w->voices, s->lang);
+        if (!other)
+            warn(w, "espeak-ng has no voice for the language \"%s\"", s->lang);
+    }
+    if (s->phones)
+        warn(w, "espeak-ng reads the text instead of the given phones");
+    if (as && !can_be_spelled(s->text))
+        as = NULL;
+    if (s->say_as && !as)
+        warn(w, "espeak-ng cannot read this as \"%s\"", s->say_as);
+    struct es_prosody p = prosody_of(w, s);
+    bool changed = !same_prosody(&p, &t->prosody);
+    if (other)
+        tag(t, "<voice xml:lang=\"%s\">", other->id);
+    if (level)
+        tag(t, "<emphasis level=\"%s\">", level);
+    if (changed)
+        tag(t, "<prosody rate=\"%d%%\"", p.rate * 100 / t->prosody.rate);
+    if (changed && p.pitch != t->prosody.pitch)
+        tag(t, " pitch=\"%d\"", p.pitch);
+    if (changed && p.range != t->prosody.range)
+        tag(t, " range=\"%d\"", p.range);
+    if (changed && p.volume != t->prosody.volume)
+        tag(t, " volume=\"%d\"", p.volume);
+    if (changed)
+        tag(t, ">");
+    if (as)
+        tag(t, "<say-as interpret-as=\"%s\">", as);
+    add_text(t, index, s->text);
+    if (as)
+        tag(t, "</say-as>");
+    if (changed)
+        tag(t, "</prosody>");
+    if (level)
+        tag(t, "</emphasis>");
+    if (other)
+        tag(t, "</voice>");
+}
+
+/* Do all spans sound alike, so that no markup is needed? */
+static bool is_plain(const struct writer *w, const struct faccia_sentence *sentence) {
+    for (size_t i = 0; i < sentence->span_count; i++) {
+        const struct faccia_span *s = &sentence->spans[i];
+        if (s->kind != FACCIA_SPAN_TEXT || s->say_as || s->phones || s->emphasis ||
+            (s->lang && strcasecmp(s->lang, w->voice->lang) != 0))
+            return false;
+        const struct faccia_span *first = &sentence->spans[0];
+        if (s->rate != first->rate || s->pitch != first->pitch || s->range != first->range ||
+            s->volume != first->volume)
+            return false;
+    }
+    return true;
+}
+
+void es_text_make(struct es_text *text, const struct faccia_sentence *sentence, const struct es_voice *voice,
+                  const struct es_voices *voices, void (*warn_to)(void *ctx, const char *message),
+                  void *ctx) {
+    struct writer w = {text, voice, voices, warn_to, ctx};
+    *text = (struct es_text){.prosody = {ES_RATE_OWN, 50, 50, 100}};
+    text->ssml = !is_plain(&w, sentence);
+    for (size_t i = 0; i < sentence->span_count; i++)
+        if (sentence->spans[i].kind == FACCIA_SPAN_TEXT) {
+            text->prosody = prosody_of(&w, &sentence->spans[i]);
+            break;
+        }
+    for (uint32_t i = 0; i < sentence->span_count; i++) {
+        const struct faccia_span *s = &sentence->spans[i];
+        if (s->kind == FACCIA_SPAN_BREAK)
+            tag(text, "<break time=\"%.0fms\"/>", s->seconds > 0 ? fmin(s->seconds, ES_BREAK_MAX) * 1000 : 0);
+        else if (s->kind == FACCIA_SPAN_MARK)
+            tag(text, "<mark name=\"%u\"/>", i);
+        else if (text->ssml)
+            add_span(&w, i, s);
+        else
+            add_text(text, i, s->text);
+    }
+    buf_add(&text->text, "", 1);
+}
+
+void es_text_free(struct es_text *text) {
+    buf_free(&text->text);
+    free(text->places);
+    *text = (struct es_text){0};
+}

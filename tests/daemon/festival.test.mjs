@@ -1,0 +1,184 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The Festival voices: sound without clicks, phones that the language packs know, words in their places, lips that close; and
+// what happens to a Festival that dies or hangs.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { build, Daemon } from '../lib/daemon.mjs';
+import { checkOrder, largestStep, loudest, phones, say, words } from '../lib/speech.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+
+const texts = {
+  it: `La mamma beve il tè, e il bambino dorme. «Perché piangi?» — domandò Filippo; ma nessuno rispose: c'era un gran silenzio!
+Il babbo comprò 25 pomodori, 3 meloni e mezzo chilo di fave. Una volpe affamata vide dei grappoli d'uva. Che cosa fai? Sbagliò.`,
+  en: `My mother made some plum jam for the baby. "Why do you cry?" asked Philip, but nobody answered: it was very quiet! Bob bought
+25 peaches, 3 melons and half a pound of beans. Five brown foxes jumped over the puppy. What do you mean?`,
+};
+const voices = { 'festival:lp': 'it', 'festival:pc': 'it', 'festival:slt': 'en', 'festival:kal': 'en' };
+
+for (const [voice, lang] of Object.entries(voices)) {
+  test(`${voice} speaks a paragraph`, () => {
+    const said = say(['-l', lang, '-v', voice], texts[lang]);
+    assert.equal(said.status, 0, said.stderr);
+    assert.equal(said.stderr, '');
+    assert.deepEqual(said.json.warnings, []);
+    checkOrder(said);
+    assert.ok(largestStep(said) < 40000, `a step of ${largestStep(said)}`);
+    assert.ok(loudest(said) > 8000 && loudest(said) <= 32000, `loudest ${loudest(said)}`);
+    const read = texts[lang].match(/[\p{L}\d']+/gu);
+    assert.deepEqual(words(said), read);
+    for (const phone of said.json.phones) assert.ok(phone.ipa || phone.end - phone.start < 1, 'no long silence');
+  });
+
+  test(`the lips close on every bilabial of ${voice}`, () => {
+    const { stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'),
+      ['eval', '-l', lang, '-v', voice, '-e', 'dominance', '-r', '140,190,240', '--json', '-', '-'], { input: texts[lang] });
+    assert.equal(String(stderr), '');
+    const { rows } = JSON.parse(stdout);
+    assert.equal(rows.length, 3);
+    for (const row of rows) {
+      assert.ok(row.bilabials > 10);
+      assert.equal(row.lips_seen, 1, JSON.stringify(row));
+    }
+  });
+}
+
+const italian = (text, ...more) => {
+  const said = say(['-l', 'it', '-v', 'festival:lp', ...more], text);
+  assert.equal(said.status, 0, said.stderr);
+  return said;
+};
+
+test('accents, apostrophes, numbers and symbols are read', () => {
+  assert.equal(phones(italian('Perché è così?')), '_ p e r k e ɛ k o s i _');
+  assert.equal(phones(italian('Perche\u0301 e\u0300 cosi\u0300?')), '_ p e r k e ɛ k o s i _', 'accents as characters of their own');
+  assert.equal(phones(italian('L’amica, un po’.')), '_ l a m i k a _ u n p o _');
+  assert.deepEqual(words(italian('Costa 100% e 25 €, forse.')), ['Costa', '100', '%', 'e', '25', '€', 'forse']);
+  assert.equal(phones(italian('dice «sì»')), phones(italian('dice "sì"')));
+});
+
+test('what Festival cannot read or dies of is read in plainer form, or told', () => {
+  assert.deepEqual(words(italian('Il 1º giorno.')), ['Il', '1º', 'giorno']);
+  assert.equal(phones(italian('È.')), '_ ɛ _');
+  assert.deepEqual(words(italian('Čapek, Øre, naïve, Straße.')), ['Čapek', 'Øre', 'naïve', 'Straße']);
+  const greek = italian('Ecco жизнь qui.');
+  assert.match(greek.stderr, /cannot read the characters/);
+  assert.deepEqual(words(greek), ['Ecco', 'qui']);
+  for (const text of ['...', '!?', '« — »', '     '])
+    assert.notEqual(say(['-l', 'it', '-v', 'festival:lp'], text).status, 139);
+});
+
+test('text is no program for Festival', () => {
+  const mark = path.join(folder, 'mark');
+  const said = italian(`Uno ") (system "touch ${mark}") (" due \\" tre \\\\ quattro ') (quit) fine.`);
+  assert.ok(!fs.existsSync(mark));
+  assert.ok(words(said).includes('due') && words(said).includes('fine'));
+});
+
+test('rate, pitch and volume', () => {
+  const plain = italian('La mamma parla piano.');
+  const slow = italian('La mamma parla piano.', '--rate', '95');
+  assert.ok(slow.json.duration > 1.7 * plain.json.duration, `${slow.json.duration} ${plain.json.duration}`);
+  const soft = italian('La mamma parla piano.', '--volume', '0.5');
+  assert.ok(Math.abs(loudest(soft) / loudest(plain) - 0.5) < 0.08, `${loudest(soft)} ${loudest(plain)}`);
+  assert.equal(soft.json.duration, plain.json.duration);
+  // voiced stretches of a higher voice cross zero upwards more often
+  const periods = ({ pcm }) => pcm.reduce((n, x, i) => n + (i && pcm[i - 1] < 0 && x >= 0), 0);
+  const high = italian('La mamma parla piano.', '--pitch', '1.8');
+  assert.ok(periods(high) > 1.1 * periods(plain), `${periods(high)} ${periods(plain)}`);
+});
+
+test('a long sentence goes through in pieces', () => {
+  const text = 'una parola dopo l’altra e ancora un’altra, '.repeat(60);
+  const said = italian(text);
+  assert.equal(said.stderr, '');
+  checkOrder(said);
+  assert.equal(said.json.words.length, text.match(/[\p{L}’]+/gu).length);
+});
+
+/** The Festival processes below a process. */
+function festivals(pid) {
+  const all = fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name)).map((name) => {
+    try {
+      const stat = fs.readFileSync(`/proc/${name}/stat`, 'latin1');
+      return { pid: Number(name), name: stat.slice(stat.indexOf('(') + 1, stat.lastIndexOf(')')), parent: Number(stat.slice(stat.lastIndexOf(')') + 2).split(' ')[1]) };
+    } catch {
+      return { pid: 0 }; // it has ended meanwhile
+    }
+  });
+  const below = (parent) => all.filter((p) => p.parent === parent).flatMap((p) => [p, ...below(p.pid)]);
+  return below(pid).filter((p) => p.name === 'festival');
+}
+
+/** A Festival that dies or hangs when it is asked for the word "adesso". */
+const faulty = (what) => {
+  const program = path.join(folder, what);
+  fs.writeFileSync(program, `#!/usr/bin/env node
+const { spawn } = require('child_process');
+const child = spawn('festival', process.argv.slice(2), { stdio: ['pipe', 'inherit', 'inherit', 3] });
+process.stdin.on('data', (data) => {
+  if (!String(data).includes('adesso')) child.stdin.write(data);
+  else if ('${what}' === 'dies') { child.kill('SIGKILL'); process.kill(process.pid, 'SIGKILL'); }
+});
+process.stdin.on('end', () => child.stdin.end());
+`, { mode: 0o755 });
+  const config = path.join(folder, `${what}.json`);
+  fs.writeFileSync(config, JSON.stringify({ festival: { program } }));
+  return config;
+};
+
+for (const [what, code] of [['dies', 'voice-failed'], ['hangs', 'voice-timeout']])
+  test(`a Festival that ${what} costs one sentence`, async (t) => {
+    const daemon = await Daemon.start(['--voice-config', faulty(what)]);
+    t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
+    const stream = await daemon.stream();
+    stream.send({ type: 'speak', lang: 'it', voice: 'festival:lp', id: 'x', text: 'Una frase.\n\nCade adesso.\n\nPoi si continua.' });
+    const error = await stream.wait({ type: 'error', id: 'x' }, { milliseconds: 40000 });
+    assert.equal(error.code, code);
+    assert.equal((await stream.wait({ type: 'end', id: 'x' }, { milliseconds: 40000 })).reason, 'done');
+    assert.deepEqual(stream.messages.filter((m) => m.type === 'word').map((m) => m.text), ['Una', 'frase', 'Poi', 'si', 'continua']);
+    await stream.close();
+    assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+  });
+
+test('a Festival that was killed while idle is not missed, and a stop reaches it', async (t) => {
+  const daemon = await Daemon.start();
+  t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
+  const stream = await daemon.stream();
+  const speak = (id, text) => stream.send({ type: 'speak', lang: 'it', voice: 'festival:lp', id, text });
+  speak('a', 'La prima frase.');
+  assert.equal((await stream.wait({ type: 'end', id: 'a' })).reason, 'done');
+  const [festival] = festivals(daemon.process.pid);
+  process.kill(festival.pid, 'SIGKILL');
+  speak('b', 'La seconda frase.');
+  assert.equal((await stream.wait({ type: 'end', id: 'b' })).reason, 'done');
+  assert.equal(stream.messages.filter((m) => m.type === 'error').length, 0);
+  const [another] = festivals(daemon.process.pid);
+  assert.notEqual(another.pid, festival.pid);
+  process.kill(another.pid, 'SIGSTOP'); // it will not answer
+  speak('c', 'La terza frase.');
+  await new Promise((resolve) => setTimeout(resolve, 200));
+  stream.send({ type: 'stop' });
+  await stream.wait({ type: 'end', id: 'c', reason: 'stopped' });
+  speak('d', 'La quarta frase.');
+  assert.equal((await stream.wait({ type: 'end', id: 'd' })).reason, 'done');
+  await stream.close();
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+  assert.deepEqual(festivals(daemon.process.pid), []);
+});
+
+test('without Festival the daemon says so and serves', async (t) => {
+  const config = path.join(folder, 'none.json');
+  fs.writeFileSync(config, JSON.stringify({ festival: { program: '/nowhere/festival' } }));
+  const daemon = await Daemon.start(['--voice-config', config]);
+  t.after(() => daemon.process.kill('SIGKILL')); // when an assertion fails
+  await daemon.logged(/the voice festival is not there: the program "\/nowhere\/festival" is not installed/);
+  const { voices } = await (await daemon.get('/v1/voices')).json();
+  assert.ok(voices.length && voices.every((v) => v.plugin !== 'festival'));
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
