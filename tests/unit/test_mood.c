@@ -57,7 +57,7 @@ static void eases_and_holds(void **state) {
     set(mood, "joy", 0.8, 10, 0);
     assert_true(share(mood, 9, "joy") == 0.8 && share(mood, 10, "joy") == 0.8);
     set(mood, "joy", 0, 11, 0);
-    assert_true(share(mood, 11, "joy") == 0.8 && share(mood, 11.1, "joy") == 0);
+    assert_true(share(mood, 11, "joy") == 0.8 && share(mood, 11.2, "joy") == 0);
     mood_free(mood);
 }
 
