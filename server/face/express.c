@@ -63,12 +63,17 @@ static bool is_weighted(const struct express *x, const struct seen *seen) {
     return x->rule == BLEND_WEIGHTED && is_affect(seen);
 }
 
-/* An emotion that comes drives out those before it. By the weighted rule two that follow each other
- * cross-fade of themselves: each has its own straight line. */
+/* Whether the two stand side by side: over the same words they are a mixture; and by the weighted rule two
+ * that follow each other cross-fade of themselves, each in its own straight line. */
+static bool is_beside(const struct show *old, const struct show *new) {
+    return (old->from == new->from && old->to == new->to) || (new->straight && old->to <= new->from);
+}
+
+/* An emotion that comes drives out those before it. */
 static void give_way(struct express *x, const struct show *to, double level) {
     for (size_t i = 0; i < x->seen_count; i++) {
         struct seen *old = &x->seen[i];
-        if (!is_affect(old) || (to->straight && old->show && old->show->to <= to->from))
+        if (!is_affect(old) || (old->show && is_beside(old->show, to)))
             continue;
         old->level *= 1 - level;
         old->omega *= 1 - level;

@@ -451,6 +451,32 @@ static void inner_emotions_replace_outer_ones(void **state) {
     done(u);
 }
 
+/* "complex:joy_sadness" is two cues over the same words. */
+static void emotions_of_the_same_words_mix(void **state) {
+    struct utterance *u = utter("_.200 k.080 'a.260 k.080 'u.160 k.080 'i.660 k.080 'a.660 _.300", 1);
+    (void)state;
+    for (size_t r = 0; r < 2; r++) {
+        struct face_options options = with(rules[r]);
+        struct cue cues[] = {affect("surprise", 0.2, 1.2), affect("sadness", 0.2, 1.2)};
+        cues[0].intensity = 0.3;
+        struct face_track *both = track_of(u, cues, 2, &options), *one = track_of(u, cues, 1, &options),
+                          *other = track_of(u, cues + 1, 1, &options),
+                          *plain = track_of(u, NULL, 0, &options);
+        struct fap_frame f = at(both, 0.9);
+        assert_int_equal(f.expression.select1, 2);
+        assert_int_equal(f.expression.select2, 6);
+        for (int n = 31; n <= 38; n++) {
+            int sum = at(one, 0.9).value[n] + at(other, 0.9).value[n] - at(plain, 0.9).value[n];
+            assert_in_range(f.value[n] - sum + 2, 0, 4);
+        }
+        face_track_free(both);
+        face_track_free(one);
+        face_track_free(other);
+        face_track_free(plain);
+    }
+    done(u);
+}
+
 static void same_input_same_face(void **state) {
     struct utterance *u = utter(speech, 1);
     (void)state;
@@ -609,6 +635,7 @@ int main(void) {
         cmocka_unit_test(no_recipe_can_spoil_the_lips),
         cmocka_unit_test(pauses_show_it_all),
         cmocka_unit_test(inner_emotions_replace_outer_ones),
+        cmocka_unit_test(emotions_of_the_same_words_mix),
         cmocka_unit_test(same_input_same_face),
         cmocka_unit_test(still_faces_express_nothing),
         cmocka_unit_test(bears_odd_cues),
