@@ -9,7 +9,7 @@
 #include <time.h>
 
 enum { RUNS = 9, SENTENCES = 75, CUES = 28 };
-enum what { LIPS, LIFE, EXPRESSIONS, BOTH, WEIGHTED, WHATS };
+enum what { LIPS, LIFE, EXPRESSIONS, BOTH, DENSE, WEIGHTED, WHATS };
 
 static double cpu(void) {
     struct timespec t;
@@ -32,12 +32,20 @@ static struct cue cue(const char *kind, const char *name, double from, double to
                         false};
 }
 
-static void mark_up(struct utterance *u, struct cue cues[CUES]) {
+static void mark_up(struct utterance *u, bool dense, struct cue cues[CUES]) {
     static const char *const affects[] = {"joy", "anger", "hope", "shame"}, *const accents[] = {"hstar",
                                                                                                 "lplushstar"};
     double end = (double)u->samples / u->sample_rate;
     size_t n = 0;
+    u->cues = cues;
     cues[n++] = cue("performative", "warn", 0, end);
+    if (!dense) {
+        cues[n++] = cue("affect", "joy", 0, end);
+        cues[n++] = cue("emphasis", "strong", 0.4 * end, 0.5 * end);
+        cues[n++] = cue("boundary", "ll", end, end);
+        u->cue_count = n;
+        return;
+    }
     cues[n++] = cue("certainty", "uncertain", 0, end / 2);
     for (int word = 0; word < 13; word++) {
         double from = end * word / 13, to = end * (word + 1) / 13;
@@ -46,7 +54,6 @@ static void mark_up(struct utterance *u, struct cue cues[CUES]) {
         cues[n++] =
             word % 3 ? cue("pitch-accent", accents[word % 2], from, to) : cue("boundary", "lh", to, to);
     }
-    u->cues = cues;
     u->cue_count = n;
 }
 
@@ -73,8 +80,8 @@ static int by_size(const void *a, const void *b) {
 }
 
 int main(int argc, char **argv) {
-    static const char *const names[WHATS] = {"lips alone", "with life", "with expressions", "with both",
-                                             "with both, weighted"};
+    static const char *const names[WHATS] = {"lips alone", "with life",        "with expressions",
+                                             "with both",  "with both, dense", "the same, weighted"};
     char path[4096];
     struct error e;
     if (argc != 3)
@@ -89,17 +96,17 @@ int main(int argc, char **argv) {
     mood_set(mood, (const char *const[]){"joy", "surprise"}, (const double[]){0.4, 0.2}, 2, 0, 1, &e);
     struct utterance *u = utter(speech, 1);
     struct cue cues[CUES];
-    mark_up(u, cues);
     double seconds[WHATS][RUNS];
     for (int r = 0; r < RUNS; r++) {
         for (int w = 0; w < WHATS; w++) {
-            bool expresses = w == EXPRESSIONS || w == BOTH || w == WEIGHTED;
+            bool expresses = w != LIPS && w != LIFE;
+            mark_up(u, w >= DENSE, cues);
             struct face_options options = {.still = w == LIPS,
                                            .life = w == EXPRESSIONS ? 0 : 1,
                                            .seed = 1,
                                            .blend = w == WEIGHTED ? BLEND_WEIGHTED : BLEND_REGIONS,
                                            .expressions = expresses ? all : NULL,
-                                           .mood = expresses ? mood : NULL};
+                                           .mood = w >= DENSE ? mood : NULL};
             seconds[w][r] = run(pack, u, &options, atof(argv[2]));
         }
     }

@@ -53,6 +53,12 @@ static void eases_and_holds(void **state) {
     assert_int_equal(mood_set(mood, NULL, NULL, 0, 20, 1, &e), 0);
     assert_true(share(mood, 21, "joy") == 0);
     mood_free(mood);
+    mood = mood_new(*state);
+    set(mood, "joy", 0.8, 10, 0);
+    assert_true(share(mood, 9, "joy") == 0.8 && share(mood, 10, "joy") == 0.8);
+    set(mood, "joy", 0, 11, 0);
+    assert_true(share(mood, 11, "joy") == 0.8 && share(mood, 11.2, "joy") == 0);
+    mood_free(mood);
 }
 
 static void mixes(void **state) {
