@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { PlainText } from './plain-text.mjs';
 
 const LINE_CHARACTERS = 84; // two lines of 42, what subtitles use
 
@@ -30,22 +31,23 @@ export function cutCaption(text, start, end, size = LINE_CHARACTERS) {
  * The captions of one utterance. It is told what is heard as it is heard, and says what to show.
  */
 export class CaptionTrack {
-  /** @param {string} text as it was given to be spoken */
-  constructor(text) {
-    this.text = text;
+  /** @param {string} source as it was given to be spoken @param {string} [markup] what it is */
+  constructor(source, markup) {
+    this.plain = new PlainText(source, markup);
+    this.text = this.plain.text;
     this.pieces = [];
     this.word = null;
   }
 
   /** @param {{utf16_start: number, utf16_end: number}} place */
   sentence(place) {
-    this.pieces = cutCaption(this.text, place.utf16_start, place.utf16_end);
+    this.pieces = cutCaption(this.text, this.plain.at(place.utf16_start), this.plain.at(place.utf16_end));
     this.word = null;
   }
 
   /** @param {{utf16_start: number, utf16_end: number}} place */
   heard(place) {
-    this.word = { start: place.utf16_start, end: place.utf16_end };
+    this.word = { start: this.plain.at(place.utf16_start), end: this.plain.at(place.utf16_end) };
   }
 
   /** What is on show: said already, being said, and to come. Null when there is nothing. */

@@ -18,11 +18,11 @@ export class Utterance {
     this.promise = new Promise((resolve) => (this.resolve = resolve));
   }
 
-  /** @param {{rate: number, fps: number}} begin the server's message @param {number} rate of the player */
+  /** @param {{rate: number, fps: number, markup: string}} begin the server's message @param {number} rate of the player */
   begin(begin, rate) {
     this.number = begin.utterance;
     this.track = new FaceTrack(begin.fps);
-    this.captions = new CaptionTrack(this.text);
+    this.captions = new CaptionTrack(this.text, begin.markup);
     this.resampler = new Resampler(begin.rate, rate);
   }
 
