@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { encodeChunk } from '../../protocol/chunk.mjs';
+import { decodeChunk, encodeChunk } from '../../protocol/chunk.mjs';
 import { Speech } from '../../web/src/speech.mjs';
 
 const RATE = 1000;
@@ -39,10 +39,10 @@ function rig({ linked = true } = {}) {
     hear: (message) => speech.hear(message),
     chunk: (utterance, start, samples, frames = [], firstFrame = 0) =>
       speech.media(
-        encodeChunk({
+        decodeChunk(encodeChunk({
           audioCodec: 1, fapCodec: 1, utterance, sampleRate: RATE, fps: 25, start, samples, firstFrame,
           frames, audio: new Int16Array(samples),
-        }),
+        })),
       ),
     play: (position) => {
       player.position = position;

@@ -10,6 +10,7 @@ import { Speech } from './speech.mjs';
 import { Stage } from './stage.mjs';
 import strings from './strings.json';
 import { template } from './template.mjs';
+import { Intake } from './intake.mjs';
 
 const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String };
 const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden page, no WebGL), or slowly
@@ -236,14 +237,12 @@ export class TalkingHead extends HTMLElement {
     this.#disconnect();
     if (this.#said === 'badAddress' || this.#said === 'noModel') this.#say(null);
     this.#assembler = new ModelAssembler();
+    this.#intake.reset();
     try {
       this.#connection = new Connection(this.#address, {
         onstate: (state) => this.#stateChanged(state),
-        onmessage: (message) => this.#message(message),
-        onmedia: (data) => {
-          this.#speech.media(data);
-          this.stage.wake();
-        },
+        onmessage: (message) => this.#intake.text(message),
+        onmedia: (data) => this.#intake.binary(data),
       });
       this.#connection.open();
     } catch {
@@ -259,6 +258,14 @@ export class TalkingHead extends HTMLElement {
     this.#connection = null;
   }
 
+  #intake = new Intake({
+    hear: (message) => this.#message(message),
+    media: (chunk) => {
+      this.#speech.media(chunk);
+      this.stage.wake();
+    },
+  });
+
   #assembler = null;
   #loading = null; // name of the model that is shown or on its way
 
@@ -269,6 +276,7 @@ export class TalkingHead extends HTMLElement {
       this.liveliness.linked();
       this.#loadModel(hello);
     } else {
+      this.#intake.reset();
       this.#speech.unlinked();
       this.liveliness.unlinked();
     }

@@ -1,5 +1,4 @@
 // SPDX-License-Identifier: MIT
-import { decodeChunk } from '../../protocol/chunk.mjs';
 import { Programme } from './programme.mjs';
 import { Utterance } from './utterance.mjs';
 
@@ -78,9 +77,8 @@ export class Speech {
       this.programme.schedule(utterance.item, message.time, message);
   }
 
-  /** @param {ArrayBuffer} data a media chunk */
-  media(data) {
-    const chunk = decodeChunk(data);
+  /** @param {object} chunk decoded: see Intake */
+  media(chunk) {
     if (chunk.utterance === 0) {
       this.idle(chunk);
       return;
@@ -139,7 +137,7 @@ export class Speech {
       this.#end(utterance, message);
       return;
     }
-    this.player.write(utterance.resampler.finish());
+    this.player.write(utterance.rest());
     this.player.finish();
     this.programme.close(utterance.item, this.player.written, message);
   }

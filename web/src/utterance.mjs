@@ -23,24 +23,32 @@ export class Utterance {
     this.number = begin.utterance;
     this.track = new FaceTrack(begin.fps);
     this.captions = new CaptionTrack(this.text, begin.markup);
-    this.resampler = new Resampler(begin.rate, rate);
+    this.playerRate = rate;
+    this.resampler = null; // from the first sound on, whose rate may be the codec's
   }
 
   /**
-   * Takes a chunk in. @param {import('../../protocol/chunk.mjs').Chunk} chunk
+   * Takes a chunk in. @param {import('../../protocol/chunk.mjs').Chunk} chunk; with `audioRate` and `audioStart` where the
+   *   sound runs on a clock of its own
    * @returns {Float32Array} samples for the player
    */
   take(chunk) {
     this.track.put(chunk.firstFrame, chunk.frames);
+    this.resampler ??= new Resampler(chunk.audioRate ?? chunk.sampleRate, this.playerRate);
     let audio = chunk.audio ?? new Int16Array(chunk.samples);
-    const gap = chunk.start - this.resampler.received;
+    const gap = (chunk.audioStart ?? chunk.start) - this.resampler.received;
     if (gap > 0) {
-      const padded = new Int16Array(gap + audio.length);
+      const padded = new audio.constructor(gap + audio.length);
       padded.set(audio, gap);
       audio = padded;
     } else if (gap < 0) {
       audio = audio.subarray(Math.min(-gap, audio.length));
     }
     return this.resampler.push(audio);
+  }
+
+  /** What the resampler still holds, after the last chunk. */
+  rest() {
+    return this.resampler?.finish() ?? new Float32Array(0);
   }
 }
