@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the layers over the visible speech cost: ten minutes of speech with its lips alone, with expressions
- * (a performative, a mood, an affect for each second word, accents and boundaries), and with life besides.
- * Usage: layers MODELS-FOLDER FPS. */
+/* What the layers over the visible speech cost: six minutes of speech with its lips alone, with life, with
+ * expressions (for each sentence a performative, an affect, an emphasis and a boundary), with both, and so
+ * densely marked up as nobody does (a mood, and two cues for every word). Usage: layers MODELS-FOLDER FPS. */
 #include "server/face/track.h"
 #include "tests/unit/utter.h"
 #include <stdio.h>
