@@ -3,13 +3,12 @@
 import fs from 'node:fs';
 import WebSocket from 'ws';
 import { Daemon } from '../lib/daemon.mjs';
+import { cpuSeconds } from './figures.mjs';
 
 const SECONDS = 10;
 const streams = Number(process.argv[2] ?? 1000);
 const daemon = await Daemon.start(['--max-connections', String(streams + 10)]);
-const proc = (file) => fs.readFileSync(`/proc/${daemon.process.pid}/${file}`, 'utf8');
-const cpuSeconds = () => proc('stat').split(') ')[1].split(' ').slice(11, 13).reduce((sum, ticks) => sum + Number(ticks) / 100, 0);
-const kilobytes = () => Number(proc('status').match(/VmRSS:\s+(\d+)/)[1]);
+const kilobytes = () => Number(fs.readFileSync(`/proc/${daemon.process.pid}/status`, 'utf8').match(/VmRSS:\s+(\d+)/)[1]);
 const sleep = (seconds) => new Promise((resolve) => setTimeout(resolve, 1000 * seconds));
 
 const before = kilobytes();
@@ -27,10 +26,10 @@ for (let i = 0; i < streams; i++) {
   sockets.push(socket);
 }
 await sleep(2);
-const [cpu, sent, size, started] = [cpuSeconds(), chunks, bytes, performance.now()];
+const [cpu, sent, size, started] = [cpuSeconds(daemon.process.pid), chunks, bytes, performance.now()];
 await sleep(SECONDS);
 const took = (performance.now() - started) / 1000;
-const share = (cpuSeconds() - cpu) / took;
+const share = (cpuSeconds(daemon.process.pid) - cpu) / took;
 console.log(`${streams} idle streams: ${(100 * share).toFixed(1)} % of a core, ${((1e6 * share) / streams).toFixed(0)} us a second each`);
 console.log(`${((chunks - sent) / took / streams).toFixed(2)} chunks a second each, ${((bytes - size) / (chunks - sent)).toFixed(0)} bytes a chunk`);
 console.log(`${((kilobytes() - before) / streams).toFixed(1)} kB of memory each`);
