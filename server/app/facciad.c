@@ -193,6 +193,7 @@ static int start(struct daemon *d, struct error *e) {
                                 .packs = &d->packs,
                                 .expressions = d->expressions,
                                 .default_lang = s->lang,
+                                .sounds = s->audio,
                                 .metrics = &d->metrics};
     struct net_options options = net_options_of(d);
     d->net = net_open(&d->studio, &options, e);

@@ -59,5 +59,7 @@ const struct setting settings_table[] = {
     {"paths.plugins", "plugins", SETTING_STRING, MEMBER(plugins), 0, 0, NULL, "DIR", "voice plugins"},
     {"paths.worker", "worker", SETTING_STRING, MEMBER(worker), 0, 0, NULL, "FILE",
      "the program that runs them"},
+    {"paths.audio", "audio", SETTING_STRING, MEMBER(audio), 0, 0, NULL, "DIR",
+     "sound files that texts may name (SSML's audio)"},
 };
 const size_t settings_count = sizeof settings_table / sizeof *settings_table;

@@ -18,6 +18,7 @@ struct studio {
     const struct speech_packs *packs;
     const struct expressions *expressions;
     const char *default_lang;
+    const char *sounds;      /* folder of sound files that texts may name; NULL = none */
     struct metrics *metrics; /* NULL = nobody counts */
 };
 

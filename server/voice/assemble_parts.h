@@ -21,7 +21,7 @@ struct assembly {
     const struct plan *plan;
     struct utterance
         *u; /* pcm, samples, sample_rate and warnings grow while the worker speaks, the rest at the end */
-    size_t pcm_cap, warning_cap;
+    size_t pcm_cap;
     uint64_t seconds_max;
     size_t events_left;
     struct said_phone *phones;
@@ -43,8 +43,5 @@ uint32_t assembly_time(struct assembly *a, uint64_t t, uint32_t from, const char
 void assembly_tidy_phones(struct assembly *a);
 void assembly_tidy_words(struct assembly *a);
 void assembly_tidy_marks(struct assembly *a);
-
-/* The cues of the plan with their times. After the words. */
-void assembly_time_cues(struct assembly *a);
 
 #endif

@@ -42,12 +42,25 @@ struct plan_prosody {
     double rate;          /* words per minute, 0 = the voice's own */
     double own_rate;      /* the voice's own words per minute */
     double pitch, volume; /* factors */
+    bool cast;            /* the voice was chosen for the styles' languages: they are not passed on */
+    bool plays;           /* the voice plays emotions: they are passed on */
 };
 
-/* Adjacent text items of one style become one span, so that no word is cut. The plan does not keep the score.
- */
+/* A whole sentence. Adjacent text items of one style become one span, so that no word is cut. Sounds are left
+ * out: their alternate contents are spoken. The plan does not keep the score. */
 void plan_make(struct plan *plan, const struct score *score, size_t sentence,
                const struct plan_prosody *prosody);
+
+/* The same for some items of a sentence, [first, first + count), and without the cues; and the cues of a
+ * sentence alone. */
+void plan_items(struct plan *plan, const struct score *score, size_t first, size_t count,
+                const struct plan_prosody *prosody);
+void plan_cues(struct plan *plan, const struct score *score, size_t sentence);
+
+/* Tells the voice that the sentence goes on after this plan's text, by a comma at its end: else its tone
+ * would fall. */
+void plan_go_on(struct plan *plan);
+
 /* The characters of a span's text at that place, in part or whole, as a copy; "" when there are none. */
 char *plan_text(const struct plan *plan, uint32_t span, size_t offset, size_t bytes);
 

@@ -216,6 +216,21 @@ test('captions of marked-up text show its words, are readable, and can be switch
   assert.equal(await page.locator('talking-head .captions').isVisible(), false);
 });
 
+test('who asks for less motion sees the emotions on a face that is still otherwise', async () => {
+  const other = await browser.newPage({ reducedMotion: 'reduce' });
+  await other.goto(`${daemon.url}/emotion.html`);
+  await other.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });
+  await other.waitForSelector('#affects g');
+  await other.selectOption('#affect', 'joy');
+  await other.waitForFunction(() => document.querySelector('talking-head').faps[12] > 80, null, { timeout: 20000 });
+  await other.waitForTimeout(500);
+  const { 48: pitch = 0, 49: yaw = 0 } = await other.evaluate(() => document.querySelector('talking-head').faps);
+  await other.waitForTimeout(500);
+  const now = await other.evaluate(() => document.querySelector('talking-head').faps);
+  assert.deepEqual([now[48] ?? 0, now[49] ?? 0], [pitch, yaw]);
+  await other.close();
+});
+
 test('it fits a phone', async () => {
   await page.setViewportSize({ width: 360, height: 740 });
   await page.waitForTimeout(300);

@@ -228,6 +228,11 @@ document.addEventListener('keydown', (event) => {
   if (event.key === 'Enter' && (event.ctrlKey || event.metaKey)) speak();
 });
 
+// Who asks for less motion sees the emotions, which are what this page is for, without the signs of life.
+if (matchMedia('(prefers-reduced-motion: reduce)').matches) {
+  head.setAttribute('still', 'off');
+  head.setAttribute('life', '0');
+}
 lang.append(new Option('Italiano', 'it'));
 translate();
 setInterval(showFaps, FAPS_EVERY_MS);

@@ -178,7 +178,8 @@ export class TalkingHead extends HTMLElement {
   #online = () => this.#connection?.hurry();
 
   #motionChanged = () => {
-    this.mixer.still = this.hasAttribute('still') || this.#reducedMotion.matches;
+    const still = this.getAttribute('still');
+    this.mixer.still = still === null ? this.#reducedMotion.matches : still !== 'off';
     this.#idle();
     this.stage.wake();
   };

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/voice/cues.h"
 #include "server/base/mem.h"
-#include "server/voice/assemble_parts.h"
 
 /* From the first of its words to the last; with no words in it, from the end of the word before to the
  * beginning of the one after. */
@@ -30,11 +30,12 @@ static double seconds(const struct score_time *time, double length) {
     return s > 0 ? s : 0;
 }
 
-void assembly_time_cues(struct assembly *a) {
-    struct utterance *u = a->u;
-    u->cues = mem_alloc(a->plan->cue_count * sizeof *u->cues);
-    for (size_t i = 0; i < a->plan->cue_count; i++) {
-        const struct plan_cue *asked = &a->plan->cues[i];
+void cues_time(struct utterance *u, const struct plan *plan) {
+    if (!plan->cue_count)
+        return;
+    u->cues = mem_alloc(plan->cue_count * sizeof *u->cues);
+    for (size_t i = 0; i < plan->cue_count; i++) {
+        const struct plan_cue *asked = &plan->cues[i];
         struct cue *cue = &u->cues[u->cue_count++];
         *cue = (struct cue){.kind = mem_strdup(asked->kind),
                             .name = mem_strdup(asked->name),
