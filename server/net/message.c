@@ -114,8 +114,7 @@ json_t *message_event(const struct stream_event *e, const char *stream) {
         set_time(object, e);
         set_seconds(object, "duration", e, e->duration);
         set_place(object, e);
-        if (e->kind == STREAM_WORD)
-            json_object_set_new(object, "text", json_stringn(e->text, e->end - e->start));
+        json_object_set_new(object, "text", json_stringn(e->text, e->end - e->start));
         break;
     case STREAM_MARK:
         set_time(object, e);

@@ -64,3 +64,32 @@ export class CaptionTrack {
     };
   }
 }
+
+/** The same of an utterance whose text is not known before its sentences are heard. */
+export class HeardCaptions {
+  constructor(markup) {
+    this.markup = markup;
+    this.track = null;
+    this.base = 0;
+  }
+
+  /** @param {{text: string, utf16_start: number, utf16_end: number}} message */
+  sentence(message) {
+    this.track = new CaptionTrack(message.text, this.markup);
+    this.base = message.utf16_start;
+    this.track.sentence(this.#shifted(message));
+  }
+
+  /** @param {{utf16_start: number, utf16_end: number}} place */
+  heard(place) {
+    this.track?.heard(this.#shifted(place));
+  }
+
+  get line() {
+    return this.track?.line ?? null;
+  }
+
+  #shifted({ utf16_start, utf16_end }) {
+    return { utf16_start: utf16_start - this.base, utf16_end: utf16_end - this.base };
+  }
+}

@@ -17,7 +17,7 @@ const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden pag
 
 /** `<talking-head>`: see web/README.md. */
 export class TalkingHead extends HTMLElement {
-  static observedAttributes = ['src', 'model', 'quality', 'captions', 'still', 'life', 'expression', 'lang', 'label'];
+  static observedAttributes = ['src', 'model', 'quality', 'captions', 'still', 'life', 'expression', 'room', 'token', 'lang', 'label'];
 
   #speech = null;
   #connection = null;
@@ -84,7 +84,7 @@ export class TalkingHead extends HTMLElement {
 
   attributeChangedCallback(name, before, value) {
     if (!this.isConnected || !this.#speech || before === value) return;
-    if (name === 'src' || name === 'model') this.#connect();
+    if (['src', 'model', 'room', 'token'].includes(name)) this.#connect();
     if (name === 'quality') this.stage.quality = value ?? 'auto';
     if (name === 'captions') this.#showCaptions();
     if (name === 'still') this.#motionChanged();
@@ -273,6 +273,7 @@ export class TalkingHead extends HTMLElement {
   #stateChanged({ state, hello, retryIn }) {
     this.#emit('connection', { state, ...(retryIn === undefined ? {} : { retryIn }) });
     if (state === 'open') {
+      this.#enter();
       this.#speech.linked();
       this.liveliness.linked();
       this.#loadModel(hello);
@@ -284,11 +285,20 @@ export class TalkingHead extends HTMLElement {
     this.stage.wake();
   }
 
+  /** Says who we are, and goes where we belong. */
+  #enter() {
+    const token = this.getAttribute('token');
+    const room = this.getAttribute('room');
+    this.#speech.adopts = Boolean(room);
+    if (token) this.#connection.send({ type: 'authorize', token });
+    if (room) this.#connection.send({ type: 'join', room });
+  }
+
   #message(message) {
     if (message.type === 'model') this.#modelPart(message);
     else {
       this.#speech.hear(message);
-      if (message.type === 'hello') this.#emit('hello', message);
+      if (['hello', 'joined', 'authorized'].includes(message.type)) this.#emit(message.type, message);
       this.stage.wake();
     }
   }

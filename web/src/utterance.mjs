@@ -5,11 +5,15 @@ import { FaceTrack } from './face-track.mjs';
 
 /** One `speak`, from the call to its end. */
 export class Utterance {
-  /** @param {string} key what the server is told as its id @param {string} text @param {object} options of `speak` */
-  constructor(key, text, options) {
+  /**
+   * @param {string|null} key what the server is told as its id; null = somebody else's
+   * @param {string} text @param {object} options of `speak` @param {object} [captions] where the text is not known
+   */
+  constructor(key, text, options, captions = null) {
     this.key = key;
     this.text = text;
     this.options = options;
+    this.captions = captions;
     this.number = null; // the server's, from `begin` on
     this.sent = false;
     this.cancelled = false;
@@ -22,7 +26,7 @@ export class Utterance {
   begin(begin, rate) {
     this.number = begin.utterance;
     this.track = new FaceTrack(begin.fps);
-    this.captions = new CaptionTrack(this.text, begin.markup);
+    this.captions ??= new CaptionTrack(this.text, begin.markup);
     this.playerRate = rate;
     this.resampler = null; // from the first sound on, whose rate may be the codec's
   }
