@@ -17,7 +17,9 @@ static json_t *vectors(void) {
     json_error_t e;
     json_t *root = json_load_file(SOURCE_ROOT "/protocol/vectors/fba.json", 0, &e);
     assert_non_null(root);
-    return json_incref(json_object_get(root, "streams"));
+    json_t *streams = json_incref(json_object_get(root, "streams"));
+    json_decref(root);
+    return streams;
 }
 
 static void set_bytes(struct fap_frame *frame, int n, uint8_t *out, const json_t *list) {
