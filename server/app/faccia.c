@@ -12,6 +12,7 @@ static const struct {
 } commands[] = {
     {"say", say_main, "speak a text: its sound, its face animation, its timing"},
     {"timed", timed_main, "the face for recorded speech, from a timed transcription"},
+    {"check", check_main, "tell what in a text with markup would not be acted on"},
     {"voices", voices_main, "list the voices"},
     {"models", models_main, "list the head models"},
     {"expressions", expressions_main, "list the expressions, or write how they look"},
@@ -28,7 +29,8 @@ static void print_usage(FILE *out) {
     fputs("Usage: faccia COMMAND [OPTION]...\nThe talking head without a network.\n\n", out);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         fprintf(out, "  %-12s %s\n", commands[i].name, commands[i].help);
-    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad. $FACCIA_VOICE_CONFIG may name a file with what\n"
+    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad. $FACCIA_VOICE_CONFIG may name a file "
+          "with what\n"
           "the voice plugins are told.\n",
           out);
 }
