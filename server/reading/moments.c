@@ -106,6 +106,8 @@ bool read_time(const struct reading *reading, const char *format, const char *te
     size_t digits[FIELDS];
     const char *rest, *half = NULL;
     size_t count = numbers(text, ":.h", values, digits, &rest);
+    if (!count)
+        return false;
     if (!strncasecmp(rest, "h", 1) && count == 1)
         rest++;
     if (!strncasecmp(rest, "a", 1))
@@ -114,7 +116,7 @@ bool read_time(const struct reading *reading, const char *format, const char *te
         half = "pm";
     if (half)
         rest += strcspn(rest, " ");
-    if (!count || *rest || values[0] > 24 || values[1] > 59 || values[2] > 59 || (half && values[0] > 12) ||
+    if (*rest || values[0] > 24 || values[1] > 59 || values[2] > 59 || (half && values[0] > 12) ||
         (*format && strncmp("hms", format, count) != 0))
         return false;
     char h[4], m[4], s[4];

@@ -143,6 +143,26 @@ static void nets_and_names(void **state) {
     check("it", "unheard-of", "x", "-");
 }
 
+/* Anything at all can be asked to be read as anything. */
+static void nonsense(void **state) {
+    (void)state;
+    static const char *const ways[] = {"digits",   "telephone", "cardinal", "ordinal", "fraction", "date",
+                                       "date:dmy", "date:md",   "date:d",   "time",    "time:hms", "duration",
+                                       "currency", "measure",   "net:url",  "name"};
+    static const char pieces[][5] = {"1", "23", "4567", "/",  ":", ".",  ",", "-",
+                                     " ", "€",  "h",    "pm", "X", "km", "+", "é"};
+    unsigned seed = 1;
+    for (int i = 0; i < 100000; i++) {
+        char text[64] = "";
+        struct buf out = {0};
+        for (unsigned n = (unsigned)i % 9; n; n--)
+            strcat(text, pieces[(seed = seed * 1103515245 + 12345) >> 16 & 15]);
+        bool read = reading_words(readings.list[(unsigned)i % readings.count], ways[i / 16 % 16], text, &out);
+        assert_int_equal(read ? out.size > 0 || !*text : out.size == 0, 1);
+        buf_free(&out);
+    }
+}
+
 /* Items keep the white space around them, what cannot be read stays with its say-as, and there is a warning.
  */
 static void items(void **state) {
@@ -202,9 +222,9 @@ static void broken_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(digits), cmocka_unit_test(numbers),      cmocka_unit_test(dates),
-        cmocka_unit_test(times),  cmocka_unit_test(amounts),      cmocka_unit_test(nets_and_names),
-        cmocka_unit_test(items),  cmocka_unit_test(broken_files),
+        cmocka_unit_test(digits), cmocka_unit_test(numbers),  cmocka_unit_test(dates),
+        cmocka_unit_test(times),  cmocka_unit_test(amounts),  cmocka_unit_test(nets_and_names),
+        cmocka_unit_test(items),  cmocka_unit_test(nonsense), cmocka_unit_test(broken_files),
     };
     return cmocka_run_group_tests(tests, load, unload);
 }
