@@ -245,6 +245,8 @@ static int read_text(struct speech *s, struct error *e) {
     if (s->studio->expressions)
         expressions_direct(s->studio->expressions, s->score);
     s->cast = casting(s->score, s->voice, s->studio->voices, s->studio->packs, s->studio->sounds);
+    for (size_t i = 0; i < s->score->item_count && s->studio->readings; i++)
+        readings_apply(s->studio->readings, s->score, i, s->cast->voices[i]->lang);
     return 0;
 }
 

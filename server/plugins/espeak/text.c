@@ -14,6 +14,7 @@ struct writer {
     struct es_text *out;
     const struct es_voice *voice;
     const struct es_voices *voices;
+    const struct es_ipa *ipa;
     struct es_prosody now; /* what the text so far has set */
     void (*warn)(void *ctx, const char *message);
     void *ctx;
@@ -79,6 +80,19 @@ static bool is_spoken(uint32_t c) {
            c != 0xFFFF;
 }
 
+/* One character, which stands for the place `at` of the span. */
+static void add_character(struct es_text *t, uint32_t span, size_t at, const char *c, size_t length) {
+    const char *entity = *c == '<' ? "&lt;" : *c == '>' ? "&gt;" : *c == '&' ? "&amp;" : NULL;
+    if (!t->ssml || !entity) {
+        place(t, span, at);
+        buf_add(&t->text, c, length);
+        return;
+    }
+    for (size_t i = 0; entity[i]; i++)
+        place(t, span, at);
+    buf_add(&t->text, entity, strlen(entity));
+}
+
 /* Bytes [at, size) of the span's text. */
 static void add_text(struct es_text *t, uint32_t span, const char *s, size_t at, size_t size) {
     for (size_t length; at < size; at += length) {
@@ -86,18 +100,10 @@ static void add_text(struct es_text *t, uint32_t span, const char *s, size_t at,
         length = utf8_next(s + at, size - at, &c);
         if (!length)
             c = length = 1;
-        const char *entity = c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : NULL;
-        if (t->ssml && entity) {
-            for (size_t i = 0; entity[i]; i++)
-                place(t, span, at);
-            buf_add(&t->text, entity, strlen(entity));
-            continue;
-        }
-        place(t, span, at);
-        if (is_spoken(c))
-            buf_add(&t->text, s + at, length);
+        if (is_spoken(c) && !(t->phones && c == '['))
+            add_character(t, span, at, s + at, length);
         else
-            buf_add(&t->text, " ", 1);
+            add_character(t, span, at, " ", 1);
     }
 }
 
@@ -107,6 +113,54 @@ static void set(struct writer *w, int *now, int value, char command) {
     if (*now != value)
         tag(w->out, "\x01%d%c", value, command);
     *now = value;
+}
+
+static size_t skip_space(const char *s, size_t at) {
+    return at + strspn(s + at, " \t\r\n");
+}
+
+static size_t skip_word(const char *s, size_t at) {
+    return at + strcspn(s + at, " \t\r\n");
+}
+
+size_t es_text_words(const char *s) {
+    size_t count = 0;
+    for (size_t at = skip_space(s, 0); s[at]; at = skip_space(s, skip_word(s, at)))
+        count++;
+    return count;
+}
+
+/* The span's phones, each word at the place of its own word of the text, if there are as many. False when
+ * one cannot be spoken. */
+static bool add_phones(struct writer *w, uint32_t index, const struct faccia_span *s) {
+    struct buf word = {0};
+    const char *p = s->phones;
+    char unknown[8];
+    bool changed = false, alike = es_text_words(p) == es_text_words(s->text), known = true;
+    struct es_text *t = w->out;
+    size_t place_count = t->place_count, size = t->text.size;
+    size_t text = skip_space(s->text, 0);
+    for (size_t at = skip_space(p, 0), end; p[at] && known; at = skip_space(p, end)) {
+        end = skip_word(p, at);
+        word.size = 0;
+        known = !es_ipa_word(w->ipa, p + at, end - at, &word, unknown, &changed);
+        if (place_count < t->place_count)
+            add_character(t, index, text, " ", 1);
+        for (size_t i = 0; i < word.size && known; i++)
+            place(t, index, text); /* markup has no meaning between the brackets */
+        buf_add(&t->text, word.data, known ? word.size : 0);
+        if (alike)
+            text = skip_space(s->text, skip_word(s->text, text));
+    }
+    buf_free(&word);
+    if (!known) {
+        t->place_count = place_count;
+        t->text.size = size;
+        warn(w, "the voice has no phone \"%s\": it reads the text instead of /%.80s/", unknown, p);
+    } else if (changed) {
+        warn(w, "the voice does not have all phones of /%.80s/: it speaks the nearest ones", p);
+    }
+    return known;
 }
 
 /* The prosody changes at the first letter, so that stops before it stay with the words that they end. */
@@ -123,7 +177,8 @@ static void add_text_with_prosody(struct writer *w, uint32_t index, const struct
     set(w, &w->now.pitch, p.pitch, 'P');
     set(w, &w->now.range, p.range, 'R');
     set(w, &w->now.volume, p.volume, 'A');
-    add_text(w->out, index, s->text, letter, length);
+    if (!s->phones || !add_phones(w, index, s))
+        add_text(w->out, index, s->text, letter, length);
 }
 
 /* The ways of reading that espeak-ng has, by the names that SSML 1.1 and JSML documents use. */
@@ -164,8 +219,6 @@ static void add_span(struct writer *w, uint32_t index, const struct faccia_span 
         if (!other)
             warn(w, "espeak-ng has no voice for the language \"%s\"", s->lang);
     }
-    if (s->phones)
-        warn(w, "espeak-ng reads the text instead of the given phones");
     if (as && !can_be_spelled(s->text))
         as = NULL;
     if (s->say_as && !as)
@@ -201,11 +254,14 @@ static bool is_plain(const struct writer *w, const struct faccia_sentence *sente
 }
 
 void es_text_make(struct es_text *text, const struct faccia_sentence *sentence, const struct es_voice *voice,
-                  const struct es_voices *voices, void (*warn_to)(void *ctx, const char *message),
-                  void *ctx) {
-    struct writer w = {.out = text, .voice = voice, .voices = voices, .warn = warn_to, .ctx = ctx};
+                  const struct es_voices *voices, const struct es_ipa *ipa,
+                  void (*warn_to)(void *ctx, const char *message), void *ctx) {
+    struct writer w = {
+        .out = text, .voice = voice, .voices = voices, .ipa = ipa, .warn = warn_to, .ctx = ctx};
     *text = (struct es_text){.prosody = {ES_RATE_OWN, 50, 50, 100}};
     text->ssml = !is_plain(&w, sentence);
+    for (size_t i = 0; i < sentence->span_count; i++)
+        text->phones |= sentence->spans[i].phones != NULL;
     for (size_t i = 0; i < sentence->span_count; i++)
         if (sentence->spans[i].kind == FACCIA_SPAN_TEXT) {
             text->prosody = prosody_of(&w, &sentence->spans[i]);
