@@ -42,6 +42,14 @@ const result = await build({
   plugins: [inline],
 });
 note(result.metafile);
+const fallback = await build({
+  ...common,
+  stdin: { contents: "export { OpusDecoder } from 'opus-decoder';", resolveDir: here },
+  outfile: path.join(out, 'opus-decoder.js'),
+  banner: { js: '/* opus-decoder, MIT, (c) Ethan Halsall; contains libopus, BSD-3-Clause. */' },
+  metafile: true,
+});
+note(fallback.metafile);
 for (const file of readdirSync(path.join(here, 'page'))) {
   inputs.add(path.join(here, 'page', file));
   copyFileSync(path.join(here, 'page', file), path.join(out, file));

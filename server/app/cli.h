@@ -17,6 +17,7 @@ struct cli {
     struct paths paths;
     struct speech_packs packs;
     struct expressions *expressions;
+    struct readings readings;
     struct studio studio;
 };
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia expressions: what the expressions file offers, and how it looks. */
+#include "server/expression/expressions.h"
 #include "protocol/fapfile.h"
 #include "server/app/cli.h"
-#include "server/expression/expressions.h"
 #include "server/face/held.h"
 #include <errno.h>
 #include <getopt.h>

@@ -25,6 +25,7 @@ struct daemon {
     unsigned socket_count;
     struct speech_packs packs;
     struct expressions *expressions;
+    struct readings readings;
     struct metrics metrics;
     struct studio studio;
     struct net *net;
@@ -191,10 +192,15 @@ static int start(struct daemon *d, struct error *e) {
     d->expressions = expressions_load(path, e);
     if (!d->expressions)
         return -1;
+    snprintf(path, sizeof path, "%s/reading", s->models);
+    if (readings_load(&d->readings, path, e))
+        return -1;
     d->studio = (struct studio){.loop = &d->loop,
                                 .packs = &d->packs,
                                 .expressions = d->expressions,
+                                .readings = &d->readings,
                                 .default_lang = s->lang,
+                                .sounds = s->audio,
                                 .metrics = &d->metrics};
     struct net_options options = net_options_of(d);
     d->net = net_open(&d->studio, &options, e);
@@ -246,6 +252,7 @@ static int run(struct daemon *d) {
     uv_loop_close(&d->loop);
     speech_packs_free(&d->packs);
     expressions_free(d->expressions);
+    readings_free(&d->readings);
     secrets_free(&d->secrets);
     free(d->voice_config);
     return status;

@@ -28,6 +28,7 @@ static const char usage[] =
     "      --still          only the lips move\n"
     "      --seed N         another life of the face; the same number gives the same face (0)\n"
     "  -f, --file FILE      the text\n"
+    "      --audio DIR      sound files that the text may name (SSML's audio); default $FACCIA_AUDIO\n"
     "      --wav FILE       the sound, mono 16 bit\n"
     "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
     "      --ogg FILE       the sound as Opus in Ogg\n"
@@ -49,6 +50,7 @@ struct say {
     struct cli cli;
     struct speech *speech;
     struct output outputs[OUTPUTS];
+    const char *sounds;
     bool failed, finished;
 };
 
@@ -151,11 +153,13 @@ static void close_outputs(struct say *s) {
 /* The exit code, or -1 to go on. */
 static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
     static const struct option options[] = {
-        {"lang", 1, NULL, 'l'}, {"voice", 1, NULL, 'v'},  {"rate", 1, NULL, 'r'},   {"pitch", 1, NULL, 1},
-        {"volume", 1, NULL, 1}, {"fps", 1, NULL, 1},      {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},
-        {"seed", 1, NULL, 1},   {"still", 0, NULL, 1},    {"life", 1, NULL, 1},     {"blend", 1, NULL, 1},
-        {"file", 1, NULL, 'f'}, {"wav", 1, NULL, 'W'},    {"fap", 1, NULL, 'F'},    {"json", 1, NULL, 'J'},
-        {"ogg", 1, NULL, 'O'},  {"ndjson", 1, NULL, 'N'}, {"help", 0, NULL, 'h'},   {0},
+        {"lang", 1, NULL, 'l'},   {"voice", 1, NULL, 'v'}, {"rate", 1, NULL, 'r'},
+        {"pitch", 1, NULL, 1},    {"volume", 1, NULL, 1},  {"fps", 1, NULL, 1},
+        {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},  {"seed", 1, NULL, 1},
+        {"still", 0, NULL, 1},    {"life", 1, NULL, 1},    {"blend", 1, NULL, 1},
+        {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},   {"fap", 1, NULL, 'F'},
+        {"json", 1, NULL, 'J'},   {"audio", 1, NULL, 'A'}, {"ogg", 1, NULL, 'O'},
+        {"ndjson", 1, NULL, 'N'}, {"help", 0, NULL, 'h'},  {0},
     };
     const char *path = NULL;
     struct error e;
@@ -175,6 +179,9 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
             break;
         case 'J':
             s->outputs[JSON].path = optarg;
+            break;
+        case 'A':
+            s->sounds = optarg;
             break;
         case 'O':
             s->outputs[OGG].path = optarg;
@@ -211,6 +218,7 @@ static int speak(struct say *s, const struct speech_request *request) {
     static const struct speech_callbacks callbacks = {on_scene, on_problem, on_finished};
     struct error e;
     char message[400];
+    s->cli.studio.sounds = s->sounds ? s->sounds : getenv("FACCIA_AUDIO");
     s->speech = speech_open(&s->cli.studio, request, &callbacks, s, &e);
     if (!s->speech) {
         cli_complain("%s", error_text(&e, message, sizeof message));

@@ -26,7 +26,7 @@ struct settings {
     unsigned send_bytes, send_bytes_max;
     unsigned stall_seconds, stop_seconds;
     char *log;
-    char *models, *web, *media, *plugins, *worker;
+    char *models, *web, *media, *plugins, *worker, *audio;
 };
 
 /* What the command line asks for besides settings. */

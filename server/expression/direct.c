@@ -42,7 +42,8 @@ static void style_item(struct score *score, struct score_item *item, const struc
     style.volume *= bounded(part->voice.volume, lowest.volume, highest.volume);
     if (part->emotion.name) {
         const char *name = part->emotion.name;
-        style.emotion = (struct score_emotion){score_strndup(score, name, strlen(name)), part->emotion.intensity};
+        style.emotion =
+            (struct score_emotion){score_strndup(score, name, strlen(name)), part->emotion.intensity};
     }
     item->style = score_keep_style(score, &style);
 }
@@ -56,7 +57,8 @@ void expressions_direct(const struct expressions *expressions, struct score *sco
         const struct score_cue *cue = &score->cues[c];
         int found = expressions_find(expressions, cue->kind, cue->name);
         if (found < 0) {
-            score_warn(score, cue->at, "unknown-expression", "no %s '%.80s': not shown", cue->kind, cue->name);
+            score_warn(score, cue->at, "unknown-expression", "no %s '%.80s': not shown", cue->kind,
+                       cue->name);
             continue;
         }
         for (size_t i = cue->first; i < cue->last && i < score->item_count; i++)

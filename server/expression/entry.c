@@ -110,20 +110,18 @@ static int read_basic(const struct json_place *at, struct expression *x) {
 }
 
 int entry_read(const struct json_place *at, struct expression *x) {
-    static const char *const allowed[] = {"aliases", "basic",     "activation", "evaluation",   "mix",
-                                          "pose",    "asymmetry", "curve",      "mouth",        "articulation",
+    static const char *const allowed[] = {"aliases", "basic",     "activation", "evaluation", "mix",
+                                          "pose",    "asymmetry", "curve",      "mouth",      "articulation",
                                           "voice",   "life",      "gesture",    NULL};
     x->curve = (struct curve){.attack = 0.3, .sustain = 1, .settle = 1, .decay = 0.4};
     x->mouth = (struct mouth_share){0.3, 0.7};
     x->articulation = 1;
     x->voice = (struct voice_factors){1, 1, 1, 1};
     x->life = (struct liveliness){1, 1, 1};
-    const struct number curve[] = {{"attack", SECONDS_MIN, SECONDS_MAX, &x->curve.attack},
-                                   {"hold", 0, SECONDS_MAX, &x->curve.hold},
-                                   {"settle", SECONDS_MIN, SECONDS_MAX, &x->curve.settle},
-                                   {"sustain", 0, 1, &x->curve.sustain},
-                                   {"decay", SECONDS_MIN, SECONDS_MAX, &x->curve.decay},
-                                   {0}};
+    const struct number curve[] = {
+        {"attack", SECONDS_MIN, SECONDS_MAX, &x->curve.attack}, {"hold", 0, SECONDS_MAX, &x->curve.hold},
+        {"settle", SECONDS_MIN, SECONDS_MAX, &x->curve.settle}, {"sustain", 0, 1, &x->curve.sustain},
+        {"decay", SECONDS_MIN, SECONDS_MAX, &x->curve.decay},   {0}};
     const struct number mouth[] = {{"lips", 0, 1, &x->mouth.lips}, {"corners", 0, 1, &x->mouth.corners}, {0}};
     const struct number voice[] = {{"rate", 0.5, 2, &x->voice.rate},
                                    {"pitch", 0.5, 2, &x->voice.pitch},
@@ -142,7 +140,8 @@ int entry_read(const struct json_place *at, struct expression *x) {
         read_number(at, "activation", -1, 1, &x->activation) ||
         read_number(at, "evaluation", -1, 1, &x->evaluation) ||
         read_number(at, "articulation", 0.5, 1.5, &x->articulation) || read_numbers(at, "curve", curve) ||
-        read_numbers(at, "mouth", mouth) || read_numbers(at, "voice", voice) || read_numbers(at, "life", life))
+        read_numbers(at, "mouth", mouth) || read_numbers(at, "voice", voice) ||
+        read_numbers(at, "life", life))
         return -1;
     return mix.json && x->basic ? json_place_fail(&mix, "a basic emotion is no mixture") : 0;
 }

@@ -22,6 +22,7 @@ void expressions_free(struct expressions *all) {
     for (size_t i = 0; i < all->count; i++)
         entry_free(&all->items[i]);
     free(all->items);
+    free(all->names);
     free(all);
 }
 
@@ -38,25 +39,45 @@ struct expression_info expressions_info(const struct expressions *all, size_t in
     return (struct expression_info){x->kind, x->name, x->activation, x->evaluation, x->basic != 0};
 }
 
-static bool has_alias(const struct expression *x, const char *name) {
-    for (char **alias = x->aliases; alias && *alias; alias++)
-        if (!strcasecmp(*alias, name))
-            return true;
-    return false;
+static int by_name(const void *a, const void *b) {
+    const struct expression_name *x = a, *y = b;
+    int kinds = strcmp(x->kind, y->kind);
+    return kinds ? kinds : strcasecmp(x->name, y->name);
+}
+
+static int by_name_and_index(const void *a, const void *b) {
+    const struct expression_name *x = a, *y = b;
+    int names = by_name(a, b);
+    return names ? names : (x->index > y->index) - (x->index < y->index);
+}
+
+static void add_name(struct expressions *all, size_t index, const char *name) {
+    all->names = mem_grow(all->names, &all->name_cap, all->name_count + 1, sizeof *all->names);
+    all->names[all->name_count++] = (struct expression_name){all->items[index].kind, name, index};
+}
+
+int expressions_sort_names(struct expressions *all, const struct expression_name **taken) {
+    for (size_t i = 0; i < all->count; i++) {
+        add_name(all, i, all->items[i].name);
+        for (char **alias = all->items[i].aliases; alias && *alias; alias++)
+            add_name(all, i, *alias);
+    }
+    qsort(all->names, all->name_count, sizeof *all->names, by_name_and_index);
+    for (size_t i = 1; i < all->name_count; i++) {
+        *taken = &all->names[i];
+        if (!by_name(&all->names[i - 1], *taken))
+            return -1;
+    }
+    return 0;
 }
 
 int expressions_find(const struct expressions *all, const char *kind, const char *name) {
-    int alias = -1, any = -1;
-    for (size_t i = 0; i < all->count; i++) {
-        const struct expression *x = &all->items[i];
-        if (strcmp(x->kind, kind) != 0)
-            continue;
-        if (!strcasecmp(x->name, name))
-            return (int)i;
-        if (has_alias(x, name))
-            alias = (int)i;
-        if (has_alias(x, EXPRESSION_ANY))
-            any = (int)i;
+    struct expression_name wanted[] = {{kind, name, 0}, {kind, EXPRESSION_ANY, 0}};
+    for (int i = 0; i < 2; i++) {
+        const struct expression_name *found =
+            bsearch(&wanted[i], all->names, all->name_count, sizeof wanted[i], by_name);
+        if (found)
+            return (int)found->index;
     }
-    return alias >= 0 ? alias : any;
+    return -1;
 }

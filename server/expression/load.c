@@ -3,17 +3,17 @@
 #include "server/base/mem.h"
 #include "server/expression/pose.h"
 #include <string.h>
-#include <strings.h>
 
 #define ASYMMETRY_MAX 0.5
 
-const char *const expression_kinds[] = {
-    "affect", "performative", "certainty",    "meta-cognitive", "belief-relation", "turn", "emphasis",
-    "pitch-accent", "boundary", "deictic", "adjectival", NULL};
+const char *const expression_kinds[] = {"affect",          "performative", "certainty",  "meta-cognitive",
+                                        "belief-relation", "turn",         "emphasis",   "pitch-accent",
+                                        "boundary",        "deictic",      "adjectival", NULL};
 
 static const char *const root_keys[] = {
-    "sources", "affect", "performative", "certainty", "meta-cognitive", "belief-relation", "turn", "emphasis",
-    "pitch-accent", "boundary", "deictic", "adjectival", NULL};
+    "sources", "affect",   "performative", "certainty", "meta-cognitive", "belief-relation",
+    "turn",    "emphasis", "pitch-accent", "boundary",  "deictic",        "adjectival",
+    NULL};
 
 static int read_kind(const struct json_place *at, const char *kind, struct expressions *all) {
     const char *name;
@@ -37,31 +37,21 @@ static int read_kind(const struct json_place *at, const char *kind, struct expre
     return 0;
 }
 
-/* That a name or alias means one entry only. */
-static int check_name(const struct json_place *entry, const struct expressions *all,
-                      const struct expression *x, const char *name) {
-    for (size_t i = 0; i < all->count; i++) {
-        const struct expression *other = &all->items[i];
-        if (other == x || other->kind != x->kind)
-            continue;
-        bool taken = !strcasecmp(other->name, name);
-        for (char **alias = other->aliases; alias && *alias; alias++)
-            taken |= !strcasecmp(*alias, name);
-        if (taken)
-            return json_place_fail(entry, "the name '%s' also means '%s'", name, other->name);
-    }
-    return 0;
+static int sort_names(const struct json_place *root, struct expressions *all) {
+    const struct expression_name *taken;
+    if (!expressions_sort_names(all, &taken))
+        return 0;
+    struct json_place kind = json_place_key(root, taken->kind),
+                      entry = json_place_key(&kind, all->items[taken->index].name);
+    return json_place_fail(&entry, "the name '%s' is there twice", taken->name);
 }
 
 /* What needs the other entries. */
 static int finish_entry(const struct json_place *entry, struct expressions *all, struct expression *x) {
     double asymmetry = 0;
     struct json_place uneven = json_place_key(entry, "asymmetry");
-    if (check_name(entry, all, x, x->name) || mix_read(entry, all, x))
+    if (mix_read(entry, all, x))
         return -1;
-    for (char **alias = x->aliases; alias && *alias; alias++)
-        if (check_name(entry, all, x, *alias))
-            return -1;
     if (uneven.json && json_place_real(&uneven, -ASYMMETRY_MAX, ASYMMETRY_MAX, &asymmetry))
         return -1;
     pose_complete(&x->pose);
@@ -82,8 +72,11 @@ static int read_all(const struct json_place *root, struct expressions *all) {
         if (at.json && read_kind(&at, *kind, all))
             return -1;
     }
-    /* Backwards within the affects nothing changes that a mixture still needs: those that are mixed are never
-     * part of another, and the others are completed last. */
+    if (!all->count)
+        return json_place_fail(root, "there is no entry");
+    if (sort_names(root, all))
+        return -1;
+    /* Mixtures come before what they are mixed from is completed, outer lips and all. */
     for (int mixed = 1; mixed >= 0; mixed--) {
         for (size_t i = 0; i < all->count; i++) {
             struct expression *x = &all->items[i];
@@ -92,8 +85,6 @@ static int read_all(const struct json_place *root, struct expressions *all) {
                 return -1;
         }
     }
-    if (!all->count)
-        return json_place_fail(root, "there is no entry");
     return 0;
 }
 

@@ -14,9 +14,18 @@ enum { EXPRESSIONS_MAX = 256 };
 struct expressions {
     struct expression *items; /* by kind, in the order of the file */
     size_t count, cap;
+    struct expression_name {
+        const char *kind, *name;
+        size_t index;
+    } * names; /* and aliases, sorted */
+    size_t name_count, name_cap;
 };
 
 extern const char *const expression_kinds[]; /* NULL-terminated */
+
+/* expressions.c: makes the names that expressions_find looks up. -1: two mean different entries; *taken is
+ * the one that came later. */
+int expressions_sort_names(struct expressions *all, const struct expression_name **taken);
 
 /* entry.c: fills *x (zeroed, with kind and name) from its object, but for what it is mixed from. -1: root's
  * error. *x may be released in any case. */

@@ -12,7 +12,8 @@ static const struct expression *affect_named(const struct expressions *all, cons
 }
 
 /* Factors of an ingredient, as strong as its weight. */
-static void season(struct expression *x, const struct expression *from, double weight, bool voice, bool life) {
+static void season(struct expression *x, const struct expression *from, double weight, bool voice,
+                   bool life) {
     if (voice) {
         x->voice.rate *= pow(from->voice.rate, weight);
         x->voice.pitch *= pow(from->voice.pitch, weight);
@@ -41,7 +42,8 @@ int mix_read(const struct json_place *entry, const struct expressions *all, stru
         if (!from)
             return json_place_fail(&part, "there is no affect '%s'", name);
         /* Its "mix" would show in its place of the file: the parent of a mixture must be pure. */
-        struct json_place affects = json_place_key(entry->up->up, "affect"), other = json_place_key(&affects, name);
+        struct json_place affects = json_place_key(entry->up->up, "affect"),
+                          other = json_place_key(&affects, name);
         if (json_object_get(other.json, "mix"))
             return json_place_fail(&part, "'%s' is a mixture itself", name);
         if (json_place_real(&part, 0, 1, &weight))
@@ -50,7 +52,8 @@ int mix_read(const struct json_place *entry, const struct expressions *all, stru
             pose_add(&x->pose, from->pose.faps[i].fap, weight * from->pose.faps[i].value);
         for (int b = 1; b <= BASIC_COUNT; b++)
             x->basics[b] = fmin(1, x->basics[b] + weight * from->basics[b]);
-        season(x, from, weight, !json_object_get(entry->json, "voice"), !json_object_get(entry->json, "life"));
+        season(x, from, weight, !json_object_get(entry->json, "voice"),
+               !json_object_get(entry->json, "life"));
     }
     return 0;
 }

@@ -63,7 +63,11 @@ static double run_out(double speed, double since, double *slope) {
 }
 
 static double value_at(const struct turn *turn, size_t i, double clock, double *slope) {
-    double since = fmax(0, clock - turn->at), x = fmin(1, since / turn->ease), way = turn->to[i] - turn->from[i];
+    double since = fmax(0, clock - turn->at), x = since / turn->ease, way = turn->to[i] - turn->from[i];
+    *slope = 0;
+    if (x >= 1 && since >= RUN_OUT)
+        return turn->to[i];
+    x = fmin(1, x);
     double bump = run_out(turn->speed[i], since, slope);
     *slope += way * 6 * x * (1 - x) / turn->ease;
     double value = turn->from[i] + way * x * x * (3 - 2 * x) + bump;
@@ -95,7 +99,9 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
     for (size_t i = 0; i < mood->affects; i++) {
         /* More than the whole face there is not. */
         next.to[i] = to[i] / fmax(1, sum);
-        if (mood->count)
+        if (!mood->count && ease <= 0)
+            next.from[i] = next.to[i]; /* it has been so all along */
+        else if (mood->count)
             next.from[i] = value_at(turn_at(mood, next.at), i, next.at, &next.speed[i]);
         if (next.to[i] > 0 || next.from[i] > 0)
             next.used = i + 1;

@@ -68,7 +68,19 @@ static const struct {
 } contours[] = {{4, 51}, {5, 52}, {6, 53}, {7, 54}, {8, 55}, {9, 56}, {10, 57}, {11, 58}, {12, 59}, {13, 60}};
 #define OUTER_PER_INNER 0.85
 
+/* Where she looks is given for a head at rest: what the head does is taken off. */
+static void hold_gaze(struct pose *pose) {
+    for (int side = 0; side < 2; side++) {
+        double pitch = pose_value(pose, 48), yaw = pose_value(pose, 49);
+        if (yaw != 0)
+            pose_add(pose, 23 + side, -yaw);
+        if (pitch != 0)
+            pose_add(pose, 25 + side, -pitch);
+    }
+}
+
 void pose_complete(struct pose *pose) {
+    hold_gaze(pose);
     for (size_t i = 0; i < sizeof contours / sizeof *contours; i++) {
         double inner = pose_value(pose, contours[i].inner);
         bool is_given = false;

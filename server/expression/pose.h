@@ -14,7 +14,8 @@ void pose_free(struct pose *pose);
  * ("raise_cornerlip", "lower_t_lip_m"). Returns how many, 0 when there is none. */
 size_t pose_faps_named(const char *name, int out[2]);
 
-/* The outer contour of the lips follows the inner one where it is not given. */
+/* The outer contour of the lips follows the inner one where it is not given, and the eyes make up for what
+ * the head does. */
 void pose_complete(struct pose *pose);
 
 /* Strengthens the left side by asymmetry, -1..1, and weakens the right one. */

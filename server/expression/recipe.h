@@ -12,8 +12,7 @@ enum {
     AFFECTS_MAX = 64,
 };
 
-/* Some FAPs with their values in FAP units, rising by number. Those of the eyeballs (23-26) say where she
- * looks from a head at rest; the head's own way is taken off them when they are shown. */
+/* Some FAPs with their values in FAP units, rising by number. */
 struct pose {
     struct pose_fap {
         int fap;
@@ -62,7 +61,6 @@ struct expression {
 };
 
 const struct expression *expressions_at(const struct expressions *expressions, size_t index);
-
 
 /* How much of each affect is in the mood at a time of its clock. Returns how many there are; they are
  * in the order of the file. */

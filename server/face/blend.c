@@ -23,26 +23,38 @@
 
 #define INTENSITY_MAX 63 /* of FAP 2 */
 
-enum part { PART_FREE, PART_LIPS, PART_CORNER_HEIGHT, PART_CORNER_WIDTH, PART_TONGUE };
+enum part { PART_FREE, PART_LIPS, PART_CORNERS, PART_TONGUE };
 
+static const uint8_t lips[] = {3, 4, 5, 8, 9, 10, 11, 14, 15, 16, 17, 18, 51, 52, 55, 56, 57, 58},
+                     heights[] = {12, 13, 59, 60}, widths[] = {6, 7, 53, 54}, tongue[] = {43, 44, 45, 46, 47};
+
+/* clang-format off */
 static const uint8_t part_of[FAP_COUNT + 1] = {
-    [3] = PART_LIPS,          [4] = PART_LIPS,           [5] = PART_LIPS,           [6] = PART_CORNER_WIDTH,
-    [7] = PART_CORNER_WIDTH,  [8] = PART_LIPS,           [9] = PART_LIPS,           [10] = PART_LIPS,
-    [11] = PART_LIPS,         [12] = PART_CORNER_HEIGHT, [13] = PART_CORNER_HEIGHT, [14] = PART_LIPS,
-    [15] = PART_LIPS,         [16] = PART_LIPS,          [17] = PART_LIPS,          [18] = PART_LIPS,
-    [43] = PART_TONGUE,       [44] = PART_TONGUE,        [45] = PART_TONGUE,        [46] = PART_TONGUE,
-    [47] = PART_TONGUE,       [51] = PART_LIPS,          [52] = PART_LIPS,          [53] = PART_CORNER_WIDTH,
-    [54] = PART_CORNER_WIDTH, [55] = PART_LIPS,          [56] = PART_LIPS,          [57] = PART_LIPS,
-    [58] = PART_LIPS,         [59] = PART_CORNER_HEIGHT, [60] = PART_CORNER_HEIGHT};
+    [3] = PART_LIPS, PART_LIPS, PART_LIPS, PART_CORNERS, PART_CORNERS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS,
+    [12] = PART_CORNERS, PART_CORNERS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS,
+    [43] = PART_TONGUE, PART_TONGUE, PART_TONGUE, PART_TONGUE, PART_TONGUE,
+    [51] = PART_LIPS, PART_LIPS, PART_CORNERS, PART_CORNERS, PART_LIPS, PART_LIPS, PART_LIPS, PART_LIPS,
+    [59] = PART_CORNERS, PART_CORNERS,
+};
+/* clang-format on */
+
+/* Adds w times the pose: the mouth's part to b->mouth, in shares by part, the rest to the face. */
+static void add(struct blend *b, const struct pose *pose, double w, const double shares[]) {
+    for (size_t i = 0; i < pose->count; i++) {
+        const struct pose_fap *p = &pose->faps[i];
+        enum part part = part_of[p->fap];
+        if (part)
+            b->mouth[p->fap] += w * shares[part] * p->value;
+        else
+            b->face[p->fap] += w * p->value;
+    }
+}
 
 void blend_add(struct blend *b, const struct pose *pose, double w, struct mouth_share mouth) {
-    const double kept[] = {[PART_FREE] = w,
-                           [PART_LIPS] = w * (1 - b->activity * (1 - mouth.lips)),
-                           [PART_CORNER_HEIGHT] = w * (1 - b->activity * (1 - mouth.corners)),
-                           [PART_CORNER_WIDTH] = w * (1 - b->activity * (1 - mouth.corners)),
-                           [PART_TONGUE] = w * (1 - b->activity)};
-    for (size_t i = 0; i < pose->count; i++)
-        b->faps[pose->faps[i].fap] += kept[part_of[pose->faps[i].fap]] * pose->faps[i].value;
+    const double shares[] = {[PART_LIPS] = 1 - b->activity * (1 - mouth.lips),
+                             [PART_CORNERS] = 1 - b->activity * (1 - mouth.corners),
+                             [PART_TONGUE] = 1 - b->activity};
+    add(b, pose, w, shares);
 }
 
 double blend_shown(double omega) {
@@ -50,77 +62,53 @@ double blend_shown(double omega) {
 }
 
 void blend_add_weighted(struct blend *b, const struct pose *pose, double omega) {
-    double shown = blend_shown(omega);
-    b->omega += omega;
-    for (size_t i = 0; i < pose->count; i++)
-        b->faps[pose->faps[i].fap] += shown * pose->faps[i].value;
+    static const double whole[] = {1, 1, 1, 1};
+    add(b, pose, blend_shown(omega), whole);
 }
 
 static double limit(double value, double max) {
-    return fmin(max, fmax(-max, value));
-}
-
-/* What stays within bounds while she speaks and is free in pauses. */
-static double offset(const struct blend *b, int n, double max) {
-    double inside = limit(b->faps[n], max);
-    return b->faps[n] + b->activity * (inside - b->faps[n]);
+    return value > max ? max : value < -max ? -max : value;
 }
 
 static double smooth(double x) {
     return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
 }
 
-static void join_regions(const struct blend *b, double faps[FAP_COUNT + 1]) {
-    /* Where the mouth has to be closed, or the lip at the teeth, speech has it alone. */
-    double free = 1 - b->contact, round = 1 - ROUND_SHARE * smooth(-(faps[6] + faps[7]) / (2 * ROUND));
-    for (int n = 3; n <= FAP_COUNT; n++) {
-        switch (part_of[n]) {
-        case PART_LIPS:
-            faps[n] += free * offset(b, n, LIPS_MAX);
-            break;
-        case PART_CORNER_HEIGHT:
-            faps[n] += offset(b, n, CORNER_HEIGHT_MAX);
-            break;
-        case PART_CORNER_WIDTH:
-            faps[n] += (b->faps[n] > 0 ? round : 1) * offset(b, n, CORNER_WIDTH_MAX);
-            break;
-        default:
-            faps[n] += b->faps[n];
-        }
-    }
+/* (1 - omega) speech. The published rule lets lips open in closures; here it gives way to them. */
+static void weaken(const struct blend *b, double omega) {
+    double lips_left = 1 - omega * (1 - b->contact);
+    for (int n = 3; n <= FAP_COUNT; n++)
+        b->face[n] *= part_of[n] == PART_LIPS || part_of[n] == PART_TONGUE ? lips_left : 1 - omega;
 }
 
-/* Eq. 5.3 and 5.4 as displacements: (1 - omega) speech + omega rho emotion. The published rule lets lips open
- * in closures; here it gives way to them. */
-static void join_weighted(const struct blend *b, double faps[FAP_COUNT + 1]) {
-    double omega = fmin(1, b->omega), free = 1 - b->contact;
-    for (int n = 3; n <= FAP_COUNT; n++) {
-        bool is_bound = part_of[n] == PART_LIPS || part_of[n] == PART_TONGUE;
-        faps[n] *= 1 - omega * (is_bound ? free : 1);
-        faps[n] += (is_bound ? free : 1) * b->faps[n];
-    }
-}
-
-/* The recipes say where she looks; the eyes in the head make up for what the head does. */
-static void hold_gaze(double faps[FAP_COUNT + 1]) {
-    faps[23] -= faps[49];
-    faps[24] -= faps[49];
-    faps[25] -= faps[48];
-    faps[26] -= faps[48];
-}
-
-void blend_join(struct blend *b, double faps[FAP_COUNT + 1]) {
-    hold_gaze(b->faps);
-    double articulation = limit(b->articulation, ARTICULATION_MAX);
-    articulation = fmax(ARTICULATION_MIN, articulation);
+void blend_speech(const struct blend *b, double articulation, double omega) {
+    articulation = articulation < ARTICULATION_MIN ? ARTICULATION_MIN : limit(articulation, ARTICULATION_MAX);
     if (articulation != 1)
         for (int n = 3; n <= FAP_COUNT; n++)
             if (part_of[n] != PART_TONGUE)
-                faps[n] *= articulation;
-    if (b->rule == BLEND_WEIGHTED)
-        join_weighted(b, faps);
-    else
-        join_regions(b, faps);
+                b->face[n] *= articulation;
+    if (omega > 0)
+        weaken(b, limit(omega, 1));
+}
+
+/* Adds FAPs of the mouth: what stays within max while she speaks and is free in pauses. */
+static void join(const struct blend *b, const uint8_t *faps, size_t count, double max, double share) {
+    for (size_t i = 0; i < count; i++) {
+        double value = b->mouth[faps[i]];
+        b->face[faps[i]] += share * (value + b->activity * (limit(value, max) - value));
+    }
+}
+
+void blend_join(const struct blend *b) {
+    /* Where the mouth has to be closed, or the lip at the teeth, speech has it alone. */
+    double free = 1 - b->contact, width = 1;
+    bool bounded = b->rule == BLEND_REGIONS;
+    if (bounded && b->mouth[6] + b->mouth[7] > 0)
+        width = 1 - ROUND_SHARE * smooth(-(b->face[6] + b->face[7]) / (2 * ROUND));
+    join(b, lips, sizeof lips, bounded ? LIPS_MAX : INFINITY, free);
+    join(b, heights, sizeof heights, bounded ? CORNER_HEIGHT_MAX : INFINITY, 1);
+    join(b, widths, sizeof widths, bounded ? CORNER_WIDTH_MAX : INFINITY, width);
+    join(b, tongue, sizeof tongue, INFINITY, free);
 }
 
 struct fap_expression blend_basics(const double shares[BASIC_COUNT + 1]) {

@@ -6,15 +6,20 @@
 #include "server/expression/recipe.h"
 #include "server/face/track.h"
 
-/* What is to be blended at an instant. */
+/* What is to be blended at an instant. To be used in this order: blend_speech, blend_add and
+ * blend_add_weighted for all there is, blend_join. */
 struct blend {
     enum face_blend rule;
-    double activity;            /* of speech, 0..1: activity.h */
-    double contact;             /* demand of the strongest contact, 0..1 */
-    double articulation;        /* factor of the speech's movements */
-    double omega;               /* sum of the emotions' weights; BLEND_WEIGHTED only */
-    double faps[FAP_COUNT + 1]; /* what blend_add added */
+    double activity;             /* of speech, 0..1: activity.h */
+    double contact;              /* demand of the strongest contact, 0..1 */
+    double *face;                /* FAPs: the speech, to which the rest is added */
+    double mouth[FAP_COUNT + 1]; /* the expressions' part in it, until they are joined */
 };
+
+/* Scales the speech: articulation is a factor of its movements, omega (0 in BLEND_REGIONS) the sum of the
+ * emotions' weights, by which it gives way to them: eq. 5.3 and 5.4 as displacements, (1 - omega) speech +
+ * omega rho emotion. */
+void blend_speech(const struct blend *blend, double articulation, double omega);
 
 /* Adds w times a pose. Where it shares the mouth with speech, `mouth` says how much of it stays. */
 void blend_add(struct blend *blend, const struct pose *pose, double w, struct mouth_share mouth);
@@ -23,11 +28,10 @@ void blend_add(struct blend *blend, const struct pose *pose, double w, struct mo
  * N), eq. 5.2. */
 void blend_add_weighted(struct blend *blend, const struct pose *pose, double omega);
 
+void blend_join(const struct blend *blend);
+
 /* How much of an expression that rule shows at rest: rho omega. */
 double blend_shown(double omega);
-
-/* Joins what was added with the speech in faps. Once for each blend. */
-void blend_join(struct blend *blend, double faps[FAP_COUNT + 1]);
 
 /* FAP 2: the two strongest of the six. */
 struct fap_expression blend_basics(const double shares[BASIC_COUNT + 1]);

@@ -4,10 +4,9 @@
 #include "server/face/blend.h"
 #include <math.h>
 #include <stdlib.h>
-#include <string.h>
 
-/* The mood has the weight that an emotion has by default: WEIGHT_DEFAULT of show.c. */
-#define MOOD_WEIGHT 0.2
+/* By the weighted rule a mood shows as it does on a face that does not speak: rho times this is 1. */
+#define MOOD_WEIGHT (1 / 3.0)
 
 /* An expression at an instant. */
 struct seen {
@@ -57,15 +56,24 @@ void express_free(struct express *x) {
 }
 
 static bool is_affect(const struct seen *seen) {
-    return !seen->show || !strcmp(seen->expression->kind, "affect");
+    return !seen->show || seen->show->is_affect;
 }
 
-/* An emotion that comes drives out those before it. By the weighted rule two that follow each other
- * cross-fade of themselves: each has its own straight line. */
+static bool is_weighted(const struct express *x, const struct seen *seen) {
+    return x->rule == BLEND_WEIGHTED && is_affect(seen);
+}
+
+/* Whether the two stand side by side: over the same words they are a mixture; and by the weighted rule two
+ * that follow each other cross-fade of themselves, each in its own straight line. */
+static bool is_beside(const struct show *old, const struct show *new) {
+    return (old->from == new->from && old->to == new->to) || (new->straight && old->to <= new->from);
+}
+
+/* An emotion that comes drives out those before it. */
 static void give_way(struct express *x, const struct show *to, double level) {
     for (size_t i = 0; i < x->seen_count; i++) {
         struct seen *old = &x->seen[i];
-        if (!is_affect(old) || (to->straight && old->show && old->show->to <= to->from))
+        if (!is_affect(old) || (old->show && is_beside(old->show, to)))
             continue;
         old->level *= 1 - level;
         old->omega *= 1 - level;
@@ -123,23 +131,30 @@ void express_blend(struct express *x, double t, const struct contact_demand dema
     *basic = (struct fap_expression){0};
     if (!x->seen_count)
         return;
-    struct blend blend = {.rule = x->rule, .articulation = 1};
+    struct blend blend = {.rule = x->rule, .face = faps};
+    double articulation = 1, omega = 0;
     blend.activity = activity_at(&x->activity, t, &x->activity_cursor);
     blend.contact = fmax(demand[CONTACT_LIPS].weight, demand[CONTACT_TEETH].weight);
     for (size_t i = 0; i < x->seen_count; i++) {
+        articulation *= 1 + (x->seen[i].expression->articulation - 1) * x->seen[i].level;
+        omega += is_weighted(x, &x->seen[i]) ? x->seen[i].omega : 0;
+    }
+    blend_speech(&blend, articulation, omega);
+    for (size_t i = 0; i < x->seen_count; i++) {
         const struct seen *seen = &x->seen[i];
         const struct expression *e = seen->expression;
-        if (x->rule == BLEND_WEIGHTED && is_affect(seen))
+        double shown = seen->level;
+        if (is_weighted(x, seen)) {
+            shown = blend_shown(seen->omega);
             blend_add_weighted(&blend, &e->pose, seen->omega);
-        else
+        } else {
             blend_add(&blend, &e->pose, seen->level, e->mouth);
+        }
         add_gesture(seen, t, &blend);
-        blend.articulation *= 1 + (e->articulation - 1) * seen->level;
-        double shown = x->rule == BLEND_WEIGHTED && is_affect(seen) ? blend_shown(seen->omega) : seen->level;
         for (int b = 1; b <= BASIC_COUNT; b++)
             shares[b] += e->basics[b] * shown;
     }
-    blend_join(&blend, faps);
+    blend_join(&blend);
     *basic = blend_basics(shares);
 }
 

@@ -15,8 +15,8 @@ static double size(const struct pose *pose) {
 void face_hold(const struct expressions *expressions, size_t index, double intensity,
                struct fap_frame *frame) {
     const struct expression *x = expressions_at(expressions, index);
-    struct blend blend = {.articulation = 1};
     double faps[FAP_COUNT + 1] = {0}, shares[BASIC_COUNT + 1];
+    struct blend blend = {.face = faps};
     const struct pose *strongest = NULL;
     for (size_t i = 0; i < x->key_count; i++)
         if (!strongest || size(&x->keys[i].pose) > size(strongest))
@@ -24,7 +24,7 @@ void face_hold(const struct expressions *expressions, size_t index, double inten
     blend_add(&blend, &x->pose, intensity, x->mouth);
     if (strongest)
         blend_add(&blend, strongest, intensity, x->mouth);
-    blend_join(&blend, faps);
+    blend_join(&blend);
     for (int b = 1; b <= BASIC_COUNT; b++)
         shares[b] = x->basics[b] * intensity;
     *frame = (struct fap_frame){.expression = blend_basics(shares)};

@@ -114,6 +114,7 @@ static bool place(const struct cue *cue, const struct utterance *u, const struct
     bool is_affect = !strcmp(x->kind, "affect");
     *s = (struct show){.expression = x, .intensity = clamp(cue->intensity, 0, 1)};
     s->weight = clamp(cue->weight >= 0 ? cue->weight : WEIGHT_DEFAULT, 0, 1);
+    s->is_affect = is_affect;
     s->straight = is_affect && blend == BLEND_WEIGHTED;
     s->from = cue->start / rate + fmax(0, cue->delay);
     s->to = fmax(s->from, s->from + cue->duration);
@@ -169,6 +170,8 @@ static double smooth(double x) {
 double show_level(const struct show *s, double t) {
     if (t <= s->begin || t >= s->end)
         return 0;
+    if (t >= s->full && t <= s->fall && (s->straight || t <= s->settle_from))
+        return 1;
     double rise = t >= s->full ? 1 : (t - s->begin) / (s->full - s->begin);
     double fall = t <= s->fall ? 1 : (s->end - t) / (s->end - s->fall);
     if (s->straight)

@@ -17,17 +17,19 @@ struct show {
     double intensity, weight; /* weight: omega at intensity 1 */
     double from, to;          /* the stretch of speech, s */
     double begin, full, fall, end;
-    bool straight;               /* rises and falls in straight lines, as the weighted rule does */
+    bool is_affect;
+    bool straight;                 /* rises and falls in straight lines, as the weighted rule does */
     double settle_from, settle_to; /* from 1 to the curve's sustain */
-    double gesture, pace, reach; /* its gesture: s at key time 0, s for each of its seconds, size 0..1 */
-    size_t order;                /* of the cue in the utterance */
-    double first, last;          /* nothing is to be seen outside of these times */
+    double gesture, pace, reach;   /* its gesture: s at key time 0, s for each of its seconds, size 0..1 */
+    size_t order;                  /* of the cue in the utterance */
+    double first, last;            /* nothing is to be seen outside of these times */
 };
 
 /* All cues of an utterance, sorted by `first`. Expressions that go on in the next sentence are held at the
- * utterance's end at their sustained level, as they are at the next one's beginning; all others have gone when
- * it ends, within the pause after the last word if that is long enough. So the faces join, and each sentence
- * is a function of itself alone. (Utterances that last under SHOW_FASTEST are too short for that.) */
+ * utterance's end at their sustained level, as they are at the next one's beginning; all others have gone
+ * when it ends, within the pause after the last word if that is long enough. So the faces join, and each
+ * sentence is a function of itself alone. (Utterances that last under SHOW_FASTEST are too short for that.)
+ */
 struct shows {
     struct show *items;
     double *latest; /* latest[i]: of the items up to i the latest `last` */

@@ -87,15 +87,16 @@ void face_track_add(struct face_track *track, struct face_layer layer) {
 /* Adds life. Lids that meet have moved by IRISD, 1024 FAP units, together; a blink closes the eyes whatever
  * the expression made of the lids: as far as it closes them it replaces that. */
 static void add_life(const struct face_layer *layer, double t, double faps[FAP_COUNT + 1]) {
-    double life[FAP_COUNT + 1] = {0};
-    layer->add(layer->self, t, life);
-    for (int upper = 19; upper <= 20; upper++) {
-        double closed = fmax(0, fmin(1, (life[upper] + life[upper + 2]) / 1024));
-        faps[upper] *= 1 - closed;
-        faps[upper + 2] *= 1 - closed;
+    double expressed[4];
+    memcpy(expressed, faps + 19, sizeof expressed);
+    memset(faps + 19, 0, sizeof expressed);
+    layer->add(layer->self, t, faps);
+    for (int side = 0; side < 2; side++) {
+        double closed = (faps[19 + side] + faps[21 + side]) / 1024;
+        double open = 1 - fmax(0, fmin(1, closed));
+        faps[19 + side] += open * expressed[side];
+        faps[21 + side] += open * expressed[side + 2];
     }
-    for (int n = 3; n <= FAP_COUNT; n++)
-        faps[n] += life[n];
 }
 
 void face_track_sample(struct face_track *track, double t, struct fap_frame *frame) {

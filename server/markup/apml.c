@@ -245,7 +245,5 @@ static const struct element elements[] = {
     {.name = "turnallocation", .flags = ELEMENT_BOUNDARY, .begin = begin_turn},
 };
 
-const struct vocabulary apml_vocabulary = {.name = "apml",
-                                           .root = "apml",
-                                           .elements = elements,
-                                           .element_count = sizeof elements / sizeof *elements};
+const struct vocabulary apml_vocabulary = {
+    .root = "apml", .elements = elements, .element_count = sizeof elements / sizeof *elements};

@@ -117,7 +117,5 @@ static const struct element elements[] = {
     EMOTIONML_ABOUT("vocabulary"),
 };
 
-const struct vocabulary emotionml_vocabulary = {.name = "emotionml",
-                                                .root = "emotionml",
-                                                .elements = elements,
-                                                .element_count = sizeof elements / sizeof *elements};
+const struct vocabulary emotionml_vocabulary = {
+    .root = "emotionml", .elements = elements, .element_count = sizeof elements / sizeof *elements};

@@ -133,8 +133,7 @@ static const struct element elements[] = {
     {.name = "voice", .begin = begin_voice, .ignored = " age variant "},
 };
 
-const struct vocabulary jsml_vocabulary = {.name = "jsml",
-                                           .root = "jsml",
+const struct vocabulary jsml_vocabulary = {.root = "jsml",
                                            .elements = elements,
                                            .element_count = sizeof elements / sizeof *elements,
                                            .rootless = true,

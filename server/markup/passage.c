@@ -24,12 +24,19 @@ static void add_barrier(struct passage *p) {
 /* Line ends on both sides of a tag make no blank line. */
 static void join_lines(struct passage *p, size_t from) {
     char *s = (char *)p->flat.data;
-    bool line = false;
-    for (size_t at = from; at > 0 && is_white(s[at - 1]) && !line; at--)
-        line = s[at - 1] == '\n';
-    for (size_t at = from; line && at < p->flat.size && is_white(s[at]); at++)
+    for (size_t at = from; at < p->flat.size && is_white(s[at]); at++)
         if (s[at] == '\n')
             s[at] = ' ';
+}
+
+/* After text was added from there on. */
+static void note_line_end(struct passage *p, size_t from) {
+    const char *s = (const char *)p->flat.data;
+    size_t at = p->flat.size;
+    while (at > from && is_white(s[at - 1]) && s[at - 1] != '\n')
+        at--;
+    if (at > from)
+        p->line_ended = s[at - 1] == '\n';
 }
 
 void passage_text(struct passage *p, const char *text, size_t n, struct piece piece) {
@@ -40,8 +47,9 @@ void passage_text(struct passage *p, const char *text, size_t n, struct piece pi
     if (piece.atomic)
         add_barrier(p);
     buf_add(&p->flat, text, n);
-    if (!follows && from && is_white(*text))
+    if (!follows && p->line_ended)
         join_lines(p, from);
+    note_line_end(p, from);
     if (follows && piece.verbatim && last->verbatim && !piece.atomic && !last->atomic &&
         last->style == piece.style) {
         last->bytes += n;
@@ -109,12 +117,12 @@ void passage_lift(struct passage *p, size_t depth) {
 }
 
 void passage_last_word(struct passage *p, size_t cue, size_t at) {
-    size_t from, to;
+    struct word word;
     struct span *span = add_span(p, cue, at, 0);
-    if (!passage_word_before(p, &from, &to))
+    if (!passage_word_before(p, &word))
         return;
     span->back = true;
-    span->first_flat = from;
+    span->first_flat = word.from;
     p->cuts = mem_grow(p->cuts, &p->cut_cap, p->cut_count + 1, sizeof *p->cuts);
-    p->cuts[p->cut_count++] = from;
+    p->cuts[p->cut_count++] = word.from;
 }

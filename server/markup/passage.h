@@ -53,7 +53,11 @@ struct passage {
     size_t barrier_count, barrier_cap;
     size_t *cuts; /* where cues begin that were asked for later; rising */
     size_t cut_count, cut_cap;
-    size_t warned; /* the place of the last warning about a word, and one */
+    size_t warned;   /* the place of the last warning about a word, and one */
+    bool line_ended; /* the white space at the end of the flat text holds a line end */
+    struct word {    /* looked up last, at beginnings and at ends of spans: so a word is looked for once */
+        size_t from, to;
+    } words[2];
     size_t flushes;
     bool whole; /* all of it is one sentence */
 };
@@ -79,10 +83,10 @@ void passage_last_word(struct passage *p, size_t cue, size_t at);
 /* Hands all that was collected to the score. Spans stay open. */
 void passage_flush(struct passage *p);
 
-/* words.c: the word [*from, *to) that the place in the flat text lies inside of. False when it lies between
- * words. */
-bool passage_word(const struct passage *p, size_t flat, size_t *from, size_t *to);
+/* words.c: the word that the place in the flat text lies inside of. False when it lies between words. slot, 0
+ * or 1, is where the word is remembered. Only for a complete passage. */
+bool passage_word(struct passage *p, size_t slot, size_t flat, struct word *word);
 /* The last word before the end of the flat text. False when there is none near. */
-bool passage_word_before(const struct passage *p, size_t *from, size_t *to);
+bool passage_word_before(const struct passage *p, struct word *word);
 
 #endif

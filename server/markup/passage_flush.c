@@ -27,6 +27,8 @@ struct flush {
     size_t *marks; /* that lie inside a word, which ends at marks_until: they go behind it */
     size_t mark_count, mark_cap, marks_until;
     size_t cut;
+    struct word styled; /* the last word that has a style of its own, and that */
+    const struct score_style *word_style;
     struct zone *zones;
     size_t zone_count, zone_cap, zone;
     struct run *placed; /* where the new items came from */
@@ -53,30 +55,36 @@ static void add_run(struct flush *f, size_t piece, size_t from, size_t to, const
     put_run(f, (struct run){piece, from, to, &f->p->pieces[piece], style});
 }
 
-/* The style that the innermost element gives to the word around a piece's end. */
-static const struct score_style *word_style(const struct passage *p, size_t piece, size_t from, size_t to) {
+/* The style that the innermost element gives to the word around an end of the piece. */
+static const struct score_style *word_style(struct flush *f, size_t piece, struct word word) {
+    const struct passage *p = f->p;
+    if (f->styled.from == word.from && f->styled.to == word.to)
+        return f->word_style;
     const struct piece *best = &p->pieces[piece];
-    for (size_t i = piece; i-- && p->pieces[i].flat + p->pieces[i].bytes > from;)
+    for (size_t i = piece; i-- && p->pieces[i].flat + p->pieces[i].bytes > word.from;)
         if (p->pieces[i].kind == SCORE_TEXT && p->pieces[i].depth >= best->depth)
             best = &p->pieces[i];
-    for (size_t i = piece + 1; i < p->piece_count && p->pieces[i].flat < to; i++)
+    for (size_t i = piece + 1; i < p->piece_count && p->pieces[i].flat < word.to; i++)
         if (p->pieces[i].kind == SCORE_TEXT && p->pieces[i].depth > best->depth)
             best = &p->pieces[i];
+    f->styled = word;
+    f->word_style = best->style;
     return best->style;
 }
 
 static void cut_text(struct flush *f, size_t index) {
     struct passage *p = f->p;
     const struct piece *piece = &p->pieces[index];
-    size_t at = piece->flat, end = piece->flat + piece->bytes, from, to, head = at, tail = end;
+    size_t at = piece->flat, end = piece->flat + piece->bytes, head = at, tail = end;
     const struct score_style *head_style = NULL, *tail_style = NULL;
-    if (passage_word(p, at, &from, &to)) {
-        head = to < end ? to : end;
-        head_style = word_style(p, index, from, to);
+    struct word word;
+    if (passage_word(p, 0, at, &word)) {
+        head = word.to < end ? word.to : end;
+        head_style = word_style(f, index, word);
     }
-    if (passage_word(p, end, &from, &to)) {
-        tail = from > at ? from : at;
-        tail_style = word_style(p, index, from, to);
+    if (passage_word(p, 0, end, &word)) {
+        tail = word.from > at ? word.from : at;
+        tail_style = word_style(f, index, word);
     }
     while (at < end) {
         size_t next = at < head ? head : at < tail ? tail : end;
@@ -100,14 +108,14 @@ static void make_runs(struct flush *f) {
     struct passage *p = f->p;
     for (size_t i = 0; i < p->piece_count; i++) {
         const struct piece *piece = &p->pieces[i];
-        size_t from, until;
+        struct word word;
         if (piece->kind == SCORE_TEXT) {
             cut_text(f, i);
-        } else if (piece->kind == SCORE_MARK && passage_word(p, piece->flat, &from, &until)) {
+        } else if (piece->kind == SCORE_MARK && passage_word(p, 0, piece->flat, &word)) {
             warn_word(p, piece->start, "the mark lies inside a word: it is reported after the word");
             f->marks = mem_grow(f->marks, &f->mark_cap, f->mark_count + 1, sizeof *f->marks);
             f->marks[f->mark_count++] = i;
-            f->marks_until = until;
+            f->marks_until = word.to;
         } else {
             add_run(f, i, piece->flat, piece->flat, piece->style);
         }
@@ -221,21 +229,22 @@ static size_t find_item(const struct flush *f, enum where where, size_t key) {
 
 static void place_span(struct flush *f, struct span *span) {
     struct passage *p = f->p;
-    size_t from, to, first = 0, last = 0;
+    size_t first = 0, last = 0;
+    struct word word;
     bool inside = false, empty = span->ended && !span->back && span->first == span->last;
     if (!span->begun) {
-        if (!span->back && !empty && passage_word(p, span->first_flat, &from, &to)) {
+        if (!span->back && !empty && passage_word(p, 0, span->first_flat, &word)) {
             inside = true;
-            first = find_item(f, ENDS_AFTER, from);
+            first = find_item(f, ENDS_AFTER, word.from);
         } else {
             first =
                 span->back ? find_item(f, ENDS_AFTER, span->first_flat) : find_item(f, OF_PIECE, span->first);
         }
     }
     if (span->ended) {
-        if (!empty && !span->back && passage_word(p, span->last_flat, &from, &to)) {
+        if (!empty && !span->back && passage_word(p, 1, span->last_flat, &word)) {
             inside = true;
-            last = find_item(f, BEGINS_AT, to);
+            last = find_item(f, BEGINS_AT, word.to);
         } else {
             last = find_item(f, OF_PIECE, span->last);
         }
@@ -278,6 +287,8 @@ void passage_flush(struct passage *p) {
         }
     }
     p->flushes++;
+    p->line_ended = false;
+    memset(p->words, 0, sizeof p->words);
     p->span_count = kept;
     p->piece_count = p->barrier_count = p->cut_count = p->flat.size = 0;
     free(f.runs);

@@ -37,7 +37,7 @@ struct element {
 };
 
 struct vocabulary {
-    const char *name, *root;        /* the kind, and its root element */
+    const char *root;               /* its root element */
     const struct element *elements; /* sorted by name */
     size_t element_count;
     bool rootless; /* a document may be several elements, and text, without a root */
@@ -53,9 +53,8 @@ struct frame {
     struct score_style style;
     const struct score_style *kept; /* the same, in the score */
     size_t style_depth;             /* of the element that set it */
-    bool silent, whole;
+    bool silent;
     bool captures;         /* its text goes to the reader's capture */
-    bool sentence;         /* one that ends with it was begun */
     const char *value;     /* free for the element's functions; belongs to the score */
     size_t piece, flushes; /* of the passage: what comes inside begins here */
     struct emotion {       /* EmotionML, while an emotion is open */

@@ -176,7 +176,5 @@ static const struct element elements[] = {
     {.name = "w", .ignored = " role onlangfailure "},
 };
 
-const struct vocabulary ssml_vocabulary = {.name = "ssml",
-                                           .root = "speak",
-                                           .elements = elements,
-                                           .element_count = sizeof elements / sizeof *elements};
+const struct vocabulary ssml_vocabulary = {
+    .root = "speak", .elements = elements, .element_count = sizeof elements / sizeof *elements};

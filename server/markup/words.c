@@ -3,8 +3,8 @@
 #include "server/base/utf8.h"
 #include "server/markup/passage.h"
 
-/* What is longer is no word, and is not looked at. */
-enum { WORD_BYTES = 256 };
+/* How far back a boundary looks for its word, and how much of it it takes. */
+enum { NEAR_BYTES = 256 };
 
 /* Letters, digits and what joins them to words. Scripts without spaces have no words in this sense: there a
  * style may begin at any character. */
@@ -23,13 +23,17 @@ static bool is_apostrophe(uint32_t c) {
     return c == '\'' || c == 0x2019;
 }
 
+static bool inside_character(const char *s, size_t at) {
+    return ((unsigned char)s[at] & 0xC0) == 0x80;
+}
+
 /* The character that ends before `at`, and its length; 0 at the beginning. */
 static uint32_t before(const char *s, size_t at, size_t *length) {
     uint32_t c = 0;
     size_t from = at;
     while (from > 0 && at - from < 4) {
         from--;
-        if (((unsigned char)s[from] & 0xC0) != 0x80)
+        if (!inside_character(s, from))
             break;
     }
     *length = at - from;
@@ -75,50 +79,49 @@ static bool joins(const char *s, size_t size, size_t at) {
 }
 
 static size_t word_begin(const char *s, size_t size, size_t at, size_t least) {
-    size_t from = at, length;
-    while (from > least && at - from < WORD_BYTES && joins(s, size, from)) {
-        before(s, from, &length);
-        from -= length;
-    }
-    return from;
+    for (size_t length; at > least && joins(s, size, at); at -= length)
+        before(s, at, &length);
+    return at;
 }
 
 static size_t word_end(const char *s, size_t size, size_t at, size_t most) {
-    size_t to = at, length;
-    while (to < most && to - at < WORD_BYTES && joins(s, size, to)) {
-        after(s, to, size, &length);
-        to += length;
-    }
-    return to;
+    for (size_t length; at < most && joins(s, size, at); at += length)
+        after(s, at, size, &length);
+    return at;
 }
 
-bool passage_word(const struct passage *p, size_t flat, size_t *from, size_t *to) {
+bool passage_word(struct passage *p, size_t slot, size_t flat, struct word *word) {
     const char *s = (const char *)p->flat.data;
     size_t size = p->flat.size;
-    if (!flat || flat >= size || !joins(s, size, flat))
-        return false;
-    size_t next = barrier_from(p, flat);
-    if (next < p->barrier_count && p->barriers[next] == flat)
-        return false;
-    *from = word_begin(s, size, flat, next ? p->barriers[next - 1] : 0);
-    *to = word_end(s, size, flat, next < p->barrier_count ? p->barriers[next] : size);
+    struct word *last = &p->words[slot];
+    if (flat <= last->from || flat >= last->to) {
+        if (!flat || flat >= size || !joins(s, size, flat))
+            return false;
+        size_t next = barrier_from(p, flat);
+        if (next < p->barrier_count && p->barriers[next] == flat)
+            return false;
+        last->from = word_begin(s, size, flat, next ? p->barriers[next - 1] : 0);
+        last->to = word_end(s, size, flat, next < p->barrier_count ? p->barriers[next] : size);
+    }
+    *word = *last;
     return true;
 }
 
-bool passage_word_before(const struct passage *p, size_t *from, size_t *to) {
+bool passage_word_before(const struct passage *p, struct word *word) {
     const char *s = (const char *)p->flat.data;
-    size_t size = p->flat.size, length;
-    *to = size;
-    while (*to > 0 && size - *to < WORD_BYTES) {
-        uint32_t c = before(s, *to, &length);
+    size_t size = p->flat.size, to = size, length;
+    for (; to > 0 && size - to < NEAR_BYTES; to -= length) {
+        uint32_t c = before(s, to, &length);
         if (is_word(c) && !is_apostrophe(c))
             break;
-        *to -= length;
     }
-    if (!*to || size - *to >= WORD_BYTES)
+    if (!to || size - to >= NEAR_BYTES)
         return false;
-    before(s, *to, &length);
-    size_t next = barrier_from(p, *to);
-    *from = word_begin(s, *to, *to - length, next ? p->barriers[next - 1] : 0);
+    before(s, to, &length);
+    size_t next = barrier_from(p, to), least = next ? p->barriers[next - 1] : 0;
+    least = to - least > NEAR_BYTES ? to - NEAR_BYTES : least;
+    while (inside_character(s, least))
+        least++;
+    *word = (struct word){word_begin(s, to, to - length, least), to};
     return true;
 }

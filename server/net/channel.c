@@ -97,10 +97,10 @@ static void deliver_media(struct channel *c, const struct variant *v, const stru
 }
 
 /* The ends of the audio, which the coders still hold. */
-static void end_media(struct channel *c) {
+static void end_media(struct channel *c, bool heard) {
     for (struct variant *v = c->variants; v; v = v->next) {
         struct buf bytes = {0};
-        encoder_end(v->encoder, &bytes);
+        encoder_end(v->encoder, heard, &bytes);
         deliver_media(c, v, &bytes, false, false);
         buf_free(&bytes);
     }
@@ -110,7 +110,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
     struct channel *c = ctx;
     struct buf text = {0};
     if (event->kind == STREAM_END)
-        end_media(c);
+        end_media(c, !strcmp(event->reason, "done"));
     message_write(&text, message_event(event, c->name));
     struct parcel *parcel = parcel_new(LWS_WRITE_TEXT, text.data, text.size);
     parcel->event = message_event_name(event->kind);
@@ -126,8 +126,10 @@ static void on_media(void *ctx, const struct chunk *chunk, const struct fap_fram
     metrics_add(metrics, METRIC_CHUNKS, 1);
     for (struct variant *v = c->variants; v; v = v->next) {
         struct buf bytes = {0};
-        bool start = encoder_chunk(v->encoder, chunk, frames, &bytes);
-        deliver_media(c, v, &bytes, start, !chunk->utterance);
+        struct encoded coded = encoder_chunk(v->encoder, chunk, frames, &bytes);
+        metrics_add(metrics, METRIC_AUDIO_BYTES, (double)coded.audio_bytes);
+        metrics_add(metrics, METRIC_FAP_BYTES, (double)coded.fap_bytes);
+        deliver_media(c, v, &bytes, coded.begin, !chunk->utterance);
         buf_free(&bytes);
     }
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/internal.h"
+#include "server/stream/opus_audio.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -116,8 +117,7 @@ json_t *message_event(const struct stream_event *e, const char *stream) {
         set_time(object, e);
         set_seconds(object, "duration", e, e->duration);
         set_place(object, e);
-        if (e->kind == STREAM_WORD)
-            json_object_set_new(object, "text", json_stringn(e->text, e->end - e->start));
+        json_object_set_new(object, "text", json_stringn(e->text, e->end - e->start));
         break;
     case STREAM_MARK:
         set_time(object, e);
@@ -219,13 +219,20 @@ json_t *message_hello(const struct net *net, const char *stream) {
     for (const char *const *engine = face_engines(); *engine; engine++)
         json_array_append_new(engines, json_string(*engine));
     const struct net_options *o = &net->options;
-    return json_pack("{ss si ss ss si s[s] s[s] ss so so so so s{si si si si si si}}", "type", "hello", "protocol",
-                     1, "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "pcm_s16le",
-                     "fap", "plain", "lang", net->studio->default_lang, "languages", languages, "engines",
-                     engines, "expressions", affects(net->studio->expressions), "models", message_models(net),
-                     "limits", "text_bytes", (int)o->text_bytes, "message_bytes", (int)o->message_bytes,
-                     "queue", (int)o->queue, "connections", (int)o->connections,
-                     "rooms", (int)o->rooms, "play_bytes", (int)o->play_bytes);
+    json_t *hello = json_pack("{ss si ss ss si s[sss] s[sss] si sb ss}", "type", "hello", "protocol", 1,
+                              "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio",
+                              "opus", "pcm_s16le", "none", "fap", "fba", "plain", "none", "opus_skip",
+                              OPUS_SKIP, "tokens", o->secrets != NULL, "lang", net->studio->default_lang);
+    json_object_set_new(hello, "languages", languages);
+    json_object_set_new(hello, "engines", engines);
+    json_object_set_new(hello, "expressions", affects(net->studio->expressions));
+    json_object_set_new(hello, "models", message_models(net));
+    json_object_set_new(hello, "limits",
+                        json_pack("{si si si si si si}", "text_bytes", (int)o->text_bytes, "message_bytes",
+                                  (int)o->message_bytes, "queue", (int)o->queue, "connections",
+                                  (int)o->connections, "rooms", (int)o->rooms, "play_bytes",
+                                  (int)o->play_bytes));
+    return hello;
 }
 
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {

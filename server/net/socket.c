@@ -148,6 +148,9 @@ static int set_media(struct socket *s, const char *audio, const char *fap, struc
         return error_in_field(e, "unknown-codec", "fap", "no FAP codec '%s'", fap);
     if (fap)
         encoding.fap = (uint8_t)codec;
+    if (!encoding_possible(&encoding))
+        return error_in_field(e, "unknown-codec", "fap",
+                              "plain FAPs do not go with Opus: ask for fba, or for pcm");
     channel_want(&s->follower, &encoding);
     return 0;
 }

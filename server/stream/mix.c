@@ -4,6 +4,8 @@
 #include <math.h>
 #include <stdlib.h>
 
+#define LONG_AGO 60 /* s: the mood is what it was */
+
 static void forget(struct mix *mix) {
     for (size_t i = 0; i < mix->asked.count; i++)
         free((char *)mix->asked.names[i]);
@@ -45,6 +47,6 @@ struct mood *mix_copy(const struct mix *mix) {
     struct mood *copy = mix->expressions ? mood_new(mix->expressions) : NULL;
     struct mix at_once = *mix;
     at_once.asked.ease = 0;
-    mix_follow(&at_once, copy, 0);
+    mix_follow(&at_once, copy, -LONG_AGO);
     return copy;
 }

@@ -2,6 +2,9 @@
 #include "server/stream/speech.h"
 #include "server/base/mem.h"
 #include "server/markup/markup.h"
+#include "server/stream/casting.h"
+#include "server/voice/edit.h"
+#include "server/voice/sentence.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +15,7 @@ enum { WINDOW = 3 };
 
 struct slot {
     struct speech *speech;
-    struct voice_job *job;       /* set while the voice works on it */
+    struct sentence *job;        /* set while the voice works on it */
     struct utterance *utterance; /* set when it is ready */
     struct error failure;
 };
@@ -24,6 +27,7 @@ struct speech {
     struct score *score;
     const struct speech_pack *pack;
     const struct voice *voice;
+    struct cast *cast;
     struct speech_callbacks callbacks;
     void *ctx;
     void (*direct_face)(void *ctx, struct face_options *options);
@@ -85,7 +89,7 @@ static void submit(struct speech *s) {
                                         .rate = s->request.rate,
                                         .pitch = s->request.pitch,
                                         .volume = s->request.volume};
-        slot->job = voice_pool_speak(s->studio->voices, &request, &callbacks, slot);
+        slot->job = sentence_speak(s->studio->voices, s->studio->loop, &request, s->cast, &callbacks, slot);
         s->submitted++;
     }
 }
@@ -96,6 +100,12 @@ static void warn(void *ctx, const char *message) {
     error_set(&e, "voice-warning", "%s", message);
     if (!s->freed)
         s->callbacks.problem(s->ctx, &e, true);
+}
+
+/* The lips follow the language of the voice where there is a pack for it that the engine speaks. */
+static const struct speech_pack *pack_of(const struct speech *s, const struct utterance *u) {
+    const struct speech_pack *own = speech_packs_find(s->studio->packs, u->lang);
+    return own && face_engine_speaks(speech_engine(s), own) ? own : s->pack;
 }
 
 static uint32_t mark_at(const struct utterance *u, const char *name) {
@@ -123,7 +133,7 @@ static void play(struct speech *s, struct slot *slot) {
     if (s->direct_face && !s->freed)
         s->direct_face(s->ctx, &options);
     struct scene scene = {.utterance = u,
-                          .track = face_track_new(s->pack, u, &options, warn, s),
+                          .track = face_track_new(pack_of(s, u), u, &options, warn, s),
                           .start = start,
                           .skip = skip,
                           .sentence = s->delivered - 1};
@@ -138,8 +148,6 @@ static void play(struct speech *s, struct slot *slot) {
 
 /* Why the utterance cannot follow the ones before it, or NULL. */
 static const char *misfit(const struct speech *s, const struct utterance *u) {
-    if (s->sample_rate && u->sample_rate != s->sample_rate)
-        return "the voice changed its sample rate between sentences";
     if (u->samples > UINT32_MAX - s->samples)
         return "the speech is longer than its clock can count";
     return NULL;
@@ -162,6 +170,8 @@ static void deliver(struct speech *s) {
         if (slot->job)
             break;
         s->delivered++;
+        if (slot->utterance && s->sample_rate)
+            utterance_resample(slot->utterance, s->sample_rate);
         const char *unfit = slot->utterance ? misfit(s, slot->utterance) : NULL;
         if (unfit) {
             utterance_free(slot->utterance);
@@ -255,6 +265,9 @@ static int read_text(struct speech *s, struct error *e) {
         return -1;
     if (s->studio->expressions)
         expressions_direct(s->studio->expressions, s->score);
+    s->cast = casting(s->score, s->voice, s->studio->voices, s->studio->packs, s->studio->sounds);
+    for (size_t i = 0; i < s->score->item_count && s->studio->readings; i++)
+        readings_apply(s->studio->readings, s->score, i, s->cast->voices[i]->lang);
     return 0;
 }
 
@@ -285,7 +298,7 @@ static void forget_pending(struct speech *s) {
     for (; s->delivered < s->submitted; s->delivered++) {
         struct slot *slot = &s->slots[s->delivered % WINDOW];
         if (slot->job)
-            voice_job_cancel(slot->job);
+            sentence_cancel(slot->job);
         utterance_free(slot->utterance);
         *slot = (struct slot){.speech = s};
     }
@@ -298,6 +311,7 @@ void speech_free(struct speech *s) {
     s->freed = true;
     if (s->busy)
         return;
+    cast_free(s->cast);
     free(s->entry);
     score_free(s->score);
     request_free(&s->request);

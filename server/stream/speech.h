@@ -8,6 +8,7 @@
 #include "server/base/metrics.h"
 #include "server/face/packs.h"
 #include "server/face/track.h"
+#include "server/reading/readings.h"
 #include "server/stream/request.h"
 #include "server/voice/pool.h"
 
@@ -17,7 +18,9 @@ struct studio {
     struct voice_pool *voices;
     const struct speech_packs *packs;
     const struct expressions *expressions;
+    const struct readings *readings; /* NULL = say-as is left to the voices */
     const char *default_lang;
+    const char *sounds;      /* folder of sound files that texts may name; NULL = none */
     struct metrics *metrics; /* NULL = nobody counts */
 };
 

@@ -60,4 +60,7 @@ struct utterance {
 
 void utterance_free(struct utterance *u);
 
+/* Adds a copy of the warning, unless it is there already. */
+void utterance_warn(struct utterance *u, const char *message);
+
 #endif

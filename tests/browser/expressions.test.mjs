@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Sheets of the head: the six basic emotions at three intensities, all affects, and the gestures of the other kinds. They are kept
+// Sheets of the head: the six basic emotions at three intensities, all affects, and gestures of the other kinds. They are kept
 // to be looked at; the test asks that the six can be told from each other, and from a face at rest, by their pixels.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -22,6 +22,7 @@ before(async () => {
   daemon = await Daemon.start();
   browser = await launch();
   page = await openPage(browser, daemon.url, { quality: 'high' });
+  await page.setViewportSize({ width: 560, height: 560 }); // some hundred pictures: small ones
 });
 after(async () => {
   await browser?.close();
@@ -32,7 +33,7 @@ const pictures = new Map();
 /** The head with an expression, '' = at rest. */
 async function look(what) {
   if (!pictures.has(what)) {
-    const values = what ? parseFap(faccia('--fap', what)).frames[0] : null;
+    const values = what ? parseFap(faccia('--fap', what)).frames[0] : Array(69).fill(0);
     pictures.set(what, await picture(page, `expression-${what.replace(/[:=]/g, '-') || 'rest'}`, values));
   }
   return pictures.get(what);
@@ -90,13 +91,14 @@ test('no two affects look alike', async () => {
     }
 });
 
-test('every other expression with a gesture moves the face', async () => {
-  const others = all.filter((e) => e.kind !== 'affect' && !['none', 'reduced'].includes(e.name)).map((e) => `${e.kind}:${e.name}`);
-  await sheet('expressions-gestures', others, 8);
+test('gestures of every other kind move the face', async () => {
+  const others = ['performative:greet', 'performative:refuse', 'performative:warn', 'performative:question', 'certainty:uncertain', 'meta-cognitive:thinking',
+    'belief-relation:contrast', 'turn:give', 'emphasis:strong', 'pitch-accent:lstar', 'boundary:hh', 'deictic:left', 'adjectival:small', 'adjectival:big'];
+  await sheet('expressions-gestures', others, 7);
   const rest = await look('');
   for (const what of others) {
     const d = distance(rest, await look(what));
-    assert.ok(d > 0.1, `${what} differs from rest by ${d.toFixed(2)} of 255`);
+    assert.ok(d > 0.2, `${what} differs from rest by ${d.toFixed(2)} of 255`);
   }
   assert.deepEqual(page.problems, []);
 });

@@ -10,10 +10,7 @@ import { violations } from '../lib/schema.mjs';
 let daemon, puppet;
 before(async () => {
   daemon = await Daemon.start();
-  puppet = await Daemon.start(['--plugins', path.join(build, 'tests/plugins'), '--deadline-base', '3', '--max-queue', '100'], {
-    // what the address sanitizer keeps of freed memory is no leak
-    ASAN_OPTIONS: `${process.env.ASAN_OPTIONS ?? ''}:quarantine_size_mb=1`,
-  });
+  puppet = await Daemon.start(['--plugins', path.join(build, 'tests/plugins'), '--deadline-base', '3', '--max-queue', '100']);
 });
 after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
@@ -229,10 +226,11 @@ test('a jump in a pause, before the beginning, and again and again', async () =>
   await stream.wait({ type: 'paused', id: 'a' });
   stream.send({ type: 'jump', mark: 'due' });
   const jumped = await stream.wait({ type: 'jumped', mark: 'due' });
+  const count = stream.chunks.length;
   stream.send({ type: 'resume' });
   const resumed = await stream.wait({ type: 'resumed', id: 'a' });
   assert.equal(resumed.sample, jumped.sample);
-  assert.ok(!stream.chunks.some((c) => c.arrived > jumped.arrived && c.arrived < resumed.arrived), 'nothing moves in a pause');
+  assert.equal(stream.chunks.filter((chunk) => chunk.arrived < resumed.arrived).length, count, 'nothing moves in a pause');
   for (let i = 0; i < 50; i++) stream.send({ type: 'jump', mark: i % 2 ? 'due' : 'tre' });
   await stream.until(() => stream.messages.filter((m) => m.type === 'jumped').length === 52);
   await stream.wait({ type: 'end', id: 'a', reason: 'done' });

@@ -116,8 +116,8 @@ test('idling in a room: for those who want it, as long as one does', async () =>
 
 test('what media are wanted, each as he likes; unknown codecs are refused', async () => {
   const all = await enter('codecs');
-  const faces = await daemon.stream('?room=codecs&audio=none');
-  const sounds = await daemon.stream('?room=codecs&fap=none');
+  const faces = await daemon.stream('?room=codecs&audio=none&fap=plain');
+  const sounds = await daemon.stream('?room=codecs&audio=pcm&fap=none');
   const texts = await daemon.stream('?room=codecs&audio=none&fap=none');
   all.send({ type: 'speak', id: 's', lang: 'it', text });
   for (const stream of [all, faces, sounds, texts]) await stream.wait({ type: 'end', id: 's' });

@@ -46,6 +46,7 @@ const whole = {
   begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance', markup: 'plain', idle: 0 },
   sentence: {
     stream: 's',
+    text: 'A',
     utterance: 1,
     time: 0,
     sample: 0,

@@ -146,7 +146,7 @@ static void names_the_place_of_an_error(void **state) {
         {"\"basic\": \"boredom\"", "affect.joy.basic"},
         {"\"activation\": 2", "affect.joy.activation"},
         {"\"asymmetry\": 0.9", "affect.joy.asymmetry"},
-        {"\"aliases\": [\"sadness\"]", "affect.joy"},
+        {"\"aliases\": [\"sadness\"]", "affect.sadness"},
         {"\"aliases\": [1]", "affect.joy.aliases[0]"},
         {"\"curve\": {\"attack\": 0.01}", "affect.joy.curve.attack"},
         {"\"curve\": {\"attck\": 1}", "affect.joy.curve.attck"},

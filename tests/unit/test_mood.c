@@ -53,6 +53,12 @@ static void eases_and_holds(void **state) {
     assert_int_equal(mood_set(mood, NULL, NULL, 0, 20, 1, &e), 0);
     assert_true(share(mood, 21, "joy") == 0);
     mood_free(mood);
+    mood = mood_new(*state);
+    set(mood, "joy", 0.8, 10, 0);
+    assert_true(share(mood, 9, "joy") == 0.8 && share(mood, 10, "joy") == 0.8);
+    set(mood, "joy", 0, 11, 0);
+    assert_true(share(mood, 11, "joy") == 0.8 && share(mood, 11.2, "joy") == 0);
+    mood_free(mood);
 }
 
 static void mixes(void **state) {
@@ -90,7 +96,7 @@ static void never_jumps(void **state) {
     struct mood *mood = mood_new(*state);
     static const char *const names[] = {"joy", "anger", "sadness", "pride"};
     const double step = 0.001;
-    double now[4] = {0}, slope[4] = {0}, next = 1;
+    double now[4] = {0}, before[4] = {0}, slope[4] = {0}, next = 1;
     uint32_t random = 7;
     for (double t = 0; t < 30; t += step) {
         if (t >= next) {
@@ -105,8 +111,10 @@ static void never_jumps(void **state) {
             assert_true(fabs(moved) <= 18); /* 1.5 / 0.1 s, and what runs out */
             /* No more than what the sharpest turn bends in a step: the slope does not jump. At 0 and 1 it
              * may. */
-            if (value > 0 && now[i] > 0 && value < 1)
-                assert_true(fabs(moved - slope[i]) <= 4);
+            if (fmin(value, fmin(now[i], before[i])) > 0 && fmax(value, fmax(now[i], before[i])) < 1 &&
+                fabs(moved - slope[i]) > 4)
+                fail_msg("%s at %.3f: from %.1f to %.1f a second", names[i], t, slope[i], moved);
+            before[i] = now[i];
             slope[i] = moved;
             now[i] = value;
         }

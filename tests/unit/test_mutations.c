@@ -80,7 +80,7 @@ static void damage(struct buf *text, const struct buf *from, uint64_t *seed) {
 }
 
 static void check_items(const struct score *score, const char *text, size_t size) {
-    size_t item = 0, place = 0;
+    size_t item = 0, place = 0, bytes = 0;
     for (size_t i = 0; i < score->sentence_count; i++) {
         const struct score_sentence *s = &score->sentences[i];
         assert_int_equal(s->first, item);
@@ -93,6 +93,7 @@ static void check_items(const struct score *score, const char *text, size_t size
             assert_true(it->kind == SCORE_MARK || it->start >= place);
             place = it->kind == SCORE_MARK ? place : it->start;
             assert_true(it->kind == SCORE_BREAK || it->text);
+            bytes += it->text ? strlen(it->text) : 0;
             assert_true(it->seconds >= 0 && it->seconds <= READER_SECONDS);
             assert_true(it->fallback < item - k);
             if (it->verbatim) {
@@ -102,6 +103,7 @@ static void check_items(const struct score *score, const char *text, size_t size
         }
     }
     assert_int_equal(item, score->item_count);
+    assert_true(bytes <= size && score->item_count <= size && score->cue_count <= size);
 }
 
 static void check_cues(const struct score *score, size_t size) {

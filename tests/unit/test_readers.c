@@ -318,6 +318,53 @@ static void cuts_long_marked_sentences(void **state) {
     buf_free(&text);
 }
 
+/* Things that invite work to grow with the square of the length. What is made stays within the size of the
+ * text; the work, if it grew so, would be some 10^11 steps for each. */
+static void handles_long_runs_of_one_thing(void **state) {
+    (void)state;
+    static const struct {
+        const char *begin, *unit, *end;
+    } runs[] = {
+        {"<speak>a", "<x/>a", "</speak>"},
+        {"<speak>a", "<mark name='m'/>a", "</speak>"},
+        {"<speak>a", "<emphasis>b</emphasis>", "</speak>"},
+        {"<speak>a", "<mark name='m'/>", "b</speak>"},
+        {"<speak>a", " <w/>", "</speak>"},
+        {"<speak>a", "\n<w/>", "</speak>"},
+        {"<speak>a", "'<w/>", "</speak>"},
+        {"<speak>a", " ", "b</speak>"},
+        {"<speak>a", "\n", "b</speak>"},
+        {"<speak>a", ".", "b</speak>"},
+        {"<speak>a", ". ", "b</speak>"},
+        {"<speak>a", ".\"", "b</speak>"},
+        {"<speak>a", "a", "</speak>"},
+        {"<speak>a", "<s>b</s>", "</speak>"},
+        {"<speak>a", "<audio src='b'>c</audio>", "</speak>"},
+        {"<speak><audio src='a'>", "b. ", "</audio></speak>"},
+        {"<speak>a", "<sub alias='b'>c</sub>", "</speak>"},
+        {"<speak>a", "<emotion><category name='joy'/></emotion>", "b</speak>"},
+        {"<apml>a   ", "<boundary/>", "</apml>"},
+        {"<speak>a<!--", "-x", "--></speak>"},
+        {"<!DOCTYPE a [", "<!ENTITY a 'b'>", "]><speak>a</speak>"},
+        {"", "<?a?>", "<speak>a</speak>"},
+        {"a", "...b", ""},
+    };
+    for (size_t i = 0; i < sizeof runs / sizeof *runs; i++) {
+        struct buf text = {0};
+        struct error e;
+        buf_add(&text, runs[i].begin, strlen(runs[i].begin));
+        while (text.size < 300000)
+            buf_add(&text, runs[i].unit, strlen(runs[i].unit));
+        buf_add(&text, runs[i].end, strlen(runs[i].end));
+        struct score *score = read_as("auto", (char *)text.data, text.size, &e);
+        assert_non_null(score);
+        assert_true(score->item_count <= text.size && score->cue_count <= text.size);
+        assert_true(text_bytes(score) <= text.size);
+        score_free(score);
+        buf_free(&text);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(tables_are_sorted),
@@ -336,6 +383,7 @@ int main(void) {
         cmocka_unit_test(keeps_a_bounded_number_of_warnings),
         cmocka_unit_test(keeps_a_bounded_number_of_cues_open),
         cmocka_unit_test(cuts_long_marked_sentences),
+        cmocka_unit_test(handles_long_runs_of_one_thing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

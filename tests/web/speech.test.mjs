@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { encodeChunk } from '../../protocol/chunk.mjs';
+import { decodeChunk, encodeChunk } from '../../protocol/chunk.mjs';
 import { Speech } from '../../web/src/speech.mjs';
 
 const RATE = 1000;
@@ -46,10 +46,10 @@ function rig({ linked = true } = {}) {
     hear: (message) => speech.hear(message),
     chunk: (utterance, start, samples, frames = [], firstFrame = 0) =>
       speech.media(
-        encodeChunk({
+        decodeChunk(encodeChunk({
           audioCodec: 1, fapCodec: 1, utterance, sampleRate: RATE, fps: 25, start, samples, firstFrame,
           frames, audio: new Int16Array(samples),
-        }),
+        })),
       ),
     play: (position) => {
       player.position = position;
@@ -220,6 +220,24 @@ test('a gap in the samples is filled, so that the face keeps its place', () => {
   chunk(1, 0, 100);
   chunk(1, 250, 100);
   assert.equal(player.written, 350);
+});
+
+test('in a room, what others ask for is heard and shown; elsewhere it is not', () => {
+  const { speech, names, hear, chunk, play } = rig();
+  const others = { type: 'begin', id: 'theirs', utterance: 4, rate: RATE, fps: 25, markup: 'plain' };
+  hear(others);
+  assert.equal(speech.busy, false);
+  speech.adopts = true;
+  hear(others);
+  hear({ type: 'sentence', utterance: 4, time: 0, text: 'Ciao a tutti.', start: 100, end: 113, utf16_start: 90, utf16_end: 103 });
+  hear({ type: 'word', utterance: 4, time: 0.5, text: 'tutti', utf16_start: 97, utf16_end: 102 });
+  chunk(4, 0, 1000);
+  assert.deepEqual(play(100).utterance.captions.line, { said: '', word: '', rest: 'Ciao a tutti.' });
+  assert.deepEqual(play(600).utterance.captions.line, { said: 'Ciao a ', word: 'tutti', rest: '.' });
+  hear({ type: 'end', utterance: 4, reason: 'done', duration: 1 });
+  play(1000);
+  assert.deepEqual(names(), ['begin', 'Ciao a tutti.', 'tutti', 'done']);
+  assert.equal(speech.busy, false);
 });
 
 test('a pause holds the player at once, and whenever the server says so', () => {

@@ -11,7 +11,8 @@ const STEP = 0.1;
 const SMALL_STEP = 0.02;
 
 const $ = (id) => document.getElementById(id);
-const [head, text, lang, disc, thumb, choice, slider, markup] = ['head', 'text', 'lang', 'disc', 'thumb', 'affect', 'intensity', 'markup'].map($);
+const [head, text, lang, disc, thumb] = ['head', 'text', 'lang', 'disc', 'thumb'].map($);
+const [choice, slider, markup] = ['affect', 'intensity', 'markup'].map($);
 const svg = (name, attributes = {}) => {
   const element = document.createElementNS('http://www.w3.org/2000/svg', name);
   for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
@@ -60,7 +61,8 @@ function draw() {
     return group;
   }));
   const chosen = choice.value;
-  const options = placed.map(({ name }) => new Option(called(name), name)).sort((a, b) => a.text.localeCompare(b.text, lang.value));
+  const options = placed.map(({ name }) => new Option(called(name), name));
+  options.sort((a, b) => a.text.localeCompare(b.text, lang.value));
   choice.replaceChildren(new Option(say('mixed'), ''), ...options);
   choice.value = chosen;
 }
@@ -226,6 +228,11 @@ document.addEventListener('keydown', (event) => {
   if (event.key === 'Enter' && (event.ctrlKey || event.metaKey)) speak();
 });
 
+// Who asks for less motion sees the emotions, which are what this page is for, without the signs of life.
+if (matchMedia('(prefers-reduced-motion: reduce)').matches) {
+  head.setAttribute('still', 'off');
+  head.setAttribute('life', '0');
+}
 lang.append(new Option('Italiano', 'it'));
 translate();
 setInterval(showFaps, FAPS_EVERY_MS);

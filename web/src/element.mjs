@@ -10,13 +10,14 @@ import { Speech } from './speech.mjs';
 import { Stage } from './stage.mjs';
 import strings from './strings.json';
 import { template } from './template.mjs';
+import { Intake } from './intake.mjs';
 
 const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String };
 const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden page, no WebGL), or slowly
 
 /** `<talking-head>`: see web/README.md. */
 export class TalkingHead extends HTMLElement {
-  static observedAttributes = ['src', 'model', 'quality', 'captions', 'still', 'life', 'expression', 'lang', 'label'];
+  static observedAttributes = ['src', 'model', 'quality', 'captions', 'still', 'life', 'expression', 'room', 'token', 'lang', 'label'];
 
   #speech = null;
   #connection = null;
@@ -83,7 +84,7 @@ export class TalkingHead extends HTMLElement {
 
   attributeChangedCallback(name, before, value) {
     if (!this.isConnected || !this.#speech || before === value) return;
-    if (name === 'src' || name === 'model') this.#connect();
+    if (['src', 'model', 'room', 'token'].includes(name)) this.#connect();
     if (name === 'quality') this.stage.quality = value ?? 'auto';
     if (name === 'captions') this.#showCaptions();
     if (name === 'still') this.#motionChanged();
@@ -204,7 +205,8 @@ export class TalkingHead extends HTMLElement {
   #online = () => this.#connection?.hurry();
 
   #motionChanged = () => {
-    this.mixer.still = this.hasAttribute('still') || this.#reducedMotion.matches;
+    const still = this.getAttribute('still');
+    this.mixer.still = still === null ? this.#reducedMotion.matches : still !== 'off';
     this.#idle();
     this.stage.wake();
   };
@@ -263,14 +265,12 @@ export class TalkingHead extends HTMLElement {
     this.#disconnect();
     if (this.#said === 'badAddress' || this.#said === 'noModel') this.#say(null);
     this.#assembler = new ModelAssembler();
+    this.#intake.reset();
     try {
       this.#connection = new Connection(this.#address, {
         onstate: (state) => this.#stateChanged(state),
-        onmessage: (message) => this.#message(message),
-        onmedia: (data) => {
-          this.#speech.media(data);
-          this.stage.wake();
-        },
+        onmessage: (message) => this.#intake.text(message),
+        onmedia: (data) => this.#intake.binary(data),
       });
       this.#connection.open();
     } catch {
@@ -286,27 +286,46 @@ export class TalkingHead extends HTMLElement {
     this.#connection = null;
   }
 
+  #intake = new Intake({
+    hear: (message) => this.#message(message),
+    media: (chunk) => {
+      this.#speech.media(chunk);
+      this.stage.wake();
+    },
+  });
+
   #assembler = null;
   #loading = null; // name of the model that is shown or on its way
 
   #stateChanged({ state, hello, retryIn }) {
     this.#emit('connection', { state, ...(retryIn === undefined ? {} : { retryIn }) });
     if (state === 'open') {
+      this.#enter();
       this.#speech.linked();
       this.liveliness.linked();
       this.#loadModel(hello);
     } else {
+      this.#intake.reset();
       this.#speech.unlinked();
       this.liveliness.unlinked();
     }
     this.stage.wake();
   }
 
+  /** Says who we are, and goes where we belong. */
+  #enter() {
+    const token = this.getAttribute('token');
+    const room = this.getAttribute('room');
+    this.#speech.adopts = Boolean(room);
+    if (token) this.#connection.send({ type: 'authorize', token });
+    if (room) this.#connection.send({ type: 'join', room });
+  }
+
   #message(message) {
     if (message.type === 'model') this.#modelPart(message);
     else {
       this.#speech.hear(message);
-      if (message.type === 'hello') this.#emit('hello', message);
+      if (['hello', 'joined', 'authorized'].includes(message.type)) this.#emit(message.type, message);
       this.stage.wake();
     }
   }

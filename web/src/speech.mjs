@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import { decodeChunk } from '../../protocol/chunk.mjs';
+import { HeardCaptions } from './captions.mjs';
 import { Programme } from './programme.mjs';
 import { Utterance } from './utterance.mjs';
 
@@ -22,6 +22,7 @@ export class Speech {
     /** @type {Set<Utterance>} */
     this.open = new Set();
     this.count = 0;
+    this.adopts = false; // also what others ask for: in a room
   }
 
   get busy() {
@@ -96,6 +97,10 @@ export class Speech {
     const detail = utterance ? this.#detail(utterance, message) : message;
     if (message.type === 'error' || message.type === 'warning') this.emit(message.type, detail);
     if (message.type in PLAYER_ACTS) this.#direct(message, utterance);
+    if (!utterance && message.type === 'begin' && this.adopts) {
+      this.#adopt(message);
+      return;
+    }
     if (!utterance) return;
     if (message.type === 'end') this.#close(utterance, message);
     else if (utterance.cancelled) return;
@@ -104,9 +109,8 @@ export class Speech {
       this.programme.schedule(utterance.item, message.time, message);
   }
 
-  /** @param {ArrayBuffer} data a media chunk */
-  media(data) {
-    const chunk = decodeChunk(data);
+  /** @param {object} chunk decoded: see Intake */
+  media(chunk) {
     if (chunk.utterance === 0) {
       this.idle(chunk);
       return;
@@ -136,6 +140,15 @@ export class Speech {
     return { utterance, track: utterance.track, seconds: found.seconds, running };
   }
 
+  /** What somebody else in the room has asked for. */
+  #adopt(message) {
+    const utterance = new Utterance(null, '', {}, new HeardCaptions(message.markup));
+    utterance.sent = true;
+    this.open.add(utterance);
+    this.player.open();
+    this.#begin(utterance, message);
+  }
+
   /** Somebody has directed the stream: oneself, or another in the same room. */
   #direct(message, utterance) {
     if (message.type === 'jumped' && utterance?.item) this.#forgetUnheard();
@@ -151,7 +164,11 @@ export class Speech {
 
   #about(message) {
     for (const utterance of this.open)
-      if (message.id === utterance.key || (message.utterance && message.utterance === utterance.number)) return utterance;
+      if (
+        (message.id && message.id === utterance.key) ||
+        (message.utterance && message.utterance === utterance.number)
+      )
+        return utterance;
     return null;
   }
 
@@ -183,7 +200,7 @@ export class Speech {
       this.#end(utterance, message);
       return;
     }
-    this.player.write(utterance.resampler.finish());
+    this.player.write(utterance.rest());
     this.player.finish();
     this.programme.close(utterance.item, this.player.written, message);
   }
