@@ -12,7 +12,7 @@ const struct setting settings_table[] = {
     {"listen.remote", "remote", SETTING_FLAG, MEMBER(remote), 0, 0, "false", NULL,
      "allow an ADDRESS that other machines can reach"},
     {"access.origins", "origin", SETTING_LIST, MEMBER(origins), 0, 0, NULL, "ORIGIN",
-     "let pages from there in, e.g. https://example.org, or * for all; may be repeated"},
+     "let pages from there in, e.g. https://example.org; null = files; * = all; may be repeated"},
     {"access.token_file", "token-file", SETTING_STRING, MEMBER(token_file), 0, 0, NULL, "FILE",
      "demand tokens signed with a secret of this file (one in each line)"},
     {"speech.lang", "lang", SETTING_STRING, MEMBER(lang), 0, 0, "it", "TAG",
