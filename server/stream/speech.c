@@ -105,6 +105,8 @@ static void warn(void *ctx, const char *message) {
 /* The lips follow the language of the voice where there is a pack for it that the engine speaks. */
 static const struct speech_pack *pack_of(const struct speech *s, const struct utterance *u) {
     const struct speech_pack *own = speech_packs_find(s->studio->packs, u->lang);
+    if (u->mixed)
+        own = speech_packs_cover(s->studio->packs, own ? own : s->pack, u);
     return own && face_engine_speaks(speech_engine(s), own) ? own : s->pack;
 }
 

@@ -36,6 +36,7 @@ struct utterance *join(struct join_piece *pieces, size_t count, uint32_t sample_
         if (pieces[i].speech)
             trim(&pieces[i], i > 0, i + 1 < count);
         utterance_resample(pieces[i].u, sample_rate);
+        all->mixed |= pieces[i].speech && strcmp(pieces[i].u->lang, all->lang) != 0;
         utterance_append(all, pieces[i].u);
     }
     return all;

@@ -26,7 +26,7 @@ struct reading {
 struct role {
     struct sentence *sentence;
     struct part part;
-    bool wanted, failed; /* failed: a sound that cannot be played */
+    bool wanted, started, failed; /* failed: a sound that cannot be played */
     struct voice_job *job;
     struct reading *reading;
     struct utterance *u;
@@ -42,12 +42,12 @@ struct sentence {
     void *ctx;
     struct plan cues; /* of the whole sentence */
     struct role *roles;
-    size_t count, sounds;
+    size_t count, running, sounds;
     double seconds; /* spoken or silent so far */
 };
 
-/* Sounds in one sentence. */
-enum { SOUNDS_MAX = 16 };
+/* Sounds in one sentence, and parts of it that are worked on at a time: others want the voices too. */
+enum { SOUNDS_MAX = 16, RUNNING_MAX = 4 };
 
 static void free_sentence(struct sentence *s) {
     for (size_t i = 0; i < s->count; i++)
@@ -167,7 +167,13 @@ static void finish(struct sentence *s, const struct error *failure) {
     callbacks.done(ctx, u);
 }
 
-static void finish_if_done(struct sentence *s) {
+static void start(struct sentence *s, struct role *role);
+
+/* Starts what may be started; finishes when all is there. */
+static void go_on(struct sentence *s) {
+    for (size_t i = 0; i < s->count && s->running < RUNNING_MAX; i++)
+        if (s->roles[i].wanted && !s->roles[i].started)
+            start(s, &s->roles[i]);
     for (size_t i = 0; i < s->count; i++)
         if (s->roles[i].wanted && !s->roles[i].u && !s->roles[i].failed)
             return;
@@ -178,6 +184,7 @@ static void on_done(void *ctx, struct utterance *u) {
     struct role *role = ctx;
     role->job = NULL;
     role->u = u;
+    role->sentence->running--;
     role->sentence->seconds += u->sample_rate ? (double)u->samples / u->sample_rate : 0;
     if (role->sentence->seconds > 2 * ASSEMBLY_SECONDS_MAX) {
         struct error e;
@@ -186,7 +193,7 @@ static void on_done(void *ctx, struct utterance *u) {
         finish(role->sentence, &e);
         return;
     }
-    finish_if_done(role->sentence);
+    go_on(role->sentence);
 }
 
 static void on_failed(void *ctx, const struct error *e) {
@@ -225,17 +232,22 @@ static void read_sound(uv_work_t *work) {
     r->u = sound_read(r->path, r->volume, r->sample_rate, &r->e);
 }
 
-static void start_all(struct sentence *s, size_t instead_of);
+/* Wants what is to be heard when that sound is not; SIZE_MAX: what is to be heard anyway. */
+static void want(struct sentence *s, size_t instead_of) {
+    for (size_t i = 0; i < s->count; i++)
+        s->roles[i].wanted |= s->roles[i].part.instead_of == instead_of;
+}
 
-/* A sound that cannot be played: its alternate content is spoken. */
+/* A sound that cannot be played: its alternate content, which comes later, is spoken. */
 static void give_up(struct role *role) {
     role->failed = true;
-    start_all(role->sentence, (size_t)(role - role->sentence->roles));
+    want(role->sentence, (size_t)(role - role->sentence->roles));
 }
 
 static void start(struct sentence *s, struct role *role) {
-    role->wanted = true;
+    role->started = true;
     if (role->part.kind == PART_TEXT) {
+        s->running++;
         speak(s, role);
     } else if (role->part.kind == PART_SILENCE) {
         role->u = make_silence(s, &role->part);
@@ -247,6 +259,7 @@ static void start(struct sentence *s, struct role *role) {
         struct reading *r = role->reading = mem_alloc(sizeof *r);
         r->work.data = r;
         r->role = role;
+        s->running++;
         r->path = mem_strdup(s->cast->sounds[role->part.first]);
         r->volume = sound->style->volume * (s->request.volume > 0 ? s->request.volume : 1);
         r->sample_rate = s->request.voice->sample_rate;
@@ -254,18 +267,12 @@ static void start(struct sentence *s, struct role *role) {
     }
 }
 
-/* Starts what is to be heard when that sound is not; SIZE_MAX: what is to be heard anyway. */
-static void start_all(struct sentence *s, size_t instead_of) {
-    for (size_t i = 0; i < s->count; i++)
-        if (s->roles[i].part.instead_of == instead_of)
-            start(s, &s->roles[i]);
-}
-
 static void on_read(uv_work_t *work, int status) {
     struct reading *r = work->data;
     struct role *role = r->role;
     if (role) {
         role->reading = NULL;
+        role->sentence->running--;
         role->u = status ? NULL : r->u;
         r->u = NULL;
     }
@@ -277,7 +284,7 @@ static void on_read(uv_work_t *work, int status) {
     free(r->path);
     free(r);
     if (role)
-        finish_if_done(role->sentence);
+        go_on(role->sentence);
 }
 
 struct sentence *sentence_speak(struct voice_pool *pool, uv_loop_t *loop, const struct voice_request *request,
@@ -295,6 +302,7 @@ struct sentence *sentence_speak(struct voice_pool *pool, uv_loop_t *loop, const 
     for (size_t i = 0; i < s->count; i++)
         s->roles[i] = (struct role){.sentence = s, .part = parts[i]};
     free(parts);
-    start_all(s, SIZE_MAX);
+    want(s, SIZE_MAX);
+    go_on(s);
     return s;
 }

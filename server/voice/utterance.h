@@ -54,7 +54,8 @@ struct utterance {
     size_t cue_count;
     char **warnings; /* what the voice could not do */
     size_t warning_count;
-    char lang[16];   /* BCP 47 of the voice */
+    char lang[16];   /* BCP 47 of the voice, of several voices the one that speaks most */
+    bool mixed;      /* voices of other languages speak in it too */
     size_t from, to; /* the sentence's bytes of the input */
 };
 

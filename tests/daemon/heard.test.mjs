@@ -72,7 +72,7 @@ test('a word in another language is spoken by a voice of that language', () => {
   assert.ok(phones.includes('ɹ'), String(phones));
   assert.ok(between(said, 'il', 'rock') < 0.05);
   assert.ok(between(said, 'roll', 'davvero') > 0.1);
-  assert.ok(!/no voice|unknown/.test(said.stderr), said.stderr);
+  assert.equal(said.stderr, ''); // the lips know the phones of both languages
 });
 
 test('voices of plugins with different sample rates speak one sentence, at the rate of the first', () => {

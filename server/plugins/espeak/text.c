@@ -51,7 +51,7 @@ static struct es_prosody prosody_of(const struct writer *w, const struct faccia_
     return (struct es_prosody){
         .rate = bounded(w, "rate", rate, ES_RATE_MIN, ES_RATE_MAX),
         .pitch = bounded(w, "pitch", 50 + PITCH_OCTAVE * log2(pitch), 0, 99),
-        .range = bounded(w, "pitch range", 50 * range, 0, 99),
+        .range = s->range != 1 ? bounded(w, "pitch range", 50 * range, 0, 99) : (int)fmin(50 * range, 99),
         .volume = bounded(w, "volume", 100 * (s->volume >= 0 ? s->volume : 1), 0, 200),
     };
 }
