@@ -26,6 +26,7 @@ struct reel {
     void *ctx;
     struct reel_source source;
     bool working, freed, opened, ended;
+    bool delivering; /* inside callbacks: reads on, and is freed, after them */
     struct fapfile fap;
     double fps;
     struct reel_sound *sound; /* NULL: there is none, or no more */
@@ -150,19 +151,12 @@ static void free_all(struct reel *r) {
 
 static void read_on(struct reel *r);
 
-static void after(uv_work_t *work, int status) {
-    struct reel *r = work->data;
-    (void)status;
-    r->working = false;
-    if (r->freed) {
-        free_all(r);
-        return;
-    }
+static void deliver(struct reel *r) {
     if (r->error.code) {
         r->ended = true;
         r->callbacks.problem(r->ctx, &r->error, false);
     }
-    if (r->piece) {
+    if (r->piece && !r->freed) {
         struct scene scene = {.utterance = r->piece,
                               .start = r->at,
                               .sentence = r->pieces++,
@@ -172,14 +166,26 @@ static void after(uv_work_t *work, int status) {
         r->piece = NULL;
         r->callbacks.scene(r->ctx, scene);
     }
-    if (r->ended)
+    if (r->ended && !r->freed)
         r->callbacks.finished(r->ctx, r->pieces);
+}
+
+static void after(uv_work_t *work, int status) {
+    struct reel *r = work->data;
+    (void)status;
+    r->working = false;
+    r->delivering = true;
+    if (!r->freed)
+        deliver(r);
+    r->delivering = false;
+    if (r->freed)
+        free_all(r);
     else
         read_on(r);
 }
 
 static void read_on(struct reel *r) {
-    if (r->working || r->ended || r->pieces - r->released >= REEL_PIECES)
+    if (r->working || r->delivering || r->ended || r->pieces - r->released >= REEL_PIECES)
         return;
     r->working = true;
     r->work.data = r;
@@ -212,7 +218,7 @@ void reel_free(struct reel *r) {
     r->freed = true;
     if (r->working)
         uv_cancel((uv_req_t *)&r->work);
-    else
+    else if (!r->delivering)
         free_all(r);
 }
 
