@@ -36,7 +36,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
 sh "$root/server/run.sh" --build-only
-need_packages libcmocka-dev chromium espeak-ng librsvg2-bin witalian wbrazilian wamerican hunspell-tr \
+need_packages libcmocka-dev chromium espeak-ng librsvg2-bin curl python3-websockets witalian wbrazilian wamerican hunspell-tr \
     festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k
 need_modules "$root/tests"
 

@@ -47,6 +47,7 @@ int cli_try_engine(const struct cli *cli, const struct speech_request *request, 
                    struct error *e);
 
 int say_main(int argc, char **argv);
+int play_main(int argc, char **argv);
 int voices_main(int argc, char **argv);
 int models_main(int argc, char **argv);
 int eval_main(int argc, char **argv);

@@ -12,7 +12,7 @@ static const struct {
 } commands[] = {
     {"say", say_main, "speak a text: its sound, its face animation, its timing"},
     {"timed", timed_main, "the face for recorded speech, from a timed transcription"},
-    {"check", check_main, "tell what in a text with markup would not be acted on"},
+    {"play", play_main, "a recorded face and its sound in other forms"},
     {"voices", voices_main, "list the voices"},
     {"models", models_main, "list the head models"},
     {"expressions", expressions_main, "list the expressions, or write how they look"},

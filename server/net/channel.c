@@ -28,6 +28,7 @@ struct channel {
     size_t follower_count;
     struct variant *variants;
     struct parcel *begin, *texts[SCENE_TEXTS]; /* of the utterance that is spoken, and of its sentence */
+    struct parcel *paused;                     /* NULL: it is not */
     size_t text_count;
 };
 
@@ -51,6 +52,12 @@ static void forget_scene(struct channel *c) {
 
 /* Keeps what one who comes late has to know. */
 static void remember(struct channel *c, enum stream_event_kind kind, struct parcel *parcel) {
+    if (kind == STREAM_PAUSED || kind == STREAM_RESUMED) {
+        parcel_release(c->paused);
+        c->paused = kind == STREAM_PAUSED ? parcel : NULL;
+        parcel->refs += kind == STREAM_PAUSED;
+        return;
+    }
     if (kind == STREAM_END) {
         forget_scene(c);
         return;
@@ -193,6 +200,7 @@ static void free_channel(struct channel *c) {
     }
     stream_free(c->stream);
     forget_scene(c);
+    parcel_release(c->paused);
     for (struct variant *v = c->variants, *next; v; v = next) {
         next = v->next;
         encoder_free(v->encoder);
@@ -240,6 +248,8 @@ void channel_join(struct channel *c, struct follower *f) {
         f->deliver(f, c->begin);
     for (size_t i = 0; i < c->text_count; i++)
         f->deliver(f, c->texts[i]);
+    if (c->paused)
+        f->deliver(f, c->paused);
 }
 
 void channel_leave(struct follower *f) {

@@ -131,9 +131,21 @@ int speech_post(struct exchange *x);
  * *result to be returned. */
 const char *post_markup(struct exchange *x, int *result);
 
+/* play_post.c */
+
+/* A recording of the folder of those. -1 with *e: "unknown-media" when there is no such folder, or as
+ * reel_source_in. */
+int media_source(const struct net *net, struct reel_source *source, const char *name, struct error *e);
+int play_post(struct exchange *x); /* POST /v1/play?room= */
+
 /* room_http.c */
+
+/* The room that the address names; NULL after the answer, with *result to be returned. */
+struct channel *room_asked(struct exchange *x, int *result);
 int room_say(struct exchange *x);    /* POST /v1/say?room= */
 int room_stop(struct exchange *x);   /* POST /v1/stop?room= */
+int room_pause(struct exchange *x);  /* POST /v1/pause?room= */
+int room_resume(struct exchange *x); /* POST /v1/resume?room= */
 int room_events(struct exchange *x); /* GET /v1/events?room= */
 
 #endif

@@ -75,9 +75,10 @@ static void set_time(json_t *object, const struct stream_event *e) {
 
 const char *message_event_name(enum stream_event_kind kind) {
     static const char *const types[] = {
-        [STREAM_BEGIN] = "begin", [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
-        [STREAM_MARK] = "mark",   [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
-        [STREAM_END] = "end",
+        [STREAM_BEGIN] = "begin",     [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
+        [STREAM_MARK] = "mark",       [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
+        [STREAM_END] = "end",         [STREAM_PHONE] = "phone",       [STREAM_PAUSED] = "paused",
+        [STREAM_RESUMED] = "resumed", [STREAM_JUMPED] = "jumped",
     };
     return types[kind];
 }
@@ -95,13 +96,15 @@ json_t *message_event(const struct stream_event *e, const char *stream) {
     json_t *object = json_object();
     set_string(object, "type", message_event_name(e->kind));
     set_string(object, "stream", stream);
-    set_int(object, "utterance", e->utterance);
+    if (e->utterance)
+        set_int(object, "utterance", e->utterance);
     set_string(object, "id", e->id);
     switch (e->kind) {
     case STREAM_BEGIN:
         set_int(object, "rate", e->sample_rate);
         json_object_set_new(object, "fps",
                             e->fps == (int)e->fps ? json_integer((int)e->fps) : json_real(e->fps));
+        set_string(object, "play", e->play);
         set_string(object, "voice", e->voice);
         set_string(object, "lang", e->lang);
         set_string(object, "engine", e->engine);
@@ -119,6 +122,23 @@ json_t *message_event(const struct stream_event *e, const char *stream) {
     case STREAM_MARK:
         set_time(object, e);
         set_string(object, "name", e->text);
+        break;
+    case STREAM_PHONE:
+        set_time(object, e);
+        set_seconds(object, "duration", e, e->duration);
+        set_string(object, "ipa", e->text);
+        break;
+    case STREAM_RESUMED:
+        if (e->idle >= 0)
+            json_object_set_new_nocheck(object, "idle", json_real(e->idle));
+        /* fall through */
+    case STREAM_PAUSED:
+        if (e->utterance)
+            set_time(object, e);
+        break;
+    case STREAM_JUMPED:
+        set_time(object, e);
+        set_string(object, "mark", e->text);
         break;
     case STREAM_WARNING:
     case STREAM_ERROR:
@@ -208,9 +228,10 @@ json_t *message_hello(const struct net *net, const char *stream) {
     json_object_set_new(hello, "expressions", affects(net->studio->expressions));
     json_object_set_new(hello, "models", message_models(net));
     json_object_set_new(hello, "limits",
-                        json_pack("{si si si si si}", "text_bytes", (int)o->text_bytes, "message_bytes",
+                        json_pack("{si si si si si si}", "text_bytes", (int)o->text_bytes, "message_bytes",
                                   (int)o->message_bytes, "queue", (int)o->queue, "connections",
-                                  (int)o->connections, "rooms", (int)o->rooms));
+                                  (int)o->connections, "rooms", (int)o->rooms, "play_bytes",
+                                  (int)o->play_bytes));
     return hello;
 }
 

@@ -14,6 +14,7 @@ const struct net_options net_defaults = {
     .port = 8080,
     .text_bytes = 100000,
     .message_bytes = 262144,
+    .play_bytes = 16777216,
     .queue = STREAM_QUEUE,
     .connections = 1000,
     .rooms = 100,
@@ -166,6 +167,7 @@ static int listen_on(struct net *net, struct error *e) {
     static const struct lws_protocols protocols[] = {
         {"http", net_callback, sizeof(struct session), 0, 0, NULL, 0},
         {"faccia.v1", net_callback, sizeof(struct session), 0, 0, NULL, 0},
+        {"faccia.text.v1", net_callback, sizeof(struct session), 0, 0, NULL, 0},
         {0},
     };
     static const lws_retry_bo_t idle = {.secs_since_valid_ping = 30, .secs_since_valid_hangup = 40};
@@ -224,6 +226,7 @@ void net_change(struct net *net, const struct net_options *options) {
     o->secrets = options->secrets;
     o->text_bytes = options->text_bytes;
     o->message_bytes = options->message_bytes;
+    o->play_bytes = options->play_bytes;
     o->queue = options->queue;
     o->connections = options->connections;
     o->rooms = options->rooms;

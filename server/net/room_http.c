@@ -9,7 +9,7 @@
 /* A comment from time to time shows both ends that the other is there, s. */
 enum { HEARTBEAT_SECONDS = 15 };
 
-static struct channel *room_of(struct exchange *x, int *result) {
+struct channel *room_asked(struct exchange *x, int *result) {
     char value[TOKEN_ROOM + 2];
     struct error e;
     const char *name = exchange_query(x, "room", value, sizeof value);
@@ -51,7 +51,7 @@ static int say_end(void *self) {
     int result = 0;
     if (exchange_answered(say->x))
         return 0;
-    struct channel *channel = room_of(say->x, &result);
+    struct channel *channel = room_asked(say->x, &result);
     if (!channel)
         return result;
     request_init(&request);
@@ -77,7 +77,7 @@ static void say_free(void *self) {
 
 int room_say(struct exchange *x) {
     int result = 0;
-    if (!room_of(x, &result))
+    if (!room_asked(x, &result))
         return result;
     const char *markup = post_markup(x, &result);
     if (!markup)
@@ -90,13 +90,25 @@ int room_say(struct exchange *x) {
     return 0;
 }
 
-int room_stop(struct exchange *x) {
+static int direct(struct exchange *x, void (*act)(struct stream *stream), const char *done) {
     int result = 0;
-    struct channel *channel = room_of(x, &result);
+    struct channel *channel = room_asked(x, &result);
     if (!channel)
         return result;
-    stream_stop(channel_stream(channel));
-    return exchange_json(x, 200, json_pack("{ss ss}", "type", "stopped", "room", channel_name(channel)));
+    act(channel_stream(channel));
+    return exchange_json(x, 200, json_pack("{ss ss}", "type", done, "room", channel_name(channel)));
+}
+
+int room_stop(struct exchange *x) {
+    return direct(x, stream_stop, "stopped");
+}
+
+int room_pause(struct exchange *x) {
+    return direct(x, stream_pause, "paused");
+}
+
+int room_resume(struct exchange *x) {
+    return direct(x, stream_resume, "resumed");
 }
 
 struct events {

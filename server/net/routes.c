@@ -43,6 +43,9 @@ static const struct route {
     {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN},
     {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK},
     {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK},
+    {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK},
+    {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK},
+    {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK},
     {"/v1/stream", NULL, NULL, NULL, 0},
     {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE},
 };

@@ -1,34 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One WebSocket client: its messages in, and the queue of what goes out to it. */
 #include "server/base/mem.h"
-#include "server/net/internal.h"
+#include "server/net/socket_parts.h"
 #include <stdlib.h>
 #include <string.h>
 
 /* So long a client may take to answer a goodbye. */
 enum { GOODBYE_SECONDS = 2 };
-
-struct socket {
-    struct net *net;
-    struct lws *wsi;
-    uint64_t number;
-    struct socket *next, **self; /* in the net's list */
-    struct guest guest;
-    char name[24];
-    struct follower follower;       /* of its own stream, or of a room's */
-    struct speech_request defaults; /* from the address */
-    struct buf message;             /* being received */
-    bool too_long;                  /* its rest is being dropped */
-    struct outbox outbox;
-    uint64_t progress;  /* loop time of the last message that left, or of the first that waits, ms */
-    bool watching;      /* the timer is set */
-    bool deaf;          /* hears no more of one who does not listen, until he does */
-    const char *doomed; /* why the connection is to be closed */
-    enum lws_close_status doom;
-    bool closing;
-    const struct model *model; /* being sent, part by part */
-    size_t model_part;
-};
 
 /* libwebsockets cannot take a timer back, so this one is set again while there is something to watch. */
 static void watch_stall(struct socket *s) {
@@ -58,7 +36,7 @@ static void dismiss(struct socket *s, enum lws_close_status status, const char *
     lws_callback_on_writable(s->wsi);
 }
 
-static void push(struct socket *s, struct parcel *parcel) {
+static void enqueue(struct socket *s, struct parcel *parcel) {
     const struct net_options *options = &s->net->options;
     if (outbox_empty(&s->outbox)) {
         s->progress = uv_now(s->net->studio->loop);
@@ -76,21 +54,37 @@ static void push(struct socket *s, struct parcel *parcel) {
     lws_callback_on_writable(s->wsi);
 }
 
+/* One who types gets lines. */
+static void push(struct socket *s, struct parcel *parcel) {
+    struct buf line = {0};
+    if (!s->plain) {
+        enqueue(s, parcel);
+        return;
+    }
+    text_line((const char *)parcel_body(parcel), parcel->size, &line);
+    if (line.size) {
+        struct parcel *said = parcel_new(LWS_WRITE_TEXT, line.data, line.size);
+        enqueue(s, said);
+        parcel_release(said);
+    }
+    buf_free(&line);
+}
+
 static void push_text(struct socket *s, const struct buf *text) {
     struct parcel *parcel = parcel_new(LWS_WRITE_TEXT, text->data, text->size);
     push(s, parcel);
     parcel_release(parcel);
 }
 
-static void push_json(struct socket *s, json_t *object) {
+void socket_say(struct socket *s, json_t *object) {
     struct buf text = {0};
     message_write(&text, object);
     push_text(s, &text);
     buf_free(&text);
 }
 
-static void push_error(struct socket *s, const struct error *e) {
-    push_json(s, message_error(e));
+void socket_complain(struct socket *s, const struct error *e) {
+    socket_say(s, message_error(e));
 }
 
 static struct socket *socket_of(struct follower *f) {
@@ -108,8 +102,8 @@ static void on_delivery(struct follower *f, struct parcel *parcel) {
     outbox_drop_media(&s->outbox);
     f->waits = true;
     if (!f->lagging)
-        push_json(s, json_pack("{ss ss ss}", "type", "warning", "code", "skipped", "message",
-                               "media were left out: they came faster than they were taken"));
+        socket_say(s, json_pack("{ss ss ss}", "type", "warning", "code", "skipped", "message",
+                                "media were left out: they came faster than they were taken"));
     f->lagging = true;
 }
 
@@ -118,7 +112,7 @@ static void enter(struct socket *s, struct channel *channel) {
     channel_join(channel, &s->follower);
 }
 
-static struct stream *stream_of(const struct socket *s) {
+struct stream *socket_stream(const struct socket *s) {
     return channel_stream(s->follower.channel);
 }
 
@@ -136,9 +130,9 @@ static int join(struct socket *s, const char *room, struct error *e) {
     if (!channel || channel == s->follower.channel)
         return channel ? 0 : -1;
     channel_leave(&s->follower);
-    push_json(s, json_pack("{ss ss si sb}", "type", "joined", "room", room, "followers",
-                           (int)channel_followers(channel) + 1, "may_speak",
-                           !guest_may(s->net, &s->guest, RIGHT_SPEAK, room, &ignored)));
+    socket_say(s, json_pack("{ss ss si sb}", "type", "joined", "room", room, "followers",
+                            (int)channel_followers(channel) + 1, "may_speak",
+                            !guest_may(s->net, &s->guest, RIGHT_SPEAK, room, &ignored)));
     enter(s, channel);
     return 0;
 }
@@ -169,9 +163,9 @@ static void read_query(struct socket *s) {
     if (request_from_query(&s->defaults, s->wsi, NULL, &e) ||
         set_media(s, lws_get_urlarg_by_name(s->wsi, "audio=", audio, sizeof audio),
                   lws_get_urlarg_by_name(s->wsi, "fap=", fap, sizeof fap), &e))
-        push_error(s, &e);
+        socket_complain(s, &e);
     if (in && join(s, in, &e))
-        push_error(s, &e);
+        socket_complain(s, &e);
 }
 
 struct socket *socket_open(struct net *net, struct lws *wsi) {
@@ -188,12 +182,15 @@ struct socket *socket_open(struct net *net, struct lws *wsi) {
     s->number = ++net->streams;
     snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)s->number);
     request_init(&s->defaults);
-    s->follower = (struct follower){
-        .encoding = encoding_default, .media = true, .outbox = &s->outbox, .deliver = on_delivery};
+    s->plain = !strcmp(lws_get_protocol(wsi)->name, TEXT_PROTOCOL);
+    s->follower = (struct follower){.encoding = s->plain ? encoding_none : encoding_default,
+                                    .media = !s->plain,
+                                    .outbox = &s->outbox,
+                                    .deliver = on_delivery};
     enter(s, channel_new(net, s->name));
-    push_json(s, message_hello(net, s->name));
+    socket_say(s, message_hello(net, s->name));
     if (guest_enter(net, wsi, &s->guest, &e)) {
-        push_error(s, &e);
+        socket_complain(s, &e);
         if (!s->guest.entered)
             dismiss(s, LWS_CLOSE_STATUS_POLICY_VIOLATION, e.code);
     }
@@ -214,9 +211,9 @@ void socket_close(struct socket *s) {
 }
 
 /* In a room, others need not hear of it. */
-static void refuse(struct socket *s, const char *id, const struct error *e) {
+void socket_refuse(struct socket *s, const char *id, const struct error *e) {
     if (!room_of(s)) {
-        stream_refuse(stream_of(s), id, e);
+        stream_refuse(socket_stream(s), id, e);
         return;
     }
     json_t *error = message_error(e), *end = json_pack("{ss ss}", "type", "end", "reason", "failed");
@@ -224,27 +221,31 @@ static void refuse(struct socket *s, const char *id, const struct error *e) {
         json_object_set_new(error, "id", json_string(id));
         json_object_set_new(end, "id", json_string(id));
     }
-    push_json(s, error);
-    push_json(s, end);
+    socket_say(s, error);
+    socket_say(s, end);
 }
 
 /* Whether he may have the stream do something. */
-static int may_direct(struct socket *s, struct error *e) {
+int socket_may_direct(struct socket *s, struct error *e) {
     return guest_may(s->net, &s->guest, RIGHT_SPEAK, room_of(s), e);
+}
+
+int socket_may_speak(struct socket *s, struct error *e) {
+    if (socket_may_direct(s, e) || guest_ask(s->net, &s->guest, e))
+        return -1;
+    return s->net->draining ? error_set(e, "stopping", "the server is about to stop") : 0;
 }
 
 static void speak(struct socket *s, const struct speech_request *request) {
     unsigned limit = s->net->options.text_bytes;
     struct error e;
-    int refused = may_direct(s, &e) || guest_ask(s->net, &s->guest, &e);
-    if (!refused && s->net->draining)
-        refused = error_set(&e, "stopping", "the server is about to stop");
+    int refused = socket_may_speak(s, &e);
     if (!refused && request->text_size > limit)
         refused = error_in_field(&e, "text-too-long", "text", "a text may have %u bytes", limit);
     if (refused)
-        refuse(s, request->id, &e);
+        socket_refuse(s, request->id, &e);
     else
-        stream_speak(stream_of(s), request);
+        stream_speak(socket_stream(s), request);
 }
 
 static void speak_json(struct socket *s, const json_t *message) {
@@ -252,13 +253,13 @@ static void speak_json(struct socket *s, const json_t *message) {
     struct error e = {0};
     request_copy(&request, &s->defaults);
     if (request_from_json(&request, message, &e))
-        refuse(s, request.id, &e);
+        socket_refuse(s, request.id, &e);
     else
         speak(s, &request);
     request_free(&request);
 }
 
-static void speak_text(struct socket *s, const char *text, size_t size) {
+void socket_speak(struct socket *s, const char *text, size_t size) {
     struct speech_request request;
     struct error e;
     request_copy(&request, &s->defaults);
@@ -295,54 +296,28 @@ static void send_model(struct socket *s, const json_t *message) {
         push_model_part(s);
     } else {
         error_in_field(&e, "unknown-model", "name", "no model '%s'", name ? name : "");
-        push_error(s, &e);
+        socket_complain(s, &e);
     }
 }
 
 static void pong(struct socket *s, const json_t *message) {
     json_t *answer = json_pack("{ss}", "type", "pong");
     json_object_set(answer, "id", json_object_get(message, "id"));
-    push_json(s, answer);
-}
-
-static void stop(struct socket *s, const json_t *message) {
-    struct error e;
-    (void)message;
-    if (may_direct(s, &e))
-        push_error(s, &e);
-    else
-        stream_stop(stream_of(s));
-}
-
-static void idle(struct socket *s, const json_t *message) {
-    struct idle_options options;
-    struct error e;
-    bool on;
-    if (live_idle(message, &s->defaults, s->number, &options, &on, &e))
-        push_error(s, &e);
-    else
-        channel_idle(&s->follower, on ? &options : NULL);
-}
-
-static void express(struct socket *s, const json_t *message) {
-    struct stream_mix mix;
-    struct error e;
-    if (may_direct(s, &e) || live_express(message, &mix, &e) || stream_express(stream_of(s), &mix, &e))
-        push_error(s, &e);
+    socket_say(s, answer);
 }
 
 static void join_room(struct socket *s, const json_t *message) {
     const char *room = json_string_value(json_object_get(message, "room"));
     struct error e;
     if (room ? join(s, room, &e) : error_in_field(&e, "missing-field", "room", "is missing"))
-        push_error(s, &e);
+        socket_complain(s, &e);
 }
 
 static void leave_room(struct socket *s, const json_t *message) {
     (void)message;
     if (!room_of(s))
         return;
-    push_json(s, json_pack("{ss ss}", "type", "left", "room", room_of(s)));
+    socket_say(s, json_pack("{ss ss}", "type", "left", "room", room_of(s)));
     channel_leave(&s->follower);
     enter(s, channel_new(s->net, s->name));
 }
@@ -351,7 +326,7 @@ static void choose_media(struct socket *s, const json_t *message) {
     struct error e;
     if (set_media(s, json_string_value(json_object_get(message, "audio")),
                   json_string_value(json_object_get(message, "fap")), &e))
-        push_error(s, &e);
+        socket_complain(s, &e);
 }
 
 static void authorise(struct socket *s, const json_t *message) {
@@ -359,23 +334,25 @@ static void authorise(struct socket *s, const json_t *message) {
     struct error e;
     if (token ? guest_show(s->net, &s->guest, token, &e)
               : error_in_field(&e, "missing-field", "token", "is missing"))
-        push_error(s, &e);
+        socket_complain(s, &e);
     else
-        push_json(s, json_pack("{ss ss}", "type", "authorized", "subject", s->guest.token.subject));
+        socket_say(s, json_pack("{ss ss}", "type", "authorized", "subject", s->guest.token.subject));
 }
 
-static void dispatch(struct socket *s, const json_t *message) {
+void socket_act(struct socket *s, const json_t *message) {
     static const struct {
         const char *type;
         void (*act)(struct socket *s, const json_t *message);
-    } types[] = {{"speak", speak_json}, {"stop", stop},         {"model", send_model},    {"ping", pong},
-                 {"idle", idle},        {"express", express},   {"authorize", authorise}, {"join", join_room},
-                 {"leave", leave_room}, {"media", choose_media}};
+    } types[] = {{"speak", speak_json},      {"stop", control_stop},   {"pause", control_pause},
+                 {"resume", control_resume}, {"rate", control_rate},   {"jump", control_jump},
+                 {"play", control_play},     {"idle", control_idle},   {"express", control_express},
+                 {"model", send_model},      {"media", choose_media},  {"join", join_room},
+                 {"leave", leave_room},      {"authorize", authorise}, {"ping", pong}};
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {
         error_in_field(&e, "bad-message", "type", "a message is an object with a string 'type'");
-        push_error(s, &e);
+        socket_complain(s, &e);
         return;
     }
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
@@ -384,23 +361,27 @@ static void dispatch(struct socket *s, const json_t *message) {
             return;
         }
     error_in_field(&e, "unknown-type", "type", "no message type '%s'", type);
-    push_error(s, &e);
+    socket_complain(s, &e);
 }
 
 /* A whole text message. */
 static void hear(struct socket *s, const char *data, size_t size) {
     size_t blank = 0;
+    if (s->plain) {
+        text_hear(s, data, size);
+        return;
+    }
     while (blank < size && strchr(" \t\r\n", data[blank]))
         blank++;
     if (blank == size || data[blank] != '{') {
-        speak_text(s, data, size);
+        socket_speak(s, data, size);
         return;
     }
     json_error_t why;
     struct error e;
     json_t *message = json_loadb(data, size, JSON_ALLOW_NUL, &why);
     if (message) {
-        dispatch(s, message);
+        socket_act(s, message);
         json_decref(message);
         return;
     }
@@ -409,7 +390,7 @@ static void hear(struct socket *s, const char *data, size_t size) {
     if (at && json_error_code(&why) != json_error_premature_end_of_input)
         at--;
     error_at_byte(&e, "bad-json", at, "%s", why.text);
-    push_error(s, &e);
+    socket_complain(s, &e);
 }
 
 int socket_receive(struct socket *s, const char *data, size_t size) {
@@ -424,10 +405,10 @@ int socket_receive(struct socket *s, const char *data, size_t size) {
     struct error e;
     if (s->too_long) {
         error_set(&e, "message-too-long", "a message may have %u bytes", s->net->options.message_bytes);
-        push_error(s, &e);
+        socket_complain(s, &e);
     } else if (binary) {
         error_set(&e, "binary-message", "a client sends no binary messages");
-        push_error(s, &e);
+        socket_complain(s, &e);
     } else {
         hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);
     }
@@ -485,7 +466,7 @@ int socket_writeable(struct socket *s) {
 
 bool sockets_busy(const struct net *net) {
     for (const struct socket *s = net->sockets; s; s = s->next)
-        if (!outbox_empty(&s->outbox) || stream_busy(stream_of(s)))
+        if (!outbox_empty(&s->outbox) || stream_busy(socket_stream(s)))
             return true;
     return false;
 }

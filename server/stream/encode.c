@@ -27,6 +27,7 @@ static const struct {
   fap_names[] = {{"none", CHUNK_FAP_NONE}, {"plain", CHUNK_FAP_PLAIN}, {"fba", CHUNK_FAP_FBA}};
 
 const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FBA};
+const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE};
 
 int encoding_audio(const char *name) {
     for (size_t i = 0; i < sizeof audio_names / sizeof *audio_names; i++)

@@ -20,6 +20,7 @@ int encoding_fap(const char *name);
 
 /* For those who do not say. */
 extern const struct encoding encoding_default;
+extern const struct encoding encoding_none; /* no media */
 
 bool encoding_same(const struct encoding *a, const struct encoding *b);
 

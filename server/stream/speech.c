@@ -36,6 +36,7 @@ struct speech {
         released;  /* sentences; released <= delivered <= submitted <= released + WINDOW */
     size_t spoken; /* scenes that came */
     uint32_t samples, sample_rate;
+    char *entry;      /* the mark at which the next sentence is entered, or NULL */
     bool warned;      /* of what the markup stage did not act on */
     bool busy, freed; /* inside a callback; to be freed after it */
 };
@@ -47,6 +48,11 @@ void scene_free(struct scene *scene) {
 }
 
 void scene_frame(const struct scene *scene, double fps, uint32_t k, struct fap_frame *frame) {
+    if (!scene->track) {
+        size_t last = scene->frame_count - 1;
+        *frame = scene->frame_count ? scene->frames[k < last ? k : last] : (struct fap_frame){0};
+        return;
+    }
     face_track_sample(scene->track, k / fps - (double)scene->start / scene->utterance->sample_rate, frame);
 }
 
@@ -104,8 +110,17 @@ static const struct speech_pack *pack_of(const struct speech *s, const struct ut
     return own && face_engine_speaks(speech_engine(s), own) ? own : s->pack;
 }
 
+static uint32_t mark_at(const struct utterance *u, const char *name) {
+    for (size_t i = 0; name && i < u->mark_count; i++)
+        if (!strcmp(u->marks[i].name, name))
+            return u->marks[i].at < u->samples ? u->marks[i].at : u->samples;
+    return 0;
+}
+
 static void play(struct speech *s, struct slot *slot) {
     struct utterance *u = slot->utterance;
+    uint32_t skip = mark_at(u, s->entry);
+    int64_t start = (int64_t)s->samples - skip;
     slot->utterance = NULL;
     for (size_t i = 0; i < u->warning_count; i++)
         warn(s, u->warnings[i]);
@@ -114,14 +129,18 @@ static void play(struct speech *s, struct slot *slot) {
                                    .still = r->still,
                                    .life = r->life < 0 ? 1 : r->life,
                                    .seed = r->seed < 0 ? 0 : (uint64_t)r->seed,
-                                   .begin = s->sample_rate ? (double)s->samples / s->sample_rate : 0,
+                                   .begin = (double)start / u->sample_rate,
                                    .blend = r->blend,
                                    .expressions = s->studio->expressions};
     if (s->direct_face && !s->freed)
         s->direct_face(s->ctx, &options);
-    struct scene scene = {u, face_track_new(pack_of(s, u), u, &options, warn, s), s->samples};
+    struct scene scene = {.utterance = u,
+                          .track = face_track_new(pack_of(s, u), u, &options, warn, s),
+                          .start = start,
+                          .skip = skip,
+                          .sentence = s->delivered - 1};
     s->sample_rate = u->sample_rate;
-    s->samples += u->samples;
+    s->samples += u->samples - skip;
     s->spoken++;
     if (s->freed)
         scene_free(&scene);
@@ -168,6 +187,8 @@ static void deliver(struct speech *s) {
             s->released++;
             s->callbacks.problem(s->ctx, &slot->failure, false);
         }
+        free(s->entry);
+        s->entry = NULL;
         if (!s->freed)
             submit(s);
     }
@@ -274,19 +295,26 @@ void speech_direct_face(struct speech *s, void (*face)(void *ctx, struct face_op
     s->direct_face = face;
 }
 
-void speech_free(struct speech *s) {
-    if (!s)
-        return;
+/* What the voices work on, and what waits to be handed on. */
+static void forget_pending(struct speech *s) {
     for (; s->delivered < s->submitted; s->delivered++) {
         struct slot *slot = &s->slots[s->delivered % WINDOW];
         if (slot->job)
             sentence_cancel(slot->job);
         utterance_free(slot->utterance);
+        *slot = (struct slot){.speech = s};
     }
+}
+
+void speech_free(struct speech *s) {
+    if (!s)
+        return;
+    forget_pending(s);
     s->freed = true;
     if (s->busy)
         return;
     cast_free(s->cast);
+    free(s->entry);
     score_free(s->score);
     request_free(&s->request);
     free(s);
@@ -295,6 +323,45 @@ void speech_free(struct speech *s) {
 void speech_release(struct speech *s) {
     s->released++;
     submit(s);
+}
+
+void speech_seek(struct speech *s, size_t sentence, const char *mark, uint32_t sample, size_t held) {
+    char *entry = mark ? mem_strdup(mark) : NULL;
+    forget_pending(s);
+    free(s->entry);
+    s->entry = entry;
+    s->submitted = s->delivered = sentence;
+    s->released = sentence - held;
+    s->samples = sample;
+    submit(s);
+}
+
+void speech_set_rate(struct speech *s, double rate) {
+    s->request.rate = rate;
+}
+
+bool speech_find_mark(const struct speech *s, const char *name, size_t *sentence) {
+    for (size_t i = 0; i < s->score->sentence_count; i++) {
+        const struct score_sentence *in = &s->score->sentences[i];
+        for (size_t k = in->first; k < in->first + in->count; k++)
+            if (s->score->items[k].kind == SCORE_MARK && !strcmp(s->score->items[k].text, name)) {
+                *sentence = i;
+                return true;
+            }
+    }
+    return false;
+}
+
+size_t speech_sentences(const struct speech *s) {
+    return s->score->sentence_count;
+}
+
+size_t speech_next(const struct speech *s) {
+    return s->delivered;
+}
+
+const char *speech_entry(const struct speech *s) {
+    return s->entry;
 }
 
 const struct voice *speech_voice(const struct speech *s) {

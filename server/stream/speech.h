@@ -24,11 +24,15 @@ struct studio {
     struct metrics *metrics; /* NULL = nobody counts */
 };
 
-/* One spoken sentence. The receiver of a scene owns it. */
+/* One spoken sentence, or a piece of a recording. The receiver of a scene owns it. */
 struct scene {
     struct utterance *utterance;
-    struct face_track *track;
-    uint32_t start; /* its first sample, counted from the speech's beginning */
+    struct face_track *track; /* NULL: the face is in frames */
+    int64_t start; /* its first sample, counted from the speech's beginning; below 0 when `skip` hides that */
+    uint32_t skip; /* samples at its beginning that are not to be heard */
+    size_t sentence;                /* which one it is, from 0 */
+    const struct fap_frame *frames; /* of the whole recording, borrowed; the last one stays */
+    size_t frame_count;
 };
 
 void scene_free(struct scene *scene);
@@ -64,6 +68,22 @@ void speech_free(struct speech *speech);
 
 /* One scene has been used up: another may come. */
 void speech_release(struct speech *speech);
+
+/* Goes on elsewhere: the scenes that come next are those from `sentence` on, the first of them from its mark
+ * of that name on (NULL: from its beginning), and its first sample to be heard is `sample` of the speech.
+ * What was not handed on is forgotten; `held` scenes that were, and have not been released, remain to be
+ * released. */
+void speech_seek(struct speech *speech, size_t sentence, const char *mark, uint32_t sample, size_t held);
+
+/* For the sentences that are begun after this: words per minute, 40..500. */
+void speech_set_rate(struct speech *speech, double rate);
+
+/* The sentence in which the first mark of that name stands. */
+bool speech_find_mark(const struct speech *speech, const char *name, size_t *sentence);
+
+size_t speech_sentences(const struct speech *speech);  /* how many there are */
+size_t speech_next(const struct speech *speech);       /* which one is handed on next */
+const char *speech_entry(const struct speech *speech); /* the mark at which that is entered, or NULL */
 
 const struct voice *speech_voice(const struct speech *speech);
 const char *speech_lang(const struct speech *speech);

@@ -1,27 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/stream/stream.h"
 #include "server/base/mem.h"
-#include "server/stream/turn.h"
+#include "server/stream/stream_parts.h"
 #include <stdlib.h>
 
 /* Asked again this soon when the sink is not ready, ms. */
 enum { RETRY_MS = 20 };
-
-struct stream {
-    const struct studio *studio;
-    struct stream_sink sink;
-    void *ctx;
-    uv_timer_t *timer;
-    struct turn *turns; /* the first speaks */
-    unsigned waiting, queue_limit;
-    uint32_t utterances;   /* numbers given so far */
-    uint64_t played_until; /* loop time at which all media sent will have been heard, ms */
-    uint64_t spoken_until; /* the same of the utterances' media: idle ones may be cut short */
-    double life;           /* what the life clock shows at played_until, s; 0 before the first media */
-    struct idle *idle;     /* NULL: off */
-    struct idle_options idling;
-    struct mix mix;
-};
 
 static void pump(struct stream *s);
 
@@ -29,7 +13,7 @@ static void on_timer(uv_timer_t *timer) {
     pump(timer->data);
 }
 
-static void wake_in(struct stream *s, uint64_t ms) {
+void stream_wake(struct stream *s, uint64_t ms) {
     uv_timer_start(s->timer, on_timer, ms, 0);
 }
 
@@ -47,13 +31,13 @@ static double life_at(const struct stream *s, uint64_t at) {
 }
 
 /* Media go on from the loop time `at`: what was sent for later is forgotten. */
-static void go_on_from(struct stream *s, uint64_t at) {
+void stream_go_on_from(struct stream *s, uint64_t at) {
     s->life = s->played_until ? life_at(s, at) : 0;
     s->played_until = at;
 }
 
 /* Ends the first turn. */
-static void end_turn(struct stream *s, const char *reason) {
+void stream_end_turn(struct stream *s, const char *reason) {
     struct turn *t = s->turns;
     struct metrics *metrics = s->studio->metrics;
     s->turns = t->next;
@@ -104,7 +88,7 @@ static void on_face(void *ctx, struct face_options *options) {
 static void on_scene(void *ctx, struct scene scene) {
     struct turn *t = ctx;
     turn_add_scene(t, scene);
-    wake_in(t->stream, 0);
+    stream_wake(t->stream, 0);
 }
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
@@ -112,10 +96,8 @@ static void on_problem(void *ctx, const struct error *e, bool warning) {
 }
 
 static void start(struct turn *t) {
-    if (t && !t->started)
-        speech_start(t->speech);
     if (t)
-        t->started = true;
+        turn_start(t);
 }
 
 static void on_finished(void *ctx, size_t spoken) {
@@ -123,26 +105,37 @@ static void on_finished(void *ctx, size_t spoken) {
     t->finished = true;
     t->spoken = spoken;
     start(t->next); /* so that it follows without a gap */
-    wake_in(t->stream, 0);
+    stream_wake(t->stream, 0);
 }
 
 static const struct speech_callbacks speech_callbacks = {on_scene, on_problem, on_finished};
 
+double stream_idle_time(const struct stream *s, uint64_t at) {
+    return s->idle ? idle_time(s->idle, at) : -1;
+}
+
 static void say_begin(struct turn *t) {
     struct stream *s = t->stream;
     uint64_t start = later(uv_now(s->studio->loop), s->spoken_until);
-    go_on_from(s, start);
+    if (!t->placed)
+        t->life_begin = place(t);
+    t->placed = true;
+    stream_go_on_from(s, start);
     s->life = t->life_begin;
     t->begun = true;
     metrics_first_media(t->stream->studio->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->scenes[0].utterance->sample_rate;
-    give(t, (struct stream_event){.kind = STREAM_BEGIN,
-                                  .voice = speech_voice(t->speech)->id,
-                                  .lang = speech_lang(t->speech),
-                                  .engine = speech_engine(t->speech),
-                                  .markup = speech_markup(t->speech),
-                                  .fps = speech_request(t->speech)->fps,
-                                  .idle = s->idle ? idle_time(s->idle, start) : -1});
+    struct stream_event begin = {
+        .kind = STREAM_BEGIN, .fps = turn_fps(t), .idle = stream_idle_time(s, start)};
+    if (t->reel) {
+        begin.play = reel_name(t->reel);
+    } else {
+        begin.voice = speech_voice(t->speech)->id;
+        begin.lang = speech_lang(t->speech);
+        begin.engine = speech_engine(t->speech);
+        begin.markup = speech_markup(t->speech);
+    }
+    give(t, begin);
 }
 
 static void send_speech(struct turn *t) {
@@ -164,18 +157,18 @@ static void send_speech(struct turn *t) {
 static void send_idle(struct stream *s) {
     struct fap_frame frames[IDLE_FRAMES];
     struct chunk chunk;
-    go_on_from(s, later(s->played_until, uv_now(s->studio->loop)));
+    stream_go_on_from(s, later(s->played_until, uv_now(s->studio->loop)));
     idle_chunk(s->idle, s->played_until, s->life, &chunk, frames);
-    go_on_from(s, s->played_until + IDLE_CHUNK_MS);
+    stream_go_on_from(s, s->played_until + IDLE_CHUNK_MS);
     s->sink.media(s->ctx, &chunk, frames);
 }
 
 /* Sends what may be sent now, and sees to it that it is called again when more may. */
 static void pump(struct stream *s) {
     for (;;) {
-        struct turn *t = s->turns;
+        struct turn *t = s->paused ? NULL : s->turns;
         if (t && t->finished && !t->scene_count) {
-            end_turn(s, t->spoken ? "done" : "failed");
+            stream_end_turn(s, t->spoken ? "done" : "failed");
             start(s->turns);
             continue;
         }
@@ -183,14 +176,14 @@ static void pump(struct stream *s) {
         if (!speaks && (!s->idle || (t && t->begun)))
             return;
         if (!s->sink.ready(s->ctx)) {
-            wake_in(s, RETRY_MS);
+            stream_wake(s, RETRY_MS);
             return;
         }
         uint64_t now = uv_now(s->studio->loop);
         uint64_t lead = speaks ? STREAM_LEAD_MS : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
         uint64_t until = speaks && !t->begun ? s->spoken_until : s->played_until;
         if (until >= now + lead) {
-            wake_in(s, until - now - lead + 1);
+            stream_wake(s, until - now - lead + 1);
             return;
         }
         if (speaks)
@@ -241,16 +234,51 @@ void stream_refuse(struct stream *s, const char *id, const struct error *e) {
     give(&t, (struct stream_event){.kind = STREAM_END, .reason = "failed", .id = id});
 }
 
-void stream_speak(struct stream *s, const struct speech_request *request) {
-    struct error e;
-    if (s->waiting >= s->queue_limit) {
-        error_set(&e, "queue-full", "%u utterances wait already", s->waiting);
-        stream_refuse(s, request->id, &e);
-        return;
+/* Puts it among the turns, in the place that its mode asks for. */
+static void take_turn(struct stream *s, struct turn *t, enum speech_mode mode) {
+    if (mode == SPEAK_REPLACE)
+        stream_stop(s);
+    if (mode == SPEAK_INTERRUPT && s->turns) {
+        stream_end_turn(s, "stopped");
+        stream_forget_unheard(s);
     }
+    if (mode == SPEAK_INTERRUPT)
+        stream_resume(s);
+    struct turn **at = &s->turns;
+    while (*at && mode == SPEAK_QUEUE)
+        at = &(*at)->next;
+    t->utterance = ++s->utterances;
+    t->next = *at;
+    *at = t;
+    s->waiting += s->turns->next != NULL;
+    if (t->next)
+        turn_unplace(t->next);
+    if (t == s->turns)
+        start(t);
+}
+
+/* Whether one more may wait. */
+static bool has_room(struct stream *s, const char *id, enum speech_mode mode) {
+    struct error e;
+    if (mode != SPEAK_QUEUE || s->waiting < s->queue_limit)
+        return true;
+    error_set(&e, "queue-full", "%u utterances wait already", s->waiting);
+    stream_refuse(s, id, &e);
+    return false;
+}
+
+static struct turn *turn_new(struct stream *s) {
     struct turn *t = mem_alloc(sizeof *t);
     t->stream = s;
     t->asked = uv_hrtime();
+    return t;
+}
+
+void stream_speak(struct stream *s, const struct speech_request *request) {
+    struct error e;
+    if (!has_room(s, request->id, request->mode))
+        return;
+    struct turn *t = turn_new(s);
     t->speech = speech_open(s->studio, request, &speech_callbacks, t, &e);
     if (!t->speech) {
         free(t);
@@ -258,32 +286,39 @@ void stream_speak(struct stream *s, const struct speech_request *request) {
         return;
     }
     speech_direct_face(t->speech, on_face);
-    t->utterance = ++s->utterances;
-    struct turn **last = &s->turns;
-    while (*last)
-        last = &(*last)->next;
-    *last = t;
-    if (t == s->turns)
-        start(t);
-    else
-        s->waiting++;
+    take_turn(s, t, request->mode);
+}
+
+void stream_play(struct stream *s, struct reel_source *source, enum speech_mode mode) {
+    if (!has_room(s, source->id, mode)) {
+        reel_source_free(source);
+        return;
+    }
+    struct turn *t = turn_new(s);
+    t->reel = reel_open(s->studio->loop, source, &speech_callbacks, t);
+    take_turn(s, t, mode);
 }
 
 bool stream_busy(const struct stream *s) {
     return s->turns != NULL;
 }
 
+void stream_forget_unheard(struct stream *s) {
+    uint64_t now = uv_now(s->studio->loop);
+    if (!s->paused && s->spoken_until > now)
+        stream_go_on_from(s, now);
+    s->spoken_until = 0;
+    s->unheard = 0;
+}
+
 void stream_stop(struct stream *s) {
     uv_timer_stop(s->timer);
     while (s->turns)
-        end_turn(s, "stopped");
-    /* the listener drops what was spoken and has not been heard */
-    uint64_t now = uv_now(s->studio->loop);
-    if (s->spoken_until > now)
-        go_on_from(s, now);
-    s->spoken_until = 0;
+        stream_end_turn(s, "stopped");
+    stream_forget_unheard(s);
+    stream_resume(s);
     if (s->idle)
-        wake_in(s, 0);
+        stream_wake(s, 0);
 }
 
 void stream_idle(struct stream *s, const struct idle_options *options) {
@@ -295,7 +330,7 @@ void stream_idle(struct stream *s, const struct idle_options *options) {
         return;
     s->idling = *options;
     s->idle = idle_new(s->studio, options, s->mix.mood, uv_now(s->studio->loop));
-    wake_in(s, 0);
+    stream_wake(s, 0);
 }
 
 int stream_express(struct stream *s, const struct stream_mix *mix, struct error *e) {

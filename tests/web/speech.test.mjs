@@ -22,6 +22,13 @@ function rig({ linked = true } = {}) {
       this.flushed++;
       this.position = this.written;
     },
+    held: false,
+    hold() {
+      this.held = true;
+    },
+    release() {
+      this.held = false;
+    },
     heard(now, ahead = 0) {
       return { position: this.position + ahead * RATE, running: this.running };
     },
@@ -231,4 +238,56 @@ test('in a room, what others ask for is heard and shown; elsewhere it is not', (
   play(1000);
   assert.deepEqual(names(), ['begin', 'Ciao a tutti.', 'tutti', 'done']);
   assert.equal(speech.busy, false);
+});
+
+test('a pause holds the player at once, and whenever the server says so', () => {
+  const { speech, player, sent, hear, names } = rig();
+  speech.pause();
+  assert.ok(player.held);
+  hear({ type: 'paused', stream: 's1' });
+  speech.resume();
+  assert.ok(!player.held);
+  hear({ type: 'resumed', stream: 's1' });
+  hear({ type: 'paused', stream: 's1', utterance: 9, time: 1, sample: 1 }); // somebody else's in a room
+  assert.ok(player.held);
+  speech.stop();
+  assert.ok(!player.held);
+  assert.deepEqual(sent.map((m) => m.type), ['pause', 'resume', 'stop']);
+  assert.deepEqual(names(), ['paused', 'resumed', 'paused']);
+});
+
+test('after a jump what was to be heard is not; what follows comes at its time', () => {
+  const { speech, player, sent, names, hear, chunk, play } = rig();
+  speech.speak('Uno due tre');
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0, 'Uno'));
+  chunk(1, 0, 400);
+  hear(word('u1', 1, 0.3, 'due'));
+  play(200);
+  speech.jump('fine');
+  assert.deepEqual(sent.at(-1), { type: 'jump', mark: 'fine' });
+  hear({ type: 'jumped', id: 'u1', utterance: 1, mark: 'fine', time: 0.4, sample: 400 });
+  assert.equal(player.flushed, 1);
+  hear({ type: 'mark', id: 'u1', utterance: 1, name: 'fine', time: 0.4, sample: 400 });
+  chunk(1, 400, 300);
+  hear(word('u1', 1, 0.5, 'tre'));
+  play(500);
+  assert.deepEqual(names(), ['begin', 'Uno', 'jumped', 'mark', 'tre']);
+});
+
+test('what the server cuts is silent at once, though one has not asked for it', async () => {
+  const { speech, player, names, hear, chunk, play } = rig();
+  const first = speech.speak('Uno due');
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0, 'Uno'));
+  chunk(1, 0, 400);
+  play(100);
+  speech.speak('Ehi!', { mode: 'interrupt' });
+  hear({ type: 'end', id: 'u1', utterance: 1, reason: 'stopped', duration: 0.4 });
+  assert.equal(player.flushed, 1);
+  assert.equal((await first).reason, 'stopped');
+  hear(begin('u2', 2));
+  chunk(2, 0, 100);
+  assert.equal(play(450).seconds, 0.05);
+  assert.deepEqual(names(), ['begin', 'Uno', 'stopped', 'begin']);
 });

@@ -116,6 +116,33 @@ export class TalkingHead extends HTMLElement {
     this.stage.wake();
   }
 
+  /** Halts where it is, until `resume`; the face lives on. In a room, all are halted. */
+  pause() {
+    this.#speech.pause();
+    this.stage.wake();
+  }
+
+  /** Goes on after a pause. */
+  resume() {
+    this.#speech.resume();
+    this.stage.wake();
+  }
+
+  /** Goes on from a mark of what is spoken. @param {string} mark its name */
+  jump(mark) {
+    this.#speech.jump(mark);
+  }
+
+  /** Words per minute: of the sentences that have not begun, and of what is spoken from now on. */
+  get rate() {
+    return this.hasAttribute('rate') ? Number(this.getAttribute('rate')) : null;
+  }
+
+  set rate(rate) {
+    this.setAttribute('rate', rate);
+    this.#speech.setRate(Number(rate));
+  }
+
   /**
    * Holds the face in a pose, whatever is spoken, until it is called with null.
    * @param {Record<number, number>|null} faps values by FAP number

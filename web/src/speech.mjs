@@ -4,10 +4,12 @@ import { Programme } from './programme.mjs';
 import { Utterance } from './utterance.mjs';
 
 const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
+const PLAYER_ACTS = { paused: 'hold', resumed: 'release', jumped: 'flush' }; // what the player does when the server says so
 
 /**
  * All that is spoken: sends what is asked for, queues what comes on the player, and says on the audio's clock what is
- * heard. Events: `begin`, `word`, `mark`, `end` as they are heard, `sentence` too; `error`, `warning` at once.
+ * heard. Events: `begin`, `word`, `mark`, `end` as they are heard, `sentence` and `phone` too; `error`, `warning`, `paused`,
+ * `resumed`, `jumped` at once.
  */
 export class Speech {
   /**
@@ -38,8 +40,30 @@ export class Speech {
     return utterance.promise;
   }
 
+  /** Halts where it is, at once, until `resume`. */
+  pause() {
+    this.player.hold();
+    this.send({ type: 'pause' });
+  }
+
+  resume() {
+    this.player.release();
+    this.send({ type: 'resume' });
+  }
+
+  /** @param {string} mark of what is spoken: it goes on from there */
+  jump(mark) {
+    this.send({ type: 'jump', mark });
+  }
+
+  /** @param {number} rate words per minute, of the sentences that have not begun */
+  setRate(rate) {
+    this.send({ type: 'rate', rate });
+  }
+
   stop() {
     this.player.flush();
+    this.player.release();
     this.programme = new Programme();
     this.send({ type: 'stop' });
     for (const utterance of [...this.open]) {
@@ -56,6 +80,7 @@ export class Speech {
 
   /** The link is gone: what has come is still played, what was to come fails. */
   unlinked() {
+    this.player.release();
     for (const utterance of [...this.open]) {
       if (!utterance.sent) continue;
       utterance.number = null; // the next connection counts anew
@@ -71,6 +96,7 @@ export class Speech {
     const utterance = this.#about(message);
     const detail = utterance ? this.#detail(utterance, message) : message;
     if (message.type === 'error' || message.type === 'warning') this.emit(message.type, detail);
+    if (message.type in PLAYER_ACTS) this.#direct(message, utterance);
     if (!utterance && message.type === 'begin' && this.adopts) {
       this.#adopt(message);
       return;
@@ -79,7 +105,7 @@ export class Speech {
     if (message.type === 'end') this.#close(utterance, message);
     else if (utterance.cancelled) return;
     else if (message.type === 'begin') this.#begin(utterance, message);
-    else if (utterance.item && ['sentence', 'word', 'mark'].includes(message.type))
+    else if (utterance.item && ['sentence', 'word', 'mark', 'phone'].includes(message.type))
       this.programme.schedule(utterance.item, message.time, message);
   }
 
@@ -123,6 +149,19 @@ export class Speech {
     this.#begin(utterance, message);
   }
 
+  /** Somebody has directed the stream: oneself, or another in the same room. */
+  #direct(message, utterance) {
+    if (message.type === 'jumped' && utterance?.item) this.#forgetUnheard();
+    if (message.type !== 'jumped') this.player[PLAYER_ACTS[message.type]]();
+    this.emit(message.type, utterance ? this.#detail(utterance, message) : message);
+  }
+
+  /** What has come and has not been heard will not be. */
+  #forgetUnheard() {
+    this.programme.forgetAfter(this.player.heard(performance.now()).position);
+    this.player.flush();
+  }
+
   #about(message) {
     for (const utterance of this.open)
       if (
@@ -152,6 +191,11 @@ export class Speech {
 
   #close(utterance, message) {
     utterance.answer = message;
+    if (utterance.item && !utterance.cancelled && message.reason === 'stopped') {
+      this.#forgetUnheard(); // by somebody else, or by what was said instead
+      this.#end(utterance, message);
+      return;
+    }
     if (!utterance.item || utterance.cancelled) {
       this.#end(utterance, message);
       return;
