@@ -168,6 +168,8 @@ test('over the network: warnings with their places, then speech; nothing outside
   stream.send({ type: 'speak', lang: 'it', id: 'c', text: `<speak>${turns}</speak>` });
   stream.send({ type: 'stop' });
   await stream.wait({ type: 'end', id: 'c' });
+  const silent = await speak('e', '<speak><audio src="broken.wav"/></speak>');
+  assert.ok(silent.some((m) => m.type === 'warning' && /cannot be read/.test(m.message)));
   await speak('d', 'Fine.');
   await stream.close();
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
