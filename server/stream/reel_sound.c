@@ -58,8 +58,9 @@ static char *beside(const char *fap_path) {
     if (stem > 4 && !strcmp(fap_path + stem - 4, ".fap"))
         stem -= 4;
     for (const char *const *ending = reel_sounds; *ending; ending++) {
-        char *path = mem_alloc(stem + strlen(*ending) + 2);
-        sprintf(path, "%.*s.%s", (int)stem, fap_path, *ending);
+        size_t size = stem + strlen(*ending) + 2;
+        char *path = mem_alloc(size);
+        snprintf(path, size, "%.*s.%s", (int)stem, fap_path, *ending);
         if (!access(path, R_OK))
             return path;
         free(path);
