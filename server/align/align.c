@@ -15,7 +15,8 @@ static size_t nearest(const struct align_map *map, size_t j, size_t count) {
 }
 
 int align_make(struct align_map *map, const struct align_sound *recording,
-               const struct align_sound *reference, const uint64_t *starts, size_t start_count, bool open_end) {
+               const struct align_sound *reference, const uint64_t *starts, size_t start_count,
+               bool open_end) {
     struct features a, b;
     *map = (struct align_map){.recording_rate = recording->rate,
                               .reference_rate = reference->rate,
@@ -54,8 +55,8 @@ static uint64_t sample_of(const struct align_map *map, double frame) {
     return time < map->recording_samples ? time : map->recording_samples;
 }
 
-/* A moment of the reference that is so near, in frames, to a pause that only the recording has lies at it: its
- * frames are longer than they are apart. */
+/* A moment of the reference that is so near, in frames, to a pause that only the recording has lies at it:
+ * its frames are longer than they are apart. */
 #define AT_PAUSE 1.6
 
 /* The frame before such a pause, or map->frames. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/align/chapter.h"
 #include "server/align/align.h"
+#include "server/align/chance.h"
 #include "server/align/window.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
@@ -23,8 +24,6 @@ enum { PIECE_BYTES = 200, PIECE_BYTES_LEAST = 40, PIECES_MAX = 64, TRIES = 3 };
 #define NEAR_END 0.03
 /* Pauses between phones that are shorter than this belong to the phone before, s. */
 #define PAUSE_LEAST 0.03
-/* Pieces that are farther apart than this on average are not the same words. */
-#define APART_MAX 4.6
 #define REST_ENOUGH 60.0
 
 struct span {
@@ -145,8 +144,8 @@ static uint64_t *pauses(const struct reference_speech *s, size_t *count) {
     return starts;
 }
 
-/* Looks for what the voice has spoken in the window, which is made longer if need be. -1 when the recording is
- * far too short. */
+/* Looks for what the voice has spoken in the window, which is made longer if need be. -1 when the recording
+ * is far too short. */
 static int find(struct chapter *c, struct align_map *map) {
     const struct reference_speech *s = &c->speech;
     double seconds = (double)s->samples / s->rate, pace = c->pace > 0 ? c->pace : PACE_FIRST;
@@ -258,11 +257,24 @@ static int choose_voice(struct chapter *c, struct error *e) {
     return 0;
 }
 
+/* Are these the words of the recording? */
+static int check(const struct chapter *c, const struct align_map *map, size_t count, struct error *e) {
+    const struct align_sound recording = {c->window.pcm, map->recording_samples, c->window.source->rate};
+    double apart, other = chance(&recording, &c->speech, map, &apart);
+    if (other < 0 || apart < CHANCE_SHARE * other)
+        return 0;
+    size_t worst = 0; /* the first that is no nearer than chance */
+    while (worst + 1 < count &&
+           align_apart(map, c->spans[worst].start, c->spans[worst].end) < CHANCE_SHARE * other)
+        worst++;
+    return misfit(c, c->spans[worst].from, seconds_of(c, align_time(map, c->spans[worst].start)),
+                  "the words are not those of the recording", e);
+}
+
 /* Aligns some pieces more. */
 static int advance(struct chapter *c, struct error *e) {
     struct align_map map;
     double here = seconds_of(c, 0);
-    static const char different[] = "the words are not those of the recording";
     if (c->voice_count > 1 && choose_voice(c, e))
         return -1;
     if (speak(c, c->voices[0], e))
@@ -275,17 +287,12 @@ static int advance(struct chapter *c, struct error *e) {
         align_free(&map);
         return misfit(c, c->at, here, "the recording ends before the text", e);
     }
-    bool all = to_the_end(c);
-    size_t count = all ? c->span_count : c->span_count - 1;
-    int result = 0;
-    uint64_t begin = align_time(&map, 0), end = 0;
+    size_t count = to_the_end(c) ? c->span_count : c->span_count - 1;
+    int result = check(c, &map, count, e);
+    uint64_t begin = align_time(&map, 0), end = align_end_time(&map, c->spans[count - 1].end);
     c->ready_at = c->ready_count = 0;
-    for (size_t i = 0; i < count; i++)
-        take(c, &map, &c->spans[i]);
     for (size_t i = 0; i < count && !result; i++)
-        if (c->ready[i].apart > APART_MAX)
-            result = misfit(c, c->ready[i].from, c->ready[i].start, different, e);
-    end = align_end_time(&map, c->spans[count - 1].end);
+        take(c, &map, &c->spans[i]);
     if (!result && end > begin)
         c->pace = (double)(end - begin) / c->window.source->rate /
                   ((double)c->spans[count - 1].end / c->speech.rate);

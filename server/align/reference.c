@@ -67,9 +67,16 @@ void reference_close(struct reference *r) {
     free(r); /* the library stays, as engines leave threads and atexit handlers behind */
 }
 
-void reference_path(const void *symbol_of_caller, char *out, size_t cap) {
+struct reference *reference_get(struct reference_slot *slot, struct error *e) {
+    if (!slot->reference)
+        slot->reference = reference_open(slot->path, e);
+    return slot->reference;
+}
+
+void reference_path(char *out, size_t cap) {
     Dl_info info;
-    const char *file = dladdr(symbol_of_caller, &info) ? info.dli_fname : "", *slash = strrchr(file, '/');
+    const char *file = dladdr((void *)(uintptr_t)reference_path, &info) ? info.dli_fname : "",
+               *slash = strrchr(file, '/');
     snprintf(out, cap, "%.*sespeak.so", slash ? (int)(slash - file) + 1 : 0, file);
 }
 

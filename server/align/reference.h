@@ -31,13 +31,21 @@ struct reference_speech {
 
 struct reference;
 
+/* Where a reference comes from; loaded when it is first needed. */
+struct reference_slot {
+    char path[4096]; /* of the plugin */
+    struct reference *reference;
+};
+struct reference *reference_get(struct reference_slot *slot, struct error *e); /* as reference_open */
+
 /* path: the plugin. NULL with *e ("no-reference"). */
 struct reference *reference_open(const char *path, struct error *e);
 void reference_close(struct reference *reference);
 
-/* The path of the plugin that makes references, espeak, which lies beside the plugin that holds the symbol.
+/* The path of the plugin that makes references, espeak, beside the plugin that this
+ * is part of.
  */
-void reference_path(const void *symbol_of_caller, char *out, size_t cap);
+void reference_path(char *out, size_t cap);
 
 /* The best voice of that language and gender ("female", "male"), "" when there is none for the language, or
  * none of that gender. Good while the reference is open. */

@@ -18,7 +18,8 @@
 /* Timbre counts in full from 1 / AUDIBLE of the loudness on, less below: that of silence says nothing. */
 #define AUDIBLE 1.2f
 #define FAR 1e30f
-/* Ways that have cost so much more than the best one up to the same frame are given up: 2 s of other words. */
+/* Ways that have cost so much more than the best one up to the same frame are given up: 2 s of other words.
+ */
 #define BEAM 500.0f
 
 /* The way into a cell: from how many frames of the reference back, or out of the gap before it. */
