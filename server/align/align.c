@@ -15,21 +15,20 @@ static size_t nearest(const struct align_map *map, size_t j, size_t count) {
 }
 
 int align_make(struct align_map *map, const struct align_sound *recording,
-               const struct align_sound *reference, const uint64_t *starts, size_t start_count,
-               bool open_end) {
+               const struct align_sound *reference, const struct align_options *how) {
     struct features a, b;
     *map = (struct align_map){.recording_rate = recording->rate,
                               .reference_rate = reference->rate,
                               .recording_samples = recording->samples};
     features_make(&a, recording->pcm, recording->samples, recording->rate);
     features_make(&b, reference->pcm, reference->samples, reference->rate);
-    size_t *gaps = mem_alloc((start_count + 1) * sizeof *gaps), gap_count = 0;
-    for (size_t i = 0; i < start_count; i++) {
-        size_t frame = (size_t)lround(frame_of(starts[i], reference->rate));
+    size_t *gaps = mem_alloc((how->start_count + 1) * sizeof *gaps), gap_count = 0;
+    for (size_t i = 0; i < how->start_count; i++) {
+        size_t frame = (size_t)lround(frame_of(how->starts[i], reference->rate));
         if (frame < b.count && (!gap_count || frame > gaps[gap_count - 1]))
             gaps[gap_count++] = frame;
     }
-    struct warp_options options = {gaps, gap_count, open_end};
+    struct warp_options options = {gaps, gap_count, how->stop, how->open_end};
     map->frames = b.count;
     map->at = mem_alloc((b.count + 1) * sizeof *map->at);
     map->until = mem_alloc(b.count * sizeof *map->until);

@@ -22,11 +22,17 @@ struct align_map {
     double distance; /* mean along the path: about 3 for the same words, 5 and more for others */
 };
 
-/* starts: samples of the reference before which the recording may pause, in order: where words begin.
- * open_end: the recording may go on after the reference's end. -1 when the recording is far too short. */
+struct align_options {
+    /* Samples of the reference before which the recording may pause, in order: where words begin. */
+    const uint64_t *starts;
+    size_t start_count;
+    bool open_end;           /* the recording may go on after the reference's end */
+    const atomic_bool *stop; /* NULL, or true when nobody wants the result any more */
+};
+
+/* -1 when the recording is far too short, or it was stopped. */
 int align_make(struct align_map *map, const struct align_sound *recording,
-               const struct align_sound *reference, const uint64_t *starts, size_t start_count,
-               bool open_end);
+               const struct align_sound *reference, const struct align_options *options);
 void align_free(struct align_map *map);
 
 /* The sample of the recording that a sample of the reference is. Never decreases with it. */

@@ -11,7 +11,7 @@ enum { WORDS_LEAST = 4 };
 #define MORE 1.3
 
 double chance(const struct align_sound *recording, const struct reference_speech *speech,
-              const struct align_map *map, double *apart) {
+              const struct align_map *map, const atomic_bool *stop, double *apart) {
     size_t count = 0;
     while (count < speech->word_count && (double)speech->words[count].start < SECONDS * speech->rate)
         count++;
@@ -31,9 +31,9 @@ double chance(const struct align_sound *recording, const struct reference_speech
     size_t long_enough = (size_t)((double)align_end_time(map, end) * MORE);
     if (long_enough < part.samples)
         part.samples = long_enough;
+    const struct align_options options = {starts, count, true, stop};
     struct align_map other;
-    double result =
-        align_make(&other, &part, &reversed, starts, count, true) ? -1 : align_apart(&other, 0, used);
+    double result = align_make(&other, &part, &reversed, &options) ? -1 : align_apart(&other, 0, used);
     *apart = align_apart(map, 0, end);
     align_free(&other);
     free(starts);

@@ -15,6 +15,6 @@
  * begins, when they are spoken in reverse order; and, in *apart, that of the same words as they were aligned.
  * Negative when there are too few words to tell. */
 double chance(const struct align_sound *recording, const struct reference_speech *speech,
-              const struct align_map *map, double *apart);
+              const struct align_map *map, const atomic_bool *stop, double *apart);
 
 #endif

@@ -37,6 +37,7 @@ struct chapter {
     struct reference *reference;
     const char *text;
     size_t size, at; /* the text that is to come */
+    const atomic_bool *stop;
     const char *voices[2];
     size_t voice_count;
     double pace; /* 0 = not known yet */
@@ -60,6 +61,7 @@ struct chapter *chapter_open(const struct sound_source *source, struct reference
     c->reference = reference;
     c->text = text;
     c->size = size;
+    c->stop = options->stop;
     for (int pass = 0; pass < 2 && !c->voice_count; pass++) /* a gender that there is no voice of: any */
         for (int i = 0; i < 2; i++) {
             const char *voice = reference_voice(reference, options->lang, genders[i]);
@@ -152,6 +154,7 @@ static int find(struct chapter *c, struct align_map *map) {
     double want = (seconds * pace * WINDOW_FACTOR + WINDOW_MORE) * c->window.source->rate;
     size_t count;
     uint64_t *starts = pauses(s, &count);
+    const struct align_options options = {starts, count, true, c->stop};
     int result = -1;
     for (int i = 0; i < TRIES; i++, want *= 1.4) {
         window_fill(&c->window, (size_t)want);
@@ -159,7 +162,7 @@ static int find(struct chapter *c, struct align_map *map) {
         if (c->window.samples > (size_t)want)
             recording.samples = (size_t)want;
         struct align_sound reference = {s->pcm, s->samples, s->rate};
-        result = align_make(map, &recording, &reference, starts, count, true);
+        result = align_make(map, &recording, &reference, &options);
         double end = result ? 1 : (double)align_end_time(map, s->samples) / (double)recording.samples;
         bool all = c->window.ended && recording.samples == c->window.samples;
         if (end < 1 - NEAR_END || all || i == TRIES - 1)
@@ -238,6 +241,14 @@ static int misfit(const struct chapter *c, size_t byte, double time, const char 
                          time - 60.0 * minutes);
 }
 
+static bool stopped(const struct chapter *c) {
+    return c->stop && atomic_load(c->stop);
+}
+
+static int cancelled(struct error *e) {
+    return error_set(e, "cancelled", "the alignment was stopped");
+}
+
 /* The voice that comes closest, by what it makes of the first window. */
 static int choose_voice(struct chapter *c, struct error *e) {
     double best = INFINITY;
@@ -252,6 +263,8 @@ static int choose_voice(struct chapter *c, struct error *e) {
         }
         align_free(&map);
     }
+    if (stopped(c))
+        return cancelled(e);
     c->voices[0] = chosen;
     c->voice_count = 1;
     return 0;
@@ -260,7 +273,7 @@ static int choose_voice(struct chapter *c, struct error *e) {
 /* Are these the words of the recording? */
 static int check(const struct chapter *c, const struct align_map *map, size_t count, struct error *e) {
     const struct align_sound recording = {c->window.pcm, map->recording_samples, c->window.source->rate};
-    double apart, other = chance(&recording, &c->speech, map, &apart);
+    double apart, other = chance(&recording, &c->speech, map, c->stop, &apart);
     if (other < 0 || apart < CHANCE_SHARE * other)
         return 0;
     size_t worst = 0; /* the first that is no nearer than chance */
@@ -285,10 +298,12 @@ static int advance(struct chapter *c, struct error *e) {
     }
     if (find(c, &map)) {
         align_free(&map);
-        return misfit(c, c->at, here, "the recording ends before the text", e);
+        return stopped(c) ? cancelled(e) : misfit(c, c->at, here, "the recording ends before the text", e);
     }
     size_t count = to_the_end(c) ? c->span_count : c->span_count - 1;
     int result = check(c, &map, count, e);
+    if (stopped(c))
+        result = cancelled(e);
     uint64_t begin = align_time(&map, 0), end = align_end_time(&map, c->spans[count - 1].end);
     c->ready_at = c->ready_count = 0;
     for (size_t i = 0; i < count && !result; i++)

@@ -7,10 +7,12 @@
 
 #include "server/align/reference.h"
 #include "server/align/sound.h"
+#include <stdatomic.h>
 
 struct chapter_options {
-    const char *lang;   /* BCP 47 of the speech */
-    const char *gender; /* "female", "male"; NULL = whichever voice comes closer */
+    const char *lang;        /* BCP 47 of the speech */
+    const char *gender;      /* "female", "male"; NULL = whichever voice comes closer */
+    const atomic_bool *stop; /* NULL, or true when the next piece is not waited for any more */
 };
 
 /* Times in seconds of the recording. What no phone covers is a pause. */
@@ -46,7 +48,8 @@ struct chapter *chapter_open(const struct sound_source *source, struct reference
 void chapter_free(struct chapter *chapter);
 
 /* The next piece: 1 and *piece, which the caller frees; 0 at the end; -1 with *e: "misaligned" (with line and
- * column of the text, and the time in the message) when text and recording do not fit, "no-reference". */
+ * column of the text, and the time in the message) when text and recording do not fit, "no-reference",
+ * "cancelled" (it can be called again). */
 int chapter_next(struct chapter *chapter, struct chapter_piece *piece, struct error *e);
 
 /* Seconds of sound that follow the text's end; more than 60 are not counted. After the last piece only. */

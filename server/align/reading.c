@@ -96,7 +96,7 @@ int reading_advance(struct reading *r, struct error *e) {
     if (r->complete)
         return 0;
     if (!r->chapter) {
-        const struct chapter_options options = {r->lang, *r->gender ? r->gender : NULL};
+        const struct chapter_options options = {r->lang, *r->gender ? r->gender : NULL, r->stop};
         struct reference *reference = reference_get(r->reference, e);
         if (!reference)
             return -1;
@@ -166,6 +166,7 @@ struct reading *reading_open(const struct reading_options *options, struct error
         r->text = mem_strndup(text, size);
         r->text_size = size;
         r->reference = options->reference;
+        r->stop = options->stop;
         snprintf(r->lang, sizeof r->lang, "%s", options->lang);
         snprintf(r->gender, sizeof r->gender, "%s", options->gender ? options->gender : "");
         tokens_add(&r->tokens, r->text, size, 0);

@@ -8,6 +8,7 @@
 #include "server/align/sound.h"
 #include "server/align/times.h"
 #include "server/align/tokens.h"
+#include <stdatomic.h>
 #include <stdbool.h>
 
 struct reading_options {
@@ -18,6 +19,7 @@ struct reading_options {
     const char *gender;               /* "female", "male"; NULL = not known */
     const struct times *times;        /* NULL = to be found */
     struct reference_slot *reference; /* must outlive the reading; used only when something is to be found */
+    const atomic_bool *stop;          /* as chapter_options.stop */
 };
 
 /* Seconds of the recording. Gaps between phones are pauses. */
@@ -50,6 +52,7 @@ struct reading {
     double rest;   /* s of sound after the text's end */
     char lang[16], gender[16];
     struct reference_slot *reference;
+    const atomic_bool *stop;
 };
 
 /* NULL with *e: "bad-sound", "bad-utf8", "misaligned" when the words of the times are not those of the text.

@@ -166,6 +166,10 @@ double warp(const struct features *recording, const struct features *reference,
     for (size_t j = 0; j < n; j++)
         t.before[j] = FAR;
     for (size_t i = 0; i < recording->count; i++) {
+        if (options->stop && atomic_load_explicit(options->stop, memory_order_relaxed)) {
+            best = FAR;
+            break;
+        }
         t.limit = i ? t.least + BEAM : FAR;
         t.least = FAR;
         for (size_t g = 0; g < options->gap_count; g++)

@@ -20,11 +20,18 @@ struct export_format {
     void (*end)(struct export *x);
 };
 
+/* What is written down about where the scenes come from. Borrowed. */
+struct export_source {
+    const char *text, *lang, *voice, *engine;
+    double fps;
+    uint32_t frames; /* that there will be; 0 = not known. When it is, faces stream, too. */
+};
+
 /* The state of one export. Bytes that are ready lie in out; the owner takes them from its head. */
 struct export {
     const struct export_format *format;
     struct buf out;
-    const struct speech *speech;
+    struct export_source source;
     double fps;
     uint32_t samples, sample_rate, frames; /* so far */
     size_t scenes;
@@ -38,6 +45,9 @@ extern const struct export_format export_formats[];
 const struct export_format *export_by_name(const char *name);
 
 void export_begin(struct export *x, const struct export_format *format, const struct speech *speech);
+/* The same for scenes that no speech made. */
+void export_begin_from(struct export *x, const struct export_format *format,
+                       const struct export_source *source);
 void export_scene(struct export *x, const struct scene *scene);
 void export_warning(struct export *x, const struct error *e);
 void export_end(struct export *x);

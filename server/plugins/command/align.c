@@ -30,10 +30,11 @@ static void take(struct times *times, const struct chapter_piece *piece, const c
 }
 
 int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, const char *text,
-             const struct faccia_voice_info *voice, struct times *times, char *message, size_t cap) {
+             const struct faccia_voice_info *voice, const atomic_bool *stop, struct times *times,
+             char *message, size_t cap) {
     struct sound_memory memory = {sound->samples, sound->count};
     const struct sound_source source = sound_in_memory(&memory, sound->rate);
-    const struct chapter_options options = {voice->lang, voice->gender};
+    const struct chapter_options options = {voice->lang, voice->gender, stop};
     struct error e;
     if (!*aligner->slot.path)
         reference_path(aligner->slot.path, sizeof aligner->slot.path);

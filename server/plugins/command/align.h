@@ -8,6 +8,7 @@
 #include "server/align/times.h"
 #include "server/plugins/command/sound.h"
 #include "server/voice/faccia-voice.h"
+#include <stdatomic.h>
 
 /* Starts zeroed; the voice to align to is loaded when it is first needed. */
 struct cm_aligner {
@@ -18,6 +19,7 @@ void cm_aligner_close(struct cm_aligner *aligner);
 /* -1 with a sentence in message when there is no voice of that language to align to, or the sound is not that
  * of the text; then the mouth stays closed. */
 int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, const char *text,
-             const struct faccia_voice_info *voice, struct times *times, char *message, size_t cap);
+             const struct faccia_voice_info *voice, const atomic_bool *stop, struct times *times,
+             char *message, size_t cap);
 
 #endif

@@ -198,7 +198,8 @@ static enum outcome give_times(struct speaking *s, uint32_t index, const struct 
     char text[200];
     if (s->voice->timing.given)
         outcome = outcome_of(told_times(s, span, &times));
-    else if (cm_align(&s->self->aligner, sound, span->text, &s->voice->info, &times, text, sizeof text))
+    else if (cm_align(&s->self->aligner, sound, span->text, &s->voice->info, &s->self->stop.stopped, &times,
+                      text, sizeof text))
         s->sink->warning(s->sink->ctx, text);
     if (*times.unnamed) {
         snprintf(text, sizeof text, "the voice's table has no IPA for the phone \"%s\"", times.unnamed);
