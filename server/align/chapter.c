@@ -210,6 +210,7 @@ static void take_words(const struct chapter *c, const struct align_map *map, con
         double next = i + 1 < span[1].words ? seconds_of(c, align_time(map, from[1].start)) : INFINITY;
         for (; phone < piece->phone_count && piece->phones[phone].start < next - 1e-9; phone++)
             w->end = fmax(w->end, piece->phones[phone].end);
+        w->end = fmin(w->end, fmax(w->start, next));
     }
 }
 

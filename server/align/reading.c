@@ -42,6 +42,12 @@ static void place(struct reading *r, size_t from, size_t to, double start, doubl
             w->start = start + first * (end - start);
         w->end = start + last * (end - start);
         w->known = true;
+        if (r->placed) {
+            struct reading_word *before = w - 1;
+            w->start = fmax(w->start, before->start);
+            w->end = fmax(w->end, w->start);
+            before->end = fmin(before->end, w->start);
+        }
     }
 }
 
