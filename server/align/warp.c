@@ -13,6 +13,8 @@
 /* A frame of a pause that the reference does not have: silent, or not. */
 #define PAUSE_COST 0.15f
 #define NOISE_COST 6.0f
+/* What is heard before the first word may be anything: about as far as the same words are on average. */
+#define BEFORE_COST 4.2f
 #define LOUDNESS_WEIGHT 6.0f
 #define SLOPE_WEIGHT 0.6f
 /* Timbre counts in full from 1 / AUDIBLE of the loudness on, less below: that of silence says nothing. */
@@ -88,7 +90,7 @@ static void consider(float *best, uint8_t *from, float cost, uint8_t way) {
 /* The gap before word g: from the frame before the word, or longer in the gap. */
 static void step_gap(struct table *t, size_t i, size_t g) {
     size_t j = t->options->gaps[g];
-    float best = FAR, pause = t->a->silent[i] ? PAUSE_COST : NOISE_COST;
+    float best = FAR, pause = t->a->silent[i] ? PAUSE_COST : g ? NOISE_COST : BEFORE_COST;
     uint8_t from = FROM_GAP;
     if (i == 0) {
         best = j == 0 ? 0 : FAR;
