@@ -13,8 +13,9 @@
 /* A frame of a pause that the reference does not have: silent, or not. */
 #define PAUSE_COST 0.15f
 #define NOISE_COST 6.0f
-/* What is heard before the first word may be anything: about as far as the same words are on average. */
-#define BEFORE_COST 4.2f
+/* What is heard before the first word may be anything: less than other sounds are from the words on average,
+ * more than the words themselves. */
+#define BEFORE_COST 5.2f
 #define LOUDNESS_WEIGHT 6.0f
 #define SLOPE_WEIGHT 0.6f
 /* Timbre counts in full from 1 / AUDIBLE of the loudness on, less below: that of silence says nothing. */
@@ -100,7 +101,8 @@ static void step_gap(struct table *t, size_t i, size_t g) {
             consider(&best, &from, t->before[j - 1], FROM_REFERENCE);
     }
     t->gap_now[g] = best + pause;
-    t->least = fminf(t->least, t->gap_now[g]);
+    if (g) /* to wait at the beginning is no way that others have to keep up with */
+        t->least = fminf(t->least, t->gap_now[g]);
     t->gap_from[i * t->options->gap_count + g] = from;
 }
 
