@@ -46,7 +46,7 @@ artefacts="$root/build/test-artefacts"
 mkdir -p "$artefacts"
 export FACCIA_ARTEFACTS="$artefacts" FACCIA_MODELS="$root/build/models" FACCIA_WEB="$root/build/web"
 export LSAN_OPTIONS="suppressions=$root/tests/lsan.supp:print_suppressions=0"
-export ASAN_OPTIONS="detect_leaks=1:abort_on_error=0" UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
+export ASAN_OPTIONS="detect_leaks=1:abort_on_error=0:quarantine_size_mb=16" UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
 
 # A test file is one job: tests/one.sh says how it went and leaves its counts in the artefacts. Daemon tests wait for
 # speech most of their time, so some of them run side by side; what a browser draws wants both processors.

@@ -8,24 +8,34 @@ static double frame_of(uint64_t sample, uint32_t rate) {
     return (double)sample * FEATURE_RATE / rate / FEATURE_HOP;
 }
 
+/* The frame of the recording in the middle of what frame j of the reference is. */
+static size_t nearest(const struct align_map *map, size_t j, size_t count) {
+    size_t end = map->until[j] > map->at[j] ? map->until[j] - 1 : map->at[j], middle = (map->at[j] + end) / 2;
+    return middle < count ? middle : count - 1;
+}
+
 int align_make(struct align_map *map, const struct align_sound *recording,
-               const struct align_sound *reference, const uint64_t *words, size_t word_count, bool open_end) {
+               const struct align_sound *reference, const struct align_options *how) {
     struct features a, b;
     *map = (struct align_map){.recording_rate = recording->rate,
                               .reference_rate = reference->rate,
                               .recording_samples = recording->samples};
     features_make(&a, recording->pcm, recording->samples, recording->rate);
     features_make(&b, reference->pcm, reference->samples, reference->rate);
-    size_t *gaps = mem_alloc((word_count + 1) * sizeof *gaps), gap_count = 0;
-    for (size_t i = 0; i < word_count; i++) {
-        size_t frame = (size_t)lround(frame_of(words[i], reference->rate));
+    size_t *gaps = mem_alloc((how->start_count + 1) * sizeof *gaps), gap_count = 0;
+    for (size_t i = 0; i < how->start_count; i++) {
+        size_t frame = (size_t)lround(frame_of(how->starts[i], reference->rate));
         if (frame < b.count && (!gap_count || frame > gaps[gap_count - 1]))
             gaps[gap_count++] = frame;
     }
-    struct warp_options options = {gaps, gap_count, open_end};
+    struct warp_options options = {gaps, gap_count, how->stop, how->open_end};
     map->frames = b.count;
     map->at = mem_alloc((b.count + 1) * sizeof *map->at);
-    map->distance = warp(&a, &b, &options, map->at);
+    map->until = mem_alloc(b.count * sizeof *map->until);
+    map->apart = mem_alloc(b.count * sizeof *map->apart);
+    map->distance = warp(&a, &b, &options, map->at, map->until);
+    for (size_t j = 0; j < b.count && map->distance >= 0; j++)
+        map->apart[j] = b.silent[j] ? -1 : warp_distance(a.frames[nearest(map, j, a.count)], b.frames[j]);
     features_free(&a);
     features_free(&b);
     free(gaps);
@@ -34,15 +44,53 @@ int align_make(struct align_map *map, const struct align_sound *recording,
 
 void align_free(struct align_map *map) {
     free(map->at);
+    free(map->until);
+    free(map->apart);
     *map = (struct align_map){0};
 }
 
-uint64_t align_time(const struct align_map *map, uint64_t sample) {
-    double frame = frame_of(sample, map->reference_rate);
-    if (frame >= (double)map->frames)
-        frame = (double)map->frames;
-    size_t j = (size_t)frame < map->frames ? (size_t)frame : map->frames - 1;
-    double at = (double)map->at[j] + (frame - (double)j) * (double)(map->at[j + 1] - map->at[j]);
-    uint64_t time = (uint64_t)llround(at * FEATURE_HOP / FEATURE_RATE * map->recording_rate);
+static uint64_t sample_of(const struct align_map *map, double frame) {
+    uint64_t time = (uint64_t)llround(frame * FEATURE_HOP / FEATURE_RATE * map->recording_rate);
     return time < map->recording_samples ? time : map->recording_samples;
+}
+
+/* A moment of the reference that is so near, in frames, to a pause that only the recording has lies at it:
+ * its frames are longer than they are apart. */
+#define AT_PAUSE 1.6
+
+/* The frame before such a pause, or map->frames. */
+static size_t pause_near(const struct align_map *map, double frame) {
+    size_t first = frame > AT_PAUSE ? (size_t)ceil(frame - AT_PAUSE) : 1, found = map->frames;
+    for (size_t k = first; k < map->frames && (double)k <= frame + AT_PAUSE; k++)
+        if (k && map->at[k] > map->until[k - 1] &&
+            (found == map->frames || fabs((double)k - frame) < fabs((double)found + 1 - frame)))
+            found = k - 1;
+    return found;
+}
+
+static double inside(const struct align_map *map, double frame) {
+    size_t j = frame < (double)map->frames ? (size_t)frame : map->frames - 1;
+    return (double)map->at[j] + (frame - (double)j) * (double)(map->until[j] - map->at[j]);
+}
+
+uint64_t align_time(const struct align_map *map, uint64_t sample) {
+    double frame = fmin(frame_of(sample, map->reference_rate), (double)map->frames);
+    size_t pause = pause_near(map, frame);
+    return sample_of(map, pause < map->frames ? (double)map->at[pause + 1] : inside(map, frame));
+}
+
+uint64_t align_end_time(const struct align_map *map, uint64_t sample) {
+    double frame = fmin(frame_of(sample, map->reference_rate), (double)map->frames);
+    size_t pause = pause_near(map, frame);
+    return sample_of(map, pause < map->frames ? (double)map->until[pause] : inside(map, frame));
+}
+
+double align_apart(const struct align_map *map, uint64_t from, uint64_t to) {
+    double sum = 0, count = 0, end = frame_of(to, map->reference_rate);
+    for (size_t j = (size_t)frame_of(from, map->reference_rate); j < map->frames && (double)j < end; j++)
+        if (map->apart[j] >= 0) {
+            sum += map->apart[j];
+            count++;
+        }
+    return count > 0 ? sum / count : -1;
 }

@@ -13,20 +13,36 @@ struct align_sound {
 };
 
 struct align_map {
-    size_t *at; /* of the reference's frame j: the frame of the recording at which it begins */
+    size_t *at;    /* of the reference's frame j: the frame of the recording at which it begins */
+    size_t *until; /* and the one at which it ends; before at[j + 1] where the recording pauses */
+    float *apart;  /* how far it is from the recording; negative where it is silent */
     size_t frames;
     uint32_t recording_rate, reference_rate;
     size_t recording_samples;
     double distance; /* mean along the path: about 3 for the same words, 5 and more for others */
 };
 
-/* words: samples of the reference at which words begin, in order; there the recording may pause. open_end:
- * the recording may go on after the reference's end. -1 when the recording is far too short. */
+struct align_options {
+    /* Samples of the reference before which the recording may pause, in order: where words begin. */
+    const uint64_t *starts;
+    size_t start_count;
+    bool open_end;           /* the recording may go on after the reference's end */
+    const atomic_bool *stop; /* NULL, or true when nobody wants the result any more */
+};
+
+/* -1 when the recording is far too short, or it was stopped. */
 int align_make(struct align_map *map, const struct align_sound *recording,
-               const struct align_sound *reference, const uint64_t *words, size_t word_count, bool open_end);
+               const struct align_sound *reference, const struct align_options *options);
 void align_free(struct align_map *map);
 
 /* The sample of the recording that a sample of the reference is. Never decreases with it. */
 uint64_t align_time(const struct align_map *map, uint64_t reference_sample);
+
+/* The same for a moment at which something ends: before a pause of the recording, not after it. */
+uint64_t align_end_time(const struct align_map *map, uint64_t reference_sample);
+
+/* The mean distance of the reference's frames between two samples, without its pauses: what tells whether the
+ * words are the same. Negative when there are only pauses. */
+double align_apart(const struct align_map *map, uint64_t from, uint64_t to);
 
 #endif

@@ -13,9 +13,17 @@
 /* A frame of a pause that the reference does not have: silent, or not. */
 #define PAUSE_COST 0.15f
 #define NOISE_COST 6.0f
+/* What is heard before the first word may be anything: less than other sounds are from the words on average,
+ * more than the words themselves. */
+#define BEFORE_COST 5.2f
 #define LOUDNESS_WEIGHT 6.0f
 #define SLOPE_WEIGHT 0.6f
+/* Timbre counts in full from 1 / AUDIBLE of the loudness on, less below: that of silence says nothing. */
+#define AUDIBLE 1.2f
 #define FAR 1e30f
+/* Ways that have cost so much more than the best one up to the same frame are given up: 2 s of other words.
+ */
+#define BEAM 500.0f
 
 /* The way into a cell: from how many frames of the reference back, or out of the gap before it. */
 enum { FROM_GAP = 255, FROM_REFERENCE = 254, FROM_PAUSE = 253, LEAPS = 3 };
@@ -26,16 +34,18 @@ struct table {
     uint8_t *frame_from, *gap_from; /* of recording frame i: b->count, gap_count entries */
     float *now, *before, *gap_now, *gap_before;
     int *gap_of;         /* of each frame of the reference, or -1 */
+    float limit, least;  /* of what is worth going on with; of this row so far */
     size_t *pause_start; /* of a frame that follows a pause: the pause's first frame, else its own number */
 };
 
-static float distance(const float *x, const float *y) {
-    float sum = 0, slopes = 0, loud = x[0] - y[0];
+float warp_distance(const float *x, const float *y) {
+    float sum = 0, slopes = 0, loud = x[0] - y[0], audible = fmaxf(x[0], y[0]) * AUDIBLE;
     for (int c = 1; c < FEATURE_CEPSTRA; c++)
         sum += (x[c] - y[c]) * (x[c] - y[c]);
     for (int c = FEATURE_CEPSTRA; c < FEATURE_COUNT; c++)
         slopes += (x[c] - y[c]) * (x[c] - y[c]);
-    return sqrtf(sum + LOUDNESS_WEIGHT * loud * loud * FEATURE_CEPSTRA + SLOPE_WEIGHT * slopes);
+    sum += SLOPE_WEIGHT * slopes;
+    return sqrtf(fminf(1, audible) * sum + LOUDNESS_WEIGHT * loud * loud * FEATURE_CEPSTRA);
 }
 
 static void table_open(struct table *t) {
@@ -81,7 +91,7 @@ static void consider(float *best, uint8_t *from, float cost, uint8_t way) {
 /* The gap before word g: from the frame before the word, or longer in the gap. */
 static void step_gap(struct table *t, size_t i, size_t g) {
     size_t j = t->options->gaps[g];
-    float best = FAR, pause = t->a->silent[i] ? PAUSE_COST : NOISE_COST;
+    float best = FAR, pause = t->a->silent[i] ? PAUSE_COST : g ? NOISE_COST : BEFORE_COST;
     uint8_t from = FROM_GAP;
     if (i == 0) {
         best = j == 0 ? 0 : FAR;
@@ -91,6 +101,8 @@ static void step_gap(struct table *t, size_t i, size_t g) {
             consider(&best, &from, t->before[j - 1], FROM_REFERENCE);
     }
     t->gap_now[g] = best + pause;
+    if (g) /* to wait at the beginning is no way that others have to keep up with */
+        t->least = fminf(t->least, t->gap_now[g]);
     t->gap_from[i * t->options->gap_count + g] = from;
 }
 
@@ -108,20 +120,25 @@ static void step_frame(struct table *t, size_t i, size_t j) {
         if (t->pause_start[j] && t->pause_start[j] < j)
             consider(&best, &from, t->before[t->pause_start[j] - 1] + LEAP_COST, FROM_PAUSE);
     }
-    t->now[j] = best >= FAR ? FAR : best + distance(t->a->frames[i], t->b->frames[j]);
+    t->now[j] = FAR;
+    if (best < t->limit) {
+        t->now[j] = best + warp_distance(t->a->frames[i], t->b->frames[j]);
+        t->least = fminf(t->least, t->now[j]);
+    }
     t->frame_from[i * t->b->count + j] = from;
 }
 
-/* From the end back: the first frame of the recording on each frame of the reference. */
-static void trace(const struct table *t, size_t last, size_t *at) {
+/* From the end back: the frames of the recording on each frame of the reference. */
+static void trace(const struct table *t, size_t last, size_t *at, size_t *until) {
     size_t n = t->b->count, j = n - 1, gaps = t->options->gap_count;
     int gap = -1; /* in the gap before that word */
-    at[n] = last + 1;
+    at[n] = until[j] = last + 1;
     for (size_t i = last + 1; i-- > 0;) {
         uint8_t from = gap >= 0 ? t->gap_from[i * gaps + (size_t)gap] : t->frame_from[i * n + j];
         if (gap >= 0) {
             if (from == FROM_REFERENCE && i) {
                 j = t->options->gaps[gap] - 1;
+                until[j] = i;
                 gap = -1;
             }
             continue;
@@ -134,14 +151,16 @@ static void trace(const struct table *t, size_t last, size_t *at) {
         } else {
             size_t to = from == FROM_PAUSE ? t->pause_start[j] - 1 : j - from;
             for (size_t over = to + 1; over < j; over++)
-                at[over] = i; /* leapt over */
+                at[over] = until[over] = i; /* leapt over */
+            if (to != j)
+                until[to] = i;
             j = to;
         }
     }
 }
 
 double warp(const struct features *recording, const struct features *reference,
-            const struct warp_options *options, size_t *at) {
+            const struct warp_options *options, size_t *at, size_t *until) {
     struct table t = {.a = recording, .b = reference, .options = options};
     size_t n = reference->count, last = recording->count - 1;
     float best = FAR;
@@ -151,6 +170,12 @@ double warp(const struct features *recording, const struct features *reference,
     for (size_t j = 0; j < n; j++)
         t.before[j] = FAR;
     for (size_t i = 0; i < recording->count; i++) {
+        if (options->stop && atomic_load_explicit(options->stop, memory_order_relaxed)) {
+            best = FAR;
+            break;
+        }
+        t.limit = i ? t.least + BEAM : FAR;
+        t.least = FAR;
         for (size_t g = 0; g < options->gap_count; g++)
             step_gap(&t, i, g);
         for (size_t j = 0; j < n; j++)
@@ -169,8 +194,9 @@ double warp(const struct features *recording, const struct features *reference,
         t.gap_before = swap;
     }
     memset(at, 0, (n + 1) * sizeof *at);
+    memset(until, 0, n * sizeof *until);
     if (best < FAR)
-        trace(&t, last, at);
+        trace(&t, last, at, until);
     table_close(&t);
     return best < FAR ? best : -1;
 }

@@ -6,19 +6,25 @@
 #define FACCIA_ALIGN_WARP_H
 
 #include "server/align/mfcc.h"
+#include <stdatomic.h>
 
 struct warp_options {
     /* Frames of the reference before which the recording may pause: the words' beginnings, in order. */
     const size_t *gaps;
     size_t gap_count;
-    bool open_end; /* the recording may go on after the reference's last frame */
+    const atomic_bool *stop; /* NULL, or true when nobody wants the result any more */
+    bool open_end;           /* the recording may go on after the reference's last frame */
 };
 
-/* at[j] for each frame j of the reference, and at[reference->count]: the frame of the recording at which it
- * begins. Never decreases. Returns the mean distance along the path, or a negative number when the recording
- * is too short to hold the reference (fewer than a third of its frames). Memory: about recording->count *
- * (reference->count + gap_count) bytes. */
+/* How far two frames are from each other. */
+float warp_distance(const float *x, const float *y);
+
+/* For each frame j of the reference the frames of the recording from at[j] to until[j], exclusive; what lies
+ * between until[j] and at[j + 1] is a pause that the reference does not have. at[reference->count] is the
+ * end. Neither decreases. Returns the mean distance along the path, or a negative number when the recording
+ * is too short to hold the reference (fewer than a third of its frames), or it was stopped. Memory: about
+ * recording->count * (reference->count + gap_count) bytes. */
 double warp(const struct features *recording, const struct features *reference,
-            const struct warp_options *options, size_t *at);
+            const struct warp_options *options, size_t *at, size_t *until);
 
 #endif

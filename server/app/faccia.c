@@ -20,6 +20,7 @@ static const struct {
     {"stimuli", stimuli_main, "make a listening test: speech in noise, with and without a face"},
     {"anova", anova_main, "analyse the results of such a test"},
     {"fit", fit_main, "make a speech pack from recordings of a speaker"},
+    {"align", align_main, "times and face of a recording with its text"},
     {"life", life_main, "what the face does of itself, in figures"},
     {"check", check_main, "tell what in a text with markup would not be acted on"},
     {"token", token_main, "sign a token for a daemon that demands them"},

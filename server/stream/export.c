@@ -34,7 +34,18 @@ static void wav_end(struct export *x) {
     (void)x;
 }
 
+static void fap_header(struct export *x, uint32_t frames) {
+    char header[256];
+    size_t length = fapfile_write_header("faccia", x->fps, frames, header, sizeof header);
+    buf_reserve(&x->out, length);
+    memmove(x->out.data + length, x->out.data, x->out.size);
+    memcpy(x->out.data, header, length);
+    x->out.size += length;
+}
+
 static void fap_scene(struct export *x, const struct scene *scene) {
+    if (!x->scenes && x->source.frames)
+        fap_header(x, x->source.frames);
     uint32_t end = frame_from_sample((uint64_t)scene->start + scene->utterance->samples,
                                      scene->utterance->sample_rate, x->fps);
     for (; x->frames < end; x->frames++) {
@@ -47,14 +58,10 @@ static void fap_scene(struct export *x, const struct scene *scene) {
     }
 }
 
-/* The header tells the number of frames, so it comes last and is put in front. */
+/* The header tells the number of frames: unless that was known, it comes last and is put in front. */
 static void fap_end(struct export *x) {
-    char header[256];
-    size_t length = fapfile_write_header("faccia", x->fps, x->frames, header, sizeof header);
-    buf_reserve(&x->out, length);
-    memmove(x->out.data + length, x->out.data, x->out.size);
-    memcpy(x->out.data, header, length);
-    x->out.size += length;
+    if (!x->source.frames)
+        fap_header(x, x->frames);
 }
 
 const struct export_format export_formats[] = {
@@ -74,8 +81,17 @@ const struct export_format *export_by_name(const char *name) {
     return NULL;
 }
 
+void export_begin_from(struct export *x, const struct export_format *format,
+                       const struct export_source *source) {
+    *x = (struct export){.format = format, .source = *source, .fps = source->fps};
+}
+
 void export_begin(struct export *x, const struct export_format *format, const struct speech *speech) {
-    *x = (struct export){.format = format, .speech = speech, .fps = speech_request(speech)->fps};
+    const struct speech_request *request = speech_request(speech);
+    const struct export_source source = {request->text,         speech_lang(speech), speech_voice(speech)->id,
+                                         speech_engine(speech), request->fps,        0};
+    export_begin_from(x, format, &source);
+    x->speech = speech;
 }
 
 void export_begin_play(struct export *x, const struct export_format *format, const char *name) {

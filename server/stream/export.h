@@ -22,6 +22,13 @@ struct export_format {
     void (*free)(struct export *x);                           /* of its coder; NULL: it has none */
 };
 
+/* What is written down about where the scenes come from. Borrowed. */
+struct export_source {
+    const char *text, *lang, *voice, *engine;
+    double fps;
+    uint32_t frames; /* that there will be; 0 = not known. When it is, faces stream, too. */
+};
+
 /* The state of one export. Bytes that are ready lie in out; the owner takes them from its head. */
 struct export {
     const struct export_format *format;
@@ -29,6 +36,7 @@ struct export {
     const struct speech *speech; /* NULL: a recording */
     const char *play;            /* its name */
     void *coder;                 /* the format's own */
+    struct export_source source;
     double fps;
     uint32_t samples, sample_rate, frames; /* so far */
     size_t scenes;
@@ -45,6 +53,10 @@ void export_begin(struct export *x, const struct export_format *format, const st
 
 /* Of a recording. fps may be set later, before the first scene. */
 void export_begin_play(struct export *x, const struct export_format *format, const char *name);
+
+/* The same for scenes that no speech made. */
+void export_begin_from(struct export *x, const struct export_format *format,
+                       const struct export_source *source);
 void export_scene(struct export *x, const struct scene *scene);
 void export_warning(struct export *x, const struct error *e);
 void export_end(struct export *x);

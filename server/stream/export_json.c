@@ -27,8 +27,8 @@ static void add_member(struct buf *list, bool first, json_t *object) {
 
 /* All but the brace that would end the object. */
 static void open_object(struct export *x) {
-    json_t *head = json_pack("{ss ss ss sf}", "lang", speech_lang(x->speech), "voice",
-                             speech_voice(x->speech)->id, "engine", speech_engine(x->speech), "fps", x->fps);
+    json_t *head = json_pack("{ss ss ss sf}", "lang", x->source.lang, "voice", x->source.voice, "engine",
+                             x->source.engine, "fps", x->fps);
     json_dump_callback(head, append, &x->out, JSON_COMPACT | JSON_REAL_PRECISION(REAL_DIGITS));
     json_decref(head);
     x->out.size--;
@@ -37,7 +37,7 @@ static void open_object(struct export *x) {
 
 void export_json_scene(struct export *x, const struct scene *scene) {
     const struct utterance *u = scene->utterance;
-    const char *text = speech_request(x->speech)->text;
+    const char *text = x->source.text;
     uint64_t start = (uint64_t)scene->start;
     uint32_t rate = u->sample_rate;
     if (!x->scenes)

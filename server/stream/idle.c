@@ -10,6 +10,7 @@ struct idle {
     struct idle_options options;
     struct face_track *track;
     uint64_t begin; /* loop time of the idle clock's 0, ms */
+    bool begun;     /* the first chunk has been made: it is the clock's 0, however late it came */
 };
 
 struct idle *idle_new(const struct studio *studio, const struct idle_options *options,
@@ -20,7 +21,7 @@ struct idle *idle_new(const struct studio *studio, const struct idle_options *op
                                 .expressions = studio->expressions,
                                 .mood = mood};
     struct idle *idle = mem_alloc(sizeof *idle);
-    *idle = (struct idle){*options, face_track_idle(&face), now};
+    *idle = (struct idle){*options, face_track_idle(&face), now, false};
     return idle;
 }
 
@@ -42,8 +43,9 @@ double idle_time(const struct idle *idle, uint64_t at) {
 
 void idle_chunk(struct idle *idle, uint64_t at, double life, struct chunk *chunk, struct fap_frame *frames) {
     uint64_t start = (at - idle->begin) * IDLE_SAMPLE_RATE / 1000;
-    if (start > UINT32_MAX - SAMPLES) {
+    if (!idle->begun || start > UINT32_MAX - SAMPLES) {
         idle->begin = at;
+        idle->begun = true;
         start = 0;
     }
     double fps = idle->options.fps;

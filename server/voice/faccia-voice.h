@@ -32,6 +32,8 @@ enum {
     FACCIA_VOICE_EMOTION = 1u << 7,
     FACCIA_VOICE_UNTIMED = 1u << 8, /* may deliver audio without phones or words: whoever wants their times
                                        has to find them in the audio */
+    FACCIA_VOICE_FRESH = 1u << 9, /* the same sentence may sound otherwise another time: it is not to be kept
+                                     for when it is asked for again */
 };
 
 /* One voice. id is unique inside the plugin: the world sees "PLUGIN:ID". */

@@ -294,6 +294,9 @@ static struct plugin *plugin_of(struct voice_pool *pool, const struct voice *voi
 static bool look_up(struct voice_job *job) {
     struct voice_pool *pool = job->plugin->pool;
     const struct faccia_sentence sentence = {job->voice->id, job->plan.spans, job->plan.span_count};
+    job->uncacheable = job->voice->capabilities & FACCIA_VOICE_FRESH;
+    if (job->uncacheable)
+        return false;
     wire_put_string(&job->key, job->plugin->edition);
     wire_put_string(&job->key, job->plugin->config);
     wire_put_sentence(&job->key, &sentence);

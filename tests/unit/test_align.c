@@ -69,7 +69,7 @@ static void try(double speed, double pitch, int before, size_t pause, bool open_
     int16_t *reference = words(forwards, 1, 120, SYLLABLES, 0, &b);
     starts(gaps, 1);
     struct align_sound x = {recording, a, RATE}, y = {reference, b, RATE};
-    assert_int_equal(align_make(&map, &x, &y, gaps, SYLLABLES, open_end), 0);
+    assert_int_equal(align_make(&map, &x, &y, &(struct align_options){gaps, SYLLABLES, open_end, NULL}), 0);
     assert_true(worst(&map, speed, before, pause) <= allowed);
     for (uint64_t t = 0, last = 0; t < b; t += 50) {
         uint64_t now = align_time(&map, t);
@@ -110,8 +110,8 @@ static void other_words(void **state) {
             *foreign = words(others, 0.9, 140, SYLLABLES, 0, &c);
     starts(gaps, 1);
     struct align_sound x = {mine, a, RATE}, y = {reference, b, RATE}, z = {foreign, c, RATE};
-    assert_int_equal(align_make(&same, &x, &y, gaps, SYLLABLES, false), 0);
-    assert_int_equal(align_make(&wrong, &z, &y, gaps, SYLLABLES, false), 0);
+    assert_int_equal(align_make(&same, &x, &y, &(struct align_options){gaps, SYLLABLES, false, NULL}), 0);
+    assert_int_equal(align_make(&wrong, &z, &y, &(struct align_options){gaps, SYLLABLES, false, NULL}), 0);
     assert_true(wrong.distance > 1.3 * same.distance);
     align_free(&same);
     align_free(&wrong);
@@ -130,7 +130,7 @@ static void open_end(void **state) {
             *reference = words(forwards, 1, 120, SYLLABLES, 0, &b);
     struct align_sound x = {recording, a, RATE}, y = {reference, (size_t)7 * SYLLABLE, RATE};
     starts(gaps, 1);
-    assert_int_equal(align_make(&map, &x, &y, gaps, 7, true), 0);
+    assert_int_equal(align_make(&map, &x, &y, &(struct align_options){gaps, 7, true, NULL}), 0);
     double end = (double)align_time(&map, y.samples) / RATE, truth = 7.0 * SYLLABLE / RATE;
     assert_true(fabs(end - truth) < 0.05);
     align_free(&map);
@@ -145,14 +145,14 @@ static void far_too_short(void **state) {
     int16_t *recording = words(forwards, 1, 140, SYLLABLES, 0, &a),
             *reference = words(forwards, 1, 120, SYLLABLES, 0, &b);
     struct align_sound x = {recording, a / 4, RATE}, y = {reference, b, RATE}, none = {recording, 0, RATE};
-    assert_int_equal(align_make(&map, &x, &y, NULL, 0, false), -1);
+    assert_int_equal(align_make(&map, &x, &y, &(struct align_options){NULL, 0, false, NULL}), -1);
     align_free(&map);
-    assert_int_equal(align_make(&map, &none, &y, NULL, 0, false), -1);
+    assert_int_equal(align_make(&map, &none, &y, &(struct align_options){NULL, 0, false, NULL}), -1);
     align_free(&map);
     /* and silence, which is nothing to go by, is taken without harm */
     memset(recording, 0, a * sizeof *recording);
     struct align_sound silence = {recording, a, RATE};
-    align_make(&map, &silence, &silence, NULL, 0, false);
+    align_make(&map, &silence, &silence, &(struct align_options){NULL, 0, false, NULL});
     align_free(&map);
     free(recording);
     free(reference);

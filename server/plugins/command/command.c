@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The command voice plugin: programs that its configuration names speak. */
 #include "server/base/mem.h"
+#include "server/plugins/command/align.h"
 #include "server/plugins/command/config.h"
 #include "server/plugins/command/run.h"
 #include "server/plugins/command/sound.h"
@@ -19,6 +20,7 @@
 struct command {
     struct cm_voices voices;
     struct cm_stop stop;
+    struct cm_aligner aligner;
 };
 
 /* One sentence on its way. */
@@ -138,10 +140,10 @@ static uint64_t sample_of(const struct speaking *s, double seconds) {
     return s->at + (uint64_t)(seconds * s->rate + 0.5);
 }
 
-static int give_phones(const struct speaking *s, const struct cm_times *times) {
+static int give_phones(const struct speaking *s, const struct times *times) {
     int stop = 0;
     for (size_t i = 0; i < times->phone_count && !stop; i++) {
-        const struct cm_phone *p = &times->phones[i];
+        const struct times_phone *p = &times->phones[i];
         stop = s->sink->phone(s->sink->ctx, &(struct faccia_phone){p->ipa, p->name, sample_of(s, p->start),
                                                                    sample_of(s, p->end), p->stress});
     }
@@ -149,12 +151,12 @@ static int give_phones(const struct speaking *s, const struct cm_times *times) {
 }
 
 /* Words are looked for in the span's text, one after the other; those that are not found are not told. */
-static int give_words(const struct speaking *s, uint32_t span, const struct cm_times *times) {
+static int give_words(const struct speaking *s, uint32_t span, const struct times *times) {
     const char *text = s->sentence->spans[span].text;
     size_t at = 0;
     int stop = 0;
     for (size_t i = 0; i < times->word_count && !stop; i++) {
-        const struct cm_word *w = &times->words[i];
+        const struct times_word *w = &times->words[i];
         const char *found = *w->text ? strstr(text + at, w->text) : NULL;
         if (!found)
             continue;
@@ -166,34 +168,52 @@ static int give_words(const struct speaking *s, uint32_t span, const struct cm_t
     return stop;
 }
 
-static enum outcome give_times(struct speaking *s, uint32_t index, struct buf *written) {
-    struct cm_times times = {0};
-    const struct faccia_span *span = &s->sentence->spans[index];
+/* The times that the program tells. */
+static enum cm_result told_times(const struct speaking *s, const struct faccia_span *span,
+                                 struct times *times) {
+    struct buf written = {0};
+    struct error e;
     enum cm_result result = CM_DONE;
     if (s->voice->timing.argv)
-        result = run(s, s->voice->timing.argv, span, span->text, s->voice->feed, written);
-    else if (take_file(s, s->times, written) < 0)
+        result = run(s, s->voice->timing.argv, span, span->text, s->voice->feed, &written);
+    else if (take_file(s, s->times, &written) < 0)
         result = CM_FAILED;
-    buf_add(written, "", 1);
-    if (result == CM_DONE && cm_times_parse(&times, &s->voice->timing, (char *)written->data,
-                                            written->size - 1, s->message, s->cap) < 0)
+    if (result == CM_DONE &&
+        times_read(times, &s->voice->timing.options, (char *)written.data, written.size, &e)) {
+        char text[320];
+        if (e.place == PLACE_LINE)
+            snprintf(s->message, s->cap, "the times, line %zu: %s", e.line, e.message);
+        else
+            snprintf(s->message, s->cap, "the times: %s", error_text(&e, text, sizeof text));
         result = CM_FAILED;
-    enum outcome outcome = outcome_of(result);
+    }
+    buf_free(&written);
+    return result;
+}
+
+static enum outcome give_times(struct speaking *s, uint32_t index, const struct cm_sound *sound) {
+    struct times times = {0};
+    const struct faccia_span *span = &s->sentence->spans[index];
+    enum outcome outcome = SPOKEN;
+    char text[200];
+    if (s->voice->timing.given)
+        outcome = outcome_of(told_times(s, span, &times));
+    else if (cm_align(&s->self->aligner, sound, span->text, &s->voice->info, &s->self->stop.stopped, &times,
+                      text, sizeof text))
+        s->sink->warning(s->sink->ctx, text);
     if (*times.unnamed) {
-        char text[120];
         snprintf(text, sizeof text, "the voice's table has no IPA for the phone \"%s\"", times.unnamed);
         s->sink->warning(s->sink->ctx, text);
     }
     if (outcome == SPOKEN && (give_phones(s, &times) || give_words(s, index, &times)))
         outcome = STOPPED;
-    cm_times_free(&times);
+    times_free(&times);
     return outcome;
 }
 
 /* Hands out one run's sound and times. */
 static enum outcome give(struct speaking *s, uint32_t span, const struct buf *bytes) {
     struct cm_sound sound;
-    struct buf written = {0};
     char why[160];
     if (cm_sound_read(&sound, bytes->data, bytes->size, s->voice->raw, why, sizeof why) < 0) {
         snprintf(s->message, s->cap, "\"%.60s\" %s", json_string_value(json_array_get(s->voice->argv, 0)),
@@ -202,8 +222,7 @@ static enum outcome give(struct speaking *s, uint32_t span, const struct buf *by
     }
     s->rate = sound.rate;
     bool stop = !s->at && !give_silence(s, s->silence);
-    enum outcome outcome = stop ? STOPPED : s->voice->timing.given ? give_times(s, span, &written) : SPOKEN;
-    buf_free(&written);
+    enum outcome outcome = stop ? STOPPED : give_times(s, span, &sound);
     if (outcome == SPOKEN && s->sink->audio(s->sink->ctx, sound.samples, sound.count, sound.rate))
         outcome = STOPPED;
     s->at += sound.count;
@@ -294,6 +313,7 @@ static void cm_list(void *ctx, void (*each)(void *ctx, const struct faccia_voice
 static void cm_close(void *ctx) {
     struct command *self = ctx;
     cm_config_free(&self->voices);
+    cm_aligner_close(&self->aligner);
     cm_stop_close(&self->stop);
     free(self);
 }

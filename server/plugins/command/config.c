@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/plugins/command/config.h"
 #include "server/base/mem.h"
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -97,14 +96,47 @@ static int read_argv(const struct check *c, const json_t *object, struct cm_voic
     return 0;
 }
 
+/* The setting "times". -1 with the field in it that is wrong, and what is wrong. */
+static int read_times(struct cm_timing *timing, const json_t *setting, const char **field,
+                      const char **what) {
+    const char *format = json_string_value(json_object_get(setting, "format")), *name;
+    size_t i = 0, k;
+    json_t *value;
+    *timing = (struct cm_timing){.given = true, .argv = json_object_get(setting, "argv")};
+    timing->options.tier = json_string_value(json_object_get(setting, "tier"));
+    timing->options.names = json_object_get(setting, "names");
+    *field = "";
+    *what = "wanted is an object";
+    if (!json_is_object(setting))
+        return -1;
+    *field = ".format";
+    *what = "wanted is \"lab\", \"htk\", \"textgrid\" or \"json\"";
+    while (i < TIMES_OFFSETS && (!format || strcmp(format, times_format_names[i]) != 0))
+        i++;
+    if (i == TIMES_OFFSETS)
+        return -1;
+    timing->options.format = (enum times_format)i;
+    *field = ".argv";
+    *what = "wanted is a list of texts, the program and its arguments";
+    if (timing->argv && !json_array_size(timing->argv))
+        return -1;
+    json_array_foreach(timing->argv, k, value) if (!json_is_string(value)) return -1;
+    *field = ".names";
+    *what = "wanted is an object with an IPA text for each of the program's names";
+    if (timing->options.names && !json_is_object(timing->options.names))
+        return -1;
+    json_object_foreach((json_t *)timing->options.names, name, value) if (!json_is_string(value)) return -1;
+    return 0;
+}
+
 static int read_timing(const struct check *c, const json_t *object, struct cm_voice *v) {
     const json_t *times = json_object_get(object, "times");
-    char field[48], what[96];
+    const char *field, *what;
     if (!times)
         return 0;
-    if (cm_timing_read(&v->timing, times, field, sizeof field, what, sizeof what) < 0) {
-        char full[64];
-        snprintf(full, sizeof full, "times%s%s", *field ? "." : "", field);
+    if (read_times(&v->timing, times, &field, &what)) {
+        char full[32];
+        snprintf(full, sizeof full, "times%s", field);
         return wrong(c, full, what);
     }
     if (!v->timing.argv && !mentions(v->argv, "{times}"))

@@ -3,8 +3,17 @@
 #ifndef FACCIA_PLUGINS_COMMAND_CONFIG_H
 #define FACCIA_PLUGINS_COMMAND_CONFIG_H
 
-#include "server/plugins/command/times.h"
+#include "server/align/times.h"
 #include "server/voice/faccia-voice.h"
+#include <stdbool.h>
+
+/* How a program tells its times. */
+struct cm_timing {
+    bool given;
+    struct times_options options;
+    const json_t
+        *argv; /* a second program that writes them to its standard output; NULL = in the file {times} */
+};
 
 struct cm_voice {
     struct faccia_voice_info info;

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Synthetic speech to align recordings to: a voice plugin, loaded into this process, speaks into memory. Its
+ * engine may keep its state in globals (espeak-ng does), so one at a time. */
+#ifndef FACCIA_ALIGN_REFERENCE_H
+#define FACCIA_ALIGN_REFERENCE_H
+
+#include "server/base/error.h"
+#include "server/voice/utterance.h"
+
+/* What was spoken, times in its samples. */
+struct reference_phone {
+    char ipa[PHONE_NAME_BYTES]; /* "" = a pause */
+    uint8_t stress;
+    uint64_t start, end;
+};
+
+struct reference_word {
+    size_t from, to; /* bytes of the text */
+    uint64_t start;
+};
+
+struct reference_speech {
+    int16_t *pcm; /* mono */
+    size_t samples, pcm_cap;
+    uint32_t rate;
+    struct reference_phone *phones;
+    size_t phone_count, phone_cap;
+    struct reference_word *words;
+    size_t word_count, word_cap;
+};
+
+struct reference;
+
+/* Where a reference comes from; loaded when it is first needed. */
+struct reference_slot {
+    char path[4096]; /* of the plugin */
+    struct reference *reference;
+};
+struct reference *reference_get(struct reference_slot *slot, struct error *e); /* as reference_open */
+
+/* path: the plugin. NULL with *e ("no-reference"). */
+struct reference *reference_open(const char *path, struct error *e);
+void reference_close(struct reference *reference);
+
+/* The path of the plugin that makes references, espeak, beside the plugin that this
+ * is part of.
+ */
+void reference_path(char *out, size_t cap);
+
+/* The best voice of that language and gender ("female", "male"), "" when there is none for the language, or
+ * none of that gender. Good while the reference is open. */
+const char *reference_voice(const struct reference *reference, const char *lang, const char *gender);
+
+/* Speaks text[from..to), behind what is in out already. -1 with *e. */
+int reference_speak(struct reference *reference, const char *voice, const char *text, size_t from, size_t to,
+                    struct reference_speech *out, struct error *e);
+void reference_clear(struct reference_speech *speech); /* keeps the memory */
+void reference_free(struct reference_speech *speech);
+
+#endif

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The words of a text as what they are compared by: letters and digits without case, accents and
+ * punctuation, so that a text finds its place in another edition of itself. */
+#ifndef FACCIA_ALIGN_TOKENS_H
+#define FACCIA_ALIGN_TOKENS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+struct token {
+    size_t from, to; /* bytes of the text */
+    uint64_t hash;   /* of its normal form */
+};
+
+struct tokens {
+    struct token *list;
+    size_t count, cap;
+};
+
+/* Adds the words of UTF-8 text, their bytes counted from `base`. */
+void tokens_add(struct tokens *tokens, const char *text, size_t size, size_t base);
+void tokens_free(struct tokens *tokens);
+
+/* The first place at or after `from` where the sequence stands, or SIZE_MAX. */
+size_t tokens_find(const struct tokens *in, const struct token *sequence, size_t count, size_t from);
+
+/* How many words of the sequence stand at the place where most of it does, and that place in *at. */
+size_t tokens_longest(const struct tokens *in, const struct token *sequence, size_t count, size_t *at);
+
+#endif

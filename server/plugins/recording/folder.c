@@ -1,0 +1,248 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/plugins/recording/folder.h"
+#include "server/base/buf.h"
+#include "server/base/mem.h"
+#include <dirent.h>
+#include <errno.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <unistd.h>
+
+#define CODE "bad-config"
+#define OWN_TIMES ".timing.json"
+
+enum { FILE_BYTES_MAX = 256 << 20 };
+
+static const char *const sound_endings[] = {".wav", ".flac", ".ogg", ".oga", ".opus", ".mp3",
+                                            ".aif", ".aiff", ".au",  ".w64", NULL};
+static const char *const times_endings[] = {".TextGrid", ".textgrid", ".lab", ".mlf", ".times", NULL};
+
+static char *join(const char *a, const char *b, const char *c, const char *d) {
+    struct buf out = {0};
+    buf_printf(&out, "%s%s%s%s", a, b, c, d);
+    buf_add(&out, "", 1);
+    return (char *)out.data;
+}
+
+static int read_file(const char *path, struct buf *out, struct error *e) {
+    FILE *file = fopen(path, "rb");
+    size_t got = 1;
+    while (file && got && out->size < FILE_BYTES_MAX) {
+        got = fread(buf_reserve(out, 65536), 1, 65536, file);
+        out->size += got;
+    }
+    bool failed = !file || ferror(file) || out->size >= FILE_BYTES_MAX;
+    if (failed)
+        error_set(e, CODE, "%.180s: %s", path, file && !ferror(file) ? "is too large" : strerror(errno));
+    if (file)
+        fclose(file);
+    return failed ? -1 : 0;
+}
+
+/* A member of a description that is a text, or the default. false when it is something else. */
+static bool text_of(const json_t *root, const char *key, const char *otherwise, char **out, const char *path,
+                    struct error *e) {
+    const json_t *value = json_object_get(root, key);
+    if (value && !json_string_length(value)) {
+        error_set(e, CODE, "%.160s: %s: wanted is a text", path, key);
+        return false;
+    }
+    *out = mem_strdup(value ? json_string_value(value) : otherwise);
+    return true;
+}
+
+static int describe(struct recorded *r, const char *path, const char *lang, struct error *e) {
+    static const char *const known[] = {"name", "lang", "gender", "quality", "licence", "names", NULL};
+    json_error_t why;
+    json_t *root = access(path, F_OK) ? json_object() : json_load_file(path, JSON_REJECT_DUPLICATES, &why);
+    const char *key;
+    json_t *value;
+    bool well = json_is_object(root);
+    if (!root)
+        error_set(e, CODE, "%.160s:%d:%d: %.60s", path, why.line, why.column, why.text);
+    else if (!well)
+        error_set(e, CODE, "%.160s: wanted is an object", path);
+    json_object_foreach(root, key, value) {
+        const char *const *k = known;
+        while (*k && strcmp(*k, key) != 0)
+            k++;
+        if (!*k && well) {
+            error_set(e, CODE, "%.160s: %.40s: there is no such setting", path, key);
+            well = false;
+        }
+    }
+    well = well && text_of(root, "name", r->id, &r->name, path, e) &&
+           text_of(root, "lang", lang, &r->lang, path, e) &&
+           text_of(root, "gender", "neutral", &r->gender, path, e) &&
+           text_of(root, "quality", "recorded", &r->quality, path, e) &&
+           text_of(root, "licence", "LicenseRef-unknown", &r->licence, path, e);
+    if (well && json_object_get(root, "names")) {
+        r->names = json_incref(json_object_get(root, "names"));
+        well = json_is_object(r->names);
+        if (!well)
+            error_set(e, CODE, "%.160s: names: wanted is an object with an IPA text for each name", path);
+    }
+    json_decref(root);
+    return well ? 0 : -1;
+}
+
+static void free_recorded(struct recorded *r) {
+    reading_free(r->reading);
+    json_decref(r->names);
+    char *const texts[] = {r->id, r->sound, r->text, r->name, r->lang, r->gender, r->quality, r->licence};
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
+        free(texts[i]);
+}
+
+/* Adds the file if it is a sound with a transcript. */
+static int add(struct folder *f, const char *file, const char *lang, struct error *e) {
+    const char *dot = strrchr(file, '.');
+    const char *const *ending = sound_endings;
+    while (*ending && dot && strcasecmp(*ending, dot) != 0)
+        ending++;
+    if (!dot || !*ending || dot == file)
+        return 0;
+    struct recorded r = {.id = mem_strndup(file, (size_t)(dot - file))};
+    r.sound = join(f->path, "/", file, "");
+    r.text = join(f->path, "/", r.id, ".txt");
+    char *description = join(f->path, "/", r.id, ".json");
+    bool there = !access(r.text, R_OK) && !folder_find(f, r.id) && f->count < FOLDER_RECORDINGS_MAX;
+    int result = there ? describe(&r, description, lang, e) : 0;
+    free(description);
+    if (!there || result) {
+        free_recorded(&r);
+        return result;
+    }
+    struct error unread;
+    struct sound_file *sound = sound_open(r.sound, &unread);
+    r.rate = sound ? sound_source(sound)->rate : 0;
+    sound_close(sound);
+    f->list = mem_grow(f->list, &f->cap, f->count + 1, sizeof *f->list);
+    f->list[f->count++] = r;
+    return 0;
+}
+
+int folder_open(struct folder *f, const char *path, const char *cache, const char *lang, struct error *e) {
+    *f = (struct folder){.path = mem_strdup(path), .cache = cache ? mem_strdup(cache) : NULL};
+    struct dirent **entries;
+    int count = scandir(path, &entries, NULL, alphasort), result = 0;
+    if (count < 0)
+        return error_in_field(e, CODE, "folder", "%.150s: %s", path, strerror(errno));
+    for (int i = 0; i < count; i++) {
+        if (!result)
+            result = add(f, entries[i]->d_name, lang, e);
+        free(entries[i]);
+    }
+    free(entries);
+    return result;
+}
+
+void folder_close(struct folder *f) {
+    for (size_t i = 0; i < f->count; i++)
+        free_recorded(&f->list[i]);
+    free(f->list);
+    free(f->path);
+    free(f->cache);
+    *f = (struct folder){0};
+}
+
+struct recorded *folder_find(const struct folder *f, const char *id) {
+    for (size_t i = 0; i < f->count; i++)
+        if (!strcmp(f->list[i].id, id))
+            return &f->list[i];
+    return NULL;
+}
+
+static char *own_times(const struct folder *f, const struct recorded *r) {
+    return join(f->cache ? f->cache : f->path, "/", r->id, OWN_TIMES);
+}
+
+/* The path of the times that lie there, or NULL. *own: found by alignment, perhaps of another text. */
+static char *find_times(const struct folder *f, const struct recorded *r, bool *own) {
+    *own = false;
+    for (const char *const *ending = times_endings; *ending; ending++) {
+        char *path = join(f->path, "/", r->id, *ending);
+        if (!access(path, F_OK))
+            return path;
+        free(path);
+    }
+    char *path = own_times(f, r);
+    *own = true;
+    if (!access(path, F_OK))
+        return path;
+    free(path);
+    return NULL;
+}
+
+static int load_times(const struct recorded *r, const char *path, const struct speech_packs *packs,
+                      struct times *times, struct error *e) {
+    struct buf data = {0};
+    struct times_options options = {
+        .format = TIMES_GUESS, .entry = r->id, .names = r->names, .pack = speech_packs_find(packs, r->lang)};
+    struct error why;
+    int result = read_file(path, &data, e);
+    if (!result && times_read(times, &options, (char *)data.data, data.size, &why)) {
+        char text[320];
+        const char *slash = strrchr(path, '/');
+        result = error_set(e, why.code, "%.80s:%.160s", slash + 1, error_text(&why, text, sizeof text));
+    }
+    buf_free(&data);
+    return result;
+}
+
+static bool outdated(const char *path, const struct buf *text, const struct recorded *r) {
+    struct buf data = {0};
+    struct error e;
+    struct sound_file *sound = sound_open(r->sound, &e);
+    bool old = sound && !read_file(path, &data, &e) &&
+               !reading_is_of((char *)data.data, data.size, (char *)text->data, text->size,
+                              sound_source(sound)->samples);
+    sound_close(sound);
+    buf_free(&data);
+    return old;
+}
+
+int folder_load(const struct folder *f, struct recorded *r, struct reference_slot *reference,
+                const struct speech_packs *packs, const atomic_bool *stop, struct error *e) {
+    struct buf text = {0};
+    struct times times = {0};
+    bool own;
+    int result = read_file(r->text, &text, e);
+    size_t skip = text.size >= 3 && !memcmp(text.data, "\xEF\xBB\xBF", 3) ? 3 : 0;
+    char *path = result ? NULL : find_times(f, r, &own);
+    if (path && own && outdated(path, &text, r)) {
+        free(path);
+        path = NULL;
+    }
+    if (path)
+        result = load_times(r, path, packs, &times, e);
+    if (!result) {
+        const struct reading_options options = {.sound = r->sound,
+                                                .text = text.size ? (char *)text.data + skip : "",
+                                                .text_size = text.size - skip,
+                                                .lang = r->lang,
+                                                .gender =
+                                                    strcmp(r->gender, "neutral") != 0 ? r->gender : NULL,
+                                                .times = path ? &times : NULL,
+                                                .reference = reference,
+                                                .stop = stop};
+        r->reading = reading_open(&options, e);
+        result = r->reading ? 0 : -1;
+    }
+    times_free(&times);
+    free(path);
+    buf_free(&text);
+    return result;
+}
+
+int folder_keep(const struct folder *f, const struct recorded *r, struct error *e) {
+    if (r->reading->keep_phones)
+        return 0; /* the times are the user's, and are read again */
+    char *path = own_times(f, r);
+    int result = reading_save(r->reading, path, e);
+    free(path);
+    return result;
+}

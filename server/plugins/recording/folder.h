@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A folder of recordings: every sound NAME.wav (.flac, .ogg, .opus, .mp3, .aiff) with its transcript NAME.txt
+ * is a voice NAME. Beside them may lie NAME.json, which describes it, and a file of times (NAME.timing.json,
+ * .TextGrid, .lab, .mlf, .times). */
+#ifndef FACCIA_PLUGINS_RECORDING_FOLDER_H
+#define FACCIA_PLUGINS_RECORDING_FOLDER_H
+
+#include "server/align/reading.h"
+#include "server/face/packs.h"
+
+enum { FOLDER_RECORDINGS_MAX = 10000 };
+
+struct recorded {
+    char *id, *sound, *text;                        /* its name; paths */
+    char *name, *lang, *gender, *quality, *licence; /* as voices have them */
+    json_t *names;                                  /* the times' names -> IPA, or NULL */
+    uint32_t rate;                                  /* Hz; 0 = the sound cannot be read */
+    struct reading *reading;                        /* NULL = not loaded */
+    uint64_t used;                                  /* when it was spoken last; larger is later */
+    size_t next;                                    /* the word after the last one spoken */
+};
+
+struct folder {
+    char *path, *cache; /* cache: where alignments are kept; NULL = beside the sound */
+    struct recorded *list;
+    size_t count, cap;
+};
+
+/* lang: of recordings that do not tell theirs. -1 with *e ("bad-config"): the folder cannot be read, or a
+ * description is wrong. */
+int folder_open(struct folder *folder, const char *path, const char *cache, const char *lang,
+                struct error *e);
+void folder_close(struct folder *folder);
+struct recorded *folder_find(const struct folder *folder, const char *id);
+
+/* Loads transcript and times. packs may be empty. -1 with *e. */
+int folder_load(const struct folder *folder, struct recorded *r, struct reference_slot *reference,
+                const struct speech_packs *packs, const atomic_bool *stop, struct error *e);
+
+/* Keeps what was found by alignment. -1 with *e. */
+int folder_keep(const struct folder *folder, const struct recorded *r, struct error *e);
+
+#endif

@@ -1,0 +1,368 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Recordings with their texts: found by alignment, measured where the truth is known; times from files; voices of a folder.
+import assert from 'node:assert/strict';
+import { spawn, spawnSync } from 'node:child_process';
+import { once } from 'node:events';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { errors } from '../lib/boundaries.mjs';
+import { build, Daemon } from '../lib/daemon.mjs';
+import { checkOrder, largestStep, phones, say, words } from '../lib/speech.mjs';
+import { austen, manzoni } from '../lib/texts.mjs';
+
+// What takes minutes with the sanitizers is done with the ordinary build, which lies around the models.
+const ordinary = process.env.FACCIA_MODELS ? path.dirname(process.env.FACCIA_MODELS) : build;
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+const file = (name) => path.join(folder, name);
+const write = (name, data) => {
+  fs.mkdirSync(path.dirname(file(name)), { recursive: true });
+  fs.writeFileSync(file(name), data);
+  return file(name);
+};
+const run = (args, from = build, env = {}) => {
+  const { status, stdout, stderr } = spawnSync(path.join(from, 'server/app/faccia'), args, { env: { ...process.env, ...env }, maxBuffer: 1 << 28 });
+  return { status, stdout: String(stdout), stderr: String(stderr) };
+};
+/** A sound file of samples. */
+const wav = (name, pcm, rate) => {
+  const header = Buffer.alloc(44);
+  header.write('RIFF    WAVEfmt ');
+  [[4, pcm.length * 2 + 36], [16, 16], [24, rate], [28, rate * 2], [40, pcm.length * 2]].forEach(([at, value]) => header.writeUInt32LE(value, at));
+  [[20, 1], [22, 1], [32, 2], [34, 16]].forEach(([at, value]) => header.writeUInt16LE(value, at));
+  header.write('data', 36);
+  return write(name, Buffer.concat([header, Buffer.from(pcm.buffer, pcm.byteOffset, pcm.length * 2)]));
+};
+const align = (sound, text, { lang = 'it', from = build, more = [] } = {}) => {
+  const result = run(['align', sound, '--text', write('transcript.txt', text), '-l', lang, '--json', file('out.json'), ...more], from);
+  return result.status === 0 ? { ...result, json: JSON.parse(fs.readFileSync(file('out.json'))) } : result;
+};
+const aligned = (sound, text, options) => {
+  const result = align(sound, text, options);
+  assert.equal(result.status, 0, result.stderr);
+  checkOrder(result);
+  return result;
+};
+/** A voice as a recording, with what is known of it. */
+const recordings = new Map();
+const recorded = (voice, lang, text) => {
+  const key = voice + text;
+  if (!recordings.has(key)) {
+    const said = say(['-l', lang, '-v', voice], text);
+    assert.equal(said.status, 0, said.stderr);
+    recordings.set(key, { ...said, path: wav(`${recordings.size}.wav`, said.pcm, said.rate) });
+  }
+  return recordings.get(key);
+};
+const join = (...parts) => {
+  const all = new Int16Array(parts.reduce((sum, p) => sum + p.length, 0));
+  let at = 0;
+  for (const part of parts) {
+    all.set(part, at);
+    at += part.length;
+  }
+  return all;
+};
+/** Noise that is the same in every run. */
+const noise = (samples, loudness) => {
+  let state = 1;
+  return Int16Array.from({ length: samples }, () => {
+    state = (Math.imul(state, 1664525) + 1013904223) | 0;
+    return (state / 2 ** 31) * loudness;
+  });
+};
+const wordStarts = ({ json }) => Object.fromEntries(json.words.map((w) => [w.byte_start, w.start]));
+
+for (const [lang, text, voices] of [['it', manzoni, ['lp', 'pc']], ['en', austen, ['slt', 'kal']]])
+  test(`known voices in ${lang}: half of the phones begin within 20 ms, nine in ten within 50 ms`, () => {
+    let within = 0, all = 0;
+    for (const voice of voices) {
+      const truth = recorded(`festival:${voice}`, lang, text);
+      const found = aligned(truth.path, text, { lang, from: ordinary });
+      const e = errors(truth.json.phones, found.json.phones);
+      assert.ok(e.pairs > 0.75 * e.phones, `${voice}: ${e.pairs} of ${e.phones} phones are the same`);
+      assert.ok(e.median <= 20, `${voice}: median ${e.median} ms`);
+      assert.ok(e.within50 >= 0.87, `${voice}: ${e.within50}`);
+      within += e.within50 * e.pairs;
+      all += e.pairs;
+    }
+    assert.ok(within / all >= 0.9, `${within / all} within 50 ms`);
+  });
+
+const short = 'La mamma prepara il pane, e il bambino mangia una mela. Il sole tramonta presto d\'inverno.\nPippo beve il tè dopo pranzo! Dove abita la signora Bianchi?\n';
+
+test('noise and silence at the ends, and long pauses between sentences', () => {
+  const truth = recorded('festival:pc', 'it', short);
+  const { pcm, rate } = truth;
+  const quiet = (seconds) => noise(seconds * rate, 20);
+  // a pause of half a minute goes into the middle of the pause before "Il sole"
+  const at = truth.json.words.find((w) => w.text === 'Il').start, cut = Math.round((at - 0.15) * rate);
+  const parts = join(noise(1.5 * rate, 1500), quiet(4), pcm.subarray(0, cut), quiet(30), pcm.subarray(cut), quiet(3), noise(2 * rate, 1500));
+  const found = aligned(wav('pauses.wav', parts, rate), short);
+  const starts = wordStarts(found);
+  let last = 0;
+  for (const word of truth.json.words) {
+    const expected = word.start + 5.5 + (word.start >= at - 0.01 ? 30 : 0), start = starts[word.byte_start];
+    if (start === undefined) continue; // the two voices do not cut all words alike
+    assert.ok(Math.abs(start - expected) < 0.15, `${word.text} at ${start}, not ${expected}`);
+    last = start;
+  }
+  assert.ok(last > 38);
+});
+
+test('the wrong transcript is named with its place and time; one that goes wrong later, too', () => {
+  const italian = recorded('festival:pc', 'it', manzoni);
+  const wrong = align(italian.path, austen, { lang: 'en' });
+  assert.equal(wrong.status, 1);
+  assert.match(wrong.stderr, /transcript\.txt:1:\d+: the words are not those of the recording, at 0:\d\d\.\d of the recording/);
+  const [first] = manzoni.split('\n');
+  const half = align(italian.path, `${first}\n\n${manzoni.split('\n')[0].split(' ').reverse().join(' ')}\n${austen}`);
+  assert.equal(half.status, 1);
+  assert.match(half.stderr, /transcript\.txt:[3-6]:\d+: .* at 0:[2-5]\d/);
+});
+
+test('a text that goes on after the recording, and a recording that goes on after the text', () => {
+  const truth = recorded('festival:pc', 'it', manzoni);
+  const part = wav('part.wav', truth.pcm.subarray(0, 20 * truth.rate), truth.rate);
+  const more = align(part, manzoni);
+  assert.equal(more.status, 1);
+  assert.match(more.stderr, /transcript\.txt:\d+:\d+: (the recording ends before the text|the words are not those)/);
+  const less = aligned(truth.path, `${manzoni.slice(0, manzoni.indexOf('vien,'))}vien.`);
+  assert.match(less.stderr, /the recording goes on for \d+ s after its text/);
+});
+
+test('bad usage and files that are none', () => {
+  const sound = recorded('festival:pc', 'it', short).path;
+  const text = write('ok.txt', short);
+  for (const [args, status, message] of [
+    [[sound], 2, /--text or a --timing/],
+    [[], 2, /one sound/],
+    [[sound, '--text', text, '--gender', 'x'], 2, /gender/],
+    [[sound, '--text', text, '-l', 'xx'], 2, /no language 'xx'/],
+    [[sound, '--text', text, '-e', 'xx'], 2, /no engine 'xx'/],
+    [[sound, '--text', text, '--fps', '0'], 2, /fps/],
+    [[sound, '--text', file('none')], 1, /none: No such file/],
+    [[file('none.wav'), '--text', text], 1, /none\.wav: .*No such file/],
+    [[text, '--text', text], 1, /ok\.txt: /],
+    [[sound, '--text', write('bytes.txt', Buffer.from([65, 0xff]))], 1, /byte 1: the text is not UTF-8/],
+    [[sound, '--text', write('empty.txt', ' \n… —')], 1, /no words/],
+    [[sound, '--timing', write('broken.TextGrid', 'File type = "ooTextFile"\nObject class = "TextGrid"\n0 1 <exists> 1\n"IntervalTier" "a" 0 1 2\n0 1 "x"\n')], 1, /broken\.TextGrid:\d+:1: wanted is the next interval/],
+    [[sound, '--text', text, '--json', '/nowhere/x'], 1, /nowhere/],
+  ]) {
+    const result = run(['align', ...args]);
+    assert.equal(result.status, status, result.stderr);
+    assert.match(result.stderr, message);
+  }
+});
+
+test('face and sound come with the times; kinds of sound files', () => {
+  const truth = recorded('festival:pc', 'it', short);
+  const first = aligned(truth.path, short, { more: ['--fap', file('a.fap'), '--wav', file('a.wav')] });
+  assert.deepEqual(fs.readFileSync(file('a.wav')), fs.readFileSync(truth.path));
+  const frames = fs.readFileSync(file('a.fap'), 'latin1').split('\n');
+  assert.equal(Number(frames[0].split(' ')[3]), Math.ceil((truth.pcm.length / truth.rate) * 25));
+  assert.equal(frames.filter((line) => line).length, 1 + 2 * Number(frames[0].split(' ')[3]));
+  for (const ending of ['flac', 'ogg', 'aiff']) {
+    const made = spawnSync('sox', [truth.path, file(`same.${ending}`)]);
+    assert.equal(made.status, 0, String(made.stderr));
+    const same = aligned(file(`same.${ending}`), short);
+    assert.deepEqual(words(same), words(first));
+    same.json.words.forEach((w, i) => assert.ok(Math.abs(w.start - first.json.words[i].start) < 0.05, `${ending} ${w.text}`));
+  }
+});
+
+test('a chapter of eleven minutes, in the memory of a short one', async () => {
+  const sentences = manzoni.replaceAll('\n', ' ').split(/(?<=[,;.:]) /).filter((s) => s.length > 10);
+  let text = '', seed = 7;
+  while (text.length < 10800) {
+    seed = (seed * 16807) % 2147483647;
+    text += `${sentences[seed % sentences.length].replace(/[,;:.]$/, '')}. `;
+  }
+  const truth = say(['-l', 'it', '-v', 'espeak:it+f2', '-r', '140'], text);
+  assert.equal(truth.status, 0, truth.stderr);
+  const sound = wav('chapter.wav', truth.pcm, truth.rate), seconds = truth.pcm.length / truth.rate;
+  assert.ok(seconds > 660, `${seconds} s`);
+  const most = async (sound, text) => {
+    const child = spawn(path.join(ordinary, 'server/app/faccia'),
+      ['align', sound, '--text', write('chapter.txt', text), '--gender', 'male', '--json', file('chapter.json'), '--fap', file('chapter.fap')]);
+    let peak = 0;
+    const timer = setInterval(() => {
+      try {
+        peak = Math.max(peak, Number(fs.readFileSync(`/proc/${child.pid}/status`, 'latin1').match(/VmHWM:\s+(\d+)/)?.[1] ?? 0));
+      } catch {
+        // it has ended
+      }
+    }, 20);
+    const [status] = await once(child, 'exit');
+    clearInterval(timer);
+    assert.equal(status, 0);
+    return peak;
+  };
+  const part = wav('minute.wav', truth.pcm.subarray(0, truth.rate * 90), truth.rate);
+  const until = [...truth.json.words].reverse().find((w) => w.end < 85);
+  const small = await most(part, text.slice(0, Buffer.from(text).subarray(0, until.byte_end).toString().length));
+  const large = await most(sound, text);
+  assert.ok(small > 10000 && large < small + 20000, `${small} and ${large} kB`);
+  const found = JSON.parse(fs.readFileSync(file('chapter.json')));
+  const e = errors(truth.json.phones.filter((p) => p.start > 600), found.phones.filter((p) => p.start > 600));
+  assert.ok(e.median < 20 && e.within50 > 0.9, JSON.stringify(e));
+});
+
+test('times from files, with the words found in the sound', () => {
+  const truth = recorded('festival:pc', 'it', short);
+  const names = write('names.json', JSON.stringify({ A: 'a', pau: '' }));
+  const list = truth.json.phones;
+  const lab = write('x.lab', `#\n${list.map((p) => `${p.end} 125 ${p.ipa === 'a' ? 'A' : p.ipa || 'pau'}`).join('\n')}\n`);
+  const found = aligned(truth.path, short, { more: ['--timing', lab, '--names', names] });
+  const sounding = (said) => said.json.phones.filter((p) => p.ipa);
+  assert.equal(phones(found).replaceAll(/[_ ]+/g, ' '), phones(truth).replaceAll(/[_ ]+/g, ' '));
+  sounding(found).forEach((p, i) => assert.ok(Math.abs(p.start - sounding(truth)[i].start) < 1e-3));
+  const boundaries = new Set(found.json.phones.map((p) => p.start.toFixed(3)));
+  const starts = wordStarts(found);
+  for (const word of truth.json.words)
+    if (starts[word.byte_start] !== undefined) assert.ok(Math.abs(starts[word.byte_start] - word.start) < 0.15, word.text);
+  const on = found.json.words.filter((w) => boundaries.has(w.start.toFixed(3))).length;
+  assert.ok(on > 0.8 * found.json.words.length, `${on} of ${found.json.words.length} words begin with a phone`);
+  // words that the file tells need no alignment; without a text, the file is all there is
+  const own = write('own.json', JSON.stringify(truth.json));
+  assert.deepEqual(words(aligned(truth.path, short, { more: ['--timing', own] })).join(' ').replace(/[^\p{L} ]/gu, ' ').split(/\s+/), words(truth).join(' ').replace(/[^\p{L} ]/gu, ' ').split(/\s+/));
+  const alone = run(['align', truth.path, '--timing', lab, '--names', names]);
+  assert.equal(alone.status, 0, alone.stderr);
+  assert.deepEqual(JSON.parse(alone.stdout).words, []);
+  const foreign = run(['align', truth.path, '--timing', own, '--text', write('austen.txt', austen)]);
+  assert.equal(foreign.status, 1);
+  assert.match(foreign.stderr, /\d+ of the \d+ words of the times are not in the text/);
+});
+
+const library = (name, config = {}) => ({ FACCIA_VOICE_CONFIG: write(`${name}.json`, JSON.stringify({ recording: { folder: file(name), ...config } })) });
+
+test('a folder of recordings: voices, sentences, the whole text, what is not in it', () => {
+  const truth = recorded('festival:lp', 'it', manzoni), english = recorded('festival:kal', 'en', austen);
+  fs.mkdirSync(file('shelf'), { recursive: true });
+  fs.copyFileSync(truth.path, file('shelf/promessi.wav'));
+  write('shelf/promessi.txt', manzoni);
+  fs.copyFileSync(english.path, file('shelf/pride.wav'));
+  write('shelf/pride.txt', austen);
+  write('shelf/pride.json', JSON.stringify({ lang: 'en', gender: 'male', name: 'Pride', licence: 'CC0-1.0' }));
+  fs.copyFileSync(english.path, file('shelf/untold.wav'));
+  const env = library('shelf');
+  const voices = run(['voices'], build, env).stdout;
+  assert.match(voices, /recording:pride +en +male +recorded +Pride/);
+  assert.match(voices, /recording:promessi +it +neutral +recorded +promessi/);
+  assert.doesNotMatch(voices, /untold/);
+  // the whole text is the whole sound
+  const whole = say(['-v', 'recording:promessi'], manzoni, env);
+  assert.equal(whole.status, 0, whole.stderr);
+  assert.equal(whole.stderr, '');
+  checkOrder(whole);
+  const first = truth.pcm.length - whole.pcm.length;
+  assert.ok(first >= 0 && first < truth.rate, `${first} samples are missing`);
+  assert.ok(largestStep(whole) <= largestStep(truth));
+  assert.deepEqual([...whole.pcm.subarray(20000, 20050)], [...truth.pcm.subarray(20000, 20050)]);
+  assert.ok(errors(truth.json.phones, whole.json.phones).within50 > 0.9);
+  assert.ok(fs.existsSync(file('shelf/promessi.timing.json')), 'the alignment is kept');
+  // some words of it, in other spelling
+  const words_ = say(['-v', 'recording:promessi', '-r', '100'], 'DALL\'ALTRA  parte: e il ponte', env);
+  assert.equal(words_.status, 0, words_.stderr);
+  assert.match(words_.stderr, /heard as it was spoken/);
+  assert.equal(words(words_).length, 6);
+  const at = truth.json.words.find((w) => w.text.startsWith('dall')).start, length = words_.pcm.length / words_.rate;
+  assert.ok(length > 1 && length < 3, `${length} s`);
+  const place = Math.round(at * truth.rate);
+  const needle = words_.pcm.subarray(8000, 8020).join();
+  let found = false;
+  for (let i = place; i < place + 2 * truth.rate && !found; i++) found = truth.pcm.subarray(i, i + 20).join() === needle;
+  assert.ok(found, 'it is the same stretch of the recording');
+  const none = say(['-v', 'recording:promessi'], 'Quel ramo del lago di Garda.', env);
+  assert.equal(none.status, 1);
+  assert.match(none.stderr, /not in the recording: after 5 words it has "Como" instead of "Garda"/);
+  const alien = say(['-v', 'recording:promessi'], 'Zucchine.', env);
+  assert.match(alien.stderr, /it has no word "Zucchine"/);
+});
+
+test('kept alignments: others\' are found out, a folder for them, user\'s own', () => {
+  const truth = recorded('festival:pc', 'it', short);
+  fs.mkdirSync(file('kept/cache'), { recursive: true });
+  fs.copyFileSync(truth.path, file('kept/a.wav'));
+  write('kept/a.txt', short);
+  const env = library('kept', { cache: file('kept/cache') });
+  const speak = (text) => say(['-v', 'recording:a'], text, env);
+  const before = speak(short);
+  assert.equal(before.status, 0, before.stderr);
+  const kept = JSON.parse(fs.readFileSync(file('kept/cache/a.timing.json')));
+  assert.ok(!fs.existsSync(file('kept/a.timing.json')));
+  assert.equal(kept.samples, truth.pcm.length);
+  // what is kept is used
+  write('kept/cache/a.timing.json', JSON.stringify({ ...kept, phones: kept.phones.map((p) => ({ ...p, ipa: 'm' })) }));
+  assert.match(phones(speak(short)), /^[m_ ]+$/);
+  // the text has changed: found anew
+  write('kept/a.txt', `${short} `);
+  assert.equal(phones(speak(short)), phones(before));
+  // a TextGrid of the user's counts first
+  const grid = `File type = "ooTextFile"\nObject class = "TextGrid"\n0\n1\n<exists>\n2\n"IntervalTier"\n"words"\n0\n1\n2\n0.1\n0.4\n"La"\n0.4\n1\n"mamma"\n"IntervalTier"\n"phones"\n0\n1\n1\n0.1\n1\n"l"\n`;
+  write('kept/a.TextGrid', grid);
+  assert.equal(phones(speak('La mamma')).replaceAll('_', '').trim(), 'l');
+  write('kept/a.TextGrid', grid.replace('0.1\n1\n"l"', '1\n0.1\n"l"'));
+  const broken = speak('La mamma');
+  assert.equal(broken.status, 1);
+  assert.match(broken.stderr, /a\.TextGrid:\d+:1: the interval is not in order/);
+});
+
+for (const [name, config, message] of [
+  ['no folder', {}, null],
+  ['a folder that is not there', { folder: '/nowhere' }, /folder: \/nowhere: No such file/],
+  ['an unknown setting', { folders: 'x' }, /folders: there is no such setting/],
+  ['a number that is none', { folder: '/tmp', pause: 'long' }, /pause: wanted is a number/],
+])
+  test(`a configuration with ${name}`, () => {
+    const { status, stderr, stdout } = run(['voices', '-l', 'it'], build, { FACCIA_VOICE_CONFIG: write('wrong.json', JSON.stringify({ recording: config })) });
+    assert.equal(status, 0);
+    assert.match(stdout, /espeak:it/);
+    if (message) assert.match(stderr, message);
+    else assert.equal(stderr, '');
+  });
+
+test('a recording streams like any speech, sentence after sentence', async (t) => {
+  const truth = recorded('festival:pc', 'it', short);
+  fs.mkdirSync(file('stream'), { recursive: true });
+  fs.copyFileSync(truth.path, file('stream/a.wav'));
+  write('stream/a.txt', short);
+  const daemon = await Daemon.start(['--voice-config', library('stream').FACCIA_VOICE_CONFIG]);
+  t.after(() => daemon.process.kill('SIGKILL'));
+  const { voices } = await (await daemon.get('/v1/voices')).json();
+  assert.equal(voices.find((v) => v.id === 'recording:a').quality, 'recorded');
+  const stream = await daemon.stream();
+  for (const id of ['once', 'again']) {
+    stream.send({ type: 'speak', voice: 'recording:a', id, text: short });
+    const end = await stream.wait({ type: 'end', id, reason: 'done' }, { milliseconds: 60000 });
+    assert.ok(end.duration > 8);
+    assert.equal(stream.messages.filter((m) => m.type === 'sentence' && m.id === id).length, 4);
+  }
+  // two sentences of the same words are two places of the recording
+  stream.send({ type: 'speak', voice: 'recording:a', id: 'stop', text: short });
+  await stream.wait({ type: 'begin', id: 'stop' });
+  stream.send({ type: 'stop' });
+  await stream.wait({ type: 'end', id: 'stop', reason: 'stopped' });
+  await stream.close();
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+test('programs that do not tell their times are aligned', () => {
+  const script = write('speaks', '#!/bin/sh\nespeak-ng -v it+f2 --stdout -- "$1"\n');
+  fs.chmodSync(script, 0o755);
+  const config = (lang) => ({ FACCIA_VOICE_CONFIG: write('command.json', JSON.stringify({ command: { voices: [{ id: 'x', lang, argv: [script, '{text}'] }] } })) });
+  const text = 'La mamma prepara il pane per il bambino.';
+  const said = say(['-v', 'command:x'], text, config('it'));
+  assert.equal(said.status, 0, said.stderr);
+  assert.equal(said.stderr, '');
+  checkOrder(said);
+  const truth = say(['-l', 'it', '-v', 'espeak:it+f2', '-r', '175'], text);
+  assert.equal(words(said).length, words(truth).length);
+  const e = errors(truth.json.phones, said.json.phones);
+  assert.ok(e.median <= 20 && e.within50 >= 0.9, JSON.stringify(e));
+  const unknown = say(['-v', 'command:x', '-l', 'it'], text, config('xx'));
+  assert.equal(unknown.status, 0);
+  assert.match(unknown.stderr, /the mouth stays closed: no voice to align to speaks 'xx'/);
+});

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How far the boundaries of phones that were found lie from those that are known.
+
+/** The sound of a name, so that two voices' names can be compared. */
+const kind = (phone) => phone.ipa.replace(/[ː͡ˈˌ]/g, '').replace('ɹ', 'r').slice(0, 1);
+
+/** Pairs of the same phones in two lists, in order, by the least number of changes. */
+export function pairs(known, found) {
+  const a = known.filter((p) => p.ipa), b = found.filter((p) => p.ipa);
+  const cost = Array.from({ length: a.length + 1 }, () => new Float64Array(b.length + 1));
+  const change = (i, j) => (kind(a[i - 1]) === kind(b[j - 1]) ? 0 : 1.5);
+  for (let i = 0; i <= a.length; i++)
+    for (let j = 0; j <= b.length; j++)
+      cost[i][j] = !i ? j : !j ? i : Math.min(cost[i - 1][j] + 1, cost[i][j - 1] + 1, cost[i - 1][j - 1] + change(i, j));
+  const list = [];
+  for (let i = a.length, j = b.length; i && j; ) {
+    if (cost[i][j] === cost[i - 1][j - 1] + change(i, j)) {
+      if (!change(i, j)) list.push([a[i - 1], b[j - 1]]);
+      i--;
+      j--;
+    } else if (cost[i][j] === cost[i - 1][j] + 1) i--;
+    else j--;
+  }
+  return list.reverse();
+}
+
+/** Errors of their beginnings: {phones, pairs, median, p90 (ms), within50 (share)}. */
+export function errors(known, found) {
+  const list = pairs(known, found);
+  const ms = list.map(([a, b]) => Math.abs(a.start - b.start) * 1000).sort((x, y) => x - y);
+  return {
+    phones: known.filter((p) => p.ipa).length,
+    pairs: ms.length,
+    median: ms[Math.floor(ms.length / 2)],
+    p90: ms[Math.floor(ms.length * 0.9)],
+    within50: ms.filter((x) => x <= 50).length / ms.length,
+  };
+}
