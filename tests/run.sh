@@ -37,7 +37,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 
 sh "$root/server/run.sh" --build-only
 need_packages libcmocka-dev chromium espeak-ng librsvg2-bin witalian wbrazilian wamerican hunspell-tr \
-    festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k
+    festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k sox pocketsphinx-testdata
 need_modules "$root/tests"
 
 # The daemon is tested with the sanitizers built in; the browser, which needs speed, with the ordinary build.

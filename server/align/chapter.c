@@ -25,6 +25,12 @@ enum { PIECE_BYTES = 200, PIECE_BYTES_LEAST = 40, PIECES_MAX = 64, TRIES = 3 };
 /* Pauses between phones that are shorter than this belong to the phone before, s. */
 #define PAUSE_LEAST 0.03
 #define REST_ENOUGH 60.0
+/* The beginning: so many places are tried, if the first words (s) are so much farther than the others are;
+ * each must be so much better than the ones before. */
+#define FIRST_SECONDS 1.0
+#define FIRST_APART 1.05
+#define BETTER_START 0.98
+enum { STARTS = 5 };
 
 struct span {
     size_t from, to;      /* bytes of the text */
@@ -41,6 +47,7 @@ struct chapter {
     const char *voices[2];
     size_t voice_count;
     double pace; /* 0 = not known yet */
+    size_t skip; /* samples of the window that are passed over */
     struct reference_speech speech;
     struct span spans[PIECES_MAX + 1];
     size_t span_count;
@@ -157,14 +164,16 @@ static int find(struct chapter *c, struct align_map *map) {
     const struct align_options options = {starts, count, true, c->stop};
     int result = -1;
     for (int i = 0; i < TRIES; i++, want *= 1.4) {
-        window_fill(&c->window, (size_t)want);
-        struct align_sound recording = {c->window.pcm, c->window.samples, c->window.source->rate};
-        if (c->window.samples > (size_t)want)
+        window_fill(&c->window, c->skip + (size_t)want);
+        struct align_sound recording = {c->window.pcm + c->skip, c->window.samples - c->skip,
+                                        c->window.source->rate};
+        bool more = recording.samples > (size_t)want;
+        if (more)
             recording.samples = (size_t)want;
         struct align_sound reference = {s->pcm, s->samples, s->rate};
         result = align_make(map, &recording, &reference, &options);
         double end = result ? 1 : (double)align_end_time(map, s->samples) / (double)recording.samples;
-        bool all = c->window.ended && recording.samples == c->window.samples;
+        bool all = c->window.ended && !more;
         if (end < 1 - NEAR_END || all || i == TRIES - 1)
             break;
         align_free(map);
@@ -271,6 +280,32 @@ static int choose_voice(struct chapter *c, struct error *e) {
     return 0;
 }
 
+/* The text may begin after something else, such as noise or another voice, and a pause: then its first words
+ * are farther from what is heard first than the others are from theirs, and nearer to what follows the pause.
+ */
+static int choose_start(struct chapter *c, struct error *e) {
+    uint64_t first = (uint64_t)(FIRST_SECONDS * c->speech.rate);
+    double best = INFINITY;
+    size_t start = 0;
+    for (int i = 0; i < STARTS && c->skip != SIZE_MAX; i++) {
+        struct align_map map;
+        bool good = false;
+        if (!find(c, &map)) {
+            double all = align_apart(&map, 0, c->speech.samples), here = align_apart(&map, 0, first);
+            good = !i && here < FIRST_APART * all;
+            if (all < BETTER_START * best) {
+                best = all;
+                start = c->skip;
+            }
+        }
+        align_free(&map);
+        c->skip = good ? SIZE_MAX : window_after_pause(&c->window, c->skip);
+    }
+    c->skip = 0;
+    window_drop(&c->window, start);
+    return stopped(c) ? cancelled(e) : 0;
+}
+
 /* Are these the words of the recording? */
 static int check(const struct chapter *c, const struct align_map *map, size_t count, struct error *e) {
     const struct align_sound recording = {c->window.pcm, map->recording_samples, c->window.source->rate};
@@ -289,9 +324,10 @@ static int check(const struct chapter *c, const struct align_map *map, size_t co
 static int advance(struct chapter *c, struct error *e) {
     struct align_map map;
     double here = seconds_of(c, 0);
+    bool begins = !c->at && !c->pace;
     if (c->voice_count > 1 && choose_voice(c, e))
         return -1;
-    if (speak(c, c->voices[0], e))
+    if (speak(c, c->voices[0], e) || (begins && c->speech.word_count && choose_start(c, e)))
         return -1;
     if (!c->speech.word_count) { /* nothing to be said in it */
         c->at = c->spans[c->span_count].from;
