@@ -36,8 +36,8 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
 sh "$root/server/run.sh" --build-only
-need_packages libcmocka-dev chromium espeak-ng librsvg2-bin curl python3-websockets witalian wbrazilian wamerican hunspell-tr \
-    festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k
+need_packages libcmocka-dev chromium curl espeak-ng hunspell-tr librsvg2-bin pocketsphinx-testdata python3-websockets sox \
+    wamerican wbrazilian witalian festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k
 need_modules "$root/tests"
 
 # The daemon is tested with the sanitizers built in; the browser, which needs speed, with the ordinary build.

@@ -1,52 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/align/chapter.h"
-#include "server/align/align.h"
 #include "server/align/chance.h"
-#include "server/align/window.h"
+#include "server/align/chapter_parts.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/markup/plain.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* So much synthetic speech is looked for at once, s; at least two pieces. */
-#define REFERENCE_SECONDS 20.0
-/* A piece is at most so long, bytes (about 13 s), and not cut where it would be shorter than the least. */
-enum { PIECE_BYTES = 200, PIECE_BYTES_LEAST = 40, PIECES_MAX = 64, TRIES = 3 };
-/* Seconds of the recording for each of the reference: what people need at most, until it is known. */
-#define PACE_FIRST 1.7
-/* The window is longer than what is expected by this factor, and by so many seconds. */
-#define WINDOW_FACTOR 1.35
-#define WINDOW_MORE 3.0
-/* A way that ends within this share of the window's end may have been cut off by it. */
-#define NEAR_END 0.03
 /* Pauses between phones that are shorter than this belong to the phone before, s. */
 #define PAUSE_LEAST 0.03
 #define REST_ENOUGH 60.0
-
-struct span {
-    size_t from, to;      /* bytes of the text */
-    uint64_t start, end;  /* samples of the reference */
-    size_t phones, words; /* the first of each */
-};
-
-struct chapter {
-    struct window window;
-    struct reference *reference;
-    const char *text;
-    size_t size, at; /* the text that is to come */
-    const atomic_bool *stop;
-    const char *voices[2];
-    size_t voice_count;
-    double pace; /* 0 = not known yet */
-    struct reference_speech speech;
-    struct span spans[PIECES_MAX + 1];
-    size_t span_count;
-    struct chapter_piece *ready; /* found and not yet handed out */
-    size_t ready_count, ready_at, ready_cap;
-};
 
 void chapter_piece_free(struct chapter_piece *piece) {
     free(piece->phones);
@@ -88,89 +52,8 @@ void chapter_free(struct chapter *c) {
     free(c);
 }
 
-/* The length of the piece at the head of the text: a sentence, or what stands before a comma or a space in
- * one that is too long. */
-static size_t piece_length(const char *text, size_t size) {
-    size_t length = plain_sentence(text, size, NULL), comma = 0, space = 0;
-    while (length < PIECE_BYTES_LEAST && length < size)
-        length += plain_sentence(text + length, size - length, NULL);
-    if (length <= PIECE_BYTES)
-        return length;
-    for (size_t i = PIECE_BYTES / 3; i < PIECE_BYTES; i++)
-        if (text[i] == ' ' || text[i] == '\n') {
-            space = i + 1;
-            comma = strchr(",;:", text[i - 1]) ? i + 1 : comma;
-        }
-    return comma ? comma : space ? space : length;
-}
-
-/* Has the voice speak pieces of the text from there on, until there are enough. Returns where they end. */
-static int speak(struct chapter *c, const char *voice, struct error *e) {
-    struct reference_speech *s = &c->speech;
-    size_t at = c->at;
-    reference_clear(s);
-    c->span_count = 0;
-    while (at < c->size && c->span_count < PIECES_MAX &&
-           (c->span_count < 2 || (double)s->samples < REFERENCE_SECONDS * s->rate)) {
-        struct span *span = &c->spans[c->span_count++];
-        size_t to = at + piece_length(c->text + at, c->size - at);
-        *span = (struct span){at, to, s->samples, 0, s->phone_count, s->word_count};
-        if (reference_speak(c->reference, voice, c->text, at, to, s, e))
-            return -1;
-        span->end = s->samples;
-        at = to;
-    }
-    c->spans[c->span_count] = (struct span){.from = at, .phones = s->phone_count, .words = s->word_count};
-    return 0;
-}
-
 static bool to_the_end(const struct chapter *c) {
     return c->spans[c->span_count].from == c->size;
-}
-
-static int by_time(const void *a, const void *b) {
-    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
-    return (x > y) - (x < y);
-}
-
-/* Where the speaker may pause: before words, and where the voice does. */
-static uint64_t *pauses(const struct reference_speech *s, size_t *count) {
-    uint64_t *starts = mem_alloc((s->word_count + s->phone_count + 1) * sizeof *starts);
-    *count = 0;
-    for (size_t i = 0; i < s->word_count; i++)
-        starts[(*count)++] = s->words[i].start;
-    for (size_t i = 0; i + 1 < s->phone_count; i++)
-        if (!*s->phones[i].ipa)
-            starts[(*count)++] = s->phones[i].end;
-    qsort(starts, *count, sizeof *starts, by_time);
-    return starts;
-}
-
-/* Looks for what the voice has spoken in the window, which is made longer if need be. -1 when the recording
- * is far too short. */
-static int find(struct chapter *c, struct align_map *map) {
-    const struct reference_speech *s = &c->speech;
-    double seconds = (double)s->samples / s->rate, pace = c->pace > 0 ? c->pace : PACE_FIRST;
-    double want = (seconds * pace * WINDOW_FACTOR + WINDOW_MORE) * c->window.source->rate;
-    size_t count;
-    uint64_t *starts = pauses(s, &count);
-    const struct align_options options = {starts, count, true, c->stop};
-    int result = -1;
-    for (int i = 0; i < TRIES; i++, want *= 1.4) {
-        window_fill(&c->window, (size_t)want);
-        struct align_sound recording = {c->window.pcm, c->window.samples, c->window.source->rate};
-        if (c->window.samples > (size_t)want)
-            recording.samples = (size_t)want;
-        struct align_sound reference = {s->pcm, s->samples, s->rate};
-        result = align_make(map, &recording, &reference, &options);
-        double end = result ? 1 : (double)align_end_time(map, s->samples) / (double)recording.samples;
-        bool all = c->window.ended && recording.samples == c->window.samples;
-        if (end < 1 - NEAR_END || all || i == TRIES - 1)
-            break;
-        align_free(map);
-    }
-    free(starts);
-    return result;
 }
 
 /* Time of a sample of the window. */
@@ -242,35 +125,6 @@ static int misfit(const struct chapter *c, size_t byte, double time, const char 
                          time - 60.0 * minutes);
 }
 
-static bool stopped(const struct chapter *c) {
-    return c->stop && atomic_load(c->stop);
-}
-
-static int cancelled(struct error *e) {
-    return error_set(e, "cancelled", "the alignment was stopped");
-}
-
-/* The voice that comes closest, by what it makes of the first window. */
-static int choose_voice(struct chapter *c, struct error *e) {
-    double best = INFINITY;
-    const char *chosen = c->voices[0];
-    for (size_t i = 0; i < c->voice_count; i++) {
-        struct align_map map;
-        if (speak(c, c->voices[i], e))
-            return -1;
-        if (!find(c, &map) && map.distance < best) {
-            best = map.distance;
-            chosen = c->voices[i];
-        }
-        align_free(&map);
-    }
-    if (stopped(c))
-        return cancelled(e);
-    c->voices[0] = chosen;
-    c->voice_count = 1;
-    return 0;
-}
-
 /* Are these the words of the recording? */
 static int check(const struct chapter *c, const struct align_map *map, size_t count, struct error *e) {
     const struct align_sound recording = {c->window.pcm, map->recording_samples, c->window.source->rate};
@@ -289,22 +143,24 @@ static int check(const struct chapter *c, const struct align_map *map, size_t co
 static int advance(struct chapter *c, struct error *e) {
     struct align_map map;
     double here = seconds_of(c, 0);
-    if (c->voice_count > 1 && choose_voice(c, e))
+    bool begins = !c->at && !c->pace;
+    if (c->voice_count > 1 && chapter_choose_voice(c, e))
         return -1;
-    if (speak(c, c->voices[0], e))
+    if (chapter_speak(c, c->voices[0], e) || (begins && c->speech.word_count && chapter_choose_start(c, e)))
         return -1;
     if (!c->speech.word_count) { /* nothing to be said in it */
         c->at = c->spans[c->span_count].from;
         return 0;
     }
-    if (find(c, &map)) {
+    if (chapter_find(c, &map)) {
         align_free(&map);
-        return stopped(c) ? cancelled(e) : misfit(c, c->at, here, "the recording ends before the text", e);
+        return chapter_stopped(c) ? chapter_cancelled(e)
+                                  : misfit(c, c->at, here, "the recording ends before the text", e);
     }
     size_t count = to_the_end(c) ? c->span_count : c->span_count - 1;
     int result = check(c, &map, count, e);
-    if (stopped(c))
-        result = cancelled(e);
+    if (chapter_stopped(c))
+        result = chapter_cancelled(e);
     uint64_t begin = align_time(&map, 0), end = align_end_time(&map, c->spans[count - 1].end);
     c->ready_at = c->ready_count = 0;
     for (size_t i = 0; i < count && !result; i++)

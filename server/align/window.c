@@ -8,7 +8,7 @@
 /* Loudness is judged in frames of this length. Of a pause, so many frames are kept at its beginning and at
  * its end, where sounds fade. */
 #define FRAME_SECONDS 0.01
-enum { KEEP_AFTER = 70, KEEP_BEFORE = 30, FIRST_LOOK = 3000 };
+enum { KEEP_AFTER = 70, KEEP_BEFORE = 30, FIRST_LOOK = 3000, PAUSE_FRAMES = 50 };
 /* As in mfcc.c: silent is what lies less than this share of the way from the softest to the loud. */
 #define DEPTH_DB 45.0
 #define SILENT_SHARE 0.25
@@ -133,6 +133,18 @@ uint64_t window_place(const struct window *w, size_t sample) {
     while (i + 1 < w->piece_count && w->pieces[i + 1].here <= sample)
         i++;
     return w->pieces[i].there + (sample - w->pieces[i].here);
+}
+
+size_t window_after_pause(const struct window *w, size_t from) {
+    double silence = silence_level(w);
+    size_t length = frame_samples(w), run = 0;
+    for (size_t at = from; at + length <= w->samples; at += length) {
+        bool silent = level_of(w->pcm + at, length) < silence;
+        if (!silent && run >= PAUSE_FRAMES)
+            return at;
+        run = silent ? run + 1 : 0;
+    }
+    return SIZE_MAX;
 }
 
 double window_rest(struct window *w, uint64_t from, double enough) {

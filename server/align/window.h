@@ -40,6 +40,10 @@ void window_drop(struct window *w, size_t sample);
 /* The sample of the recording that a sample of the window is. */
 uint64_t window_place(const struct window *w, size_t sample);
 
+/* The sample at which the next pause of half a second or more that begins at or after `from` ends, or
+ * SIZE_MAX. */
+size_t window_after_pause(const struct window *w, size_t from);
+
 /* How long, in seconds, the recording sounds from there to its end; more than `enough` is not counted. */
 double window_rest(struct window *w, uint64_t from, double enough);
 

@@ -64,7 +64,7 @@ struct align {
 
 static int write_out(struct output *o) {
     struct buf *out = &o->export.out;
-    bool well = fwrite(out->data, 1, out->size, o->file) == out->size;
+    bool well = !out->size || fwrite(out->data, 1, out->size, o->file) == out->size;
     out->size = 0;
     if (!well)
         cli_complain("%s: %s", o->path, strerror(errno));

@@ -56,7 +56,7 @@ struct say {
 
 static int flush(struct say *s, struct output *o) {
     struct buf *out = &o->export.out;
-    if (fwrite(out->data, 1, out->size, o->file) == out->size && !fflush(o->file)) {
+    if (!out->size || (fwrite(out->data, 1, out->size, o->file) == out->size && !fflush(o->file))) {
         out->size = 0;
         return 0;
     }

@@ -112,6 +112,40 @@ test('noise and silence at the ends, and long pauses between sentences', () => {
   assert.ok(last > 38);
 });
 
+// Sentences of "Sense and Sensibility", read for LibriVox, in Debian's pocketsphinx-testdata.
+const people = '/usr/share/pocketsphinx/test/data/librivox';
+test('people who read: vowels are louder than stops, pauses are silent, all is covered', () => {
+  const lines = fs.readFileSync(path.join(people, 'transcription'), 'utf8').trim().split('\n');
+  const loudness = { vowel: [], closure: [], pause: [] };
+  assert.equal(lines.length, 5);
+  for (const line of lines) {
+    const [, text, name] = line.match(/^<s> (.*) <\/s> \((.*)\)$/);
+    const sound = path.join(people, `${name}.wav`), data = fs.readFileSync(sound);
+    const pcm = new Int16Array(data.buffer.slice(data.byteOffset + 44, data.byteOffset + data.length - (data.length % 2)));
+    const { json } = aligned(sound, text, { lang: 'en' });
+    assert.deepEqual(json.words.map((w) => w.text), text.split(/ +/));
+    const level = (from, to) => {
+      let sum = 1;
+      const a = Math.round(from * json.rate), b = Math.min(pcm.length, Math.round(to * json.rate));
+      for (let i = a; i < b; i++) sum += pcm[i] * pcm[i];
+      return 10 * Math.log10(sum / Math.max(1, b - a));
+    };
+    for (const { ipa, start, end } of json.phones) {
+      const middle = (start + end) / 2;
+      if (!ipa && end - start > 0.05) loudness.pause.push(level(start + 0.02, end - 0.02));
+      // the quietest of a stop is its closure
+      else if (/^[ptkbdɡ]/.test(ipa)) loudness.closure.push(Math.min(...[0, 0.01, 0.02, 0.03].map((t) => level(start + t, start + t + 0.01))));
+      else if (/^[aeiouɑɔɛɪʊʌæə]/.test(ipa)) loudness.vowel.push(level(middle - 0.015, middle + 0.015));
+    }
+    const spoken = json.phones.filter((p) => p.ipa);
+    assert.ok(spoken[0].start < 0.5 && spoken.at(-1).end > json.duration - 0.6, `${name}: ${spoken[0].start} to ${spoken.at(-1).end} of ${json.duration}`);
+  }
+  const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
+  const [vowel, closure, pause] = ['vowel', 'closure', 'pause'].map((kind) => median(loudness[kind]));
+  assert.ok(loudness.closure.length > 40 && loudness.vowel.length > 60);
+  assert.ok(vowel > closure + 10 && vowel > pause + 15, `${vowel} dB, closures ${closure} dB, pauses ${pause} dB`);
+});
+
 test('the wrong transcript is named with its place and time; one that goes wrong later, too', () => {
   const italian = recorded('festival:pc', 'it', manzoni);
   const wrong = align(italian.path, austen, { lang: 'en' });

@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The inside of a chapter: what is looked for next, and where. */
+#ifndef FACCIA_ALIGN_CHAPTER_PARTS_H
+#define FACCIA_ALIGN_CHAPTER_PARTS_H
+
+#include "server/align/align.h"
+#include "server/align/chapter.h"
+#include "server/align/window.h"
+
+enum { PIECES_MAX = 64 };
+
+struct span {
+    size_t from, to;      /* bytes of the text */
+    uint64_t start, end;  /* samples of the reference */
+    size_t phones, words; /* the first of each */
+};
+
+struct chapter {
+    struct window window;
+    struct reference *reference;
+    const char *text;
+    size_t size, at; /* the text that is to come */
+    const atomic_bool *stop;
+    const char *voices[2];
+    size_t voice_count;
+    double pace; /* 0 = not known yet */
+    size_t skip; /* samples of the window that are passed over */
+    struct reference_speech speech;
+    struct span spans[PIECES_MAX + 1];
+    size_t span_count;
+    struct chapter_piece *ready; /* found and not yet handed out */
+    size_t ready_count, ready_at, ready_cap;
+};
+
+/* Has the voice speak pieces of the text from chapter->at on, until there are enough. */
+int chapter_speak(struct chapter *c, const char *voice, struct error *e);
+
+/* Looks for what the voice has spoken in the window, which is made longer if need be. -1 when the recording
+ * is far too short. Free the map in any case. */
+int chapter_find(struct chapter *c, struct align_map *map);
+
+/* At the beginning: which of the voices comes closest, by what it makes of the first window (then it is
+ * voices[0], alone); where in the window the text begins. */
+int chapter_choose_voice(struct chapter *c, struct error *e);
+int chapter_choose_start(struct chapter *c, struct error *e);
+
+bool chapter_stopped(const struct chapter *c);
+int chapter_cancelled(struct error *e);
+
+#endif
