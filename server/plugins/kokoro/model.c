@@ -45,22 +45,28 @@ static bool read_file(struct buf *model, FILE *file) {
     return !ferror(file);
 }
 
-/* The parts are joined; the first that is not there ends them. */
-static bool read_parts(struct buf *model, const char *parts, char *message, size_t cap) {
-    const char *number = strstr(parts, "%d");
-    bool read = number != NULL;
-    for (int i = 0; read; i++) {
+/* The model's part, which is in one of three packages. */
+static FILE *open_part(const char *folder, int part) {
+    FILE *file = NULL;
+    for (const char *package = "abc"; *package && !file; package++) {
         char path[4096];
-        snprintf(path, sizeof path, "%.*s%d%s", (int)(number - parts), parts, i, number + 2);
-        FILE *file = fopen(path, "rb");
-        if (!file)
-            break;
+        snprintf(path, sizeof path, "%s/kokoro-fp32%c-shards/kokoro-fp32.part%d.bin", folder, *package, part);
+        file = fopen(path, "rb");
+    }
+    return file;
+}
+
+/* Joins the parts. */
+static bool read_parts(struct buf *model, const char *folder, char *message, size_t cap) {
+    bool read = true;
+    FILE *file;
+    for (int part = 0; read && (file = open_part(folder, part)) != NULL; part++) {
         read = read_file(model, file);
         fclose(file);
     }
     if (read && model->size)
         return true;
-    snprintf(message, cap, "the model %s cannot be read", parts);
+    snprintf(message, cap, "the model in %s cannot be read", folder);
     return false;
 }
 
@@ -110,7 +116,8 @@ struct ko_model *ko_model_load(const struct ko_model_files *files, unsigned thre
                                size_t cap) {
     struct ko_model *m = mem_alloc(sizeof *m);
     struct buf model = {0};
-    bool ok = load_library(m, files->library, message, cap) && read_parts(&model, files->parts, message, cap);
+    bool ok =
+        load_library(m, files->library, message, cap) && read_parts(&model, files->folder, message, cap);
     if (ok && !ko_onnx_expose(&model, DURATIONS)) {
         snprintf(message, cap, "the model has no tensor %s", DURATIONS);
         ok = false;
@@ -196,7 +203,11 @@ static bool take(struct ko_model *m, OrtValue *const *values, size_t tokens, str
     speech->samples = mem_alloc((wave.count + 1) * sizeof *speech->samples);
     for (size_t i = 0; i < wave.count; i++) {
         double sample = number_at(wave.data, wave.type, i) * 32767;
-        speech->samples[i] = isfinite(sample) ? (int16_t)fmin(fmax(round(sample), -32767), 32767) : 0;
+        if (!isfinite(sample)) {
+            snprintf(message, cap, "the model's sound is not a number");
+            return false;
+        }
+        speech->samples[i] = (int16_t)fmin(fmax(round(sample), -32767), 32767);
     }
     return true;
 }

@@ -31,7 +31,6 @@ struct speaking {
     const struct faccia_sentence *sentence;
     const struct faccia_sink *sink;
     uint64_t at;   /* samples that were handed on */
-    uint32_t mark; /* marks of the spans before it were handed on */
     uint32_t told; /* words that were handed on, of this text */
     double gain;   /* of the last sample */
     bool stopped;
@@ -84,13 +83,6 @@ static void silence(struct speaking *s, double seconds) {
     }
 }
 
-/* The marks of the spans before span are now. */
-static void marks(struct speaking *s, uint32_t span, uint64_t at) {
-    for (; s->mark < span && !s->stopped; s->mark++)
-        if (s->sentence->spans[s->mark].kind == FACCIA_SPAN_MARK)
-            s->stopped = s->sink->mark(s->sink->ctx, s->sentence->spans[s->mark].text, at) != 0;
-}
-
 /* Hands on the words that begin in the piece. */
 static void hand_on_words(struct speaking *s) {
     const struct ko_timing *t = &s->speaker->timing;
@@ -104,9 +96,7 @@ static void hand_on_words(struct speaking *s) {
                 end = t->list[k].end;
         const struct ko_word *w = &text->words[index];
         const struct faccia_word word = {w->span, w->offset, w->bytes, s->at + t->list[i].start, s->at + end};
-        marks(s, w->span, word.start);
-        if (!s->stopped)
-            s->stopped = s->sink->word(s->sink->ctx, &word) != 0;
+        s->stopped = s->sink->word(s->sink->ctx, &word) != 0;
         s->told = index + 1;
     }
 }
@@ -236,7 +226,6 @@ bool ko_speaker_speak(struct ko_speaker *speaker, const struct ko_voice *voice,
             end++;
         if (end > i && !speak_text(&s, i, end, !has_text(sentence, end)))
             return false;
-        marks(&s, (uint32_t)end, s.at);
         if (end < sentence->span_count)
             silence(&s, spans[end++].seconds);
     }

@@ -49,32 +49,49 @@ static struct ko_span *add(struct ko_timing *t, size_t item, uint32_t start, uin
     return &t->list[t->count++];
 }
 
-/* The quiet part of a gap: of [*start, *end), and of what is around it by half a phone. */
-static bool is_pause(const int16_t *samples, uint32_t start, uint32_t end, double limit) {
-    return end - start >= PAUSE_MIN && level(samples, start, end) <= limit;
+/* Where the quiet that ends at end begins, not before floor. */
+static uint32_t quiet_from(const int16_t *samples, uint32_t floor, uint32_t end, double limit) {
+    while (end >= floor + WINDOW && level(samples, end - WINDOW, end) <= limit)
+        end -= WINDOW;
+    return end;
 }
 
-/* Spans in samples of the whole piece. A gap that is no pause is shared out to its neighbours. */
+/* A gap between words. The duration of a phone goes on into the silence behind it: the pause begins where the
+ * sound ends. Returns where the next phone begins. */
+static uint32_t add_gap(struct ko_timing *t, const int16_t *samples, uint32_t start, uint32_t end,
+                        double limit) {
+    struct ko_span *before = t->count ? &t->list[t->count - 1] : NULL;
+    if (!before || before->item == SIZE_MAX)
+        return end;
+    uint32_t floor = before->start + KO_UNIT < start ? before->start + KO_UNIT : start;
+    uint32_t quiet = quiet_from(samples, floor, end, limit);
+    if (end - quiet < PAUSE_MIN)
+        return before->end = start + (end - start) / 2;
+    before->end = quiet;
+    add(t, SIZE_MAX, quiet, end);
+    return end;
+}
+
+/* Spans in samples of the whole piece. */
 static void lay_out(struct ko_timing *t, const struct ko_item *items, size_t count, const uint16_t *durations,
                     const int16_t *samples, uint32_t sample_count, double limit) {
-    uint32_t units = durations[0],
-             open = UINT32_MAX; /* where the next phone begins, if before its own time */
+    uint32_t units = durations[0], begin = shifted(units), end = begin;
     for (size_t i = 0, token = 1; i < count; i++) {
-        uint32_t start = shifted(units), end;
         for (unsigned k = 0; k < items[i].token_count; k++)
             units += durations[token++];
         end = shifted(units) < sample_count ? shifted(units) : sample_count;
-        start = start < end ? start : end;
+        begin = begin < end ? begin : end;
         if (items[i].kind == KO_PHONE) {
-            add(t, i, open < start ? open : start, end);
-            open = UINT32_MAX;
-        } else if (is_pause(samples, start, end, limit)) {
-            add(t, SIZE_MAX, start, end);
-        } else if (t->count) {
-            open = start + (end - start) / 2;
-            t->list[t->count - 1].end = i + 1 < count ? open : end;
+            add(t, i, begin, end);
+            begin = end;
+        } else {
+            begin = add_gap(t, samples, begin, end, limit);
         }
     }
+    if (t->count && t->list[t->count - 1].item == SIZE_MAX)
+        t->count--; /* the end is a pause anyway */
+    else if (t->count)
+        t->list[t->count - 1].end = end;
 }
 
 void ko_time(struct ko_timing *timing, const struct ko_item *items, size_t count, const uint16_t *durations,
@@ -83,8 +100,6 @@ void ko_time(struct ko_timing *timing, const struct ko_item *items, size_t count
     timing->count = 0;
     trim(timing, samples, sample_count, most * NOTHING);
     lay_out(timing, items, count, durations, samples, sample_count, most * QUIET);
-    while (timing->count && timing->list[timing->count - 1].item == SIZE_MAX)
-        timing->count--; /* at the end: what is left of it follows from the silence there */
     struct ko_span *list = timing->list;
     if (!timing->count) {
         add(timing, SIZE_MAX, 0, timing->to - timing->from);
