@@ -15,8 +15,8 @@ struct readings {
     size_t count, cap;
 };
 
-/* Loads every *.json of the folder; without a folder there are none. -1 with *e ("bad-reading") when one is broken; the message names the
- * file. */
+/* Loads every *.json of the folder; without a folder there are none. -1 with *e ("bad-reading") when one is
+ * broken; the message names the file. */
 int readings_load(struct readings *readings, const char *folder, struct error *e);
 void readings_free(struct readings *readings);
 

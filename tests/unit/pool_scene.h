@@ -29,8 +29,8 @@ struct scene {
     void (*when_finished)(struct scene *s);
 };
 
-/* names: plugins (of the server, or one of tests/plugins), ended by NULL. Returns when the pool is ready. A failed
- * test leaves its scene, with handles that libuv knows, where it is. */
+/* names: plugins (of the server, or one of tests/plugins), ended by NULL. Returns when the pool is ready. A
+ * failed test leaves its scene, with handles that libuv knows, where it is. */
 struct scene *scene_open(struct voice_pool_options options, const char *const *names);
 #define OPEN(options, ...)                                                                                   \
     scene_open((struct voice_pool_options)options, (const char *const[]){__VA_ARGS__, NULL})
