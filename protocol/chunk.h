@@ -30,6 +30,8 @@ struct chunk {
         first_frame; /* number of the first frame; frame k stands at sample k*100*sample_rate/fps_hundreds */
     uint32_t audio_bytes;
     const uint8_t *audio; /* borrowed */
+    uint32_t
+        first_packet; /* compact chunks with Opus: number of the first packet, from the utterance's first */
 };
 
 /* Writes header, audio and the frames (chunk->frame_count of them, codec chunk->fap_codec) to out. What the

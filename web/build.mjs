@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bundles the element and copies the page: node build.mjs FOLDER [DEPFILE]
+// Bundles the element and copies the pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
 import { build } from 'esbuild';
 import { copyFileSync, mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -42,10 +42,21 @@ const result = await build({
   plugins: [inline],
 });
 note(result.metafile);
+const fallback = await build({
+  ...common,
+  stdin: { contents: "export { OpusDecoder } from 'opus-decoder';", resolveDir: here },
+  outfile: path.join(out, 'opus-decoder.js'),
+  banner: { js: '/* opus-decoder, MIT, (c) Ethan Halsall; contains libopus, BSD-3-Clause. */' },
+  metafile: true,
+});
+note(fallback.metafile);
 for (const file of readdirSync(path.join(here, 'page'))) {
   inputs.add(path.join(here, 'page', file));
   copyFileSync(path.join(here, 'page', file), path.join(out, file));
 }
+const faps = path.join(here, '../protocol/fap-table.json');
+inputs.add(faps);
+copyFileSync(faps, path.join(out, 'faps.json'));
 if (depfile) {
   const escape = (file) => file.replaceAll(' ', '\\ ');
   writeFileSync(depfile, `${escape(path.join(out, 'talking-head.js'))}: ${[...inputs].map(escape).join(' ')}\n`);

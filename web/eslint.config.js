@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 const browser = Object.fromEntries(
-  `AbortController AudioWorkletNode Blob CustomEvent HTMLElement Option ResizeObserver TextDecoder URL WebSocket
+  `AbortController DOMPoint navigator IntersectionObserver AudioWorkletNode Blob CustomEvent HTMLElement Option ResizeObserver TextDecoder URL WebSocket
   addEventListener atob cancelAnimationFrame clearInterval clearTimeout console createImageBitmap customElements document
   fetch globalThis matchMedia performance removeEventListener requestAnimationFrame setInterval setTimeout`
     .split(/\s+/)

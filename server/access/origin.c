@@ -40,9 +40,9 @@ bool origin_allowed(const char *origin, const char *host, char *const *list) {
     const char *from = authority(origin);
     if (from && host && !strcasecmp(from, host))
         return true;
-    if (!list || !*list)
-        return from && is_local(from);
-    for (; *list; list++)
+    if (from && is_local(from))
+        return true;
+    for (; list && *list; list++)
         if (matches(origin, *list))
             return true;
     return false;

@@ -8,8 +8,8 @@
 /* origin: what the browser sent; NULL = nothing was sent, as by programs that are no browsers: allowed. host:
  * the request's Host header, whose own pages are allowed too; NULL where that must not count (a name that an
  * attacker lets point to this machine makes page and host agree: DNS rebinding). list: NULL-terminated or
- * NULL; "*" stands for all; a star in a host name for anything there. Where it is empty, pages from this
- * machine are allowed. */
+ * NULL; "*" stands for all; a star in a host name for anything there; "null" for pages that are files. Pages
+ * from this machine's own servers are always allowed. */
 bool origin_allowed(const char *origin, const char *host, char *const *list);
 
 #endif

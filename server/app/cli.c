@@ -21,6 +21,20 @@ static void on_ready(void *ctx) {
     *(bool *)ctx = true;
 }
 
+static int load_expressions(struct cli *cli, struct error *e) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/expressions.json", cli->paths.models);
+    cli->studio.expressions = cli->expressions = expressions_load(path, e);
+    return cli->expressions ? 0 : -1;
+}
+
+static int load_readings(struct cli *cli, struct error *e) {
+    char path[4096];
+    snprintf(path, sizeof path, "%s/reading", cli->paths.models);
+    cli->studio.readings = &cli->readings;
+    return readings_load(&cli->readings, path, e);
+}
+
 int cli_open(struct cli *cli) {
     struct error e;
     char text[400];
@@ -35,7 +49,8 @@ int cli_open(struct cli *cli) {
     char *config = configured ? voice_config_read(cli->paths.voice_config, &e) : NULL;
     options.config = config;
     snprintf(text, sizeof text, "%s/speech", cli->paths.models);
-    if ((configured && !config) || speech_packs_load(&cli->packs, text, &e) ||
+    if ((configured && !config) || speech_packs_load(&cli->packs, text, &e) || load_expressions(cli, &e) ||
+        load_readings(cli, &e) ||
         !(cli->studio.voices = voice_pool_open(&cli->loop, &options, on_ready, &ready, &e))) {
         cli_complain("%s", error_text(&e, text, sizeof text));
         free(config);
@@ -57,6 +72,8 @@ void cli_close(struct cli *cli) {
     uv_run(&cli->loop, UV_RUN_DEFAULT);
     uv_loop_close(&cli->loop);
     speech_packs_free(&cli->packs);
+    expressions_free(cli->expressions);
+    readings_free(&cli->readings);
     paths_free(&cli->paths);
 }
 

@@ -16,6 +16,8 @@ struct cli {
     uv_loop_t loop;
     struct paths paths;
     struct speech_packs packs;
+    struct expressions *expressions;
+    struct readings readings;
     struct studio studio;
 };
 
@@ -45,6 +47,7 @@ int cli_try_engine(const struct cli *cli, const struct speech_request *request, 
                    struct error *e);
 
 int say_main(int argc, char **argv);
+int play_main(int argc, char **argv);
 int voices_main(int argc, char **argv);
 int models_main(int argc, char **argv);
 int eval_main(int argc, char **argv);
@@ -55,5 +58,7 @@ int token_main(int argc, char **argv);
 int timed_main(int argc, char **argv);
 int align_main(int argc, char **argv);
 int life_main(int argc, char **argv);
+int check_main(int argc, char **argv);
+int expressions_main(int argc, char **argv);
 
 #endif

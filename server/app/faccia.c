@@ -12,22 +12,26 @@ static const struct {
 } commands[] = {
     {"say", say_main, "speak a text: its sound, its face animation, its timing"},
     {"timed", timed_main, "the face for recorded speech, from a timed transcription"},
+    {"play", play_main, "a recorded face and its sound in other forms"},
     {"voices", voices_main, "list the voices"},
     {"models", models_main, "list the head models"},
+    {"expressions", expressions_main, "list the expressions, or write how they look"},
     {"eval", eval_main, "measure how well the lips can be read, engine by engine"},
     {"stimuli", stimuli_main, "make a listening test: speech in noise, with and without a face"},
     {"anova", anova_main, "analyse the results of such a test"},
     {"fit", fit_main, "make a speech pack from recordings of a speaker"},
     {"align", align_main, "times and face of a recording with its text"},
     {"life", life_main, "what the face does of itself, in figures"},
+    {"check", check_main, "tell what in a text with markup would not be acted on"},
     {"token", token_main, "sign a token for a daemon that demands them"},
 };
 
 static void print_usage(FILE *out) {
     fputs("Usage: faccia COMMAND [OPTION]...\nThe talking head without a network.\n\n", out);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        fprintf(out, "  %-11s %s\n", commands[i].name, commands[i].help);
-    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad. $FACCIA_VOICE_CONFIG may name a file with what\n"
+        fprintf(out, "  %-12s %s\n", commands[i].name, commands[i].help);
+    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad. $FACCIA_VOICE_CONFIG may name a file "
+          "with what\n"
           "the voice plugins are told.\n",
           out);
 }

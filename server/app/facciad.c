@@ -24,6 +24,8 @@ struct daemon {
     int *sockets; /* from systemd */
     unsigned socket_count;
     struct speech_packs packs;
+    struct expressions *expressions;
+    struct readings readings;
     struct metrics metrics;
     struct studio studio;
     struct net *net;
@@ -50,10 +52,13 @@ static struct net_options net_options_of(const struct daemon *d) {
         .secrets = d->secrets.count ? &d->secrets : NULL,
         .web = s->web,
         .models = s->models,
+        .media = s->media,
         .text_bytes = s->text_bytes,
         .message_bytes = s->message_bytes,
+        .play_bytes = s->play_bytes,
         .queue = s->queue,
         .connections = s->connections,
+        .rooms = s->rooms,
         .address_connections = s->address_connections,
         .address_requests = s->address_requests,
         .send_bytes = s->send_bytes,
@@ -183,8 +188,20 @@ static int start(struct daemon *d, struct error *e) {
         return -1;
     if (!speech_packs_find(&d->packs, s->lang))
         return error_in_field(e, "unknown-language", "--lang", "no language '%s'", s->lang);
-    d->studio = (struct studio){
-        .loop = &d->loop, .packs = &d->packs, .default_lang = s->lang, .metrics = &d->metrics};
+    snprintf(path, sizeof path, "%s/expressions.json", s->models);
+    d->expressions = expressions_load(path, e);
+    if (!d->expressions)
+        return -1;
+    snprintf(path, sizeof path, "%s/reading", s->models);
+    if (readings_load(&d->readings, path, e))
+        return -1;
+    d->studio = (struct studio){.loop = &d->loop,
+                                .packs = &d->packs,
+                                .expressions = d->expressions,
+                                .readings = &d->readings,
+                                .default_lang = s->lang,
+                                .sounds = s->audio,
+                                .metrics = &d->metrics};
     struct net_options options = net_options_of(d);
     d->net = net_open(&d->studio, &options, e);
     if (!d->net)
@@ -234,6 +251,8 @@ static int run(struct daemon *d) {
         net_free(d->net);
     uv_loop_close(&d->loop);
     speech_packs_free(&d->packs);
+    expressions_free(d->expressions);
+    readings_free(&d->readings);
     secrets_free(&d->secrets);
     free(d->voice_config);
     return status;

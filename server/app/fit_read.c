@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/fit_read.h"
 #include "server/base/mem.h"
-#include "server/face/json_place.h"
+#include "server/base/json_place.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

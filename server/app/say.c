@@ -12,7 +12,7 @@
 
 static const char usage[] =
     "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
-    "Speaks TEXT, a file, or standard input (-). Without --wav, --fap or --json the timing goes to standard "
+    "Speaks TEXT, a file, or standard input (-). Without a file to write, the timing goes to standard "
     "output.\n"
     "\n"
     "  -l, --lang TAG       it, pt-BR, tr, en (it)\n"
@@ -22,12 +22,17 @@ static const char usage[] =
     "      --volume FACTOR  0.25 to 4 (1)\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context or syllable\n"
-    "      --markup KIND    plain\n"
+    "      --markup KIND    auto, plain, apml, jsml, ssml or emotionml (auto)\n"
+    "      --life FACTOR    strength of the signs of life, 0 to 2 (1)\n"
+    "      --blend RULE     how expressions share the mouth with speech: regions or weighted (regions)\n"
     "      --still          only the lips move\n"
     "      --seed N         another life of the face; the same number gives the same face (0)\n"
     "  -f, --file FILE      the text\n"
+    "      --audio DIR      sound files that the text may name (SSML's audio); default $FACCIA_AUDIO\n"
     "      --wav FILE       the sound, mono 16 bit\n"
     "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
+    "      --ogg FILE       the sound as Opus in Ogg\n"
+    "      --ndjson FILE    a line for each event and each frame\n"
     "      --json FILE      phones, words and marks with their times\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 spoken, 1 failed, 2 wrong usage.\n";
@@ -39,12 +44,13 @@ struct output {
     struct export export;
 };
 
-enum { WAV, FAP, JSON, OUTPUTS };
+enum { WAV, FAP, JSON, OGG, NDJSON, OUTPUTS };
 
 struct say {
     struct cli cli;
     struct speech *speech;
     struct output outputs[OUTPUTS];
+    const char *sounds;
     bool failed, finished;
 };
 
@@ -107,9 +113,12 @@ static void on_finished(void *ctx, size_t spoken) {
 }
 
 static int open_outputs(struct say *s) {
-    static const char *const names[OUTPUTS] = {"wav", "fap", "json"};
+    static const char *const names[OUTPUTS] = {"wav", "fap", "json", "ogg", "ndjson"};
     int standard = 0;
-    if (!s->outputs[WAV].path && !s->outputs[FAP].path && !s->outputs[JSON].path)
+    bool asked = false;
+    for (int i = 0; i < OUTPUTS; i++)
+        asked |= s->outputs[i].path != NULL;
+    if (!asked)
         s->outputs[JSON].path = "-";
     for (int i = 0; i < OUTPUTS; i++) {
         struct output *o = &s->outputs[i];
@@ -125,7 +134,7 @@ static int open_outputs(struct say *s) {
         export_begin(&o->export, export_by_name(names[i]), s->speech);
     }
     if (standard > 1) {
-        cli_complain("only one of --wav, --fap and --json can go to standard output");
+        cli_complain("only one file can go to standard output");
         return EXIT_USAGE;
     }
     return EXIT_DONE;
@@ -144,10 +153,13 @@ static void close_outputs(struct say *s) {
 /* The exit code, or -1 to go on. */
 static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
     static const struct option options[] = {
-        {"lang", 1, NULL, 'l'}, {"voice", 1, NULL, 'v'}, {"rate", 1, NULL, 'r'},   {"pitch", 1, NULL, 1},
-        {"volume", 1, NULL, 1}, {"fps", 1, NULL, 1},     {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},
-        {"seed", 1, NULL, 1},   {"still", 0, NULL, 1},   {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},
-        {"fap", 1, NULL, 'F'},  {"json", 1, NULL, 'J'},  {"help", 0, NULL, 'h'},   {0},
+        {"lang", 1, NULL, 'l'},   {"voice", 1, NULL, 'v'}, {"rate", 1, NULL, 'r'},
+        {"pitch", 1, NULL, 1},    {"volume", 1, NULL, 1},  {"fps", 1, NULL, 1},
+        {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},  {"seed", 1, NULL, 1},
+        {"still", 0, NULL, 1},    {"life", 1, NULL, 1},    {"blend", 1, NULL, 1},
+        {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},   {"fap", 1, NULL, 'F'},
+        {"json", 1, NULL, 'J'},   {"audio", 1, NULL, 'A'}, {"ogg", 1, NULL, 'O'},
+        {"ndjson", 1, NULL, 'N'}, {"help", 0, NULL, 'h'},  {0},
     };
     const char *path = NULL;
     struct error e;
@@ -167,6 +179,15 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
             break;
         case 'J':
             s->outputs[JSON].path = optarg;
+            break;
+        case 'A':
+            s->sounds = optarg;
+            break;
+        case 'O':
+            s->outputs[OGG].path = optarg;
+            break;
+        case 'N':
+            s->outputs[NDJSON].path = optarg;
             break;
         case 'h':
             fputs(usage, stdout);
@@ -197,6 +218,7 @@ static int speak(struct say *s, const struct speech_request *request) {
     static const struct speech_callbacks callbacks = {on_scene, on_problem, on_finished};
     struct error e;
     char message[400];
+    s->cli.studio.sounds = s->sounds ? s->sounds : getenv("FACCIA_AUDIO");
     s->speech = speech_open(&s->cli.studio, request, &callbacks, s, &e);
     if (!s->speech) {
         cli_complain("%s", error_text(&e, message, sizeof message));

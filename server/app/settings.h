@@ -22,11 +22,11 @@ struct settings {
     unsigned cache_megabytes, cache_file_megabytes;
     char *cache_file;
     json_t *voices; /* plugin name -> its own configuration */
-    unsigned text_bytes, message_bytes, queue, connections, address_connections, address_requests;
+    unsigned text_bytes, message_bytes, play_bytes, queue, connections, rooms, address_connections, address_requests;
     unsigned send_bytes, send_bytes_max;
     unsigned stall_seconds, stop_seconds;
     char *log;
-    char *models, *web, *plugins, *worker;
+    char *models, *web, *media, *plugins, *worker, *audio;
 };
 
 /* What the command line asks for besides settings. */

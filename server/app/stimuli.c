@@ -201,6 +201,7 @@ static int parse(int argc, char **argv, struct kit *kit) {
 int stimuli_main(int argc, char **argv) {
     struct kit kit = {.server = "http://127.0.0.1:8080"};
     request_init(&kit.request);
+    kit.request.seed = 0;
     kit.request.fps = 50;
     int status = parse(argc, argv, &kit);
     if (status < 0) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/utf8.h"
+#include <string.h>
 
 size_t utf8_next(const char *s, size_t n, uint32_t *cp) {
     const uint8_t *u = (const uint8_t *)s;
@@ -40,6 +41,11 @@ size_t utf8_put(uint32_t cp, char *out) {
 size_t utf8_check(const char *s, size_t n) {
     size_t at = 0;
     while (at < n) {
+        uint64_t eight; /* all ASCII? */
+        if (n - at >= sizeof eight && !(memcpy(&eight, s + at, sizeof eight), eight & 0x8080808080808080u)) {
+            at += sizeof eight;
+            continue;
+        }
         uint32_t cp;
         size_t length = utf8_next(s + at, n - at, &cp);
         if (!length)
@@ -47,6 +53,18 @@ size_t utf8_check(const char *s, size_t n) {
         at += length;
     }
     return n;
+}
+
+void utf8_mend(char *s) {
+    for (size_t length, n = strlen(s); n; s += length, n -= length) {
+        uint32_t cp;
+        length = utf8_next(s, n, &cp);
+        if (!length)
+            *s = '?';
+        else if (cp < ' ' || cp == 0x7F)
+            *s = ' ';
+        length = length ? length : 1;
+    }
 }
 
 size_t utf16_offset(struct utf16_counter *counter, const char *s, size_t byte) {

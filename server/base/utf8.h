@@ -16,6 +16,9 @@ size_t utf8_put(uint32_t cp, char *out);
 /* Offset of the first malformed byte, or n when all is well. */
 size_t utf8_check(const char *s, size_t n);
 
+/* Makes s fit for a message of one line: malformed bytes become "?", control characters spaces. */
+void utf8_mend(char *s);
+
 /* Converts byte offsets of one well-formed text to offsets in UTF-16 units. Remembers where it was: offsets
  * that mostly rise cost a single pass over the text. Begins zeroed. */
 struct utf16_counter {

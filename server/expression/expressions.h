@@ -40,8 +40,11 @@ enum { MOOD_MIX = 4 };
 struct mood;
 struct mood *mood_new(const struct expressions *expressions);
 void mood_free(struct mood *mood);
-/* names[i] with intensities[i] 0..1, count <= MOOD_MIX, from time `at` on. -1 with *e ("unknown-expression",
- * field "mix.I.name"). */
+/* names[i] with intensities[i] 0..1, count <= MOOD_MIX, from time `at` on; together they count as one whole
+ * face at most. `at` is not before that of the time before, and not before times that have been shown
+ * already. A face needs 0.1 s at least; but the first mixture of all, with ease 0, has been there all along.
+ * -1 with *e
+ * ("unknown-expression", field "mix.I.name"; "bad-value", field "mix", when they are too many). */
 int mood_set(struct mood *mood, const char *const *names, const double *intensities, size_t count, double at,
              double ease, struct error *e);
 

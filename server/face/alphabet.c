@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/alphabet.h"
+#include "server/base/json_place.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/face/json_place.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

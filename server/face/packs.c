@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/packs.h"
 #include "server/base/mem.h"
+#include "server/face/phones.h"
 #include <glob.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -53,4 +54,27 @@ const struct speech_pack *speech_packs_find(const struct speech_packs *packs, co
             same_language = packs->packs[i];
     }
     return same_language;
+}
+
+static size_t unknown_phones(const struct speech_pack *pack, const struct utterance *u) {
+    struct phones found;
+    size_t count = 0;
+    for (size_t i = 0; i < u->phone_count; i++) {
+        phones_find(pack, u->phones[i].ipa, &found);
+        count += found.unknown != 0;
+    }
+    return count;
+}
+
+const struct speech_pack *speech_packs_cover(const struct speech_packs *packs, const struct speech_pack *own,
+                                             const struct utterance *u) {
+    size_t fewest = unknown_phones(own, u);
+    for (size_t i = 0; i < packs->count && fewest; i++) {
+        size_t unknown = unknown_phones(packs->packs[i], u);
+        if (unknown < fewest) {
+            fewest = unknown;
+            own = packs->packs[i];
+        }
+    }
+    return own;
 }

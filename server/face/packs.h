@@ -4,6 +4,7 @@
 #define FACCIA_FACE_PACKS_H
 
 #include "server/face/speech.h"
+#include "server/voice/utterance.h"
 
 struct speech_packs {
     struct speech_pack **packs; /* sorted by language tag */
@@ -18,5 +19,10 @@ void speech_packs_free(struct speech_packs *packs);
 /* The pack for a BCP 47 tag, compared without regard to case: the same tag, else the same language ("it-CH"
  * and "pt" find "it" and "pt-BR"), else NULL. */
 const struct speech_pack *speech_packs_find(const struct speech_packs *packs, const char *lang);
+
+/* For an utterance in several languages: the pack that knows most of its phones; own when none knows more. (A
+ * pack knows the phones of the one that it inherits from.) */
+const struct speech_pack *speech_packs_cover(const struct speech_packs *packs, const struct speech_pack *own,
+                                             const struct utterance *u);
 
 #endif

@@ -4,7 +4,7 @@
 #define FACCIA_FACE_SHAPE_H
 
 #include "protocol/fap.h"
-#include "server/face/json_place.h"
+#include "server/base/json_place.h"
 #include "server/face/speech_pack.h"
 
 struct shape {

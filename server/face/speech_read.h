@@ -4,7 +4,7 @@
 #ifndef FACCIA_FACE_SPEECH_READ_H
 #define FACCIA_FACE_SPEECH_READ_H
 
-#include "server/face/json_place.h"
+#include "server/base/json_place.h"
 #include "server/face/speech_pack.h"
 
 /* Overwrites those coefficients that the object names; with_target allows t and T. */

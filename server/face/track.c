@@ -3,7 +3,9 @@
 #include "server/base/mem.h"
 #include "server/face/contact.h"
 #include "server/face/engine.h"
+#include "server/face/express.h"
 #include "server/face/fapmap.h"
+#include "server/face/finish.h"
 #include "server/face/life.h"
 #include "server/face/viseme.h"
 #include <math.h>
@@ -12,14 +14,24 @@
 
 struct face_track {
     struct speech_fapu fapu;
-    double end; /* s */
-    struct face_layer speech;
+    double end;               /* s */
+    struct face_layer speech; /* none when idle */
+    struct express *express;  /* NULL when still, or nothing to express with */
+    struct face_layer life;   /* none when still */
     struct face_layer *layers;
     size_t layer_count, layer_cap;
     struct contacts contacts;
     struct visemes visemes;
     size_t contact_cursor, viseme_cursor;
 };
+
+static void animate(struct face_track *track, const struct utterance *u, const struct gestures *g,
+                    const struct face_options *options) {
+    if (options->still)
+        return;
+    track->express = express_new(u, g, options);
+    track->life = life_layer(options, u, express_influence(track->express));
+}
 
 struct face_track *face_track_new(const struct speech_pack *pack, const struct utterance *u,
                                   const struct face_options *options,
@@ -36,19 +48,31 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct u
     if (engine->contacts)
         contacts_from(&gestures, &track->contacts);
     visemes_from(&gestures, &track->visemes);
+    animate(track, u, &gestures, options);
     gestures_free(&gestures);
-    if (!options->still)
-        face_track_add(track, life_layer(options, u, (struct life_influence){0}));
     return track;
+}
+
+struct face_track *face_track_idle(const struct face_options *options) {
+    struct face_track *track = mem_alloc(sizeof *track);
+    track->fapu = *face_idle_fapu;
+    animate(track, NULL, NULL, options);
+    return track;
+}
+
+static void free_layer(struct face_layer *layer) {
+    if (layer->free)
+        layer->free(layer->self);
 }
 
 void face_track_free(struct face_track *track) {
     if (!track)
         return;
-    track->speech.free(track->speech.self);
+    free_layer(&track->speech);
+    free_layer(&track->life);
     for (size_t i = 0; i < track->layer_count; i++)
-        if (track->layers[i].free)
-            track->layers[i].free(track->layers[i].self);
+        free_layer(&track->layers[i]);
+    express_free(track->express);
     free(track->layers);
     contacts_free(&track->contacts);
     visemes_free(&track->visemes);
@@ -60,22 +84,41 @@ void face_track_add(struct face_track *track, struct face_layer layer) {
     track->layers[track->layer_count++] = layer;
 }
 
+/* Adds life. Lids that meet have moved by IRISD, 1024 FAP units, together; a blink closes the eyes whatever
+ * the expression made of the lids: as far as it closes them it replaces that. */
+static void add_life(const struct face_layer *layer, double t, double faps[FAP_COUNT + 1]) {
+    double expressed[4];
+    memcpy(expressed, faps + 19, sizeof expressed);
+    memset(faps + 19, 0, sizeof expressed);
+    layer->add(layer->self, t, faps);
+    for (int side = 0; side < 2; side++) {
+        double closed = (faps[19 + side] + faps[21 + side]) / 1024;
+        double open = 1 - fmax(0, fmin(1, closed));
+        faps[19 + side] += open * expressed[side];
+        faps[21 + side] += open * expressed[side + 2];
+    }
+}
+
 void face_track_sample(struct face_track *track, double t, struct fap_frame *frame) {
     double faps[FAP_COUNT + 1] = {0};
+    struct contact_demand demand[CONTACT_TEETH + 1] = {0};
     bool speaks = t > 0 && t < track->end;
-    if (speaks)
+    *frame = (struct fap_frame){.viseme = visemes_at(&track->visemes, t, &track->viseme_cursor)};
+    frame->mask[0] |= 1; /* FAP 1 */
+    if (speaks) {
         track->speech.add(track->speech.self, t, faps);
+        contacts_at(&track->contacts, t, &track->contact_cursor, demand);
+    }
+    if (track->express) {
+        express_blend(track->express, t, demand, faps, &frame->expression);
+        frame->mask[0] |= 2; /* FAP 2 */
+    }
     for (size_t i = 0; i < track->layer_count; i++)
         track->layers[i].add(track->layers[i].self, t, faps);
+    if (track->life.add)
+        add_life(&track->life, t, faps);
     /* After all layers, so that none of them can open a closure. */
-    if (speaks) {
-        struct contact_demand demand[CONTACT_TEETH + 1];
-        contacts_at(&track->contacts, t, &track->contact_cursor, demand);
+    if (speaks)
         fapmap_touch(&track->fapu, demand, faps);
-    }
-    fapmap_part_lips(&track->fapu, faps);
-    *frame = (struct fap_frame){.viseme = visemes_at(&track->visemes, t, &track->viseme_cursor)};
-    frame->mask[0] |= 1; /* FAP 1; FAP 2 is left out: the low-level parameters say it all */
-    for (int n = 3; n <= FAP_COUNT; n++)
-        fap_frame_set(frame, n, fap_clamp(n, (int32_t)lround(faps[n])));
+    face_finish(&track->fapu, faps, frame);
 }

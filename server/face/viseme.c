@@ -36,6 +36,8 @@ void visemes_free(struct visemes *visemes) {
 struct fap_viseme visemes_at(const struct visemes *visemes, double t, size_t *cursor) {
     const struct viseme_key *keys = visemes->keys;
     size_t i = *cursor;
+    if (!visemes->count) /* nobody speaks */
+        return (struct fap_viseme){.blend = WHOLE};
     while (i > 0 && t < keys[i].begin)
         i--;
     while (i + 1 < visemes->count && t >= keys[i + 1].begin)

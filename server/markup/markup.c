@@ -1,12 +1,44 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/markup.h"
 #include "server/base/utf8.h"
+#include "server/markup/detect.h"
 #include "server/markup/plain.h"
+#include "server/markup/white.h"
 #include <string.h>
 #include <strings.h>
 
+static int auto_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+                     struct error *e) {
+    return markup_detect(&markup_kinds[0], text, size)->read(score, text, size, rules, e);
+}
+
+static int apml_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+                     struct error *e) {
+    return xml_read(score, text, size, &apml_vocabulary, rules, e);
+}
+
+static int jsml_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+                     struct error *e) {
+    return xml_read(score, text, size, &jsml_vocabulary, rules, e);
+}
+
+static int ssml_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+                     struct error *e) {
+    return xml_read(score, text, size, &ssml_vocabulary, rules, e);
+}
+
+static int emotionml_read(struct score *score, const char *text, size_t size,
+                          const struct markup_rules *rules, struct error *e) {
+    return xml_read(score, text, size, &emotionml_vocabulary, rules, e);
+}
+
 const struct markup_kind markup_kinds[] = {
+    {"auto", "application/xml text/xml", auto_read},
     {"plain", "text/plain", plain_read},
+    {"apml", "application/apml+xml", apml_read},
+    {"jsml", "application/jsml+xml", jsml_read},
+    {"ssml", "application/ssml+xml", ssml_read},
+    {"emotionml", "application/emotionml+xml", emotionml_read},
     {0},
 };
 
@@ -20,9 +52,78 @@ const struct markup_kind *markup_by_name(const char *name) {
 const struct markup_kind *markup_by_content_type(const char *type) {
     size_t length = strcspn(type, "; \t");
     for (const struct markup_kind *kind = markup_kinds; kind->name; kind++)
-        if (strlen(kind->content_type) == length && !strncasecmp(kind->content_type, type, length))
-            return kind;
+        for (const char *at = kind->content_types; *at; at += strspn(at, " ")) {
+            size_t one = strcspn(at, " ");
+            if (one == length && !strncasecmp(at, type, length))
+                return kind;
+            at += one;
+        }
     return NULL;
+}
+
+/* The elements that a document may begin with, and what it is then. */
+static const struct {
+    const char *root, *kind;
+} roots[] = {
+    {"speak", "ssml"},
+    {"apml", "apml"},
+    {"performative", "apml"},
+    {"turnallocation", "apml"},
+    {"emotionml", "emotionml"},
+    {"jsml", "jsml"},
+    {"sent", "jsml"},
+    {"para", "jsml"},
+    {"div", "jsml"},
+    {"sayas", "jsml"},
+    {"emp", "jsml"},
+    {"pros", "jsml"},
+    {"marker", "jsml"},
+    {"engine", "jsml"},
+    {"angry", "jsml"},
+    {"anger", "jsml"},
+    {"afraid", "jsml"},
+    {"sad", "jsml"},
+    {"happy", "jsml"},
+    {"surprised", "jsml"},
+    {"disgusted", "jsml"},
+};
+
+/* Something that begins with a tag and ends with one. */
+static bool looks_like_xml(const struct prolog *prolog, const char *text, size_t size) {
+    while (size && is_white(text[size - 1]))
+        size--;
+    return prolog->root_bytes && ((*prolog->root | 32) >= 'a' && (*prolog->root | 32) <= 'z') &&
+           text[size - 1] == '>';
+}
+
+const struct markup_kind *markup_detect(const struct markup_kind *kind, const char *text, size_t size) {
+    struct prolog prolog;
+    struct error e;
+    if (kind->read != auto_read)
+        return kind;
+    bool broken = prolog_read(text, size, &prolog, &e);
+    for (size_t i = 0; i < sizeof roots / sizeof *roots; i++)
+        if (prolog_root_is(&prolog, roots[i].root))
+            return markup_by_name(roots[i].kind);
+    bool xml = prolog.declared || (!broken && looks_like_xml(&prolog, text, size));
+    return markup_by_name(xml ? "ssml" : "plain");
+}
+
+bool markup_lang(const char *text, size_t size, char *out) {
+    struct prolog prolog;
+    struct error e;
+    if (prolog_read(text, size, &prolog, &e) || !prolog.root)
+        return false;
+    const char *end = memchr(prolog.root, '>', size - (size_t)(prolog.root - text));
+    const char *at = end ? memmem(prolog.root, (size_t)(end - prolog.root), "xml:lang=", 9) : NULL;
+    if (!at)
+        return false;
+    char quote = at[9];
+    size_t n = 0;
+    for (at += 10; at < end && *at != quote && n < MARKUP_LANG_BYTES - 1; at++)
+        out[n++] = *at;
+    out[n] = '\0';
+    return n && at < end && *at == quote;
 }
 
 struct score *markup_read(const struct markup_kind *kind, const char *text, size_t size,
@@ -38,6 +139,8 @@ struct score *markup_read(const struct markup_kind *kind, const char *text, size
         return NULL;
     }
     struct score *score = score_new();
+    score->input = text;
+    score->input_size = size;
     int failed = kind->read(score, text, size, rules, e);
     if (!failed && !score->sentence_count)
         failed = error_set(e, "empty-text", "there is nothing to speak");

@@ -19,7 +19,7 @@ static uint32_t look(const struct cursor *c, size_t *length) {
 
 static bool is_space(uint32_t c) {
     return c == ' ' || (c >= '\t' && c <= '\r') || c == 0xA0 || (c >= 0x2000 && c <= 0x200B) || c == 0x2028 ||
-           c == 0x2029 || c == 0x3000;
+           c == 0x2029 || c == 0x3000 || c == 0xFEFF /* byte order mark */;
 }
 
 static bool is_terminator(uint32_t c) {
@@ -63,7 +63,8 @@ static bool is_abbreviation(const char *text, size_t end, const struct markup_ru
 static size_t sentence_end(struct cursor c, const struct markup_rules *rules) {
     size_t start = c.at, length, marks = 0;
     bool only_dots = true;
-    for (uint32_t cp; is_terminator(cp = look(&c, &length)); c.at += length, marks++)
+    for (uint32_t cp; marks < PLAIN_SENTENCE_BYTES && is_terminator(cp = look(&c, &length));
+         c.at += length, marks++)
         only_dots = only_dots && (cp == '.' || cp == 0x2026);
     while (is_closing(look(&c, &length)))
         c.at += length;
@@ -88,25 +89,43 @@ static size_t skip_space(struct cursor c, bool *blank_line) {
     return c.at;
 }
 
+static bool is_letter(char c) {
+    return (c | 32) >= 'a' && (c | 32) <= 'z';
+}
+
+/* Passes over terminators that end no sentence, as far as one may reach. */
+static size_t skip_marks(struct cursor c, size_t next) {
+    size_t length;
+    for (c.at = next; is_terminator(look(&c, &length)) && c.at + length <= PLAIN_SENTENCE_BYTES;
+         c.at += length)
+        ;
+    return c.at;
+}
+
 size_t plain_sentence(const char *text, size_t size, const struct markup_rules *rules) {
     struct cursor c = {text, size, 0};
     size_t comma = 0, space = 0, length;
     bool blank_line;
     while (c.at < size) {
+        while (c.at < PLAIN_SENTENCE_BYTES && c.at + 1 < size && is_letter(text[c.at]))
+            c.at++;
         uint32_t cp = look(&c, &length);
+        size_t next = c.at + length;
         if (is_terminator(cp)) {
             size_t end = sentence_end(c, rules);
             if (end)
                 return skip_space((struct cursor){text, size, end}, &blank_line);
+            next = skip_marks(c, next);
         } else if (is_space(cp)) {
-            size_t next = skip_space(c, &blank_line);
+            next = skip_space(c, &blank_line);
             if (blank_line)
                 return next;
             space = next;
             if (c.at && strchr(",;:", text[c.at - 1]))
                 comma = next;
         }
-        c.at += length;
+        length = next - c.at;
+        c.at = next;
         if (c.at > PLAIN_SENTENCE_BYTES)
             return comma > PLAIN_SENTENCE_BYTES / 4 ? comma : space ? space : c.at - length;
     }

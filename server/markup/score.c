@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/score.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
+#include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,11 +16,14 @@ struct score_block {
     _Alignas(max_align_t) char data[];
 };
 
+enum { BLOCK_MIN = 4096, BLOCK_MAX = 1 << 18 };
+
 static void *keep(struct score *score, size_t size) {
     size = (size + _Alignof(max_align_t) - 1) & ~(_Alignof(max_align_t) - 1);
     struct score_block *block = score->blocks;
     if (!block || block->size - block->used < size) {
-        size_t room = size > 4096 ? size : 4096;
+        size_t room = block && block->size < BLOCK_MAX ? 2 * block->size : BLOCK_MIN;
+        room = size > room ? size : room;
         block = mem_alloc(sizeof *block + room);
         block->size = room;
         block->next = score->blocks;
@@ -41,6 +47,7 @@ void score_free(struct score *score) {
     }
     free(score->items);
     free(score->sentences);
+    free(score->cues);
     free(score->warnings);
     free(score);
 }
@@ -63,6 +70,49 @@ struct score_item *score_add(struct score *score, enum score_kind kind, size_t s
     struct score_item *item = &score->items[score->item_count++];
     *item = (struct score_item){.kind = kind, .start = start, .end = end, .style = &score_plain_style};
     return item;
+}
+
+struct score_cue *score_add_cue(struct score *score, const char *kind, const char *name, size_t at) {
+    score->cues = mem_grow(score->cues, &score->cue_cap, score->cue_count + 1, sizeof *score->cues);
+    struct score_cue *cue = &score->cues[score->cue_count++];
+    *cue = (struct score_cue){
+        .kind = kind,
+        .name = score_strndup(score, name, strlen(name)),
+        .first = score->item_count,
+        .last = score->item_count,
+        .at = at,
+        .intensity = 1,
+        .weight = -1,
+        .duration = {.share = 1},
+        .onset = -1,
+        .offset = -1,
+    };
+    return cue;
+}
+
+void score_warn(struct score *score, size_t at, const char *code, const char *format, ...) {
+    if (score->warning_count == SCORE_WARNINGS)
+        return;
+    score->warnings =
+        mem_grow(score->warnings, &score->warning_cap, score->warning_count + 1, sizeof *score->warnings);
+    struct error *warning = &score->warnings[score->warning_count++];
+    char message[sizeof warning->message];
+    va_list args;
+    va_start(args, format);
+    vsnprintf(message, sizeof message, format, args);
+    va_end(args);
+    utf8_mend(message);
+    if (score->warning_count == SCORE_WARNINGS) {
+        code = "more-warnings";
+        strcpy(message, "there is more that is not acted on");
+    }
+    if (!score->input) {
+        error_at_byte(warning, code, at, "%s", message);
+        return;
+    }
+    size_t line, column;
+    lines_place(&score->lines, score->input, at < score->input_size ? at : score->input_size, &line, &column);
+    error_at_line(warning, code, line, column, "%s", message);
 }
 
 void score_end_sentence(struct score *score) {

@@ -5,6 +5,7 @@
 #define FACCIA_MARKUP_SCORE_H
 
 #include "server/base/error.h"
+#include "server/base/lines.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -23,13 +24,25 @@ struct score_emotion {
     double intensity; /* 0..1 */
 };
 
-/* How a stretch is to be said. Factors multiply the voice's own value; 1 = unchanged. */
+/* How a stretch is to be said. Factors multiply the voice's own value; 1 = unchanged.
+ *
+ * say_as is in one form for all markups, CLASS or CLASS:FORMAT, always one of these:
+ *   characters                 letter by letter
+ *   digits                     digit by digit
+ *   cardinal, ordinal          a number, or its ordinal
+ *   fraction                   "3/4"
+ *   date, date:FORMAT          FORMAT: the order of d m y, as dmy mdy ymd ydm ym my md dm d m y
+ *   time, time:FORMAT          FORMAT: hms hm h hms12 hms24
+ *   duration                   "1:20" as a length of time
+ *   telephone, currency, measure, name, address
+ *   net:email, net:url */
 struct score_style {
     const char *lang;  /* BCP 47; NULL = the request's */
-    const char *voice; /* NULL = the request's */
+    const char *voice; /* NULL = the request's; else as written: one name, or several by preference, spaced */
+    const char *gender; /* of the voice: NULL = any, "male", "female", "neutral" */
     double rate, pitch, range, volume;
     enum score_emphasis emphasis;
-    const char *say_as;   /* NULL, or how to read it: "digits", "date:dmy"... */
+    const char *say_as;   /* NULL, or how to read it */
     const char *phonemes; /* NULL, or IPA that replaces the text */
     struct score_emotion emotion;
 };
@@ -60,6 +73,8 @@ struct score_item {
     const char *text; /* SCORE_TEXT: UTF-8; SCORE_MARK: the name; SCORE_AUDIO: what the author wrote as src */
     bool verbatim;    /* text is exactly input[start..end), so offsets inside it map one to one */
     double seconds;   /* SCORE_BREAK */
+    size_t fallback; /* SCORE_AUDIO: so many items that follow it, in its sentence, are its alternate content:
+                        left out when the sound is played, spoken when it cannot be */
     const struct score_style *style; /* never NULL */
 };
 
@@ -78,6 +93,9 @@ struct score {
     size_t cue_count, cue_cap;
     struct error *warnings; /* what was not acted on, with its line and column */
     size_t warning_count, warning_cap;
+    const char *input; /* what was read, for the places of warnings: borrowed; NULL = not known */
+    size_t input_size;
+    struct lines lines;         /* of the input */
     struct score_block *blocks; /* owns strings and styles */
 };
 
@@ -93,11 +111,13 @@ const struct score_style *score_keep_style(struct score *score, const struct sco
 
 struct score_item *score_add(struct score *score, enum score_kind kind, size_t start, size_t end);
 
-/* A cue with intensity 1, the whole stretch for its time, and nothing else given. */
+/* A cue with intensity 1, the whole stretch for its time, and nothing else given. kind is static; name is
+ * copied. It begins at the item that is added next, and is empty. */
 struct score_cue *score_add_cue(struct score *score, const char *kind, const char *name, size_t at);
 
-/* What stands at that byte of the input is not acted on (or not as it was meant). At most
- * SCORE_WARNINGS are kept; the last then says that there were more. */
+/* What stands at that byte of the input is not acted on (or not as it was meant). code is static. At most
+ * SCORE_WARNINGS are kept; the last then says that there were more ("more-warnings"). The input must still be
+ * there. */
 enum { SCORE_WARNINGS = 1000 };
 void score_warn(struct score *score, size_t at, const char *code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));

@@ -30,7 +30,7 @@ struct exchange *exchange_open(struct net *net, struct lws *wsi) {
 void exchange_close(struct exchange *x) {
     if (x->work.free) {
         x->work.free(x->work.self);
-        x->net->works--;
+        x->net->works -= !x->work.endless;
     }
     guest_leave(x->net, &x->guest);
     free(x->owned);
@@ -48,7 +48,7 @@ struct lws *exchange_wsi(const struct exchange *x) {
 
 void exchange_set_work(struct exchange *x, struct exchange_work work) {
     x->work = work;
-    x->net->works++;
+    x->net->works += !work.endless;
 }
 
 struct exchange_work *exchange_get_work(struct exchange *x) {
@@ -160,7 +160,13 @@ int exchange_error(struct exchange *x, unsigned status, const struct error *e) {
     return exchange_json(x, status, message_error(e));
 }
 
-bool exchange_permits(struct exchange *x, enum right right, int *result) {
+const char *exchange_query(const struct exchange *x, const char *name, char *value, size_t cap) {
+    char key[64];
+    snprintf(key, sizeof key, "%s=", name);
+    return lws_get_urlarg_by_name(x->wsi, key, value, (int)cap);
+}
+
+bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result) {
     struct error e;
     if (!guest_origin_allowed(x->net, x->wsi)) {
         metrics_add(x->net->studio->metrics, METRIC_REFUSED_ORIGIN, 1);
@@ -171,7 +177,7 @@ bool exchange_permits(struct exchange *x, enum right right, int *result) {
     if (!right)
         return true;
     bool refused = guest_enter(x->net, x->wsi, &x->guest, &e) ||
-                   guest_may(x->net, &x->guest, right, NULL, &e) || guest_ask(x->net, &x->guest, &e);
+                   guest_may(x->net, &x->guest, right, room, &e) || guest_ask(x->net, &x->guest, &e);
     if (refused)
         *result = exchange_error(x,
                                  !strncmp(e.code, "too-many", 8) ? 429

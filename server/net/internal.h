@@ -6,6 +6,7 @@
 #include "server/access/tally.h"
 #include "server/base/buf.h"
 #include "server/net/assets.h"
+#include "server/net/channel.h"
 #include "server/net/guest.h"
 #include "server/net/net.h"
 #include <jansson.h>
@@ -23,7 +24,9 @@ struct net {
     struct tally tally;
     struct listener **listeners;
     struct socket *sockets; /* all that are open */
-    unsigned works;         /* HTTP answers that are being made */
+    struct channel *rooms;
+    unsigned room_count;
+    unsigned works; /* HTTP answers that are being made */
 };
 
 /* What libwebsockets keeps for each connection: one of the two. */
@@ -39,9 +42,12 @@ int net_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
 /* {"type":"error","code",...} with the place; a new reference. */
 json_t *message_error(const struct error *e);
 json_t *message_event(const struct stream_event *event, const char *stream);
+const char *message_event_name(enum stream_event_kind kind); /* its "type" */
+json_t *message_rooms(const struct net *net);
 json_t *message_hello(const struct net *net, const char *stream);
 json_t *message_voices(const struct net *net);
 json_t *message_models(const struct net *net);
+json_t *message_expressions(const struct net *net);
 json_t *message_health(const struct net *net);
 
 /* Appends the object as text and drops it. */
@@ -50,6 +56,11 @@ void message_write(struct buf *out, json_t *object);
 /* Sets the request's fields from the members of a speak message, or from the query of an address. */
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
 int request_from_query(struct speech_request *request, struct lws *wsi, const char *except, struct error *e);
+
+/* live.c: what an idle and an express message ask for. -1 with *e. The mix borrows from the message. */
+int live_idle(const json_t *message, const struct speech_request *defaults, uint64_t seed,
+              struct idle_options *options, bool *on, struct error *e);
+int live_express(const json_t *message, struct stream_mix *mix, struct error *e);
 
 /* socket.c: one WebSocket client. */
 struct socket *socket_open(struct net *net, struct lws *wsi);
@@ -87,7 +98,10 @@ size_t exchange_unsent(const struct exchange *x);
 struct net *exchange_net(const struct exchange *x);
 
 /* Whether he who asks may do that; when not, it has been answered and *result is what to return. */
-bool exchange_permits(struct exchange *x, enum right right, int *result);
+bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);
+
+/* The value of a parameter in the address, or NULL. */
+const char *exchange_query(const struct exchange *x, const char *name, char *value, size_t cap);
 struct lws *exchange_wsi(const struct exchange *x);
 
 /* The owner of a body that is being received or made. */
@@ -95,8 +109,10 @@ struct exchange_work {
     int (*body)(void *self, const void *data, size_t size);
     int (*body_end)(void *self);
     void (*sent)(void *self); /* bytes have left: more may come */
+    void (*beat)(void *self); /* the connection's timer has rung */
     void (*free)(void *self);
     void *self;
+    bool endless; /* nobody waits for its end before the daemon stops */
 };
 void exchange_set_work(struct exchange *x, struct exchange_work work);
 struct exchange_work *exchange_get_work(struct exchange *x);
@@ -110,5 +126,26 @@ int routes_serve(struct exchange *x, const char *path, size_t length, int method
 
 /* speech_post.c: POST /v1/speech */
 int speech_post(struct exchange *x);
+
+/* What the body of a POST is, from its Content-Type: the name of a markup, or NULL after the answer 415, with
+ * *result to be returned. */
+const char *post_markup(struct exchange *x, int *result);
+
+/* play_post.c */
+
+/* A recording of the folder of those. -1 with *e: "unknown-media" when there is no such folder, or as
+ * reel_source_in. */
+int media_source(const struct net *net, struct reel_source *source, const char *name, struct error *e);
+int play_post(struct exchange *x); /* POST /v1/play?room= */
+
+/* room_http.c */
+
+/* The room that the address names; NULL after the answer, with *result to be returned. */
+struct channel *room_asked(struct exchange *x, int *result);
+int room_say(struct exchange *x);    /* POST /v1/say?room= */
+int room_stop(struct exchange *x);   /* POST /v1/stop?room= */
+int room_pause(struct exchange *x);  /* POST /v1/pause?room= */
+int room_resume(struct exchange *x); /* POST /v1/resume?room= */
+int room_events(struct exchange *x); /* GET /v1/events?room= */
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/internal.h"
+#include "server/stream/opus_audio.h"
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -72,37 +73,72 @@ static void set_time(json_t *object, const struct stream_event *e) {
     set_int(object, "sample", e->sample);
 }
 
-json_t *message_event(const struct stream_event *e, const char *stream) {
+const char *message_event_name(enum stream_event_kind kind) {
     static const char *const types[] = {
-        [STREAM_BEGIN] = "begin", [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
-        [STREAM_MARK] = "mark",   [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
-        [STREAM_END] = "end",
+        [STREAM_BEGIN] = "begin",     [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
+        [STREAM_MARK] = "mark",       [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
+        [STREAM_END] = "end",         [STREAM_PHONE] = "phone",       [STREAM_PAUSED] = "paused",
+        [STREAM_RESUMED] = "resumed", [STREAM_JUMPED] = "jumped",
     };
+    return types[kind];
+}
+
+json_t *message_rooms(const struct net *net) {
+    json_t *rooms = json_array();
+    for (const struct channel *c = net->rooms; c; c = channel_next(c))
+        json_array_append_new(rooms,
+                              json_pack("{ss si sb}", "name", channel_name(c), "followers",
+                                        (int)channel_followers(c), "speaks", stream_busy(channel_stream(c))));
+    return rooms;
+}
+
+json_t *message_event(const struct stream_event *e, const char *stream) {
     json_t *object = json_object();
-    set_string(object, "type", types[e->kind]);
+    set_string(object, "type", message_event_name(e->kind));
     set_string(object, "stream", stream);
-    set_int(object, "utterance", e->utterance);
+    if (e->utterance)
+        set_int(object, "utterance", e->utterance);
     set_string(object, "id", e->id);
     switch (e->kind) {
     case STREAM_BEGIN:
         set_int(object, "rate", e->sample_rate);
         json_object_set_new(object, "fps",
                             e->fps == (int)e->fps ? json_integer((int)e->fps) : json_real(e->fps));
+        set_string(object, "play", e->play);
         set_string(object, "voice", e->voice);
         set_string(object, "lang", e->lang);
         set_string(object, "engine", e->engine);
+        set_string(object, "markup", e->markup);
+        if (e->idle >= 0)
+            json_object_set_new_nocheck(object, "idle", json_real(e->idle));
         break;
     case STREAM_SENTENCE:
     case STREAM_WORD:
         set_time(object, e);
         set_seconds(object, "duration", e, e->duration);
         set_place(object, e);
-        if (e->kind == STREAM_WORD)
-            json_object_set_new(object, "text", json_stringn(e->text, e->end - e->start));
+        json_object_set_new(object, "text", json_stringn(e->text, e->end - e->start));
         break;
     case STREAM_MARK:
         set_time(object, e);
         set_string(object, "name", e->text);
+        break;
+    case STREAM_PHONE:
+        set_time(object, e);
+        set_seconds(object, "duration", e, e->duration);
+        set_string(object, "ipa", e->text);
+        break;
+    case STREAM_RESUMED:
+        if (e->idle >= 0)
+            json_object_set_new_nocheck(object, "idle", json_real(e->idle));
+        /* fall through */
+    case STREAM_PAUSED:
+        if (e->utterance)
+            set_time(object, e);
+        break;
+    case STREAM_JUMPED:
+        set_time(object, e);
+        set_string(object, "mark", e->text);
         break;
     case STREAM_WARNING:
     case STREAM_ERROR:
@@ -126,6 +162,36 @@ json_t *message_models(const struct net *net) {
     return models;
 }
 
+json_t *message_expressions(const struct net *net) {
+    const struct expressions *expressions = net->studio->expressions;
+    json_t *list = json_array();
+    for (size_t i = 0; i < expressions_count(expressions); i++) {
+        struct expression_info info = expressions_info(expressions, i);
+        json_array_append_new(list, json_pack("{ss ss sf sf sb}", "kind", info.kind, "name", info.name,
+                                              "activation", info.activation, "evaluation", info.evaluation,
+                                              "basic", info.basic));
+    }
+    return list;
+}
+
+static json_t *affects(const struct expressions *expressions) {
+    json_t *names = json_array();
+    for (size_t i = 0; i < expressions_count(expressions); i++) {
+        struct expression_info info = expressions_info(expressions, i);
+        if (!strcmp(info.kind, "affect"))
+            json_array_append_new(names, json_string(info.name));
+    }
+    return names;
+}
+
+static json_t *engines_of(const struct speech_pack *pack) {
+    json_t *engines = json_array();
+    for (const char *const *engine = face_engines(); *engine; engine++)
+        if (face_engine_speaks(*engine, pack))
+            json_array_append_new(engines, json_string(*engine));
+    return engines;
+}
+
 json_t *message_voices(const struct net *net) {
     json_t *voices = json_array();
     size_t count = 0;
@@ -147,17 +213,26 @@ json_t *message_hello(const struct net *net, const char *stream) {
     json_t *languages = json_array(), *engines = json_array();
     const struct speech_packs *packs = net->studio->packs;
     for (size_t i = 0; i < packs->count; i++)
-        json_array_append_new(languages, json_pack("{ss ss}", "tag", speech_pack_lang(packs->packs[i]),
-                                                   "name", speech_pack_name(packs->packs[i])));
+        json_array_append_new(languages, json_pack("{ss ss so}", "tag", speech_pack_lang(packs->packs[i]),
+                                                   "name", speech_pack_name(packs->packs[i]), "engines",
+                                                   engines_of(packs->packs[i])));
     for (const char *const *engine = face_engines(); *engine; engine++)
         json_array_append_new(engines, json_string(*engine));
     const struct net_options *o = &net->options;
-    return json_pack("{ss si ss ss si s[s] s[s] ss so so so s{si si si si}}", "type", "hello", "protocol", 1,
-                     "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "pcm_s16le",
-                     "fap", "plain", "lang", net->studio->default_lang, "languages", languages, "engines",
-                     engines, "models", message_models(net), "limits", "text_bytes", (int)o->text_bytes,
-                     "message_bytes", (int)o->message_bytes, "queue", (int)o->queue, "connections",
-                     (int)o->connections);
+    json_t *hello = json_pack("{ss si ss ss si s[sss] s[sss] si sb ss}", "type", "hello", "protocol", 1,
+                              "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio",
+                              "opus", "pcm_s16le", "none", "fap", "fba", "plain", "none", "opus_skip",
+                              OPUS_SKIP, "tokens", o->secrets != NULL, "lang", net->studio->default_lang);
+    json_object_set_new(hello, "languages", languages);
+    json_object_set_new(hello, "engines", engines);
+    json_object_set_new(hello, "expressions", affects(net->studio->expressions));
+    json_object_set_new(hello, "models", message_models(net));
+    json_object_set_new(hello, "limits",
+                        json_pack("{si si si si si si}", "text_bytes", (int)o->text_bytes, "message_bytes",
+                                  (int)o->message_bytes, "queue", (int)o->queue, "connections",
+                                  (int)o->connections, "rooms", (int)o->rooms, "play_bytes",
+                                  (int)o->play_bytes));
+    return hello;
 }
 
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {

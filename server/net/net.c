@@ -14,8 +14,10 @@ const struct net_options net_defaults = {
     .port = 8080,
     .text_bytes = 100000,
     .message_bytes = 262144,
+    .play_bytes = 16777216,
     .queue = STREAM_QUEUE,
     .connections = 1000,
+    .rooms = 100,
     .send_bytes = 262144,
     .send_bytes_max = 4194304,
     .stall_seconds = 10,
@@ -49,6 +51,8 @@ static int on_body(struct session *session, const void *data, size_t size) {
     struct exchange_work *work = session->exchange ? exchange_get_work(session->exchange) : NULL;
     if (!work)
         return 0; /* a body that nobody asked for */
+    if (!work->body)
+        return 0;
     return data ? work->body(work->self, data, size) : work->body_end(work->self);
 }
 
@@ -117,7 +121,12 @@ int net_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
     case LWS_CALLBACK_SERVER_WRITEABLE:
         return socket_writeable(session->socket);
     case LWS_CALLBACK_TIMER:
-        return socket_timer(session->socket);
+        if (session->socket)
+            return socket_timer(session->socket);
+        struct exchange_work *work = session->exchange ? exchange_get_work(session->exchange) : NULL;
+        if (work && work->beat)
+            work->beat(work->self);
+        return 0;
     case LWS_CALLBACK_CLOSED:
         if (session->socket)
             socket_close(session->socket);
@@ -158,6 +167,7 @@ static int listen_on(struct net *net, struct error *e) {
     static const struct lws_protocols protocols[] = {
         {"http", net_callback, sizeof(struct session), 0, 0, NULL, 0},
         {"faccia.v1", net_callback, sizeof(struct session), 0, 0, NULL, 0},
+        {"faccia.text.v1", net_callback, sizeof(struct session), 0, 0, NULL, 0},
         {0},
     };
     static const lws_retry_bo_t idle = {.secs_since_valid_ping = 30, .secs_since_valid_hangup = 40};
@@ -216,8 +226,10 @@ void net_change(struct net *net, const struct net_options *options) {
     o->secrets = options->secrets;
     o->text_bytes = options->text_bytes;
     o->message_bytes = options->message_bytes;
+    o->play_bytes = options->play_bytes;
     o->queue = options->queue;
     o->connections = options->connections;
+    o->rooms = options->rooms;
     o->address_connections = options->address_connections;
     o->address_requests = options->address_requests;
     o->send_bytes = options->send_bytes;

@@ -16,10 +16,13 @@ struct net_options {
     char *const *origins;          /* pages that are let in, NULL-terminated; NULL = those of this machine */
     const struct secrets *secrets; /* tokens are demanded; NULL = anybody may do all */
     const char *web, *models;      /* folders */
+    const char *media;             /* folder of recordings; NULL = none */
     unsigned text_bytes;           /* longest text of one speak or POST; 100000 */
     unsigned message_bytes;        /* longest message of a client; 262144 */
+    unsigned play_bytes;           /* of an uploaded recording, or of a .fap file; 16777216 */
     unsigned queue;                /* utterances that wait on one stream; 32 */
     unsigned connections;          /* open connections; 1000 */
+    unsigned rooms;                /* that have somebody in them; 100 */
     unsigned address_connections;  /* of one address, or one token's subject; 0 = no limit of its own */
     unsigned address_requests;     /* utterances and POSTs of such in a minute; 0 = no limit */
     unsigned send_bytes;           /* unsent bytes at which media to one client wait; 262144 */

@@ -10,6 +10,14 @@ static json_t *models(const struct net *net) {
     return json_pack("{so}", "models", message_models(net));
 }
 
+static json_t *rooms(const struct net *net) {
+    return json_pack("{so}", "rooms", message_rooms(net));
+}
+
+static json_t *expressions(const struct net *net) {
+    return json_pack("{so}", "expressions", message_expressions(net));
+}
+
 static int metrics(struct exchange *x) {
     struct buf text = {0};
     metrics_write(exchange_net(x)->studio->metrics, &text);
@@ -26,9 +34,20 @@ static const struct route {
     int (*answer)(struct exchange *x); /* to a GET, with something other than JSON */
     enum right right;                  /* that is needed; 0 = none */
 } routes[] = {
-    {"/healthz", message_health, NULL, NULL, 0}, {"/v1/voices", voices, NULL, NULL, 0},
-    {"/v1/models", models, NULL, NULL, 0},       {"/v1/speech", NULL, speech_post, NULL, RIGHT_SPEAK},
-    {"/v1/stream", NULL, NULL, NULL, 0},         {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE},
+    {"/healthz", message_health, NULL, NULL, 0},
+    {"/v1/voices", voices, NULL, NULL, 0},
+    {"/v1/models", models, NULL, NULL, 0},
+    {"/v1/speech", NULL, speech_post, NULL, RIGHT_SPEAK},
+    {"/v1/expressions", expressions, NULL, NULL, 0},
+    {"/v1/rooms", rooms, NULL, NULL, RIGHT_LISTEN},
+    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN},
+    {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK},
+    {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK},
+    {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK},
+    {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK},
+    {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK},
+    {"/v1/stream", NULL, NULL, NULL, 0},
+    {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE},
 };
 
 static const struct route *find(const char *path) {
@@ -59,7 +78,8 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
     if (asset && get)
         return exchange_asset(x, asset);
     int refusal;
-    if (route && !exchange_permits(x, get && !route->answer ? 0 : route->right, &refusal))
+    char room[TOKEN_ROOM + 2];
+    if (route && !exchange_permits(x, route->right, exchange_query(x, "room", room, sizeof room), &refusal))
         return refusal;
     if (route && route->answer && get)
         return route->answer(x);

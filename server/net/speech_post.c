@@ -6,6 +6,7 @@
 #include "server/stream/export.h"
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* No further sentence is taken while more than this waits to be sent. */
 enum { UNSENT_BYTES_MAX = 1 << 20 };
@@ -18,6 +19,7 @@ struct post {
     struct error failure; /* the last sentence that failed */
     size_t owed;          /* scenes used up and not yet released */
     bool begun;
+    const char *markup; /* by the type of the body */
 };
 
 static void release(struct post *p) {
@@ -80,21 +82,33 @@ static int on_body(void *self, const void *data, size_t size) {
     return 0;
 }
 
+/* The markup that a content type stands for; NULL: none. What curl --data says by itself means the bytes as
+ * they are, and some say nothing. */
+static const char *markup_of(const char *type) {
+    const struct markup_kind *kind = markup_by_content_type(type);
+    if (!*type || !strncasecmp(type, "application/x-www-form-urlencoded", 33))
+        return "auto";
+    return kind ? kind->name : NULL;
+}
+
+const char *post_markup(struct exchange *x, int *result) {
+    char type[128] = "";
+    struct error e;
+    lws_hdr_copy(exchange_wsi(x), type, sizeof type, WSI_TOKEN_HTTP_CONTENT_TYPE);
+    const char *markup = markup_of(type);
+    if (!markup) {
+        error_set(&e, "unsupported-media-type", "no markup has the type '%s'", type);
+        *result = exchange_error(x, 415, &e);
+    }
+    return markup;
+}
+
 /* The query's part of the request, and the format. The status of the answer when something is wrong, else 0.
  */
 static unsigned read_query(struct post *p, struct speech_request *request, struct error *e) {
     struct lws *wsi = exchange_wsi(p->x);
-    char type[128] = "text/plain", name[32];
-    lws_hdr_copy(wsi, type, sizeof type, WSI_TOKEN_HTTP_CONTENT_TYPE);
-    const struct markup_kind *kind = markup_by_content_type(type);
-    /* curl --data says this by itself, and means the bytes as they are */
-    if (!kind && !strncmp(type, "application/x-www-form-urlencoded", 33))
-        kind = markup_by_name("plain");
-    if (!kind) {
-        error_set(e, "unsupported-media-type", "no markup has the type '%s'", type);
-        return 415;
-    }
-    request->markup = mem_strdup(kind->name);
+    char name[32];
+    request->markup = mem_strdup(p->markup);
     if (request_from_query(request, wsi, "format", e))
         return 400;
     const char *format = lws_get_urlarg_by_name(wsi, "format=", name, sizeof name);
@@ -146,8 +160,15 @@ static void on_free(void *self) {
 }
 
 int speech_post(struct exchange *x) {
+    int result = 0;
+    const char *markup = post_markup(x, &result);
+    if (!markup)
+        return result;
     struct post *p = mem_alloc(sizeof *p);
     p->x = x;
-    exchange_set_work(x, (struct exchange_work){on_body, on_body_end, on_sent, on_free, p});
+    p->markup = markup;
+    exchange_set_work(
+        x, (struct exchange_work){
+               .body = on_body, .body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
     return 0;
 }

@@ -7,13 +7,13 @@ void cut_chunk(struct cut *cut, const struct scene *scene, double fps, uint32_t 
     const struct utterance *u = scene->utterance;
     if (samples > u->samples - cut->at)
         samples = u->samples - cut->at;
-    uint64_t start = (uint64_t)scene->start + cut->at;
+    uint64_t start = (uint64_t)(scene->start + cut->at);
     uint32_t first = frame_from_sample(start, u->sample_rate, fps);
     uint32_t end = frame_from_sample(start + samples, u->sample_rate, fps);
     for (uint32_t k = first; k < end; k++)
         scene_frame(scene, fps, k, &frames[k - first]);
     *chunk = (struct chunk){
-        .audio_codec = CHUNK_AUDIO_PCM_S16LE,
+        .audio_codec = u->pcm ? CHUNK_AUDIO_PCM_S16LE : CHUNK_AUDIO_SILENCE,
         .fap_codec = CHUNK_FAP_PLAIN,
         .sample_rate = u->sample_rate,
         .fps_hundreds = (uint16_t)lround(fps * 100),
@@ -21,8 +21,19 @@ void cut_chunk(struct cut *cut, const struct scene *scene, double fps, uint32_t 
         .start = (uint32_t)start,
         .samples = samples,
         .first_frame = first,
-        .audio_bytes = samples * 2,
-        .audio = (const uint8_t *)(u->pcm + cut->at), /* little-endian hosts only: see meson.build */
+        .audio_bytes = u->pcm ? samples * 2 : 0,
+        .audio = u->pcm ? (const uint8_t *)(u->pcm + cut->at) : NULL, /* little-endian: see meson.build */
     };
     cut->at += samples;
+}
+
+void cut_enter(struct cut *cut, const struct scene *scene) {
+    const struct utterance *u = scene->utterance;
+    *cut = (struct cut){.at = scene->skip};
+    while (cut->word < u->word_count && u->words[cut->word].start < cut->at)
+        cut->word++;
+    while (cut->mark < u->mark_count && u->marks[cut->mark].at < cut->at)
+        cut->mark++;
+    while (cut->phone < u->phone_count && u->phones[cut->phone].start < cut->at)
+        cut->phone++;
 }

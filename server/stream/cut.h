@@ -9,7 +9,7 @@
 /* Where one has come in a scene. Begins zeroed. */
 struct cut {
     uint32_t at; /* sample of the scene */
-    size_t word, mark;
+    size_t word, mark, phone;
 };
 
 /* The chunk from cut->at on, at most samples long, with its frames in frames (room for CUT_FRAMES). Moves
@@ -18,5 +18,8 @@ struct cut {
 enum { CUT_FRAMES = 16 };
 void cut_chunk(struct cut *cut, const struct scene *scene, double fps, uint32_t samples, struct chunk *chunk,
                struct fap_frame *frames);
+
+/* Enters the scene where it is to be heard from. */
+void cut_enter(struct cut *cut, const struct scene *scene);
 
 #endif

@@ -23,7 +23,11 @@ static void wav_scene(struct export *x, const struct scene *scene) {
         wav_header(buf_reserve(&x->out, WAV_HEADER_BYTES), u->sample_rate, UINT32_MAX);
         x->out.size += WAV_HEADER_BYTES;
     }
-    buf_add(&x->out, u->pcm, (size_t)u->samples * 2);
+    if (u->pcm)
+        buf_add(&x->out, u->pcm, (size_t)u->samples * 2);
+    else
+        memset(buf_reserve(&x->out, (size_t)u->samples * 2), 0, (size_t)u->samples * 2);
+    x->out.size += u->pcm ? 0 : (size_t)u->samples * 2;
 }
 
 static void wav_end(struct export *x) {
@@ -61,9 +65,12 @@ static void fap_end(struct export *x) {
 }
 
 const struct export_format export_formats[] = {
-    {"wav", "audio/wav", true, wav_scene, wav_end},
-    {"fap", "text/plain; charset=utf-8", false, fap_scene, fap_end},
-    {"json", "application/json", true, export_json_scene, export_json_end},
+    {"wav", "audio/wav", true, wav_scene, wav_end, NULL, NULL},
+    {"ogg", "audio/ogg", true, export_ogg_scene, export_ogg_end, NULL, export_ogg_free},
+    {"fap", "text/plain; charset=utf-8", false, fap_scene, fap_end, NULL, NULL},
+    {"json", "application/json", true, export_json_scene, export_json_end, export_json_warning, NULL},
+    {"ndjson", "application/x-ndjson", true, export_ndjson_scene, export_ndjson_end, export_ndjson_warning,
+     NULL},
     {0},
 };
 
@@ -84,12 +91,22 @@ void export_begin(struct export *x, const struct export_format *format, const st
     const struct export_source source = {request->text,         speech_lang(speech), speech_voice(speech)->id,
                                          speech_engine(speech), request->fps,        0};
     export_begin_from(x, format, &source);
+    x->speech = speech;
+}
+
+void export_begin_play(struct export *x, const struct export_format *format, const char *name) {
+    *x = (struct export){.format = format, .play = name};
+}
+
+void export_warning(struct export *x, const struct error *e) {
+    if (x->format->warning)
+        x->format->warning(x, e);
 }
 
 void export_scene(struct export *x, const struct scene *scene) {
     x->sample_rate = scene->utterance->sample_rate;
     x->format->scene(x, scene);
-    x->samples = scene->start + scene->utterance->samples;
+    x->samples = (uint32_t)scene->start + scene->utterance->samples;
     x->scenes++;
 }
 
@@ -98,6 +115,8 @@ void export_end(struct export *x) {
 }
 
 void export_free(struct export *x) {
+    if (x->format && x->format->free)
+        x->format->free(x);
     buf_free(&x->out);
     buf_free(&x->words);
     buf_free(&x->marks);

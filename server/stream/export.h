@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A speech written down whole: as sound (WAV), as face animation (.fap) or as its timing (JSON). For files
- * and HTTP answers. */
+/* A speech, or a recording, written down whole: as sound (WAV, Opus in Ogg), as face animation (.fap), as its
+ * timing (JSON, of speech only), or as all that happens in it (NDJSON). For files and HTTP answers. */
 #ifndef FACCIA_STREAM_EXPORT_H
 #define FACCIA_STREAM_EXPORT_H
 
@@ -18,6 +18,8 @@ struct export_format {
     bool streams;
     void (*scene)(struct export *x, const struct scene *scene);
     void (*end)(struct export *x);
+    void (*warning)(struct export *x, const struct error *e); /* NULL: nobody is told */
+    void (*free)(struct export *x);                           /* of its coder; NULL: it has none */
 };
 
 /* What is written down about where the scenes come from. Borrowed. */
@@ -31,6 +33,9 @@ struct export_source {
 struct export {
     const struct export_format *format;
     struct buf out;
+    const struct speech *speech; /* NULL: a recording */
+    const char *play;            /* its name */
+    void *coder;                 /* the format's own */
     struct export_source source;
     double fps;
     uint32_t samples, sample_rate, frames; /* so far */
@@ -45,6 +50,10 @@ extern const struct export_format export_formats[];
 const struct export_format *export_by_name(const char *name);
 
 void export_begin(struct export *x, const struct export_format *format, const struct speech *speech);
+
+/* Of a recording. fps may be set later, before the first scene. */
+void export_begin_play(struct export *x, const struct export_format *format, const char *name);
+
 /* The same for scenes that no speech made. */
 void export_begin_from(struct export *x, const struct export_format *format,
                        const struct export_source *source);
@@ -60,5 +69,14 @@ void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t sa
 
 void export_json_scene(struct export *x, const struct scene *scene);
 void export_json_end(struct export *x);
+void export_json_warning(struct export *x, const struct error *e);
+
+void export_ndjson_scene(struct export *x, const struct scene *scene);
+void export_ndjson_end(struct export *x);
+void export_ndjson_warning(struct export *x, const struct error *e);
+
+void export_ogg_scene(struct export *x, const struct scene *scene);
+void export_ogg_end(struct export *x);
+void export_ogg_free(struct export *x);
 
 #endif

@@ -38,7 +38,7 @@ static void open_object(struct export *x) {
 void export_json_scene(struct export *x, const struct scene *scene) {
     const struct utterance *u = scene->utterance;
     const char *text = x->source.text;
-    uint64_t start = scene->start;
+    uint64_t start = (uint64_t)scene->start;
     uint32_t rate = u->sample_rate;
     if (!x->scenes)
         open_object(x);
@@ -65,7 +65,7 @@ void export_json_scene(struct export *x, const struct scene *scene) {
             json_pack("{ss sf}", "name", u->marks[i].name, "time", seconds(start + u->marks[i].at, rate)));
 }
 
-void export_warning(struct export *x, const struct error *e) {
+void export_json_warning(struct export *x, const struct error *e) {
     char text[400];
     add_member(&x->warnings, !x->warnings.size,
                json_pack("{ss ss}", "code", e->code, "message", error_text(e, text, sizeof text)));

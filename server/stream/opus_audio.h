@@ -11,6 +11,7 @@ enum {
     OPUS_RATE = 48000,
     OPUS_PACKET_SAMPLES = 960, /* 20 ms */
     OPUS_BITRATE = 20000,      /* bit/s, variable */
+    OPUS_SKIP = 312,         /* what opus_audio_skip gives: 6.5 ms */
     OPUS_PACKET_BYTES = 400,   /* most that a packet may have */
 };
 

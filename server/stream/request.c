@@ -2,33 +2,43 @@
 #include "server/stream/request.h"
 #include "server/base/mem.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
+static const char *const blends[] = {[BLEND_REGIONS] = "regions", [BLEND_WEIGHTED] = "weighted", NULL};
+static const char *const modes[] = {
+    [SPEAK_QUEUE] = "queue", [SPEAK_REPLACE] = "replace", [SPEAK_INTERRUPT] = "interrupt", NULL};
+
 /* The fields that anyone may set, with the limits that protocol/README.md states. */
 static const struct field {
     const char *name;
-    enum { TEXT, STRING, NUMBER, INTEGER, FLAG } type;
+    enum { TEXT, STRING, NUMBER, INTEGER, FLAG, CHOICE } type;
     size_t offset;
-    double min, max; /* of a number; of a string: max = its longest, in bytes */
+    double min, max;          /* of a number; of a string: max = its longest, in bytes */
+    const char *const *words; /* of a choice: in the order of its enum, NULL-terminated */
 } fields[] = {
-    {"text", TEXT, offsetof(struct speech_request, text), 0, 0},
-    {"id", STRING, offsetof(struct speech_request, id), 0, 64},
-    {"lang", STRING, offsetof(struct speech_request, lang), 1, 35},
-    {"voice", STRING, offsetof(struct speech_request, voice), 1, 128},
-    {"engine", STRING, offsetof(struct speech_request, engine), 1, 64},
-    {"markup", STRING, offsetof(struct speech_request, markup), 1, 64},
-    {"rate", NUMBER, offsetof(struct speech_request, rate), 40, 500},
-    {"pitch", NUMBER, offsetof(struct speech_request, pitch), 0.25, 4},
-    {"volume", NUMBER, offsetof(struct speech_request, volume), 0.25, 4},
-    {"fps", NUMBER, offsetof(struct speech_request, fps), 1, 120},
-    {"seed", INTEGER, offsetof(struct speech_request, seed), 0, 9007199254740992.0},
-    {"still", FLAG, offsetof(struct speech_request, still), 0, 1},
+    {"text", TEXT, offsetof(struct speech_request, text), 0, 0, NULL},
+    {"id", STRING, offsetof(struct speech_request, id), 0, 64, NULL},
+    {"lang", STRING, offsetof(struct speech_request, lang), 1, 35, NULL},
+    {"voice", STRING, offsetof(struct speech_request, voice), 1, 128, NULL},
+    {"engine", STRING, offsetof(struct speech_request, engine), 1, 64, NULL},
+    {"markup", STRING, offsetof(struct speech_request, markup), 1, 64, NULL},
+    {"rate", NUMBER, offsetof(struct speech_request, rate), REQUEST_RATE_MIN, REQUEST_RATE_MAX, NULL},
+    {"pitch", NUMBER, offsetof(struct speech_request, pitch), 0.25, 4, NULL},
+    {"volume", NUMBER, offsetof(struct speech_request, volume), 0.25, 4, NULL},
+    {"fps", NUMBER, offsetof(struct speech_request, fps), 1, 120, NULL},
+    {"seed", INTEGER, offsetof(struct speech_request, seed), 0, 9007199254740992.0, NULL},
+    {"life", NUMBER, offsetof(struct speech_request, life), 0, 2, NULL},
+    {"blend", CHOICE, offsetof(struct speech_request, blend), 0, 0, blends},
+    {"mode", CHOICE, offsetof(struct speech_request, mode), 0, 0, modes},
+    {"phones", FLAG, offsetof(struct speech_request, phones), 0, 1, NULL},
+    {"still", FLAG, offsetof(struct speech_request, still), 0, 1, NULL},
 };
 
 void request_init(struct speech_request *request) {
-    *request = (struct speech_request){.pitch = 1, .volume = 1, .fps = 25};
+    *request = (struct speech_request){.pitch = 1, .volume = 1, .fps = 25, .seed = -1, .life = -1};
 }
 
 void request_free(struct speech_request *request) {
@@ -95,6 +105,24 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
     return error_in_field(e, "bad-field", f->name, "must be true or false");
 }
 
+/* An enum without negative members is an unsigned int to GCC and Clang. */
+_Static_assert(sizeof(enum face_blend) == sizeof(unsigned) && sizeof(enum speech_mode) == sizeof(unsigned),
+               "choices are set as unsigned");
+
+static int set_choice(unsigned *choice, const struct field *f, const struct request_value *v,
+                      struct error *e) {
+    char all[64] = "";
+    bool word = v->type == REQUEST_STRING || v->type == REQUEST_WORD;
+    for (int i = 0; f->words[i]; i++) {
+        if (word && strlen(f->words[i]) == v->size && !memcmp(f->words[i], v->string, v->size)) {
+            *choice = (unsigned)i;
+            return 0;
+        }
+        snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i ? ", " : "", f->words[i]);
+    }
+    return error_in_field(e, "bad-field", f->name, "must be one of %s", all);
+}
+
 int request_set(struct speech_request *request, const char *name, struct request_value value,
                 struct error *e) {
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
@@ -115,6 +143,8 @@ int request_set(struct speech_request *request, const char *name, struct request
             return set_number(member, f, &value, e);
         case FLAG:
             return set_flag(member, f, &value, e);
+        case CHOICE:
+            return set_choice(member, f, &value, e);
         }
     }
     return 1;

@@ -4,9 +4,19 @@
 #define FACCIA_STREAM_REQUEST_H
 
 #include "server/base/error.h"
+#include "server/face/track.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+/* When it is spoken, on a stream that speaks already. */
+enum speech_mode {
+    SPEAK_QUEUE,     /* after all that waits */
+    SPEAK_REPLACE,   /* now: all else is forgotten */
+    SPEAK_INTERRUPT, /* now: what speaks is cut, what waits comes afterwards */
+};
+
+enum { REQUEST_RATE_MIN = 40, REQUEST_RATE_MAX = 500 }; /* words per minute */
 
 struct speech_request {
     char *text; /* as it came: not checked, may hold NUL */
@@ -17,8 +27,12 @@ struct speech_request {
     double rate;                 /* words per minute, 40..500; 0 = the voice's own */
     double pitch, volume;        /* factors, 0.25..4 */
     double fps;                  /* 1..120 */
-    double seed;                 /* integer, 0..2^53 */
+    double seed;                 /* integer, 0..2^53; negative = not given */
+    double life;                 /* strength of the signs of life, 0..2; negative = not given */
+    enum face_blend blend;       /* how expressions share the mouth with speech */
     bool still;                  /* only the lips move */
+    bool phones;                 /* its phones are events, too */
+    enum speech_mode mode;
 };
 
 void request_init(struct speech_request *request);

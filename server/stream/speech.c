@@ -2,6 +2,9 @@
 #include "server/stream/speech.h"
 #include "server/base/mem.h"
 #include "server/markup/markup.h"
+#include "server/stream/casting.h"
+#include "server/voice/edit.h"
+#include "server/voice/sentence.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,7 +15,7 @@ enum { WINDOW = 3 };
 
 struct slot {
     struct speech *speech;
-    struct voice_job *job;       /* set while the voice works on it */
+    struct sentence *job;        /* set while the voice works on it */
     struct utterance *utterance; /* set when it is ready */
     struct error failure;
 };
@@ -20,16 +23,21 @@ struct slot {
 struct speech {
     const struct studio *studio;
     struct speech_request request;
+    const struct markup_kind *markup;
     struct score *score;
     const struct speech_pack *pack;
     const struct voice *voice;
+    struct cast *cast;
     struct speech_callbacks callbacks;
     void *ctx;
+    void (*direct_face)(void *ctx, struct face_options *options);
     struct slot slots[WINDOW];
     size_t submitted, delivered,
         released;  /* sentences; released <= delivered <= submitted <= released + WINDOW */
     size_t spoken; /* scenes that came */
     uint32_t samples, sample_rate;
+    char *entry;      /* the mark at which the next sentence is entered, or NULL */
+    bool warned;      /* of what the markup stage did not act on */
     bool busy, freed; /* inside a callback; to be freed after it */
 };
 
@@ -40,6 +48,11 @@ void scene_free(struct scene *scene) {
 }
 
 void scene_frame(const struct scene *scene, double fps, uint32_t k, struct fap_frame *frame) {
+    if (!scene->track) {
+        size_t last = scene->frame_count - 1;
+        *frame = scene->frame_count ? scene->frames[k < last ? k : last] : (struct fap_frame){0};
+        return;
+    }
     face_track_sample(scene->track, k / fps - (double)scene->start / scene->utterance->sample_rate, frame);
 }
 
@@ -76,7 +89,7 @@ static void submit(struct speech *s) {
                                         .rate = s->request.rate,
                                         .pitch = s->request.pitch,
                                         .volume = s->request.volume};
-        slot->job = voice_pool_speak(s->studio->voices, &request, &callbacks, slot);
+        slot->job = sentence_speak(s->studio->voices, s->studio->loop, &request, s->cast, &callbacks, slot);
         s->submitted++;
     }
 }
@@ -89,19 +102,45 @@ static void warn(void *ctx, const char *message) {
         s->callbacks.problem(s->ctx, &e, true);
 }
 
+/* The lips follow the language of the voice where there is a pack for it that the engine speaks. */
+static const struct speech_pack *pack_of(const struct speech *s, const struct utterance *u) {
+    const struct speech_pack *own = speech_packs_find(s->studio->packs, u->lang);
+    if (u->mixed)
+        own = speech_packs_cover(s->studio->packs, own ? own : s->pack, u);
+    return own && face_engine_speaks(speech_engine(s), own) ? own : s->pack;
+}
+
+static uint32_t mark_at(const struct utterance *u, const char *name) {
+    for (size_t i = 0; name && i < u->mark_count; i++)
+        if (!strcmp(u->marks[i].name, name))
+            return u->marks[i].at < u->samples ? u->marks[i].at : u->samples;
+    return 0;
+}
+
 static void play(struct speech *s, struct slot *slot) {
     struct utterance *u = slot->utterance;
+    uint32_t skip = mark_at(u, s->entry);
+    int64_t start = (int64_t)s->samples - skip;
     slot->utterance = NULL;
     for (size_t i = 0; i < u->warning_count; i++)
         warn(s, u->warnings[i]);
-    struct face_options options = {.engine = s->request.engine,
-                                   .still = s->request.still,
-                                   .life = 1,
-                                   .seed = (uint64_t)s->request.seed,
-                                   .begin = s->sample_rate ? (double)s->samples / s->sample_rate : 0};
-    struct scene scene = {u, face_track_new(s->pack, u, &options, warn, s), s->samples};
+    const struct speech_request *r = &s->request;
+    struct face_options options = {.engine = r->engine,
+                                   .still = r->still,
+                                   .life = r->life < 0 ? 1 : r->life,
+                                   .seed = r->seed < 0 ? 0 : (uint64_t)r->seed,
+                                   .begin = (double)start / u->sample_rate,
+                                   .blend = r->blend,
+                                   .expressions = s->studio->expressions};
+    if (s->direct_face && !s->freed)
+        s->direct_face(s->ctx, &options);
+    struct scene scene = {.utterance = u,
+                          .track = face_track_new(pack_of(s, u), u, &options, warn, s),
+                          .start = start,
+                          .skip = skip,
+                          .sentence = s->delivered - 1};
     s->sample_rate = u->sample_rate;
-    s->samples += u->samples;
+    s->samples += u->samples - skip;
     s->spoken++;
     if (s->freed)
         scene_free(&scene);
@@ -111,11 +150,15 @@ static void play(struct speech *s, struct slot *slot) {
 
 /* Why the utterance cannot follow the ones before it, or NULL. */
 static const char *misfit(const struct speech *s, const struct utterance *u) {
-    if (s->sample_rate && u->sample_rate != s->sample_rate)
-        return "the voice changed its sample rate between sentences";
     if (u->samples > UINT32_MAX - s->samples)
         return "the speech is longer than its clock can count";
     return NULL;
+}
+
+static void warn_of_markup(struct speech *s) {
+    for (size_t i = 0; !s->warned && !s->freed && i < s->score->warning_count; i++)
+        s->callbacks.problem(s->ctx, &s->score->warnings[i], true);
+    s->warned = true;
 }
 
 /* Hands on, in order, what is ready. */
@@ -123,11 +166,14 @@ static void deliver(struct speech *s) {
     if (s->busy)
         return;
     s->busy = true;
+    warn_of_markup(s);
     while (!s->freed && s->delivered < s->submitted) {
         struct slot *slot = &s->slots[s->delivered % WINDOW];
         if (slot->job)
             break;
         s->delivered++;
+        if (slot->utterance && s->sample_rate)
+            utterance_resample(slot->utterance, s->sample_rate);
         const char *unfit = slot->utterance ? misfit(s, slot->utterance) : NULL;
         if (unfit) {
             utterance_free(slot->utterance);
@@ -141,6 +187,8 @@ static void deliver(struct speech *s) {
             s->released++;
             s->callbacks.problem(s->ctx, &slot->failure, false);
         }
+        free(s->entry);
+        s->entry = NULL;
         if (!s->freed)
             submit(s);
     }
@@ -155,6 +203,7 @@ static void deliver(struct speech *s) {
 static int choose_voice(struct speech *s, struct error *e) {
     const struct speech_packs *packs = s->studio->packs;
     const char *lang = s->request.lang;
+    char stated[MARKUP_LANG_BYTES];
     size_t voices = 0;
     if (s->studio->voices)
         voice_pool_voices(s->studio->voices, &voices);
@@ -162,7 +211,10 @@ static int choose_voice(struct speech *s, struct error *e) {
         return error_set(e, "voice-unavailable", "no voice is there (yet)");
     if (lang && !(s->pack = speech_packs_find(packs, lang)))
         return error_in_field(e, "unknown-language", "lang", "no language '%s'", lang);
-    if (!lang)
+    if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
+        markup_lang(s->request.text, s->request.text_size, stated))
+        s->pack = speech_packs_find(packs, stated);
+    if (!s->pack)
         s->pack = speech_packs_find(packs, s->studio->default_lang);
     const char *const *preferred = speech_pack_voices(s->pack);
     s->voice = voice_pool_find(s->studio->voices, s->request.voice, speech_pack_lang(s->pack), preferred, e);
@@ -187,16 +239,38 @@ static int check_engine(const struct speech *s, struct error *e) {
     return error_in_field(e, "unknown-engine", "engine", "no engine '%s'", s->request.engine);
 }
 
-static int read_text(struct speech *s, struct error *e) {
-    const char *name = s->request.markup ? s->request.markup : "plain";
-    const struct markup_kind *kind = markup_by_name(name);
-    if (!kind)
+/* From here on the request's text is what all places count in. */
+static int decode_text(struct speech *s, struct error *e) {
+    char *text;
+    size_t size;
+    const char *name = s->request.markup ? s->request.markup : "auto";
+    s->markup = markup_by_name(name);
+    if (!s->markup)
         return error_in_field(e, "unknown-markup", "markup", "no markup '%s'", name);
-    struct markup_rules rules = {speech_pack_abbreviations(s->pack)};
     if (!s->request.text)
         return error_in_field(e, "missing-field", "text", "is missing");
-    s->score = markup_read(kind, s->request.text, s->request.text_size, &rules, e);
-    return s->score ? 0 : -1;
+    if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))
+        return -1;
+    if (text) {
+        free(s->request.text);
+        s->request.text = text;
+        s->request.text_size = size;
+    }
+    s->markup = markup_detect(s->markup, s->request.text, s->request.text_size);
+    return 0;
+}
+
+static int read_text(struct speech *s, struct error *e) {
+    struct markup_rules rules = {speech_pack_abbreviations(s->pack), speech_pack_lang(s->pack)};
+    s->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, e);
+    if (!s->score)
+        return -1;
+    if (s->studio->expressions)
+        expressions_direct(s->studio->expressions, s->score);
+    s->cast = casting(s->score, s->voice, s->studio->voices, s->studio->packs, s->studio->sounds);
+    for (size_t i = 0; i < s->score->item_count && s->studio->readings; i++)
+        readings_apply(s->studio->readings, s->score, i, s->cast->voices[i]->lang);
+    return 0;
 }
 
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
@@ -206,7 +280,7 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);
-    if (choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
+    if (decode_text(s, e) || choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
         speech_free(s);
         return NULL;
     }
@@ -217,18 +291,30 @@ void speech_start(struct speech *s) {
     submit(s);
 }
 
-void speech_free(struct speech *s) {
-    if (!s)
-        return;
+void speech_direct_face(struct speech *s, void (*face)(void *ctx, struct face_options *options)) {
+    s->direct_face = face;
+}
+
+/* What the voices work on, and what waits to be handed on. */
+static void forget_pending(struct speech *s) {
     for (; s->delivered < s->submitted; s->delivered++) {
         struct slot *slot = &s->slots[s->delivered % WINDOW];
         if (slot->job)
-            voice_job_cancel(slot->job);
+            sentence_cancel(slot->job);
         utterance_free(slot->utterance);
+        *slot = (struct slot){.speech = s};
     }
+}
+
+void speech_free(struct speech *s) {
+    if (!s)
+        return;
+    forget_pending(s);
     s->freed = true;
     if (s->busy)
         return;
+    cast_free(s->cast);
+    free(s->entry);
     score_free(s->score);
     request_free(&s->request);
     free(s);
@@ -237,6 +323,45 @@ void speech_free(struct speech *s) {
 void speech_release(struct speech *s) {
     s->released++;
     submit(s);
+}
+
+void speech_seek(struct speech *s, size_t sentence, const char *mark, uint32_t sample, size_t held) {
+    char *entry = mark ? mem_strdup(mark) : NULL;
+    forget_pending(s);
+    free(s->entry);
+    s->entry = entry;
+    s->submitted = s->delivered = sentence;
+    s->released = sentence - held;
+    s->samples = sample;
+    submit(s);
+}
+
+void speech_set_rate(struct speech *s, double rate) {
+    s->request.rate = rate;
+}
+
+bool speech_find_mark(const struct speech *s, const char *name, size_t *sentence) {
+    for (size_t i = 0; i < s->score->sentence_count; i++) {
+        const struct score_sentence *in = &s->score->sentences[i];
+        for (size_t k = in->first; k < in->first + in->count; k++)
+            if (s->score->items[k].kind == SCORE_MARK && !strcmp(s->score->items[k].text, name)) {
+                *sentence = i;
+                return true;
+            }
+    }
+    return false;
+}
+
+size_t speech_sentences(const struct speech *s) {
+    return s->score->sentence_count;
+}
+
+size_t speech_next(const struct speech *s) {
+    return s->delivered;
+}
+
+const char *speech_entry(const struct speech *s) {
+    return s->entry;
 }
 
 const struct voice *speech_voice(const struct speech *s) {
@@ -249,6 +374,10 @@ const char *speech_lang(const struct speech *s) {
 
 const char *speech_engine(const struct speech *s) {
     return s->request.engine ? s->request.engine : face_engines()[0];
+}
+
+const char *speech_markup(const struct speech *s) {
+    return s->markup->name;
 }
 
 const struct speech_request *speech_request(const struct speech *s) {

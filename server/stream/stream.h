@@ -5,7 +5,9 @@
 #define FACCIA_STREAM_STREAM_H
 
 #include "protocol/chunk.h"
-#include "server/stream/speech.h"
+#include "server/stream/idle.h"
+#include "server/stream/mix.h"
+#include "server/stream/reel.h"
 
 enum {
     STREAM_CHUNK_MS = 100, /* media in one chunk */
@@ -18,6 +20,10 @@ enum stream_event_kind {
     STREAM_SENTENCE,
     STREAM_WORD,
     STREAM_MARK,
+    STREAM_PHONE,
+    STREAM_PAUSED,
+    STREAM_RESUMED,
+    STREAM_JUMPED,
     STREAM_WARNING,
     STREAM_ERROR,
     STREAM_END,
@@ -26,15 +32,18 @@ enum stream_event_kind {
 /* Pointers are good during the call only. */
 struct stream_event {
     enum stream_event_kind kind;
-    uint32_t utterance;
+    uint32_t utterance;                        /* 0: of none (PAUSED, RESUMED) */
     const char *id;                            /* the client's, or NULL */
-    uint32_t sample_rate, sample, duration;    /* SENTENCE, WORD, MARK; END: duration of all, samples */
+    uint32_t sample_rate, sample, duration;    /* of all with a time; END: duration of all, samples */
     size_t start, end, utf16_start, utf16_end; /* SENTENCE, WORD: the place in the text; end exclusive */
-    const char *text;                          /* WORD: end - start bytes that stand there; MARK: its name */
-    const struct error *error;                 /* WARNING, ERROR */
-    const char *reason;                        /* END: "done", "stopped", "failed" */
-    const char *voice, *lang, *engine;         /* BEGIN */
-    double fps;                                /* BEGIN */
+    const char *text;          /* WORD: end - start bytes that stand there; MARK, JUMPED: its name;
+                                  PHONE: its IPA */
+    const struct error *error; /* WARNING, ERROR */
+    const char *reason;        /* END: "done", "stopped", "failed" */
+    const char *voice, *lang, *engine, *markup; /* BEGIN */
+    double fps;                                 /* BEGIN */
+    const char *play;                           /* BEGIN of a recording: its name, else NULL */
+    double idle; /* BEGIN, RESUMED: when that is on the idle clock, s; negative: nobody idles */
 };
 
 struct stream_sink {
@@ -52,17 +61,41 @@ struct stream *stream_new(const struct studio *studio, const struct stream_sink 
 /* No callback comes after this. */
 void stream_free(struct stream *stream);
 
-/* Takes the request under the next utterance number and queues it. When it is refused (also "queue-full"),
- * its ERROR and END events come at once. */
+/* Takes the request under the next utterance number; its mode says when it is spoken. When it is refused
+ * (also "queue-full"), its ERROR and END events come at once, and nothing else changes. */
 void stream_speak(struct stream *stream, const struct speech_request *request);
+
+/* The same for a recording, which is opened when its turn comes: what is wrong with it is said then. */
+void stream_play(struct stream *stream, struct reel_source *source, enum speech_mode mode);
 
 /* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END. */
 void stream_refuse(struct stream *stream, const char *id, const struct error *e);
 
+/* Has the face idle while nothing is spoken: silent chunks of utterance 0. options = NULL: no longer. The
+ * life layer's clock runs on through idling and utterances, so the face does not jump between them; only an
+ * utterance with a seed of its own has a clock of its own. An utterance takes the place of the idle media
+ * that lie beyond its beginning. */
+void stream_idle(struct stream *stream, const struct idle_options *options);
+
+/* Sets the stream's mood, from the next media on, until it is set anew. -1 with *e as mood_set. */
+int stream_express(struct stream *stream, const struct stream_mix *mix, struct error *e);
 /* Does it speak, or does anything wait? */
 bool stream_busy(const struct stream *stream);
 
-/* Cuts the utterance that speaks and forgets those that wait; each gets its END. */
+/* Cuts the utterance that speaks and forgets those that wait; each gets its END. Ends a pause. */
 void stream_stop(struct stream *stream);
+
+/* No media of utterances leave, and their clock stands still where they are heard now, until stream_resume;
+ * whoever hears them halts there, too. Idle media go on meanwhile. What is asked for waits. */
+void stream_pause(struct stream *stream);
+void stream_resume(struct stream *stream);
+
+/* The words per minute of all sentences that have not begun, 40..500, of the utterance that speaks and of
+ * those that wait. -1 with *e "bad-field". */
+int stream_rate(struct stream *stream, double rate, struct error *e);
+
+/* The utterance that speaks goes on from its first mark of that name. What was sent and has not been heard is
+ * to be forgotten: see JUMPED. -1 with *e: "not-speaking", "unknown-mark". */
+int stream_jump(struct stream *stream, const char *mark, struct error *e);
 
 #endif

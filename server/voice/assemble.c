@@ -2,6 +2,7 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/voice/assemble_parts.h"
+#include "server/voice/cues.h"
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -37,14 +38,8 @@ void assembly_warn(struct assembly *a, const char *format, ...) {
     va_end(args);
     size_t length = strlen(message);
     message[utf8_check(message, length)] = '\0'; /* a cut character at the end, or what the plugin made up */
-    for (size_t i = 0; i < a->u->warning_count; i++)
-        if (!strcmp(a->u->warnings[i], message))
-            return;
-    if (a->u->warning_count == ASSEMBLY_WARNINGS)
-        return;
-    a->u->warnings =
-        mem_grow(a->u->warnings, &a->warning_cap, a->u->warning_count + 1, sizeof *a->u->warnings);
-    a->u->warnings[a->u->warning_count++] = mem_strdup(message);
+    if (a->u->warning_count < ASSEMBLY_WARNINGS)
+        utterance_warn(a->u, message);
 }
 
 uint32_t assembly_time(struct assembly *a, uint64_t t, uint32_t from, const char *what) {
@@ -137,6 +132,7 @@ struct utterance *assembly_finish(struct assembly *a, const char *lang, uint32_t
     assembly_tidy_phones(a);
     assembly_tidy_words(a);
     assembly_tidy_marks(a);
+    cues_time(u, a->plan);
     a->u = NULL;
     return u;
 }

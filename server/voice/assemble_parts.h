@@ -21,7 +21,7 @@ struct assembly {
     const struct plan *plan;
     struct utterance
         *u; /* pcm, samples, sample_rate and warnings grow while the worker speaks, the rest at the end */
-    size_t pcm_cap, warning_cap;
+    size_t pcm_cap;
     uint64_t seconds_max;
     size_t events_left;
     struct said_phone *phones;

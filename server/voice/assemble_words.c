@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/voice/assemble_parts.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,11 +11,11 @@ static bool joins(const struct word *last, size_t from, size_t to) {
 }
 
 /* Joined words' texts follow each other, unless they are the same stretch. Takes the text over. */
-static void add_text(struct word *w, char *text) {
+static void add_text(struct word *w, char *text, bool apart) {
     if (strcmp(w->text, text) != 0) {
         size_t n = strlen(w->text);
-        w->text = mem_resize(w->text, n + strlen(text) + 1);
-        strcpy(w->text + n, text);
+        w->text = mem_resize(w->text, n + strlen(text) + 2);
+        sprintf(w->text + n, "%s%s", apart ? " " : "", text);
     }
     free(text);
 }
@@ -40,13 +41,17 @@ static uint32_t sound_end(const struct utterance *u, const struct word *w, size_
 
 void assembly_tidy_words(struct assembly *a) {
     struct utterance *u = a->u;
-    size_t phone = 0;
-    uint32_t start = 0;
+    size_t phone = 0, said_end = 0; /* of the word before, in its span */
+    uint32_t start = 0, said_span = 0;
     u->words = mem_alloc(a->word_count * sizeof *u->words);
     for (size_t i = 0; i < a->word_count; i++) {
         struct faccia_word *said = &a->words[i];
         struct word *last = u->word_count ? &u->words[u->word_count - 1] : NULL;
         size_t from, to;
+        size_t last_end = said_end;
+        uint32_t last_span = said_span;
+        said_end = said->offset + said->bytes;
+        said_span = said->span;
         said->start = start = assembly_time(a, said->start, start, "word");
         uint32_t end = said->end ? assembly_time(a, said->end, start, "word's end") : u->samples;
         if (!plan_locate(a->plan, said->span, said->offset, said->bytes, &from, &to)) {
@@ -55,7 +60,8 @@ void assembly_tidy_words(struct assembly *a) {
             last->from = from < last->from ? from : last->from;
             last->to = to > last->to ? to : last->to;
             last->end = end;
-            add_text(last, plan_text(a->plan, said->span, said->offset, said->bytes));
+            add_text(last, plan_text(a->plan, said->span, said->offset, said->bytes),
+                     said->offset > last_end || said->span != last_span);
         } else {
             if (last && last->end > start)
                 last->end = start;

@@ -106,15 +106,13 @@ static const struct voice *by_name(const struct catalog *catalog, const char *na
     return voice;
 }
 
-/* How well a voice's language fits: 3 the same tag, 2 a variety of what was asked for ("en" finds "en-GB"), 1
- * the same language. */
-static int fit(const char *voice, const char *wanted) {
+int voice_lang_fit(const char *lang, const char *wanted) {
     size_t primary = strcspn(wanted, "-"), length = strlen(wanted);
-    if (!strcasecmp(voice, wanted))
+    if (!strcasecmp(lang, wanted))
         return 3;
-    if (!strncasecmp(voice, wanted, length) && voice[length] == '-')
+    if (!strncasecmp(lang, wanted, length) && lang[length] == '-')
         return 2;
-    return strcspn(voice, "-") == primary && !strncasecmp(voice, wanted, primary);
+    return strcspn(lang, "-") == primary && !strncasecmp(lang, wanted, primary);
 }
 
 const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,
@@ -137,7 +135,7 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
     if (best)
         return best;
     for (size_t i = 0; i < catalog->count && lang; i++) {
-        int f = fit(catalog->voices[i].lang, lang);
+        int f = voice_lang_fit(catalog->voices[i].lang, lang);
         if (f > best_fit) {
             best_fit = f;
             best = &catalog->voices[i];

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/plan.h"
 #include "server/base/mem.h"
+#include <ctype.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -11,13 +12,15 @@ static bool same(const char *a, const char *b) {
 
 /* Would the two styles make the same span? A stretch to be read in its own way, or from given phones, stands
  * alone. */
-static bool joins(const struct score_style *a, const struct score_style *b) {
+static bool joins(const struct score_style *a, const struct score_style *b,
+                  const struct plan_prosody *prosody) {
     if (a->say_as || b->say_as || a->phonemes || b->phonemes)
         return false;
     return a == b || (same(a->lang, b->lang) && same(a->voice, b->voice) && a->rate == b->rate &&
                       a->pitch == b->pitch && a->range == b->range && a->volume == b->volume &&
-                      a->emphasis == b->emphasis && same(a->emotion.name, b->emotion.name) &&
-                      a->emotion.intensity == b->emotion.intensity);
+                      a->emphasis == b->emphasis &&
+                      (!prosody->plays || (same(a->emotion.name, b->emotion.name) &&
+                                           a->emotion.intensity == b->emotion.intensity)));
 }
 
 static char *copy(const char *s) {
@@ -34,11 +37,11 @@ static struct faccia_span *add_span(struct plan *plan, uint32_t kind) {
 static void begin_text(struct plan *plan, const struct score_style *style,
                        const struct plan_prosody *prosody) {
     struct faccia_span *span = add_span(plan, FACCIA_SPAN_TEXT);
-    span->lang = copy(style->lang);
+    span->lang = prosody->cast ? NULL : copy(style->lang);
     span->phones = copy(style->phonemes);
     span->say_as = copy(style->say_as);
-    span->emotion = copy(style->emotion.name);
-    span->intensity = style->emotion.intensity;
+    span->emotion = prosody->plays ? copy(style->emotion.name) : NULL;
+    span->intensity = span->emotion ? style->emotion.intensity : 0;
     span->rate = prosody->rate;
     if (style->rate != 1)
         span->rate = (prosody->rate > 0 ? prosody->rate : prosody->own_rate) * style->rate;
@@ -66,17 +69,48 @@ static void add_text(struct plan *plan, const struct score_item *item) {
     };
 }
 
-void plan_make(struct plan *plan, const struct score *score, size_t sentence,
-               const struct plan_prosody *prosody) {
+/* What of the cue lies in the sentence, if anything. A point is where the item that follows it is; one at the
+ * very end belongs to the last sentence. */
+static void add_cue(struct plan *plan, const struct score *score, const struct score_sentence *s,
+                    const struct score_cue *cue) {
+    size_t end = s->first + s->count, first = cue->first, last = cue->last;
+    bool at_the_end = first == score->item_count && end == score->item_count;
+    bool point = first == last;
+    if (point ? (first < s->first || first >= end) && !at_the_end : last <= s->first || first >= end)
+        return;
+    struct plan_cue mine = {.intensity = cue->intensity,
+                            .weight = cue->weight,
+                            .onset = cue->onset,
+                            .offset = cue->offset,
+                            .delay = cue->delay,
+                            .duration = cue->duration,
+                            .began_before = first<s->first, .goes_on = last> end};
+    first = first < s->first ? s->first : first;
+    last = last > end ? end : last;
+    mine.from = first < end ? score->items[first].start : s->end;
+    mine.to = point ? mine.from : score->items[last - 1].end;
+    mine.kind = mem_strdup(cue->kind);
+    mine.name = mem_strdup(cue->name);
+    plan->cues = mem_grow(plan->cues, &plan->cue_cap, plan->cue_count + 1, sizeof *plan->cues);
+    plan->cues[plan->cue_count++] = mine;
+}
+
+void plan_cues(struct plan *plan, const struct score *score, size_t sentence) {
     const struct score_sentence *s = &score->sentences[sentence];
-    const struct score_style *style = NULL; /* of the text span that is still open */
     *plan = (struct plan){.from = s->start, .to = s->end};
-    for (size_t i = s->first; i < s->first + s->count; i++) {
+    for (size_t i = 0; i < score->cue_count; i++)
+        add_cue(plan, score, s, &score->cues[i]);
+}
+
+static void add_items(struct plan *plan, const struct score *score, size_t first, size_t count,
+                      const struct plan_prosody *prosody) {
+    const struct score_style *style = NULL; /* of the text span that is still open */
+    for (size_t i = first; i < first + count; i++) {
         const struct score_item *item = &score->items[i];
         if (item->kind == SCORE_TEXT) {
             if (!item->text || !*item->text)
                 continue;
-            if (!style || !joins(style, item->style))
+            if (!style || !joins(style, item->style, prosody))
                 begin_text(plan, item->style, prosody);
             style = item->style;
             add_text(plan, item);
@@ -85,12 +119,48 @@ void plan_make(struct plan *plan, const struct score *score, size_t sentence,
         style = NULL;
         if (item->kind == SCORE_MARK) {
             add_span(plan, FACCIA_SPAN_MARK)->text = mem_strdup(item->text ? item->text : "");
-        } else {
+        } else if (item->kind == SCORE_BREAK) {
             double seconds = isfinite(item->seconds) && item->seconds > 0 ? item->seconds : 0;
             add_span(plan, FACCIA_SPAN_BREAK)->seconds = seconds;
             plan->break_seconds += seconds;
         }
     }
+}
+
+void plan_make(struct plan *plan, const struct score *score, size_t sentence,
+               const struct plan_prosody *prosody) {
+    const struct score_sentence *s = &score->sentences[sentence];
+    plan_cues(plan, score, sentence);
+    add_items(plan, score, s->first, s->count, prosody);
+}
+
+void plan_items(struct plan *plan, const struct score *score, size_t first, size_t count,
+                const struct plan_prosody *prosody) {
+    *plan = (struct plan){0};
+    if (count) {
+        plan->from = score->items[first].start;
+        plan->to = score->items[first + count - 1].end;
+    }
+    add_items(plan, score, first, count, prosody);
+}
+
+void plan_go_on(struct plan *plan) {
+    struct faccia_span *last = NULL;
+    for (size_t i = 0; i < plan->span_count; i++)
+        if (plan->spans[i].kind == FACCIA_SPAN_TEXT)
+            last = &plan->spans[i];
+    if (!last || last->say_as || last->phones)
+        return;
+    size_t length = strlen(last->text), end = length;
+    while (end && isspace((unsigned char)last->text[end - 1]))
+        end--;
+    if (!end || ispunct((unsigned char)last->text[end - 1]))
+        return;
+    char *text = mem_resize((char *)last->text, length + 2);
+    memmove(text + end + 1, text + end, length - end + 1);
+    text[end] = ',';
+    last->text = text;
+    plan->text_bytes++;
 }
 
 void plan_free(struct plan *plan) {
@@ -102,6 +172,11 @@ void plan_free(struct plan *plan) {
         free((char *)span->say_as);
         free((char *)span->emotion);
     }
+    for (size_t i = 0; i < plan->cue_count; i++) {
+        free((char *)plan->cues[i].kind);
+        free((char *)plan->cues[i].name);
+    }
+    free(plan->cues);
     free(plan->spans);
     free(plan->pieces);
     *plan = (struct plan){0};

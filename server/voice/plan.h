@@ -15,11 +15,23 @@ struct plan_piece {
     bool verbatim;        /* the text is exactly the input, so places inside map one to one */
 };
 
+/* A cue of the score, as far as it lies in the sentence. */
+struct plan_cue {
+    const char *kind; /* belongs to the plan, as does the name */
+    const char *name;
+    size_t from, to;                         /* bytes of the input; from == to: a point before what follows */
+    double intensity, weight, onset, offset; /* as in score_cue */
+    struct score_time delay, duration;
+    bool began_before, goes_on;
+};
+
 struct plan {
     struct faccia_span *spans; /* strings belong to the plan */
     size_t span_count, span_cap;
     struct plan_piece *pieces; /* in the order of the spans */
     size_t piece_count, piece_cap;
+    struct plan_cue *cues;
+    size_t cue_count, cue_cap;
     size_t from, to;      /* the sentence's bytes of the input */
     size_t text_bytes;    /* of all spans */
     double break_seconds; /* of all breaks */
@@ -30,12 +42,25 @@ struct plan_prosody {
     double rate;          /* words per minute, 0 = the voice's own */
     double own_rate;      /* the voice's own words per minute */
     double pitch, volume; /* factors */
+    bool cast;            /* the voice was chosen for the styles' languages: they are not passed on */
+    bool plays;           /* the voice plays emotions: they are passed on */
 };
 
-/* Adjacent text items of one style become one span, so that no word is cut. The plan does not keep the score.
- */
+/* A whole sentence. Adjacent text items of one style become one span, so that no word is cut. Sounds are left
+ * out: their alternate contents are spoken. The plan does not keep the score. */
 void plan_make(struct plan *plan, const struct score *score, size_t sentence,
                const struct plan_prosody *prosody);
+
+/* The same for some items of a sentence, [first, first + count), and without the cues; and the cues of a
+ * sentence alone. */
+void plan_items(struct plan *plan, const struct score *score, size_t first, size_t count,
+                const struct plan_prosody *prosody);
+void plan_cues(struct plan *plan, const struct score *score, size_t sentence);
+
+/* Tells the voice that the sentence goes on after this plan's text, by a comma at its end: else its tone
+ * would fall. */
+void plan_go_on(struct plan *plan);
+
 /* The characters of a span's text at that place, in part or whole, as a copy; "" when there are none. */
 char *plan_text(const struct plan *plan, uint32_t span, size_t offset, size_t bytes);
 

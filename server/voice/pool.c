@@ -307,21 +307,25 @@ static bool look_up(struct voice_job *job) {
     return value != NULL;
 }
 
-struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_request *request,
-                                   const struct voice_callbacks *callbacks, void *ctx) {
-    struct voice_job *job = mem_alloc(sizeof *job);
-    const struct plan_prosody prosody = {
+struct plan_prosody voice_request_prosody(const struct voice_request *request, const struct voice *voice) {
+    return (struct plan_prosody){
         .rate = request->rate,
-        .own_rate = request->voice->rate,
+        .own_rate = voice->rate,
         .pitch = request->pitch > 0 ? request->pitch : 1,
         .volume = request->volume > 0 ? request->volume : 1,
+        .plays = voice->capabilities & FACCIA_VOICE_EMOTION,
     };
-    job->plugin = plugin_of(pool, request->voice);
+}
+
+struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
+                                        const struct voice_callbacks *callbacks, void *ctx) {
+    struct voice_job *job = mem_alloc(sizeof *job);
+    job->plugin = plugin_of(pool, voice);
     job->number = ++pool->last_job ? pool->last_job : ++pool->last_job; /* 0 means none */
-    job->voice = request->voice;
+    job->voice = voice;
     job->callbacks = *callbacks;
     job->ctx = ctx;
-    plan_make(&job->plan, request->score, request->sentence, &prosody);
+    job->plan = plan;
     if (pool->cache && look_up(job))
         push(&pool->known, job);
     else if (!runs(job->plugin) || job->plan.text_bytes > TEXT_BYTES_MAX || pool->closing)
@@ -331,6 +335,14 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
     else if (!pool->closing)
         uv_timer_start(&pool->soon, on_soon, 0, 0);
     return job;
+}
+
+struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_request *request,
+                                   const struct voice_callbacks *callbacks, void *ctx) {
+    const struct plan_prosody prosody = voice_request_prosody(request, request->voice);
+    struct plan plan;
+    plan_make(&plan, request->score, request->sentence, &prosody);
+    return voice_pool_speak_plan(pool, request->voice, plan, callbacks, ctx);
 }
 
 void voice_job_cancel(struct voice_job *job) {

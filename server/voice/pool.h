@@ -8,6 +8,7 @@
 #include "server/base/metrics.h"
 #include "server/markup/score.h"
 #include "server/voice/cache.h"
+#include "server/voice/plan.h"
 #include "server/voice/utterance.h"
 #include <stdbool.h>
 #include <uv.h>
@@ -68,6 +69,13 @@ struct voice_request {
     double pitch, volume; /* factors, 1 = the voice's own */
 };
 
+/* How well a voice's language fits the wanted one (BCP 47): 3 the same tag, 2 a variety of what is wanted
+ * ("en" finds "en-GB"), 1 the same language, 0 another. */
+int voice_lang_fit(const char *lang, const char *wanted);
+
+/* What the request says of the prosody, for one voice. */
+struct plan_prosody voice_request_prosody(const struct voice_request *request, const struct voice *voice);
+
 struct voice_callbacks {
     void (*done)(void *ctx, struct utterance *utterance); /* the receiver owns it */
     void (*failed)(void *ctx, const struct error *e); /* "voice-failed", "voice-timeout", "voice-crashed" */
@@ -76,6 +84,10 @@ struct voice_callbacks {
 /* Queues the sentence; exactly one callback follows, later, unless the job is cancelled. */
 struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_request *request,
                                    const struct voice_callbacks *callbacks, void *ctx);
+
+/* The same for a plan, which the job takes over, and a voice. */
+struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
+                                        const struct voice_callbacks *callbacks, void *ctx);
 
 /* Forgets the job: no callback will come. A running worker is told to stop. */
 void voice_job_cancel(struct voice_job *job);

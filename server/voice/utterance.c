@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/utterance.h"
+#include "server/base/mem.h"
 #include <stdlib.h>
+#include <string.h>
 
 void utterance_free(struct utterance *u) {
     if (!u)
@@ -13,8 +15,21 @@ void utterance_free(struct utterance *u) {
         free(u->words[i].text);
     free(u->pcm);
     free(u->phones);
+    for (size_t i = 0; i < u->cue_count; i++) {
+        free(u->cues[i].kind);
+        free(u->cues[i].name);
+    }
+    free(u->cues);
     free(u->words);
     free(u->marks);
     free(u->warnings);
     free(u);
+}
+
+void utterance_warn(struct utterance *u, const char *message) {
+    for (size_t i = 0; i < u->warning_count; i++)
+        if (!strcmp(u->warnings[i], message))
+            return;
+    u->warnings = mem_resize(u->warnings, (u->warning_count + 1) * sizeof *u->warnings);
+    u->warnings[u->warning_count++] = mem_strdup(message);
 }

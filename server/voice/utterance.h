@@ -54,10 +54,14 @@ struct utterance {
     size_t cue_count;
     char **warnings; /* what the voice could not do */
     size_t warning_count;
-    char lang[16];   /* BCP 47 of the voice */
+    char lang[16];   /* BCP 47 of the voice, of several voices the one that speaks most */
+    bool mixed;      /* voices of other languages speak in it too */
     size_t from, to; /* the sentence's bytes of the input */
 };
 
 void utterance_free(struct utterance *u);
+
+/* Adds a copy of the warning, unless it is there already. */
+void utterance_warn(struct utterance *u, const char *message);
 
 #endif

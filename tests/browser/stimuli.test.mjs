@@ -20,7 +20,7 @@ const faccia = (...args) => {
 
 let daemon, browser, page;
 before(async () => {
-  daemon = await Daemon.start();
+  daemon = await Daemon.start(['--origin', 'null']);
   const set = JSON.parse(fs.readFileSync(path.join(root, 'models/stimuli/pt-BR.json')));
   set.items = set.items.filter((item) => ['papa', 'lala'].includes(item.name));
   set.snrs = [-12];

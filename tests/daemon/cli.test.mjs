@@ -69,6 +69,14 @@ test('rate and fps are honoured', () => {
   assert.ok(duration(['--rate', '100']) > 1.5 * duration(['--rate', '250']));
 });
 
+test('markup, its warnings, and how it is to be shown', () => {
+  const { stdout, stderr, status } = say(['--lang', 'it', '--life', '0.5', '--blend', 'weighted', '<speak>Uno\n <bark/><mark name="qui"/>due.</speak>']);
+  assert.equal(status, 0);
+  assert.match(stderr, /warning: 2:2: /);
+  assert.deepEqual(JSON.parse(stdout).marks.map((mark) => mark.name), ['qui']);
+  assert.deepEqual(JSON.parse(say(['--lang', 'it', '--markup', 'plain', 'Uno <mark name="qui"/>']).stdout).marks, []);
+});
+
 const wrong = [
   [[], 2, /no text/],
   [['--lang', 'xx', 'a'], 2, /lang: no language 'xx'/],
@@ -77,6 +85,10 @@ const wrong = [
   [['--lang', 'it', '--engine', 'context', 'a'], 2, /engine: .*'context' does not speak 'it'/],
   [['--fps', '0', 'a'], 2, /--fps: must be a number/],
   [['--rate', 'fast', 'a'], 2, /--rate/],
+  [['--life', '3', 'a'], 2, /--life: must be a number from 0 to 2/],
+  [['--blend', 'some', 'a'], 2, /--blend: must be one of regions, weighted/],
+  [['--markup', 'xyz', 'a'], 2, /markup: no markup 'xyz'/],
+  [['--markup', 'ssml', '<speak>\n<p>a</speak>'], 1, /2:\d+: /],
   [['--nothing'], 2, /Try 'faccia say --help'/],
   [['--wav', '-', '--fap', '-', 'a'], 2, /only one/],
   [['--file', '/nowhere/text', 'a'], 2, /unexpected 'a'/],

@@ -39,6 +39,7 @@ test('recordings become a pack that loads and speaks', () => {
   const files = ['asa', 'ala', 'ata', 'ana'].map((word, i) => recordWord(word, i + 7));
   const models = path.join(folder, 'models');
   fs.cpSync(path.join(root, 'models/speech'), path.join(models, 'speech'), { recursive: true });
+  fs.copyFileSync(path.join(root, 'models/expressions.json'), path.join(models, 'expressions.json'));
   const pack = path.join(models, 'speech/it-x-fitted.json');
   const { status, stdout, stderr } = faccia(['fit', '--compare', '--first', '5', '--then', '10', '--output', pack, ...files]);
   assert.equal(status, 0, stderr);

@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
+import WebSocket from 'ws';
 import { contains, Daemon, root } from '../lib/daemon.mjs';
 import { violations } from '../lib/schema.mjs';
 
@@ -35,6 +36,27 @@ for (const lines of examples('stream'))
     }
     for (const { arrived, ...message } of stream.messages) assert.equal(violations('server', message), null, `${arrived} ${message.type}`);
     await stream.close();
+  });
+
+for (const lines of examples('text'))
+  test(`text: ${lines[0]}`, async () => {
+    const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?lang=it`, 'faccia.text.v1');
+    const heard = [];
+    let wake = () => {};
+    socket.on('message', (data, binary) => wake(heard.push(binary ? 'media' : String(data))));
+    await new Promise((resolve) => socket.on('open', resolve));
+    let from = 0;
+    for (const line of lines) {
+      if (line.startsWith('> ')) {
+        socket.send(line.slice(2));
+        continue;
+      }
+      const pattern = new RegExp(`^${line.slice(2).split('...').map((part) => part.replace(/[.+*?()[\]]/g, '\\$&')).join('.*')}$`);
+      while (!heard.slice(from).some((l) => pattern.test(l))) await new Promise((resolve) => (wake = resolve));
+      from = heard.findIndex((l, i) => i >= from && pattern.test(l)) + 1;
+    }
+    assert.ok(!heard.includes('media'));
+    socket.close();
   });
 
 for (const lines of examples('http'))

@@ -6,6 +6,7 @@ import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import WebSocket from 'ws';
 import { decodeChunk } from '../../protocol/chunk.mjs';
+import { CompactReader, isCompact } from '../../protocol/compact.mjs';
 
 export const root = path.resolve(fileURLToPath(import.meta.url), '../../..');
 export const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');
@@ -52,8 +53,10 @@ export class Daemon {
     return fetch(this.url + address, options);
   }
 
+  /** Media as they are, unless the query says how. */
   stream(query = '', options = {}) {
-    return Stream.open(`ws://127.0.0.1:${this.port}/v1/stream${query}`, options);
+    const media = /[?&](audio|fap)=/.test(query) ? '' : `${query ? '&' : '?'}audio=pcm&fap=plain`;
+    return Stream.open(`ws://127.0.0.1:${this.port}/v1/stream${query}${media}`, options);
   }
 }
 
@@ -64,9 +67,10 @@ export class Stream {
     stream.messages = [];
     stream.chunks = [];
     stream.waiters = new Set();
+    const reader = new CompactReader();
     stream.socket = new WebSocket(url, { perMessageDeflate: false, ...options });
     stream.socket.on('message', (data, binary) => {
-      if (binary) stream.chunks.push({ ...decodeChunk(data), arrived: performance.now() });
+      if (binary) stream.chunks.push({ ...(isCompact(data) ? reader.decode(data) : decodeChunk(data)), bytes: data.length, arrived: performance.now() });
       else stream.messages.push({ ...JSON.parse(data), arrived: performance.now() });
       for (const waiter of stream.waiters) waiter();
     });

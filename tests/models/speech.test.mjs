@@ -45,6 +45,7 @@ for (const [what, change, place] of broken)
 test('a new language is a file', () => {
   const models = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   fs.cpSync(folder, path.join(models, 'speech'), { recursive: true });
+  fs.copyFileSync(path.join(root, 'models/expressions.json'), path.join(models, 'expressions.json'));
   const spanish = { tag: 'es', name: 'español', inherits: 'it', sources: ['a test'], voices: ['espeak:es'], abbreviations: ['sr'], phones: { x: { sampa: 'x', like: 'k' }, θ: { sampa: 'T', like: 'θ' } } };
   assert.ok(validate(spanish), JSON.stringify(validate.errors?.slice(0, 3)));
   fs.writeFileSync(path.join(models, 'speech/es.json'), JSON.stringify(spanish));

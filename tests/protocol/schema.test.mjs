@@ -27,16 +27,26 @@ test('the examples of the client are valid', () => {
   assert.ok(sent.length >= 4);
   for (const message of sent) {
     const wrong = violations('client', message);
-    assert.equal(wrong === null, message.type !== 'dance', wrong);
+    const refused = message.type === 'dance' || message.room === 'no spaces' || message.name === '../secret';
+    assert.equal(wrong === null, !refused, `${JSON.stringify(message)}: ${wrong}`);
   }
 });
 
 /** The members of the server's messages, with values to stand in for those that an example leaves out. */
 const whole = {
   pong: {},
-  begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance' },
+  phone: { stream: 's', utterance: 1, time: 0, sample: 0, duration: 1, ipa: 'a' },
+  mark: { stream: 's', utterance: 1, time: 0, sample: 0, name: 'x' },
+  paused: { stream: 's', utterance: 1, time: 0, sample: 0 },
+  resumed: { stream: 's', utterance: 1, time: 0, sample: 0 },
+  jumped: { stream: 's', utterance: 1, time: 0, sample: 0, mark: 'x' },
+  joined: { room: 'x', followers: 1, may_speak: true },
+  left: { room: 'x' },
+  authorized: { subject: 'x' },
+  begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance', markup: 'plain', idle: 0 },
   sentence: {
     stream: 's',
+    text: 'A',
     utterance: 1,
     time: 0,
     sample: 0,
@@ -59,7 +69,8 @@ const whole = {
     text: 'x',
   },
   end: { stream: 's', utterance: 1, reason: 'done', duration: 1 },
-  error: { code: 'x', message: 'x', byte: 0 },
+  error: { code: 'x', message: 'x', byte: 0, line: 1, column: 1 },
+  warning: { stream: 's', utterance: 1, code: 'x', message: 'x' },
 };
 
 test('the examples of the server are valid', () => {
@@ -88,6 +99,12 @@ const refused = {
     { type: 'speak', text: 'a', still: 1 },
     { type: 'speak', text: 'a', id: 'x'.repeat(65) },
     { type: 'model', name: 1 },
+    { type: 'speak', text: 'a', mode: 'never' },
+    { type: 'rate', rate: 10 },
+    { type: 'jump' },
+    { type: 'play', name: 'a/b' },
+    { type: 'join', room: 'a b' },
+    { type: 'authorize' },
   ],
   server: [
     { type: 'end', stream: 's1', utterance: 1, reason: 'bored', duration: 1 },
@@ -98,6 +115,9 @@ const refused = {
     { type: 'error', code: 'Bad Code', message: 'x' },
     { type: 'error', code: 'x', message: 'x', line: 3 },
     { type: 'error', code: 'x', message: 'x', stream: 's' },
+    { type: 'paused', stream: 's', utterance: 1 },
+    { type: 'jumped', stream: 's', utterance: 1, time: 0, sample: 0 },
+    { ...whole.begin, type: 'begin', play: 'x' },
   ],
 };
 for (const [name, list] of Object.entries(refused))

@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 static const char *const abbreviations[] = {"sig", "dott", NULL};
-static const struct markup_rules rules = {abbreviations};
+static const struct markup_rules rules = {.abbreviations = abbreviations};
 
 /* Reads text and compares its sentences with the list that ends with NULL. */
 static void check(const char *text, const char *const *expected) {

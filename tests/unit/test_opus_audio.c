@@ -72,6 +72,7 @@ static void in_time(void **state) {
             count += opus_audio_add(o, pcm + i, piece, &packets);
         count += opus_audio_end(o, &packets);
         size_t samples = decode(&packets, count, heard, 3 * OPUS_RATE), skip = opus_audio_skip(o);
+        assert_int_equal(skip, OPUS_SKIP);
         assert_true(samples - skip >= OPUS_RATE - 2);
         assert_true(samples - skip < OPUS_RATE + 2 * OPUS_PACKET_SAMPLES);
         int shift = best_shift(wanted, heard + skip, OPUS_RATE - 2, 480);

@@ -161,3 +161,20 @@ test('the heard clock does without stamps, and does not believe impossible ones'
   const future = { currentTime: 5, baseLatency: 0.01, getOutputTimestamp: () => ({ contextTime: 9, performanceTime: 1000 }) };
   assert.equal(new HeardClock().at(future, 1000), 4.99);
 });
+
+test('held it is silent within five milliseconds and stands still; released it goes on where it was, without a click', () => {
+  const { pump, played, run, map } = rig();
+  pump.push(new Float32Array(300).fill(1));
+  run(5);
+  pump.hold();
+  run(10);
+  assert.ok(played.slice(105, 300).every((sample) => sample === 0), 'silent');
+  assert.deepEqual(map().at(290), { position: 100, running: false });
+  pump.push(new Float32Array(50).fill(1));
+  pump.release();
+  run(5);
+  assert.deepEqual(map().at(350), { position: 150, running: true });
+  const step = Math.max(...played.slice(90, 400).map((sample, i, all) => (i ? Math.abs(sample - all[i - 1]) : 0)));
+  assert.ok(step < 0.25, `a step of ${step}`);
+  assert.equal(map().at(390).position, 190, 'nothing was lost');
+});

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
+import { PlainText } from '../../web/src/plain-text.mjs';
 import { CaptionTrack, cutCaption } from '../../web/src/captions.mjs';
 
 const place = (text, part, from = 0) => {
@@ -61,4 +62,41 @@ test('places are UTF-16: characters beyond the basic plane count two', () => {
   track.sentence({ utf16_start: 0, utf16_end: 7 });
   track.heard({ utf16_start: 3, utf16_end: 7 });
   assert.deepEqual(track.line, { said: '😀 ', word: 'ciao', rest: '' });
+});
+
+/** What is on show when the word that stands there in the source is heard. */
+function heardIn(source, word, markup = 'ssml') {
+  const track = new CaptionTrack(source, markup);
+  track.sentence({ utf16_start: 0, utf16_end: source.length });
+  const start = source.indexOf(word);
+  track.heard({ utf16_start: start, utf16_end: start + word.length });
+  return track.line;
+}
+
+test('captions show the words of marked-up text, not its tags', () => {
+  const source = '<?xml version="1.0"?>\n<speak version="1.1">\n  <p>Ciao, <emphasis level="strong">bella</emphasis>\n  gente &amp; amici!</p></speak>';
+  assert.deepEqual(heardIn(source, 'bella'), { said: 'Ciao, ', word: 'bella', rest: ' gente & amici!' });
+  assert.deepEqual(heardIn(source, 'amici'), { said: 'Ciao, bella gente & ', word: 'amici', rest: '!' });
+});
+
+test('a word that holds a tag or a reference is shown whole', () => {
+  assert.equal(heardIn('<s>un <emphasis>elefan</emphasis>tino qui</s>', 'elefan</emphasis>tino').word, 'elefantino');
+  assert.equal(heardIn('<s>perch&#xE9; no?</s>', 'perch&#xE9;').word, 'perché');
+  assert.equal(heardIn('<s>ecco &#128512; qui</s>', '&#128512;').word, '😀');
+});
+
+test('comments, instructions, declarations and silent elements are no captions', () => {
+  const source =
+    '<!DOCTYPE apml SYSTEM "x.dtd" [<!-- > -->]><apml><!-- niente <b> --><audio src="a>b.wav"><desc>un suono</desc>Uno</audio> <![CDATA[<due>]]> tre</apml>';
+  assert.deepEqual(heardIn(source, 'tre'), { said: 'Uno <due> ', word: 'tre', rest: '' });
+  assert.equal(heardIn('<s><metadata>a<metadata>b</metadata>c</metadata>Sì</s>', 'Sì').said, '');
+});
+
+test('plain text is left as it is, tags and all', () => {
+  assert.equal(heardIn('a <b> c &amp; d', 'c', 'plain').said, 'a <b> ');
+});
+
+test('what is no markup after all is no obstacle', () => {
+  for (const text of ['<'.repeat(1e4), '<a '.repeat(3e3), '<a b="'.repeat(2e3), '<!--'.repeat(2e3), '&'.repeat(1e4), `<!DOCTYPE ${'['.repeat(2e3)}`])
+    assert.equal(new PlainText(`x${text}`, 'ssml').text[0], 'x');
 });

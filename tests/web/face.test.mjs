@@ -73,7 +73,7 @@ test('when speech stops the face is at rest within a tenth of a second, without 
   }
   assert.equal(mixer.values[5], 0);
   assert.equal(mixer.update(700, null), false, 'nothing changes any more');
-  assert.equal(mixer.changing(700), false);
+  assert.equal(mixer.changing(800), false);
 });
 
 test('late frames are waited for; when they do not come the face goes to rest, and comes back smoothly', () => {

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { encodeChunk } from '../../protocol/chunk.mjs';
+import { decodeChunk, encodeChunk } from '../../protocol/chunk.mjs';
 import { Speech } from '../../web/src/speech.mjs';
 
 const RATE = 1000;
@@ -22,6 +22,13 @@ function rig({ linked = true } = {}) {
       this.flushed++;
       this.position = this.written;
     },
+    held: false,
+    hold() {
+      this.held = true;
+    },
+    release() {
+      this.held = false;
+    },
     heard(now, ahead = 0) {
       return { position: this.position + ahead * RATE, running: this.running };
     },
@@ -39,10 +46,10 @@ function rig({ linked = true } = {}) {
     hear: (message) => speech.hear(message),
     chunk: (utterance, start, samples, frames = [], firstFrame = 0) =>
       speech.media(
-        encodeChunk({
+        decodeChunk(encodeChunk({
           audioCodec: 1, fapCodec: 1, utterance, sampleRate: RATE, fps: 25, start, samples, firstFrame,
           frames, audio: new Int16Array(samples),
-        }),
+        })),
       ),
     play: (position) => {
       player.position = position;
@@ -213,4 +220,74 @@ test('a gap in the samples is filled, so that the face keeps its place', () => {
   chunk(1, 0, 100);
   chunk(1, 250, 100);
   assert.equal(player.written, 350);
+});
+
+test('in a room, what others ask for is heard and shown; elsewhere it is not', () => {
+  const { speech, names, hear, chunk, play } = rig();
+  const others = { type: 'begin', id: 'theirs', utterance: 4, rate: RATE, fps: 25, markup: 'plain' };
+  hear(others);
+  assert.equal(speech.busy, false);
+  speech.adopts = true;
+  hear(others);
+  hear({ type: 'sentence', utterance: 4, time: 0, text: 'Ciao a tutti.', start: 100, end: 113, utf16_start: 90, utf16_end: 103 });
+  hear({ type: 'word', utterance: 4, time: 0.5, text: 'tutti', utf16_start: 97, utf16_end: 102 });
+  chunk(4, 0, 1000);
+  assert.deepEqual(play(100).utterance.captions.line, { said: '', word: '', rest: 'Ciao a tutti.' });
+  assert.deepEqual(play(600).utterance.captions.line, { said: 'Ciao a ', word: 'tutti', rest: '.' });
+  hear({ type: 'end', utterance: 4, reason: 'done', duration: 1 });
+  play(1000);
+  assert.deepEqual(names(), ['begin', 'Ciao a tutti.', 'tutti', 'done']);
+  assert.equal(speech.busy, false);
+});
+
+test('a pause holds the player at once, and whenever the server says so', () => {
+  const { speech, player, sent, hear, names } = rig();
+  speech.pause();
+  assert.ok(player.held);
+  hear({ type: 'paused', stream: 's1' });
+  speech.resume();
+  assert.ok(!player.held);
+  hear({ type: 'resumed', stream: 's1' });
+  hear({ type: 'paused', stream: 's1', utterance: 9, time: 1, sample: 1 }); // somebody else's in a room
+  assert.ok(player.held);
+  speech.stop();
+  assert.ok(!player.held);
+  assert.deepEqual(sent.map((m) => m.type), ['pause', 'resume', 'stop']);
+  assert.deepEqual(names(), ['paused', 'resumed', 'paused']);
+});
+
+test('after a jump what was to be heard is not; what follows comes at its time', () => {
+  const { speech, player, sent, names, hear, chunk, play } = rig();
+  speech.speak('Uno due tre');
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0, 'Uno'));
+  chunk(1, 0, 400);
+  hear(word('u1', 1, 0.3, 'due'));
+  play(200);
+  speech.jump('fine');
+  assert.deepEqual(sent.at(-1), { type: 'jump', mark: 'fine' });
+  hear({ type: 'jumped', id: 'u1', utterance: 1, mark: 'fine', time: 0.4, sample: 400 });
+  assert.equal(player.flushed, 1);
+  hear({ type: 'mark', id: 'u1', utterance: 1, name: 'fine', time: 0.4, sample: 400 });
+  chunk(1, 400, 300);
+  hear(word('u1', 1, 0.5, 'tre'));
+  play(500);
+  assert.deepEqual(names(), ['begin', 'Uno', 'jumped', 'mark', 'tre']);
+});
+
+test('what the server cuts is silent at once, though one has not asked for it', async () => {
+  const { speech, player, names, hear, chunk, play } = rig();
+  const first = speech.speak('Uno due');
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0, 'Uno'));
+  chunk(1, 0, 400);
+  play(100);
+  speech.speak('Ehi!', { mode: 'interrupt' });
+  hear({ type: 'end', id: 'u1', utterance: 1, reason: 'stopped', duration: 0.4 });
+  assert.equal(player.flushed, 1);
+  assert.equal((await first).reason, 'stopped');
+  hear(begin('u2', 2));
+  chunk(2, 0, 100);
+  assert.equal(play(450).seconds, 0.05);
+  assert.deepEqual(names(), ['begin', 'Uno', 'stopped', 'begin']);
 });

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { PlainText } from './plain-text.mjs';
 
 const LINE_CHARACTERS = 84; // two lines of 42, what subtitles use
 
@@ -30,22 +31,23 @@ export function cutCaption(text, start, end, size = LINE_CHARACTERS) {
  * The captions of one utterance. It is told what is heard as it is heard, and says what to show.
  */
 export class CaptionTrack {
-  /** @param {string} text as it was given to be spoken */
-  constructor(text) {
-    this.text = text;
+  /** @param {string} source as it was given to be spoken @param {string} [markup] what it is */
+  constructor(source, markup) {
+    this.plain = new PlainText(source, markup);
+    this.text = this.plain.text;
     this.pieces = [];
     this.word = null;
   }
 
   /** @param {{utf16_start: number, utf16_end: number}} place */
   sentence(place) {
-    this.pieces = cutCaption(this.text, place.utf16_start, place.utf16_end);
+    this.pieces = cutCaption(this.text, this.plain.at(place.utf16_start), this.plain.at(place.utf16_end));
     this.word = null;
   }
 
   /** @param {{utf16_start: number, utf16_end: number}} place */
   heard(place) {
-    this.word = { start: place.utf16_start, end: place.utf16_end };
+    this.word = { start: this.plain.at(place.utf16_start), end: this.plain.at(place.utf16_end) };
   }
 
   /** What is on show: said already, being said, and to come. Null when there is nothing. */
@@ -60,5 +62,34 @@ export class CaptionTrack {
       word: this.text.slice(begin, end),
       rest: this.text.slice(end, piece.end),
     };
+  }
+}
+
+/** The same of an utterance whose text is not known before its sentences are heard. */
+export class HeardCaptions {
+  constructor(markup) {
+    this.markup = markup;
+    this.track = null;
+    this.base = 0;
+  }
+
+  /** @param {{text: string, utf16_start: number, utf16_end: number}} message */
+  sentence(message) {
+    this.track = new CaptionTrack(message.text, this.markup);
+    this.base = message.utf16_start;
+    this.track.sentence(this.#shifted(message));
+  }
+
+  /** @param {{utf16_start: number, utf16_end: number}} place */
+  heard(place) {
+    this.track?.heard(this.#shifted(place));
+  }
+
+  get line() {
+    return this.track?.line ?? null;
+  }
+
+  #shifted({ utf16_start, utf16_end }) {
+    return { utf16_start: utf16_start - this.base, utf16_end: utf16_end - this.base };
   }
 }

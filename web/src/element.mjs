@@ -3,18 +3,21 @@ import { CaptionView } from './caption-view.mjs';
 import { Connection } from './connection.mjs';
 import { FaceMixer, faceValues } from './face-mixer.mjs';
 import { fetchModel, httpBase, ModelAssembler } from './head/loader.mjs';
+import { Liveliness } from './liveliness.mjs';
 import { Player } from './audio/player.mjs';
+import { Presence } from './presence.mjs';
 import { Speech } from './speech.mjs';
 import { Stage } from './stage.mjs';
 import strings from './strings.json';
 import { template } from './template.mjs';
+import { Intake } from './intake.mjs';
 
-const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number };
+const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String };
 const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden page, no WebGL), or slowly
 
 /** `<talking-head>`: see web/README.md. */
 export class TalkingHead extends HTMLElement {
-  static observedAttributes = ['src', 'model', 'quality', 'captions', 'still', 'lang', 'label'];
+  static observedAttributes = ['src', 'model', 'quality', 'captions', 'still', 'life', 'expression', 'room', 'token', 'lang', 'label'];
 
   #speech = null;
   #connection = null;
@@ -37,6 +40,8 @@ export class TalkingHead extends HTMLElement {
     this.captionsButton = $('.switch');
     this.captionView = new CaptionView($('.captions'));
     this.mixer = new FaceMixer();
+    this.liveliness = new Liveliness((message) => this.#connection?.send(message) ?? false);
+    this.presence = new Presence(this, () => this.#idle());
     this.player = new Player((sound) => this.#soundChanged(sound));
     this.stage = new Stage(this.canvas, {
       frame: (now, ahead) => this.#frame(now, ahead),
@@ -51,6 +56,7 @@ export class TalkingHead extends HTMLElement {
       player: this.player,
       send: (message) => this.#connection?.send(message) ?? false,
       emit: (type, detail) => this.#emit(type, detail),
+      idle: (chunk) => this.liveliness.face.take(chunk, performance.now() / 1000),
     });
     this.#reducedMotion.addEventListener('change', this.#motionChanged);
     addEventListener('online', this.#online);
@@ -59,7 +65,9 @@ export class TalkingHead extends HTMLElement {
     this.#motionChanged();
     this.#translate();
     this.#showCaptions();
+    this.#express();
     this.#connect();
+    this.presence.open();
     this.timer = setInterval(() => this.#hear(performance.now()), TICK_MS);
   }
 
@@ -67,6 +75,7 @@ export class TalkingHead extends HTMLElement {
     clearInterval(this.timer);
     this.#reducedMotion.removeEventListener('change', this.#motionChanged);
     removeEventListener('online', this.#online);
+    this.presence.close();
     this.#speech.stop();
     this.#disconnect();
     this.player.close();
@@ -75,10 +84,12 @@ export class TalkingHead extends HTMLElement {
 
   attributeChangedCallback(name, before, value) {
     if (!this.isConnected || !this.#speech || before === value) return;
-    if (name === 'src' || name === 'model') this.#connect();
+    if (['src', 'model', 'room', 'token'].includes(name)) this.#connect();
     if (name === 'quality') this.stage.quality = value ?? 'auto';
     if (name === 'captions') this.#showCaptions();
     if (name === 'still') this.#motionChanged();
+    if (name === 'life') this.#idle();
+    if (name === 'expression') this.#express();
     if (name === 'lang' || name === 'label') this.#translate();
   }
 
@@ -105,6 +116,33 @@ export class TalkingHead extends HTMLElement {
     this.stage.wake();
   }
 
+  /** Halts where it is, until `resume`; the face lives on. In a room, all are halted. */
+  pause() {
+    this.#speech.pause();
+    this.stage.wake();
+  }
+
+  /** Goes on after a pause. */
+  resume() {
+    this.#speech.resume();
+    this.stage.wake();
+  }
+
+  /** Goes on from a mark of what is spoken. @param {string} mark its name */
+  jump(mark) {
+    this.#speech.jump(mark);
+  }
+
+  /** Words per minute: of the sentences that have not begun, and of what is spoken from now on. */
+  get rate() {
+    return this.hasAttribute('rate') ? Number(this.getAttribute('rate')) : null;
+  }
+
+  set rate(rate) {
+    this.setAttribute('rate', rate);
+    this.#speech.setRate(Number(rate));
+  }
+
   /**
    * Holds the face in a pose, whatever is spoken, until it is called with null.
    * @param {Record<number, number>|null} faps values by FAP number
@@ -114,6 +152,22 @@ export class TalkingHead extends HTMLElement {
     this.mixer.pose = faps && faceValues(faps);
     this.mixer.ease = ease;
     this.stage.wake();
+  }
+
+  /**
+   * The mood of the face, speaking or not, until the next call; over what markup asks for.
+   * @param {{name: string, intensity?: number}[]|Record<string, number>|string} mix up to four affects of
+   *   `hello.expressions`; nothing = neutral
+   * @param {{ease?: number}} [options] seconds that the change takes (0.3)
+   */
+  express(mix, options) {
+    this.liveliness.express(mix, options);
+    this.stage.wake();
+  }
+
+  /** The face as it was drawn last: the FAPs that are not 0, by number. @returns {Record<number, number>} */
+  get faps() {
+    return Object.fromEntries([...this.mixer.values.entries()].filter(([, value]) => value));
   }
 
   get captions() {
@@ -151,9 +205,24 @@ export class TalkingHead extends HTMLElement {
   #online = () => this.#connection?.hurry();
 
   #motionChanged = () => {
-    this.mixer.still = this.hasAttribute('still') || this.#reducedMotion.matches;
+    const still = this.getAttribute('still');
+    this.mixer.still = still === null ? this.#reducedMotion.matches : still !== 'off';
+    this.#idle();
     this.stage.wake();
   };
+
+  /** Has the face idle while there is somebody to see it. */
+  #idle() {
+    const life = this.getAttribute('life');
+    const wanted = this.presence.seen && !this.mixer.still;
+    this.liveliness.idle(wanted ? (life === null ? {} : { life: Number(life) }) : null);
+    this.stage.wake();
+  }
+
+  #express() {
+    const mix = this.getAttribute('expression');
+    if (mix !== null || this.liveliness.mix.length) this.express(mix ?? []);
+  }
 
   #text(name, values = {}) {
     const table = strings[(this.lang || 'en').slice(0, 2)] ?? strings.en;
@@ -196,14 +265,12 @@ export class TalkingHead extends HTMLElement {
     this.#disconnect();
     if (this.#said === 'badAddress' || this.#said === 'noModel') this.#say(null);
     this.#assembler = new ModelAssembler();
+    this.#intake.reset();
     try {
       this.#connection = new Connection(this.#address, {
         onstate: (state) => this.#stateChanged(state),
-        onmessage: (message) => this.#message(message),
-        onmedia: (data) => {
-          this.#speech.media(data);
-          this.stage.wake();
-        },
+        onmessage: (message) => this.#intake.text(message),
+        onmedia: (data) => this.#intake.binary(data),
       });
       this.#connection.open();
     } catch {
@@ -219,25 +286,46 @@ export class TalkingHead extends HTMLElement {
     this.#connection = null;
   }
 
+  #intake = new Intake({
+    hear: (message) => this.#message(message),
+    media: (chunk) => {
+      this.#speech.media(chunk);
+      this.stage.wake();
+    },
+  });
+
   #assembler = null;
   #loading = null; // name of the model that is shown or on its way
 
   #stateChanged({ state, hello, retryIn }) {
     this.#emit('connection', { state, ...(retryIn === undefined ? {} : { retryIn }) });
     if (state === 'open') {
+      this.#enter();
       this.#speech.linked();
+      this.liveliness.linked();
       this.#loadModel(hello);
     } else {
+      this.#intake.reset();
       this.#speech.unlinked();
+      this.liveliness.unlinked();
     }
     this.stage.wake();
+  }
+
+  /** Says who we are, and goes where we belong. */
+  #enter() {
+    const token = this.getAttribute('token');
+    const room = this.getAttribute('room');
+    this.#speech.adopts = Boolean(room);
+    if (token) this.#connection.send({ type: 'authorize', token });
+    if (room) this.#connection.send({ type: 'join', room });
   }
 
   #message(message) {
     if (message.type === 'model') this.#modelPart(message);
     else {
       this.#speech.hear(message);
-      if (message.type === 'hello') this.#emit('hello', message);
+      if (['hello', 'joined', 'authorized'].includes(message.type)) this.#emit(message.type, message);
       this.stage.wake();
     }
   }
@@ -292,8 +380,12 @@ export class TalkingHead extends HTMLElement {
   #frame(now, ahead) {
     this.#hear(now);
     const heard = this.#speech.heard(now, ahead / 1000);
-    const changed = this.mixer.update(now, heard);
+    const { face } = this.liveliness;
+    if (heard?.running) face.leave();
+    const idle = heard?.running ? null : face.at(now / 1000, ahead / 1000);
+    const changed = this.mixer.update(now, heard, idle);
     this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
-    return { values: this.mixer.values, more: changed || this.#speech.busy || this.mixer.changing(now) };
+    const speaks = this.#speech.busy || this.mixer.changing(now) || this.mixer.pose;
+    return { values: this.mixer.values, more: changed || speaks || idle, calm: !speaks };
   }
 }

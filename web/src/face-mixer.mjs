@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 import { FAP_VALUES } from './face-track.mjs';
 
-const CHANGE_MS = 90; // from one source to the next: at rest within a tenth of a second after a stop
+const CHANGE_MS = 90; // of the mouth, from one source to the next: at rest within a tenth of a second after a stop
+const UPPER_CHANGE_MS = 250; // of head, eyes and brows
 const STALL_MS = 160; // how long a face waits for late frames before it goes to rest
 
 /** The FAPs that stay when the face is to keep still: jaw, lips and tongue. */
@@ -17,13 +18,14 @@ export function faceValues(faps) {
 const ease = (x) => x * x * (3 - 2 * x);
 
 /**
- * What the face shows: the track that is heard, or rest. Where the source changes (speech ends, is stopped, stalls) it
- * goes over smoothly from what it showed last.
+ * What the face shows: the track that is heard, else the idle one, else rest. Where the source changes (speech ends, is
+ * stopped, stalls) it goes over smoothly from what it showed last.
  */
 export class FaceMixer {
+  #still = false;
+
   constructor() {
     this.values = new Float32Array(FAP_VALUES);
-    this.still = false;
     this.pose = null; // values that take the place of all sources
     this.ease = false; // whether a pose is gone over to smoothly, or taken at once
     this.from = new Float32Array(FAP_VALUES);
@@ -34,12 +36,23 @@ export class FaceMixer {
     this.before = -Infinity; // the update before
   }
 
+  get still() {
+    return this.#still;
+  }
+
+  set still(on) {
+    if (on === this.#still) return;
+    this.#still = on;
+    this.source = undefined; // a change like any other
+  }
+
   /**
    * @param {number} now milliseconds
    * @param {{track: import('./face-track.mjs').FaceTrack, seconds: number, running: boolean}|null} heard
+   * @param {{track: import('./face-track.mjs').FaceTrack, seconds: number}|null} idle
    * @returns {boolean} whether the values have changed
    */
-  update(now, heard) {
+  update(now, heard, idle = null) {
     const shown = this.values.slice();
     if (this.pose) {
       this.#change(now, this.pose);
@@ -49,11 +62,17 @@ export class FaceMixer {
       this.#change(now, heard.track);
       this.seen = now;
     } else if (!heard || now - this.seen > STALL_MS) {
-      this.#change(now, null);
-      this.target.fill(0);
+      if (idle && idle.track.sample(idle.seconds, this.target)) {
+        this.#change(now, idle.track);
+      } else {
+        this.#change(now, null);
+        this.target.fill(0);
+      }
     }
-    const w = ease(Math.min(1, Math.max(0, (now - this.since) / CHANGE_MS)));
+    const weight = (milliseconds) => ease(Math.min(1, Math.max(0, (now - this.since) / milliseconds)));
+    const [mouth, upper] = [weight(CHANGE_MS), weight(UPPER_CHANGE_MS)];
     for (let n = 0; n < FAP_VALUES; n++) {
+      const w = moving(n) ? mouth : upper;
       const target = this.still && !this.pose && !moving(n) ? 0 : this.target[n];
       this.values[n] = w === 1 ? target : this.from[n] + w * (target - this.from[n]);
     }
@@ -63,7 +82,7 @@ export class FaceMixer {
 
   /** Whether it still goes over from one source to another. */
   changing(now) {
-    return now - this.since < CHANGE_MS;
+    return now - this.since < UPPER_CHANGE_MS;
   }
 
   #change(now, source) {

@@ -47,6 +47,11 @@ export class Programme {
     return taken;
   }
 
+  /** Nothing of an utterance that is due after `position` will be. */
+  forgetAfter(position) {
+    for (const item of this.items) item.due = item.due.filter((entry) => entry.position <= position);
+  }
+
   remove(item) {
     this.items = this.items.filter((other) => other !== item);
   }

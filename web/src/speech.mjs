@@ -1,24 +1,28 @@
 // SPDX-License-Identifier: MIT
-import { decodeChunk } from '../../protocol/chunk.mjs';
+import { HeardCaptions } from './captions.mjs';
 import { Programme } from './programme.mjs';
 import { Utterance } from './utterance.mjs';
 
 const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
+const PLAYER_ACTS = { paused: 'hold', resumed: 'release', jumped: 'flush' }; // what the player does when the server says so
 
 /**
  * All that is spoken: sends what is asked for, queues what comes on the player, and says on the audio's clock what is
- * heard. Events: `begin`, `word`, `mark`, `end` as they are heard, `sentence` too; `error`, `warning` at once.
+ * heard. Events: `begin`, `word`, `mark`, `end` as they are heard, `sentence` and `phone` too; `error`, `warning`, `paused`,
+ * `resumed`, `jumped` at once.
  */
 export class Speech {
   /**
-   * @param {object} ports player; send(message) -> boolean; emit(type, detail); setTimeout of tests
+   * @param {object} ports player; send(message) -> boolean; emit(type, detail); idle(chunk): media of nobody's; setTimeout
+   *   of tests
    */
-  constructor({ player, send, emit, setTimeout = (...args) => globalThis.setTimeout(...args) }) {
-    Object.assign(this, { player, send, emit, setTimeout });
+  constructor({ player, send, emit, idle = () => {}, setTimeout = (...args) => globalThis.setTimeout(...args) }) {
+    Object.assign(this, { player, send, emit, idle, setTimeout });
     this.programme = new Programme();
     /** @type {Set<Utterance>} */
     this.open = new Set();
     this.count = 0;
+    this.adopts = false; // also what others ask for: in a room
   }
 
   get busy() {
@@ -36,8 +40,30 @@ export class Speech {
     return utterance.promise;
   }
 
+  /** Halts where it is, at once, until `resume`. */
+  pause() {
+    this.player.hold();
+    this.send({ type: 'pause' });
+  }
+
+  resume() {
+    this.player.release();
+    this.send({ type: 'resume' });
+  }
+
+  /** @param {string} mark of what is spoken: it goes on from there */
+  jump(mark) {
+    this.send({ type: 'jump', mark });
+  }
+
+  /** @param {number} rate words per minute, of the sentences that have not begun */
+  setRate(rate) {
+    this.send({ type: 'rate', rate });
+  }
+
   stop() {
     this.player.flush();
+    this.player.release();
     this.programme = new Programme();
     this.send({ type: 'stop' });
     for (const utterance of [...this.open]) {
@@ -54,6 +80,7 @@ export class Speech {
 
   /** The link is gone: what has come is still played, what was to come fails. */
   unlinked() {
+    this.player.release();
     for (const utterance of [...this.open]) {
       if (!utterance.sent) continue;
       utterance.number = null; // the next connection counts anew
@@ -69,17 +96,25 @@ export class Speech {
     const utterance = this.#about(message);
     const detail = utterance ? this.#detail(utterance, message) : message;
     if (message.type === 'error' || message.type === 'warning') this.emit(message.type, detail);
+    if (message.type in PLAYER_ACTS) this.#direct(message, utterance);
+    if (!utterance && message.type === 'begin' && this.adopts) {
+      this.#adopt(message);
+      return;
+    }
     if (!utterance) return;
     if (message.type === 'end') this.#close(utterance, message);
     else if (utterance.cancelled) return;
     else if (message.type === 'begin') this.#begin(utterance, message);
-    else if (utterance.item && ['sentence', 'word', 'mark'].includes(message.type))
+    else if (utterance.item && ['sentence', 'word', 'mark', 'phone'].includes(message.type))
       this.programme.schedule(utterance.item, message.time, message);
   }
 
-  /** @param {ArrayBuffer} data a media chunk */
-  media(data) {
-    const chunk = decodeChunk(data);
+  /** @param {object} chunk decoded: see Intake */
+  media(chunk) {
+    if (chunk.utterance === 0) {
+      this.idle(chunk);
+      return;
+    }
     for (const utterance of this.open)
       if (utterance.number === chunk.utterance && utterance.item && !utterance.cancelled)
         this.player.write(utterance.take(chunk));
@@ -105,9 +140,35 @@ export class Speech {
     return { utterance, track: utterance.track, seconds: found.seconds, running };
   }
 
+  /** What somebody else in the room has asked for. */
+  #adopt(message) {
+    const utterance = new Utterance(null, '', {}, new HeardCaptions(message.markup));
+    utterance.sent = true;
+    this.open.add(utterance);
+    this.player.open();
+    this.#begin(utterance, message);
+  }
+
+  /** Somebody has directed the stream: oneself, or another in the same room. */
+  #direct(message, utterance) {
+    if (message.type === 'jumped' && utterance?.item) this.#forgetUnheard();
+    if (message.type !== 'jumped') this.player[PLAYER_ACTS[message.type]]();
+    this.emit(message.type, utterance ? this.#detail(utterance, message) : message);
+  }
+
+  /** What has come and has not been heard will not be. */
+  #forgetUnheard() {
+    this.programme.forgetAfter(this.player.heard(performance.now()).position);
+    this.player.flush();
+  }
+
   #about(message) {
     for (const utterance of this.open)
-      if (message.id === utterance.key || (message.utterance && message.utterance === utterance.number)) return utterance;
+      if (
+        (message.id && message.id === utterance.key) ||
+        (message.utterance && message.utterance === utterance.number)
+      )
+        return utterance;
     return null;
   }
 
@@ -130,11 +191,16 @@ export class Speech {
 
   #close(utterance, message) {
     utterance.answer = message;
+    if (utterance.item && !utterance.cancelled && message.reason === 'stopped') {
+      this.#forgetUnheard(); // by somebody else, or by what was said instead
+      this.#end(utterance, message);
+      return;
+    }
     if (!utterance.item || utterance.cancelled) {
       this.#end(utterance, message);
       return;
     }
-    this.player.write(utterance.resampler.finish());
+    this.player.write(utterance.rest());
     this.player.finish();
     this.programme.close(utterance.item, this.player.written, message);
   }

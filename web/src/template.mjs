@@ -16,7 +16,7 @@ export const template = `
   .sound { position: absolute; inset-inline: 0; inset-block-end: 0.75em; margin-inline: auto; inline-size: fit-content; }
   svg { inline-size: 1.4em; vertical-align: -0.3em; fill: none; stroke: currentColor; stroke-width: 2; stroke-linejoin: round;
     stroke-linecap: round; }
-  .switch { position: absolute; inset-inline-end: 0.5em; inset-block-start: 0.5em; opacity: 0.55; padding: 0;
+  .switch { position: absolute; inset-inline-end: 0.5em; inset-block-start: 0.5em; opacity: 0.8; padding: 0;
     font-weight: 600; font-size: 0.85em; }
   .switch:hover, .switch:focus-visible, .switch[aria-pressed='false'] { opacity: 1; }
   .switch[aria-pressed='false'] { text-decoration: line-through; background: #6c6c70ee; }

@@ -5,11 +5,15 @@ import { FaceTrack } from './face-track.mjs';
 
 /** One `speak`, from the call to its end. */
 export class Utterance {
-  /** @param {string} key what the server is told as its id @param {string} text @param {object} options of `speak` */
-  constructor(key, text, options) {
+  /**
+   * @param {string|null} key what the server is told as its id; null = somebody else's
+   * @param {string} text @param {object} options of `speak` @param {object} [captions] where the text is not known
+   */
+  constructor(key, text, options, captions = null) {
     this.key = key;
     this.text = text;
     this.options = options;
+    this.captions = captions;
     this.number = null; // the server's, from `begin` on
     this.sent = false;
     this.cancelled = false;
@@ -18,29 +22,37 @@ export class Utterance {
     this.promise = new Promise((resolve) => (this.resolve = resolve));
   }
 
-  /** @param {{rate: number, fps: number}} begin the server's message @param {number} rate of the player */
+  /** @param {{rate: number, fps: number, markup: string}} begin the server's message @param {number} rate of the player */
   begin(begin, rate) {
     this.number = begin.utterance;
     this.track = new FaceTrack(begin.fps);
-    this.captions = new CaptionTrack(this.text);
-    this.resampler = new Resampler(begin.rate, rate);
+    this.captions ??= new CaptionTrack(this.text, begin.markup);
+    this.playerRate = rate;
+    this.resampler = null; // from the first sound on, whose rate may be the codec's
   }
 
   /**
-   * Takes a chunk in. @param {import('../../protocol/chunk.mjs').Chunk} chunk
+   * Takes a chunk in. @param {import('../../protocol/chunk.mjs').Chunk} chunk; with `audioRate` and `audioStart` where the
+   *   sound runs on a clock of its own
    * @returns {Float32Array} samples for the player
    */
   take(chunk) {
     this.track.put(chunk.firstFrame, chunk.frames);
+    this.resampler ??= new Resampler(chunk.audioRate ?? chunk.sampleRate, this.playerRate);
     let audio = chunk.audio ?? new Int16Array(chunk.samples);
-    const gap = chunk.start - this.resampler.received;
+    const gap = (chunk.audioStart ?? chunk.start) - this.resampler.received;
     if (gap > 0) {
-      const padded = new Int16Array(gap + audio.length);
+      const padded = new audio.constructor(gap + audio.length);
       padded.set(audio, gap);
       audio = padded;
     } else if (gap < 0) {
       audio = audio.subarray(Math.min(-gap, audio.length));
     }
     return this.resampler.push(audio);
+  }
+
+  /** What the resampler still holds, after the last chunk. */
+  rest() {
+    return this.resampler?.finish() ?? new Float32Array(0);
   }
 }

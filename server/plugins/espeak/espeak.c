@@ -23,6 +23,7 @@ struct espeak {
     struct es_voices voices;
     const struct es_voice *voice; /* the one that is set */
     struct es_names names;        /* of that voice */
+    struct es_ipa ipa;            /* its phones, once they were needed */
     uint32_t sample_rate;
     atomic_bool cancelled;
     /* of the sentence that is spoken */
@@ -95,12 +96,16 @@ static int take_audio(short *samples, int count, espeak_EVENT *events) {
     return self->stopped;
 }
 
-static void set_up(struct espeak *self, const struct es_voice *voice, const struct es_prosody *prosody) {
-    if (self->voice != voice) {
-        espeak_SetVoiceByName(voice->file);
-        self->voice = voice;
-        self->names = (struct es_names){0};
-    }
+static void set_voice(struct espeak *self, const struct es_voice *voice) {
+    if (self->voice == voice)
+        return;
+    espeak_SetVoiceByName(voice->file);
+    self->voice = voice;
+    self->names = (struct es_names){0};
+    es_ipa_free(&self->ipa);
+}
+
+static void set_prosody(const struct es_prosody *prosody) {
     espeak_SetParameter(espeakRATE, prosody->rate, 0);
     espeak_SetParameter(espeakPITCH, prosody->pitch, 0);
     espeak_SetParameter(espeakRANGE, prosody->range, 0);
@@ -170,12 +175,30 @@ static struct faccia_sentence inner_part(const struct faccia_sentence *sentence)
     return (struct faccia_sentence){sentence->voice, spans + begin, end - begin};
 }
 
+/* Once for a voice, when a sentence has phones. The engine knows "[[...]]" after it was told so with a text.
+ */
+static void learn_phones(struct espeak *self) {
+    bool needed = false;
+    for (size_t i = 0; i < self->sentence->span_count; i++)
+        needed |= self->sentence->spans[i].phones != NULL;
+    if (!needed || self->ipa.count)
+        return;
+    espeak_Synth(" ", 2, 0, POS_CHARACTER, 0, espeakCHARS_UTF8 | espeakPHONEMES, NULL, self);
+    es_ipa_learn(&self->ipa);
+    free(self->transcription);
+    self->transcription = NULL;
+    self->phones.count = self->words.count = 0;
+}
+
 /* Synthesises the inner part and reports it. */
 static espeak_ERROR speak_text(struct espeak *self, const struct es_voice *voice) {
     struct es_text text;
-    es_text_make(&text, self->sentence, voice, &self->voices, warn, (void *)self->sink);
-    set_up(self, voice, &text.prosody);
-    unsigned flags = espeakCHARS_UTF8 | espeakENDPAUSE | (text.ssml ? espeakSSML : 0);
+    set_voice(self, voice);
+    learn_phones(self);
+    es_text_make(&text, self->sentence, voice, &self->voices, &self->ipa, warn, (void *)self->sink);
+    set_prosody(&text.prosody);
+    unsigned flags =
+        espeakCHARS_UTF8 | espeakENDPAUSE | (text.ssml ? espeakSSML : 0) | (text.phones ? espeakPHONEMES : 0);
     espeak_ERROR result =
         espeak_Synth(text.text.data, text.text.size, 0, POS_CHARACTER, 0, flags, NULL, self);
     end_clause(self);
@@ -258,6 +281,7 @@ static void es_close(void *ctx) {
     if (self->nowhere)
         fclose(self->nowhere);
     es_voices_free(&self->voices);
+    es_ipa_free(&self->ipa);
     free(self->pcm);
     free(self->phones.list);
     free(self->words.list);
@@ -286,8 +310,8 @@ static int es_open(const char *config, void **out, char *message, size_t cap) {
     espeak_SetPhonemeCallback(take_transcription);
     espeak_SetPhonemeTrace(espeakPHONEMES_IPA | ES_SEPARATOR << 8, self->nowhere);
     const struct es_prosody normal = {ES_RATE_OWN, 50, 50, 100};
-    set_up(self, &self->voices.list[0],
-           &normal); /* the first voice costs most: now, not with the first sentence */
+    set_voice(self, &self->voices.list[0]); /* the first costs most: now, not with the first sentence */
+    set_prosody(&normal);
     *out = self;
     return 0;
 }
@@ -299,7 +323,7 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
     .capabilities = FACCIA_VOICE_STREAMS | FACCIA_VOICE_MARKS | FACCIA_VOICE_RATE | FACCIA_VOICE_PITCH |
-                    FACCIA_VOICE_RANGE | FACCIA_VOICE_VOLUME,
+                    FACCIA_VOICE_RANGE | FACCIA_VOICE_VOLUME | FACCIA_VOICE_PHONEMES,
     .open = es_open,
     .list = es_list,
     .speak = es_speak,

@@ -2,6 +2,7 @@
 #include "server/plugins/espeak/text.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include <ctype.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -13,6 +14,8 @@ struct writer {
     struct es_text *out;
     const struct es_voice *voice;
     const struct es_voices *voices;
+    const struct es_ipa *ipa;
+    struct es_prosody now; /* what the text so far has set */
     void (*warn)(void *ctx, const char *message);
     void *ctx;
 };
@@ -35,22 +38,22 @@ static int bounded(const struct writer *w, const char *what, double value, int m
     return nearest;
 }
 
-/* Pitch: espeak-ng's 0..99 is exponential, an octave for each 50. Range and volume are linear. */
+/* Pitch: espeak-ng's 0..99 is exponential; measured, an octave of F0 is PITCH_OCTAVE. It moves the whole
+ * contour by some Hz, so the range must grow with it. Range and volume are linear. What emphasis adds to
+ * espeak-ng's own, which is a matter of loudness: rate and pitch as MaryTTS has them for APML. */
 static struct es_prosody prosody_of(const struct writer *w, const struct faccia_span *s) {
-    struct es_prosody p = {.rate = ES_RATE_OWN, .pitch = 50, .range = 50, .volume = 100};
-    if (s->rate > 0)
-        p.rate = bounded(w, "rate", s->rate, ES_RATE_MIN, ES_RATE_MAX);
-    if (s->pitch > 0 && s->pitch != 1)
-        p.pitch = bounded(w, "pitch", 50 + 50 * log2(s->pitch), 0, 99);
-    if (s->range >= 0 && s->range != 1)
-        p.range = bounded(w, "pitch range", 50 * s->range, 0, 99);
-    if (s->volume >= 0 && s->volume != 1)
-        p.volume = bounded(w, "volume", 100 * s->volume, 0, 200);
-    return p;
-}
-
-static bool same_prosody(const struct es_prosody *a, const struct es_prosody *b) {
-    return a->rate == b->rate && a->pitch == b->pitch && a->range == b->range && a->volume == b->volume;
+    static const double PITCH_OCTAVE = 62.5;
+    static const double emphasis[][2] = {{1, 1}, {1.05, 0.97}, {0.95, 1.1}, {0.9, 1.2}, {0.8, 1.3}};
+    const double *level = emphasis[s->emphasis <= 4 ? s->emphasis : 4];
+    double rate = (s->rate > 0 ? s->rate : ES_RATE_OWN) * level[0];
+    double pitch = (s->pitch > 0 ? s->pitch : 1) * level[1];
+    double range = (s->range >= 0 ? s->range : 1) * pitch;
+    return (struct es_prosody){
+        .rate = bounded(w, "rate", rate, ES_RATE_MIN, ES_RATE_MAX),
+        .pitch = bounded(w, "pitch", 50 + PITCH_OCTAVE * log2(pitch), 0, 99),
+        .range = s->range != 1 ? bounded(w, "pitch range", 50 * range, 0, 99) : (int)fmin(50 * range, 99),
+        .volume = bounded(w, "volume", 100 * (s->volume >= 0 ? s->volume : 1), 0, 200),
+    };
 }
 
 static void place(struct es_text *t, uint32_t span, size_t offset) {
@@ -77,25 +80,105 @@ static bool is_spoken(uint32_t c) {
            c != 0xFFFF;
 }
 
-static void add_text(struct es_text *t, uint32_t span, const char *s) {
-    for (size_t at = 0, size = strlen(s), length; at < size; at += length) {
+/* One character, which stands for the place `at` of the span. */
+static void add_character(struct es_text *t, uint32_t span, size_t at, const char *c, size_t length) {
+    const char *entity = *c == '<' ? "&lt;" : *c == '>' ? "&gt;" : *c == '&' ? "&amp;" : NULL;
+    if (!t->ssml || !entity) {
+        place(t, span, at);
+        buf_add(&t->text, c, length);
+        return;
+    }
+    for (size_t i = 0; entity[i]; i++)
+        place(t, span, at);
+    buf_add(&t->text, entity, strlen(entity));
+}
+
+/* Bytes [at, size) of the span's text. */
+static void add_text(struct es_text *t, uint32_t span, const char *s, size_t at, size_t size) {
+    for (size_t length; at < size; at += length) {
         uint32_t c;
         length = utf8_next(s + at, size - at, &c);
         if (!length)
             c = length = 1;
-        const char *entity = c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : NULL;
-        if (t->ssml && entity) {
-            for (size_t i = 0; entity[i]; i++)
-                place(t, span, at);
-            buf_add(&t->text, entity, strlen(entity));
-            continue;
-        }
-        place(t, span, at);
-        if (is_spoken(c))
-            buf_add(&t->text, s + at, length);
+        if (is_spoken(c) && !(t->phones && c == '['))
+            add_character(t, span, at, s + at, length);
         else
-            buf_add(&t->text, " ", 1);
+            add_character(t, span, at, " ", 1);
     }
+}
+
+/* espeak-ng's own commands: each makes a short break (7 ms) in the sound, so that only what changes is told,
+ * and SSML's prosody element, which sets everything back, is not used. */
+static void set(struct writer *w, int *now, int value, char command) {
+    if (*now != value)
+        tag(w->out, "\x01%d%c", value, command);
+    *now = value;
+}
+
+static size_t skip_space(const char *s, size_t at) {
+    return at + strspn(s + at, " \t\r\n");
+}
+
+static size_t skip_word(const char *s, size_t at) {
+    return at + strcspn(s + at, " \t\r\n");
+}
+
+size_t es_text_words(const char *s) {
+    size_t count = 0;
+    for (size_t at = skip_space(s, 0); s[at]; at = skip_space(s, skip_word(s, at)))
+        count++;
+    return count;
+}
+
+/* The span's phones, each word at the place of its own word of the text, if there are as many. False when
+ * one cannot be spoken. */
+static bool add_phones(struct writer *w, uint32_t index, const struct faccia_span *s) {
+    struct buf word = {0};
+    const char *p = s->phones;
+    char unknown[8];
+    bool changed = false, alike = es_text_words(p) == es_text_words(s->text), known = true;
+    struct es_text *t = w->out;
+    size_t place_count = t->place_count, size = t->text.size;
+    size_t text = skip_space(s->text, 0);
+    for (size_t at = skip_space(p, 0), end; p[at] && known; at = skip_space(p, end)) {
+        end = skip_word(p, at);
+        word.size = 0;
+        known = !es_ipa_word(w->ipa, p + at, end - at, &word, unknown, &changed);
+        if (place_count < t->place_count)
+            add_character(t, index, text, " ", 1);
+        for (size_t i = 0; i < word.size && known; i++)
+            place(t, index, text); /* markup has no meaning between the brackets */
+        buf_add(&t->text, word.data, known ? word.size : 0);
+        if (alike)
+            text = skip_space(s->text, skip_word(s->text, text));
+    }
+    buf_free(&word);
+    if (!known) {
+        t->place_count = place_count;
+        t->text.size = size;
+        warn(w, "the voice has no phone \"%s\": it reads the text instead of /%.80s/", unknown, p);
+    } else if (changed) {
+        warn(w, "the voice does not have all phones of /%.80s/: it speaks the nearest ones", p);
+    }
+    return known;
+}
+
+/* The prosody changes at the first letter, so that stops before it stay with the words that they end. */
+static void add_text_with_prosody(struct writer *w, uint32_t index, const struct faccia_span *s) {
+    struct es_prosody p = prosody_of(w, s);
+    size_t length = strlen(s->text), letter = 0;
+    while (letter < length && (unsigned char)s->text[letter] < 0x80 &&
+           !isalnum((unsigned char)s->text[letter]))
+        letter++;
+    add_text(w->out, index, s->text, 0, letter);
+    if (letter == length)
+        return;
+    set(w, &w->now.rate, p.rate, 'S');
+    set(w, &w->now.pitch, p.pitch, 'P');
+    set(w, &w->now.range, p.range, 'R');
+    set(w, &w->now.volume, p.volume, 'A');
+    if (!s->phones || !add_phones(w, index, s))
+        add_text(w->out, index, s->text, letter, length);
 }
 
 /* The ways of reading that espeak-ng has, by the names that SSML 1.1 and JSML documents use. */
@@ -127,7 +210,7 @@ static const char *emphasis_level(uint32_t emphasis) {
     return emphasis < sizeof levels / sizeof *levels ? levels[emphasis] : NULL;
 }
 
-static void add_span(const struct writer *w, uint32_t index, const struct faccia_span *s) {
+static void add_span(struct writer *w, uint32_t index, const struct faccia_span *s) {
     struct es_text *t = w->out;
     const struct es_voice *other = NULL;
     const char *as = s->say_as ? interpretation(s->say_as) : NULL, *level = emphasis_level(s->emphasis);
@@ -136,35 +219,19 @@ static void add_span(const struct writer *w, uint32_t index, const struct faccia
         if (!other)
             warn(w, "espeak-ng has no voice for the language \"%s\"", s->lang);
     }
-    if (s->phones)
-        warn(w, "espeak-ng reads the text instead of the given phones");
     if (as && !can_be_spelled(s->text))
         as = NULL;
     if (s->say_as && !as)
         warn(w, "espeak-ng cannot read this as \"%s\"", s->say_as);
-    struct es_prosody p = prosody_of(w, s);
-    bool changed = !same_prosody(&p, &t->prosody);
     if (other)
         tag(t, "<voice xml:lang=\"%s\">", other->id);
     if (level)
         tag(t, "<emphasis level=\"%s\">", level);
-    if (changed)
-        tag(t, "<prosody rate=\"%d%%\"", p.rate * 100 / t->prosody.rate);
-    if (changed && p.pitch != t->prosody.pitch)
-        tag(t, " pitch=\"%d\"", p.pitch);
-    if (changed && p.range != t->prosody.range)
-        tag(t, " range=\"%d\"", p.range);
-    if (changed && p.volume != t->prosody.volume)
-        tag(t, " volume=\"%d\"", p.volume);
-    if (changed)
-        tag(t, ">");
     if (as)
         tag(t, "<say-as interpret-as=\"%s\">", as);
-    add_text(t, index, s->text);
+    add_text_with_prosody(w, index, s);
     if (as)
         tag(t, "</say-as>");
-    if (changed)
-        tag(t, "</prosody>");
     if (level)
         tag(t, "</emphasis>");
     if (other)
@@ -187,16 +254,20 @@ static bool is_plain(const struct writer *w, const struct faccia_sentence *sente
 }
 
 void es_text_make(struct es_text *text, const struct faccia_sentence *sentence, const struct es_voice *voice,
-                  const struct es_voices *voices, void (*warn_to)(void *ctx, const char *message),
-                  void *ctx) {
-    struct writer w = {text, voice, voices, warn_to, ctx};
+                  const struct es_voices *voices, const struct es_ipa *ipa,
+                  void (*warn_to)(void *ctx, const char *message), void *ctx) {
+    struct writer w = {
+        .out = text, .voice = voice, .voices = voices, .ipa = ipa, .warn = warn_to, .ctx = ctx};
     *text = (struct es_text){.prosody = {ES_RATE_OWN, 50, 50, 100}};
     text->ssml = !is_plain(&w, sentence);
+    for (size_t i = 0; i < sentence->span_count; i++)
+        text->phones |= sentence->spans[i].phones != NULL;
     for (size_t i = 0; i < sentence->span_count; i++)
         if (sentence->spans[i].kind == FACCIA_SPAN_TEXT) {
             text->prosody = prosody_of(&w, &sentence->spans[i]);
             break;
         }
+    w.now = text->prosody;
     for (uint32_t i = 0; i < sentence->span_count; i++) {
         const struct faccia_span *s = &sentence->spans[i];
         if (s->kind == FACCIA_SPAN_BREAK)
@@ -206,7 +277,7 @@ void es_text_make(struct es_text *text, const struct faccia_sentence *sentence, 
         else if (text->ssml)
             add_span(&w, i, s);
         else
-            add_text(text, i, s->text);
+            add_text(text, i, s->text, 0, strlen(s->text));
     }
     buf_add(&text->text, "", 1);
 }

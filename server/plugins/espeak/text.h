@@ -5,6 +5,7 @@
 #define FACCIA_PLUGINS_ESPEAK_TEXT_H
 
 #include "server/base/buf.h"
+#include "server/plugins/espeak/ipa.h"
 #include "server/plugins/espeak/voices.h"
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
@@ -29,14 +30,19 @@ struct es_place {
 struct es_text {
     struct buf text; /* ends with NUL */
     bool ssml;
+    bool phones;               /* phones are named in it, as "[[...]]" */
     struct es_prosody prosody; /* of the whole, before what the SSML changes */
     struct es_place *places;   /* of every character of the text */
     size_t place_count, place_cap;
 };
 
-/* warn is called for what cannot be done. */
+/* ipa: the phones of the voice, if any span has phones. warn is called for what cannot be done. */
 void es_text_make(struct es_text *text, const struct faccia_sentence *sentence, const struct es_voice *voice,
-                  const struct es_voices *voices, void (*warn)(void *ctx, const char *message), void *ctx);
+                  const struct es_voices *voices, const struct es_ipa *ipa,
+                  void (*warn)(void *ctx, const char *message), void *ctx);
+/* Words between white space. */
+size_t es_text_words(const char *s);
+
 void es_text_free(struct es_text *text);
 
 #endif

@@ -58,6 +58,11 @@ static void measure(struct es_word *w, const char *s, size_t limit) {
     }
 }
 
+/* Has the span as many words in its phones as in its text? */
+static bool speaks_word_by_word(const struct faccia_span *span) {
+    return es_text_words(span->phones) == es_text_words(span->text);
+}
+
 void es_words_locate(struct es_words *words, const struct es_text *text,
                      const struct faccia_sentence *sentence) {
     for (size_t i = 0; i < words->count; i++) {
@@ -73,6 +78,12 @@ void es_words_locate(struct es_words *words, const struct es_text *text,
         const char *s = w->span < sentence->span_count ? sentence->spans[w->span].text : NULL;
         size_t length, limit = SIZE_MAX;
         w->bytes = 0;
+        if (s && sentence->spans[w->span].phones && !speaks_word_by_word(&sentence->spans[w->span])) {
+            bool first = !i || words->list[i - 1].span != w->span;
+            w->offset = 0;
+            w->bytes = first ? strlen(s) : 0;
+            continue;
+        }
         if (!s || (is_letter(before(s, w->offset)) && is_letter(at(s, w->offset, &length))))
             continue; /* begins inside a word */
         for (size_t k = i + 1; k < words->count && limit == SIZE_MAX; k++) {

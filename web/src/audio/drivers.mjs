@@ -38,6 +38,14 @@ class WorkletDriver {
     this.node.port.postMessage(['flush']);
   }
 
+  hold() {
+    this.node.port.postMessage(['hold']);
+  }
+
+  release() {
+    this.node.port.postMessage(['release']);
+  }
+
   close() {
     this.node.port.onmessage = null;
     this.node.disconnect();
@@ -64,6 +72,14 @@ class ScriptDriver {
 
   flush() {
     this.pump.flush();
+  }
+
+  hold() {
+    this.pump.hold();
+  }
+
+  release() {
+    this.pump.release();
   }
 
   close() {
@@ -101,6 +117,14 @@ export class SilentDriver {
 
   flush() {
     this.pump.flush();
+  }
+
+  hold() {
+    this.pump.hold();
+  }
+
+  release() {
+    this.pump.release();
   }
 }
 

@@ -23,6 +23,7 @@ export class Player {
     this.clock = new HeardClock();
     this.silent = null;
     this.audio = null;
+    this.held = false;
     this.#forget();
     this.onstate = () => this.#stateChanged();
     this.ongesture = () => this.context.resume();
@@ -79,6 +80,17 @@ export class Player {
     this.driver?.flush();
   }
 
+  /** Halts, now, until `release`; what is written meanwhile waits. */
+  hold() {
+    this.held = true;
+    this.driver?.hold();
+  }
+
+  release() {
+    this.held = false;
+    this.driver?.release();
+  }
+
   get driver() {
     return this.audio ?? this.silent;
   }
@@ -114,6 +126,7 @@ export class Player {
 
   #goSilent() {
     this.silent = new SilentDriver(this.rate, (report) => this.#report(this.silent, report));
+    if (this.held) this.silent.hold();
     this.#forget();
   }
 
@@ -151,6 +164,7 @@ export class Player {
     this.map = new PositionMap();
     this.offset = this.written - rest.length;
     early.forEach((message) => this.#report(audio, message));
+    if (this.held) audio.hold();
     if (rest.length) audio.push(rest);
     if (complete) audio.finish();
     this.#setSound('on');

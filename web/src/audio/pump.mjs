@@ -31,6 +31,8 @@ export class Pump {
     this.residue = new Float32Array(0); // what is still to sound of something cut
     this.last = 0;
     this.cut = false;
+    this.held = false;
+    this.rising = 0; // samples that are still to be faded in
   }
 
   push(block) {
@@ -55,6 +57,16 @@ export class Pump {
     this.cut = true;
   }
 
+  /** Silence at once; the position stands still until `release`. */
+  hold() {
+    this.held = true;
+  }
+
+  /** Goes on where it was held. */
+  release() {
+    this.held = false;
+  }
+
   /** Takes out what was not played yet, so that another pump can go on with it. */
   drain() {
     const rest = new Float32Array(this.ring.length);
@@ -66,7 +78,9 @@ export class Pump {
   render(out, frame) {
     out.fill(0);
     if (this.cut) this.#stop(frame);
-    if (!this.running && this.ring.length && (this.complete || this.ring.length >= this.preroll)) this.#start(frame);
+    if (this.held && this.running) this.#halt(frame);
+    const ready = this.ring.length && (this.complete || this.ring.length >= this.preroll);
+    if (!this.held && !this.running && ready) this.#start(frame);
     if (this.running) this.#play(out, frame);
     if (this.residue.length) this.#fadeOut(out);
   }
@@ -80,6 +94,7 @@ export class Pump {
   #play(out, frame) {
     const got = this.ring.read(out);
     this.position += got;
+    for (let i = 0; i < got && this.rising; i++, this.rising--) out[i] *= 1 - this.rising / this.fade;
     if (got) this.last = out[got - 1];
     if (got === out.length) return;
     if (!this.complete) {
@@ -89,6 +104,12 @@ export class Pump {
     this.residue = new Float32Array(got + this.fade).fill(0, 0, got);
     for (let i = 0; i < this.fade; i++) this.residue[got + i] = this.last * (1 - (i + 1) / this.fade);
     this.#stop(frame + got);
+  }
+
+  #halt(frame) {
+    this.residue = Float32Array.from({ length: this.fade }, (_, i) => this.last * (1 - (i + 1) / this.fade));
+    this.rising = this.fade;
+    this.#stop(frame);
   }
 
   #start(frame) {

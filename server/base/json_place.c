@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/face/json_place.h"
+#include "server/base/json_place.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include <stdlib.h>

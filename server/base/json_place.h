@@ -2,8 +2,8 @@
 /* Reading a JSON file strictly: every value knows where it stands, so that an error names its path
  * ("phones.p.targets.LI.a.T"). The functions return 0, or -1 after filling the root's error (code "bad-pack",
  * field = path). */
-#ifndef FACCIA_FACE_JSON_PLACE_H
-#define FACCIA_FACE_JSON_PLACE_H
+#ifndef FACCIA_BASE_JSON_PLACE_H
+#define FACCIA_BASE_JSON_PLACE_H
 
 #include "server/base/error.h"
 #include <jansson.h>

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT */
+/* Binary arithmetic coding with a 32-bit range (G. N. N. Martin, "Range encoding", 1979), one bit at a time
+ * with a probability of its own. Inside of fba.c. */
+#ifndef FACCIA_PROTOCOL_RANGECODER_H
+#define FACCIA_PROTOCOL_RANGECODER_H
+
+#include "protocol/fba.h"
+
+struct range_encoder {
+    uint64_t low;
+    uint32_t range;
+    uint8_t *out;
+    size_t size, cap; /* bytes beyond cap are counted, not written */
+};
+
+struct range_decoder {
+    uint32_t range, code;
+    const uint8_t *at, *end; /* beyond the end there are zeros */
+};
+
+void range_encoder_init(struct range_encoder *e, uint8_t *out, size_t cap);
+void range_put(struct range_encoder *e, struct fba_context *context, int bit);
+
+/* Without a context: both values are as likely. */
+void range_put_even(struct range_encoder *e, int bit);
+
+/* Ends the code with as few bytes as it takes; zeros at the end are left out. Returns its size. */
+size_t range_finish(struct range_encoder *e);
+
+void range_decoder_init(struct range_decoder *d, const uint8_t *data, size_t size);
+int range_get(struct range_decoder *d, struct fba_context *context);
+int range_get_even(struct range_decoder *d);
+
+#endif

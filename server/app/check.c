@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* faccia check: what in a text would not be acted on. */
+#include "server/app/cli.h"
+#include "server/base/lines.h"
+#include "server/expression/expressions.h"
+#include "server/markup/markup.h"
+#include "server/markup/score_dump.h"
+#include <getopt.h>
+#include <stdlib.h>
+
+static const char usage[] =
+    "Usage: faccia check [OPTION]... FILE...\n"
+    "Reads each FILE (- = standard input) as it would be spoken, and tells what in it is "
+    "wrong or is not acted on:\n"
+    "FILE:LINE:COLUMN: warning|error: message. The exit code is 1 when there is an error.\n"
+    "\n"
+    "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, or auto (auto): by the root "
+    "element\n"
+    "  -s, --score        also write what was understood\n";
+
+struct check {
+    const struct markup_kind *kind;
+    bool score;
+    struct expressions *expressions;
+};
+
+static void report(const char *path, const char *severity, const struct error *e, const struct buf *text) {
+    struct lines lines = {0};
+    size_t line = e->line, column = e->column, size = text->size;
+    if (e->place != PLACE_LINE)
+        lines_place(&lines, (const char *)text->data, e->place == PLACE_BYTE && e->byte < size ? e->byte : 0,
+                    &line, &column);
+    printf("%s:%zu:%zu: %s: %s\n", path, line, column, severity, e->message);
+}
+
+/* Puts UTF-8 into the buffer. */
+static int decode(struct buf *text, struct error *e) {
+    char *decoded;
+    size_t size;
+    if (markup_decode((const char *)text->data, text->size, &decoded, &size, e))
+        return -1;
+    if (decoded) {
+        buf_free(text);
+        *text = (struct buf){(uint8_t *)decoded, size, size};
+    }
+    return 0;
+}
+
+static int by_place(const void *a, const void *b) {
+    const struct error *x = a, *y = b;
+    if (x->line != y->line)
+        return x->line < y->line ? -1 : 1;
+    return (x->column > y->column) - (x->column < y->column);
+}
+
+/* What no expression is known for is warned of, at its place among the others. */
+static void look_for_expressions(const struct check *c, struct score *score) {
+    expressions_direct(c->expressions, score);
+    if (score->warning_count)
+        qsort(score->warnings, score->warning_count, sizeof *score->warnings, by_place);
+}
+
+static int check(const struct check *c, const char *path) {
+    struct buf text = {0}, dump = {0};
+    struct score *score = NULL;
+    struct error e;
+    buf_reserve(&text, 1);
+    if (cli_read(path, &text)) {
+        buf_free(&text);
+        return -1;
+    }
+    if (!decode(&text, &e))
+        score = markup_read(c->kind, (const char *)text.data, text.size, NULL, &e);
+    if (!score)
+        report(path, "error", &e, &text);
+    if (score && c->score)
+        score_dump(score, &dump);
+    if (score)
+        look_for_expressions(c, score);
+    for (size_t i = 0; score && i < score->warning_count; i++)
+        report(path, "warning", &score->warnings[i], &text);
+    fwrite(dump.data, 1, dump.size, stdout);
+    int failed = score ? 0 : -1;
+    score_free(score);
+    buf_free(&dump);
+    buf_free(&text);
+    return failed;
+}
+
+static struct expressions *load_expressions(void) {
+    struct paths paths;
+    struct error e;
+    char path[4096];
+    paths_find(&paths);
+    snprintf(path, sizeof path, "%s/expressions.json", paths.models);
+    struct expressions *expressions = expressions_load(path, &e);
+    if (!expressions)
+        cli_complain("%s", error_text(&e, path, sizeof path));
+    paths_free(&paths);
+    return expressions;
+}
+
+int check_main(int argc, char **argv) {
+    enum { HELP = 256 };
+    static const struct option options[] = {
+        {"markup", 1, NULL, 'm'}, {"score", 0, NULL, 's'}, {"help", 0, NULL, HELP}, {0}};
+    struct check c = {markup_by_name("auto"), false, NULL};
+    for (int o; (o = getopt_long(argc, argv, "m:sh", options, NULL)) != -1;) {
+        switch (o) {
+        case 'm':
+            c.kind = markup_by_name(optarg);
+            if (c.kind)
+                break;
+            cli_complain("markup: no markup '%s'", optarg);
+            return EXIT_USAGE;
+        case 's':
+            c.score = true;
+            break;
+        case 'h':
+        case HELP:
+            fputs(usage, stdout);
+            return EXIT_DONE;
+        default:
+            return EXIT_USAGE;
+        }
+    }
+    if (optind == argc) {
+        cli_complain("a file is needed, or - for standard input");
+        return EXIT_USAGE;
+    }
+    if (!(c.expressions = load_expressions()))
+        return EXIT_FAILED;
+    int result = EXIT_DONE;
+    for (int i = optind; i < argc; i++)
+        if (check(&c, argv[i]))
+            result = EXIT_FAILED;
+    expressions_free(c.expressions);
+    return cli_finish(stdout, "standard output") ? EXIT_FAILED : result;
+}

@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/json_place.h"
+#include "server/base/mem.h"
+#include "server/expression/load.h"
+#include "server/expression/pose.h"
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static void entry_free(struct expression *x) {
+    free(x->name);
+    json_texts_free(x->aliases);
+    pose_free(&x->pose);
+    for (size_t i = 0; i < x->key_count; i++)
+        pose_free(&x->keys[i].pose);
+    free(x->keys);
+}
+
+void expressions_free(struct expressions *all) {
+    if (!all)
+        return;
+    for (size_t i = 0; i < all->count; i++)
+        entry_free(&all->items[i]);
+    free(all->items);
+    free(all->names);
+    free(all);
+}
+
+size_t expressions_count(const struct expressions *all) {
+    return all->count;
+}
+
+const struct expression *expressions_at(const struct expressions *all, size_t index) {
+    return &all->items[index];
+}
+
+struct expression_info expressions_info(const struct expressions *all, size_t index) {
+    const struct expression *x = &all->items[index];
+    return (struct expression_info){x->kind, x->name, x->activation, x->evaluation, x->basic != 0};
+}
+
+static int by_name(const void *a, const void *b) {
+    const struct expression_name *x = a, *y = b;
+    int kinds = strcmp(x->kind, y->kind);
+    return kinds ? kinds : strcasecmp(x->name, y->name);
+}
+
+static int by_name_and_index(const void *a, const void *b) {
+    const struct expression_name *x = a, *y = b;
+    int names = by_name(a, b);
+    return names ? names : (x->index > y->index) - (x->index < y->index);
+}
+
+static void add_name(struct expressions *all, size_t index, const char *name) {
+    all->names = mem_grow(all->names, &all->name_cap, all->name_count + 1, sizeof *all->names);
+    all->names[all->name_count++] = (struct expression_name){all->items[index].kind, name, index};
+}
+
+int expressions_sort_names(struct expressions *all, const struct expression_name **taken) {
+    for (size_t i = 0; i < all->count; i++) {
+        add_name(all, i, all->items[i].name);
+        for (char **alias = all->items[i].aliases; alias && *alias; alias++)
+            add_name(all, i, *alias);
+    }
+    qsort(all->names, all->name_count, sizeof *all->names, by_name_and_index);
+    for (size_t i = 1; i < all->name_count; i++) {
+        *taken = &all->names[i];
+        if (!by_name(&all->names[i - 1], *taken))
+            return -1;
+    }
+    return 0;
+}
+
+int expressions_find(const struct expressions *all, const char *kind, const char *name) {
+    struct expression_name wanted[] = {{kind, name, 0}, {kind, EXPRESSION_ANY, 0}};
+    for (int i = 0; i < 2; i++) {
+        const struct expression_name *found =
+            bsearch(&wanted[i], all->names, all->name_count, sizeof wanted[i], by_name);
+        if (found)
+            return (int)found->index;
+    }
+    return -1;
+}

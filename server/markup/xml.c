@@ -1,0 +1,298 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The walk through an XML document. No DTD is read and no entity is expanded but the five that XML defines:
+ * the parser never sees the prolog (detect.c passes over it), so nothing can be declared. */
+#include "server/base/mem.h"
+#include "server/base/utf8.h"
+#include "server/markup/detect.h"
+#include "server/markup/reader.h"
+#include <expat.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+struct walk {
+    struct reader reader;
+    XML_Parser parser;
+    size_t begin, prefix; /* byte of the input where the parser began, and what it was given before that */
+    struct error *error;
+    bool failed;
+};
+
+static size_t here(const struct walk *w) {
+    size_t index = (size_t)XML_GetCurrentByteIndex(w->parser);
+    size_t at = w->begin + (index > w->prefix ? index - w->prefix : 0);
+    return at < w->reader.size ? at : w->reader.size;
+}
+
+static size_t length_here(const struct walk *w) {
+    size_t at = here(w), length = (size_t)XML_GetCurrentByteCount(w->parser);
+    return length < w->reader.size - at ? length : w->reader.size - at;
+}
+
+static int place_error(struct walk *w, const char *code, size_t at, const char *message) {
+    size_t line, column;
+    lines_place(&w->reader.score->lines, w->reader.text, at, &line, &column);
+    return error_at_line(w->error, code, line, column, "%s", message);
+}
+
+static void fail(struct walk *w, const char *code, const char *message) {
+    place_error(w, code, here(w), message);
+    w->failed = true;
+    XML_StopParser(w->parser, XML_FALSE);
+}
+
+static int compare_name(const void *key, const void *element) {
+    return strcasecmp(key, ((const struct element *)element)->name);
+}
+
+static const struct element *find_in(const struct vocabulary *v, const char *name) {
+    return bsearch(name, v->elements, v->element_count, sizeof *v->elements, compare_name);
+}
+
+/* A prefix is part of the name of vendors' elements; else it stands for a namespace and does not count. */
+static const struct element *find_element(const struct vocabulary *v, const char *name) {
+    const struct element *element = find_in(v, name);
+    const char *colon = element ? NULL : strchr(name, ':');
+    return colon ? find_in(v, colon + 1) : element;
+}
+
+static bool same(const char *a, const char *b) {
+    return a == b || (a && b && !strcmp(a, b));
+}
+
+static bool same_style(const struct score_style *a, const struct score_style *b) {
+    return same(a->lang, b->lang) && same(a->voice, b->voice) && same(a->gender, b->gender) &&
+           a->rate == b->rate && a->pitch == b->pitch && a->range == b->range && a->volume == b->volume &&
+           a->emphasis == b->emphasis && same(a->say_as, b->say_as) && same(a->phonemes, b->phonemes);
+}
+
+static void take_common(struct reader *r, struct tag *tag) {
+    reader_language(tag, "xml:lang");
+    if (r->vocabulary->common)
+        r->vocabulary->common(r, tag);
+}
+
+static void begin_known(struct reader *r, struct frame *frame, struct tag *tag) {
+    const struct element *element = frame->element;
+    const struct score_style *outer = frame[-1].kept;
+    size_t spans = r->passage.span_count;
+    take_common(r, tag);
+    if (element->begin)
+        element->begin(r, tag);
+    tag_check_attributes(tag);
+    if (same_style(&frame->style, outer))
+        return;
+    frame->kept = score_keep_style(r->score, &frame->style);
+    frame->style_depth = r->depth;
+    if (r->passage.span_count == spans)
+        passage_open(&r->passage, SPAN_STYLE, tag->at, r->depth);
+}
+
+static void on_start(void *ctx, const XML_Char *name, const XML_Char **attributes) {
+    struct walk *w = ctx;
+    struct reader *r = &w->reader;
+    if (w->failed || (w->prefix && !r->depth && !XML_GetCurrentByteIndex(w->parser)))
+        return;
+    if (r->depth == READER_DEPTH) {
+        fail(w, "too-deep", "elements lie too deep inside each other");
+        return;
+    }
+    struct tag tag = {.r = r, .at = here(w), .bytes = length_here(w), .attributes = attributes};
+    while (attributes[2 * tag.count])
+        tag.count++;
+    if (tag.count > READER_ATTRIBUTES) {
+        fail(w, "too-many-attributes", "an element has too many attributes");
+        return;
+    }
+    const struct frame *outer = &r->frames[r->depth];
+    struct frame *frame = tag.frame = &r->frames[++r->depth];
+    *frame = (struct frame){.at = tag.at,
+                            .inside = tag.at + tag.bytes,
+                            .style = outer->style,
+                            .kept = outer->kept,
+                            .style_depth = outer->style_depth,
+                            .silent = outer->silent,
+                            .piece = r->passage.piece_count};
+    if (frame->silent)
+        return;
+    tag_check_references(&tag);
+    frame->element = find_element(r->vocabulary, name);
+    if (!frame->element) {
+        score_warn(r->score, tag.at, "unknown-element",
+                   "no element '%.40s' is known: its text is read as it is", name);
+        return;
+    }
+    frame->silent = frame->element->flags & ELEMENT_SILENT;
+    if (frame->element->flags & (ELEMENT_BOUNDARY | ELEMENT_SENTENCE))
+        reader_boundary(r);
+    if (frame->element->flags & ELEMENT_SENTENCE)
+        r->passage.whole = !r->audio || r->passage.whole;
+    frame->piece = r->passage.piece_count;
+    frame->flushes = r->passage.flushes;
+    begin_known(r, frame, &tag);
+}
+
+static void on_end(void *ctx, const XML_Char *name) {
+    struct walk *w = ctx;
+    struct reader *r = &w->reader;
+    (void)name;
+    if (w->failed || !r->depth)
+        return;
+    struct frame *frame = &r->frames[r->depth];
+    r->end = here(w);
+    if (frame->element && frame->element->end)
+        frame->element->end(r, frame);
+    passage_close(&r->passage, r->depth);
+    r->depth--;
+    if (frame->element && frame->element->flags & (ELEMENT_BOUNDARY | ELEMENT_SENTENCE))
+        reader_boundary(r);
+}
+
+static void on_text(void *ctx, const XML_Char *text, int n) {
+    struct walk *w = ctx;
+    struct reader *r = &w->reader;
+    const struct frame *frame = &r->frames[r->depth];
+    if (w->failed || frame->silent)
+        return;
+    if (r->capturing) {
+        buf_add(&r->capture, text, (size_t)n);
+        return;
+    }
+    size_t at = here(w);
+    passage_text(&r->passage, text, (size_t)n,
+                 (struct piece){.start = at,
+                                .end = at + length_here(w),
+                                .atomic = frame->style.say_as || frame->style.phonemes,
+                                .style = frame->kept,
+                                .depth = frame->style_depth});
+}
+
+static void on_entity(void *ctx, const XML_Char *name, int is_parameter) {
+    struct walk *w = ctx;
+    (void)is_parameter;
+    if (!w->failed && !w->reader.frames[w->reader.depth].silent)
+        score_warn(w->reader.score, here(w), "entity",
+                   "the entity '%.40s' is not expanded: nothing is read here", name);
+}
+
+static void on_instruction(void *ctx, const XML_Char *target, const XML_Char *data) {
+    struct walk *w = ctx;
+    (void)data;
+    if (!w->failed)
+        score_warn(w->reader.score, here(w), "ignored", "the instruction '%.40s' is not acted on", target);
+}
+
+/* What the parser complains about, where it is. */
+static void explain(struct walk *w) {
+    struct reader *r = &w->reader;
+    char message[200];
+    enum XML_Error code = XML_GetErrorCode(w->parser);
+    snprintf(message, sizeof message, "this is no XML: %s", XML_ErrorString(code));
+    if (r->depth && (code == XML_ERROR_TAG_MISMATCH || code == XML_ERROR_NO_ELEMENTS)) {
+        size_t open = r->frames[r->depth].at, line, column, length = strcspn(r->text + open + 1, " \t\r\n/>");
+        lines_place(&r->score->lines, r->text, open, &line, &column);
+        snprintf(message, sizeof message, "the element '%.*s' of line %zu is not closed",
+                 (int)(length < 40 ? length : 40), r->text + open + 1, line);
+    }
+    utf8_mend(message);
+    place_error(w, "bad-xml", here(w), message);
+}
+
+static int parse(struct walk *w, const char *text, size_t size, bool last) {
+    if (XML_Parse(w->parser, text, (int)size, last) == XML_STATUS_OK)
+        return 0;
+    if (!w->failed)
+        explain(w);
+    return -1;
+}
+
+/* Entities that are not declared are skipped instead of being errors when there may be a DTD elsewhere. */
+static XML_Parser make_parser(struct walk *w) {
+    XML_Parser parser = XML_ParserCreate("UTF-8");
+    if (!parser)
+        abort();
+    XML_SetUserData(parser, w);
+    XML_UseForeignDTD(parser, XML_TRUE);
+    XML_SetElementHandler(parser, on_start, on_end);
+    XML_SetCharacterDataHandler(parser, on_text);
+    XML_SetSkippedEntityHandler(parser, on_entity);
+    XML_SetProcessingInstructionHandler(parser, on_instruction);
+    return parser;
+}
+
+/* By their beginnings, outer ones first. */
+static int compare_cues(const void *a, const void *b) {
+    const struct score_cue *x = a, *y = b;
+    if (x->first != y->first)
+        return x->first < y->first ? -1 : 1;
+    if (x->at != y->at)
+        return x->at < y->at ? -1 : 1;
+    int kind = strcmp(x->kind, y->kind);
+    return kind ? kind : strcmp(x->name, y->name);
+}
+
+/* By their places. */
+static int compare_warnings(const void *a, const void *b) {
+    const struct error *x = a, *y = b;
+    if (x->line != y->line)
+        return x->line < y->line ? -1 : 1;
+    if (x->column != y->column)
+        return x->column < y->column ? -1 : 1;
+    return strcmp(x->message, y->message);
+}
+
+/* What was found late, at the end of an element or of a sentence, goes where it belongs. */
+static void sort(struct score *score) {
+    size_t warnings = score->warning_count - (score->warning_count == SCORE_WARNINGS), in_order = 1;
+    while (in_order < score->cue_count &&
+           compare_cues(&score->cues[in_order - 1], &score->cues[in_order]) <= 0)
+        in_order++;
+    if (in_order < score->cue_count)
+        qsort(score->cues, score->cue_count, sizeof *score->cues, compare_cues);
+    if (warnings)
+        qsort(score->warnings, warnings, sizeof *score->warnings, compare_warnings);
+}
+
+static int walk(struct walk *w, const struct prolog *prolog) {
+    static const char prefix[] = "<_>", suffix[] = "</_>";
+    struct reader *r = &w->reader;
+    bool rootless = r->vocabulary->rootless && !prolog_root_is(prolog, r->vocabulary->root);
+    w->begin = prolog->end;
+    w->prefix = rootless ? strlen(prefix) : 0;
+    if ((rootless && parse(w, prefix, w->prefix, false)) ||
+        parse(w, r->text + w->begin, r->size - w->begin, !rootless) ||
+        (rootless && parse(w, suffix, strlen(suffix), true)))
+        return -1;
+    passage_close(&r->passage, 0);
+    reader_boundary(r);
+    sort(r->score);
+    return 0;
+}
+
+int xml_read(struct score *score, const char *text, size_t size, const struct vocabulary *vocabulary,
+             const struct markup_rules *rules, struct error *e) {
+    struct prolog prolog;
+    if (size > READER_BYTES)
+        return error_set(e, "text-too-long", "a document may have %d bytes", READER_BYTES);
+    if (prolog_read(text, size, &prolog, e))
+        return -1;
+    if (prolog.entities)
+        score_warn(score, prolog.entities, "entity", "declarations of entities are not read");
+    if (prolog.instruction)
+        score_warn(score, prolog.instruction, "ignored", "processing instructions are not acted on");
+    struct walk *w = mem_alloc(sizeof *w);
+    struct reader *r = &w->reader;
+    *r =
+        (struct reader){.score = score, .text = text, .size = size, .rules = rules, .vocabulary = vocabulary};
+    r->passage = (struct passage){.score = score, .text = text, .rules = rules};
+    r->frames[0] = (struct frame){.style = score_plain_style, .kept = &score_plain_style};
+    w->error = e;
+    w->parser = make_parser(w);
+    int failed = walk(w, &prolog);
+    XML_ParserFree(w->parser);
+    passage_free(&r->passage);
+    buf_free(&r->capture);
+    free(w);
+    return failed;
+}

@@ -1,0 +1,58 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A stream and all who follow it: one's own, or that of a room. What it says is written once for each way in
+ * which somebody wants to have it, however many follow. */
+#ifndef FACCIA_NET_CHANNEL_H
+#define FACCIA_NET_CHANNEL_H
+
+#include "server/net/outbox.h"
+#include "server/stream/encode.h"
+#include "server/stream/stream.h"
+
+struct net;
+struct channel;
+
+/* One who follows. Owned by whoever lets it in. */
+struct follower {
+    struct channel *channel;
+    struct follower *next, **self;
+    struct encoding encoding; /* how media are wanted */
+    bool media;               /* are wanted at all */
+    bool idle;                /* also those of idling */
+    bool waits;               /* for media that one can begin with */
+    bool lagging;             /* has left out media */
+    struct outbox *outbox;    /* NULL for one who hears events alone */
+    void (*deliver)(struct follower *follower, struct parcel *parcel);
+};
+
+/* A stream of one's own. name is what its messages are marked with. */
+struct channel *channel_new(struct net *net, const char *name);
+
+/* The room of that name, which is made when it is not there. NULL with *e ("too-many-rooms", "bad-field"). */
+struct channel *channel_room(struct net *net, const char *name, struct error *e);
+struct channel *channel_find(const struct net *net, const char *name);
+
+struct stream *channel_stream(const struct channel *channel);
+const char *channel_name(const struct channel *channel);
+bool channel_is_room(const struct channel *channel);
+size_t channel_followers(const struct channel *channel);
+struct channel *channel_next(const struct channel *channel); /* of the rooms */
+
+/* What f->deliver does must not let anybody in or out. */
+
+/* Lets him in: he gets what is going on now, as far as it has been said in messages, and media from the next
+ * ones on with which one can begin. */
+void channel_join(struct channel *channel, struct follower *follower);
+
+/* Frees the channel when nobody is left. */
+void channel_leave(struct follower *follower);
+
+/* He wants the media otherwise from now on. */
+void channel_want(struct follower *follower, const struct encoding *encoding);
+
+/* He can take media again after he has left some out. */
+void channel_resume(struct follower *follower);
+
+/* Idles while anybody in it wants that. */
+void channel_idle(struct follower *follower, const struct idle_options *options);
+
+#endif

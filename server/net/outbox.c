@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/outbox.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+#include <string.h>
+
+struct outbox_link {
+    struct outbox_link *next;
+    struct parcel *parcel;
+};
+
+struct parcel *parcel_new(enum lws_write_protocol type, const void *data, size_t size) {
+    struct parcel *parcel = mem_alloc(sizeof *parcel + LWS_PRE + size);
+    parcel->refs = 1;
+    parcel->type = type;
+    parcel->media = type == LWS_WRITE_BINARY;
+    parcel->size = size;
+    if (data)
+        memcpy(parcel_body(parcel), data, size);
+    return parcel;
+}
+
+uint8_t *parcel_body(struct parcel *parcel) {
+    return parcel->bytes + LWS_PRE;
+}
+
+void parcel_release(struct parcel *parcel) {
+    if (parcel && --parcel->refs == 0)
+        free(parcel);
+}
+
+void outbox_open(struct outbox *box) {
+    *box = (struct outbox){.last = &box->first};
+}
+
+void outbox_close(struct outbox *box) {
+    struct parcel *parcel;
+    while ((parcel = outbox_pop(box)))
+        parcel_release(parcel);
+}
+
+bool outbox_empty(const struct outbox *box) {
+    return !box->first;
+}
+
+void outbox_push(struct outbox *box, struct parcel *parcel) {
+    struct outbox_link *link = mem_alloc(sizeof *link);
+    link->parcel = parcel;
+    parcel->refs++;
+    *box->last = link;
+    box->last = &link->next;
+    box->unsent += parcel->size;
+}
+
+struct parcel *outbox_pop(struct outbox *box) {
+    struct outbox_link *link = box->first;
+    if (!link)
+        return NULL;
+    struct parcel *parcel = link->parcel;
+    box->first = link->next;
+    if (!box->first)
+        box->last = &box->first;
+    box->unsent -= parcel->size;
+    free(link);
+    return parcel;
+}
+
+void outbox_drop_media(struct outbox *box) {
+    struct outbox_link **at = &box->first;
+    while (*at) {
+        struct outbox_link *link = *at;
+        if (!link->parcel->media) {
+            at = &link->next;
+            continue;
+        }
+        *at = link->next;
+        box->unsent -= link->parcel->size;
+        parcel_release(link->parcel);
+        free(link);
+    }
+    box->last = at;
+}

@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What waits to leave on one WebSocket connection. A message that goes to many is made once and shared. */
+#ifndef FACCIA_NET_OUTBOX_H
+#define FACCIA_NET_OUTBOX_H
+
+#include "server/base/buf.h"
+#include <libwebsockets.h>
+#include <stdbool.h>
+
+/* One message; the bytes begin after room for the frame header. Server frames are not masked, so sending
+ * leaves the bytes as they are, and writes the same header for all. */
+struct parcel {
+    unsigned refs;
+    enum lws_write_protocol type;
+    bool media;        /* may be left out for a client that is too slow */
+    const char *event; /* of a text message: its type */
+    size_t size;
+    uint8_t bytes[];
+};
+
+/* With one reference, which belongs to the caller. The data may be NULL: then parcel_body is to be filled. */
+struct parcel *parcel_new(enum lws_write_protocol type, const void *data, size_t size);
+uint8_t *parcel_body(struct parcel *parcel);
+void parcel_release(struct parcel *parcel);
+
+struct outbox {
+    struct outbox_link *first, **last;
+    size_t unsent; /* bytes */
+};
+
+void outbox_open(struct outbox *box);
+void outbox_close(struct outbox *box);
+bool outbox_empty(const struct outbox *box);
+
+/* Takes a reference of its own. */
+void outbox_push(struct outbox *box, struct parcel *parcel);
+
+/* The next to be sent, whose reference is the caller's; NULL when there is none. */
+struct parcel *outbox_pop(struct outbox *box);
+
+/* Leaves out the media that wait. */
+void outbox_drop_media(struct outbox *box);
+
+#endif

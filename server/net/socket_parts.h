@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of one WebSocket client share. */
+#ifndef FACCIA_NET_SOCKET_PARTS_H
+#define FACCIA_NET_SOCKET_PARTS_H
+
+#include "server/net/internal.h"
+
+struct socket {
+    struct net *net;
+    struct lws *wsi;
+    uint64_t number;
+    struct socket *next, **self; /* in the net's list */
+    struct guest guest;
+    char name[24];
+    bool plain;                     /* speaks TEXT_PROTOCOL */
+    struct follower follower;       /* of its own stream, or of a room's */
+    struct speech_request defaults; /* from the address */
+    struct buf message;             /* being received */
+    bool too_long;                  /* its rest is being dropped */
+    struct outbox outbox;
+    uint64_t progress;  /* loop time of the last message that left, or of the first that waits, ms */
+    bool watching;      /* the timer is set */
+    bool deaf;          /* hears no more of one who does not listen, until he does */
+    const char *doomed; /* why the connection is to be closed */
+    enum lws_close_status doom;
+    bool closing;
+    const struct model *model; /* being sent, part by part */
+    size_t model_part;
+};
+
+/* Sends him the message, and drops it. */
+void socket_say(struct socket *socket, json_t *message);
+void socket_complain(struct socket *socket, const struct error *e);
+
+/* The stream that he hears: his own, or his room's. */
+struct stream *socket_stream(const struct socket *socket);
+
+/* Does what a message asks for. */
+void socket_act(struct socket *socket, const json_t *message);
+
+/* Speaks a text with his defaults. */
+void socket_speak(struct socket *socket, const char *text, size_t size);
+
+/* Whether he may have the stream do something; or say something more. -1 with *e. */
+int socket_may_direct(struct socket *socket, struct error *e);
+int socket_may_speak(struct socket *socket, struct error *e);
+
+/* What he asked to be said is not: its error and its end. */
+void socket_refuse(struct socket *socket, const char *id, const struct error *e);
+
+/* control.c: messages that direct what is said, and how the face lives. */
+void control_stop(struct socket *socket, const json_t *message);
+void control_pause(struct socket *socket, const json_t *message);
+void control_resume(struct socket *socket, const json_t *message);
+void control_rate(struct socket *socket, const json_t *message);
+void control_jump(struct socket *socket, const json_t *message);
+void control_play(struct socket *socket, const json_t *message);
+void control_idle(struct socket *socket, const json_t *message);
+void control_express(struct socket *socket, const json_t *message);
+
+/* text_protocol.c: the sub-protocol for those who type. Appends what a message is as a line; nothing when it
+ * is of no use to them. */
+#define TEXT_PROTOCOL "faccia.text.v1"
+void text_line(const char *json, size_t size, struct buf *line);
+void text_hear(struct socket *socket, const char *data, size_t size);
+
+#endif

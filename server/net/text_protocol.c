@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The sub-protocol for those who type: a line is spoken, /word is a command, and what happens is told in
+ * lines. All is turned into the messages of the other protocol, or comes out of them. */
+#include "server/net/socket_parts.h"
+#include <stdlib.h>
+#include <string.h>
+
+static const char help[] =
+    "help type a line to have it spoken; /stop, /pause, /resume, /jump MARK, /play NAME, "
+    "/interrupt TEXT, /replace TEXT, /join ROOM, /leave, /token TOKEN, /mood [AFFECT]..., and for "
+    "the lines that follow /lang, /voice, /rate, /pitch, /volume, /engine, /markup, /phones";
+
+/* Commands that are a message with at most one string. */
+static const struct {
+    const char *command, *type, *member, *mode;
+} simple[] = {
+    {"stop", "stop", NULL, NULL},
+    {"pause", "pause", NULL, NULL},
+    {"resume", "resume", NULL, NULL},
+    {"leave", "leave", NULL, NULL},
+    {"jump", "jump", "mark", NULL},
+    {"play", "play", "name", NULL},
+    {"join", "join", "room", NULL},
+    {"token", "authorize", "token", NULL},
+    {"replace", "speak", "text", "replace"},
+    {"interrupt", "speak", "text", "interrupt"},
+};
+
+/* Members of speak that a command sets for all lines that follow. */
+static const char *const settings[] = {"lang",   "voice",  "rate",   "pitch",
+                                       "volume", "engine", "markup", "phones"};
+
+static bool is(const char *name, const char *word, size_t size) {
+    return strlen(name) == size && !memcmp(name, word, size);
+}
+
+static void act(struct socket *s, json_t *message) {
+    socket_act(s, message);
+    json_decref(message);
+}
+
+static bool do_simple(struct socket *s, const char *word, size_t size, const char *rest, size_t left) {
+    for (size_t i = 0; i < sizeof simple / sizeof *simple; i++) {
+        if (!is(simple[i].command, word, size))
+            continue;
+        json_t *message = json_pack("{ss}", "type", simple[i].type);
+        if (simple[i].member && left)
+            json_object_set_new(message, simple[i].member, json_stringn(rest, left));
+        if (simple[i].mode)
+            json_object_set_new(message, "mode", json_string(simple[i].mode));
+        act(s, message);
+        return true;
+    }
+    return false;
+}
+
+/* A rate counts for what is being said, too. */
+static bool do_setting(struct socket *s, const char *word, size_t size, const char *rest, size_t left) {
+    char value[256] = "true", *end;
+    struct error e;
+    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+        if (!is(settings[i], word, size))
+            continue;
+        if (left)
+            snprintf(value, sizeof value, "%.*s", (int)(left < 255 ? left : 255), rest);
+        if (request_set(&s->defaults, settings[i],
+                        (struct request_value){REQUEST_WORD, value, strlen(value), 0}, &e))
+            socket_complain(s, &e);
+        else if (!strcmp(settings[i], "rate"))
+            act(s, json_pack("{ss sf}", "type", "rate", "rate", strtod(value, &end)));
+        return true;
+    }
+    return false;
+}
+
+/* AFFECT [INTENSITY] ... */
+static void do_mood(struct socket *s, const char *rest, size_t left) {
+    json_t *mix = json_array(), *part = NULL;
+    for (size_t at = 0, size; at < left; at += size + 1) {
+        char word[64], *end;
+        const char *space = memchr(rest + at, ' ', left - at);
+        size = space ? (size_t)(space - rest) - at : left - at;
+        snprintf(word, sizeof word, "%.*s", (int)(size < 63 ? size : 63), rest + at);
+        double intensity = strtod(word, &end);
+        if (part && *word && !*end)
+            json_object_set_new(part, "intensity", json_real(intensity));
+        else if (*word && (part = json_pack("{ss}", "name", word)))
+            json_array_append_new(mix, part);
+    }
+    act(s, json_pack("{ss so}", "type", "express", "mix", mix));
+}
+
+static void do_command(struct socket *s, const char *line, size_t size) {
+    struct error e;
+    size_t word = 0;
+    while (word < size && line[word] != ' ')
+        word++;
+    const char *rest = line + word;
+    size_t left = size - word;
+    for (; left && *rest == ' '; left--)
+        rest++;
+    if (do_simple(s, line, word, rest, left) || do_setting(s, line, word, rest, left))
+        return;
+    if (is("mood", line, word)) {
+        do_mood(s, rest, left);
+    } else if (is("help", line, word)) {
+        socket_say(s, json_pack("{ss ss}", "type", "help", "text", help));
+    } else {
+        error_set(&e, "unknown-command", "no command /%.*s; /help tells which there are",
+                  word < 32 ? (int)word : 32, line);
+        socket_complain(s, &e);
+    }
+}
+
+static void hear_line(struct socket *s, const char *line, size_t size) {
+    while (size && (*line == ' ' || *line == '\t' || *line == '\r'))
+        line++, size--;
+    while (size && (line[size - 1] == ' ' || line[size - 1] == '\t' || line[size - 1] == '\r'))
+        size--;
+    if (!size)
+        return;
+    if (*line != '/')
+        socket_speak(s, line, size);
+    else if (size > 1 && line[1] == '/')
+        socket_speak(s, line + 1, size - 1);
+    else
+        do_command(s, line + 1, size - 1);
+}
+
+void text_hear(struct socket *s, const char *data, size_t size) {
+    for (size_t at = 0; at < size;) {
+        const char *end = memchr(data + at, '\n', size - at);
+        size_t length = end ? (size_t)(end - data) - at : size - at;
+        hear_line(s, data + at, length);
+        at += length + 1;
+    }
+}
+
+/* What is told of each message: those of these members that it has. */
+static const struct {
+    const char *type, *members[4];
+} lines[] = {
+    {"hello", {"server", NULL}},
+    {"begin", {"voice", "play", NULL}},
+    {"sentence", {"time", "duration", NULL}},
+    {"word", {"time", "text", NULL}},
+    {"mark", {"time", "name", NULL}},
+    {"phone", {"time", "ipa", NULL}},
+    {"paused", {"time", NULL}},
+    {"resumed", {"time", NULL}},
+    {"jumped", {"time", "mark", NULL}},
+    {"warning", {"code", "field", "message", NULL}},
+    {"error", {"code", "field", "message", NULL}},
+    {"end", {"reason", "duration", NULL}},
+    {"joined", {"room", NULL}},
+    {"left", {"room", NULL}},
+    {"authorized", {"subject", NULL}},
+    {"help", {"text", NULL}},
+};
+
+static void add_value(struct buf *line, const json_t *value) {
+    if (json_is_string(value)) {
+        buf_printf(line, " ");
+        buf_add(line, json_string_value(value), json_string_length(value));
+    } else if (json_is_number(value)) {
+        buf_printf(line, " %.3f", json_number_value(value));
+    }
+}
+
+void text_line(const char *json, size_t size, struct buf *line) {
+    json_t *message = json_loadb(json, size, JSON_ALLOW_NUL, NULL);
+    const char *type = json_string_value(json_object_get(message, "type"));
+    for (size_t i = 0; type && i < sizeof lines / sizeof *lines; i++) {
+        if (strcmp(lines[i].type, type))
+            continue;
+        buf_printf(line, "%s", type);
+        for (const char *const *member = lines[i].members; *member; member++)
+            add_value(line, json_object_get(message, *member));
+        if (json_object_get(message, "line"))
+            buf_printf(line, " (line %d, column %d)",
+                       (int)json_integer_value(json_object_get(message, "line")),
+                       (int)json_integer_value(json_object_get(message, "column")));
+    }
+    json_decref(message);
+    for (size_t i = 0; i < line->size; i++)
+        if (line->data[i] < ' ')
+            line->data[i] = ' ';
+}

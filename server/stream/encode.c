@@ -1,0 +1,186 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/stream/encode.h"
+#include "protocol/fba.h"
+#include "server/base/mem.h"
+#include "server/stream/opus_audio.h"
+#include <stdlib.h>
+#include <string.h>
+
+struct encoder {
+    struct encoding encoding;
+    bool restart;
+    struct fba_encoder fba;
+    struct compact compact;
+    double since_begin;      /* s of media */
+    struct opus_audio *opus; /* of the utterance */
+    struct chunk utterance;  /* its number and rates */
+    uint32_t packets;        /* of it so far */
+};
+
+static const struct {
+    const char *name;
+    int codec;
+} audio_names[] = {{"none", CHUNK_AUDIO_SILENCE},
+                   {"pcm_s16le", CHUNK_AUDIO_PCM_S16LE},
+                   {"pcm", CHUNK_AUDIO_PCM_S16LE},
+                   {"opus", CHUNK_AUDIO_OPUS}},
+  fap_names[] = {{"none", CHUNK_FAP_NONE}, {"plain", CHUNK_FAP_PLAIN}, {"fba", CHUNK_FAP_FBA}};
+
+const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FBA};
+const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE};
+
+int encoding_audio(const char *name) {
+    for (size_t i = 0; i < sizeof audio_names / sizeof *audio_names; i++)
+        if (!strcmp(audio_names[i].name, name))
+            return audio_names[i].codec;
+    return -1;
+}
+
+int encoding_fap(const char *name) {
+    for (size_t i = 0; i < sizeof fap_names / sizeof *fap_names; i++)
+        if (!strcmp(fap_names[i].name, name))
+            return fap_names[i].codec;
+    return -1;
+}
+
+bool encoding_same(const struct encoding *a, const struct encoding *b) {
+    return a->audio == b->audio && a->fap == b->fap;
+}
+
+bool encoding_possible(const struct encoding *e) {
+    return e->audio != CHUNK_AUDIO_OPUS || e->fap != CHUNK_FAP_PLAIN;
+}
+
+static bool is_compact(const struct encoding *e) {
+    return e->audio == CHUNK_AUDIO_OPUS || e->fap == CHUNK_FAP_FBA;
+}
+
+struct encoder *encoder_new(const struct encoding *encoding) {
+    struct encoder *e = mem_alloc(sizeof *e);
+    e->encoding = *encoding;
+    e->restart = true;
+    fba_encoder_init(&e->fba, FBA_QUALITY);
+    return e;
+}
+
+void encoder_free(struct encoder *e) {
+    if (e)
+        opus_audio_free(e->opus);
+    free(e);
+}
+
+void encoder_restart(struct encoder *e) {
+    e->restart = true;
+}
+
+/* Version 1: every chunk by itself. */
+static struct encoded plain_chunk(const struct encoder *e, const struct chunk *chunk,
+                                  const struct fap_frame *frames, struct buf *out) {
+    struct chunk coded = *chunk;
+    if (e->encoding.audio == CHUNK_AUDIO_SILENCE) {
+        coded.audio_codec = CHUNK_AUDIO_SILENCE;
+        coded.audio_bytes = 0;
+    }
+    if (e->encoding.fap == CHUNK_FAP_NONE) {
+        coded.fap_codec = CHUNK_FAP_NONE;
+        coded.frame_count = 0;
+    }
+    size_t cap = CHUNK_HEADER_BYTES + coded.audio_bytes + (size_t)coded.frame_count * CHUNK_FRAME_BYTES_MAX;
+    size_t size = chunk_encode(&coded, frames, buf_reserve(out, cap), cap);
+    out->size += size;
+    return (struct encoded){true, coded.audio_bytes, size - coded.audio_bytes};
+}
+
+/* An utterance that has not been heard of: a new audio coder. */
+static void meet_utterance(struct encoder *e, const struct chunk *chunk) {
+    if (e->opus && chunk->utterance == e->utterance.utterance)
+        return;
+    opus_audio_free(e->opus);
+    e->opus = opus_audio_new(chunk->sample_rate, OPUS_BITRATE);
+    e->packets = 0;
+}
+
+static void code_audio(struct encoder *e, const struct chunk *chunk, struct chunk *coded, struct buf *audio) {
+    coded->audio_codec = CHUNK_AUDIO_SILENCE;
+    coded->first_packet = 0;
+    if (chunk->audio_codec == CHUNK_AUDIO_SILENCE || e->encoding.audio == CHUNK_AUDIO_SILENCE)
+        return;
+    if (e->encoding.audio == CHUNK_AUDIO_PCM_S16LE) {
+        coded->audio_codec = CHUNK_AUDIO_PCM_S16LE;
+        buf_add(audio, chunk->audio, chunk->audio_bytes);
+        return;
+    }
+    meet_utterance(e, chunk);
+    coded->audio_codec = CHUNK_AUDIO_OPUS;
+    coded->first_packet = e->packets;
+    if (e->opus)
+        e->packets += opus_audio_add(e->opus, (const int16_t *)(const void *)chunk->audio,
+                                     chunk->audio_bytes / 2, audio);
+}
+
+/* FAP 1 and 2 say again, for simple decoders, what the others say; those who read this coding read all. */
+static void code_frames(struct encoder *e, const struct fap_frame *frames, struct chunk *coded, bool begin,
+                        struct buf *out) {
+    struct fap_frame low[FBA_FRAMES_MAX];
+    coded->fap_codec = e->encoding.fap;
+    if (coded->fap_codec == CHUNK_FAP_NONE) {
+        coded->frame_count = 0;
+        return;
+    }
+    size_t cap = ((size_t)coded->frame_count + 1) * FBA_FRAME_BYTES_MAX;
+    for (uint16_t i = 0; i < coded->frame_count; i++) {
+        low[i] = frames[i];
+        low[i].mask[0] &= (uint8_t)~3u;
+    }
+    out->size += fba_encode(&e->fba, low, coded->frame_count, begin, buf_reserve(out, cap), cap);
+}
+
+static void put_compact(struct encoder *e, struct chunk *coded, bool begin, const struct buf *audio,
+                        const struct buf *faps, struct buf *out) {
+    coded->audio_bytes = (uint32_t)audio->size;
+    out->size += compact_write(&e->compact, coded, begin, buf_reserve(out, COMPACT_HEADER_BYTES_MAX));
+    buf_add(out, audio->data, audio->size);
+    buf_add(out, faps->data, faps->size);
+}
+
+static bool begins(struct encoder *e, const struct chunk *chunk) {
+    bool begin = e->restart || e->since_begin >= ENCODER_BEGIN_SECONDS;
+    e->since_begin = (begin ? 0 : e->since_begin) + (double)chunk->samples / chunk->sample_rate;
+    e->restart = false;
+    return begin;
+}
+
+struct encoded encoder_chunk(struct encoder *e, const struct chunk *chunk, const struct fap_frame *frames,
+                             struct buf *out) {
+    if (!is_compact(&e->encoding))
+        return plain_chunk(e, chunk, frames, out);
+    struct chunk coded = *chunk;
+    struct buf audio = {0}, faps = {0};
+    bool begin = begins(e, chunk);
+    code_audio(e, chunk, &coded, &audio);
+    code_frames(e, frames, &coded, begin, &faps);
+    put_compact(e, &coded, begin, &audio, &faps, out);
+    e->utterance = *chunk;
+    struct encoded result = {begin, audio.size, out->size - audio.size};
+    buf_free(&audio);
+    buf_free(&faps);
+    return result;
+}
+
+void encoder_end(struct encoder *e, bool heard, struct buf *out) {
+    struct buf audio = {0}, faps = {0};
+    if (!e->opus)
+        return;
+    struct chunk coded = e->utterance;
+    coded.start += coded.samples;
+    coded.first_frame += coded.frame_count;
+    coded.samples = coded.frame_count = 0;
+    coded.audio_codec = CHUNK_AUDIO_OPUS;
+    coded.fap_codec = CHUNK_FAP_NONE;
+    coded.first_packet = e->packets;
+    if (heard && opus_audio_end(e->opus, &audio))
+        put_compact(e, &coded, false, &audio, &faps, out);
+    buf_free(&audio);
+    opus_audio_free(e->opus);
+    e->opus = NULL;
+}

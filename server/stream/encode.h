@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Media chunks as bytes, in the coding that a client has asked for. */
+#ifndef FACCIA_STREAM_ENCODE_H
+#define FACCIA_STREAM_ENCODE_H
+
+#include "protocol/compact.h"
+#include "server/base/buf.h"
+#include <stdbool.h>
+
+/* How one wants to have the media: Opus and FBA in compact chunks, PCM and plain FAPs in those of version 1;
+ * PCM also goes with FBA. */
+struct encoding {
+    uint8_t audio; /* enum chunk_audio, CHUNK_AUDIO_OPUS; CHUNK_AUDIO_SILENCE = none */
+    uint8_t fap;   /* enum chunk_fap, CHUNK_FAP_FBA; CHUNK_FAP_NONE = none */
+};
+
+/* What protocol/README.md calls them: "opus", "pcm_s16le", "none"; "fba", "plain", "none". -1: no such. */
+int encoding_audio(const char *name);
+int encoding_fap(const char *name);
+
+/* For those who do not say. */
+extern const struct encoding encoding_default;
+extern const struct encoding encoding_none; /* no media */
+
+bool encoding_same(const struct encoding *a, const struct encoding *b);
+
+/* Do they go together? Plain FAPs are not coded beside Opus. */
+bool encoding_possible(const struct encoding *encoding);
+
+struct encoder;
+
+enum {
+    ENCODER_BEGIN_SECONDS = 10, /* at least so often one can begin */
+};
+
+/* One for all who get the same bytes. */
+struct encoder *encoder_new(const struct encoding *encoding);
+void encoder_free(struct encoder *encoder);
+
+/* The next chunk that is written is one that a decoder can begin with. */
+void encoder_restart(struct encoder *encoder);
+
+struct encoded {
+    bool begin; /* one can begin with it */
+    size_t audio_bytes, fap_bytes;
+};
+
+/* Appends the message: the coding of a chunk with PCM or silence, and its frames. */
+struct encoded encoder_chunk(struct encoder *encoder, const struct chunk *chunk,
+                             const struct fap_frame *frames, struct buf *out);
+
+/* The utterance has ended. heard: to its end; then a message with what the audio coder still holds is
+ * appended, if that is anything. */
+void encoder_end(struct encoder *encoder, bool heard, struct buf *out);
+
+#endif

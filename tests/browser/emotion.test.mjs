@@ -1,0 +1,240 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The emotion player in a real browser, and the element's living face: idling, the mood, captions of marked-up text.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { artefacts, Daemon } from '../lib/daemon.mjs';
+import { difference, launch, openPage, record } from '../lib/browser.mjs';
+import { PNG } from 'pngjs';
+import path from 'node:path';
+
+let daemon, browser, page;
+before(async () => {
+  daemon = await Daemon.start();
+  browser = await launch();
+  page = await openPage(browser, `${daemon.url}/emotion.html`);
+});
+after(async () => {
+  await browser?.close();
+  assert.equal((await daemon.stop()).code, 0);
+});
+
+const thumb = () => page.evaluate(() => {
+  const { ariaValueNow, ariaValueText } = document.querySelector('#thumb');
+  return { now: Number(ariaValueNow), text: ariaValueText };
+});
+/** Waits until FAP n is in the range, in the face as drawn. */
+const drawn = (n, least, most) =>
+  page.waitForFunction(
+    ([fap, from, to]) => {
+      const value = document.querySelector('talking-head').faps[fap] ?? 0;
+      return value >= from && value <= to;
+    },
+    [n, least, most],
+    { timeout: 20000 },
+  );
+const shot = async (name) => {
+  const png = await page.locator('talking-head canvas').screenshot();
+  await page.screenshot({ path: path.join(artefacts, `emotion-${name}.png`), fullPage: true });
+  return PNG.sync.read(png);
+};
+
+test('the disc has all affects, the six basic ones marked and named', async () => {
+  await page.waitForSelector('#affects g');
+  const dots = await page.locator('#affects g').count();
+  assert.ok(dots >= 29, `${dots} affects`);
+  assert.equal(await page.locator('#affects g.basic').count(), 6);
+  const names = await page.locator('#spokes text').allTextContents();
+  assert.deepEqual(names.sort(), ['disgusto', 'gioia', 'paura', 'rabbia', 'sorpresa', 'tristezza']);
+  assert.equal(await page.locator('#affect option').count(), dots + 1);
+});
+
+test('the keyboard moves the point, and screen readers are told', async () => {
+  assert.equal(await page.locator('#thumb').getAttribute('role'), 'slider');
+  await page.focus('#thumb');
+  for (let i = 0; i < 5; i++) await page.keyboard.press('ArrowRight');
+  for (let i = 0; i < 2; i++) await page.keyboard.press('ArrowUp');
+  const { now, text } = await thumb();
+  assert.equal(now, 54);
+  assert.match(text, /^gioia 5\d %/);
+  await page.keyboard.press('PageUp');
+  assert.equal((await thumb()).now, 64);
+  await page.keyboard.press('Shift+ArrowLeft');
+  assert.ok((await thumb()).now < 64);
+  await page.keyboard.press('End');
+  assert.equal((await thumb()).now, 100);
+  for (let i = 0; i < 3; i++) await page.keyboard.press('ArrowRight');
+  assert.equal((await thumb()).now, 100, 'the rim is the rim');
+  await page.keyboard.press('Home');
+  assert.deepEqual(await thumb(), { now: 0, text: 'Neutra' });
+});
+
+test('the mood is seen at once on the idling face', async () => {
+  await page.selectOption('#affect', 'joy');
+  await page.fill('#intensity', '0');
+  await drawn(12, -60, 60);
+  const neutral = await shot('neutral');
+  await page.fill('#intensity', '100');
+  await drawn(12, 150, 1200);
+  await page.waitForTimeout(500);
+  const joy = await shot('joy');
+  // the mouth's part of the picture
+  const { width, height } = neutral;
+  const mouth = { left: Math.round(width * 0.35), right: Math.round(width * 0.65), top: Math.round(height * 0.5), bottom: Math.round(height * 0.75) };
+  assert.ok(difference(neutral, joy, mouth, 40).count > 150, `${difference(neutral, joy, mouth, 40).count} pixels`);
+  await page.selectOption('#affect', 'anger');
+  await drawn(31, -1200, -60);
+  await page.waitForTimeout(500);
+  await shot('anger');
+});
+
+test('the pointer moves it too, to any affect by its dot', async () => {
+  const box = await page.locator('#disc .rim').boundingBox();
+  await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width / 2, box.y + 2, { steps: 4 });
+  await page.mouse.up();
+  assert.match((await thumb()).text, /^sorpresa \d+ %/);
+  const dot = await page.locator('#affects g[data-name="shame"] circle').boundingBox();
+  await page.mouse.click(dot.x + dot.width / 2, dot.y + dot.height / 2);
+  assert.match((await thumb()).text, /^vergogna \d+ %$/);
+  assert.equal(await page.inputValue('#affect'), 'shame');
+});
+
+test('the mixture is shown as markup that the server takes without a warning', async () => {
+  await page.focus('#thumb');
+  await page.keyboard.press('Home');
+  for (let i = 0; i < 4; i++) await page.keyboard.press('ArrowUp');
+  for (let i = 0; i < 3; i++) await page.keyboard.press('ArrowRight');
+  const wanted = {
+    apml: /<rheme affect="(joy|surprise)" intensity="0.\d+">Ciao &amp; addio\.<\/rheme>/,
+    jsml: /<(HAPPY|SURPRISED) WEIGHT="0.\d+"><(HAPPY|SURPRISED) WEIGHT="0.\d+">Ciao/,
+    ssml: /<emo:category name="(joy|surprise)" value="0.\d+"\/><emo:category/,
+  };
+  await page.fill('#text', 'Ciao & addio.');
+  for (const [kind, pattern] of Object.entries(wanted)) {
+    await page.check(`input[value="${kind}"]`);
+    const markup = await page.inputValue('#markup');
+    assert.match(markup, pattern);
+    const response = await daemon.get('/v1/speech?format=json', { method: 'POST', body: markup, headers: { 'content-type': `application/${kind}+xml` } });
+    const { warnings, words, lang } = await response.json();
+    assert.deepEqual(warnings.filter((w) => w.code !== 'voice-warning'), [], kind);
+    assert.equal(lang, 'it');
+    assert.deepEqual(words.map((w) => w.text).filter((w) => w !== '&amp;'), ['Ciao', 'addio']);
+  }
+});
+
+test('the values of the face are shown while she speaks in that mood', async () => {
+  await page.evaluate(() => (document.querySelector('#faps-box').open = true));
+  await page.selectOption('#affect', 'joy');
+  await page.fill('#text', 'La mamma parla piano.');
+  await page.click('#speak');
+  await page.waitForFunction(() => document.querySelector('talking-head').debug().running, null, { timeout: 20000 });
+  await page.waitForFunction(() => [...document.querySelectorAll('#faps tbody tr')].some((row) => row.cells[1].textContent === 'open_jaw' && Number(row.cells[2].textContent) > 100), null, { timeout: 20000 });
+  await page.waitForFunction(() => document.querySelector('talking-head').debug().state === 'idle', null, { timeout: 20000 });
+});
+
+test('from idling to speech and back the face as drawn takes no jump', async () => {
+  await page.focus('#thumb');
+  await page.keyboard.press('Home');
+  await page.waitForTimeout(600);
+  await record(page);
+  await page.evaluate(() => document.querySelector('talking-head').speak('Mamma mia.', { lang: 'it' }));
+  await page.waitForTimeout(800);
+  const log = await page.evaluate(() => ((window.logging = false), window.log));
+  const edges = log.slice(1).map((l, i) => [log[i], l]).filter(([a, b]) => a.running !== b.running);
+  assert.equal(edges.length, 2);
+  // 0.04 rad of the head, or a lip by half the height of an eye, in one step, would be a jump
+  for (const [a, b] of edges) {
+    for (const n of [48, 49, 50]) assert.ok(Math.abs(b.fapValues[n] - a.fapValues[n]) < 4000, `head ${a.fapValues[n]} to ${b.fapValues[n]}`);
+    for (const n of [3, 4, 5, 12, 13]) assert.ok(Math.abs(b.fapValues[n] - a.fapValues[n]) < 160, `mouth ${n}: ${a.fapValues[n]} to ${b.fapValues[n]}`);
+  }
+});
+
+test('she idles only while she is seen and not to keep still', async () => {
+  const faps = () => page.evaluate(() => JSON.stringify(document.querySelector('talking-head').faps));
+  const moves = async () => {
+    const now = await faps();
+    await page.waitForFunction((old) => JSON.stringify(document.querySelector('talking-head').faps) !== old, now, { timeout: 20000 });
+  };
+  const rests = async () => {
+    await page.waitForFunction(() => !Object.keys(document.querySelector('talking-head').faps).length, null, { timeout: 20000 });
+    await page.waitForTimeout(300);
+    assert.equal(await faps(), '{}');
+  };
+  const change = (act) => page.evaluate(`{ const head = document.querySelector('talking-head'); ${act} }`);
+  await moves();
+  await change("head.setAttribute('still', '')");
+  await rests();
+  await change("head.removeAttribute('still')");
+  await moves();
+  await change("head.style.marginInlineStart = '-4000px'");
+  await rests();
+  await change("head.style.marginInlineStart = ''");
+  await moves();
+});
+
+test('the attribute `expression` is a mood', async () => {
+  await page.evaluate(() => document.querySelector('talking-head').setAttribute('expression', 'joy 0.9'));
+  await drawn(12, 130, 1200);
+  await page.evaluate(() => document.querySelector('talking-head').removeAttribute('expression'));
+  await drawn(12, -60, 60);
+});
+
+test('captions of marked-up text show its words, are readable, and can be switched off', async () => {
+  await page.evaluate(() => {
+    window.captions = new Set();
+    const box = document.querySelector('talking-head').shadowRoot.querySelector('.captions');
+    new MutationObserver(() => window.captions.add(box.textContent)).observe(box, { subtree: true, childList: true, characterData: true });
+  });
+  const end = await page.evaluate(() =>
+    document.querySelector('talking-head').speak('<speak>\n  Uno &amp; <emphasis>due</emphasis>, tre.\n</speak>', { lang: 'it' }));
+  assert.equal(end.reason, 'done');
+  const captions = await page.evaluate(() => [...window.captions]);
+  assert.ok(captions.includes('Uno & due, tre.'), JSON.stringify(captions));
+  assert.ok(captions.every((caption) => !/[<>;]/.test(caption)));
+  const contrasts = await page.evaluate(() => {
+    const root = document.querySelector('talking-head').shadowRoot;
+    root.querySelector('.word').textContent = 'x';
+    root.querySelector('.captions').classList.remove('empty');
+    const numbers = (colour) => colour.match(/[\d.]+/g).map(Number);
+    const light = (rgb) => rgb.map((c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4)).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
+    const contrast = (a, b) => (Math.max(light(a), light(b)) + 0.05) / (Math.min(light(a), light(b)) + 0.05);
+    const over = (top, below, alpha) => below.map((c, i) => alpha * top[i] + (1 - alpha) * c);
+    const style = (selector) => getComputedStyle(root.querySelector(selector));
+    const ground = numbers(style('.captions').backgroundColor).slice(0, 3);
+    const on = (selector, under) => contrast(over(numbers(style(selector).color).slice(0, 3), under, Number(style(selector).opacity)), under);
+    const [white, button] = [[255, 255, 255], style('.switch')];
+    const [alpha, face] = [Number(button.opacity), numbers(button.backgroundColor)];
+    const shown = over(face.slice(0, 3), white, alpha * (face[3] ?? 1));
+    return {
+      said: on('.said', ground), rest: on('.rest', ground), word: on('.word', numbers(style('.word').backgroundColor).slice(0, 3)),
+      button: contrast(over(numbers(button.color).slice(0, 3), white, alpha), shown),
+    };
+  });
+  for (const [what, ratio] of Object.entries(contrasts)) assert.ok(ratio >= 4.5, `${what}: ${ratio}`);
+  await page.evaluate(() => (document.querySelector('talking-head').captions = false));
+  assert.equal(await page.locator('talking-head .captions').isVisible(), false);
+});
+
+test('who asks for less motion sees the emotions on a face that is still otherwise', async () => {
+  const other = await browser.newPage({ reducedMotion: 'reduce' });
+  await other.goto(`${daemon.url}/emotion.html`);
+  await other.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });
+  await other.waitForSelector('#affects g');
+  await other.selectOption('#affect', 'joy');
+  await other.waitForFunction(() => document.querySelector('talking-head').faps[12] > 80, null, { timeout: 20000 });
+  await other.waitForTimeout(500);
+  const { 48: pitch = 0, 49: yaw = 0 } = await other.evaluate(() => document.querySelector('talking-head').faps);
+  await other.waitForTimeout(500);
+  const now = await other.evaluate(() => document.querySelector('talking-head').faps);
+  assert.deepEqual([now[48] ?? 0, now[49] ?? 0], [pitch, yaw]);
+  await other.close();
+});
+
+test('it fits a phone', async () => {
+  await page.setViewportSize({ width: 360, height: 740 });
+  await page.waitForTimeout(300);
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  await shot('phone');
+  assert.deepEqual(page.problems, []);
+});

@@ -1,0 +1,141 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// openapi.json and asyncapi.json against the running daemon: all that is in them is there, what is there is in them.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import Ajv from 'ajv/dist/2020.js';
+import { Daemon, root } from '../lib/daemon.mjs';
+
+const read = (name) => fs.readFileSync(path.join(root, name), 'utf8');
+const load = (name) => JSON.parse(read(`protocol/${name}`));
+const [openapi, asyncapi] = [load('openapi.json'), load('asyncapi.json')];
+const ajv = new Ajv({ strict: false });
+for (const name of ['client', 'server', 'head-model']) ajv.addSchema(load(`schema/${name}.json`), `schema/${name}.json`);
+ajv.addSchema(openapi, 'openapi.json');
+
+let daemon;
+before(async () => (daemon = await Daemon.start()));
+after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+
+/** What the reference inside the document stands for. */
+const at = (document, { $ref }) => $ref.slice(2).split('/').reduce((value, key) => value[key.replaceAll('~1', '/')], document);
+
+/** The response as the document describes it. */
+async function check(response, operation) {
+  let described = operation.responses[response.status];
+  assert.ok(described, `${response.url} answered ${response.status}`);
+  if (described.$ref) described = at(openapi, described);
+  const type = response.headers.get('content-type');
+  const media = described.content?.[type];
+  assert.ok(media || !described.content, `${response.url} answered with ${type}`);
+  if (type !== 'application/json') return;
+  const schema = structuredClone(media.schema);
+  if (schema.$ref?.startsWith('#')) schema.$ref = `openapi.json${schema.$ref}`;
+  const value = await response.json();
+  assert.ok(ajv.validate(schema, value), `${response.url}: ${ajv.errorsText()}`);
+}
+
+const parameters = (operation) => (operation.parameters ?? []).map((p) => (p.$ref ? at(openapi, p) : p));
+const operations = Object.entries(openapi.paths).flatMap(([address, methods]) =>
+  Object.entries(methods).map(([method, operation]) => ({ address, method: method.toUpperCase(), operation })));
+
+test('the routes of the daemon are the paths of the document', async () => {
+  const routes = [...read('server/net/routes.c').matchAll(/^ {4}\{"(\/[^"]+)"/gm)].map(([, address]) => address);
+  assert.ok(routes.length > 10);
+  assert.deepEqual(Object.keys(openapi.paths).filter((address) => !address.includes('{')).sort(), routes.sort());
+  for (const address of routes) {
+    const response = await daemon.get(address, { method: 'OPTIONS' });
+    assert.equal(response.status, 204);
+    const allowed = response.headers.get('allow');
+    for (const method of Object.keys(openapi.paths[address])) assert.ok(allowed.includes(method.toUpperCase()), `${address} ${allowed}`);
+    assert.equal('post' in openapi.paths[address], allowed.includes('POST'));
+  }
+});
+
+for (const { address, method, operation } of operations) {
+  test(`${method} ${address} answers as described`, async () => {
+    const room = await daemon.stream('?room=api');
+    await room.wait({ type: 'joined' });
+    const { models } = await room.wait({ type: 'hello' });
+    const url = address.replace('{name}', models[0].name);
+    const wantsRoom = parameters(operation).some((p) => p.name === 'room');
+    const query = wantsRoom ? '?room=api' : '';
+    const options = { method };
+    if (operation.requestBody?.content['text/plain']) Object.assign(options, { body: 'Sì.', headers: { 'content-type': 'text/plain' } });
+    if (operation.requestBody?.content['multipart/form-data']) {
+      options.body = new FormData();
+      options.body.append('fap', new Blob(['2.1 x 25 0\n']), 'x.fap');
+    }
+    if (address !== '/v1/events') {
+      const response = await daemon.get(url + query, options);
+      assert.ok(response.status < 300 || address === '/v1/stream', `${response.status}`);
+      await check(response, operation);
+    }
+    // without what it needs, and with what it does not have
+    if (wantsRoom) await check(await daemon.get(url, options), operation);
+    if (wantsRoom && method === 'POST') await check(await daemon.get(`${url}?room=nobody`, options), operation);
+    if (address.includes('{')) await check(await daemon.get(address.replace('{name}', 'nobody')), operation);
+    await room.close();
+  });
+  for (const { name, schema } of parameters(operation).filter((p) => p.in === 'query' && method === 'POST' && p.name !== 'room'))
+    if (schema.enum || schema.minimum !== undefined || schema.type === 'boolean')
+      test(`${method} ${address} knows ${name}`, async () => {
+        const room = await daemon.stream('?room=api');
+        await room.wait({ type: 'joined' });
+        const options = { method, body: 'Sì.', headers: { 'content-type': 'text/plain' } };
+        const form = new FormData();
+        form.append('fap', new Blob(['2.1 x 25 0\n']), 'x.fap');
+        if (address === '/v1/play') Object.assign(options, { body: form, headers: {} });
+        const response = await daemon.get(`${address}?room=api&${name}=nonsense`, options);
+        assert.equal(response.status, name === 'markup' && address === '/v1/say' ? 202 : 400);
+        await check(response, operation);
+        for (const value of schema.enum ?? []) {
+          const good = await daemon.get(`${address}?room=api&${name}=${value}`, options);
+          assert.ok(good.status < 300 || (name === 'markup' && good.status === 400), `${value} ${good.status}`);
+          await good.arrayBuffer();
+        }
+        await room.close();
+      });
+}
+
+const types = (side) =>
+  Object.entries(asyncapi.components.messages).filter(([key]) => key.startsWith(side)).map(([key, message]) => {
+    assert.equal(key, `${side}.${message.name}`);
+    return message.name;
+  });
+
+test('the messages of the document are those of the schemas and of the daemon', () => {
+  const known = [...read('server/net/socket.c').match(/types\[\] = \{([^;]+)\};/)[1].matchAll(/\{"(\w+)"/g)].map(([, type]) => type);
+  assert.deepEqual(types('client').sort(), known.sort());
+  for (const side of ['client', 'server']) {
+    const schema = load(`schema/${side}.json`);
+    assert.deepEqual(types(side).filter((type) => type !== 'media' || side === 'client').sort(), schema.properties.type.enum.sort());
+  }
+  for (const { payload } of Object.values(asyncapi.components.messages)) if (payload) assert.ok(ajv.getSchema(payload.$ref), payload.$ref);
+  for (const operation of Object.values(asyncapi.operations))
+    for (const message of operation.messages) assert.ok(at(asyncapi, at(asyncapi, message)));
+});
+
+test('the daemon takes each message of the client, and sends each of the server', async () => {
+  const stream = await daemon.stream('?lang=it');
+  const texts = { text: '<speak>Uno <mark name="m"/>due. Tre.</speak>', markup: 'ssml', phones: true };
+  const members = { speak: texts, rate: { rate: 150 }, jump: { mark: 'm' }, join: { room: 'api' }, play: { name: 'x' } };
+  const order = ['ping', 'model', 'media', 'idle', 'express', 'authorize', 'join', 'speak', 'pause', 'rate', 'jump', 'resume', 'play', 'leave', 'stop'];
+  assert.deepEqual([...order].sort(), types('client').sort());
+  for (const type of order) {
+    if (type === 'leave') await stream.wait({ type: 'end', reason: 'done' });
+    stream.send({ type, mix: [], token: 'x', ...members[type] });
+  }
+  stream.send({ type: 'speak', markup: 'ssml', text: '<speak>Ciao.<bark/></speak>' });
+  await stream.wait({ type: 'warning' });
+  stream.send({ type: 'ping', id: 'last' });
+  await stream.wait({ type: 'pong', id: 'last' });
+  assert.ok(!stream.messages.some((m) => m.code === 'unknown-type' || m.code === 'bad-message'));
+  // authorized only comes where there are tokens
+  const heard = new Set([...stream.messages.map((m) => m.type), stream.chunks.length && 'media', 'authorized']);
+  assert.deepEqual(types('server').filter((type) => !heard.has(type)), []);
+  for (const { arrived, ...message } of stream.messages)
+    assert.ok(ajv.validate({ $ref: 'schema/server.json' }, message), `${arrived} ${JSON.stringify(message).slice(0, 200)}: ${ajv.errorsText()}`);
+  await stream.close();
+});

@@ -1,0 +1,55 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The documents of tests/documents through `faccia check`: what is understood, what is warned of, where errors are.
+// After a change that is meant: faccia check --score - <DOCUMENT >DOCUMENT.expected, and read the difference.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import { test } from 'node:test';
+import { build, root } from '../lib/daemon.mjs';
+
+const folder = path.join(root, 'tests/documents');
+const check = (args, input) => {
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['check', ...args], { input });
+  return { status, stdout: String(stdout), stderr: String(stderr) };
+};
+const documents = fs.readdirSync(folder).filter((name) => /\.(xml|txt)$/.test(name));
+
+for (const name of documents)
+  test(`${name} is read as it should be`, () => {
+    const { status, stdout, stderr } = check(['--score', '-'], fs.readFileSync(path.join(folder, name)));
+    assert.equal(stderr, '');
+    assert.equal(stdout, fs.readFileSync(path.join(folder, `${name}.expected`), 'utf8'));
+    assert.equal(status, /^-:\d+:\d+: error: /m.test(stdout) ? 1 : 0);
+    for (const line of stdout.split('\n').filter((l) => l.startsWith('-:')))
+      assert.match(line, /^-:\d+:\d+: (warning|error): ./);
+  });
+
+test('every element and every value has its document', () => {
+  const all = documents.map((name) => fs.readFileSync(path.join(folder, name), 'latin1').toLowerCase()).join('\n');
+  const source = ['apml', 'jsml', 'ssml', 'emotionml'].map((name) => fs.readFileSync(path.join(root, `server/markup/${name}.c`), 'utf8')).join('\n');
+  const elements = [...source.matchAll(/(?:\.name = |EMOTIONML_\w+\()"([^"]+)"/g)].map((m) => m[1]);
+  assert.ok(elements.length > 60);
+  for (const element of elements.filter((e) => !['apml', 'jsml', 'ssml', 'emotionml'].includes(e)))
+    assert.match(all, new RegExp(`<([a-z]+:)?${element}[\\s/>]`), element);
+  for (const [, value] of source.matchAll(/\{"([^"]+)", [\w.]+\}/g)) assert.ok(all.includes(value.toLowerCase()), value);
+});
+
+test('names the file, and fails when one of several has an error', () => {
+  const [good, bad] = ['jsml-thesis-d1.xml', 'bad-truncated.xml'].map((name) => path.join(folder, name));
+  assert.deepEqual(check([good]), { status: 0, stdout: '', stderr: '' });
+  const both = check([bad, good]);
+  assert.equal(both.status, 1);
+  assert.equal(both.stdout, `${bad}:1:37: error: the element 'emphasis' of line 1 is not closed\n`);
+  const none = check([path.join(folder, 'nowhere.xml')]);
+  assert.equal(none.status, 1);
+  assert.match(none.stderr, /^faccia: .*nowhere\.xml: No such file/);
+});
+
+test('reads as the markup that is asked for', () => {
+  assert.match(check(['--score', '--markup', 'plain', '-'], '<speak>a</speak>').stdout, /"<speak>a<\/speak>"/);
+  assert.match(check(['--score', '-m', 'jsml', '-'], 'iki <HAPPY>üç</HAPPY>').stdout, /"iki "[^]*cue affect joy 1-2/);
+  assert.equal(check(['--markup', 'rtf', '-'], '').status, 2);
+  assert.equal(check([], '').status, 2);
+  assert.equal(check(['--help'], '').status, 0);
+});

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a markup says is heard: several voices and languages in a sentence, sounds, ways of reading, given phones.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { build, Daemon } from '../lib/daemon.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+const plugins = path.join(folder, 'plugins');
+const sounds = path.join(folder, 'sounds');
+
+/** A mono WAV file with a tone. */
+function tone(file, rate, seconds) {
+  const count = Math.round(rate * seconds);
+  const wav = Buffer.alloc(44 + 2 * count);
+  wav.write('RIFF', 0).toString();
+  wav.writeUInt32LE(36 + 2 * count, 4);
+  wav.write('WAVEfmt ', 8);
+  wav.writeUInt32LE(16, 16);
+  wav.writeUInt16LE(1, 20);
+  wav.writeUInt16LE(1, 22);
+  wav.writeUInt32LE(rate, 24);
+  wav.writeUInt32LE(2 * rate, 28);
+  wav.writeUInt16LE(2, 32);
+  wav.writeUInt16LE(16, 34);
+  wav.write('data', 36);
+  wav.writeUInt32LE(2 * count, 40);
+  for (let i = 0; i < count; i++) wav.writeInt16LE(Math.round(8000 * Math.sin((2 * Math.PI * 700 * i) / rate)), 44 + 2 * i);
+  fs.writeFileSync(file, wav);
+}
+
+before(() => {
+  fs.mkdirSync(plugins);
+  fs.mkdirSync(sounds);
+  for (const [name, at] of [['espeak', 'server/plugins'], ['puppet', 'tests/plugins']])
+    fs.symlinkSync(path.join(build, at, `${name}.so`), path.join(plugins, `${name}.so`));
+  tone(path.join(sounds, 'bell.wav'), 44100, 0.5);
+  fs.writeFileSync(path.join(sounds, 'broken.wav'), 'RIFF....WAVE, or so');
+  fs.writeFileSync(path.join(folder, 'secret.wav'), 'secret');
+});
+after(() => fs.rmSync(folder, { recursive: true }));
+
+/** `faccia say` of an SSML document's content. */
+function say(content, { lang = 'it', voice = 'espeak:it', options = [] } = {}) {
+  const wav = path.join(folder, 'out.wav');
+  const result = spawnSync(path.join(build, 'server/app/faccia'), ['say', '-l', lang, '-v', voice, '--audio', sounds, '--wav', wav, '--json', '-', ...options,
+    `<speak xml:lang="${lang}">${content}</speak>`], { encoding: 'utf8', env: { ...process.env, FACCIA_PLUGINS: plugins } });
+  assert.equal(result.status, 0, result.stderr);
+  const said = JSON.parse(result.stdout);
+  const bytes = fs.readFileSync(wav);
+  said.pcm = new Int16Array(bytes.buffer, bytes.byteOffset + 44, (bytes.length - 44) >> 1);
+  said.stderr = result.stderr;
+  let at = 0;
+  for (const phone of said.phones) {
+    assert.ok(Math.abs(phone.start - at) < 1e-4, 'phones touch');
+    at = phone.end;
+  }
+  assert.ok(Math.abs(said.pcm.length / said.rate - said.duration) < 1e-4 && Math.abs(at - said.duration) < 1e-4);
+  return said;
+}
+const words = (said) => said.words.map((w) => w.text);
+const between = (said, a, b) => said.words[words(said).indexOf(b)].start - said.words[words(said).indexOf(a)].end;
+
+test('a word in another language is spoken by a voice of that language', () => {
+  const said = say('Mi piace il <lang xml:lang="en">rock and roll</lang>, davvero.');
+  assert.deepEqual(words(said), ['Mi', 'piace', 'il', 'rock', 'and', 'roll', 'davvero']);
+  const rock = said.words[3];
+  const phones = said.phones.filter((p) => p.start >= rock.start - 1e-3 && p.end <= rock.end + 1e-3).map((p) => p.ipa);
+  assert.ok(phones.includes('ɹ'), String(phones));
+  assert.ok(between(said, 'il', 'rock') < 0.05);
+  assert.ok(between(said, 'roll', 'davvero') > 0.1);
+  assert.equal(said.stderr, ''); // the lips know the phones of both languages
+});
+
+test('voices of plugins with different sample rates speak one sentence, at the rate of the first', () => {
+  const said = say('Uno, <voice name="puppet:plain">due tre</voice> e <voice name="nobody puppet:gb">quattro</voice><mark name="m"/><break time="600ms"/> cinque.');
+  assert.equal(said.rate, 22050);
+  assert.deepEqual(words(said), ['Uno', 'due', 'tre', 'e', 'quattro', 'cinque']);
+  assert.deepEqual(said.marks.map((m) => m.name), ['m']);
+  assert.ok(Math.abs(between(said, 'quattro', 'cinque') - 0.6) < 0.06);
+  assert.equal(said.stderr.match(/no voice "nobody/), null);
+  for (let i = 1; i < said.words.length; i++) assert.ok(said.words[i].start >= said.words[i - 1].end - 1e-6);
+});
+
+test('a gender chooses a voice of the language', () => {
+  const pitch = (s) => {
+    const word = s.words[0];
+    let crossings = 0;
+    for (let i = Math.round(word.start * s.rate) + 1; i < word.end * s.rate; i++) crossings += s.pcm[i - 1] < 0 && s.pcm[i] >= 0;
+    return crossings / (word.end - word.start);
+  };
+  const he = say('<voice gender="male">Mamma</voice>'), she = say('<voice gender="female">Mamma</voice>'), usual = say('Mamma');
+  assert.deepEqual(he.pcm.length, usual.pcm.length);
+  assert.notDeepEqual(pitch(she), pitch(he));
+});
+
+test('unknown voices and languages are warned of at their place, and the usual voice speaks', () => {
+  const said = say('Uno <voice name="nobody">due</voice>\n<lang xml:lang="xx">tre</lang>.');
+  assert.deepEqual(words(said), ['Uno', 'due', 'tre']);
+  assert.match(said.stderr, /warning: 1:\d+: there is no voice "nobody"/);
+  assert.match(said.stderr, /warning: 2:\d+: no voice speaks "xx"/);
+});
+
+test('sentences by voices of different rates follow each other at one rate', () => {
+  const said = say('<s>Uno due.</s><s><voice name="puppet:plain">Tre quattro.</voice></s><s>Cinque.</s>');
+  assert.equal(said.rate, 22050);
+  assert.deepEqual(words(said).map((w) => w.replace('.', '')), ['Uno', 'due', 'Tre', 'quattro', 'Cinque']);
+});
+
+test('sounds are heard in their place, the mouth at rest', () => {
+  const said = say('Senti <audio src="bell.wav">una campana</audio> adesso.');
+  assert.deepEqual(words(said), ['Senti', 'adesso']);
+  const gap = between(said, 'Senti', 'adesso');
+  assert.ok(Math.abs(gap - 0.5) < 0.06, String(gap));
+  const middle = said.words[0].end + gap / 2;
+  const slice = said.pcm.subarray((middle - 0.1) * said.rate, (middle + 0.1) * said.rate);
+  assert.ok(Math.sqrt(slice.reduce((sum, v) => sum + v * v, 0) / slice.length) > 5000);
+  assert.equal(said.phones.find((p) => p.start <= middle && p.end > middle).ipa, '');
+});
+
+for (const [source, why] of [['../secret.wav', 'no path'], ['/etc/passwd', 'no path'], ['http://127.0.0.1/x.wav', 'no path'], ['none.wav', 'no sound'], ['broken.wav', 'cannot be read']])
+  test(`a sound that cannot be had (${source}) is warned of, and its text is spoken`, () => {
+    const said = say(`Senti <audio src="${source}">una campana</audio> adesso.`);
+    assert.deepEqual(words(said), ['Senti', 'una', 'campana', 'adesso']);
+    assert.match(said.stderr, new RegExp(`warning: .*${why}`));
+  });
+
+test('dates, times and sums are said in words and stay one word of the text each', () => {
+  const said = say('Il <say-as interpret-as="date" format="dmy">12/03/2024</say-as> per <say-as interpret-as="currency">12,50 €</say-as>.');
+  assert.deepEqual(words(said), ['Il', '12/03/2024', 'per', '12,50 €']);
+  const ipa = said.phones.map((p) => p.ipa).join('');
+  assert.match(ipa, /martso/);
+  assert.match(ipa, /tʃentɛzimɪ/);
+  assert.equal(said.stderr, '');
+});
+
+test('what is not what its author says is read as it stands, with a warning', () => {
+  const said = say('Il <say-as interpret-as="date" format="dmy">31/31/2024</say-as>.');
+  assert.match(said.stderr, /warning: 1:\d+: "31\/31\/2024" cannot be read as "date:dmy"/);
+  assert.ok(said.words.length >= 2);
+});
+
+test('given phones are spoken, the text stays the text', () => {
+  const said = say('Un <phoneme alphabet="ipa" ph="ˈkaza">gatto</phoneme> solo.');
+  assert.deepEqual(words(said), ['Un', 'gatto', 'solo']);
+  assert.match(said.phones.map((p) => p.ipa).join(''), /kaza/);
+});
+
+test('over the network: warnings with their places, then speech; nothing outside the folder of sounds', async () => {
+  const daemon = await Daemon.start(['--plugins', plugins, '--audio', sounds]);
+  const stream = await daemon.stream();
+  const speak = async (id, text) => {
+    stream.send({ type: 'speak', lang: 'it', id, text });
+    assert.equal((await stream.wait({ type: 'end', id }, { milliseconds: 40000 })).reason, 'done');
+    return stream.messages.filter((m) => m.id === id);
+  };
+  const first = await speak('a', '<speak>Senti <audio src="../secret.wav">il segreto</audio> e\n<voice name="nobody">poi</voice> <audio src="bell.wav"/>.</speak>');
+  const warnings = first.filter((m) => m.type === 'warning');
+  assert.deepEqual(warnings.map((w) => [w.code, w.line]), [['no-sound', 1], ['unknown-voice', 2]]);
+  assert.deepEqual(first.filter((m) => m.type === 'word').map((m) => m.text), ['Senti', 'il', 'segreto', 'e', 'poi']);
+  // many voices and sounds in one sentence, and a stop in the midst of it
+  const turns = '<voice name="puppet:plain">uno</voice> <audio src="bell.wav"/> <voice name="espeak:en-gb">two</voice> '.repeat(30);
+  const many = await speak('b', `<speak>${turns}</speak>`);
+  assert.ok(many.some((m) => m.type === 'warning' && /more than 16 sounds/.test(m.message)));
+  stream.send({ type: 'speak', lang: 'it', id: 'c', text: `<speak>${turns}</speak>` });
+  stream.send({ type: 'stop' });
+  await stream.wait({ type: 'end', id: 'c' });
+  const silent = await speak('e', '<speak><audio src="broken.wav"/></speak>');
+  assert.ok(silent.some((m) => m.type === 'warning' && /cannot be read/.test(m.message)));
+  await speak('d', 'Fine.');
+  await stream.close();
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});

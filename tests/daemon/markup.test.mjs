@@ -1,0 +1,92 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Marked-up text through the daemon: it is recognised, spoken without its tags, warned of with places; and what
+// cannot be read costs nobody anything.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { Daemon, root } from '../lib/daemon.mjs';
+
+let daemon;
+before(async () => (daemon = await Daemon.start()));
+after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+
+const folder = path.join(root, 'tests/documents');
+const post = (query, type, body) => daemon.get(`/v1/speech?format=json&${query}`, { method: 'POST', body, headers: { 'content-type': type } });
+
+async function speak(request) {
+  const stream = await daemon.stream();
+  stream.send(typeof request === 'string' ? request : { type: 'speak', ...request });
+  stream.end = await stream.wait({ type: 'end' });
+  await stream.close();
+  return stream;
+}
+
+test('a posted document is spoken by its media type', async () => {
+  const text = '<speak xml:lang="it">Ecco: <mark name="qui"/>la <emphasis>mamma</emphasis> &amp; basta.</speak>';
+  for (const type of ['application/ssml+xml', 'application/xml', 'application/x-www-form-urlencoded']) {
+    const json = await (await post('lang=it', type, text)).json();
+    assert.deepEqual(json.words.slice(0, 3).map((w) => w.text), ['Ecco', 'la', 'mamma']);
+    assert.equal(json.marks[0].name, 'qui');
+    assert.deepEqual(json.warnings, []);
+  }
+  const plain = await (await post('lang=it', 'text/plain', text)).json();
+  assert.ok(plain.words.length > 6, 'plain text is what it is');
+});
+
+test('places are those of the UTF-8 form of a document in another encoding', async () => {
+  const text = '<?xml version="1.0" encoding="ISO-8859-9"?><SENT>Işık, günaydın.</SENT>';
+  const bytes = Buffer.from(text.replace(/ş/g, 'þ').replace(/ı/g, 'ý'), 'latin1');
+  const json = await (await post('lang=tr', 'application/jsml+xml', bytes)).json();
+  assert.deepEqual(json.words.map((w) => w.text), ['Işık', 'günaydın']);
+});
+
+test('the root tells the language where the request does not', async () => {
+  const text = '<speak xml:lang="tr">Merhaba.</speak>';
+  assert.equal((await (await post('', 'application/ssml+xml', text)).json()).lang, 'tr');
+  assert.equal((await (await post('lang=it', 'application/ssml+xml', text)).json()).lang, 'it');
+  assert.notEqual((await (await post('', 'application/ssml+xml', text.replace('tr', 'tlh'))).json()).lang, 'tlh');
+});
+
+test('a stream sends warnings with line and column before the first sentence', async () => {
+  const { messages } = await speak({ lang: 'it', text: '<speak>\n  Uno <blink>due</blink>\n<break time="-1s"/></speak>' });
+  const warnings = messages.filter((m) => m.type === 'warning').map(({ code, line, column }) => [code, line, column]);
+  assert.deepEqual(warnings, [['unknown-element', 2, 7], ['bad-value', 3, 8]]);
+  assert.ok(messages.findIndex((m) => m.type === 'warning') < messages.findIndex((m) => m.type === 'sentence'));
+  assert.deepEqual(messages.filter((m) => m.type === 'word').map((m) => m.text), ['Uno', 'due']);
+});
+
+test('a document may be typed as it is', async () => {
+  const { messages, end } = await speak('<SENT><SURPRISED>merhaba</SURPRISED>, benim adım erdem</SENT>');
+  assert.equal(end.reason, 'done');
+  assert.deepEqual(messages.filter((m) => m.type === 'word').map((m) => m.text), ['merhaba', 'benim', 'adım', 'erdem']);
+});
+
+test('bad documents are refused with their place, and the next one is spoken', async () => {
+  const stream = await daemon.stream();
+  for (const name of fs.readdirSync(folder).filter((n) => /^bad-.*\.xml$/.test(n))) {
+    const from = stream.messages.length;
+    const bytes = fs.readFileSync(path.join(folder, name));
+    const expected = fs.readFileSync(path.join(folder, `${name}.expected`), 'utf8');
+    if (!expected.includes(': error: ') || bytes.includes(0) || Buffer.compare(Buffer.from(bytes.toString()), bytes) !== 0) continue;
+    stream.send({ type: 'speak', lang: 'it', text: bytes.toString() });
+    const end = await stream.wait({ type: 'end' }, { from });
+    assert.equal(end.reason, 'failed', name);
+    const error = stream.messages.slice(from).find((m) => m.type === 'error');
+    if (error.code !== 'empty-text') assert.ok(expected.startsWith(`-:${error.line}:${error.column}: error: ${error.message}`), name);
+  }
+  const from = stream.messages.length;
+  stream.send({ type: 'speak', lang: 'it', text: '<speak>Ciao.</speak>' });
+  assert.equal((await stream.wait({ type: 'end' }, { from })).reason, 'done');
+  await stream.close();
+});
+
+test('every document of ours can be spoken', async () => {
+  for (const name of ['apml-dialogue', 'apml-breaks-its-dtd', 'jsml-05', 'ssml-emotionml', 'ssml-audio', 'ssml-inside-words', 'emotionml-alone', 'entities', 'bad-billion-laughs', 'unknown-everything']) {
+    const response = await post('', 'application/xml', fs.readFileSync(path.join(folder, `${name}.xml`)));
+    assert.equal(response.status, 200, name);
+    const json = await response.json();
+    assert.ok(json.words.length > 0, name);
+    assert.ok(!json.phones.some((p) => !(p.end > p.start)), name);
+  }
+});

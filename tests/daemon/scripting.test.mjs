@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Runs the examples of protocol/scripting.md as they stand there, but for the port.
+import assert from 'node:assert/strict';
+import { spawn, spawnSync } from 'node:child_process';
+import { once } from 'node:events';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { Daemon, root } from '../lib/daemon.mjs';
+
+const text = fs.readFileSync(path.join(root, 'protocol/scripting.md'), 'utf8');
+const examples = [...text.matchAll(/```(\w+)(?: (\w+)=(\w+))?\n([^]*?)```/g)].map(([, language, key, value, code]) => ({ language, [key]: value, code }));
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-scripting-'));
+
+let daemon;
+before(async () => (daemon = await Daemon.start()));
+after(async () => {
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+  fs.rmSync(folder, { recursive: true });
+});
+
+/** Runs it in the folder; its standard input stays open, as a terminal's does. Gives what it printed. */
+async function run(program, args) {
+  const child = spawn(program, args, {
+    cwd: folder,
+    // wscat from npm; python3 is Debian's, as its package with the library is
+    env: { ...process.env, PATH: `${path.join(root, 'tests/node_modules/.bin')}:/usr/bin:${process.env.PATH}` },
+  });
+  let out = '', complaints = '';
+  child.stdout.setEncoding('utf8').on('data', (piece) => (out += piece));
+  child.stderr.setEncoding('utf8').on('data', (piece) => (complaints += piece));
+  const [status] = await once(child, 'close');
+  assert.equal(status, 0, `${complaints}\n${out}`);
+  return out;
+}
+
+const interpreters = {
+  sh: (code) => run('sh', ['-ec', code]),
+  python: (code) => run('python3', ['-c', code]),
+  js: (code) => {
+    // in a folder from which it finds ws
+    fs.writeFileSync(path.join(folder, 'script.mjs'), code);
+    fs.rmSync(path.join(folder, 'node_modules'), { force: true });
+    fs.symlinkSync(path.join(root, 'tests/node_modules'), path.join(folder, 'node_modules'));
+    return run(process.execPath, ['script.mjs']);
+  },
+};
+
+test('every example is in a language that is run here', () => {
+  assert.ok(examples.length >= 8);
+  for (const { language } of examples) assert.ok(language in interpreters, language);
+});
+
+for (const { language, room, needs, code } of examples) {
+  const missing = needs && spawnSync('which', [needs]).status !== 0;
+  test(`${language}: ${code.split('\n')[0]}`, { skip: missing && `${needs} is not installed` }, async () => {
+    const listener = room && (await daemon.stream(`?room=${room}`));
+    await listener?.wait({ type: 'joined' });
+    const out = await interpreters[language](code.replaceAll('127.0.0.1:8080', `127.0.0.1:${daemon.port}`));
+    assert.doesNotMatch(out, /error/);
+    if (!/-o /.test(code) && !room) assert.match(out, /mamma/);
+    if (code.includes('faccia.text.v1')) assert.match(out, /word [\d.]+ mamma[^]*end done/);
+    if (room) await listener.wait({ type: 'end' });
+    if (code.includes('/v1/play')) {
+      // the recording that was uploaded, in the middle of which it was stopped
+      const end = await listener.wait((m) => m.type === 'end' && m.utterance === 3);
+      assert.ok(['stopped', 'done'].includes(end.reason), end.reason);
+    }
+    if (code.includes('/v1/events')) assert.match(out, /event: word\ndata: \{.*"text":"mi"/);
+    await listener?.close();
+  });
+}
+
+test('the files that curl wrote are what they are called', () => {
+  const bytes = (name) => fs.readFileSync(path.join(folder, name));
+  assert.equal(bytes('mamma.wav').toString('latin1', 0, 4), 'RIFF');
+  assert.equal(bytes('mamma.ogg').toString('latin1', 28, 36), 'OpusHead');
+  assert.match(bytes('mamma.fap').toString('latin1', 0, 4), /^2\.1 /);
+});

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: MIT
+// Media of the compact kind on their way in: in order, decoded, in time.
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { OpusDecoder } from '../../web/node_modules/opus-decoder/index.js';
+import { encodeChunk } from '../../protocol/chunk.mjs';
+import { Intake } from '../../web/src/intake.mjs';
+import { OpusSound } from '../../web/src/audio/opus.mjs';
+
+/** A compact chunk: position always told, Opus packets, no frames. */
+const compact = (utterance, start, samples, firstPacket, packets) => {
+  const varint = (n) => (n < 128 ? [n] : [(n & 127) | 128, ...varint(Math.floor(n / 128))]);
+  const audio = packets.flatMap((packet) => [packet.length, ...packet]);
+  return Uint8Array.from([
+    0x80 | 0x40 | 0x20 | 0x02, ...varint(utterance), ...varint(22050), ...varint(2500), ...varint(start), ...varint(0),
+    ...varint(firstPacket), ...varint(samples), 0, ...varint(audio.length), ...audio,
+  ]).buffer;
+};
+
+/** A packet of silence (RFC 6716: SILK wideband, 20 ms, no bytes). */
+const SILENCE = [0x48];
+
+const rig = (sound) => {
+  const came = [];
+  const intake = new Intake({ hear: (message) => came.push(message), media: (chunk) => came.push(chunk) }, sound);
+  return { intake, came };
+};
+const settle = () => new Promise((resolve) => setTimeout(resolve, 20));
+
+test('what needs no decoding comes at once', () => {
+  const { intake, came } = rig(new OpusSound({ can: false }));
+  intake.text({ type: 'begin' });
+  intake.binary(encodeChunk({ audioCodec: 1, fapCodec: 0, utterance: 1, sampleRate: 8000, fps: 25, start: 0, samples: 4, firstFrame: 0, frames: [], audio: new Int16Array(4) }).buffer);
+  assert.equal(came.length, 2);
+  assert.equal(came[1].audio.length, 4);
+});
+
+test('texts wait for the sound before them', async () => {
+  const release = [];
+  const slow = { decode: ({ audio }) => new Promise((resolve) => release.push(() => resolve(new Float32Array(audio.length * 960)))), close() {} };
+  const { intake, came } = rig(slow);
+  intake.text('a');
+  intake.binary(compact(1, 0, 2646, 0, [SILENCE, SILENCE]));
+  intake.text('b');
+  intake.binary(compact(1, 2646, 2646, 2, [SILENCE]));
+  intake.text('c');
+  await settle();
+  assert.deepEqual(came, ['a']);
+  release.shift()();
+  await settle();
+  assert.deepEqual(came.map((item) => item.audio?.length ?? item), ['a', 1920 - 312, 'b']);
+  release.shift()();
+  await settle();
+  assert.deepEqual(came.map((item) => item.audio?.length ?? item), ['a', 1920 - 312, 'b', 960, 'c']);
+  assert.deepEqual([came[1].audioStart, came[3].audioStart], [0, 1920 - 312]);
+  assert.equal(came[1].audioRate, 48000);
+});
+
+test('a decoder that fails gives silence, and what follows comes', async () => {
+  const { intake, came } = rig({ decode: () => Promise.reject(new Error('broken')), close() {} });
+  intake.binary(compact(1, 0, 441, 0, [SILENCE]));
+  intake.text('end');
+  await settle();
+  assert.equal(came[0].audio.length, 960 - 312);
+  assert.equal(came[1], 'end');
+});
+
+test('without WebCodecs the WebAssembly decoder does it', async () => {
+  const sound = new OpusSound({ can: false, load: async () => ({ OpusDecoder }) });
+  const { intake, came } = rig(sound);
+  for (let i = 0; i < 3; i++) intake.binary(compact(1, i * 441, 441, i, [SILENCE]));
+  intake.binary(compact(2, 0, 441, 0, [SILENCE, SILENCE]));
+  for (let i = 0; i < 100 && came.length < 4; i++) await settle();
+  assert.deepEqual(came.map((chunk) => chunk.audio.length), [960 - 312, 960, 960, 1920 - 312]);
+  intake.reset();
+});
