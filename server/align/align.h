@@ -19,7 +19,7 @@ struct align_map {
     size_t frames;
     uint32_t recording_rate, reference_rate;
     size_t recording_samples;
-    double distance; /* mean along the path: about 3 for the same words, 5 and more for others */
+    double distance; /* mean along the path; chance.h tells what that means */
 };
 
 struct align_options {

@@ -31,7 +31,7 @@ struct chapter_word {
 struct chapter_piece {
     size_t from, to;
     double start, end; /* of its sounds */
-    double apart;      /* from the synthetic voice: about 3 when the words are the same, 5 when not */
+    double apart;      /* from the synthetic voice; chance.h tells what that means */
     struct chapter_phone *phones;
     size_t phone_count;
     struct chapter_word *words;

@@ -80,10 +80,12 @@ static int write_scene(struct align *a, uint64_t to) {
     struct utterance *u = reading_utterance(a->reading, a->at, to);
     const struct face_options options = {.engine = a->request.engine,
                                          .still = a->request.still,
-                                         .life = 1,
-                                         .seed = (uint64_t)a->request.seed,
+                                         .life = a->request.life < 0 ? 1 : a->request.life,
+                                         .seed = a->request.seed < 0 ? 0 : (uint64_t)a->request.seed,
                                          .begin = (double)a->at / u->sample_rate};
-    struct scene scene = {u, face_track_new(a->pack, u, &options, on_warning, NULL), (uint32_t)a->at};
+    struct scene scene = {.utterance = u,
+                          .track = face_track_new(a->pack, u, &options, on_warning, NULL),
+                          .start = (int64_t)a->at};
     int result = 0;
     for (struct output *o = a->outputs; o < a->outputs + OUTPUTS && !result; o++) {
         if (!o->path)

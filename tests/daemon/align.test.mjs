@@ -270,7 +270,9 @@ test('times from files, with the words found in the sound', () => {
   assert.match(foreign.stderr, /\d+ of the \d+ words of the times are not in the text/);
 });
 
-const library = (name, config = {}) => ({ FACCIA_VOICE_CONFIG: write(`${name}.json`, JSON.stringify({ recording: { folder: file(name), ...config } })) });
+// However slow the machine is, it has the time that it takes.
+const patience = ['--deadline-base', '300'];
+const library = (name, config = {}) => ({ FACCIA_VOICE_CONFIG: write(`${name}.json`, JSON.stringify({ recording: { folder: file(name), seconds: 300, ...config } })) });
 
 test('a folder of recordings: voices, sentences, the whole text, what is not in it', () => {
   const truth = recorded('festival:lp', 'it', manzoni), english = recorded('festival:kal', 'en', austen);
@@ -363,7 +365,7 @@ test('a recording streams like any speech, sentence after sentence', async (t) =
   fs.mkdirSync(file('stream'), { recursive: true });
   fs.copyFileSync(truth.path, file('stream/a.wav'));
   write('stream/a.txt', short);
-  const daemon = await Daemon.start(['--voice-config', library('stream').FACCIA_VOICE_CONFIG]);
+  const daemon = await Daemon.start([...patience, '--voice-config', library('stream').FACCIA_VOICE_CONFIG]);
   t.after(() => daemon.process.kill('SIGKILL'));
   const { voices } = await (await daemon.get('/v1/voices')).json();
   assert.equal(voices.find((v) => v.id === 'recording:a').quality, 'recorded');
@@ -374,12 +376,31 @@ test('a recording streams like any speech, sentence after sentence', async (t) =
     assert.ok(end.duration > 8);
     assert.equal(stream.messages.filter((m) => m.type === 'sentence' && m.id === id).length, 4);
   }
-  // two sentences of the same words are two places of the recording
   stream.send({ type: 'speak', voice: 'recording:a', id: 'stop', text: short });
   await stream.wait({ type: 'begin', id: 'stop' });
   stream.send({ type: 'stop' });
   await stream.wait({ type: 'end', id: 'stop', reason: 'stopped' });
   await stream.close();
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+test('the same words twice are two places of the recording, in spite of the cache', async (t) => {
+  const text = 'La mamma prepara il pane. Il sole tramonta presto. La mamma prepara il pane. Dove abita la signora?';
+  const truth = recorded('festival:pc', 'it', text);
+  const hiss = noise(truth.pcm.length, 40), pcm = truth.pcm.map((x, i) => x + hiss[i]);
+  write('twice/a.txt', text);
+  wav('twice/a.wav', pcm, truth.rate);
+  const daemon = await Daemon.start([...patience, '--voice-config', library('twice').FACCIA_VOICE_CONFIG]);
+  t.after(() => daemon.process.kill('SIGKILL'));
+  for (let i = 0; i < 2; i++) {
+    const answer = await daemon.get('/v1/speech?voice=recording:a&format=wav', { method: 'POST', body: text, headers: { 'content-type': 'text/plain' } });
+    assert.equal(answer.status, 200);
+    const data = Buffer.from(await answer.arrayBuffer()), heard = new Int16Array(data.buffer.slice(data.byteOffset + 44, data.byteOffset + data.length));
+    assert.ok(heard.length > 0.9 * pcm.length);
+    let start = 0;
+    while (start < truth.rate && heard.subarray(0, 50).some((x, k) => x !== pcm[start + k])) start++;
+    assert.ok(heard.every((x, k) => x === pcm[start + k]), 'what is heard is the recording, sample by sample');
+  }
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
