@@ -34,9 +34,13 @@ static void wav_end(struct export *x) {
     (void)x;
 }
 
+uint32_t export_frames_until(const struct export *x, const struct scene *scene) {
+    return frame_from_sample((uint64_t)scene->start + scene->utterance->samples,
+                             scene->utterance->sample_rate, x->fps);
+}
+
 static void fap_scene(struct export *x, const struct scene *scene) {
-    uint32_t end = frame_from_sample((uint64_t)scene->start + scene->utterance->samples,
-                                     scene->utterance->sample_rate, x->fps);
+    uint32_t end = export_frames_until(x, scene);
     for (; x->frames < end; x->frames++) {
         struct fap_frame frame;
         scene_frame(scene, x->fps, x->frames, &frame);
@@ -61,6 +65,7 @@ const struct export_format export_formats[] = {
     {"wav", "audio/wav", true, wav_scene, wav_end, NULL, NULL},
     {"ogg", "audio/ogg", true, export_ogg_scene, export_ogg_end, NULL, export_ogg_free},
     {"fap", "text/plain; charset=utf-8", false, fap_scene, fap_end, NULL, NULL},
+    {"fba", "application/octet-stream", true, export_fba_scene, export_fba_end, NULL, export_fba_free},
     {"json", "application/json", true, export_json_scene, export_json_end, export_json_warning, NULL},
     {"ndjson", "application/x-ndjson", true, export_ndjson_scene, export_ndjson_end, export_ndjson_warning,
      NULL},
