@@ -57,6 +57,7 @@ int fit_main(int argc, char **argv);
 int token_main(int argc, char **argv);
 int timed_main(int argc, char **argv);
 int align_main(int argc, char **argv);
+int fap_main(int argc, char **argv);
 int life_main(int argc, char **argv);
 int check_main(int argc, char **argv);
 int expressions_main(int argc, char **argv);

@@ -13,6 +13,7 @@ static const struct {
     {"say", say_main, "speak a text: its sound, its face animation, its timing"},
     {"timed", timed_main, "the face for recorded speech, from a timed transcription"},
     {"play", play_main, "a recorded face and its sound in other forms"},
+    {"fap", fap_main, "look into, convert, code and draw files of face animation"},
     {"voices", voices_main, "list the voices"},
     {"models", models_main, "list the head models"},
     {"expressions", expressions_main, "list the expressions, or write how they look"},

@@ -18,11 +18,12 @@ static const char usage[] = "Usage: faccia play [OPTION]... FILE.fap [SOUND]\n"
                             "      --wav FILE       the sound, mono 16 bit\n"
                             "      --ogg FILE       the sound as Opus in Ogg\n"
                             "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
+                            "      --fba FILE       the same at a few kilobits a second\n"
                             "  -h, --help           print this and exit\n"
                             "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
 
-enum { OUTPUTS = 4 };
-static const char *const names[OUTPUTS] = {"ndjson", "wav", "ogg", "fap"};
+enum { OUTPUTS = 5 };
+static const char *const names[OUTPUTS] = {"ndjson", "wav", "ogg", "fap", "fba"};
 
 struct play {
     struct reel *reel;
@@ -126,9 +127,13 @@ static int run(struct play *p, const char *fap, const char *sound) {
 }
 
 int play_main(int argc, char **argv) {
-    static const struct option options[] = {{"ndjson", 1, NULL, 0}, {"wav", 1, NULL, 1},
-                                            {"ogg", 1, NULL, 2},    {"fap", 1, NULL, 3},
-                                            {"help", 0, NULL, 'h'}, {0}};
+    static const struct option options[] = {{"ndjson", 1, NULL, 0},
+                                            {"wav", 1, NULL, 1},
+                                            {"ogg", 1, NULL, 2},
+                                            {"fap", 1, NULL, 3},
+                                            {"fba", 1, NULL, 4},
+                                            {"help", 0, NULL, 'h'},
+                                            {0}};
     struct play p = {0};
     for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
         if (c == 'h') {

@@ -31,6 +31,7 @@ static const char usage[] =
     "      --audio DIR      sound files that the text may name (SSML's audio); default $FACCIA_AUDIO\n"
     "      --wav FILE       the sound, mono 16 bit\n"
     "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
+    "      --fba FILE       the same at a few kilobits a second\n"
     "      --ogg FILE       the sound as Opus in Ogg\n"
     "      --ndjson FILE    a line for each event and each frame\n"
     "      --json FILE      phones, words and marks with their times\n"
@@ -44,7 +45,7 @@ struct output {
     struct export export;
 };
 
-enum { WAV, FAP, JSON, OGG, NDJSON, OUTPUTS };
+enum { WAV, FAP, JSON, OGG, NDJSON, FBA, OUTPUTS };
 
 struct say {
     struct cli cli;
@@ -113,7 +114,7 @@ static void on_finished(void *ctx, size_t spoken) {
 }
 
 static int open_outputs(struct say *s) {
-    static const char *const names[OUTPUTS] = {"wav", "fap", "json", "ogg", "ndjson"};
+    static const char *const names[OUTPUTS] = {"wav", "fap", "json", "ogg", "ndjson", "fba"};
     int standard = 0;
     bool asked = false;
     for (int i = 0; i < OUTPUTS; i++)
@@ -153,13 +154,17 @@ static void close_outputs(struct say *s) {
 /* The exit code, or -1 to go on. */
 static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
     static const struct option options[] = {
-        {"lang", 1, NULL, 'l'},   {"voice", 1, NULL, 'v'}, {"rate", 1, NULL, 'r'},
-        {"pitch", 1, NULL, 1},    {"volume", 1, NULL, 1},  {"fps", 1, NULL, 1},
-        {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},  {"seed", 1, NULL, 1},
-        {"still", 0, NULL, 1},    {"life", 1, NULL, 1},    {"blend", 1, NULL, 1},
-        {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},   {"fap", 1, NULL, 'F'},
-        {"json", 1, NULL, 'J'},   {"audio", 1, NULL, 'A'}, {"ogg", 1, NULL, 'O'},
-        {"ndjson", 1, NULL, 'N'}, {"help", 0, NULL, 'h'},  {0},
+        {"lang", 1, NULL, 'l'},   {"voice", 1, NULL, 'v'},
+        {"rate", 1, NULL, 'r'},   {"pitch", 1, NULL, 1},
+        {"volume", 1, NULL, 1},   {"fps", 1, NULL, 1},
+        {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},
+        {"seed", 1, NULL, 1},     {"still", 0, NULL, 1},
+        {"life", 1, NULL, 1},     {"blend", 1, NULL, 1},
+        {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},
+        {"fap", 1, NULL, 'F'},    {"json", 1, NULL, 'J'},
+        {"audio", 1, NULL, 'A'},  {"ogg", 1, NULL, 'O'},
+        {"ndjson", 1, NULL, 'N'}, {"fba", 1, NULL, 'B'},
+        {"help", 0, NULL, 'h'},   {0},
     };
     const char *path = NULL;
     struct error e;
@@ -188,6 +193,9 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
             break;
         case 'N':
             s->outputs[NDJSON].path = optarg;
+            break;
+        case 'B':
+            s->outputs[FBA].path = optarg;
             break;
         case 'h':
             fputs(usage, stdout);

@@ -34,6 +34,11 @@ static void wav_end(struct export *x) {
     (void)x;
 }
 
+uint32_t export_frames_until(const struct export *x, const struct scene *scene) {
+    return frame_from_sample((uint64_t)scene->start + scene->utterance->samples,
+                             scene->utterance->sample_rate, x->fps);
+}
+
 static void fap_header(struct export *x, uint32_t frames) {
     char header[256];
     size_t length = fapfile_write_header("faccia", x->fps, frames, header, sizeof header);
@@ -46,8 +51,7 @@ static void fap_header(struct export *x, uint32_t frames) {
 static void fap_scene(struct export *x, const struct scene *scene) {
     if (!x->scenes && x->source.frames)
         fap_header(x, x->source.frames);
-    uint32_t end = frame_from_sample((uint64_t)scene->start + scene->utterance->samples,
-                                     scene->utterance->sample_rate, x->fps);
+    uint32_t end = export_frames_until(x, scene);
     for (; x->frames < end; x->frames++) {
         struct fap_frame frame;
         scene_frame(scene, x->fps, x->frames, &frame);
@@ -68,6 +72,7 @@ const struct export_format export_formats[] = {
     {"wav", "audio/wav", true, wav_scene, wav_end, NULL, NULL},
     {"ogg", "audio/ogg", true, export_ogg_scene, export_ogg_end, NULL, export_ogg_free},
     {"fap", "text/plain; charset=utf-8", false, fap_scene, fap_end, NULL, NULL},
+    {"fba", "application/octet-stream", true, export_fba_scene, export_fba_end, NULL, export_fba_free},
     {"json", "application/json", true, export_json_scene, export_json_end, export_json_warning, NULL},
     {"ndjson", "application/x-ndjson", true, export_ndjson_scene, export_ndjson_end, export_ndjson_warning,
      NULL},

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A speech, or a recording, written down whole: as sound (WAV, Opus in Ogg), as face animation (.fap), as its
- * timing (JSON, of speech only), or as all that happens in it (NDJSON). For files and HTTP answers. */
+/* A speech, or a recording, written down whole: as sound (WAV, Opus in Ogg), as face animation (.fap, .fba),
+ * as its timing (JSON, of speech only), or as all that happens in it (NDJSON). For files and HTTP answers. */
 #ifndef FACCIA_STREAM_EXPORT_H
 #define FACCIA_STREAM_EXPORT_H
 
@@ -67,6 +67,9 @@ void export_free(struct export *x);
 enum { WAV_HEADER_BYTES = 44 };
 void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t samples);
 
+/* The frames that there are when the scene has ended. */
+uint32_t export_frames_until(const struct export *x, const struct scene *scene);
+
 void export_json_scene(struct export *x, const struct scene *scene);
 void export_json_end(struct export *x);
 void export_json_warning(struct export *x, const struct error *e);
@@ -78,5 +81,9 @@ void export_ndjson_warning(struct export *x, const struct error *e);
 void export_ogg_scene(struct export *x, const struct scene *scene);
 void export_ogg_end(struct export *x);
 void export_ogg_free(struct export *x);
+
+void export_fba_scene(struct export *x, const struct scene *scene);
+void export_fba_end(struct export *x);
+void export_fba_free(struct export *x);
 
 #endif
