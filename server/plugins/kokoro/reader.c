@@ -4,6 +4,7 @@
 #include "server/plugins/espeak/align.h"
 #include "server/plugins/espeak/text.h"
 #include "server/plugins/espeak/words.h"
+#include <ctype.h>
 #include <espeak-ng/speak_lib.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -87,15 +88,29 @@ static void between(const struct faccia_sentence *inner, const struct ko_word *a
     }
 }
 
+/* espeak-ng reads some words as one with the next ("for the") and tells of the first only. Takes what has a
+ * letter from the rest of the text into the word; returns how many bytes. */
+static size_t join(const char *rest, size_t size) {
+    size_t end = size;
+    while (end && !isalnum((unsigned char)rest[end - 1]))
+        end--;
+    while (end && end < size && !isspace((unsigned char)rest[end]) && !ispunct((unsigned char)rest[end]))
+        end++;
+    return end;
+}
+
 /* Ends the word that is read: next, or the end. */
 static void end_word(const struct faccia_sentence *inner, const struct ko_alphabet *alphabet,
                      struct ko_text *text, const struct es_word *next) {
     struct buf rest = {0};
     if (!text->items.count)
         return;
-    between(inner, &text->words[text->word_count - 1], next, &rest);
-    ko_add_between(&text->items, alphabet, (const char *)rest.data, rest.size, (uint32_t)text->word_count - 1,
-                   !next);
+    struct ko_word *word = &text->words[text->word_count - 1];
+    between(inner, word, next, &rest);
+    size_t joined = next && next->span == word->span ? join((const char *)rest.data, rest.size) : 0;
+    word->bytes += joined;
+    ko_add_between(&text->items, alphabet, rest.size ? (const char *)rest.data + joined : "",
+                   rest.size - joined, (uint32_t)text->word_count - 1, !next);
     buf_free(&rest);
 }
 

@@ -30,9 +30,10 @@ struct speaking {
     const struct ko_voice *voice;
     const struct faccia_sentence *sentence;
     const struct faccia_sink *sink;
-    uint64_t at;   /* samples that were handed on */
-    uint32_t told; /* words that were handed on, of this text */
-    double gain;   /* of the last sample */
+    uint64_t at;    /* samples that were handed on */
+    uint32_t told;  /* words that were handed on, of this text */
+    uint64_t pause; /* where the last phone ended: up to what comes it is a pause */
+    double gain;    /* of the last sample */
     bool stopped;
     char *message;
     size_t cap;
@@ -66,17 +67,30 @@ static void hand_on(struct speaking *s, const int16_t *samples, size_t count) {
     s->at += count;
 }
 
-static void hand_on_phone(struct speaking *s, const char *ipa, unsigned stress, uint64_t start,
-                          uint64_t end) {
-    const struct faccia_phone phone = {ipa, *ipa ? ipa : "_", start, end, stress};
-    if (end > start && !s->stopped)
+/* Pauses are held back until a phone follows, so that those that touch are one. */
+static void hand_on_phone(struct speaking *s, const struct ko_item *item, uint64_t start, uint64_t end) {
+    const struct faccia_phone pause = {"", "_", s->pause, start, 0};
+    if (end <= start)
+        return;
+    if (item && start > s->pause && !s->stopped)
+        s->stopped = s->sink->phone(s->sink->ctx, &pause) != 0;
+    if (!item)
+        return;
+    const struct faccia_phone phone = {item->ipa, item->ipa, start, end, item->stress};
+    if (!s->stopped)
         s->stopped = s->sink->phone(s->sink->ctx, &phone) != 0;
+    s->pause = end;
+}
+
+static void end_pause(struct speaking *s) {
+    const struct faccia_phone pause = {"", "_", s->pause, s->at, 0};
+    if (s->at > s->pause && !s->stopped)
+        s->stopped = s->sink->phone(s->sink->ctx, &pause) != 0;
 }
 
 static void silence(struct speaking *s, double seconds) {
     static const int16_t zeros[4096];
     size_t left = (size_t)(fmin(fmax(seconds, 0), BREAK_MAX) * KO_RATE), part;
-    hand_on_phone(s, "", 0, s->at, s->at + left);
     for (; left && !s->stopped; left -= part) {
         part = left < sizeof zeros / sizeof *zeros ? left : sizeof zeros / sizeof *zeros;
         hand_on(s, zeros, part);
@@ -141,8 +155,7 @@ static void deliver(struct speaking *s, size_t from, size_t to, struct ko_speech
     amplify(s, speech->samples + t->from);
     for (size_t i = 0; i < t->count; i++) {
         const struct ko_item *item = t->list[i].item == SIZE_MAX ? NULL : &items[t->list[i].item];
-        hand_on_phone(s, item ? item->ipa : "", item ? item->stress : 0, s->at + t->list[i].start,
-                      s->at + t->list[i].end);
+        hand_on_phone(s, item, s->at + t->list[i].start, s->at + t->list[i].end);
     }
     hand_on_words(s);
     if (!s->stopped)
@@ -229,6 +242,7 @@ bool ko_speaker_speak(struct ko_speaker *speaker, const struct ko_voice *voice,
         if (end < sentence->span_count)
             silence(&s, spans[end++].seconds);
     }
+    end_pause(&s);
     return true;
 }
 
