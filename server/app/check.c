@@ -79,7 +79,8 @@ static int check(const struct check *c, const char *path) {
         look_for_expressions(c, score);
     for (size_t i = 0; score && i < score->warning_count; i++)
         report(path, "warning", &score->warnings[i], &text);
-    fwrite(dump.data, 1, dump.size, stdout);
+    if (dump.size)
+        fwrite(dump.data, 1, dump.size, stdout);
     int failed = score ? 0 : -1;
     score_free(score);
     buf_free(&dump);

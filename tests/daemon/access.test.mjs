@@ -88,9 +88,9 @@ test('forged, damaged, expired and lesser tokens', async () => {
     assert.equal(await speaks(stream), code === 'bad-token' ? 'token-needed' : code);
     await stream.close();
   }
-  const short = token(['--expires', '1s']);
+  const short = token(['--expires', '4s']);
   const stream = await daemon.stream('', bearer(short));
-  await new Promise((resolve) => setTimeout(resolve, 2100));
+  await new Promise((resolve) => setTimeout(resolve, 5100));
   assert.equal(await speaks(stream), 'expired-token');
   await stream.close();
 });
