@@ -54,9 +54,12 @@ want_packages festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts
 need_node
 need_modules "$root/models"
 need_modules "$root/web"
-[ $kokoro = yes ] && need_weights "$root/server/plugins/kokoro" 930
-if [ $kokoro = yes ] && [ -f "$root/build/build.ninja" ] && [ ! -f "$root/build/server/plugins/kokoro.so" ]; then
-    meson setup --reconfigure "$root/build" >/dev/null || die "meson could not configure $root/build again"
+if [ $kokoro = yes ]; then
+    need_weights "$root/server/plugins/kokoro" 930
+    # a build that was configured without them does not have the plugin
+    if [ -f "$root/build/build.ninja" ] && [ ! -f "$root/build/server/plugins/kokoro.so" ]; then
+        meson setup --reconfigure "$root/build" >/dev/null || die "meson could not configure $root/build again"
+    fi
 fi
 build "$root/build"
 
