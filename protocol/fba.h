@@ -10,32 +10,34 @@
 enum {
     FBA_QUALITY_LOSSLESS = 0, /* values as they are */
     FBA_QUALITY_MAX = 31,
-    FBA_QUALITY = 5, /* default: lips within 0.2 mm, head within 0.15 degrees */
+    FBA_QUALITY = 5, /* default: lips of a common head within 0.2 mm, its turns within 0.15 degrees */
     /* Largest magnitude of a value that can be coded; larger ones are limited to it. */
     FBA_VALUE_MAX = 1 << 24,
     FBA_FRAMES_MAX = 64, /* in one packet */
     /* A packet never has more bytes than this for each of its frames, and this once more: 66 values, each of
-     * at most 8 bits for each of 50 coded bits, and the mask. */
-    FBA_FRAME_BYTES_MAX = 3600,
+     * at most 45 bits at 10 bits each and 30 even ones, the mask, FAP 1 and FAP 2. */
+    FBA_FRAME_BYTES_MAX = 4200,
 };
 
 /* Adaptive probabilities: contexts of the arithmetic coder. */
 enum {
-    FBA_GROUPS = 7,
-    FBA_CLASSES = 4,
-    FBA_UNARY = 14,
-    FBA_PREFIX = 32,
-    FBA_CTX_ZERO = 0,
-    FBA_CTX_SIGN = FBA_CTX_ZERO + (FAP_COUNT + 1) * 6,
-    FBA_CTX_SIZE = FBA_CTX_SIGN + (FAP_COUNT + 1) * 3,
+    FBA_WEIGHTS = 7,
+    FBA_GROUPS = 11,
+    FBA_ZEROS = 24,
+    FBA_SIGNS = 15,
+    FBA_CLASSES = 6,
+    FBA_UNARY = 12,
+    FBA_LONG = 32,
+    FBA_CTX_SIGN = (FAP_COUNT + 1) * FBA_ZEROS,
+    FBA_CTX_SIZE = FBA_CTX_SIGN + (FAP_COUNT + 1) * FBA_SIGNS,
     FBA_CTX_LONG = FBA_CTX_SIZE + FBA_GROUPS * FBA_CLASSES * FBA_UNARY,
-    FBA_CTX_MASK = FBA_CTX_LONG + FBA_GROUPS * FBA_PREFIX,
+    FBA_CTX_MASK = FBA_CTX_LONG + FBA_GROUPS * FBA_LONG,
     FBA_CTX_HIGH = FBA_CTX_MASK + 3,
     FBA_CTX_COUNT = FBA_CTX_HIGH + 10,
 };
 
 struct fba_context {
-    uint16_t zero; /* probability of a 0, of 4096 */
+    uint16_t zero; /* probability of a 0, of 65536 */
     uint8_t seen;
 };
 
@@ -44,8 +46,10 @@ struct fba_state {
     uint8_t quality;  /* 0..31 */
     uint8_t sequence; /* of the next packet, 0..127 */
     struct fba_context contexts[FBA_CTX_COUNT];
-    int32_t level[FAP_COUNT + 1], slope[FAP_COUNT + 1], weight[FAP_COUNT + 1];
-    struct fap_frame last; /* mask, FAP 1 and FAP 2 of the frame before */
+    int32_t value[4][FAP_COUNT + 1]; /* of the latest frame and those before it; what a decoder shows */
+    int32_t error[FAP_COUNT + 1];    /* of the guesses of the latest frame, in steps */
+    int32_t activity[FAP_COUNT + 1]; /* of these errors lately */
+    struct fap_frame last;           /* mask, FAP 1 and FAP 2 of the latest frame */
 };
 
 struct fba_encoder {

@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/rangecoder.h"
 
-enum { PROBABILITY_BITS = 12, PROBABILITY_MIN = 16, PROBABILITY_MAX = 4080, SLOWEST = 5, SEEN_MAX = 20 };
+enum { ONE = 65536, LEAST = 64, SEEN_MAX = 60 };
 #define TOP 0x1000000u
 
-/* Young contexts learn fast. */
+/* The less often it was asked, the further a probability goes towards what was seen. */
 static void learn(struct fba_context *c, int bit) {
-    int rate = 2 + (c->seen >> 1), p = c->zero;
-    if (rate > SLOWEST)
-        rate = SLOWEST;
+    uint32_t rate = 10 * ONE / (10 * (uint32_t)c->seen + 16), p = c->zero;
     if (c->seen < SEEN_MAX)
         c->seen++;
-    p += bit ? -(p >> rate) : ((1 << PROBABILITY_BITS) - p) >> rate;
-    c->zero = (uint16_t)(p < PROBABILITY_MIN ? PROBABILITY_MIN : p > PROBABILITY_MAX ? PROBABILITY_MAX : p);
+    p = bit ? p - (uint32_t)((uint64_t)p * rate / ONE) : p + (uint32_t)((uint64_t)(ONE - p) * rate / ONE);
+    c->zero = (uint16_t)(p < LEAST ? LEAST : p > ONE - LEAST ? ONE - LEAST : p);
 }
 
 void range_encoder_init(struct range_encoder *e, uint8_t *out, size_t cap) {
@@ -50,7 +48,7 @@ static void put(struct range_encoder *e, uint32_t bound, int bit) {
 }
 
 void range_put(struct range_encoder *e, struct fba_context *context, int bit) {
-    put(e, (e->range >> PROBABILITY_BITS) * context->zero, bit);
+    put(e, (e->range >> 16) * context->zero, bit);
     learn(context, bit);
 }
 
@@ -69,7 +67,10 @@ size_t range_finish(struct range_encoder *e) {
 }
 
 static uint8_t next_byte(struct range_decoder *d) {
-    return d->at < d->end ? *d->at++ : 0;
+    if (d->at < d->end)
+        return *d->at++;
+    d->beyond++;
+    return 0;
 }
 
 void range_decoder_init(struct range_decoder *d, const uint8_t *data, size_t size) {
@@ -94,11 +95,16 @@ static int get(struct range_decoder *d, uint32_t bound) {
 }
 
 int range_get(struct range_decoder *d, struct fba_context *context) {
-    int bit = get(d, (d->range >> PROBABILITY_BITS) * context->zero);
+    int bit = get(d, (d->range >> 16) * context->zero);
     learn(context, bit);
     return bit;
 }
 
 int range_get_even(struct range_decoder *d) {
     return get(d, d->range >> 1);
+}
+
+bool range_early(const struct range_decoder *d) {
+    /* three bytes are read ahead */
+    return (size_t)(d->end - d->at) + 3 > d->beyond;
 }

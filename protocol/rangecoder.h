@@ -15,7 +15,8 @@ struct range_encoder {
 
 struct range_decoder {
     uint32_t range, code;
-    const uint8_t *at, *end; /* beyond the end there are zeros */
+    const uint8_t *at, *end;
+    size_t beyond; /* bytes asked for beyond the end; they are 0 */
 };
 
 void range_encoder_init(struct range_encoder *e, uint8_t *out, size_t cap);
@@ -30,5 +31,8 @@ size_t range_finish(struct range_encoder *e);
 void range_decoder_init(struct range_decoder *d, const uint8_t *data, size_t size);
 int range_get(struct range_decoder *d, struct fba_context *context);
 int range_get_even(struct range_decoder *d);
+
+/* Bytes are left that no encoder would have written. */
+bool range_early(const struct range_decoder *d);
 
 #endif

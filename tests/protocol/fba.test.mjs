@@ -5,7 +5,7 @@ import fs from 'node:fs';
 import { test } from 'node:test';
 import { FbaDecoder, FbaEncoder, FbaError, fbaFrame, fbaStep } from '../../protocol/fba.mjs';
 
-const { streams } = JSON.parse(fs.readFileSync(new URL('../../protocol/vectors/fba.json', import.meta.url)));
+const { streams, bad } = JSON.parse(fs.readFileSync(new URL('../../protocol/vectors/fba.json', import.meta.url)));
 
 const dense = ({ values, viseme, expression }) => {
   const frame = fbaFrame();
@@ -30,6 +30,16 @@ for (const [i, { name, quality, packets }] of streams.entries())
       assert.deepEqual(decoder.decode(bytes, packet.frames.length), packet.decoded.map(dense));
       if (quality === 0 && name === 'wild') assert.deepEqual(packet.decoded, packet.frames);
     }
+  });
+
+for (const { name, bytes } of bad)
+  test(`refused: ${name}`, () => {
+    const [first, second] = streams[0].packets.map((packet) => Buffer.from(packet.bytes, 'hex'));
+    const decoder = new FbaDecoder();
+    decoder.decode(first, 3);
+    assert.throws(() => decoder.decode(Buffer.from(bytes, 'hex'), 3), FbaError);
+    assert.throws(() => decoder.decode(second, 3), FbaError);
+    decoder.decode(first, 3);
   });
 
 const speech = (t) => {
