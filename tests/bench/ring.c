@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The reference of broadcast.mjs: the least that libwebsockets can do to send the same messages to many. All
- * lie in one lws_ring; each connection has a tail in it. Usage: ring FILE; prints its port, and on SIGUSR1
- * plays the messages of FILE, as listeners.c records them, at their times. Ends with SIGTERM. */
+ * lie in one ring; each connection has its place in it, and is cut off when it falls a round behind. (With
+ * lws_ring it would cost more: that looks for the hindmost of all connections again and again.) Usage: ring
+ * FILE; prints its port, and on SIGUSR1 plays the messages of FILE, as listeners.c records them, at their
+ * times. Ends with SIGTERM. */
 #include <libwebsockets.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -19,7 +21,7 @@ struct message {
 struct session {
     struct session *next;
     struct lws *wsi;
-    uint32_t tail;
+    size_t next_message;
 };
 
 struct ring {
@@ -27,7 +29,8 @@ struct ring {
     uv_timer_t timer;
     uv_signal_t start, stop;
     struct lws_context *context;
-    struct lws_ring *messages;
+    struct message messages[RING];
+    size_t count; /* of messages so far */
     struct session *sessions;
     uint8_t *file;
     size_t size, at;
@@ -38,19 +41,14 @@ static uint32_t number(const uint8_t *at) {
     return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
 }
 
-static void destroy(void *element) {
-    free(((struct message *)element)->bytes);
-}
-
 static void send_message(struct ring *r, const uint8_t *record) {
     struct message m = {.size = number(record + 5),
                         .type = record[4] == 1 ? LWS_WRITE_TEXT : LWS_WRITE_BINARY};
     m.bytes = malloc(LWS_PRE + m.size);
     memcpy(m.bytes + LWS_PRE, record + HEAD, m.size);
-    if (!r->sessions || lws_ring_insert(r->messages, &m, 1) != 1) {
-        destroy(&m);
-        return;
-    }
+    struct message *slot = &r->messages[r->count++ % RING];
+    free(slot->bytes);
+    *slot = m;
     for (struct session *s = r->sessions; s; s = s->next)
         lws_callback_on_writable(s->wsi);
 }
@@ -89,18 +87,17 @@ static void forget(struct ring *r, struct session *gone) {
         }
     }
     lws_end_foreach_llp(at, next);
-    lws_ring_update_oldest_tail(r->messages, lws_ring_get_oldest_tail(r->messages));
 }
 
 static int on_writeable(struct ring *r, struct session *s) {
-    const struct message *m = lws_ring_get_element(r->messages, &s->tail);
-    if (!m)
+    if (s->next_message == r->count)
         return 0;
+    if (r->count - s->next_message > RING)
+        return -1;
+    const struct message *m = &r->messages[s->next_message++ % RING];
     if (lws_write(s->wsi, m->bytes + LWS_PRE, m->size, m->type) < (int)m->size)
         return -1;
-    lws_ring_consume_and_update_oldest_tail(r->messages, struct session, &s->tail, 1, r->sessions, tail,
-                                            next);
-    if (lws_ring_get_element(r->messages, &s->tail))
+    if (s->next_message < r->count)
         lws_callback_on_writable(s->wsi);
     return 0;
 }
@@ -113,7 +110,7 @@ static int callback(struct lws *wsi, enum lws_callback_reasons reason, void *use
     switch (reason) {
     case LWS_CALLBACK_ESTABLISHED:
         s->wsi = wsi;
-        s->tail = r->sessions ? lws_ring_get_oldest_tail(r->messages) : 0;
+        s->next_message = r->count;
         s->next = r->sessions;
         r->sessions = s;
         return 0;
@@ -142,7 +139,7 @@ static int read_all(struct ring *r, const char *path) {
 int main(int argc, char **argv) {
     static const struct lws_protocols protocols[] = {
         {"ring", callback, sizeof(struct session), 0, 0, NULL, 0}, {0}};
-    struct ring r = {0};
+    static struct ring r;
     if (argc != 2 || read_all(&r, argv[1])) {
         fprintf(stderr, "usage: ring FILE\n");
         return 2;
@@ -152,7 +149,6 @@ int main(int argc, char **argv) {
     uv_signal_init(&r.loop, &r.start);
     uv_signal_init(&r.loop, &r.stop);
     r.timer.data = r.start.data = &r;
-    r.messages = lws_ring_create(sizeof(struct message), RING, destroy);
     void *loops[] = {&r.loop};
     struct lws_context_creation_info info = {.port = 0,
                                              .iface = "127.0.0.1",
