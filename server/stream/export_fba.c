@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The .fba export: the face as coded packets, each as soon as its frames are there. */
+/* The .fba export: the face as coded packets, each as soon as its frames are there. As in the stream, without
+ * FAP 1 and 2, which say again for simple decoders what the others say. */
 #include "protocol/fbafile.h"
 #include "server/base/mem.h"
 #include "server/stream/export.h"
@@ -31,7 +32,9 @@ void export_fba_scene(struct export *x, const struct scene *scene) {
     struct fba_coder *c = begin(x);
     uint32_t end = export_frames_until(x, scene);
     for (; x->frames < end; x->frames++) {
-        scene_frame(scene, x->fps, x->frames, &c->frames[c->count++]);
+        struct fap_frame *frame = &c->frames[c->count++];
+        scene_frame(scene, x->fps, x->frames, frame);
+        frame->mask[0] &= (uint8_t)~3u;
         if (c->count == c->writer.frames)
             put_packet(x, c);
     }

@@ -176,11 +176,13 @@ test('asked wrongly', () => {
   assert.equal(fap('info', file('none.fap')).status, 1);
 });
 
-test('speech leaves as .fba from the command line and the daemon, the same that encode makes of its .fap', async () => {
+test('speech leaves as .fba from the command line and the daemon, the same values that encode makes of its .fap', async () => {
   const said = faccia(['say', '-l', 'it', '--fap', file('say.fap'), '--fba', file('say.fba'), 'La mamma parla piano. Poi tace.']);
   assert.equal(said.status, 0, said.stderr);
   const coded = fs.readFileSync(file('say.fba'));
-  assert.deepEqual(done('encode', file('say.fap')).stdout, coded);
+  const faces = [coded, done('encode', file('say.fap')).stdout].map((bytes) => parseFap(faccia(['fap', 'decode', '-'], bytes).text).frames);
+  assert.ok(faces[0].length > 40);
+  assert.deepEqual(faces[0], faces[1]);
   const daemon = await Daemon.start();
   try {
     const answer = await daemon.get('/v1/speech?lang=it&format=fba', { method: 'POST', body: 'La mamma parla piano. Poi tace.', headers: { 'content-type': 'text/plain' } });

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One speaker in a room to many listeners: what a delivered message costs the daemon's process, next to a minimal libwebsockets
+// program (ring.c) that sends the same messages at the same times to as many. Both on core 0, the listeners on core 1. CPU times
+// are those of the kernel's scheduler, so others on the machine hardly show. Before: ninja -C build tests/bench/bench_ring
+// tests/bench/bench_listeners. Usage: node tests/bench/broadcast.mjs [LISTENERS]... (1 100 1000 5000; ulimit -n must allow them)
+import { execFileSync, spawn } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { once } from 'node:events';
+import readline from 'node:readline';
+import { build, Daemon } from '../lib/daemon.mjs';
+import { sentence } from './text.mjs';
+
+const counts = process.argv.length > 2 ? process.argv.slice(2).map(Number) : [1, 100, 1000, 5000];
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-broadcast-'));
+const text = `${sentence} `.repeat(2);
+const program = (name) => path.join(build, 'tests/bench', name);
+const pin = (pid, core) => execFileSync('taskset', ['-a', '-c', '-p', String(core), String(pid)]);
+
+/** CPU seconds of a process, of all its threads. */
+const cpu = (pid) => fs.readdirSync(`/proc/${pid}/task`)
+  .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'utf8').split(' ')[0]) / 1e9, 0);
+const kilobytes = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'utf8').match(/VmRSS:\s+(\d+)/)[1]);
+
+/** So many listen while `start` has the process speak. */
+async function listen({ pid, port, count, address, start, record = [] }) {
+  const before = kilobytes(pid);
+  const child = spawn('taskset', ['-c', '1', program('bench_listeners'), String(port), address, String(count), ...record], { stdio: ['pipe', 'pipe', 'inherit'] });
+  const ended = once(child, 'exit');
+  const lines = readline.createInterface(child.stdout)[Symbol.asyncIterator]();
+  const line = async () => {
+    const { value, done } = await lines.next();
+    if (done) throw new Error('the listeners ended');
+    return value;
+  };
+  await line();
+  const memory = (kilobytes(pid) - before) / count;
+  const used = cpu(pid);
+  await start();
+  const heard = JSON.parse(await line());
+  const seconds = cpu(pid) - used;
+  child.stdin.end();
+  await ended;
+  return { ...heard, memory, cpu: seconds, each: (1e6 * seconds) / heard.messages };
+}
+
+const rows = [];
+for (const count of counts) {
+  const file = path.join(folder, `${count}.messages`);
+  const daemon = await Daemon.start(['--max-connections', String(count + 10)]);
+  pin(daemon.process.pid, 0);
+  const own = await listen({
+    pid: daemon.process.pid, port: daemon.port, count, address: '/v1/stream?room=bench', record: [file],
+    start: async () => {
+      const answer = await fetch(`${daemon.url}/v1/say?room=bench&lang=it`, { method: 'POST', body: text });
+      if (answer.status !== 202) throw new Error(await answer.text());
+    },
+  });
+  await daemon.stop();
+
+  const ring = spawn('taskset', ['-c', '0', program('bench_ring'), file], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const ended = once(ring, 'exit');
+  const port = String((await once(ring.stdout, 'data'))[0]).trim();
+  const reference = await listen({ pid: ring.pid, port, count, address: '/', start: () => ring.kill('SIGUSR1') });
+  ring.kill();
+  await ended;
+  rows.push({ count, own, reference });
+}
+fs.rmSync(folder, { recursive: true });
+
+console.log('CPU per delivered message, us (facciad: with the making of the speech, which is the same for all)');
+console.log('listeners   messages  bytes each    facciad       ring   ratio   ratio beyond the first');
+const [least] = rows;
+for (const { count, own, reference } of rows) {
+  const beyond = (now, one) => (now.cpu - one.cpu) / (now.messages - one.messages);
+  const rest = count > least.count ? (beyond(own, least.own) / beyond(reference, least.reference)).toFixed(2) : '-';
+  console.log([String(count).padStart(9), String(own.messages).padStart(10), (own.bytes / own.messages).toFixed(0).padStart(11), own.each.toFixed(2).padStart(10),
+    reference.each.toFixed(2).padStart(10), (own.each / reference.each).toFixed(2).padStart(7), rest.padStart(24)].join(' '));
+}
+console.log('\nms after the first listener had a message, half / 99 % / last; memory of an idle listener');
+for (const { count, own, reference } of rows)
+  for (const [name, r] of [['facciad', own], ['ring', reference]])
+    console.log(`${String(count).padStart(9)} ${name.padEnd(8)} ${r.p50.toFixed(2).padStart(9)} ${r.p99.toFixed(2).padStart(9)} ${r.max.toFixed(2).padStart(9)} ${r.memory.toFixed(1).padStart(9)} kB`);

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the stream costs, and what its coding takes from the lips: five minutes of Italian with expression and life, heard as any
+// client hears it (Opus and FBA), next to the same face as ASCII .fap, that gzipped, and JSON of 52 blend shapes at 60 a second.
+// Takes as long as she speaks. Usage: node tests/bench/stream.mjs [SECONDS]
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import zlib from 'node:zlib';
+import WebSocket from 'ws';
+import { isCompact } from '../../protocol/compact.mjs';
+import { build, Daemon, root } from '../lib/daemon.mjs';
+import { parseFap } from '../lib/fapfile.mjs';
+import { quantile } from './figures.mjs';
+import { prose } from './text.mjs';
+
+const seconds = Number(process.argv[2] ?? 300);
+const feelings = ['joy', 'sadness', 'surprise', 'hope', 'anger', 'gratitude', 'fear', 'satisfaction'];
+const text = `<emotionml version="1.0" xmlns="http://www.w3.org/2009/10/emotionml" category-set="http://www.w3.org/TR/emotion-voc/xml#occ-categories">${
+  prose(seconds).match(/[^.]+\./g).map((s, i) => `<emotion><category name="${feelings[i % 8]}" value="0.7"/>${s.trim()}</emotion>`).join('\n')}</emotionml>`;
+
+const daemon = await Daemon.start([], { FACCIA_MAX_TEXT: '10000000' });
+const ask = (format, fps = 25) => fetch(`${daemon.url}/v1/speech?lang=it&format=${format}&fps=${fps}`, {
+  method: 'POST', body: text, headers: { 'content-type': 'application/emotionml+xml' },
+});
+
+/** Bytes of a frame's header on a socket, of the server (RFC 6455, 5.2). */
+const framing = (size) => (size < 126 ? 2 : size < 65536 ? 4 : 10);
+
+/** All that one who asks for that hears, as bytes, and for how long. */
+async function hear(query) {
+  const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?lang=it${query}`, { perMessageDeflate: false });
+  const sum = { chunks: 0, audio: 0, fap: 0, heads: 0, framing: 0, texts: 0, duration: 0 };
+  await new Promise((resolve, reject) => {
+    socket.on('error', reject).on('open', () => socket.send(JSON.stringify({ type: 'speak', markup: 'emotionml', text })));
+    let begun = false;
+    socket.on('message', (data, binary) => {
+      if (!begun && !binary) begun = JSON.parse(data).type === 'begin'; // hello, with the list of heads and voices, comes once
+      if (!begun) return;
+      sum.framing += framing(data.length);
+      if (!binary) {
+        const message = JSON.parse(data);
+        sum.texts += data.length;
+        if (message.type === 'error') reject(new Error(String(data)));
+        if (message.type !== 'end') return;
+        sum.duration = message.duration;
+        resolve();
+        return;
+      }
+      sum.chunks++;
+      const parts = partsOf(data);
+      sum.audio += parts.audio;
+      sum.fap += parts.fap;
+      sum.heads += data.length - parts.audio - parts.fap;
+    });
+  });
+  socket.close();
+  return sum;
+}
+
+/** The bytes of sound and face in a compact chunk (protocol/README.md, "Compact chunks"). */
+function partsOf(data) {
+  if (!isCompact(data)) throw new Error('not a compact chunk');
+  let at = 1;
+  const number = () => {
+    let [value, scale] = [0, 1];
+    for (; data[at] >= 128; scale *= 128) value += (data[at++] & 127) * scale;
+    return value + data[at++] * scale;
+  };
+  const opus = ((data[0] >> 4) & 3) === 2;
+  if (data[0] & 0x40) for (let i = opus ? 6 : 5; i; i--) number();
+  if (data[0] & 2) number();
+  number();
+  const audio = number();
+  return { audio, fap: data.length - at - audio };
+}
+
+// the 52 shapes that head trackers of phones send, each driven by the FAP that comes nearest to it
+const shapes = { browDownLeft: 31, browDownRight: 32, browInnerUp: 31, browOuterUpLeft: 35, browOuterUpRight: 36, cheekPuff: 39,
+  cheekSquintLeft: 41, cheekSquintRight: 42, eyeBlinkLeft: 19, eyeBlinkRight: 20, eyeLookDownLeft: 25, eyeLookDownRight: 26,
+  eyeLookInLeft: 23, eyeLookInRight: 24, eyeLookOutLeft: 23, eyeLookOutRight: 24, eyeLookUpLeft: 25, eyeLookUpRight: 26,
+  eyeSquintLeft: 21, eyeSquintRight: 22, eyeWideLeft: 19, eyeWideRight: 20, jawForward: 14, jawLeft: 15, jawOpen: 3, jawRight: 15,
+  mouthClose: 5, mouthDimpleLeft: 53, mouthDimpleRight: 54, mouthFrownLeft: 12, mouthFrownRight: 13, mouthFunnel: 16,
+  mouthLeft: 6, mouthLowerDownLeft: 10, mouthLowerDownRight: 11, mouthPressLeft: 8, mouthPressRight: 9, mouthPucker: 17,
+  mouthRight: 7, mouthRollLower: 16, mouthRollUpper: 17, mouthShrugLower: 18, mouthShrugUpper: 4, mouthSmileLeft: 59,
+  mouthSmileRight: 60, mouthStretchLeft: 6, mouthStretchRight: 7, mouthUpperUpLeft: 8, mouthUpperUpRight: 9, noseSneerLeft: 61,
+  noseSneerRight: 62, tongueOut: 45 };
+const { faps } = JSON.parse(fs.readFileSync(path.join(root, 'protocol/fap-table.json'), 'utf8'));
+const weight = (values, n) => Math.round(Math.min(1, Math.abs(values[n]) / (faps[n - 1].max / 4)) * 1000) / 1000;
+const shapesJson = (frames) => frames.reduce((sum, values, k) => sum + JSON.stringify({
+  time: Math.round((k / 60) * 1000) / 1000, blendshapes: Object.fromEntries(Object.entries(shapes).map(([name, n]) => [name, weight(values, n)])),
+}).length, 0);
+
+const hearing = hear('');
+const ascii = await (await ask('fap')).text();
+const at60 = parseFap(await (await ask('fap', 60)).text());
+const file = await (await ask('fba')).arrayBuffer();
+const original = parseFap(ascii);
+const duration = original.frames.length / original.fps;
+const rate = (bytes) => (bytes * 8) / 1000 / duration;
+
+/** Every lip point's way from where it should be, in mm, over all frames: what coding takes. */
+function lipErrors(decoded) {
+  const units = JSON.parse(fs.readFileSync(path.join(build, 'models/heads/mara.json'), 'utf8')).fapu;
+  const points = new Map();
+  for (const f of faps)
+    if (/^(2\.[2-9]|8\.\d+)$/.test(f.fdp)) points.set(f.fdp, [...(points.get(f.fdp) ?? []), { n: f.number, mm: units[f.unit] / 1024 }]);
+  return decoded.frames.flatMap((values, k) => [...points.values()].map((axes) =>
+    Math.hypot(...axes.map(({ n, mm }) => (values[n] - original.frames[k][n]) * mm))));
+}
+const faccia = (args, input) => spawnSync(path.join(build, 'server/app/faccia'), ['fap', ...args, '-'], { input, maxBuffer: 1 << 28 }).stdout;
+const lossless = faccia(['encode', '--quality', '0'], ascii);
+const errors = lipErrors(parseFap(String(faccia(['decode'], Buffer.from(file)))));
+const exact = lipErrors(parseFap(String(faccia(['decode'], lossless))));
+const mean = errors.reduce((a, b) => a + b, 0) / errors.length;
+
+const heard = await hearing;
+await daemon.stop();
+const table = (rows) => rows.forEach(([name, value, against]) =>
+  console.log(`${name.padEnd(58)}${value.toFixed(2).padStart(10)} kbit/s${against ? `${(value / against).toFixed(1).padStart(9)} x` : ''}`));
+const live = (bytes) => (bytes * 8) / 1000 / heard.duration;
+const face = live(heard.fap);
+console.log(`${duration.toFixed(0)} s of speech, 25 frames a second; x: times the FAPs of the stream\n`);
+table([
+  ['stream: FAPs', face],
+  ['stream: sound (Opus)', live(heard.audio)],
+  ['stream: heads of the chunks', live(heard.heads)],
+  ['stream: WebSocket framing', live(heard.framing)],
+  ['stream: events (sentences, words) as JSON', live(heard.texts)],
+  ['stream: FAPs, sound, heads and framing', live(heard.fap + heard.audio + heard.heads + heard.framing)],
+  ['stream: all', live(heard.fap + heard.audio + heard.heads + heard.framing + heard.texts)],
+  ['.fba file', rate(file.byteLength), face],
+  ['.fba file, lossless', rate(lossless.length), face],
+  ['ASCII .fap', rate(ascii.length), face],
+  ['ASCII .fap, gzip -9', rate(zlib.gzipSync(ascii, { level: 9 }).length), face],
+  ['JSON of 52 blend shapes, 60 a second', rate(shapesJson(at60.frames)), face],
+]);
+console.log(`\nlips of the default head: off by ${mean.toFixed(3)} mm on average, ${quantile(errors, 0.99).toFixed(3)} in 99 %, ${quantile(errors, 1).toFixed(3)} at most; lossless ${quantile(exact, 1).toFixed(3)}`);
