@@ -9,7 +9,7 @@ enum {
     KO_RATE = 24000,     /* Hz */
     KO_UNIT = 600,       /* samples in one unit of duration: 25 ms */
     KO_SHIFT = 60 * 24,  /* samples by which the sounds come before the sum of the durations. Measured: the
-                            contrast of vowels and voiceless stops is greatest at 55 to 65 ms in six voices */
+                            contrast of vowels and voiceless stops is greatest at 45 to 65 ms, by voice */
     KO_MARGIN = 24 * 30, /* samples that are kept before the first sound and after the last */
 };
 
