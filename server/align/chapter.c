@@ -10,6 +10,7 @@
 
 /* Pauses between phones that are shorter than this belong to the phone before, s. */
 #define PAUSE_LEAST 0.03
+#define PHONE_LEAST 0.02
 #define REST_ENOUGH 60.0
 
 void chapter_piece_free(struct chapter_piece *piece) {
@@ -61,6 +62,23 @@ static double seconds_of(const struct chapter *c, uint64_t sample) {
     return (double)window_place(&c->window, (size_t)sample) / c->window.source->rate;
 }
 
+/* The warp may leave a phone no time of its own; its neighbour that has more of it gives it some. */
+static void widen(struct chapter_piece *piece, size_t i) {
+    struct chapter_phone *p = &piece->phones[i], *before = i ? p - 1 : NULL;
+    struct chapter_phone *after = i + 1 < piece->phone_count ? p + 1 : NULL;
+    double missing = PHONE_LEAST - (p->end - p->start);
+    double left = before ? p->start - before->start : 0, right = after ? after->end - p->end : 0;
+    if (missing <= 0)
+        return;
+    if (left >= right && left > missing + PHONE_LEAST) {
+        p->start -= missing;
+        before->end = fmin(before->end, p->start);
+    } else if (right > missing + PHONE_LEAST) {
+        p->end += missing;
+        after->start = fmax(after->start, p->end);
+    }
+}
+
 static void take_phones(const struct chapter *c, const struct align_map *map, const struct span *span,
                         struct chapter_piece *piece) {
     piece->phones = mem_alloc((span[1].phones - span->phones + 1) * sizeof *piece->phones);
@@ -78,6 +96,8 @@ static void take_phones(const struct chapter *c, const struct align_map *map, co
             before->end = p->start;
         piece->phone_count++;
     }
+    for (size_t i = 0; i < piece->phone_count; i++)
+        widen(piece, i);
 }
 
 /* A word ends with its last phone. */
