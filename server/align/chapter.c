@@ -27,6 +27,7 @@ struct chapter *chapter_open(const struct sound_source *source, struct reference
     c->text = text;
     c->size = size;
     c->stop = options->stop;
+    c->made = options->made;
     for (int pass = 0; pass < 2 && !c->voice_count; pass++) /* a gender that there is no voice of: any */
         for (int i = 0; i < 2; i++) {
             const char *voice = reference_voice(reference, options->lang, genders[i]);
@@ -147,6 +148,8 @@ static int misfit(const struct chapter *c, size_t byte, double time, const char 
 
 /* Are these the words of the recording? */
 static int check(const struct chapter *c, const struct align_map *map, size_t count, struct error *e) {
+    if (c->made)
+        return 0;
     const struct align_sound recording = {c->window.pcm, map->recording_samples, c->window.source->rate};
     double apart, other = chance(&recording, &c->speech, map, c->stop, &apart);
     if (other < 0 || apart < CHANCE_SHARE * other)
