@@ -49,19 +49,20 @@ def write_header(out, data):
     """Of a WAV file that ends where the stream ends: its lengths are 0."""
     rate, width, channels = (int(data[key]) for key in ("rate", "width", "channels"))
     frame = width * channels
-    out.write(struct.pack("<4sI8sIHHIIHH4sI", b"RIFF", 0, b"WAVEfmt ", 16, 1, channels, rate, rate * frame, frame,
-                          8 * width, b"data", 0))
+    out.write(struct.pack("<4sI8sIHHIIHH4sI", b"RIFF", 0, b"WAVEfmt ", 16, 1, channels, rate,
+                          rate * frame, frame, 8 * width, b"data", 0))
 
 
 def main():
     parser = argparse.ArgumentParser()
-    for name, options in [("host", {}), ("port", {"type": int}), ("--voice", {}), ("--speaker", {}), ("--lang", {})]:
-        parser.add_argument(name, **options)
+    for name in ("host", "port", "--voice", "--speaker", "--lang"):
+        parser.add_argument(name)
     args = parser.parse_args()
     voice = {"name": args.voice, "speaker": args.speaker, "language": args.lang}
     request = {"text": sys.stdin.buffer.read().decode(), "voice": {k: v for k, v in voice.items() if v}}
     out, begun, kind = sys.stdout.buffer, False, ""
-    with socket.create_connection((args.host, args.port), SECONDS) as connection, connection.makefile("rwb") as stream:
+    connection = socket.create_connection((args.host, args.port), SECONDS)
+    with connection, connection.makefile("rwb") as stream:
         write_event(stream, "synthesize", request)
         while kind != "audio-stop":
             kind, data, payload = read_event(stream)
