@@ -23,7 +23,7 @@ static const char usage[] =
     "      --timing FILE    times of the phones: Festival or HTK .lab, .mlf, Praat TextGrid, our JSON, byte "
     "offsets\n"
     "      --names FILE     JSON object: the timing's names of phones in IPA\n"
-    "  -l, --lang TAG       it, pt-BR, tr, en (it)\n"
+    "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "      --gender WORD    of the speaker: female or male; found out when it is not told\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context or syllable\n"

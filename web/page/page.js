@@ -50,6 +50,14 @@ const primary = (tag) => tag.slice(0, 2);
 const table = () => words[primary(lang.value)] ?? words.en;
 const say = (name, values = {}) => table()[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
 
+const nameOf = (tag) => {
+  try {
+    return new Intl.DisplayNames([tag, 'en'], { type: 'language' }).of(tag);
+  } catch {
+    return tag; // not of BCP 47
+  }
+};
+
 function offer(languages) {
   const chosen = lang.value;
   lang.replaceChildren(...languages.map(({ tag, name }) => new Option(name, tag)));
@@ -73,7 +81,8 @@ function speak() {
 }
 
 head.addEventListener('hello', ({ detail }) => {
-  offer(detail.languages);
+  const more = (detail.more_languages ?? []).map((tag) => ({ tag, name: nameOf(tag) }));
+  offer([...detail.languages, ...more.sort((a, b) => a.name.localeCompare(b.name))]);
   translate();
 });
 head.addEventListener('connection', ({ detail }) => {
