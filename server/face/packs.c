@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/packs.h"
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/face/phones.h"
 #include <glob.h>
@@ -44,6 +45,7 @@ void speech_packs_free(struct speech_packs *packs) {
 }
 
 const struct speech_pack *speech_packs_find(const struct speech_packs *packs, const char *lang) {
+    lang = lang_usual(lang);
     size_t primary = strcspn(lang, "-_");
     const struct speech_pack *same_language = NULL, *general = NULL;
     for (size_t i = 0; i < packs->count; i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The voices that the plugins have, and the choice among them. */
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/voice/pool_parts.h"
 #include <jansson.h>
@@ -106,22 +107,9 @@ static const struct voice *by_name(const struct catalog *catalog, const char *na
     return voice;
 }
 
-/* Tags that stand for another one: a macrolanguage for the language that is usually meant (RFC 5646, 4.1.2:
- * "zh" for Mandarin), and codes that ISO 639 has given up. */
-static const char *usual_tag(const char *tag) {
-    static const char *const tags[][2] = {{"zh-HK", "yue"}, {"zh-MO", "yue"}, {"zh", "cmn"}, {"no", "nb"},
-                                          {"nn", "nb"},     {"sh", "hr"},     {"iw", "he"},  {"in", "id"}};
-    for (size_t i = 0; i < sizeof tags / sizeof *tags; i++) {
-        size_t length = strlen(tags[i][0]);
-        if (!strncasecmp(tag, tags[i][0], length) && (!tag[length] || tag[length] == '-'))
-            return tags[i][1];
-    }
-    return tag;
-}
-
 int voice_lang_fit(const char *lang, const char *wanted) {
-    wanted = usual_tag(wanted);
-    lang = usual_tag(lang);
+    wanted = lang_usual(wanted);
+    lang = lang_usual(lang);
     size_t primary = strcspn(wanted, "-"), length = strlen(wanted);
     if (!strcasecmp(lang, wanted))
         return 3;
