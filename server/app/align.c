@@ -315,7 +315,7 @@ static int choose(struct align *a) {
     if (!a->pack)
         cli_complain("lang: no language '%s'", a->request.lang);
     else if (!face_engine_speaks(a->request.engine, a->pack))
-        cli_complain("engine: no engine '%s' for '%s'", a->request.engine, speech_pack_lang(a->pack));
+        cli_complain("engine: no engine '%s' for '%s'", a->request.engine, a->request.lang);
     else
         return -1;
     return EXIT_USAGE;
