@@ -58,8 +58,8 @@ const nameOf = (tag) => {
   }
 };
 
-function offer(languages) {
-  const chosen = lang.value;
+function offer(languages, usual) {
+  const chosen = lang.value || usual;
   lang.replaceChildren(...languages.map(({ tag, name }) => new Option(name, tag)));
   if (languages.some(({ tag }) => tag === chosen)) lang.value = chosen;
 }
@@ -82,7 +82,7 @@ function speak() {
 
 head.addEventListener('hello', ({ detail }) => {
   const more = (detail.more_languages ?? []).map((tag) => ({ tag, name: nameOf(tag) }));
-  offer([...detail.languages, ...more.sort((a, b) => a.name.localeCompare(b.name))]);
+  offer([...detail.languages, ...more.sort((a, b) => a.name.localeCompare(b.name))], detail.lang);
   translate();
 });
 head.addEventListener('connection', ({ detail }) => {
