@@ -103,6 +103,16 @@ test('openness follows height: French /y ø œ/ and /i e a/', () => {
   assert.ok(gap(rounded[0]) < gap(rounded[1]) && gap(rounded[1]) < gap(rounded[2]), rounded.map(gap).join(' '));
 });
 
+test('names that are not IPA are made so: dots of retroflexes, numbers of tones, letters of X-SAMPA', async () => {
+  for (const [id, text, spoken] of [
+    ['cmn-latn-pinyin', '水', /^ʂ w ei$/], ['cmn-latn-pinyin', '很', /^χ ə n$/], ['yue', '三', /^s aa m$/], ['ky', 'чай', /^tʃ ɑ j$/],
+  ]) {
+    const response = await daemon.get(`/v1/speech?format=json&voice=espeak:${id}`, { method: 'POST', body: text, headers: { 'content-type': 'text/plain' } });
+    const { phones } = await response.json();
+    assert.match(phones.map(({ ipa }) => ipa).filter(Boolean).join(' '), spoken);
+  }
+});
+
 test('a language without a pack can be asked for', async () => {
   const stream = await daemon.stream();
   const { languages, more_languages: more } = await stream.wait({ type: 'hello' });
