@@ -132,12 +132,14 @@ int speech_post(struct exchange *x);
  * *result to be returned. */
 const char *post_markup(struct exchange *x, int *result);
 
-/* play_post.c */
+/* media.c */
 
 /* A recording of the folder of those. -1 with *e: "unknown-media" when there is no such folder, or as
  * reel_source_in. */
 int media_source(const struct net *net, struct reel_source *source, const char *name, struct error *e);
-int play_post(struct exchange *x); /* POST /v1/play?room= */
+json_t *message_media(const struct net *net);
+
+int play_post(struct exchange *x); /* play_post.c: POST /v1/play?room= */
 
 /* room_http.c */
 
