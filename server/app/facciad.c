@@ -63,6 +63,7 @@ static struct net_options net_options_of(const struct daemon *d) {
         .address_requests = s->address_requests,
         .send_bytes = s->send_bytes,
         .send_bytes_max = s->send_bytes_max,
+        .lag_seconds = s->lag_seconds,
         .stall_seconds = s->stall_seconds,
     };
 }

@@ -71,13 +71,13 @@ export class Daemon {
 
 /** A WebSocket client that keeps all it hears. */
 export class Stream {
-  static async open(url, options) {
+  static async open(url, options, protocols = []) {
     const stream = new Stream();
     stream.messages = [];
     stream.chunks = [];
     stream.waiters = new Set();
     const reader = new CompactReader();
-    stream.socket = new WebSocket(url, { perMessageDeflate: false, ...options });
+    stream.socket = new WebSocket(url, protocols, { perMessageDeflate: false, ...options });
     stream.socket.on('message', (data, binary) => {
       if (binary) stream.chunks.push({ ...(isCompact(data) ? reader.decode(data) : decodeChunk(data)), bytes: data.length, arrived: performance.now() });
       else stream.messages.push({ ...JSON.parse(data), arrived: performance.now() });
