@@ -35,13 +35,6 @@ static void end_job(struct worker *w, struct utterance *u, const struct error *e
         pool_job_end(job, u, e);
 }
 
-static bool any_left(const struct plugin *plugin) {
-    for (size_t i = 0; i < plugin->worker_count; i++)
-        if (!plugin->workers[i].given_up)
-            return true;
-    return false;
-}
-
 static void give_up(struct worker *w, const char *why) {
     struct plugin *plugin = w->plugin;
     if (w->absent && !plugin->known && !plugin->pool->quiet)
@@ -51,7 +44,7 @@ static void give_up(struct worker *w, const char *why) {
                   plugin->pool->retry_after);
     w->given_up = true;
     set_state(w, WORKER_RESTING, (uint64_t)(plugin->pool->retry_after * 1000) + 1);
-    if (any_left(plugin))
+    if (plugin_runs(plugin))
         return;
     plugin->known = true;
     pool_fail_waiting(plugin);
