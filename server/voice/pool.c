@@ -46,6 +46,10 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
     pool->worker_path = mem_strdup(options->worker);
     pool->deadline_base = options->deadline_base > 0 ? options->deadline_base : 10;
     pool->deadline_per_byte = options->deadline_per_byte > 0 ? options->deadline_per_byte : 0.05;
+    pool->deadline_most = options->deadline_most > 0 ? options->deadline_most : 10;
+    pool->processor = options->processor > 0 ? options->processor : 20;
+    pool->megabytes = options->megabytes ? options->megabytes : 4096;
+    pool->unconfined = options->unconfined;
     pool->metrics = options->metrics;
     pool->retry_after = options->retry_after > 0 ? options->retry_after : 60;
     pool->quiet = options->quiet;

@@ -46,6 +46,8 @@ struct worker {
     struct process *process; /* NULL when resting */
     struct voice_job *job;
     uv_timer_t timer;       /* start, sentence, stop, rest: what the state says */
+    uint64_t patience;      /* ms that it may be silent while it speaks; */
+    uint64_t end;           /* of the loop's time: it must be done */
     unsigned failed_starts; /* in a row */
     bool given_up;          /* too many of them */
     bool absent;            /* it had nothing to run when it was started last */
@@ -71,7 +73,9 @@ struct catalog {
 struct voice_pool {
     uv_loop_t *loop;
     char *worker_path;
-    double deadline_base, deadline_per_byte, retry_after;
+    double deadline_base, deadline_per_byte, deadline_most, processor, retry_after;
+    unsigned megabytes;
+    bool unconfined;
     bool quiet;
     struct plugin *plugins;
     size_t plugin_count;
