@@ -13,6 +13,7 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
 #define SEND_BUFFER (1 << 20)
@@ -36,7 +37,8 @@ static void limit_processor(uint32_t seconds) {
     struct rlimit time;
     getrusage(RUSAGE_SELF, &used);
     getrlimit(RLIMIT_CPU, &time);
-    time.rlim_cur = (rlim_t)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) + 1 + seconds;
+    timeradd(&used.ru_utime, &used.ru_stime, &used.ru_utime);
+    time.rlim_cur = (rlim_t)used.ru_utime.tv_sec + 1 + seconds;
     if (time.rlim_cur > time.rlim_max)
         time.rlim_cur = time.rlim_max;
     setrlimit(RLIMIT_CPU, &time);

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { RATE = 16000, BYTE = RATE / 100 };
@@ -182,6 +183,14 @@ static void spin(const struct faccia_sink *sink) {
         continue;
 }
 
+/* Half a second of processor time. */
+static void work(const struct faccia_sink *sink) {
+    const clock_t end = clock() + CLOCKS_PER_SEC / 2;
+    while (clock() < end)
+        continue;
+    speak_audio(sink, BYTE);
+}
+
 /* More than there is, as an engine takes it that does not expect to be refused. */
 static void hog(const struct faccia_sink *sink) {
     enum { BLOCK = 64 << 20, BLOCKS = 1024 };
@@ -245,6 +254,7 @@ static const struct {
     {"flood", flood},     {"chatter", chatter}, {"leave", leave},   {"print", print},
     {"garbage", garbage}, {"late", late},       {"steady", steady}, {"drip", drip},
     {"spin", spin},       {"hog", hog},         {"dial", dial},     {"launch", launch},
+    {"work", work},
 };
 
 static int puppet_speak(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
