@@ -11,6 +11,7 @@
 #include <stdbool.h>
 #include <string.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <unistd.h>
 
 /* The leak detector stops the process from a helper process, with ptrace. */
@@ -93,6 +94,9 @@ static const int programs[] = {
 static const uint64_t namespaces[] = {CLONE_NEWUSER, CLONE_NEWNS,  CLONE_NEWPID,   CLONE_NEWNET,
                                       CLONE_NEWIPC,  CLONE_NEWUTS, CLONE_NEWCGROUP};
 
+/* The rest of the argument is flags. */
+enum { SOCK_TYPE = 0xf };
+
 /* The kernel reads 32 bits of these arguments. */
 #define LOW(bits) SCMP_CMP_MASKED_EQ, 0xffffffffu, (bits)
 
@@ -138,6 +142,17 @@ static int refuse_programs(scmp_filter_ctx filter) {
     return result;
 }
 
+/* A library that looks for the desktop's sound server (libpulse, which espeak-ng brings along) complains
+ * where it gets no socket, and is content where nobody answers: it gets one that leads nowhere. */
+static int refuse_network(scmp_filter_ctx filter) {
+    static const int uses[] = {CALL(connect), CALL(bind), CALL(listen), CALL(accept), CALL(accept4)};
+    static const int unconnected[] = {SOCK_DGRAM, SOCK_RAW, SOCK_SEQPACKET};
+    int result = refuse_when(filter, CALL(socket), SCMP_A0(SCMP_CMP_NE, AF_UNIX));
+    for (size_t i = 0; i < sizeof unconnected / sizeof *unconnected && !result; i++)
+        result = refuse_when(filter, CALL(socket), SCMP_A1(SCMP_CMP_MASKED_EQ, SOCK_TYPE, unconnected[i]));
+    return result ? result : refuse_all(filter, uses, sizeof uses / sizeof *uses);
+}
+
 static int load(scmp_filter_ctx filter, uint32_t capabilities) {
     /* A way round by another table of calls would be none: the x86's has the same rules. */
     int result = seccomp_attr_set(filter, SCMP_FLTATR_ACT_BADARCH, SCMP_ACT_ERRNO(ENOSYS));
@@ -148,7 +163,7 @@ static int load(scmp_filter_ctx filter, uint32_t capabilities) {
     if (!result)
         result = refuse_foreign(filter);
     if (!result && !(capabilities & FACCIA_VOICE_NETWORK))
-        result = refuse(filter, CALL(socket));
+        result = refuse_network(filter);
     if (!result && !(capabilities & FACCIA_VOICE_PROGRAMS))
         result = refuse_programs(filter);
     return result ? result : seccomp_load(filter);

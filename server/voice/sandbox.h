@@ -10,7 +10,8 @@
 /* capabilities: the plugin's FACCIA_VOICE_... Refused are
  * - always: tracing and reading other processes, mounts, namespaces, the kernel's and the machine's settings,
  *   limits of other processes, keyrings, io_uring (it goes round filters), typing into a terminal;
- * - without FACCIA_VOICE_NETWORK: every socket;
+ * - without FACCIA_VOICE_NETWORK: every socket but those of a connection inside the machine (AF_UNIX), and
+ * these cannot be connected;
  * - without FACCIA_VOICE_PROGRAMS: new processes, other programs, signals to other processes.
  * Rights once lost do not come back, not by a set-user-ID program either (no_new_privs).
  *

@@ -13,6 +13,7 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/socket.h>
+#include <sys/un.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -214,7 +215,7 @@ static void dial(const struct faccia_sink *sink) {
         int domain, type;
     } sockets[] = {{"inet", AF_INET, SOCK_STREAM},
                    {"inet6", AF_INET6, SOCK_DGRAM},
-                   {"unix", AF_UNIX, SOCK_STREAM},
+                   {"packets", AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC},
                    {"netlink", AF_NETLINK, SOCK_RAW}};
     for (size_t i = 0; i < sizeof sockets / sizeof *sockets; i++) {
         int fd = socket(sockets[i].domain, sockets[i].type, 0);
@@ -222,6 +223,10 @@ static void dial(const struct faccia_sink *sink) {
         if (fd >= 0)
             close(fd);
     }
+    int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+    const struct sockaddr_un nobody = {AF_UNIX, "/nonexistent"};
+    tell(sink, "connect", connect(fd, (const struct sockaddr *)&nobody, sizeof nobody) < 0 ? errno : 0);
+    close(fd);
     speak_audio(sink, BYTE);
 }
 
