@@ -62,7 +62,7 @@ int live_idle(const json_t *message, const struct speech_request *defaults, uint
               struct idle_options *options, bool *on, struct error *e);
 int live_express(const json_t *message, struct stream_mix *mix, struct error *e);
 
-/* socket.c: one WebSocket client. */
+/* socket.c, socket_in.c, socket_out.c: one WebSocket client. */
 struct socket *socket_open(struct net *net, struct lws *wsi);
 void socket_close(struct socket *socket);
 int socket_receive(struct socket *socket, const char *data, size_t size);
