@@ -19,6 +19,9 @@ struct settings {
     char *lang;
     unsigned workers;
     double deadline_base, deadline_per_byte; /* s */
+    double deadline_most, worker_processor;  /* in multiples of them */
+    unsigned worker_megabytes;
+    char *sandbox; /* "on", "off" */
     unsigned cache_megabytes, cache_file_megabytes;
     char *cache_file;
     json_t *voices; /* plugin name -> its own configuration */

@@ -3,6 +3,7 @@
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import path from 'node:path';
+import { after } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import WebSocket from 'ws';
 import { decodeChunk } from '../../protocol/chunk.mjs';
@@ -11,6 +12,10 @@ import { CompactReader, isCompact } from '../../protocol/compact.mjs';
 export const root = path.resolve(fileURLToPath(import.meta.url), '../../..');
 export const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');
 export const artefacts = process.env.FACCIA_ARTEFACTS ?? path.join(root, 'build', 'test-artefacts');
+
+// A test that fails before it stops its daemon must not wait for it for ever. (A benchmark is no test.)
+const running = new Set();
+if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => running.forEach((child) => child.kill('SIGKILL')));
 
 export class Daemon {
   /** @param {string[]} options of facciad; env: further variables */
@@ -22,7 +27,11 @@ export class Daemon {
       // a test that is done does not wait for the speech's end
       env: { FACCIA_STOP_SECONDS: '0', ...process.env, ...env },
     });
-    daemon.exited = once(daemon.process, 'exit').then(([code, signal]) => ({ code, signal }));
+    running.add(daemon.process);
+    daemon.exited = once(daemon.process, 'exit').then(([code, signal]) => {
+      running.delete(daemon.process);
+      return { code, signal };
+    });
     daemon.process.stderr.setEncoding('utf8').on('data', (text) => (daemon.log += text));
     const line = await daemon.logged(/listening on http:\/\/[^:]*:(\d+)\//);
     daemon.port = Number(line[1]);
