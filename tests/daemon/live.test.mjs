@@ -273,11 +273,10 @@ test('all expressions are listed, the affects in hello', async () => {
   assert.ok(affects.length >= 29);
   for (const { activation, evaluation } of affects) assert.ok(Math.abs(activation) <= 1 && Math.abs(evaluation) <= 1);
   for (const kind of ['performative', 'certainty', 'emphasis', 'boundary']) assert.ok(expressions.some((e) => e.kind === kind), kind);
-  const engines = Object.fromEntries(hello.languages.map((l) => [l.tag, l.engines]));
-  assert.deepEqual(engines, {
-    it: ['dominance', 'cohen-massaro'], en: ['dominance', 'cohen-massaro'],
-    'pt-BR': ['dominance', 'cohen-massaro', 'context'], tr: ['dominance', 'cohen-massaro', 'syllable'],
-  });
+  // two engines speak every language, the others those that they have tables for
+  for (const { tag, engines } of hello.languages)
+    assert.deepEqual(engines, ['dominance', 'cohen-massaro', ...({ 'pt-BR': ['context'], tr: ['syllable'] }[tag] ?? [])], tag);
+  for (const tag of ['it', 'en', 'pt-BR', 'tr']) assert.ok(hello.languages.some((l) => l.tag === tag), tag);
   await stream.close();
 });
 
