@@ -13,6 +13,7 @@ struct chapter_options {
     const char *lang;        /* BCP 47 of the speech */
     const char *gender;      /* "female", "male"; NULL = whichever voice comes closer */
     const atomic_bool *stop; /* NULL, or true when the next piece is not waited for any more */
+    bool made;               /* from this text, by a program: its words are taken for granted */
 };
 
 /* Times in seconds of the recording. What no phone covers is a pause. */

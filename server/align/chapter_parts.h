@@ -21,6 +21,7 @@ struct chapter {
     const char *text;
     size_t size, at; /* the text that is to come */
     const atomic_bool *stop;
+    bool made;
     const char *voices[2];
     size_t voice_count;
     double pace; /* 0 = not known yet */

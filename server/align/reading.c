@@ -102,7 +102,7 @@ int reading_advance(struct reading *r, struct error *e) {
     if (r->complete)
         return 0;
     if (!r->chapter) {
-        const struct chapter_options options = {r->lang, *r->gender ? r->gender : NULL, r->stop};
+        const struct chapter_options options = {r->lang, *r->gender ? r->gender : NULL, r->stop, false};
         struct reference *reference = reference_get(r->reference, e);
         if (!reference)
             return -1;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/align/reference.h"
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/voice/faccia-voice.h"
 #include <dlfcn.h>
@@ -82,6 +83,7 @@ void reference_path(char *out, size_t cap) {
 
 const char *reference_voice(const struct reference *r, const char *lang, const char *gender) {
     const struct known *best = NULL;
+    lang = lang_usual(lang);
     size_t primary = strcspn(lang, "-");
     bool female = !strcmp(gender, "female");
     for (size_t i = 0; i < r->voice_count; i++) {

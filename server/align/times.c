@@ -36,6 +36,17 @@ static const char *ipa_of(struct times_reader *r, const char *name) {
     return times_is_pause(name) ? "" : name;
 }
 
+/* Takes the stress mark off an IPA name's beginning. */
+static const char *stress_of(const char *ipa, uint8_t *stress) {
+    static const char *const marks[] = {"\u02CC", "\u02C8"};
+    for (uint8_t i = 0; i < 2; i++)
+        if (!strncmp(ipa, marks[i], strlen(marks[i]))) {
+            *stress = i + 1;
+            return ipa + strlen(marks[i]);
+        }
+    return ipa;
+}
+
 static bool in_order(double *start, double end, double before) {
     if (*start<before && * start> before - SAME_TIME)
         *start = before;
@@ -50,7 +61,7 @@ bool times_add_phone(struct times_reader *r, const char *name, double start, dou
     struct times_phone *p = &t->phones[t->phone_count++];
     *p = (struct times_phone){.start = start, .end = end, .stress = stress < 2 ? (uint8_t)stress : 2};
     snprintf(p->name, sizeof p->name, "%s", name);
-    snprintf(p->ipa, sizeof p->ipa, "%s", ipa_of(r, name));
+    snprintf(p->ipa, sizeof p->ipa, "%s", stress_of(ipa_of(r, name), &p->stress));
     return true;
 }
 

@@ -29,10 +29,11 @@ extern const char *const times_format_names[TIMES_FORMATS];
 struct times_options {
     enum times_format format;
     const char *tier; /* textgrid: of the phones; NULL = "phones", "MAU"... or the first with intervals */
-    const char *word_tier;          /* textgrid: NULL = "words", "ORT-MAU"..., if there is one */
-    const char *entry;              /* htk, in a master label file: the sound's name; NULL = its first */
-    const json_t *names;            /* the file's name -> IPA, "" = a pause; NULL = it has IPA (or X-SAMPA) */
-    const struct speech_pack *pack; /* offsets: with its table of symbols */
+    const char *word_tier; /* textgrid: NULL = "words", "ORT-MAU"..., if there is one */
+    const char *entry;     /* htk, in a master label file: the sound's name; NULL = its first */
+    const json_t *names;   /* the file's name -> IPA, a stress mark before it, "" = a pause; NULL = it has IPA
+                              (or X-SAMPA) */
+    const struct speech_pack *pack;   /* offsets: with its table of symbols */
     struct transcription_sound sound; /* offsets: that they count in; rate 0 = transcription_wav */
 };
 

@@ -23,7 +23,7 @@ static const char usage[] =
     "      --timing FILE    times of the phones: Festival or HTK .lab, .mlf, Praat TextGrid, our JSON, byte "
     "offsets\n"
     "      --names FILE     JSON object: the timing's names of phones in IPA\n"
-    "  -l, --lang TAG       it, pt-BR, tr, en (it)\n"
+    "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "      --gender WORD    of the speaker: female or male; found out when it is not told\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context or syllable\n"
@@ -315,7 +315,7 @@ static int choose(struct align *a) {
     if (!a->pack)
         cli_complain("lang: no language '%s'", a->request.lang);
     else if (!face_engine_speaks(a->request.engine, a->pack))
-        cli_complain("engine: no engine '%s' for '%s'", a->request.engine, speech_pack_lang(a->pack));
+        cli_complain("engine: no engine '%s' for '%s'", a->request.engine, a->request.lang);
     else
         return -1;
     return EXIT_USAGE;

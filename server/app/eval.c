@@ -15,7 +15,7 @@ static const char usage[] =
     "speech rate.\n"
     "Without --json or --svg a table goes to standard output.\n"
     "\n"
-    "  -l, --lang TAG       it, pt-BR, tr, en (it)\n"
+    "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "  -v, --voice ID       a voice that 'faccia voices' lists\n"
     "  -e, --engine NAME    visible-speech engine; may be given several times (all that the language has)\n"
     "  -r, --rates LIST     words per minute, 40 to 500, with commas (80,120,160,200,240,280,320)\n"

@@ -32,7 +32,7 @@ struct daemon {
     uv_signal_t signals[SIGNALS];
     uv_timer_t watchdog, ending;
     uint64_t end_by; /* loop time, ms */
-    bool running, draining, dismissed, stopped;
+    bool running, draining, dismissed, stopped, failed;
 };
 
 static void complain(const struct error *e) {
@@ -63,9 +63,22 @@ static struct net_options net_options_of(const struct daemon *d) {
         .address_requests = s->address_requests,
         .send_bytes = s->send_bytes,
         .send_bytes_max = s->send_bytes_max,
+        .lag_seconds = s->lag_seconds,
         .stall_seconds = s->stall_seconds,
     };
 }
+
+/* Can the usual language be spoken? A language without a pack of its own is known by its voices alone. */
+static bool is_spoken(const struct daemon *d) {
+    size_t count;
+    const struct voice *voices = voice_pool_voices(d->studio.voices, &count);
+    bool spoken = !speech_pack_is_general(speech_packs_find(&d->packs, d->settings.lang));
+    for (size_t i = 0; i < count && !spoken; i++)
+        spoken = voice_lang_fit(voices[i].lang, d->settings.lang) > 0;
+    return spoken;
+}
+
+static void stop(struct daemon *d);
 
 static void on_ready(void *ctx) {
     struct daemon *d = ctx;
@@ -76,8 +89,16 @@ static void on_ready(void *ctx) {
         log_error("no voice plugin could be started");
         return;
     }
+    if (!is_spoken(d)) {
+        struct error e;
+        error_in_field(&e, "unknown-language", "--lang", "no language '%s'", d->settings.lang);
+        complain(&e);
+        d->failed = true;
+        stop(d);
+        return;
+    }
     net_set_ready(d->net);
-    snprintf(status, sizeof status, "%zu voices, %zu languages", count, d->packs.count);
+    snprintf(status, sizeof status, "%zu voices, %zu language packs", count, d->packs.count);
     log_info("ready: %s", status);
     service_ready(status);
 }
@@ -251,6 +272,8 @@ static int run(struct daemon *d) {
                  d->socket_count ? port_of(d->sockets[0]) : net_port(d->net));
     }
     uv_run(&d->loop, UV_RUN_DEFAULT);
+    if (d->failed)
+        status = 1;
     if (d->net)
         net_free(d->net);
     uv_loop_close(&d->loop);

@@ -15,7 +15,7 @@ static const char usage[] =
     "Speaks TEXT, a file, or standard input (-). Without a file to write, the timing goes to standard "
     "output.\n"
     "\n"
-    "  -l, --lang TAG       it, pt-BR, tr, en (it)\n"
+    "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "  -v, --voice ID       a voice that 'faccia voices' lists\n"
     "  -r, --rate WPM       words per minute, 40 to 500\n"
     "      --pitch FACTOR   0.25 to 4 (1)\n"

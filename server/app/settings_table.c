@@ -59,6 +59,8 @@ const struct setting settings_table[] = {
      "unsent bytes at which media to one client wait"},
     {"limits.send_bytes_max", "send-bytes-max", SETTING_NUMBER, MEMBER(send_bytes_max), 65536, 1 << 30,
      "4194304", "N", "unsent bytes at which a client is closed as too slow"},
+    {"limits.lag_seconds", "lag-seconds", SETTING_NUMBER, MEMBER(lag_seconds), 1, 3600, "5", "N",
+     "in a room, media that wait for longer are left out"},
     {"limits.stall_seconds", "stall-seconds", SETTING_NUMBER, MEMBER(stall_seconds), 1, 3600, "10", "N",
      "a client that takes nothing for so long is closed"},
     {"limits.stop_seconds", "stop-seconds", SETTING_NUMBER, MEMBER(stop_seconds), 0, 3600, "5", "N",

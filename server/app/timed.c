@@ -86,7 +86,7 @@ static int run(const struct timed *o, const char *path, const struct speech_pack
         return EXIT_USAGE;
     }
     if (!face_engine_speaks(o->engine, pack)) {
-        cli_complain("engine: no engine '%s' for '%s'", o->engine, speech_pack_lang(pack));
+        cli_complain("engine: no engine '%s' for '%s'", o->engine, o->lang);
         return EXIT_USAGE;
     }
     struct transcription_sound sound = {(size_t)o->header, (uint32_t)o->hz, (size_t)o->frame};

@@ -120,5 +120,6 @@ double letter_distance(const struct letter *a, const struct letter *b) {
 }
 
 bool alphabet_is_modifier(uint32_t code) {
-    return (code >= 0x2B0 && code <= 0x2FF) || (code >= 0x300 && code <= 0x36F);
+    return (code >= 0x2B0 && code <= 0x36F) || (code >= 0x1D2C && code <= 0x1D6A) ||
+           (code >= 0x1DC0 && code <= 0x1DFF) || (code >= 0x2070 && code <= 0x209F);
 }

@@ -34,8 +34,9 @@ const struct letter *alphabet_find(const struct alphabet *alphabet, uint32_t cod
  */
 double letter_distance(const struct letter *a, const struct letter *b);
 
-/* Marks that modify the letter before them or join letters: combining diacritics (U+0300..U+036F, ties among
- * them) and spacing modifier letters (U+02B0..U+02FF: length, aspiration, stress...). */
+/* Marks that modify the letter beside them or join letters: combining diacritics (U+0300..U+036F, ties among
+ * them, U+1DC0..U+1DFF), spacing modifier letters (U+02B0..U+02FF: length, aspiration, stress, tones...) and
+ * raised ones (U+1D2C..U+1D6A, U+2070..U+209F: prenasalised and the like). */
 bool alphabet_is_modifier(uint32_t code);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/packs.h"
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/face/phones.h"
 #include <glob.h>
@@ -44,16 +45,23 @@ void speech_packs_free(struct speech_packs *packs) {
 }
 
 const struct speech_pack *speech_packs_find(const struct speech_packs *packs, const char *lang) {
+    lang = lang_usual(lang);
     size_t primary = strcspn(lang, "-_");
-    const struct speech_pack *same_language = NULL;
+    const struct speech_pack *same_language = NULL, *general = NULL;
     for (size_t i = 0; i < packs->count; i++) {
         const char *tag = speech_pack_lang(packs->packs[i]);
         if (!strcasecmp(tag, lang))
             return packs->packs[i];
         if (!same_language && strcspn(tag, "-") == primary && !strncasecmp(tag, lang, primary))
             same_language = packs->packs[i];
+        if (speech_pack_is_general(packs->packs[i]))
+            general = packs->packs[i];
     }
-    return same_language;
+    return same_language ? same_language : general;
+}
+
+bool speech_pack_is_general(const struct speech_pack *pack) {
+    return !strcmp(speech_pack_lang(pack), SPEECH_PACK_GENERAL);
 }
 
 static size_t unknown_phones(const struct speech_pack *pack, const struct utterance *u) {

@@ -16,9 +16,15 @@ struct speech_packs {
 int speech_packs_load(struct speech_packs *packs, const char *folder, struct error *e);
 void speech_packs_free(struct speech_packs *packs);
 
+/* The tag of the pack for languages that have none of their own (ISO 639-2: undetermined). */
+#define SPEECH_PACK_GENERAL "und"
+
 /* The pack for a BCP 47 tag, compared without regard to case: the same tag, else the same language ("it-CH"
- * and "pt" find "it" and "pt-BR"), else NULL. */
+ * and "pt" find "it" and "pt-BR"), else the general pack, else NULL. */
 const struct speech_pack *speech_packs_find(const struct speech_packs *packs, const char *lang);
+
+/* Whether it is the one for languages that have none. */
+bool speech_pack_is_general(const struct speech_pack *pack);
 
 /* For an utterance in several languages: the pack that knows most of its phones; own when none knows more. (A
  * pack knows the phones of the one that it inherits from.) */

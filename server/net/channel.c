@@ -86,6 +86,7 @@ static void deliver_media(struct channel *c, const struct variant *v, const stru
     if (!bytes->size)
         return;
     struct parcel *parcel = parcel_new(LWS_WRITE_BINARY, bytes->data, bytes->size);
+    parcel->born = uv_now(c->net->studio->loop);
     for (struct follower *f = c->followers; f; f = f->next) {
         if (!f->media || !encoding_same(&f->encoding, &v->encoding) || (idle && !f->idle))
             continue;

@@ -209,13 +209,30 @@ json_t *message_health(const struct net *net) {
                      "faccia/" FACCIA_VERSION, "connections", (int)net->connections);
 }
 
+/* Those that a voice speaks and that share the general pack. */
+static json_t *more_languages(const struct net *net) {
+    json_t *tags = json_array();
+    size_t count = 0;
+    const struct voice *v = net->ready ? voice_pool_voices(net->studio->voices, &count) : NULL;
+    for (size_t i = 0; i < count; i++) {
+        const struct speech_pack *pack = speech_packs_find(net->studio->packs, v[i].lang);
+        bool listed = !pack || !speech_pack_is_general(pack);
+        for (size_t k = 0; k < i && !listed; k++)
+            listed = !strcmp(v[k].lang, v[i].lang);
+        if (!listed)
+            json_array_append_new(tags, json_string(v[i].lang));
+    }
+    return tags;
+}
+
 json_t *message_hello(const struct net *net, const char *stream) {
     json_t *languages = json_array(), *engines = json_array();
     const struct speech_packs *packs = net->studio->packs;
     for (size_t i = 0; i < packs->count; i++)
-        json_array_append_new(languages, json_pack("{ss ss so}", "tag", speech_pack_lang(packs->packs[i]),
-                                                   "name", speech_pack_name(packs->packs[i]), "engines",
-                                                   engines_of(packs->packs[i])));
+        if (!speech_pack_is_general(packs->packs[i]))
+            json_array_append_new(languages, json_pack("{ss ss so}", "tag", speech_pack_lang(packs->packs[i]),
+                                                       "name", speech_pack_name(packs->packs[i]), "engines",
+                                                       engines_of(packs->packs[i])));
     for (const char *const *engine = face_engines(); *engine; engine++)
         json_array_append_new(engines, json_string(*engine));
     const struct net_options *o = &net->options;
@@ -224,6 +241,7 @@ json_t *message_hello(const struct net *net, const char *stream) {
                               "opus", "pcm_s16le", "none", "fap", "fba", "plain", "none", "opus_skip",
                               OPUS_SKIP, "tokens", o->secrets != NULL, "lang", net->studio->default_lang);
     json_object_set_new(hello, "languages", languages);
+    json_object_set_new(hello, "more_languages", more_languages(net));
     json_object_set_new(hello, "engines", engines);
     json_object_set_new(hello, "expressions", affects(net->studio->expressions));
     json_object_set_new(hello, "models", message_models(net));

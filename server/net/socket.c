@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One WebSocket client: its messages in, and the queue of what goes out to it. */
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/net/socket_parts.h"
 #include <stdlib.h>
@@ -22,6 +23,7 @@ int socket_timer(struct socket *s) {
         return 0;
     if (still >= (uint64_t)s->net->options.stall_seconds * 1000) {
         metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
+        log_info("%s takes nothing: closed (too-slow)", s->name);
         return -1;
     }
     watch_stall(s);
@@ -94,7 +96,9 @@ static struct socket *socket_of(struct follower *f) {
 /* In a room, one who is too slow is moved on to the live edge; on a stream of his own it waits for him. */
 static void on_delivery(struct follower *f, struct parcel *parcel) {
     struct socket *s = socket_of(f);
-    bool full = s->outbox.unsent > s->net->options.send_bytes;
+    const struct net_options *options = &s->net->options;
+    bool full = s->outbox.unsent > options->send_bytes ||
+                outbox_age(&s->outbox, parcel->born) > (uint64_t)options->lag_seconds * 1000;
     if (!parcel->media || !full || !channel_is_room(f->channel)) {
         push(s, parcel);
         return;

@@ -199,6 +199,19 @@ static void deliver(struct speech *s) {
         speech_free(s);
 }
 
+/* Many languages share the general pack; which of them there are is for the voices to say. */
+static bool is_spoken(const struct speech *s, const char *lang) {
+    const struct speech_pack *pack = speech_packs_find(s->studio->packs, lang);
+    size_t count;
+    const struct voice *voices = voice_pool_voices(s->studio->voices, &count);
+    if (!pack || !speech_pack_is_general(pack))
+        return pack != NULL;
+    for (size_t i = 0; i < count; i++)
+        if (voice_lang_fit(voices[i].lang, lang))
+            return true;
+    return false;
+}
+
 /* The language and the voice that the request asks for; each may follow from the other. */
 static int choose_voice(struct speech *s, struct error *e) {
     const struct speech_packs *packs = s->studio->packs;
@@ -209,15 +222,17 @@ static int choose_voice(struct speech *s, struct error *e) {
         voice_pool_voices(s->studio->voices, &voices);
     if (!voices)
         return error_set(e, "voice-unavailable", "no voice is there (yet)");
-    if (lang && !(s->pack = speech_packs_find(packs, lang)))
+    if (lang && !is_spoken(s, lang))
         return error_in_field(e, "unknown-language", "lang", "no language '%s'", lang);
     if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
-        markup_lang(s->request.text, s->request.text_size, stated))
-        s->pack = speech_packs_find(packs, stated);
-    if (!s->pack)
-        s->pack = speech_packs_find(packs, s->studio->default_lang);
-    const char *const *preferred = speech_pack_voices(s->pack);
-    s->voice = voice_pool_find(s->studio->voices, s->request.voice, speech_pack_lang(s->pack), preferred, e);
+        markup_lang(s->request.text, s->request.text_size, stated) && is_spoken(s, stated))
+        lang = stated;
+    if (!lang)
+        lang = s->studio->default_lang;
+    s->pack = speech_packs_find(packs, lang);
+    if (!speech_pack_is_general(s->pack))
+        lang = speech_pack_lang(s->pack);
+    s->voice = voice_pool_find(s->studio->voices, s->request.voice, lang, speech_pack_voices(s->pack), e);
     if (!s->voice)
         return -1;
     /* the phones are the voice's, so the lips follow its language where there is a pack for it */
@@ -235,7 +250,7 @@ static int check_engine(const struct speech *s, struct error *e) {
             return face_engine_speaks(*engine, s->pack)
                        ? 0
                        : error_in_field(e, "unknown-engine", "engine", "the engine '%s' does not speak '%s'",
-                                        *engine, speech_pack_lang(s->pack));
+                                        *engine, speech_lang(s));
     return error_in_field(e, "unknown-engine", "engine", "no engine '%s'", s->request.engine);
 }
 
@@ -261,7 +276,7 @@ static int decode_text(struct speech *s, struct error *e) {
 }
 
 static int read_text(struct speech *s, struct error *e) {
-    struct markup_rules rules = {speech_pack_abbreviations(s->pack), speech_pack_lang(s->pack)};
+    struct markup_rules rules = {speech_pack_abbreviations(s->pack), speech_lang(s)};
     s->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, e);
     if (!s->score)
         return -1;
@@ -369,7 +384,7 @@ const struct voice *speech_voice(const struct speech *s) {
 }
 
 const char *speech_lang(const struct speech *s) {
-    return speech_pack_lang(s->pack);
+    return speech_pack_is_general(s->pack) ? s->voice->lang : speech_pack_lang(s->pack);
 }
 
 const char *speech_engine(const struct speech *s) {

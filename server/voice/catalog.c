@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The voices that the plugins have, and the choice among them. */
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/voice/pool_parts.h"
 #include <jansson.h>
@@ -107,6 +108,8 @@ static const struct voice *by_name(const struct catalog *catalog, const char *na
 }
 
 int voice_lang_fit(const char *lang, const char *wanted) {
+    wanted = lang_usual(wanted);
+    lang = lang_usual(lang);
     size_t primary = strcspn(wanted, "-"), length = strlen(wanted);
     if (!strcasecmp(lang, wanted))
         return 3;

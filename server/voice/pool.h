@@ -76,7 +76,7 @@ struct voice_request {
 };
 
 /* How well a voice's language fits the wanted one (BCP 47): 3 the same tag, 2 a variety of what is wanted
- * ("en" finds "en-GB"), 1 the same language, 0 another. */
+ * ("en" finds "en-GB"), 1 the same language, 0 another. Tags count as what lang_usual says. */
 int voice_lang_fit(const char *lang, const char *wanted);
 
 /* What the request says of the prosody, for one voice. */

@@ -174,7 +174,7 @@ test('bad usage and files that are none', () => {
     [[sound], 2, /--text or a --timing/],
     [[], 2, /one sound/],
     [[sound, '--text', text, '--gender', 'x'], 2, /gender/],
-    [[sound, '--text', text, '-l', 'xx'], 2, /no language 'xx'/],
+    [[sound, '--text', text, '-l', 'xx'], 1, /no voice to align to speaks 'xx'/],
     [[sound, '--text', text, '-e', 'xx'], 2, /no engine 'xx'/],
     [[sound, '--text', text, '--fps', '0'], 2, /fps/],
     [[sound, '--text', file('none')], 1, /none: No such file/],

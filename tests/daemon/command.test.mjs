@@ -100,6 +100,7 @@ test('times from a second program, and names that the table lacks', () => {
 const faults = [
   ['a program that is not there', { argv: ['/nowhere/at-all', '{text}'] }, /"\/nowhere\/at-all" cannot be started: No such file/],
   ['a program that fails', { argv: [script('fails', 'echo first >&2; echo "no voice today" >&2; exit 3'), '{text}'] }, /exited with status 3: no voice today/],
+  ['a program that says why bit by bit', { argv: [script('halves', 'printf "first\\nno voi" >&2; sleep 0.1; printf "ce today" >&2; exit 3'), '{text}'] }, /exited with status 3: no voice today\n/],
   ['a program that is killed', { argv: [script('dies', 'kill -9 $$'), '{text}'] }, /was killed by signal 9/],
   ['a program that writes no sound', { argv: ['echo', '{text}'] }, /wrote no sound \(\d+ bytes\)/],
   ['a program that writes nothing', { argv: ['true', '{text}'] }, /wrote no sound/],

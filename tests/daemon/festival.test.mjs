@@ -7,7 +7,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { build, Daemon, root } from '../lib/daemon.mjs';
 import { checkOrder, largestStep, loudest, phones, say, words } from '../lib/speech.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
@@ -91,6 +91,44 @@ test('rate, pitch and volume', () => {
   const periods = ({ pcm }) => pcm.reduce((n, x, i) => n + (i && pcm[i - 1] < 0 && x >= 0), 0);
   const high = italian('La mamma parla piano.', '--pitch', '1.8');
   assert.ok(periods(high) > 1.1 * periods(plain), `${periods(high)} ${periods(plain)}`);
+});
+
+/** The median of the fundamental frequency, Hz: the lag at which a stretch of sound is most like itself. */
+function pitchOf({ pcm, rate }) {
+  const list = [], n = Math.round(rate * 0.04);
+  for (let at = 0; at + n + rate / 80 < pcm.length; at += Math.round(rate * 0.01)) {
+    const energy = (from) => { let sum = 0; for (let i = 0; i < n; i++) sum += pcm[from + i] ** 2; return sum; };
+    const here = energy(at);
+    if (here < n * 500 ** 2) continue;
+    let best = 0, period = 0;
+    for (let lag = Math.round(rate / 450); lag < rate / 80; lag++) {
+      let sum = 0;
+      for (let i = 0; i < n; i++) sum += pcm[at + i] * pcm[at + lag + i];
+      const alike = sum / Math.sqrt(here * energy(at + lag) + 1);
+      if (alike > best * 1.02) [best, period] = [alike, lag];
+    }
+    if (best > 0.85) list.push(rate / period);
+  }
+  return list.sort((a, b) => a - b)[list.length >> 1];
+}
+
+test('emotions change rate and pitch by what the table of expressions says', () => {
+  const { affect } = JSON.parse(fs.readFileSync(path.join(root, 'models/expressions.json')));
+  const speak = (voice, name) => {
+    const said = say(['-l', 'it', '-v', voice], `<apml><performative type="inform"><rheme${name ? ` affect="${name}"` : ''}>Il postino arriva tardi oggi, con una lunga lettera da Roma.</rheme></performative></apml>`);
+    assert.equal(said.status, 0, said.stderr);
+    const seconds = said.json.phones.filter((p) => p.ipa).reduce((sum, p) => sum + p.end - p.start, 0);
+    return { seconds, pitch: pitchOf(said) };
+  };
+  for (const voice of ['festival:lp', 'festival:pc']) {
+    const plain = speak(voice);
+    for (const name of ['joy', 'sadness', 'anger', 'fear', 'disgust', 'surprise']) {
+      const { seconds, pitch } = speak(voice, name), { rate, pitch: factor } = affect[name].voice;
+      assert.ok(Math.abs((seconds / plain.seconds) * rate - 1) < 0.02, `${voice} ${name}: ${seconds} s, ${plain.seconds} s`);
+      assert.ok(Math.abs(pitch / plain.pitch / factor - 1) < 0.09, `${voice} ${name}: ${pitch} Hz, ${plain.pitch} Hz`);
+      assert.equal(pitch > plain.pitch, factor > 1, `${voice} ${name}: ${pitch} Hz, ${plain.pitch} Hz`);
+    }
+  }
 });
 
 test('a long sentence goes through in pieces', () => {

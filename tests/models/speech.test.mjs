@@ -14,7 +14,7 @@ const read = (name) => JSON.parse(fs.readFileSync(path.join(folder, name)));
 const validate = new Ajv({ strict: false }).compile(read('schema/pack.json'));
 const packs = fs.readdirSync(folder).filter((name) => name.endsWith('.json'));
 
-test('there are four languages', () => assert.deepEqual(packs.sort(), ['en.json', 'it.json', 'pt-BR.json', 'tr.json']));
+test('the languages that have packs, and the one for all others', () => assert.deepEqual(packs.sort(), ['cmn.json', 'en.json', 'it.json', 'pt-BR.json', 'tr.json', 'und.json', 'yue.json']));
 
 for (const name of packs)
   test(`${name} is as the schema says`, () => {
@@ -53,4 +53,10 @@ test('a new language is a file', () => {
   fs.rmSync(models, { recursive: true });
   assert.equal(status, 0, String(stderr));
   assert.equal(JSON.parse(stdout).lang, 'es');
+});
+
+test('the general pack is what its tool writes', () => {
+  const { status, stdout, stderr } = spawnSync('python3', [path.join(root, 'models/tools/make-speech-und.py')]);
+  assert.equal(status, 0, String(stderr));
+  assert.deepEqual(JSON.parse(stdout), read('und.json'));
 });

@@ -191,6 +191,9 @@ static void finds_voices(void **state) {
         {NULL, "it", NULL, "espeak:it"},        {NULL, "PT-br", NULL, "espeak:pt-br"},
         {NULL, "pt", NULL, "espeak:pt"},        {NULL, "tr-TR", NULL, "espeak:tr"},
         {NULL, "en-GB", NULL, "espeak:en-gb"},  {NULL, "fa-Latn", NULL, "espeak:fa-latn"},
+        {NULL, "fr", NULL, "espeak:fr-fr"},     {NULL, "zh-TW", NULL, "espeak:cmn"},
+        {NULL, "zh-HK", NULL, "espeak:yue"},    {NULL, "no", NULL, "espeak:nb"},
+        {NULL, "iw-IL", NULL, "espeak:he"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const struct voice *v =

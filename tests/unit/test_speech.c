@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/utf8.h"
 #include "server/face/packs.h"
 #include "server/face/phones.h"
 #include <jansson.h>
@@ -29,7 +30,7 @@ static void loads_all_packs(void **state) {
     struct speech_packs packs;
     struct error e = {0};
     assert_int_equal(speech_packs_load(&packs, PACKS, &e), 0);
-    assert_true(packs.count >= 4);
+    assert_true(packs.count >= 5);
     static const char *const tags[][2] = {
         {"it", "italiano"}, {"pt-BR", "português (Brasil)"}, {"tr", "Türkçe"}, {"en", "English"}};
     for (size_t i = 0; i < 4; i++) {
@@ -142,6 +143,94 @@ static void cuts_phones_at_the_longest_keys(void **state) {
     assert_true(found.match[0].share == 0.6);
     speech_pack_free(it);
     speech_pack_free(en);
+}
+
+static const struct speech_phone *only(const struct speech_pack *pack, const char *ipa) {
+    struct phones found;
+    phones_find(pack, ipa, &found);
+    if (found.unknown || found.count != 1)
+        fail_msg("\"%s\" is not one known phone", ipa);
+    return found.match[0].phone;
+}
+
+static double mean(const struct speech_pack *pack, const char *ipa, enum speech_param p) {
+    const struct speech_phone *phone = only(pack, ipa);
+    size_t count = phone->group->vowel ? pack->vowel_context_count : pack->consonant_context_count;
+    double sum = 0;
+    for (size_t i = 0; i < count; i++)
+        sum += phone->plain[i * PARAM_COUNT + p].T;
+    return sum / (double)count;
+}
+
+/* The general pack has every letter of the alphabet itself, and what voices write besides. */
+static void knows_the_whole_alphabet(void **state) {
+    (void)state;
+    struct speech_pack *pack = load(PACKS "und.json");
+    assert_true(speech_pack_is_general(pack));
+    assert_true(pack->alphabet->count > 105);
+    for (size_t i = 0; i < pack->alphabet->count; i++) {
+        char letter[5] = {0};
+        utf8_put(pack->alphabet->letters[i].code, letter);
+        assert_true(speech_phone_is_vowel(only(pack, letter)) == pack->alphabet->letters[i].vowel);
+    }
+    /* ties, length, stress, tones, nasality, palatalisation, ejectives, prenasalisation */
+    static const char *const marked[][2] = {
+        {"t͡ɕʰ", "tɕ"}, {"ʈ͡ʂ", "ʈʂ"}, {"ˈyː", "y"}, {"œ̃", "œ"},    {"a˥˩", "a"},  {"pʲ", "p"},
+        {"kʼ", "k"},   {"ᵐb", "b"},  {"ⁿd", "d"},  {"ɡ͡b", "ɡb"},  {"k͡p", "kp"},  {"dˤ", "d"},
+        {"r̝̊", "r̝"},    {"ɯᵝ", "ɯᵝ"}, {"ä", "ä"},   {"ʂʷ", "ʂ ʷ"}, {"œy", "œ y"}, {"iau", "i a u"},
+        {"p͡f", "p f"}, {"ʘ", "ʘ"},   {"ŋǃ", "ŋ ǃ"}};
+    for (size_t i = 0; i < sizeof marked / sizeof *marked; i++)
+        check_phones(pack, marked[i][0], marked[i][1]);
+    speech_pack_free(pack);
+}
+
+static void shows_what_the_features_say(void **state) {
+    (void)state;
+    struct speech_pack *pack = load(PACKS "und.json");
+    /* from close to open */
+    static const char *const scales[][8] = {{"i", "ɪ", "e", "ɛ", "æ", "a"}, {"ɨ", "ɘ", "ɜ", "ɐ"},
+                                            {"ɯ", "ɤ", "ʌ", "ɑ"},           {"u", "ʊ", "o", "ɔ", "ɒ"},
+                                            {"y", "ʏ", "ø", "œ", "ɶ"},      {"ʉ", "ɵ", "ɞ"}};
+    for (size_t i = 0; i < sizeof scales / sizeof *scales; i++)
+        for (size_t k = 1; scales[i][k]; k++)
+            if (mean(pack, scales[i][k], PARAM_LI) <= mean(pack, scales[i][k - 1], PARAM_LI))
+                fail_msg("%s is not opener than %s", scales[i][k], scales[i][k - 1]);
+    /* rounded beside unrounded of the same height */
+    static const char *const pairs[][2] = {{"y", "i"}, {"ʏ", "ɪ"}, {"ø", "e"}, {"œ", "ɛ"}, {"ɶ", "a"},
+                                           {"ʉ", "ɨ"}, {"ɵ", "ɘ"}, {"ɞ", "ɜ"}, {"u", "ɯ"}, {"o", "ɤ"},
+                                           {"ɔ", "ʌ"}, {"ɒ", "ɑ"}, {"ɥ", "j"}, {"w", "ɰ"}, {"ʃ", "ɕ"}};
+    for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
+        if (mean(pack, pairs[i][0], PARAM_AR) > mean(pack, pairs[i][1], PARAM_AR) - 2 ||
+            mean(pack, pairs[i][0], PARAM_PS) < mean(pack, pairs[i][1], PARAM_PS) + 0.4)
+            fail_msg("%s is not rounder than %s", pairs[i][0], pairs[i][1]);
+    static const struct {
+        enum contact_kind kind;
+        const char *phones;
+    } contacts[] = {{CONTACT_LIPS, "p b m ɓ ʙ ʘ kp ɡb ŋm"},
+                    {CONTACT_TEETH, "f v ʋ ɱ ⱱ"},
+                    {CONTACT_NONE, "ɸ β t k q ǃ ǁ ʈ ʔ ħ w ɥ ʍ θ"}};
+    for (size_t i = 0; i < sizeof contacts / sizeof *contacts; i++) {
+        char list[64];
+        snprintf(list, sizeof list, "%s", contacts[i].phones);
+        for (char *ipa = strtok(list, " "); ipa; ipa = strtok(NULL, " "))
+            if (only(pack, ipa)->contact.kind != contacts[i].kind)
+                fail_msg("%s touches what it should not, or does not what it should", ipa);
+    }
+    /* nearly: less than half as far open as the closest vowel */
+    assert_true(mean(pack, "ɸ", PARAM_LI) > 0 && mean(pack, "ɸ", PARAM_LI) < mean(pack, "u", PARAM_LI) / 2);
+    speech_pack_free(pack);
+}
+
+static void stands_in_for_other_languages(void **state) {
+    (void)state;
+    struct speech_packs packs;
+    struct error e = {0};
+    assert_int_equal(speech_packs_load(&packs, PACKS, &e), 0);
+    assert_string_equal(speech_pack_lang(speech_packs_find(&packs, "fr-FR")), "und");
+    assert_string_equal(speech_pack_lang(speech_packs_find(&packs, "pt")), "pt-BR");
+    assert_string_equal(speech_pack_lang(speech_packs_find(&packs, "trv")), "und");
+    assert_false(speech_pack_is_general(speech_packs_find(&packs, "it-CH")));
+    speech_packs_free(&packs);
 }
 
 static void finds_the_nearest_of_unknown_letters(void **state) {
@@ -344,6 +433,9 @@ int main(void) {
         cmocka_unit_test(has_the_printed_coefficients),
         cmocka_unit_test(maps_every_phone_of_the_voices),
         cmocka_unit_test(cuts_phones_at_the_longest_keys),
+        cmocka_unit_test(knows_the_whole_alphabet),
+        cmocka_unit_test(shows_what_the_features_say),
+        cmocka_unit_test(stands_in_for_other_languages),
         cmocka_unit_test(finds_the_nearest_of_unknown_letters),
         cmocka_unit_test(names_the_place_of_an_error),
         cmocka_unit_test(refuses_what_is_no_pack),

@@ -183,12 +183,15 @@ static void json(void **state) {
 
 static void names(void **state) {
     (void)state;
-    json_t *table = json_pack("{ss ss}", "tS", "tʃ", "pau", "");
-    static const char data[] = "#\n0.1 1 pau\n0.2 1 tS\n0.3 1 Q\n";
+    json_t *table = json_pack("{ss ss ss ss}", "tS", "tʃ", "pau", "", "a1", "ˈa", "a2", "ˌa");
+    static const char data[] = "#\n0.1 1 pau\n0.2 1 tS\n0.3 1 Q\n0.4 1 a1\n0.5 1 a2\n";
     struct times t =
         read_well(data, strlen(data), (struct times_options){.format = TIMES_LAB, .names = table});
-    check_phones(&t, "_@0-0.1 tʃ@0.1-0.2 Q@0.2-0.3");
+    check_phones(&t, "_@0-0.1 tʃ@0.1-0.2 Q@0.2-0.3 a@0.3-0.4 a@0.4-0.5");
     assert_string_equal(t.unnamed, "Q");
+    assert_int_equal(t.phones[1].stress, 0);
+    assert_int_equal(t.phones[3].stress, 2);
+    assert_int_equal(t.phones[4].stress, 1);
     times_free(&t);
     json_decref(table);
 }

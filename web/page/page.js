@@ -50,8 +50,16 @@ const primary = (tag) => tag.slice(0, 2);
 const table = () => words[primary(lang.value)] ?? words.en;
 const say = (name, values = {}) => table()[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
 
-function offer(languages) {
-  const chosen = lang.value;
+const nameOf = (tag) => {
+  try {
+    return new Intl.DisplayNames([tag, 'en'], { type: 'language' }).of(tag);
+  } catch {
+    return tag; // not of BCP 47
+  }
+};
+
+function offer(languages, usual) {
+  const chosen = lang.value || usual;
   lang.replaceChildren(...languages.map(({ tag, name }) => new Option(name, tag)));
   if (languages.some(({ tag }) => tag === chosen)) lang.value = chosen;
 }
@@ -73,7 +81,8 @@ function speak() {
 }
 
 head.addEventListener('hello', ({ detail }) => {
-  offer(detail.languages);
+  const more = (detail.more_languages ?? []).map((tag) => ({ tag, name: nameOf(tag) }));
+  offer([...detail.languages, ...more.sort((a, b) => a.name.localeCompare(b.name))], detail.lang);
   translate();
 });
 head.addEventListener('connection', ({ detail }) => {

@@ -34,7 +34,7 @@ int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, const cha
              char *message, size_t cap) {
     struct sound_memory memory = {sound->samples, sound->count};
     const struct sound_source source = sound_in_memory(&memory, sound->rate);
-    const struct chapter_options options = {voice->lang, voice->gender, stop};
+    const struct chapter_options options = {voice->lang, voice->gender, stop, true};
     struct error e;
     if (!*aligner->slot.path)
         reference_path(aligner->slot.path, sizeof aligner->slot.path);

@@ -16,8 +16,9 @@ struct cm_aligner {
 };
 void cm_aligner_close(struct cm_aligner *aligner);
 
-/* -1 with a sentence in message when there is no voice of that language to align to, or the sound is not that
- * of the text; then the mouth stays closed. */
+/* -1 with a sentence in message when there is no voice of that language to align to, or the sound is far too
+ * short for the text; then the mouth stays closed. Whether it is that of the text is not asked: the program
+ * was given it, and of a short sentence the distances would tell too little. */
 int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, const char *text,
              const struct faccia_voice_info *voice, const atomic_bool *stop, struct times *times,
              char *message, size_t cap);

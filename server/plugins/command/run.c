@@ -43,7 +43,9 @@ void cm_stop_reset(struct cm_stop *stop) {
 struct child {
     pid_t pid;
     int in, out, complaints;
-    char complaint[160]; /* its last line */
+    char complaint[160]; /* its last whole line */
+    char line[160];      /* the one that it is writing */
+    size_t length;
 };
 
 static double now(void) {
@@ -91,19 +93,26 @@ static bool start(struct child *child, const struct cm_run *run) {
     return true;
 }
 
+static void end_line(struct child *child) {
+    if (child->length)
+        snprintf(child->complaint, sizeof child->complaint, "%.*s", (int)child->length, child->line);
+    child->length = 0;
+}
+
 static void hear_complaint(struct child *child) {
     char text[1024];
-    ssize_t n = read(child->complaints, text, sizeof text - 1);
-    if (n <= 0) {
-        shut(&child->complaints);
-        return;
+    ssize_t n = read(child->complaints, text, sizeof text);
+    for (ssize_t i = 0; i < n; i++) {
+        unsigned char c = (unsigned char)text[i];
+        if (c == '\n' || c == '\r')
+            end_line(child);
+        else if (child->length < sizeof child->line)
+            child->line[child->length++] = c < ' ' || c >= 0x7F ? '?' : (char)c;
     }
-    text[n] = '\0';
-    for (char *save, *line = strtok_r(text, "\r\n", &save); line; line = strtok_r(NULL, "\r\n", &save))
-        snprintf(child->complaint, sizeof child->complaint, "%s", line);
-    for (char *c = child->complaint; *c; c++)
-        if ((unsigned char)*c >= 0x7F || (unsigned char)*c < ' ')
-            *c = '?';
+    if (n <= 0) {
+        end_line(child);
+        shut(&child->complaints);
+    }
 }
 
 static void feed(struct child *child, const char **input) {
@@ -177,6 +186,7 @@ enum cm_result cm_run(const struct cm_run *run, struct cm_stop *stop, struct buf
         waitpid(child.pid, NULL, 0);
     }
     shut(&child.in), shut(&child.out), shut(&child.complaints);
+    end_line(&child);
     if (!wrong && WIFSIGNALED(status))
         snprintf(how, sizeof how, "was killed by signal %d", WTERMSIG(status));
     else if (!wrong && WEXITSTATUS(status) == PROGRAM_NOT_FOUND)

@@ -6,8 +6,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { IPA_BYTES = 20 };
+
 struct token {
-    char ipa[20];
+    char ipa[IPA_BYTES];
     uint8_t stress;
 };
 
@@ -19,16 +21,46 @@ struct tokens {
 #define PRIMARY "\u02C8"
 #define SECONDARY "\u02CC"
 #define LONG "\u02D0"
+#define TONE_3 "\u025C" /* no diphthong ends so: what the engine makes of the number 3 behind a vowel */
 
-/* Some languages' data names sounds by letters with numbers of tones and the like: what is not IPA is left
- * out, "1" is X-SAMPA. */
-static void clean(char *ipa) {
+/* Some languages' data gives the engine's own names for sounds, which are X-SAMPA by and large. NULL: IPA
+ * already. */
+static const char *ipa_of(char c) {
+    static const char *const letters[][2] = {{"A", "\u0251"}, {"K", "\u026C"}, {"N", "\u014B"},
+                                             {"S", "\u0283"}, {"X", "\u03C7"}, {"Z", "\u0292"}};
+    for (size_t i = 0; i < sizeof letters / sizeof *letters; i++)
+        if (*letters[i][0] == c)
+            return letters[i][1];
+    return NULL;
+}
+
+/* A dot behind a letter makes it retroflex. */
+static const char *retroflex_of(char c) {
+    static const char *const letters[][2] = {{"d", "\u0256"}, {"l", "\u026D"}, {"n", "\u0273"},
+                                             {"r", "\u027D"}, {"s", "\u0282"}, {"t", "\u0288"},
+                                             {"z", "\u0290"}};
+    for (size_t i = 0; i < sizeof letters / sizeof *letters; i++)
+        if (*letters[i][0] == c)
+            return letters[i][1];
+    return NULL;
+}
+
+/* What else is in such names, numbers of tones and the like, is left out; "1" alone is X-SAMPA. */
+static void clean(char ipa[IPA_BYTES]) {
+    char said[IPA_BYTES];
     size_t kept = 0;
-    if (!strcmp(ipa, "1"))
-        strcpy(ipa, "\u0268");
-    for (const char *c = ipa; *c; c++)
-        if ((unsigned char)*c >= 0x80 || isalpha((unsigned char)*c))
+    strcpy(said, strcmp(ipa, "1") ? ipa : "\u0268");
+    for (const char *c = said; *c; c++) {
+        const char *letter = c[1] == '.' ? retroflex_of(*c) : ipa_of(*c);
+        if (letter && kept + 2 < IPA_BYTES) {
+            memcpy(ipa + kept, letter, 2);
+            kept += 2;
+        } else if (((unsigned char)*c >= 0x80 || isalpha((unsigned char)*c)) && kept + 1 < IPA_BYTES) {
             ipa[kept++] = *c;
+        }
+    }
+    if (kept > 2 && !memcmp(ipa + kept - 2, TONE_3, 2))
+        kept -= 2;
     ipa[kept] = '\0';
 }
 

@@ -4,6 +4,7 @@
 #include <ctype.h>
 #include <espeak-ng/speak_lib.h>
 #include <stdbool.h>
+#include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,6 +81,22 @@ static void add_variants(struct es_voices *voices, const char *variant, int gend
     }
 }
 
+/* How unusual the voice is for the tag, or -1. */
+static int priority(const struct es_voice *v, const char *lang) {
+    for (const char *entry = v->langs; *entry; entry += strlen(entry) + 1)
+        if (!strcasecmp(entry + 1, lang))
+            return (unsigned char)*entry;
+    return -1;
+}
+
+/* The same for its language without the region; those that espeak-ng does not rank come last. */
+static int rank(const struct es_voice *v) {
+    char primary[sizeof v->lang];
+    snprintf(primary, sizeof primary, "%.*s", (int)strcspn(v->lang, "-"), v->lang);
+    int p = priority(v, primary);
+    return p < 0 ? UINT8_MAX + 1 : p;
+}
+
 static int by_language(const void *a, const void *b) {
     const struct es_voice *v = a, *w = b;
     size_t primary = strcspn(v->lang, "-"), other = strcspn(w->lang, "-");
@@ -89,7 +106,9 @@ static int by_language(const void *a, const void *b) {
         return order ? order : primary < other ? -1 : 1;
     if (variant != variant_too)
         return variant ? 1 : -1;
-    return *v->langs != *w->langs ? *v->langs - *w->langs : strcmp(v->id, w->id);
+    if (*v->langs != *w->langs)
+        return *v->langs - *w->langs;
+    return rank(v) != rank(w) ? rank(v) - rank(w) : strcmp(v->id, w->id);
 }
 
 void es_voices_load(struct es_voices *voices, const char *const *variants, size_t variant_count) {
@@ -116,14 +135,6 @@ const struct es_voice *es_voices_find(const struct es_voices *voices, const char
         if (!strcmp(voices->list[i].id, id))
             return &voices->list[i];
     return NULL;
-}
-
-/* How unusual the voice is for the tag, or -1. */
-static int priority(const struct es_voice *v, const char *lang) {
-    for (const char *entry = v->langs; *entry; entry += strlen(entry) + 1)
-        if (!strcasecmp(entry + 1, lang))
-            return (unsigned char)*entry;
-    return -1;
 }
 
 const struct es_voice *es_voices_for_lang(const struct es_voices *voices, const char *lang) {

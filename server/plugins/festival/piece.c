@@ -64,14 +64,12 @@ static void add_token(struct buf *b, const struct fe_token *t, size_t index, con
     buf_printf(b, "%zu %.3f %.3f %.3f)\n", index, p->stretch, p->pitch, p->range);
 }
 
-/* An HTS engine takes one rate (of speech) and one shift (half tones) for all: the means. */
+/* Festival's HTS engine takes one rate of speech for all, the mean, and no pitch. */
 static void add_hts(const struct fe_piece *piece, size_t from, size_t to, struct buf *b) {
-    double stretch = 0, pitch = 0;
-    for (size_t i = from; i < to; i++) {
+    double stretch = 0;
+    for (size_t i = from; i < to; i++)
         stretch += piece->prosody[i].stretch / (double)(to - from);
-        pitch += 12 * log2(piece->prosody[i].pitch) / (double)(to - from);
-    }
-    buf_printf(b, "'((\"-r\" %.3f) (\"-fm\" %.3f)) ", 1 / stretch, pitch);
+    buf_printf(b, "'((\"-r\" %.3f)) ", 1 / stretch);
 }
 
 void fe_piece_request(const struct fe_piece *piece, size_t from, size_t to, bool plain, double lead,

@@ -13,7 +13,7 @@ struct fe_prosody {
     double volume;  /* of the samples */
 };
 
-/* Emphasis is mapped to the same four. Emotions come as factors already; Festival has no tables for them. */
+/* Emphasis is mapped to the same four. Emotions come as factors already (models/expressions.json). */
 struct fe_prosody fe_prosody_of(const struct fe_voice *voice, const struct faccia_span *span);
 
 /* Multiplies the samples [from, to) by gain times a volume, which moves there from *now within some ms; what

@@ -20,7 +20,7 @@ struct fe_language {
 struct fe_voice {
     struct faccia_voice_info info;
     const char *festival; /* its name: "lp_diphone" */
-    bool hts;             /* it takes rate and pitch for a whole sentence only */
+    bool hts;             /* it takes a rate for a whole sentence, and no pitch */
     double units; /* what diphones are multiplied by before they are joined, so that no sum overflows */
     double gain;  /* what the audio is multiplied by afterwards */
     struct fe_language language;
