@@ -106,6 +106,8 @@ test('so are programs, and signals to the daemon; threads are not', { skip: !con
   assert.deepEqual(await attempts('launch'), { spawn: refused, exec: refused, signal: refused, unshare: refused, thread: 'done' });
 });
 
+test('that there is no sandbox is logged', () => assert.equal(/puppet runs without a sandbox/.test(daemon.log), !confined));
+
 test('the operator may do without', async () => {
   const open = await start('--sandbox', 'off');
   assert.equal((await attempts('dial', open)).inet, 'done');
