@@ -45,6 +45,8 @@ int cli_open(struct cli *cli) {
     cli->studio = (struct studio){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
     struct voice_pool_options options = {
         .worker = cli->paths.worker, .plugin_dir = cli->paths.plugins, .quiet = true};
+    const char *sandbox = getenv("FACCIA_SANDBOX"); /* the daemon's setting */
+    options.unconfined = sandbox && !strcmp(sandbox, "off");
     bool configured = *cli->paths.voice_config;
     char *config = configured ? voice_config_read(cli->paths.voice_config, &e) : NULL;
     options.config = config;

@@ -25,7 +25,7 @@ const struct setting settings_table[] = {
      "S", "and so much more for each byte of its text"},
     {"voices.deadline_most", "deadline-most", SETTING_REAL, MEMBER(deadline_most), 1, 1000, "10", "X",
      "whatever comes of it, it is given up after so many times as long"},
-    {"voices.processor", "worker-processor", SETTING_REAL, MEMBER(worker_processor), 0.1, 1000, "20", "X",
+    {"voices.processor", "worker-processor", SETTING_REAL, MEMBER(worker_processor), 0.01, 1000, "20", "X",
      "processor time for it, in multiples of the same time"},
     {"voices.memory_megabytes", "worker-memory", SETTING_NUMBER, MEMBER(worker_megabytes), 64, 1048576,
      "4096", "N", "address space of a worker"},

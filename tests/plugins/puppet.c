@@ -85,6 +85,7 @@ static void crash(const struct faccia_sink *sink) {
 
 static void hang(const struct faccia_sink *sink) {
     (void)sink;
+    fprintf(stderr, "puppet %d hangs\n", (int)getpid());
     for (;;)
         pause();
 }
