@@ -5,6 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* About five seconds of speech. A slow voice makes the first part of a long sentence in a few seconds, and
+ * each further one while the one before is heard. */
+enum { SLOW_SENTENCE_BYTES = 80 };
+
 /* Many languages share the general pack; which of them there are is for the voices to say. */
 static bool is_spoken(const struct speech *s, const char *lang) {
     const struct speech_pack *pack = speech_packs_find(s->studio->packs, lang);
@@ -82,7 +86,10 @@ static int decode_text(struct speech *s, struct error *e) {
 }
 
 static int read_text(struct speech *s, struct error *e) {
-    struct markup_rules rules = {speech_pack_abbreviations(s->pack), speech_lang(s)};
+    struct markup_rules rules = {.abbreviations = speech_pack_abbreviations(s->pack),
+                                 .lang = speech_lang(s),
+                                 .sentence_bytes =
+                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0};
     s->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, e);
     if (!s->score)
         return -1;

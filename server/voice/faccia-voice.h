@@ -37,6 +37,8 @@ enum {
                                        has to find them in the audio */
     FACCIA_VOICE_FRESH = 1u << 9, /* the same sentence may sound otherwise another time: it is not to be kept
                                      for when it is asked for again */
+    FACCIA_VOICE_SLOW = 1u << 12, /* takes about as long as the sound lasts: long sentences come cut at
+                                     commas, so that the first part is heard early */
     /* What a plugin needs; it is refused (EPERM) what it does not name, before open is called. */
     FACCIA_VOICE_NETWORK = 1u << 10,  /* it, or a program that it starts, opens sockets */
     FACCIA_VOICE_PROGRAMS = 1u << 11, /* starts processes; threads may always be started */
