@@ -24,19 +24,26 @@ struct stream {
     uint64_t unheard; /* ms of the utterances' media that were sent before the pause and are heard after it */
 };
 
+/* pump.c */
+
 /* Has the stream look after itself in so many ms. */
 void stream_wake(struct stream *stream, uint64_t ms);
 
 /* Media go on from the loop time `at`: what was sent for later is forgotten. */
 void stream_go_on_from(struct stream *stream, uint64_t at);
 
+/* Where on the life clock an utterance begins: when those before it have ended, or now, s. */
+double stream_place(const struct turn *turn);
+
+/* Where on the idle clock that loop time is; negative: nobody idles. */
+double stream_idle_time(const struct stream *stream, uint64_t at);
+
+/* stream.c */
+
 /* What was sent of utterances and has not been heard is forgotten. */
 void stream_forget_unheard(struct stream *stream);
 
 /* Ends the first turn. */
 void stream_end_turn(struct stream *stream, const char *reason);
-
-/* Where on the idle clock that loop time is; negative: nobody idles. */
-double stream_idle_time(const struct stream *stream, uint64_t at);
 
 #endif
