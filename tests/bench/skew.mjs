@@ -5,17 +5,18 @@
 // same run: the same pictures as simpler players would have drawn them. Then once more without the page's word for
 // anything: of a recording whose jaw moves and whose sound clicks, from the pixels and the samples alone.
 // Usage: node tests/bench/skew.mjs [SECONDS [low|high|auto]]
-import os from 'node:os';
 import { Daemon } from '../lib/daemon.mjs';
 import { launch, openPage } from '../lib/browser.mjs';
 import { quantile } from './figures.mjs';
 import { fap, PERIOD, probe, sinceOpen, wav } from './jaw.mjs';
+import { watchOthers } from './others.mjs';
 import { prose } from './text.mjs';
 import { categories, pictures, soundOf } from './trace.mjs';
 
 const seconds = Number(process.argv[2] ?? 60);
 const quality = process.argv[3] ?? 'low';
 const JAW_SECONDS = 12;
+const QUIET = 0.1; // of a processor, taken by other programs: what they take, drawing lacks, and nobody foresees it
 
 /** Has the page note, for each picture: which speech it belongs to, and what the sound's clocks say. */
 const note = (page) => page.evaluate(() => {
@@ -58,12 +59,12 @@ const say = (name, late) => {
     `${at(0.99)} (99 %); median ${quantile(late, 0.5).toFixed(1)} ms late`);
 };
 
-const load = os.loadavg()[0];
 const daemon = await Daemon.start();
 const browser = await launch();
 const page = await openPage(browser, daemon.url, { quality: 'low' });
 await page.evaluate(() => Object.assign(document.querySelector('talking-head').style,
   { width: '640px', height: '480px', position: 'fixed', inset: 0, maxWidth: 'none' }));
+const stopWatching = watchOthers();
 await browser.startTracing(page, { categories });
 await note(page);
 await page.evaluate(() => new Promise((resolve) => {
@@ -92,6 +93,7 @@ const { drawn, reports, rate, sound } = await page.evaluate(() => ({
   rate: document.querySelector('talking-head').player.rate,
   sound: document.querySelector('talking-head').player.sound,
 }));
+const others = stopWatching();
 const events = JSON.parse(await browser.stopTracing()).traceEvents;
 await browser.close();
 await daemon.stop();
@@ -106,7 +108,7 @@ const speechAt = (frame) => {
   return report?.running ? (report.position + frame - report.frame) / rate : null;
 };
 
-const speech = { page: [], stamp: [], current: [] };
+const speech = { page: [], stamp: [], current: [], undisturbed: [] };
 let unseen = 0;
 let [first, last] = [Infinity, -Infinity];
 drawn.forEach((picture, i) => {
@@ -116,15 +118,19 @@ drawn.forEach((picture, i) => {
   const heard = speechAt(heardAt(seen));
   if (heard === null) return;
   [first, last] = [Math.min(first, seen), Math.max(last, seen)];
-  speech.page.push(1000 * (heard - picture.start - picture.seconds));
+  const late = 1000 * (heard - picture.start - picture.seconds);
+  speech.page.push(late);
+  if (others(seenAt.get(i).begun, seen) < QUIET) speech.undisturbed.push(late);
   for (const [name, time] of [['stamp', picture.heardNow], ['current', picture.current]]) {
     const naive = speechAt(time * rate);
     if (naive !== null) speech[name].push(1000 * (heard - naive));
   }
 });
 const spoken = (last - first) / 1000;
-console.log(`${speech.page.length} pictures in ${spoken.toFixed(1)} s of speech (${(speech.page.length / spoken).toFixed(1)} a second), ${unseen} never shown; quality ${quality}, load before ${load.toFixed(1)}`);
+console.log(`${speech.page.length} pictures in ${spoken.toFixed(1)} s of speech (${(speech.page.length / spoken).toFixed(1)} a second), ${unseen} never shown; quality ${quality}; other programs took ${others(first, last).toFixed(2)} processors`);
 say('the page', speech.page);
+if (speech.undisturbed.length)
+  say(`of these the ${speech.undisturbed.length} while others took less than ${QUIET} of a processor`, speech.undisturbed);
 say('a face for what is heard when the picture is begun', speech.stamp);
 say('a face at AudioContext.currentTime', speech.current);
 
