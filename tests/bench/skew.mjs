@@ -127,7 +127,8 @@ drawn.forEach((picture, i) => {
   }
 });
 const spoken = (last - first) / 1000;
-console.log(`${speech.page.length} pictures in ${spoken.toFixed(1)} s of speech (${(speech.page.length / spoken).toFixed(1)} a second), ${unseen} never shown; quality ${quality}; other programs took ${others(first, last).toFixed(2)} processors`);
+console.log(`${speech.page.length} pictures in ${spoken.toFixed(1)} s of speech (${(speech.page.length / spoken).toFixed(1)} a second), ` +
+  `${unseen} never shown; quality ${quality}; other programs took ${others(first, last).toFixed(2)} processors`);
 say('the page', speech.page);
 if (speech.undisturbed.length)
   say(`of these the ${speech.undisturbed.length} while others took less than ${QUIET} of a processor`, speech.undisturbed);
