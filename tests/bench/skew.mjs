@@ -108,17 +108,18 @@ const speechAt = (frame) => {
   return report?.running ? (report.position + frame - report.frame) / rate : null;
 };
 
-const speech = { page: [], stamp: [], current: [], undisturbed: [] };
+const speech = { page: [], stamp: [], current: [], undisturbed: [], recording: [] };
 let unseen = 0;
 let [first, last] = [Infinity, -Infinity];
 drawn.forEach((picture, i) => {
-  if (i < recorded || picture.seconds === null) return;
+  if (picture.seconds === null) return;
   const { seen } = seenAt.get(i) ?? { seen: null };
   if (seen === null) return void unseen++;
   const heard = speechAt(heardAt(seen));
   if (heard === null) return;
-  [first, last] = [Math.min(first, seen), Math.max(last, seen)];
   const late = 1000 * (heard - picture.start - picture.seconds);
+  if (i < recorded) return void speech.recording.push(late);
+  [first, last] = [Math.min(first, seen), Math.max(last, seen)];
   speech.page.push(late);
   if (others(seenAt.get(i).begun, seen) < QUIET) speech.undisturbed.push(late);
   for (const [name, time] of [['stamp', picture.heardNow], ['current', picture.current]]) {
@@ -147,3 +148,4 @@ for (const { picture, opening } of openings) {
   if (!Number.isNaN(late)) jaw.push(1000 * late);
 }
 say(`${jaw.length} pictures of the jaw, from pixels and samples alone`, jaw);
+say('the recording by its positions, as a check', speech.recording);
