@@ -3,7 +3,7 @@
 // begins to open. And what reads it off the page: the pixels of what was drawn, the samples of what is played.
 
 export const PERIOD = 1; // seconds from click to click
-export const JAW_MOST = 800;
+const JAW_MOST = 800;
 const FPS = 25;
 const RATE = 48000;
 
@@ -13,9 +13,16 @@ const opening = (seconds) => {
   return JAW_MOST * (place < 0.5 ? 2 * place : 2 - 2 * place);
 };
 
-/** The times since a click at which it is so far open; of the period before and the one after, too. */
-export const jawAt = (value) => [-1, 0, 1].flatMap((n) =>
-  [value / JAW_MOST / 2, 1 - value / JAW_MOST / 2].map((place) => (n + place) * PERIOD));
+/**
+ * How long ago it was so far open, at a time since a click: the one of the times that is nearest.
+ * @returns {number} seconds; negative: it will be. NaN where the jaw turns and tells nothing
+ */
+export function sinceOpen(value, seconds) {
+  const place = value / JAW_MOST / 2;
+  if (place < 0.1 || place > 0.4) return NaN;
+  const times = [-1, 0, 1].flatMap((n) => [n + place, n + 1 - place]);
+  return times.map((time) => seconds - time * PERIOD).reduce((a, b) => (Math.abs(b) < Math.abs(a) ? b : a));
+}
 
 export function fap(seconds) {
   const mask = Array.from({ length: 68 }, (_, i) => (i === 2 ? 1 : 0)).join(' ');
@@ -45,7 +52,7 @@ export function wav(seconds) {
  *   of the sound at which clicks began, and how far the jaw was open in each picture
  */
 export async function probe(page) {
-  await page.evaluate(async () => {
+  await page.evaluate(async (most) => {
     const element = document.querySelector('talking-head');
     const { stage, player } = element;
     const gl = stage.view.renderer.getContext();
@@ -78,19 +85,16 @@ export async function probe(page) {
       };
       setTimeout(fetch, 20);
     };
-    const closed = new Promise((resolve) => (window.firstPixels = resolve));
     const pose = (value) => new Promise((resolve) => {
       window.pixels = (_, pixels) => resolve(pixels);
       element.pose({ 3: value });
     });
-    void closed;
     element.setAttribute('still', '');
     const rest = await pose(0);
     const measure = (pixels) => pixels.reduce((sum, value, i) => sum + Math.abs(value - rest[i]), 0);
     const scale = []; // [opening, measure]
-    for (let value = 0; value <= 800; value += 50) scale.push([value, measure(await pose(value))]);
+    for (let value = 0; value <= most; value += 50) scale.push([value, measure(await pose(value))]);
     element.pose(null);
-    window.scale = scale;
     window.openings = [];
     window.pixels = (picture, pixels) => {
       const found = measure(pixels);
@@ -119,10 +123,10 @@ export async function probe(page) {
       tap.port.onmessage = ({ data }) => window.clicks.push(data);
       player.audio.node.connect(tap);
     }, 20);
-  });
+  }, JAW_MOST);
   return () => page.evaluate(() => {
     window.pixels = null;
     document.querySelector('talking-head').removeAttribute('still');
-    return { clicks: window.clicks, openings: window.openings, scale: window.scale };
+    return { clicks: window.clicks, openings: window.openings };
   });
 }

@@ -8,13 +8,15 @@
 import { Daemon } from '../lib/daemon.mjs';
 import { launch, openPage } from '../lib/browser.mjs';
 import { quantile } from './figures.mjs';
-import { fap, JAW_MOST, jawAt, PERIOD, probe, wav } from './jaw.mjs';
+import { fap, PERIOD, probe, sinceOpen, wav } from './jaw.mjs';
+import { watchOthers } from './others.mjs';
 import { prose } from './text.mjs';
 import { categories, pictures, soundOf } from './trace.mjs';
 
 const seconds = Number(process.argv[2] ?? 60);
 const quality = process.argv[3] ?? 'low';
-const JAW_SECONDS = 15;
+const JAW_SECONDS = 12;
+const QUIET = 0.1; // of a processor, taken by other programs: what they take, drawing lacks, and nobody foresees it
 
 /** Has the page note, for each picture: which speech it belongs to, and what the sound's clocks say. */
 const note = (page) => page.evaluate(() => {
@@ -30,11 +32,10 @@ const note = (page) => page.evaluate(() => {
     const stamp = context?.getOutputTimestamp();
     if (player.audio) for (const report of map.reports) window.reports.set(report.frame, { ...report, position: report.position + offset });
     const heard = player.heard(now, ahead / 1000);
-    const { frameTime, utterance } = element.debug();
+    const { frameTime } = element.debug();
     window.drawn.push({
       seconds: heard.running ? frameTime : null, // of the utterance
       start: frameTime === null ? null : heard.position / player.rate - frameTime, // of the utterance on the player
-      utterance, ahead,
       current: context?.currentTime ?? null,
       heardNow: stamp ? stamp.contextTime + (now - stamp.performanceTime) / 1000 : null,
     });
@@ -50,6 +51,7 @@ const until = (page, text) => page.evaluate((words) => new Promise((resolve) => 
 }), text);
 
 const say = (name, late) => {
+  if (!late.length) throw new Error(`${name}: nothing was measured`);
   const off = late.map(Math.abs);
   const share = (most) => `${((100 * off.filter((x) => x <= most).length) / off.length).toFixed(1)} %`;
   const at = (q) => quantile(off, q).toFixed(1);
@@ -59,13 +61,17 @@ const say = (name, late) => {
 
 const daemon = await Daemon.start();
 const browser = await launch();
-const page = await openPage(browser, daemon.url, { quality });
+const page = await openPage(browser, daemon.url, { quality: 'low' });
 await page.evaluate(() => Object.assign(document.querySelector('talking-head').style,
   { width: '640px', height: '480px', position: 'fixed', inset: 0, maxWidth: 'none' }));
+const stopWatching = watchOthers();
 await browser.startTracing(page, { categories });
 await note(page);
-await page.evaluate(() => document.querySelector('talking-head').setAttribute('room', 'bench'));
-await page.waitForFunction(() => document.querySelector('talking-head').debug().connection === 'open');
+await page.evaluate(() => new Promise((resolve) => {
+  const element = document.querySelector('talking-head');
+  element.addEventListener('joined', () => resolve(), { once: true });
+  element.setAttribute('room', 'bench');
+}));
 
 // The jaw and the clicks: first, so that the sound begins with the recording.
 const read = await probe(page);
@@ -79,6 +85,7 @@ await played;
 const { clicks, openings } = await read();
 const recorded = await page.evaluate(() => window.drawn.length);
 
+await page.evaluate((level) => document.querySelector('talking-head').setAttribute('quality', level), quality);
 await until(page, prose(seconds));
 const { drawn, reports, rate, sound } = await page.evaluate(() => ({
   drawn: window.drawn,
@@ -86,6 +93,7 @@ const { drawn, reports, rate, sound } = await page.evaluate(() => ({
   rate: document.querySelector('talking-head').player.rate,
   sound: document.querySelector('talking-head').player.sound,
 }));
+const others = stopWatching();
 const events = JSON.parse(await browser.stopTracing()).traceEvents;
 await browser.close();
 await daemon.stop();
@@ -100,36 +108,44 @@ const speechAt = (frame) => {
   return report?.running ? (report.position + frame - report.frame) / rate : null;
 };
 
-const speech = { page: [], stamp: [], current: [] };
+const speech = { page: [], stamp: [], current: [], undisturbed: [], recording: [] };
 let unseen = 0;
 let [first, last] = [Infinity, -Infinity];
 drawn.forEach((picture, i) => {
-  if (i < recorded || picture.seconds === null) return;
+  if (picture.seconds === null) return;
   const { seen } = seenAt.get(i) ?? { seen: null };
   if (seen === null) return void unseen++;
   const heard = speechAt(heardAt(seen));
   if (heard === null) return;
+  const late = 1000 * (heard - picture.start - picture.seconds);
+  if (i < recorded) return void speech.recording.push(late);
   [first, last] = [Math.min(first, seen), Math.max(last, seen)];
-  speech.page.push(1000 * (heard - picture.start - picture.seconds));
+  speech.page.push(late);
+  if (others(seenAt.get(i).begun, seen) < QUIET) speech.undisturbed.push(late);
   for (const [name, time] of [['stamp', picture.heardNow], ['current', picture.current]]) {
     const naive = speechAt(time * rate);
     if (naive !== null) speech[name].push(1000 * (heard - naive));
   }
 });
-console.log(`${speech.page.length} pictures in ${((last - first) / 1000).toFixed(1)} s of speech (${(1000 * speech.page.length / (last - first)).toFixed(1)} a second), ${unseen} never shown; quality ${quality}`);
+const spoken = (last - first) / 1000;
+console.log(`${speech.page.length} pictures in ${spoken.toFixed(1)} s of speech (${(speech.page.length / spoken).toFixed(1)} a second), ` +
+  `${unseen} never shown; quality ${quality}; other programs took ${others(first, last).toFixed(2)} processors`);
 say('the page', speech.page);
+if (speech.undisturbed.length)
+  say(`of these the ${speech.undisturbed.length} while others took less than ${QUIET} of a processor`, speech.undisturbed);
 say('a face for what is heard when the picture is begun', speech.stamp);
 say('a face at AudioContext.currentTime', speech.current);
 
-// The jaw: between its turns, where its place tells the time.
 const jaw = [];
 for (const { picture, opening } of openings) {
   const { seen } = seenAt.get(picture) ?? { seen: null };
-  if (seen === null || opening < 0.2 * JAW_MOST || opening > 0.8 * JAW_MOST) continue;
+  if (seen === null) continue;
   const frame = heardAt(seen);
-  const before = clicks.findLastIndex((click) => click <= frame);
-  if (before < 0 || before + 1 >= clicks.length) continue;
-  const heard = PERIOD * (frame - clicks[before]) / (clicks[before + 1] - clicks[before]); // since the click
-  jaw.push(1000 * Math.min(...jawAt(opening).map((shown) => heard - shown).map((d) => ({ d })).sort((a, b) => Math.abs(a.d) - Math.abs(b.d)).slice(0, 1).map(({ d }) => d)));
+  const k = clicks.findLastIndex((click) => click <= frame);
+  if (k < 0 || k + 1 >= clicks.length) continue;
+  const heard = (PERIOD * (frame - clicks[k])) / (clicks[k + 1] - clicks[k]); // since the click
+  const late = sinceOpen(opening, heard);
+  if (!Number.isNaN(late)) jaw.push(1000 * late);
 }
-say(`from pixels and clicks alone, ${jaw.length} pictures`, jaw);
+say(`${jaw.length} pictures of the jaw, from pixels and samples alone`, jaw);
+say('the recording by its positions, as a check', speech.recording);

@@ -3,7 +3,7 @@
 // AudioContext leaves the loudspeaker, as its sound system says. In milliseconds of one clock, which is not the page's.
 
 /** What has to be recorded. */
-export const categories = ['blink.user_timing', 'disabled-by-default-devtools.timeline.frame', 'cc', 'benchmark', 'webaudio'];
+export const categories = ['blink.user_timing', 'disabled-by-default-devtools.timeline.frame', 'webaudio'];
 
 const FRAME = 'PipelineReporter';
 const MAIN = 'SendBeginMainFrameToCommit'; // the page's own part of a frame: its animation callbacks run in it
@@ -59,9 +59,10 @@ export function soundOf(events, rate) {
     if (name !== 'PushPullFIFO frames') continue;
     // The count falls when the sound system takes its share: what it takes begins that much earlier.
     if (asked && args.value < waiting && waiting - args.value === asked.frames)
-      anchors.push({ at: asked['delay_timestamp (ms)'] + asked['playout_delay (ms)'], frame: rendered - waiting, ts });
+      anchors.push({ at: asked['delay_timestamp (ms)'] + asked['playout_delay (ms)'], frame: rendered - waiting });
     waiting = args.value;
   }
+  if (!anchors.length) throw new Error('the browser has recorded no sound');
   return (time) => {
     let k = anchors.findIndex(({ at }) => at > time);
     if (k < 0) k = anchors.length;

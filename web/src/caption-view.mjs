@@ -17,20 +17,24 @@ export class CaptionView {
     this.box.hidden = !on;
   }
 
-  /** @param {{said: string, word: string, rest: string}|null} line @param {string} [lang] of the text */
+  /**
+   * @param {{said: string, word: string, rest: string}|null} line @param {string} [lang] of the text
+   * @returns {boolean} whether they have changed
+   */
   show(line, lang) {
     if (!line) {
       if (this.key && !this.timer) this.timer = setTimeout(() => this.clear(), LINGER_MS);
-      return;
+      return false;
     }
     clearTimeout(this.timer);
     this.timer = 0;
     const parts = [line.said, line.word, line.rest];
     const key = parts.join('\u0000');
-    if (key === this.key) return;
+    if (key === this.key) return false;
     this.key = key;
     if (lang) this.box.lang = lang;
     this.#write(parts);
+    return true;
   }
 
   clear() {

@@ -44,6 +44,7 @@ export class TalkingHead extends HTMLElement {
     this.presence = new Presence(this, () => this.#idle());
     this.player = new Player((sound) => this.#soundChanged(sound));
     this.stage = new Stage(this.canvas, {
+      hear: (now) => this.#hear(now),
       frame: (now, ahead) => this.#frame(now, ahead),
       trouble: (what) => this.#say(what),
     });
@@ -68,7 +69,7 @@ export class TalkingHead extends HTMLElement {
     this.#express();
     this.#connect();
     this.presence.open();
-    this.timer = setInterval(() => this.#hear(performance.now()), TICK_MS);
+    this.timer = setInterval(() => this.#tick(performance.now()), TICK_MS);
   }
 
   disconnectedCallback() {
@@ -371,14 +372,20 @@ export class TalkingHead extends HTMLElement {
 
   // What is heard and shown
 
+  /** Captions change with a picture, where there are pictures: what is drawn in between would hold up the next one. */
+  #tick(now) {
+    if (this.stage.drawing) this.#speech.tick(now);
+    else this.#hear(now);
+  }
+
+  /** @returns {boolean} whether the captions have changed */
   #hear(now) {
     this.#speech.tick(now);
     const { captions, options } = this.#speech.heard(now)?.utterance ?? {};
-    this.captionView.show(captions?.line ?? null, options?.lang);
+    return this.captionView.show(captions?.line ?? null, options?.lang);
   }
 
   #frame(now, ahead) {
-    this.#hear(now);
     const heard = this.#speech.heard(now, ahead / 1000);
     const { face } = this.liveliness;
     if (heard?.running) face.leave();

@@ -21,7 +21,7 @@ export class Pace {
     this.setTimeout = setTimeout;
     this.beat = 1000 / 60; // milliseconds from one beat of the display to the next
     this.last = -Infinity; // beat
-    this.taken = []; // milliseconds that the last pictures took
+    this.taken = { alone: [], beside: [] }; // milliseconds that the last pictures took: alone, and beside a changed page
     this.picture = null; // the one that is being drawn
   }
 
@@ -34,28 +34,33 @@ export class Pace {
 
   /** Whether a picture that is begun now would have to wait for another. */
   get busy() {
-    return this.picture !== null && this.span > this.beat;
+    return this.picture !== null && this.#span('alone') > this.beat;
   }
 
   /** How long a picture takes, in milliseconds: the median of the last ones. */
-  get span() {
-    return [...this.taken].sort((a, b) => a - b)[this.taken.length >> 1] ?? this.beat;
+  #span(kind) {
+    const taken = this.taken[kind].length ? this.taken[kind] : this.taken.alone;
+    return [...taken].sort((a, b) => a - b)[taken.length >> 1] ?? this.beat;
   }
 
-  /** Milliseconds until a picture is seen that is begun now. */
-  ahead(now) {
-    return Math.max(this.span, this.last + this.beat - now);
+  /**
+   * Milliseconds until a picture is seen that is begun now.
+   * @param {number} now @param {boolean} [beside] whether more of the page has changed: it is drawn with the picture
+   */
+  ahead(now, beside = false) {
+    return Math.max(this.#span(beside ? 'beside' : 'alone'), this.last + this.beat - now);
   }
 
-  /** A picture has been asked for. @param {number} begun when @param {() => number} clock */
-  drawn(begun, clock = () => performance.now()) {
+  /** A picture has been asked for. @param {number} begun when @param {boolean} [beside] as above @param {() => number} clock */
+  drawn(begun, beside = false, clock = () => performance.now()) {
+    const kind = beside ? 'beside' : 'alone';
     const picture = { done: this.mark() };
     this.picture = picture;
     let asked = begun;
     const ask = () => {
       const now = clock();
       if (picture.done()) {
-        if (now - asked <= SURE_MS) this.taken = [...this.taken, (asked + now) / 2 - begun].slice(-KEPT);
+        if (now - asked <= SURE_MS) this.taken[kind] = [...this.taken[kind], (asked + now) / 2 - begun].slice(-KEPT);
         if (this.picture === picture) this.picture = null;
         return;
       }

@@ -7,6 +7,7 @@ import { Pace } from './pace.mjs';
 
 const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden page
 const AHEAD_MOST_MS = 300; // for longer nothing is foreseen
+const LAPSE_MS = 250; // from a picture to the next: beyond, they do not follow each other
 const CALM_MS = 30; // between pictures of a face that only idles: saves the battery
 
 /**
@@ -16,8 +17,9 @@ const CALM_MS = 30; // between pictures of a face that only idles: saves the bat
 export class Stage {
   /**
    * @param {HTMLCanvasElement} canvas
-   * @param {object} ports frame(now, ahead) -> {values, more, calm}: what to show `ahead` milliseconds later, when the
-   *   picture is on the display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | null)
+   * @param {object} ports hear(now) -> whether the page beside the canvas changes with the picture that follows;
+   *   frame(now, ahead) -> {values, more, calm}: what to show `ahead` milliseconds later, when the picture is on the
+   *   display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | null)
    */
   constructor(canvas, ports) {
     this.canvas = canvas;
@@ -92,6 +94,11 @@ export class Stage {
     if (!this.request && this.view) this.request = requestAnimationFrame((now) => this.#draw(now));
   }
 
+  /** Whether pictures follow each other. */
+  get drawing() {
+    return this.following && performance.now() - this.last < LAPSE_MS;
+  }
+
   #resize() {
     const { clientWidth, clientHeight } = this.canvas;
     this.view?.resize(clientWidth, clientHeight);
@@ -114,10 +121,11 @@ export class Stage {
       if (this.governor.frame(taken)) this.view.setLevel(this.governor.level);
     }
     const begun = performance.now();
-    const { values, more, calm } = this.ports.frame(begun, Math.min(AHEAD_MOST_MS, this.pace.ahead(begun)));
+    const beside = this.ports.hear(begun);
+    const { values, more, calm } = this.ports.frame(begun, Math.min(AHEAD_MOST_MS, this.pace.ahead(begun, beside)));
     this.view.head?.setFaps(values);
     this.#paint();
-    this.pace.drawn(begun);
+    this.pace.drawn(begun, beside);
     this.following = more;
     this.calm = Boolean(calm);
     if (more) this.wake();

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How much of the machine other programs take during a measurement: what is not used by this process and what it started.
+import fs from 'node:fs';
+
+const STEP_MS = 500;
+const HZ = 100; // of the times in /proc
+
+/** Processor ticks that this process and all that come from it have used. */
+function own() {
+  const processes = new Map();
+  for (const pid of fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name))) {
+    try {
+      const stat = fs.readFileSync(`/proc/${pid}/stat`, 'latin1');
+      const fields = stat.slice(stat.lastIndexOf(')') + 2).split(' ');
+      processes.set(Number(pid), { parent: Number(fields[1]), ticks: Number(fields[11]) + Number(fields[12]) });
+    } catch {
+      // it has ended meanwhile
+    }
+  }
+  const ours = (pid) => pid === process.pid || (processes.has(pid) && ours(processes.get(pid).parent));
+  return [...processes].reduce((sum, [pid, { ticks }]) => (ours(pid) ? sum + ticks : sum), 0);
+}
+
+/** Ticks that anybody has used, also other machines on the same processors. */
+function all() {
+  const [user, nice, system, , , irq, softirq, steal] = fs.readFileSync('/proc/stat', 'latin1').split('\n')[0].trim().split(/\s+/).slice(1).map(Number);
+  return user + nice + system + irq + softirq + steal;
+}
+
+/** Watches until it is stopped. */
+export function watchOthers() {
+  const samples = [];
+  const take = () => samples.push({ at: Number(process.hrtime.bigint()) / 1e6, ticks: all() - own() });
+  take();
+  const timer = setInterval(take, STEP_MS);
+  return () => {
+    clearInterval(timer);
+    take();
+    /** Processors that others used between two times of the monotonic clock, in milliseconds, and half a second round them. */
+    return (from, to) => {
+      const a = samples.findLast(({ at }) => at <= from - STEP_MS) ?? samples[0];
+      const b = samples.find(({ at }) => at >= to + STEP_MS) ?? samples.at(-1);
+      return ((b.ticks - a.ticks) * 1000) / HZ / (b.at - a.at);
+    };
+  };
+}
