@@ -10,9 +10,9 @@ name=$what-$(basename "$file" .test.mjs)
 log="$artefacts/$name.tap"
 status=0
 case $what in
-unit) CMOCKA_MESSAGE_OUTPUT=TAP "$file" ;;
-daemon) FACCIA_BUILD="$root/build/sanitized" node --test-reporter=tap "$file" ;;
-*) FACCIA_BUILD="$root/build" node --test-reporter=tap "$file" ;;
+unit) CMOCKA_MESSAGE_OUTPUT=TAP timeout -k 10 900 "$file" ;;
+daemon) FACCIA_BUILD="$root/build/sanitized" timeout -k 10 900 node --test-reporter=tap "$file" ;;
+*) FACCIA_BUILD="$root/build" timeout -k 10 900 node --test-reporter=tap "$file" ;;
 esac >"$log" 2>&1 || status=$?
 if grep -aq '^# pass ' "$log"; then # node
     ok=$(sed -n 's/^# pass //p' "$log")
@@ -25,7 +25,7 @@ if [ "$status" != 0 ] && [ "$bad" = 0 ]; then
     bad=1 # died without a word
 fi
 if [ "$bad" != 0 ]; then
-    cat "$log"
+    tail -n 400 "$log" # the whole log is kept
 fi
 echo "$ok $bad" >"$artefacts/$name.count"
 echo "$name: $ok passed, $bad failed"

@@ -45,6 +45,8 @@ int cli_open(struct cli *cli) {
     cli->studio = (struct studio){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
     struct voice_pool_options options = {
         .worker = cli->paths.worker, .plugin_dir = cli->paths.plugins, .quiet = true};
+    const char *sandbox = getenv("FACCIA_SANDBOX"); /* the daemon's setting */
+    options.unconfined = sandbox && !strcmp(sandbox, "off");
     bool configured = *cli->paths.voice_config;
     char *config = configured ? voice_config_read(cli->paths.voice_config, &e) : NULL;
     options.config = config;
@@ -78,15 +80,16 @@ void cli_close(struct cli *cli) {
 }
 
 int cli_read(const char *path, struct buf *text) {
+    enum { BYTES_MAX = 256 << 20 }; /* some devices have no end */
     FILE *file = !strcmp(path, "-") ? stdin : fopen(path, "rb");
     size_t got = 1;
-    while (file && got) {
+    while (file && got && text->size <= BYTES_MAX) {
         got = fread(buf_reserve(text, 65536), 1, 65536, file);
         text->size += got;
     }
-    int failed = !file || ferror(file);
+    bool large = text->size > BYTES_MAX, failed = !file || ferror(file) || large;
     if (failed)
-        cli_complain("%s: %s", path, strerror(errno));
+        cli_complain("%s: %s", path, large ? "larger than 256 MiB" : strerror(errno));
     if (file && file != stdin)
         fclose(file);
     return failed ? -1 : 0;

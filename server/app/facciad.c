@@ -64,6 +64,7 @@ static struct net_options net_options_of(const struct daemon *d) {
         .address_requests = s->address_requests,
         .send_bytes = s->send_bytes,
         .send_bytes_max = s->send_bytes_max,
+        .lag_seconds = s->lag_seconds,
         .stall_seconds = s->stall_seconds,
     };
 }
@@ -234,6 +235,10 @@ static int start(struct daemon *d, struct error *e) {
                                         .workers = s->workers,
                                         .deadline_base = s->deadline_base,
                                         .deadline_per_byte = s->deadline_per_byte,
+                                        .deadline_most = s->deadline_most,
+                                        .processor = s->worker_processor,
+                                        .megabytes = s->worker_megabytes,
+                                        .unconfined = !strcmp(s->sandbox, "off"),
                                         .config = d->voice_config,
                                         .cache = {.bytes = (size_t)s->cache_megabytes << 20,
                                                   .file = s->cache_file,

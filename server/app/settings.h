@@ -19,13 +19,16 @@ struct settings {
     char *lang;
     unsigned workers;
     double deadline_base, deadline_per_byte; /* s */
+    double deadline_most, worker_processor;  /* in multiples of them */
+    unsigned worker_megabytes;
+    char *sandbox; /* "on", "off" */
     unsigned cache_megabytes, cache_file_megabytes;
     char *cache_file;
     json_t *voices; /* plugin name -> its own configuration */
     unsigned text_bytes, message_bytes, play_bytes, queue, connections, rooms, address_connections,
         address_requests;
     unsigned send_bytes, send_bytes_max;
-    unsigned stall_seconds, stop_seconds;
+    unsigned lag_seconds, stall_seconds, stop_seconds;
     char *log;
     char *models, *web, *media, *plugins, *worker, *audio;
 };

@@ -9,6 +9,8 @@
 struct markup_rules {
     const char *const *abbreviations; /* NULL-terminated, lower case, without the final dot; may be NULL */
     const char *lang; /* BCP 47, of the request: a style that means the same leaves it open; may be NULL */
+    size_t sentence_bytes; /* a sentence that is longer is cut at a comma, semicolon or colon; 0 = where it is
+                              longer than any sentence may be (plain.h) */
 };
 
 /* One reader. */

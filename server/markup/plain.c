@@ -105,6 +105,7 @@ static size_t skip_marks(struct cursor c, size_t next) {
 size_t plain_sentence(const char *text, size_t size, const struct markup_rules *rules) {
     struct cursor c = {text, size, 0};
     size_t comma = 0, space = 0, length;
+    size_t enough = rules && rules->sentence_bytes ? rules->sentence_bytes : PLAIN_SENTENCE_BYTES;
     bool blank_line;
     while (c.at < size) {
         while (c.at < PLAIN_SENTENCE_BYTES && c.at + 1 < size && is_letter(text[c.at]))
@@ -126,8 +127,10 @@ size_t plain_sentence(const char *text, size_t size, const struct markup_rules *
         }
         length = next - c.at;
         c.at = next;
+        if (c.at > enough && comma > enough / 4)
+            return comma;
         if (c.at > PLAIN_SENTENCE_BYTES)
-            return comma > PLAIN_SENTENCE_BYTES / 4 ? comma : space ? space : c.at - length;
+            return space ? space : c.at - length;
     }
     return size;
 }

@@ -10,7 +10,7 @@ int plain_read(struct score *score, const char *text, size_t size, const struct 
 
 /* Length in bytes of the sentence at the head of text[0..size), with its closing marks and the white space
  * after it. At most PLAIN_SENTENCE_BYTES, cut at a comma or a space where a longer one has any, so that
- * speech can begin early. */
+ * speech can begin early; the rules may ask for shorter ones, cut at a comma. */
 enum { PLAIN_SENTENCE_BYTES = 400 };
 size_t plain_sentence(const char *text, size_t size, const struct markup_rules *rules);
 

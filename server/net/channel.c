@@ -2,6 +2,7 @@
 #include "server/net/channel.h"
 #include "server/base/mem.h"
 #include "server/net/internal.h"
+#include "server/net/recap.h"
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,10 +15,6 @@ struct variant {
     unsigned followers;
 };
 
-/* Texts that tell one who comes late what is going on: the utterance's beginning, its sentence, the words and
- * marks of that so far. */
-enum { SCENE_TEXTS = 512 };
-
 struct channel {
     struct net *net;
     char *name;
@@ -27,9 +24,7 @@ struct channel {
     struct follower *followers;
     size_t follower_count;
     struct variant *variants;
-    struct parcel *begin, *texts[SCENE_TEXTS]; /* of the utterance that is spoken, and of its sentence */
-    struct parcel *paused;                     /* NULL: it is not */
-    size_t text_count;
+    struct recap recap;
 };
 
 static struct variant *variant_of(struct channel *c, const struct encoding *encoding) {
@@ -37,43 +32,6 @@ static struct variant *variant_of(struct channel *c, const struct encoding *enco
     while (v && !encoding_same(&v->encoding, encoding))
         v = v->next;
     return v;
-}
-
-static void forget_sentence(struct channel *c) {
-    while (c->text_count)
-        parcel_release(c->texts[--c->text_count]);
-}
-
-static void forget_scene(struct channel *c) {
-    forget_sentence(c);
-    parcel_release(c->begin);
-    c->begin = NULL;
-}
-
-/* Keeps what one who comes late has to know. */
-static void remember(struct channel *c, enum stream_event_kind kind, struct parcel *parcel) {
-    if (kind == STREAM_PAUSED || kind == STREAM_RESUMED) {
-        parcel_release(c->paused);
-        c->paused = kind == STREAM_PAUSED ? parcel : NULL;
-        parcel->refs += kind == STREAM_PAUSED;
-        return;
-    }
-    if (kind == STREAM_END) {
-        forget_scene(c);
-        return;
-    }
-    if (kind == STREAM_SENTENCE)
-        forget_sentence(c);
-    if (kind == STREAM_BEGIN) {
-        forget_scene(c);
-        c->begin = parcel;
-    } else if ((kind == STREAM_SENTENCE || kind == STREAM_WORD || kind == STREAM_MARK) &&
-               c->text_count < SCENE_TEXTS) {
-        c->texts[c->text_count++] = parcel;
-    } else {
-        return;
-    }
-    parcel->refs++;
 }
 
 static void deliver_text(struct channel *c, struct parcel *parcel) {
@@ -86,6 +44,7 @@ static void deliver_media(struct channel *c, const struct variant *v, const stru
     if (!bytes->size)
         return;
     struct parcel *parcel = parcel_new(LWS_WRITE_BINARY, bytes->data, bytes->size);
+    parcel->born = uv_now(c->net->studio->loop);
     for (struct follower *f = c->followers; f; f = f->next) {
         if (!f->media || !encoding_same(&f->encoding, &v->encoding) || (idle && !f->idle))
             continue;
@@ -114,7 +73,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
     message_write(&text, message_event(event, c->name));
     struct parcel *parcel = parcel_new(LWS_WRITE_TEXT, text.data, text.size);
     parcel->event = message_event_name(event->kind);
-    remember(c, event->kind, parcel);
+    recap_event(&c->recap, event->kind, parcel);
     deliver_text(c, parcel);
     parcel_release(parcel);
     buf_free(&text);
@@ -199,8 +158,7 @@ static void free_channel(struct channel *c) {
         metrics_add(c->net->studio->metrics, METRIC_ROOMS, -1);
     }
     stream_free(c->stream);
-    forget_scene(c);
-    parcel_release(c->paused);
+    recap_free(&c->recap);
     for (struct variant *v = c->variants, *next; v; v = next) {
         next = v->next;
         encoder_free(v->encoder);
@@ -235,6 +193,11 @@ static void remove_variant(struct channel *c, const struct encoding *encoding) {
     free(v);
 }
 
+static void tell(void *ctx, struct parcel *parcel) {
+    struct follower *f = ctx;
+    f->deliver(f, parcel);
+}
+
 void channel_join(struct channel *c, struct follower *f) {
     f->channel = c;
     f->next = c->followers;
@@ -246,12 +209,7 @@ void channel_join(struct channel *c, struct follower *f) {
     f->waits = true;
     if (f->media)
         add_variant(c, &f->encoding);
-    if (c->begin)
-        f->deliver(f, c->begin);
-    for (size_t i = 0; i < c->text_count; i++)
-        f->deliver(f, c->texts[i]);
-    if (c->paused)
-        f->deliver(f, c->paused);
+    recap_tell(&c->recap, tell, f);
 }
 
 void channel_leave(struct follower *f) {

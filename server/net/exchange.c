@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One HTTP request and its answer: head, then the body piece by piece as the connection takes it. */
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/net/internal.h"
 #include <stdlib.h>
 #include <string.h>
 
-enum { PIECE_BYTES = 65536, HEAD_BYTES = 2048 };
+/* BEAT_SECONDS: so often at least a connection on which something is being made is looked after. */
+enum { PIECE_BYTES = 65536, HEAD_BYTES = 2048, BEAT_SECONDS = 15 };
 
 struct exchange {
     struct net *net;
@@ -13,8 +15,9 @@ struct exchange {
     struct exchange_work work;
     const uint8_t *body; /* what is left of a body of known length */
     size_t body_size;
-    void *owned;      /* that body's memory, if it is the exchange's */
-    struct buf queue; /* of an answer in chunks: what waits */
+    void *owned;       /* that body's memory, if it is the exchange's */
+    struct buf queue;  /* of an answer in chunks: what waits */
+    uint64_t progress; /* loop time when bytes left last, or began to wait, ms */
     bool chunked, complete, answered, done;
     bool shared; /* any page may have the answer */
     struct guest guest;
@@ -111,6 +114,29 @@ static int head_send(struct head *h) {
     return h->failed || lws_finalize_write_http_header(h->wsi, h->bytes + LWS_PRE, &h->at, h->end) ? -1 : 0;
 }
 
+static uint64_t now(const struct exchange *x) {
+    return uv_now(x->net->studio->loop);
+}
+
+static void watch(struct exchange *x) {
+    unsigned seconds = x->net->options.stall_seconds;
+    lws_set_timer_usecs(x->wsi,
+                        (lws_usec_t)(seconds < BEAT_SECONDS ? seconds : BEAT_SECONDS) * LWS_US_PER_SEC);
+}
+
+int exchange_timer(struct exchange *x) {
+    bool waits = x->chunked ? x->queue.size : x->body_size;
+    if (waits && now(x) - x->progress >= (uint64_t)x->net->options.stall_seconds * 1000) {
+        metrics_add(x->net->studio->metrics, METRIC_TOO_SLOW, 1);
+        log_info("an HTTP client takes nothing: closed (too-slow)");
+        return -1;
+    }
+    if (x->work.beat)
+        x->work.beat(x->work.self);
+    watch(x);
+    return 0;
+}
+
 static bool is_head_request(const struct exchange *x) {
     return lws_hdr_total_length(x->wsi, WSI_TOKEN_HEAD_URI) > 0;
 }
@@ -120,8 +146,10 @@ static int send_known(struct exchange *x, struct head *h, const void *body, size
     x->body = body;
     x->body_size = is_head_request(x) ? 0 : size;
     x->complete = true;
+    x->progress = now(x);
     if (head_send(h))
         return -1;
+    watch(x);
     lws_callback_on_writable(x->wsi);
     return 0;
 }
@@ -220,12 +248,15 @@ int exchange_begin(struct exchange *x, const char *type) {
     head_add(&h, "cache-control", "no-store");
     head_add(&h, "transfer-encoding", "chunked");
     x->chunked = true;
+    watch(x);
     return head_send(&h);
 }
 
 void exchange_add(struct exchange *x, const void *data, size_t size) {
     if (!size)
         return;
+    if (!x->queue.size)
+        x->progress = now(x);
     buf_printf(&x->queue, "%zx\r\n", size);
     buf_add(&x->queue, data, size);
     buf_add(&x->queue, "\r\n", 2);
@@ -253,6 +284,7 @@ int exchange_writeable(struct exchange *x) {
         bool last = x->complete && size == left;
         if (lws_write(x->wsi, piece + LWS_PRE, size, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) < 0)
             return -1;
+        x->progress = now(x);
         if (x->chunked) {
             buf_consume(&x->queue, size);
         } else {

@@ -17,8 +17,18 @@ bool guest_origin_allowed(const struct net *net, struct lws *wsi) {
     return origin_allowed(origin, net->options.secrets ? host : NULL, net->options.origins);
 }
 
-/* The token that stands in the headers, or "". A sub-protocol could not carry it: libwebsockets refuses a
- * list of them that is longer than 127 bytes. */
+/* What follows "token." in the list of sub-protocols: browsers let a page set no other header. libwebsockets
+ * refuses a list of more than 126 bytes, so it can only be a short one. */
+static void find_in_protocols(struct lws *wsi, char token[TOKEN_BYTES]) {
+    static const char prefix[] = "token.";
+    char list[128] = "", *rest = NULL;
+    lws_hdr_copy(wsi, list, sizeof list, WSI_TOKEN_PROTOCOL);
+    for (char *name = strtok_r(list, ", ", &rest); name; name = strtok_r(NULL, ", ", &rest))
+        if (!strncmp(name, prefix, strlen(prefix)))
+            strcpy(token, name + strlen(prefix));
+}
+
+/* The token that stands in the headers, or "". */
 static void find_token(struct lws *wsi, char token[TOKEN_BYTES]) {
     static const char scheme[] = "Bearer ";
     char header[TOKEN_BYTES];
@@ -31,6 +41,8 @@ static void find_token(struct lws *wsi, char token[TOKEN_BYTES]) {
     const char *value = lws_get_urlarg_by_name(wsi, "token=", header, sizeof header);
     if (value)
         strcpy(token, value);
+    else
+        find_in_protocols(wsi, token);
 }
 
 static int enter(struct net *net, struct guest *guest, const char *key, struct error *e) {

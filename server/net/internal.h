@@ -62,7 +62,7 @@ int live_idle(const json_t *message, const struct speech_request *defaults, uint
               struct idle_options *options, bool *on, struct error *e);
 int live_express(const json_t *message, struct stream_mix *mix, struct error *e);
 
-/* socket.c: one WebSocket client. */
+/* socket.c, socket_in.c, socket_out.c: one WebSocket client. */
 struct socket *socket_open(struct net *net, struct lws *wsi);
 void socket_close(struct socket *socket);
 int socket_receive(struct socket *socket, const char *data, size_t size);
@@ -78,6 +78,7 @@ void exchange_close(struct exchange *x);
 int exchange_writeable(struct exchange *x);
 bool exchange_answered(const struct exchange *x); /* its head has been sent */
 bool exchange_done(const struct exchange *x);     /* all of it has been sent: close it */
+int exchange_timer(struct exchange *x);           /* -1: a client that takes nothing */
 
 /* An answer of known length; body is copied. */
 int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size);
@@ -109,7 +110,7 @@ struct exchange_work {
     int (*body)(void *self, const void *data, size_t size);
     int (*body_end)(void *self);
     void (*sent)(void *self); /* bytes have left: more may come */
-    void (*beat)(void *self); /* the connection's timer has rung */
+    void (*beat)(void *self); /* from time to time, from the answer's beginning on */
     void (*free)(void *self);
     void *self;
     bool endless; /* nobody waits for its end before the daemon stops */
@@ -131,12 +132,14 @@ int speech_post(struct exchange *x);
  * *result to be returned. */
 const char *post_markup(struct exchange *x, int *result);
 
-/* play_post.c */
+/* media.c */
 
 /* A recording of the folder of those. -1 with *e: "unknown-media" when there is no such folder, or as
  * reel_source_in. */
 int media_source(const struct net *net, struct reel_source *source, const char *name, struct error *e);
-int play_post(struct exchange *x); /* POST /v1/play?room= */
+json_t *message_media(const struct net *net);
+
+int play_post(struct exchange *x); /* play_post.c: POST /v1/play?room= */
 
 /* room_http.c */
 

@@ -6,6 +6,7 @@
 #include "server/net/internal.h"
 #include <arpa/inet.h>
 #include <netdb.h>
+#include <netinet/tcp.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -20,6 +21,7 @@ const struct net_options net_defaults = {
     .rooms = 100,
     .send_bytes = 262144,
     .send_bytes_max = 4194304,
+    .lag_seconds = 5,
     .stall_seconds = 10,
 };
 
@@ -77,6 +79,14 @@ static int on_upgrade(struct lws *wsi) {
     return 0;
 }
 
+/* What a client does not take shall wait here, where it can be left out, and not in the kernel, which would
+ * hide minutes of it: so a connection can be written to only while less than this is unsent (tcp(7)). */
+static void keep_kernel_short(struct lws *wsi) {
+    enum { UNSENT_BYTES = 16384 };
+    int bytes = UNSENT_BYTES;
+    setsockopt(lws_get_socket_fd(wsi), IPPROTO_TCP, TCP_NOTSENT_LOWAT, &bytes, sizeof bytes);
+}
+
 static int on_connection(struct net *net, int change) {
     net->connections += (unsigned)change;
     metrics_add(net->studio->metrics, METRIC_CONNECTIONS, change);
@@ -92,6 +102,7 @@ int net_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
     case LWS_CALLBACK_FILTER_NETWORK_CONNECTION:
         return 0;
     case LWS_CALLBACK_SERVER_NEW_CLIENT_INSTANTIATED:
+        keep_kernel_short(wsi);
         return on_connection(net_of(wsi), 1);
     case LWS_CALLBACK_WSI_DESTROY:
         return on_connection(net_of(wsi), -1);
@@ -123,10 +134,7 @@ int net_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
     case LWS_CALLBACK_TIMER:
         if (session->socket)
             return socket_timer(session->socket);
-        struct exchange_work *work = session->exchange ? exchange_get_work(session->exchange) : NULL;
-        if (work && work->beat)
-            work->beat(work->self);
-        return 0;
+        return session->exchange ? exchange_timer(session->exchange) : 0;
     case LWS_CALLBACK_CLOSED:
         if (session->socket)
             socket_close(session->socket);
@@ -234,6 +242,7 @@ void net_change(struct net *net, const struct net_options *options) {
     o->address_requests = options->address_requests;
     o->send_bytes = options->send_bytes;
     o->send_bytes_max = options->send_bytes_max;
+    o->lag_seconds = options->lag_seconds;
     o->stall_seconds = options->stall_seconds;
 }
 

@@ -27,6 +27,7 @@ struct net_options {
     unsigned address_requests;     /* utterances and POSTs of such in a minute; 0 = no limit */
     unsigned send_bytes;           /* unsent bytes at which media to one client wait; 262144 */
     unsigned send_bytes_max;       /* unsent bytes at which the client is closed as too slow; 4194304 */
+    unsigned lag_seconds;          /* in a room, a client's media that wait for longer are left out; 5 */
     unsigned stall_seconds; /* a client that takes nothing for so long while bytes wait is closed; 10 */
 };
 

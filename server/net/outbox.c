@@ -65,6 +65,13 @@ struct parcel *outbox_pop(struct outbox *box) {
     return parcel;
 }
 
+uint64_t outbox_age(const struct outbox *box, uint64_t now) {
+    const struct outbox_link *link = box->first;
+    while (link && !link->parcel->media)
+        link = link->next;
+    return link ? now - link->parcel->born : 0;
+}
+
 void outbox_drop_media(struct outbox *box) {
     struct outbox_link **at = &box->first;
     while (*at) {

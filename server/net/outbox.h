@@ -14,6 +14,7 @@ struct parcel {
     enum lws_write_protocol type;
     bool media;        /* may be left out for a client that is too slow */
     const char *event; /* of a text message: its type */
+    uint64_t born;     /* loop time when it was made, ms; of media */
     size_t size;
     uint8_t bytes[];
 };
@@ -37,6 +38,9 @@ void outbox_push(struct outbox *box, struct parcel *parcel);
 
 /* The next to be sent, whose reference is the caller's; NULL when there is none. */
 struct parcel *outbox_pop(struct outbox *box);
+
+/* For how long the oldest media have waited, ms. */
+uint64_t outbox_age(const struct outbox *box, uint64_t now);
 
 /* Leaves out the media that wait. */
 void outbox_drop_media(struct outbox *box);

@@ -8,13 +8,6 @@
 #include <string.h>
 #include <strings.h>
 
-int media_source(const struct net *net, struct reel_source *source, const char *name, struct error *e) {
-    source->fap_bytes_max = net->options.play_bytes;
-    if (!net->options.media)
-        return error_in_field(e, "unknown-media", "name", "there is no folder of recordings here");
-    return reel_source_in(source, net->options.media, name, e);
-}
-
 struct upload {
     struct exchange *x;
     struct lws_spa *form;

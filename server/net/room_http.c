@@ -6,9 +6,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A comment from time to time shows both ends that the other is there, s. */
-enum { HEARTBEAT_SECONDS = 15 };
-
 struct channel *room_asked(struct exchange *x, int *result) {
     char value[TOKEN_ROOM + 2];
     struct error e;
@@ -128,12 +125,12 @@ static void on_delivery(struct follower *f, struct parcel *parcel) {
     buf_free(&text);
 }
 
+/* A comment from time to time shows both ends that the other is there. */
 static void events_beat(void *self) {
     struct events *events = self;
     static const char comment[] = ": still here\n\n";
     if (!exchange_unsent(events->x))
         exchange_add(events->x, comment, strlen(comment));
-    lws_set_timer_usecs(exchange_wsi(events->x), (lws_usec_t)HEARTBEAT_SECONDS * LWS_US_PER_SEC);
 }
 
 static void events_free(void *self) {

@@ -28,17 +28,22 @@ struct socket {
     size_t model_part;
 };
 
-/* Sends him the message, and drops it. */
-void socket_say(struct socket *socket, json_t *message);
-void socket_complain(struct socket *socket, const struct error *e);
+/* socket.c: who he is, where he is, what he may */
 
 /* The stream that he hears: his own, or his room's. */
 struct stream *socket_stream(const struct socket *socket);
 
-/* Does what a message asks for. */
-void socket_act(struct socket *socket, const json_t *message);
+/* The room that he is in, or NULL. */
+const char *socket_room(const struct socket *socket);
 
-/* Speaks a text with his defaults. */
+void socket_enter(struct socket *socket, struct channel *channel);
+int socket_join(struct socket *socket, const char *room, struct error *e);
+
+/* Has media come in these codecs; NULL leaves one as it is. -1 with *e. */
+int socket_set_media(struct socket *socket, const char *audio, const char *fap, struct error *e);
+
+/* Speaks a request, or a text with his defaults. */
+void socket_speak_request(struct socket *socket, const struct speech_request *request);
 void socket_speak(struct socket *socket, const char *text, size_t size);
 
 /* Whether he may have the stream do something; or say something more. -1 with *e. */
@@ -47,6 +52,27 @@ int socket_may_speak(struct socket *socket, struct error *e);
 
 /* What he asked to be said is not: its error and its end. */
 void socket_refuse(struct socket *socket, const char *id, const struct error *e);
+
+/* socket_in.c: does what a message asks for. */
+void socket_act(struct socket *socket, const json_t *message);
+
+/* socket_out.c */
+
+/* Sends him the message, and drops it. */
+void socket_say(struct socket *socket, json_t *message);
+void socket_say_text(struct socket *socket, const struct buf *text);
+void socket_complain(struct socket *socket, const struct error *e);
+
+/* A follower's deliver: in a room, one who is too slow is moved on to the live edge; on a stream of his own
+ * it waits for him. */
+void socket_deliver(struct follower *follower, struct parcel *parcel);
+
+/* Closes the connection when what is on its way to him has left. The reason is a literal. */
+void socket_dismiss(struct socket *socket, enum lws_close_status status, const char *reason);
+
+/* socket_model.c: the next part goes out when the one before has left. */
+void socket_send_model(struct socket *socket, const json_t *message);
+void socket_push_model_part(struct socket *socket);
 
 /* control.c: messages that direct what is said, and how the face lives. */
 void control_stop(struct socket *socket, const json_t *message);

@@ -34,6 +34,9 @@ static void pass_on(struct post *p) {
 
 static void on_scene(void *ctx, struct scene scene) {
     struct post *p = ctx;
+    const struct utterance *u = scene.utterance;
+    metrics_add(exchange_net(p->x)->studio->metrics, METRIC_SPEECH_SECONDS,
+                (double)u->samples / u->sample_rate);
     export_scene(&p->out, &scene);
     scene_free(&scene);
     if (p->out.format->streams) {

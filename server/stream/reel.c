@@ -2,7 +2,6 @@
 #include "server/stream/reel.h"
 #include "protocol/fapfile.h"
 #include "server/base/mem.h"
-#include "server/base/utf8.h"
 #include "server/stream/reel_sound.h"
 #include <errno.h>
 #include <fcntl.h>
@@ -15,7 +14,6 @@
 
 enum {
     SILENT_RATE = 8000, /* of a recording without sound, Hz */
-    NAME_BYTES_MAX = 100,
 };
 
 /* While `working`, all but `freed` belongs to the other thread. */
@@ -49,14 +47,10 @@ void reel_source_free(struct reel_source *source) {
 
 int reel_source_in(struct reel_source *source, const char *folder, const char *name, struct error *e) {
     size_t size = strlen(name);
-    bool fit = size && size <= NAME_BYTES_MAX && *name != '.' && !strchr(name, '/') &&
-               utf8_check(name, size) == size;
-    for (const char *c = name; *c; c++)
-        fit &= (unsigned char)*c >= ' ';
-    if (!fit)
+    if (!reel_is_name(name))
         return error_in_field(e, "bad-field", "name",
                               "must be the name of a file without its ending, up to %d bytes",
-                              NAME_BYTES_MAX);
+                              REEL_NAME_BYTES_MAX);
     source->name = mem_strdup(name);
     source->fap_path = mem_alloc(strlen(folder) + size + 6);
     sprintf(source->fap_path, "%s/%s.fap", folder, name);

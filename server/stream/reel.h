@@ -11,6 +11,7 @@ enum {
     REEL_PIECE_SECONDS = 2,
     REEL_PIECES = 2, /* that wait to be used up */
     REEL_FPS_MAX = 120,
+    REEL_NAME_BYTES_MAX = 100,
 };
 
 /* Where it lies: in files, or in memory. All is released with reel_source_free. */
@@ -30,6 +31,12 @@ extern const char *const reel_sounds[];
 /* The files NAME.fap and NAME.wav (or another ending of reel_sounds) in a folder. -1 with *e ("bad-field",
  * field "name") when it is no name for a file in it. */
 int reel_source_in(struct reel_source *source, const char *folder, const char *name, struct error *e);
+
+/* Can a recording in a folder have that name? */
+bool reel_is_name(const char *name);
+
+/* All recordings of a folder that can be named, sorted by name, and whether sound lies beside. */
+void reel_list(const char *folder, void (*each)(void *ctx, const char *name, bool sound), void *ctx);
 
 struct reel;
 

@@ -52,8 +52,7 @@ static sf_count_t memory_tell(void *self) {
     return ((struct reel_sound *)self)->at;
 }
 
-/* The sound file beside a .fap: its path, to be freed, or NULL. */
-static char *beside(const char *fap_path) {
+char *reel_sound_beside(const char *fap_path) {
     size_t stem = strlen(fap_path);
     if (stem > 4 && !strcmp(fap_path + stem - 4, ".fap"))
         stem -= 4;
@@ -70,7 +69,7 @@ static char *beside(const char *fap_path) {
 
 static void open_file(struct reel_sound *s, const struct reel_source *source) {
     static SF_VIRTUAL_IO memory = {memory_size, memory_seek, memory_read, memory_write, memory_tell};
-    char *found = source->sound_path || source->sound.size ? NULL : beside(source->fap_path);
+    char *found = source->sound_path || source->sound.size ? NULL : reel_sound_beside(source->fap_path);
     const char *path = source->sound_path ? source->sound_path : found;
     s->memory = &source->sound;
     s->file = path ? sf_open(path, SFM_READ, &s->info) : sf_open_virtual(&memory, SFM_READ, &s->info, s);
@@ -78,8 +77,9 @@ static void open_file(struct reel_sound *s, const struct reel_source *source) {
 }
 
 static bool has_sound(const struct reel_source *source) {
-    char *found =
-        source->sound_path || source->sound.size || !source->fap_path ? NULL : beside(source->fap_path);
+    char *found = source->sound_path || source->sound.size || !source->fap_path
+                      ? NULL
+                      : reel_sound_beside(source->fap_path);
     bool there = found || source->sound_path || source->sound.size;
     free(found);
     return there;

@@ -7,6 +7,9 @@
 
 struct reel_sound;
 
+/* The sound file beside a .fap: its path, to be freed, or NULL. */
+char *reel_sound_beside(const char *fap_path);
+
 /* From the source's sound file, its memory (which must outlive it), or a file beside its .fap; *sound = NULL
  * when there is none. -1 with *e: "bad-sound". */
 int reel_sound_open(struct reel_sound **sound, const struct reel_source *source, struct error *e);

@@ -227,7 +227,27 @@ void cache_disk_close(struct cache_disk *disk) {
     next_write(disk);
 }
 
+static bool has_key(const struct write *w, const struct buf *key) {
+    return w->key.size == key->size && memcmp(w->key.data, key->data, key->size) == 0;
+}
+
+/* The newest value of the key that is still to be written. */
+static const struct write *find_unwritten(const struct cache_disk *disk, const struct buf *key) {
+    const struct write *found = NULL;
+    if (disk->writing && has_key(disk->writing, key))
+        found = disk->writing;
+    for (const struct write *w = disk->waiting; w; w = w->next)
+        if (has_key(w, key))
+            found = w;
+    return found;
+}
+
 bool cache_disk_get(struct cache_disk *disk, const struct buf *key, struct buf *value) {
+    const struct write *unwritten = find_unwritten(disk, key);
+    if (unwritten) {
+        buf_add(value, unwritten->value.data, unwritten->value.size);
+        return true;
+    }
     if (!disk->get)
         return false;
     sqlite3_bind_blob64(disk->get, 1, key->data, key->size, SQLITE_STATIC);

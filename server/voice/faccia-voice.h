@@ -17,7 +17,10 @@
 extern "C" {
 #endif
 
-#define FACCIA_VOICE_ABI 1
+/* Version 2 added FACCIA_VOICE_NETWORK and FACCIA_VOICE_PROGRAMS. Plugins of version 1, which could not say
+ * so, are taken to need both. */
+#define FACCIA_VOICE_ABI 2
+#define FACCIA_VOICE_ABI_OLDEST 1 /* that still runs */
 
 /* What a plugin can do (faccia_voice.capabilities). */
 enum {
@@ -34,6 +37,11 @@ enum {
                                        has to find them in the audio */
     FACCIA_VOICE_FRESH = 1u << 9, /* the same sentence may sound otherwise another time: it is not to be kept
                                      for when it is asked for again */
+    FACCIA_VOICE_SLOW = 1u << 12, /* takes about as long as the sound lasts: long sentences come cut at
+                                     commas, so that the first part is heard early */
+    /* What a plugin needs; it is refused (EPERM) what it does not name, before open is called. */
+    FACCIA_VOICE_NETWORK = 1u << 10,  /* it, or a program that it starts, opens sockets */
+    FACCIA_VOICE_PROGRAMS = 1u << 11, /* starts processes; threads may always be started */
 };
 
 /* One voice. id is unique inside the plugin: the world sees "PLUGIN:ID". */
@@ -99,7 +107,7 @@ struct faccia_sink {
 };
 
 struct faccia_voice {
-    uint32_t abi;  /* FACCIA_VOICE_ABI */
+    uint32_t abi;  /* FACCIA_VOICE_ABI that it was built with */
     uint32_t size; /* sizeof(struct faccia_voice) */
     const char *name;
     const char *version;

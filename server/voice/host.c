@@ -14,7 +14,7 @@ static int fail(char *message, size_t cap, const char *path, const char *why) {
 
 /* Is the table one that this host can use? A newer plugin's table may be longer. */
 static const char *complaint(const struct faccia_voice *api, char *out, size_t cap) {
-    if (api->abi != FACCIA_VOICE_ABI) {
+    if (api->abi < FACCIA_VOICE_ABI_OLDEST || api->abi > FACCIA_VOICE_ABI) {
         snprintf(out, cap,
                  "the plugin is built for version %u of the voice interface, this program has version %u",
                  api->abi, FACCIA_VOICE_ABI);
@@ -30,9 +30,9 @@ static const char *complaint(const struct faccia_voice *api, char *out, size_t c
     return NULL;
 }
 
-int host_open(struct host *host, const char *path, const char *config, char *message, size_t cap) {
+int host_load(struct host *host, const char *path, char *message, size_t cap) {
     char why[160];
-    *host = (struct host){.library = dlopen(path, RTLD_NOW | RTLD_LOCAL)};
+    *host = (struct host){.path = path, .library = dlopen(path, RTLD_NOW | RTLD_LOCAL)};
     if (!host->library) {
         const char *error = dlerror();
         snprintf(message, cap, "%s", error ? error : path);
@@ -44,11 +44,18 @@ int host_open(struct host *host, const char *path, const char *config, char *mes
     const char *bad = complaint(host->api, why, sizeof why);
     if (bad)
         return fail(message, cap, path, bad);
+    host->capabilities = host->api->capabilities;
+    if (host->api->abi < 2)
+        host->capabilities |= FACCIA_VOICE_NETWORK | FACCIA_VOICE_PROGRAMS;
+    return 0;
+}
+
+int host_open(struct host *host, const char *config, char *message, size_t cap) {
     *message = '\0';
     int result = host->api->open(config, &host->self, message, cap);
     message[cap - 1] = '\0';
     if (result && !*message)
-        return fail(message, cap, path, "the plugin did not start");
+        return fail(message, cap, host->path, "the plugin did not start");
     return result > 0 ? 1 : result ? -1 : 0;
 }
 
@@ -78,7 +85,7 @@ char *host_describe(const struct host *host) {
     host->api->list(host->self, add_voice, voices);
     json_t *root = json_pack("{so so so sI so}", "name", text(host->api->name), "version",
                              text(host->api->version), "licence", text(host->api->licence), "capabilities",
-                             (json_int_t)host->api->capabilities, "voices", voices);
+                             (json_int_t)host->capabilities, "voices", voices);
     char *dump = json_dumps(root, JSON_COMPACT);
     json_decref(root);
     return dump ? dump : mem_strdup("{}");

@@ -6,14 +6,20 @@
 #include "server/voice/faccia-voice.h"
 
 struct host {
+    const char *path; /* of the shared object */
     void *library;
     const struct faccia_voice *api;
+    uint32_t capabilities; /* the plugin's, and for an old one what it could not say */
     void *self;
 };
 
-/* Loads the shared object and opens the plugin. With a sentence for people in message: 1 when the plugin has
- * nothing to run here, -1 when it failed. */
-int host_open(struct host *host, const char *path, const char *config, char *message, size_t cap);
+/* Loads the shared object, whose initialisers run, and looks at its table. -1 with a sentence for people in
+ * message. */
+int host_load(struct host *host, const char *path, char *message, size_t cap);
+
+/* Opens the plugin. With a sentence for people in message: 1 when it has nothing to run here, -1 when it
+ * failed. */
+int host_open(struct host *host, const char *config, char *message, size_t cap);
 void host_close(struct host *host);
 
 /* The plugin and its voices as JSON:

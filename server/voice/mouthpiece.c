@@ -8,10 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/uio.h>
+#include <time.h>
 #include <unistd.h>
 
 /* What is said goes out in blocks of about this size, so that a short sentence costs one system call. */
 enum { BLOCK_BYTES = 128 << 10, READ_BYTES = 64 << 10 };
+
+/* But something that has been made is not held back for longer than this, ms: it shows that the voice is at
+ * work. */
+enum { SILENCE_MS = 200 };
 
 /* When the daemon has gone, the plugin has this long to end, seconds. */
 enum { GRACE = 1 };
@@ -31,7 +36,8 @@ struct mouthpiece {
     struct buf current; /* the frame that is worked on */
     struct buf audio, events;
     size_t audio_place, events_place;
-    uint32_t rate; /* of the open audio frame */
+    uint32_t rate;  /* of the open audio frame */
+    uint64_t since; /* ms: the last block went out */
 };
 
 /* The sentence is known by its job: a late cancel cannot hit the next one. */
@@ -122,6 +128,12 @@ bool mouthpiece_next(struct mouthpiece *m, struct wire_frame *frame) {
     return wire_next(m->current.data, m->current.size, frame, &used) == 1;
 }
 
+static uint64_t now_ms(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
+}
+
 /* Sends everything in the two buffers. */
 static void flush(struct mouthpiece *m) {
     if (m->audio.size)
@@ -145,6 +157,14 @@ static void flush(struct mouthpiece *m) {
     }
     m->audio.size = m->events.size = 0;
     m->events_place = SIZE_MAX;
+    m->since = now_ms();
+}
+
+/* What the sink's functions return. */
+static int made(struct mouthpiece *m) {
+    if (now_ms() - m->since >= SILENCE_MS)
+        flush(m);
+    return atomic_load_explicit(&m->cancelled, memory_order_relaxed);
 }
 
 void mouthpiece_say(struct mouthpiece *m, enum wire_type type, const char *string) {
@@ -169,7 +189,7 @@ static int on_audio(void *ctx, const int16_t *samples, size_t count, uint32_t ra
         samples += part;
         count -= part;
     }
-    return atomic_load_explicit(&m->cancelled, memory_order_relaxed);
+    return made(m);
 }
 
 static int add_event(struct mouthpiece *m, const struct wire_event *event) {
@@ -178,7 +198,7 @@ static int add_event(struct mouthpiece *m, const struct wire_event *event) {
     if (!m->events.size)
         m->events_place = wire_begin(&m->events, WIRE_EVENTS, m->job);
     wire_put_event(&m->events, event);
-    return atomic_load_explicit(&m->cancelled, memory_order_relaxed);
+    return made(m);
 }
 
 static int on_phone(void *ctx, const struct faccia_phone *phone) {
@@ -212,6 +232,7 @@ void mouthpiece_speak(struct mouthpiece *m, const struct faccia_voice *api, void
     const struct faccia_sink sink = {sizeof sink, m, on_audio, on_phone, on_word, on_mark, on_warning};
     m->audio.size = m->events.size = 0;
     m->events_place = SIZE_MAX;
+    m->since = now_ms();
     set_job(m, api, self, job);
     int result = api->speak(self, sentence, &sink, message, sizeof message);
     set_job(m, api, self, 0);

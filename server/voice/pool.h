@@ -20,9 +20,15 @@ struct voice_pool_options {
     const char *worker;     /* path of the faccia-voice program */
     const char *plugin_dir; /* every *.so in it is a plugin */
     unsigned workers;       /* processes for each plugin, default 1 */
-    /* A sentence is given up, and its worker killed, after deadline_base + deadline_per_byte * bytes of text
-     * (seconds). Defaults 10 and 0.05. */
-    double deadline_base, deadline_per_byte;
+    /* A sentence is given up, and its worker killed, when nothing has come of it for deadline_base +
+     * deadline_per_byte * bytes of text (seconds), and whatever comes when deadline_most times that have
+     * passed. Defaults 10, 0.05 and 10. */
+    double deadline_base, deadline_per_byte, deadline_most;
+    /* What a worker may have: processor time for a sentence, on all cores, in multiples of the same (default
+     * 20), and address space (default 4096). Too much of the one ends it, more of the other is refused. */
+    double processor;
+    unsigned megabytes;
+    bool unconfined;    /* true: plugins may do what they did not say that they need (sandbox.h) */
     double retry_after; /* a plugin that does not start is tried again after so many seconds, default 60 */
     const char *config; /* JSON object: plugin name -> its own configuration object; NULL = {} */
     bool quiet;         /* plugins that have nothing to run here are not named in the log */

@@ -46,6 +46,8 @@ struct worker {
     struct process *process; /* NULL when resting */
     struct voice_job *job;
     uv_timer_t timer;       /* start, sentence, stop, rest: what the state says */
+    uint64_t patience;      /* ms that it may be silent while it speaks; */
+    uint64_t end;           /* of the loop's time: it must be done */
     unsigned failed_starts; /* in a row */
     bool given_up;          /* too many of them */
     bool absent;            /* it had nothing to run when it was started last */
@@ -71,7 +73,9 @@ struct catalog {
 struct voice_pool {
     uv_loop_t *loop;
     char *worker_path;
-    double deadline_base, deadline_per_byte, retry_after;
+    double deadline_base, deadline_per_byte, deadline_most, processor, retry_after;
+    unsigned megabytes;
+    bool unconfined;
     bool quiet;
     struct plugin *plugins;
     size_t plugin_count;
@@ -92,17 +96,35 @@ struct voice_pool {
 };
 
 /* pool.c */
-void pool_plugin_known(struct plugin *plugin); /* after known was set */
+void pool_plugin_known(struct plugin *plugin);    /* after known was set */
+void pool_handle_closed(struct voice_pool *pool); /* one of open_handles */
+
+/* pool_plugins.c */
+int plugins_find(struct voice_pool *pool, const struct voice_pool_options *options, struct error *e);
+void plugins_free(struct voice_pool *pool);
+
+/* pool_queue.c */
+void job_push(struct job_queue *queue, struct voice_job *job); /* at its end */
+void job_take_out(struct voice_job *job);                      /* of its queue */
+void job_wait(struct voice_job *job);                          /* for a worker, which may be idle */
+void job_free(struct voice_job *job);
+bool plugin_runs(const struct plugin *plugin); /* a worker of it may yet come */
 void pool_job_end(struct voice_job *job, struct utterance *u,
                   const struct error *e); /* calls back, frees the job */
 struct voice_job *
-pool_next_job(struct plugin *plugin);             /* the sentence to be spoken next, taken from the queue */
-void pool_fail_waiting(struct plugin *plugin);    /* when no worker of it will come */
-void pool_handle_closed(struct voice_pool *pool); /* one of open_handles */
+pool_next_job(struct plugin *plugin);          /* the sentence to be spoken next, taken from the queue */
+void pool_fail_waiting(struct plugin *plugin); /* when no worker of it will come */
+
+/* Ends all of them; why follows "the voice NAME". */
+void queue_fail(struct job_queue *queue, const char *code, const char *why);
+
+/* pool_cache.c */
 
 /* What the worker said about the sentence: kept for the cache, if there is one. */
 void pool_job_said(struct voice_job *job, const struct wire_frame *frame);
 void pool_job_spoken(struct voice_job *job); /* all of it, and without a failure */
+bool job_look_up(struct voice_job *job);     /* true: the cache has it, and job_recall can speak it */
+void job_recall(struct voice_job *job);
 
 /* worker.c */
 void worker_open(struct worker *worker, struct plugin *plugin);

@@ -85,7 +85,9 @@ static void check_end(struct process *p) {
 
 static void on_exited(uv_process_t *child, int64_t status, int signal) {
     struct process *p = child->data;
-    if (signal)
+    if (signal == SIGXCPU)
+        snprintf(p->how, sizeof p->how, "took too much processor time");
+    else if (signal)
         snprintf(p->how, sizeof p->how, "was killed by signal %d", signal);
     else
         snprintf(p->how, sizeof p->how, "exited with status %d", (int)status);

@@ -13,8 +13,8 @@
 #include <stdbool.h>
 
 enum wire_type {
-    WIRE_OPEN = 1, /* string: the plugin's configuration, JSON */
-    WIRE_SPEAK,    /* a sentence */
+    WIRE_OPEN = 1, /* string: the plugin's configuration, JSON; struct wire_limits */
+    WIRE_SPEAK,    /* u32: processor seconds that it may take; a sentence */
     WIRE_CANCEL,   /* nothing; the header's job is to end soon */
     WIRE_HELLO,    /* string: JSON, the plugin and its voices */
     WIRE_FAILED,   /* string: why the plugin cannot be used */
@@ -61,6 +61,17 @@ struct wire_reader wire_read(const struct wire_frame *frame);
 uint32_t wire_get_u32(struct wire_reader *r);
 uint64_t wire_get_u64(struct wire_reader *r);
 const char *wire_get_string(struct wire_reader *r);
+
+/* What a worker may have. */
+struct wire_limits {
+    uint32_t megabytes; /* of address space */
+    uint32_t seconds;   /* processor time to start and, in WIRE_SPEAK anew, for each sentence */
+    bool sandbox;       /* system calls that the plugin does not need are refused */
+    bool quiet;         /* no word about a sandbox that is not to be had */
+};
+
+void wire_put_limits(struct buf *b, const struct wire_limits *limits);
+struct wire_limits wire_get_limits(struct wire_reader *r);
 
 /* A sentence. Reading allocates the spans (free them); their strings point into the payload. False when it is
  * not a sentence. */

@@ -13,6 +13,7 @@ enum {
     STOP_MS = 300,    /* to stop speaking when told to */
     REST_MS = 100,    /* before the second start in a row; doubled for each further one */
     STARTS = 5,       /* in a row, before the plugin is given up for a while */
+    PROCESSOR_SECONDS_MAX = 1 << 30,
 };
 
 static void start(struct worker *w);
@@ -35,13 +36,6 @@ static void end_job(struct worker *w, struct utterance *u, const struct error *e
         pool_job_end(job, u, e);
 }
 
-static bool any_left(const struct plugin *plugin) {
-    for (size_t i = 0; i < plugin->worker_count; i++)
-        if (!plugin->workers[i].given_up)
-            return true;
-    return false;
-}
-
 static void give_up(struct worker *w, const char *why) {
     struct plugin *plugin = w->plugin;
     if (w->absent && !plugin->known && !plugin->pool->quiet)
@@ -51,7 +45,7 @@ static void give_up(struct worker *w, const char *why) {
                   plugin->pool->retry_after);
     w->given_up = true;
     set_state(w, WORKER_RESTING, (uint64_t)(plugin->pool->retry_after * 1000) + 1);
-    if (any_left(plugin))
+    if (plugin_runs(plugin))
         return;
     plugin->known = true;
     pool_fail_waiting(plugin);
@@ -165,6 +159,12 @@ static void greeted(struct worker *w, const struct wire_frame *frame) {
              true);
 }
 
+/* It speaks: until it has been silent for too long, or spoken for too long. */
+static void be_patient(struct worker *w) {
+    uint64_t now = uv_now(w->plugin->pool->loop), left = w->end > now ? w->end - now : 1;
+    set_state(w, WORKER_SPEAKING, left < w->patience ? left : w->patience);
+}
+
 static void said(void *ctx, const struct wire_frame *frame) {
     struct worker *w = ctx;
     struct wire_reader r = wire_read(frame);
@@ -183,8 +183,11 @@ static void said(void *ctx, const struct wire_frame *frame) {
         result = w->job->cancelled ? 0 : assembly_events(w->job->assembly, frame, &e);
     else
         result = error_set(&e, "voice-failed", "sent garbage");
-    if (!result && w->job && (frame->type == WIRE_AUDIO || frame->type == WIRE_EVENTS))
+    if (!result && w->job && (frame->type == WIRE_AUDIO || frame->type == WIRE_EVENTS)) {
         pool_job_said(w->job, frame);
+        if (w->state == WORKER_SPEAKING)
+            be_patient(w);
+    }
     if (result < 0)
         lose(w, e.code, e.message, false);
 }
@@ -198,14 +201,22 @@ static void gone(void *ctx) {
     pool_handle_closed(w->plugin->pool);
 }
 
+/* For something that should be done after so many ms. */
+static uint32_t processor_seconds(const struct voice_pool *pool, uint64_t ms) {
+    double seconds = pool->processor * (double)ms / 1000;
+    return seconds < PROCESSOR_SECONDS_MAX ? (uint32_t)seconds : PROCESSOR_SECONDS_MAX;
+}
+
 static void start(struct worker *w) {
     static const struct process_callbacks callbacks = {said, died, gone};
     struct plugin *plugin = w->plugin;
+    struct voice_pool *pool = plugin->pool;
+    const struct wire_limits limits = {pool->megabytes, processor_seconds(pool, START_MS), !pool->unconfined,
+                                       pool->quiet};
     struct error e;
-    plugin->pool->open_handles++;
+    pool->open_handles++;
     set_state(w, WORKER_STARTING, START_MS);
-    w->process =
-        process_start(plugin->pool->loop, plugin->pool->worker_path, plugin->path, &callbacks, w, &e);
+    w->process = process_start(pool->loop, pool->worker_path, plugin->path, &callbacks, w, &e);
     if (!w->process) {
         lose(w, e.code, e.message, false);
         return;
@@ -213,6 +224,7 @@ static void start(struct worker *w) {
     struct buf b = {0};
     size_t place = wire_begin(&b, WIRE_OPEN, 0);
     wire_put_string(&b, plugin->config);
+    wire_put_limits(&b, &limits);
     wire_end(&b, place);
     process_send(w->process, &b);
     buf_free(&b);
@@ -248,16 +260,19 @@ void worker_wake(struct worker *w) {
     if (!job)
         return;
     double seconds = pool->deadline_base + pool->deadline_per_byte * (double)job->plan.text_bytes;
+    w->patience = (uint64_t)(seconds * 1000) + 1;
+    w->end = uv_now(pool->loop) + (uint64_t)((double)w->patience * pool->deadline_most);
     const struct faccia_sentence sentence = {job->voice->id + strlen(w->plugin->name) + 1, job->plan.spans,
                                              job->plan.span_count};
     struct buf b = {0};
     size_t place = wire_begin(&b, WIRE_SPEAK, job->number);
+    wire_put_u32(&b, processor_seconds(pool, w->patience));
     wire_put_sentence(&b, &sentence);
     wire_end(&b, place);
     job->worker = w;
     job->assembly = assembly_new(&job->plan);
     w->job = job;
-    set_state(w, WORKER_SPEAKING, (uint64_t)(seconds * 1000) + 1);
+    be_patient(w);
     process_send(w->process, &b);
     buf_free(&b);
 }

@@ -4,6 +4,7 @@
 #include "server/base/log.h"
 #include "server/voice/host.h"
 #include "server/voice/mouthpiece.h"
+#include "server/voice/sandbox.h"
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
@@ -12,19 +13,35 @@
 #include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/socket.h>
+#include <sys/time.h>
 #include <unistd.h>
 
-/* A plugin that asks for more is out of memory, alone. */
-#define ADDRESS_SPACE (4ull << 30)
 #define SEND_BUFFER (1 << 20)
 
-static void set_limits(void) {
+/* A plugin that asks for more memory is out of it, alone. */
+static void limit_memory(uint32_t megabytes) {
     const struct rlimit none = {0, 0};
     setrlimit(RLIMIT_CORE, &none);
 #if !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__ /* they map terabytes */
-    const struct rlimit space = {ADDRESS_SPACE, ADDRESS_SPACE};
+    const rlim_t bytes = (rlim_t)megabytes << 20;
+    const struct rlimit space = {bytes, bytes};
     setrlimit(RLIMIT_AS, &space);
+#else
+    (void)megabytes;
 #endif
+}
+
+/* So much more processor time from now on; then SIGXCPU. What it starts may have no more either. */
+static void limit_processor(uint32_t seconds) {
+    struct rusage used;
+    struct rlimit time;
+    getrusage(RUSAGE_SELF, &used);
+    getrlimit(RLIMIT_CPU, &time);
+    timeradd(&used.ru_utime, &used.ru_stime, &used.ru_utime);
+    time.rlim_cur = (rlim_t)used.ru_utime.tv_sec + 1 + seconds;
+    if (time.rlim_cur > time.rlim_max)
+        time.rlim_cur = time.rlim_max;
+    setrlimit(RLIMIT_CPU, &time);
 }
 
 /* The worker ends when its socket does; an interrupt of the terminal is for the daemon to handle. */
@@ -52,9 +69,12 @@ static int serve(struct mouthpiece *m, struct host *host) {
         struct faccia_sentence sentence;
         struct faccia_span *spans = NULL;
         struct wire_reader r = wire_read(&frame);
+        uint32_t seconds = wire_get_u32(&r);
         bool understood = frame.type == WIRE_SPEAK && wire_get_sentence(&r, &sentence, &spans);
-        if (understood)
+        if (understood) {
+            limit_processor(seconds);
             mouthpiece_speak(m, host->api, host->self, frame.job, &sentence);
+        }
         free(spans);
         if (!understood) {
             log_error("a voice worker was asked for something that it does not understand");
@@ -62,6 +82,13 @@ static int serve(struct mouthpiece *m, struct host *host) {
         }
     }
     return 0;
+}
+
+/* Without a sandbox it goes on. */
+static void confine(const struct host *host, const struct wire_limits *limits) {
+    char why[160];
+    if (limits->sandbox && sandbox_enter(host->capabilities, why, sizeof why) < 0 && !limits->quiet)
+        log_warn("the voice %s runs without a sandbox: %s", host->api->name, why);
 }
 
 static int run(struct mouthpiece *m, const char *plugin) {
@@ -72,11 +99,18 @@ static int run(struct mouthpiece *m, const char *plugin) {
         return 0;
     struct wire_reader r = wire_read(&frame);
     const char *config = wire_get_string(&r);
-    if (frame.type != WIRE_OPEN || !config) {
+    const struct wire_limits limits = wire_get_limits(&r);
+    if (frame.type != WIRE_OPEN || !config || r.bad) {
         log_error("a voice worker was not told its configuration");
         return 1;
     }
-    int result = host_open(&host, plugin, config, message, sizeof message);
+    limit_memory(limits.megabytes);
+    limit_processor(limits.seconds);
+    int result = host_load(&host, plugin, message, sizeof message);
+    if (!result) {
+        confine(&host, &limits);
+        result = host_open(&host, config, message, sizeof message);
+    }
     if (result) {
         mouthpiece_say(m, result > 0 ? WIRE_ABSENT : WIRE_FAILED, message);
         return 1;
@@ -97,7 +131,6 @@ int main(int argc, char **argv) {
                 "by itself.\n");
         return help ? 0 : 2;
     }
-    set_limits();
     set_signals();
     struct mouthpiece *m = mouthpiece_open(WIRE_FD);
     return run(m, argv[1]); /* m is the listening thread's, too */

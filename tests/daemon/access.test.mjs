@@ -7,7 +7,7 @@ import http from 'node:http';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { build, Daemon, Stream } from '../lib/daemon.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-access-'));
 const secretFile = path.join(folder, 'secrets');
@@ -70,6 +70,22 @@ test('the token in a header, the address, or the first message', async () => {
   assert.equal(await speaks(late, 'after'), true);
   const response = await daemon.get('/v1/speech?lang=it', { method: 'POST', body: 'Sì.', ...bearer(good) });
   assert.equal(response.status, 200);
+});
+
+test('a short token among the sub-protocols, as a browser can send it', async () => {
+  const short = token(['--short', '--room', 'hall']);
+  const url = `ws://127.0.0.1:${daemon.port}/v1/stream?room=hall&audio=pcm&fap=plain`;
+  const stream = await Stream.open(url, {}, ['faccia.v1', `token.${short}`]);
+  assert.equal(stream.socket.protocol, 'faccia.v1');
+  await stream.wait({ type: 'joined', room: 'hall', may_speak: true });
+  assert.equal(await speaks(stream), true);
+  await stream.close();
+  const forged = await Stream.open(url, {}, ['faccia.v1', `token.${token(['--short', '--room', 'hall'], otherFile)}`]);
+  await forged.wait({ type: 'error', code: 'bad-token' });
+  await forged.wait({ type: 'error', code: 'token-needed' });
+  await forged.close();
+  // it is good elsewhere, too
+  assert.equal((await daemon.get('/v1/speech?lang=it', { method: 'POST', body: 'Sì.', ...bearer(token(['--short'])) })).status, 200);
 });
 
 test('forged, damaged, expired and lesser tokens', async () => {

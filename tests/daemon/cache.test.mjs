@@ -28,7 +28,7 @@ test('the same sentence is the same sound, to the sample, with its words in thei
   const first = await say(daemon);
   const [hits, misses] = await counts(daemon);
   const second = await say(daemon);
-  assert.deepEqual(second.wav, (await say(daemon)).wav);
+  assert.ok(second.wav.equals((await say(daemon)).wav));
   assert.deepEqual(await counts(daemon), [hits + 12, misses]);
   assert.deepEqual(second.json.words.map((w) => w.text), first.json.words.map((w) => w.text));
   // elsewhere in a text, a word is at its own place
@@ -61,13 +61,13 @@ test('on disk it outlives the process, also one that was killed; a damaged file 
   const before = (await say(daemon)).wav;
   assert.equal((await daemon.stop()).code, 0);
   daemon = await Daemon.start(options);
-  assert.deepEqual((await say(daemon)).wav, before);
+  assert.ok(before.equals((await say(daemon)).wav));
   assert.equal((await counts(daemon))[1], 0);
   await say(daemon, 'lang=it', 'Una frase nuova.');
   daemon.process.kill('SIGKILL');
   await daemon.exited;
   daemon = await Daemon.start(options);
-  assert.deepEqual((await say(daemon)).wav, before);
+  assert.ok(before.equals((await say(daemon)).wav));
   assert.equal((await daemon.stop()).code, 0);
   fs.writeFileSync(file, 'x'.repeat(20000));
   daemon = await Daemon.start(options);

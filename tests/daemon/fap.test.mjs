@@ -174,6 +174,11 @@ test('asked wrongly', () => {
     assert.match(stderr, pattern);
   }
   assert.equal(fap('info', file('none.fap')).status, 1);
+  for (const [strange, pattern] of [['/dev/null', /1:1: the file is empty/], [folder, /[Dd]irectory/], ['/dev/zero', /larger than/], [process.execPath, /1:1: neither a header/]]) {
+    const { status, stderr } = fap('convert', strange);
+    assert.equal(status, 1);
+    assert.match(stderr, pattern);
+  }
 });
 
 test('speech leaves as .fba from the command line and the daemon, the same values that encode makes of its .fap', async () => {

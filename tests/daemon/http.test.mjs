@@ -55,6 +55,13 @@ test('speech begins before the last sentence is made', async () => {
   assert.equal((await daemon.get('/healthz')).status, 200);
 });
 
+test('what is asked for by HTTP counts as speech, too', async () => {
+  const seconds = async () => Number((await (await daemon.get('/metrics')).text()).match(/^faccia_speech_seconds_total (.*)$/m)[1]);
+  const before = await seconds();
+  const { duration } = await (await daemon.get('/v1/speech?lang=it&format=json', { method: 'POST', body: 'Una frase. Un’altra.' })).json();
+  assert.ok(Math.abs((await seconds()) - before - duration) < 0.01);
+});
+
 test('many requests on one connection', async () => {
   const agent = new http.Agent({ keepAlive: true, maxSockets: 1 });
   for (let i = 0; i < 20; i++) {

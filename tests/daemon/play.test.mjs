@@ -46,6 +46,10 @@ before(async () => {
   fs.writeFileSync(file('noise.wav'), 'this is no sound');
   fs.writeFileSync(file('large.fap'), fap(2000));
   fs.writeFileSync(path.join(folder, 'secret.fap'), fap(3));
+  fs.writeFileSync(file('.hidden.fap'), fap(3));
+  const mask = Array.from({ length: 68 }, (_, i) => (i < 3 ? 1 : 0)).join(' ');
+  const high = [0, 1, 2].map((k) => `${mask}\n${k} 10 2 ${30 + k} 1 1 40 3 ${20 + k} 0 1 ${5 + k}\n`).join('');
+  fs.writeFileSync(file('high.fap'), `2.1 high 25 3\n${high}`);
   fs.mkdirSync(file('folder.fap'));
   daemon = await Daemon.start(['--media', media, '--max-play', '200000']);
 });
@@ -129,6 +133,26 @@ for (const [name, expected] of [
     await stream.wait({ type: 'end', id: 'x', reason: 'failed' });
     await stream.close();
   });
+
+test('the folder is listed, by the names that can be played', async () => {
+  const { media: list } = await (await daemon.get('/v1/media')).json();
+  const names = ['bad', 'both', 'fast', 'high', 'large', 'mute', 'noise'];
+  assert.deepEqual(list, names.map((name) => ({ name, sound: ['both', 'noise'].includes(name) })));
+});
+
+test('visemes and expressions of a recording (FAP 1 and 2) come as they are', async () => {
+  const stream = await daemon.stream();
+  stream.send({ type: 'play', name: 'high' });
+  await stream.wait({ type: 'end', reason: 'done' });
+  const frames = stream.chunks.flatMap((c) => c.frames);
+  assert.deepEqual(stream.chunks.flatMap((c) => c.visemes.map((v) => [...v])), [0, 1, 2].map((k) => [10, 2, 30 + k, 1]));
+  assert.deepEqual(stream.chunks.flatMap((c) => c.expressions.map((e) => [...e])), [0, 1, 2].map((k) => [1, 40, 3, 20 + k, 0, 1]));
+  assert.deepEqual(frames.map((f) => f[3]), [5, 6, 7]);
+  const { status, stdout, stderr } = faccia('play', file('high.fap'), '--fap', '-');
+  assert.equal(status, 0, stderr);
+  assert.ok(stdout.includes('\n2 10 2 32 1 1 40 3 22 0 1 7\n'), stdout);
+  await stream.close();
+});
 
 const upload = (query, parts) => {
   const form = new FormData();

@@ -3,6 +3,7 @@
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import path from 'node:path';
+import { after } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import WebSocket from 'ws';
 import { decodeChunk } from '../../protocol/chunk.mjs';
@@ -11,6 +12,12 @@ import { CompactReader, isCompact } from '../../protocol/compact.mjs';
 export const root = path.resolve(fileURLToPath(import.meta.url), '../../..');
 export const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');
 export const artefacts = process.env.FACCIA_ARTEFACTS ?? path.join(root, 'build', 'test-artefacts');
+
+// A test that failed before it stopped its daemon must not wait for it for ever; those that end in hooks of
+// their own have a while. (A benchmark is no test.)
+const running = new Set();
+const kill = () => running.forEach((child) => child.kill('SIGKILL'));
+if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 5000).unref());
 
 export class Daemon {
   /** @param {string[]} options of facciad; env: further variables */
@@ -22,7 +29,11 @@ export class Daemon {
       // a test that is done does not wait for the speech's end
       env: { FACCIA_STOP_SECONDS: '0', ...process.env, ...env },
     });
-    daemon.exited = once(daemon.process, 'exit').then(([code, signal]) => ({ code, signal }));
+    running.add(daemon.process);
+    daemon.exited = once(daemon.process, 'exit').then(([code, signal]) => {
+      running.delete(daemon.process);
+      return { code, signal };
+    });
     daemon.process.stderr.setEncoding('utf8').on('data', (text) => (daemon.log += text));
     const line = await daemon.logged(/listening on http:\/\/[^:]*:(\d+)\//);
     daemon.port = Number(line[1]);
@@ -62,13 +73,13 @@ export class Daemon {
 
 /** A WebSocket client that keeps all it hears. */
 export class Stream {
-  static async open(url, options) {
+  static async open(url, options, protocols = []) {
     const stream = new Stream();
     stream.messages = [];
     stream.chunks = [];
     stream.waiters = new Set();
     const reader = new CompactReader();
-    stream.socket = new WebSocket(url, { perMessageDeflate: false, ...options });
+    stream.socket = new WebSocket(url, protocols, { perMessageDeflate: false, ...options });
     stream.socket.on('message', (data, binary) => {
       if (binary) stream.chunks.push({ ...(isCompact(data) ? reader.decode(data) : decodeChunk(data)), bytes: data.length, arrived: performance.now() });
       else stream.messages.push({ ...JSON.parse(data), arrived: performance.now() });

@@ -2,11 +2,19 @@
 /* A voice that does what its text says: the first word of a sentence is the name of a trick. Any other text
  * is spoken, 10 ms for each byte, one phone and one word for each word. */
 #include "server/voice/faccia-voice.h"
+#include <errno.h>
+#include <pthread.h>
+#include <sched.h>
 #include <signal.h>
+#include <spawn.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <time.h>
 #include <unistd.h>
 
 enum { RATE = 16000, BYTE = RATE / 100 };
@@ -77,6 +85,7 @@ static void crash(const struct faccia_sink *sink) {
 
 static void hang(const struct faccia_sink *sink) {
     (void)sink;
+    fprintf(stderr, "puppet %d hangs\n", (int)getpid());
     for (;;)
         pause();
 }
@@ -159,14 +168,99 @@ static void late(const struct faccia_sink *sink) {
     ualarm(30000, 0);
 }
 
+/* Takes its time, and shows that it works. */
+static void steady(const struct faccia_sink *sink) {
+    for (int i = 0; i < 20 && !speak_audio(sink, BYTE); i++)
+        usleep(250000);
+}
+
+static void drip(const struct faccia_sink *sink) {
+    while (!speak_audio(sink, BYTE))
+        usleep(50000);
+}
+
+static void spin(const struct faccia_sink *sink) {
+    (void)sink;
+    for (volatile unsigned turn = 0;; turn++)
+        continue;
+}
+
+/* Half a second of processor time. */
+static void work(const struct faccia_sink *sink) {
+    const clock_t end = clock() + CLOCKS_PER_SEC / 2;
+    while (clock() < end)
+        continue;
+    speak_audio(sink, BYTE);
+}
+
+/* More than there is, as an engine takes it that does not expect to be refused. */
+static void hog(const struct faccia_sink *sink) {
+    enum { BLOCK = 64 << 20, BLOCKS = 1024 };
+    for (int i = 0; i < BLOCKS; i++)
+        if (mmap(NULL, BLOCK, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0) ==
+            MAP_FAILED)
+            abort();
+    speak_audio(sink, BYTE);
+}
+
+/* Tells in a warning what came of something that it did not say that it would do. */
+static void tell(const struct faccia_sink *sink, const char *what, int refused) {
+    char text[80];
+    snprintf(text, sizeof text, "%s: %s", what, refused ? strerror(refused) : "done");
+    sink->warning(sink->ctx, text);
+}
+
+static void dial(const struct faccia_sink *sink) {
+    static const struct {
+        const char *name;
+        int domain, type;
+    } sockets[] = {{"inet", AF_INET, SOCK_STREAM},
+                   {"inet6", AF_INET6, SOCK_DGRAM},
+                   {"packets", AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC},
+                   {"netlink", AF_NETLINK, SOCK_RAW}};
+    for (size_t i = 0; i < sizeof sockets / sizeof *sockets; i++) {
+        int fd = socket(sockets[i].domain, sockets[i].type, 0);
+        tell(sink, sockets[i].name, fd < 0 ? errno : 0);
+        if (fd >= 0)
+            close(fd);
+    }
+    int fd = socket(AF_UNIX, SOCK_STREAM, 0);
+    const struct sockaddr_un nobody = {AF_UNIX, "/nonexistent"};
+    tell(sink, "connect", connect(fd, (const struct sockaddr *)&nobody, sizeof nobody) < 0 ? errno : 0);
+    close(fd);
+    speak_audio(sink, BYTE);
+}
+
+static void *nothing(void *ctx) {
+    return ctx;
+}
+
+/* Starts a program in every way there is, and a thread, which is allowed. */
+static void launch(const struct faccia_sink *sink) {
+    char *const argv[] = {"true", NULL};
+    pid_t child;
+    pthread_t thread;
+    tell(sink, "spawn", posix_spawn(&child, "/bin/true", NULL, NULL, argv, NULL));
+    tell(sink, "exec", execv("/bin/true", argv) < 0 ? errno : 0);
+    tell(sink, "signal", kill(getppid(), 0) < 0 ? errno : 0);
+    tell(sink, "unshare", unshare(CLONE_NEWUSER) < 0 ? errno : 0);
+    int failed = pthread_create(&thread, NULL, nothing, NULL);
+    if (!failed)
+        failed = pthread_join(thread, NULL);
+    tell(sink, "thread", failed);
+    speak_audio(sink, BYTE);
+}
+
 static const struct {
     const char *name;
     void (*play)(const struct faccia_sink *sink);
 } tricks[] = {
-    {"crash", crash},     {"hang", hang},       {"slow", slow},   {"backwards", backwards},
-    {"beyond", beyond},   {"names", names},     {"rates", rates}, {"pitchless", pitchless},
-    {"flood", flood},     {"chatter", chatter}, {"leave", leave}, {"print", print},
-    {"garbage", garbage}, {"late", late},
+    {"crash", crash},     {"hang", hang},       {"slow", slow},     {"backwards", backwards},
+    {"beyond", beyond},   {"names", names},     {"rates", rates},   {"pitchless", pitchless},
+    {"flood", flood},     {"chatter", chatter}, {"leave", leave},   {"print", print},
+    {"garbage", garbage}, {"late", late},       {"steady", steady}, {"drip", drip},
+    {"spin", spin},       {"hog", hog},         {"dial", dial},     {"launch", launch},
+    {"work", work},
 };
 
 static int puppet_speak(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,

@@ -12,9 +12,9 @@ static const char *const abbreviations[] = {"sig", "dott", NULL};
 static const struct markup_rules rules = {.abbreviations = abbreviations};
 
 /* Reads text and compares its sentences with the list that ends with NULL. */
-static void check(const char *text, const char *const *expected) {
+static void check_by(const struct markup_rules *by, const char *text, const char *const *expected) {
     struct error e = {0};
-    struct score *score = markup_read(markup_by_name("plain"), text, strlen(text), &rules, &e);
+    struct score *score = markup_read(markup_by_name("plain"), text, strlen(text), by, &e);
     assert_non_null(score);
     size_t i = 0;
     for (; expected[i]; i++) {
@@ -29,7 +29,7 @@ static void check(const char *text, const char *const *expected) {
     score_free(score);
 }
 
-#define CHECK(text, ...) check(text, (const char *const[]){__VA_ARGS__, NULL})
+#define CHECK(text, ...) check_by(&rules, text, (const char *const[]){__VA_ARGS__, NULL})
 
 static void cuts_sentences(void **state) {
     (void)state;
@@ -49,6 +49,18 @@ static void keeps_together_what_a_dot_does_not_end(void **state) {
     CHECK("Vedi www.esempio.it ora.", "Vedi www.esempio.it ora.");
     CHECK("Nel 1860. Poi.", "Nel 1860.", "Poi.");
     CHECK("Era a p. 5. Poi.", "Era a p. 5.", "Poi.");
+}
+
+static void cuts_earlier_where_that_is_asked_for(void **state) {
+    (void)state;
+    const struct markup_rules slow = {.sentence_bytes = 20};
+    check_by(
+        &slow,
+        "Una frase corta. Sì, va bene, grazie, ma vieni presto. Questa non ha una virgola in nessun luogo.",
+        (const char *const[]){"Una frase corta.", "Sì, va bene,", "grazie, ma vieni presto.",
+                              "Questa non ha una virgola in nessun luogo.", NULL});
+    check_by(&slow, "Sono 1,000 passi da qui fino alla casa: poi basta.",
+             (const char *const[]){"Sono 1,000 passi da qui fino alla casa:", "poi basta.", NULL});
 }
 
 static void cuts_long_sentences_at_commas(void **state) {
@@ -115,6 +127,7 @@ int main(void) {
         cmocka_unit_test(cuts_sentences),
         cmocka_unit_test(keeps_together_what_a_dot_does_not_end),
         cmocka_unit_test(cuts_long_sentences_at_commas),
+        cmocka_unit_test(cuts_earlier_where_that_is_asked_for),
         cmocka_unit_test(cuts_a_text_without_spaces),
         cmocka_unit_test(names_the_place_of_bad_input),
         cmocka_unit_test(finds_kinds),

@@ -39,7 +39,7 @@ static void a_fault_costs_one_sentence(void **state) {
         {"slow", "voice-timeout"},
     };
     enum { COUNT = sizeof faults / sizeof *faults };
-    struct scene *s = OPEN(WITH(.deadline_base = 1.5), "puppet");
+    struct scene *s = OPEN(WITH(.deadline_base = 1.5, .deadline_most = 1), "puppet");
     scene_speak(s, "plain", "uno");
     for (size_t i = 0; i < COUNT; i++) {
         scene_speak(s, "plain", faults[i][0]);
@@ -229,7 +229,7 @@ static void closing_fails_what_is_queued(void **state) {
  * own. */
 static void workers_work_side_by_side(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(.workers = 2, .deadline_base = 1), "puppet");
+    struct scene *s = OPEN(WITH(.workers = 2, .deadline_base = 1, .deadline_most = 1), "puppet");
     scene_speak(s, "plain", "slow");
     scene_speak(s, "plain", "uno");
     scene_speak(s, "plain", "crash");

@@ -3,9 +3,10 @@ import { Head } from './head/head.mjs';
 import { readModel } from './head/model.mjs';
 import { Governor } from './head/quality.mjs';
 import { View } from './head/view.mjs';
+import { Pace } from './pace.mjs';
 
 const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden page
-const AHEAD_MOST_MS = 120;
+const AHEAD_MOST_MS = 300; // for longer nothing is foreseen
 const CALM_MS = 30; // between pictures of a face that only idles: saves the battery
 
 /**
@@ -30,6 +31,7 @@ export class Stage {
     this.frames = 0;
     this.interval = 0; // of the frames that follow each other, smoothed
     this.view = null;
+    this.pace = new Pace(() => this.view.mark());
     this.lost = false;
     this.observer = new ResizeObserver(() => this.#resize());
     canvas.addEventListener('webglcontextlost', (event) => {
@@ -99,7 +101,8 @@ export class Stage {
   #draw(now) {
     this.request = 0;
     const interval = now - this.last;
-    if (this.calm && interval < CALM_MS) {
+    this.pace.tick(now);
+    if (this.pace.busy || (this.calm && interval < CALM_MS)) {
       this.wake();
       return;
     }
@@ -110,10 +113,11 @@ export class Stage {
       this.interval = this.interval ? this.interval + 0.1 * (taken - this.interval) : taken;
       if (this.governor.frame(taken)) this.view.setLevel(this.governor.level);
     }
-    // A picture is seen when the next one can be begun, not before.
-    const { values, more, calm } = this.ports.frame(performance.now(), Math.min(AHEAD_MOST_MS, this.interval));
+    const begun = performance.now();
+    const { values, more, calm } = this.ports.frame(begun, Math.min(AHEAD_MOST_MS, this.pace.ahead(begun)));
     this.view.head?.setFaps(values);
     this.#paint();
+    this.pace.drawn(begun);
     this.following = more;
     this.calm = Boolean(calm);
     if (more) this.wake();

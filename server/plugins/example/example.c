@@ -60,14 +60,15 @@ static void ex_close(void *self) {
     free(self);
 }
 
-__attribute__((visibility("default"))) const struct faccia_voice faccia_voice = {FACCIA_VOICE_ABI,
-                                                                                 sizeof(struct faccia_voice),
-                                                                                 "example",
-                                                                                 "1",
-                                                                                 "GPL-3.0-or-later",
-                                                                                 FACCIA_VOICE_STREAMS,
-                                                                                 ex_open,
-                                                                                 ex_list,
-                                                                                 ex_speak,
-                                                                                 ex_cancel,
-                                                                                 ex_close};
+__attribute__((visibility("default"))) const struct faccia_voice faccia_voice = {
+    FACCIA_VOICE_ABI,
+    sizeof(struct faccia_voice),
+    "example",
+    "1",
+    "GPL-3.0-or-later",
+    FACCIA_VOICE_STREAMS, /* it needs neither the network nor programs, and gets neither */
+    ex_open,
+    ex_list,
+    ex_speak,
+    ex_cancel,
+    ex_close};

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/eventfd.h>
 #include <sys/prctl.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -26,7 +27,12 @@ int fe_child_open(struct fe_child *child, const char *program, const char *scrip
 /* In the new process. It ends with the worker, even one that was killed. */
 _Noreturn static void become_festival(const char *program, int in, int out, int complaints) {
     int quiet = open("/dev/null", O_WRONLY);
+    struct rlimit time;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    getrlimit(RLIMIT_CPU, &time);
+    time.rlim_cur =
+        time.rlim_max; /* the worker's counts from sentence to sentence, and this lives through many */
+    setrlimit(RLIMIT_CPU, &time);
     signal(SIGPIPE, SIG_DFL);
     /* out may be one of 0..3 itself: first away from them */
     out = fcntl(out, F_DUPFD, 10);

@@ -258,7 +258,7 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
     .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_RATE | FACCIA_VOICE_PITCH | FACCIA_VOICE_RANGE |
-                    FACCIA_VOICE_VOLUME,
+                    FACCIA_VOICE_VOLUME | FACCIA_VOICE_PROGRAMS,
     .open = fe_open,
     .list = fe_list,
     .speak = fe_speak,

@@ -17,6 +17,7 @@ struct ko_reader {
     struct es_voices voices;
     const struct es_voice *voice; /* the one that is set */
     struct es_names names;        /* of that voice */
+    struct es_ipa ipa;            /* its phones, once they were needed */
     FILE *nowhere;                /* the engine cannot transcribe without printing */
     /* of the text that is read */
     struct es_phone *phones;
@@ -74,6 +75,19 @@ static void set_voice(struct ko_reader *r, const struct es_voice *voice) {
     espeak_SetParameter(espeakRATE, ES_RATE_OWN, 0);
     r->voice = voice;
     r->names = (struct es_names){0};
+    es_ipa_free(&r->ipa);
+}
+
+/* Once for a voice, when a sentence has phones. The engine knows "[[...]]" after it was told so with a text.
+ */
+static void learn_phones(struct ko_reader *r, const struct faccia_sentence *inner) {
+    bool needed = false;
+    for (size_t i = 0; i < inner->span_count; i++)
+        needed |= inner->spans[i].phones != NULL;
+    if (!needed || r->ipa.count)
+        return;
+    espeak_Synth(" ", 2, 0, POS_CHARACTER, 0, espeakCHARS_UTF8 | espeakPHONEMES, NULL, r);
+    es_ipa_learn(&r->ipa);
 }
 
 /* What stands between two places of the spans' texts. */
@@ -162,10 +176,13 @@ bool ko_read(struct ko_reader *r, const struct es_voice *voice, const struct ko_
     const struct faccia_sentence inner = {sentence->voice, spans, to - from};
     struct es_text given;
     text->items.count = text->word_count = 0;
-    r->phone_count = r->words.count = r->clause = 0;
     set_voice(r, voice);
-    es_text_make(&given, &inner, voice, &r->voices, warn, ctx);
-    unsigned flags = espeakCHARS_UTF8 | (given.ssml ? espeakSSML : 0);
+    learn_phones(r, &inner);
+    free(r->transcription);
+    r->transcription = NULL;
+    r->phone_count = r->words.count = r->clause = 0;
+    es_text_make(&given, &inner, voice, &r->voices, &r->ipa, warn, ctx);
+    unsigned flags = espeakCHARS_UTF8 | (given.ssml ? espeakSSML : 0) | (given.phones ? espeakPHONEMES : 0);
     espeak_ERROR result = espeak_Synth(given.text.data, given.text.size, 0, POS_CHARACTER, 0, flags, NULL, r);
     end_clause(r);
     if (result == EE_OK) {
@@ -217,6 +234,8 @@ void ko_reader_close(struct ko_reader *r) {
     if (r->nowhere)
         fclose(r->nowhere);
     es_voices_free(&r->voices);
+    es_ipa_free(&r->ipa);
+    free(r->transcription);
     free(r->phones);
     free(r->words.list);
     free(r);

@@ -134,15 +134,14 @@ static double rest_after(const struct speaking *s, size_t item, bool last) {
     const struct ko_items *items = &s->speaker->text.items;
     const json_t *vocabulary = s->voice->alphabet.vocabulary;
     static const char *const strong[] = {".", "!", "?", ";", "\u2026"};
-    if (last && item + 1 == items->count)
-        return TRAIL;
+    bool end = last && item + 1 == items->count;
     if (items->list[item].kind != KO_STOP)
-        return 0;
+        return end ? TRAIL : 0;
     for (size_t i = 0; i < sizeof strong / sizeof *strong; i++)
         for (unsigned k = 0; k < items->list[item].token_count; k++)
             if (items->list[item].tokens[k] == json_integer_value(json_object_get(vocabulary, strong[i])))
-                return PERIOD;
-    return COMMA;
+                return end ? TRAIL : PERIOD;
+    return COMMA; /* also when a long sentence goes on behind it, in another one */
 }
 
 /* Hands on the sound of the items [from, to) with its phones and words. */

@@ -104,6 +104,18 @@ export class View {
     this.renderer.render(this.copyScene, this.copyCamera);
   }
 
+  /** Notes what has been asked to be drawn. @returns {() => boolean} whether it is done */
+  mark() {
+    const gl = this.renderer.getContext();
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush(); // else it is never reached
+    return () => {
+      if (!gl.isContextLost() && gl.getSyncParameter(fence, gl.SYNC_STATUS) !== gl.SIGNALED) return false;
+      gl.deleteSync(fence);
+      return true;
+    };
+  }
+
   dispose() {
     this.head?.dispose();
     this.target?.dispose();

@@ -1,0 +1,132 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a WebSocket client sends: messages, taken in pieces and acted on. */
+#include "server/net/socket_parts.h"
+#include <string.h>
+
+static void speak_json(struct socket *s, const json_t *message) {
+    struct speech_request request;
+    struct error e = {0};
+    request_copy(&request, &s->defaults);
+    if (request_from_json(&request, message, &e))
+        socket_refuse(s, request.id, &e);
+    else
+        socket_speak_request(s, &request);
+    request_free(&request);
+}
+
+static void pong(struct socket *s, const json_t *message) {
+    json_t *answer = json_pack("{ss}", "type", "pong");
+    json_object_set(answer, "id", json_object_get(message, "id"));
+    socket_say(s, answer);
+}
+
+static void join_room(struct socket *s, const json_t *message) {
+    const char *room = json_string_value(json_object_get(message, "room"));
+    struct error e;
+    if (room ? socket_join(s, room, &e) : error_in_field(&e, "missing-field", "room", "is missing"))
+        socket_complain(s, &e);
+}
+
+static void leave_room(struct socket *s, const json_t *message) {
+    (void)message;
+    if (!socket_room(s))
+        return;
+    socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
+    channel_leave(&s->follower);
+    socket_enter(s, channel_new(s->net, s->name));
+}
+
+static void choose_media(struct socket *s, const json_t *message) {
+    struct error e;
+    if (socket_set_media(s, json_string_value(json_object_get(message, "audio")),
+                         json_string_value(json_object_get(message, "fap")), &e))
+        socket_complain(s, &e);
+}
+
+static void authorise(struct socket *s, const json_t *message) {
+    const char *token = json_string_value(json_object_get(message, "token"));
+    struct error e;
+    if (token ? guest_show(s->net, &s->guest, token, &e)
+              : error_in_field(&e, "missing-field", "token", "is missing"))
+        socket_complain(s, &e);
+    else
+        socket_say(s, json_pack("{ss ss}", "type", "authorized", "subject", s->guest.token.subject));
+}
+
+void socket_act(struct socket *s, const json_t *message) {
+    static const struct {
+        const char *type;
+        void (*act)(struct socket *s, const json_t *message);
+    } types[] = {{"speak", speak_json},        {"stop", control_stop},   {"pause", control_pause},
+                 {"resume", control_resume},   {"rate", control_rate},   {"jump", control_jump},
+                 {"play", control_play},       {"idle", control_idle},   {"express", control_express},
+                 {"model", socket_send_model}, {"media", choose_media},  {"join", join_room},
+                 {"leave", leave_room},        {"authorize", authorise}, {"ping", pong}};
+    const char *type = json_string_value(json_object_get(message, "type"));
+    struct error e;
+    if (!json_is_object(message) || !type) {
+        error_in_field(&e, "bad-message", "type", "a message is an object with a string 'type'");
+        socket_complain(s, &e);
+        return;
+    }
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        if (!strcmp(types[i].type, type)) {
+            types[i].act(s, message);
+            return;
+        }
+    error_in_field(&e, "unknown-type", "type", "no message type '%s'", type);
+    socket_complain(s, &e);
+}
+
+/* A whole text message. */
+static void hear(struct socket *s, const char *data, size_t size) {
+    size_t blank = 0;
+    if (s->plain) {
+        text_hear(s, data, size);
+        return;
+    }
+    while (blank < size && strchr(" \t\r\n", data[blank]))
+        blank++;
+    if (blank == size || data[blank] != '{') {
+        socket_speak(s, data, size);
+        return;
+    }
+    json_error_t why;
+    struct error e;
+    json_t *message = json_loadb(data, size, JSON_ALLOW_NUL, &why);
+    if (message) {
+        socket_act(s, message);
+        json_decref(message);
+        return;
+    }
+    /* jansson counts the character that it stumbled over, unless it was the end */
+    size_t at = (size_t)why.position;
+    if (at && json_error_code(&why) != json_error_premature_end_of_input)
+        at--;
+    error_at_byte(&e, "bad-json", at, "%s", why.text);
+    socket_complain(s, &e);
+}
+
+int socket_receive(struct socket *s, const char *data, size_t size) {
+    bool whole = lws_is_final_fragment(s->wsi) && !lws_remaining_packet_payload(s->wsi);
+    bool binary = lws_frame_is_binary(s->wsi);
+    if (s->message.size + size > s->net->options.message_bytes)
+        s->too_long = true;
+    if (!binary && !s->too_long)
+        buf_add(&s->message, data, size);
+    if (!whole)
+        return 0;
+    struct error e;
+    if (s->too_long) {
+        error_set(&e, "message-too-long", "a message may have %u bytes", s->net->options.message_bytes);
+        socket_complain(s, &e);
+    } else if (binary) {
+        error_set(&e, "binary-message", "a client sends no binary messages");
+        socket_complain(s, &e);
+    } else {
+        hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);
+    }
+    buf_free(&s->message);
+    s->too_long = false;
+    return 0;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A head model for a WebSocket client, part by part. */
+#include "server/net/socket_parts.h"
+#include <string.h>
+
+void socket_push_model_part(struct socket *s) {
+    const struct model *m = s->model;
+    const struct model_part *part = &m->parts[s->model_part];
+    struct buf text = {0};
+    message_write(&text, json_pack("{ss ss ss si si ss ss}", "type", "model", "name", m->name, "hash",
+                                   m->asset->hash, "index", (int)s->model_part, "count", (int)m->part_count,
+                                   "kind", part->kind, "part", part->name));
+    text.size--; /* the object goes on */
+    buf_printf(&text, ",\"data\":");
+    buf_add(&text, part->json, strlen(part->json));
+    buf_add(&text, "}", 1);
+    socket_say_text(s, &text);
+    buf_free(&text);
+    if (++s->model_part == m->part_count)
+        s->model = NULL;
+}
+
+void socket_send_model(struct socket *s, const json_t *message) {
+    const char *name = json_string_value(json_object_get(message, "name"));
+    const struct assets *assets = &s->net->assets;
+    struct error e;
+    s->model = name ? assets_model(assets, name) : assets->model_count ? &assets->models[0] : NULL;
+    s->model_part = 0;
+    if (s->model) {
+        socket_push_model_part(s);
+    } else {
+        error_in_field(&e, "unknown-model", "name", "no model '%s'", name ? name : "");
+        socket_complain(s, &e);
+    }
+}

@@ -1,0 +1,135 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The skew between what is seen and what is heard, in headless Chromium with software rendering, 640 x 480, while she speaks
+// Italian: for each picture the speech that is heard when it comes on the display, less the speech whose face it shows. Both
+// times are those that the browser records of its compositor and its sound system, not those that the page goes by. In the
+// same run: the same pictures as simpler players would have drawn them. Then once more without the page's word for
+// anything: of a recording whose jaw moves and whose sound clicks, from the pixels and the samples alone.
+// Usage: node tests/bench/skew.mjs [SECONDS [low|high|auto]]
+import { Daemon } from '../lib/daemon.mjs';
+import { launch, openPage } from '../lib/browser.mjs';
+import { quantile } from './figures.mjs';
+import { fap, JAW_MOST, jawAt, PERIOD, probe, wav } from './jaw.mjs';
+import { prose } from './text.mjs';
+import { categories, pictures, soundOf } from './trace.mjs';
+
+const seconds = Number(process.argv[2] ?? 60);
+const quality = process.argv[3] ?? 'low';
+const JAW_SECONDS = 15;
+
+/** Has the page note, for each picture: which speech it belongs to, and what the sound's clocks say. */
+const note = (page) => page.evaluate(() => {
+  const element = document.querySelector('talking-head');
+  const { stage, player } = element;
+  const { frame } = stage.ports;
+  window.drawn = [];
+  window.reports = new Map(); // where the speech stands at frames of the sound
+  stage.ports.frame = (now, ahead) => {
+    performance.mark(`picture${window.drawn.length}`);
+    const shown = frame(now, ahead);
+    const { context, map, offset } = player;
+    const stamp = context?.getOutputTimestamp();
+    if (player.audio) for (const report of map.reports) window.reports.set(report.frame, { ...report, position: report.position + offset });
+    const heard = player.heard(now, ahead / 1000);
+    const { frameTime, utterance } = element.debug();
+    window.drawn.push({
+      seconds: heard.running ? frameTime : null, // of the utterance
+      start: frameTime === null ? null : heard.position / player.rate - frameTime, // of the utterance on the player
+      utterance, ahead,
+      current: context?.currentTime ?? null,
+      heardNow: stamp ? stamp.contextTime + (now - stamp.performanceTime) / 1000 : null,
+    });
+    return shown;
+  };
+});
+
+/** Says it (or plays it), and waits for the end. */
+const until = (page, text) => page.evaluate((words) => new Promise((resolve) => {
+  const element = document.querySelector('talking-head');
+  element.addEventListener('end', () => resolve(), { once: true });
+  if (words) element.speak(words, { lang: 'it' });
+}), text);
+
+const say = (name, late) => {
+  const off = late.map(Math.abs);
+  const share = (most) => `${((100 * off.filter((x) => x <= most).length) / off.length).toFixed(1)} %`;
+  const at = (q) => quantile(off, q).toFixed(1);
+  console.log(`${name}: ${share(10)} within 10 ms, ${share(20)} within 20 ms; off by ${at(0.5)} ms (50 %), ${at(0.9)} (90 %), ` +
+    `${at(0.99)} (99 %); median ${quantile(late, 0.5).toFixed(1)} ms late`);
+};
+
+const daemon = await Daemon.start();
+const browser = await launch();
+const page = await openPage(browser, daemon.url, { quality });
+await page.evaluate(() => Object.assign(document.querySelector('talking-head').style,
+  { width: '640px', height: '480px', position: 'fixed', inset: 0, maxWidth: 'none' }));
+await browser.startTracing(page, { categories });
+await note(page);
+await page.evaluate(() => document.querySelector('talking-head').setAttribute('room', 'bench'));
+await page.waitForFunction(() => document.querySelector('talking-head').debug().connection === 'open');
+
+// The jaw and the clicks: first, so that the sound begins with the recording.
+const read = await probe(page);
+const form = new FormData();
+form.append('fap', new Blob([fap(JAW_SECONDS)]), 'jaw.fap');
+form.append('sound', new Blob([wav(JAW_SECONDS)]), 'clicks.wav');
+const played = until(page);
+const answer = await daemon.get('/v1/play?room=bench', { method: 'POST', body: form });
+if (answer.status !== 202) throw new Error(await answer.text());
+await played;
+const { clicks, openings } = await read();
+const recorded = await page.evaluate(() => window.drawn.length);
+
+await until(page, prose(seconds));
+const { drawn, reports, rate, sound } = await page.evaluate(() => ({
+  drawn: window.drawn,
+  reports: [...window.reports.values()].sort((a, b) => a.frame - b.frame),
+  rate: document.querySelector('talking-head').player.rate,
+  sound: document.querySelector('talking-head').player.sound,
+}));
+const events = JSON.parse(await browser.stopTracing()).traceEvents;
+await browser.close();
+await daemon.stop();
+if (sound !== 'on') throw new Error(`no sound: ${sound}`);
+
+const seenAt = pictures(events, 'picture');
+const heardAt = soundOf(events, rate);
+
+/** The speech that is heard at a frame of the sound, in seconds of the player; null: none. */
+const speechAt = (frame) => {
+  const report = reports.findLast((r) => r.frame <= frame);
+  return report?.running ? (report.position + frame - report.frame) / rate : null;
+};
+
+const speech = { page: [], stamp: [], current: [] };
+let unseen = 0;
+let [first, last] = [Infinity, -Infinity];
+drawn.forEach((picture, i) => {
+  if (i < recorded || picture.seconds === null) return;
+  const { seen } = seenAt.get(i) ?? { seen: null };
+  if (seen === null) return void unseen++;
+  const heard = speechAt(heardAt(seen));
+  if (heard === null) return;
+  [first, last] = [Math.min(first, seen), Math.max(last, seen)];
+  speech.page.push(1000 * (heard - picture.start - picture.seconds));
+  for (const [name, time] of [['stamp', picture.heardNow], ['current', picture.current]]) {
+    const naive = speechAt(time * rate);
+    if (naive !== null) speech[name].push(1000 * (heard - naive));
+  }
+});
+console.log(`${speech.page.length} pictures in ${((last - first) / 1000).toFixed(1)} s of speech (${(1000 * speech.page.length / (last - first)).toFixed(1)} a second), ${unseen} never shown; quality ${quality}`);
+say('the page', speech.page);
+say('a face for what is heard when the picture is begun', speech.stamp);
+say('a face at AudioContext.currentTime', speech.current);
+
+// The jaw: between its turns, where its place tells the time.
+const jaw = [];
+for (const { picture, opening } of openings) {
+  const { seen } = seenAt.get(picture) ?? { seen: null };
+  if (seen === null || opening < 0.2 * JAW_MOST || opening > 0.8 * JAW_MOST) continue;
+  const frame = heardAt(seen);
+  const before = clicks.findLastIndex((click) => click <= frame);
+  if (before < 0 || before + 1 >= clicks.length) continue;
+  const heard = PERIOD * (frame - clicks[before]) / (clicks[before + 1] - clicks[before]); // since the click
+  jaw.push(1000 * Math.min(...jawAt(opening).map((shown) => heard - shown).map((d) => ({ d })).sort((a, b) => Math.abs(a.d) - Math.abs(b.d)).slice(0, 1).map(({ d }) => d)));
+}
+say(`from pixels and clicks alone, ${jaw.length} pictures`, jaw);

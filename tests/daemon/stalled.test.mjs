@@ -1,0 +1,103 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Clients that take nothing, or too little: the daemon keeps little for them, lets them go, and others notice nothing.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import { test } from 'node:test';
+import { decodeChunk } from '../../protocol/chunk.mjs';
+import { Daemon } from '../lib/daemon.mjs';
+import { stalled } from '../lib/stalled.mjs';
+
+const text = 'Una frase dopo l’altra, senza fine e senza fretta. '.repeat(100);
+const pcm = 'lang=it&audio=pcm&fap=plain';
+const speak = JSON.stringify({ type: 'speak', text });
+const megabytes = (daemon) => (Number(fs.readFileSync(`/proc/${daemon.process.pid}/statm`, 'utf8').split(' ')[1]) * 4096) / 1e6;
+
+/** A daemon that ends with the test, however that ends. */
+async function start(t, ...options) {
+  const daemon = await Daemon.start(options);
+  t.after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+  return daemon;
+}
+const stuck = async (t, daemon, ...args) => {
+  const client = await stalled(daemon.port, ...args);
+  t.after(() => client.close());
+  return client;
+};
+
+/** A room with one who speaks and one who hears; done() tells that neither missed anything. */
+async function room(daemon, name) {
+  const [speaker, listener] = [await daemon.stream(`?room=${name}&lang=it`), await daemon.stream(`?room=${name}`)];
+  for (const stream of [speaker, listener]) await stream.wait({ type: 'joined' });
+  return {
+    speaker,
+    async done() {
+      speaker.send({ type: 'stop' });
+      for (const stream of [speaker, listener]) {
+        await stream.wait({ type: 'end', reason: 'stopped' });
+        stream.chunks.forEach((c, i) => assert.equal(c.start, i ? stream.chunks[i - 1].start + stream.chunks[i - 1].samples : 0));
+        assert.ok(!stream.messages.some((m) => m.code === 'skipped'));
+        await stream.close();
+      }
+    },
+  };
+}
+
+test('one in a room who reads nothing is let go, with the reason in the log', async (t) => {
+  const daemon = await start(t, '--stall-seconds', '2');
+  const { speaker, done } = await room(daemon, 'hall');
+  for (const query of [`&${pcm}`, '']) await stuck(t, daemon, `/v1/stream?room=hall${query}`);
+  await stuck(t, daemon, '/v1/events?room=hall');
+  speaker.send({ type: 'speak', text, phones: true });
+  await daemon.logged(/s3 takes nothing: closed \(too-slow\)/);
+  await daemon.logged(/s4 takes nothing: closed \(too-slow\)/);
+  await daemon.logged(/an HTTP client takes nothing: closed \(too-slow\)/, 60000);
+  // bytes that libwebsockets still holds may delay a closing
+  let rooms;
+  for (let i = 0; i < 200 && rooms?.[0].followers !== 2; i++) {
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    ({ rooms } = await (await daemon.get('/v1/rooms')).json());
+  }
+  assert.deepEqual(rooms, [{ name: 'hall', followers: 2, speaks: true }]);
+  assert.match(await (await daemon.get('/metrics')).text(), /^faccia_too_slow_total 3$/m);
+  await done();
+});
+
+test('one in a room who reads again is at the live edge, and is told that media were left out', async (t) => {
+  const daemon = await start(t, '--lag-seconds', '1', '--stall-seconds', '600');
+  const { speaker, done } = await room(daemon, 'hall');
+  const slow = await stuck(t, daemon, `/v1/stream?room=hall&${pcm}`);
+  speaker.send({ type: 'speak', text });
+  await speaker.until(() => speaker.chunks.length > 50);
+  const missed = speaker.chunks.length;
+  slow.read();
+  await speaker.until(() => speaker.chunks.length > missed + 10);
+  await done();
+  const heard = slow.messages();
+  const told = heard.findIndex((m) => m.code === 'skipped');
+  assert.ok(told >= 0 && heard[told].type === 'warning');
+  const starts = heard.filter((m) => m instanceof Uint8Array).map((m) => decodeChunk(m).start);
+  const all = speaker.chunks.map((c) => c.start);
+  const gap = starts.findIndex((start, i) => i && all.indexOf(start) !== all.indexOf(starts[i - 1]) + 1);
+  assert.ok(gap > 0, 'something was left out');
+  assert.ok(all.indexOf(starts[gap]) >= missed - 5, 'and it goes on with what is said now');
+  assert.deepEqual(starts.slice(gap), all.slice(all.indexOf(starts[gap]), all.indexOf(starts.at(-1)) + 1), 'without a gap from there on');
+  // words are not left out
+  const words = (messages) => messages.filter((m) => m.type === 'word').map((m) => m.start);
+  assert.deepEqual(words(heard), words(speaker.messages).slice(0, words(heard).length));
+});
+
+test('a stream of one’s own waits, then is closed; so is a request', async (t) => {
+  const daemon = await start(t, '--stall-seconds', '3');
+  await stuck(t, daemon, `/v1/stream?${pcm}`, speak);
+  const before = megabytes(daemon);
+  // more than an hour of speech: 200 MB, were it kept
+  await stuck(t, daemon, '/v1/speech?lang=it', text.repeat(18));
+  await daemon.logged(/an HTTP client takes nothing/);
+  const grown = megabytes(daemon) - before;
+  assert.ok(grown < 60, `${grown} MB more`);
+  await daemon.logged(/s1 takes nothing/);
+  const stream = await daemon.stream('?lang=it');
+  stream.send({ type: 'speak', id: 'a', text: 'Sì.' });
+  await stream.wait({ type: 'end', id: 'a', reason: 'done' });
+  await stream.close();
+});
