@@ -27,6 +27,7 @@ struct daemon {
     struct expressions *expressions;
     struct readings readings;
     struct metrics metrics;
+    struct effort effort;
     struct studio studio;
     struct net *net;
     uv_signal_t signals[SIGNALS];
@@ -222,7 +223,8 @@ static int start(struct daemon *d, struct error *e) {
                                 .readings = &d->readings,
                                 .default_lang = s->lang,
                                 .sounds = s->audio,
-                                .metrics = &d->metrics};
+                                .metrics = &d->metrics,
+                                .effort = &d->effort};
     struct net_options options = net_options_of(d);
     d->net = net_open(&d->studio, &options, e);
     if (!d->net)
@@ -263,6 +265,7 @@ static int run(struct daemon *d) {
     struct error e;
     signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&d->loop);
+    effort_open(&d->effort, &d->loop, &d->metrics);
     int status = start(d, &e) ? 1 : 0;
     if (status) {
         complain(&e);

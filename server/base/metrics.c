@@ -33,6 +33,8 @@ static const struct {
     [METRIC_CACHE_HITS] = {"faccia_cache_total", "{result=\"hit\"}", "counter",
                            "Sentences asked of the cache."},
     [METRIC_CACHE_MISSES] = {"faccia_cache_total", "{result=\"miss\"}", "counter", ""},
+    [METRIC_SOUND_LEVEL] = {"faccia_sound_level", "", "gauge",
+                            "How plainly sound is coded to save time: 0 is the best."},
 };
 
 static const double bounds[METRIC_BUCKETS] = {0.001, 0.0025, 0.005, 0.01, 0.025, 0.05, 0.1, 0.5, 2, 10};

@@ -28,6 +28,7 @@ enum metric {
     METRIC_ROOMS,
     METRIC_CACHE_HITS,
     METRIC_CACHE_MISSES,
+    METRIC_SOUND_LEVEL,
     METRICS,
 };
 

@@ -172,7 +172,9 @@ static void add_variant(struct channel *c, const struct encoding *encoding) {
     struct variant *v = variant_of(c, encoding);
     if (!v) {
         v = mem_alloc(sizeof *v);
-        *v = (struct variant){.next = c->variants, .encoding = *encoding, .encoder = encoder_new(encoding)};
+        *v = (struct variant){.next = c->variants,
+                              .encoding = *encoding,
+                              .encoder = encoder_new(encoding, c->net->studio->effort)};
         c->variants = v;
     }
     v->followers++;

@@ -8,6 +8,7 @@
 
 struct encoder {
     struct encoding encoding;
+    struct effort *effort;
     bool restart;
     struct fba_encoder fba;
     struct compact compact;
@@ -55,9 +56,10 @@ static bool is_compact(const struct encoding *e) {
     return e->audio == CHUNK_AUDIO_OPUS || e->fap == CHUNK_FAP_FBA;
 }
 
-struct encoder *encoder_new(const struct encoding *encoding) {
+struct encoder *encoder_new(const struct encoding *encoding, struct effort *effort) {
     struct encoder *e = mem_alloc(sizeof *e);
     e->encoding = *encoding;
+    e->effort = effort;
     e->restart = true;
     fba_encoder_init(&e->fba, FBA_QUALITY);
     return e;
@@ -113,9 +115,11 @@ static void code_audio(struct encoder *e, const struct chunk *chunk, struct chun
     meet_utterance(e, chunk);
     coded->audio_codec = CHUNK_AUDIO_OPUS;
     coded->first_packet = e->packets;
-    if (e->opus)
-        e->packets += opus_audio_add(e->opus, (const int16_t *)(const void *)chunk->audio,
-                                     chunk->audio_bytes / 2, audio);
+    if (!e->opus)
+        return;
+    opus_audio_set_level(e->opus, effort_now(e->effort));
+    e->packets +=
+        opus_audio_add(e->opus, (const int16_t *)(const void *)chunk->audio, chunk->audio_bytes / 2, audio);
 }
 
 /* FAP 1 and 2 say again, for simple decoders, what the others say; those who read this coding read all. */

@@ -5,6 +5,7 @@
 
 #include "protocol/compact.h"
 #include "server/base/buf.h"
+#include "server/stream/effort.h"
 #include <stdbool.h>
 
 /* How one wants to have the media: Opus and FBA in compact chunks, PCM and plain FAPs in those of version 1;
@@ -33,8 +34,8 @@ enum {
     ENCODER_BEGIN_SECONDS = 10, /* at least so often one can begin */
 };
 
-/* One for all who get the same bytes. */
-struct encoder *encoder_new(const struct encoding *encoding);
+/* One for all who get the same bytes. effort: borrowed, how good the sound may be; NULL = as can be. */
+struct encoder *encoder_new(const struct encoding *encoding, struct effort *effort);
 void encoder_free(struct encoder *encoder);
 
 /* The next chunk that is written is one that a decoder can begin with. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/stream/opus_audio.h"
 #include "server/base/mem.h"
+#include "server/stream/effort.h"
 #include <opus/opus.h>
 #include <soxr.h>
 #include <stdlib.h>
@@ -10,16 +11,28 @@ enum { BLOCK = 1024 };
 
 struct opus_audio {
     OpusEncoder *encoder;
-    soxr_t resampler; /* NULL at 48 kHz */
-    int skip;
+    soxr_t resampler; /* NULL when the sound has the coder's rate */
+    uint32_t rate;    /* of the coder */
+    size_t packet;    /* samples in one, at that rate */
+    int skip;         /* also at that rate */
+    unsigned level;
     int16_t waiting[OPUS_PACKET_SAMPLES];
     size_t waiting_count;
-    uint64_t in, coded; /* samples at 48 kHz that came in, and that are in packets */
+    uint64_t in, coded; /* samples at the coder's rate that came in, and that are in packets */
 };
+
+/* The lowest rate of those that Opus takes which leaves nothing of the sound out: what lies above costs time,
+ * and bits. */
+static uint32_t coder_rate(uint32_t sample_rate) {
+    return sample_rate <= 8000    ? 8000
+           : sample_rate <= 16000 ? 16000
+           : sample_rate <= 24000 ? 24000
+                                  : OPUS_RATE;
+}
 
 static int open_encoder(struct opus_audio *o, unsigned bitrate) {
     int error;
-    o->encoder = opus_encoder_create(OPUS_RATE, 1, OPUS_APPLICATION_VOIP, &error);
+    o->encoder = opus_encoder_create((opus_int32)o->rate, 1, OPUS_APPLICATION_VOIP, &error);
     if (!o->encoder)
         return -1;
     opus_int32 skip = 0;
@@ -36,13 +49,15 @@ static int open_resampler(struct opus_audio *o, uint32_t rate) {
     soxr_io_spec_t io = soxr_io_spec(SOXR_INT16_I, SOXR_INT16_I);
     io.flags = SOXR_NO_DITHER; /* the same speech gives the same packets */
     soxr_quality_spec_t quality = soxr_quality_spec(SOXR_MQ, 0);
-    if (rate != OPUS_RATE)
-        o->resampler = soxr_create(rate, OPUS_RATE, 1, &error, &io, &quality, NULL);
+    if (rate != o->rate)
+        o->resampler = soxr_create(rate, o->rate, 1, &error, &io, &quality, NULL);
     return error ? -1 : 0;
 }
 
 struct opus_audio *opus_audio_new(uint32_t sample_rate, unsigned bitrate) {
     struct opus_audio *o = mem_alloc(sizeof *o);
+    o->rate = coder_rate(sample_rate);
+    o->packet = o->rate / (OPUS_RATE / OPUS_PACKET_SAMPLES);
     if (open_encoder(o, bitrate) || open_resampler(o, sample_rate)) {
         opus_audio_free(o);
         return NULL;
@@ -60,13 +75,24 @@ void opus_audio_free(struct opus_audio *o) {
     free(o);
 }
 
+void opus_audio_set_level(struct opus_audio *o, unsigned level) {
+    const struct effort_level *l = &effort_levels[level];
+    if (level == o->level)
+        return;
+    o->level = level;
+    opus_encoder_ctl(o->encoder, OPUS_SET_COMPLEXITY(l->complexity));
+    opus_encoder_ctl(o->encoder, OPUS_SET_BITRATE((opus_int32)l->bitrate));
+    /* for music, libopus takes CELT at these bit rates */
+    opus_encoder_ctl(o->encoder, OPUS_SET_SIGNAL(l->transform ? OPUS_SIGNAL_MUSIC : OPUS_SIGNAL_VOICE));
+}
+
 unsigned opus_audio_skip(const struct opus_audio *o) {
-    return (unsigned)o->skip;
+    return (unsigned)o->skip * (OPUS_RATE / o->rate);
 }
 
 static void put_packet(struct opus_audio *o, struct buf *out) {
     uint8_t *at = buf_reserve(out, 2 + OPUS_PACKET_BYTES), packet[OPUS_PACKET_BYTES];
-    int size = opus_encode(o->encoder, o->waiting, OPUS_PACKET_SAMPLES, packet, OPUS_PACKET_BYTES);
+    int size = opus_encode(o->encoder, o->waiting, (int)o->packet, packet, OPUS_PACKET_BYTES);
     if (size < 0)
         size = 0; /* an empty packet: the decoder conceals it */
     int length = 1;
@@ -78,20 +104,20 @@ static void put_packet(struct opus_audio *o, struct buf *out) {
     }
     memcpy(at + length, packet, (size_t)size);
     out->size += (size_t)(length + size);
-    o->coded += OPUS_PACKET_SAMPLES;
+    o->coded += o->packet;
     o->waiting_count = 0;
 }
 
-/* Samples at 48 kHz. */
+/* Samples at the coder's rate. */
 static unsigned fill(struct opus_audio *o, const int16_t *pcm, size_t count, struct buf *out) {
     unsigned packets = 0;
     while (count) {
-        size_t room = OPUS_PACKET_SAMPLES - o->waiting_count, take = count < room ? count : room;
+        size_t room = o->packet - o->waiting_count, take = count < room ? count : room;
         memcpy(o->waiting + o->waiting_count, pcm, take * sizeof *pcm);
         o->waiting_count += take;
         pcm += take;
         count -= take;
-        if (o->waiting_count == OPUS_PACKET_SAMPLES) {
+        if (o->waiting_count == o->packet) {
             put_packet(o, out);
             packets++;
         }
@@ -131,6 +157,6 @@ unsigned opus_audio_end(struct opus_audio *o, struct buf *out) {
     static const int16_t silence[OPUS_PACKET_SAMPLES];
     unsigned packets = o->resampler ? resample(o, NULL, 0, out) : 0;
     while (o->coded < o->in + (unsigned)o->skip)
-        packets += fill(o, silence, OPUS_PACKET_SAMPLES - o->waiting_count, out);
+        packets += fill(o, silence, o->packet - o->waiting_count, out);
     return packets;
 }

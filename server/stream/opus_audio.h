@@ -11,8 +11,9 @@ enum {
     OPUS_RATE = 48000,
     OPUS_PACKET_SAMPLES = 960, /* 20 ms */
     OPUS_BITRATE = 20000,      /* bit/s, variable */
-    OPUS_SKIP = 312,           /* what opus_audio_skip gives: 6.5 ms */
-    OPUS_PACKET_BYTES = 400,   /* most that a packet may have */
+    OPUS_BITRATE_MOST = 24000,
+    OPUS_SKIP = 312,         /* what opus_audio_skip gives: 6.5 ms */
+    OPUS_PACKET_BYTES = 400, /* most that a packet may have */
 };
 
 struct opus_audio;
@@ -20,6 +21,10 @@ struct opus_audio;
 /* For sound of that rate, 8000 to 192000 Hz. NULL when the libraries refuse. */
 struct opus_audio *opus_audio_new(uint32_t sample_rate, unsigned bitrate);
 void opus_audio_free(struct opus_audio *o);
+
+/* How much work the packets from now on are given, one of effort.h's levels; EFFORT_BEST at first. The
+ * bit rate becomes the level's. */
+void opus_audio_set_level(struct opus_audio *o, unsigned level);
 
 /* Samples at 48 kHz that a decoder drops at the utterance's beginning, so that the packets' sound begins with
  * the first sample that was put in. */

@@ -9,6 +9,7 @@
 #include "server/face/packs.h"
 #include "server/face/track.h"
 #include "server/reading/readings.h"
+#include "server/stream/effort.h"
 #include "server/stream/request.h"
 #include "server/voice/pool.h"
 
@@ -22,6 +23,7 @@ struct studio {
     const char *default_lang;
     const char *sounds;      /* folder of sound files that texts may name; NULL = none */
     struct metrics *metrics; /* NULL = nobody counts */
+    struct effort *effort;   /* of the sound; NULL = the best */
 };
 
 /* One spoken sentence, or a piece of a recording. The receiver of a scene owns it. */

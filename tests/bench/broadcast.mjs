@@ -10,6 +10,7 @@ import path from 'node:path';
 import { once } from 'node:events';
 import readline from 'node:readline';
 import { build, Daemon } from '../lib/daemon.mjs';
+import { cpuOf } from './figures.mjs';
 import { sentence } from './text.mjs';
 
 const counts = process.argv.length > 2 ? process.argv.slice(2).map(Number) : [1, 100, 1000, 5000];
@@ -18,9 +19,6 @@ const text = `${sentence} `.repeat(2);
 const program = (name) => path.join(build, 'tests/bench', name);
 const pin = (pid, core) => execFileSync('taskset', ['-a', '-c', '-p', String(core), String(pid)]);
 
-/** CPU seconds of a process, of all its threads. */
-const cpu = (pid) => fs.readdirSync(`/proc/${pid}/task`)
-  .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'utf8').split(' ')[0]) / 1e9, 0);
 const kilobytes = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'utf8').match(/VmRSS:\s+(\d+)/)[1]);
 
 /** So many listen while `start` has the process speak. */
@@ -36,17 +34,17 @@ async function listen({ pid, port, count, address, start, record = [] }) {
   };
   await line();
   const memory = (kilobytes(pid) - before) / count;
-  const used = cpu(pid);
+  const used = cpuOf(pid);
   await start();
   const heard = JSON.parse(await line());
-  const seconds = cpu(pid) - used;
+  const seconds = cpuOf(pid) - used;
   child.stdin.end();
   await ended;
   return { ...heard, memory, cpu: seconds, each: (1e6 * seconds) / heard.messages };
 }
 
-const rows = [];
-for (const count of counts) {
+/** As many hear the daemon's speech, and then the same messages from the ring. */
+async function compare(count) {
   const file = path.join(folder, `${count}.messages`);
   const daemon = await Daemon.start(['--max-connections', String(count + 10)]);
   pin(daemon.process.pid, 0);
@@ -65,20 +63,25 @@ for (const count of counts) {
   const reference = await listen({ pid: ring.pid, port, count, address: '/', start: () => ring.kill('SIGUSR1') });
   ring.kill();
   await ended;
-  rows.push({ count, own, reference });
+  return { own, reference };
+}
+
+console.log('CPU per delivered message, us (facciad: with the making of the speech, which is the same for all; beyond the first: without it)');
+console.log('ms after the first listener had a message: half, 99 %, last; memory of an idle listener, kB');
+console.log('listeners          messages  bytes each    CPU us  beyond the first      half      99 %      last    memory');
+const beyond = (now, one) => (1e6 * (now.cpu - one.cpu)) / (now.messages - one.messages);
+let least;
+for (const count of counts) {
+  const now = await compare(count);
+  const rest = {};
+  for (const [name, r] of Object.entries(now)) {
+    if (least) rest[name] = beyond(r, least[name]);
+    console.log([String(count).padStart(9), (name === 'own' ? 'facciad' : 'ring').padEnd(8), String(r.messages).padStart(8), (r.bytes / r.messages).toFixed(0).padStart(10),
+      r.each.toFixed(2).padStart(10), (least ? rest[name].toFixed(2) : '-').padStart(16),
+      ...[r.p50, r.p99, r.max].map((ms) => ms.toFixed(2).padStart(10)), r.memory.toFixed(1).padStart(9)].join(' '));
+  }
+  const ratio = (a, b) => (a / b).toFixed(2);
+  console.log(`${''.padStart(9)} ratio of CPU ${ratio(now.own.each, now.reference.each)}${least ? `, beyond the first ${ratio(rest.own, rest.reference)}` : ''}`);
+  least ??= now;
 }
 fs.rmSync(folder, { recursive: true });
-
-console.log('CPU per delivered message, us (facciad: with the making of the speech, which is the same for all)');
-console.log('listeners   messages  bytes each    facciad       ring   ratio   ratio beyond the first');
-const [least] = rows;
-for (const { count, own, reference } of rows) {
-  const beyond = (now, one) => (now.cpu - one.cpu) / (now.messages - one.messages);
-  const rest = count > least.count ? (beyond(own, least.own) / beyond(reference, least.reference)).toFixed(2) : '-';
-  console.log([String(count).padStart(9), String(own.messages).padStart(10), (own.bytes / own.messages).toFixed(0).padStart(11), own.each.toFixed(2).padStart(10),
-    reference.each.toFixed(2).padStart(10), (own.each / reference.each).toFixed(2).padStart(7), rest.padStart(24)].join(' '));
-}
-console.log('\nms after the first listener had a message, half / 99 % / last; memory of an idle listener');
-for (const { count, own, reference } of rows)
-  for (const [name, r] of [['facciad', own], ['ring', reference]])
-    console.log(`${String(count).padStart(9)} ${name.padEnd(8)} ${r.p50.toFixed(2).padStart(9)} ${r.p99.toFixed(2).padStart(9)} ${r.max.toFixed(2).padStart(9)} ${r.memory.toFixed(1).padStart(9)} kB`);

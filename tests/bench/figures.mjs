@@ -28,3 +28,16 @@ export function cpuSeconds(pid) {
   }
   return sum;
 }
+
+/** CPU seconds of a process, of all its threads, by the scheduler's own account. */
+export const cpuOf = (pid) => fs.readdirSync(`/proc/${pid}/task`)
+  .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'latin1').split(' ')[0]) / 1e9, 0);
+
+/** The processes that a process has started and that still run. */
+export const childrenOf = (pid) => fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name)).filter((name) => {
+  try {
+    return statOf(name)[1] === String(pid);
+  } catch {
+    return false; // it has ended meanwhile
+  }
+}).map(Number);

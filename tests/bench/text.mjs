@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The texts that the benchmarks speak: plain Italian prose of our own, as long as asked for.
+import { manzoni } from '../lib/texts.mjs';
+
 const paragraph = `La mattina il bibliotecario apre le grandi finestre della sala e lascia entrare la luce. Sui tavoli aspettano
 i libri del giorno prima, ancora aperti alla pagina in cui qualcuno li ha lasciati. Prima di riporli ne legge sempre una riga, a
 bassa voce, come si saluta un amico. Poi prepara il caffè, sfoglia il giornale e pensa a chi verrà. Verrà la maestra con i
@@ -15,3 +17,20 @@ export function prose(seconds) {
 
 /** One sentence of it. */
 export const sentence = 'Per lui il bibliotecario parla piano, senza fretta, e non copre mai la bocca con la mano.';
+
+/** What sentences can be made of: the parts of a novel's sentences. */
+const clauses = manzoni.split(/[,;:.]\s+/).map((part) => part.trim()).filter((part) => part.length > 12);
+
+/** Sentences of so many characters in all, put together at random: another seed gives others. */
+export function varied(length, seed) {
+  let [text, state] = ['', seed * 2654435761 >>> 0];
+  const dice = (count) => {
+    state = (Math.imul(state, 1664525) + 1013904223) >>> 0;
+    return Math.floor((state / 2 ** 32) * count);
+  };
+  while (text.length < length) {
+    const said = Array.from({ length: 2 + dice(2) }, () => clauses[dice(clauses.length)]).join(', ');
+    text += `${said[0].toUpperCase()}${said.slice(1)}. `;
+  }
+  return text;
+}

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/stream/effort.h"
 #include "server/stream/opus_audio.h"
 #include <math.h>
 #include <opus/opus.h>
@@ -87,6 +88,44 @@ static void in_time(void **state) {
     free(heard);
 }
 
+/* Is the packet after that length CELT's? RFC 6716, 3.1. */
+static bool is_transform(const uint8_t *at) {
+    return at[at[0] < 252 ? 1 : 2] >> 3 >= 16;
+}
+
+/* Level after level, up and down again: nothing shifts, and the packets are of the kind that was meant. */
+static void levels(void **state) {
+    (void)state;
+    enum { RATE = 22050, PIECE = RATE / 20 };
+    int16_t *wanted = sweep(OPUS_RATE), *heard = malloc(3 * OPUS_RATE * sizeof *heard), *pcm = sweep(RATE);
+    struct opus_audio *o = opus_audio_new(RATE, OPUS_BITRATE);
+    struct buf packets = {0};
+    unsigned count = 0, kinds[2] = {0};
+    for (uint32_t i = 0; i + PIECE <= RATE; i += PIECE) {
+        unsigned step = i / PIECE / 2, level = step < EFFORT_LEVELS ? step : 2 * EFFORT_LEVELS - 1 - step;
+        opus_audio_set_level(o, level);
+        size_t before = packets.size;
+        unsigned added = opus_audio_add(o, pcm + i, PIECE, &packets);
+        count += added;
+        /* the first packets after a change may still be of the kind before */
+        if (added && (level == EFFORT_BEST || level == EFFORT_LEVELS - 1))
+            kinds[level != EFFORT_BEST] += is_transform(packets.data + before) == (level != EFFORT_BEST);
+    }
+    count += opus_audio_end(o, &packets);
+    assert_int_equal(opus_audio_skip(o), OPUS_SKIP);
+    decode(&packets, count, heard, 3 * OPUS_RATE);
+    int shift = best_shift(wanted, heard + OPUS_SKIP, OPUS_RATE - 2, 480);
+    assert_in_range(shift + 480, 480 - 24, 480 + 24);
+    assert_in_range(packets.size * 8, 8000, 36000);
+    assert_true(kinds[0] >= 2);
+    assert_true(kinds[1] >= 2);
+    buf_free(&packets);
+    opus_audio_free(o);
+    free(pcm);
+    free(wanted);
+    free(heard);
+}
+
 /* How the sound is cut into pieces changes nothing. */
 static void pieces(void **state) {
     (void)state;
@@ -124,6 +163,7 @@ static void nothing(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(in_time),
+        cmocka_unit_test(levels),
         cmocka_unit_test(pieces),
         cmocka_unit_test(nothing),
     };

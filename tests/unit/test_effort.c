@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/stream/effort.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+/* Every level is cheaper than the one before. */
+static void order(void **state) {
+    (void)state;
+    for (int i = 1; i < EFFORT_LEVELS; i++)
+        assert_true(effort_levels[i].cost < effort_levels[i - 1].cost);
+}
+
+/* The level at which so many speak, after windows in which the loop is as busy as they make it. */
+static unsigned settle(unsigned level, double speakers, int windows, unsigned *changes) {
+    for (int i = 0; i < windows; i++) {
+        double busy = fmin(1, speakers * effort_levels[level].cost / 1000);
+        unsigned next = effort_choose(level, busy, true);
+        *changes += next != level;
+        level = next;
+    }
+    return level;
+}
+
+/* However many speak, the level comes to rest, from above and from below, where they are in time if that can
+ * be had at all; and a crowd is met within a few windows. */
+static void rests(void **state) {
+    (void)state;
+    const unsigned ends[] = {EFFORT_BEST, EFFORT_LEVELS - 1};
+    for (int speakers = 1; speakers < 1000; speakers++)
+        for (int e = 0; e < 2; e++) {
+            unsigned moves = 0, more = 0, level = settle(ends[e], speakers, 6, &moves);
+            assert_true(speakers * effort_levels[level].cost <= 800.001 || level == EFFORT_LEVELS - 1);
+            assert_int_equal(settle(level, speakers, 20, &more), level);
+            assert_int_equal(more, 0);
+        }
+}
+
+static void few_are_heard_best(void **state) {
+    (void)state;
+    unsigned changes = 0;
+    assert_int_equal(settle(EFFORT_LEVELS - 1, 20, 10, &changes), EFFORT_BEST);
+}
+
+static void calm(void **state) {
+    (void)state;
+    assert_int_equal(effort_choose(3, 0.1, false), 3);
+    assert_int_equal(effort_choose(3, 0.1, true), 2);
+    assert_true(effort_choose(0, 0.9, false) > 0);
+    assert_int_equal(effort_choose(EFFORT_BEST, 0, true), EFFORT_BEST);
+    assert_int_equal(effort_choose(EFFORT_LEVELS - 1, 1, true), EFFORT_LEVELS - 1);
+}
+
+/* Without a loop to look at, sound is at its best. */
+static void nobody_counts(void **state) {
+    (void)state;
+    assert_int_equal(effort_now(NULL), EFFORT_BEST);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(order), cmocka_unit_test(rests),         cmocka_unit_test(few_are_heard_best),
+        cmocka_unit_test(calm),  cmocka_unit_test(nobody_counts),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
