@@ -2,7 +2,7 @@
 // Each voice plugin next to its bare engine's own program, on the same text in one run: speed against real time, the time to the
 // first audio of one sentence in a running daemon, and memory.
 // Usage: node tests/bench/voices.mjs [SECONDS OF TEXT] [VOICE]...
-import { spawn } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
@@ -22,16 +22,24 @@ const engines = {
   'festival:lp': festival('lp_diphone'),
   'festival:pc': festival('pc_diphone'),
 };
+const daemon = await Daemon.start();
+const { voices } = await (await daemon.get('/v1/voices')).json();
+const bare = path.join(build, 'tests/bench/bench_kokoro_bare');
+if (voices.some((voice) => voice.id === 'kokoro:if_sara')) {
+  execFileSync('ninja', ['-C', build, '--quiet', 'tests/bench/bench_kokoro_bare']);
+  engines['kokoro:if_sara'] = (text) => [bare, 'if_sara', text]; // the same graph; prints what it measured
+}
 
-/** Runs a program: {wall: seconds, memory: MB at most}. */
+/** Runs a program: {wall: seconds, memory: MB at most, told: the numbers that it printed}. */
 function run(argv) {
   return new Promise((resolve, reject) => {
     const start = performance.now();
-    const child = spawn('/usr/bin/time', ['-f', '%M', ...argv], { stdio: ['ignore', 'ignore', 'pipe'] });
-    let text = '';
+    const child = spawn('/usr/bin/time', ['-f', '%M', ...argv], { stdio: ['ignore', 'pipe', 'pipe'] });
+    let text = '', said = '';
+    child.stdout.on('data', (data) => (said += data));
     child.on('error', reject);
     child.stderr.on('data', (data) => (text += data));
-    child.on('exit', () => resolve({ wall: (performance.now() - start) / 1000, memory: Number(text.trim().split('\n').at(-1)) / 1024 }));
+    child.on('close', () => resolve({ wall: (performance.now() - start) / 1000, memory: Number(text.trim().split('\n').at(-1)) / 1024, told: said.trim().split(/\s+/).map(Number) }));
   });
 }
 
@@ -75,16 +83,17 @@ const text = path.join(folder, 'text');
 const latin = path.join(folder, 'text.latin1');
 fs.writeFileSync(text, prose(seconds));
 fs.writeFileSync(latin, prose(seconds).replace(/[’‘]/g, "'"), 'latin1');
-const daemon = await Daemon.start();
 for (const [voice, program] of Object.entries(engines).filter(([voice]) => !chosen.length || chosen.includes(voice))) {
   const file = path.join(folder, 'faccia.wav');
   const ours = await run([path.join(build, 'server/app/faccia'), 'say', '-l', 'it', '-v', voice, '--wav', file, '-f', text]);
-  const bare = await run(program(voice.startsWith('festival') ? latin : text));
+  const alone = await run(program(voice.startsWith('festival') ? latin : text));
   const audio = await firstAudio(daemon, voice);
-  const speed = (run, file) => `${(durationOf(file) / run.wall).toFixed(0)} x real time`;
-  console.log(`${voice}: faccia with face ${speed(ours, file)}, ${program(text)[0]} ${speed(bare, wav)}, ` +
+  const name = path.basename(program(text)[0]);
+  const speed = (run, seconds) => `${(seconds / run.wall).toPrecision(3)} x real time`;
+  const first = voice.startsWith('kokoro') ? `, first piece after ${(1000 * alone.told[2]).toFixed(0)} ms` : '';
+  console.log(`${voice}: faccia with face ${speed(ours, durationOf(file))}, ${name} ${speed(alone, first ? alone.told[0] : durationOf(wav))}${first}, ` +
     `first audio ${audio.usual.toFixed(1)} ms (the first time ${audio.first.toFixed(0)} ms), ` +
-    `worker ${memoryOf(daemon, voice.split(':')[0]).toFixed(0)} MB, ${program(text)[0]} ${bare.memory.toFixed(0)} MB`);
+    `worker ${memoryOf(daemon, voice.split(':')[0]).toFixed(0)} MB, ${name} ${alone.memory.toFixed(0)} MB`);
 }
 await daemon.stop();
 fs.rmSync(folder, { recursive: true });

@@ -34,6 +34,14 @@ function level({ pcm, rate }, from, to) {
   return 10 * Math.log10(sum / Math.max(count, 1) + 1);
 }
 
+/** How loud speech is, dB below full scale: the mean level of windows of 0.4 s, without those of pauses. */
+function loudness(said) {
+  const powers = [];
+  for (let from = 0; from + 0.4 < said.pcm.length / said.rate; from += 0.1) powers.push(10 ** (level(said, from, from + 0.4) / 10));
+  const mean = (list) => list.reduce((sum, x) => sum + x, 0) / list.length;
+  return 10 * Math.log10(mean(powers.filter((x) => x > mean(powers) / 10))) - 20 * Math.log10(32768);
+}
+
 /** For every p and b between other phones: by how many dB its quietest 20 ms are below the loudest of its neighbours. */
 function closures(said) {
   const list = said.json.phones;
@@ -55,6 +63,9 @@ for (const [id, lang] of Object.entries(voices))
     checkOrder(said);
     assert.ok(largestStep(said) < 40000, `a step of ${largestStep(said)}`);
     assert.ok(loudest(said) > 4000, `loudest ${loudest(said)}`);
+    assert.ok(loudest(said) < 32767, 'the sound is cut');
+    const loud = loudness(said);
+    assert.ok(loud > -23 && loud < -18, `${loud} dB: not as loud as the other voices`);
     assert.deepEqual(words(said).join(' ').split(' '), texts[lang].match(/[\p{L}\d']+/gu));
     for (const phone of said.json.phones) assert.ok(phone.end - phone.start < 1, `${JSON.stringify(phone)} is too long`);
     // no word is silent

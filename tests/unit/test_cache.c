@@ -9,6 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cmocka.h>
@@ -155,6 +156,96 @@ static void full_disk(void **state) {
     finish(cache);
 }
 
+/* Another process writes, and is killed at any moment: all that is found afterwards is whole, and more can be
+ * added. */
+static void killed_while_writing(void **state) {
+    (void)state;
+    int found = 0;
+    for (int round = 0; round < 8; round++) {
+        int told[2];
+        char byte;
+        assert_int_equal(pipe(told), 0);
+        pid_t writer = fork();
+        assert_true(writer >= 0);
+        if (!writer) {
+            dup2(told[1], STDOUT_FILENO);
+            execl("/proc/self/exe", "test_cache", "write", file, (char *)NULL);
+            _exit(1);
+        }
+        assert_int_equal(read(told[0], &byte, 1), 1); /* it has begun */
+        usleep(1701 * (useconds_t)round);
+        assert_int_equal(kill(writer, SIGKILL), 0);
+        assert_int_equal(waitpid(writer, NULL, 0), writer);
+        close(told[0]);
+        close(told[1]);
+        struct voice_cache *cache = on_disk(0, 1 << 24);
+        assert_non_null(cache);
+        for (int n = 1000; n < 1200; n++)
+            found += holds(cache, n, 20000);
+        put(cache, 600 + round, 5000);
+        finish(cache);
+        cache = on_disk(0, 1 << 24);
+        for (int n = 0; n <= round; n++)
+            assert_true(holds(cache, 600 + n, 5000));
+        finish(cache);
+    }
+    assert_true(found > 0);
+}
+
+/* The part of the other process: writes until it is killed. */
+static int write_on(void) {
+    struct voice_cache *cache = on_disk(0, 1 << 24);
+    for (int n = 1000; cache; n = n < 1199 ? n + 1 : 1000) {
+        put(cache, n, 20000);
+        uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+        if (write(STDOUT_FILENO, "", 1) != 1)
+            break;
+    }
+    return 1;
+}
+
+/* Two daemons with one file: each finds what the other wrote. */
+static void two_at_once(void **state) {
+    (void)state;
+    struct voice_cache *one = on_disk(0, 1 << 24), *two = on_disk(0, 1 << 24);
+    for (int n = 700; n < 740; n++) {
+        put(n % 2 ? one : two, n, 5000);
+        put(n % 2 ? two : one, n, 5000); /* both speak it */
+        if (n % 5 == 0)
+            uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    }
+    uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    for (int n = 700; n < 740; n++) {
+        assert_true(holds(one, n, 5000));
+        assert_true(holds(two, n, 5000));
+    }
+    finish(one);
+    put(two, 750, 5000);
+    finish(two);
+}
+
+/* The file is damaged under two that have it open: one begins it anew, and neither is disturbed. */
+static void damaged_under_two(void **state) {
+    static const char noise[8192] = "this is no database at all";
+    (void)state;
+    struct voice_cache *one = on_disk(0, 1 << 24);
+    scribble(0, noise, sizeof noise);
+    struct voice_cache *two = on_disk(0, 1 << 24);
+    assert_non_null(two);
+    for (int n = 800; n < 810; n++) {
+        put(one, n, 5000);
+        put(two, n, 5000);
+        uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+        holds(one, n, 5000);
+    }
+    assert_true(holds(two, 809, 5000));
+    finish(one);
+    finish(two);
+    two = on_disk(0, 1 << 24);
+    assert_true(holds(two, 809, 5000));
+    finish(two);
+}
+
 static void no_such_place(void **state) {
     (void)state;
     assert_null(cache_open(uv_default_loop(), &(struct cache_options){0, "/nowhere/at/all", 1000}));
@@ -180,10 +271,21 @@ static int remove_folder(void **state) {
     return system(command);
 }
 
-int main(void) {
+int main(int argc, char **argv) {
+    if (argc == 3 && !strcmp(argv[1], "write")) {
+        snprintf(file, sizeof file, "%s", argv[2]);
+        return write_on();
+    }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory),        cmocka_unit_test(disk),      cmocka_unit_test(disk_is_bounded),
-        cmocka_unit_test(damaged_files), cmocka_unit_test(full_disk), cmocka_unit_test(no_such_place),
+        cmocka_unit_test(memory),
+        cmocka_unit_test(disk),
+        cmocka_unit_test(disk_is_bounded),
+        cmocka_unit_test(damaged_files),
+        cmocka_unit_test(full_disk),
+        cmocka_unit_test(no_such_place),
+        cmocka_unit_test(killed_while_writing),
+        cmocka_unit_test(two_at_once),
+        cmocka_unit_test(damaged_under_two),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

@@ -184,8 +184,8 @@ static bool open_tensor(struct ko_model *m, OrtValue *value, struct tensor *t, c
     return ok;
 }
 
-static bool take(struct ko_model *m, OrtValue *const *values, size_t tokens, struct ko_speech *speech,
-                 char *message, size_t cap) {
+static bool take(struct ko_model *m, OrtValue *const *values, size_t tokens, double gain,
+                 struct ko_speech *speech, char *message, size_t cap) {
     struct tensor wave, durations;
     if (!open_tensor(m, values[OUT_WAVE], &wave, message, cap) ||
         !open_tensor(m, values[OUT_DURATIONS], &durations, message, cap))
@@ -202,7 +202,7 @@ static bool take(struct ko_model *m, OrtValue *const *values, size_t tokens, str
     speech->sample_count = (uint32_t)wave.count;
     speech->samples = mem_alloc((wave.count + 1) * sizeof *speech->samples);
     for (size_t i = 0; i < wave.count; i++) {
-        double sample = number_at(wave.data, wave.type, i) * 32767;
+        double sample = number_at(wave.data, wave.type, i) * gain * 32767;
         if (!isfinite(sample)) {
             snprintf(message, cap, "the model's sound is not a number");
             return false;
@@ -213,7 +213,7 @@ static bool take(struct ko_model *m, OrtValue *const *values, size_t tokens, str
 }
 
 bool ko_model_run(struct ko_model *m, const int64_t *tokens, size_t count, const float style[KO_STYLE],
-                  float speed, struct ko_speech *speech, char *message, size_t cap) {
+                  float speed, double gain, struct ko_speech *speech, char *message, size_t cap) {
     const OrtApi *api = m->api;
     const int64_t tokens_shape[] = {1, (int64_t)count}, style_shape[] = {1, KO_STYLE}, speed_shape[] = {1};
     OrtValue *in[INPUTS] = {0}, *out[OUTPUTS] = {0};
@@ -237,7 +237,7 @@ bool ko_model_run(struct ko_model *m, const int64_t *tokens, size_t count, const
                       api->Run(m->session, m->run, input_names, (const OrtValue *const *)in, INPUTS,
                                output_names, OUTPUTS, out),
                       message, cap))
-        ok = take(m, out, count, speech, message, cap);
+        ok = take(m, out, count, gain, speech, message, cap);
     for (int i = 0; i < INPUTS; i++)
         if (in[i])
             api->ReleaseValue(in[i]);

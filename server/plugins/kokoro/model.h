@@ -32,10 +32,10 @@ struct ko_speech {
     uint16_t *durations; /* one for each token */
 };
 
-/* Speaks count tokens, the ends among them. speech is the caller's to free with ko_speech_free. False with a
- * sentence in message when it failed or was stopped. */
+/* Speaks count tokens, the ends among them, and multiplies the sound by gain. speech is the caller's to free
+ * with ko_speech_free. False with a sentence in message when it failed or was stopped. */
 bool ko_model_run(struct ko_model *model, const int64_t *tokens, size_t count, const float style[KO_STYLE],
-                  float speed, struct ko_speech *speech, char *message, size_t cap);
+                  float speed, double gain, struct ko_speech *speech, char *message, size_t cap);
 void ko_speech_free(struct ko_speech *speech);
 
 /* Makes a run return soon; the next runs, too, until ko_model_resume. From any thread. */

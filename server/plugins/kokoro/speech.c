@@ -174,8 +174,9 @@ static bool speak_piece(struct speaking *s, size_t from, size_t to) {
     tokens[count++] = KO_TOKEN_END;
     if (!ko_voice_style(s->voice, count - 2, style, s->message, s->cap))
         return false;
-    bool ok = ko_model_run(s->speaker->model, tokens, count, style,
-                           (float)speed_of(s, items->list[from].word), &speech, s->message, s->cap);
+    bool ok =
+        ko_model_run(s->speaker->model, tokens, count, style, (float)speed_of(s, items->list[from].word),
+                     s->voice->gain, &speech, s->message, s->cap);
     if (ok)
         deliver(s, from, to, &speech);
     ko_speech_free(&speech);

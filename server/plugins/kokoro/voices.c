@@ -31,6 +31,8 @@ static void add(struct ko_voices *voices, const char *folder, const char *file) 
     snprintf(v->id, sizeof v->id, "%.*s", (int)length, file);
     snprintf(v->name, sizeof v->name, "Kokoro %.*s", (int)length - 3, file + 3);
     v->name[7] = (char)toupper((unsigned char)v->name[7]);
+    double gain = json_number_value(json_object_get(json_object_get(voices->table, "gains"), v->id));
+    v->gain = gain > 0 ? gain : 1;
     size_t size = strlen(folder) + strlen(file) + 2;
     v->file = mem_alloc(size);
     snprintf(v->file, size, "%s/%s", folder, file);

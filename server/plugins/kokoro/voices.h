@@ -16,6 +16,7 @@ struct ko_voice {
     char id[40], name[40];
     char *file;
     const char *espeak; /* what espeak-ng calls the language */
+    double gain;        /* makes the voices equally loud */
     struct ko_alphabet alphabet;
     struct faccia_voice_info info;
 };
