@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What faccia align writes: timing, face and sound, scene by scene as the recording's times become known. */
+#ifndef FACCIA_APP_ALIGN_WRITE_H
+#define FACCIA_APP_ALIGN_WRITE_H
+
+#include "server/align/reading.h"
+#include "server/app/cli.h"
+#include "server/stream/export.h"
+
+enum { WAV, FAP, JSON, OUTPUTS };
+
+struct output {
+    const char *path; /* NULL = not asked for */
+    FILE *file;
+    struct export export;
+};
+
+struct align {
+    const char *sound, *text, *timing, *names, *gender;
+    struct speech_request request; /* lang, engine, fps, still, seed */
+    struct output outputs[OUTPUTS];
+    bool progress;
+    struct speech_packs packs;
+    const struct speech_pack *pack;
+    struct reading *reading;
+    uint64_t at;  /* sample up to which scenes have been written */
+    size_t phone; /* the first one that ends after it */
+};
+
+/* All return -1 after a message. */
+int align_open_outputs(struct align *align);
+
+/* Writes the scenes that lie before `known` seconds; INFINITY = all the rest. */
+int align_write(struct align *align, double known);
+
+/* All has been written. */
+int align_end_outputs(struct align *align);
+
+/* A WAV file that can be rewound gets its true length. */
+int align_close_output(struct output *output, bool wav);
+
+#endif
