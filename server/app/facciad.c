@@ -25,6 +25,7 @@ struct daemon {
     unsigned socket_count;
     struct speech_packs packs;
     struct expressions *expressions;
+    struct face_high_level *high_level;
     struct readings readings;
     struct metrics metrics;
     struct effort effort;
@@ -217,9 +218,11 @@ static int start(struct daemon *d, struct error *e) {
     snprintf(path, sizeof path, "%s/reading", s->models);
     if (readings_load(&d->readings, path, e))
         return -1;
+    d->high_level = face_high_level_new(speech_packs_find(&d->packs, SPEECH_PACK_GENERAL), d->expressions);
     d->studio = (struct studio){.loop = &d->loop,
                                 .packs = &d->packs,
                                 .expressions = d->expressions,
+                                .high_level = d->high_level,
                                 .readings = &d->readings,
                                 .default_lang = s->lang,
                                 .sounds = s->audio,
@@ -282,6 +285,7 @@ static int run(struct daemon *d) {
     uv_loop_close(&d->loop);
     speech_packs_free(&d->packs);
     expressions_free(d->expressions);
+    face_high_level_free(d->high_level);
     readings_free(&d->readings);
     secrets_free(&d->secrets);
     free(d->voice_config);

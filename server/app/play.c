@@ -115,7 +115,7 @@ static int run(struct play *p, const char *fap, const char *sound) {
         return status;
     }
     uv_loop_init(&loop);
-    p->reel = reel_open(&loop, &source, &callbacks, p);
+    p->reel = reel_open(&loop, NULL, &source, &callbacks, p);
     reel_start(p->reel);
     while (!p->finished && uv_run(&loop, UV_RUN_ONCE))
         ;

@@ -77,6 +77,18 @@ static void to_faps(const struct speech_pack *pack, const struct speech_phone *p
     fapmap_part_lips(&pack->fapu, faps);
 }
 
+static unsigned all_contexts(const struct speech_pack *pack, const struct speech_phone *phone) {
+    size_t count = speech_phone_is_vowel(phone) ? pack->vowel_context_count : pack->consonant_context_count;
+    return (1u << count) - 1;
+}
+
+void shape_of_phone(const struct speech_pack *pack, const struct speech_phone *phone,
+                    double faps[FAP_COUNT + 1]) {
+    double mm[PARAM_COUNT] = {0};
+    mean_targets(phone, all_contexts(pack, phone), 0, mm);
+    to_faps(pack, phone, mm, faps);
+}
+
 static int read_shape(const struct json_place *at, const struct speech_pack *pack,
                       double faps[FAP_COUNT + 1]) {
     static const char *const keys[] = {"phone", "beside", "stress", "gain", "shift", NULL};

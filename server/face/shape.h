@@ -7,6 +7,11 @@
 #include "server/base/json_place.h"
 #include "server/face/speech_pack.h"
 
+/* The targets of a phone, unstressed, in the mean of all its contexts, as FAPs; what it must touch, touches.
+ * faps holds zeros. Not of a phone that is made of parts. */
+void shape_of_phone(const struct speech_pack *pack, const struct speech_phone *phone,
+                    double faps[FAP_COUNT + 1]);
+
 struct shape {
     char *name;
     double faps[FAP_COUNT + 1]; /* FAP units */

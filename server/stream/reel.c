@@ -20,6 +20,7 @@ enum {
 struct reel {
     uv_loop_t *loop;
     uv_work_t work;
+    const struct face_high_level *high;
     struct speech_callbacks callbacks;
     void *ctx;
     struct reel_source source;
@@ -90,6 +91,7 @@ static int open_fap(struct reel *r) {
     if (fapfile_read(text->size ? (char *)text->data : "", text->size, &r->fap, &wrong))
         return error_at_line(&r->error, "bad-fap", wrong.line, wrong.column, "%s", wrong.message);
     buf_free(text);
+    face_high_level_expand(r->high, r->fap.frames, r->fap.count);
     r->fps = round(r->fap.fps * 100) / 100; /* what the protocol can say */
     if (r->fps < 1 || r->fps > REEL_FPS_MAX)
         return error_at_line(&r->error, "bad-fap", 1, 1, "the frame rate must be 1 to %d", REEL_FPS_MAX);
@@ -186,10 +188,11 @@ static void read_on(struct reel *r) {
     uv_queue_work(r->loop, &r->work, work, after);
 }
 
-struct reel *reel_open(uv_loop_t *loop, struct reel_source *source, const struct speech_callbacks *callbacks,
-                       void *ctx) {
+struct reel *reel_open(uv_loop_t *loop, const struct face_high_level *high, struct reel_source *source,
+                       const struct speech_callbacks *callbacks, void *ctx) {
     struct reel *r = mem_alloc(sizeof *r);
     r->loop = loop;
+    r->high = high;
     r->source = *source;
     *source = (struct reel_source){0};
     r->callbacks = *callbacks;

@@ -40,10 +40,10 @@ void reel_list(const char *folder, void (*each)(void *ctx, const char *name, boo
 
 struct reel;
 
-/* Takes what the source holds. Scenes and problems come as those of a speech: "unknown-media", "bad-fap"
- * (with its line), "bad-sound", "media-too-large". */
-struct reel *reel_open(uv_loop_t *loop, struct reel_source *source, const struct speech_callbacks *callbacks,
-                       void *ctx);
+/* high: shows what FAP 1 and 2 mean; NULL = nothing does. Takes what the source holds. Scenes and problems
+ * come as those of a speech: "unknown-media", "bad-fap" (with its line), "bad-sound", "media-too-large". */
+struct reel *reel_open(uv_loop_t *loop, const struct face_high_level *high, struct reel_source *source,
+                       const struct speech_callbacks *callbacks, void *ctx);
 void reel_start(struct reel *reel);
 void reel_release(struct reel *reel);
 void reel_free(struct reel *reel);

@@ -6,6 +6,7 @@
 #define FACCIA_STREAM_SPEECH_H
 
 #include "server/base/metrics.h"
+#include "server/face/high_level.h"
 #include "server/face/packs.h"
 #include "server/face/track.h"
 #include "server/reading/readings.h"
@@ -19,7 +20,8 @@ struct studio {
     struct voice_pool *voices;
     const struct speech_packs *packs;
     const struct expressions *expressions;
-    const struct readings *readings; /* NULL = say-as is left to the voices */
+    const struct face_high_level *high_level; /* NULL = FAP 1 and 2 of recordings move nothing */
+    const struct readings *readings;          /* NULL = say-as is left to the voices */
     const char *default_lang;
     const char *sounds;      /* folder of sound files that texts may name; NULL = none */
     struct metrics *metrics; /* NULL = nobody counts */

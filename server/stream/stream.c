@@ -168,7 +168,7 @@ void stream_play(struct stream *s, struct reel_source *source, enum speech_mode 
         return;
     }
     struct turn *t = turn_new(s);
-    t->reel = reel_open(s->studio->loop, source, &speech_callbacks, t);
+    t->reel = reel_open(s->studio->loop, s->studio->high_level, source, &speech_callbacks, t);
     take_turn(s, t, mode);
 }
 

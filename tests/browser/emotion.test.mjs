@@ -227,7 +227,9 @@ test('who asks for less motion sees the emotions on a face that is still otherwi
   const { 48: pitch = 0, 49: yaw = 0 } = await other.evaluate(() => document.querySelector('talking-head').faps);
   await other.waitForTimeout(500);
   const now = await other.evaluate(() => document.querySelector('talking-head').faps);
-  assert.deepEqual([now[48] ?? 0, now[49] ?? 0], [pitch, yaw]);
+  // 1e-5 rad; a living head turns by hundreds of them in half a second, what is left of a transition does not
+  const turned = [(now[48] ?? 0) - pitch, (now[49] ?? 0) - yaw];
+  assert.ok(turned.every((angle) => Math.abs(angle) < 20), `turned by ${turned}`);
   await other.close();
 });
 

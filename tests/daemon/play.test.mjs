@@ -50,6 +50,10 @@ before(async () => {
   const mask = Array.from({ length: 68 }, (_, i) => (i < 3 ? 1 : 0)).join(' ');
   const high = [0, 1, 2].map((k) => `${mask}\n${k} 10 2 ${30 + k} 1 1 40 3 ${20 + k} 0 1 ${5 + k}\n`).join('');
   fs.writeFileSync(file('high.fap'), `2.1 high 25 3\n${high}`);
+  const two = Array.from({ length: 68 }, (_, i) => (i < 2 ? 1 : 0)).join(' ');
+  // /p/, then /a/ half way to /p/, then /a/; neutral, then half glad, then glad
+  const shown = [[1, 0, 63, 0], [10, 1, 32, 32], [10, 0, 63, 63]].map(([a, b, blend, joy], k) => `${two}\n${k} ${a} ${b} ${blend} 0 1 ${joy} 0 0 0 0\n`);
+  fs.writeFileSync(file('visemes.fap'), `2.1 visemes 25 3\n${shown.join('')}`);
   fs.mkdirSync(file('folder.fap'));
   daemon = await Daemon.start(['--media', media, '--max-play', '200000']);
 });
@@ -136,7 +140,7 @@ for (const [name, expected] of [
 
 test('the folder is listed, by the names that can be played', async () => {
   const { media: list } = await (await daemon.get('/v1/media')).json();
-  const names = ['bad', 'both', 'fast', 'high', 'large', 'mute', 'noise'];
+  const names = ['bad', 'both', 'fast', 'high', 'large', 'mute', 'noise', 'visemes'];
   assert.deepEqual(list, names.map((name) => ({ name, sound: ['both', 'noise'].includes(name) })));
 });
 
@@ -152,6 +156,25 @@ test('visemes and expressions of a recording (FAP 1 and 2) come as they are', as
   assert.equal(status, 0, stderr);
   assert.ok(stdout.includes('\n2 10 2 32 1 1 40 3 22 0 1 7\n'), stdout);
   await stream.close();
+});
+
+test('visemes and expressions move the face of a recording that moves it by nothing else', async () => {
+  const [open, corner] = [3, 59];
+  const stream = await daemon.stream();
+  stream.send({ type: 'play', name: 'visemes' });
+  await stream.wait({ type: 'end', reason: 'done' });
+  const [p, half, a] = stream.chunks.flatMap((c) => c.frames);
+  assert.ok(a[open] > 300 && Math.abs(half[open] - (a[open] + p[open]) / 2) < 0.1 * a[open], `jaw ${[p[open], half[open], a[open]]}`);
+  // a positive FAP 4 or 5 brings the inner lips together
+  const gap = (f) => -f[4] - f[5];
+  assert.ok(gap(p) < gap(half) && gap(half) < gap(a), `lips ${[gap(p), gap(half), gap(a)]}`);
+  assert.ok(a[corner] > half[corner] && half[corner] > 50, `corners ${[p[corner], half[corner], a[corner]]}`);
+  // by the default codec, which leaves FAP 1 and 2 out
+  const coded = await daemon.stream('?fap=fba');
+  coded.send({ type: 'play', name: 'visemes' });
+  await coded.wait({ type: 'end', reason: 'done' });
+  assert.ok(coded.chunks.flatMap((c) => c.frames)[2][open] > 300);
+  await Promise.all([stream.close(), coded.close()]);
 });
 
 const upload = (query, parts) => {
