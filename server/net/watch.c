@@ -10,11 +10,18 @@
 
 enum { LOOK_MS = 1000, PING_MS = 30000, GONE_MS = 40000 };
 
+/* The library closes it when it is next at work. */
 static void cut_off(struct socket *s) {
+    s->closing = true;
+    lws_cancel_service(s->net->context);
     lws_set_timeout(s->wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
 }
 
 static void look(struct socket *s, uint64_t now) {
+    if (s->closing)
+        return;
+    if (s->deaf)
+        socket_heard(s); /* his answers lie unread */
     if (!outbox_empty(&s->outbox) && now - s->progress >= (uint64_t)s->net->options.stall_seconds * 1000) {
         metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
         log_info("%s takes nothing: closed (too-slow)", s->name);
@@ -41,11 +48,11 @@ void socket_heard(struct socket *s) {
 }
 
 int socket_ping(struct socket *s) {
-    uint8_t nothing[LWS_PRE];
+    uint8_t ping[LWS_PRE + 1] = {0}; /* of an answer without a byte the library says nothing */
     s->probe = PROBE_SENT;
     if (!outbox_empty(&s->outbox))
         lws_callback_on_writable(s->wsi);
-    return lws_write(s->wsi, nothing + LWS_PRE, 0, LWS_WRITE_PING) < 0 ? -1 : 0;
+    return lws_write(s->wsi, ping + LWS_PRE, 1, LWS_WRITE_PING) < 0 ? -1 : 0;
 }
 
 void sockets_watch(struct net *net) {
