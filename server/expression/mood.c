@@ -17,17 +17,23 @@
 /* Askings that are remembered, so that times a little before the last one can still be asked for. */
 enum { TURNS = 16 };
 
-/* From what was shown at a time to what was asked then. */
+/* An affect's way from what was shown to what was asked. */
+struct way {
+    size_t affect;
+    double from, speed, to;
+};
+
+/* Those of one asking, in the order of the affects; of the others nothing is or was shown. */
 struct turn {
     double at, ease;
-    double from[AFFECTS_MAX], speed[AFFECTS_MAX], to[AFFECTS_MAX];
-    size_t used; /* affects that are not 0 throughout are among the first so many */
+    size_t count;
+    struct way ways[];
 };
 
 struct mood {
     const struct expressions *expressions;
     size_t affects;
-    struct turn turns[TURNS];
+    struct turn *turns[TURNS];
     size_t count; /* of all turns ever; the last TURNS are there, turn k at k % TURNS */
 };
 
@@ -41,14 +47,16 @@ struct mood *mood_new(const struct expressions *expressions) {
 }
 
 void mood_free(struct mood *mood) {
+    for (size_t i = 0; mood && i < TURNS; i++)
+        free(mood->turns[i]);
     free(mood);
 }
 
 static const struct turn *turn_at(const struct mood *mood, double clock) {
     size_t k = mood->count, oldest = mood->count > TURNS ? mood->count - TURNS : 0;
-    while (k > oldest + 1 && mood->turns[(k - 1) % TURNS].at > clock)
+    while (k > oldest + 1 && mood->turns[(k - 1) % TURNS]->at > clock)
         k--;
-    return &mood->turns[(k - 1) % TURNS];
+    return mood->turns[(k - 1) % TURNS];
 }
 
 /* The way that a speed still makes before it has run out: a cubic that leaves with that speed and comes back
@@ -62,16 +70,26 @@ static double run_out(double speed, double since, double *slope) {
     return speed * time * x * (1 - x) * (1 - x);
 }
 
-static double value_at(const struct turn *turn, size_t i, double clock, double *slope) {
-    double since = fmax(0, clock - turn->at), x = since / turn->ease, way = turn->to[i] - turn->from[i];
+static double value_at(const struct turn *turn, const struct way *w, double clock, double *slope) {
+    double since = fmax(0, clock - turn->at), x = since / turn->ease, way = w->to - w->from;
     *slope = 0;
     if (x >= 1 && since >= RUN_OUT)
-        return turn->to[i];
+        return w->to;
     x = fmin(1, x);
-    double bump = run_out(turn->speed[i], since, slope);
+    double bump = run_out(w->speed, since, slope);
     *slope += way * 6 * x * (1 - x) / turn->ease;
-    double value = turn->from[i] + way * x * x * (3 - 2 * x) + bump;
+    double value = w->from + way * x * x * (3 - 2 * x) + bump;
     return fmin(1, fmax(0, value));
+}
+
+/* An affect's value at a time, and how fast it changes. */
+static double shown(const struct mood *mood, size_t affect, double clock, double *slope) {
+    const struct turn *turn = turn_at(mood, clock);
+    *slope = 0;
+    for (size_t i = 0; i < turn->count; i++)
+        if (turn->ways[i].affect == affect)
+            return value_at(turn, &turn->ways[i], clock, slope);
+    return 0;
 }
 
 static double amount(double intensity) {
@@ -93,20 +111,26 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
         to[found] += amount(intensities[i]);
         sum += amount(intensities[i]);
     }
-    struct turn next = {.at = at, .ease = ease > EASE_MIN ? fmin(ease, EASE_MAX) : EASE_MIN};
     if (mood->count)
-        next.at = fmax(at, mood->turns[(mood->count - 1) % TURNS].at);
+        at = fmax(at, mood->turns[(mood->count - 1) % TURNS]->at);
+    struct way ways[AFFECTS_MAX];
+    size_t used = 0;
     for (size_t i = 0; i < mood->affects; i++) {
         /* More than the whole face there is not. */
-        next.to[i] = to[i] / fmax(1, sum);
-        if (!mood->count && ease <= 0)
-            next.from[i] = next.to[i]; /* it has been so all along */
-        else if (mood->count)
-            next.from[i] = value_at(turn_at(mood, next.at), i, next.at, &next.speed[i]);
-        if (next.to[i] > 0 || next.from[i] > 0)
-            next.used = i + 1;
+        struct way way = {.affect = i, .to = to[i] / fmax(1, sum)};
+        if (mood->count)
+            way.from = shown(mood, i, at, &way.speed);
+        else if (ease <= 0)
+            way.from = way.to; /* it has been so all along */
+        if (way.to > 0 || way.from > 0)
+            ways[used++] = way;
     }
-    mood->turns[mood->count++ % TURNS] = next;
+    struct turn *next = mem_alloc(sizeof *next + used * sizeof *ways);
+    *next = (struct turn){.at = at, .ease = ease > EASE_MIN ? fmin(ease, EASE_MAX) : EASE_MIN, .count = used};
+    memcpy(next->ways, ways, used * sizeof *ways);
+    struct turn **place = &mood->turns[mood->count++ % TURNS];
+    free(*place);
+    *place = next;
     return 0;
 }
 
@@ -115,10 +139,11 @@ size_t mood_at(const struct mood *mood, double clock, struct mood_part parts[AFF
     if (!mood->count)
         return 0;
     const struct turn *turn = turn_at(mood, clock);
-    for (size_t i = 0; i < turn->used; i++) {
-        double slope, value = value_at(turn, i, clock, &slope);
+    for (size_t i = 0; i < turn->count; i++) {
+        double slope, value = value_at(turn, &turn->ways[i], clock, &slope);
         if (value > 0)
-            parts[count++] = (struct mood_part){expressions_at(mood->expressions, i), value};
+            parts[count++] =
+                (struct mood_part){expressions_at(mood->expressions, turn->ways[i].affect), value};
     }
     return count;
 }

@@ -24,6 +24,7 @@ struct net {
     struct tally tally;
     struct listener **listeners;
     struct socket *sockets; /* all that are open */
+    uv_timer_t *watch;      /* over them; NULL: none */
     struct channel *rooms;
     unsigned room_count;
     unsigned works; /* HTTP answers that are being made */
@@ -67,9 +68,13 @@ struct socket *socket_open(struct net *net, struct lws *wsi);
 void socket_close(struct socket *socket);
 int socket_receive(struct socket *socket, const char *data, size_t size);
 int socket_writeable(struct socket *socket);
-int socket_timer(struct socket *socket); /* -1: a client that takes nothing */
 bool sockets_busy(const struct net *net);
 void sockets_dismiss(struct net *net, const char *reason); /* closes all, with the reason */
+
+/* watch.c: closes clients that take nothing, or are gone. */
+void sockets_watch(struct net *net);
+void sockets_unwatch(struct net *net);
+void socket_heard(struct socket *socket); /* he has said something */
 
 /* exchange.c: one HTTP request and its answer. Every function returns what the libwebsockets callback has to
  * return. */

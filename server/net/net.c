@@ -128,12 +128,14 @@ int net_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
         session->socket = socket_open(net_of(wsi), wsi);
         return 0;
     case LWS_CALLBACK_RECEIVE:
+        socket_heard(session->socket);
         return socket_receive(session->socket, in, size);
+    case LWS_CALLBACK_RECEIVE_PONG:
+        socket_heard(session->socket);
+        return 0;
     case LWS_CALLBACK_SERVER_WRITEABLE:
         return socket_writeable(session->socket);
     case LWS_CALLBACK_TIMER:
-        if (session->socket)
-            return socket_timer(session->socket);
         return session->exchange ? exchange_timer(session->exchange) : 0;
     case LWS_CALLBACK_CLOSED:
         if (session->socket)
@@ -178,7 +180,7 @@ static int listen_on(struct net *net, struct error *e) {
         {"faccia.text.v1", net_callback, sizeof(struct session), 0, 0, NULL, 0},
         {0},
     };
-    static const lws_retry_bo_t idle = {.secs_since_valid_ping = 30, .secs_since_valid_hangup = 40};
+    static const lws_retry_bo_t none = {0}; /* watch.c sees to it */
     void *loops[] = {net->studio->loop};
     struct lws_context_creation_info info = {
         .port = net->options.listen_count ? CONTEXT_PORT_NO_LISTEN : net->options.port,
@@ -188,7 +190,7 @@ static int listen_on(struct net *net, struct error *e) {
         .options = LWS_SERVER_OPTION_LIBUV | LWS_SERVER_OPTION_EXPLICIT_VHOSTS |
                    LWS_SERVER_OPTION_FAIL_UPON_UNABLE_TO_BIND,
         .user = net,
-        .retry_and_idle_policy = &idle,
+        .retry_and_idle_policy = &none,
         .keepalive_timeout = 30,
         .timeout_secs = 15,
         .server_string = "faccia",
@@ -197,6 +199,7 @@ static int listen_on(struct net *net, struct error *e) {
     net->context = lws_create_context(&info);
     net->vhost = net->context ? lws_create_vhost(net->context, &info) : NULL;
     listeners_open(net);
+    sockets_watch(net);
     if (!net->vhost)
         return error_set(e, "listen", "cannot listen on %s port %d (is another program there?)",
                          net->options.host, net->options.port);
@@ -268,6 +271,7 @@ void net_set_ready(struct net *net) {
 
 void net_close(struct net *net) {
     listeners_close(net);
+    sockets_unwatch(net);
     if (net->context)
         lws_context_destroy(net->context);
 }

@@ -76,6 +76,7 @@ struct socket *socket_open(struct net *net, struct lws *wsi) {
         s->next->self = &s->next;
     net->sockets = s;
     outbox_open(&s->outbox);
+    socket_heard(s);
     s->number = ++net->streams;
     snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)s->number);
     request_init(&s->defaults);

@@ -1,32 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What goes out to a WebSocket client: the queue of it, and how he is told goodbye. */
-#include "server/base/log.h"
 #include "server/net/socket_parts.h"
 #include <string.h>
 
 /* So long a client may take to answer a goodbye. */
 enum { GOODBYE_SECONDS = 2 };
-
-/* libwebsockets cannot take a timer back, so this one is set again while there is something to watch. */
-static void watch_stall(struct socket *s) {
-    if (!s->watching)
-        lws_set_timer_usecs(s->wsi, (lws_usec_t)s->net->options.stall_seconds * LWS_US_PER_SEC);
-    s->watching = true;
-}
-
-int socket_timer(struct socket *s) {
-    uint64_t still = uv_now(s->net->studio->loop) - s->progress;
-    s->watching = false;
-    if (outbox_empty(&s->outbox))
-        return 0;
-    if (still >= (uint64_t)s->net->options.stall_seconds * 1000) {
-        metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
-        log_info("%s takes nothing: closed (too-slow)", s->name);
-        return -1;
-    }
-    watch_stall(s);
-    return 0;
-}
 
 void socket_dismiss(struct socket *s, enum lws_close_status status, const char *reason) {
     if (s->doomed)
@@ -38,10 +16,8 @@ void socket_dismiss(struct socket *s, enum lws_close_status status, const char *
 
 static void enqueue(struct socket *s, struct parcel *parcel) {
     const struct net_options *options = &s->net->options;
-    if (outbox_empty(&s->outbox)) {
+    if (outbox_empty(&s->outbox))
         s->progress = uv_now(s->net->studio->loop);
-        watch_stall(s);
-    }
     outbox_push(&s->outbox, parcel);
     if (!s->deaf && s->outbox.unsent > options->send_bytes) {
         s->deaf = true;
@@ -126,6 +102,8 @@ static int say_goodbye(struct socket *s) {
 int socket_writeable(struct socket *s) {
     if (s->closing)
         return 0;
+    if (s->probe == PROBE_DUE)
+        return socket_ping(s);
     /* he who is too slow gets nothing more; others get what is on its way */
     if (s->doomed && (outbox_empty(&s->outbox) || s->outbox.unsent > s->net->options.send_bytes_max)) {
         s->closing = true;

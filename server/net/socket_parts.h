@@ -18,8 +18,9 @@ struct socket {
     struct buf message;             /* being received */
     bool too_long;                  /* its rest is being dropped */
     struct outbox outbox;
-    uint64_t progress;  /* loop time of the last message that left, or of the first that waits, ms */
-    bool watching;      /* the timer is set */
+    uint64_t progress; /* loop time of the last message that left, or of the first that waits, ms */
+    uint64_t heard;    /* loop time at which he said something last, ms */
+    enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that asks whether he is still there */
     bool deaf;          /* hears no more of one who does not listen, until he does */
     const char *doomed; /* why the connection is to be closed */
     enum lws_close_status doom;
@@ -55,6 +56,9 @@ void socket_refuse(struct socket *socket, const char *id, const struct error *e)
 
 /* socket_in.c: does what a message asks for. */
 void socket_act(struct socket *socket, const json_t *message);
+
+/* watch.c: sends the ping that is due. */
+int socket_ping(struct socket *socket);
 
 /* socket_out.c */
 

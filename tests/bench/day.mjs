@@ -1,65 +1,108 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A day of speech in some minutes: does memory stay flat? node tests/bench/day.mjs [HOURS]
-// Requests for ten minutes of new text each, in all formats, two at a time; between them a room whose speaker is stopped again
-// and again. What is spoken live takes its time; what is asked for by HTTP is made as fast as it goes.
+// A day of speech as fast as the machine makes it, and the memory of the daemon and its voices meanwhile, which must stay flat.
+// POST /v1/speech in all formats, some of them left by the client before their end, and beside them sockets that come, speak, idle,
+// change their mood, stop, and go. No sentence is said twice, so a small cache turns over all the time.
+// Usage: node tests/bench/day.mjs [--hours 24] [--minutes 10] (it ends after so many minutes, however much was said by then)
 import fs from 'node:fs';
+import { parseArgs } from 'node:util';
+import WebSocket from 'ws';
 import { Daemon } from '../lib/daemon.mjs';
-import { prose } from './text.mjs';
+import { childrenOf } from './figures.mjs';
+import { varied } from './text.mjs';
 
-const MINUTES = 10;
-const formats = ['wav', 'ogg', 'fap', 'fba', 'json', 'ndjson'];
-const hours = Number(process.argv[2] ?? 24);
-const daemon = await Daemon.start();
+const { values: options } = parseArgs({ options: { hours: { type: 'string', default: '24' }, minutes: { type: 'string', default: '10' } } });
+const [AIM, LIMIT] = [Number(options.hours) * 3600, Number(options.minutes) * 60];
+const [POSTS, SOCKETS] = [4, 4]; // at once
+const MARKS = [0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 1];
+// how often each is asked for: Opus takes more time than all else
+const FORMATS = [...Array(14).fill('fba'), 'fap', 'fap', 'ndjson', 'json', 'wav', 'ogg'];
+const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
-/** Resident memory in MB: of the daemon, and of its voices. */
-function memory() {
-  const of = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'utf8').match(/VmRSS:\s+(\d+)/)?.[1] ?? 0) / 1000;
-  const { pid } = daemon.process;
-  const voices = fs.readFileSync(`/proc/${pid}/task/${pid}/children`, 'utf8').trim().split(' ').filter(Boolean);
-  return [of(pid), voices.reduce((sum, child) => sum + of(child), 0)];
-}
-
-let asked = 0;
-/** Ten minutes of sentences that nobody has spoken yet, in the next format; returns the seconds that they take. */
-async function speak() {
-  const number = asked++;
-  let sentences = 0;
-  const body = prose(60 * MINUTES).replace(/\. /g, () => `, ${number} ${sentences++}. `);
-  const options = { method: 'POST', body, headers: { 'content-type': 'text/plain' } };
-  const response = await daemon.get(`/v1/speech?lang=it&format=${formats[number % formats.length]}`, options);
-  if (!response.ok) throw new Error(await response.text());
-  for await (const _ of response.body);
-}
-
-async function interrupt(speaker, id) {
-  speaker.send({ type: 'speak', id, lang: 'it', text: `Una frase che si interrompe, la ${id}. ${prose(30)}` });
-  if (Number(id) % 2) await speaker.wait({ type: 'word', id });
-  speaker.send({ type: 'stop' });
-  await speaker.wait({ type: 'end', id });
-  speaker.messages.length = speaker.chunks.length = 0;
-}
-
-const spoken = async () => Number((await (await daemon.get('/metrics')).text()).match(/^faccia_speech_seconds_total (.*)$/m)[1]) / 3600;
-const speaker = await daemon.stream('?room=day');
-const listener = await daemon.stream('?room=day&audio=opus&fap=fba');
-speaker.send({ type: 'idle', on: true });
-await speaker.wait({ type: 'joined' });
+const daemon = await Daemon.start(['--cache', '2']);
 const started = performance.now();
-const samples = [];
-for (let next = 0, at = 0; at < hours; at = await spoken()) {
-  await Promise.all([speak(), speak()]);
-  for (let i = 0; i < 10; i++) await interrupt(speaker, String(asked * 100 + i));
-  listener.messages.length = listener.chunks.length = 0;
-  if (at < next) continue;
-  next = at + hours / 12;
-  const [own, voices] = memory();
-  samples.push({ at, own, voices });
-  console.log(`${at.toFixed(1).padStart(5)} h: daemon ${own.toFixed(1)} MB, voices ${voices.toFixed(1)} MB`);
+const elapsed = () => (performance.now() - started) / 1000;
+let [seconds, sentences, posts, left, talks, over] = [0, 0, 0, 0, 0, false];
+
+/** Sentences that nobody has said: each has a number of its own. */
+const text = (length) => varied(length, sentences + 1).replace(/\. /g, () => ` ${++sentences}. `);
+
+async function post() {
+  const format = FORMATS[posts++ % FORMATS.length];
+  const abort = new AbortController();
+  const answer = await fetch(`${daemon.url}/v1/speech?lang=it&format=${format}`, { method: 'POST', body: text(600), signal: abort.signal });
+  if (!answer.ok) throw new Error(await answer.text());
+  if (posts % 23) {
+    await answer.arrayBuffer();
+    return;
+  }
+  await answer.body.getReader().read();
+  abort.abort();
+  left++;
 }
-const took = (performance.now() - started) / 1000;
-// the first quarter fills the cache and the allocator's pools
-const later = samples.filter(({ at }) => at >= hours / 4);
-const growth = (key) => (later.at(-1)[key] - later[0][key]).toFixed(1);
-console.log(`${(await spoken()).toFixed(1)} h of speech in ${took.toFixed(0)} s, ${asked} requests; after the first quarter the daemon grew by ${growth('own')} MB, the voices by ${growth('voices')} MB`);
-for (const stream of [speaker, listener]) await stream.close();
-await daemon.stop();
+
+/** Someone comes, has her speak three times, and goes; every second one in the middle of a word. */
+async function talk() {
+  const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?lang=it`, { perMessageDeflate: false });
+  const heard = [];
+  let told = () => {};
+  socket.on('message', (data, binary) => {
+    heard.push(binary ? 'media' : JSON.parse(data).type);
+    told();
+  });
+  const until = async (type, from) => {
+    while (!heard.slice(from).includes(type)) await new Promise((resolve) => (told = resolve));
+  };
+  await new Promise((resolve, reject) => socket.on('open', resolve).on('error', reject));
+  const send = (message) => socket.send(JSON.stringify(message));
+  send({ type: 'idle' });
+  for (let i = 0; i < 3; i++) {
+    const from = heard.length;
+    send({ type: 'speak', text: text(150) });
+    await until('begin', from);
+    send({ type: 'express', mix: [{ name: ['joy', 'sadness', 'surprise'][i], intensity: 0.5 }] });
+    await sleep(150);
+    send({ type: 'stop' });
+    await until('end', from);
+  }
+  if (++talks % 2) send({ type: 'speak', text: text(150) });
+  const closed = new Promise((resolve) => socket.on('close', resolve));
+  socket.close();
+  await closed;
+}
+
+const repeat = async (act) => {
+  while (!over) await act();
+};
+
+const kilobytes = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'latin1').match(/VmRSS:\s+(\d+)/)[1]);
+const voices = childrenOf(daemon.process.pid);
+const memory = () => ({ daemon: kilobytes(daemon.process.pid), voices: voices.reduce((sum, pid) => sum + kilobytes(pid), 0) });
+
+/** Speech that was made so far, as the daemon counts it. */
+const said = async () => Number((await (await daemon.get('/metrics')).text()).match(/^faccia_speech_seconds_total (\S+)/m)[1]);
+
+const samples = [];
+async function watch() {
+  console.log('    part   hours said   minutes   posts   talks   daemon kB   voices kB');
+  for (const mark of MARKS) {
+    let part = 0;
+    while (part < mark) {
+      await sleep(100);
+      seconds = await said();
+      part = Math.max(seconds / AIM, elapsed() / LIMIT);
+    }
+    samples.push({ mark, ...memory() });
+    const { daemon: own, voices: theirs } = samples.at(-1);
+    console.log([`${(100 * mark).toFixed(0)} %`.padStart(8), (seconds / 3600).toFixed(2).padStart(12), (elapsed() / 60).toFixed(2).padStart(9), String(posts).padStart(7),
+      String(talks).padStart(7), String(own).padStart(11), String(theirs).padStart(11)].join(' '));
+  }
+  over = true;
+}
+
+await Promise.all([watch(), ...Array.from({ length: POSTS }, () => repeat(post)), ...Array.from({ length: SOCKETS }, () => repeat(talk))]);
+const { code } = await daemon.stop();
+const ratio = (name, mark) => (samples.at(-1)[name] / samples.find((sample) => sample.mark === mark)[name]).toFixed(3);
+console.log(`\n${(seconds / 3600).toFixed(1)} hours of speech in ${(elapsed() / 60).toFixed(1)} minutes (${(seconds / elapsed()).toFixed(0)} times as fast), ${sentences} sentences, ${left} posts left early`);
+for (const name of ['daemon', 'voices'])
+  console.log(`memory of the ${name} at the end: ${[0.01, 0.25, 0.5].map((mark) => `${ratio(name, mark)} of that at ${100 * mark} %`).join(', ')}`);
+if (code) throw new Error(`the daemon ended with ${code}:\n${daemon.log}`);

@@ -1,0 +1,73 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Looks after all sockets once a second: those who take nothing are closed, those who have been silent are
+ * asked whether they are still there (RFC 6455, 5.5.2), and closed when they do not answer. One timer for
+ * all: libwebsockets' own, one for each connection, wait in a busy loop for the last millisecond before each.
+ */
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/net/socket_parts.h"
+#include <stdlib.h>
+
+enum { LOOK_MS = 1000, PING_MS = 30000, GONE_MS = 40000 };
+
+/* The library closes it when it is next at work. */
+static void cut_off(struct socket *s) {
+    s->closing = true;
+    lws_cancel_service(s->net->context);
+    lws_set_timeout(s->wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+}
+
+static void look(struct socket *s, uint64_t now) {
+    if (s->closing)
+        return;
+    if (s->deaf)
+        socket_heard(s); /* his answers lie unread */
+    if (!outbox_empty(&s->outbox) && now - s->progress >= (uint64_t)s->net->options.stall_seconds * 1000) {
+        metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
+        log_info("%s takes nothing: closed (too-slow)", s->name);
+        cut_off(s);
+    } else if (now - s->heard >= GONE_MS) {
+        log_info("%s does not answer: closed", s->name);
+        cut_off(s);
+    } else if (now - s->heard >= PING_MS && s->probe == PROBE_NONE) {
+        s->probe = PROBE_DUE;
+        lws_callback_on_writable(s->wsi);
+    }
+}
+
+static void on_timer(uv_timer_t *timer) {
+    struct net *net = timer->data;
+    uint64_t now = uv_now(net->studio->loop);
+    for (struct socket *s = net->sockets; s; s = s->next)
+        look(s, now);
+}
+
+void socket_heard(struct socket *s) {
+    s->heard = uv_now(s->net->studio->loop);
+    s->probe = PROBE_NONE;
+}
+
+int socket_ping(struct socket *s) {
+    uint8_t ping[LWS_PRE + 1] = {0}; /* of an answer without a byte the library says nothing */
+    s->probe = PROBE_SENT;
+    if (!outbox_empty(&s->outbox))
+        lws_callback_on_writable(s->wsi);
+    return lws_write(s->wsi, ping + LWS_PRE, 1, LWS_WRITE_PING) < 0 ? -1 : 0;
+}
+
+void sockets_watch(struct net *net) {
+    net->watch = mem_alloc(sizeof *net->watch);
+    uv_timer_init(net->studio->loop, net->watch);
+    net->watch->data = net;
+    uv_timer_start(net->watch, on_timer, LOOK_MS, LOOK_MS);
+}
+
+static void free_timer(uv_handle_t *timer) {
+    free(timer);
+}
+
+void sockets_unwatch(struct net *net) {
+    if (net->watch)
+        uv_close((uv_handle_t *)net->watch, free_timer);
+    net->watch = NULL;
+}
