@@ -9,10 +9,11 @@
 #include <string.h>
 
 enum {
-    START_MS = 30000, /* to say hello: a neural voice loads its weights */
-    STOP_MS = 300,    /* to stop speaking when told to */
-    REST_MS = 100,    /* before the second start in a row; doubled for each further one */
-    STARTS = 5,       /* in a row, before the plugin is given up for a while */
+    SLOW_PATIENCE = 4, /* times the deadline, for voices that say that they are slow */
+    START_MS = 30000,  /* to say hello: a neural voice loads its weights */
+    STOP_MS = 300,     /* to stop speaking when told to */
+    REST_MS = 100,     /* before the second start in a row; doubled for each further one */
+    STARTS = 5,        /* in a row, before the plugin is given up for a while */
     PROCESSOR_SECONDS_MAX = 1 << 30,
 };
 
@@ -260,6 +261,8 @@ void worker_wake(struct worker *w) {
     if (!job)
         return;
     double seconds = pool->deadline_base + pool->deadline_per_byte * (double)job->plan.text_bytes;
+    if (job->voice->capabilities & FACCIA_VOICE_SLOW)
+        seconds *= SLOW_PATIENCE;
     w->patience = (uint64_t)(seconds * 1000) + 1;
     w->end = uv_now(pool->loop) + (uint64_t)((double)w->patience * pool->deadline_most);
     const struct faccia_sentence sentence = {job->voice->id + strlen(w->plugin->name) + 1, job->plan.spans,
