@@ -21,9 +21,8 @@ struct voice_pool_options {
     const char *plugin_dir; /* every *.so in it is a plugin */
     unsigned workers;       /* processes for each plugin, default 1 */
     /* A sentence is given up, and its worker killed, when nothing has come of it for deadline_base +
-     * deadline_per_byte * bytes of text (seconds; four times that for a
-     * FACCIA_VOICE_SLOW one), and whatever comes when deadline_most times that have
-     * passed. Defaults 10, 0.05 and 10. */
+     * deadline_per_byte * bytes of text (seconds; four times that for a FACCIA_VOICE_SLOW one), and whatever
+     * comes when deadline_most times that have passed. Defaults 10, 0.05 and 10. */
     double deadline_base, deadline_per_byte, deadline_most;
     /* What a worker may have: processor time for a sentence, on all cores, in multiples of the same (default
      * 20), and address space (default 4096). Too much of the one ends it, more of the other is refused. */
