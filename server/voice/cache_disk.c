@@ -20,6 +20,7 @@ enum { WAITING_MAX = 64, BUSY_MS = 1000 };
 struct write {
     struct write *next;
     struct buf key, value;
+    bool touch; /* the value is there: it was asked for again */
 };
 
 struct cache_disk {
@@ -139,36 +140,37 @@ static sqlite3_int64 now_ms(void) {
     return (sqlite3_int64)now.tv_sec * 1000 + now.tv_nsec / 1000000;
 }
 
+/* Runs a statement of the writer's with key, value, bytes and time as ?1 to ?4, as far as it has them. */
+static int do_write(struct cache_disk *disk, const char *sql, const struct write *w) {
+    sqlite3_stmt *statement = NULL;
+    int result = sqlite3_prepare_v2(disk->writer, sql, -1, &statement, NULL);
+    if (result != SQLITE_OK)
+        return result;
+    sqlite3_bind_blob64(statement, 1, w->key.data, w->key.size, SQLITE_STATIC);
+    sqlite3_bind_blob64(statement, 2, w->value.data, w->value.size, SQLITE_STATIC);
+    sqlite3_bind_int64(statement, 3, (sqlite3_int64)(w->key.size + w->value.size));
+    sqlite3_bind_int64(statement, 4, now_ms());
+    sqlite3_bind_int64(statement, 5, (sqlite3_int64)disk->room);
+    result = sqlite3_step(statement);
+    sqlite3_finalize(statement);
+    return result == SQLITE_DONE ? SQLITE_OK : result;
+}
+
 static int write_one(struct cache_disk *disk, const struct write *w) {
-    sqlite3_stmt *put = NULL, *trim = NULL;
     if (!disk->writer)
         return SQLITE_CANTOPEN;
-    int result = sqlite3_prepare_v2(disk->writer,
-                                    "INSERT OR REPLACE INTO sentence (key, value, bytes, used) "
-                                    "VALUES (?1, ?2, ?3, ?4)",
-                                    -1, &put, NULL);
-    if (result == SQLITE_OK) {
-        sqlite3_bind_blob64(put, 1, w->key.data, w->key.size, SQLITE_STATIC);
-        sqlite3_bind_blob64(put, 2, w->value.data, w->value.size, SQLITE_STATIC);
-        sqlite3_bind_int64(put, 3, (sqlite3_int64)(w->key.size + w->value.size));
-        sqlite3_bind_int64(put, 4, now_ms());
-        result = sqlite3_step(put);
-    }
-    sqlite3_finalize(put);
+    if (w->touch)
+        return do_write(disk, "UPDATE sentence SET used = ?4 WHERE key = ?1", w);
+    int result = do_write(
+        disk, "INSERT OR REPLACE INTO sentence (key, value, bytes, used) VALUES (?1, ?2, ?3, ?4)", w);
+    if (result != SQLITE_OK)
+        return result;
     /* the oldest go: all that have more than the room in newer ones */
-    if (result == SQLITE_DONE)
-        result = sqlite3_prepare_v2(
-            disk->writer,
-            "DELETE FROM sentence WHERE (SELECT sum(bytes) FROM sentence) > ?1 AND key IN "
-            "(SELECT key FROM (SELECT key, sum(bytes) OVER (ORDER BY used DESC, key) AS total "
-            "FROM sentence) WHERE total > ?1)",
-            -1, &trim, NULL);
-    if (result == SQLITE_OK) {
-        sqlite3_bind_int64(trim, 1, (sqlite3_int64)disk->room);
-        result = sqlite3_step(trim);
-    }
-    sqlite3_finalize(trim);
-    return result == SQLITE_DONE ? SQLITE_OK : result;
+    return do_write(disk,
+                    "DELETE FROM sentence WHERE (SELECT sum(bytes) FROM sentence) > ?5 AND key IN "
+                    "(SELECT key FROM (SELECT key, sum(bytes) OVER (ORDER BY used DESC, key) AS total "
+                    "FROM sentence) WHERE total > ?5)",
+                    w);
 }
 
 static void in_thread(uv_work_t *work) {
@@ -207,17 +209,23 @@ static void next_write(struct cache_disk *disk) {
     uv_queue_work(disk->loop, &disk->work, in_thread, on_written);
 }
 
-void cache_disk_put(struct cache_disk *disk, const struct buf *key, const struct buf *value) {
+static void queue(struct cache_disk *disk, const struct buf *key, const struct buf *value) {
     if (disk->waiting_count >= WAITING_MAX)
         return;
     struct write *w = mem_alloc(sizeof *w), **last = &disk->waiting;
     buf_add(&w->key, key->data, key->size);
-    buf_add(&w->value, value->data, value->size);
+    w->touch = !value;
+    if (value)
+        buf_add(&w->value, value->data, value->size);
     while (*last)
         last = &(*last)->next;
     *last = w;
     disk->waiting_count++;
     next_write(disk);
+}
+
+void cache_disk_put(struct cache_disk *disk, const struct buf *key, const struct buf *value) {
+    queue(disk, key, value);
 }
 
 void cache_disk_close(struct cache_disk *disk) {
@@ -228,7 +236,7 @@ void cache_disk_close(struct cache_disk *disk) {
 }
 
 static bool has_key(const struct write *w, const struct buf *key) {
-    return w->key.size == key->size && memcmp(w->key.data, key->data, key->size) == 0;
+    return !w->touch && w->key.size == key->size && memcmp(w->key.data, key->data, key->size) == 0;
 }
 
 /* The newest value of the key that is still to be written. */
@@ -259,5 +267,7 @@ bool cache_disk_get(struct cache_disk *disk, const struct buf *key, struct buf *
     sqlite3_reset(disk->get);
     if (disk->damaged && !disk->writing)
         begin_anew(disk);
+    else if (found)
+        queue(disk, key, NULL);
     return found;
 }

@@ -101,6 +101,30 @@ static void disk_is_bounded(void **state) {
     finish(cache);
 }
 
+/* Waits until the clock has moved on, and all is written. */
+static void settle(void) {
+    uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    usleep(1500);
+}
+
+static void what_is_asked_for_stays_on_disk(void **state) {
+    (void)state;
+    struct voice_cache *cache = on_disk(0, 30000);
+    for (int n = 200; n < 205; n++) {
+        put(cache, n, 5000);
+        settle();
+    }
+    assert_true(holds(cache, 200, 5000));
+    settle();
+    for (int n = 205; n < 208; n++) {
+        put(cache, n, 5000);
+        settle();
+    }
+    assert_true(holds(cache, 200, 5000));
+    assert_false(holds(cache, 201, 5000));
+    finish(cache);
+}
+
 static void scribble(long at, const char *what, size_t size) {
     FILE *f = fopen(file, "r+");
     fseek(f, at, SEEK_SET);
@@ -277,15 +301,11 @@ int main(int argc, char **argv) {
         return write_on();
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory),
-        cmocka_unit_test(disk),
-        cmocka_unit_test(disk_is_bounded),
-        cmocka_unit_test(damaged_files),
-        cmocka_unit_test(full_disk),
-        cmocka_unit_test(no_such_place),
-        cmocka_unit_test(killed_while_writing),
-        cmocka_unit_test(two_at_once),
-        cmocka_unit_test(damaged_under_two),
+        cmocka_unit_test(memory),          cmocka_unit_test(disk),
+        cmocka_unit_test(disk_is_bounded), cmocka_unit_test(what_is_asked_for_stays_on_disk),
+        cmocka_unit_test(damaged_files),   cmocka_unit_test(full_disk),
+        cmocka_unit_test(no_such_place),   cmocka_unit_test(killed_while_writing),
+        cmocka_unit_test(two_at_once),     cmocka_unit_test(damaged_under_two),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }
