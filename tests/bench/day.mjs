@@ -75,8 +75,14 @@ const repeat = async (act) => {
 };
 
 const kilobytes = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'latin1').match(/VmRSS:\s+(\d+)/)[1]);
-const voices = childrenOf(daemon.process.pid);
-const memory = () => ({ daemon: kilobytes(daemon.process.pid), voices: voices.reduce((sum, pid) => sum + kilobytes(pid), 0) });
+const workers = new Set(childrenOf(daemon.process.pid));
+const began = workers.size;
+/** A worker that ended meanwhile has been replaced; the log says why. */
+function memory() {
+  const voices = childrenOf(daemon.process.pid);
+  voices.forEach((pid) => workers.add(pid));
+  return { daemon: kilobytes(daemon.process.pid), voices: voices.reduce((sum, pid) => sum + kilobytes(pid), 0) };
+}
 
 /** Speech that was made so far, as the daemon counts it. */
 const said = async () => Number((await (await daemon.get('/metrics')).text()).match(/^faccia_speech_seconds_total (\S+)/m)[1]);
@@ -105,4 +111,5 @@ const ratio = (name, mark) => (samples.at(-1)[name] / samples.find((sample) => s
 console.log(`\n${(seconds / 3600).toFixed(1)} hours of speech in ${(elapsed() / 60).toFixed(1)} minutes (${(seconds / elapsed()).toFixed(0)} times as fast), ${sentences} sentences, ${left} posts left early`);
 for (const name of ['daemon', 'voices'])
   console.log(`memory of the ${name} at the end: ${[0.01, 0.25, 0.5].map((mark) => `${ratio(name, mark)} of that at ${100 * mark} %`).join(', ')}`);
+if (workers.size > began) console.log(`${workers.size - began} workers were replaced:\n${daemon.log}`);
 if (code) throw new Error(`the daemon ended with ${code}:\n${daemon.log}`);
