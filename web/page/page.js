@@ -2,7 +2,7 @@
 const words = {
   it: {
     face: 'La testa', loading: 'Si carica la testa…', text: 'Testo da dire', lang: 'Lingua', rate: 'Velocità', speak: 'Parla',
-    stop: 'Ferma', captions: 'Sottotitoli', hint: 'Ctrl + Invio: parla. Esc: ferma.', unit: '({n} parole al minuto)', emotions: 'Disco delle emozioni',
+    stop: 'Ferma', captions: 'Sottotitoli', hint: 'Ctrl + Invio: parla. Esc: ferma.', unit: '({n} parole al minuto)', emotions: 'Disco delle emozioni', voices: 'Confronto delle voci',
     connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
     head: 'Testa: {title}. {credits}',
     'no-connection': 'Non c’è connessione con il server.', 'connection-lost': 'La connessione si è interrotta.',
@@ -10,7 +10,7 @@ const words = {
   },
   pt: {
     face: 'A cabeça', loading: 'Carregando a cabeça…', text: 'Texto a dizer', lang: 'Idioma', rate: 'Velocidade', speak: 'Falar',
-    stop: 'Parar', captions: 'Legendas', hint: 'Ctrl + Enter: falar. Esc: parar.', unit: '({n} palavras por minuto)', emotions: 'Disco das emoções',
+    stop: 'Parar', captions: 'Legendas', hint: 'Ctrl + Enter: falar. Esc: parar.', unit: '({n} palavras por minuto)', emotions: 'Disco das emoções', voices: 'Comparação das vozes',
     connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
     head: 'Cabeça: {title}. {credits}',
     'no-connection': 'Não há conexão com o servidor.', 'connection-lost': 'A conexão foi interrompida.',
@@ -18,7 +18,7 @@ const words = {
   },
   tr: {
     face: 'Baş', loading: 'Baş yükleniyor…', text: 'Söylenecek metin', lang: 'Dil', rate: 'Hız', speak: 'Konuş',
-    stop: 'Dur', captions: 'Altyazılar', hint: 'Ctrl + Enter: konuş. Esc: dur.', unit: '(dakikada {n} sözcük)', emotions: 'Duygu çarkı',
+    stop: 'Dur', captions: 'Altyazılar', hint: 'Ctrl + Enter: konuş. Esc: dur.', unit: '(dakikada {n} sözcük)', emotions: 'Duygu çarkı', voices: 'Sesleri karşılaştır',
     connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
     head: 'Baş: {title}. {credits}',
     'no-connection': 'Sunucuyla bağlantı yok.', 'connection-lost': 'Bağlantı kesildi.',
@@ -26,7 +26,7 @@ const words = {
   },
   en: {
     face: 'The head', loading: 'Loading the head…', text: 'Text to speak', lang: 'Language', rate: 'Speed', speak: 'Speak',
-    stop: 'Stop', captions: 'Captions', hint: 'Ctrl + Enter: speak. Esc: stop.', unit: '({n} words a minute)', emotions: 'Emotion disc',
+    stop: 'Stop', captions: 'Captions', hint: 'Ctrl + Enter: speak. Esc: stop.', unit: '({n} words a minute)', emotions: 'Emotion disc', voices: 'Compare the voices',
     connecting: 'Connecting…', open: 'Connected', waiting: 'Not connected, trying again', closed: 'Not connected',
     head: 'Head: {title}. {credits}',
     'no-connection': 'There is no connection to the server.', 'connection-lost': 'The connection was lost.',
