@@ -5,9 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* About five seconds of speech. A slow voice makes the first part of a long sentence in a few seconds, and
+/* About three seconds of speech. A slow voice makes the first part of a long sentence in about as long, and
  * each further one while the one before is heard. */
-enum { SLOW_SENTENCE_BYTES = 80 };
+enum { SLOW_SENTENCE_BYTES = 48 };
 
 /* Many languages share the general pack; which of them there are is for the voices to say. */
 static bool is_spoken(const struct speech *s, const char *lang) {

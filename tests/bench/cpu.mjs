@@ -21,7 +21,7 @@ const reference = () => {
   return user + system;
 };
 
-const daemon = await Daemon.start();
+const daemon = await Daemon.start(['--cache', '0']);
 const idle = cpuSeconds(daemon.process.pid);
 const streams = await Promise.all(Array.from({ length: clients }, () => daemon.stream()));
 streams.forEach((stream) => stream.send({ type: 'speak', lang: 'it', voice: 'espeak:it', text }));

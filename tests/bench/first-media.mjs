@@ -9,7 +9,7 @@ import { prose, sentence } from './text.mjs';
 
 const runs = Number(process.argv[2] ?? 30);
 execFileSync('ninja', ['-C', build, '--quiet', 'tests/bench/bench_espeak_first']);
-const daemon = await Daemon.start();
+const daemon = await Daemon.start(['--cache', '0']);
 const { voices } = await (await daemon.get('/v1/voices')).json();
 const voice = voices.find((v) => v.id === 'espeak:it');
 

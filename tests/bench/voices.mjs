@@ -22,7 +22,7 @@ const engines = {
   'festival:lp': festival('lp_diphone'),
   'festival:pc': festival('pc_diphone'),
 };
-const daemon = await Daemon.start();
+const daemon = await Daemon.start(['--cache', '0']);
 const { voices } = await (await daemon.get('/v1/voices')).json();
 const bare = path.join(build, 'tests/bench/bench_kokoro_bare');
 if (voices.some((voice) => voice.id === 'kokoro:if_sara')) {
