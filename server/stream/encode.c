@@ -10,7 +10,7 @@ struct encoder {
     struct encoding encoding;
     struct effort *effort;
     bool restart;
-    struct fba_encoder fba;
+    struct fba_encoder *fba; /* NULL until there are frames: it is large, and many say nothing */
     struct compact compact;
     double since_begin;      /* s of media */
     struct opus_audio *opus; /* of the utterance */
@@ -61,13 +61,14 @@ struct encoder *encoder_new(const struct encoding *encoding, struct effort *effo
     e->encoding = *encoding;
     e->effort = effort;
     e->restart = true;
-    fba_encoder_init(&e->fba, FBA_QUALITY);
     return e;
 }
 
 void encoder_free(struct encoder *e) {
-    if (e)
-        opus_audio_free(e->opus);
+    if (!e)
+        return;
+    opus_audio_free(e->opus);
+    free(e->fba);
     free(e);
 }
 
@@ -131,12 +132,16 @@ static void code_frames(struct encoder *e, const struct fap_frame *frames, struc
         coded->frame_count = 0;
         return;
     }
+    if (!e->fba) {
+        e->fba = mem_alloc(sizeof *e->fba);
+        fba_encoder_init(e->fba, FBA_QUALITY);
+    }
     size_t cap = ((size_t)coded->frame_count + 1) * FBA_FRAME_BYTES_MAX;
     for (uint16_t i = 0; i < coded->frame_count; i++) {
         low[i] = frames[i];
         low[i].mask[0] &= (uint8_t)~3u;
     }
-    out->size += fba_encode(&e->fba, low, coded->frame_count, begin, buf_reserve(out, cap), cap);
+    out->size += fba_encode(e->fba, low, coded->frame_count, begin, buf_reserve(out, cap), cap);
 }
 
 static void put_compact(struct encoder *e, struct chunk *coded, bool begin, const struct buf *audio,
