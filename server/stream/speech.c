@@ -31,7 +31,8 @@ static void submit(struct speech *s) {
                                         .sentence = s->submitted,
                                         .rate = s->request.rate,
                                         .pitch = s->request.pitch,
-                                        .volume = s->request.volume};
+                                        .volume = s->request.volume,
+                                        .urgent = s->submitted == s->released};
         slot->job = sentence_speak(s->studio->voices, s->studio->loop, &request, s->cast, &callbacks, slot);
         s->submitted++;
     }

@@ -100,6 +100,7 @@ void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *
         struct plugin *plugin = &pool->plugins[i];
         for (size_t k = 0; k < plugin->worker_count; k++)
             worker_close(&plugin->workers[k]);
+        queue_fail(&plugin->urgent, "cancelled", "is shut down");
         queue_fail(&plugin->waiting, "cancelled", "is shut down");
     }
     queue_fail(&pool->doomed, "cancelled", "is shut down");
@@ -126,7 +127,7 @@ struct plan_prosody voice_request_prosody(const struct voice_request *request, c
 }
 
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
-                                        const struct voice_callbacks *callbacks, void *ctx) {
+                                        bool urgent, const struct voice_callbacks *callbacks, void *ctx) {
     struct voice_job *job = mem_alloc(sizeof *job);
     job->plugin = plugin_of(pool, voice);
     job->number = ++pool->last_job ? pool->last_job : ++pool->last_job; /* 0 means none */
@@ -134,6 +135,7 @@ struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct vo
     job->callbacks = *callbacks;
     job->ctx = ctx;
     job->plan = plan;
+    job->urgent = urgent;
     if (pool->cache && job_look_up(job))
         job_push(&pool->known, job);
     else if (!plugin_runs(job->plugin) || job->plan.text_bytes > TEXT_BYTES_MAX || pool->closing)
@@ -150,7 +152,7 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
     const struct plan_prosody prosody = voice_request_prosody(request, request->voice);
     struct plan plan;
     plan_make(&plan, request->score, request->sentence, &prosody);
-    return voice_pool_speak_plan(pool, request->voice, plan, callbacks, ctx);
+    return voice_pool_speak_plan(pool, request->voice, plan, request->urgent, callbacks, ctx);
 }
 
 void voice_job_cancel(struct voice_job *job) {

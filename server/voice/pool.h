@@ -73,6 +73,7 @@ struct voice_request {
     size_t sentence;      /* index */
     double rate;          /* words per minute, 0 = the voice's own; the styles' factors multiply it */
     double pitch, volume; /* factors, 1 = the voice's own */
+    bool urgent; /* somebody waits to hear it: it comes before those that are made ahead, every other time */
 };
 
 /* How well a voice's language fits the wanted one (BCP 47): 3 the same tag, 2 a variety of what is wanted
@@ -93,7 +94,7 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
 
 /* The same for a plan, which the job takes over, and a voice. */
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
-                                        const struct voice_callbacks *callbacks, void *ctx);
+                                        bool urgent, const struct voice_callbacks *callbacks, void *ctx);
 
 /* Forgets the job: no callback will come. A running worker is told to stop. */
 void voice_job_cancel(struct voice_job *job);

@@ -20,7 +20,8 @@ struct voice_job {
     struct plugin *plugin;
     struct worker *worker; /* that speaks it */
     uint32_t number;       /* on the wire */
-    bool cancelled;        /* nobody waits for it any more */
+    bool urgent;
+    bool cancelled; /* nobody waits for it any more */
     const struct voice *voice;
     struct plan plan;
     struct assembly *assembly;
@@ -59,8 +60,9 @@ struct plugin {
     char edition[48]; /* changes when the plugin's file does */
     struct worker *workers;
     size_t worker_count;
-    struct job_queue waiting; /* sentences, oldest first */
-    bool known;               /* its voices are listed, or it is clear that it does not start */
+    struct job_queue urgent, waiting; /* sentences, oldest first */
+    bool urgent_last;                 /* the last one that left was urgent */
+    bool known;                       /* its voices are listed, or it is clear that it does not start */
 };
 
 /* The voices of all plugins. Pointers into it stay valid when it grows: old lists are kept. */

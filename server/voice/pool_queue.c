@@ -26,9 +26,12 @@ void job_take_out(struct voice_job *job) {
     job->queue = NULL;
 }
 
-/* First come, first served. Fairness between clients would be decided here. */
+/* First come, first served, but those that somebody waits for and those that are made ahead by turns: however
+ * many begin to speak, who speaks already goes on. */
 struct voice_job *pool_next_job(struct plugin *plugin) {
-    struct voice_job *job = plugin->waiting.first;
+    struct voice_job *urgent = plugin->urgent.first, *waiting = plugin->waiting.first;
+    struct voice_job *job = urgent && (!waiting || !plugin->urgent_last) ? urgent : waiting;
+    plugin->urgent_last = job && job == urgent;
     if (job)
         job_take_out(job);
     return job;
@@ -56,7 +59,7 @@ void pool_job_end(struct voice_job *job, struct utterance *u, const struct error
 }
 
 void job_wait(struct voice_job *job) {
-    job_push(&job->plugin->waiting, job);
+    job_push(job->urgent ? &job->plugin->urgent : &job->plugin->waiting, job);
     for (size_t i = 0; i < job->plugin->worker_count && !job->worker; i++)
         worker_wake(&job->plugin->workers[i]);
 }
@@ -72,6 +75,7 @@ void queue_fail(struct job_queue *queue, const char *code, const char *why) {
 }
 
 void pool_fail_waiting(struct plugin *plugin) {
+    queue_fail(&plugin->urgent, "voice-failed", "does not run");
     queue_fail(&plugin->waiting, "voice-failed", "does not run");
 }
 

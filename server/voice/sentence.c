@@ -222,7 +222,7 @@ static void speak(struct sentence *s, struct role *role) {
     plan_items(&plan, s->request.score, part->first, part->count, &prosody);
     if (text_follows(s, role))
         plan_go_on(&plan);
-    role->job = voice_pool_speak_plan(s->pool, voice, plan, &callbacks, role);
+    role->job = voice_pool_speak_plan(s->pool, voice, plan, s->request.urgent, &callbacks, role);
 }
 
 static void on_read(uv_work_t *work, int status);

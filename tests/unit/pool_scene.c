@@ -118,7 +118,7 @@ struct result *scene_speak_items(struct scene *s, const char *name, double rate)
     struct result *r = &s->results[s->count];
     r->scene = s;
     const struct voice_request request = {
-        scene_voice(s, name), s->score, s->score->sentence_count - 1, rate, 1, 1};
+        scene_voice(s, name), s->score, s->score->sentence_count - 1, rate, 1, 1, s->urgent};
     s->jobs[s->count++] = voice_pool_speak(s->pool, &request, &callbacks, r);
     assert_int_equal(r->order, 0); /* never at once */
     return r;

@@ -26,6 +26,7 @@ struct scene {
     struct voice_job *jobs[SCENE_JOBS];
     size_t count, finished;
     bool ready, closing, closed;
+    bool urgent; /* what is spoken next */
     void (*when_finished)(struct scene *s);
 };
 

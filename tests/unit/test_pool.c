@@ -242,6 +242,22 @@ static void workers_work_side_by_side(void **state) {
     scene_shut(s);
 }
 
+static void what_is_waited_for_comes_first(void **state) {
+    (void)state;
+    static const char *const texts[] = {"uno", "due", "tre", "quattro", "cinque", "sei", "sette"};
+    /* the first is begun at once; then urgent ones and others by turns */
+    static const size_t order[] = {1, 3, 5, 7, 2, 4, 6};
+    struct scene *s = OPEN(WITH(.workers = 1), "puppet");
+    for (size_t i = 0; i < 7; i++) {
+        s->urgent = i > 3;
+        scene_speak(s, "plain", texts[i]);
+    }
+    scene_run(s);
+    for (size_t i = 0; i < 7; i++)
+        assert_int_equal(s->results[i].order, order[i]);
+    scene_shut(s);
+}
+
 /* The next sentence may be asked for, and the pool closed, from inside a callback. */
 static void close_inside(struct scene *s) {
     s->when_finished = NULL;
@@ -285,7 +301,8 @@ int main(void) {
         cmocka_unit_test(cancelling_forgets_a_sentence), cmocka_unit_test(bad_plugins_are_passed_over),
         cmocka_unit_test(a_plugin_may_recover),          cmocka_unit_test(finds_voices),
         cmocka_unit_test(closing_fails_what_is_queued),  cmocka_unit_test(workers_work_side_by_side),
-        cmocka_unit_test(callbacks_may_close_the_pool),  cmocka_unit_test(says_what_is_missing),
+        cmocka_unit_test(callbacks_may_close_the_pool),  cmocka_unit_test(what_is_waited_for_comes_first),
+        cmocka_unit_test(says_what_is_missing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -59,7 +59,7 @@ static struct sentence *start(struct stage *t, const char *voice) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
     score_end_sentence(t->scene->score);
     t->cast = (struct cast){t->voices, t->sounds, t->scene->score->item_count};
-    const struct voice_request request = {scene_voice(t->scene, voice), t->scene->score, 0, 0, 1, 1};
+    const struct voice_request request = {scene_voice(t->scene, voice), t->scene->score, 0, 0, 1, 1, false};
     return sentence_speak(t->scene->pool, &t->scene->loop, &request, &t->cast, &callbacks, t);
 }
 
