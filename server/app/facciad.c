@@ -67,6 +67,7 @@ static struct net_options net_options_of(const struct daemon *d) {
         .send_bytes_max = s->send_bytes_max,
         .lag_seconds = s->lag_seconds,
         .stall_seconds = s->stall_seconds,
+        .ping_seconds = s->ping_seconds,
     };
 }
 

@@ -28,7 +28,7 @@ struct settings {
     unsigned text_bytes, message_bytes, play_bytes, queue, connections, rooms, address_connections,
         address_requests;
     unsigned send_bytes, send_bytes_max;
-    unsigned lag_seconds, stall_seconds, stop_seconds;
+    unsigned lag_seconds, stall_seconds, ping_seconds, stop_seconds;
     char *log;
     char *models, *web, *media, *plugins, *worker, *audio;
 };

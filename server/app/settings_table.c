@@ -63,6 +63,8 @@ const struct setting settings_table[] = {
      "in a room, media that wait for longer are left out"},
     {"limits.stall_seconds", "stall-seconds", SETTING_NUMBER, MEMBER(stall_seconds), 1, 3600, "10", "N",
      "a client that takes nothing for so long is closed"},
+    {"limits.ping_seconds", "ping-seconds", SETTING_NUMBER, MEMBER(ping_seconds), 1, 3600, "30", "N",
+     "a socket that is silent for so long is pinged, and closed when it stays so for a third longer"},
     {"limits.stop_seconds", "stop-seconds", SETTING_NUMBER, MEMBER(stop_seconds), 0, 3600, "5", "N",
      "after SIGTERM, speech may go on for so long"},
     {"log.format", "log", SETTING_CHOICE, MEMBER(log), 0, 0, "text", "text|json", "how log lines look"},

@@ -22,14 +22,37 @@ static bool is_space(uint32_t c) {
            c == 0x2029 || c == 0x3000 || c == 0xFEFF /* byte order mark */;
 }
 
+/* Of Unicode's Sentence_Terminal (UAX 29), those of the scripts that voices here speak. */
 static bool is_terminator(uint32_t c) {
-    return c == '.' || c == '?' || c == '!' || c == 0x2026 /* … */ || c == 0x061F || c == 0x0964 ||
-           c == 0x3002 || c == 0xFF01 || c == 0xFF1F;
+    if (c < 0x80)
+        return c == '.' || c == '?' || c == '!';
+    switch (c) {
+    case 0x0589: /* Armenian */
+    case 0x061F: /* Arabic question mark */
+    case 0x06D4: /* Urdu */
+    case 0x0964: /* Devanagari danda */
+    case 0x0965:
+    case 0x104B: /* Burmese */
+    case 0x1362: /* Ethiopic full stop and question mark */
+    case 0x1367:
+    case 0x2026: /* … */
+    case 0x203C: /* ‼ ⁇ ⁈ ⁉ */
+    case 0x2047:
+    case 0x2048:
+    case 0x2049:
+    case 0x3002: /* ideographic full stop */
+    case 0xFF01:
+    case 0xFF1F:
+    case 0xFF61:
+        return true;
+    default:
+        return false;
+    }
 }
 
 static bool is_closing(uint32_t c) {
     return c == '"' || c == '\'' || c == ')' || c == ']' || c == 0xBB || c == 0x2019 || c == 0x201D ||
-           c == 0x203A;
+           c == 0x203A || c == 0x300D /* 」 */ || c == 0x300F || c == 0xFF09;
 }
 
 /* Lower-case letters of the Latin scripts that the languages here use. */

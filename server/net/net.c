@@ -23,6 +23,7 @@ const struct net_options net_defaults = {
     .send_bytes_max = 4194304,
     .lag_seconds = 5,
     .stall_seconds = 10,
+    .ping_seconds = 30,
 };
 
 static struct net *net_of(struct lws *wsi) {
@@ -247,6 +248,7 @@ void net_change(struct net *net, const struct net_options *options) {
     o->send_bytes_max = options->send_bytes_max;
     o->lag_seconds = options->lag_seconds;
     o->stall_seconds = options->stall_seconds;
+    o->ping_seconds = options->ping_seconds;
 }
 
 void net_drain(struct net *net) {

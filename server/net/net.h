@@ -29,6 +29,7 @@ struct net_options {
     unsigned send_bytes_max;       /* unsent bytes at which the client is closed as too slow; 4194304 */
     unsigned lag_seconds;          /* in a room, a client's media that wait for longer are left out; 5 */
     unsigned stall_seconds; /* a client that takes nothing for so long while bytes wait is closed; 10 */
+    unsigned ping_seconds;  /* a socket silent for so long is pinged, and closed a third later; 30 */
 };
 
 extern const struct net_options net_defaults;

@@ -8,7 +8,7 @@
 #include "server/net/socket_parts.h"
 #include <stdlib.h>
 
-enum { LOOK_MS = 1000, PING_MS = 30000, GONE_MS = 40000 };
+enum { LOOK_MS = 1000 };
 
 /* The library closes it when it is next at work. */
 static void cut_off(struct socket *s) {
@@ -18,6 +18,7 @@ static void cut_off(struct socket *s) {
 }
 
 static void look(struct socket *s, uint64_t now) {
+    uint64_t ping_ms = (uint64_t)s->net->options.ping_seconds * 1000;
     if (s->closing)
         return;
     if (s->deaf)
@@ -26,12 +27,12 @@ static void look(struct socket *s, uint64_t now) {
         metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
         log_info("%s takes nothing: closed (too-slow)", s->name);
         cut_off(s);
-    } else if (now - s->heard >= GONE_MS) {
-        log_info("%s does not answer: closed", s->name);
-        cut_off(s);
-    } else if (now - s->heard >= PING_MS && s->probe == PROBE_NONE) {
+    } else if (s->probe == PROBE_NONE && now - s->heard >= ping_ms) {
         s->probe = PROBE_DUE;
         lws_callback_on_writable(s->wsi);
+    } else if (s->probe != PROBE_NONE && now - s->heard >= ping_ms + ping_ms / 3) {
+        log_info("%s does not answer: closed", s->name);
+        cut_off(s);
     }
 }
 

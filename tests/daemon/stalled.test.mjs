@@ -101,3 +101,20 @@ test('a stream of one’s own waits, then is closed; so is a request', async (t)
   await stream.wait({ type: 'end', id: 'a', reason: 'done' });
   await stream.close();
 });
+
+test('one that answers no ping is let go; one that says nothing but answers stays', async (t) => {
+  const daemon = await start(t, '--ping-seconds', '1');
+  const mute = await daemon.stream('', { autoPong: false }), quiet = await daemon.stream();
+  const pings = { mute: 0, quiet: 0 };
+  mute.socket.on('ping', () => pings.mute++);
+  quiet.socket.on('ping', () => pings.quiet++);
+  assert.equal((await mute.closed).code, 1006, 'cut, not closed');
+  await daemon.logged(/s1 does not answer: closed/);
+  assert.equal(pings.mute, 1);
+  // asked again and again
+  for (let i = 0; i < 200 && pings.quiet < 3; i++) await new Promise((resolve) => setTimeout(resolve, 50));
+  assert.ok(pings.quiet >= 3, `${pings.quiet} pings`);
+  quiet.send({ type: 'ping', id: 'p' });
+  await quiet.wait({ type: 'pong', id: 'p' });
+  await quiet.close();
+});

@@ -42,6 +42,15 @@ static void cuts_sentences(void **state) {
     CHECK("Davvero?! Sì.", "Davvero?!", "Sì.");
 }
 
+static void cuts_sentences_of_other_scripts(void **state) {
+    (void)state;
+    CHECK("Բարեւ։ Ինչպե՞ս ես։ Լավ։", "Բարեւ։", "Ինչպե՞ս ես։", "Լավ։");
+    CHECK("سلام۔ آپ کیسے ہیں؟ اچھا۔", "سلام۔", "آپ کیسے ہیں؟", "اچھا۔");
+    CHECK("नमस्ते। आप कैसे हैं? ठीक।", "नमस्ते।", "आप कैसे हैं?", "ठीक।");
+    CHECK("ሰላም። እንዴት ነህ፧ ደህና።", "ሰላም።", "እንዴት ነህ፧", "ደህና።");
+    CHECK("「你好。」他说。走吧！", "「你好。」", "他说。", "走吧！");
+}
+
 static void keeps_together_what_a_dot_does_not_end(void **state) {
     (void)state;
     CHECK("Il Sig. Rossi pesa 3.5 kg. Fine.", "Il Sig. Rossi pesa 3.5 kg.", "Fine.");
@@ -125,6 +134,7 @@ static void finds_kinds(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(cuts_sentences),
+        cmocka_unit_test(cuts_sentences_of_other_scripts),
         cmocka_unit_test(keeps_together_what_a_dot_does_not_end),
         cmocka_unit_test(cuts_long_sentences_at_commas),
         cmocka_unit_test(cuts_earlier_where_that_is_asked_for),
