@@ -87,12 +87,12 @@ int align_write(struct align *a, double known) {
 int align_open_outputs(struct align *a) {
     static const char *const names[OUTPUTS] = {"wav", "fap", "json"};
     const struct export_source source = {
-        a->reading->text,
-        a->request.lang,
-        a->sound,
-        a->request.engine ? a->request.engine : face_engines()[0],
-        a->request.fps,
-        frame_from_sample(a->reading->sound->samples, a->reading->sound->rate, a->request.fps)};
+        .text = a->reading->text,
+        .lang = a->request.lang,
+        .voice = a->sound,
+        .engine = a->request.engine ? a->request.engine : face_engines()[0],
+        .fps = a->request.fps,
+        .frames = frame_from_sample(a->reading->sound->samples, a->reading->sound->rate, a->request.fps)};
     for (int i = 0; i < OUTPUTS; i++) {
         struct output *o = &a->outputs[i];
         if (!o->path)
@@ -100,7 +100,7 @@ int align_open_outputs(struct align *a) {
         o->file = cli_create(o->path);
         if (!o->file)
             return -1;
-        export_begin_from(&o->export, export_by_name(names[i]), &source);
+        export_begin(&o->export, export_by_name(names[i]), &source);
     }
     return 0;
 }

@@ -73,6 +73,7 @@ static void on_finished(void *ctx, size_t pieces) {
 }
 
 static int open_outputs(struct play *p, const char *name) {
+    const struct export_source source = {.play = name};
     int standard = 0;
     bool asked = false;
     for (int i = 0; i < OUTPUTS; i++)
@@ -86,7 +87,7 @@ static int open_outputs(struct play *p, const char *name) {
         p->outputs[i].file = cli_create(p->outputs[i].path);
         if (!p->outputs[i].file)
             return EXIT_FAILED;
-        export_begin_play(&p->outputs[i].export, export_by_name(names[i]), name);
+        export_begin(&p->outputs[i].export, export_by_name(names[i]), &source);
     }
     if (standard > 1)
         cli_complain("only one file can go to standard output");

@@ -114,6 +114,7 @@ static void on_finished(void *ctx, size_t spoken) {
 }
 
 static int open_outputs(struct say *s) {
+    const struct export_source source = export_source_of(s->speech);
     static const char *const names[OUTPUTS] = {"wav", "fap", "json", "ogg", "ndjson", "fba"};
     int standard = 0;
     bool asked = false;
@@ -132,7 +133,7 @@ static int open_outputs(struct say *s) {
             cli_complain("%s: %s", o->path, strerror(errno));
             return EXIT_FAILED;
         }
-        export_begin(&o->export, export_by_name(names[i]), s->speech);
+        export_begin(&o->export, export_by_name(names[i]), &source);
     }
     if (standard > 1) {
         cli_complain("only one file can go to standard output");

@@ -3,7 +3,7 @@
 #include "server/base/mem.h"
 #include "server/markup/markup.h"
 #include "server/net/internal.h"
-#include "server/stream/export.h"
+#include "server/stream/scribe.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -15,21 +15,48 @@ struct post {
     struct exchange *x;
     struct buf text;
     struct speech *speech;
-    struct export out;
+    const struct export_format *format;
+    struct scribe *scribe;
     struct error failure; /* the last sentence that failed */
     size_t owed;          /* scenes used up and not yet released */
     bool begun;
+    bool spoken;        /* a scene came */
     const char *markup; /* by the type of the body */
 };
 
+static bool has_room(const struct post *p) {
+    return exchange_unsent(p->x) < UNSENT_BYTES_MAX;
+}
+
 static void release(struct post *p) {
-    for (; p->owed && exchange_unsent(p->x) < UNSENT_BYTES_MAX; p->owed--)
+    for (; p->owed && has_room(p); p->owed--)
         speech_release(p->speech);
 }
 
-static void pass_on(struct post *p) {
-    exchange_add(p->x, p->out.out.data, p->out.out.size);
-    buf_consume(&p->out.out, p->out.out.size);
+static void on_sent(void *self) {
+    struct post *p = self;
+    release(p);
+    if (p->scribe && has_room(p))
+        scribe_go_on(p->scribe);
+}
+
+/* Warnings alone are no answer yet: all sentences may fail. */
+static bool on_written(void *ctx, struct buf *out, size_t scenes, bool done) {
+    struct post *p = ctx;
+    if (p->format->streams && p->spoken && out->size) {
+        if (!p->begun)
+            exchange_begin(p->x, p->format->content_type);
+        p->begun = true;
+        exchange_add(p->x, out->data, out->size);
+        buf_consume(out, out->size);
+    }
+    if (done && p->begun)
+        exchange_end(p->x);
+    else if (done)
+        exchange_answer(p->x, 200, p->format->content_type, out->data, out->size);
+    p->owed += scenes;
+    release(p);
+    return has_room(p);
 }
 
 static void on_scene(void *ctx, struct scene scene) {
@@ -37,38 +64,23 @@ static void on_scene(void *ctx, struct scene scene) {
     const struct utterance *u = scene.utterance;
     metrics_add(exchange_net(p->x)->studio->metrics, METRIC_SPEECH_SECONDS,
                 (double)u->samples / u->sample_rate);
-    export_scene(&p->out, &scene);
-    scene_free(&scene);
-    if (p->out.format->streams) {
-        if (!p->begun)
-            exchange_begin(p->x, p->out.format->content_type);
-        p->begun = true;
-        pass_on(p);
-    }
-    p->owed++;
-    release(p);
+    p->spoken = true;
+    scribe_add(p->scribe, scene);
 }
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct post *p = ctx;
-    export_warning(&p->out, e);
+    scribe_warn(p->scribe, e);
     if (!warning)
         p->failure = *e;
 }
 
 static void on_finished(void *ctx, size_t spoken) {
     struct post *p = ctx;
-    if (!spoken) {
+    if (spoken)
+        scribe_end(p->scribe);
+    else
         exchange_error(p->x, 500, &p->failure);
-        return;
-    }
-    export_end(&p->out);
-    if (p->begun) {
-        pass_on(p);
-        exchange_end(p->x);
-    } else {
-        exchange_answer(p->x, 200, p->out.format->content_type, p->out.out.data, p->out.out.size);
-    }
 }
 
 static int on_body(void *self, const void *data, size_t size) {
@@ -115,8 +127,8 @@ static unsigned read_query(struct post *p, struct speech_request *request, struc
     if (request_from_query(request, wsi, "format", e))
         return 400;
     const char *format = lws_get_urlarg_by_name(wsi, "format=", name, sizeof name);
-    p->out.format = export_by_name(format ? format : "wav");
-    if (!p->out.format) {
+    p->format = export_by_name(format ? format : "wav");
+    if (!p->format) {
         error_in_field(e, "unknown-format", "format", "no format '%s'", format);
         return 400;
     }
@@ -142,7 +154,9 @@ static int on_body_end(void *self) {
         status = p->speech ? 0 : !strcmp(e.code, "voice-unavailable") ? 503 : 400;
     }
     if (!status) {
-        export_begin(&p->out, p->out.format, p->speech);
+        static const struct scribe_callbacks written = {on_written};
+        const struct export_source source = export_source_of(p->speech);
+        p->scribe = scribe_open(net->studio->loop, p->format, &source, &written, p);
         speech_start(p->speech);
     }
     request_free(&request);
@@ -150,14 +164,10 @@ static int on_body_end(void *self) {
     return status ? exchange_error(p->x, status, &e) : 0;
 }
 
-static void on_sent(void *self) {
-    release(self);
-}
-
 static void on_free(void *self) {
     struct post *p = self;
     speech_free(p->speech);
-    export_free(&p->out);
+    scribe_free(p->scribe);
     buf_free(&p->text);
     free(p);
 }

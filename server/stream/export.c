@@ -17,26 +17,26 @@ void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t sa
     put32(out + 40, bytes);
 }
 
-static void wav_scene(struct export *x, const struct scene *scene) {
+static void wav_piece(struct export *x, const struct scene *scene, uint32_t to) {
     const struct utterance *u = scene->utterance;
-    if (!x->scenes) {
+    size_t bytes = (size_t)(to - x->at) * 2;
+    if (!x->scenes && !x->at) {
         wav_header(buf_reserve(&x->out, WAV_HEADER_BYTES), u->sample_rate, UINT32_MAX);
         x->out.size += WAV_HEADER_BYTES;
     }
     if (u->pcm)
-        buf_add(&x->out, u->pcm, (size_t)u->samples * 2);
+        buf_add(&x->out, u->pcm + x->at, bytes);
     else
-        memset(buf_reserve(&x->out, (size_t)u->samples * 2), 0, (size_t)u->samples * 2);
-    x->out.size += u->pcm ? 0 : (size_t)u->samples * 2;
+        memset(buf_reserve(&x->out, bytes), 0, bytes);
+    x->out.size += u->pcm ? 0 : bytes;
 }
 
 static void wav_end(struct export *x) {
     (void)x;
 }
 
-uint32_t export_frames_until(const struct export *x, const struct scene *scene) {
-    return frame_from_sample((uint64_t)scene->start + scene->utterance->samples,
-                             scene->utterance->sample_rate, x->fps);
+uint32_t export_frames_until(const struct export *x, const struct scene *scene, uint32_t to) {
+    return frame_from_sample((uint64_t)scene->start + to, scene->utterance->sample_rate, x->fps);
 }
 
 static void fap_header(struct export *x, uint32_t frames) {
@@ -48,10 +48,10 @@ static void fap_header(struct export *x, uint32_t frames) {
     x->out.size += length;
 }
 
-static void fap_scene(struct export *x, const struct scene *scene) {
-    if (!x->scenes && x->source.frames)
+static void fap_piece(struct export *x, const struct scene *scene, uint32_t to) {
+    if (!x->scenes && !x->at && x->source.frames)
         fap_header(x, x->source.frames);
-    uint32_t end = export_frames_until(x, scene);
+    uint32_t end = export_frames_until(x, scene, to);
     for (; x->frames < end; x->frames++) {
         struct fap_frame frame;
         scene_frame(scene, x->fps, x->frames, &frame);
@@ -69,12 +69,12 @@ static void fap_end(struct export *x) {
 }
 
 const struct export_format export_formats[] = {
-    {"wav", "audio/wav", true, wav_scene, wav_end, NULL, NULL},
-    {"ogg", "audio/ogg", true, export_ogg_scene, export_ogg_end, NULL, export_ogg_free},
-    {"fap", "text/plain; charset=utf-8", false, fap_scene, fap_end, NULL, NULL},
-    {"fba", "application/octet-stream", true, export_fba_scene, export_fba_end, NULL, export_fba_free},
-    {"json", "application/json", true, export_json_scene, export_json_end, export_json_warning, NULL},
-    {"ndjson", "application/x-ndjson", true, export_ndjson_scene, export_ndjson_end, export_ndjson_warning,
+    {"wav", "audio/wav", true, wav_piece, wav_end, NULL, NULL},
+    {"ogg", "audio/ogg", true, export_ogg_piece, export_ogg_end, NULL, export_ogg_free},
+    {"fap", "text/plain; charset=utf-8", false, fap_piece, fap_end, NULL, NULL},
+    {"fba", "application/octet-stream", true, export_fba_piece, export_fba_end, NULL, export_fba_free},
+    {"json", "application/json", true, export_json_piece, export_json_end, export_json_warning, NULL},
+    {"ndjson", "application/x-ndjson", true, export_ndjson_piece, export_ndjson_end, export_ndjson_warning,
      NULL},
     {0},
 };
@@ -86,21 +86,18 @@ const struct export_format *export_by_name(const char *name) {
     return NULL;
 }
 
-void export_begin_from(struct export *x, const struct export_format *format,
-                       const struct export_source *source) {
-    *x = (struct export){.format = format, .source = *source, .fps = source->fps};
-}
-
-void export_begin(struct export *x, const struct export_format *format, const struct speech *speech) {
+struct export_source export_source_of(const struct speech *speech) {
     const struct speech_request *request = speech_request(speech);
-    const struct export_source source = {request->text,         speech_lang(speech), speech_voice(speech)->id,
-                                         speech_engine(speech), request->fps,        0};
-    export_begin_from(x, format, &source);
-    x->speech = speech;
+    return (struct export_source){.text = request->text,
+                                  .lang = speech_lang(speech),
+                                  .voice = speech_voice(speech)->id,
+                                  .engine = speech_engine(speech),
+                                  .markup = speech_markup(speech),
+                                  .fps = request->fps};
 }
 
-void export_begin_play(struct export *x, const struct export_format *format, const char *name) {
-    *x = (struct export){.format = format, .play = name};
+void export_begin(struct export *x, const struct export_format *format, const struct export_source *source) {
+    *x = (struct export){.format = format, .source = *source, .fps = source->fps};
 }
 
 void export_warning(struct export *x, const struct error *e) {
@@ -108,11 +105,24 @@ void export_warning(struct export *x, const struct error *e) {
         x->format->warning(x, e);
 }
 
-void export_scene(struct export *x, const struct scene *scene) {
-    x->sample_rate = scene->utterance->sample_rate;
-    x->format->scene(x, scene);
-    x->samples = (uint32_t)scene->start + scene->utterance->samples;
+bool export_piece(struct export *x, const struct scene *scene) {
+    const struct utterance *u = scene->utterance;
+    uint32_t most = u->sample_rate * EXPORT_PIECE_MS / 1000, left = u->samples - x->at;
+    uint32_t to = x->at + (left < most ? left : most);
+    x->sample_rate = u->sample_rate;
+    x->format->piece(x, scene, to);
+    x->at = to;
+    x->samples = (uint32_t)scene->start + to;
+    if (to < u->samples)
+        return false;
+    x->at = 0;
     x->scenes++;
+    return true;
+}
+
+void export_scene(struct export *x, const struct scene *scene) {
+    while (!export_piece(x, scene))
+        ;
 }
 
 void export_end(struct export *x) {

@@ -16,7 +16,8 @@ struct export_format {
     const char *content_type;
     /* Its bytes can leave while the speech is made; otherwise only all at the end. */
     bool streams;
-    void (*scene)(struct export *x, const struct scene *scene);
+    /* The samples of a scene up to `to` (of its own); those before x->at have been written. */
+    void (*piece)(struct export *x, const struct scene *scene, uint32_t to);
     void (*end)(struct export *x);
     void (*warning)(struct export *x, const struct error *e); /* NULL: nobody is told */
     void (*free)(struct export *x);                           /* of its coder; NULL: it has none */
@@ -24,24 +25,27 @@ struct export_format {
 
 /* What is written down about where the scenes come from. Borrowed. */
 struct export_source {
-    const char *text, *lang, *voice, *engine;
+    const char *text, *lang, *voice, *engine, *markup; /* of a speech */
+    const char *play;                                  /* the name of a recording, else NULL */
     double fps;
     uint32_t frames; /* that there will be; 0 = not known. When it is, faces stream, too. */
 };
+
+/* That of a speech, which must outlive it. */
+struct export_source export_source_of(const struct speech *speech);
 
 /* The state of one export. Bytes that are ready lie in out; the owner takes them from its head. */
 struct export {
     const struct export_format *format;
     struct buf out;
-    const struct speech *speech; /* NULL: a recording */
-    const char *play;            /* its name */
-    void *coder;                 /* the format's own */
+    void *coder; /* the format's own */
     struct export_source source;
     double fps;
     uint32_t samples, sample_rate, frames; /* so far */
-    size_t scenes;
-    size_t phones;                     /* in the JSON so far */
-    struct buf words, marks, warnings; /* members of its other lists */
+    uint32_t at;                           /* samples of the scene that is being written */
+    size_t scenes;                         /* that are written */
+    size_t phones;                         /* in the JSON so far */
+    struct buf words, marks, warnings;     /* members of its other lists */
     struct utf16_counter utf16;
 };
 
@@ -49,14 +53,13 @@ struct export {
 extern const struct export_format export_formats[];
 const struct export_format *export_by_name(const char *name);
 
-void export_begin(struct export *x, const struct export_format *format, const struct speech *speech);
+/* The fps of a recording may be set later, before its first scene. */
+void export_begin(struct export *x, const struct export_format *format, const struct export_source *source);
 
-/* Of a recording. fps may be set later, before the first scene. */
-void export_begin_play(struct export *x, const struct export_format *format, const char *name);
-
-/* The same for scenes that no speech made. */
-void export_begin_from(struct export *x, const struct export_format *format,
-                       const struct export_source *source);
+/* Writes the next piece of a scene, of EXPORT_PIECE_MS. True: it was the last. */
+enum { EXPORT_PIECE_MS = 250 };
+bool export_piece(struct export *x, const struct scene *scene);
+/* All pieces of it. */
 void export_scene(struct export *x, const struct scene *scene);
 void export_warning(struct export *x, const struct error *e);
 void export_end(struct export *x);
@@ -67,22 +70,22 @@ void export_free(struct export *x);
 enum { WAV_HEADER_BYTES = 44 };
 void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t samples);
 
-/* The frames that there are when the scene has ended. */
-uint32_t export_frames_until(const struct export *x, const struct scene *scene);
+/* The frames that there are up to that sample of the scene. */
+uint32_t export_frames_until(const struct export *x, const struct scene *scene, uint32_t to);
 
-void export_json_scene(struct export *x, const struct scene *scene);
+void export_json_piece(struct export *x, const struct scene *scene, uint32_t to);
 void export_json_end(struct export *x);
 void export_json_warning(struct export *x, const struct error *e);
 
-void export_ndjson_scene(struct export *x, const struct scene *scene);
+void export_ndjson_piece(struct export *x, const struct scene *scene, uint32_t to);
 void export_ndjson_end(struct export *x);
 void export_ndjson_warning(struct export *x, const struct error *e);
 
-void export_ogg_scene(struct export *x, const struct scene *scene);
+void export_ogg_piece(struct export *x, const struct scene *scene, uint32_t to);
 void export_ogg_end(struct export *x);
 void export_ogg_free(struct export *x);
 
-void export_fba_scene(struct export *x, const struct scene *scene);
+void export_fba_piece(struct export *x, const struct scene *scene, uint32_t to);
 void export_fba_end(struct export *x);
 void export_fba_free(struct export *x);
 

@@ -28,9 +28,9 @@ static void put_packet(struct export *x, struct fba_coder *c) {
     c->count = 0;
 }
 
-void export_fba_scene(struct export *x, const struct scene *scene) {
+void export_fba_piece(struct export *x, const struct scene *scene, uint32_t to) {
     struct fba_coder *c = begin(x);
-    uint32_t end = export_frames_until(x, scene);
+    uint32_t end = export_frames_until(x, scene, to);
     for (; x->frames < end; x->frames++) {
         struct fap_frame *frame = &c->frames[c->count++];
         scene_frame(scene, x->fps, x->frames, frame);

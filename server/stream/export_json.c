@@ -35,11 +35,15 @@ static void open_object(struct export *x) {
     buf_printf(&x->out, ",\n \"phones\":[");
 }
 
-void export_json_scene(struct export *x, const struct scene *scene) {
+/* All of the scene with its first piece. */
+void export_json_piece(struct export *x, const struct scene *scene, uint32_t to) {
     const struct utterance *u = scene->utterance;
     const char *text = x->source.text;
     uint64_t start = (uint64_t)scene->start;
     uint32_t rate = u->sample_rate;
+    (void)to;
+    if (x->at)
+        return;
     if (!x->scenes)
         open_object(x);
     for (size_t i = 0; i < u->phone_count; i++) {

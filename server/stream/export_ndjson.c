@@ -41,20 +41,20 @@ static int by_time(const void *a, const void *b) {
 
 static void put_begin(struct export *x, uint32_t rate) {
     json_t *line = json_pack("{ss si sf}", "type", "begin", "rate", (int)rate, "fps", x->fps);
-    if (x->speech) {
-        json_object_set_new(line, "voice", json_string(speech_voice(x->speech)->id));
-        json_object_set_new(line, "lang", json_string(speech_lang(x->speech)));
-        json_object_set_new(line, "engine", json_string(speech_engine(x->speech)));
-        json_object_set_new(line, "markup", json_string(speech_markup(x->speech)));
+    if (x->source.play) {
+        json_object_set_new(line, "play", json_string(x->source.play));
     } else {
-        json_object_set_new(line, "play", json_string(x->play));
+        json_object_set_new(line, "voice", json_string(x->source.voice));
+        json_object_set_new(line, "lang", json_string(x->source.lang));
+        json_object_set_new(line, "engine", json_string(x->source.engine));
+        json_object_set_new(line, "markup", json_string(x->source.markup));
     }
     put(x, line);
 }
 
 static json_t *span(struct export *x, const char *type, const struct item *item, uint32_t duration,
                     size_t from, size_t to) {
-    const char *text = speech_request(x->speech)->text;
+    const char *text = x->source.text;
     size_t utf16_from = utf16_offset(&x->utf16, text, from);
     return json_pack("{ss sf sf sI sI sI sI}", "type", type, "time", seconds(item->sample, x->sample_rate),
                      "duration", seconds(duration, x->sample_rate), "start", (json_int_t)from, "end",
@@ -92,8 +92,7 @@ static void put_item(struct export *x, const struct scene *scene, const struct i
     case WORD: {
         const struct word *w = &u->words[item->index];
         json_t *line = span(x, "word", item, w->end - w->start, w->from, w->to);
-        json_object_set_new(line, "text",
-                            json_stringn(speech_request(x->speech)->text + w->from, w->to - w->from));
+        json_object_set_new(line, "text", json_stringn(x->source.text + w->from, w->to - w->from));
         put(x, line);
         break;
     }
@@ -112,22 +111,30 @@ static void put_item(struct export *x, const struct scene *scene, const struct i
     }
 }
 
-void export_ndjson_scene(struct export *x, const struct scene *scene) {
+/* Does what begins at that sample of the scene belong to the piece up to `to`? */
+static bool is_in(const struct export *x, const struct utterance *u, uint32_t sample, uint32_t to) {
+    return sample >= x->at && (sample < to || to == u->samples);
+}
+
+void export_ndjson_piece(struct export *x, const struct scene *scene, uint32_t to) {
     const struct utterance *u = scene->utterance;
     uint64_t start = (uint64_t)scene->start;
-    uint32_t end = frame_from_sample(start + u->samples, u->sample_rate, x->fps), first = x->frames;
-    if (!x->scenes)
+    uint32_t end = export_frames_until(x, scene, to), first = x->frames;
+    if (!x->scenes && !x->at)
         put_begin(x, u->sample_rate);
     size_t count = 0, most = 1 + u->word_count + u->phone_count + u->mark_count + (end - first);
     struct item *items = mem_alloc(most * sizeof *items);
-    if (x->speech)
+    if (!x->source.play && !x->at)
         items[count++] = (struct item){start, SENTENCE, 0};
     for (size_t i = 0; i < u->word_count; i++)
-        items[count++] = (struct item){start + u->words[i].start, WORD, i};
+        if (is_in(x, u, u->words[i].start, to))
+            items[count++] = (struct item){start + u->words[i].start, WORD, i};
     for (size_t i = 0; i < u->phone_count; i++)
-        items[count++] = (struct item){start + u->phones[i].start, PHONE, i};
+        if (is_in(x, u, u->phones[i].start, to))
+            items[count++] = (struct item){start + u->phones[i].start, PHONE, i};
     for (size_t i = 0; i < u->mark_count; i++)
-        items[count++] = (struct item){start + u->marks[i].at, MARK, i};
+        if (is_in(x, u, u->marks[i].at, to))
+            items[count++] = (struct item){start + u->marks[i].at, MARK, i};
     for (; x->frames < end; x->frames++)
         items[count++] = (struct item){(uint64_t)(x->frames / x->fps * u->sample_rate), FRAME, x->frames};
     qsort(items, count, sizeof *items, by_time);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The Ogg export: Opus in Ogg (RFC 7845), mono, a page or more for each sentence. */
+/* The Ogg export: Opus in Ogg (RFC 7845), mono, pages end where sentences do. */
 #include "server/base/mem.h"
 #include "server/stream/export.h"
 #include "server/stream/opus_audio.h"
@@ -84,7 +84,8 @@ static void add_silence(struct ogg_coder *c, uint32_t samples) {
     }
 }
 
-void export_ogg_scene(struct export *x, const struct scene *scene) {
+/* What is there leaves at once at a scene's beginning and end, otherwise as pages fill. */
+void export_ogg_piece(struct export *x, const struct scene *scene, uint32_t to) {
     const struct utterance *u = scene->utterance;
     if (!x->coder)
         begin(x, u->sample_rate);
@@ -92,12 +93,12 @@ void export_ogg_scene(struct export *x, const struct scene *scene) {
     if (!c->audio)
         return;
     if (u->pcm)
-        opus_audio_add(c->audio, u->pcm, u->samples, &c->packets);
+        opus_audio_add(c->audio, u->pcm + x->at, to - x->at, &c->packets);
     else
-        add_silence(c, u->samples);
+        add_silence(c, to - x->at);
     if (c->packets.size)
         put_packets(x, false);
-    put_pages(x, ogg_stream_flush);
+    put_pages(x, x->at && to < u->samples ? ogg_stream_pageout : ogg_stream_flush);
 }
 
 void export_ogg_end(struct export *x) {

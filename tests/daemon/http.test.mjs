@@ -24,6 +24,23 @@ test('wav: sound that can be played', async () => {
   assert.ok(samples.some((s) => Math.abs(s) > 3000));
 });
 
+test('sound that is coded for one keeps nobody waiting', async () => {
+  const text = `Una frase ${'assai lunga e senza una virgola '.repeat(20)}.`;
+  await (await post('lang=it', text)).arrayBuffer(); // spoken from now on
+  let coded = 0;
+  const all = Array.from({ length: 6 }, async () => {
+    const response = await post('lang=it&format=ogg', text);
+    const size = (await response.arrayBuffer()).byteLength;
+    coded++;
+    return size;
+  });
+  for (let i = 0; i < 5; i++) await (await daemon.get('/healthz')).text();
+  assert.equal(coded, 0, 'five answers meanwhile');
+  const sizes = await Promise.all(all);
+  assert.ok(sizes[0] > 50000, `${sizes[0]} bytes`);
+  assert.deepEqual(sizes, sizes.map(() => sizes[0]));
+});
+
 test('wav is the default, json and fap fit it', async () => {
   const text = 'La mamma parla piano. Il papà ascolta.';
   const wav = Buffer.from(await (await post('lang=it', text)).arrayBuffer());
