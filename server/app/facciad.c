@@ -71,16 +71,6 @@ static struct net_options net_options_of(const struct daemon *d) {
     };
 }
 
-/* Can the usual language be spoken? A language without a pack of its own is known by its voices alone. */
-static bool is_spoken(const struct daemon *d) {
-    size_t count;
-    const struct voice *voices = voice_pool_voices(d->studio.voices, &count);
-    bool spoken = !speech_pack_is_general(speech_packs_find(&d->packs, d->settings.lang));
-    for (size_t i = 0; i < count && !spoken; i++)
-        spoken = voice_lang_fit(voices[i].lang, d->settings.lang) > 0;
-    return spoken;
-}
-
 static void stop(struct daemon *d);
 
 static void on_ready(void *ctx) {
@@ -92,7 +82,7 @@ static void on_ready(void *ctx) {
         log_error("no voice plugin could be started");
         return;
     }
-    if (!is_spoken(d)) {
+    if (!speech_can_speak(&d->studio, d->settings.lang)) {
         struct error e;
         error_in_field(&e, "unknown-language", "--lang", "no language '%s'", d->settings.lang);
         complain(&e);

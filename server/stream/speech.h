@@ -28,6 +28,9 @@ struct studio {
     struct effort *effort;   /* of the sound; NULL = the best */
 };
 
+/* Whether there is a pack for that language, or, of those that share the general one, a voice. */
+bool speech_can_speak(const struct studio *studio, const char *lang);
+
 /* One spoken sentence, or a piece of a recording. The receiver of a scene owns it. */
 struct scene {
     struct utterance *utterance;

@@ -9,11 +9,10 @@
  * each further one while the one before is heard. */
 enum { SLOW_SENTENCE_BYTES = 48 };
 
-/* Many languages share the general pack; which of them there are is for the voices to say. */
-static bool is_spoken(const struct speech *s, const char *lang) {
-    const struct speech_pack *pack = speech_packs_find(s->studio->packs, lang);
+bool speech_can_speak(const struct studio *studio, const char *lang) {
+    const struct speech_pack *pack = speech_packs_find(studio->packs, lang);
     size_t count;
-    const struct voice *voices = voice_pool_voices(s->studio->voices, &count);
+    const struct voice *voices = voice_pool_voices(studio->voices, &count);
     if (!pack || !speech_pack_is_general(pack))
         return pack != NULL;
     for (size_t i = 0; i < count; i++)
@@ -32,10 +31,10 @@ static int choose_voice(struct speech *s, struct error *e) {
         voice_pool_voices(s->studio->voices, &voices);
     if (!voices)
         return error_set(e, "voice-unavailable", "no voice is there (yet)");
-    if (lang && !is_spoken(s, lang))
+    if (lang && !speech_can_speak(s->studio, lang))
         return error_in_field(e, "unknown-language", "lang", "no language '%s'", lang);
     if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
-        markup_lang(s->request.text, s->request.text_size, stated) && is_spoken(s, stated))
+        markup_lang(s->request.text, s->request.text_size, stated) && speech_can_speak(s->studio, stated))
         lang = stated;
     if (!lang)
         lang = s->studio->default_lang;
