@@ -23,25 +23,21 @@ struct tokens {
 #define LONG "\u02D0"
 #define TONE_3 "\u025C" /* no diphthong ends so: what the engine makes of the number 3 behind a vowel */
 
-/* Some languages' data gives the engine's own names for sounds, which are X-SAMPA by and large. NULL: IPA
- * already. */
-static const char *ipa_of(char c) {
-    static const char *const letters[][2] = {{"A", "\u0251"}, {"K", "\u026C"}, {"N", "\u014B"},
-                                             {"S", "\u0283"}, {"X", "\u03C7"}, {"Z", "\u0292"}};
+/* Some languages' data gives the engine's own names for sounds, which are X-SAMPA by and large; a dot behind
+ * a letter makes it retroflex. NULL: IPA already. */
+static const char *ipa_of(char c, bool dotted) {
+    static const struct {
+        char name;
+        bool dotted;
+        const char *ipa;
+    } letters[] = {{'A', false, "\u0251"}, {'K', false, "\u026C"}, {'N', false, "\u014B"},
+                   {'S', false, "\u0283"}, {'X', false, "\u03C7"}, {'Z', false, "\u0292"},
+                   {'d', true, "\u0256"},  {'l', true, "\u026D"},  {'n', true, "\u0273"},
+                   {'r', true, "\u027D"},  {'s', true, "\u0282"},  {'t', true, "\u0288"},
+                   {'z', true, "\u0290"}};
     for (size_t i = 0; i < sizeof letters / sizeof *letters; i++)
-        if (*letters[i][0] == c)
-            return letters[i][1];
-    return NULL;
-}
-
-/* A dot behind a letter makes it retroflex. */
-static const char *retroflex_of(char c) {
-    static const char *const letters[][2] = {{"d", "\u0256"}, {"l", "\u026D"}, {"n", "\u0273"},
-                                             {"r", "\u027D"}, {"s", "\u0282"}, {"t", "\u0288"},
-                                             {"z", "\u0290"}};
-    for (size_t i = 0; i < sizeof letters / sizeof *letters; i++)
-        if (*letters[i][0] == c)
-            return letters[i][1];
+        if (letters[i].name == c && letters[i].dotted == dotted)
+            return letters[i].ipa;
     return NULL;
 }
 
@@ -51,7 +47,7 @@ static void clean(char ipa[IPA_BYTES]) {
     size_t kept = 0;
     strcpy(said, strcmp(ipa, "1") ? ipa : "\u0268");
     for (const char *c = said; *c; c++) {
-        const char *letter = c[1] == '.' ? retroflex_of(*c) : ipa_of(*c);
+        const char *letter = ipa_of(*c, c[1] == '.');
         if (letter && kept + 2 < IPA_BYTES) {
             memcpy(ipa + kept, letter, 2);
             kept += 2;

@@ -175,16 +175,10 @@ static struct faccia_sentence inner_part(const struct faccia_sentence *sentence)
     return (struct faccia_sentence){sentence->voice, spans + begin, end - begin};
 }
 
-/* Once for a voice, when a sentence has phones. The engine knows "[[...]]" after it was told so with a text.
- */
+/* Once for a voice; what the engine said meanwhile is forgotten. */
 static void learn_phones(struct espeak *self) {
-    bool needed = false;
-    for (size_t i = 0; i < self->sentence->span_count; i++)
-        needed |= self->sentence->spans[i].phones != NULL;
-    if (!needed || self->ipa.count)
+    if (!es_ipa_learn(&self->ipa, self->sentence, self))
         return;
-    espeak_Synth(" ", 2, 0, POS_CHARACTER, 0, espeakCHARS_UTF8 | espeakPHONEMES, NULL, self);
-    es_ipa_learn(&self->ipa);
     free(self->transcription);
     self->transcription = NULL;
     self->phones.count = self->words.count = 0;

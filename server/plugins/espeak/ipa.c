@@ -67,7 +67,7 @@ static bool is_name_character(char c) {
     return c > ' ' && c < 0x7F && !strchr("[]|'%,=_\\/$(){}", c);
 }
 
-void es_ipa_learn(struct es_ipa *table) {
+static void learn_all(struct es_ipa *table) {
     char names[2][8192][4]; /* the names of one length that longer ones may begin with */
     size_t counts[2] = {1, 0};
     strcpy(names[0][0], "");
@@ -87,6 +87,18 @@ void es_ipa_learn(struct es_ipa *table) {
     }
     if (table->count)
         qsort(table->list, table->count, sizeof *table->list, by_ipa);
+}
+
+bool es_ipa_learn(struct es_ipa *table, const struct faccia_sentence *sentence, void *user_data) {
+    bool needed = false;
+    for (size_t i = 0; i < sentence->span_count; i++)
+        needed |= sentence->spans[i].phones != NULL;
+    if (!needed || table->count)
+        return false;
+    /* the engine knows "[[...]]" after it was told so with a text */
+    espeak_Synth(" ", 2, 0, POS_CHARACTER, 0, espeakCHARS_UTF8 | espeakPHONEMES, NULL, user_data);
+    learn_all(table);
+    return true;
 }
 
 void es_ipa_free(struct es_ipa *table) {

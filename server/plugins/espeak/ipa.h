@@ -5,6 +5,7 @@
 #define FACCIA_PLUGINS_ESPEAK_IPA_H
 
 #include "server/base/buf.h"
+#include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -16,8 +17,9 @@ struct es_ipa {
     size_t count, cap;
 };
 
-/* Learns the phones of the voice that is set. The engine must take phoneme names ("[[...]]") in its text. */
-void es_ipa_learn(struct es_ipa *table);
+/* Learns the phones of the voice that is set, if the sentence gives phones and the table is empty. True: it
+ * did, for which the engine spoke; its callback was given user_data. */
+bool es_ipa_learn(struct es_ipa *table, const struct faccia_sentence *sentence, void *user_data);
 void es_ipa_free(struct es_ipa *table);
 
 /* One word as "[[...]]". Ties, syllable marks and the like are passed over; what the voice does not have is

@@ -78,18 +78,6 @@ static void set_voice(struct ko_reader *r, const struct es_voice *voice) {
     es_ipa_free(&r->ipa);
 }
 
-/* Once for a voice, when a sentence has phones. The engine knows "[[...]]" after it was told so with a text.
- */
-static void learn_phones(struct ko_reader *r, const struct faccia_sentence *inner) {
-    bool needed = false;
-    for (size_t i = 0; i < inner->span_count; i++)
-        needed |= inner->spans[i].phones != NULL;
-    if (!needed || r->ipa.count)
-        return;
-    espeak_Synth(" ", 2, 0, POS_CHARACTER, 0, espeakCHARS_UTF8 | espeakPHONEMES, NULL, r);
-    es_ipa_learn(&r->ipa);
-}
-
 /* What stands between two places of the spans' texts. */
 static void between(const struct faccia_sentence *inner, const struct ko_word *a, const struct es_word *b,
                     struct buf *out) {
@@ -177,7 +165,7 @@ bool ko_read(struct ko_reader *r, const struct es_voice *voice, const struct ko_
     struct es_text given;
     text->items.count = text->word_count = 0;
     set_voice(r, voice);
-    learn_phones(r, &inner);
+    es_ipa_learn(&r->ipa, &inner, r);
     free(r->transcription);
     r->transcription = NULL;
     r->phone_count = r->words.count = r->clause = 0;
