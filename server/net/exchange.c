@@ -1,23 +1,24 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One HTTP request and its answer: head, then the body piece by piece as the connection takes it. */
-#include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/net/internal.h"
 #include <stdlib.h>
 #include <string.h>
 
-/* BEAT_SECONDS: so often at least a connection on which something is being made is looked after. */
-enum { PIECE_BYTES = 65536, HEAD_BYTES = 2048, BEAT_SECONDS = 15 };
+enum { PIECE_BYTES = 65536, HEAD_BYTES = 2048, BEAT_MS = 15000 };
 
 struct exchange {
     struct net *net;
     struct lws *wsi;
+    struct exchange *next, **self; /* in the net's list */
     struct exchange_work work;
     const uint8_t *body; /* what is left of a body of known length */
     size_t body_size;
     void *owned;       /* that body's memory, if it is the exchange's */
     struct buf queue;  /* of an answer in chunks: what waits */
     uint64_t progress; /* loop time when bytes left last, or began to wait, ms */
+    uint64_t beat;     /* loop time of the last beat, ms */
+    bool cut;          /* the connection is */
     bool chunked, complete, answered, done;
     bool shared; /* any page may have the answer */
     struct guest guest;
@@ -27,10 +28,18 @@ struct exchange *exchange_open(struct net *net, struct lws *wsi) {
     struct exchange *x = mem_alloc(sizeof *x);
     x->net = net;
     x->wsi = wsi;
+    x->next = net->exchanges;
+    x->self = &net->exchanges;
+    if (x->next)
+        x->next->self = &x->next;
+    net->exchanges = x;
     return x;
 }
 
 void exchange_close(struct exchange *x) {
+    *x->self = x->next;
+    if (x->next)
+        x->next->self = x->self;
     if (x->work.free) {
         x->work.free(x->work.self);
         x->net->works -= !x->work.endless;
@@ -118,23 +127,20 @@ static uint64_t now(const struct exchange *x) {
     return uv_now(x->net->studio->loop);
 }
 
-static void watch(struct exchange *x) {
-    unsigned seconds = x->net->options.stall_seconds;
-    lws_set_timer_usecs(x->wsi,
-                        (lws_usec_t)(seconds < BEAT_SECONDS ? seconds : BEAT_SECONDS) * LWS_US_PER_SEC);
+static void look(struct exchange *x) {
+    bool waits = x->chunked ? x->queue.size : x->body_size;
+    if (x->cut)
+        return;
+    x->cut = waits && watch_stalled(x->net, x->wsi, "an HTTP client", x->progress);
+    if (!x->cut && x->chunked && x->work.beat && now(x) - x->beat >= BEAT_MS) {
+        x->beat = now(x);
+        x->work.beat(x->work.self);
+    }
 }
 
-int exchange_timer(struct exchange *x) {
-    bool waits = x->chunked ? x->queue.size : x->body_size;
-    if (waits && now(x) - x->progress >= (uint64_t)x->net->options.stall_seconds * 1000) {
-        metrics_add(x->net->studio->metrics, METRIC_TOO_SLOW, 1);
-        log_info("an HTTP client takes nothing: closed (too-slow)");
-        return -1;
-    }
-    if (x->work.beat)
-        x->work.beat(x->work.self);
-    watch(x);
-    return 0;
+void exchanges_look(struct net *net) {
+    for (struct exchange *x = net->exchanges; x; x = x->next)
+        look(x);
 }
 
 static bool is_head_request(const struct exchange *x) {
@@ -149,7 +155,6 @@ static int send_known(struct exchange *x, struct head *h, const void *body, size
     x->progress = now(x);
     if (head_send(h))
         return -1;
-    watch(x);
     lws_callback_on_writable(x->wsi);
     return 0;
 }
@@ -248,7 +253,7 @@ int exchange_begin(struct exchange *x, const char *type) {
     head_add(&h, "cache-control", "no-store");
     head_add(&h, "transfer-encoding", "chunked");
     x->chunked = true;
-    watch(x);
+    x->beat = now(x);
     return head_send(&h);
 }
 

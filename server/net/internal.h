@@ -23,8 +23,9 @@ struct net {
     bool ready, draining;
     struct tally tally;
     struct listener **listeners;
-    struct socket *sockets; /* all that are open */
-    uv_timer_t *watch;      /* over them; NULL: none */
+    struct socket *sockets;     /* all that are open */
+    struct exchange *exchanges; /* likewise */
+    uv_timer_t *watch;          /* over both; NULL: none */
     struct channel *rooms;
     unsigned room_count;
     unsigned works; /* HTTP answers that are being made */
@@ -72,8 +73,11 @@ bool sockets_busy(const struct net *net);
 void sockets_dismiss(struct net *net, const char *reason); /* closes all, with the reason */
 
 /* watch.c: closes clients that take nothing, or are gone. */
-void sockets_watch(struct net *net);
-void sockets_unwatch(struct net *net);
+void watch_begin(struct net *net);
+void watch_end(struct net *net);
+/* Cuts off one who has taken nothing since `progress` (loop time, ms) though bytes wait, when that is too
+ * long ago. True: done. */
+bool watch_stalled(struct net *net, struct lws *wsi, const char *name, uint64_t progress);
 void socket_heard(struct socket *socket); /* he has said something */
 
 /* exchange.c: one HTTP request and its answer. Every function returns what the libwebsockets callback has to
@@ -83,7 +87,7 @@ void exchange_close(struct exchange *x);
 int exchange_writeable(struct exchange *x);
 bool exchange_answered(const struct exchange *x); /* its head has been sent */
 bool exchange_done(const struct exchange *x);     /* all of it has been sent: close it */
-int exchange_timer(struct exchange *x);           /* -1: a client that takes nothing */
+void exchanges_look(struct net *net);             /* from time to time, after all of them */
 
 /* An answer of known length; body is copied. */
 int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size);

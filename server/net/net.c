@@ -136,8 +136,6 @@ int net_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, 
         return 0;
     case LWS_CALLBACK_SERVER_WRITEABLE:
         return socket_writeable(session->socket);
-    case LWS_CALLBACK_TIMER:
-        return session->exchange ? exchange_timer(session->exchange) : 0;
     case LWS_CALLBACK_CLOSED:
         if (session->socket)
             socket_close(session->socket);
@@ -200,7 +198,7 @@ static int listen_on(struct net *net, struct error *e) {
     net->context = lws_create_context(&info);
     net->vhost = net->context ? lws_create_vhost(net->context, &info) : NULL;
     listeners_open(net);
-    sockets_watch(net);
+    watch_begin(net);
     if (!net->vhost)
         return error_set(e, "listen", "cannot listen on %s port %d (is another program there?)",
                          net->options.host, net->options.port);
@@ -273,7 +271,7 @@ void net_set_ready(struct net *net) {
 
 void net_close(struct net *net) {
     listeners_close(net);
-    sockets_unwatch(net);
+    watch_end(net);
     if (net->context)
         lws_context_destroy(net->context);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Looks after all sockets once a second: those who take nothing are closed, those who have been silent are
- * asked whether they are still there (RFC 6455, 5.5.2), and closed when they do not answer. One timer for
+/* Looks after all connections once a second: those who take nothing are closed; sockets that have been silent
+ * are asked whether they are still there (RFC 6455, 5.5.2), and closed when they do not answer. One timer for
  * all: libwebsockets' own, one for each connection, wait in a busy loop for the last millisecond before each.
  */
 #include "server/base/log.h"
@@ -11,10 +11,18 @@
 enum { LOOK_MS = 1000 };
 
 /* The library closes it when it is next at work. */
-static void cut_off(struct socket *s) {
-    s->closing = true;
-    lws_cancel_service(s->net->context);
-    lws_set_timeout(s->wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+static void cut_off(struct net *net, struct lws *wsi) {
+    lws_cancel_service(net->context);
+    lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+}
+
+bool watch_stalled(struct net *net, struct lws *wsi, const char *name, uint64_t progress) {
+    if (uv_now(net->studio->loop) - progress < (uint64_t)net->options.stall_seconds * 1000)
+        return false;
+    metrics_add(net->studio->metrics, METRIC_TOO_SLOW, 1);
+    log_info("%s takes nothing: closed (too-slow)", name);
+    cut_off(net, wsi);
+    return true;
 }
 
 static void look(struct socket *s, uint64_t now) {
@@ -23,16 +31,15 @@ static void look(struct socket *s, uint64_t now) {
         return;
     if (s->deaf)
         socket_heard(s); /* his answers lie unread */
-    if (!outbox_empty(&s->outbox) && now - s->progress >= (uint64_t)s->net->options.stall_seconds * 1000) {
-        metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
-        log_info("%s takes nothing: closed (too-slow)", s->name);
-        cut_off(s);
+    if (!outbox_empty(&s->outbox) && watch_stalled(s->net, s->wsi, s->name, s->progress)) {
+        s->closing = true;
     } else if (s->probe == PROBE_NONE && now - s->heard >= ping_ms) {
         s->probe = PROBE_DUE;
         lws_callback_on_writable(s->wsi);
     } else if (s->probe != PROBE_NONE && now - s->heard >= ping_ms + ping_ms / 3) {
         log_info("%s does not answer: closed", s->name);
-        cut_off(s);
+        s->closing = true;
+        cut_off(s->net, s->wsi);
     }
 }
 
@@ -41,6 +48,7 @@ static void on_timer(uv_timer_t *timer) {
     uint64_t now = uv_now(net->studio->loop);
     for (struct socket *s = net->sockets; s; s = s->next)
         look(s, now);
+    exchanges_look(net);
 }
 
 void socket_heard(struct socket *s) {
@@ -56,7 +64,7 @@ int socket_ping(struct socket *s) {
     return lws_write(s->wsi, ping + LWS_PRE, 1, LWS_WRITE_PING) < 0 ? -1 : 0;
 }
 
-void sockets_watch(struct net *net) {
+void watch_begin(struct net *net) {
     net->watch = mem_alloc(sizeof *net->watch);
     uv_timer_init(net->studio->loop, net->watch);
     net->watch->data = net;
@@ -67,7 +75,7 @@ static void free_timer(uv_handle_t *timer) {
     free(timer);
 }
 
-void sockets_unwatch(struct net *net) {
+void watch_end(struct net *net) {
     if (net->watch)
         uv_close((uv_handle_t *)net->watch, free_timer);
     net->watch = NULL;
