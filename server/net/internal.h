@@ -28,7 +28,9 @@ struct net {
     uv_timer_t *watch;          /* over both; NULL: none */
     struct channel *rooms;
     unsigned room_count;
-    unsigned works; /* HTTP answers that are being made */
+    unsigned works;                   /* HTTP answers that are being made */
+    json_t *more_languages;           /* of hello */
+    const struct voice *languages_of; /* the list from which they were found */
 };
 
 /* What libwebsockets keeps for each connection: one of the two. */
@@ -46,7 +48,7 @@ json_t *message_error(const struct error *e);
 json_t *message_event(const struct stream_event *event, const char *stream);
 const char *message_event_name(enum stream_event_kind kind); /* its "type" */
 json_t *message_rooms(const struct net *net);
-json_t *message_hello(const struct net *net, const char *stream);
+json_t *message_hello(struct net *net, const char *stream);
 json_t *message_voices(const struct net *net);
 json_t *message_models(const struct net *net);
 json_t *message_expressions(const struct net *net);

@@ -209,11 +209,16 @@ json_t *message_health(const struct net *net) {
                      "faccia/" FACCIA_VERSION, "connections", (int)net->connections);
 }
 
-/* Those that a voice speaks and that share the general pack. */
-static json_t *more_languages(const struct net *net) {
-    json_t *tags = json_array();
+/* Those that a voice speaks and that share the general pack: found once for each list of voices. */
+static json_t *more_languages(struct net *net) {
     size_t count = 0;
     const struct voice *v = net->ready ? voice_pool_voices(net->studio->voices, &count) : NULL;
+    if (net->more_languages && net->languages_of == v)
+        return json_incref(net->more_languages);
+    json_t *tags = json_array();
+    json_decref(net->more_languages);
+    net->more_languages = tags;
+    net->languages_of = v;
     for (size_t i = 0; i < count; i++) {
         const struct speech_pack *pack = speech_packs_find(net->studio->packs, v[i].lang);
         bool listed = !pack || !speech_pack_is_general(pack);
@@ -222,10 +227,10 @@ static json_t *more_languages(const struct net *net) {
         if (!listed)
             json_array_append_new(tags, json_string(v[i].lang));
     }
-    return tags;
+    return json_incref(tags);
 }
 
-json_t *message_hello(const struct net *net, const char *stream) {
+json_t *message_hello(struct net *net, const char *stream) {
     json_t *languages = json_array(), *engines = json_array();
     const struct speech_packs *packs = net->studio->packs;
     for (size_t i = 0; i < packs->count; i++)

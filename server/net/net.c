@@ -283,5 +283,6 @@ void net_free(struct net *net) {
         lws_context_destroy(net->context);
     assets_free(&net->assets);
     tally_free(&net->tally);
+    json_decref(net->more_languages);
     free(net);
 }

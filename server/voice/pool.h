@@ -56,6 +56,7 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
  * at once, frees everything; closed is called at last. */
 void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *ctx);
 
+/* A plugin that comes later makes a new list; the one before stays as it is until the pool is closed. */
 const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *count);
 
 /* Finds a voice: by id ("espeak:it"), by id inside any plugin ("it+f2"), or, when name is NULL, the best for
