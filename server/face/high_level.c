@@ -67,9 +67,11 @@ static void expand(const struct face_high_level *high, const bool *moved, struct
 
 void face_high_level_expand(const struct face_high_level *high, struct fap_frame *frames, size_t count) {
     bool moved[FAP_COUNT + 1] = {0};
+    if (!high)
+        return;
     for (size_t i = 0; i < count; i++)
         for (int n = 3; n <= FAP_COUNT; n++)
             moved[n] |= fap_frame_has(&frames[i], n) && frames[i].value[n];
-    for (size_t i = 0; i < count && high; i++)
+    for (size_t i = 0; i < count; i++)
         expand(high, moved, &frames[i]);
 }

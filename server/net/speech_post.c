@@ -154,9 +154,8 @@ static int on_body_end(void *self) {
         status = p->speech ? 0 : !strcmp(e.code, "voice-unavailable") ? 503 : 400;
     }
     if (!status) {
-        static const struct scribe_callbacks written = {on_written};
         const struct export_source source = export_source_of(p->speech);
-        p->scribe = scribe_open(net->studio->loop, p->format, &source, &written, p);
+        p->scribe = scribe_open(net->studio->loop, p->format, &source, on_written, p);
         speech_start(p->speech);
     }
     request_free(&request);

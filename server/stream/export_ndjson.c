@@ -62,7 +62,7 @@ static json_t *span(struct export *x, const char *type, const struct item *item,
                      (json_int_t)utf16_offset(&x->utf16, text, to));
 }
 
-/* Written by hand: most of the answer is frames, and the first line waits for all of its sentence. */
+/* Its FAPs are written by hand: they are most of the answer. */
 static void put_frame(struct export *x, const struct scene *scene, uint32_t k) {
     struct fap_frame f;
     const char *comma = "";

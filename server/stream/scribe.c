@@ -18,7 +18,7 @@ struct scribe {
     uv_work_t work;
     struct export x;
     char *names[6]; /* what its source points to */
-    struct scribe_callbacks callbacks;
+    bool (*receive)(void *ctx, struct buf *out, size_t scenes, bool done);
     void *ctx;
     struct item *items; /* that wait */
     size_t count, cap;
@@ -29,8 +29,8 @@ struct scribe {
 };
 
 struct scribe *scribe_open(uv_loop_t *loop, const struct export_format *format,
-                           const struct export_source *source, const struct scribe_callbacks *callbacks,
-                           void *ctx) {
+                           const struct export_source *source,
+                           bool (*written)(void *ctx, struct buf *out, size_t scenes, bool done), void *ctx) {
     struct scribe *s = mem_alloc(sizeof *s);
     struct export_source own = *source;
     const char **members[] = {&own.text, &own.lang, &own.voice, &own.engine, &own.markup, &own.play};
@@ -39,7 +39,7 @@ struct scribe *scribe_open(uv_loop_t *loop, const struct export_format *format,
             *members[i] = s->names[i] = mem_strdup(*members[i]);
     s->loop = loop;
     s->work.data = s;
-    s->callbacks = *callbacks;
+    s->receive = written;
     s->ctx = ctx;
     export_begin(&s->x, format, &own);
     return s;
@@ -101,7 +101,7 @@ static void after(uv_work_t *work, int status) {
         s->busy = false;
     }
     s->held = true; /* or it would begin while the bytes are taken */
-    if (s->callbacks.written(s->ctx, &s->x.out, scenes, done))
+    if (s->receive(s->ctx, &s->x.out, scenes, done))
         go_on(s);
 }
 

@@ -8,18 +8,13 @@
 
 struct scribe;
 
-struct scribe_callbacks {
-    /* More lies in `out`, from whose head the receiver takes what it likes (of a format that does not
-     * stream: only when all is done); `scenes` more are used up; done: that was all. Returns whether to go on
-     * at once; if not, scribe_go_on does. */
-    bool (*written)(void *ctx, struct buf *out, size_t scenes, bool done);
-};
-
-/* The source is copied. Callbacks come from the loop, none after scribe_free, which none of them may
- * call. */
+/* The source is copied. written: more lies in `out`, from whose head the receiver takes what it likes (of a
+ * format that does not stream: only when all is done); `scenes` more are used up; done: that was all. Returns
+ * whether to go on at once; if not, scribe_go_on does. Comes from the loop, never after scribe_free, which it
+ * may not call. */
 struct scribe *scribe_open(uv_loop_t *loop, const struct export_format *format,
-                           const struct export_source *source, const struct scribe_callbacks *callbacks,
-                           void *ctx);
+                           const struct export_source *source,
+                           bool (*written)(void *ctx, struct buf *out, size_t scenes, bool done), void *ctx);
 void scribe_add(struct scribe *s, struct scene scene); /* which it owns then */
 void scribe_warn(struct scribe *s, const struct error *warning);
 void scribe_end(struct scribe *s); /* nothing more will be added */

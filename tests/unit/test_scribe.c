@@ -68,8 +68,6 @@ static bool on_written(void *ctx, struct buf *out, size_t scenes, bool done) {
     return !r->slow;
 }
 
-static const struct scribe_callbacks callbacks = {on_written};
-
 static void begin(struct receiver *r, const struct export_format *format) {
     *r = (struct receiver){.streams = format->streams};
     uv_loop_init(&r->loop);
@@ -77,7 +75,7 @@ static void begin(struct receiver *r, const struct export_format *format) {
     char *copy = strdup(text);
     struct export_source own = source;
     own.text = copy;
-    r->scribe = scribe_open(&r->loop, format, &own, &callbacks, r);
+    r->scribe = scribe_open(&r->loop, format, &own, on_written, r);
     memset(copy, '?', strlen(copy));
     free(copy);
 }
