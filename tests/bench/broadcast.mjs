@@ -10,7 +10,7 @@ import path from 'node:path';
 import { once } from 'node:events';
 import readline from 'node:readline';
 import { build, Daemon } from '../lib/daemon.mjs';
-import { cpuOf } from './figures.mjs';
+import { cpuOf, kilobytesOf } from './figures.mjs';
 import { sentence } from './text.mjs';
 
 const counts = process.argv.length > 2 ? process.argv.slice(2).map(Number) : [1, 100, 1000, 5000];
@@ -19,11 +19,9 @@ const text = `${sentence} `.repeat(2);
 const program = (name) => path.join(build, 'tests/bench', name);
 const pin = (pid, core) => execFileSync('taskset', ['-a', '-c', '-p', String(core), String(pid)]);
 
-const kilobytes = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'utf8').match(/VmRSS:\s+(\d+)/)[1]);
-
 /** So many listen while `start` has the process speak. */
 async function listen({ pid, port, count, address, start, record = [] }) {
-  const before = kilobytes(pid);
+  const before = kilobytesOf(pid);
   const child = spawn('taskset', ['-c', '1', program('bench_listeners'), String(port), address, String(count), ...record], { stdio: ['pipe', 'pipe', 'inherit'] });
   const ended = once(child, 'exit');
   const lines = readline.createInterface(child.stdout)[Symbol.asyncIterator]();
@@ -33,7 +31,7 @@ async function listen({ pid, port, count, address, start, record = [] }) {
     return value;
   };
   await line();
-  const memory = (kilobytes(pid) - before) / count;
+  const memory = (kilobytesOf(pid) - before) / count;
   const used = cpuOf(pid);
   await start();
   const heard = JSON.parse(await line());

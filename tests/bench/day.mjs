@@ -3,11 +3,10 @@
 // POST /v1/speech in all formats, some of them left by the client before their end, and beside them sockets that come, speak, idle,
 // change their mood, stop, and go. No sentence is said twice, so a small cache turns over all the time.
 // Usage: node tests/bench/day.mjs [--hours 24] [--minutes 10] (it ends after so many minutes, however much was said by then)
-import fs from 'node:fs';
 import { parseArgs } from 'node:util';
 import WebSocket from 'ws';
 import { Daemon } from '../lib/daemon.mjs';
-import { childrenOf } from './figures.mjs';
+import { childrenOf, kilobytesOf } from './figures.mjs';
 import { varied } from './text.mjs';
 
 const { values: options } = parseArgs({ options: { hours: { type: 'string', default: '24' }, minutes: { type: 'string', default: '10' } } });
@@ -74,14 +73,13 @@ const repeat = async (act) => {
   while (!over) await act();
 };
 
-const kilobytes = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'latin1').match(/VmRSS:\s+(\d+)/)[1]);
 const workers = new Set(childrenOf(daemon.process.pid));
 const began = workers.size;
 /** A worker that ended meanwhile has been replaced; the log says why. */
 function memory() {
   const voices = childrenOf(daemon.process.pid);
   voices.forEach((pid) => workers.add(pid));
-  return { daemon: kilobytes(daemon.process.pid), voices: voices.reduce((sum, pid) => sum + kilobytes(pid), 0) };
+  return { daemon: kilobytesOf(daemon.process.pid), voices: voices.reduce((sum, pid) => sum + kilobytesOf(pid), 0) };
 }
 
 /** Speech that was made so far, as the daemon counts it. */

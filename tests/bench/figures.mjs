@@ -10,34 +10,26 @@ export const median = (values) => {
 
 export const quantile = (values, q) => [...values].sort((a, b) => a - b)[Math.min(values.length - 1, Math.floor(q * values.length))];
 
-const statOf = (pid) => {
-  const stat = fs.readFileSync(`/proc/${pid}/stat`, 'latin1');
-  return stat.slice(stat.lastIndexOf(')') + 2).split(' ');
-};
+/** What runs: the number of each process, its parent's, and the CPU seconds that it has used, to a hundredth. */
+export const processes = () => fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name)).flatMap((name) => {
+  try {
+    const stat = fs.readFileSync(`/proc/${name}/stat`, 'latin1');
+    const fields = stat.slice(stat.lastIndexOf(')') + 2).split(' ');
+    return [{ pid: Number(name), parent: Number(fields[1]), seconds: (Number(fields[11]) + Number(fields[12])) / 100 }];
+  } catch {
+    return []; // it has ended meanwhile
+  }
+});
 
 /** CPU seconds that a process and its children that still run have used, to a hundredth. */
-export function cpuSeconds(pid) {
-  let sum = 0;
-  for (const name of fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name))) {
-    try {
-      const fields = statOf(name);
-      if (name === String(pid) || fields[1] === String(pid)) sum += (Number(fields[11]) + Number(fields[12])) / 100;
-    } catch {
-      // it has ended meanwhile
-    }
-  }
-  return sum;
-}
+export const cpuSeconds = (pid) => processes().filter((p) => p.pid === pid || p.parent === pid).reduce((sum, p) => sum + p.seconds, 0);
 
 /** CPU seconds of a process, of all its threads, by the scheduler's own account. */
 export const cpuOf = (pid) => fs.readdirSync(`/proc/${pid}/task`)
   .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'latin1').split(' ')[0]) / 1e9, 0);
 
 /** The processes that a process has started and that still run. */
-export const childrenOf = (pid) => fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name)).filter((name) => {
-  try {
-    return statOf(name)[1] === String(pid);
-  } catch {
-    return false; // it has ended meanwhile
-  }
-}).map(Number);
+export const childrenOf = (pid) => processes().filter((p) => p.parent === pid).map((p) => p.pid);
+
+/** Memory of a process that is not swapped out, kB. */
+export const kilobytesOf = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'latin1').match(/VmRSS:\s+(\d+)/)[1]);

@@ -1,17 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What idle faces cost the daemon: node tests/bench/idle.mjs [STREAMS]
-import fs from 'node:fs';
 import WebSocket from 'ws';
 import { Daemon } from '../lib/daemon.mjs';
-import { cpuSeconds } from './figures.mjs';
+import { cpuSeconds, kilobytesOf } from './figures.mjs';
 
 const SECONDS = 10;
 const streams = Number(process.argv[2] ?? 1000);
 const daemon = await Daemon.start(['--max-connections', String(streams + 10)]);
-const kilobytes = () => Number(fs.readFileSync(`/proc/${daemon.process.pid}/status`, 'utf8').match(/VmRSS:\s+(\d+)/)[1]);
 const sleep = (seconds) => new Promise((resolve) => setTimeout(resolve, 1000 * seconds));
 
-const before = kilobytes();
+const before = kilobytesOf(daemon.process.pid);
 const sockets = [];
 let [chunks, bytes] = [0, 0];
 for (let i = 0; i < streams; i++) {
@@ -32,6 +30,6 @@ const took = (performance.now() - started) / 1000;
 const share = (cpuSeconds(daemon.process.pid) - cpu) / took;
 console.log(`${streams} idle streams: ${(100 * share).toFixed(1)} % of a core, ${((1e6 * share) / streams).toFixed(0)} us a second each`);
 console.log(`${((chunks - sent) / took / streams).toFixed(2)} chunks a second each, ${((bytes - size) / (chunks - sent)).toFixed(0)} bytes a chunk`);
-console.log(`${((kilobytes() - before) / streams).toFixed(1)} kB of memory each`);
+console.log(`${((kilobytesOf(daemon.process.pid) - before) / streams).toFixed(1)} kB of memory each`);
 for (const socket of sockets) socket.terminate();
 await daemon.stop();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A recording whose picture and sound both tell the time: the jaw opens and closes evenly, and a click sounds whenever it
 // begins to open. And what reads it off the page: the pixels of what was drawn, the samples of what is played.
+import { wavOf } from '../lib/wav.mjs';
 
 export const PERIOD = 1; // seconds from click to click
 const JAW_MOST = 800;
@@ -35,15 +36,7 @@ export function wav(seconds) {
   const samples = new Int16Array(seconds * RATE);
   for (let click = 0; click < seconds; click += PERIOD)
     for (let i = 0; i < 48; i++) samples[click * RATE + i] = 20000 * (i % 12 < 6 ? 1 : -1);
-  const header = Buffer.alloc(44);
-  header.write('RIFF', 0);
-  header.writeUInt32LE(36 + samples.byteLength, 4);
-  header.write('WAVEfmt ', 8);
-  for (const [at, value, size] of [[16, 16, 4], [20, 1, 2], [22, 1, 2], [24, RATE, 4], [28, 2 * RATE, 4], [32, 2, 2], [34, 16, 2]])
-    header.writeUIntLE(value, at, size);
-  header.write('data', 36);
-  header.writeUInt32LE(samples.byteLength, 40);
-  return Buffer.concat([header, Buffer.from(samples.buffer)]);
+  return wavOf(samples, RATE);
 }
 
 /**

@@ -1,24 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How much of the machine other programs take during a measurement: what is not used by this process and what it started.
 import fs from 'node:fs';
+import { processes } from './figures.mjs';
 
 const STEP_MS = 500;
 const HZ = 100; // of the times in /proc
 
 /** Processor ticks that this process and all that come from it have used. */
 function own() {
-  const processes = new Map();
-  for (const pid of fs.readdirSync('/proc').filter((name) => /^\d+$/.test(name))) {
-    try {
-      const stat = fs.readFileSync(`/proc/${pid}/stat`, 'latin1');
-      const fields = stat.slice(stat.lastIndexOf(')') + 2).split(' ');
-      processes.set(Number(pid), { parent: Number(fields[1]), ticks: Number(fields[11]) + Number(fields[12]) });
-    } catch {
-      // it has ended meanwhile
-    }
-  }
-  const ours = (pid) => pid === process.pid || (processes.has(pid) && ours(processes.get(pid).parent));
-  return [...processes].reduce((sum, [pid, { ticks }]) => (ours(pid) ? sum + ticks : sum), 0);
+  const all = new Map(processes().map((p) => [p.pid, p]));
+  const ours = (pid) => pid === process.pid || (all.has(pid) && ours(all.get(pid).parent));
+  return [...all.values()].reduce((sum, { pid, seconds }) => (ours(pid) ? sum + HZ * seconds : sum), 0);
 }
 
 /** Ticks that anybody has used, also other machines on the same processors. */

@@ -4,14 +4,13 @@
 // play time, then bisected. The hearers share the cores: their CPU is said, too. Before: ninja -C build tests/bench/bench_speakers
 // Usage: node tests/bench/speakers.mjs [--workers N] [--seconds S] [--query '&audio=none'] [N]... (N: only these; default: search from 50)
 import { spawn } from 'node:child_process';
-import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { once } from 'node:events';
 import readline from 'node:readline';
 import { parseArgs } from 'node:util';
 import { build, Daemon } from '../lib/daemon.mjs';
-import { cpuOf, childrenOf } from './figures.mjs';
+import { cpuOf, childrenOf, kilobytesOf } from './figures.mjs';
 import { varied } from './text.mjs';
 
 const { values: options, positionals } = parseArgs({
@@ -28,7 +27,7 @@ const LENGTH = 13 * (SPREAD + WARM + SECONDS + 25);
 async function speak(count) {
   const daemon = await Daemon.start(['--max-connections', String(count + 10), '--workers', options.workers]);
   const parts = { daemon: [daemon.process.pid], voices: childrenOf(daemon.process.pid) };
-  const before = memory(daemon.process.pid);
+  const before = kilobytesOf(daemon.process.pid);
   const args = [daemon.port, count, SPREAD, WARM, SECONDS, `/v1/stream?lang=it${options.query}`].map(String);
   const child = spawn(path.join(build, 'tests/bench/bench_speakers'), args, { stdio: ['pipe', 'pipe', 'inherit'] });
   const ended = once(child, 'exit');
@@ -41,7 +40,7 @@ async function speak(count) {
       heard = JSON.parse(line);
       heard.cpu = used();
       for (const name in heard.cpu) heard.cpu[name] -= from[name];
-      kilobytes = memory(daemon.process.pid) - before;
+      kilobytes = kilobytesOf(daemon.process.pid) - before;
       child.stdin.end();
       continue;
     }
@@ -56,8 +55,6 @@ async function speak(count) {
     ...[heard.p50, heard.p99, heard.first50, heard.first99].map((ms) => ms.toFixed(1).padStart(9)), (kilobytes / count).toFixed(0).padStart(9)].join(' '));
   return heard;
 }
-
-const memory = (pid) => Number(fs.readFileSync(`/proc/${pid}/status`, 'utf8').match(/VmRSS:\s+(\d+)/)[1]);
 
 console.log(`${os.cpus().length} cores (${os.cpus()[0].model}); speech of ${SECONDS} s measured, ${SPREAD} s for all to begin`);
 console.log('ms of CPU for each second of speech: daemon, voices, hearers; ms from when a chunk may leave until it is there, and from the request to the first media; kB of the daemon for each');

@@ -11,6 +11,7 @@ import { errors } from '../lib/boundaries.mjs';
 import { build, Daemon } from '../lib/daemon.mjs';
 import { checkOrder, largestStep, phones, say, words } from '../lib/speech.mjs';
 import { austen, manzoni } from '../lib/texts.mjs';
+import { wavOf } from '../lib/wav.mjs';
 
 // What takes minutes with the sanitizers is done with the ordinary build, which lies around the models.
 const ordinary = process.env.FACCIA_MODELS ? path.dirname(process.env.FACCIA_MODELS) : build;
@@ -27,14 +28,7 @@ const run = (args, from = build, env = {}) => {
   return { status, stdout: String(stdout), stderr: String(stderr) };
 };
 /** A sound file of samples. */
-const wav = (name, pcm, rate) => {
-  const header = Buffer.alloc(44);
-  header.write('RIFF    WAVEfmt ');
-  [[4, pcm.length * 2 + 36], [16, 16], [24, rate], [28, rate * 2], [40, pcm.length * 2]].forEach(([at, value]) => header.writeUInt32LE(value, at));
-  [[20, 1], [22, 1], [32, 2], [34, 16]].forEach(([at, value]) => header.writeUInt16LE(value, at));
-  header.write('data', 36);
-  return write(name, Buffer.concat([header, Buffer.from(pcm.buffer, pcm.byteOffset, pcm.length * 2)]));
-};
+const wav = (name, pcm, rate) => write(name, wavOf(pcm, rate));
 const align = (sound, text, { lang = 'it', from = build, more = [] } = {}) => {
   const result = run(['align', sound, '--text', write('transcript.txt', text), '-l', lang, '--json', file('out.json'), ...more], from);
   return result.status === 0 ? { ...result, json: JSON.parse(fs.readFileSync(file('out.json'))) } : result;

@@ -7,30 +7,15 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { build, Daemon } from '../lib/daemon.mjs';
+import { wavOf } from '../lib/wav.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const plugins = path.join(folder, 'plugins');
 const sounds = path.join(folder, 'sounds');
 
 /** A mono WAV file with a tone. */
-function tone(file, rate, seconds) {
-  const count = Math.round(rate * seconds);
-  const wav = Buffer.alloc(44 + 2 * count);
-  wav.write('RIFF', 0).toString();
-  wav.writeUInt32LE(36 + 2 * count, 4);
-  wav.write('WAVEfmt ', 8);
-  wav.writeUInt32LE(16, 16);
-  wav.writeUInt16LE(1, 20);
-  wav.writeUInt16LE(1, 22);
-  wav.writeUInt32LE(rate, 24);
-  wav.writeUInt32LE(2 * rate, 28);
-  wav.writeUInt16LE(2, 32);
-  wav.writeUInt16LE(16, 34);
-  wav.write('data', 36);
-  wav.writeUInt32LE(2 * count, 40);
-  for (let i = 0; i < count; i++) wav.writeInt16LE(Math.round(8000 * Math.sin((2 * Math.PI * 700 * i) / rate)), 44 + 2 * i);
-  fs.writeFileSync(file, wav);
-}
+const tone = (file, rate, seconds) =>
+  fs.writeFileSync(file, wavOf(Int16Array.from({ length: Math.round(rate * seconds) }, (_, i) => Math.round(8000 * Math.sin((2 * Math.PI * 700 * i) / rate))), rate));
 
 before(() => {
   fs.mkdirSync(plugins);

@@ -9,6 +9,7 @@ import { after, before, test } from 'node:test';
 import { build, Daemon } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 import { violations } from '../lib/schema.mjs';
+import { wavOf } from '../lib/wav.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-play-'));
 const media = path.join(folder, 'media');
@@ -22,17 +23,8 @@ const fap = (frames, fps = 25, value = (k) => k) => {
 };
 
 /** Sound of so many samples: the number of each, on both channels. */
-const wav = (samples, rate = 16000, channels = 2) => {
-  const header = Buffer.alloc(44);
-  header.write('RIFF', 0).toString();
-  header.writeUInt32LE(36 + samples * channels * 2, 4);
-  header.write('WAVEfmt ', 8);
-  [[16, 16, 4], [20, 1, 2], [22, channels, 2], [24, rate, 4], [28, rate * channels * 2, 4], [32, channels * 2, 2], [34, 16, 2]].forEach(([at, value, size]) =>
-    header.writeUIntLE(value, at, size));
-  header.write('data', 36);
-  header.writeUInt32LE(samples * channels * 2, 40);
-  return Buffer.concat([header, Buffer.from(Int16Array.from({ length: samples * channels }, (_, i) => Math.floor(i / channels) % 30000).buffer)]);
-};
+const wav = (samples, rate = 16000, channels = 2) =>
+  wavOf(Int16Array.from({ length: samples * channels }, (_, i) => Math.floor(i / channels) % 30000), rate, channels);
 
 let daemon;
 before(async () => {
