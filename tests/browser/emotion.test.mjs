@@ -124,13 +124,25 @@ test('the mixture is shown as markup that the server takes without a warning', a
 });
 
 test('the values of the face are shown while she speaks in that mood', async () => {
-  await page.evaluate(() => (document.querySelector('#faps-box').open = true));
   await page.selectOption('#affect', 'joy');
-  await page.fill('#text', 'La mamma parla piano.');
+  await page.fill('#text', 'La mamma parla piano, e la nonna ascolta la radio in cucina.');
+  // Kept in the page: a look from here now and then can miss what is shown for a second.
+  await page.evaluate(() => {
+    const head = document.querySelector('talking-head');
+    const body = document.querySelector('#faps tbody');
+    window.ended = false;
+    window.most = {};
+    head.addEventListener('end', () => (window.ended = true), { once: true });
+    new MutationObserver(() => {
+      for (const { cells } of head.debug().running ? body.rows : [])
+        window.most[cells[1].textContent] = Math.max(window.most[cells[1].textContent] ?? 0, Number(cells[2].textContent));
+    }).observe(body, { childList: true });
+    document.querySelector('#faps-box').open = true;
+  });
   await page.click('#speak');
-  await page.waitForFunction(() => document.querySelector('talking-head').debug().running, null, { timeout: 20000 });
-  await page.waitForFunction(() => [...document.querySelectorAll('#faps tbody tr')].some((row) => row.cells[1].textContent === 'open_jaw' && Number(row.cells[2].textContent) > 100), null, { timeout: 20000 });
-  await page.waitForFunction(() => document.querySelector('talking-head').debug().state === 'idle', null, { timeout: 20000 });
+  await page.waitForFunction(() => window.ended, null, { timeout: 20000 });
+  const { open_jaw: jaw, stretch_l_cornerlip: smile } = await page.evaluate(() => window.most);
+  assert.ok(jaw > 100 && smile > 50, `open_jaw ${jaw}, stretch_l_cornerlip ${smile}`);
 });
 
 test('from idling to speech and back the face as drawn takes no jump', async () => {

@@ -95,6 +95,19 @@ test('what a page that was busy or hidden has not seen end teaches nothing', () 
   assert.ok(Math.abs(pace.ahead(world.now + 0) - 45) <= 2);
 });
 
+test('a picture whose end is never told holds the next one up for a second, not for ever', () => {
+  const { world, pace } = slow();
+  for (let i = 0; i < 5; i++) world.picture(45);
+  world.draw(Infinity);
+  world.until(world.now + 900);
+  assert.equal(pace.busy, true);
+  world.until(world.now + 200);
+  assert.equal(pace.busy, false);
+  assert.equal(world.timers.length, 0, 'nobody asks any more');
+  pace.tick(world.now);
+  assert.ok(Math.abs(pace.ahead(world.now) - 45) <= 2, 'it teaches nothing');
+});
+
 test('the beat is that of the display', () => {
   const { world, pace } = slow();
   for (let now = 0; now < 3000; now += 1000 / 75) pace.tick((world.now = now));

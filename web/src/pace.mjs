@@ -2,6 +2,7 @@
 
 const POLL_MS = 4; // as often as browsers let a timer come back
 const SURE_MS = 24; // a picture whose end is known less well teaches nothing: the page was busy, or hidden
+const GIVEN_UP_MS = 1000; // a picture of which no end is seen: a context that was lost and restored never tells it
 const KEPT = 5; // pictures that the next one is judged by
 const SMOOTHING = 0.05;
 
@@ -59,8 +60,9 @@ export class Pace {
     let asked = begun;
     const ask = () => {
       const now = clock();
-      if (picture.done()) {
-        if (now - asked <= SURE_MS) this.taken[kind] = [...this.taken[kind], (asked + now) / 2 - begun].slice(-KEPT);
+      const done = picture.done();
+      if (done && now - asked <= SURE_MS) this.taken[kind] = [...this.taken[kind], (asked + now) / 2 - begun].slice(-KEPT);
+      if (done || now - begun > GIVEN_UP_MS) {
         if (this.picture === picture) this.picture = null;
         return;
       }
