@@ -70,12 +70,12 @@ const struct setting settings_table[] = {
     {"log.format", "log", SETTING_CHOICE, MEMBER(log), 0, 0, "text", "text|json", "how log lines look"},
     {"paths.models", "models", SETTING_STRING, MEMBER(models), 0, 0, NULL, "DIR", "heads and language packs"},
     {"paths.web", "web", SETTING_STRING, MEMBER(web), 0, 0, NULL, "DIR", "the page and its scripts"},
-    {"paths.media", "media", SETTING_STRING, MEMBER(media), 0, 0, NULL, "DIR",
+    {"paths.media", "media", SETTING_FOLDER, MEMBER(media), 0, 0, NULL, "DIR",
      "recordings that may be played: .fap files with their sound"},
     {"paths.plugins", "plugins", SETTING_STRING, MEMBER(plugins), 0, 0, NULL, "DIR", "voice plugins"},
     {"paths.worker", "worker", SETTING_STRING, MEMBER(worker), 0, 0, NULL, "FILE",
      "the program that runs them"},
-    {"paths.audio", "audio", SETTING_STRING, MEMBER(audio), 0, 0, NULL, "DIR",
+    {"paths.audio", "audio", SETTING_FOLDER, MEMBER(audio), 0, 0, NULL, "DIR",
      "sound files that texts may name (SSML's audio)"},
 };
 const size_t settings_count = sizeof settings_table / sizeof *settings_table;

@@ -12,6 +12,7 @@ struct setting {
     const char *option; /* "max-text" */
     enum {
         SETTING_STRING,
+        SETTING_FOLDER, /* one that is there */
         SETTING_NUMBER, /* whole */
         SETTING_REAL,
         SETTING_FLAG,

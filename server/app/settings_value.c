@@ -4,6 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static void *place(const struct settings *s, const struct setting *setting) {
     return (char *)s + setting->offset;
@@ -11,7 +12,8 @@ static void *place(const struct settings *s, const struct setting *setting) {
 
 void setting_clear(struct settings *s, const struct setting *setting) {
     void *at = place(s, setting);
-    if (setting->type == SETTING_STRING || setting->type == SETTING_CHOICE) {
+    if (setting->type == SETTING_STRING || setting->type == SETTING_FOLDER ||
+        setting->type == SETTING_CHOICE) {
         free(*(char **)at);
         *(char **)at = NULL;
     } else if (setting->type == SETTING_LIST) {
@@ -55,6 +57,11 @@ static bool is_choice(const char *words, const char *text) {
     return false;
 }
 
+static bool is_folder(const char *path) {
+    struct stat status;
+    return !stat(path, &status) && S_ISDIR(status.st_mode);
+}
+
 static int check_object(const json_t *object, const char *name, struct error *e) {
     const char *key;
     json_t *value;
@@ -90,6 +97,9 @@ int setting_from_text(struct settings *s, const struct setting *setting, const c
             return error_in_field(e, "bad-field", name, "'%s' is not one of %s", text, setting->shape);
         /* fall through */
     case SETTING_STRING:
+    case SETTING_FOLDER:
+        if (setting->type == SETTING_FOLDER && !is_folder(text))
+            return error_in_field(e, "bad-field", name, "'%s' is not a folder", text);
         free(*(char **)at);
         *(char **)at = mem_strdup(text);
         return 0;
@@ -128,6 +138,7 @@ static int set_from_json(struct settings *s, const struct setting *setting, cons
     json_t *item;
     switch (setting->type) {
     case SETTING_STRING:
+    case SETTING_FOLDER:
     case SETTING_CHOICE:
         if (!json_is_string(value))
             return error_in_field(e, "bad-field", name, "must be a string");
@@ -197,6 +208,7 @@ static json_t *to_json(const struct settings *s, const struct setting *setting) 
     json_t *list;
     switch (setting->type) {
     case SETTING_STRING:
+    case SETTING_FOLDER:
     case SETTING_CHOICE:
         return *(char **)at ? json_string(*(char **)at) : json_null();
     case SETTING_NUMBER:

@@ -148,7 +148,7 @@ const char *post_markup(struct exchange *x, int *result);
 /* A recording of the folder of those. -1 with *e: "unknown-media" when there is no such folder, or as
  * reel_source_in. */
 int media_source(const struct net *net, struct reel_source *source, const char *name, struct error *e);
-json_t *message_media(const struct net *net);
+int media_get(struct exchange *x); /* GET /v1/media */
 
 int play_post(struct exchange *x); /* play_post.c: POST /v1/play?room= */
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The folder of recordings: what is in it. */
+#include "server/base/mem.h"
 #include "server/net/internal.h"
+#include <stdlib.h>
 
 int media_source(const struct net *net, struct reel_source *source, const char *name, struct error *e) {
     source->fap_bytes_max = net->options.play_bytes;
@@ -9,13 +11,58 @@ int media_source(const struct net *net, struct reel_source *source, const char *
     return reel_source_in(source, net->options.media, name, e);
 }
 
+/* The folder, which may be large and far away, is read in another thread. The list belongs to the exchange,
+ * and to that thread until it is done. */
+struct listing {
+    uv_work_t work;
+    struct exchange *x; /* NULL: its client is gone */
+    char *folder;
+    json_t *list;
+    bool done;
+};
+
 static void add(void *list, const char *name, bool sound) {
     json_array_append_new(list, json_pack("{ss sb}", "name", name, "sound", sound));
 }
 
-json_t *message_media(const struct net *net) {
-    json_t *list = json_array();
-    if (net->options.media)
-        reel_list(net->options.media, add, list);
-    return list;
+static void work(uv_work_t *work) {
+    struct listing *l = work->data;
+    reel_list(l->folder, add, l->list);
+}
+
+static void free_listing(struct listing *l) {
+    json_decref(l->list);
+    free(l->folder);
+    free(l);
+}
+
+static void after(uv_work_t *work, int status) {
+    struct listing *l = work->data;
+    (void)status; /* cancelled only when the client is gone */
+    l->done = true;
+    if (l->x)
+        exchange_json(l->x, 200, json_pack("{sO}", "media", l->list));
+    else
+        free_listing(l);
+}
+
+static void leave(void *self) {
+    struct listing *l = self;
+    l->x = NULL;
+    if (l->done)
+        free_listing(l);
+    else
+        uv_cancel((uv_req_t *)&l->work);
+}
+
+int media_get(struct exchange *x) {
+    struct net *net = exchange_net(x);
+    if (!net->options.media)
+        return exchange_json(x, 200, json_pack("{s[]}", "media"));
+    struct listing *l = mem_alloc(sizeof *l);
+    *l = (struct listing){.x = x, .folder = mem_strdup(net->options.media), .list = json_array()};
+    l->work.data = l;
+    exchange_set_work(x, (struct exchange_work){.free = leave, .self = l});
+    uv_queue_work(net->studio->loop, &l->work, work, after);
+    return 0;
 }

@@ -14,10 +14,6 @@ static json_t *rooms(const struct net *net) {
     return json_pack("{so}", "rooms", message_rooms(net));
 }
 
-static json_t *media(const struct net *net) {
-    return json_pack("{so}", "media", message_media(net));
-}
-
 static json_t *expressions(const struct net *net) {
     return json_pack("{so}", "expressions", message_expressions(net));
 }
@@ -44,7 +40,7 @@ static const struct route {
     {"/v1/speech", NULL, speech_post, NULL, RIGHT_SPEAK},
     {"/v1/expressions", expressions, NULL, NULL, 0},
     {"/v1/rooms", rooms, NULL, NULL, RIGHT_LISTEN},
-    {"/v1/media", media, NULL, NULL, RIGHT_SPEAK},
+    {"/v1/media", NULL, NULL, media_get, RIGHT_SPEAK},
     {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN},
     {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK},
     {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK},

@@ -30,6 +30,7 @@ const refusals = [
   [['--lang', 'xx', '--port', '0'], 1, /no language 'xx'/],
   [['--models', '/nowhere', '--port', '0'], 1, /\/nowhere/],
   [['--plugins', '/nowhere', '--port', '0'], 1, /\/nowhere/],
+  [['--media', '/nowhere'], 2, /--media: '\/nowhere' is not a folder/],
   [['--nonsense'], 2, /facciad --help/],
   [['extra'], 2, /unexpected 'extra'/],
 ];

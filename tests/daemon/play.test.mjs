@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
+import net from 'node:net';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
@@ -134,6 +135,20 @@ test('the folder is listed, by the names that can be played', async () => {
   const { media: list } = await (await daemon.get('/v1/media')).json();
   const names = ['bad', 'both', 'fast', 'high', 'large', 'mute', 'noise', 'visemes'];
   assert.deepEqual(list, names.map((name) => ({ name, sound: ['both', 'noise'].includes(name) })));
+  const head = await daemon.get('/v1/media', { method: 'HEAD' });
+  assert.equal(head.status, 200);
+  assert.equal(await head.text(), '');
+});
+
+test('who asks for the list and does not stay for it costs nothing', async () => {
+  const { hostname, port } = new URL(daemon.url);
+  const gone = Array.from({ length: 200 }, () => new Promise((resolve) => {
+    const socket = net.connect(Number(port), hostname, () => socket.write('GET /v1/media HTTP/1.1\r\nHost: x\r\n\r\n', () => socket.resetAndDestroy()));
+    socket.on('close', resolve).on('error', () => {});
+  }));
+  await Promise.all(gone);
+  const lists = await Promise.all(Array.from({ length: 20 }, async () => (await daemon.get('/v1/media')).json()));
+  assert.ok(lists.every(({ media: list }) => list.length === 8));
 });
 
 test('visemes and expressions of a recording (FAP 1 and 2) come as they are', async () => {
