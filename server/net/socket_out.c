@@ -14,6 +14,25 @@ void socket_dismiss(struct socket *s, enum lws_close_status status, const char *
     lws_callback_on_writable(s->wsi);
 }
 
+/* -1: the connection is broken. */
+static int transmit(struct socket *s, struct parcel *parcel) {
+    s->progress = uv_now(s->net->studio->loop);
+    metrics_add(s->net->studio->metrics, METRIC_SENT_BYTES, (double)parcel->size);
+    return lws_write(s->wsi, parcel_body(parcel), parcel->size, parcel->type) < 0 ? -1 : 0;
+}
+
+/* At once, when nothing is before it and the connection takes it: to wait for the callback costs more than
+ * the sending. false: it has to wait. */
+static bool transmit_now(struct socket *s, struct parcel *parcel) {
+    if (!outbox_empty(&s->outbox) || s->doomed || s->closing || s->broken || lws_send_pipe_choked(s->wsi))
+        return false;
+    if (transmit(s, parcel)) {
+        s->broken = true;
+        lws_callback_on_writable(s->wsi); /* there it can be closed */
+    }
+    return true;
+}
+
 static void enqueue(struct socket *s, struct parcel *parcel) {
     const struct net_options *options = &s->net->options;
     if (outbox_empty(&s->outbox))
@@ -72,6 +91,8 @@ void socket_deliver(struct follower *f, struct parcel *parcel) {
     const struct net_options *options = &s->net->options;
     bool full = s->outbox.unsent > options->send_bytes ||
                 outbox_age(&s->outbox, parcel->born) > (uint64_t)options->lag_seconds * 1000;
+    if (!s->plain && transmit_now(s, parcel))
+        return;
     if (!parcel->media || !full || !channel_is_room(f->channel)) {
         push(s, parcel);
         return;
@@ -102,6 +123,8 @@ static int say_goodbye(struct socket *s) {
 int socket_writeable(struct socket *s) {
     if (s->closing)
         return 0;
+    if (s->broken)
+        return -1;
     if (s->probe == PROBE_DUE)
         return socket_ping(s);
     /* he who is too slow gets nothing more; others get what is on its way */
@@ -112,8 +135,7 @@ int socket_writeable(struct socket *s) {
     struct parcel *parcel = outbox_pop(&s->outbox);
     if (!parcel)
         return 0;
-    int sent = lws_write(s->wsi, parcel_body(parcel), parcel->size, parcel->type);
-    metrics_add(s->net->studio->metrics, METRIC_SENT_BYTES, (double)parcel->size);
+    int sent = transmit(s, parcel);
     parcel_release(parcel);
     if (sent < 0)
         return -1;
@@ -125,7 +147,6 @@ int socket_writeable(struct socket *s) {
         s->follower.lagging = false;
         channel_resume(&s->follower);
     }
-    s->progress = uv_now(s->net->studio->loop);
     if (outbox_empty(&s->outbox) && s->model)
         socket_push_model_part(s);
     if (!outbox_empty(&s->outbox) || s->doomed)

@@ -24,7 +24,7 @@ struct socket {
     bool deaf;          /* hears no more of one who does not listen, until he does */
     const char *doomed; /* why the connection is to be closed */
     enum lws_close_status doom;
-    bool closing;
+    bool closing, broken;
     const struct model *model; /* being sent, part by part */
     size_t model_part;
 };

@@ -42,6 +42,16 @@ async function room(daemon, name) {
   };
 }
 
+/** Waits until only the two of the hall are in it. */
+async function left(daemon) {
+  let rooms;
+  for (let i = 0; i < 200 && rooms?.[0].followers !== 2; i++) {
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    ({ rooms } = await (await daemon.get('/v1/rooms')).json());
+  }
+  assert.deepEqual(rooms, [{ name: 'hall', followers: 2, speaks: true }]);
+}
+
 test('one in a room who reads nothing is let go, with the reason in the log', async (t) => {
   const daemon = await start(t, '--stall-seconds', '2');
   const { speaker, done } = await room(daemon, 'hall');
@@ -52,12 +62,7 @@ test('one in a room who reads nothing is let go, with the reason in the log', as
   await daemon.logged(/s4 takes nothing: closed \(too-slow\)/);
   await daemon.logged(/an HTTP client takes nothing: closed \(too-slow\)/, 60000);
   // bytes that libwebsockets still holds may delay a closing
-  let rooms;
-  for (let i = 0; i < 200 && rooms?.[0].followers !== 2; i++) {
-    await new Promise((resolve) => setTimeout(resolve, 50));
-    ({ rooms } = await (await daemon.get('/v1/rooms')).json());
-  }
-  assert.deepEqual(rooms, [{ name: 'hall', followers: 2, speaks: true }]);
+  await left(daemon);
   assert.match(await (await daemon.get('/metrics')).text(), /^faccia_too_slow_total 3$/m);
   await done();
 });
@@ -117,4 +122,21 @@ test('one that answers no ping is let go; one that says nothing but answers stay
   quiet.send({ type: 'ping', id: 'p' });
   await quiet.wait({ type: 'pong', id: 'p' });
   await quiet.close();
+});
+
+test('those who are cut off while they listen cost the others nothing', async (t) => {
+  const daemon = await start(t);
+  const { speaker, done } = await room(daemon, 'hall');
+  speaker.send({ type: 'speak', text });
+  for (let round = 0; round < 10; round++) {
+    const crowd = await Promise.all(Array.from({ length: 10 }, () => daemon.stream('?room=hall')));
+    const chunks = speaker.chunks.length;
+    await speaker.until(() => speaker.chunks.length > chunks); // so that they are written to
+    daemon.process.kill('SIGSTOP'); // when it goes on, it writes before it hears that they are gone
+    for (const stream of crowd) stream.socket._socket.resetAndDestroy();
+    await new Promise((resolve) => setTimeout(resolve, 200));
+    daemon.process.kill('SIGCONT');
+  }
+  await left(daemon);
+  await done();
 });
