@@ -35,6 +35,35 @@ static int load_readings(struct cli *cli, struct error *e) {
     return readings_load(&cli->readings, path, e);
 }
 
+/* The daemon's settings of voices that concern a single text, from the environment as there. */
+static int read_environment(struct voice_pool_options *options, struct error *e) {
+    double megabytes = 0;
+    const struct {
+        const char *name;
+        double *value, least, most;
+    } limits[] = {
+        {"FACCIA_DEADLINE_BASE", &options->deadline_base, 0.1, 3600},
+        {"FACCIA_DEADLINE_PER_BYTE", &options->deadline_per_byte, 0, 10},
+        {"FACCIA_DEADLINE_MOST", &options->deadline_most, 1, 1000},
+        {"FACCIA_WORKER_PROCESSOR", &options->processor, 0.01, 1000},
+        {"FACCIA_WORKER_MEMORY", &megabytes, 64, 1048576},
+    };
+    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
+        const char *text = getenv(limits[i].name);
+        char *end;
+        if (!text || !*text)
+            continue;
+        *limits[i].value = strtod(text, &end);
+        if (*end || !(*limits[i].value >= limits[i].least && *limits[i].value <= limits[i].most))
+            return error_in_field(e, "bad-field", limits[i].name, "'%s' is not a number from %.12g to %.12g",
+                                  text, limits[i].least, limits[i].most);
+    }
+    const char *sandbox = getenv("FACCIA_SANDBOX");
+    options->unconfined = sandbox && !strcmp(sandbox, "off");
+    options->megabytes = (unsigned)megabytes;
+    return 0;
+}
+
 int cli_open(struct cli *cli) {
     struct error e;
     char text[400];
@@ -45,14 +74,12 @@ int cli_open(struct cli *cli) {
     cli->studio = (struct studio){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
     struct voice_pool_options options = {
         .worker = cli->paths.worker, .plugin_dir = cli->paths.plugins, .quiet = true};
-    const char *sandbox = getenv("FACCIA_SANDBOX"); /* the daemon's setting */
-    options.unconfined = sandbox && !strcmp(sandbox, "off");
-    bool configured = *cli->paths.voice_config;
-    char *config = configured ? voice_config_read(cli->paths.voice_config, &e) : NULL;
+    bool fit = !read_environment(&options, &e), configured = *cli->paths.voice_config;
+    char *config = fit && configured ? voice_config_read(cli->paths.voice_config, &e) : NULL;
     options.config = config;
     snprintf(text, sizeof text, "%s/speech", cli->paths.models);
-    if ((configured && !config) || speech_packs_load(&cli->packs, text, &e) || load_expressions(cli, &e) ||
-        load_readings(cli, &e) ||
+    if (!fit || (configured && !config) || speech_packs_load(&cli->packs, text, &e) ||
+        load_expressions(cli, &e) || load_readings(cli, &e) ||
         !(cli->studio.voices = voice_pool_open(&cli->loop, &options, on_ready, &ready, &e))) {
         cli_complain("%s", error_text(&e, text, sizeof text));
         free(config);

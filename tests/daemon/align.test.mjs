@@ -265,8 +265,9 @@ test('times from files, with the words found in the sound', () => {
 });
 
 // However slow the machine is, it has the time that it takes.
-const patience = ['--deadline-base', '300'];
-const library = (name, config = {}) => ({ FACCIA_VOICE_CONFIG: write(`${name}.json`, JSON.stringify({ recording: { folder: file(name), seconds: 300, ...config } })) });
+const PATIENCE = '300';
+const patience = ['--deadline-base', PATIENCE];
+const library = (name, config = {}) => ({ FACCIA_DEADLINE_BASE: PATIENCE, FACCIA_VOICE_CONFIG: write(`${name}.json`, JSON.stringify({ recording: { folder: file(name), seconds: 300, ...config } })) });
 
 test('a folder of recordings: voices, sentences, the whole text, what is not in it', () => {
   const truth = recorded('festival:lp', 'it', manzoni), english = recorded('festival:kal', 'en', austen);

@@ -11,8 +11,8 @@ import { build } from '../lib/daemon.mjs';
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const file = (name) => path.join(folder, name);
-const faccia = (args, input) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, maxBuffer: 1 << 28 });
+const faccia = (args, input, env = {}) => {
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, maxBuffer: 1 << 28, env: { ...process.env, ...env } });
   return { status, stdout, stderr: String(stderr) };
 };
 const say = (args, input) => faccia(['say', ...args], input);
@@ -38,6 +38,15 @@ test('writes sound, face and timing that belong together', () => {
     assert.equal(typeof phone.sampa, 'string');
   }
   assert.deepEqual(json.words.map((w) => w.text), ['La', 'mamma', 'parla', 'piano', 'Ciao']);
+});
+
+test('the limits of voices are those of the environment', () => {
+  const { status, stderr } = faccia(['say', 'Ciao.'], '', { FACCIA_DEADLINE_BASE: 'soon' });
+  assert.equal(status, 1);
+  assert.match(stderr, /FACCIA_DEADLINE_BASE: 'soon' is not a number from 0.1 to 3600/);
+  const small = faccia(['say', 'Ciao.'], '', { FACCIA_DEADLINE_BASE: '20', FACCIA_WORKER_MEMORY: '50' });
+  assert.match(small.stderr, /FACCIA_WORKER_MEMORY: '50' is not a number from 64 to 1048576/);
+  assert.equal(faccia(['say', 'Ciao.'], '', { FACCIA_DEADLINE_BASE: '20', FACCIA_WORKER_PROCESSOR: '' }).status, 0);
 });
 
 test('standard streams', () => {

@@ -60,7 +60,9 @@ export class Daemon {
     return this.exited;
   }
 
-  get(address, options) {
+  async get(address, options) {
+    // A test that has just waited for a program, synchronously, first hears which of its connections were closed meanwhile.
+    await new Promise((resolve) => setTimeout(resolve));
     return fetch(this.url + address, options);
   }
 

@@ -11,7 +11,8 @@ import { build, root } from '../lib/daemon.mjs';
 
 const folder = path.join(root, 'models/speech');
 const read = (name) => JSON.parse(fs.readFileSync(path.join(folder, name)));
-const validate = new Ajv({ strict: false }).compile(read('schema/pack.json'));
+const schema = (name) => new Ajv({ strict: false }).compile(read(`schema/${name}.json`));
+const validate = schema('pack');
 const packs = fs.readdirSync(folder).filter((name) => name.endsWith('.json'));
 
 test('the languages that have packs, and the one for all others', () => assert.deepEqual(packs.sort(), ['cmn.json', 'en.json', 'it.json', 'pt-BR.json', 'tr.json', 'und.json', 'yue.json']));
@@ -21,21 +22,37 @@ for (const name of packs)
     assert.ok(validate(read(name)), JSON.stringify(validate.errors?.slice(0, 3)));
   });
 
+for (const kind of ['visemes', 'letters', 'alphabets'])
+  for (const name of fs.readdirSync(path.join(folder, kind)).filter((file) => file.endsWith('.json')))
+    test(`${kind}/${name} is as the schema says`, () => {
+      const check = schema(kind);
+      assert.ok(check(read(`${kind}/${name}`)), JSON.stringify(check.errors?.slice(0, 3)));
+    });
+
 const broken = [
-  ['an unknown key', (pack) => (pack.phones.p.colour = 'red'), /phones\.p\.colour/],
-  ['a target outside of the phone', (pack) => (pack.phones.p.targets.LI.a.t = 2), /phones\.p\.targets\.LI\.a\.t/],
-  ['dominance above 1', (pack) => (pack.groups.a.coefficients.LI.alpha = 3), /groups\.a\.coefficients\.LI\.alpha/],
-  ['a contact of nothing', (pack) => (pack.phones.p.contact.kind = 'nose'), /phones\.p\.contact\.kind/],
-  ['no FAPUs', (pack) => delete pack.fapu, /fapu/],
+  ['pack', 'it', 'an unknown key', (pack) => (pack.phones.p.colour = 'red'), /phones\.p\.colour/],
+  ['pack', 'it', 'a target outside of the phone', (pack) => (pack.phones.p.targets.LI.a.t = 2), /phones\.p\.targets\.LI\.a\.t/],
+  ['pack', 'it', 'dominance above 1', (pack) => (pack.groups.a.coefficients.LI.alpha = 3), /groups\.a\.coefficients\.LI\.alpha/],
+  ['pack', 'it', 'a contact of nothing', (pack) => (pack.phones.p.contact.kind = 'nose'), /phones\.p\.contact\.kind/],
+  ['pack', 'it', 'no FAPUs', (pack) => delete pack.fapu, /fapu/],
+  ['visemes', 'visemes/pt', 'a vowel without a class', (table) => delete table.groups.i.class, /groups\.i\.class/],
+  ['visemes', 'visemes/pt', 'a rule of four places', (table) => table.rules[2].at.pop(), /rules\[2\]\.at/],
+  ['visemes', 'visemes/pt', 'a place that there is not', (table) => (table.rules[0].right = '6'), /rules\[0\]\.right/],
+  ['visemes', 'visemes/pt', 'a shape beside nothing', (table) => (table.visemes.p1.beside = []), /visemes\.p1\.beside/],
+  ['letters', 'letters/tr', 'two letters for one', (table) => (table.letters.ch = table.letters.c), /letters\.ch/],
+  ['letters', 'letters/tr', 'a letter of no length', (table) => (table.letters.a.ms = 0), /letters\.a\.ms/],
+  ['letters', 'letters/tr', 'a consonant of another shape', (table) => (table.letters['ğ'].shapes = 'consonant'), /letters\.ğ\.shapes/],
+  ['alphabets', 'alphabets/ipa', 'a place of articulation that nobody has', (alphabet) => (alphabet.consonants.p.place = 'nasal'), /consonants\.p\.place/],
+  ['alphabets', 'alphabets/ipa', 'a vowel with a manner', (alphabet) => (alphabet.vowels.a.manner = 'nasal'), /vowels\.a\.manner/],
 ];
-for (const [what, change, place] of broken)
-  test(`${what}: schema and loader both name the place`, () => {
-    const pack = read('it.json');
-    change(pack);
-    assert.equal(validate(pack), false);
+for (const [kind, name, what, change, place] of broken)
+  test(`${name}, ${what}: schema and loader both name the place`, () => {
+    const data = read(`${name}.json`);
+    change(data);
+    assert.equal(schema(kind)(data), false);
     const models = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
     fs.cpSync(folder, path.join(models, 'speech'), { recursive: true });
-    fs.writeFileSync(path.join(models, 'speech/it.json'), JSON.stringify(pack));
+    fs.writeFileSync(path.join(models, `speech/${name}.json`), JSON.stringify(data));
     const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', 'a'], { env: { ...process.env, FACCIA_MODELS: models } });
     fs.rmSync(models, { recursive: true });
     assert.equal(status, 1);

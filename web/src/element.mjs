@@ -2,13 +2,13 @@
 import { CaptionView } from './caption-view.mjs';
 import { Connection } from './connection.mjs';
 import { FaceMixer, faceValues } from './face-mixer.mjs';
-import { fetchModel, httpBase, ModelAssembler } from './head/loader.mjs';
+import { Furniture } from './furniture.mjs';
+import { ModelSource } from './head/source.mjs';
 import { Liveliness } from './liveliness.mjs';
 import { Player } from './audio/player.mjs';
 import { Presence } from './presence.mjs';
 import { Speech } from './speech.mjs';
 import { Stage } from './stage.mjs';
-import strings from './strings.json';
 import { template } from './template.mjs';
 import { Intake } from './intake.mjs';
 
@@ -23,8 +23,6 @@ export class TalkingHead extends HTMLElement {
   #connection = null;
   #ready = false;
   #title = '';
-  #aborter = null;
-  #said = null; // the message on show
   #drawn = { seconds: null, at: 0 };
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
 
@@ -32,24 +30,17 @@ export class TalkingHead extends HTMLElement {
     super();
     const root = this.attachShadow({ mode: 'open' });
     root.innerHTML = template;
-    const $ = (selector) => root.querySelector(selector);
-    this.canvas = $('canvas');
-    this.messageBox = $('.message');
-    this.soundButton = $('.sound');
-    this.soundLabel = $('.sound span');
-    this.captionsButton = $('.switch');
-    this.captionView = new CaptionView($('.captions'));
+    this.furniture = new Furniture(root, { sound: () => this.player.open(), captions: () => (this.captions = !this.captions) });
+    this.captionView = new CaptionView(root.querySelector('.captions'));
     this.mixer = new FaceMixer();
     this.liveliness = new Liveliness((message) => this.#connection?.send(message) ?? false);
     this.presence = new Presence(this, () => this.#idle());
     this.player = new Player((sound) => this.#soundChanged(sound));
-    this.stage = new Stage(this.canvas, {
+    this.stage = new Stage(this.furniture.canvas, {
       hear: (now) => this.#hear(now),
       frame: (now, ahead) => this.#frame(now, ahead),
-      trouble: (what) => this.#say(what),
+      trouble: (what) => this.furniture.say(what),
     });
-    this.soundButton.addEventListener('click', () => this.player.open());
-    this.captionsButton.addEventListener('click', () => (this.captions = !this.captions));
   }
 
   connectedCallback() {
@@ -225,31 +216,17 @@ export class TalkingHead extends HTMLElement {
     if (mix !== null || this.liveliness.mix.length) this.express(mix ?? []);
   }
 
-  #text(name, values = {}) {
-    const table = strings[(this.lang || 'en').slice(0, 2)] ?? strings.en;
-    return table[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
-  }
-
   #translate() {
-    this.canvas.setAttribute('aria-label', this.getAttribute('label') ?? this.#text('label', { title: this.#title }));
-    this.soundLabel.textContent = this.#text('sound');
-    this.captionsButton.setAttribute('aria-label', this.#text('captions'));
-    this.captionsButton.title = this.#text('captions');
-  }
-
-  #say(what, values) {
-    this.#said = what;
-    this.messageBox.hidden = !what;
-    this.messageBox.textContent = what ? this.#text(what, values) : '';
+    this.furniture.translate(this.lang, this.getAttribute('label'), this.#title);
   }
 
   #showCaptions() {
     this.captionView.shown = this.captions;
-    this.captionsButton.setAttribute('aria-pressed', String(this.captions));
+    this.furniture.captions.setAttribute('aria-pressed', String(this.captions));
   }
 
   #soundChanged(sound) {
-    this.soundButton.hidden = sound !== 'blocked';
+    this.furniture.sound.hidden = sound !== 'blocked';
     this.#emit('sound', { sound });
     this.stage.wake();
   }
@@ -264,8 +241,7 @@ export class TalkingHead extends HTMLElement {
 
   #connect() {
     this.#disconnect();
-    if (this.#said === 'badAddress' || this.#said === 'noModel') this.#say(null);
-    this.#assembler = new ModelAssembler();
+    if (this.furniture.said === 'badAddress' || this.furniture.said === 'noModel') this.furniture.say(null);
     this.#intake.reset();
     try {
       this.#connection = new Connection(this.#address, {
@@ -275,14 +251,13 @@ export class TalkingHead extends HTMLElement {
       });
       this.#connection.open();
     } catch {
-      this.#say('badAddress', { src: this.getAttribute('src') });
-      this.#emit('error', { type: 'error', code: 'bad-address', message: this.#text('badAddress', { src: this.getAttribute('src') }) });
+      this.furniture.say('badAddress', { src: this.getAttribute('src') });
+      this.#emit('error', { type: 'error', code: 'bad-address', message: this.furniture.text('badAddress', { src: this.getAttribute('src') }) });
     }
   }
 
   #disconnect() {
-    this.#aborter?.abort();
-    this.#loading = null;
+    this.#models.close();
     this.#connection?.close();
     this.#connection = null;
   }
@@ -295,8 +270,11 @@ export class TalkingHead extends HTMLElement {
     },
   });
 
-  #assembler = null;
-  #loading = null; // name of the model that is shown or on its way
+  #models = new ModelSource({
+    ask: (message) => this.#connection?.send(message),
+    progress: (detail) => this.#emit('progress', detail),
+    show: (json) => this.#show(json),
+  });
 
   #stateChanged({ state, hello, retryIn }) {
     this.#emit('connection', { state, ...(retryIn === undefined ? {} : { retryIn }) });
@@ -304,7 +282,7 @@ export class TalkingHead extends HTMLElement {
       this.#enter();
       this.#speech.linked();
       this.liveliness.linked();
-      this.#loadModel(hello);
+      this.#models.open(this.#address, hello, this.getAttribute('model'));
     } else {
       this.#intake.reset();
       this.#speech.unlinked();
@@ -323,37 +301,12 @@ export class TalkingHead extends HTMLElement {
   }
 
   #message(message) {
-    if (message.type === 'model') this.#modelPart(message);
+    if (message.type === 'model') this.#models.take(message);
     else {
       this.#speech.hear(message);
       if (['hello', 'joined', 'authorized'].includes(message.type)) this.#emit(message.type, message);
       this.stage.wake();
     }
-  }
-
-  async #loadModel(hello) {
-    const name = this.getAttribute('model') ?? hello.models?.[0]?.name;
-    if (!name || name === this.#loading) return;
-    this.#loading = name;
-    this.#aborter = new AbortController();
-    const { signal } = this.#aborter;
-    const size = hello.models?.find((model) => model.name === name)?.bytes;
-    const progress = (loaded, total) => this.#emit('progress', { loaded, total, ratio: total ? loaded / total : null });
-    let json;
-    try {
-      json = await fetchModel(`${httpBase(this.#address)}models/${encodeURIComponent(name)}`, size, progress, signal);
-    } catch {
-      // No way by HTTP (another origin that does not allow it, say): through the stream.
-      if (!signal.aborted) this.#connection?.send({ type: 'model', name });
-      return;
-    }
-    await this.#show(json);
-  }
-
-  #modelPart(message) {
-    this.#emit('progress', { loaded: message.index + 1, total: message.count, ratio: (message.index + 1) / message.count });
-    const json = this.#assembler.take(message);
-    if (json) this.#show(json);
   }
 
   async #show(json) {
@@ -365,7 +318,7 @@ export class TalkingHead extends HTMLElement {
       this.#emit('ready', { model: model.name, title: model.title, credits: model.credits });
     } catch (error) {
       console.error('talking-head:', error);
-      this.#say('noModel');
+      this.furniture.say('noModel');
       this.#emit('error', { type: 'error', code: 'bad-model', message: String(error.message) });
     }
   }
