@@ -50,6 +50,13 @@ export ASAN_OPTIONS="detect_leaks=1:abort_on_error=0:quarantine_size_mb=16" UBSA
 
 # A test file is one job: tests/one.sh says how it went and leaves its counts in the artefacts. Daemon tests wait for
 # speech most of their time, so some of them run side by side; what a browser draws wants both processors.
+jobs() {
+    case $1 in
+    daemon) echo 3 ;;
+    browser) echo 1 ;;
+    *) echo 2 ;;
+    esac
+}
 rm -f "$artefacts"/*.count
 for what in "$@"; do
     case $what in
@@ -57,7 +64,7 @@ for what in "$@"; do
         find "$root/build/sanitized/tests/unit" -maxdepth 1 -name 'test_*' -type f -perm -u+x
         ;;
     *) find "$root/tests/$what" -name '*.test.mjs' ;;
-    esac | sort | xargs -P "$([ "$what" = daemon ] && echo 3 || echo 1)" -n 1 sh "$root/tests/one.sh" "$what" ||
+    esac | sort | xargs -P "$(jobs "$what")" -n 1 sh "$root/tests/one.sh" "$what" ||
         true # the counts tell
 done
 

@@ -87,6 +87,20 @@ test('open on /a/, closed on /p b m/: in the FAPs and in the pixels', async (t) 
   }
 });
 
+test('a pose that is held is drawn once, and no more until something changes', async (t) => {
+  t.after(() => page.evaluate(() => document.querySelector('talking-head').pose(null)));
+  const frames = () => page.evaluate(() => document.querySelector('talking-head').debug().frames);
+  await page.evaluate(() => document.querySelector('talking-head').pose({ 3: 400 }));
+  await page.waitForTimeout(1000);
+  const before = await frames();
+  await page.waitForTimeout(1000);
+  assert.equal(await frames(), before);
+  assert.deepEqual(await page.evaluate(() => document.querySelector('talking-head').faps), { 3: 400 });
+  await page.evaluate(() => document.querySelector('talking-head').pose(null));
+  await page.waitForTimeout(1000);
+  assert.ok((await frames()) > before + 2, 'she lives on');
+});
+
 test('stop is silence at once, and the mouth goes to rest', async () => {
   await page.evaluate((long) => void document.querySelector('talking-head').speak(long, { lang: 'it' }), text.repeat(5));
   await page.waitForFunction(() => (document.querySelector('talking-head').debug().audioTime ?? 0) > 0.5, null, { timeout: 20000 });

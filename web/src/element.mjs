@@ -266,7 +266,7 @@ export class TalkingHead extends HTMLElement {
     hear: (message) => this.#message(message),
     media: (chunk) => {
       this.#speech.media(chunk);
-      this.stage.wake();
+      if (!this.mixer.pose) this.stage.wake();
     },
   });
 
@@ -345,7 +345,8 @@ export class TalkingHead extends HTMLElement {
     const idle = heard?.running ? null : face.at(now / 1000, ahead / 1000);
     const changed = this.mixer.update(now, heard, idle);
     this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
-    const speaks = this.#speech.busy || this.mixer.changing(now) || this.mixer.pose;
-    return { values: this.mixer.values, more: changed || speaks || idle, calm: !speaks };
+    const speaks = this.#speech.busy || this.mixer.changing(now);
+    const held = this.mixer.pose && !this.mixer.changing(now); // whatever is heard
+    return { values: this.mixer.values, more: changed || (!held && (speaks || idle)), calm: !speaks };
   }
 }
