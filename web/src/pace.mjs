@@ -2,7 +2,7 @@
 
 const POLL_MS = 4; // as often as browsers let a timer come back
 const SURE_MS = 24; // a picture whose end is known less well teaches nothing: the page was busy, or hidden
-const GIVEN_UP_MS = 1000; // a picture of which no end is seen: a context that was lost and restored never tells it
+const GIVEN_UP_MS = 3000; // a picture of which no end is seen: a context that was lost and restored never tells it
 const KEPT = 5; // pictures that the next one is judged by
 const SMOOTHING = 0.05;
 
