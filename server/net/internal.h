@@ -82,8 +82,8 @@ void watch_end(struct net *net);
 bool watch_stalled(struct net *net, struct lws *wsi, const char *name, uint64_t progress);
 void socket_heard(struct socket *socket); /* he has said something */
 
-/* exchange.c, exchange_answer.c: one HTTP request and its answer. Every function returns what the libwebsockets callback has to
- * return. */
+/* exchange.c, exchange_answer.c: one HTTP request and its answer. Every function returns what the
+ * libwebsockets callback has to return. */
 struct exchange *exchange_open(struct net *net, struct lws *wsi);
 void exchange_close(struct exchange *x);
 int exchange_writeable(struct exchange *x);

@@ -345,8 +345,9 @@ export class TalkingHead extends HTMLElement {
     const idle = heard?.running ? null : face.at(now / 1000, ahead / 1000);
     const changed = this.mixer.update(now, heard, idle);
     this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
-    const speaks = this.#speech.busy || this.mixer.changing(now);
-    const held = this.mixer.pose && !this.mixer.changing(now); // whatever is heard
+    const changing = this.mixer.changing(now);
+    const speaks = this.#speech.busy || changing;
+    const held = this.mixer.pose && !changing; // whatever is heard
     return { values: this.mixer.values, more: changed || (!held && (speaks || idle)), calm: !speaks };
   }
 }

@@ -9,7 +9,7 @@ export class ModelSource {
   #assembler = new ModelAssembler();
   #aborter = null;
   #name = null; // of the model that is here or on its way
-  #state = ''; // 'fetched': by HTTP; 'asked': through a stream, and lost with it; 'here'
+  #asked = false; // for it to come through the stream, with which it is lost
 
   /** @param {object} ports ask(message): through the stream; progress({loaded, total, ratio}); show(json): the model is here */
   constructor(ports) {
@@ -31,9 +31,9 @@ export class ModelSource {
    */
   async open(stream, hello, wish) {
     const name = wish ?? hello.models?.[0]?.name;
-    if (!name || (name === this.#name && this.#state !== 'asked')) return;
+    if (!name || (name === this.#name && !this.#asked)) return;
     this.#name = name;
-    this.#state = 'fetched';
+    this.#asked = false;
     this.#aborter = new AbortController();
     const { signal } = this.#aborter;
     const size = hello.models?.find((model) => model.name === name)?.bytes;
@@ -43,7 +43,7 @@ export class ModelSource {
       json = await fetchModel(`${httpBase(stream)}models/${encodeURIComponent(name)}`, size, progress, signal);
     } catch {
       if (signal.aborted) return;
-      this.#state = 'asked';
+      this.#asked = true;
       this.ports.ask({ type: 'model', name });
       return;
     }
@@ -59,7 +59,7 @@ export class ModelSource {
   }
 
   #show(json) {
-    this.#state = 'here';
+    this.#asked = false;
     this.ports.show(json);
   }
 }
