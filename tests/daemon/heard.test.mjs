@@ -78,8 +78,8 @@ test('a gender chooses a voice of the language', () => {
     return crossings / (word.end - word.start);
   };
   const he = say('<voice gender="male">Mamma</voice>'), she = say('<voice gender="female">Mamma</voice>'), usual = say('Mamma');
-  assert.deepEqual(he.pcm.length, usual.pcm.length);
-  assert.notDeepEqual(pitch(she), pitch(he));
+  assert.deepEqual(he.pcm.length, usual.pcm.length); // the usual voice is a man's
+  assert.ok(pitch(she) > 1.1 * pitch(he), `${pitch(she)}, ${pitch(he)} Hz`);
 });
 
 test('unknown voices and languages are warned of at their place, and the usual voice speaks', () => {
