@@ -81,8 +81,11 @@ test('silent after stop, and after pause, which goes on where it was', async (t)
     }, text));
   // the browser's own block of sound, and the fade of 5 ms; read now and then by a busy page
   for (const [what, list] of Object.entries(times)) t.diagnostic(`silent after ${what}: ${list.map((ms) => ms?.toFixed(0)).join(', ')} ms`);
-  // how fast it is, is for the benchmarks; speech that simply goes on has no silence of half a second in it
-  for (const ms of [...times.stop, ...times.pause]) assert.ok(ms !== null && ms < 1000, JSON.stringify(times));
+  // the server sends 400 ms ahead: of five, most are silent long before that has been played
+  for (const list of Object.values(times)) {
+    assert.ok(list.every((ms) => ms !== null), JSON.stringify(times));
+    assert.ok([...list].sort((x, y) => x - y)[2] < 200, JSON.stringify(times));
+  }
   assert.deepEqual(page.problems, []);
   await page.close();
 });
