@@ -13,7 +13,8 @@ const PONG_PATIENCE_MS = 10000;
 export class Connection {
   /**
    * @param {string} url
-   * @param {object} handlers onstate({state, retryIn?}), onmessage(object), onmedia(ArrayBuffer)
+   * @param {object} handlers onstate({state, retryIn?}), onmessage(object), onmedia(ArrayBuffer), onrefused(): an attempt came
+   *   to nothing
    * @param {object} [platform] WebSocket, setTimeout and clearTimeout of tests
    */
   constructor(url, handlers, platform = {}) {
@@ -81,10 +82,12 @@ export class Connection {
   }
 
   #lost() {
+    const refused = this.state === 'connecting';
     this.#drop();
     const retryIn = this.backoff.next();
     this.timers.retry = this.setTimeout(() => this.open(), retryIn);
     this.#setState('waiting', { retryIn });
+    if (refused) this.handlers.onrefused?.();
   }
 
   #drop() {
