@@ -37,6 +37,7 @@ export class Connection {
     this.socket = socket;
     socket.onmessage = ({ data }) => socket === this.socket && this.#hear(data);
     socket.onclose = () => socket === this.socket && this.#lost();
+    socket.onerror = socket.onclose; // what a page's policy forbids is not closed
   }
 
   /** Ends it on purpose. */
