@@ -25,6 +25,7 @@ export async function reasonOf(stream, { fetch = globalThis.fetch, page = global
   const ask = (mode) => fetch(url, { mode, cache: 'no-store', credentials: 'omit', signal: AbortSignal.timeout(timeout) });
   try {
     const answer = await ask('cors').catch(() => null);
+    if (answer?.status === 403) return 'forbiddenOrigin';
     if (answer) return [426, 429, 503].includes(answer.status) ? 'serverBusy' : 'wrongAddress';
     const opaque = await ask('no-cors').catch(() => null);
     await new Promise((resolve) => setTimeout(resolve)); // the report of a violation comes a task later
