@@ -253,6 +253,7 @@ export class Player {
 
   /** Any touch of the page by the user allows sound. */
   #listen(on) {
-    for (const gesture of GESTURES) this.platform.page[on ? 'addEventListener' : 'removeEventListener'](gesture, this.ongesture, true);
+    const change = on ? 'addEventListener' : 'removeEventListener';
+    for (const gesture of GESTURES) this.platform.page[change](gesture, this.ongesture, { capture: true });
   }
 }
