@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bundles the element and its audio worklet, and copies the pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
+// Bundles the element and its audio worklet, and copies the types, the pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
 import { build } from 'esbuild';
 import { copyFileSync, mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -45,6 +45,9 @@ for (const file of readdirSync(path.join(here, 'page'))) {
   inputs.add(path.join(here, 'page', file));
   copyFileSync(path.join(here, 'page', file), path.join(out, file));
 }
+const types = path.join(here, 'src/talking-head.d.ts');
+inputs.add(types);
+copyFileSync(types, path.join(out, 'talking-head.d.ts'));
 const faps = path.join(here, '../protocol/fap-table.json');
 inputs.add(faps);
 copyFileSync(faps, path.join(out, 'faps.json'));
