@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bundles the element and its audio worklet, and copies the types, the pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
+// Bundles the element and its audio worklet, and copies types, pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
 import { build } from 'esbuild';
 import { copyFileSync, mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import path from 'node:path';

@@ -10,46 +10,63 @@ const MOST = 8; // browsers have 8 (phones) or 16 for a page, and take the oldes
  */
 export class Contexts {
   #most;
+  #later;
   #in = new Set();
   #out = new Set(); // in the order in which they have asked
+  #due = false;
 
-  constructor(most = MOST) {
+  /** @param {number} most @param {(call: () => void) => void} later calls when all that are seen at once have said so */
+  constructor(most = MOST, later = (call) => setTimeout(call)) {
     this.#most = most;
+    this.#later = later;
   }
 
   /** It wants one, or has changed in `visible`. */
   ask(stage) {
-    if (this.#in.has(stage)) {
-      if (!stage.visible) this.#serve();
-      return;
-    }
-    this.#out.add(stage);
-    this.#serve();
-    if (this.#out.has(stage) && stage.visible) stage.refuse();
+    if (!this.#in.has(stage)) this.#out.add(stage);
+    this.#fill();
+    if (!this.#out.size || this.#due) return;
+    this.#due = true;
+    this.#later(() => {
+      this.#due = false;
+      this.#exchange();
+    });
   }
 
   leave(stage) {
     this.#out.delete(stage);
-    if (this.#in.delete(stage)) this.#serve();
+    this.#in.delete(stage);
+    this.#fill();
   }
 
-  #serve() {
-    for (const stage of [...this.#out].sort((a, b) => b.visible - a.visible)) {
-      if (this.#in.size >= this.#most && !(stage.visible && this.#vacate())) return;
-      this.#out.delete(stage);
-      this.#in.add(stage);
-      stage.enter();
+  /** Lets in whom there is room for. */
+  #fill() {
+    for (const stage of this.#wanting()) if (this.#in.size < this.#most) this.#enter(stage);
+  }
+
+  /** Those in sight take the places of those out of sight. */
+  #exchange() {
+    for (const stage of this.#wanting()) {
+      if (!stage.visible) return;
+      const unseen = [...this.#in].find((other) => !other.visible);
+      if (!unseen) stage.refuse();
+      else {
+        this.#in.delete(unseen);
+        this.#out.add(unseen);
+        unseen.leave();
+        this.#enter(stage);
+      }
     }
   }
 
-  /** @returns {boolean} whether somebody who is not seen has made room */
-  #vacate() {
-    const unseen = [...this.#in].find((stage) => !stage.visible);
-    if (!unseen) return false;
-    this.#in.delete(unseen);
-    this.#out.add(unseen);
-    unseen.leave();
-    return true;
+  #wanting() {
+    return [...this.#out].sort((a, b) => b.visible - a.visible);
+  }
+
+  #enter(stage) {
+    this.#out.delete(stage);
+    this.#in.add(stage);
+    stage.enter();
   }
 }
 
