@@ -104,8 +104,8 @@ export class Link {
   }
 
   #onviolation = ({ effectiveDirective, blockedURI }) => {
-    if (effectiveDirective === 'connect-src' && blockedURI.startsWith('ws') && this.address.startsWith(new URL(blockedURI).origin))
-      this.#violated = true;
+    if (effectiveDirective !== 'connect-src' || !blockedURI.startsWith('ws')) return;
+    if (this.#connection?.url.startsWith(new URL(blockedURI).origin)) this.#violated = true;
   };
 
   #say(trouble, told = false) {
