@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Bundles the element and copies the pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
+// Bundles the element and its audio worklet, and copies types, pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
 import { build } from 'esbuild';
 import { copyFileSync, mkdirSync, readdirSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
@@ -16,22 +16,6 @@ const common = { bundle: true, minify: true, format: 'esm', target: 'es2022', le
 const inputs = new Set([path.join(here, 'build.mjs')]);
 const note = ({ inputs: found }) => Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
 
-/** `inline:FILE` is the text of that script, bundled: it has to be loaded from a blob. */
-const inline = {
-  name: 'inline',
-  setup(setup) {
-    setup.onResolve({ filter: /^inline:/ }, ({ path: file, resolveDir }) => ({
-      path: path.resolve(resolveDir, file.slice('inline:'.length)),
-      namespace: 'inline',
-    }));
-    setup.onLoad({ filter: /.*/, namespace: 'inline' }, async ({ path: file }) => {
-      const result = await build({ ...common, format: 'iife', entryPoints: [file], write: false, metafile: true });
-      note(result.metafile);
-      return { contents: result.outputFiles[0].text, loader: 'text' };
-    });
-  },
-};
-
 mkdirSync(out, { recursive: true });
 const result = await build({
   ...common,
@@ -39,9 +23,16 @@ const result = await build({
   outfile: path.join(out, 'talking-head.js'),
   banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors. */' },
   metafile: true,
-  plugins: [inline],
 });
 note(result.metafile);
+const worklet = await build({
+  ...common,
+  entryPoints: [path.join(here, 'src/audio/worklet.mjs')],
+  outfile: path.join(out, 'talking-head-worklet.js'),
+  banner: { js: '/* faccia, MIT. */' },
+  metafile: true,
+});
+note(worklet.metafile);
 const fallback = await build({
   ...common,
   stdin: { contents: "export { OpusDecoder } from 'opus-decoder';", resolveDir: here },
@@ -54,6 +45,9 @@ for (const file of readdirSync(path.join(here, 'page'))) {
   inputs.add(path.join(here, 'page', file));
   copyFileSync(path.join(here, 'page', file), path.join(out, file));
 }
+const types = path.join(here, 'src/talking-head.d.ts');
+inputs.add(types);
+copyFileSync(types, path.join(out, 'talking-head.d.ts'));
 const faps = path.join(here, '../protocol/fap-table.json');
 inputs.add(faps);
 copyFileSync(faps, path.join(out, 'faps.json'));

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 const browser = Object.fromEntries(
-  `AbortController DOMPoint navigator IntersectionObserver AudioWorkletNode Blob CustomEvent HTMLElement Option ResizeObserver TextDecoder URL WebSocket
+  `AbortController AbortSignal DOMPoint navigator IntersectionObserver AudioWorkletNode Blob CustomEvent HTMLElement Option ResizeObserver TextDecoder URL WebSocket
   addEventListener atob cancelAnimationFrame clearInterval clearTimeout console createImageBitmap customElements document
-  fetch globalThis matchMedia performance removeEventListener requestAnimationFrame setInterval setTimeout`
+  fetch globalThis matchMedia location performance queueMicrotask removeEventListener requestAnimationFrame setInterval setTimeout`
     .split(/\s+/)
     .map((name) => [name, 'readonly']),
 );

@@ -90,8 +90,8 @@ await until(page, prose(seconds));
 const { drawn, reports, rate, sound } = await page.evaluate(() => ({
   drawn: window.drawn,
   reports: [...window.reports.values()].sort((a, b) => a.frame - b.frame),
-  rate: document.querySelector('talking-head').player.rate,
-  sound: document.querySelector('talking-head').player.sound,
+  rate: document.querySelector('talking-head').debug().sampleRate,
+  sound: document.querySelector('talking-head').debug().sound,
 }));
 const others = stopWatching();
 const events = JSON.parse(await browser.stopTracing()).traceEvents;

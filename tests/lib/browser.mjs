@@ -9,8 +9,9 @@ import { artefacts } from './daemon.mjs';
 const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
   '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 
-export async function launch() {
-  return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args: flags });
+/** @param {string[]} more flags of the browser */
+export async function launch(more = []) {
+  return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args: [...flags, ...more] });
 }
 
 /** The demo page with the head loaded. Errors of the page fail the test that looks at page.problems. */

@@ -3,11 +3,12 @@ import assert from 'node:assert/strict';
 import test from 'node:test';
 import { decodeChunk, encodeChunk } from '../../protocol/chunk.mjs';
 import { Speech } from '../../web/src/speech.mjs';
+import { Turns } from '../../web/src/turns.mjs';
 
 const RATE = 1000;
 
 /** A speech with a player that plays when it is told to, and a server that is played by the test. */
-function rig({ linked = true } = {}) {
+function rig({ linked = true, turns, state } = {}) {
   const sent = [];
   const events = [];
   const timers = [];
@@ -38,6 +39,8 @@ function rig({ linked = true } = {}) {
     player,
     send: (message) => link.up && sent.push(message) > 0,
     emit: (type, detail) => events.push([type, detail]),
+    turns,
+    state,
     setTimeout: (act, after) => timers.push({ act, after }),
   });
   return {
@@ -290,4 +293,101 @@ test('what the server cuts is silent at once, though one has not asked for it', 
   chunk(2, 0, 100);
   assert.equal(play(450).seconds, 0.05);
   assert.deepEqual(names(), ['begin', 'Uno', 'stopped', 'begin']);
+});
+
+/** Lets an utterance begin, and be heard to its end. */
+function say({ hear, chunk, play, player }, id, utterance) {
+  hear(begin(id, utterance));
+  chunk(utterance, 0, 100);
+  hear({ type: 'end', id, utterance, reason: 'done', duration: 0.1 });
+  play(player.written);
+}
+
+const texts = ({ sent }) => sent.filter(({ type }) => type === 'speak').map(({ text }) => text);
+
+test('two heads take turns: the second is sent when the first was heard, and then its promise is kept', async () => {
+  const turns = new Turns();
+  const [a, b] = [rig({ turns }), rig({ turns })];
+  a.speech.speak('Ciao.');
+  const promise = b.speech.speak('Ciao a te.');
+  a.speech.speak('Come stai?');
+  assert.deepEqual([texts(a), texts(b)], [['Ciao.'], []]);
+  assert.deepEqual(b.timers, [], 'it waits as long as it takes');
+  say(a, 'u1', 1);
+  assert.deepEqual([texts(a), texts(b)], [['Ciao.'], ['Ciao a te.']]);
+  say(b, 'u1', 1);
+  assert.equal((await promise).reason, 'done');
+  assert.deepEqual(texts(a), ['Ciao.', 'Come stai?']);
+});
+
+test('one that need not wait does not; a stop, a pause and a lost link let the next one speak', () => {
+  const turns = new Turns();
+  const [a, b, c] = [rig({ turns }), rig({ turns }), rig({ turns })];
+  b.speech.waits = false;
+  a.speech.speak('Uno.');
+  b.speech.speak('Due.');
+  assert.deepEqual(texts(b), ['Due.']);
+  c.speech.speak('Tre.');
+  b.speech.stop();
+  b.hear({ type: 'end', id: 'u1', reason: 'stopped', duration: 0 });
+  assert.deepEqual(texts(c), []);
+  a.speech.pause();
+  assert.deepEqual(texts(c), ['Tre.']);
+  a.speech.resume();
+  b.speech.waits = true;
+  b.speech.speak('Quattro.');
+  say(a, 'u1', 1);
+  assert.deepEqual(texts(b), ['Due.']);
+  c.link.up = false;
+  c.speech.unlinked();
+  assert.deepEqual(texts(b), ['Due.', 'Quattro.']);
+});
+
+test('what waits for its turn is forgotten by a stop, and by what is said instead', async () => {
+  const turns = new Turns();
+  const [a, b] = [rig({ turns }), rig({ turns })];
+  a.speech.speak('Uno.');
+  const [first, second] = [b.speech.speak('Due.'), b.speech.speak('Tre.', { mode: 'replace' })];
+  assert.equal((await first).reason, 'stopped');
+  b.speech.stop();
+  assert.equal((await second).reason, 'stopped');
+  say(a, 'u1', 1);
+  assert.deepEqual(texts(b), []);
+});
+
+test('what is said before there is a connection is sent when it is there; nobody waits for a head without one', () => {
+  const turns = new Turns();
+  let state = 'closed';
+  const [a, b] = [rig({ turns, linked: false, state: () => state }), rig({ turns })];
+  a.speech.speak('Uno.');
+  b.speech.speak('Due.');
+  assert.deepEqual(texts(b), ['Due.']);
+  say(b, 'u1', 1);
+  state = 'open';
+  a.link.up = true;
+  a.speech.linked();
+  assert.deepEqual(texts(a), ['Uno.']);
+});
+
+test('the order holds while connections are made', () => {
+  const turns = new Turns();
+  let state = 'connecting';
+  const [a, b] = [rig({ turns, linked: false, state: () => state }), rig({ turns })];
+  a.speech.speak('Uno.');
+  b.speech.speak('Due.');
+  assert.deepEqual(texts(b), []);
+  state = 'open';
+  a.link.up = true;
+  a.speech.linked();
+  assert.deepEqual(texts(a), ['Uno.']);
+  say(a, 'u1', 1);
+  assert.deepEqual(texts(b), ['Due.']);
+});
+
+test('the end says when it was not heard', async () => {
+  const silent = rig();
+  silent.player.sound = 'blocked';
+  const promise = silent.speech.speak('Uno.');
+  say(silent, 'u1', 1);
+  assert.deepEqual(await promise, { type: 'end', utterance: 1, reason: 'done', duration: 0.1, sound: 'blocked' });
 });

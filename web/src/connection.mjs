@@ -13,7 +13,8 @@ const PONG_PATIENCE_MS = 10000;
 export class Connection {
   /**
    * @param {string} url
-   * @param {object} handlers onstate({state, retryIn?}), onmessage(object), onmedia(ArrayBuffer)
+   * @param {object} handlers onstate({state, retryIn?}), onmessage(object), onmedia(ArrayBuffer), onrefused(): an attempt came
+   *   to nothing
    * @param {object} [platform] WebSocket, setTimeout and clearTimeout of tests
    */
   constructor(url, handlers, platform = {}) {
@@ -36,6 +37,7 @@ export class Connection {
     this.socket = socket;
     socket.onmessage = ({ data }) => socket === this.socket && this.#hear(data);
     socket.onclose = () => socket === this.socket && this.#lost();
+    socket.onerror = socket.onclose; // what a page's policy forbids is not closed
   }
 
   /** Ends it on purpose. */
@@ -81,10 +83,12 @@ export class Connection {
   }
 
   #lost() {
+    const refused = this.state === 'connecting';
     this.#drop();
     const retryIn = this.backoff.next();
     this.timers.retry = this.setTimeout(() => this.open(), retryIn);
     this.#setState('waiting', { retryIn });
+    if (refused) this.handlers.onrefused?.();
   }
 
   #drop() {

@@ -1,87 +1,130 @@
 // SPDX-License-Identifier: MIT
+import { applyStyles } from './stylesheet.mjs';
+import { canDecode } from './audio/opus.mjs';
 import { CaptionView } from './caption-view.mjs';
-import { Connection } from './connection.mjs';
 import { FaceMixer, faceValues } from './face-mixer.mjs';
 import { Furniture } from './furniture.mjs';
 import { ModelSource } from './head/source.mjs';
+import { Intake } from './intake.mjs';
+import { Link } from './link.mjs';
 import { Liveliness } from './liveliness.mjs';
 import { Player } from './audio/player.mjs';
 import { Presence } from './presence.mjs';
+import { addProperties, upgradeProperties } from './properties.mjs';
 import { Speech } from './speech.mjs';
 import { Stage } from './stage.mjs';
-import { template } from './template.mjs';
-import { Intake } from './intake.mjs';
+import { parts, styles } from './template.mjs';
+import { Turns } from './turns.mjs';
 
 const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String };
+const LINK_ATTRIBUTES = ['src', 'model', 'room', 'token'];
 const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden page, no WebGL), or slowly
+const MOVE_MS = 100; // so long it may be out of the page without being given up: frameworks move elements
 
-/** `<talking-head>`: see web/README.md. */
-export class TalkingHead extends HTMLElement {
-  static observedAttributes = ['src', 'model', 'quality', 'captions', 'still', 'life', 'expression', 'room', 'token', 'lang', 'label'];
+const turns = new Turns(); // of all heads in the page
 
-  #speech = null;
-  #connection = null;
+/** `<talking-head>`: see web/README.md. Where there is no page (on a server) it can be imported, but not made. */
+export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
+  static observedAttributes = [
+    ...LINK_ATTRIBUTES, 'quality', 'captions', 'still', 'life', 'expression', 'lang', 'label', 'rate', 'polite',
+  ];
+
+  #opened = false;
+  #leaving = 0; // timer
+  #ticking = 0; // timer
+  #reconnecting = false;
   #ready = false;
   #title = '';
   #drawn = { seconds: null, at: 0 };
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
+  #furniture;
+  #captionView;
+  #stage;
+  #mixer = new FaceMixer();
+  #liveliness = new Liveliness((message) => this.#link.send(message));
+  #presence = new Presence(this, () => this.#presenceChanged());
+  #player = new Player((sound, reason) => this.#soundChanged(sound, reason));
+
+  #link = new Link({
+    source: () => ({ src: this.src, token: this.token }),
+    onstate: (state) => this.#stateChanged(state),
+    onmessage: (message) => this.#intake.text(message),
+    onmedia: (data) => this.#intake.binary(data),
+    ontrouble: (name, values, told) => this.#linkTrouble(name, values, told),
+  });
+
+  #speech = new Speech({
+    player: this.#player,
+    turns,
+    state: () => this.#link.state,
+    send: (message) => this.#link.send(message),
+    emit: (type, detail) => this.#emit(type, detail),
+    idle: (chunk) => this.#liveliness.face.take(chunk, performance.now() / 1000),
+  });
+
+  #intake = new Intake({
+    hear: (message) => this.#message(message),
+    media: (chunk) => {
+      this.#speech.media(chunk);
+      if (!this.#mixer.pose) this.#stage.wake();
+    },
+    mute: (error) => this.#wantPlainSound(error),
+  });
+
+  #models = new ModelSource({
+    ask: (message) => this.#link.send(message),
+    progress: (detail) => this.#emit('progress', detail),
+    show: (json) => this.#show(json),
+  });
 
   constructor() {
     super();
     const root = this.attachShadow({ mode: 'open' });
-    root.innerHTML = template;
-    this.furniture = new Furniture(root, { sound: () => this.player.open(), captions: () => (this.captions = !this.captions) });
-    this.captionView = new CaptionView(root.querySelector('.captions'));
-    this.mixer = new FaceMixer();
-    this.liveliness = new Liveliness((message) => this.#connection?.send(message) ?? false);
-    this.presence = new Presence(this, () => this.#idle());
-    this.player = new Player((sound) => this.#soundChanged(sound));
-    this.stage = new Stage(this.furniture.canvas, {
+    root.append(...parts());
+    applyStyles(root, styles);
+    this.#furniture = new Furniture(root, {
+      sound: () => this.#player.open(),
+      captions: () => (this.captions = !this.captions),
+    });
+    this.#captionView = new CaptionView(root.querySelector('.captions'));
+    this.#stage = new Stage(this.#furniture.canvas, {
       hear: (now) => this.#hear(now),
       frame: (now, ahead) => this.#frame(now, ahead),
-      trouble: (what) => this.furniture.say(what),
+      trouble: (what) => this.#pictureTrouble(what),
     });
+    upgradeProperties(this);
   }
 
   connectedCallback() {
-    this.#speech = new Speech({
-      player: this.player,
-      send: (message) => this.#connection?.send(message) ?? false,
-      emit: (type, detail) => this.#emit(type, detail),
-      idle: (chunk) => this.liveliness.face.take(chunk, performance.now() / 1000),
-    });
-    this.#reducedMotion.addEventListener('change', this.#motionChanged);
-    addEventListener('online', this.#online);
-    this.stage.quality = this.getAttribute('quality') ?? 'auto';
-    this.stage.open();
-    this.#motionChanged();
-    this.#translate();
-    this.#showCaptions();
-    this.#express();
-    this.#connect();
-    this.presence.open();
-    this.timer = setInterval(() => this.#tick(performance.now()), TICK_MS);
+    clearTimeout(this.#leaving);
+    if (!this.#opened) this.#open();
   }
 
+  /** Perhaps it is only moved: then it goes on. */
   disconnectedCallback() {
-    clearInterval(this.timer);
-    this.#reducedMotion.removeEventListener('change', this.#motionChanged);
-    removeEventListener('online', this.#online);
-    this.presence.close();
-    this.#speech.stop();
-    this.#disconnect();
-    this.player.close();
-    this.stage.close();
+    clearTimeout(this.#leaving);
+    this.#leaving = setTimeout(() => this.#close(), MOVE_MS);
+  }
+
+  connectedMoveCallback() {} // by moveBefore(): nothing changes
+
+  adoptedCallback() {
+    applyStyles(this.shadowRoot, styles);
   }
 
   attributeChangedCallback(name, before, value) {
-    if (!this.isConnected || !this.#speech || before === value) return;
-    if (['src', 'model', 'room', 'token'].includes(name)) this.#connect();
-    if (name === 'quality') this.stage.quality = value ?? 'auto';
+    if (name === 'polite') {
+      this.#speech.waits = this.polite;
+      turns.next();
+    }
+    if (!this.#opened || before === value) return;
+    if (LINK_ATTRIBUTES.includes(name)) this.#connectSoon();
+    if (name === 'quality') this.#stage.quality = value ?? 'auto';
     if (name === 'captions') this.#showCaptions();
     if (name === 'still') this.#motionChanged();
     if (name === 'life') this.#idle();
     if (name === 'expression') this.#express();
+    if (name === 'rate' && this.rate) this.#speech.setRate(this.rate);
     if (name === 'lang' || name === 'label') this.#translate();
   }
 
@@ -95,44 +138,34 @@ export class TalkingHead extends HTMLElement {
     const defaults = {};
     for (const [name, type] of Object.entries(SPEAK_ATTRIBUTES))
       if (this.hasAttribute(name)) defaults[name] = type(this.getAttribute(name));
-    if (this.mixer.still) defaults.still = true;
+    if (this.#mixer.still) defaults.still = true;
     const promise = this.#speech.speak(text, { ...defaults, ...options });
-    this.stage.wake();
+    this.#stage.wake();
     return promise;
   }
 
   /** Silence at once; what is queued is forgotten. */
   stop() {
     this.#speech.stop();
-    this.captionView.clear();
-    this.stage.wake();
+    this.#captionView.clear();
+    this.#stage.wake();
   }
 
   /** Halts where it is, until `resume`; the face lives on. In a room, all are halted. */
   pause() {
     this.#speech.pause();
-    this.stage.wake();
+    this.#stage.wake();
   }
 
   /** Goes on after a pause. */
   resume() {
     this.#speech.resume();
-    this.stage.wake();
+    this.#stage.wake();
   }
 
   /** Goes on from a mark of what is spoken. @param {string} mark its name */
   jump(mark) {
     this.#speech.jump(mark);
-  }
-
-  /** Words per minute: of the sentences that have not begun, and of what is spoken from now on. */
-  get rate() {
-    return this.hasAttribute('rate') ? Number(this.getAttribute('rate')) : null;
-  }
-
-  set rate(rate) {
-    this.setAttribute('rate', rate);
-    this.#speech.setRate(Number(rate));
   }
 
   /**
@@ -141,9 +174,9 @@ export class TalkingHead extends HTMLElement {
    * @param {{ease?: boolean}} [options] ease: go over to it smoothly, not at once
    */
   pose(faps, { ease = false } = {}) {
-    this.mixer.pose = faps && faceValues(faps);
-    this.mixer.ease = ease;
-    this.stage.wake();
+    this.#mixer.pose = faps && faceValues(faps);
+    this.#mixer.ease = ease;
+    this.#stage.wake();
   }
 
   /**
@@ -153,40 +186,32 @@ export class TalkingHead extends HTMLElement {
    * @param {{ease?: number}} [options] seconds that the change takes (0.3)
    */
   express(mix, options) {
-    this.liveliness.express(mix, options);
-    this.stage.wake();
+    this.#liveliness.express(mix, options);
+    this.#stage.wake();
   }
 
   /** The face as it was drawn last: the FAPs that are not 0, by number. @returns {Record<number, number>} */
   get faps() {
-    return Object.fromEntries([...this.mixer.values.entries()].filter(([, value]) => value));
-  }
-
-  get captions() {
-    return this.getAttribute('captions') !== 'off';
-  }
-
-  set captions(on) {
-    this.setAttribute('captions', on ? 'on' : 'off');
+    return Object.fromEntries([...this.#mixer.values.entries()].filter(([, value]) => value));
   }
 
   /** Figures for tests and measurements, not for pages: they may change. Times in seconds of the utterance heard. */
   debug() {
     const now = performance.now();
-    const heard = this.#speech?.heard(now);
+    const heard = this.#speech.heard(now);
     return {
-      ...this.stage.debug,
+      ...this.#stage.debug,
       state: !this.#ready ? 'loading' : this.#speech.busy ? 'speaking' : 'idle',
-      connection: this.#connection?.state ?? 'closed',
-      sound: this.player.sound,
-      sampleRate: this.player.rate,
-      underruns: this.player.underruns,
+      connection: this.#link.state,
+      sound: this.#player.sound,
+      sampleRate: this.#player.rate,
+      underruns: this.#player.underruns,
       running: heard?.running ?? false,
       utterance: heard?.utterance.number ?? null,
       audioTime: heard?.seconds ?? null, // what is heard at this moment
       frameTime: this.#drawn.seconds, // what the face that was drawn last belongs to; null: to nothing that is spoken
       frameAge: now - this.#drawn.at, // milliseconds since it came on the display; negative: it is still on its way there
-      fapValues: Array.from(this.mixer.values),
+      fapValues: Array.from(this.#mixer.values),
     };
   }
 
@@ -194,110 +219,153 @@ export class TalkingHead extends HTMLElement {
     this.dispatchEvent(new CustomEvent(type, { detail }));
   }
 
-  #online = () => this.#connection?.hurry();
+  #online = () => this.#link.hurry();
 
   #motionChanged = () => {
-    const still = this.getAttribute('still');
-    this.mixer.still = still === null ? this.#reducedMotion.matches : still !== 'off';
+    this.#mixer.still = this.still ?? this.#reducedMotion.matches;
     this.#idle();
-    this.stage.wake();
+    this.#stage.wake();
   };
+
+  #presenceChanged() {
+    this.#stage.seen = this.#presence.seen;
+    this.#idle();
+  }
 
   /** Has the face idle while there is somebody to see it. */
   #idle() {
-    const life = this.getAttribute('life');
-    const wanted = this.presence.seen && !this.mixer.still;
-    this.liveliness.idle(wanted ? (life === null ? {} : { life: Number(life) }) : null);
-    this.stage.wake();
+    const { life } = this;
+    const wanted = this.#presence.seen && !this.#mixer.still;
+    this.#liveliness.idle(wanted ? (life === null ? {} : { life }) : null);
+    this.#stage.wake();
   }
 
   #express() {
     const mix = this.getAttribute('expression');
-    if (mix !== null || this.liveliness.mix.length) this.express(mix ?? []);
+    if (mix !== null || this.#liveliness.mix.length) this.express(mix ?? []);
   }
 
   #translate() {
-    this.furniture.translate(this.lang, this.getAttribute('label'), this.#title);
+    this.#furniture.translate(this.lang, this.getAttribute('label'), this.#title);
   }
 
   #showCaptions() {
-    this.captionView.shown = this.captions;
-    this.furniture.captions.setAttribute('aria-pressed', String(this.captions));
+    this.#captionView.shown = this.captions;
+    this.#furniture.captions.setAttribute('aria-pressed', String(this.captions));
   }
 
-  #soundChanged(sound) {
-    this.furniture.sound.hidden = sound !== 'blocked';
-    this.#emit('sound', { sound });
-    this.stage.wake();
+  #soundChanged(sound, reason) {
+    this.#furniture.sound.hidden = sound !== 'blocked';
+    this.#emit('sound', { sound, ...(reason ? { reason } : {}) });
+    this.#stage.wake();
+  }
+
+  // Being in the page, and leaving it
+
+  #open() {
+    this.#opened = true;
+    this.#reducedMotion.addEventListener('change', this.#motionChanged);
+    addEventListener('online', this.#online);
+    this.#stage.quality = this.quality ?? 'auto';
+    this.#stage.open();
+    this.#motionChanged();
+    this.#translate();
+    this.#showCaptions();
+    this.#express();
+    this.#connect();
+    this.#presence.open();
+    this.#ticking = setInterval(() => this.#tick(performance.now()), TICK_MS);
+  }
+
+  #close() {
+    this.#opened = false;
+    clearInterval(this.#ticking);
+    this.#reducedMotion.removeEventListener('change', this.#motionChanged);
+    removeEventListener('online', this.#online);
+    this.#presence.close();
+    this.#speech.stop();
+    this.#captionView.clear();
+    this.#disconnect();
+    this.#player.close();
+    this.#stage.close();
+    this.#ready = false;
   }
 
   // The connection and the model that comes through it
 
-  get #address() {
-    const url = new URL(this.getAttribute('src') || '/v1/stream', document.baseURI);
-    url.protocol = url.protocol.replace(/^http/, 'ws');
-    return url.href;
-  }
-
   #connect() {
     this.#disconnect();
-    if (this.furniture.said === 'badAddress' || this.furniture.said === 'noModel') this.furniture.say(null);
-    this.#intake.reset();
-    try {
-      this.#connection = new Connection(this.#address, {
-        onstate: (state) => this.#stateChanged(state),
-        onmessage: (message) => this.#intake.text(message),
-        onmedia: (data) => this.#intake.binary(data),
-      });
-      this.#connection.open();
-    } catch {
-      this.furniture.say('badAddress', { src: this.getAttribute('src') });
-      this.#emit('error', { type: 'error', code: 'bad-address', message: this.furniture.text('badAddress', { src: this.getAttribute('src') }) });
-    }
+    this.#furniture.say('model', null);
+    this.#link.open();
+  }
+
+  /** Once for all attributes that are changed together. */
+  #connectSoon() {
+    if (this.#reconnecting) return;
+    this.#reconnecting = true;
+    queueMicrotask(() => {
+      this.#reconnecting = false;
+      if (this.#opened) this.#connect();
+    });
   }
 
   #disconnect() {
     this.#models.close();
-    this.#connection?.close();
-    this.#connection = null;
+    this.#link.close();
+    this.#intake.reset();
   }
 
-  #intake = new Intake({
-    hear: (message) => this.#message(message),
-    media: (chunk) => {
-      this.#speech.media(chunk);
-      if (!this.mixer.pose) this.stage.wake();
-    },
-  });
+  #linkTrouble(name, values, told) {
+    this.#furniture.say('link', name, values);
+    if (name && !told) this.#fail(name, values);
+  }
 
-  #models = new ModelSource({
-    ask: (message) => this.#connection?.send(message),
-    progress: (detail) => this.#emit('progress', detail),
-    show: (json) => this.#show(json),
-  });
+  #pictureTrouble(name) {
+    this.#furniture.say('picture', name);
+    if (name && name !== 'lost') this.#fail(name);
+  }
+
+  /** Tells the page. @param {string} name of a message @param {object} [values] */
+  #fail(name, values) {
+    const code = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
+    this.#emit('error', { type: 'error', code, message: this.#furniture.text(name, values) });
+  }
+
+  /** Sound that needs no decoder: where there is none, or it failed. */
+  #wantPlainSound(error) {
+    console.warn('talking-head: Opus cannot be decoded here', error ?? '');
+    this.#link.send({ type: 'media', audio: 'pcm_s16le' });
+  }
 
   #stateChanged({ state, hello, retryIn }) {
     this.#emit('connection', { state, ...(retryIn === undefined ? {} : { retryIn }) });
     if (state === 'open') {
       this.#enter();
       this.#speech.linked();
-      this.liveliness.linked();
-      this.#models.open(this.#address, hello, this.getAttribute('model'));
+      this.#liveliness.linked();
+      this.#openModel(hello);
+      canDecode().then((can) => can || this.#wantPlainSound());
     } else {
       this.#intake.reset();
       this.#speech.unlinked();
-      this.liveliness.unlinked();
+      this.#liveliness.unlinked();
     }
-    this.stage.wake();
+    this.#stage.wake();
+  }
+
+  #openModel(hello) {
+    if (this.model === null && !hello.models?.length) {
+      this.#furniture.say('model', 'noModel');
+      this.#fail('noModel');
+    } else this.#models.open(this.#link.address, hello, this.model);
   }
 
   /** Says who we are, and goes where we belong. */
   #enter() {
-    const token = this.getAttribute('token');
-    const room = this.getAttribute('room');
+    const { token, room } = this;
     this.#speech.adopts = Boolean(room);
-    if (token) this.#connection.send({ type: 'authorize', token });
-    if (room) this.#connection.send({ type: 'join', room });
+    if (token) this.#link.send({ type: 'authorize', token });
+    if (room) this.#link.send({ type: 'join', room });
   }
 
   #message(message) {
@@ -305,20 +373,20 @@ export class TalkingHead extends HTMLElement {
     else {
       this.#speech.hear(message);
       if (['hello', 'joined', 'authorized'].includes(message.type)) this.#emit(message.type, message);
-      this.stage.wake();
+      this.#stage.wake();
     }
   }
 
   async #show(json) {
     try {
-      const model = await this.stage.show(json);
+      const model = await this.#stage.show(json);
       this.#title = model.title;
       this.#translate();
       this.#ready = true;
       this.#emit('ready', { model: model.name, title: model.title, credits: model.credits });
     } catch (error) {
       console.error('talking-head:', error);
-      this.furniture.say('noModel');
+      this.#furniture.say('model', 'noModel');
       this.#emit('error', { type: 'error', code: 'bad-model', message: String(error.message) });
     }
   }
@@ -327,7 +395,7 @@ export class TalkingHead extends HTMLElement {
 
   /** Captions change with a picture, where there are pictures: what is drawn in between would hold up the next one. */
   #tick(now) {
-    if (this.stage.drawing) this.#speech.tick(now);
+    if (this.#stage.drawing) this.#speech.tick(now);
     else this.#hear(now);
   }
 
@@ -335,19 +403,21 @@ export class TalkingHead extends HTMLElement {
   #hear(now) {
     this.#speech.tick(now);
     const { captions, options } = this.#speech.heard(now)?.utterance ?? {};
-    return this.captionView.show(captions?.line ?? null, options?.lang);
+    return this.#captionView.show(captions?.line ?? null, options?.lang);
   }
 
   #frame(now, ahead) {
     const heard = this.#speech.heard(now, ahead / 1000);
-    const { face } = this.liveliness;
+    const { face } = this.#liveliness;
     if (heard?.running) face.leave();
     const idle = heard?.running ? null : face.at(now / 1000, ahead / 1000);
-    const changed = this.mixer.update(now, heard, idle);
+    const changed = this.#mixer.update(now, heard, idle);
     this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
-    const changing = this.mixer.changing(now);
+    const changing = this.#mixer.changing(now);
     const speaks = this.#speech.busy || changing;
-    const held = this.mixer.pose && !changing; // whatever is heard
-    return { values: this.mixer.values, more: changed || (!held && (speaks || idle)), calm: !speaks };
+    const held = this.#mixer.pose && !changing; // whatever is heard
+    return { values: this.#mixer.values, more: changed || (!held && (speaks || idle)), calm: !speaks };
   }
 }
+
+addProperties(TalkingHead.prototype);

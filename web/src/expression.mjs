@@ -24,3 +24,6 @@ function fromText(text) {
     return name ? [{ name, intensity: number === undefined ? 1 : Number(number) }] : [];
   });
 }
+
+/** As an attribute has it. @param {{name: string, intensity: number}[]} mix */
+export const writeMix = (mix) => mix.map(({ name, intensity }) => `${name} ${intensity}`).join(', ');

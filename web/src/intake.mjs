@@ -7,9 +7,13 @@ import { OpusSound } from './audio/opus.mjs';
  * What comes from the server, in its order, with the media decoded: texts wait for the sound that came before them.
  */
 export class Intake {
-  /** @param {{hear: (message: object) => void, media: (chunk: object) => void}} outlets @param {OpusSound} [sound] */
-  constructor({ hear, media }, sound = new OpusSound()) {
-    Object.assign(this, { hear, media, sound });
+  /**
+   * @param {{hear: (message: object) => void, media: (chunk: object) => void, mute: (error: Error) => void}} outlets mute:
+   *   a chunk could not be decoded, and is silent
+   * @param {OpusSound} [sound]
+   */
+  constructor({ hear, media, mute = () => {} }, sound = new OpusSound()) {
+    Object.assign(this, { hear, media, mute, sound });
     this.reader = new CompactReader();
     this.waiting = [];
     this.busy = false;
@@ -38,7 +42,10 @@ export class Intake {
 
   async #deliver(chunk) {
     if (chunk.audioCodec === AUDIO_OPUS) {
-      const samples = await this.sound.decode(chunk).catch(() => new Float32Array(chunk.audio.length * OPUS_PACKET_SAMPLES));
+      const samples = await this.sound.decode(chunk).catch((error) => {
+        this.mute(error);
+        return new Float32Array(chunk.audio.length * OPUS_PACKET_SAMPLES);
+      });
       const start = chunk.firstPacket * OPUS_PACKET_SAMPLES - OPUS_SKIP;
       const skip = Math.min(samples.length, Math.max(0, -start));
       Object.assign(chunk, { audio: samples.subarray(skip), audioRate: OPUS_RATE, audioStart: Math.max(0, start) });

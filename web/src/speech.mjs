@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 import { HeardCaptions } from './captions.mjs';
 import { Programme } from './programme.mjs';
+import { Turns } from './turns.mjs';
 import { Utterance } from './utterance.mjs';
 
 const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
-const PLAYER_ACTS = { paused: 'hold', resumed: 'release', jumped: 'flush' }; // what the player does when the server says so
+const UNHEARD = ['blocked', 'none']; // the player's states in which the samples go by in silence
+const DIRECTIONS = ['paused', 'resumed', 'jumped']; // what the server says at once
 
 /**
  * All that is spoken: sends what is asked for, queues what comes on the player, and says on the audio's clock what is
@@ -13,16 +15,31 @@ const PLAYER_ACTS = { paused: 'hold', resumed: 'release', jumped: 'flush' }; // 
  */
 export class Speech {
   /**
-   * @param {object} ports player; send(message) -> boolean; emit(type, detail); idle(chunk): media of nobody's; setTimeout
-   *   of tests
+   * @param {object} ports player; send(message) -> boolean; emit(type, detail); idle(chunk): media of nobody's; state(): of
+   *   the connection; turns that it takes with others; setTimeout of tests
    */
-  constructor({ player, send, emit, idle = () => {}, setTimeout = (...args) => globalThis.setTimeout(...args) }) {
-    Object.assign(this, { player, send, emit, idle, setTimeout });
+  constructor({
+    player, send, emit, idle = () => {}, state = () => 'open', turns = new Turns(),
+    setTimeout = (...args) => globalThis.setTimeout(...args),
+  }) {
+    Object.assign(this, { player, send, emit, idle, state, turns, setTimeout });
     this.programme = new Programme();
     /** @type {Set<Utterance>} */
     this.open = new Set();
     this.count = 0;
     this.adopts = false; // also what others ask for: in a room
+    this.waits = true; // until others on the page have finished
+    this.paused = false;
+  }
+
+  /** Whether it takes its turn: what is said in a room has its order there. */
+  get polite() {
+    return this.waits && !this.adopts;
+  }
+
+  /** Whether there is a connection, or will be in a moment. */
+  get reachable() {
+    return ['open', 'connecting'].includes(this.state());
   }
 
   get busy() {
@@ -32,22 +49,29 @@ export class Speech {
   /** @param {string} text @param {object} options further members of the `speak` message @returns {Promise<object>} */
   speak(text, options = {}) {
     const utterance = new Utterance(`u${++this.count}`, text, options);
+    const first = ['replace', 'interrupt'].includes(options.mode);
+    if (first) this.paused = false;
+    if (options.mode === 'replace') for (const other of [...this.open]) if (!other.sent) this.#stopped(other);
     this.open.add(utterance);
-    this.player.open();
-    this.#send(utterance);
-    if (!utterance.sent)
-      utterance.timer = this.setTimeout(() => this.#refuse(utterance, 'no-connection', 'There is no connection.'), PATIENCE_MS);
+    if (this.state() !== 'closed') this.player.open();
+    this.turns.ask(this, utterance, first);
+    this.#await(utterance);
     return utterance.promise;
+  }
+
+  /** It is the turn of what was asked for before. */
+  grant(utterance) {
+    if (this.state() !== 'connecting') this.#send(utterance);
   }
 
   /** Halts where it is, at once, until `resume`. */
   pause() {
-    this.player.hold();
+    this.#hold(true);
     this.send({ type: 'pause' });
   }
 
   resume() {
-    this.player.release();
+    this.#hold(false);
     this.send({ type: 'resume' });
   }
 
@@ -63,26 +87,34 @@ export class Speech {
 
   stop() {
     this.player.flush();
-    this.player.release();
+    this.#hold(false);
     this.programme = new Programme();
     this.send({ type: 'stop' });
-    for (const utterance of [...this.open]) {
+    for (const utterance of [...this.open].reverse()) {
       utterance.cancelled = true;
-      if (!utterance.sent || utterance.answer)
-        this.#end(utterance, { type: 'end', duration: 0, ...utterance.answer, reason: 'stopped' });
+      if (!utterance.sent || utterance.answer) this.#stopped(utterance);
     }
   }
 
   /** The link is there: what waited for it goes out. */
   linked() {
-    for (const utterance of this.open) if (!utterance.sent) this.#send(utterance);
+    if (this.busy) this.player.open();
+    for (const utterance of this.open) {
+      clearTimeout(utterance.timer);
+      if (!utterance.sent && this.turns.has(utterance)) this.#send(utterance);
+    }
+    this.turns.next();
   }
 
   /** The link is gone: what has come is still played, what was to come fails. */
   unlinked() {
-    this.player.release();
+    this.#hold(false);
     for (const utterance of [...this.open]) {
-      if (!utterance.sent) continue;
+      if (!utterance.sent) {
+        this.turns.giveBack(this, utterance);
+        this.#await(utterance);
+        continue;
+      }
       utterance.number = null; // the next connection counts anew
       if (utterance.answer) continue;
       const message = 'The connection was lost.';
@@ -96,7 +128,7 @@ export class Speech {
     const utterance = this.#about(message);
     const detail = utterance ? this.#detail(utterance, message) : message;
     if (message.type === 'error' || message.type === 'warning') this.emit(message.type, detail);
-    if (message.type in PLAYER_ACTS) this.#direct(message, utterance);
+    if (DIRECTIONS.includes(message.type)) this.#direct(message, utterance);
     if (!utterance && message.type === 'begin' && this.adopts) {
       this.#adopt(message);
       return;
@@ -145,6 +177,7 @@ export class Speech {
     const utterance = new Utterance(null, '', {}, new HeardCaptions(message.markup));
     utterance.sent = true;
     this.open.add(utterance);
+    this.turns.enter(this, utterance);
     this.player.open();
     this.#begin(utterance, message);
   }
@@ -152,8 +185,15 @@ export class Speech {
   /** Somebody has directed the stream: oneself, or another in the same room. */
   #direct(message, utterance) {
     if (message.type === 'jumped' && utterance?.item) this.#forgetUnheard();
-    if (message.type !== 'jumped') this.player[PLAYER_ACTS[message.type]]();
+    if (message.type !== 'jumped') this.#hold(message.type === 'paused');
     this.emit(message.type, utterance ? this.#detail(utterance, message) : message);
+  }
+
+  #hold(on) {
+    this.paused = on;
+    if (on) this.player.hold();
+    else this.player.release();
+    this.turns.next();
   }
 
   /** What has come and has not been heard will not be. */
@@ -181,6 +221,13 @@ export class Speech {
   #send(utterance) {
     utterance.sent = this.send({ ...utterance.options, type: 'speak', text: utterance.text, id: utterance.key });
     if (utterance.sent) clearTimeout(utterance.timer);
+  }
+
+  /** A connection is waited for, but not for ever. */
+  #await(utterance) {
+    clearTimeout(utterance.timer);
+    if (utterance.sent || (this.state() === 'open' && !this.turns.has(utterance))) return;
+    utterance.timer = this.setTimeout(() => this.#refuse(utterance, 'no-connection', 'There is no connection.'), PATIENCE_MS);
   }
 
   #begin(utterance, message) {
@@ -212,6 +259,10 @@ export class Speech {
     else this.emit(message.type, this.#detail(utterance, message));
   }
 
+  #stopped(utterance) {
+    this.#end(utterance, { type: 'end', duration: 0, ...utterance.answer, reason: 'stopped' });
+  }
+
   #refuse(utterance, code, message) {
     this.emit('error', { type: 'error', code, message, id: utterance.options.id });
     this.#end(utterance, { type: 'end', reason: 'failed', code, duration: 0 });
@@ -222,7 +273,9 @@ export class Speech {
     this.open.delete(utterance);
     if (utterance.item) this.programme.remove(utterance.item);
     const detail = this.#detail(utterance, message);
+    if (UNHEARD.includes(this.player.sound)) detail.sound = this.player.sound;
     this.emit('end', detail);
     utterance.resolve(detail);
+    this.turns.leave(utterance);
   }
 }

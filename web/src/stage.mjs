@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { contexts } from './contexts.mjs';
 import { Head } from './head/head.mjs';
 import { readModel } from './head/model.mjs';
 import { Governor } from './head/quality.mjs';
@@ -19,7 +20,7 @@ export class Stage {
    * @param {HTMLCanvasElement} canvas
    * @param {object} ports hear(now) -> whether the page beside the canvas changes with the picture that follows;
    *   frame(now, ahead) -> {values, more, calm}: what to show `ahead` milliseconds later, when the picture is on the
-   *   display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | null)
+   *   display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | 'tooMany' | null)
    */
   constructor(canvas, ports) {
     this.canvas = canvas;
@@ -33,23 +34,38 @@ export class Stage {
     this.frames = 0;
     this.interval = 0; // of the frames that follow each other, smoothed
     this.view = null;
+    this.model = null;
+    this.opened = false;
+    this.visible = false;
+    this.used = false; // the canvas has had a context, and cannot have another
     this.pace = new Pace(() => this.view.mark());
     this.lost = false;
     this.observer = new ResizeObserver(() => this.#resize());
-    canvas.addEventListener('webglcontextlost', (event) => {
-      event.preventDefault();
-      this.lost = true;
-      ports.trouble('lost');
-    });
-    canvas.addEventListener('webglcontextrestored', () => {
-      this.lost = false;
-      ports.trouble(null);
-      this.wake();
-    });
   }
 
-  /** Begins to draw. */
+  /** Begins to draw, as soon as it can have a context. */
   open() {
+    this.opened = true;
+    contexts.ask(this);
+  }
+
+  close() {
+    this.opened = false;
+    this.model = null;
+    this.leave();
+    contexts.leave(this);
+  }
+
+  /** Whether somebody can see it. */
+  set seen(on) {
+    this.visible = on;
+    if (this.opened) contexts.ask(this);
+  }
+
+  /** It may have a context of the graphics processor: see Contexts. */
+  enter() {
+    if (this.used) this.#replaceCanvas();
+    this.used = true;
     try {
       this.view = new View(this.canvas);
     } catch (error) {
@@ -57,13 +73,18 @@ export class Stage {
       this.ports.trouble('noWebgl');
       return;
     }
+    this.lost = false;
+    this.ports.trouble(null);
+    this.#heed(this.canvas);
     this.governor = new Governor(this.wish, this.view.software);
     this.view.setLevel(this.governor.level);
     this.observer.observe(this.canvas);
     this.#resize();
+    if (this.model) this.#build().catch((error) => console.error('talking-head:', error));
   }
 
-  close() {
+  /** Gives its context back. */
+  leave() {
     cancelAnimationFrame(this.request);
     this.request = 0;
     this.observer.disconnect();
@@ -71,14 +92,51 @@ export class Stage {
     this.view = null;
   }
 
+  /** There is no context for it. */
+  refuse() {
+    this.ports.trouble('tooMany');
+  }
+
   /** @param {object} json the head model @returns {Promise<object>} the model as read */
   async show(json) {
-    const model = readModel(json);
-    if (!this.view) return model;
-    const head = await Head.create(model);
-    this.view?.show(head);
-    this.wake();
+    this.model = readModel(json);
+    const { model } = this;
+    if (this.view) await this.#build();
     return model;
+  }
+
+  async #build() {
+    const { model, view } = this;
+    const head = await Head.create(model);
+    if (this.view !== view || this.model !== model) {
+      head.dispose(); // another has come meanwhile, or nobody wants it any more
+      return;
+    }
+    view.show(head);
+    this.wake();
+  }
+
+  #replaceCanvas() {
+    const fresh = this.canvas.cloneNode();
+    this.canvas.replaceWith(fresh);
+    this.canvas = fresh;
+  }
+
+  /** The browser may take the context away, and give it back. */
+  #heed(canvas) {
+    const now = () => canvas === this.canvas && this.view;
+    canvas.addEventListener('webglcontextlost', (event) => {
+      if (!now()) return;
+      event.preventDefault();
+      this.lost = true;
+      this.ports.trouble('lost');
+    });
+    canvas.addEventListener('webglcontextrestored', () => {
+      if (!now()) return;
+      this.lost = false;
+      this.ports.trouble(null);
+      this.wake();
+    });
   }
 
   /** @param {'auto'|'high'|'low'} wish */

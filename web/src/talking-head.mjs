@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { TalkingHead } from './element.mjs';
 
-if (!customElements.get('talking-head')) customElements.define('talking-head', TalkingHead);
+// On a server there are no elements, and a page may load the script twice: the first one counts.
+if (globalThis.customElements && !customElements.get('talking-head')) customElements.define('talking-head', TalkingHead);
 
 export { TalkingHead };

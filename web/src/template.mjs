@@ -1,14 +1,14 @@
 // SPDX-License-Identifier: MIT
 
-export const template = `
-<style>
+export const styles = `
   :host { display: inline-flex; flex-direction: column; inline-size: 20rem; block-size: 26rem; position: relative;
     font-family: system-ui, sans-serif; }
   :host([hidden]), [hidden] { display: none !important; }
   .stage { position: relative; flex: 1; min-block-size: 0; }
   canvas { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; display: block; }
   .message { position: absolute; inset: 0; margin: auto; inline-size: fit-content; block-size: fit-content;
-    max-inline-size: 90%; padding: 0.75em 1em; border-radius: 0.5em; text-align: center;
+    max-inline-size: 90%; max-block-size: 100%; overflow: auto; box-sizing: border-box; padding: 0.75em 1em; border-radius: 0.5em;
+    text-align: center; overflow-wrap: anywhere;
     background: #1c1c1eee; color: #fff; }
   button { font: inherit; cursor: pointer; border: 2px solid #fff; background: #1c1c1eee; color: #fff;
     border-radius: 2em; min-block-size: 2.75em; min-inline-size: 2.75em; padding: 0 1em; }
@@ -29,14 +29,30 @@ export const template = `
   .said { opacity: 0.72; }
   .word:not(:empty) { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);
     border-radius: 0.2em; box-shadow: 0 0 0 0.12em var(--talking-head-word-background, #ffd60a); }
-</style>
-<div class="stage" part="stage">
-  <canvas part="canvas" role="img"></canvas>
-  <p class="message" part="message" role="status" hidden></p>
-  <button class="switch" part="captions-button" type="button">CC</button>
-  <button class="sound" part="sound-button" type="button" hidden><svg viewBox="0 0 24 24" aria-hidden="true"><path
-    d="M4 9v6h4l5 4V5L8 9zM16 8.5a5 5 0 0 1 0 7M18.5 6a8.5 8.5 0 0 1 0 12"/></svg> <span></span></button>
-</div>
-<div class="captions" part="captions" aria-live="off"><p dir="auto"><span class="said" part="said"></span><span class="word"
-  part="word"></span><span class="rest" part="rest"></span></p></div>
 `;
+
+const SVG = 'http://www.w3.org/2000/svg';
+const WAVES = 'M4 9v6h4l5 4V5L8 9zM16 8.5a5 5 0 0 1 0 7M18.5 6a8.5 8.5 0 0 1 0 12';
+
+/** Made piece by piece, since pages may forbid that text becomes markup (Trusted Types). */
+function make(name, attributes = {}, children = [], namespace = 'http://www.w3.org/1999/xhtml') {
+  const element = document.createElementNS(namespace, name);
+  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
+  element.append(...children);
+  return element;
+}
+
+/** What the element is made of. @returns {Node[]} */
+export function parts() {
+  const waves = make('svg', { viewBox: '0 0 24 24', 'aria-hidden': 'true' }, [make('path', { d: WAVES }, [], SVG)], SVG);
+  const line = ['said', 'word', 'rest'].map((name) => make('span', { class: name, part: name }));
+  return [
+    make('div', { class: 'stage', part: 'stage' }, [
+      make('canvas', { part: 'canvas', role: 'img' }),
+      make('p', { class: 'message', part: 'message', role: 'status', hidden: '' }),
+      make('button', { class: 'switch', part: 'captions-button', type: 'button' }, ['CC']),
+      make('button', { class: 'sound', part: 'sound-button', type: 'button', hidden: '' }, [waves, ' ', make('span')]),
+    ]),
+    make('div', { class: 'captions', part: 'captions', 'aria-live': 'off' }, [make('p', { dir: 'auto' }, line)]),
+  ];
+}

@@ -1,15 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What pulls the samples out of a pump: the audio thread, the page on behalf of the audio thread, or nobody but a clock.
 import { Pump } from './pump.mjs';
-import workletSource from 'inline:./worklet.mjs';
 
+const WORKLET = './talking-head-worklet.js'; // beside the script: pages may forbid scripts that are no files
 const loaded = new WeakMap(); // context -> promise of its worklet module
 
 function loadWorklet(context) {
-  if (!loaded.has(context)) {
-    const url = URL.createObjectURL(new Blob([workletSource], { type: 'text/javascript' }));
-    loaded.set(context, context.audioWorklet.addModule(url).finally(() => URL.revokeObjectURL(url)));
-  }
+  if (!loaded.has(context)) loaded.set(context, context.audioWorklet.addModule(new URL(WORKLET, import.meta.url).href));
   return loaded.get(context);
 }
 
@@ -52,7 +49,7 @@ class WorkletDriver {
   }
 }
 
-/** In the page, where there is no worklet: browsers offer it over HTTPS and on localhost only. */
+/** In the page, where there is no worklet: browsers offer it over HTTPS and on localhost only, and pages can forbid it. */
 class ScriptDriver {
   constructor(context, report) {
     this.pump = new Pump(context.sampleRate, report);
@@ -128,7 +125,15 @@ export class SilentDriver {
   }
 }
 
-/** The best driver that this browser has, connected to the context's output. */
-export function createAudioDriver(context, report) {
-  return context.audioWorklet ? WorkletDriver.create(context, report) : new ScriptDriver(context, report);
+/**
+ * The best driver that this browser and page allow, connected to the context's output.
+ * @returns {Promise<{driver: object, reason?: string}>} reason: why it is not the best there is
+ */
+export async function createAudioDriver(context, report) {
+  try {
+    if (context.audioWorklet) return { driver: await WorkletDriver.create(context, report) };
+  } catch (error) {
+    console.warn('talking-head: no audio worklet', error);
+  }
+  return { driver: new ScriptDriver(context, report), reason: 'no-worklet' };
 }

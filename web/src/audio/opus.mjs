@@ -82,6 +82,17 @@ function askBrowser(platform) {
   return browserCan;
 }
 
+/** Whether Opus can be decoded here at all: a page's policy may forbid WebAssembly. @param {object} [platform] of tests */
+export async function canDecode(platform = globalThis) {
+  if (await (platform.can ?? askBrowser(platform))) return true;
+  try {
+    new platform.WebAssembly.Module(Uint8Array.of(0, 0x61, 0x73, 0x6d, 1, 0, 0, 0)); // the smallest there is
+    return true;
+  } catch {
+    return false;
+  }
+}
+
 const loadFallback = () => import(/* @vite-ignore */ new URL('./opus-decoder.js', import.meta.url).href);
 
 /**

@@ -5,6 +5,9 @@ import { acquireContext, releaseContext } from './shared-context.mjs';
 
 const NO_AUDIO_RATE = 48000;
 const RESUME_PATIENCE_MS = 250;
+const DEVICE_PATIENCE_MS = 1500; // once the user has touched the page: what then does not start has nothing to sound on
+const STANDSTILL_MS = 2000; // of an audio clock that should run
+const STANDSTILL_LOOKS = 5; // and it was looked at: a page that slept proves nothing
 const GESTURES = ['pointerdown', 'keydown', 'touchend'];
 
 /**
@@ -13,10 +16,24 @@ const GESTURES = ['pointerdown', 'keydown', 'touchend'];
  * from the moment on that sound is allowed the rest is heard.
  */
 export class Player {
-  /** @param {(sound: 'off'|'on'|'blocked'|'none') => void} onsound */
-  constructor(onsound) {
+  /**
+   * @param {(sound: 'off'|'on'|'blocked'|'none', reason?: string) => void} onsound reason: `autoplay` (blocked), `no-audio`
+   *   (the browser has none), `no-device` (nothing to sound on), `no-worklet` (on, but the page has to do the work)
+   * @param {object} [platform] acquire(), release(), createDriver(), touched(), setTimeout of tests
+   */
+  constructor(onsound, platform = {}) {
     this.onsound = onsound;
+    this.platform = {
+      acquire: acquireContext,
+      release: releaseContext,
+      createDriver: createAudioDriver,
+      touched: (gesture) => globalThis.navigator?.userActivation?.hasBeenActive ?? gesture,
+      setTimeout: (call, milliseconds) => globalThis.setTimeout(call, milliseconds),
+      page: globalThis.document,
+      ...platform,
+    };
     this.sound = 'off';
+    this.reason = undefined;
     this.context = null;
     this.written = 0;
     this.underruns = 0;
@@ -24,9 +41,13 @@ export class Player {
     this.silent = null;
     this.audio = null;
     this.held = false;
+    this.complete = true; // nothing more is to come of what was written
+    this.resuming = null; // the context that is asked to
+    this.dead = false; // nothing to sound on, as far as is known
+    this.look = { time: -1, at: 0, count: 0 }; // when the audio clock was seen to run
     this.#forget();
     this.onstate = () => this.#stateChanged();
-    this.ongesture = () => this.context.resume();
+    this.ongesture = () => this.#resume(true);
   }
 
   get rate() {
@@ -36,47 +57,65 @@ export class Player {
   /** Gets ready to play; to be called in the handler of a user's gesture when there is one. */
   async open() {
     if (!this.context && this.sound === 'off') {
-      this.context = acquireContext();
+      this.context = this.platform.acquire();
       this.#goSilent(); // until the sound is there
       if (!this.context) {
-        this.#setSound('none');
+        this.#setSound('none', 'no-audio');
         return;
       }
       this.context.addEventListener('statechange', this.onstate);
     }
-    if (this.context && this.context.state !== 'running') {
-      this.context.resume().catch(() => {});
-      await new Promise((resolve) => setTimeout(resolve, RESUME_PATIENCE_MS));
-    }
-    await this.#stateChanged();
+    if (this.context && this.context.state !== 'running') await this.#resume(false);
+    else await this.#stateChanged();
   }
 
   close() {
-    for (const gesture of GESTURES) document.removeEventListener(gesture, this.ongesture, true);
+    this.#listen(false);
     this.audio?.close();
     if (this.context) {
       this.context.removeEventListener('statechange', this.onstate);
-      releaseContext();
+      this.platform.release();
     }
     this.context = this.audio = this.silent = null;
     this.sound = 'off';
+    this.dead = false;
     this.clock.reset();
+  }
+
+  /** Asks for sound. Once the user has touched the page nothing but a missing device is in the way. */
+  async #resume(gesture) {
+    const { context } = this;
+    if (this.resuming === context && !gesture) return;
+    this.resuming = context;
+    const late = () => this.context === context && context.state !== 'running';
+    const wait = (milliseconds) => new Promise((resolve) => this.platform.setTimeout(resolve, milliseconds));
+    context.resume().catch(() => {}); // where there is no device some promises are never kept
+    await wait(RESUME_PATIENCE_MS);
+    if (late() && this.platform.touched(gesture)) {
+      await wait(DEVICE_PATIENCE_MS);
+      this.dead ||= late();
+    }
+    if (this.resuming === context) this.resuming = null;
+    if (this.context === context) await this.#stateChanged();
   }
 
   /** @param {Float32Array} block is given away */
   write(block) {
     if (!block.length) return;
     this.written += block.length;
+    this.complete = false;
     this.driver.push(block);
   }
 
   /** All that was to be said has been written. */
   finish() {
+    this.complete = true;
     this.driver?.finish();
   }
 
   /** Silence, now. What was written but not heard counts as heard. */
   flush() {
+    this.complete = true;
     this.driver?.flush();
   }
 
@@ -102,6 +141,7 @@ export class Player {
    */
   heard(now, ahead = 0) {
     if (!this.driver) return { position: this.written, running: false };
+    this.#watch(now);
     let frame;
     if (this.audio) {
       frame = (this.clock.at(this.context, now) + ahead) * this.rate;
@@ -113,9 +153,32 @@ export class Player {
     return { position: position + this.offset, running };
   }
 
-  #forget() {
+  /** An audio clock that stands still, though it should run, has no device: then the speech goes on without. */
+  #watch(now) {
+    if (this.context?.state !== 'running') return;
+    const { currentTime } = this.context;
+    if (currentTime !== this.look.time) {
+      const revived = this.dead && this.silent && this.look.time >= 0;
+      this.look = { time: currentTime, at: now, count: 0 };
+      if (revived) {
+        this.dead = false;
+        this.#stateChanged();
+      }
+    } else if (this.audio && ++this.look.count >= STANDSTILL_LOOKS && now - this.look.at > STANDSTILL_MS) {
+      this.dead = true;
+      const { position } = this.map.at(currentTime * this.rate);
+      const left = Math.max(0, this.written - this.offset - position);
+      this.audio.close();
+      this.audio = null;
+      this.#goSilent(left);
+      this.#setSound('none', 'no-device');
+    }
+  }
+
+  /** @param {number} [left] samples that were written, and not heard */
+  #forget(left = 0) {
     this.map = new PositionMap();
-    this.offset = this.written; // of the positions of the driver that is used now
+    this.offset = this.written - left; // of the positions of the driver that is used now
   }
 
   #report(driver, report) {
@@ -124,10 +187,12 @@ export class Player {
     this.underruns = report.underruns;
   }
 
-  #goSilent() {
+  #goSilent(left = 0) {
     this.silent = new SilentDriver(this.rate, (report) => this.#report(this.silent, report));
     if (this.held) this.silent.hold();
-    this.#forget();
+    this.#forget(left);
+    if (left) this.silent.push(new Float32Array(left)); // nobody hears what they are
+    if (left && this.complete) this.silent.finish();
   }
 
   async #stateChanged() {
@@ -140,11 +205,15 @@ export class Player {
         await this.#goAloud();
       } catch (error) {
         console.error('talking-head: no sound', error);
-        this.#setSound('none');
+        this.#setSound('none', 'no-audio');
       }
       this.starting = false;
-    } else {
-      this.#setSound(running ? 'on' : this.context.state === 'closed' ? 'none' : 'blocked');
+    } else if (running) {
+      if (this.audio) this.#setSound('on', this.reason);
+    } else if (this.dead || this.context.state === 'closed') {
+      this.#setSound('none', 'no-device');
+    } else if (!this.resuming) {
+      this.#setSound('blocked', 'autoplay');
     }
   }
 
@@ -152,11 +221,13 @@ export class Player {
     const early = [];
     let audio = null;
     const report = (message) => (audio && this.audio === audio ? this.#report(audio, message) : early.push(message));
-    audio = await createAudioDriver(this.context, report);
-    if (!this.context) {
-      audio.close(); // closed meanwhile
+    const { context } = this;
+    const { driver, reason } = await this.platform.createDriver(context, report);
+    if (this.context !== context) {
+      driver.close(); // closed meanwhile
       return;
     }
+    audio = driver;
     const rest = this.silent.pump.drain();
     const complete = this.silent.pump.complete;
     this.silent = null;
@@ -167,16 +238,22 @@ export class Player {
     if (this.held) audio.hold();
     if (rest.length) audio.push(rest);
     if (complete) audio.finish();
-    this.#setSound('on');
+    this.dead = false;
+    this.look = { time: -1, at: 0, count: 0 };
+    this.#setSound('on', reason);
   }
 
-  #setSound(sound) {
+  #setSound(sound, reason) {
     if (sound === this.sound) return;
     this.sound = sound;
-    for (const gesture of GESTURES) {
-      if (sound === 'blocked') document.addEventListener(gesture, this.ongesture, true);
-      else document.removeEventListener(gesture, this.ongesture, true);
-    }
-    this.onsound(sound);
+    this.reason = reason;
+    this.#listen(sound === 'blocked');
+    this.onsound(sound, reason);
+  }
+
+  /** Any touch of the page by the user allows sound. */
+  #listen(on) {
+    const change = on ? 'addEventListener' : 'removeEventListener';
+    for (const gesture of GESTURES) this.platform.page[change](gesture, this.ongesture, { capture: true });
   }
 }

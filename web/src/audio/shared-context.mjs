@@ -4,11 +4,14 @@
 let context = null;
 let users = 0;
 
-/** @returns {AudioContext|null} null where the browser has none */
+/** @returns {AudioContext|null} null where the browser has none, or refuses one */
 export function acquireContext() {
   const Context = globalThis.AudioContext ?? globalThis.webkitAudioContext;
-  if (!Context) return null;
-  context ??= new Context({ latencyHint: 'interactive' });
+  try {
+    context ??= new Context({ latencyHint: 'interactive' });
+  } catch {
+    return null;
+  }
   users++;
   return context;
 }

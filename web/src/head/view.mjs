@@ -121,5 +121,6 @@ export class View {
     this.target?.dispose();
     this.copy.dispose();
     this.renderer.dispose();
+    this.renderer.forceContextLoss(); // browsers count contexts, and forget them late
   }
 }

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Serves pages of a test from an origin of their own, with the headers that the test wants.
+import http from 'node:http';
+import { once } from 'node:events';
+
+/**
+ * @param {Record<string, string | {body: string, type?: string, headers?: object}>} files by path; a text is a page
+ * @returns {Promise<{port: number, url: string, files: object, close: () => Promise<void>}>}
+ */
+export async function servePages(files) {
+  const server = http.createServer((request, response) => {
+    const file = files[new URL(request.url, 'http://here').pathname];
+    const { body, type = 'text/html; charset=utf-8', headers = {} } = typeof file === 'string' ? { body: file } : (file ?? {});
+    response.writeHead(file === undefined ? 404 : 200, { 'content-type': type, ...headers });
+    response.end(body);
+  });
+  server.listen(0, '127.0.0.1');
+  await once(server, 'listening');
+  const { port } = server.address();
+  return {
+    port,
+    url: `http://127.0.0.1:${port}`,
+    files,
+    close() {
+      server.closeAllConnections();
+      return new Promise((resolve) => server.close(resolve));
+    },
+  };
+}
+
+/** The five lines of the README, with the script and the stream of a daemon. */
+export const fiveLines = (daemon, attributes = 'lang="it"') => `<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>Five lines</title>
+<script type="module" src="${daemon}/talking-head.js"></script></head>
+<body><talking-head src="${daemon.replace('http', 'ws')}/v1/stream" quality="low" ${attributes}></talking-head></body></html>`;

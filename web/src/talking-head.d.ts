@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: MIT
+// Types of talking-head.js, for editors and TypeScript.
+
+/** A mixture of affects: by name, as a list, or as text ("joy 0.6, surprise 0.2"). */
+export type Expression = Record<string, number> | { name: string; intensity?: number }[] | string | null;
+
+export interface SpeakOptions {
+  id?: string;
+  mode?: 'queue' | 'replace' | 'interrupt';
+  lang?: string;
+  voice?: string;
+  rate?: number;
+  pitch?: number;
+  volume?: number;
+  engine?: string;
+  markup?: string;
+  life?: number;
+  blend?: string;
+  fps?: number;
+  still?: boolean;
+  seed?: number;
+  phones?: boolean;
+}
+
+export interface EndMessage {
+  type: 'end';
+  reason: 'done' | 'stopped' | 'failed';
+  /** Seconds of speech. */
+  duration?: number;
+  code?: string;
+  id?: string;
+  /** Why nobody heard it, if so. */
+  sound?: 'blocked' | 'none';
+}
+
+interface Message {
+  type: string;
+  id?: string;
+  [member: string]: unknown;
+}
+
+interface TimedMessage extends Message {
+  /** Seconds from the utterance's beginning. */
+  time: number;
+  text: string;
+}
+
+export interface TalkingHeadEventMap {
+  progress: CustomEvent<{ loaded: number; total: number | null; ratio: number | null }>;
+  ready: CustomEvent<{ model: string; title: string; credits: string[] }>;
+  connection: CustomEvent<{ state: 'connecting' | 'open' | 'waiting' | 'closed'; retryIn?: number }>;
+  hello: CustomEvent<Message>;
+  joined: CustomEvent<Message>;
+  authorized: CustomEvent<Message>;
+  begin: CustomEvent<Message>;
+  sentence: CustomEvent<TimedMessage>;
+  word: CustomEvent<TimedMessage>;
+  phone: CustomEvent<Message>;
+  mark: CustomEvent<Message>;
+  end: CustomEvent<EndMessage>;
+  paused: CustomEvent<Message>;
+  resumed: CustomEvent<Message>;
+  jumped: CustomEvent<Message>;
+  error: CustomEvent<{ type: 'error'; code: string; message: string; id?: string }>;
+  warning: CustomEvent<{ type: 'warning'; code: string; message: string; id?: string }>;
+  sound: CustomEvent<{ sound: 'on' | 'blocked' | 'none'; reason?: 'autoplay' | 'no-audio' | 'no-device' | 'no-worklet' }>;
+}
+
+type AllEvents = Omit<HTMLElementEventMap, keyof TalkingHeadEventMap> & TalkingHeadEventMap;
+
+export class TalkingHead extends HTMLElement {
+  src: string | null;
+  model: string | null;
+  quality: 'auto' | 'high' | 'low' | null;
+  room: string | null;
+  token: string | null;
+  voice: string | null;
+  markup: string | null;
+  blend: string | null;
+  label: string | null;
+  rate: number | null;
+  life: number | null;
+  get captions(): boolean;
+  set captions(on: boolean | string | null | undefined);
+  get polite(): boolean;
+  set polite(on: boolean | string | null | undefined);
+  get still(): boolean | null;
+  set still(on: boolean | string | null | undefined);
+  get expression(): { name: string; intensity: number }[];
+  set expression(mix: Expression | undefined);
+  readonly faps: Record<number, number>;
+
+  speak(text: string, options?: SpeakOptions): Promise<EndMessage>;
+  stop(): void;
+  pause(): void;
+  resume(): void;
+  jump(mark: string): void;
+  pose(faps: Record<number, number> | null, options?: { ease?: boolean }): void;
+  express(mix: Expression, options?: { ease?: number }): void;
+
+  addEventListener<K extends keyof AllEvents>(
+    type: K,
+    listener: (this: TalkingHead, event: AllEvents[K]) => unknown,
+    options?: boolean | AddEventListenerOptions,
+  ): void;
+  addEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | AddEventListenerOptions): void;
+  removeEventListener<K extends keyof AllEvents>(
+    type: K,
+    listener: (this: TalkingHead, event: AllEvents[K]) => unknown,
+    options?: boolean | EventListenerOptions,
+  ): void;
+  removeEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | EventListenerOptions): void;
+}
+
+declare global {
+  interface HTMLElementTagNameMap {
+    'talking-head': TalkingHead;
+  }
+}
