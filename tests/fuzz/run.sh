@@ -1,0 +1,62 @@
+#!/bin/sh
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Fuzzes one target: builds it with clang, makes its seeds, runs it for some time, and says where a crash lies.
+set -eu
+
+usage() {
+    cat <<'TEXT'
+Usage: sh tests/fuzz/run.sh TARGET [SECONDS [OPTION of libFuzzer]...]
+       sh tests/fuzz/run.sh TARGET FILE...
+       sh tests/fuzz/run.sh --merge TARGET
+Fuzzes the target for SECONDS (3600), runs it on files, or takes those inputs that are worth it into its corpus.
+What is found stays in build/fuzz/found/TARGET, crashes lie in build/fuzz/crashes.
+TEXT
+    sed -n "s/^  '\([a-z]*\)': \[.*/  \1/p" "$(dirname "$0")/meson.build"
+}
+
+die() {
+    echo "run.sh: $*" >&2
+    exit 1
+}
+
+merge=no
+[ "${1:-}" = --merge ] && merge=yes && shift
+case ${1:-} in
+'' | -h | --help)
+    usage
+    exit 0
+    ;;
+esac
+target=$1
+shift
+
+root=$(cd "$(dirname "$0")/../.." && pwd)
+folder="$root/build/fuzz"
+. "$root/tests/fuzz/setup.sh"
+[ -f "$root/tests/fuzz/fuzz_$target.c" ] || die "no target '$target'; there are: $(cd "$root/tests/fuzz" && echo fuzz_*.c)"
+fuzz_build "$target"
+program="$folder/tests/fuzz/fuzz_$target"
+
+if [ -f "${1:-}" ]; then
+    exec "$program" "$@"
+fi
+fuzz_seeds "$target"
+corpus="$root/tests/fuzz/corpus/$target"
+found="$folder/found/$target"
+mkdir -p "$corpus" "$found" "$folder/crashes"
+if [ $merge = yes ]; then
+    # In the order of trust: what the seeds reach already is left out.
+    kept="$folder/kept/$target"
+    rm -rf "$kept"
+    mkdir -p "$kept"
+    "$program" -merge=1 -max_len=4096 -rss_limit_mb=2048 "$kept" "$folder/seeds/$target" "$corpus" "$found" >"$folder/merge.log" 2>&1 ||
+        die "see $folder/merge.log"
+    for input in "$kept"/*; do
+        cmp -s "$input" "$folder/seeds/$target"/* 2>/dev/null || cp "$input" "$corpus/"
+    done
+    exit 0
+fi
+seconds=${1:-3600}
+[ $# -gt 0 ] && shift
+exec "$program" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1 \
+    -artifact_prefix="$folder/crashes/$target-" $(fuzz_dictionary "$target") "$@" "$found" "$corpus" "$folder/seeds/$target"

@@ -1,0 +1,26 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+# Functions for run.sh here and one.sh above: the build of the targets, and what they begin with. Wants $root.
+
+# As the other builds with sanitizers; a number too large for the type that it is converted to is a fault, too.
+fuzz_build() { # [TARGET]: all of them when left out
+    folder="$root/build/fuzz"
+    if [ ! -f "$folder/build.ninja" ]; then
+        CC=clang meson setup "$folder" "$root" -Dfuzz=true -Db_sanitize=address,undefined -Db_lundef=false \
+            "-Dc_args=-fsanitize=fuzzer-no-link,float-cast-overflow -fno-sanitize-recover=all" >"$folder.log" 2>&1 || {
+            cat "$folder.log" >&2
+            return 1
+        }
+    fi
+    ninja -C "$folder" --quiet "${1:+tests/fuzz/fuzz_}${1:-fuzzers}"
+}
+
+fuzz_seeds() { # TARGET: into build/fuzz/seeds/TARGET
+    rm -rf "$root/build/fuzz/seeds/$1"
+    node "$root/tests/fuzz/seeds.mjs" "$1" "$root/build/fuzz/seeds/$1"
+}
+
+fuzz_dictionary() { # TARGET: libFuzzer's option, if there is a dictionary
+    if [ -f "$root/tests/fuzz/dict/$1.dict" ]; then
+        echo "-dict=$root/tests/fuzz/dict/$1.dict"
+    fi
+}
