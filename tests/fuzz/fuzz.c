@@ -71,7 +71,7 @@ char *fuzz_rest_text(struct fuzz_input *in) {
     return text(in, fuzz_left(in));
 }
 
-static char folder[64];
+static char folder[FUZZ_PATH / 2];
 
 static void remove_folder(void) {
     char path[FUZZ_PATH + 64];
@@ -89,7 +89,7 @@ static void remove_folder(void) {
 const char *fuzz_folder(void) {
     if (*folder)
         return folder;
-    snprintf(folder, sizeof folder, "%s/faccia-fuzz-XXXXXX", access("/dev/shm", W_OK) ? "/tmp" : "/dev/shm");
+    snprintf(folder, sizeof folder, "%s/XXXXXX", getenv("TMPDIR") ? getenv("TMPDIR") : "/tmp");
     FUZZ_CHECK(mkdtemp(folder));
     atexit(remove_folder);
     return folder;

@@ -46,7 +46,7 @@ uint8_t *fuzz_rest(struct fuzz_input *in, size_t *size);
 char *fuzz_line(struct fuzz_input *in);
 char *fuzz_rest_text(struct fuzz_input *in);
 
-/* A folder for this process's files, in memory where that can be; it is removed at the end. */
+/* A folder for this process's files, in $TMPDIR; it is removed at the end. */
 const char *fuzz_folder(void);
 /* Writes a file in it. path has FUZZ_PATH bytes. */
 enum { FUZZ_PATH = 256 };

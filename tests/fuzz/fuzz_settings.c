@@ -2,6 +2,7 @@
 /* The daemon's settings. Byte 0: whether the rest is a file, edits of the file with the defaults (json_edit.c), or one
  * setting's number and its text. What was taken is printed and read again. */
 #include "server/app/settings_table.h"
+#include "server/base/utf8.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>
@@ -52,13 +53,14 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct settings s;
     struct error e = {0};
     char path[FUZZ_PATH];
-    int failed;
+    int failed = 0;
     defaults(&s);
     uint8_t kind = fuzz_u8(&in) % 3;
     if (kind == 2) {
         const struct setting *setting = &settings_table[fuzz_below(&in, settings_count)];
         char *text = fuzz_rest_text(&in);
-        failed = setting->type == SETTING_OBJECT ? 0 : setting_from_text(&s, setting, text, "--x", &e);
+        if (setting->type != SETTING_OBJECT && utf8_check(text, strlen(text)) == strlen(text)) /* JSON is UTF-8 */
+            failed = setting_from_text(&s, setting, text, "--x", &e);
         free(text);
     } else {
         if (kind == 1) {

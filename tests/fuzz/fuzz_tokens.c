@@ -51,7 +51,7 @@ static void short_token(struct fuzz_input *in) {
     uint8_t change = fuzz_u8(in);
     char *subject = fuzz_line(in), *room = fuzz_rest_text(in);
     struct error e = {0};
-    snprintf(token.subject, sizeof token.subject, "%s", subject);
+    snprintf(token.subject, sizeof token.subject, "%s", *subject ? subject : "anna");
     snprintf(token.room, sizeof token.room, "%s", room);
     char *text = token_make_short(&secrets, &token, &e);
     if (text) {

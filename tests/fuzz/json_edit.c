@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { EDITS_MAX = 24, VALUES_MAX = 1 << 16 };
+enum { EDITS_MAX = 16, VALUES_MAX = 1 << 14 };
 
 /* A value and where it stands. */
 struct value {
@@ -100,8 +100,10 @@ static void replace(json_t **root, const struct value *at, json_t *json) {
 }
 
 static void repeat(const struct value *at, size_t times) {
-    for (size_t i = 0; i < times && json_is_array(at->up); i++)
-        json_array_insert_new(at->up, at->index, json_deep_copy(at->json));
+    json_t *copy = json_is_array(at->up) ? json_deep_copy(at->json) : NULL;
+    for (size_t i = 0; i < times && copy; i++)
+        json_array_insert(at->up, at->index, copy); /* shared: what is done to one is done to all */
+    json_decref(copy);
 }
 
 static void rename_to(const struct value *at, json_t *name) {
@@ -151,7 +153,10 @@ json_t *fuzz_edit_json(const json_t *json, struct fuzz_input *in) {
     for (int i = 0; i < EDITS_MAX && fuzz_left(in); i++) {
         struct values all = {0};
         collect(&all, (struct value){.json = root});
-        edit(&root, &all, in);
+        if (all.count < VALUES_MAX) /* else it is large enough */
+            edit(&root, &all, in);
+        else
+            in->at = in->end;
         free(all.list);
     }
     return root;

@@ -37,8 +37,11 @@ folder="$root/build/fuzz"
 fuzz_build "$target"
 program="$folder/tests/fuzz/fuzz_$target"
 
+fuzz_folder
+
 if [ -f "${1:-}" ]; then
-    exec "$program" "$@"
+    "$program" "$@"
+    exit
 fi
 fuzz_seeds "$target"
 corpus="$root/tests/fuzz/corpus/$target"
@@ -58,5 +61,5 @@ if [ $merge = yes ]; then
 fi
 seconds=${1:-3600}
 [ $# -gt 0 ] && shift
-exec "$program" -max_total_time="$seconds" -timeout=5 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1 \
+"$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1 \
     -artifact_prefix="$folder/crashes/$target-" $(fuzz_dictionary "$target") "$@" "$found" "$corpus" "$folder/seeds/$target"

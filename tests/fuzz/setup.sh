@@ -14,6 +14,14 @@ fuzz_build() { # [TARGET]: all of them when left out
     ninja -C "$folder" --quiet "${1:+tests/fuzz/fuzz_}${1:-fuzzers}"
 }
 
+# A folder for the targets' files, in memory where that can be; what a crash leaves there goes, too.
+fuzz_folder() {
+    TMPDIR=$(mktemp -d -p /dev/shm faccia-fuzz-XXXXXX 2>/dev/null || mktemp -d)
+    export TMPDIR
+    trap 'rm -rf "$TMPDIR"' EXIT
+    trap 'exit 1' INT TERM
+}
+
 fuzz_seeds() { # TARGET: into build/fuzz/seeds/TARGET
     rm -rf "$root/build/fuzz/seeds/$1"
     node "$root/tests/fuzz/seeds.mjs" "$1" "$root/build/fuzz/seeds/$1"
