@@ -12,7 +12,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { RATE = 10000, FRAMES = 20 };
+enum { RATE = 10000, FRAMES = 6 };
 
 static const char *const files[] = {"it.json",          "und.json",        "pt-BR.json", "tr.json",
                                     "en.json",          "alphabets/ipa.json", "visemes/pt.json",

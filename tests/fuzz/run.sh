@@ -43,7 +43,8 @@ if [ -f "${1:-}" ]; then
     "$program" "$@"
     exit
 fi
-fuzz_seeds "$target"
+seeds="$TMPDIR/seeds"
+fuzz_seeds "$target" "$seeds"
 corpus="$root/tests/fuzz/corpus/$target"
 found="$folder/found/$target"
 mkdir -p "$corpus" "$found" "$folder/crashes"
@@ -52,14 +53,14 @@ if [ $merge = yes ]; then
     kept="$folder/kept/$target"
     rm -rf "$kept"
     mkdir -p "$kept"
-    "$program" -merge=1 -max_len=4096 -rss_limit_mb=2048 "$kept" "$folder/seeds/$target" "$corpus" "$found" >"$folder/merge.log" 2>&1 ||
+    "$program" -merge=1 -max_len=4096 -rss_limit_mb=2048 "$kept" "$seeds" "$corpus" "$found" >"$folder/merge.log" 2>&1 ||
         die "see $folder/merge.log"
     for input in "$kept"/*; do
-        cmp -s "$input" "$folder/seeds/$target"/* 2>/dev/null || cp "$input" "$corpus/"
+        cmp -s "$input" "$seeds"/* 2>/dev/null || cp "$input" "$corpus/"
     done
     exit 0
 fi
 seconds=${1:-3600}
 [ $# -gt 0 ] && shift
 "$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1 \
-    -artifact_prefix="$folder/crashes/$target-" $(fuzz_dictionary "$target") "$@" "$found" "$corpus" "$folder/seeds/$target"
+    -artifact_prefix="$folder/crashes/$target-" $(fuzz_dictionary "$target") "$@" "$found" "$corpus" "$seeds"

@@ -22,13 +22,22 @@ fuzz_folder() {
     trap 'exit 1' INT TERM
 }
 
-fuzz_seeds() { # TARGET: into build/fuzz/seeds/TARGET
-    rm -rf "$root/build/fuzz/seeds/$1"
-    node "$root/tests/fuzz/seeds.mjs" "$1" "$root/build/fuzz/seeds/$1"
+fuzz_seeds() { # TARGET FOLDER
+    rm -rf "$2"
+    node "$root/tests/fuzz/seeds.mjs" "$1" "$2"
 }
 
 fuzz_dictionary() { # TARGET: libFuzzer's option, if there is a dictionary
     if [ -f "$root/tests/fuzz/dict/$1.dict" ]; then
         echo "-dict=$root/tests/fuzz/dict/$1.dict"
     fi
+}
+
+# As one of the tests: PROGRAM TARGET PREFIX of the files with what it crashed on. $FACCIA_FUZZ_SECONDS each (20).
+fuzz_run() {
+    mkdir "$TMPDIR/found"
+    # shellcheck disable=SC2046
+    "$1" -seed=1 -max_total_time="${FACCIA_FUZZ_SECONDS:-20}" -timeout=60 -rss_limit_mb=2048 -malloc_limit_mb=512 -verbosity=0 \
+        -print_final_stats=1 -artifact_prefix="$3" $(fuzz_dictionary "$2") "$TMPDIR/found" "$root/tests/fuzz/corpus/$2" "$TMPDIR/seeds" &&
+        echo "ok 1 - fuzzed for ${FACCIA_FUZZ_SECONDS:-20} s"
 }
