@@ -88,7 +88,7 @@ export function messageText(c) {
 
 /** One frame of RFC 6455; fin, mask and the rest as asked for, be they right or not. */
 function frame(c, payload, { opcode = 1, fin = true, reserved = 0, masked = true, length = payload.length } = {}) {
-  const head = Buffer.from([(fin ? 128 : 0) | reserved << 4 | opcode]), mask = c.bytes(4), flag = masked ? 128 : 0;
+  const head = Buffer.from([(fin ? 128 : 0) | reserved << 4 | opcode]), mask = c.one(2) ? Buffer.alloc(4) : c.bytes(4), flag = masked ? 128 : 0;
   const extended = length < 126 ? Buffer.from([flag | length]) : length < 65536 ? Buffer.from([flag | 126, length >> 8, length & 255]) : Buffer.concat([Buffer.from([flag | 127]), Buffer.alloc(8)]);
   if (length >= 65536) extended.writeBigUInt64BE(BigInt(length), 1);
   return Buffer.concat([head, extended, ...(masked ? [mask, payload.map((byte, i) => byte ^ mask[i & 3])] : [payload])]);
