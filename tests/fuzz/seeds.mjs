@@ -2,6 +2,7 @@
 // Writes inputs for a fuzz target that are made of the repository's own files: node seeds.mjs TARGET FOLDER
 import { mkdirSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
+import { Chance, httpRequest, messageText, upgradeRequest, webSocketFrames } from '../lib/chaos.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
 const root = path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), '..', '..');
@@ -96,6 +97,14 @@ const parts = {
     joined(ending, sized('{"name": "Anna", "lang": "it", "gender": "female", "names": {"a": "a", "tS": "t͡ʃ"}}'), sized('Uno due. Tre, quattro!'), sized(timesFiles[format]), tone(16000, 8000))),
   command: () => [joined(0, '{"voices": [{"id": "a", "lang": "it", "argv": ["cat"], "raw": 8000}]}'), ...Array.from({ length: 9 }, (_, i) => joined(1, u16(i * 3), i, u16(2), 1, 'a')),
     ...['lab', 'htk', 'textgrid', 'json'].map((format, i) => joined(2, i + 64, sized(timesFiles[format]), tone(16000, 9600))), joined(2, 131, sized(timesFiles.json), Buffer.alloc(9000, 3))],
+  http: () => Array.from({ length: 60 }, (_, i) => {
+    const chance = new Chance(i);
+    return joined(0, i, ...Array.from({ length: 1 + i % 3 }, () => httpRequest(chance)).map((request) => request.subarray(0, 1500)), i % 4 ? '' : upgradeRequest(chance));
+  }).concat(joined(3, 'multipart/form-data; boundary=b\n--b\r\nContent-Disposition: form-data; name="fap"; filename="a.fap"\r\n\r\nx\r\n--b\r\nContent-Disposition: form-data; name="sound"\r\n\r\n--\r\n--b--\r\n')),
+  websocket: () => Array.from({ length: 60 }, (_, i) => {
+    const chance = new Chance(i);
+    return joined(i, ...Array.from({ length: 1 + i % 3 }, () => webSocketFrames(chance, messageText(chance).subarray(0, 300))).flat());
+  }),
   phones: () => [joined(0, 200, 't͡ʃaˈo̞ː ʎɲɡ'), joined(1, 200, 'tS a "o_o: L J g <\\>_~'), joined(2, 0, timesFiles.offsets), ...[0, 1, 2, 3, 4, 5].map((pack) => joined(3, pack, 'tʃaʊ̯ɲːk͡px'))],
 };
 
