@@ -3,14 +3,15 @@
 // them, and vanish when they like. Meanwhile the daemon answers; afterwards it speaks as ever, and ends without a complaint.
 // FACCIA_CHAOS_SECONDS and FACCIA_CHAOS_SEED make it last longer, and otherwise. What was sent lies in the artefacts.
 import assert from 'node:assert/strict';
-import { copyFileSync, createWriteStream, mkdtempSync, rmSync } from 'node:fs';
+import { spawnSync } from 'node:child_process';
+import { copyFileSync, createWriteStream, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import net from 'node:net';
 import { tmpdir } from 'node:os';
 import path from 'node:path';
-import { test } from 'node:test';
+import { after, test } from 'node:test';
 import { setTimeout as sleep } from 'node:timers/promises';
 import { Chance, httpRequest, messageText, upgradeRequest, webSocketFrames } from '../lib/chaos.mjs';
-import { artefacts, Daemon, root } from '../lib/daemon.mjs';
+import { artefacts, build, Daemon, root } from '../lib/daemon.mjs';
 
 const seconds = Number(process.env.FACCIA_CHAOS_SECONDS ?? 15);
 const seed = Number(process.env.FACCIA_CHAOS_SEED ?? 1);
@@ -90,47 +91,51 @@ async function goodClient(daemon, chance) {
   await stream.close();
 }
 
-test(`chaos for ${seconds} s, seed ${seed}`, async () => {
-  const media = mkdtempSync(path.join(tmpdir(), 'faccia-chaos-'));
-  copyFileSync(path.join(root, 'protocol/vectors/fap/all-faps.fap'), path.join(media, 'all.fap'));
-  const log = createWriteStream(path.join(artefacts, 'chaos-messages.log'));
-  const daemon = await Daemon.start(['--media', media]);
+/** What it may answer when all is well, and when it has its hands full. */
+async function watchHealth(daemon, until, statuses) {
+  while (performance.now() < until) {
+    const response = await daemon.get('/healthz', { signal: AbortSignal.timeout(silence) }).catch((error) => {
+      if (error.name === 'TimeoutError' || statuses.length === 1) throw error;
+    });
+    assert.ok(!response || statuses.includes(response.status), `healthz answers ${response?.status}`);
+    await response?.arrayBuffer();
+    await sleep(200);
+  }
+}
+
+/** It speaks as ever, and nobody is left in a room but who is there. */
+async function speaksAsEver(daemon, token) {
+  const query = token ? `?token=${token}` : '';
+  const stream = await daemon.stream(query);
+  stream.send({ type: 'speak', id: 'after', lang: 'it', text: 'Eccomi ancora qui.' });
+  const end = await stream.wait({ type: 'end', id: 'after' }, { milliseconds: 60000 });
+  assert.equal(end.reason, 'done');
+  assert.ok(stream.chunks.length > 3);
+  await stream.close();
+  const left = async () => (await (await daemon.get(`/v1/rooms${query}`)).json()).rooms.length;
+  for (let i = 0; i < 100 && (await left()); i++) await sleep(50);
+  assert.equal(await left(), 0, 'a room outlives those who were in it');
+}
+
+/** @param {{options: string[], token: string, statuses: number[]}} token: that all may use; statuses: of /healthz */
+async function chaos(seconds, { options = [], token, statuses = [200] } = {}) {
+  const log = createWriteStream(path.join(artefacts, `chaos-messages${token ? '-limited' : ''}.log`));
+  const daemon = await Daemon.start(['--media', folder, ...options]);
   const until = performance.now() + seconds * 1000;
   let done = 0;
   const client = async (number) => {
     const chance = new Chance(seed * 1000 + number);
-    while (performance.now() < until) {
-      if (number === 0) await goodClient(daemon, chance);
+    chance.token = token;
+    for (; performance.now() < until; done++) {
+      if (number === 0 && !token) await goodClient(daemon, chance);
       else if (chance.one(2)) await socketClient(daemon.port, chance, log);
       else await requestClient(daemon.port, chance, log);
-      done++;
-    }
-  };
-  const health = async () => {
-    while (performance.now() < until) {
-      const response = await daemon.get('/healthz', { signal: AbortSignal.timeout(silence) });
-      assert.equal(response.status, 200);
-      await response.arrayBuffer();
-      await sleep(200);
     }
   };
   try {
-    await Promise.all([health(), ...Array.from({ length: clients }, (_, number) => client(number))]);
+    await Promise.all([watchHealth(daemon, until, statuses), ...Array.from({ length: clients }, (_, number) => client(number))]);
     assert.equal(daemon.process.exitCode, null, daemon.log);
-    // What the others had asked for may still be on its way.
-    const stream = await daemon.stream();
-    stream.send({ type: 'speak', id: 'after', lang: 'it', text: 'Eccomi ancora qui.' });
-    const end = await stream.wait({ type: 'end', id: 'after' }, { milliseconds: 60000 });
-    assert.equal(end.reason, 'done');
-    assert.ok(stream.chunks.length > 3);
-    await stream.close();
-    // Nobody is left but us.
-    let open;
-    for (let i = 0; i < 100 && open !== 0; i++) {
-      await sleep(50);
-      open = (await (await daemon.get('/v1/rooms')).json()).rooms.length;
-    }
-    assert.equal(open, 0, 'a room outlives those who were in it');
+    await speaksAsEver(daemon, token);
     assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
     assert.doesNotMatch(daemon.log, /Sanitizer|runtime error/);
     assert.ok(done > clients, `only ${done} connections`);
@@ -140,6 +145,20 @@ test(`chaos for ${seconds} s, seed ${seed}`, async () => {
     throw new Error(`${error.message}\n${daemon.log.slice(-4000)}`, { cause: error });
   } finally {
     log.end();
-    rmSync(media, { recursive: true });
   }
+}
+
+const folder = mkdtempSync(path.join(tmpdir(), 'faccia-chaos-'));
+copyFileSync(path.join(root, 'protocol/vectors/fap/all-faps.fap'), path.join(folder, 'all.fap'));
+after(() => rmSync(folder, { recursive: true }));
+
+test(`all doors open, seed ${seed}`, () => chaos(seconds * 0.7));
+
+test(`tokens and small limits, seed ${seed}`, async () => {
+  const secrets = path.join(folder, 'secrets');
+  writeFileSync(secrets, 'a secret that is long enough for the daemon\n', { mode: 0o600 });
+  const { stdout } = spawnSync(path.join(build, 'server/app/faccia'), ['token', '--short', '--secret-file', secrets, '--subject', 'anna', '--rights', 'listen,speak'], { encoding: 'utf8' });
+  const limits = { connections: 12, rooms: 2, queue: 3, text: 2000, message: 5000, play: 2048, 'per-address': 10 };
+  const options = Object.entries(limits).flatMap(([name, limit]) => [`--max-${name}`, String(limit)]);
+  await chaos(seconds * 0.3, { options: ['--token-file', secrets, '--send-bytes', '4096', '--send-bytes-max', '65536', ...options], token: stdout.trim(), statuses: [200, 429, 503] });
 });

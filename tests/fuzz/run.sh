@@ -62,5 +62,5 @@ if [ $merge = yes ]; then
 fi
 seconds=${1:-3600}
 [ $# -gt 0 ] && shift
-"$program" -max_total_time="$seconds" -timeout=10 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1 \
+"$program" -max_total_time="$seconds" -timeout=20 -rss_limit_mb=2048 -malloc_limit_mb=512 -print_final_stats=1 \
     -artifact_prefix="$folder/crashes/$target-" $(fuzz_dictionary "$target") "$@" "$found" "$corpus" "$seeds"

@@ -9,6 +9,7 @@ const documentsFolder = path.resolve(fileURLToPath(import.meta.url), '../../docu
 /** A chance that the seed determines (a linear congruential generator, the upper bits of it). */
 export class Chance {
   #state;
+  token = null; // that opens the doors, if there is one
 
   constructor(seed) {
     this.#state = BigInt(seed) * 2654435761n + 1n;
@@ -55,7 +56,7 @@ const kinds = [
   (c) => ({ type: 'idle', on: !c.one(3), life: c.of([0, 1, 2]), seed: c.below(9) }),
   (c) => ({ type: 'express', mix: Array.from({ length: c.below(6) }, () => ({ name: c.of(['joy', 'fear', 'none']), intensity: c.of([0, 0.5, 1, 2]) })), ease: c.of([0, 0.3, 11]) }),
   (c) => ({ type: 'model', name: c.of([undefined, 'mara', 'none']) }),
-  (c) => ({ type: 'authorize', token: c.of(['x', 'a~b~ls~1~AAAA', 'eyJhbGciOiJub25lIn0.e30.']) }),
+  (c) => ({ type: 'authorize', token: c.of([c.token ?? 'y', 'x', 'a~b~ls~1~AAAA', 'eyJhbGciOiJub25lIn0.e30.']) }),
   () => ({ type: 'ping', id: 'x' }),
 ];
 
@@ -124,7 +125,7 @@ export function webSocketFrames(c, text) {
 
 const upgradeHeaders = (c) => `Connection: ${c.of(['Upgrade', 'keep-alive, Upgrade'])}\r\nUpgrade: websocket\r\nSec-WebSocket-Version: ${c.one(20) ? c.of(['8', '0', '14', '']) : 13}\r\n`
   + `Sec-WebSocket-Key: ${c.one(20) ? c.of(['', 'x', 'dGhlIHNhbXBsZSBub25jZQ', 'a'.repeat(500)]) : 'dGhlIHNhbXBsZSBub25jZQ=='}\r\n`;
-const query = (c) => (c.one(2) ? '' : `?${Array.from({ length: 1 + c.below(4) }, () => c.of(['room=hall', 'lang=it', 'audio=pcm', 'fap=plain', 'rate=fast', 'token=' + 'x'.repeat(c.below(700)), 'room', '=', '%', '%zz=%00', 'x=%ff', 'text=%3Cspeak%3E', 'format=' + c.of(['wav', 'ogg', 'fap', 'fba', 'json', 'ndjson', 'gif']), 'still=1', 'fps=120', 'id=a', 'name=all', 'mode=replace', `room=${c.of(['b', 'x'.repeat(70)])}`, '&&', 'a=b=c', '#'])).join('&')}`);
+const query = (c) => (c.one(2) ? '' : `?${Array.from({ length: 1 + c.below(4) }, () => c.of(['room=hall', 'lang=it', 'audio=pcm', 'fap=plain', 'rate=fast', `token=${c.token ?? 'y'}`, 'token=' + 'x'.repeat(c.below(700)), 'room', '=', '%', '%zz=%00', 'x=%ff', 'text=%3Cspeak%3E', 'format=' + c.of(['wav', 'ogg', 'fap', 'fba', 'json', 'ndjson', 'gif']), 'still=1', 'fps=120', 'id=a', 'name=all', 'mode=replace', `room=${c.of(['b', 'x'.repeat(70)])}`, '&&', 'a=b=c', '#'])).join('&')}`);
 
 /** The beginning of a WebSocket, mostly a right one. */
 export function upgradeRequest(c) {
@@ -160,7 +161,7 @@ export function httpRequest(c) {
   const path_ = c.of(paths), method = path_.startsWith('/v1/s') && !c.one(4) ? 'POST' : c.of(['GET', 'GET', 'GET', 'POST', 'HEAD', 'OPTIONS', 'DELETE', 'PUT', 'TRACE', 'CONNECT', 'PRI', 'get', 'X'.repeat(40)]);
   const more = c.one(3) ? c.of([
     () => 'Connection: close\r\n', () => 'Connection: keep-alive\r\n', () => `Origin: ${c.of(['https://evil.example', 'null', 'http://localhost', 'x'.repeat(300)])}\r\n`,
-    () => 'Upgrade: h2c\r\nConnection: Upgrade, HTTP2-Settings\r\nHTTP2-Settings: AAMAAABkAAQAAP__\r\n', () => upgradeHeaders(c), () => `Authorization: Bearer ${'x'.repeat(c.below(4000))}\r\n`,
+    () => 'Upgrade: h2c\r\nConnection: Upgrade, HTTP2-Settings\r\nHTTP2-Settings: AAMAAABkAAQAAP__\r\n', () => upgradeHeaders(c), () => `Authorization: Bearer ${c.of([c.token ?? 'y', 'x'.repeat(c.below(4000))])}\r\n`,
     () => `X-${'y'.repeat(c.below(200))}: ${'z'.repeat(c.below(5000))}\r\n`, () => 'A: b\r\n'.repeat(c.below(200)), () => 'If-None-Match: "x"\r\nAccept-Encoding: gzip\r\n', () => 'Range: bytes=5-\r\n', () => ' folded: x\r\n', () => 'Host: other\r\n', () => 'A\0: b\r\n', () => 'A : b\r\n',
   ])() : '';
   const [headers, bytes] = method === 'POST' || method === 'PUT' || c.one(10) ? body(c, path_) : ['', Buffer.alloc(0)];
