@@ -49,15 +49,18 @@ corpus="$root/tests/fuzz/corpus/$target"
 found="$folder/found/$target"
 mkdir -p "$corpus" "$found" "$folder/crashes"
 if [ $merge = yes ]; then
-    # In the order of trust: what the seeds reach already is left out.
-    kept="$folder/kept/$target"
-    rm -rf "$kept"
-    mkdir -p "$kept"
-    "$program" -merge=1 -max_len=4096 -rss_limit_mb=2048 "$kept" "$seeds" "$corpus" "$found" >"$folder/merge.log" 2>&1 ||
+    # What reaches code that neither the seeds nor the corpus reach.
+    kept="$TMPDIR/kept"
+    mkdir "$kept"
+    cp "$seeds"/* "$kept/"
+    find "$corpus" -type f -exec cp {} "$kept/" \;
+    "$program" -merge=1 -use_counters=0 -max_len=2048 -timeout=60 -rss_limit_mb=2048 "$kept" "$found" >"$folder/merge.log" 2>&1 ||
         die "see $folder/merge.log"
     for input in "$kept"/*; do
-        cmp -s "$input" "$seeds"/* 2>/dev/null || cp "$input" "$corpus/"
+        name=$(basename "$input")
+        [ -f "$seeds/$name" ] || [ -f "$corpus/$name" ] || cp "$input" "$corpus/$(echo "$name" | cut -c 1-12)"
     done
+    du -sh "$root/tests/fuzz/corpus"
     exit 0
 fi
 seconds=${1:-3600}
