@@ -40,8 +40,8 @@ struct connection {
 /* Takes the connection. */
 struct connection *connection_open(struct net *net, int fd, const struct sockaddr_storage *peer);
 
-/* Sends as much as goes at once. True: all of it. False: the rest leaves later, then the protocol is told; the
- * bytes must stay until then. Not while anything is on its way. */
+/* Sends as much as goes at once. True: all of it. False: the rest leaves later, then the protocol is told;
+ * the bytes must stay until then. Not while anything is on its way. */
 bool connection_send(struct connection *connection, const void *bytes, size_t size);
 
 /* Bytes that have not left. */
@@ -55,8 +55,8 @@ bool connection_count(struct connection *connection, const char *key);
 /* Lets HTTP go on, soon: for what is done from within an answer's own making. */
 void connection_later(struct connection *connection);
 
-/* Says that nothing more comes, and waits, not for long, for the other end to close: what it still sends would
- * make the kernel take back what is on its way to it. */
+/* Says that nothing more comes, and waits, not for long, for the other end to close: what it still sends
+ * would make the kernel take back what is on its way to it. */
 void connection_finish(struct connection *connection);
 
 /* It is gone soon after, with what belongs to it. */

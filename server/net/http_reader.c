@@ -23,7 +23,8 @@ struct parts {
     bool keep_alive, complete;
 };
 
-enum http_event http_reader_refuse(struct http_reader *r, unsigned status, const char *code, const char *why) {
+enum http_event http_reader_refuse(struct http_reader *r, unsigned status, const char *code,
+                                   const char *why) {
     r->at = HTTP_AT_WRONG;
     r->status = status;
     error_set(&r->error, code, "%s", why);
@@ -114,7 +115,8 @@ static enum http_event refuse_syntax(struct http_reader *r, const http_parser *p
     case HPE_UNEXPECTED_CONTENT_LENGTH:
         return refuse_at(r, byte, "bad-length", "the body's length must be told once, and in digits");
     case HPE_INVALID_TRANSFER_ENCODING:
-        return http_reader_refuse(r, 501, "unknown-coding", "a body may be chunked, and coded in no other way");
+        return http_reader_refuse(r, 501, "unknown-coding",
+                                  "a body may be chunked, and coded in no other way");
     default:
         return parts->too_many ? http_reader_refuse(r, 431, "headers-too-large", "there are too many headers")
                                : refuse_at(r, byte, "bad-request", "this is no HTTP request");
@@ -126,7 +128,8 @@ static enum http_event check_fields(struct http_reader *r) {
     const char *head = (const char *)q->head.data;
     for (size_t i = 0; i < q->field_count; i++)
         if (!is_token(q->fields[i].name))
-            return refuse_at(r, (size_t)(q->fields[i].name - head), "bad-header", "a header has no such name");
+            return refuse_at(r, (size_t)(q->fields[i].name - head), "bad-header",
+                             "a header has no such name");
     size_t hosts = http_header_count(q, "host");
     const char *host = http_header(q, "host");
     if (hosts > 1 || (!hosts && q->minor))
@@ -143,7 +146,8 @@ static enum http_event check_body(struct http_reader *r) {
     if ((coding && length) || http_header_count(q, "content-length") > 1 || (coding && !q->minor))
         return http_reader_refuse(r, 400, "bad-length", "the body's length must be told once");
     if (coding && (strcasecmp(coding, "chunked") || http_header_count(q, "transfer-encoding") > 1))
-        return http_reader_refuse(r, 501, "unknown-coding", "a body may be chunked, and coded in no other way");
+        return http_reader_refuse(r, 501, "unknown-coding",
+                                  "a body may be chunked, and coded in no other way");
     if (length && (!*length || length[strspn(length, "0123456789")] || strlen(length) > 15))
         return http_reader_refuse(r, 400, "bad-length", "the body's length must be told in digits");
     q->chunked = coding != NULL;
@@ -246,8 +250,7 @@ static enum http_event parse_head(struct http_reader *r) {
 /* Does the line that is there so far end the head? */
 static bool is_end(const struct buf *head) {
     const uint8_t *end = head->data + head->size;
-    return (head->size >= 2 && end[-2] == '\n') ||
-           (head->size >= 3 && end[-2] == '\r' && end[-3] == '\n');
+    return (head->size >= 2 && end[-2] == '\n') || (head->size >= 3 && end[-2] == '\r' && end[-3] == '\n');
 }
 
 /* The bytes up to the end of the head. */

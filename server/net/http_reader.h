@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Reads HTTP/1 requests (RFC 9112) out of the bytes of a connection, without any socket. What could be read in
- * two ways is refused. */
+/* Reads HTTP/1 requests (RFC 9112) out of the bytes of a connection, without any socket. What could be read
+ * in two ways is refused. */
 #ifndef FACCIA_NET_HTTP_READER_H
 #define FACCIA_NET_HTTP_READER_H
 
@@ -21,8 +21,9 @@ enum http_event {
 };
 
 struct http_reader {
-    struct http_request request; /* from HTTP_READ_HEAD on, until the head after the next HTTP_READ_END begins */
-    const uint8_t *body;         /* HTTP_READ_BODY: the piece, among the bytes that were given */
+    struct http_request
+        request;         /* from HTTP_READ_HEAD on, until the head after the next HTTP_READ_END begins */
+    const uint8_t *body; /* HTTP_READ_BODY: the piece, among the bytes that were given */
     size_t body_size;
     unsigned status; /* HTTP_READ_WRONG: of the answer */
     struct error error;

@@ -104,7 +104,8 @@ static char *decode(char *from, const char *start, const char *stops, bool query
     return from;
 }
 
-/* Terminates what was decoded, which may end where the next part begins. Returns the sign that stood there. */
+/* Terminates what was decoded, which may end where the next part begins. Returns the sign that stood there.
+ */
 static char end_part(char *out, size_t size, char *at) {
     char stop = *at;
     out[size] = '\0';

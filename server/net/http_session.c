@@ -86,7 +86,7 @@ static void begin(struct connection *c) {
     struct http_request *r = &h->reader.request;
     h->began = h->heard = connection_now(c);
     h->body = 0;
-    h->complete = !r->chunked && !r->content_length;
+    h->complete = false;
     h->exchange = exchange_open(c->net, r);
     if (turn_away(c) || websocket_asked(h->exchange))
         return;
@@ -204,8 +204,8 @@ void http_session_read(struct connection *c, const void *bytes, size_t size) {
         buf_add(&h->pending, (const uint8_t *)bytes + used, size - used);
 }
 
-/* One that has asked, and says that it has nothing to add, is answered; one that just listens is not there any
- * more. */
+/* One that has asked, and says that it has nothing to add, is answered; one that just listens is not there
+ * any more. */
 void http_session_eof(struct connection *c) {
     struct http_session *h = c->http;
     h->eof = true;

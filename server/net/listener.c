@@ -104,8 +104,8 @@ static int accept_from(const struct listener *l, struct sockaddr_storage *peer) 
     return fd;
 }
 
-/* There are no descriptors: those in reserve let a few in, who are told so; then nobody is let in until one is
- * free. */
+/* There are no descriptors: those in reserve let a few in, who are told so; then nobody is let in until one
+ * is free. */
 static void when_full(struct listener *l, int why) {
     struct listeners *all = l->all;
     struct sockaddr_storage peer;

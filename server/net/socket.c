@@ -102,7 +102,8 @@ static void fault(void *ctx, enum websocket_status status, const char *why, uint
     socket_farewell(s, status, why);
 }
 
-void socket_open(struct connection *c, const struct http_request *request, const struct buf *head, bool plain) {
+void socket_open(struct connection *c, const struct http_request *request, const struct buf *head,
+                 bool plain) {
     static const struct websocket_ear ear = {piece, ping, pong, closed, fault};
     struct net *net = c->net;
     struct socket *s = mem_alloc(sizeof *s);

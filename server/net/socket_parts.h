@@ -21,9 +21,9 @@ struct socket {
     struct buf message; /* being received */
     bool too_long;      /* its rest is being dropped */
     struct outbox outbox;
-    struct parcel *leaving; /* not all of it has left */
-    struct parcel *pong;    /* the answer to the last ping, while it waits */
-    uint64_t heard;         /* loop time at which it said something last, ms */
+    struct parcel *leaving;                           /* not all of it has left */
+    struct parcel *pong;                              /* the answer to the last ping, while it waits */
+    uint64_t heard;                                   /* loop time at which it said something last, ms */
     enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that asks whether it is still there */
     bool deaf;          /* hears no more of one that does not listen, until it does */
     const char *doomed; /* why the connection is to be closed */
@@ -88,7 +88,8 @@ void socket_dismiss(struct socket *socket, enum websocket_status status, const c
 /* Closes it now: the client has, or has broken the rules. */
 void socket_farewell(struct socket *socket, enum websocket_status status, const char *reason);
 
-/* The answer to a ping. When pings come faster than answers leave, the last one is answered (RFC 6455, 5.5.3). */
+/* The answer to a ping. When pings come faster than answers leave, the last one is answered (RFC
+ * 6455, 5.5.3). */
 void socket_pong(struct socket *socket, const void *payload, size_t size);
 
 /* socket_model.c: the next part goes out when the one before has left. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Looks after all connections once a second: those that take nothing, or do not come to an end, are closed;
- * sockets that have been silent are asked whether they are still there (RFC 6455, 5.5.2), and closed when they
- * do not answer. One timer for all. */
+ * sockets that have been silent are asked whether they are still there (RFC 6455, 5.5.2), and closed when
+ * they do not answer. One timer for all. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/net/http_session.h"

@@ -5,8 +5,8 @@
 #include <string.h>
 #include <wslay/wslay.h>
 
-/* What is kept while frames come in. wslay's own part is 4 kB, so it is there only when a piece of one lies in
- * it: nearly always a frame comes in one piece. */
+/* What is kept while frames come in. wslay's own part is 4 kB, so it is there only when a piece of one lies
+ * in it: nearly always a frame comes in one piece. */
 struct websocket_frame {
     wslay_frame_context_ptr wslay;
     const uint8_t *bytes; /* that have come and that wslay has not taken */
