@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What the fuzz targets share. A target is one function that takes any bytes; libFuzzer calls it with those that
- * it makes up, replay.c with those of files. */
+/* What the fuzz targets share. A target is one function that takes any bytes; libFuzzer calls it with those
+ * that it makes up, replay.c with those of files. */
 #ifndef FACCIA_TESTS_FUZZ_H
 #define FACCIA_TESTS_FUZZ_H
 
@@ -12,10 +12,10 @@
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
 /* What must hold for any input. */
-#define FUZZ_CHECK(condition) \
-    do \
-        if (!(condition)) \
-            fuzz_fail(__FILE__, __LINE__, #condition); \
+#define FUZZ_CHECK(condition)                                                                                \
+    do                                                                                                       \
+        if (!(condition))                                                                                    \
+            fuzz_fail(__FILE__, __LINE__, #condition);                                                       \
     while (0)
 _Noreturn void fuzz_fail(const char *file, int line, const char *condition);
 

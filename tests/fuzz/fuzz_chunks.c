@@ -20,7 +20,8 @@ static void check_again(const struct chunk *chunk, const struct fap_frame *frame
     FUZZ_CHECK(again.frame_count == chunk->frame_count && again.start == chunk->start &&
                again.samples == chunk->samples && again.audio_bytes == chunk->audio_bytes);
     for (size_t i = 0; i < chunk->frame_count && chunk->fap_codec; i++)
-        FUZZ_CHECK(!memcmp(decoded[i].value + 3, frames[i].value + 3, sizeof frames->value - 3 * sizeof(int32_t)));
+        FUZZ_CHECK(
+            !memcmp(decoded[i].value + 3, frames[i].value + 3, sizeof frames->value - 3 * sizeof(int32_t)));
     free(decoded);
     free(bytes);
 }

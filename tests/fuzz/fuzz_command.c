@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The command plugin. Byte 0: whether the rest is a configuration, edits (json_edit.c) of one, or what a program gives: the
- * format of its times, the times with their size (2 bytes) before them, and its sound. */
+/* The command plugin. Byte 0: whether the rest is a configuration, edits (json_edit.c) of one, or what a
+ * program gives: the format of its times, the times with their size (2 bytes) before them, and its sound. */
 #include "server/base/mem.h"
 #include "server/plugins/command/speaking.h"
 #include "tests/fuzz/fuzz.h"
@@ -9,9 +9,11 @@
 #include <string.h>
 
 static const char configuration[] =
-    "{\"voices\": [{\"id\": \"a\", \"name\": \"A\", \"lang\": \"it\", \"gender\": \"female\", \"quality\": \"neural\","
+    "{\"voices\": [{\"id\": \"a\", \"name\": \"A\", \"lang\": \"it\", \"gender\": \"female\", \"quality\": "
+    "\"neural\","
     "\"licence\": \"MIT\", \"rate\": 160, \"argv\": [\"say\", \"{text}\", \"{rate}\"], \"feed\": true,"
-    "\"sound\": \"file\", \"raw\": 16000, \"seconds\": 9, \"bytes\": 1000, \"times\": {\"format\": \"textgrid\","
+    "\"sound\": \"file\", \"raw\": 16000, \"seconds\": 9, \"bytes\": 1000, \"times\": {\"format\": "
+    "\"textgrid\","
     "\"argv\": [\"cat\"], \"tier\": \"MAU\", \"words\": \"ORT\", \"names\": {\"a\": \"a\", \"#\": \"\"}}},"
     "{\"id\": \"b\", \"lang\": \"en-GB\", \"argv\": [\"b\"]}]}";
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The engines with whatever a voice says: phones of any names and times, words, cues. Bytes 0 to 2 say for which
- * language and how; then come phones, of 4 bytes and a name that ends with a line's end, or words and cues. */
+/* The engines with whatever a voice says: phones of any names and times, words, cues. Bytes 0 to 2 say for
+ * which language and how; then come phones, of 4 bytes and a name that ends with a line's end, or words and
+ * cues. */
 #include "server/base/mem.h"
 #include "server/face/packs.h"
 #include "server/face/track.h"

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Low-bit-rate FAP coding. Byte 0: what the rest is, a file, packets as they come over the net, or frames to be
- * coded and decoded. */
+/* Low-bit-rate FAP coding. Byte 0: what the rest is, a file, packets as they come over the net, or frames to
+ * be coded and decoded. */
 #include "protocol/fbafile.h"
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"
@@ -59,8 +59,8 @@ static void take_frame(struct fuzz_input *in, struct fap_frame *frame) {
     if (high & 1)
         frame->viseme = (struct fap_viseme){fuzz_u8(in) % 15, fuzz_u8(in) % 15, fuzz_u8(in) % 64, high & 4};
     if (high & 2)
-        frame->expression = (struct fap_expression){
-            fuzz_u8(in) % 7, fuzz_u8(in) % 64, fuzz_u8(in) % 7, fuzz_u8(in) % 64, high & 8, high & 16};
+        frame->expression = (struct fap_expression){fuzz_u8(in) % 7,  fuzz_u8(in) % 64, fuzz_u8(in) % 7,
+                                                    fuzz_u8(in) % 64, high & 8,         high & 16};
 }
 
 static int32_t limited(int32_t value) {

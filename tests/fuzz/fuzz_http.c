@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* HTTP as it comes over a connection. Byte 0: whether the rest is requests, in pieces whose sizes byte 1 determines, or a
- * form after the line of its Content-Type. However the bytes are cut, the same is read. */
+/* HTTP as it comes over a connection. Byte 0: whether the rest is requests, in pieces whose sizes byte 1
+ * determines, or a form after the line of its Content-Type. However the bytes are cut, the same is read. */
 #include "server/base/utf8.h"
 #include "server/net/form.h"
 #include "server/net/http_reader.h"
@@ -59,7 +59,8 @@ static void read_requests(const uint8_t *bytes, size_t size, size_t piece, struc
         if (event == HTTP_READ_HEAD)
             note_head(&reader.request, trace);
         if (event == HTTP_READ_BODY) {
-            FUZZ_CHECK(reader.body_size && reader.body >= exact && reader.body + reader.body_size <= exact + some);
+            FUZZ_CHECK(reader.body_size && reader.body >= exact &&
+                       reader.body + reader.body_size <= exact + some);
             buf_add(trace, reader.body, reader.body_size);
             body = true;
         }

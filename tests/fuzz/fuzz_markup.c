@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A document through a reader: byte 0 says which one, byte 1 with which rules, the rest is the document. */
 #include "server/base/utf8.h"
-#include "server/markup/score_dump.h"
 #include "server/markup/markup.h"
+#include "server/markup/score_dump.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdlib.h>
@@ -36,7 +36,8 @@ static void check_items(const struct score *score, size_t size) {
 static void check_cues(const struct score *score, size_t size) {
     for (size_t i = 0; i < score->cue_count; i++) {
         const struct score_cue *c = &score->cues[i];
-        FUZZ_CHECK(c->first <= c->last && c->last <= score->item_count && c->at <= size && c->kind && c->name);
+        FUZZ_CHECK(c->first <= c->last && c->last <= score->item_count && c->at <= size && c->kind &&
+                   c->name);
         FUZZ_CHECK(c->intensity >= 0 && c->intensity <= 1 && c->weight <= 1);
         FUZZ_CHECK(isfinite(c->delay.seconds) && isfinite(c->delay.share) && isfinite(c->duration.seconds) &&
                    isfinite(c->duration.share) && isfinite(c->onset) && isfinite(c->offset));

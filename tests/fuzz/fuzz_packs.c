@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A language's files: byte 0 says which one, the rest edits it (json_edit.c). What loads serves an utterance. */
+/* A language's files: byte 0 says which one, the rest edits it (json_edit.c). What loads serves an utterance.
+ */
 #include "server/base/mem.h"
 #include "server/face/context_table.h"
 #include "server/face/packs.h"
@@ -14,9 +15,8 @@
 
 enum { RATE = 10000, FRAMES = 6 };
 
-static const char *const files[] = {"it.json",          "und.json",        "pt-BR.json", "tr.json",
-                                    "en.json",          "alphabets/ipa.json", "visemes/pt.json",
-                                    "letters/tr.json"};
+static const char *const files[] = {"it.json", "und.json",           "pt-BR.json",      "tr.json",
+                                    "en.json", "alphabets/ipa.json", "visemes/pt.json", "letters/tr.json"};
 enum { FILES = sizeof files / sizeof *files };
 
 /* Copies of a pack inherit from the others and use what they use, which are links. */
@@ -42,7 +42,8 @@ static const json_t *base(size_t which) {
 }
 
 static struct utterance *sample(void) {
-    static const char *const phones[] = {"", "p", "a", "t͡ʃ", "o", "", "m", "u", "ʒ", "i", "l", "e", "kː", "ã", ""};
+    static const char *const phones[] = {"",  "p", "a", "t͡ʃ", "o",  "",  "m", "u",
+                                         "ʒ", "i", "l", "e",  "kː", "ã", ""};
     enum { COUNT = sizeof phones / sizeof *phones };
     struct utterance *u = mem_alloc(sizeof *u);
     u->sample_rate = RATE;
@@ -54,7 +55,8 @@ static struct utterance *sample(void) {
         p->start = u->samples, p->end = u->samples += RATE / 10, p->stress = i % 3;
     }
     for (uint32_t i = 0; i < 2; i++)
-        u->words[u->word_count++] = (struct word){i * RATE / 2, (i + 1) * RATE / 2, 0, 4, mem_strdup("ağlar")};
+        u->words[u->word_count++] =
+            (struct word){i * RATE / 2, (i + 1) * RATE / 2, 0, 4, mem_strdup("ağlar")};
     return u;
 }
 

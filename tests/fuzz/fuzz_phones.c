@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Phones in letters. Byte 0: whether the rest is IPA, X-SAMPA, a timed transcription, or phones to be found in a pack; byte
- * 1: how large the answer may be, or the pack. */
+/* Phones in letters. Byte 0: whether the rest is IPA, X-SAMPA, a timed transcription, or phones to be found
+ * in a pack; byte 1: how large the answer may be, or the pack. */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/face/packs.h"

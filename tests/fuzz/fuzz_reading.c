@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Texts that are dates, numbers, sums...: byte 0 says in which language, byte 1 as what, the rest is the text. */
+/* Texts that are dates, numbers, sums...: byte 0 says in which language, byte 1 as what, the rest is the
+ * text. */
 #include "server/base/utf8.h"
 #include "server/reading/readings.h"
 #include "tests/fuzz/fuzz.h"
@@ -15,10 +16,10 @@ static const struct readings *readings(void) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     static const char *const langs[] = {"it", "en", "pt-BR", "tr", "ja"};
-    static const char *const ways[] = {"cardinal", "ordinal",  "digits",   "telephone", "fraction", "date",
-                                       "date:dmy", "date:mdy", "date:ymd", "date:dm",   "date:my",  "date:y",
-                                       "time",     "time:hms", "time:h",   "duration",  "currency", "measure",
-                                       "net:email", "net:url"};
+    static const char *const ways[] = {"cardinal", "ordinal",  "digits",   "telephone", "fraction",
+                                       "date",     "date:dmy", "date:mdy", "date:ymd",  "date:dm",
+                                       "date:my",  "date:y",   "time",     "time:hms",  "time:h",
+                                       "duration", "currency", "measure",  "net:email", "net:url"};
     struct fuzz_input in = fuzz_input(data, size);
     const char *lang = langs[fuzz_below(&in, sizeof langs / sizeof *langs)];
     const char *way = ways[fuzz_below(&in, sizeof ways / sizeof *ways)];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A folder of the recording plugin: byte 0 says how its times are written; then come the description, the text, the times,
- * each with its size (2 bytes) before it, and the sound. */
+/* A folder of the recording plugin: byte 0 says how its times are written; then come the description, the
+ * text, the times, each with its size (2 bytes) before it, and the sound. */
 #include "server/face/packs.h"
 #include "server/plugins/recording/folder.h"
 #include "server/plugins/recording/match.h"

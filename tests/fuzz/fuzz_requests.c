@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What clients ask for. Byte 0: whether the rest is a message, the words of a query (NAME=VALUE, a line each), or a
- * message of ours for those who type. */
+/* What clients ask for. Byte 0: whether the rest is a message, the words of a query (NAME=VALUE, a line
+ * each), or a message of ours for those who type. */
 #include "server/net/internal.h"
 #include "server/net/socket_parts.h"
 #include "server/stream/request.h"

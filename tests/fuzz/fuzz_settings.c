@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The daemon's settings. Byte 0: whether the rest is a file, edits of the file with the defaults (json_edit.c), or one
- * setting's number and its text. What was taken is printed and read again. */
+/* The daemon's settings. Byte 0: whether the rest is a file, edits of the file with the defaults
+ * (json_edit.c), or one setting's number and its text. What was taken is printed and read again. */
 #include "server/app/settings_table.h"
 #include "server/base/utf8.h"
 #include "tests/fuzz/fuzz.h"
@@ -59,7 +59,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (kind == 2) {
         const struct setting *setting = &settings_table[fuzz_below(&in, settings_count)];
         char *text = fuzz_rest_text(&in);
-        if (setting->type != SETTING_OBJECT && utf8_check(text, strlen(text)) == strlen(text)) /* JSON is UTF-8 */
+        if (setting->type != SETTING_OBJECT &&
+            utf8_check(text, strlen(text)) == strlen(text)) /* JSON is UTF-8 */
             failed = setting_from_text(&s, setting, text, "--x", &e);
         free(text);
     } else {

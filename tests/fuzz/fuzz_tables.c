@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The expressions and the readings of a language: byte 0 says which file, the rest edits it (json_edit.c). What loads is
- * used. */
+/* The expressions and the readings of a language: byte 0 says which file, the rest edits it (json_edit.c).
+ * What loads is used. */
 #include "server/expression/recipe.h"
 #include "server/markup/markup.h"
 #include "server/reading/readings.h"
@@ -25,14 +25,16 @@ static const json_t *base(size_t which) {
 static void check_expression(const struct expression *x) {
     FUZZ_CHECK(x->name && x->activation >= -1 && x->activation <= 1);
     for (size_t i = 0; i < x->pose.count; i++)
-        FUZZ_CHECK(x->pose.faps[i].fap >= 3 && x->pose.faps[i].fap <= FAP_COUNT && isfinite(x->pose.faps[i].value));
+        FUZZ_CHECK(x->pose.faps[i].fap >= 3 && x->pose.faps[i].fap <= FAP_COUNT &&
+                   isfinite(x->pose.faps[i].value));
     FUZZ_CHECK(isfinite(x->voice.rate) && isfinite(x->voice.pitch) && isfinite(x->voice.range) &&
                isfinite(x->voice.volume) && isfinite(x->articulation));
 }
 
 static void direct(const struct expressions *expressions) {
-    static const char text[] = "<apml><performative type=\"warn\" affect=\"joy\">Uno <emphasis level=\"strong\" "
-                               "x-pitchaccent=\"Hstar\">due</emphasis><boundary type=\"LL\"/></performative></apml>";
+    static const char text[] =
+        "<apml><performative type=\"warn\" affect=\"joy\">Uno <emphasis level=\"strong\" "
+        "x-pitchaccent=\"Hstar\">due</emphasis><boundary type=\"LL\"/></performative></apml>";
     struct error e;
     struct score *score = markup_read(markup_by_name("apml"), text, strlen(text), NULL, &e);
     FUZZ_CHECK(score);
@@ -63,11 +65,11 @@ static void load_expressions(const json_t *json) {
 }
 
 static void load_reading(const json_t *json) {
-    static const char *const ways[] = {"cardinal", "ordinal", "digits", "telephone", "fraction", "date:dmy",
-                                       "date:ymd", "date:md", "time:hms24", "time:hms12", "duration", "currency",
-                                       "measure", "net:email", "net:url"};
-    static const char *const texts[] = {"12", "1.234,5", "1/2", "1.5.2024", "12:30", "2h3m", "€ 3,50", "5 kg", "a@b.it",
-                                        "XIV", "-3"};
+    static const char *const ways[] = {"cardinal", "ordinal",  "digits",  "telephone",  "fraction",
+                                       "date:dmy", "date:ymd", "date:md", "time:hms24", "time:hms12",
+                                       "duration", "currency", "measure", "net:email",  "net:url"};
+    static const char *const texts[] = {"12",     "1.234,5", "1/2",    "1.5.2024", "12:30", "2h3m",
+                                        "€ 3,50", "5 kg",    "a@b.it", "XIV",      "-3"};
     char folder[FUZZ_PATH], path[FUZZ_PATH];
     struct readings readings;
     struct error e = {0};
@@ -75,7 +77,8 @@ static void load_reading(const json_t *json) {
     fuzz_write_json("reading.json", json, path);
     int failed = readings_load(&readings, folder, &e);
     FUZZ_CHECK(!failed || e.code);
-    const struct reading *reading = failed ? NULL : readings_find(&readings, json_string_value(json_object_get(json, "tag")));
+    const struct reading *reading =
+        failed ? NULL : readings_find(&readings, json_string_value(json_object_get(json, "tag")));
     for (size_t w = 0; reading && w < sizeof ways / sizeof *ways; w++)
         for (size_t t = 0; t < sizeof texts / sizeof *texts; t++) {
             struct buf out = {0};

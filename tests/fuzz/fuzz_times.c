@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Files of times. Byte 0: the format; byte 1: which names, tiers and entries are asked for; the rest is the file. */
+/* Files of times. Byte 0: the format; byte 1: which names, tiers and entries are asked for; the rest is the
+ * file. */
 #include "server/align/times.h"
 #include "server/face/speech.h"
 #include "tests/fuzz/fuzz.h"

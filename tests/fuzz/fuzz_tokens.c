@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who may come in. Byte 0: what the rest is, a token as somebody may forge it, the header and the claims of a JWT (a line
- * each) to be signed with the right secret, what a short token is to say, an origin with host and list (a line each), or a
- * file of secrets. */
+/* Who may come in. Byte 0: what the rest is, a token as somebody may forge it, the header and the claims of a
+ * JWT (a line each) to be signed with the right secret, what a short token is to say, an origin with host and
+ * list (a line each), or a file of secrets. */
 #include "server/access/origin.h"
 #include "server/access/token.h"
 #include "server/base/mem.h"

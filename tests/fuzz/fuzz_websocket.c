@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The frames of a WebSocket's client, in pieces whose sizes byte 0 determines. However they are cut, the same is heard. */
+/* The frames of a WebSocket's client, in pieces whose sizes byte 0 determines. However they are cut, the same
+ * is heard. */
 #include "server/base/buf.h"
 #include "server/net/websocket_reader.h"
 #include "tests/fuzz/fuzz.h"

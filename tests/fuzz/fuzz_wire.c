@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a worker says, and what it is told: frames as they come over the socket. What it says while it speaks becomes an
- * utterance, whatever it says. */
+/* What a worker says, and what it is told: frames as they come over the socket. What it says while it speaks
+ * becomes an utterance, whatever it says. */
 #include "server/voice/assemble.h"
+#include "server/voice/pool_parts.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>
@@ -41,6 +42,19 @@ static void check_utterance(const struct utterance *u) {
     FUZZ_CHECK(!u->samples || u->pcm);
 }
 
+static void take_voices(const char *description) {
+    struct catalog catalog = {0};
+    struct error e = {0};
+    FUZZ_CHECK(!catalog_add(&catalog, "m", "{\"voices\": [{\"id\": \"a\"}]}", &e));
+    FUZZ_CHECK(!catalog_add(&catalog, "x", description, &e) || e.code);
+    for (size_t i = 0; i < catalog.count; i++) {
+        const struct voice *v = &catalog.voices[i];
+        FUZZ_CHECK(v->id && v->name && v->lang && v->gender && v->quality && v->licence &&
+                   v->sample_rate >= 8000);
+    }
+    catalog_free(&catalog);
+}
+
 static void read_told(const struct wire_frame *frame) {
     struct faccia_sentence sentence;
     struct faccia_span *spans = NULL;
@@ -58,7 +72,9 @@ static void read_told(const struct wire_frame *frame) {
         wire_get_u32(&r);
         wire_get_string(&r);
     } else {
-        wire_get_string(&r);
+        const char *text = wire_get_string(&r);
+        if (text && frame->type == WIRE_HELLO)
+            take_voices(text);
     }
 }
 

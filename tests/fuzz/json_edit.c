@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Changes in a JSON value, told by bytes: so a fuzzer finds what a file may not be like without having to learn
- * JSON first. An edit is the number of a value (2 bytes), what is done to it, and what that needs. */
+/* Changes in a JSON value, told by bytes: so a fuzzer finds what a file may not be like without having to
+ * learn JSON first. An edit is the number of a value (2 bytes), what is done to it, and what that needs. */
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
@@ -37,11 +37,11 @@ static void collect(struct values *all, struct value value) {
 }
 
 static json_t *number(struct fuzz_input *in) {
-    static const double numbers[] = {0,    -0.0,   1,       -1,     2,      0.5,  0.001, 1e-9, 1e-308, 60,
-                                     1000, -10000, 1 << 24, 32768., 65536., 1e10, 1e300, 1e308};
-    static const json_int_t whole[] = {0,     1,     2,         -1,         16,        255,
-                                       65535, 65536, INT32_MAX, INT32_MIN,  UINT32_MAX, INT64_MAX,
-                                       INT64_MIN, (json_int_t)1 << 53};
+    static const double numbers[] = {0,  -0.0, 1,      -1,      2,      0.5,    0.001, 1e-9,  1e-308,
+                                     60, 1000, -10000, 1 << 24, 32768., 65536., 1e10,  1e300, 1e308};
+    static const json_int_t whole[] = {
+        0,     1,         2,         -1,         16,        255,       65535,
+        65536, INT32_MAX, INT32_MIN, UINT32_MAX, INT64_MAX, INT64_MIN, (json_int_t)1 << 53};
     double real;
     uint64_t bits;
     uint8_t kind = fuzz_u8(in);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Gives a target the files that are named, and those of the folders that are: for builds without libFuzzer. */
+/* Gives a target the files that are named, and those of the folders that are: for builds without libFuzzer.
+ */
 #include "server/base/buf.h"
 #include "tests/fuzz/fuzz.h"
 #include <dirent.h>

@@ -49,18 +49,19 @@ corpus="$root/tests/fuzz/corpus/$target"
 found="$folder/found/$target"
 mkdir -p "$corpus" "$found" "$folder/crashes"
 if [ $merge = yes ]; then
-    # What reaches code that neither the seeds nor the corpus reach.
+    # What reaches code that neither the seeds nor the corpus reach, the shortest first.
     kept="$TMPDIR/kept"
     mkdir "$kept"
     cp "$seeds"/* "$kept/"
     find "$corpus" -type f -exec cp {} "$kept/" \;
     "$program" -merge=1 -use_counters=0 -max_len=2048 -timeout=60 -rss_limit_mb=2048 "$kept" "$found" >"$folder/merge.log" 2>&1 ||
         die "see $folder/merge.log"
-    for input in "$kept"/*; do
-        name=$(basename "$input")
-        [ -f "$seeds/$name" ] || [ -f "$corpus/$name" ] || cp "$input" "$corpus/$(echo "$name" | cut -c 1-12)"
+    for name in $(ls -Sr "$kept"); do
+        [ -f "$seeds/$name" ] || [ -f "$corpus/$name" ] || echo "$name"
+    done | head -n 40 | while read -r name; do
+        cp "$kept/$name" "$corpus/$(echo "$name" | cut -c 1-12)"
     done
-    du -sh "$root/tests/fuzz/corpus"
+    echo "the corpora have $(cat "$root"/tests/fuzz/corpus/*/* | wc -c) bytes"
     exit 0
 fi
 seconds=${1:-3600}

@@ -84,7 +84,7 @@ const parts = {
     const audio = frame(6, u32(16000), Buffer.alloc(3200, 1));
     return [joined(audio, frame(7, event.phone('a', 0, 800), event.word(0, 0, 7, 0, 800), event.mark('qui', 800), event.phone('p', 800, 1600)), audio, frame(8, u32(0), text(''))),
       joined(audio, frame(7, event.word(0, 8, 2, 100, 0), event.word(3, 0, 3, 900, 1000), event.warning('no'))),
-      joined(frame(1, text('{}'), u32(64), u32(5), u32(1), u32(0)), frame(4, text('{"name": "x", "voices": []}')), frame(5, text('no')), frame(3),
+      joined(frame(1, text('{}'), u32(64), u32(5), u32(1), u32(0)), frame(4, text('{"name": "x", "capabilities": 3, "voices": [{"id": "b", "name": "B", "lang": "it", "gender": "male", "sample_rate": 16000, "rate": 150}, {"id": "b"}, {"id": ""}]}')), frame(5, text('no')), frame(3),
         frame(2, u32(5), text('it'), u32(1), u32(0), u32(3), Buffer.alloc(48), text('uno'), text('it'), text(null), text('digits'), text(null)))];
   },
   packs: () => Array.from({ length: 16 }, (_, i) => joined(i % 8, u16(i * 7), i % 9, u16(3), 1, 'a')),
