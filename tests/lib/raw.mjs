@@ -35,7 +35,7 @@ export class Raw {
   }
 
   /** The next HTTP answer: {status, headers, body}; false when there is none. head: of a HEAD request. */
-  async answer({ head = false } = {}) {
+  async answer({ head = false, milliseconds } = {}) {
     return this.until(() => {
       const end = this.heard.indexOf('\r\n\r\n');
       if (end < 0) return undefined;
@@ -61,12 +61,12 @@ export class Raw {
       }
       this.heard = this.heard.subarray(at);
       return { version: line.slice(0, 8), status, headers, body: String(body) };
-    });
+    }, milliseconds);
   }
 
   /** Waits until the server has closed. */
-  async end() {
-    await this.until(() => (this.ended || this.socket.destroyed ? true : undefined));
+  async end(milliseconds = 60000) {
+    await this.until(() => (this.ended || this.socket.destroyed ? true : undefined), milliseconds);
     this.socket.destroy();
     return true;
   }
