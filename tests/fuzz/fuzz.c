@@ -74,7 +74,7 @@ char *fuzz_rest_text(struct fuzz_input *in) {
 static char folder[FUZZ_PATH / 2];
 
 static void remove_folder(void) {
-    char path[FUZZ_PATH + 64];
+    char path[FUZZ_PATH + 256];
     struct dirent *entry;
     DIR *dir = opendir(folder);
     while (dir && (entry = readdir(dir))) {
