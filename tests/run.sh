@@ -36,13 +36,14 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
 sh "$root/server/run.sh" --build-only
-need_packages libcmocka-dev chromium clang curl espeak-ng hunspell-tr librsvg2-bin pocketsphinx-testdata python3-websockets sox \
-    libclang-rt-14-dev wamerican wbrazilian witalian festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite
+need_packages libcmocka-dev chromium curl iproute2 espeak-ng hunspell-tr librsvg2-bin pocketsphinx-testdata python3-websockets sox \
+    wamerican wbrazilian witalian festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite
 need_modules "$root/tests"
 
 # The daemon is tested with the sanitizers built in; the browser, which needs speed, with the ordinary build.
 build "$root/build/sanitized" -Db_sanitize=address,undefined -Db_lundef=false -Dwerror=true -Dc_args=-Wno-format-truncation
 case " $* " in *' fuzz '*)
+    need_packages clang libclang-rt-14-dev
     . "$root/tests/fuzz/setup.sh"
     fuzz_build || die "the fuzz targets cannot be built"
     ;;
