@@ -9,27 +9,32 @@ artefacts=$FACCIA_ARTEFACTS
 name=$what-$(basename "$file" .test.mjs)
 log="$artefacts/$name.tap"
 status=0
-case $(basename "$file") in
-fuzz_*)
-    target=$(basename "$file" | sed 's/^fuzz_//')
+case $what in
+daemon) export FACCIA_BUILD="$root/build/sanitized" ;;
+*) export FACCIA_BUILD="$root/build" ;;
+esac
+case $file in
+*/fuzz_*)
+    target=${file##*/fuzz_}
     . "$root/tests/fuzz/setup.sh"
     fuzz_folder
     fuzz_seeds "$target" "$TMPDIR/seeds"
     ;;
 esac
-case $what-${target:+corpus} in
-unit-corpus) timeout -k 10 900 "$file" "$TMPDIR/seeds" "$root/tests/fuzz/corpus/$target" ;;
+case $what-$file in
 fuzz-*) fuzz_run "$file" "$target" "$artefacts/$name-" ;;
-unit-*) CMOCKA_MESSAGE_OUTPUT=TAP timeout -k 10 900 "$file" ;;
-daemon-*) FACCIA_BUILD="$root/build/sanitized" timeout -k 10 900 node --test-reporter=tap "$file" ;;
-*) FACCIA_BUILD="$root/build" timeout -k 10 900 node --test-reporter=tap "$file" ;;
+*/fuzz_*) timeout -k 10 900 "$file" "$TMPDIR/seeds" "$root/tests/fuzz/corpus/$target" ;;
+*.mjs) timeout -k 10 900 node --test-reporter=tap "$file" ;;
+*) CMOCKA_MESSAGE_OUTPUT=TAP timeout -k 10 900 "$file" ;;
 esac >"$log" 2>&1 || status=$?
 if grep -aq '^# pass ' "$log"; then # node
     ok=$(sed -n 's/^# pass //p' "$log")
     bad=$(($(sed -n 's/^# fail //p' "$log") + $(sed -n 's/^# cancelled //p' "$log")))
-else # cmocka, and those of the fuzz targets
+    skipped=$(sed -n 's/^# skipped //p' "$log")
+else # cmocka, and the fuzz targets
     ok=$(grep -ac '^ok [0-9]* - ' "$log")
     bad=$(grep -ac '^not ok [0-9]* - ' "$log")
+    skipped=$(grep -ac '^not ok [0-9]* # SKIP' "$log")
 fi
 if [ "$status" != 0 ] && [ "$bad" = 0 ]; then
     bad=1 # died without a word
@@ -37,5 +42,5 @@ fi
 if [ "$bad" != 0 ]; then
     tail -n 400 "$log" # the whole log is kept
 fi
-echo "$ok $bad" >"$artefacts/$name.count"
-echo "$name: $ok passed, $bad failed"
+echo "$ok $bad ${skipped:-0}" >"$artefacts/$name.count"
+echo "$name: $ok passed, $bad failed, ${skipped:-0} skipped"

@@ -1,13 +1,13 @@
 #!/bin/sh
 # SPDX-License-Identifier: GPL-3.0-or-later
-# Installs what the tests need, builds, and runs all of them. The last line is "N passed, N failed".
+# Installs what the tests need, builds, and runs all of them. The last line is "N passed, N failed, N skipped".
 set -eu
 
 usage() {
     cat <<'TEXT'
 Usage: sh tests/run.sh [WHAT]...
 Installs, builds and runs the tests; the last line says how many passed and failed.
-WHAT is one or more of: unit fuzz protocol models web daemon browser (all of them when left out).
+WHAT is one or more of: unit limits fuzz protocol models web daemon browser (all of them when left out).
 
   -h, --help   print this and exit
 
@@ -20,7 +20,7 @@ die() {
     exit 1
 }
 
-all='unit fuzz protocol models web daemon browser'
+all='unit limits fuzz protocol models web daemon browser'
 for what in "$@"; do
     case $what in
     -h | --help)
@@ -72,6 +72,10 @@ for what in "$@"; do
             \( -name 'test_*' -o -name 'fuzz_*' \) -type f -perm -u+x
         ;;
     fuzz) find "$root/build/fuzz/tests/fuzz" -maxdepth 1 -name 'fuzz_*' -type f -perm -u+x ;;
+    limits) # once more in the ordinary build: a sanitized program takes more memory than any limit
+        echo "$root/build/tests/unit/test_limits"
+        echo "$root/tests/daemon/limits.test.mjs"
+        ;;
     *) find "$root/tests/$what" -name '*.test.mjs' ;;
     esac | sort | xargs -P "$(jobs "$what")" -n 1 sh "$root/tests/one.sh" "$what" ||
         true # the counts tell
@@ -79,5 +83,6 @@ done
 
 passed=$(cat "$artefacts"/*.count | awk '{ sum += $1 } END { print sum + 0 }')
 failed=$(cat "$artefacts"/*.count | awk '{ sum += $2 } END { print sum + 0 }')
-echo "$passed passed, $failed failed"
+skipped=$(cat "$artefacts"/*.count | awk '{ sum += $3 } END { print sum + 0 }')
+echo "$passed passed, $failed failed, $skipped skipped"
 [ "$failed" = 0 ]

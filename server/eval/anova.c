@@ -1,39 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/eval/anova.h"
+#include <gsl/gsl_cdf.h>
 #include <math.h>
-
-/* The continued fraction of DLMF 8.17.22, by the modified Lentz method; converges fast for x < (a + 1) / (a +
- * b + 2). */
-static double fraction(double a, double b, double x) {
-    const double tiny = 1e-300;
-    double value = 1, c = 1, d = 0, step = 0;
-    for (int n = 1; n < 2000 && fabs(step - 1) > 1e-15; n++) {
-        double m = n / 2; /* whole */
-        double numerator = n % 2 ? -(a + m) * (a + b + m) * x / ((a + 2 * m) * (a + 2 * m + 1))
-                                 : m * (b - m) * x / ((a + 2 * m - 1) * (a + 2 * m));
-        d = 1 + numerator * d;
-        d = 1 / (fabs(d) < tiny ? tiny : d);
-        c = 1 + numerator / c;
-        c = fabs(c) < tiny ? tiny : c;
-        step = c * d;
-        value *= step;
-    }
-    return 1 / value;
-}
-
-double anova_beta(double a, double b, double x) {
-    if (x <= 0 || x >= 1)
-        return x >= 1;
-    double front = exp(lgamma(a + b) - lgamma(a) - lgamma(b) + a * log(x) + b * log1p(-x));
-    if (x < (a + 1) / (a + b + 2))
-        return front * fraction(a, b, x) / a;
-    return 1 - front * fraction(b, a, 1 - x) / b;
-}
 
 double anova_f_tail(double f, double df1, double df2) {
     if (isnan(f))
         return NAN;
-    return isinf(f) ? 0 : anova_beta(df2 / 2, df1 / 2, df2 / (df2 + df1 * f));
+    return isinf(f) ? 0 : gsl_cdf_fdist_Q(f, df1, df2);
 }
 
 struct anova_group anova_group(const double *values, size_t n) {

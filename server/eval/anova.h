@@ -24,9 +24,6 @@ int anova_run(const struct anova_group *groups, size_t count, struct anova *out)
 /* Mean and variance of n > 0 values; the variance of one value is 0. */
 struct anova_group anova_group(const double *values, size_t n);
 
-/* Regularised incomplete beta function I_x(a, b), a and b > 0, 0 <= x <= 1 (NIST DLMF 8.17). */
-double anova_beta(double a, double b, double x);
-
 /* The upper tail of the F distribution. */
 double anova_f_tail(double f, double df1, double df2);
 

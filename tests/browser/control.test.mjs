@@ -35,19 +35,19 @@ async function open() {
       return connect.call(this, meter, ...rest);
     };
     window.head = document.querySelector('talking-head');
-    /** Waits for loud speech, calls, and says within how many milliseconds it was silent for good. */
+    /** Waits for loud speech, calls, and says after how many milliseconds it was silent for good; null: it was not. */
     window.silence = async (act) => {
       const tick = () => new Promise((resolve) => setTimeout(resolve, 1));
       while (!(window.loud?.() > 0.02)) await tick();
       const began = performance.now();
       act();
       let silent = null; // since this look, which a busy page may take late
-      while (performance.now() - began < 400) {
+      while (performance.now() - began < 1500) {
         await tick();
         if (window.loud() > 1e-4) silent = null;
         else silent ??= performance.now();
       }
-      return silent - began;
+      return silent && silent - began;
     };
   });
   // sound needs a gesture of the user
@@ -80,7 +80,12 @@ test('silent after stop, and after pause, which goes on where it was', async (t)
       return time;
     }, text));
   // the browser's own block of sound, and the fade of 5 ms; read now and then by a busy page
-  for (const [what, list] of Object.entries(times)) t.diagnostic(`silent after ${what}: ${list.map((ms) => ms.toFixed(0)).join(', ')} ms`);
+  for (const [what, list] of Object.entries(times)) t.diagnostic(`silent after ${what}: ${list.map((ms) => ms?.toFixed(0)).join(', ')} ms`);
+  // the server sends 400 ms ahead: of five, most are silent long before that has been played
+  for (const list of Object.values(times)) {
+    assert.ok(list.every((ms) => ms !== null), JSON.stringify(times));
+    assert.ok([...list].sort((x, y) => x - y)[2] < 200, JSON.stringify(times));
+  }
   assert.deepEqual(page.problems, []);
   await page.close();
 });

@@ -34,6 +34,8 @@ static void rests(void **state) {
         for (int e = 0; e < 2; e++) {
             unsigned moves = 0, more = 0, level = settle(ends[e], speakers, 6, &moves);
             assert_true(speakers * effort_levels[level].cost <= 800.001 || level == EFFORT_LEVELS - 1);
+            /* and no plainer than it has to be: the next dearer one would leave too little to spare */
+            assert_true(!level || speakers * effort_levels[level - 1].cost >= 599.999);
             assert_int_equal(settle(level, speakers, 20, &more), level);
             assert_int_equal(more, 0);
         }
