@@ -32,7 +32,7 @@ void fapfile_free(struct fapfile *file);
 
 /* Writers of version 2.1. Each prints into out (cap bytes, NUL-terminated) and returns the length that the
  * whole text needs, as snprintf does. frame_number is 0-based. Of the name, control characters become spaces;
- * of the frame rate (over 0, at most FAPFILE_FPS_MAX), six decimals are written. */
+ * of the frame rate (over 0, at most FAPFILE_FPS_MAX), six decimals are written, at least 0.000001. */
 size_t fapfile_write_header(const char *name, double fps, size_t count, char *out, size_t cap);
 size_t fapfile_write_frame(const struct fap_frame *frame, size_t frame_number, char *out, size_t cap);
 

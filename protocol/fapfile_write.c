@@ -44,7 +44,7 @@ static void put_value(struct printer *p, int64_t value) {
 }
 
 static void put_fps(struct printer *p, double fps) {
-    uint64_t millionths = fps > 0 && fps <= FAPFILE_FPS_MAX ? (uint64_t)llround(fps * 1e6) : 0;
+    uint64_t millionths = fps > 0 && fps <= FAPFILE_FPS_MAX ? (uint64_t)fmax(1, round(fps * 1e6)) : 0;
     put_unsigned(p, millionths / 1000000);
     uint64_t rest = millionths % 1000000;
     if (!rest)

@@ -14,6 +14,16 @@ daemon) export FACCIA_BUILD="$root/build/sanitized" ;;
 *) export FACCIA_BUILD="$root/build" ;;
 esac
 case $file in
+*/fuzz_*)
+    target=${file##*/fuzz_}
+    . "$root/tests/fuzz/setup.sh"
+    fuzz_folder
+    fuzz_seeds "$target" "$TMPDIR/seeds"
+    ;;
+esac
+case $what-$file in
+fuzz-*) fuzz_run "$file" "$target" "$artefacts/$name-" ;;
+*/fuzz_*) timeout -k 10 900 "$file" "$TMPDIR/seeds" "$root/tests/fuzz/corpus/$target" ;;
 *.mjs) timeout -k 10 900 node --test-reporter=tap "$file" ;;
 *) CMOCKA_MESSAGE_OUTPUT=TAP timeout -k 10 900 "$file" ;;
 esac >"$log" 2>&1 || status=$?
@@ -21,7 +31,7 @@ if grep -aq '^# pass ' "$log"; then # node
     ok=$(sed -n 's/^# pass //p' "$log")
     bad=$(($(sed -n 's/^# fail //p' "$log") + $(sed -n 's/^# cancelled //p' "$log")))
     skipped=$(sed -n 's/^# skipped //p' "$log")
-else # cmocka
+else # cmocka, and the fuzz targets
     ok=$(grep -ac '^ok [0-9]* - ' "$log")
     bad=$(grep -ac '^not ok [0-9]* - ' "$log")
     skipped=$(grep -ac '^not ok [0-9]* # SKIP' "$log")

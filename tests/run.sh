@@ -7,7 +7,7 @@ usage() {
     cat <<'TEXT'
 Usage: sh tests/run.sh [WHAT]...
 Installs, builds and runs the tests; the last line says how many passed and failed.
-WHAT is one or more of: unit limits protocol models web daemon browser (all of them when left out).
+WHAT is one or more of: unit limits fuzz protocol models web daemon browser (all of them when left out).
 
   -h, --help   print this and exit
 
@@ -20,7 +20,7 @@ die() {
     exit 1
 }
 
-all='unit limits protocol models web daemon browser'
+all='unit limits fuzz protocol models web daemon browser'
 for what in "$@"; do
     case $what in
     -h | --help)
@@ -36,12 +36,18 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
 sh "$root/server/run.sh" --build-only
-need_packages libcmocka-dev chromium curl espeak-ng firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-websockets sox \
+need_packages libcmocka-dev chromium curl espeak-ng firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-websockets sox iproute2 \
     wamerican wbrazilian witalian festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite
 need_modules "$root/tests"
 
 # The daemon is tested with the sanitizers built in; the browser, which needs speed, with the ordinary build.
 build "$root/build/sanitized" -Db_sanitize=address,undefined -Db_lundef=false -Dwerror=true -Dc_args=-Wno-format-truncation
+case " $* " in *' fuzz '*)
+    need_packages clang libclang-rt-14-dev
+    . "$root/tests/fuzz/setup.sh"
+    fuzz_build || die "the fuzz targets cannot be built"
+    ;;
+esac
 artefacts="$root/build/test-artefacts"
 mkdir -p "$artefacts"
 export FACCIA_ARTEFACTS="$artefacts" FACCIA_MODELS="$root/build/models" FACCIA_WEB="$root/build/web"
@@ -61,8 +67,11 @@ rm -f "$artefacts"/*.count
 for what in "$@"; do
     case $what in
     unit)
-        find "$root/build/sanitized/tests/unit" -maxdepth 1 -name 'test_*' -type f -perm -u+x
+        # the corpora of the fuzz targets, too
+        find "$root/build/sanitized/tests/unit" "$root/build/sanitized/tests/fuzz" -maxdepth 1 \
+            \( -name 'test_*' -o -name 'fuzz_*' \) -type f -perm -u+x
         ;;
+    fuzz) find "$root/build/fuzz/tests/fuzz" -maxdepth 1 -name 'fuzz_*' -type f -perm -u+x ;;
     limits) # once more in the ordinary build: a sanitized program takes more memory than any limit
         echo "$root/build/tests/unit/test_limits"
         echo "$root/tests/daemon/limits.test.mjs"

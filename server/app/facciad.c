@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* facciad: the daemon. Puts the stages together on one loop, reads its settings anew on SIGHUP, and stops
  * cleanly when it is told to. */
+#include "server/app/descriptors.h"
 #include "server/app/service.h"
 #include "server/app/settings.h"
 #include "server/base/log.h"
 #include "server/net/net.h"
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -44,7 +43,7 @@ static void complain(const struct error *e) {
 
 static struct net_options net_options_of(const struct daemon *d) {
     const struct settings *s = &d->settings;
-    return (struct net_options){
+    struct net_options options = {
         .host = s->host,
         .port = (int)s->port,
         .remote = s->remote,
@@ -60,6 +59,7 @@ static struct net_options net_options_of(const struct daemon *d) {
         .play_bytes = s->play_bytes,
         .queue = s->queue,
         .connections = s->connections,
+        .connections_above = NET_CONNECTIONS_ABOVE,
         .rooms = s->rooms,
         .address_connections = s->address_connections,
         .address_requests = s->address_requests,
@@ -69,6 +69,8 @@ static struct net_options net_options_of(const struct daemon *d) {
         .stall_seconds = s->stall_seconds,
         .ping_seconds = s->ping_seconds,
     };
+    descriptors_provide(&options, s->workers);
+    return options;
 }
 
 static void stop(struct daemon *d);
@@ -245,14 +247,12 @@ static int start(struct daemon *d, struct error *e) {
     return 0;
 }
 
-/* Of the first socket that systemd has opened. */
-static int port_of(int fd) {
-    struct sockaddr_storage address;
-    socklen_t size = sizeof address;
-    if (getsockname(fd, (struct sockaddr *)&address, &size))
-        return 0;
-    return ntohs(address.ss_family == AF_INET6 ? ((struct sockaddr_in6 *)&address)->sin6_port
-                                               : ((struct sockaddr_in *)&address)->sin_port);
+static void log_addresses(const struct daemon *d) {
+    struct buf text = {0};
+    for (size_t i = 0; net_address(d->net, i, &text); i++) {
+        log_info("listening on %.*s", (int)text.size, (const char *)text.data);
+        buf_free(&text);
+    }
 }
 
 static int run(struct daemon *d) {
@@ -265,8 +265,7 @@ static int run(struct daemon *d) {
         complain(&e);
         stop(d);
     } else {
-        log_info("listening on http://%s:%d/", d->settings.host,
-                 d->socket_count ? port_of(d->sockets[0]) : net_port(d->net));
+        log_addresses(d);
     }
     uv_run(&d->loop, UV_RUN_DEFAULT);
     if (d->failed)

@@ -8,6 +8,10 @@
 /* By the weighted rule a mood shows as it does on a face that does not speak: rho times this is 1. */
 #define MOOD_WEIGHT (1 / 3.0)
 
+/* Of more expressions at a time than any author means, those that came last count. Each gives way to those
+ * after it: thousands of them over one word would take longer than the frame lasts. */
+enum { SHOWS_AT_ONCE = 64 };
+
 /* An expression at an instant. */
 struct seen {
     const struct expression *expression;
@@ -109,8 +113,11 @@ static void look(struct express *x, double t) {
         x->cursor--;
     while (x->cursor < shows->count && shows->latest[x->cursor] <= t)
         x->cursor++;
-    for (size_t i = x->cursor; i < shows->count && shows->items[i].first <= t; i++)
-        if (shows->items[i].last > t)
+    size_t end = x->cursor, now = 0;
+    for (; end < shows->count && shows->items[end].first <= t; end++)
+        now += shows->items[end].last > t;
+    for (size_t i = x->cursor; i < end; i++)
+        if (shows->items[i].last > t && now-- <= SHOWS_AT_ONCE)
             look_at_show(x, &shows->items[i], t);
 }
 

@@ -91,7 +91,8 @@ static void weigh(struct prosody *p, const struct measure *measures) {
 /* Marks those that no stronger one is close to: from left to right, giving way to the stronger. */
 static void choose_majors(struct prosody *p) {
     struct accent *last = NULL;
-    for (struct accent *a = p->accents; a < p->accents + p->accent_count; a++) {
+    for (size_t i = 0; i < p->accent_count; i++) {
+        struct accent *a = &p->accents[i];
         a->major = !last || a->at - last->at >= PROSODY_MAJOR_GAP || a->weight > last->weight;
         if (a->major && last && a->at - last->at < PROSODY_MAJOR_GAP)
             last->major = false;

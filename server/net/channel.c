@@ -43,7 +43,7 @@ static void deliver_media(struct channel *c, const struct variant *v, const stru
                           bool idle) {
     if (!bytes->size)
         return;
-    struct parcel *parcel = parcel_new(LWS_WRITE_BINARY, bytes->data, bytes->size);
+    struct parcel *parcel = parcel_new(WEBSOCKET_BINARY, bytes->data, bytes->size);
     parcel->born = uv_now(c->net->studio->loop);
     for (struct follower *f = c->followers; f; f = f->next) {
         if (!f->media || !encoding_same(&f->encoding, &v->encoding) || (idle && !f->idle))
@@ -71,7 +71,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
     if (event->kind == STREAM_END)
         end_media(c, !strcmp(event->reason, "done"));
     message_write(&text, message_event(event, c->name));
-    struct parcel *parcel = parcel_new(LWS_WRITE_TEXT, text.data, text.size);
+    struct parcel *parcel = parcel_new(WEBSOCKET_TEXT, text.data, text.size);
     parcel->event = message_event_name(event->kind);
     recap_event(&c->recap, event->kind, parcel);
     deliver_text(c, parcel);

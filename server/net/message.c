@@ -290,22 +290,15 @@ int request_from_json(struct speech_request *request, const json_t *object, stru
     return 0;
 }
 
-int request_from_query(struct speech_request *request, struct lws *wsi, const char *except, struct error *e) {
-    char part[512];
-    for (int n = 0;; n++) {
-        int length = lws_hdr_copy_fragment(wsi, part, sizeof part, WSI_TOKEN_HTTP_URI_ARGS, n);
-        if (length == -2)
-            return error_in_field(e, "bad-field", "query", "part %d is too long", n + 1);
-        if (length < 0)
-            return 0;
-        char *equals = strchr(part, '=');
-        if (!equals)
+int request_from_query(struct speech_request *request, const struct http_request *from, const char *except,
+                       struct error *e) {
+    for (size_t i = 0; i < from->member_count; i++) {
+        const struct http_member *m = &from->members[i];
+        const struct request_value value = {REQUEST_WORD, m->value, m->size, 0};
+        if ((except && !strcmp(m->name, except)) || !strcmp(m->name, "text"))
             continue;
-        *equals = '\0';
-        struct request_value value = {REQUEST_WORD, equals + 1, strlen(equals + 1), 0};
-        if (except && !strcmp(part, except))
-            continue;
-        if (strcmp(part, "text") && request_set(request, part, value, e) < 0)
+        if (request_set(request, m->name, value, e) < 0)
             return -1;
     }
+    return 0;
 }

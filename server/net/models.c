@@ -9,7 +9,7 @@ static void add_part(struct model *m, const char *kind, const char *name, const 
     struct model_part *p = &m->parts[m->part_count++];
     p->kind = mem_strdup(kind);
     p->name = mem_strdup(name);
-    p->json = json_dumps(value, JSON_COMPACT);
+    p->json = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY); /* whatever it is */
 }
 
 int model_split(struct model *m, const char *file, struct error *e) {

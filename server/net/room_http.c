@@ -55,7 +55,7 @@ static int say_end(void *self) {
     request.markup = mem_strdup(say->markup);
     const char *text = say->text.size ? (const char *)say->text.data : "";
     bool bad =
-        request_from_query(&request, exchange_wsi(say->x), "room", &e) ||
+        request_from_query(&request, exchange_request(say->x), "room", &e) ||
         request_set(&request, "text", (struct request_value){REQUEST_STRING, text, say->text.size, 0}, &e);
     if (!bad)
         stream_speak(channel_stream(channel), &request);
@@ -154,7 +154,6 @@ int room_events(struct exchange *x) {
         x, (struct exchange_work){.beat = events_beat, .free = events_free, .self = events, .endless = true});
     if (exchange_begin(x, "text/event-stream"))
         return -1;
-    lws_set_timeout(exchange_wsi(x), NO_PENDING_TIMEOUT, 0);
     channel_join(channel, &events->follower);
     events_beat(events);
     return 0;

@@ -68,13 +68,13 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
     path[length < sizeof path ? length : 0] = '\0';
     const struct route *route = find(path);
     const struct asset *asset = route ? NULL : assets_find(&net->assets, path);
-    bool get = method == LWSHUMETH_GET || method == LWSHUMETH_HEAD;
+    bool get = method == HTTP_GET || method == HTTP_HEAD;
     if (!route && !asset) {
         error_set(&e, "not-found", "nothing is at this address");
         return exchange_error(x, 404, &e);
     }
     const char *methods = route && route->post ? "POST, OPTIONS" : "GET, HEAD, OPTIONS";
-    if (method == LWSHUMETH_OPTIONS)
+    if (method == HTTP_OPTIONS)
         return exchange_allow(x, 204, methods);
     if (asset && get)
         return exchange_asset(x, asset);
@@ -84,13 +84,13 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
         return refusal;
     if (route && route->answer && get)
         return route->answer(x);
-    if (net->draining && method == LWSHUMETH_POST) {
+    if (net->draining && method == HTTP_POST) {
         error_set(&e, "stopping", "the server is about to stop");
         return exchange_error(x, 503, &e);
     }
     if (route && route->get && get)
         return exchange_json(x, route->get == message_health && !net->ready ? 503 : 200, route->get(net));
-    if (route && route->post && method == LWSHUMETH_POST)
+    if (route && route->post && method == HTTP_POST)
         return route->post(x);
     if (route && !route->get && !route->post && !route->answer && get) {
         error_set(&e, "upgrade-required", "this is the address of the WebSocket");

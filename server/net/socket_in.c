@@ -107,15 +107,7 @@ static void hear(struct socket *s, const char *data, size_t size) {
     socket_complain(s, &e);
 }
 
-int socket_receive(struct socket *s, const char *data, size_t size) {
-    bool whole = lws_is_final_fragment(s->wsi) && !lws_remaining_packet_payload(s->wsi);
-    bool binary = lws_frame_is_binary(s->wsi);
-    if (s->message.size + size > s->net->options.message_bytes)
-        s->too_long = true;
-    if (!binary && !s->too_long)
-        buf_add(&s->message, data, size);
-    if (!whole)
-        return 0;
+void socket_hear(struct socket *s, bool binary) {
     struct error e;
     if (s->too_long) {
         error_set(&e, "message-too-long", "a message may have %u bytes", s->net->options.message_bytes);
@@ -128,5 +120,4 @@ int socket_receive(struct socket *s, const char *data, size_t size) {
     }
     buf_free(&s->message);
     s->too_long = false;
-    return 0;
 }

@@ -107,10 +107,9 @@ static const char *markup_of(const char *type) {
 }
 
 const char *post_markup(struct exchange *x, int *result) {
-    char type[128] = "";
+    const char *type = http_header(exchange_request(x), "content-type");
     struct error e;
-    lws_hdr_copy(exchange_wsi(x), type, sizeof type, WSI_TOKEN_HTTP_CONTENT_TYPE);
-    const char *markup = markup_of(type);
+    const char *markup = markup_of(type ? type : "");
     if (!markup) {
         error_set(&e, "unsupported-media-type", "no markup has the type '%s'", type);
         *result = exchange_error(x, 415, &e);
@@ -121,12 +120,12 @@ const char *post_markup(struct exchange *x, int *result) {
 /* The query's part of the request, and the format. The status of the answer when something is wrong, else 0.
  */
 static unsigned read_query(struct post *p, struct speech_request *request, struct error *e) {
-    struct lws *wsi = exchange_wsi(p->x);
+    const struct http_request *from = exchange_request(p->x);
     char name[32];
     request->markup = mem_strdup(p->markup);
-    if (request_from_query(request, wsi, "format", e))
+    if (request_from_query(request, from, "format", e))
         return 400;
-    const char *format = lws_get_urlarg_by_name(wsi, "format=", name, sizeof name);
+    const char *format = exchange_query(p->x, "format", name, sizeof name);
     p->format = export_by_name(format ? format : "wav");
     if (!p->format) {
         error_in_field(e, "unknown-format", "format", "no format '%s'", format);

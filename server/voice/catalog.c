@@ -9,6 +9,9 @@
 #include <string.h>
 #include <strings.h>
 
+/* Each is looked for among all, and a plugin that means harm must not keep the daemon busy with that. */
+enum { PLUGIN_VOICES_MAX = 10000 };
+
 /* What the catalog allocated: strings and outgrown lists, all kept for those who still point at them. */
 struct catalog_block {
     struct catalog_block *next;
@@ -64,9 +67,10 @@ int catalog_add(struct catalog *catalog, const char *plugin, const char *descrip
     json_error_t why;
     json_t *root = json_loads(description, 0, &why), *voices = json_object_get(root, "voices"), *voice;
     size_t i, before = 0, added = json_array_size(voices), total = catalog->count;
-    if (!added) {
+    if (!added || added > PLUGIN_VOICES_MAX) {
         json_decref(root);
-        return error_set(e, "voice-failed", "has no voices");
+        return error_set(e, "voice-failed", added ? "has more than %d voices" : "has no voices",
+                         PLUGIN_VOICES_MAX);
     }
     while (before < total && strcmp(catalog->voices[before].plugin, plugin) <= 0)
         before++;

@@ -20,11 +20,11 @@ const kill = () => running.forEach((child) => child.kill('SIGKILL'));
 if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 5000).unref());
 
 export class Daemon {
-  /** @param {string[]} options of facciad; env: further variables */
-  static async start(options = [], env = {}) {
+  /** @param {string[]} options of facciad; env: further variables; program: another one that becomes it */
+  static async start(options = [], env = {}, program = path.join(build, 'server/app/facciad')) {
     const daemon = new Daemon();
     daemon.log = '';
-    daemon.process = spawn(path.join(build, 'server/app/facciad'), ['--port', '0', ...options], {
+    daemon.process = spawn(program, ['--port', '0', ...options], {
       stdio: ['ignore', 'ignore', 'pipe'],
       // a test that is done does not wait for the speech's end
       env: { FACCIA_STOP_SECONDS: '0', ...process.env, ...env },
@@ -35,7 +35,7 @@ export class Daemon {
       return { code, signal };
     });
     daemon.process.stderr.setEncoding('utf8').on('data', (text) => (daemon.log += text));
-    const line = await daemon.logged(/listening on http:\/\/[^:]*:(\d+)\//);
+    const line = await daemon.logged(/listening on http:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//);
     daemon.port = Number(line[1]);
     daemon.url = `http://127.0.0.1:${daemon.port}`;
     await daemon.logged(/ready: |no voice plugin/);

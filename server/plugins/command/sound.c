@@ -92,7 +92,8 @@ int cm_sound_read(struct cm_sound *sound, void *data, size_t size, uint32_t raw,
     if (raw) {
         sound->samples = mem_alloc(size);
         sound->count = size / sizeof *sound->samples;
-        memcpy(sound->samples, data, sound->count * sizeof *sound->samples);
+        if (sound->count)
+            memcpy(sound->samples, data, sound->count * sizeof *sound->samples);
         return 0;
     }
     mend_length(data, size);

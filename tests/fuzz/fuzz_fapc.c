@@ -1,0 +1,110 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Low-bit-rate FAP coding. Byte 0: what the rest is, a file, packets as they come over the net, or frames to
+ * be coded and decoded. */
+#include "protocol/fbafile.h"
+#include "server/base/mem.h"
+#include "tests/fuzz/fuzz.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum { FRAMES_MAX = 8, PACKETS_MAX = 16 };
+
+static void read_file(struct fuzz_input *in) {
+    struct fbafile file;
+    struct fbafile_error e = {0};
+    size_t size;
+    uint8_t *bytes = fuzz_rest(in, &size);
+    fbafile_is(bytes, size);
+    if (!fbafile_read(bytes, size, &file, &e)) {
+        FUZZ_CHECK(file.fps > 0 && file.count <= FBAFILE_FRAMES_MAX);
+        fbafile_free(&file);
+    } else {
+        FUZZ_CHECK(e.message && e.byte <= size);
+    }
+    free(bytes);
+}
+
+static void check_values(const struct fap_frame *frame) {
+    for (int n = 3; n <= FAP_COUNT; n++) {
+        int64_t most = FBA_VALUE_MAX + 2 * (int64_t)fba_step(n, FBA_QUALITY_MAX);
+        FUZZ_CHECK(frame->value[n] <= most && frame->value[n] >= -most);
+    }
+}
+
+/* Each with its number of frames and its size before it. */
+static void read_packets(struct fuzz_input *in) {
+    struct fba_decoder *decoder = mem_alloc(sizeof *decoder);
+    struct fap_frame *frames = mem_alloc(FBA_FRAMES_MAX * sizeof *frames);
+    fba_decoder_init(decoder);
+    for (int i = 0; i < PACKETS_MAX && fuzz_left(in); i++) {
+        size_t count = fuzz_below(in, FBA_FRAMES_MAX + 1), size = fuzz_u16(in);
+        uint8_t *bytes = fuzz_bytes(in, &size);
+        if (!fba_decode(decoder, bytes, size, frames, count))
+            for (size_t f = 0; f < count; f++)
+                check_values(&frames[f]);
+        free(bytes);
+    }
+    free(frames);
+    free(decoder);
+}
+
+static void take_frame(struct fuzz_input *in, struct fap_frame *frame) {
+    *frame = (struct fap_frame){0};
+    for (uint8_t left = fuzz_u8(in) % 70; left; left--) {
+        int n = 3 + fuzz_u8(in) % (FAP_COUNT - 2);
+        fap_frame_set(frame, n, fuzz_u8(in) & 1 ? (int32_t)fuzz_u32(in) : (int16_t)fuzz_u16(in));
+    }
+    uint8_t high = fuzz_u8(in);
+    frame->mask[0] |= high & 3;
+    if (high & 1)
+        frame->viseme = (struct fap_viseme){fuzz_u8(in) % 15, fuzz_u8(in) % 15, fuzz_u8(in) % 64, high & 4};
+    if (high & 2)
+        frame->expression = (struct fap_expression){fuzz_u8(in) % 7,  fuzz_u8(in) % 64, fuzz_u8(in) % 7,
+                                                    fuzz_u8(in) % 64, high & 8,         high & 16};
+}
+
+static int32_t limited(int32_t value) {
+    return value > FBA_VALUE_MAX ? FBA_VALUE_MAX : value < -FBA_VALUE_MAX ? -FBA_VALUE_MAX : value;
+}
+
+/* What the mask leaves out keeps its value. */
+static void there_and_back(struct fuzz_input *in) {
+    static uint8_t bytes[(FRAMES_MAX + 1) * FBA_FRAME_BYTES_MAX];
+    struct fba_encoder *encoder = mem_alloc(sizeof *encoder);
+    struct fba_decoder *decoder = mem_alloc(sizeof *decoder);
+    struct fap_frame frames[FRAMES_MAX], decoded[FRAMES_MAX];
+    int quality = (int)fuzz_below(in, FBA_QUALITY_MAX + 1);
+    fba_encoder_init(encoder, quality);
+    fba_decoder_init(decoder);
+    for (int i = 0; i < PACKETS_MAX && fuzz_left(in); i++) {
+        uint8_t choice = fuzz_u8(in);
+        size_t count = 1 + choice % FRAMES_MAX;
+        for (size_t f = 0; f < count; f++)
+            take_frame(in, &frames[f]);
+        size_t size = fba_encode(encoder, frames, count, choice & 64, bytes, sizeof bytes);
+        FUZZ_CHECK(size && !fba_decode(decoder, bytes, size, decoded, count));
+        for (size_t f = 0; f < count; f++) {
+            check_values(&decoded[f]);
+            for (int n = 3; n <= FAP_COUNT && !quality; n++)
+                FUZZ_CHECK(!fap_frame_has(&frames[f], n) ||
+                           decoded[f].value[n] == limited(frames[f].value[n]));
+        }
+    }
+    free(decoder);
+    free(encoder);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    struct fuzz_input in = fuzz_input(data, size);
+    switch (fuzz_below(&in, 3)) {
+    case 0:
+        read_file(&in);
+        break;
+    case 1:
+        read_packets(&in);
+        break;
+    default:
+        there_and_back(&in);
+    }
+    return 0;
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Texts that are dates, numbers, sums...: byte 0 says in which language, byte 1 as what, the rest is the
+ * text. */
+#include "server/base/utf8.h"
+#include "server/reading/readings.h"
+#include "tests/fuzz/fuzz.h"
+#include <stdlib.h>
+#include <string.h>
+
+static const struct readings *readings(void) {
+    static struct readings loaded;
+    struct error e;
+    FUZZ_CHECK(loaded.count || !readings_load(&loaded, SOURCE_ROOT "/models/reading", &e));
+    return &loaded;
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    static const char *const langs[] = {"it", "en", "pt-BR", "tr", "ja"};
+    static const char *const ways[] = {"cardinal", "ordinal",  "digits",   "telephone", "fraction",
+                                       "date",     "date:dmy", "date:mdy", "date:ymd",  "date:dm",
+                                       "date:my",  "date:y",   "time",     "time:hms",  "time:h",
+                                       "duration", "currency", "measure",  "net:email", "net:url"};
+    struct fuzz_input in = fuzz_input(data, size);
+    const char *lang = langs[fuzz_below(&in, sizeof langs / sizeof *langs)];
+    const char *way = ways[fuzz_below(&in, sizeof ways / sizeof *ways)];
+    char *text = fuzz_rest_text(&in);
+    if (utf8_check(text, strlen(text)) == strlen(text)) { /* as all that markup lets through */
+        struct buf out = {0};
+        bool read = reading_words(readings_find(readings(), lang), way, text, &out);
+        FUZZ_CHECK(read || !out.size);
+        FUZZ_CHECK(!out.size || utf8_check((char *)out.data, out.size) == out.size);
+        buf_free(&out);
+
+        struct score *score = score_new();
+        struct score_style style = score_plain_style;
+        style.say_as = score_strndup(score, way, strlen(way));
+        struct score_item *item = score_add(score, SCORE_TEXT, 0, strlen(text));
+        item->text = score_strndup(score, text, strlen(text));
+        item->style = score_keep_style(score, &style);
+        item->verbatim = true;
+        score->input = item->text;
+        score->input_size = strlen(text);
+        readings_apply(readings(), score, 0, lang);
+        FUZZ_CHECK(!score->items[0].verbatim || !strcmp(score->items[0].text, text));
+        score_free(score);
+    }
+    free(text);
+    return 0;
+}

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What clients ask for. Byte 0: whether the rest is a message, the words of a query (NAME=VALUE, a line
+ * each), or a message of ours for those who type. */
+#include "server/net/internal.h"
+#include "server/net/socket_parts.h"
+#include "server/stream/request.h"
+#include "tests/fuzz/fuzz.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void check_request(const struct speech_request *r) {
+    FUZZ_CHECK(r->rate == 0 || (r->rate >= REQUEST_RATE_MIN && r->rate <= REQUEST_RATE_MAX));
+    FUZZ_CHECK(r->pitch >= 0.25 && r->pitch <= 4 && r->volume >= 0.25 && r->volume <= 4);
+    FUZZ_CHECK(r->fps >= 1 && r->fps <= 120 && r->life <= 2 && r->seed <= 9007199254740992.0);
+    FUZZ_CHECK(r->blend <= BLEND_WEIGHTED && r->mode <= SPEAK_INTERRUPT);
+    FUZZ_CHECK(!r->id || strlen(r->id) <= 64);
+}
+
+static void check_error(const struct error *e) {
+    FUZZ_CHECK(e->code && memchr(e->message, 0, sizeof e->message) && memchr(e->field, 0, sizeof e->field));
+    struct buf out = {0};
+    message_write(&out, message_error(e));
+    json_t *again = json_loadb((char *)out.data, out.size, JSON_ALLOW_NUL, NULL);
+    FUZZ_CHECK(again);
+    json_decref(again);
+    buf_free(&out);
+}
+
+static void take_message(const json_t *message) {
+    struct speech_request request, copy;
+    struct idle_options idle;
+    struct stream_mix mix;
+    struct error e = {0};
+    bool on;
+    request_init(&request);
+    if (request_from_json(&request, message, &e))
+        check_error(&e);
+    check_request(&request);
+    request_copy(&copy, &request);
+    check_request(&copy);
+    if (live_idle(message, &request, 1, &idle, &on, &e))
+        check_error(&e);
+    else
+        FUZZ_CHECK(idle.life >= 0 && idle.life <= 2);
+    if (live_express(message, &mix, &e)) {
+        check_error(&e);
+    } else {
+        FUZZ_CHECK(mix.count <= MOOD_MIX && mix.ease >= 0 && isfinite(mix.ease));
+        for (size_t i = 0; i < mix.count; i++)
+            FUZZ_CHECK(mix.names[i] && mix.intensities[i] >= 0 && mix.intensities[i] <= 1);
+    }
+    request_free(&copy);
+    request_free(&request);
+}
+
+static void take_words(struct fuzz_input *in) {
+    struct speech_request request;
+    struct error e = {0};
+    request_init(&request);
+    while (fuzz_left(in)) {
+        char *line = fuzz_line(in), *equals = strchr(line, '=');
+        if (equals) {
+            *equals = '\0';
+            struct request_value value = {REQUEST_WORD, equals + 1, strlen(equals + 1), 0};
+            if (request_set(&request, line, value, &e) < 0)
+                check_error(&e);
+        }
+        free(line);
+    }
+    check_request(&request);
+    request_free(&request);
+}
+
+static void read_line(const char *text, size_t size) {
+    struct buf line = {0};
+    text_line(text, size, &line);
+    for (size_t i = 0; i < line.size; i++)
+        FUZZ_CHECK(line.data[i] >= ' ');
+    buf_free(&line);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    struct fuzz_input in = fuzz_input(data, size);
+    uint8_t kind = fuzz_u8(&in) % 3;
+    if (kind == 1) {
+        take_words(&in);
+        return 0;
+    }
+    char *text = (char *)fuzz_rest(&in, &size);
+    json_t *message = kind ? NULL : json_loadb(text, size, JSON_REJECT_DUPLICATES | JSON_ALLOW_NUL, NULL);
+    if (json_is_object(message))
+        take_message(message);
+    if (kind)
+        read_line(text, size);
+    json_decref(message);
+    free(text);
+    return 0;
+}

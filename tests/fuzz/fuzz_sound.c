@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sound files, by everything that reads them. Byte 0 says who; the rest is the file. */
+#include "server/align/sound.h"
+#include "server/base/mem.h"
+#include "server/plugins/command/sound.h"
+#include "server/stream/reel_sound.h"
+#include "server/voice/sound.h"
+#include "tests/fuzz/fuzz.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum { PIECE = 8192, PIECES = 12 };
+
+/* From the beginning, from where it may end, and from beyond. */
+static void align(const char *path) {
+    struct error e = {0};
+    struct sound_file *file = sound_open(path, &e);
+    FUZZ_CHECK(file || e.code);
+    if (!file)
+        return;
+    const struct sound_source *source = sound_source(file);
+    int16_t *pcm = mem_alloc(PIECE * sizeof *pcm);
+    const uint64_t from[] = {0, PIECE, source->samples / 2, source->samples - 1, source->samples, UINT32_MAX};
+    for (size_t i = 0; i < sizeof from / sizeof *from; i++)
+        FUZZ_CHECK(source->read(source->ctx, from[i], pcm, PIECE) <= PIECE);
+    free(pcm);
+    sound_close(file);
+}
+
+static void command(const uint8_t *data, size_t size, uint32_t raw) {
+    struct cm_sound sound;
+    char message[200] = "";
+    uint8_t *copy = mem_alloc(size);
+    memcpy(copy, data, size);
+    if (cm_sound_read(&sound, copy, size, raw, message, sizeof message))
+        FUZZ_CHECK(*message);
+    else
+        FUZZ_CHECK(!sound.count || sound.samples);
+    free(sound.samples);
+    free(copy);
+}
+
+static void audio_element(const char *path, uint8_t choice) {
+    struct error e = {0};
+    struct utterance *u = sound_read(path, choice / 32.0, choice & 1 ? 22050 : 48000, &e);
+    FUZZ_CHECK(u ? u->sample_rate > 0 : e.code != NULL);
+    if (u)
+        FUZZ_CHECK(u->samples <= (SOUND_SECONDS + 1u) * u->sample_rate &&
+                   (!u->phone_count || u->phones[u->phone_count - 1].end == u->samples));
+    utterance_free(u);
+}
+
+static void recording(const uint8_t *data, size_t size) {
+    struct reel_source source = {0};
+    struct reel_sound *sound;
+    struct error e = {0};
+    buf_add(&source.sound, data, size);
+    int16_t *pcm = mem_alloc(PIECE * sizeof *pcm);
+    if (!reel_sound_open(&sound, &source, &e) && sound) {
+        FUZZ_CHECK(reel_sound_rate(sound) >= 8000);
+        for (int i = 0; i < PIECES && reel_sound_read(sound, pcm, PIECE) == PIECE; i++)
+            ;
+        reel_sound_close(sound);
+    }
+    free(pcm);
+    reel_source_free(&source);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    struct fuzz_input in = fuzz_input(data, size);
+    char path[FUZZ_PATH];
+    uint8_t choice = fuzz_u8(&in);
+    fuzz_write("sound", in.at, fuzz_left(&in), path);
+    switch (choice % 4) {
+    case 0:
+        align(path);
+        break;
+    case 1:
+        command(in.at, fuzz_left(&in), choice > 128 ? 16000 : 0);
+        break;
+    case 2:
+        audio_element(path, choice);
+        break;
+    default:
+        recording(in.at, fuzz_left(&in));
+    }
+    return 0;
+}

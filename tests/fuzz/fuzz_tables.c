@@ -1,0 +1,102 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The expressions and the readings of a language: byte 0 says which file, the rest edits it (json_edit.c).
+ * What loads is used. */
+#include "server/expression/recipe.h"
+#include "server/markup/markup.h"
+#include "server/reading/readings.h"
+#include "tests/fuzz/fuzz.h"
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char *const files[] = {"models/expressions.json", "models/expressions.json",
+                                    "models/reading/it.json", "models/reading/en.json",
+                                    "models/reading/tr.json"};
+enum { FILES = sizeof files / sizeof *files };
+
+static const json_t *base(size_t which) {
+    static json_t *loaded[FILES];
+    if (!loaded[which])
+        loaded[which] = fuzz_load_json(files[which]);
+    return loaded[which];
+}
+
+static void check_expression(const struct expression *x) {
+    FUZZ_CHECK(x->name && x->activation >= -1 && x->activation <= 1);
+    for (size_t i = 0; i < x->pose.count; i++)
+        FUZZ_CHECK(x->pose.faps[i].fap >= 3 && x->pose.faps[i].fap <= FAP_COUNT &&
+                   isfinite(x->pose.faps[i].value));
+    FUZZ_CHECK(isfinite(x->voice.rate) && isfinite(x->voice.pitch) && isfinite(x->voice.range) &&
+               isfinite(x->voice.volume) && isfinite(x->articulation));
+}
+
+static void direct(const struct expressions *expressions) {
+    static const char text[] =
+        "<apml><performative type=\"warn\" affect=\"joy\">Uno <emphasis level=\"strong\" "
+        "x-pitchaccent=\"Hstar\">due</emphasis><boundary type=\"LL\"/></performative></apml>";
+    struct error e;
+    struct score *score = markup_read(markup_by_name("apml"), text, strlen(text), NULL, &e);
+    FUZZ_CHECK(score);
+    expressions_direct(expressions, score);
+    for (size_t i = 0; i < score->item_count; i++)
+        FUZZ_CHECK(isfinite(score->items[i].style->rate) && isfinite(score->items[i].style->pitch));
+    score_free(score);
+}
+
+static void load_expressions(const json_t *json) {
+    char path[FUZZ_PATH];
+    struct error e = {0};
+    fuzz_write_json("expressions", json, path); /* readings are all the *.json of their folder */
+    struct expressions *loaded = expressions_load(path, &e);
+    FUZZ_CHECK(loaded || e.code);
+    if (!loaded)
+        return;
+    for (size_t i = 0; i < expressions_count(loaded); i++)
+        check_expression(expressions_at(loaded, i));
+    direct(loaded);
+    struct mood *mood = mood_new(loaded);
+    struct mood_part parts[AFFECTS_MAX];
+    const char *const names[] = {"joy", "fear"};
+    mood_set(mood, names, (const double[]){1, 0.5}, 2, 1, 0.3, &e);
+    FUZZ_CHECK(mood_at(mood, 1.1, parts) <= AFFECTS_MAX);
+    mood_free(mood);
+    expressions_free(loaded);
+}
+
+static void load_reading(const json_t *json) {
+    static const char *const ways[] = {"cardinal", "ordinal",  "digits",  "telephone",  "fraction",
+                                       "date:dmy", "date:ymd", "date:md", "time:hms24", "time:hms12",
+                                       "duration", "currency", "measure", "net:email",  "net:url"};
+    static const char *const texts[] = {"12",     "1.234,5", "1/2",    "1.5.2024", "12:30", "2h3m",
+                                        "€ 3,50", "5 kg",    "a@b.it", "XIV",      "-3"};
+    char folder[FUZZ_PATH], path[FUZZ_PATH];
+    struct readings readings;
+    struct error e = {0};
+    snprintf(folder, sizeof folder, "%s", fuzz_folder());
+    fuzz_write_json("reading.json", json, path);
+    int failed = readings_load(&readings, folder, &e);
+    FUZZ_CHECK(!failed || e.code);
+    const struct reading *reading =
+        failed ? NULL : readings_find(&readings, json_string_value(json_object_get(json, "tag")));
+    for (size_t w = 0; reading && w < sizeof ways / sizeof *ways; w++)
+        for (size_t t = 0; t < sizeof texts / sizeof *texts; t++) {
+            struct buf out = {0};
+            reading_words(reading, ways[w], texts[t], &out);
+            buf_free(&out);
+        }
+    readings_free(&readings);
+    remove(path);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    struct fuzz_input in = fuzz_input(data, size);
+    size_t which = fuzz_below(&in, FILES);
+    json_t *edited = fuzz_edit_json(base(which), &in);
+    if (which < 2)
+        load_expressions(edited);
+    else
+        load_reading(edited);
+    json_decref(edited);
+    return 0;
+}

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Who may come in. Byte 0: what the rest is, a token as somebody may forge it, the header and the claims of a
+ * JWT (a line each) to be signed with the right secret, what a short token is to say, an origin with host and
+ * list (a line each), or a file of secrets. */
+#include "server/access/origin.h"
+#include "server/access/token.h"
+#include "server/base/mem.h"
+#include "tests/fuzz/fuzz.h"
+#include <jwt.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { NOW = 1000000, LIST_MAX = 8 };
+
+static char secret[] = "0123456789abcdef0123456789abcdef";
+static const struct secrets secrets = {(char *[]){secret}, 1};
+
+static void check_token(const struct token *t) {
+    FUZZ_CHECK(memchr(t->subject, 0, sizeof t->subject) && memchr(t->room, 0, sizeof t->room));
+    FUZZ_CHECK(t->rights && !(t->rights & ~(unsigned)RIGHTS_ALL) && t->expires > NOW);
+}
+
+/* Nobody finds a signature by guessing. */
+static void forged(const char *text) {
+    struct token token;
+    struct error e = {0};
+    FUZZ_CHECK(token_check(&secrets, text, NOW, &token, &e) && e.code);
+}
+
+static void signed_claims(struct fuzz_input *in) {
+    struct token token;
+    struct error e = {0};
+    jwt_t *jwt = NULL;
+    char *headers = fuzz_line(in), *claims = fuzz_rest_text(in), *text = NULL;
+    if (!jwt_new(&jwt) && !jwt_set_alg(jwt, JWT_ALG_HS256, (unsigned char *)secret, (int)strlen(secret)) &&
+        !jwt_add_grants_json(jwt, claims) && (!*headers || !jwt_add_headers_json(jwt, headers)))
+        text = jwt_encode_str(jwt);
+    if (text && !token_check(&secrets, text, NOW, &token, &e))
+        check_token(&token);
+    free(text);
+    jwt_free(jwt);
+    free(headers);
+    free(claims);
+}
+
+/* What was made is what is read; and any of its bytes changed, it is none. */
+static void short_token(struct fuzz_input *in) {
+    struct token token = {.rights = 1 + fuzz_u8(in) % RIGHTS_ALL, .expires = NOW + 1 + fuzz_u16(in)}, again;
+    size_t at = fuzz_u16(in);
+    uint8_t change = fuzz_u8(in);
+    char *subject = fuzz_line(in), *room = fuzz_rest_text(in);
+    struct error e = {0};
+    snprintf(token.subject, sizeof token.subject, "%s", *subject ? subject : "anna");
+    snprintf(token.room, sizeof token.room, "%s", room);
+    char *text = token_make_short(&secrets, &token, &e);
+    if (text) {
+        FUZZ_CHECK(!token_check(&secrets, text, NOW, &again, &e));
+        FUZZ_CHECK(!strcmp(again.subject, token.subject) && !strcmp(again.room, token.room) &&
+                   again.rights == token.rights && again.expires == token.expires);
+        if (change) {
+            text[at % strlen(text)] ^= (char)change;
+            FUZZ_CHECK(token_check(&secrets, text, NOW, &again, &e));
+        }
+    }
+    free(text);
+    free(subject);
+    free(room);
+}
+
+static void origin(struct fuzz_input *in) {
+    char *list[LIST_MAX + 1] = {NULL}, *from = fuzz_line(in), *host = fuzz_line(in);
+    for (size_t i = 0; i < LIST_MAX && fuzz_left(in); i++)
+        list[i] = fuzz_line(in);
+    origin_allowed(from, host, list);
+    bool alone = origin_allowed(from, NULL, NULL);
+    FUZZ_CHECK(!alone || origin_allowed(from, NULL, list)); /* a list only adds */
+    free(from);
+    free(host);
+    for (size_t i = 0; i < LIST_MAX; i++)
+        free(list[i]);
+}
+
+static void secrets_file(struct fuzz_input *in) {
+    struct secrets loaded;
+    struct error e = {0};
+    char path[FUZZ_PATH];
+    fuzz_write("secrets", in->at, fuzz_left(in), path);
+    if (secrets_load(&loaded, path, &e)) {
+        FUZZ_CHECK(e.code);
+        return;
+    }
+    for (size_t i = 0; i < loaded.count; i++)
+        FUZZ_CHECK(strlen(loaded.list[i]) >= TOKEN_SECRET_MIN);
+    secrets_free(&loaded);
+}
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    struct fuzz_input in = fuzz_input(data, size);
+    char *text;
+    switch (fuzz_below(&in, 5)) {
+    case 0:
+        forged(text = fuzz_rest_text(&in));
+        free(text);
+        break;
+    case 1:
+        signed_claims(&in);
+        break;
+    case 2:
+        short_token(&in);
+        break;
+    case 3:
+        origin(&in);
+        break;
+    default:
+        secrets_file(&in);
+    }
+    return 0;
+}

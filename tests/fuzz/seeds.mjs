@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Writes inputs for a fuzz target that are made of the repository's own files: node seeds.mjs TARGET FOLDER
+import { mkdirSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
+import path from 'node:path';
+import { Chance, httpRequest, messageText, upgradeRequest, webSocketFrames } from '../lib/chaos.mjs';
+import { wavOf } from '../lib/wav.mjs';
+
+const root = path.join(import.meta.dirname ?? path.dirname(new URL(import.meta.url).pathname), '..', '..');
+const read = (...names) => readFileSync(path.join(root, ...names));
+const json = (...names) => JSON.parse(read(...names));
+const list = (folder, ending) => readdirSync(path.join(root, folder)).filter((name) => name.endsWith(ending)).map((name) => path.join(folder, name));
+const hex = (text) => Buffer.from(text, 'hex');
+
+const u16 = (value) => Buffer.from([value & 255, value >> 8 & 255]);
+const u32 = (value) => Buffer.concat([u16(value), u16(value >>> 16)]);
+const u64 = (value) => Buffer.concat([u32(value), u32(0)]);
+const joined = (...parts) => Buffer.concat(parts.map((part) => (typeof part === 'number' ? Buffer.from([part]) : Buffer.from(part))));
+/** With its size before it. */
+const sized = (bytes) => joined(u16(Buffer.byteLength(bytes)), bytes);
+
+const documents = () => [...list('tests/documents', '.xml'), ...list('tests/documents', '.txt')].map((name) => read(name));
+const tone = (rate, count, channels = 1) => wavOf(Int16Array.from({ length: count * channels }, (_, i) => 8000 * Math.sin(i / 5)), rate, channels);
+
+const timesFiles = {
+  lab: 'signal x\n#\n0.1 125 pau\n0.25 125 a\n0.5 125 m\n',
+  htk: '#!MLF!#\n"*/frase.lab"\n0 1000000 sil -10.5 sil\n1000000 2000000 tS -1.5 uno\n2000000 3000000 a -2\n3000000 4000000 o -1 due\n.\n',
+  textgrid: 'File type = "ooTextFile"\nObject class = "TextGrid"\n\n0\n0.5\n<exists>\n2\n"IntervalTier"\n"words"\n0\n0.5\n2\n0\n0.1\n""\n0.1\n0.5\n"uno due"\n'
+    + '"IntervalTier"\n"phones"\n0\n0.5\n2\n0\n0.1\n""\n0.1\n0.5\n"a"\n',
+  json: '{"phones": [{"ipa": "", "start": 0, "end": 0.1}, {"ipa": "a", "start": 0.1, "end": 0.4, "stress": 2}], "words": [{"text": "uno", "start": 0.1, "end": 0.2}, {"text": "due", "start": 0.2, "end": 0.4}]}',
+  offsets: '0: 680 ##\n1: 1048 nn\n2: 3464 \'a~\n3: 5686 uu\n4: 8694 ##\n5: 9000\n',
+};
+const utf16 = (text) => joined([0xff, 0xfe], Buffer.from(text, 'utf16le'));
+
+const messages = [
+  { type: 'speak', text: 'Ciao, mondo!', id: 'a', lang: 'it', voice: 'espeak:it', engine: 'dominance', markup: 'ssml', rate: 160, pitch: 1.5, volume: 0.5, fps: 50, seed: 7, life: 0.5, blend: 'weighted', still: true, phones: true, mode: 'interrupt' },
+  { type: 'idle', on: true, life: 1.5, seed: 3 },
+  { type: 'express', mix: [{ name: 'joy', intensity: 0.5 }, { name: 'fear' }], ease: 0.25 },
+  { type: 'media', audio: 'opus', fap: 'fba' },
+  { type: 'join', room: 'hall' }, { type: 'rate', rate: 200 }, { type: 'jump', mark: 'here' }, { type: 'play', name: 'x', id: 'b' },
+];
+const answers = [
+  { type: 'begin', stream: 's1', utterance: 1, rate: 22050, fps: 25, voice: 'espeak:it' },
+  { type: 'word', time: 0.25, duration: 0.5, text: 'mon\u0007do', start: 0, end: 4 },
+  { type: 'error', code: 'bad-xml', message: 'no', line: 2, column: 3 }, { type: 'end', reason: 'done', duration: 1.5 },
+];
+const say = (text) => Buffer.from(typeof text === 'string' ? text : JSON.stringify(text));
+
+/** A frame of the worker's socket, and what is in it (server/voice/wire.h). */
+const frame = (type, ...parts) => { const body = joined(...parts); return joined(u32(body.length), u32(type), u32(1), body); };
+const text = (value) => (value === null ? u32(0xffffffff) : joined(u32(Buffer.byteLength(value)), value, 0));
+const event = {
+  phone: (ipa, start, end) => joined(u32(1), u64(start), u64(end), u32(0), text(ipa), text(ipa)),
+  word: (span, offset, bytes, start, end) => joined(u32(2), u32(span), u64(offset), u64(bytes), u64(start), u64(end)),
+  mark: (name, at) => joined(u32(3), text(name), u64(at)),
+  warning: (message) => joined(u32(4), text(message)),
+};
+
+const parts = {
+  markup: () => documents().flatMap((document, i) => [joined(0, 0, document), joined(1 + i % 5, i % 8, document)]),
+  score: () => documents().map((document, i) => joined(i % 6, i * 37 % 256, i % 2 * 60, document)),
+  face: () => [0, 1, 2, 3, 4].map((lang) => joined(lang, lang * 5, 128, ...['', 'p', 'a', 't͡ʃ', 'o', '', 'm', 'u', 'kː'].map((ipa, i) => joined(0, i % 3, u16(800), ipa, '\n')),
+    5, u16(3000), 'ağlar\n', 7, lang * 9, u16(2000), [255, 255, 0, 128, 90, 90])),
+  fap: () => list('protocol/vectors/fap', '.fap').map((name) => read(name)),
+  fapc: () => {
+    const { streams, bad } = json('protocol', 'vectors', 'fba.json');
+    const packet = ({ frames = [0], bytes }) => joined(frames.length, sized(hex(bytes)));
+    const file = ({ packets }) => joined('FBA1', u32(2500), ...packets.map(({ frames, bytes }) => joined(frames.length, sized(hex(bytes)))));
+    return [...streams.map((s) => joined(1, ...s.packets.map(packet))), ...bad.map((b) => joined(1, packet(streams[0].packets[0]), packet(b))), ...streams.map((s) => joined(0, file(s))),
+      joined(2, 0, 7, ...Array.from({ length: 40 }, (_, i) => joined(3, i, 1, u32(i * 99), i, 0, u16(i * 1000), i, 0, 5, 7, 1, 2, 3, 4, 5, 6, 7, 8)))];
+  },
+  chunks: () => {
+    const { good, loose, bad } = json('protocol', 'vectors', 'chunks.json');
+    return [...good, ...loose, ...bad].flatMap((v) => [joined(0, hex(v.hex)), joined(1, sized(hex(v.hex)), sized(hex(v.hex)))]);
+  },
+  requests: () => [...messages.map((m) => joined(0, say(m))), joined(1, Object.entries(messages[0]).map(([name, value]) => `${name}=${value}\n`).join('')), ...answers.map((m) => joined(2, say(m)))],
+  settings: () => [joined(0, '{"listen": {"host": "::1", "port": 9000, "origins": ["https://a.example"], "remote": true}, "limits": {"text_bytes": 1000, "queue": 3}, "voices": {"plugins": {"espeak": {}}}}'),
+    joined(1, 3, 0, 0, 1), ...[0, 1, 5, 9, 14].map((i) => joined(2, i, '12.5'))],
+  times: () => Object.values(timesFiles).flatMap((file, i) => [joined(5, 0, file), joined(i, 8 + i, file), joined(5, 4, utf16(file))]),
+  tokens: () => [joined(0, 'anna~hall~ls~1jk~AAAAAAAAAAAAAAAAAAAAAA'), joined(0, 'eyJhbGciOiJub25lIn0.eyJzdWIiOiJhIn0.'),
+    joined(1, '\n{"sub": "anna", "room": "hall", "rights": "listen speak", "exp": 2000000}'), joined(1, '{"typ": "JWT"}\n{"sub": "a", "rights": "operate", "exp": 9e99, "nbf": 5, "iat": 1}'),
+    joined(2, 2, u16(99), u16(8), 5, 'anna\nhall'), joined(3, 'https://www.example.org:8443\nwww.example.org\nhttps://*.example.org:8443\nnull\n*'), joined(3, 'http://localhost:80\n127.0.0.1\n'),
+    joined(4, 'short\n0123456789abcdef0123456789abcdef0\r\n\nfedcba9876543210fedcba9876543210')],
+  wire: () => {
+    const audio = frame(6, u32(16000), Buffer.alloc(3200, 1));
+    return [joined(audio, frame(7, event.phone('a', 0, 800), event.word(0, 0, 7, 0, 800), event.mark('qui', 800), event.phone('p', 800, 1600)), audio, frame(8, u32(0), text(''))),
+      joined(audio, frame(7, event.word(0, 8, 2, 100, 0), event.word(3, 0, 3, 900, 1000), event.warning('no'))),
+      joined(frame(1, text('{}'), u32(64), u32(5), u32(1), u32(0)), frame(4, text('{"name": "x", "capabilities": 3, "voices": [{"id": "b", "name": "B", "lang": "it", "gender": "male", "sample_rate": 16000, "rate": 150}, {"id": "b"}, {"id": ""}]}')), frame(5, text('no')), frame(3),
+        frame(2, u32(5), text('it'), u32(1), u32(0), u32(3), Buffer.alloc(48), text('uno'), text('it'), text(null), text('digits'), text(null)))];
+  },
+  packs: () => Array.from({ length: 16 }, (_, i) => joined(i % 8, u16(i * 7), i % 9, u16(3), 1, 'a')),
+  tables: () => Array.from({ length: 15 }, (_, i) => joined(i % 5, u16(i * 11), i % 9, u16(3), 1, 'a')),
+  reading: () => ['12', '-1.234,5', '1/2', '3 1/2', '1.5.2024', '2024-05-01', '12:30:15', '7pm', '2h3m4s', 'PT2H', '€ 3,50', '$1,000.99', '5 kg', '3.5 km/h', 'anna@example.it', 'https://a.example/b?c=d', 'XIV', '+39 06 123', 'MCMXC']
+    .flatMap((t, i) => [0, 1, 2, 3].map((lang) => joined(lang, (i * 3 + lang) % 20, t))),
+  models: () => [joined(0, read('tests/fuzz/head.json')), ...Array.from({ length: 9 }, (_, i) => joined(1, u16(i * 5), i, u16(2), 1, 'a'))],
+  sound: () => [0, 1, 2, 3].flatMap((who) => [joined(who, tone(16000, 400)), joined(who, tone(44100, 300, 2))]),
+  recording: () => Object.entries({ textgrid: 0, lab: 1, htk: 2, offsets: 3, json: 4 }).map(([format, ending]) =>
+    joined(ending, sized('{"name": "Anna", "lang": "it", "gender": "female", "names": {"a": "a", "tS": "t͡ʃ"}}'), sized('Uno due. Tre, quattro!'), sized(timesFiles[format]), tone(16000, 8000))),
+  command: () => [joined(0, '{"voices": [{"id": "a", "lang": "it", "argv": ["cat"], "raw": 8000}]}'), ...Array.from({ length: 9 }, (_, i) => joined(1, u16(i * 3), i, u16(2), 1, 'a')),
+    ...['lab', 'htk', 'textgrid', 'json'].map((format, i) => joined(2, i + 64, sized(timesFiles[format]), tone(16000, 9600))), joined(2, 131, sized(timesFiles.json), Buffer.alloc(9000, 3))],
+  http: () => Array.from({ length: 60 }, (_, i) => {
+    const chance = new Chance(i);
+    return joined(0, i, ...Array.from({ length: 1 + i % 3 }, () => httpRequest(chance)).map((request) => request.subarray(0, 1500)), i % 4 ? '' : upgradeRequest(chance));
+  }).concat(joined(3, 'multipart/form-data; boundary=b\n--b\r\nContent-Disposition: form-data; name="fap"; filename="a.fap"\r\n\r\nx\r\n--b\r\nContent-Disposition: form-data; name="sound"\r\n\r\n--\r\n--b--\r\n')),
+  websocket: () => Array.from({ length: 60 }, (_, i) => {
+    const chance = new Chance(i);
+    return joined(i, ...Array.from({ length: 1 + i % 3 }, () => webSocketFrames(chance, messageText(chance).subarray(0, 300))).flat());
+  }),
+  phones: () => [joined(0, 200, 't͡ʃaˈo̞ː ʎɲɡ'), joined(1, 200, 'tS a "o_o: L J g <\\>_~'), joined(2, 0, timesFiles.offsets), ...[0, 1, 2, 3, 4, 5].map((pack) => joined(3, pack, 'tʃaʊ̯ɲːk͡px'))],
+};
+
+const [target, folder] = process.argv.slice(2);
+mkdirSync(folder, { recursive: true });
+(parts[target]?.() ?? []).forEach((bytes, i) => writeFileSync(path.join(folder, `seed-${String(i).padStart(3, '0')}`), bytes));
