@@ -37,12 +37,12 @@ int socket_join(struct socket *s, const char *room, struct error *e) {
 int socket_set_media(struct socket *s, const char *audio, const char *fap, struct error *e) {
     struct encoding encoding = s->follower.encoding;
     int codec;
-    if (audio && (codec = encoding_audio(audio)) < 0)
-        return error_in_field(e, "unknown-codec", "audio", "no audio codec '%s'", audio);
+    if (audio && (codec = encoding_audio(audio, e)) < 0)
+        return -1;
     if (audio)
         encoding.audio = (uint8_t)codec;
-    if (fap && (codec = encoding_fap(fap)) < 0)
-        return error_in_field(e, "unknown-codec", "fap", "no FAP codec '%s'", fap);
+    if (fap && (codec = encoding_fap(fap, e)) < 0)
+        return -1;
     if (fap)
         encoding.fap = (uint8_t)codec;
     if (!encoding_possible(&encoding))

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a WebSocket client sends: messages, taken in pieces and acted on. */
+#include "server/base/near.h"
 #include "server/net/socket_parts.h"
 #include <string.h>
 
@@ -74,7 +75,11 @@ void socket_act(struct socket *s, const json_t *message) {
             types[i].act(s, message);
             return;
         }
-    error_in_field(&e, "unknown-type", "type", "no message type '%s'", type);
+    struct near near = near_to(type);
+    char text[NEAR_TEXT];
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        near_try(&near, types[i].type, types[i].type);
+    error_in_field(&e, "unknown-type", "type", "no message type '%.80s'%s", type, near_text(&near, text));
     socket_complain(s, &e);
 }
 
