@@ -103,7 +103,7 @@ static int run(struct align *a, const struct paths *paths) {
     if (a->progress)
         fputs("\r\033[K", stderr);
     for (int i = 0; i < OUTPUTS; i++) {
-        if (align_close_output(&a->outputs[i], i == WAV))
+        if (align_close_output(&a->outputs[i], i == WAV, !result))
             result = -1;
         export_free(&a->outputs[i].export);
     }
