@@ -20,11 +20,11 @@ const kill = () => running.forEach((child) => child.kill('SIGKILL'));
 if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 5000).unref());
 
 export class Daemon {
-  /** @param {string[]} options of facciad; env: further variables */
-  static async start(options = [], env = {}) {
+  /** @param {string[]} options of facciad; env: further variables; program: what starts it */
+  static async start(options = [], env = {}, program = path.join(build, 'server/app/facciad')) {
     const daemon = new Daemon();
     daemon.log = '';
-    daemon.process = spawn(path.join(build, 'server/app/facciad'), ['--port', '0', ...options], {
+    daemon.process = spawn(program, ['--port', '0', ...options], {
       stdio: ['ignore', 'ignore', 'pipe'],
       // a test that is done does not wait for the speech's end
       env: { FACCIA_STOP_SECONDS: '0', ...process.env, ...env },
