@@ -210,6 +210,8 @@ void channel_join(struct channel *c, struct follower *f) {
     if (f->media)
         add_variant(c, &f->encoding);
     recap_tell(&c->recap, tell, f);
+    if (c->room && c->follower_count == 1)
+        hold_speak(c->net, c);
 }
 
 void channel_leave(struct follower *f) {

@@ -8,6 +8,7 @@
 #include "server/net/assets.h"
 #include "server/net/channel.h"
 #include "server/net/guest.h"
+#include "server/net/hold.h"
 #include "server/net/net.h"
 #include <jansson.h>
 #include <libwebsockets.h>
@@ -28,6 +29,7 @@ struct net {
     uv_timer_t *watch;          /* over both; NULL: none */
     struct channel *rooms;
     unsigned room_count;
+    struct hold hold;
     unsigned works;                   /* HTTP answers that are being made */
     json_t *more_languages;           /* of hello */
     const struct voice *languages_of; /* the list from which they were found */
