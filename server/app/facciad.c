@@ -5,8 +5,6 @@
 #include "server/app/settings.h"
 #include "server/base/log.h"
 #include "server/net/net.h"
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -248,14 +246,12 @@ static int start(struct daemon *d, struct error *e) {
     return 0;
 }
 
-/* Of the first socket that systemd has opened. */
-static int port_of(int fd) {
-    struct sockaddr_storage address;
-    socklen_t size = sizeof address;
-    if (getsockname(fd, (struct sockaddr *)&address, &size))
-        return 0;
-    return ntohs(address.ss_family == AF_INET6 ? ((struct sockaddr_in6 *)&address)->sin6_port
-                                               : ((struct sockaddr_in *)&address)->sin_port);
+static void log_addresses(const struct daemon *d) {
+    struct buf text = {0};
+    for (size_t i = 0; net_address(d->net, i, &text); i++) {
+        log_info("listening on %.*s", (int)text.size, (const char *)text.data);
+        buf_free(&text);
+    }
 }
 
 static int run(struct daemon *d) {
@@ -268,8 +264,7 @@ static int run(struct daemon *d) {
         complain(&e);
         stop(d);
     } else {
-        log_info("listening on http://%s:%d/", d->settings.host,
-                 d->socket_count ? port_of(d->sockets[0]) : net_port(d->net));
+        log_addresses(d);
     }
     uv_run(&d->loop, UV_RUN_DEFAULT);
     if (d->failed)

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/utf8.h"
+#include <stdbool.h>
 #include <string.h>
 
 size_t utf8_next(const char *s, size_t n, uint32_t *cp) {
@@ -51,6 +52,40 @@ size_t utf8_check(const char *s, size_t n) {
         if (!length)
             return at;
         at += length;
+    }
+    return n;
+}
+
+/* The first byte of a character (RFC 3629, 4). False: it is none. */
+static bool utf8_begin(struct utf8_reader *r, uint8_t c) {
+    r->need = c < 0x80 ? 0 : c < 0xE0 ? 1 : c < 0xF0 ? 2 : 3;
+    r->done = r->need > 0;
+    r->low = c == 0xE0 ? 0xA0 : c == 0xF0 ? 0x90 : 0x80;
+    r->high = c == 0xED ? 0x9F : c == 0xF4 ? 0x8F : 0xBF;
+    return c < 0x80 || (c >= 0xC2 && c <= 0xF4);
+}
+
+size_t utf8_feed(struct utf8_reader *r, const void *piece, size_t n) {
+    const uint8_t *bytes = piece;
+    for (size_t at = 0; at < n; at++) {
+        uint64_t eight; /* all ASCII? */
+        while (!r->need && n - at >= sizeof eight &&
+               !(memcpy(&eight, bytes + at, sizeof eight), eight & 0x8080808080808080u))
+            at += sizeof eight;
+        if (at == n)
+            break;
+        if (!r->need) {
+            if (!utf8_begin(r, bytes[at])) {
+                r->done = 0;
+                return at;
+            }
+            continue;
+        }
+        if (bytes[at] < r->low || bytes[at] > r->high)
+            return at;
+        r->low = 0x80;
+        r->high = 0xBF;
+        r->done = --r->need ? r->done + 1 : 0;
     }
     return n;
 }

@@ -5,7 +5,7 @@
 #include "server/base/mem.h"
 #include "server/net/models.h"
 #include <glob.h>
-#include <libwebsockets.h>
+#include <openssl/evp.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -90,9 +90,10 @@ static struct asset *add(struct assets *assets, const char *path, const char *ty
     a->type = type;
     a->data = data;
     a->size = size;
-    uint8_t digest[20];
-    lws_SHA1(data, size, digest);
-    for (int i = 0; i < 20; i++)
+    unsigned char digest[EVP_MAX_MD_SIZE];
+    unsigned bytes = 0;
+    EVP_Digest(data, size, digest, &bytes, EVP_sha1(), NULL);
+    for (unsigned i = 0; i < bytes && i < 20; i++)
         snprintf(a->hash + 2 * i, 3, "%02x", digest[i]);
     pack(a, file);
     assets->files = mem_grow(assets->files, &assets->cap, assets->count + 1, sizeof(struct asset *));

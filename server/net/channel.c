@@ -43,7 +43,7 @@ static void deliver_media(struct channel *c, const struct variant *v, const stru
                           bool idle) {
     if (!bytes->size)
         return;
-    struct parcel *parcel = parcel_new(LWS_WRITE_BINARY, bytes->data, bytes->size);
+    struct parcel *parcel = parcel_new(WEBSOCKET_BINARY, bytes->data, bytes->size);
     parcel->born = uv_now(c->net->studio->loop);
     for (struct follower *f = c->followers; f; f = f->next) {
         if (!f->media || !encoding_same(&f->encoding, &v->encoding) || (idle && !f->idle))
@@ -71,7 +71,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
     if (event->kind == STREAM_END)
         end_media(c, !strcmp(event->reason, "done"));
     message_write(&text, message_event(event, c->name));
-    struct parcel *parcel = parcel_new(LWS_WRITE_TEXT, text.data, text.size);
+    struct parcel *parcel = parcel_new(WEBSOCKET_TEXT, text.data, text.size);
     parcel->event = message_event_name(event->kind);
     recap_event(&c->recap, event->kind, parcel);
     deliver_text(c, parcel);
@@ -124,15 +124,18 @@ static bool is_name(const char *name) {
     return length > 0 && length <= TOKEN_ROOM;
 }
 
+int channel_check_name(const char *name, struct error *e) {
+    return is_name(name) ? 0
+                         : error_in_field(e, "bad-field", "room",
+                                          "must have 1 to %d letters, digits, and any of - _ .", TOKEN_ROOM);
+}
+
 struct channel *channel_room(struct net *net, const char *name, struct error *e) {
     struct channel *c = channel_find(net, name);
     if (c)
         return c;
-    if (!is_name(name)) {
-        error_in_field(e, "bad-field", "room", "must have 1 to %d letters, digits, and any of - _ .",
-                       TOKEN_ROOM);
+    if (channel_check_name(name, e))
         return NULL;
-    }
     if (net->room_count >= net->options.rooms) {
         error_set(e, "too-many-rooms", "there are %u rooms already", net->room_count);
         return NULL;

@@ -2,34 +2,28 @@
 /* One HTTP request: how it comes and goes, and its answer's body, as the connection takes it. */
 #include "server/base/mem.h"
 #include "server/net/exchange_parts.h"
+#include "server/net/http_session.h"
 #include <stdlib.h>
 #include <string.h>
 
-enum { PIECE_BYTES = 65536, BEAT_MS = 15000 };
+enum { BEAT_MS = 15000 };
 
-struct exchange *exchange_open(struct net *net, struct lws *wsi) {
+struct exchange *exchange_open(struct net *net, const struct http_request *request) {
     struct exchange *x = mem_alloc(sizeof *x);
     x->net = net;
-    x->wsi = wsi;
-    x->next = net->exchanges;
-    x->self = &net->exchanges;
-    if (x->next)
-        x->next->self = &x->next;
-    net->exchanges = x;
+    x->request = request;
+    x->connection = request->connection;
     return x;
 }
 
 void exchange_close(struct exchange *x) {
-    *x->self = x->next;
-    if (x->next)
-        x->next->self = x->self;
     if (x->work.free) {
         x->work.free(x->work.self);
         x->net->works -= !x->work.endless;
     }
-    guest_leave(x->net, &x->guest);
-    free(x->owned);
     buf_free(&x->queue);
+    buf_free(&x->leaving);
+    free(x->warnings);
     free(x);
 }
 
@@ -37,8 +31,25 @@ struct net *exchange_net(const struct exchange *x) {
     return x->net;
 }
 
-struct lws *exchange_wsi(const struct exchange *x) {
-    return x->wsi;
+const struct http_request *exchange_request(const struct exchange *x) {
+    return x->request;
+}
+
+struct guest *exchange_guest(struct exchange *x) {
+    return &x->guest;
+}
+
+void exchange_warn(void *exchange, const struct error *e) {
+    struct exchange *x = exchange;
+    if (!x->warnings)
+        x->warnings = mem_alloc(WARNINGS_MOST * sizeof *x->warnings);
+    if (x->warning_count < WARNINGS_MOST)
+        x->warnings[x->warning_count++] = *e;
+}
+
+const struct error *exchange_warnings(const struct exchange *x, size_t *count) {
+    *count = x->warning_count;
+    return x->warnings;
 }
 
 void exchange_set_work(struct exchange *x, struct exchange_work work) {
@@ -58,35 +69,33 @@ bool exchange_answered(const struct exchange *x) {
     return x->answered;
 }
 
-uint64_t exchange_now(const struct exchange *x) {
-    return uv_now(x->net->studio->loop);
+bool exchange_persists(const struct exchange *x) {
+    return x->persists;
 }
 
-static void look(struct exchange *x) {
-    bool waits = x->chunked ? x->queue.size : x->body_size;
-    if (x->cut)
-        return;
-    x->cut = waits && watch_stalled(x->net, x->wsi, "an HTTP client", x->progress);
-    if (!x->cut && x->chunked && x->work.beat && exchange_now(x) - x->beat >= BEAT_MS) {
-        x->beat = exchange_now(x);
+bool exchange_endless(const struct exchange *x) {
+    return x->work.endless;
+}
+
+void exchange_look(struct exchange *x) {
+    uint64_t now = connection_now(x->connection);
+    if (x->chunked && !x->complete && x->work.beat && now - x->beat >= BEAT_MS) {
+        x->beat = now;
         x->work.beat(x->work.self);
     }
 }
 
-void exchanges_look(struct net *net) {
-    for (struct exchange *x = net->exchanges; x; x = x->next)
-        look(x);
-}
-
 const char *exchange_query(const struct exchange *x, const char *name, char *value, size_t cap) {
-    char key[64];
-    snprintf(key, sizeof key, "%s=", name);
-    return lws_get_urlarg_by_name(x->wsi, key, value, (int)cap);
+    const char *found = http_query(x->request, name);
+    if (!found)
+        return NULL;
+    snprintf(value, cap, "%s", found);
+    return value;
 }
 
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result) {
     struct error e;
-    if (!guest_origin_allowed(x->net, x->wsi)) {
+    if (!guest_origin_allowed(x->net, x->request)) {
         metrics_add(x->net->studio->metrics, METRIC_REFUSED_ORIGIN, 1);
         error_set(&e, "forbidden-origin", "pages from there may not use this server");
         *result = exchange_error(x, 403, &e);
@@ -94,7 +103,7 @@ bool exchange_permits(struct exchange *x, enum right right, const char *room, in
     }
     if (!right)
         return true;
-    bool refused = guest_enter(x->net, x->wsi, &x->guest, &e) ||
+    bool refused = guest_enter(x->net, x->request, &x->guest, &e) ||
                    guest_may(x->net, &x->guest, right, room, &e) || guest_ask(x->net, &x->guest, &e);
     if (refused)
         *result = exchange_error(x,
@@ -106,49 +115,52 @@ bool exchange_permits(struct exchange *x, enum right right, const char *room, in
 }
 
 void exchange_add(struct exchange *x, const void *data, size_t size) {
-    if (!size)
+    if (!size || x->complete)
         return;
-    if (!x->queue.size)
-        x->progress = exchange_now(x);
-    buf_printf(&x->queue, "%zx\r\n", size);
+    if (x->framed)
+        buf_printf(&x->queue, "%zx\r\n", size);
     buf_add(&x->queue, data, size);
-    buf_add(&x->queue, "\r\n", 2);
-    lws_callback_on_writable(x->wsi);
+    if (x->framed)
+        buf_add(&x->queue, "\r\n", 2);
+    exchange_flush(x);
 }
 
 void exchange_end(struct exchange *x) {
-    buf_add(&x->queue, "0\r\n\r\n", 5);
+    if (x->complete)
+        return;
+    if (x->framed)
+        buf_add(&x->queue, "0\r\n\r\n", 5);
     x->complete = true;
-    lws_callback_on_writable(x->wsi);
+    exchange_flush(x);
 }
 
 size_t exchange_unsent(const struct exchange *x) {
-    return x->queue.size;
+    return x->queue.size + x->body_size + connection_unsent(x->connection);
 }
 
-int exchange_writeable(struct exchange *x) {
-    if (!x->answered)
-        return 0;
-    uint8_t piece[LWS_PRE + PIECE_BYTES];
-    const uint8_t *from = x->chunked ? x->queue.data : x->body;
-    size_t left = x->chunked ? x->queue.size : x->body_size, size = left < PIECE_BYTES ? left : PIECE_BYTES;
-    if (size) {
-        memcpy(piece + LWS_PRE, from, size);
-        bool last = x->complete && size == left;
-        if (lws_write(x->wsi, piece + LWS_PRE, size, last ? LWS_WRITE_HTTP_FINAL : LWS_WRITE_HTTP) < 0)
-            return -1;
-        x->progress = exchange_now(x);
-        if (x->chunked) {
-            buf_consume(&x->queue, size);
+void exchange_flush(struct exchange *x) {
+    bool free_to_send = !x->connection->sending;
+    while (free_to_send && (x->queue.size || x->body_size)) {
+        if (x->queue.size) {
+            buf_free(&x->leaving);
+            x->leaving = x->queue;
+            x->queue = (struct buf){0};
+            free_to_send = connection_send(x->connection, x->leaving.data, x->leaving.size);
         } else {
-            x->body += size;
-            x->body_size -= size;
+            const uint8_t *body = x->body;
+            size_t size = x->body_size;
+            x->body_size = 0;
+            free_to_send = connection_send(x->connection, body, size);
         }
-        if (left > size)
-            lws_callback_on_writable(x->wsi);
-        if (x->work.sent)
-            x->work.sent(x->work.self);
     }
-    x->done = x->complete && size == left;
-    return 0;
+    if (x->complete && free_to_send && !x->done) {
+        x->done = true;
+        http_session_answered(x->connection);
+    }
+}
+
+void exchange_sent(struct exchange *x) {
+    exchange_flush(x);
+    if (x->work.sent && !x->done)
+        x->work.sent(x->work.self);
 }

@@ -1,83 +1,122 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The answer to an HTTP request: its head, and bodies of known length. */
-#include "server/base/mem.h"
+#include "server/access/headers.h"
 #include "server/net/exchange_parts.h"
+#include "server/net/http_session.h"
+#include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-enum { HEAD_BYTES = 2048 };
-
-/* The response's head is built here; any of its functions may find it full, which no header of ours makes it.
- */
 struct head {
-    struct lws *wsi;
-    uint8_t bytes[LWS_PRE + HEAD_BYTES];
-    unsigned char *at, *end;
-    int failed;
+    struct exchange *x;
+    unsigned status;
 };
 
-static void head_begin(struct head *h, struct exchange *x, unsigned status) {
-    h->wsi = x->wsi;
-    h->at = h->bytes + LWS_PRE;
-    h->end = h->bytes + sizeof h->bytes - 1;
-    h->failed = lws_add_http_header_status(h->wsi, status, &h->at, h->end);
-    x->answered = true;
+static void head_add(struct head *h, const char *name, const char *value) {
+    buf_printf(&h->x->queue, "%s: %s\r\n", name, value);
 }
 
-static void head_add(struct head *h, const char *name, const char *value) {
-    char field[64];
-    snprintf(field, sizeof field, "%s:", name);
-    h->failed |=
-        lws_add_http_header_by_name(h->wsi, (const unsigned char *)field, (const unsigned char *)value,
-                                    (int)strlen(value), &h->at, h->end);
+static void add_date(struct head *h) {
+    char date[40];
+    struct tm utc;
+    time_t now = time(NULL);
+    strftime(date, sizeof date, "%a, %d %b %Y %H:%M:%S GMT", gmtime_r(&now, &utc));
+    head_add(h, "date", date);
+}
+
+/* Those that some answers always have (RFC 9110). */
+static void add_by_status(struct head *h, unsigned status) {
+    if (status == 426) {
+        head_add(h, "upgrade", "websocket");
+        head_add(h, "sec-websocket-version", "13");
+    }
+    if (status == 429 || status == 503)
+        head_add(h, "retry-after", status == 429 ? "60" : "5");
+}
+
+static void head_begin(struct head *h, struct exchange *x, unsigned status) {
+    h->x = x;
+    h->status = status;
+    x->answered = true;
+    x->persists = http_session_persists(x->connection);
+    buf_printf(&x->queue, "HTTP/1.1 %u %s\r\n", status, http_status_str((enum http_status)status));
+    head_add(h, "server", "faccia");
+    add_date(h);
+    add_by_status(h, status);
 }
 
 /* Which pages a browser lets see the answer (Fetch standard, CORS protocol). */
 static void head_origin(struct head *h, const struct exchange *x) {
-    char origin[256];
+    const char *origin = http_header(x->request, "origin");
     if (x->shared) {
         head_add(h, "access-control-allow-origin", "*");
         return;
     }
     head_add(h, "vary", "origin");
-    if (lws_hdr_copy(x->wsi, origin, sizeof origin, WSI_TOKEN_ORIGIN) > 0 &&
-        guest_origin_allowed(x->net, x->wsi))
+    if (origin && *origin && guest_origin_allowed(x->net, x->request))
         head_add(h, "access-control-allow-origin", origin);
 }
 
+/* In ASCII, and on one line. */
+static void head_warnings(struct head *h, const struct exchange *x) {
+    for (size_t i = 0; i < x->warning_count; i++) {
+        json_t *warning = message_error(&x->warnings[i]);
+        json_object_del(warning, "type");
+        char *text = json_dumps(warning, JSON_COMPACT | JSON_ENSURE_ASCII);
+        head_add(h, "faccia-warning", text);
+        free(text);
+        json_decref(warning);
+    }
+}
+
 static void head_common(struct head *h, const struct exchange *x, const char *type) {
+    struct headers headers;
+    headers_of(&headers, type, x->shared, x->net->options.embed);
     head_add(h, "content-type", type);
-    head_add(h, "x-content-type-options", "nosniff");
+    for (size_t i = 0; i < headers.count; i++)
+        head_add(h, headers.list[i].name, headers.list[i].value);
+    head_warnings(h, x);
     head_origin(h, x);
 }
 
-static int head_send(struct head *h) {
-    return h->failed || lws_finalize_write_http_header(h->wsi, h->bytes + LWS_PRE, &h->at, h->end) ? -1 : 0;
+static void head_end(struct head *h) {
+    struct exchange *x = h->x;
+    if (!x->persists)
+        head_add(h, "connection", h->status == 426 ? "upgrade, close" : "close");
+    else if (h->status == 426)
+        head_add(h, "connection", "upgrade");
+    else if (!x->request->minor)
+        head_add(h, "connection", "keep-alive");
+    buf_add(&x->queue, "\r\n", 2);
 }
 
-static bool is_head_request(const struct exchange *x) {
-    return lws_hdr_total_length(x->wsi, WSI_TOKEN_HEAD_URI) > 0;
+static bool has_no_body(const struct exchange *x, unsigned status) {
+    return x->request->method == HTTP_HEAD || status == 204 || status == 304;
 }
 
-static int send_known(struct exchange *x, struct head *h, const void *body, size_t size) {
-    h->failed |= lws_add_http_header_content_length(h->wsi, size, &h->at, h->end);
+/* The body is copied, or it lives as long as the net. */
+static int send_known(struct exchange *x, struct head *h, const void *body, size_t size, bool copied) {
+    char length[24];
+    snprintf(length, sizeof length, "%zu", size);
+    if (h->status != 204 && h->status != 304)
+        head_add(h, "content-length", length);
+    head_end(h);
+    bool sent = !has_no_body(x, h->status);
+    if (sent && copied)
+        buf_add(&x->queue, body, size);
     x->body = body;
-    x->body_size = is_head_request(x) ? 0 : size;
+    x->body_size = sent && !copied ? size : 0;
     x->complete = true;
-    x->progress = exchange_now(x);
-    if (head_send(h))
-        return -1;
-    lws_callback_on_writable(x->wsi);
+    exchange_flush(x);
     return 0;
 }
 
 int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size) {
     struct head h;
-    x->owned = mem_alloc(size);
-    memcpy(x->owned, body, size);
     head_begin(&h, x, status);
     head_common(&h, x, type);
     head_add(&h, "cache-control", "no-store");
-    return send_known(x, &h, x->owned, size);
+    return send_known(x, &h, body, size, true);
 }
 
 int exchange_allow(struct exchange *x, unsigned status, const char *methods) {
@@ -88,11 +127,19 @@ int exchange_allow(struct exchange *x, unsigned status, const char *methods) {
     head_add(&h, "access-control-allow-methods", methods);
     head_add(&h, "access-control-allow-headers", "authorization, content-type");
     head_add(&h, "access-control-max-age", "600");
-    return send_known(x, &h, NULL, 0);
+    return send_known(x, &h, NULL, 0, true);
 }
 
 int exchange_json(struct exchange *x, unsigned status, json_t *object) {
     struct buf text = {0};
+    json_t *warnings = x->warning_count && status < 400 ? json_array() : NULL;
+    for (size_t i = 0; warnings && i < x->warning_count; i++) {
+        json_t *warning = message_error(&x->warnings[i]);
+        json_object_del(warning, "type");
+        json_array_append_new(warnings, warning);
+    }
+    if (warnings)
+        json_object_set_new(object, "warnings", warnings);
     message_write(&text, object);
     buf_add(&text, "\n", 1);
     int result = exchange_answer(x, status, "application/json", text.data, text.size);
@@ -104,19 +151,19 @@ int exchange_error(struct exchange *x, unsigned status, const struct error *e) {
     return exchange_json(x, status, message_error(e));
 }
 
-static bool header_has(const struct exchange *x, enum lws_token_indexes token, const char *word) {
-    char value[512];
-    return lws_hdr_copy(x->wsi, value, sizeof value, token) > 0 && strstr(value, word);
+static bool header_has(const struct exchange *x, const char *name, const char *word) {
+    const char *value = http_header(x->request, name);
+    return value && strstr(value, word);
 }
 
 int exchange_asset(struct exchange *x, const struct asset *a) {
     struct head h;
-    char etag[64], version[64];
+    char etag[64];
     x->shared = true;
     snprintf(etag, sizeof etag, "W/\"%s\"", a->hash);
-    bool unchanged = header_has(x, WSI_TOKEN_HTTP_IF_NONE_MATCH, a->hash);
-    bool packed = a->packed && header_has(x, WSI_TOKEN_HTTP_ACCEPT_ENCODING, "gzip");
-    const char *asked = lws_get_urlarg_by_name(x->wsi, "v=", version, sizeof version);
+    bool unchanged = header_has(x, "if-none-match", a->hash);
+    bool packed = a->packed && header_has(x, "accept-encoding", "gzip");
+    const char *asked = http_query(x->request, "v");
     head_begin(&h, x, unchanged ? 304 : 200);
     head_common(&h, x, a->type);
     head_add(&h, "etag", etag);
@@ -124,10 +171,10 @@ int exchange_asset(struct exchange *x, const struct asset *a) {
     head_add(&h, "cache-control",
              asked && !strcmp(asked, a->hash) ? "public, max-age=31536000, immutable" : "no-cache");
     if (unchanged)
-        return send_known(x, &h, NULL, 0);
+        return send_known(x, &h, NULL, 0, true);
     if (packed)
         head_add(&h, "content-encoding", "gzip");
-    return send_known(x, &h, packed ? a->packed : a->data, packed ? a->packed_size : a->size);
+    return send_known(x, &h, packed ? a->packed : a->data, packed ? a->packed_size : a->size, false);
 }
 
 int exchange_begin(struct exchange *x, const char *type) {
@@ -135,8 +182,14 @@ int exchange_begin(struct exchange *x, const char *type) {
     head_begin(&h, x, 200);
     head_common(&h, x, type);
     head_add(&h, "cache-control", "no-store");
-    head_add(&h, "transfer-encoding", "chunked");
     x->chunked = true;
-    x->beat = exchange_now(x);
-    return head_send(&h);
+    x->framed = x->request->minor > 0;
+    x->persists &= x->framed;
+    if (x->framed)
+        head_add(&h, "transfer-encoding", "chunked");
+    head_end(&h);
+    x->complete = x->request->method == HTTP_HEAD;
+    x->beat = connection_now(x->connection);
+    exchange_flush(x);
+    return 0;
 }

@@ -3,26 +3,31 @@
 #ifndef FACCIA_NET_EXCHANGE_PARTS_H
 #define FACCIA_NET_EXCHANGE_PARTS_H
 
+#include "server/net/connection.h"
 #include "server/net/internal.h"
+
+enum { WARNINGS_MOST = 8 };
 
 struct exchange {
     struct net *net;
-    struct lws *wsi;
-    struct exchange *next, **self; /* in the net's list */
+    const struct http_request *request;
+    struct connection *connection;
     struct exchange_work work;
-    const uint8_t *body; /* what is left of a body of known length */
+    struct buf queue;    /* of the answer: what waits */
+    struct buf leaving;  /* and what is on its way */
+    const uint8_t *body; /* what is to follow, and lives as long as the net */
     size_t body_size;
-    void *owned;       /* that body's memory, if it is the exchange's */
-    struct buf queue;  /* of an answer in chunks: what waits */
-    uint64_t progress; /* loop time when bytes left last, or began to wait, ms */
-    uint64_t beat;     /* loop time of the last beat, ms */
-    bool cut;          /* the connection is */
-    bool chunked, complete, answered, done;
+    uint64_t beat; /* loop time of the last beat, ms */
+    bool chunked;  /* the answer's length is not known */
+    bool framed;   /* and it is told in chunks, not by the connection's end */
+    bool complete, answered, done, persists;
     bool shared; /* any page may have the answer */
     struct guest guest;
+    struct error *warnings;
+    size_t warning_count;
 };
 
-/* Loop time, ms. */
-uint64_t exchange_now(const struct exchange *exchange);
+/* Sends what waits, as far as it goes. */
+void exchange_flush(struct exchange *exchange);
 
 #endif

@@ -9,47 +9,44 @@
 #include "server/net/channel.h"
 #include "server/net/guest.h"
 #include "server/net/hold.h"
+#include "server/net/http_request.h"
 #include "server/net/net.h"
+#include "server/net/query.h"
 #include <jansson.h>
-#include <libwebsockets.h>
+
+enum { NET_READ_BYTES = 65536 };
 
 struct net {
     struct net_options options;
     const struct studio *studio;
-    struct lws_context *context;
-    struct lws_vhost *vhost;
+    struct listeners *listeners;
     struct assets assets;
+    struct connection *open; /* all connections */
+    struct connection *due;  /* see connection_later */
     unsigned connections;
     uint64_t streams; /* numbers given so far */
     bool ready, draining;
     struct tally tally;
-    struct listener **listeners;
-    struct socket *sockets;     /* all that are open */
-    struct exchange *exchanges; /* likewise */
-    uv_timer_t *watch;          /* over both; NULL: none */
+    struct socket *sockets; /* all that are open */
+    uv_timer_t *watch;      /* over all connections; NULL: none */
+    uv_idle_t *idle;        /* NULL: none */
+    char *read_buffer;
     struct channel *rooms;
     unsigned room_count;
     struct hold hold;
+    struct events *events;            /* those who follow a room over HTTP */
     unsigned works;                   /* HTTP answers that are being made */
     json_t *more_languages;           /* of hello */
     const struct voice *languages_of; /* the list from which they were found */
 };
-
-/* What libwebsockets keeps for each connection: one of the two. */
-struct session {
-    struct socket *socket;
-    struct exchange *exchange;
-};
-
-int net_callback(struct lws *wsi, enum lws_callback_reasons reason, void *user, void *in, size_t size);
 
 /* message.c: JSON out of the stage's types, and back. */
 
 /* {"type":"error","code",...} with the place; a new reference. */
 json_t *message_error(const struct error *e);
 json_t *message_event(const struct stream_event *event, const char *stream);
-const char *message_event_name(enum stream_event_kind kind); /* its "type" */
-json_t *message_rooms(const struct net *net);
+const char *message_event_name(enum stream_event_kind kind);    /* its "type" */
+json_t *message_rooms(const struct net *net, const char *only); /* NULL or "": all */
 json_t *message_hello(struct net *net, const char *stream);
 json_t *message_voices(const struct net *net);
 json_t *message_models(const struct net *net);
@@ -61,7 +58,8 @@ void message_write(struct buf *out, json_t *object);
 
 /* Sets the request's fields from the members of a speak message, or from the query of an address. */
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
-int request_from_query(struct speech_request *request, struct lws *wsi, const char *except, struct error *e);
+int request_from_query(struct speech_request *request, const struct http_request *from, const char *except,
+                       struct error *e);
 
 /* live.c: what an idle and an express message ask for. -1 with *e. The mix borrows from the message. */
 int live_idle(const json_t *message, const struct speech_request *defaults, uint64_t seed,
@@ -69,29 +67,31 @@ int live_idle(const json_t *message, const struct speech_request *defaults, uint
 int live_express(const json_t *message, struct stream_mix *mix, struct error *e);
 
 /* socket.c, socket_in.c, socket_out.c: one WebSocket client. */
-struct socket *socket_open(struct net *net, struct lws *wsi);
+
+/* The head is the answer to the handshake. */
+void socket_open(struct connection *connection, const struct http_request *request, const struct buf *head,
+                 bool plain);
 void socket_close(struct socket *socket);
-int socket_receive(struct socket *socket, const char *data, size_t size);
-int socket_writeable(struct socket *socket);
+void socket_read(struct socket *socket, const char *bytes, size_t size);
+void socket_go_on(struct socket *socket); /* bytes have left */
 bool sockets_busy(const struct net *net);
 void sockets_dismiss(struct net *net, const char *reason); /* closes all, with the reason */
 
 /* watch.c: closes clients that take nothing, or are gone. */
 void watch_begin(struct net *net);
 void watch_end(struct net *net);
-/* Cuts off one who has taken nothing since `progress` (loop time, ms) though bytes wait, when that is too
- * long ago. True: done. */
-bool watch_stalled(struct net *net, struct lws *wsi, const char *name, uint64_t progress);
-void socket_heard(struct socket *socket); /* he has said something */
 
-/* exchange.c, exchange_answer.c: one HTTP request and its answer. Every function returns what the
- * libwebsockets callback has to return. */
-struct exchange *exchange_open(struct net *net, struct lws *wsi);
+/* exchange.c, exchange_answer.c: one HTTP request and its answer. */
+struct exchange *exchange_open(struct net *net, const struct http_request *request);
 void exchange_close(struct exchange *x);
-int exchange_writeable(struct exchange *x);
-bool exchange_answered(const struct exchange *x); /* its head has been sent */
+void exchange_sent(struct exchange *x);           /* bytes have left */
+bool exchange_answered(const struct exchange *x); /* its head has been made */
 bool exchange_done(const struct exchange *x);     /* all of it has been sent: close it */
-void exchanges_look(struct net *net);             /* from time to time, after all of them */
+bool exchange_persists(const struct exchange *x); /* and another one may follow it */
+bool exchange_endless(const struct exchange *x);
+void exchange_look(struct exchange *x); /* from time to time */
+
+/* What answers returns 0, for routes to pass on. */
 
 /* An answer of known length; body is copied. */
 int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size);
@@ -111,12 +111,19 @@ size_t exchange_unsent(const struct exchange *x);
 
 struct net *exchange_net(const struct exchange *x);
 
+/* Something that was asked for is not acted on: the answer, which has not begun, will tell. The first few
+ * count. exchange is one; it is void * to be called back. */
+void exchange_warn(void *exchange, const struct error *e);
+const struct error *exchange_warnings(const struct exchange *x, size_t *count);
+
+struct guest *exchange_guest(struct exchange *x); /* once it has been permitted something */
+
 /* Whether he who asks may do that; when not, it has been answered and *result is what to return. */
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);
 
-/* The value of a parameter in the address, or NULL. */
+/* The value of a parameter in the address, or NULL; cut when it is longer than what any good one could be. */
 const char *exchange_query(const struct exchange *x, const char *name, char *value, size_t cap);
-struct lws *exchange_wsi(const struct exchange *x);
+const struct http_request *exchange_request(const struct exchange *x);
 
 /* The owner of a body that is being received or made. */
 struct exchange_work {
@@ -131,19 +138,13 @@ struct exchange_work {
 void exchange_set_work(struct exchange *x, struct exchange_work work);
 struct exchange_work *exchange_get_work(struct exchange *x);
 
-/* listen.c */
-void listeners_open(struct net *net);
-void listeners_close(struct net *net);
-
 /* routes.c */
 int routes_serve(struct exchange *x, const char *path, size_t length, int method);
 
-/* speech_post.c: POST /v1/speech */
+/* speech_post.c: /v1/speech, by POST or GET */
 int speech_post(struct exchange *x);
-
-/* What the body of a POST is, from its Content-Type: the name of a markup, or NULL after the answer 415, with
- * *result to be returned. */
-const char *post_markup(struct exchange *x, int *result);
+int speech_get(struct exchange *x);
+extern const struct members speech_members; /* that it knows */
 
 /* media.c */
 
@@ -162,6 +163,12 @@ int room_say(struct exchange *x);    /* POST /v1/say?room= */
 int room_stop(struct exchange *x);   /* POST /v1/stop?room= */
 int room_pause(struct exchange *x);  /* POST /v1/pause?room= */
 int room_resume(struct exchange *x); /* POST /v1/resume?room= */
+
+/* room_events.c */
 int room_events(struct exchange *x); /* GET /v1/events?room= */
+void room_events_revoke(struct net *net);
+
+/* revoke.c: the secrets have changed: those who came by one that is gone lose their rights, and are told. */
+void rights_revoke(struct net *net);
 
 #endif

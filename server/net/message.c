@@ -83,12 +83,13 @@ const char *message_event_name(enum stream_event_kind kind) {
     return types[kind];
 }
 
-json_t *message_rooms(const struct net *net) {
+json_t *message_rooms(const struct net *net, const char *only) {
     json_t *rooms = json_array();
     for (const struct channel *c = net->rooms; c; c = channel_next(c))
-        json_array_append_new(rooms,
-                              json_pack("{ss si sb}", "name", channel_name(c), "followers",
-                                        (int)channel_followers(c), "speaks", stream_busy(channel_stream(c))));
+        if (!only || !*only || !strcmp(only, channel_name(c)))
+            json_array_append_new(rooms, json_pack("{ss si sb}", "name", channel_name(c), "followers",
+                                                   (int)channel_followers(c), "speaks",
+                                                   stream_busy(channel_stream(c))));
     return rooms;
 }
 
@@ -290,22 +291,15 @@ int request_from_json(struct speech_request *request, const json_t *object, stru
     return 0;
 }
 
-int request_from_query(struct speech_request *request, struct lws *wsi, const char *except, struct error *e) {
-    char part[512];
-    for (int n = 0;; n++) {
-        int length = lws_hdr_copy_fragment(wsi, part, sizeof part, WSI_TOKEN_HTTP_URI_ARGS, n);
-        if (length == -2)
-            return error_in_field(e, "bad-field", "query", "part %d is too long", n + 1);
-        if (length < 0)
-            return 0;
-        char *equals = strchr(part, '=');
-        if (!equals)
+int request_from_query(struct speech_request *request, const struct http_request *from, const char *except,
+                       struct error *e) {
+    for (size_t i = 0; i < from->member_count; i++) {
+        const struct http_member *m = &from->members[i];
+        const struct request_value value = {REQUEST_WORD, m->value, m->size, 0};
+        if ((except && !strcmp(m->name, except)) || !strcmp(m->name, "text"))
             continue;
-        *equals = '\0';
-        struct request_value value = {REQUEST_WORD, equals + 1, strlen(equals + 1), 0};
-        if (except && !strcmp(part, except))
-            continue;
-        if (strcmp(part, "text") && request_set(request, part, value, e) < 0)
+        if (request_set(request, m->name, value, e) < 0)
             return -1;
     }
+    return 0;
 }

@@ -1,14 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The net stage: HTTP and WebSocket on libwebsockets, on the same libuv loop as everything else. */
+/* The net stage: HTTP and WebSocket, on the same libuv loop as everything else. */
 #ifndef FACCIA_NET_NET_H
 #define FACCIA_NET_NET_H
 
 #include "server/access/token.h"
+#include "server/base/buf.h"
 #include "server/stream/stream.h"
 
 /* Every limit stands beside its default; protocol/README.md tells the clients. */
 struct net_options {
-    const char *host;              /* address to listen on; "127.0.0.1" */
+    const char *host;              /* address, name or interface to listen on, "*" = all; "127.0.0.1" */
     int port;                      /* 8080; 0 = any free one */
     bool remote;                   /* allow a host that is not loopback, which needs secrets too; false */
     const int *listen_fds;         /* sockets that are listened on already, instead of host and port; */
@@ -24,6 +25,7 @@ struct net_options {
     unsigned play_bytes;           /* of an uploaded recording, or of a .fap file; 16777216 */
     unsigned queue;                /* utterances that wait on one stream; 32 */
     unsigned connections;          /* open connections; 1000 */
+    unsigned connections_above;    /* that are told so, and what the operator asks; 50 */
     unsigned rooms;                /* that have somebody in them; 100 */
     unsigned address_connections;  /* of one address, or one token's subject; 0 = no limit of its own */
     unsigned address_requests;     /* utterances and POSTs of such in a minute; 0 = no limit */
@@ -37,12 +39,17 @@ struct net_options {
 
 extern const struct net_options net_defaults;
 
+enum { NET_CONNECTIONS_ABOVE = 50 };
+
 struct net;
 
 /* Listens at once. NULL with *e: "bad-field" (host not loopback without remote), "listen" or what assets_load
  * says. */
 struct net *net_open(const struct studio *studio, const struct net_options *options, struct error *e);
-int net_port(const struct net *net);
+
+/* Appends the address of the socket of that number, from 0, that is listened on, as in "http://[::1]:8080/".
+ * False: there is none. */
+bool net_address(const struct net *net, size_t number, struct buf *out);
 
 /* The voices are there: until then /healthz answers 503 and a speak fails with "voice-unavailable". */
 void net_set_ready(struct net *net);

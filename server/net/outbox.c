@@ -9,19 +9,30 @@ struct outbox_link {
     struct parcel *parcel;
 };
 
-struct parcel *parcel_new(enum lws_write_protocol type, const void *data, size_t size) {
-    struct parcel *parcel = mem_alloc(sizeof *parcel + LWS_PRE + size);
+static struct parcel *make(const uint8_t *head, size_t head_size, const void *data, size_t size) {
+    struct parcel *parcel = mem_alloc(sizeof *parcel + head_size + size);
     parcel->refs = 1;
-    parcel->type = type;
-    parcel->media = type == LWS_WRITE_BINARY;
+    parcel->head = (uint8_t)head_size;
     parcel->size = size;
-    if (data)
-        memcpy(parcel_body(parcel), data, size);
+    memcpy(parcel->bytes, head, head_size);
+    if (size)
+        memcpy(parcel->bytes + head_size, data, size);
     return parcel;
 }
 
-uint8_t *parcel_body(struct parcel *parcel) {
-    return parcel->bytes + LWS_PRE;
+struct parcel *parcel_new(enum websocket_opcode opcode, const void *data, size_t size) {
+    uint8_t head[WEBSOCKET_HEAD_BYTES];
+    struct parcel *parcel = make(head, websocket_head(head, opcode, size), data, size);
+    parcel->media = opcode == WEBSOCKET_BINARY;
+    return parcel;
+}
+
+struct parcel *parcel_plain(const void *data, size_t size) {
+    return make((const uint8_t *)"", 0, data, size);
+}
+
+const uint8_t *parcel_body(const struct parcel *parcel) {
+    return parcel->bytes + parcel->head;
 }
 
 void parcel_release(struct parcel *parcel) {

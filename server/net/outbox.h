@@ -4,24 +4,26 @@
 #define FACCIA_NET_OUTBOX_H
 
 #include "server/base/buf.h"
-#include <libwebsockets.h>
+#include "server/net/websocket_reader.h"
 #include <stdbool.h>
 
-/* One message; the bytes begin after room for the frame header. Server frames are not masked, so sending
- * leaves the bytes as they are, and writes the same header for all. */
+/* One message, as the frame that is sent: what a server sends is not masked, so it is the same for all. */
 struct parcel {
     unsigned refs;
-    enum lws_write_protocol type;
     bool media;        /* may be left out for a client that is too slow */
     const char *event; /* of a text message: its type */
     uint64_t born;     /* loop time when it was made, ms; of media */
-    size_t size;
+    size_t size;       /* of the message */
+    uint8_t head;      /* bytes of the frame before it */
     uint8_t bytes[];
 };
 
-/* With one reference, which belongs to the caller. The data may be NULL: then parcel_body is to be filled. */
-struct parcel *parcel_new(enum lws_write_protocol type, const void *data, size_t size);
-uint8_t *parcel_body(struct parcel *parcel);
+/* With one reference, which belongs to the caller. */
+struct parcel *parcel_new(enum websocket_opcode opcode, const void *data, size_t size);
+
+/* Bytes that are no frame. */
+struct parcel *parcel_plain(const void *data, size_t size);
+const uint8_t *parcel_body(const struct parcel *parcel);
 void parcel_release(struct parcel *parcel);
 
 struct outbox {

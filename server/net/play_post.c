@@ -3,6 +3,7 @@
  * a form (RFC 7578) with the files "fap" and "sound". What is uploaded stays in memory until it has been
  * played. */
 #include "server/base/mem.h"
+#include "server/net/form.h"
 #include "server/net/internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -10,10 +11,9 @@
 
 struct upload {
     struct exchange *x;
-    struct lws_spa *form;
+    struct buf form;
     struct reel_source source;
     struct speech_request request; /* its id and mode */
-    size_t size;
 };
 
 /* Begins, and has the answer. */
@@ -29,18 +29,6 @@ static int play(struct exchange *x, struct reel_source *source, const struct spe
     return exchange_json(x, 202, json_pack("{ss ss}", "type", "accepted", "room", channel_name(channel)));
 }
 
-static int on_file(void *self, const char *name, const char *file, char *data, int size,
-                   enum lws_spa_fileupload_states state) {
-    struct upload *u = self;
-    (void)file;
-    struct buf *part = !strcmp(name, "fap")     ? &u->source.fap
-                       : !strcmp(name, "sound") ? &u->source.sound
-                                                : NULL;
-    if ((state == LWS_UFS_CONTENT || state == LWS_UFS_FINAL_CONTENT) && part && size > 0)
-        buf_add(part, data, (size_t)size);
-    return 0;
-}
-
 static int refuse(struct upload *u, unsigned status, const char *code, const char *why) {
     struct error e;
     error_set(&e, code, "%s", why);
@@ -51,20 +39,31 @@ static int on_body(void *self, const void *data, size_t size) {
     struct upload *u = self;
     if (exchange_answered(u->x))
         return 0;
-    u->size += size;
-    if (u->size > exchange_net(u->x)->options.play_bytes)
+    if (u->form.size + size > exchange_net(u->x)->options.play_bytes)
         return refuse(u, 413, "media-too-large", "the recording is larger than this server takes");
-    /* libwebsockets takes the bytes as char * and changes none */
-    if (lws_spa_process(u->form, (char *)(uintptr_t)data, (int)size))
-        return refuse(u, 400, "bad-form", "the form cannot be read");
+    buf_add(&u->form, data, size);
     return 0;
+}
+
+/* Copies the part of that name. As form_part. */
+static int take_part(struct upload *u, const char *name, struct buf *out, struct error *e) {
+    const uint8_t *part;
+    size_t size;
+    const char *type = http_header(exchange_request(u->x), "content-type");
+    int found = form_part(type, u->form.data, u->form.size, name, &part, &size, e);
+    if (found > 0)
+        buf_add(out, part, size);
+    return found;
 }
 
 static int on_body_end(void *self) {
     struct upload *u = self;
+    struct error e;
     if (exchange_answered(u->x))
         return 0;
-    lws_spa_finalize(u->form);
+    if (take_part(u, "fap", &u->source.fap, &e) < 0 || take_part(u, "sound", &u->source.sound, &e) < 0)
+        return exchange_error(u->x, 400, &e);
+    buf_free(&u->form);
     if (!u->source.fap.size)
         return refuse(u, 400, "bad-form", "the form has no file 'fap'");
     u->source.name = mem_strdup("upload");
@@ -73,25 +72,23 @@ static int on_body_end(void *self) {
 
 static void on_free(void *self) {
     struct upload *u = self;
-    lws_spa_destroy(u->form);
+    buf_free(&u->form);
     reel_source_free(&u->source);
     request_free(&u->request);
     free(u);
 }
 
 static int open_upload(struct exchange *x, struct speech_request *request) {
-    static const char *const names[] = {"fap", "sound"};
     struct upload *u = mem_alloc(sizeof *u);
     u->x = x;
     u->request = *request;
-    u->form = lws_spa_create(exchange_wsi(x), names, 2, 1024, on_file, u);
     exchange_set_work(
         x, (struct exchange_work){.body = on_body, .body_end = on_body_end, .free = on_free, .self = u});
     return 0;
 }
 
 int play_post(struct exchange *x) {
-    char value[512], type[128] = "";
+    char value[512];
     struct speech_request request;
     struct reel_source source = {0};
     struct error e;
@@ -100,9 +97,9 @@ int play_post(struct exchange *x) {
         return result;
     request_init(&request);
     const char *name = exchange_query(x, "name", value, sizeof value);
-    lws_hdr_copy(exchange_wsi(x), type, sizeof type, WSI_TOKEN_HTTP_CONTENT_TYPE);
-    bool form = !strncasecmp(type, "multipart/form-data", 19);
-    if (request_from_query(&request, exchange_wsi(x), "name", &e) ||
+    const char *type = http_header(exchange_request(x), "content-type");
+    bool form = type && !strncasecmp(type, "multipart/form-data", 19);
+    if (request_from_query(&request, exchange_request(x), "name", &e) ||
         (name && media_source(exchange_net(x), &source, name, &e))) {
         result = exchange_error(x, strcmp(e.code, "unknown-media") ? 400 : 404, &e);
     } else if (name) {

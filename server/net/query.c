@@ -27,10 +27,11 @@ static void check(const char *name, const struct members *known,
     warn(ctx, &e);
 }
 
-void query_check(const struct http_request *request, const struct members *known,
+void query_check(const struct http_request *request, const struct members *known, bool text,
                  void (*warn)(void *ctx, const struct error *e), void *ctx) {
     for (size_t i = 0; i < request->member_count; i++)
-        if (strcmp(request->members[i].name, "token")) /* good everywhere */
+        if (strcmp(request->members[i].name, "token") && /* good everywhere */
+            (!text || strcmp(request->members[i].name, "text")))
             check(request->members[i].name, known, warn, ctx);
 }
 

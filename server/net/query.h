@@ -15,8 +15,9 @@ struct members {
     const char *const *more; /* NULL-terminated, or NULL */
 };
 
-/* Calls warn for each member that there is not ("unknown-member", with its field). */
-void query_check(const struct http_request *request, const struct members *known,
+/* text: there may be one in the query. Calls warn for each member that there is not ("unknown-member", with
+ * its field). */
+void query_check(const struct http_request *request, const struct members *known, bool text,
                  void (*warn)(void *ctx, const struct error *e), void *ctx);
 void members_check(const json_t *object, const struct members *known,
                    void (*warn)(void *ctx, const struct error *e), void *ctx);

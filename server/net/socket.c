@@ -5,6 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* A message that is too long is told so, and dropped. So many times as long, and the connection goes, too. */
+enum { MESSAGE_TIMES = 16 };
+
 void socket_enter(struct socket *s, struct channel *channel) {
     s->follower.idle = false;
     channel_join(channel, &s->follower);
@@ -34,6 +37,12 @@ int socket_join(struct socket *s, const char *room, struct error *e) {
     return 0;
 }
 
+void socket_leave(struct socket *s) {
+    socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
+    channel_leave(&s->follower);
+    socket_enter(s, channel_new(s->net, s->name));
+}
+
 int socket_set_media(struct socket *s, const char *audio, const char *fap, struct error *e) {
     struct encoding encoding = s->follower.encoding;
     int codec;
@@ -52,60 +61,115 @@ int socket_set_media(struct socket *s, const char *audio, const char *fap, struc
     return 0;
 }
 
+static void warn(void *socket, const struct error *e) {
+    json_t *warning = message_error(e);
+    json_object_set_new(warning, "type", json_string("warning"));
+    socket_say(socket, warning);
+}
+
 /* What the address asks for, besides the defaults of requests. */
-static void read_query(struct socket *s) {
-    char room[TOKEN_ROOM + 2], audio[32], fap[32];
+static void read_query(struct socket *s, const struct http_request *from) {
+    static const char *const more[] = {"room", "audio", "fap", NULL};
+    static const struct members known = {.speech = true, .more = more};
+    const char *room = http_query(from, "room");
     struct error e;
-    const char *in = lws_get_urlarg_by_name(s->wsi, "room=", room, sizeof room);
-    if (request_from_query(&s->defaults, s->wsi, NULL, &e) ||
-        socket_set_media(s, lws_get_urlarg_by_name(s->wsi, "audio=", audio, sizeof audio),
-                         lws_get_urlarg_by_name(s->wsi, "fap=", fap, sizeof fap), &e))
+    query_check(from, &known, false, warn, s);
+    if (request_from_query(&s->defaults, from, NULL, &e) ||
+        socket_set_media(s, http_query(from, "audio"), http_query(from, "fap"), &e))
         socket_complain(s, &e);
-    if (in && socket_join(s, in, &e))
+    if (room && socket_join(s, room, &e))
         socket_complain(s, &e);
 }
 
-struct socket *socket_open(struct net *net, struct lws *wsi) {
+static void piece(void *ctx, const uint8_t *bytes, size_t size, bool binary, bool last) {
+    struct socket *s = ctx;
+    if (s->closing)
+        return;
+    s->too_long |= s->message.size + size > s->net->options.message_bytes;
+    if (!binary && !s->too_long)
+        buf_add(&s->message, bytes, size);
+    if (last)
+        socket_hear(s, binary);
+}
+
+static void ping(void *ctx, const uint8_t *payload, size_t size) {
+    socket_pong(ctx, payload, size);
+}
+
+static void pong(void *ctx) {
+    (void)ctx; /* it has been heard */
+}
+
+static void closed(void *ctx, enum websocket_status status) {
+    socket_farewell(ctx, status, "");
+}
+
+static void fault(void *ctx, enum websocket_status status, const char *why, uint64_t byte) {
+    struct socket *s = ctx;
+    struct error e;
+    if (status == WEBSOCKET_BAD_TEXT && !s->closing) {
+        error_at_byte(&e, why, (size_t)byte, "a text must be UTF-8");
+        socket_complain(s, &e);
+    } else if (status == WEBSOCKET_TOO_LARGE && !s->closing) {
+        error_set(&e, why, "a message may have %u bytes", s->net->options.message_bytes);
+        socket_complain(s, &e);
+    }
+    socket_farewell(s, status, why);
+}
+
+void socket_open(struct connection *c, const struct http_request *request, const struct buf *head,
+                 bool plain) {
+    static const struct websocket_ear ear = {piece, ping, pong, closed, fault};
+    struct net *net = c->net;
     struct socket *s = mem_alloc(sizeof *s);
     struct error e = {0};
     s->net = net;
-    s->wsi = wsi;
+    s->connection = c;
     s->next = net->sockets;
     s->self = &net->sockets;
     if (s->next)
         s->next->self = &s->next;
     net->sockets = s;
+    c->socket = s;
+    s->reader = (struct websocket_reader){
+        .ear = &ear, .ctx = s, .most = (uint64_t)MESSAGE_TIMES * net->options.message_bytes};
     outbox_open(&s->outbox);
     socket_heard(s);
     s->number = ++net->streams;
     snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)s->number);
     request_init(&s->defaults);
-    s->plain = !strcmp(lws_get_protocol(wsi)->name, TEXT_PROTOCOL);
+    s->plain = plain;
     s->follower = (struct follower){.encoding = s->plain ? encoding_none : encoding_default,
                                     .media = !s->plain,
                                     .outbox = &s->outbox,
                                     .deliver = socket_deliver};
     socket_enter(s, channel_new(net, s->name));
+    struct parcel *answer = parcel_plain(head->data, head->size);
+    outbox_push(&s->outbox, answer);
+    parcel_release(answer);
     socket_say(s, message_hello(net, s->name));
-    if (guest_enter(net, wsi, &s->guest, &e)) {
+    if (guest_enter(net, request, &s->guest, &e))
         socket_complain(s, &e);
-        if (!s->guest.entered)
-            socket_dismiss(s, LWS_CLOSE_STATUS_POLICY_VIOLATION, e.code);
-    }
-    read_query(s);
-    return s;
+    read_query(s, request);
 }
 
 void socket_close(struct socket *s) {
     *s->self = s->next;
     if (s->next)
         s->next->self = s->self;
-    guest_leave(s->net, &s->guest);
     channel_leave(&s->follower);
     request_free(&s->defaults);
     buf_free(&s->message);
+    websocket_reader_free(&s->reader);
     outbox_close(&s->outbox);
+    parcel_release(s->leaving);
+    parcel_release(s->pong);
     free(s);
+}
+
+void socket_read(struct socket *s, const char *bytes, size_t size) {
+    socket_heard(s);
+    websocket_reader_feed(&s->reader, (const uint8_t *)bytes, size);
 }
 
 /* In a room, others need not hear of it. */

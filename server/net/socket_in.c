@@ -30,11 +30,8 @@ static void join_room(struct socket *s, const json_t *message) {
 
 static void leave_room(struct socket *s, const json_t *message) {
     (void)message;
-    if (!socket_room(s))
-        return;
-    socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
-    channel_leave(&s->follower);
-    socket_enter(s, channel_new(s->net, s->name));
+    if (socket_room(s))
+        socket_leave(s);
 }
 
 static void choose_media(struct socket *s, const json_t *message) {
@@ -112,15 +109,7 @@ static void hear(struct socket *s, const char *data, size_t size) {
     socket_complain(s, &e);
 }
 
-int socket_receive(struct socket *s, const char *data, size_t size) {
-    bool whole = lws_is_final_fragment(s->wsi) && !lws_remaining_packet_payload(s->wsi);
-    bool binary = lws_frame_is_binary(s->wsi);
-    if (s->message.size + size > s->net->options.message_bytes)
-        s->too_long = true;
-    if (!binary && !s->too_long)
-        buf_add(&s->message, data, size);
-    if (!whole)
-        return 0;
+void socket_hear(struct socket *s, bool binary) {
     struct error e;
     if (s->too_long) {
         error_set(&e, "message-too-long", "a message may have %u bytes", s->net->options.message_bytes);
@@ -133,5 +122,4 @@ int socket_receive(struct socket *s, const char *data, size_t size) {
     }
     buf_free(&s->message);
     s->too_long = false;
-    return 0;
 }

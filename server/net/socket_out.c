@@ -4,49 +4,71 @@
 #include <string.h>
 
 /* So long a client may take to answer a goodbye. */
-enum { GOODBYE_SECONDS = 2 };
+enum { GOODBYE_MS = 2000 };
 
-void socket_dismiss(struct socket *s, enum lws_close_status status, const char *reason) {
+void socket_dismiss(struct socket *s, enum websocket_status status, const char *reason) {
     if (s->doomed)
         return;
     s->doomed = reason;
     s->doom = status;
-    lws_callback_on_writable(s->wsi);
+    socket_go_on(s);
 }
 
-/* -1: the connection is broken. */
-static int transmit(struct socket *s, struct parcel *parcel) {
-    s->progress = uv_now(s->net->studio->loop);
-    metrics_add(s->net->studio->metrics, METRIC_SENT_BYTES, (double)parcel->size);
-    return lws_write(s->wsi, parcel_body(parcel), parcel->size, parcel->type) < 0 ? -1 : 0;
-}
-
-/* At once, when nothing is before it and the connection takes it: to wait for the callback costs more than
- * the sending. false: it has to wait. */
-static bool transmit_now(struct socket *s, struct parcel *parcel) {
-    if (!outbox_empty(&s->outbox) || s->doomed || s->closing || s->broken || lws_send_pipe_choked(s->wsi))
-        return false;
-    if (transmit(s, parcel)) {
-        s->broken = true;
-        lws_callback_on_writable(s->wsi); /* there it can be closed */
+void socket_farewell(struct socket *s, enum websocket_status status, const char *reason) {
+    s->farewell = true;
+    if (s->closing) {
+        socket_go_on(s);
+        return;
     }
+    s->doomed = NULL;
+    socket_dismiss(s, status, reason);
+}
+
+/* True: all of it has left. */
+static bool transmit(struct socket *s, struct parcel *parcel) {
+    metrics_add(s->net->studio->metrics, METRIC_SENT_BYTES, (double)parcel->size);
+    if (connection_send(s->connection, parcel->bytes, parcel->head + parcel->size))
+        return true;
+    s->leaving = parcel;
+    parcel->refs++;
+    return false;
+}
+
+/* At once, when nothing is before it. False: it has to wait. */
+static bool transmit_now(struct socket *s, struct parcel *parcel) {
+    if (!outbox_empty(&s->outbox) || s->doomed || s->leaving || s->pong)
+        return false;
+    transmit(s, parcel);
     return true;
 }
 
 static void enqueue(struct socket *s, struct parcel *parcel) {
     const struct net_options *options = &s->net->options;
-    if (outbox_empty(&s->outbox))
-        s->progress = uv_now(s->net->studio->loop);
+    if (s->closing)
+        return;
     outbox_push(&s->outbox, parcel);
+    socket_go_on(s);
     if (!s->deaf && s->outbox.unsent > options->send_bytes) {
         s->deaf = true;
-        lws_rx_flow_control(s->wsi, 0);
+        connection_read(s->connection, false);
     }
     if (s->outbox.unsent > options->send_bytes_max && !s->doomed) {
         metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
-        socket_dismiss(s, LWS_CLOSE_STATUS_POLICY_VIOLATION, "too-slow");
+        socket_dismiss(s, WEBSOCKET_POLICY, "too-slow");
     }
-    lws_callback_on_writable(s->wsi);
+}
+
+void socket_pong(struct socket *s, const void *payload, size_t size) {
+    if (s->closing)
+        return;
+    parcel_release(s->pong);
+    s->pong = parcel_new(WEBSOCKET_PONG, payload, size);
+    socket_go_on(s);
+}
+
+void socket_ping(struct socket *s) {
+    s->probe = PROBE_DUE;
+    socket_go_on(s);
 }
 
 /* One who types gets lines. */
@@ -58,7 +80,7 @@ static void push(struct socket *s, struct parcel *parcel) {
     }
     text_line((const char *)parcel_body(parcel), parcel->size, &line);
     if (line.size) {
-        struct parcel *said = parcel_new(LWS_WRITE_TEXT, line.data, line.size);
+        struct parcel *said = parcel_new(WEBSOCKET_TEXT, line.data, line.size);
         enqueue(s, said);
         parcel_release(said);
     }
@@ -66,7 +88,7 @@ static void push(struct socket *s, struct parcel *parcel) {
 }
 
 void socket_say_text(struct socket *s, const struct buf *text) {
-    struct parcel *parcel = parcel_new(LWS_WRITE_TEXT, text->data, text->size);
+    struct parcel *parcel = parcel_new(WEBSOCKET_TEXT, text->data, text->size);
     push(s, parcel);
     parcel_release(parcel);
 }
@@ -105,63 +127,86 @@ void socket_deliver(struct follower *f, struct parcel *parcel) {
     f->lagging = true;
 }
 
-/* What lws_close_reason does, had it a chance: with libuv, libwebsockets 4.1 closes a connection whose
- * callback returned -1 twice, the second time without waiting for its close frame. So that frame (RFC
- * 6455, 5.5.1) is written here, by the number that the library has for it, and the client's answer ends the
- * connection. */
-static int say_goodbye(struct socket *s) {
-    enum { WRITE_CLOSE = 4, STATUS_BYTES = 2, REASON_BYTES = 64 };
-    uint8_t frame[LWS_PRE + STATUS_BYTES + REASON_BYTES], *payload = frame + LWS_PRE;
-    size_t size = strlen(s->doomed) < REASON_BYTES ? strlen(s->doomed) : REASON_BYTES;
-    payload[0] = (uint8_t)(s->doom >> 8);
-    payload[1] = (uint8_t)s->doom;
-    memcpy(payload + STATUS_BYTES, s->doomed, size);
-    lws_set_timeout(s->wsi, PENDING_TIMEOUT_CLOSE_ACK, GOODBYE_SECONDS);
-    return lws_write(s->wsi, payload, STATUS_BYTES + size, (enum lws_write_protocol)WRITE_CLOSE) < 0 ? -1 : 0;
+/* The close frame (RFC 6455, 5.5.1), before which nothing waits any more. */
+static void say_goodbye(struct socket *s) {
+    enum { STATUS_BYTES = 2 };
+    uint8_t payload[WEBSOCKET_CONTROL_BYTES] = {(uint8_t)(s->doom >> 8), (uint8_t)s->doom};
+    size_t reason = strlen(s->doomed), most = sizeof payload - STATUS_BYTES;
+    reason = reason < most ? reason : most;
+    memcpy(payload + STATUS_BYTES, s->doomed, reason);
+    struct parcel *frame =
+        parcel_new(WEBSOCKET_CLOSE, payload, s->doom == WEBSOCKET_NONE ? 0 : STATUS_BYTES + reason);
+    s->closing = true;
+    outbox_close(&s->outbox);
+    s->model = NULL;
+    s->connection->end_by = connection_now(s->connection) + GOODBYE_MS;
+    if (s->deaf)
+        connection_read(s->connection, true); /* to hear the client's answer */
+    transmit(s, frame);
+    parcel_release(frame);
 }
 
-int socket_writeable(struct socket *s) {
+/* The next thing that has to leave. False: there is none. */
+static bool send_next(struct socket *s) {
+    bool empty = outbox_empty(&s->outbox);
     if (s->closing)
-        return 0;
-    if (s->broken)
-        return -1;
-    if (s->probe == PROBE_DUE)
-        return socket_ping(s);
-    /* he who is too slow gets nothing more; others get what is on its way */
-    if (s->doomed && (outbox_empty(&s->outbox) || s->outbox.unsent > s->net->options.send_bytes_max)) {
-        s->closing = true;
-        return say_goodbye(s);
+        return false;
+    /* one that is too slow gets nothing more, nor does one that has closed; others get what is on its way */
+    if (s->doomed && (empty || s->farewell || s->outbox.unsent > s->net->options.send_bytes_max)) {
+        say_goodbye(s);
+        return true;
     }
-    struct parcel *parcel = outbox_pop(&s->outbox);
+    struct parcel *parcel = s->pong;
+    s->pong = NULL;
+    if (!parcel && s->probe == PROBE_DUE) {
+        s->probe = PROBE_SENT;
+        parcel = parcel_new(WEBSOCKET_PING, "", 0);
+    }
     if (!parcel)
-        return 0;
-    int sent = transmit(s, parcel);
+        parcel = outbox_pop(&s->outbox);
+    if (parcel)
+        transmit(s, parcel);
     parcel_release(parcel);
-    if (sent < 0)
-        return -1;
+    return parcel != NULL;
+}
+
+/* Less waits than before. */
+static void go_easy(struct socket *s) {
     if (s->deaf && s->outbox.unsent <= s->net->options.send_bytes) {
         s->deaf = false;
-        lws_rx_flow_control(s->wsi, 1);
+        connection_read(s->connection, true);
     }
-    if (s->follower.lagging && outbox_empty(&s->outbox)) {
+    if (!outbox_empty(&s->outbox) || s->closing)
+        return;
+    if (s->follower.lagging) {
         s->follower.lagging = false;
         channel_resume(&s->follower);
     }
-    if (outbox_empty(&s->outbox) && s->model)
+    if (s->model)
         socket_push_model_part(s);
-    if (!outbox_empty(&s->outbox) || s->doomed)
-        lws_callback_on_writable(s->wsi);
-    return 0;
+}
+
+void socket_go_on(struct socket *s) {
+    if (s->sending || s->connection->sending || s->connection->closing)
+        return;
+    parcel_release(s->leaving);
+    s->leaving = NULL;
+    s->sending = true;
+    while (!s->leaving && send_next(s))
+        go_easy(s);
+    s->sending = false;
+    if (s->closing && s->farewell && !s->leaving)
+        connection_finish(s->connection);
 }
 
 bool sockets_busy(const struct net *net) {
     for (const struct socket *s = net->sockets; s; s = s->next)
-        if (!outbox_empty(&s->outbox) || stream_busy(socket_stream(s)))
+        if (s->leaving || !outbox_empty(&s->outbox) || stream_busy(socket_stream(s)))
             return true;
     return false;
 }
 
 void sockets_dismiss(struct net *net, const char *reason) {
     for (struct socket *s = net->sockets; s; s = s->next)
-        socket_dismiss(s, LWS_CLOSE_STATUS_GOINGAWAY, reason);
+        socket_dismiss(s, WEBSOCKET_GOING_AWAY, reason);
 }

@@ -3,11 +3,13 @@
 #ifndef FACCIA_NET_SOCKET_PARTS_H
 #define FACCIA_NET_SOCKET_PARTS_H
 
+#include "server/net/connection.h"
 #include "server/net/internal.h"
+#include "server/net/websocket_reader.h"
 
 struct socket {
     struct net *net;
-    struct lws *wsi;
+    struct connection *connection;
     uint64_t number;
     struct socket *next, **self; /* in the net's list */
     struct guest guest;
@@ -15,16 +17,20 @@ struct socket {
     bool plain;                     /* speaks TEXT_PROTOCOL */
     struct follower follower;       /* of its own stream, or of a room's */
     struct speech_request defaults; /* from the address */
-    struct buf message;             /* being received */
-    bool too_long;                  /* its rest is being dropped */
+    struct websocket_reader reader;
+    struct buf message; /* being received */
+    bool too_long;      /* its rest is being dropped */
     struct outbox outbox;
-    uint64_t progress; /* loop time of the last message that left, or of the first that waits, ms */
-    uint64_t heard;    /* loop time at which he said something last, ms */
-    enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that asks whether he is still there */
-    bool deaf;          /* hears no more of one who does not listen, until he does */
+    struct parcel *leaving;                           /* not all of it has left */
+    struct parcel *pong;                              /* the answer to the last ping, while it waits */
+    uint64_t heard;                                   /* loop time at which it said something last, ms */
+    enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that asks whether it is still there */
+    bool deaf;          /* hears no more of one that does not listen, until it does */
     const char *doomed; /* why the connection is to be closed */
-    enum lws_close_status doom;
-    bool closing, broken;
+    enum websocket_status doom;
+    bool farewell; /* the client has closed, or broken the rules: nothing more is awaited from it */
+    bool closing;  /* the close frame is on its way, or has left */
+    bool sending;  /* socket_go_on is at work */
     const struct model *model; /* being sent, part by part */
     size_t model_part;
 };
@@ -38,6 +44,7 @@ struct stream *socket_stream(const struct socket *socket);
 const char *socket_room(const struct socket *socket);
 
 void socket_enter(struct socket *socket, struct channel *channel);
+void socket_leave(struct socket *socket); /* the room that it is in */
 int socket_join(struct socket *socket, const char *room, struct error *e);
 
 /* Has media come in these codecs; NULL leaves one as it is. -1 with *e. */
@@ -57,8 +64,13 @@ void socket_refuse(struct socket *socket, const char *id, const struct error *e)
 /* socket_in.c: does what a message asks for. */
 void socket_act(struct socket *socket, const json_t *message);
 
-/* watch.c: sends the ping that is due. */
-int socket_ping(struct socket *socket);
+/* Acts on a whole message, or says why not. */
+void socket_hear(struct socket *socket, bool binary);
+
+/* Asks whether it is still there. */
+void socket_ping(struct socket *socket);
+void socket_heard(struct socket *socket); /* it has said something */
+void socket_look(struct socket *socket);  /* watch.c */
 
 /* socket_out.c */
 
@@ -72,7 +84,14 @@ void socket_complain(struct socket *socket, const struct error *e);
 void socket_deliver(struct follower *follower, struct parcel *parcel);
 
 /* Closes the connection when what is on its way to him has left. The reason is a literal. */
-void socket_dismiss(struct socket *socket, enum lws_close_status status, const char *reason);
+void socket_dismiss(struct socket *socket, enum websocket_status status, const char *reason);
+
+/* Closes it now: the client has, or has broken the rules. */
+void socket_farewell(struct socket *socket, enum websocket_status status, const char *reason);
+
+/* The answer to a ping. When pings come faster than answers leave, the last one is answered (RFC
+ * 6455, 5.5.3). */
+void socket_pong(struct socket *socket, const void *payload, size_t size);
 
 /* socket_model.c: the next part goes out when the one before has left. */
 void socket_send_model(struct socket *socket, const json_t *message);

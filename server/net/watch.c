@@ -1,67 +1,68 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Looks after all connections once a second: those who take nothing are closed; sockets that have been silent
- * are asked whether they are still there (RFC 6455, 5.5.2), and closed when they do not answer. One timer for
- * all: libwebsockets' own, one for each connection, wait in a busy loop for the last millisecond before each.
- */
+/* Looks after all connections once a second: those that take nothing, or do not come to an end, are closed;
+ * sockets that have been silent are asked whether they are still there (RFC 6455, 5.5.2), and closed when
+ * they do not answer. One timer for all. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/net/http_session.h"
+#include "server/net/listener.h"
 #include "server/net/socket_parts.h"
 #include <stdlib.h>
 
 enum { LOOK_MS = 1000 };
 
-/* The library closes it when it is next at work. */
-static void cut_off(struct net *net, struct lws *wsi) {
-    lws_cancel_service(net->context);
-    lws_set_timeout(wsi, PENDING_TIMEOUT_USER_REASON_BASE, LWS_TO_KILL_ASYNC);
+/* Has it taken nothing for too long, though bytes wait? */
+static bool is_stalled(struct connection *c) {
+    size_t unsent = connection_unsent(c);
+    if (!unsent || unsent != c->unsent)
+        c->progress = connection_now(c);
+    c->unsent = unsent;
+    return connection_now(c) - c->progress >= (uint64_t)c->net->options.stall_seconds * 1000;
 }
 
-bool watch_stalled(struct net *net, struct lws *wsi, const char *name, uint64_t progress) {
-    if (uv_now(net->studio->loop) - progress < (uint64_t)net->options.stall_seconds * 1000)
-        return false;
-    metrics_add(net->studio->metrics, METRIC_TOO_SLOW, 1);
-    log_info("%s takes nothing: closed (too-slow)", name);
-    cut_off(net, wsi);
-    return true;
-}
-
-static void look(struct socket *s, uint64_t now) {
+void socket_look(struct socket *s) {
+    uint64_t silent = connection_now(s->connection) - s->heard;
     uint64_t ping_ms = (uint64_t)s->net->options.ping_seconds * 1000;
     if (s->closing)
         return;
     if (s->deaf)
-        socket_heard(s); /* his answers lie unread */
-    if (!outbox_empty(&s->outbox) && watch_stalled(s->net, s->wsi, s->name, s->progress)) {
-        s->closing = true;
-    } else if (s->probe == PROBE_NONE && now - s->heard >= ping_ms) {
-        s->probe = PROBE_DUE;
-        lws_callback_on_writable(s->wsi);
-    } else if (s->probe != PROBE_NONE && now - s->heard >= ping_ms + ping_ms / 3) {
+        socket_heard(s); /* its answers lie unread */
+    else if (s->probe == PROBE_NONE && silent >= ping_ms)
+        socket_ping(s);
+    else if (s->probe != PROBE_NONE && silent >= ping_ms + ping_ms / 3) {
         log_info("%s does not answer: closed", s->name);
-        s->closing = true;
-        cut_off(s->net, s->wsi);
+        connection_close(s->connection);
+    }
+}
+
+static void look(struct connection *c) {
+    if (c->closing)
+        return;
+    if (c->end_by && connection_now(c) >= c->end_by) {
+        connection_close(c);
+    } else if (is_stalled(c)) {
+        metrics_add(c->net->studio->metrics, METRIC_TOO_SLOW, 1);
+        log_info("%s takes nothing: closed (too-slow)", c->socket ? c->socket->name : "an HTTP client");
+        connection_close(c);
+    } else if (c->finished) {
+        return;
+    } else if (c->socket) {
+        socket_look(c->socket);
+    } else {
+        http_session_look(c);
     }
 }
 
 static void on_timer(uv_timer_t *timer) {
     struct net *net = timer->data;
-    uint64_t now = uv_now(net->studio->loop);
-    for (struct socket *s = net->sockets; s; s = s->next)
-        look(s, now);
-    exchanges_look(net);
+    for (struct connection *c = net->open; c; c = c->next)
+        look(c);
+    listeners_look(net);
 }
 
 void socket_heard(struct socket *s) {
-    s->heard = uv_now(s->net->studio->loop);
+    s->heard = connection_now(s->connection);
     s->probe = PROBE_NONE;
-}
-
-int socket_ping(struct socket *s) {
-    uint8_t ping[LWS_PRE + 1] = {0}; /* of an answer without a byte the library says nothing */
-    s->probe = PROBE_SENT;
-    if (!outbox_empty(&s->outbox))
-        lws_callback_on_writable(s->wsi);
-    return lws_write(s->wsi, ping + LWS_PRE, 1, LWS_WRITE_PING) < 0 ? -1 : 0;
 }
 
 void watch_begin(struct net *net) {

@@ -52,13 +52,13 @@ const cases = [
 ];
 for (const [name, message, expected] of cases) test(name, () => refuses(message, expected));
 
-test('invalid UTF-8 in a text frame', async () => {
-  const stream = await daemon.stream();
-  stream.socket.send(Buffer.from([0x63, 0x69, 0xc3, 0x28]), { binary: false });
-  await stream.wait({ type: 'error', code: 'bad-utf8', byte: 2 });
-  stream.socket.send(Buffer.from('{"type":"speak","text":"\xff"}', 'latin1'), { binary: false });
-  await stream.wait({ type: 'error', code: 'bad-json' });
-  await stream.close();
+test('invalid UTF-8 in a text frame is told, and ends the connection (RFC 6455, 8.1)', async () => {
+  for (const [bytes, byte] of [[[0x63, 0x69, 0xc3, 0x28], 2], [Buffer.from('{"type":"speak","text":"\xff"}', 'latin1'), 24]]) {
+    const stream = await daemon.stream();
+    stream.socket.send(Buffer.from(bytes), { binary: false });
+    await stream.wait({ type: 'error', code: 'bad-utf8', byte });
+    assert.deepEqual(await stream.closed, { code: 1007, reason: 'bad-utf8' });
+  }
 });
 
 test('every refused speak has its one end', async () => {

@@ -35,7 +35,7 @@ export class Daemon {
       return { code, signal };
     });
     daemon.process.stderr.setEncoding('utf8').on('data', (text) => (daemon.log += text));
-    const line = await daemon.logged(/listening on http:\/\/[^:]*:(\d+)\//);
+    const line = await daemon.logged(/listening on http:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//);
     daemon.port = Number(line[1]);
     daemon.url = `http://127.0.0.1:${daemon.port}`;
     await daemon.logged(/ready: |no voice plugin/);

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One TCP connection (or one of a unix socket): it speaks HTTP first, and then perhaps WebSocket. */
+#ifndef FACCIA_NET_CONNECTION_H
+#define FACCIA_NET_CONNECTION_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <sys/socket.h>
+#include <uv.h>
+
+struct net;
+
+struct connection {
+    struct net *net;
+    struct connection *next, **self; /* in the net's list */
+    struct connection *next_due;     /* among those that connection_later is about */
+    struct http_session *http;       /* one of these two */
+    struct socket *socket;
+    union {
+        uv_handle_t handle;
+        uv_stream_t stream;
+        uv_tcp_t tcp;
+        uv_pipe_t pipe;
+    } io;
+    uv_write_t write;
+    char *key;         /* what it is counted by in the tally: "a ADDRESS" or "s SUBJECT" */
+    char *address_key; /* the former */
+    uint64_t progress; /* loop time when bytes left last, or began to wait, ms */
+    uint64_t end_by;   /* loop time at which it is closed, whatever comes; 0 = never */
+    size_t unsent;     /* when that was looked at last */
+    bool sending;      /* some bytes have not left yet */
+    bool reading, due;
+    bool finished; /* nothing more is sent, and what comes is dropped */
+    bool closing;
+    bool surplus;         /* above a limit: is told so, and has no more than that */
+    bool crowded;         /* its address has too many open */
+    bool borrows_reserve; /* lives on a descriptor that is held in reserve */
+};
+
+/* Takes the connection. */
+struct connection *connection_open(struct net *net, int fd, const struct sockaddr_storage *peer);
+
+/* Sends as much as goes at once. True: all of it. False: the rest leaves later, then the protocol is told;
+ * the bytes must stay until then. Not while anything is on its way. */
+bool connection_send(struct connection *connection, const void *bytes, size_t size);
+
+/* Bytes that have not left. */
+size_t connection_unsent(const struct connection *connection);
+
+void connection_read(struct connection *connection, bool on);
+
+/* Counts it for another one from now on. False, and nothing is changed, when that one has too many. */
+bool connection_count(struct connection *connection, const char *key);
+
+/* Lets HTTP go on, soon: for what is done from within an answer's own making. */
+void connection_later(struct connection *connection);
+
+/* Says that nothing more comes, and waits, not for long, for the other end to close: what it still sends
+ * would make the kernel take back what is on its way to it. */
+void connection_finish(struct connection *connection);
+
+/* It is gone soon after, with what belongs to it. */
+void connection_close(struct connection *connection);
+void connections_close(struct net *net);
+
+/* Loop time, ms. */
+uint64_t connection_now(const struct connection *connection);
+
+#endif

@@ -1,0 +1,260 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/http_session.h"
+#include "server/base/mem.h"
+#include "server/net/http_reader.h"
+#include "server/net/internal.h"
+#include "server/net/websocket_open.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    PENDING_BYTES = 65536, /* of requests that came before the present one was answered */
+    DROP_BYTES = 65536,    /* of a body that nobody wants, to be read all the same */
+    IDLE_MS = 30000,       /* without a request */
+    HEAD_MS = 15000,       /* for a request's head */
+    BODY_MS = 15000,       /* for a body, and without a byte of it, */
+    BODY_BYTES_MS = 1,     /* and so much more for each byte of it */
+};
+
+struct http_session {
+    struct http_reader reader;
+    struct exchange *exchange; /* the request that is being answered; NULL = none */
+    struct buf pending;        /* what came meanwhile */
+    uint64_t began;            /* loop time when what is waited for began, ms */
+    uint64_t heard;            /* and when the last of it came */
+    uint64_t body;             /* bytes of the body so far */
+    bool complete;             /* all of the present request has come */
+    bool served;               /* an answer has been given on this connection */
+    bool advancing;            /* its functions are at work */
+    bool eof;                  /* nothing more will come */
+    bool last;                 /* nothing more will be answered */
+};
+
+struct http_session *http_session_new(struct connection *c) {
+    struct http_session *h = mem_alloc(sizeof *h);
+    h->reader.request.connection = c;
+    h->began = connection_now(c);
+    return h;
+}
+
+void http_session_free(struct http_session *h) {
+    if (!h)
+        return;
+    if (h->exchange)
+        exchange_close(h->exchange);
+    http_reader_free(&h->reader);
+    buf_free(&h->pending);
+    free(h);
+}
+
+bool http_session_persists(const struct connection *c) {
+    const struct http_session *h = c->http;
+    const struct http_request *r = &h->reader.request;
+    bool rest = h->complete || (!r->expects_continue && !r->chunked && r->content_length <= DROP_BYTES);
+    return r->keep_alive && rest && !h->last && !c->surplus && !c->crowded && !c->net->draining;
+}
+
+/* A request that is refused before anybody else hears of it. */
+static void refuse(struct connection *c, unsigned status, const struct error *e) {
+    struct http_session *h = c->http;
+    h->last = true;
+    if (!h->exchange)
+        h->exchange = exchange_open(c->net, &h->reader.request);
+    if (exchange_answered(h->exchange))
+        connection_close(c);
+    else
+        exchange_error(h->exchange, status, e);
+}
+
+/* Somebody above the limits: the operator's questions are answered all the same. */
+static bool turn_away(struct connection *c) {
+    const struct http_request *r = &c->http->reader.request;
+    struct error e;
+    bool asks_how = !strcmp(r->path, "/healthz") || !strcmp(r->path, "/metrics");
+    if (!c->crowded && (!c->surplus || asks_how))
+        return false;
+    error_set(&e, "too-many-connections",
+              c->crowded ? "too many connections from there are open" : "too many connections are open");
+    metrics_add(c->net->studio->metrics, METRIC_REFUSED_LIMIT, 1);
+    refuse(c, c->crowded ? 429 : 503, &e);
+    return true;
+}
+
+static void begin(struct connection *c) {
+    static const char go_on[] = "HTTP/1.1 100 Continue\r\n\r\n";
+    struct http_session *h = c->http;
+    struct http_request *r = &h->reader.request;
+    h->began = h->heard = connection_now(c);
+    h->body = 0;
+    h->complete = !r->chunked && !r->content_length;
+    h->exchange = exchange_open(c->net, r);
+    if (turn_away(c) || websocket_asked(h->exchange))
+        return;
+    routes_serve(h->exchange, r->path, strlen(r->path), r->method);
+    if (r->expects_continue && !exchange_answered(h->exchange) && !c->sending)
+        connection_send(c, go_on, strlen(go_on));
+}
+
+static void body(struct connection *c) {
+    struct http_session *h = c->http;
+    struct exchange_work *work = h->exchange ? exchange_get_work(h->exchange) : NULL;
+    h->heard = connection_now(c);
+    h->body += h->reader.body_size;
+    if (work && work->body)
+        work->body(work->self, h->reader.body, h->reader.body_size);
+}
+
+static void end(struct connection *c) {
+    struct http_session *h = c->http;
+    struct exchange_work *work = h->exchange ? exchange_get_work(h->exchange) : NULL;
+    h->complete = true;
+    if (work && work->body_end)
+        work->body_end(work->self);
+}
+
+/* The present answer has left. */
+static void settle(struct connection *c) {
+    struct http_session *h = c->http;
+    bool persists = exchange_persists(h->exchange) && !h->last;
+    exchange_close(h->exchange);
+    h->exchange = NULL;
+    h->served = true;
+    h->began = h->heard = connection_now(c);
+    if (!persists) {
+        h->last = true;
+        connection_finish(c);
+    }
+}
+
+static bool is_over(const struct connection *c) {
+    return c->closing || c->finished || !c->http;
+}
+
+/* Returns how many of the bytes were dealt with. The others have to wait, or are not HTTP any more. */
+static size_t advance(struct connection *c, const uint8_t *bytes, size_t size) {
+    struct http_session *h = c->http;
+    size_t at = 0, used;
+    h->advancing = true;
+    while (!is_over(c)) {
+        if (h->exchange && exchange_done(h->exchange)) {
+            settle(c);
+            continue;
+        }
+        if (h->exchange && (h->complete || h->last))
+            break;
+        enum http_event event = http_reader_feed(&h->reader, bytes + at, size - at, &used);
+        at += used;
+        if (event == HTTP_READ_MORE)
+            break;
+        if (event == HTTP_READ_HEAD)
+            begin(c);
+        else if (event == HTTP_READ_BODY)
+            body(c);
+        else if (event == HTTP_READ_END)
+            end(c);
+        else
+            refuse(c, h->reader.status, &h->reader.error);
+    }
+    if (c->http)
+        h->advancing = false;
+    return at;
+}
+
+/* What is left after the connection has become a WebSocket is that one's. */
+static void hand_over(struct connection *c, struct http_session *h, const uint8_t *rest, size_t size) {
+    http_session_free(h);
+    if (size && !c->closing)
+        socket_read(c->socket, (const char *)rest, size);
+}
+
+void http_session_go_on(struct connection *c) {
+    struct http_session *h = c->http;
+    struct buf pending = h->pending;
+    h->pending = (struct buf){0};
+    size_t used = advance(c, pending.data, pending.size);
+    if (!c->http) {
+        hand_over(c, h, pending.data + used, pending.size - used);
+    } else if (!is_over(c)) {
+        buf_add(&h->pending, pending.data + used, pending.size - used);
+        connection_read(c, !h->eof && h->pending.size < PENDING_BYTES);
+        if (h->eof && !h->exchange)
+            connection_finish(c);
+    }
+    buf_free(&pending);
+}
+
+void http_session_read(struct connection *c, const void *bytes, size_t size) {
+    struct http_session *h = c->http;
+    if (h->last)
+        return;
+    if (h->complete && !h->exchange && !http_reader_begun(&h->reader))
+        h->began = connection_now(c);
+    if (h->pending.size || (h->exchange && h->complete)) {
+        buf_add(&h->pending, bytes, size);
+        if (!h->exchange || exchange_done(h->exchange))
+            http_session_go_on(c);
+        else if (h->pending.size >= PENDING_BYTES)
+            connection_read(c, false);
+        return;
+    }
+    size_t used = advance(c, bytes, size);
+    if (!c->http)
+        hand_over(c, h, (const uint8_t *)bytes + used, size - used);
+    else if (!is_over(c))
+        buf_add(&h->pending, (const uint8_t *)bytes + used, size - used);
+}
+
+/* One that has asked, and says that it has nothing to add, is answered; one that just listens is not there
+ * any more. */
+void http_session_eof(struct connection *c) {
+    struct http_session *h = c->http;
+    h->eof = true;
+    if (!h->exchange || !h->complete || exchange_endless(h->exchange))
+        connection_close(c);
+}
+
+void http_session_sent(struct connection *c) {
+    struct http_session *h = c->http;
+    if (h->exchange)
+        exchange_sent(h->exchange);
+    if (!h->exchange || exchange_done(h->exchange))
+        http_session_go_on(c);
+}
+
+void http_session_answered(struct connection *c) {
+    if (c->http && !c->http->advancing)
+        connection_later(c);
+}
+
+bool http_session_is_idle(const struct connection *c) {
+    const struct http_session *h = c->http;
+    return !h->exchange && h->served && h->complete && !h->pending.size && !http_reader_begun(&h->reader);
+}
+
+static bool is_late(const struct connection *c) {
+    const struct http_session *h = c->http;
+    uint64_t now = connection_now(c);
+    if (h->exchange && !h->complete)
+        return now - h->heard > BODY_MS || now - h->began > BODY_MS + BODY_BYTES_MS * h->body;
+    if (h->exchange)
+        return false;
+    return now - h->began > (http_session_is_idle(c) ? IDLE_MS : HEAD_MS);
+}
+
+void http_session_look(struct connection *c) {
+    struct http_session *h = c->http;
+    struct error e;
+    if (h->exchange)
+        exchange_look(h->exchange);
+    if (!is_late(c) || h->last)
+        return;
+    if (!h->exchange && !http_reader_begun(&h->reader)) {
+        connection_close(c);
+    } else if (h->exchange && exchange_answered(h->exchange)) {
+        connection_close(c);
+    } else {
+        error_set(&e, "request-timeout", "the request has not come in time");
+        refuse(c, 408, &e);
+        http_session_go_on(c);
+    }
+}
