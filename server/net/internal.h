@@ -142,8 +142,7 @@ struct exchange_work *exchange_get_work(struct exchange *x);
 int routes_serve(struct exchange *x, const char *path, size_t length, int method);
 
 /* speech_post.c: /v1/speech, by POST or GET */
-int speech_post(struct exchange *x);
-int speech_get(struct exchange *x);
+int speech_ask(struct exchange *x);
 extern const struct members speech_members; /* that it knows */
 
 /* media.c */

@@ -54,7 +54,7 @@ static const struct route {
     {"/healthz", message_health, NULL, NULL, 0, SCOPE_ALL, &none},
     {"/v1/voices", voices, NULL, NULL, 0, SCOPE_ALL, &none},
     {"/v1/models", models, NULL, NULL, 0, SCOPE_ALL, &none},
-    {"/v1/speech", NULL, speech_post, speech_get, RIGHT_SPEAK, SCOPE_ALL, &speech_members},
+    {"/v1/speech", NULL, speech_ask, speech_ask, RIGHT_SPEAK, SCOPE_ALL, &speech_members},
     {"/v1/expressions", expressions, NULL, NULL, 0, SCOPE_ALL, &none},
     {"/v1/rooms", NULL, NULL, rooms, RIGHT_LISTEN, SCOPE_OWN, &none},
     {"/v1/media", NULL, NULL, media_get, RIGHT_SPEAK, SCOPE_ALL, &none},

@@ -149,23 +149,13 @@ static void on_free(void *self) {
 static const char *const more_members[] = {"format", NULL};
 const struct members speech_members = {.speech = true, .more = more_members};
 
-static struct post *open_post(struct exchange *x, int *result) {
+int speech_ask(struct exchange *x) {
     struct post *p = mem_alloc(sizeof *p);
+    int result = 0;
     p->x = x;
     exchange_set_work(
         x, (struct exchange_work){
                .body = on_body, .body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
-    post_text_begin(&p->text, x, &speech_members, result);
-    return p;
-}
-
-int speech_post(struct exchange *x) {
-    int result = 0;
-    open_post(x, &result);
+    post_text_begin(&p->text, x, &speech_members, &result);
     return result;
-}
-
-int speech_get(struct exchange *x) {
-    int result = 0;
-    return on_body_end(open_post(x, &result));
 }

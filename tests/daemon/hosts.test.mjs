@@ -15,7 +15,7 @@ before(async () => (daemon = await Daemon.start()));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
 const addresses = ['/', '/healthz', '/talking-head.js', '/v1/voices', '/v1/models/mara', '/v1/rooms', '/v1/openapi.json', '/metrics', '/v1/speech?text=Ciao', '/nowhere'];
-const foreign = ['evil.example', 'evil.example:80', 'localhost.evil.example', '127.0.0.1.evil.example', 'x@localhost', '[::1].evil.example', '*'];
+const foreign = ['evil.example', 'evil.example:80', 'localhost.evil.example', '127.0.0.1.evil.example', '[::1].evil.example', '*'];
 
 test('another name gets 421, whatever it asks for', async () => {
   for (const host of foreign)
