@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* facciad: the daemon. Puts the stages together on one loop, reads its settings anew on SIGHUP, and stops
  * cleanly when it is told to. */
+#include "server/app/descriptors.h"
 #include "server/app/service.h"
 #include "server/app/settings.h"
 #include "server/base/log.h"
@@ -42,7 +43,7 @@ static void complain(const struct error *e) {
 
 static struct net_options net_options_of(const struct daemon *d) {
     const struct settings *s = &d->settings;
-    return (struct net_options){
+    struct net_options options = {
         .host = s->host,
         .port = (int)s->port,
         .remote = s->remote,
@@ -60,6 +61,7 @@ static struct net_options net_options_of(const struct daemon *d) {
         .play_bytes = s->play_bytes,
         .queue = s->queue,
         .connections = s->connections,
+        .connections_above = NET_CONNECTIONS_ABOVE,
         .rooms = s->rooms,
         .address_connections = s->address_connections,
         .address_requests = s->address_requests,
@@ -70,6 +72,8 @@ static struct net_options net_options_of(const struct daemon *d) {
         .ping_seconds = s->ping_seconds,
         .hold_seconds = s->hold_seconds,
     };
+    descriptors_provide(&options, s->workers);
+    return options;
 }
 
 static void stop(struct daemon *d);

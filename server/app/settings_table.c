@@ -6,7 +6,7 @@
 /* Every setting and every limit, beside its default. */
 const struct setting settings_table[] = {
     {"listen.host", "host", SETTING_STRING, MEMBER(host), 0, 0, "127.0.0.1", "ADDRESS",
-     "listen on this address"},
+     "listen on this address, on all that a name or an interface has, or with * on all"},
     {"listen.port", "port", SETTING_NUMBER, MEMBER(port), 0, 65535, "8080", "N",
      "listen on this port; 0 = any free one"},
     {"listen.remote", "remote", SETTING_FLAG, MEMBER(remote), 0, 0, "false", NULL,

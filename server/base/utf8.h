@@ -16,9 +16,9 @@ size_t utf8_put(uint32_t cp, char *out);
 /* Offset of the first malformed byte, or n when all is well. */
 size_t utf8_check(const char *s, size_t n);
 
-/* The same for a text that comes in pieces. Begins zeroed. Returns the offset in the piece of the byte at which
- * a character, that began `done` bytes before, turned out to be malformed; or n. A character is incomplete at
- * the end of the text when it needs more. */
+/* The same for a text that comes in pieces. Begins zeroed. Returns the offset in the piece of the byte at
+ * which a character, that began `done` bytes before, turned out to be malformed; or n. A character is
+ * incomplete at the end of the text when it needs more. */
 struct utf8_reader {
     uint8_t need, done; /* bytes of the present character */
     uint8_t low, high;  /* between which its next one must lie */

@@ -86,7 +86,7 @@ static void begin(struct connection *c) {
     struct http_request *r = &h->reader.request;
     h->began = h->heard = connection_now(c);
     h->body = 0;
-    h->complete = !r->chunked && !r->content_length;
+    h->complete = false;
     h->exchange = exchange_open(c->net, r);
     if (turn_away(c) || websocket_asked(h->exchange))
         return;

@@ -17,7 +17,8 @@ if path.startswith('/v1/stream'):
     while b'\\r\\n\\r\\n' not in head:
         head += s.recv(1)
     if body:
-        s.sendall(struct.pack('>BBQI', 0x81, 0xff, len(body), 0) + body)
+        head = struct.pack('>BBH', 0x81, 0xfe, len(body)) if 125 < len(body) < 65536 else struct.pack('>BBQ', 0x81, 0xff, len(body))
+        s.sendall(head + bytes(4) + body)
 elif body:
     s.sendall(f'POST {path} HTTP/1.1\\r\\nHost: 127.0.0.1\\r\\nContent-Type: text/plain\\r\\nContent-Length: {len(body)}\\r\\n\\r\\n'.encode() + body)
 else:
