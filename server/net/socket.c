@@ -8,6 +8,9 @@
 /* A message that is too long is told so, and dropped. So many times as long, and the connection goes, too. */
 enum { MESSAGE_TIMES = 16 };
 
+/* Clients wait half a minute for the answer to their close. */
+enum { HANG_UP_MS = 25000 };
+
 void socket_enter(struct socket *s, struct channel *channel) {
     s->follower.idle = false;
     channel_join(channel, &s->follower);
@@ -100,8 +103,16 @@ static void pong(void *ctx) {
     (void)ctx; /* it has been heard */
 }
 
+/* One that types, and has come to the end of what it was to type, hears the rest of what it had said: its
+ * close is answered after that (RFC 6455, 5.5.1, leaves that open). */
 static void closed(void *ctx, enum websocket_status status) {
-    socket_farewell(ctx, status, "");
+    struct socket *s = ctx;
+    if (s->plain && !socket_room(s) && stream_busy(socket_stream(s))) {
+        s->hangs_up = status;
+        s->hang_up_by = connection_now(s->connection) + HANG_UP_MS;
+    } else {
+        socket_farewell(s, status, "");
+    }
 }
 
 static void fault(void *ctx, enum websocket_status status, const char *why, uint64_t byte) {

@@ -28,6 +28,8 @@ struct socket {
     bool deaf;          /* hears no more of one that does not listen, until it does */
     const char *doomed; /* why the connection is to be closed */
     enum websocket_status doom;
+    enum websocket_status hangs_up; /* with which the client has closed, to be answered later */
+    uint64_t hang_up_by;            /* loop time at which at the latest, ms; 0: it has not */
     bool farewell; /* the client has closed, or broken the rules: nothing more is awaited from it */
     bool closing;  /* the close frame is on its way, or has left */
     bool sending;  /* socket_go_on is at work */

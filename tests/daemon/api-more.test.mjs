@@ -132,7 +132,7 @@ test('what may have been meant', async () => {
     [{ type: 'media', audio: 'opsu' }, /near: opus/],
     [{ type: 'media', fap: 'fbaa' }, /near: fba/],
     [{ type: 'model', name: 'marra' }, /near: mara/],
-    [{ type: 'express', mix: [{ name: 'yoj' }] }, /near: joy/],
+    [{ type: 'express', mix: [{ name: 'jyo' }] }, /near: joy/],
   ];
   for (const [message, pattern] of cases) {
     const from = stream.messages.length;
