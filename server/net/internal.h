@@ -56,6 +56,9 @@ json_t *message_health(const struct net *net);
 /* Appends the object as text and drops it. */
 void message_write(struct buf *out, json_t *object);
 
+/* Where JSON could not be read. Returns -1. */
+int message_bad_json(const json_error_t *why, struct error *e);
+
 /* Sets the request's fields from the members of a speak message, or from the query of an address. */
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
 int request_from_query(struct speech_request *request, const struct http_request *from, const char *except,

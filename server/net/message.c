@@ -259,6 +259,14 @@ json_t *message_hello(struct net *net, const char *stream) {
     return hello;
 }
 
+int message_bad_json(const json_error_t *why, struct error *e) {
+    /* jansson counts the character that it stumbled over, unless it was the end */
+    size_t at = (size_t)why->position;
+    if (at && json_error_code(why) != json_error_premature_end_of_input)
+        at--;
+    return error_at_byte(e, "bad-json", at, "%s", why->text);
+}
+
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {
     struct request_value v = {.type = REQUEST_BOOL};
     switch (json_typeof(value)) {

@@ -52,17 +52,12 @@ int post_text_take(struct post_text *p, const void *data, size_t size) {
     return 0;
 }
 
-static void warn(void *x, const struct error *e) {
-    exchange_warn(x, e);
-}
-
 static int read_json(struct post_text *p, struct speech_request *request, struct error *e) {
-    static const char *const text[] = {"text", NULL};
     json_error_t why;
     p->object =
         json_loadb(p->body.size ? (const char *)p->body.data : "", p->body.size, JSON_ALLOW_NUL, &why);
     if (!p->object)
-        return error_at_byte(e, "bad-json", (size_t)why.position, "%s", why.text);
+        return message_bad_json(&why, e);
     if (!json_is_object(p->object))
         return error_set(e, "bad-message", "the body must be an object with a string 'text'");
     if (request_from_json(request, p->object, e))
@@ -70,8 +65,8 @@ static int read_json(struct post_text *p, struct speech_request *request, struct
     if (!request->text)
         return error_in_field(e, "missing-field", "text", "is missing");
     json_t *others = json_copy(p->object);
-    json_object_del(others, text[0]);
-    members_check(others, &p->known, warn, p->x);
+    json_object_del(others, "text");
+    members_check(others, &p->known, exchange_warn, p->x);
     json_decref(others);
     return 0;
 }
@@ -87,11 +82,13 @@ int post_text_request(struct post_text *p, struct speech_request *request, struc
         return -1;
     if (p->json && read_json(p, request, e))
         return -1;
-    for (size_t i = 0; p->bodiless && i < from->member_count; i++)
-        if (!strcmp(from->members[i].name, "text"))
-            text = (struct request_value){REQUEST_STRING, from->members[i].value, from->members[i].size, 0};
-    if (p->bodiless && !http_query(from, "text"))
+    size_t i = 0;
+    while (p->bodiless && i < from->member_count && strcmp(from->members[i].name, "text"))
+        i++;
+    if (p->bodiless && i == from->member_count)
         return error_in_field(e, "missing-field", "text", "is missing");
+    if (p->bodiless)
+        text = (struct request_value){REQUEST_STRING, from->members[i].value, from->members[i].size, 0};
     if (!p->json)
         request_set(request, "text", text, e);
     if (request->text_size > limit)

@@ -101,11 +101,7 @@ static void hear(struct socket *s, const char *data, size_t size) {
         json_decref(message);
         return;
     }
-    /* jansson counts the character that it stumbled over, unless it was the end */
-    size_t at = (size_t)why.position;
-    if (at && json_error_code(&why) != json_error_premature_end_of_input)
-        at--;
-    error_at_byte(&e, "bad-json", at, "%s", why.text);
+    message_bad_json(&why, &e);
     socket_complain(s, &e);
 }
 

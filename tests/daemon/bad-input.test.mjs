@@ -96,7 +96,8 @@ test('HTTP: unknown addresses, methods, types, formats', async () => {
   await check('/../../etc/passwd', {}, 404, 'not-found');
   await check('/%2e%2e/%2e%2e/etc/passwd', {}, 404, 'not-found');
   await check('/v1/voices', { method: 'POST', body: 'x' }, 405, 'method-not-allowed');
-  await check('/v1/speech', {}, 405, 'method-not-allowed');
+  await check('/v1/say', {}, 405, 'method-not-allowed');
+  await check('/v1/speech', {}, 400, 'missing-field');
   await check('/', { method: 'POST', body: 'x' }, 405, 'method-not-allowed');
   await check('/v1/voices', { method: 'DELETE' }, 405, 'method-not-allowed');
   await check('/v1/stream', {}, 426, 'upgrade-required');
@@ -113,7 +114,8 @@ test('HTTP: unknown addresses, methods, types, formats', async () => {
 test('OPTIONS names the methods', async () => {
   const response = await daemon.get('/v1/speech', { method: 'OPTIONS' });
   assert.equal(response.status, 204);
-  assert.equal(response.headers.get('allow'), 'POST, OPTIONS');
+  assert.equal(response.headers.get('allow'), 'GET, HEAD, POST, OPTIONS');
+  assert.equal((await daemon.get('/v1/say', { method: 'OPTIONS' })).headers.get('allow'), 'POST, OPTIONS');
 });
 
 test('a WebSocket at another address is refused', async () => {
