@@ -261,7 +261,7 @@ static enum http_event gather(struct http_reader *r, const uint8_t *bytes, size_
         if (!head->size && (c == '\r' || c == '\n') && r->blank++ < BLANK_LINES)
             continue;
         buf_add(head, &c, 1);
-        if ((c < ' ' && c != '\r' && c != '\n' && c != '\t') || c == 0x7F)
+        if ((c < ' ' && c != '\r' && c != '\n' && c != '\t') || c == 0x7F || (head->size == 1 && !isupper(c)))
             return refuse_at(r, head->size - 1, "bad-request", "this is no HTTP request");
         r->lines += c == '\n';
         if (c == '\n' && is_end(head))

@@ -1,0 +1,259 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// RFC 6455 by the letter, with a client that sends any frame: what Autobahn checks, as far as it needs no echo.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import { after, before, test } from 'node:test';
+import { Daemon } from '../lib/daemon.mjs';
+import { ask, closeFrame, frame, handshake, RawSocket } from '../lib/raw.mjs';
+
+let daemon;
+before(async () => (daemon = await Daemon.start()));
+after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+
+const [MORE, TEXT, BINARY, CLOSE, PING, PONG] = [0, 1, 2, 8, 9, 10];
+const open = (fields, path) => RawSocket.open(daemon.port, fields, path);
+const ping = (id, size = 0) => JSON.stringify({ type: 'ping', id, x: 'y'.repeat(size) });
+
+/** Sends frames, and says how the connection is closed. */
+async function closedBy(...frames) {
+  const socket = await open();
+  await socket.message({ type: 'hello' });
+  socket.write(Buffer.concat(frames));
+  return socket.goodbye();
+}
+
+test('messages of all lengths, in every form of the length', async () => {
+  const socket = await open();
+  const empty = ping('').length;
+  for (const size of [empty, 125, 126, 127, 128, 65535, 65536, 200000]) {
+    socket.write(frame(TEXT, ping('', size - empty)));
+    await socket.message({ type: 'pong' });
+  }
+  for (const size of [0, 1, 125, 126, 65535, 65536]) {
+    socket.write(frame(BINARY, Buffer.alloc(size, 0xff)));
+    await socket.message({ type: 'error', code: 'binary-message' });
+  }
+  socket.write(frame(TEXT, ''));
+  await socket.message({ type: 'error', code: 'empty-text' });
+  await socket.close();
+});
+
+test('the answer comes when the frame does, byte for byte', async () => {
+  const socket = await open();
+  for (const byte of frame(TEXT, ping('slow'))) {
+    socket.write(Buffer.from([byte]));
+    await new Promise((resolve) => setImmediate(resolve));
+  }
+  await socket.message({ type: 'pong', id: 'slow' });
+  socket.write(Buffer.concat([frame(TEXT, ping('a')), frame(PING, 'x'), frame(TEXT, ping('b')).subarray(0, 9)]));
+  await socket.message({ type: 'pong', id: 'a' });
+  assert.equal(String((await socket.next(PONG)).payload), 'x');
+  socket.write(frame(TEXT, ping('b')).subarray(9));
+  await socket.message({ type: 'pong', id: 'b' });
+  await socket.close();
+});
+
+const refused = {
+  'a length of 16 bits that fits 7': [frame(TEXT, 'abc', { form: 2 }), 'bad-frame'],
+  'a length of 64 bits that fits 16': [frame(TEXT, 'abc', { form: 8 }), 'bad-frame'],
+  'a length with its highest bit set': [Buffer.concat([Buffer.from([0x81, 0xff, 0x80, 0, 0, 0, 0, 0, 0, 1]), Buffer.alloc(8)]), 'bad-frame'],
+  'a frame that is not masked': [frame(TEXT, 'abc', { mask: false }), 'not-masked'],
+  'a ping that is not masked': [frame(PING, 'abc', { mask: false }), 'not-masked'],
+  'RSV1': [frame(TEXT, 'abc', { rsv: 4 }), 'reserved-bits'],
+  'RSV2': [frame(TEXT, 'abc', { rsv: 2 }), 'reserved-bits'],
+  'RSV3 of a ping': [frame(PING, 'abc', { rsv: 1 }), 'reserved-bits'],
+  'RSV1 of an empty close': [frame(CLOSE, '', { rsv: 4 }), 'reserved-bits'],
+  ...Object.fromEntries([3, 4, 5, 6, 7, 11, 12, 13, 14, 15].map((opcode) => [`opcode ${opcode}`, [frame(opcode, 'abc'), 'reserved-opcode']])),
+  'a ping of 126 bytes': [frame(PING, 'x'.repeat(126)), 'bad-frame'],
+  'a pong of 126 bytes': [frame(PONG, 'x'.repeat(126)), 'bad-frame'],
+  'a close of 126 bytes': [frame(CLOSE, Buffer.concat([Buffer.from([3, 232]), Buffer.alloc(124, 'x')])), 'bad-frame'],
+  'a ping in pieces': [Buffer.concat([frame(PING, 'a', { fin: false }), frame(MORE, 'b')]), 'bad-frame'],
+  'a continuation of nothing': [frame(MORE, 'abc'), 'continues-nothing'],
+  'an unfinished continuation of nothing': [frame(MORE, 'abc', { fin: false }), 'continues-nothing'],
+  'a continuation after a whole message': [Buffer.concat([frame(TEXT, ping('w')), frame(MORE, 'abc')]), 'continues-nothing'],
+  'a text within a text': [Buffer.concat([frame(TEXT, 'a', { fin: false }), frame(TEXT, 'b')]), 'not-continued'],
+  'a binary message within a text': [Buffer.concat([frame(TEXT, 'a', { fin: false }), frame(BINARY, 'b')]), 'not-continued'],
+};
+for (const [name, [bytes, reason]] of Object.entries(refused))
+  test(`${name}: 1002`, async () => assert.deepEqual(await closedBy(bytes), { code: 1002, reason }));
+
+test('messages in pieces, with control frames between them', async () => {
+  const socket = await open();
+  const text = ping('pieces');
+  socket.write(Buffer.concat([
+    frame(TEXT, text.slice(0, 5), { fin: false }), frame(PING, 'one'),
+    frame(MORE, '', { fin: false }), frame(PONG, 'nobody asked'),
+    frame(MORE, text.slice(5, 9), { fin: false }), frame(PING, 'two'), frame(MORE, text.slice(9)),
+  ]));
+  const heard = [];
+  while (heard.length < 3) {
+    const got = await socket.frame();
+    if (got.opcode === PONG || JSON.parse(got.payload).type === 'pong') heard.push(got.opcode === PONG ? String(got.payload) : JSON.parse(got.payload).id);
+  }
+  assert.deepEqual(heard, ['one', 'two', 'pieces']);
+  // every byte a frame of its own
+  socket.write(Buffer.concat([...ping('bytes')].map((c, i, all) => frame(i ? MORE : TEXT, c, { fin: i === all.length - 1 }))));
+  await socket.message({ type: 'pong', id: 'bytes' });
+  socket.write(Buffer.concat([frame(TEXT, '', { fin: false }), frame(MORE, '', { fin: false }), frame(MORE, '')]));
+  await socket.message({ type: 'error', code: 'empty-text' });
+  await socket.close();
+});
+
+test('pings: any payload comes back; pongs that nobody asked for do not matter', async () => {
+  const socket = await open();
+  for (const payload of ['', 'hello', Buffer.from([0, 255, 254, 253]), Buffer.alloc(125, 0xfe)]) {
+    socket.write(frame(PING, payload));
+    assert.deepEqual((await socket.next(PONG)).payload, Buffer.from(payload));
+  }
+  socket.write(Buffer.concat([frame(PONG, ''), frame(PONG, 'x'), frame(PING, 'y')]));
+  assert.equal(String((await socket.next(PONG)).payload), 'y');
+  await socket.close();
+});
+
+test('thousands of pings that nobody hears answers to cost no memory; the last one is answered', async () => {
+  const socket = await open();
+  await socket.message({ type: 'hello' });
+  const kilobytes = () => Number(fs.readFileSync(`/proc/${daemon.process.pid}/statm`, 'utf8').split(' ')[1]) * 4;
+  const before = kilobytes();
+  socket.socket.pause();
+  const many = Buffer.concat(Array.from({ length: 5000 }, () => frame(PING, 'z'.repeat(125))));
+  for (let i = 0; i < 20; i++) socket.write(many);
+  socket.write(frame(PING, 'the last'));
+  const other = await open();
+  other.write(frame(TEXT, ping('meanwhile')));
+  await other.message({ type: 'pong', id: 'meanwhile' });
+  await other.close();
+  assert.ok(kilobytes() - before < 8000, `${kilobytes() - before} kB more`);
+  socket.socket.resume();
+  for (let got; String(got?.payload) !== 'the last'; ) assert.ok((got = await socket.next(PONG)));
+  await socket.close();
+});
+
+const bad = ['80', 'bf', 'c0af', 'c1bf', 'e08080', 'e09fbf', 'eda080', 'edbfbf', 'f0808080', 'f08fbfbf', 'f4908080', 'f5808080', 'f8888080', 'fe', 'ff', 'c328', 'e228a1', 'e2828c28ff'.slice(0, 8) + 'ff', 'cebae1bdb9cf83cebcceb5eda080656469746564'];
+const utf8 = (text) => Buffer.from(text, 'hex');
+for (const text of bad)
+  test(`UTF-8 ${text}: 1007`, async () => {
+    assert.equal((await closedBy(frame(TEXT, utf8(text)))).code, 1007);
+    const bytes = utf8(text);
+    assert.equal((await closedBy(...[...bytes].map((byte, i) => frame(i ? MORE : TEXT, Buffer.from([byte]), { fin: i === bytes.length - 1 })))).code, 1007);
+  });
+
+test('UTF-8 that can come to nothing good is told at once, with its place', async () => {
+  const socket = await open();
+  socket.write(Buffer.concat([frame(TEXT, 'né ', { fin: false }), frame(MORE, utf8('f490'), { fin: false })])); // no end
+  const { byte } = await socket.message({ type: 'error', code: 'bad-utf8' });
+  assert.equal(byte, 4);
+  assert.equal((await socket.goodbye()).code, 1007);
+  // within one frame, of which the rest has not come
+  const second = await open();
+  second.write(frame(TEXT, 'a'.repeat(1000)).subarray(0, 500));
+  second.write(Buffer.alloc(8, 0xff));
+  assert.equal((await second.goodbye()).code, 1007);
+  // a character that is cut off by the end
+  assert.equal((await closedBy(frame(TEXT, utf8('cebae1bd')))).code, 1007);
+});
+
+test('UTF-8 that is good, cut anywhere', async () => {
+  const socket = await open();
+  const bytes = Buffer.from('{"type":"ping","id":"κόσμε \u{10ffff}\u{1d11e}\ufffd\ue000\ud7ff\u07ff"}');
+  for (let i = 1; i < bytes.length; i++) {
+    socket.write(Buffer.concat([frame(TEXT, bytes.subarray(0, i), { fin: false }), frame(MORE, bytes.subarray(i))]));
+    await socket.message({ type: 'pong' });
+  }
+  await socket.close();
+});
+
+for (const code of [1000, 1001, 1002, 1003, 1007, 1008, 1009, 1010, 1011, 1012, 1013, 1014, 3000, 3999, 4000, 4999])
+  test(`close ${code} is answered with it`, async () => assert.equal((await closedBy(closeFrame(code, 'tschüß'))).code, code));
+for (const code of [0, 1, 999, 1004, 1005, 1006, 1015, 1016, 1100, 2000, 2999, 5000, 65535])
+  test(`close ${code} is none: 1002`, async () => assert.deepEqual(await closedBy(closeFrame(code)), { code: 1002, reason: 'bad-close' }));
+
+test('closing: nothing, one byte, long and broken reasons, and what comes after', async () => {
+  assert.deepEqual(await closedBy(closeFrame()), { code: undefined, reason: '' });
+  assert.deepEqual(await closedBy(frame(CLOSE, 'x')), { code: 1002, reason: 'bad-close' });
+  assert.equal((await closedBy(closeFrame(1000, 'r'.repeat(123)))).code, 1000);
+  assert.equal((await closedBy(frame(CLOSE, Buffer.from([3, 232, 0xce, 0xba, 0xed, 0xa0, 0x80])))).code, 1007);
+  assert.equal((await closedBy(closeFrame(1000), frame(PING, 'late'), frame(TEXT, '{broken'), closeFrame(1001))).code, 1000);
+  const socket = await open();
+  await socket.message({ type: 'hello' });
+  socket.write(Buffer.concat([closeFrame(1000), frame(PING, 'late'), frame(TEXT, ping('late'))]));
+  assert.equal((await socket.frame()).opcode, CLOSE);
+  assert.equal(await socket.frame(), false, 'nothing after it');
+});
+
+test('a message that is too long is told; one that is far too long ends the connection', async () => {
+  const socket = await open();
+  socket.write(frame(TEXT, 'a'.repeat(300000)));
+  await socket.message({ type: 'error', code: 'message-too-long' });
+  socket.write(Buffer.concat(Array.from({ length: 30 }, (_, i) => frame(i ? MORE : TEXT, 'a'.repeat(10000), { fin: i === 29 }))));
+  await socket.message({ type: 'error', code: 'message-too-long' });
+  socket.write(frame(TEXT, ping('still here')));
+  await socket.message({ type: 'pong', id: 'still here' });
+  socket.write(frame(TEXT, 'a', { length: 16 * 262144 + 1, form: 8 }));
+  await socket.message({ type: 'error', code: 'message-too-long' });
+  assert.deepEqual(await socket.goodbye(), { code: 1009, reason: 'message-too-long' });
+});
+
+test('the handshake', async () => {
+  const socket = await open({ 'Sec-WebSocket-Extensions': 'permessage-deflate; client_max_window_bits' });
+  assert.match(socket.accepted, /^HTTP\/1\.1 101 /);
+  assert.match(socket.accepted, /sec-websocket-accept: s3pPLMBiTxaQ9kYGzzhZRbK\+xOo=/i);
+  assert.doesNotMatch(socket.accepted, /extensions|protocol:/i);
+  await socket.message({ type: 'hello' });
+  await socket.close();
+  const chosen = await open({ 'Sec-WebSocket-Protocol': 'something, faccia.text.v1' });
+  assert.match(chosen.accepted, /sec-websocket-protocol: faccia\.text\.v1/i);
+  assert.match(String((await chosen.frame()).payload), /^hello /);
+  await chosen.close();
+  const odd = await open({ Connection: 'keep-alive, UPGRADE', Upgrade: 'h2c, WebSocket' });
+  assert.match(odd.accepted, /^HTTP\/1\.1 101 /);
+  await odd.close();
+});
+
+const handshakes = [
+  ['version 12', { 'Sec-WebSocket-Version': '12' }, 426, 'upgrade-required'],
+  ['no version', { 'Sec-WebSocket-Version': null }, 426, 'upgrade-required'],
+  ['no key', { 'Sec-WebSocket-Key': null }, 400, 'bad-handshake'],
+  ['a short key', { 'Sec-WebSocket-Key': 'c2hvcnQ=' }, 400, 'bad-handshake'],
+  ['a key that is not base64', { 'Sec-WebSocket-Key': '!!!!!!!!!!!!!!!!!!!!!!==' }, 400, 'bad-handshake'],
+  ['an unknown sub-protocol', { 'Sec-WebSocket-Protocol': 'chat' }, 400, 'unknown-protocol'],
+  ['a foreign page', { Origin: 'https://evil.example' }, 403, 'forbidden-origin'],
+];
+for (const [name, fields, status, code] of handshakes)
+  test(`handshake with ${name}: ${status} ${code}`, async () => {
+    const answer = await ask(daemon.port, handshake(fields));
+    assert.equal(answer.version, 'HTTP/1.1');
+    assert.equal(answer.status, status);
+    assert.equal(JSON.parse(answer.body).code, code);
+    if (status === 426) assert.equal(answer.headers['sec-websocket-version'], '13');
+  });
+
+test('handshake elsewhere, by POST, of HTTP/1.0', async () => {
+  const elsewhere = await ask(daemon.port, handshake({}, '/elsewhere'));
+  assert.deepEqual([elsewhere.status, JSON.parse(elsewhere.body).code], [404, 'not-found']);
+  assert.equal((await ask(daemon.port, handshake({ 'Content-Length': 0 }, '/v1/stream', 'POST'))).status, 400);
+  assert.equal((await ask(daemon.port, handshake().replace('HTTP/1.1', 'HTTP/1.0'))).status, 400);
+});
+
+test('no room: 503', async () => {
+  const small = await Daemon.start(['--max-connections', '2']);
+  const sockets = [await RawSocket.open(small.port), await RawSocket.open(small.port)];
+  const answer = await ask(small.port, handshake());
+  assert.deepEqual([answer.status, JSON.parse(answer.body).code], [503, 'too-many-connections']);
+  assert.ok(Number(answer.headers['retry-after']) > 0);
+  await Promise.all(sockets.map((socket) => socket.close()));
+  assert.equal((await small.stop()).code, 0);
+});
+
+test('a client that vanishes in the middle of a frame costs nobody anything', async () => {
+  const other = await open();
+  for (let i = 0; i < 30; i++) {
+    const socket = await open();
+    socket.write(frame(TEXT, 'a'.repeat(70000)).subarray(0, 1 + i * 300));
+    if (i % 2) socket.socket.resetAndDestroy();
+    else socket.socket.end();
+  }
+  other.write(frame(TEXT, ping('here')));
+  await other.message({ type: 'pong', id: 'here' });
+  await other.close();
+});
