@@ -55,6 +55,8 @@ static void head_origin(struct head *h, const struct exchange *x) {
     head_add(h, "vary", "origin");
     if (origin && *origin && guest_origin_allowed(x->net, x->request))
         head_add(h, "access-control-allow-origin", origin);
+    if (x->warning_count)
+        head_add(h, "access-control-expose-headers", "faccia-warning");
 }
 
 /* In ASCII, and on one line. */
