@@ -17,7 +17,7 @@ int guest_check_host(const struct net *net, const struct http_request *request, 
     char own[256] = "";
     const char *host = http_header(request, "host");
     gethostname(own, sizeof own - 1);
-    if (host_allowed(host, own, net->options.host_names))
+    if (host_allowed(host, own, net->options.host_names) || host_allowed(host, net->options.host, NULL))
         return 0;
     metrics_add(net->studio->metrics, METRIC_REFUSED_ORIGIN, 1);
     return error_set(
