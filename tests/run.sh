@@ -36,7 +36,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
 sh "$root/server/run.sh" --build-only
-need_packages libcmocka-dev chromium curl espeak-ng hunspell-tr librsvg2-bin pocketsphinx-testdata python3-websockets sox systemd \
+need_packages libcmocka-dev chromium curl iproute2 espeak-ng hunspell-tr librsvg2-bin pocketsphinx-testdata python3-websockets sox systemd \
     wamerican wbrazilian witalian festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite
 need_modules "$root/tests"
 

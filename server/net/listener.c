@@ -16,7 +16,7 @@
 enum {
     ACCEPTS = 64,       /* at a time */
     RESERVE = 4,        /* descriptors with which somebody can be told that there are no more */
-    BORROWED_MS = 3000, /* for which each of them is lent */
+    BORROWED_MS = 1000, /* for which each of them is lent */
     CROWD = 8,          /* connections above what an address may have, which can be told so */
     BIND_TRIES = 20,    /* for a free port that is free in all addresses */
 };

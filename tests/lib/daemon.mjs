@@ -20,7 +20,7 @@ const kill = () => running.forEach((child) => child.kill('SIGKILL'));
 if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 5000).unref());
 
 export class Daemon {
-  /** @param {string[]} options of facciad; env: further variables; program: what starts it */
+  /** @param {string[]} options of facciad; env: further variables; program: another one that becomes it */
   static async start(options = [], env = {}, program = path.join(build, 'server/app/facciad')) {
     const daemon = new Daemon();
     daemon.log = '';

@@ -205,7 +205,20 @@ static void tallies(void **state) {
     tally_leave(&tally, "nobody");
     tally_leave(&tally, "a");
     tally_leave(&tally, "a");
-    assert_true(tally_ask(&tally, "a", 1, 60000)); /* who has left is not counted */
+    assert_int_equal(tally_open(&tally, "a"), 0);
+    assert_false(tally_ask(&tally, "a", 1, 60000)); /* what was asked counts all the same */
+    assert_true(tally_ask(&tally, "a", 2, 60000));
+    assert_true(tally_ask(&tally, "c", 1, 60000)); /* one that has nothing open */
+    assert_false(tally_ask(&tally, "c", 1, 61000));
+    assert_true(tally_ask(&tally, "c", 1, 120000));
+    assert_int_equal(tally.closed, 1); /* a is forgotten: that was another minute; b has something open */
+    for (int i = 0; i < 3 * TALLY_CLOSED_MOST; i++) {
+        char key[24];
+        snprintf(key, sizeof key, "x%d", i);
+        assert_true(tally_ask(&tally, key, 1, 120000));
+        assert_true(tally.closed <= TALLY_CLOSED_MOST + 1);
+    }
+    assert_int_equal(tally_open(&tally, "b"), 1);
     tally_free(&tally);
 }
 
