@@ -58,7 +58,9 @@ test('a page of another origin frames ours when --embed names it, and not otherw
     await page.close();
     return { title, refused };
   };
-  assert.deepEqual(await framed(own.url), { title: 'faccia', refused: false });
+  const { title, refused } = await framed(own.url);
+  assert.match(title, /faccia/);
+  assert.equal(refused, false);
   assert.equal((await framed(daemon.url)).refused, true);
   server.close();
   assert.equal((await own.stop()).code, 0);
