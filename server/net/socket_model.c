@@ -15,10 +15,10 @@ void socket_push_model_part(struct socket *s) {
     buf_printf(&text, ",\"data\":");
     buf_add(&text, part->json, strlen(part->json));
     buf_add(&text, "}", 1);
+    if (++s->model_part == m->part_count) /* before it is said: the next one may follow at once */
+        s->model = NULL;
     socket_say_text(s, &text);
     buf_free(&text);
-    if (++s->model_part == m->part_count)
-        s->model = NULL;
 }
 
 void socket_send_model(struct socket *s, const json_t *message) {

@@ -138,13 +138,13 @@ function raw(bytes) {
 
 test('garbage on the port harms nobody', async () => {
   const other = await daemon.stream();
-  const upgrade = 'GET /v1/stream HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n';
+  const upgrade = 'GET /v1/stream HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n';
   const hostile = [
     Buffer.alloc(5000, 0xff),
     Buffer.from('GET / HTTP/9.9\r\n\r\n'),
     Buffer.from('GET /' + 'a'.repeat(20000) + ' HTTP/1.1\r\n\r\n'),
-    Buffer.from('POST /v1/speech HTTP/1.1\r\nHost: x\r\nContent-Length: 99999999999\r\n\r\nabc'),
-    Buffer.from('POST /v1/speech HTTP/1.1\r\nHost: x\r\nContent-Length: -5\r\n\r\nabc'),
+    Buffer.from('POST /v1/speech HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\nabc'),
+    Buffer.from('POST /v1/speech HTTP/1.1\r\nHost: localhost\r\nContent-Length: -5\r\n\r\nabc'),
     Buffer.concat([Buffer.from(upgrade), Buffer.from([0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff])]), // reserved bits
     Buffer.concat([Buffer.from(upgrade), Buffer.from([0x81, 0x05, 0x41, 0x41, 0x41, 0x41, 0x41])]), // not masked
     Buffer.concat([Buffer.from(upgrade), Buffer.from([0x80, 0x85, 1, 2, 3, 4, 5, 5, 5, 5, 5])]), // continues nothing

@@ -224,7 +224,7 @@ test('1000 connections that come and go leave nothing behind', async () => {
           const socket = net.connect(busy.port, '127.0.0.1');
           await new Promise((resolve) => socket.on('connect', resolve));
           socket.on('error', () => {});
-          socket.write('GET /v1/stream HTTP/1.1\r\nHost: x\r\n');
+          socket.write('GET /v1/stream HTTP/1.1\r\nHost: localhost\r\n');
           return { close: () => socket.destroy() };
         }
         const stream = await busy.stream(i % 2 ? `?room=r${i % 7}` : '');
