@@ -47,3 +47,8 @@ bool origin_allowed(const char *origin, const char *host, char *const *list) {
             return true;
     return false;
 }
+
+bool origin_unsaid_allowed(const char *site, const char *mode, const char *user) {
+    bool followed = mode && !strcmp(mode, "navigate") && user && !strcmp(user, "?1");
+    return !site || strcmp(site, "cross-site") || followed;
+}

@@ -1,57 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/access/token.h"
 #include "server/base/mem.h"
-#include <errno.h>
+#include <jansson.h>
 #include <jwt.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A token is longer than it need be: nobody's. */
-enum { TOKEN_BYTES = 2048, RIGHTS_BYTES = 64 };
+/* A longer token than TOKEN_BYTES is nobody's. Clocks may differ by so many seconds. */
+enum { TOKEN_BYTES = 2048, RIGHTS_BYTES = 64, LEEWAY_SECONDS = 30 };
+
+#define LATEST 253402300799.0 /* the year 9999 */
 
 static const struct {
     const char *word;
     enum right right;
 } rights_words[] = {{"listen", RIGHT_LISTEN}, {"speak", RIGHT_SPEAK}, {"operate", RIGHT_OPERATE}};
-
-int secrets_load(struct secrets *secrets, const char *path, struct error *e) {
-    *secrets = (struct secrets){0};
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return error_set(e, "bad-file", "%s: %s", path, strerror(errno));
-    char *line = NULL;
-    size_t cap = 0, list_cap = 0, number = 0;
-    int result = 0;
-    for (ssize_t n; !result && (n = getline(&line, &cap, file)) >= 0;) {
-        number++;
-        n = (ssize_t)strcspn(line, "\r\n");
-        if (!n)
-            continue;
-        line[n] = '\0';
-        if (n < TOKEN_SECRET_MIN) {
-            result = error_at_line(e, "bad-file", number, 1, "%s: a secret must have at least %d bytes", path,
-                                   TOKEN_SECRET_MIN);
-            break;
-        }
-        secrets->list = mem_grow(secrets->list, &list_cap, secrets->count + 1, sizeof *secrets->list);
-        secrets->list[secrets->count++] = mem_strdup(line);
-    }
-    free(line);
-    fclose(file);
-    if (!result && !secrets->count)
-        result = error_set(e, "bad-file", "%s: holds no secret", path);
-    if (result)
-        secrets_free(secrets);
-    return result;
-}
-
-void secrets_free(struct secrets *secrets) {
-    for (size_t i = 0; i < secrets->count; i++)
-        free(secrets->list[i]);
-    free(secrets->list);
-    *secrets = (struct secrets){0};
-}
 
 int rights_parse(const char *words, unsigned *rights, struct error *e) {
     *rights = 0;
@@ -87,26 +51,67 @@ char *token_make(const struct secrets *secrets, const struct token *token, struc
     return text;
 }
 
-static int copy_claim(char *out, size_t cap, jwt_t *jwt, const char *name, bool needed, struct error *e) {
-    const char *value = jwt_get_grant(jwt, name);
-    if ((!value && needed) || (value && strlen(value) >= cap))
-        return error_set(e, "bad-token", "the token's claim '%s' is missing or too long", name);
+static int copy_claim(char *out, size_t cap, const json_t *claims, const char *name, bool needed,
+                      struct error *e) {
+    const json_t *claim = json_object_get(claims, name);
+    const char *value = json_string_value(claim);
+    if ((!value && (claim || needed)) || (value && json_string_length(claim) >= cap) ||
+        (value && strlen(value) != json_string_length(claim)))
+        return error_set(e, "bad-token", "the token's claim '%s' is missing, too long, or no string", name);
     snprintf(out, cap, "%s", value ? value : "");
     return 0;
 }
 
-static int read_claims(jwt_t *jwt, long now, struct token *token, struct error *e) {
+/* A NumericDate (RFC 7519, 2); *seconds stays as it is where there is none. */
+static int copy_date(long *seconds, const json_t *claims, const char *name, bool needed, struct error *e) {
+    const json_t *claim = json_object_get(claims, name);
+    double value = json_number_value(claim);
+    if (!claim && !needed)
+        return 0;
+    if (!json_is_number(claim) || !(value >= 0 && value <= LATEST))
+        return error_set(e, "bad-token", "the token's claim '%s' is missing or no date", name);
+    *seconds = (long)value;
+    return 0;
+}
+
+static int read_claims(const json_t *claims, long now, struct token *token, struct error *e) {
     char rights[RIGHTS_BYTES];
-    if (copy_claim(token->subject, sizeof token->subject, jwt, "sub", true, e) ||
-        copy_claim(token->room, sizeof token->room, jwt, "room", false, e) ||
-        copy_claim(rights, sizeof rights, jwt, "rights", true, e))
+    long from = 0, made = 0;
+    if (copy_claim(token->subject, sizeof token->subject, claims, "sub", true, e) ||
+        copy_claim(token->room, sizeof token->room, claims, "room", false, e) ||
+        copy_claim(rights, sizeof rights, claims, "rights", true, e) ||
+        copy_date(&token->expires, claims, "exp", true, e) || copy_date(&from, claims, "nbf", false, e) ||
+        copy_date(&made, claims, "iat", false, e))
         return -1;
     if (rights_parse(rights, &token->rights, e))
         return error_set(e, "bad-token", "the token names rights that there are not");
-    token->expires = jwt_get_grant_int(jwt, "exp");
     if (token->expires <= now)
         return error_set(e, "expired-token", "the token has expired");
+    if (from > now + LEEWAY_SECONDS || made > now + LEEWAY_SECONDS)
+        return error_set(e, "early-token", "the token is not good yet");
     return 0;
+}
+
+/* The JSON text of the library, and frees it. */
+static json_t *object_of(char *text) {
+    json_t *object = text ? json_loads(text, 0, NULL) : NULL;
+    free(text);
+    return object;
+}
+
+static int read_token(jwt_t *jwt, long now, struct token *token, struct error *e) {
+    json_t *header = object_of(jwt_get_headers_json(jwt, NULL));
+    json_t *claims = object_of(jwt_get_grants_json(jwt, NULL));
+    int result;
+    /* who signs with "crit" wants it refused by those who do not understand (RFC 7515, 4.1.11) */
+    if (json_object_get(header, "crit"))
+        result =
+            error_set(e, "bad-token", "the token's header has 'crit', of which this server knows nothing");
+    else
+        result = read_claims(claims, now, token, e);
+    json_decref(header);
+    json_decref(claims);
+    return result;
 }
 
 int token_check(const struct secrets *secrets, const char *text, long now, struct token *token,
@@ -119,11 +124,12 @@ int token_check(const struct secrets *secrets, const char *text, long now, struc
         const char *secret = secrets->list[i];
         if (jwt_decode(&jwt, text, (const unsigned char *)secret, (int)strlen(secret)))
             jwt = NULL;
+        token->secret = secret_number(secret);
     }
     /* a token may say that it is not signed: that is no token of ours */
     int result = !jwt || jwt_get_alg(jwt) != JWT_ALG_HS256
                      ? error_set(e, "bad-token", "the token is not signed with a secret of this server")
-                     : read_claims(jwt, now, token, e);
+                     : read_token(jwt, now, token, e);
     jwt_free(jwt);
     return result;
 }

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Tokens: who may do what in which room, until when. A token is a JSON Web Token (RFC 7519) signed with
  * HMAC-SHA256 (RFC 7518, 3.2), with the claims "sub", "room" (none = any), "rights" (words with spaces
- * between), "iat" and "exp". */
+ * between) and "exp"; "nbf" and "iat" are obeyed where they are. */
 #ifndef FACCIA_ACCESS_TOKEN_H
 #define FACCIA_ACCESS_TOKEN_H
 
-#include "server/base/error.h"
+#include "server/access/secrets.h"
 #include <stdbool.h>
-#include <stddef.h>
 
 enum right {
     RIGHT_LISTEN = 1u << 0,  /* hear a room */
@@ -16,25 +15,15 @@ enum right {
     RIGHTS_ALL = RIGHT_LISTEN | RIGHT_SPEAK | RIGHT_OPERATE,
 };
 
-enum { TOKEN_SUBJECT = 64, TOKEN_ROOM = 64, TOKEN_SECRET_MIN = 32 };
+enum { TOKEN_SUBJECT = 64, TOKEN_ROOM = 64 };
 
 struct token {
     char subject[TOKEN_SUBJECT + 1];
     char room[TOKEN_ROOM + 1]; /* "" = any */
     unsigned rights;
-    long expires; /* s since 1970 */
+    long expires;    /* s since 1970 */
+    uint64_t secret; /* that it was signed with: its secret_number */
 };
-
-/* The secrets of a file: one in each line, of at least TOKEN_SECRET_MIN bytes. The first signs; all are
- * accepted, so that one can be replaced without cutting anybody off. */
-struct secrets {
-    char **list;
-    size_t count;
-};
-
-/* -1 with *e: "bad-file", or the line of a secret that is too short. */
-int secrets_load(struct secrets *secrets, const char *path, struct error *e);
-void secrets_free(struct secrets *secrets);
 
 /* The rights of words such as "listen,speak". -1 with *e. */
 int rights_parse(const char *words, unsigned *rights, struct error *e);
@@ -49,7 +38,8 @@ char *token_make_short(const struct secrets *secrets, const struct token *token,
 int token_check_short(const struct secrets *secrets, const char *text, long now, struct token *token,
                       struct error *e);
 
-/* Either kind. -1 with *e: "bad-token" (not one of ours, damaged, without a claim) or "expired-token". */
+/* Either kind. -1 with *e: "bad-token" (not one of ours, damaged, without a claim), "expired-token" or
+ * "early-token". */
 int token_check(const struct secrets *secrets, const char *text, long now, struct token *token,
                 struct error *e);
 

@@ -96,6 +96,7 @@ int token_check_short(const struct secrets *secrets, const char *text, long now,
         const struct secrets one = {secrets->list + i, 1};
         char *ours = token_make_short(&one, token, &ignored);
         good = ours && same(ours, text);
+        token->secret = secret_number(secrets->list[i]);
         free(ours);
     }
     if (!good)

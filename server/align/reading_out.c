@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #define JSON_FLAGS (JSON_COMPACT | JSON_REAL_PRECISION(9))
 
@@ -126,9 +127,9 @@ static void write_all(const struct reading *r, FILE *file) {
 }
 
 int reading_save(const struct reading *r, const char *path, struct error *e) {
-    char *part = mem_alloc(strlen(path) + 6);
-    sprintf(part, "%s.part", path);
-    FILE *file = fopen(part, "w");
+    char *part = mem_alloc(strlen(path) + 32);
+    sprintf(part, "%s.%ld.part", path, (long)getpid()); /* others may align the same */
+    FILE *file = fopen(part, "wx");
     bool well = file != NULL;
     if (file) {
         write_all(r, file);

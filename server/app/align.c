@@ -2,6 +2,7 @@
 /* faccia align: when a recording says what, and the face that goes with it. */
 #include "server/app/align_write.h"
 #include "server/base/mem.h"
+#include "server/base/near.h"
 #include <errno.h>
 #include <getopt.h>
 #include <math.h>
@@ -103,7 +104,7 @@ static int run(struct align *a, const struct paths *paths) {
     if (a->progress)
         fputs("\r\033[K", stderr);
     for (int i = 0; i < OUTPUTS; i++) {
-        if (align_close_output(&a->outputs[i], i == WAV))
+        if (align_close_output(&a->outputs[i], i == WAV, !result))
             result = -1;
         export_free(&a->outputs[i].export);
     }
@@ -170,13 +171,22 @@ static int choose(struct align *a) {
     if (!a->request.lang)
         a->request.lang = mem_strdup("it");
     a->pack = speech_packs_find(&a->packs, a->request.lang);
-    if (!a->pack)
-        cli_complain("lang: no language '%s'", a->request.lang);
-    else if (!face_engine_speaks(a->request.engine, a->pack))
-        cli_complain("engine: no engine '%s' for '%s'", a->request.engine, a->request.lang);
-    else
-        return -1;
-    return EXIT_USAGE;
+    char text[NEAR_TEXT];
+    if (!a->pack) {
+        struct near near = near_to(a->request.lang);
+        for (size_t i = 0; i < a->packs.count; i++)
+            near_try(&near, speech_pack_lang(a->packs.packs[i]), speech_pack_lang(a->packs.packs[i]));
+        cli_complain("lang: no language '%s'%s", a->request.lang, near_text(&near, text));
+        return EXIT_USAGE;
+    }
+    if (!face_engine_speaks(a->request.engine, a->pack)) {
+        struct near near = near_to(a->request.engine);
+        near_try_all(&near, face_engines());
+        cli_complain("engine: no engine '%s' for '%s'%s", a->request.engine, a->request.lang,
+                     near_text(&near, text));
+        return EXIT_USAGE;
+    }
+    return -1;
 }
 
 int align_main(int argc, char **argv) {

@@ -13,7 +13,7 @@
 
 static int write_out(struct output *o) {
     struct buf *out = &o->export.out;
-    bool well = !out->size || fwrite(out->data, 1, out->size, o->file) == out->size;
+    bool well = !out->size || fwrite(out->data, 1, out->size, o->file.file) == out->size;
     out->size = 0;
     if (!well)
         cli_complain("%s: %s", o->path, strerror(errno));
@@ -97,23 +97,20 @@ int align_open_outputs(struct align *a) {
         struct output *o = &a->outputs[i];
         if (!o->path)
             continue;
-        o->file = cli_create(o->path);
-        if (!o->file)
+        if (cli_create(&o->file, o->path))
             return -1;
         export_begin(&o->export, export_by_name(names[i]), &source);
     }
     return 0;
 }
 
-int align_close_output(struct output *o, bool wav) {
+int align_close_output(struct output *o, bool wav, bool well) {
     uint8_t header[WAV_HEADER_BYTES];
-    if (!o->file)
-        return 0;
-    if (wav && o->export.sample_rate && !fseek(o->file, 0, SEEK_SET)) {
+    if (wav && o->file.file && o->export.sample_rate && !fseek(o->file.file, 0, SEEK_SET)) {
         wav_header(header, o->export.sample_rate, o->export.samples);
-        fwrite(header, 1, sizeof header, o->file);
+        fwrite(header, 1, sizeof header, o->file.file);
     }
-    return cli_finish(o->file, o->path);
+    return cli_finish(&o->file, well);
 }
 
 int align_end_outputs(struct align *a) {

@@ -5,13 +5,14 @@
 
 #include "server/align/reading.h"
 #include "server/app/cli.h"
+#include "server/app/cli_file.h"
 #include "server/stream/export.h"
 
 enum { WAV, FAP, JSON, OUTPUTS };
 
 struct output {
     const char *path; /* NULL = not asked for */
-    FILE *file;
+    struct cli_file file;
     struct export export;
 };
 
@@ -36,7 +37,7 @@ int align_write(struct align *align, double known);
 /* All has been written. */
 int align_end_outputs(struct align *align);
 
-/* A WAV file that can be rewound gets its true length. */
-int align_close_output(struct output *output, bool wav);
+/* A WAV file that can be rewound gets its true length. What is not well is thrown away. */
+int align_close_output(struct output *output, bool wav, bool well);
 
 #endif

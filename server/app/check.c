@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia check: what in a text would not be acted on. */
 #include "server/app/cli.h"
+#include "server/app/cli_file.h"
 #include "server/base/lines.h"
 #include "server/expression/expressions.h"
 #include "server/markup/markup.h"
@@ -131,10 +132,11 @@ int check_main(int argc, char **argv) {
     }
     if (!(c.expressions = load_expressions()))
         return EXIT_FAILED;
+    struct cli_file out = {.file = stdout, .path = "standard output"};
     int result = EXIT_DONE;
     for (int i = optind; i < argc; i++)
         if (check(&c, argv[i]))
             result = EXIT_FAILED;
     expressions_free(c.expressions);
-    return cli_finish(stdout, "standard output") ? EXIT_FAILED : result;
+    return cli_finish(&out, true) ? EXIT_FAILED : result;
 }

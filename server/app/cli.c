@@ -122,21 +122,6 @@ int cli_read(const char *path, struct buf *text) {
     return failed ? -1 : 0;
 }
 
-FILE *cli_create(const char *path) {
-    FILE *file = !strcmp(path, "-") ? stdout : fopen(path, "wb");
-    if (!file)
-        cli_complain("%s: %s", path, strerror(errno));
-    return file;
-}
-
-int cli_finish(FILE *file, const char *path) {
-    bool failed = ferror(file);
-    failed |= (file == stdout ? fflush(file) : fclose(file)) != 0;
-    if (failed)
-        cli_complain("%s: %s", path, strerror(errno));
-    return failed ? -1 : 0;
-}
-
 int cli_text(int argc, char **argv, const char *path, struct buf *text) {
     if (!path && optind + 1 == argc && !strcmp(argv[optind], "-"))
         path = argv[optind++];

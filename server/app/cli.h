@@ -31,12 +31,6 @@ void cli_complain(const char *format, ...) __attribute__((format(printf, 1, 2)))
 /* Reads the file, or standard input when it is "-". -1 after a message. */
 int cli_read(const char *path, struct buf *text);
 
-/* Opens for writing; "-" is standard output. NULL after a message. */
-FILE *cli_create(const char *path);
-
-/* Closes what cli_create opened. -1 after a message when not everything could be written. */
-int cli_finish(FILE *file, const char *path);
-
 /* The text that a command is to work on: its words from optind on, joined by spaces, or the file path (NULL =
  * none), or standard input when the only word is "-". The exit code after a message, or -1 to go on. */
 int cli_text(int argc, char **argv, const char *path, struct buf *text);

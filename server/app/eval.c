@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia eval: the same speech at several rates, its lips made by each engine and measured. */
 #include "server/app/cli.h"
+#include "server/app/cli_file.h"
 #include "server/app/eval_report.h"
 #include "server/base/mem.h"
 #include <errno.h>
@@ -232,21 +233,23 @@ static int parse(int argc, char **argv, struct run *run, struct buf *text) {
 static int write_report(struct run *run) {
     const struct eval_report *r = &run->report;
     struct buf svg = {0};
-    FILE *file;
+    struct cli_file file;
     int status = EXIT_DONE;
     if (!run->json_path && !run->svg_path)
         eval_report_table(r, stdout);
     if (run->json_path) {
-        if ((file = cli_create(run->json_path)))
-            eval_report_json(r, file);
-        if (!file || cli_finish(file, run->json_path))
+        int failed = cli_create(&file, run->json_path);
+        if (!failed)
+            eval_report_json(r, file.file);
+        if (failed || cli_finish(&file, true))
             status = EXIT_FAILED;
     }
     if (run->svg_path) {
         eval_report_svg(r, &svg);
-        if ((file = cli_create(run->svg_path)))
-            fwrite(svg.data, 1, svg.size, file);
-        if (!file || cli_finish(file, run->svg_path))
+        int failed = cli_create(&file, run->svg_path);
+        if (!failed)
+            fwrite(svg.data, 1, svg.size, file.file);
+        if (failed || cli_finish(&file, true))
             status = EXIT_FAILED;
     }
     buf_free(&svg);

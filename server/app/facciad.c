@@ -50,6 +50,8 @@ static struct net_options net_options_of(const struct daemon *d) {
         .listen_fds = d->sockets,
         .listen_count = d->socket_count,
         .origins = s->origins,
+        .host_names = s->host_names,
+        .embed = s->embed,
         .secrets = d->secrets.count ? &d->secrets : NULL,
         .web = s->web,
         .models = s->models,
@@ -68,6 +70,7 @@ static struct net_options net_options_of(const struct daemon *d) {
         .lag_seconds = s->lag_seconds,
         .stall_seconds = s->stall_seconds,
         .ping_seconds = s->ping_seconds,
+        .hold_seconds = s->hold_seconds,
     };
     descriptors_provide(&options, s->workers);
     return options;

@@ -2,6 +2,7 @@
 #include "server/app/fap_file.h"
 #include "protocol/fbafile.h"
 #include "server/app/cli.h"
+#include "server/app/cli_file.h"
 #include <stdlib.h>
 
 static int read_coded(const char *path, const struct buf *bytes, struct fap_file *out) {
@@ -58,9 +59,9 @@ int fap_file_code(const struct fapfile *face, int quality, struct buf *out) {
 }
 
 int fap_file_write(const char *path, const struct buf *bytes) {
-    FILE *file = cli_create(path);
-    if (!file)
+    struct cli_file file;
+    if (cli_create(&file, path))
         return EXIT_FAILED;
-    fwrite(bytes->data, 1, bytes->size, file);
-    return cli_finish(file, path) ? EXIT_FAILED : EXIT_DONE;
+    fwrite(bytes->data, 1, bytes->size, file.file);
+    return cli_finish(&file, true) ? EXIT_FAILED : EXIT_DONE;
 }

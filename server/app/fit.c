@@ -2,9 +2,9 @@
 /* faccia fit: from recordings of a speaker's face to a speech pack. */
 #include "server/fit/fit.h"
 #include "server/app/cli.h"
+#include "server/app/cli_file.h"
 #include "server/app/fit_read.h"
 #include "server/base/mem.h"
-#include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -155,13 +155,13 @@ static int write_pack(const struct fitting *f, const struct speech_pack *pack, c
     struct fit_names names = {f->tag ? f->tag : tag, f->name ? f->name : speech_pack_name(pack), f->base,
                               source};
     json_t *json = fit_pack(pack, fit, &names);
-    FILE *file = f->output ? fopen(f->output, "w") : stdout;
-    bool failed =
-        !file || json_dumpf(json, file, JSON_INDENT(1) | JSON_REAL_PRECISION(7)) || fputc('\n', file) < 0;
-    if (file && (file == stdout ? fflush(file) : fclose(file)))
-        failed = true;
-    if (failed)
-        cli_complain("%s: %s", f->output ? f->output : "standard output", strerror(errno));
+    struct cli_file out;
+    bool failed = cli_create(&out, f->output ? f->output : "-");
+    if (!failed) {
+        json_dumpf(json, out.file, JSON_INDENT(1) | JSON_REAL_PRECISION(7));
+        fputc('\n', out.file);
+        failed = cli_finish(&out, true);
+    }
     json_decref(json);
     return failed ? EXIT_FAILED : EXIT_DONE;
 }

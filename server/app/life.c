@@ -3,6 +3,7 @@
 #include "server/face/life.h"
 #include "protocol/fapfile.h"
 #include "server/app/cli.h"
+#include "server/app/cli_file.h"
 #include "server/eval/life_statistics.h"
 #include <getopt.h>
 #include <math.h>
@@ -28,7 +29,7 @@ static const char usage[] =
 struct life_run {
     double seconds, seed, strength, fps;
     const char *lang, *fap, *file;
-    FILE *out;
+    struct cli_file out;
     struct buf frames; /* of speech, until it is known how many they are */
     struct cli cli;
     struct speech *speech;
@@ -50,12 +51,12 @@ static void live(struct life_run *r, const struct face_layer *layer, double begi
     char text[4096];
     for (double t; (t = (double)r->statistics.frames / r->fps) < end;) {
         frame_of(layer, t - begin, &frame);
-        if (r->out) {
+        if (r->out.file) {
             size_t size = fapfile_write_frame(&frame, r->statistics.frames, text, sizeof text);
             if (speech)
                 buf_add(&r->frames, text, size);
             else
-                fputs(text, r->out);
+                fputs(text, r->out.file);
         }
         life_statistics_add(&r->statistics, &frame);
     }
@@ -64,8 +65,8 @@ static void live(struct life_run *r, const struct face_layer *layer, double begi
 static void write_header(const struct life_run *r, size_t count) {
     char text[200];
     fapfile_write_header("faccia life", r->fps, count, text, sizeof text);
-    if (r->out)
-        fputs(text, r->out);
+    if (r->out.file)
+        fputs(text, r->out.file);
 }
 
 static void live_through(struct life_run *r, const struct utterance *u, double begin, double seconds) {
@@ -214,20 +215,20 @@ int life_main(int argc, char **argv) {
     bool speaks = r.file || optind < argc;
     if (speaks && (status = cli_text(argc, argv, r.file, &text)) >= 0)
         return status;
-    if (r.fap && !(r.out = cli_create(r.fap)))
+    if (r.fap && cli_create(&r.out, r.fap))
         return EXIT_FAILED;
     life_statistics_init(&r.statistics, r.fps);
     status = EXIT_DONE;
     if (speaks) {
         status = speak(&r, &text);
         write_header(&r, r.statistics.frames);
-        if (r.out)
-            fwrite(r.frames.data, 1, r.frames.size, r.out);
+        if (r.out.file)
+            fwrite(r.frames.data, 1, r.frames.size, r.out.file);
     } else {
         write_header(&r, (size_t)ceil(r.seconds * r.fps));
         live_through(&r, NULL, 0, r.seconds);
     }
-    if (r.out && cli_finish(r.out, r.fap))
+    if (cli_finish(&r.out, status == EXIT_DONE))
         status = EXIT_FAILED;
     if (status == EXIT_DONE)
         report(&r.statistics, r.fap && !strcmp(r.fap, "-") ? stderr : stdout);

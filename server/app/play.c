@@ -2,6 +2,7 @@
 /* faccia play: a recording, that is, a .fap file and its sound, into the forms that a speech can be written
  * in. */
 #include "server/app/cli.h"
+#include "server/app/cli_file.h"
 #include "server/base/mem.h"
 #include "server/stream/export.h"
 #include "server/stream/reel.h"
@@ -29,7 +30,7 @@ struct play {
     struct reel *reel;
     struct {
         const char *path; /* NULL = not asked for */
-        FILE *file;
+        struct cli_file file;
         struct export export;
     } outputs[OUTPUTS];
     bool failed, finished;
@@ -37,7 +38,7 @@ struct play {
 
 static void flush(struct play *p, int i) {
     struct buf *out = &p->outputs[i].export.out;
-    p->failed |= fwrite(out->data, 1, out->size, p->outputs[i].file) != out->size;
+    p->failed |= fwrite(out->data, 1, out->size, p->outputs[i].file.file) != out->size;
     out->size = 0;
 }
 
@@ -84,8 +85,7 @@ static int open_outputs(struct play *p, const char *name) {
         if (!p->outputs[i].path)
             continue;
         standard += !strcmp(p->outputs[i].path, "-");
-        p->outputs[i].file = cli_create(p->outputs[i].path);
-        if (!p->outputs[i].file)
+        if (cli_create(&p->outputs[i].file, p->outputs[i].path))
             return EXIT_FAILED;
         export_begin(&p->outputs[i].export, export_by_name(names[i]), &source);
     }
@@ -94,10 +94,9 @@ static int open_outputs(struct play *p, const char *name) {
     return standard > 1 ? EXIT_USAGE : EXIT_DONE;
 }
 
-static void close_outputs(struct play *p) {
+static void close_outputs(struct play *p, bool well) {
     for (int i = 0; i < OUTPUTS; i++) {
-        if (p->outputs[i].file)
-            p->failed |= cli_finish(p->outputs[i].file, p->outputs[i].path) != 0;
+        p->failed |= cli_finish(&p->outputs[i].file, well) != 0;
         export_free(&p->outputs[i].export);
     }
 }
@@ -112,7 +111,7 @@ static int run(struct play *p, const char *fap, const char *sound) {
     int status = open_outputs(p, fap);
     if (status) {
         reel_source_free(&source);
-        close_outputs(p);
+        close_outputs(p, false);
         return status;
     }
     uv_loop_init(&loop);
@@ -120,7 +119,7 @@ static int run(struct play *p, const char *fap, const char *sound) {
     reel_start(p->reel);
     while (!p->finished && uv_run(&loop, UV_RUN_ONCE))
         ;
-    close_outputs(p);
+    close_outputs(p, !p->failed);
     reel_free(p->reel);
     uv_run(&loop, UV_RUN_DEFAULT);
     uv_loop_close(&loop);

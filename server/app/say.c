@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia say: a text through all stages into files. */
 #include "server/app/cli.h"
+#include "server/app/cli_file.h"
 #include "server/base/buf.h"
 #include "server/stream/export.h"
 #include <errno.h>
@@ -40,8 +41,8 @@ static const char usage[] =
 
 /* One file to be written. */
 struct output {
-    const char *path; /* NULL = not asked for */
-    FILE *file;
+    const char *path; /* NULL = not asked for, or it cannot be written */
+    struct cli_file file;
     struct export export;
 };
 
@@ -52,12 +53,12 @@ struct say {
     struct speech *speech;
     struct output outputs[OUTPUTS];
     const char *sounds;
-    bool failed, finished;
+    bool failed, finished, spoken;
 };
 
 static int flush(struct say *s, struct output *o) {
     struct buf *out = &o->export.out;
-    if (!out->size || (fwrite(out->data, 1, out->size, o->file) == out->size && !fflush(o->file))) {
+    if (!out->size || (fwrite(out->data, 1, out->size, o->file.file) == out->size && !fflush(o->file.file))) {
         out->size = 0;
         return 0;
     }
@@ -93,16 +94,17 @@ static void on_problem(void *ctx, const struct error *e, bool warning) {
 /* A WAV file that can be rewound gets its true length; a pipe keeps "unknown". */
 static void finish_wav(struct output *o) {
     uint8_t header[WAV_HEADER_BYTES];
-    if (!o->export.sample_rate || fseek(o->file, 0, SEEK_SET))
+    if (!o->export.sample_rate || fseek(o->file.file, 0, SEEK_SET))
         return;
     wav_header(header, o->export.sample_rate, o->export.samples);
-    fwrite(header, 1, sizeof header, o->file);
+    fwrite(header, 1, sizeof header, o->file.file);
 }
 
 static void on_finished(void *ctx, size_t spoken) {
     struct say *s = ctx;
     s->finished = true;
     s->failed |= !spoken;
+    s->spoken = spoken;
     for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
         if (!o->path)
             continue;
@@ -126,13 +128,9 @@ static int open_outputs(struct say *s) {
         struct output *o = &s->outputs[i];
         if (!o->path)
             continue;
-        bool is_standard = !strcmp(o->path, "-");
-        standard += is_standard;
-        o->file = is_standard ? stdout : fopen(o->path, "wb");
-        if (!o->file) {
-            cli_complain("%s: %s", o->path, strerror(errno));
+        standard += !strcmp(o->path, "-");
+        if (cli_create(&o->file, o->path))
             return EXIT_FAILED;
-        }
         export_begin(&o->export, export_by_name(names[i]), &source);
     }
     if (standard > 1) {
@@ -142,12 +140,10 @@ static int open_outputs(struct say *s) {
     return EXIT_DONE;
 }
 
+/* A sentence that failed costs itself; what nothing was said in, or could not be written, is no file. */
 static void close_outputs(struct say *s) {
     for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
-        if (o->file && (o->file == stdout ? fflush(o->file) : fclose(o->file)) && o->path) {
-            cli_complain("%s: %s", o->path, strerror(errno));
-            s->failed = true;
-        }
+        s->failed |= cli_finish(&o->file, s->spoken && o->path) != 0;
         export_free(&o->export);
     }
 }

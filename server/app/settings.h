@@ -14,7 +14,7 @@ struct settings {
     char *host;
     unsigned port;
     bool remote;
-    char **origins; /* NULL-terminated */
+    char **origins, **host_names, **embed; /* NULL-terminated */
     char *token_file;
     char *lang;
     unsigned workers;
@@ -28,7 +28,7 @@ struct settings {
     unsigned text_bytes, message_bytes, play_bytes, queue, connections, rooms, address_connections,
         address_requests;
     unsigned send_bytes, send_bytes_max;
-    unsigned lag_seconds, stall_seconds, ping_seconds, stop_seconds;
+    unsigned lag_seconds, stall_seconds, ping_seconds, stop_seconds, hold_seconds;
     char *log;
     char *models, *web, *media, *plugins, *worker, *audio;
 };

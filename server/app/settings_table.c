@@ -13,6 +13,12 @@ const struct setting settings_table[] = {
      "allow an ADDRESS that other machines can reach"},
     {"access.origins", "origin", SETTING_LIST, MEMBER(origins), 0, 0, NULL, "ORIGIN",
      "let pages from there in, e.g. https://example.org; null = files; * = all; may be repeated"},
+    {"access.host_names", "host-name", SETTING_LIST, MEMBER(host_names), 0, 0, NULL, "NAME",
+     "a name by which others ask for this daemon, besides localhost, the machine's own, and addresses in "
+     "figures; "
+     "* = any; may be repeated"},
+    {"access.embed", "embed", SETTING_LIST, MEMBER(embed), 0, 0, NULL, "ORIGIN",
+     "pages from there may frame the daemon's own; * = all; may be repeated"},
     {"access.token_file", "token-file", SETTING_STRING, MEMBER(token_file), 0, 0, NULL, "FILE",
      "demand tokens signed with a secret of this file (one in each line)"},
     {"speech.lang", "lang", SETTING_STRING, MEMBER(lang), 0, 0, "it", "TAG",
@@ -67,6 +73,8 @@ const struct setting settings_table[] = {
      "a socket that is silent for so long is pinged, and closed when it stays so for a third longer"},
     {"limits.stop_seconds", "stop-seconds", SETTING_NUMBER, MEMBER(stop_seconds), 0, 3600, "5", "N",
      "after SIGTERM, speech may go on for so long"},
+    {"limits.hold_seconds", "hold", SETTING_NUMBER, MEMBER(hold_seconds), 0, 86400, "0", "S",
+     "what is said over HTTP in a room where nobody is waits so long for somebody"},
     {"log.format", "log", SETTING_CHOICE, MEMBER(log), 0, 0, "text", "text|json", "how log lines look"},
     {"paths.models", "models", SETTING_STRING, MEMBER(models), 0, 0, NULL, "DIR", "heads and language packs"},
     {"paths.web", "web", SETTING_STRING, MEMBER(web), 0, 0, NULL, "DIR", "the page and its scripts"},

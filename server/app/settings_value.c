@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/settings_table.h"
 #include "server/base/mem.h"
+#include "server/base/near.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -182,7 +183,13 @@ static int set_member(struct settings *s, const char *group, const char *key, co
     for (size_t i = 0; i < settings_count; i++)
         if (!strcmp(settings_table[i].path, path))
             return json_is_null(value) ? 0 : set_from_json(s, &settings_table[i], value, e);
-    return error_in_field(e, "bad-field", path, "there is no such setting");
+    struct near near = near_to(path);
+    char text[NEAR_TEXT];
+    for (size_t i = 0; i < settings_count; i++) {
+        near_try(&near, settings_table[i].path, settings_table[i].path);
+        near_try(&near, settings_table[i].option, settings_table[i].path);
+    }
+    return error_in_field(e, "bad-field", path, "there is no such setting%s", near_text(&near, text));
 }
 
 int settings_from_file(struct settings *s, const char *file, struct error *e) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/stimuli_kit.h"
 #include "protocol/fapfile.h"
+#include "server/app/cli_file.h"
 #include "server/app/stimuli_page.h"
 #include "server/base/mem.h"
 #include "server/eval/noise.h"
@@ -38,27 +39,26 @@ static const char *in_folder(const struct kit *kit, const char *name, char path[
 
 static int write_file(const struct kit *kit, const char *name, const struct buf *content) {
     char path[PATH_BYTES];
-    FILE *file = cli_create(in_folder(kit, name, path));
-    if (!file)
+    struct cli_file file;
+    if (cli_create(&file, in_folder(kit, name, path)))
         return -1;
-    fwrite(content->data, 1, content->size, file);
-    return cli_finish(file, path);
+    fwrite(content->data, 1, content->size, file.file);
+    return cli_finish(&file, true);
 }
 
 static int write_wav(const struct kit *kit, const char *name, const int16_t *pcm, const struct utterance *u) {
     char path[PATH_BYTES];
     SF_INFO info = {
         .samplerate = (int)u->sample_rate, .channels = 1, .format = SF_FORMAT_WAV | SF_FORMAT_PCM_16};
-    SNDFILE *file = sf_open(in_folder(kit, name, path), SFM_WRITE, &info);
-    if (!file) {
-        cli_complain("%s: %s", path, sf_strerror(NULL));
+    struct cli_file file;
+    if (cli_create(&file, in_folder(kit, name, path)))
         return -1;
-    }
-    bool failed = sf_write_short(file, pcm, u->samples) != (sf_count_t)u->samples;
-    failed |= sf_close(file) != 0;
+    SNDFILE *sound = sf_open_fd(fileno(file.file), SFM_WRITE, &info, SF_FALSE);
+    bool failed = !sound || sf_write_short(sound, pcm, u->samples) != (sf_count_t)u->samples;
     if (failed)
-        cli_complain("%s: could not be written", path);
-    return failed ? -1 : 0;
+        cli_complain("%s: %s", path, sf_strerror(sound));
+    failed |= sound && sf_close(sound) != 0;
+    return cli_finish(&file, !failed);
 }
 
 /* The track of the item alone: the lips rest while the carrier is heard, so that they give nothing away but

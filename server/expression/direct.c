@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The voice's part of the expressions. */
 #include "server/base/mem.h"
+#include "server/base/near.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <stdlib.h>
@@ -57,8 +58,10 @@ void expressions_direct(const struct expressions *expressions, struct score *sco
         const struct score_cue *cue = &score->cues[c];
         int found = expressions_find(expressions, cue->kind, cue->name);
         if (found < 0) {
-            score_warn(score, cue->at, "unknown-expression", "no %s '%.80s': not shown", cue->kind,
-                       cue->name);
+            struct near near = expressions_near(expressions, cue->kind, cue->name);
+            char text[NEAR_TEXT];
+            score_warn(score, cue->at, "unknown-expression", "no %s '%.80s': not shown%s", cue->kind,
+                       cue->name, near_text(&near, text));
             continue;
         }
         for (size_t i = cue->first; i < cue->last && i < score->item_count; i++)

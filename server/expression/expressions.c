@@ -71,6 +71,14 @@ int expressions_sort_names(struct expressions *all, const struct expression_name
     return 0;
 }
 
+struct near expressions_near(const struct expressions *all, const char *kind, const char *name) {
+    struct near near = near_to(name);
+    for (size_t i = 0; i < all->name_count; i++)
+        if (!strcmp(all->names[i].kind, kind))
+            near_try(&near, all->names[i].name, all->names[i].name);
+    return near;
+}
+
 int expressions_find(const struct expressions *all, const char *kind, const char *name) {
     struct expression_name wanted[] = {{kind, name, 0}, {kind, EXPRESSION_ANY, 0}};
     for (int i = 0; i < 2; i++) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
+#include "server/base/near.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <stdio.h>
@@ -104,9 +105,11 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
     for (size_t i = 0; i < count; i++) {
         int found = expressions_find(mood->expressions, "affect", names[i]);
         if (found < 0) {
-            char field[32];
+            char field[32], text[NEAR_TEXT];
+            struct near near = expressions_near(mood->expressions, "affect", names[i]);
             snprintf(field, sizeof field, "mix.%zu.name", i);
-            return error_in_field(e, "unknown-expression", field, "there is no expression '%.80s'", names[i]);
+            return error_in_field(e, "unknown-expression", field, "there is no expression '%.80s'%s",
+                                  names[i], near_text(&near, text));
         }
         to[found] += amount(intensities[i]);
         sum += amount(intensities[i]);

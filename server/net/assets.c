@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/assets.h"
+#include "protocol/documents.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/net/models.h"
@@ -57,11 +58,11 @@ static uint8_t *read_file(const char *path, size_t *size) {
     return data;
 }
 
-/* Takes FILE.gz when it lies beside FILE, else compresses. */
+/* Takes FILE.gz when it lies beside FILE, else compresses. file NULL: it is none. */
 static void pack(struct asset *a, const char *file) {
     char sibling[4096];
-    snprintf(sibling, sizeof sibling, "%s.gz", file);
-    a->packed = read_file(sibling, &a->packed_size);
+    snprintf(sibling, sizeof sibling, "%s.gz", file ? file : "");
+    a->packed = file ? read_file(sibling, &a->packed_size) : NULL;
     if (a->packed)
         return;
     z_stream z = {0};
@@ -116,6 +117,16 @@ static void load_web(struct assets *assets, const char *folder) {
     globfree(&found);
 }
 
+static void add_documents(struct assets *assets) {
+    for (const struct document *d = documents; d->name; d++) {
+        char path[64];
+        uint8_t *data = mem_alloc(d->size);
+        memcpy(data, d->data, d->size);
+        snprintf(path, sizeof path, "/v1/%s", d->name);
+        add(assets, path, "application/json", NULL, data, d->size);
+    }
+}
+
 static int load_head(struct assets *assets, const char *file, struct error *e) {
     const char *name = strrchr(file, '/') + 1;
     size_t size, length = strcspn(name, ".");
@@ -135,6 +146,7 @@ int assets_load(struct assets *assets, const char *web, const char *models, stru
     glob_t found;
     int failed = 0;
     *assets = (struct assets){0};
+    add_documents(assets);
     load_web(assets, web);
     snprintf(pattern, sizeof pattern, "%s/heads/*.json", models);
     if (!glob(pattern, 0, NULL, &found)) {

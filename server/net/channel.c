@@ -124,15 +124,18 @@ static bool is_name(const char *name) {
     return length > 0 && length <= TOKEN_ROOM;
 }
 
+int channel_check_name(const char *name, struct error *e) {
+    return is_name(name) ? 0
+                         : error_in_field(e, "bad-field", "room",
+                                          "must have 1 to %d letters, digits, and any of - _ .", TOKEN_ROOM);
+}
+
 struct channel *channel_room(struct net *net, const char *name, struct error *e) {
     struct channel *c = channel_find(net, name);
     if (c)
         return c;
-    if (!is_name(name)) {
-        error_in_field(e, "bad-field", "room", "must have 1 to %d letters, digits, and any of - _ .",
-                       TOKEN_ROOM);
+    if (channel_check_name(name, e))
         return NULL;
-    }
     if (net->room_count >= net->options.rooms) {
         error_set(e, "too-many-rooms", "there are %u rooms already", net->room_count);
         return NULL;
@@ -210,6 +213,8 @@ void channel_join(struct channel *c, struct follower *f) {
     if (f->media)
         add_variant(c, &f->encoding);
     recap_tell(&c->recap, tell, f);
+    if (c->room && c->follower_count == 1)
+        hold_speak(c->net, c);
 }
 
 void channel_leave(struct follower *f) {

@@ -29,6 +29,8 @@ struct channel *channel_new(struct net *net, const char *name);
 
 /* The room of that name, which is made when it is not there. NULL with *e ("too-many-rooms", "bad-field"). */
 struct channel *channel_room(struct net *net, const char *name, struct error *e);
+/* -1 with *e ("bad-field") when no room can have that name. */
+int channel_check_name(const char *name, struct error *e);
 struct channel *channel_find(const struct net *net, const char *name);
 
 struct stream *channel_stream(const struct channel *channel);

@@ -23,6 +23,7 @@ void exchange_close(struct exchange *x) {
     }
     buf_free(&x->queue);
     buf_free(&x->leaving);
+    free(x->warnings);
     free(x);
 }
 
@@ -32,6 +33,23 @@ struct net *exchange_net(const struct exchange *x) {
 
 const struct http_request *exchange_request(const struct exchange *x) {
     return x->request;
+}
+
+struct guest *exchange_guest(struct exchange *x) {
+    return &x->guest;
+}
+
+void exchange_warn(void *exchange, const struct error *e) {
+    struct exchange *x = exchange;
+    if (!x->warnings)
+        x->warnings = mem_alloc(WARNINGS_MOST * sizeof *x->warnings);
+    if (x->warning_count < WARNINGS_MOST)
+        x->warnings[x->warning_count++] = *e;
+}
+
+const struct error *exchange_warnings(const struct exchange *x, size_t *count) {
+    *count = x->warning_count;
+    return x->warnings;
 }
 
 void exchange_set_work(struct exchange *x, struct exchange_work work) {

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The answer to an HTTP request: its head, and bodies of known length. */
+#include "server/access/headers.h"
 #include "server/net/exchange_parts.h"
 #include "server/net/http_session.h"
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 
@@ -53,11 +55,29 @@ static void head_origin(struct head *h, const struct exchange *x) {
     head_add(h, "vary", "origin");
     if (origin && *origin && guest_origin_allowed(x->net, x->request))
         head_add(h, "access-control-allow-origin", origin);
+    if (x->warning_count)
+        head_add(h, "access-control-expose-headers", "faccia-warning");
+}
+
+/* In ASCII, and on one line. */
+static void head_warnings(struct head *h, const struct exchange *x) {
+    for (size_t i = 0; i < x->warning_count; i++) {
+        json_t *warning = message_error(&x->warnings[i]);
+        json_object_del(warning, "type");
+        char *text = json_dumps(warning, JSON_COMPACT | JSON_ENSURE_ASCII);
+        head_add(h, "faccia-warning", text);
+        free(text);
+        json_decref(warning);
+    }
 }
 
 static void head_common(struct head *h, const struct exchange *x, const char *type) {
+    struct headers headers;
+    headers_of(&headers, type, x->shared, x->net->options.embed);
     head_add(h, "content-type", type);
-    head_add(h, "x-content-type-options", "nosniff");
+    for (size_t i = 0; i < headers.count; i++)
+        head_add(h, headers.list[i].name, headers.list[i].value);
+    head_warnings(h, x);
     head_origin(h, x);
 }
 
@@ -114,6 +134,14 @@ int exchange_allow(struct exchange *x, unsigned status, const char *methods) {
 
 int exchange_json(struct exchange *x, unsigned status, json_t *object) {
     struct buf text = {0};
+    json_t *warnings = x->warning_count && status < 400 ? json_array() : NULL;
+    for (size_t i = 0; warnings && i < x->warning_count; i++) {
+        json_t *warning = message_error(&x->warnings[i]);
+        json_object_del(warning, "type");
+        json_array_append_new(warnings, warning);
+    }
+    if (warnings)
+        json_object_set_new(object, "warnings", warnings);
     message_write(&text, object);
     buf_add(&text, "\n", 1);
     int result = exchange_answer(x, status, "application/json", text.data, text.size);

@@ -6,6 +6,8 @@
 #include "server/net/connection.h"
 #include "server/net/internal.h"
 
+enum { WARNINGS_MOST = 8 };
+
 struct exchange {
     struct net *net;
     const struct http_request *request;
@@ -21,6 +23,8 @@ struct exchange {
     bool complete, answered, done, persists;
     bool shared; /* any page may have the answer */
     struct guest guest;
+    struct error *warnings;
+    size_t warning_count;
 };
 
 /* Sends what waits, as far as it goes. */

@@ -1,16 +1,49 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/guest.h"
+#include "server/access/host.h"
 #include "server/access/origin.h"
 #include "server/net/connection.h"
 #include "server/net/internal.h"
 #include <string.h>
 #include <strings.h>
 #include <time.h>
+#include <unistd.h>
 
 enum { TOKEN_BYTES = 4096 };
 
+const char guest_own_room[] = "";
+
+int guest_check_host(const struct net *net, const struct http_request *request, struct error *e) {
+    char own[256] = "";
+    const char *host = http_header(request, "host");
+    gethostname(own, sizeof own - 1);
+    if (host_allowed(host, own, net->options.host_names) || host_allowed(host, net->options.host, NULL))
+        return 0;
+    metrics_add(net->studio->metrics, METRIC_REFUSED_ORIGIN, 1);
+    return error_set(
+        e, "unknown-host",
+        "this server has no name '%.100s'; when it shall have that name, start it with --host-name", host);
+}
+
+bool guest_revoke(const struct net *net, struct guest *guest) {
+    bool lost = guest->token.rights && net->options.secrets &&
+                !secrets_have(net->options.secrets, guest->token.secret);
+    if (lost)
+        guest->token = (struct token){0};
+    return lost;
+}
+
+/* A browser that fetches for a page of another site says whose it is, or that it does. */
+static bool is_unsaid_allowed(const struct http_request *request) {
+    return origin_unsaid_allowed(http_header(request, "sec-fetch-site"),
+                                 http_header(request, "sec-fetch-mode"),
+                                 http_header(request, "sec-fetch-user"));
+}
+
 bool guest_origin_allowed(const struct net *net, const struct http_request *request) {
     const char *origin = http_header(request, "origin"), *host = http_header(request, "host");
+    if (!origin && !is_unsaid_allowed(request))
+        return false;
     return origin_allowed(origin ? origin : "", net->options.secrets && host ? host : NULL,
                           net->options.origins);
 }
@@ -79,7 +112,7 @@ int guest_may(const struct net *net, const struct guest *guest, enum right right
         refused = error_set(e, "expired-token", "the token has expired");
     else if (!(token->rights & right))
         refused = error_set(e, "forbidden", "the token does not give the right to do that");
-    else if (*token->room && (!room || strcmp(room, token->room)))
+    else if (*token->room && room != guest_own_room && (!room || strcmp(room, token->room)))
         refused = error_set(e, "forbidden", "the token is for the room '%s'", token->room);
     if (refused)
         metrics_add(net->studio->metrics, METRIC_REFUSED_TOKEN, 1);

@@ -8,8 +8,10 @@
 #include "server/net/assets.h"
 #include "server/net/channel.h"
 #include "server/net/guest.h"
+#include "server/net/hold.h"
 #include "server/net/http_request.h"
 #include "server/net/net.h"
+#include "server/net/query.h"
 #include <jansson.h>
 
 enum { NET_READ_BYTES = 65536 };
@@ -31,6 +33,8 @@ struct net {
     char *read_buffer;
     struct channel *rooms;
     unsigned room_count;
+    struct hold hold;
+    struct events *events;            /* those who follow a room over HTTP */
     unsigned works;                   /* HTTP answers that are being made */
     json_t *more_languages;           /* of hello */
     const struct voice *languages_of; /* the list from which they were found */
@@ -41,8 +45,8 @@ struct net {
 /* {"type":"error","code",...} with the place; a new reference. */
 json_t *message_error(const struct error *e);
 json_t *message_event(const struct stream_event *event, const char *stream);
-const char *message_event_name(enum stream_event_kind kind); /* its "type" */
-json_t *message_rooms(const struct net *net);
+const char *message_event_name(enum stream_event_kind kind);    /* its "type" */
+json_t *message_rooms(const struct net *net, const char *only); /* NULL or "": all */
 json_t *message_hello(struct net *net, const char *stream);
 json_t *message_voices(const struct net *net);
 json_t *message_models(const struct net *net);
@@ -51,6 +55,9 @@ json_t *message_health(const struct net *net);
 
 /* Appends the object as text and drops it. */
 void message_write(struct buf *out, json_t *object);
+
+/* Where JSON could not be read. Returns -1. */
+int message_bad_json(const json_error_t *why, struct error *e);
 
 /* Sets the request's fields from the members of a speak message, or from the query of an address. */
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
@@ -107,6 +114,13 @@ size_t exchange_unsent(const struct exchange *x);
 
 struct net *exchange_net(const struct exchange *x);
 
+/* Something that was asked for is not acted on: the answer, which has not begun, will tell. The first few
+ * count. exchange is one; it is void * to be called back. */
+void exchange_warn(void *exchange, const struct error *e);
+const struct error *exchange_warnings(const struct exchange *x, size_t *count);
+
+struct guest *exchange_guest(struct exchange *x); /* once it has been permitted something */
+
 /* Whether he who asks may do that; when not, it has been answered and *result is what to return. */
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);
 
@@ -130,12 +144,9 @@ struct exchange_work *exchange_get_work(struct exchange *x);
 /* routes.c */
 int routes_serve(struct exchange *x, const char *path, size_t length, int method);
 
-/* speech_post.c: POST /v1/speech */
-int speech_post(struct exchange *x);
-
-/* What the body of a POST is, from its Content-Type: the name of a markup, or NULL after the answer 415, with
- * *result to be returned. */
-const char *post_markup(struct exchange *x, int *result);
+/* speech_post.c: /v1/speech, by POST or GET */
+int speech_ask(struct exchange *x);
+extern const struct members speech_members; /* that it knows */
 
 /* media.c */
 
@@ -154,6 +165,12 @@ int room_say(struct exchange *x);    /* POST /v1/say?room= */
 int room_stop(struct exchange *x);   /* POST /v1/stop?room= */
 int room_pause(struct exchange *x);  /* POST /v1/pause?room= */
 int room_resume(struct exchange *x); /* POST /v1/resume?room= */
+
+/* room_events.c */
 int room_events(struct exchange *x); /* GET /v1/events?room= */
+void room_events_revoke(struct net *net);
+
+/* revoke.c: the secrets have changed: those who came by one that is gone lose their rights, and are told. */
+void rights_revoke(struct net *net);
 
 #endif

@@ -83,12 +83,13 @@ const char *message_event_name(enum stream_event_kind kind) {
     return types[kind];
 }
 
-json_t *message_rooms(const struct net *net) {
+json_t *message_rooms(const struct net *net, const char *only) {
     json_t *rooms = json_array();
     for (const struct channel *c = net->rooms; c; c = channel_next(c))
-        json_array_append_new(rooms,
-                              json_pack("{ss si sb}", "name", channel_name(c), "followers",
-                                        (int)channel_followers(c), "speaks", stream_busy(channel_stream(c))));
+        if (!only || !*only || !strcmp(only, channel_name(c)))
+            json_array_append_new(rooms, json_pack("{ss si sb}", "name", channel_name(c), "followers",
+                                                   (int)channel_followers(c), "speaks",
+                                                   stream_busy(channel_stream(c))));
     return rooms;
 }
 
@@ -256,6 +257,14 @@ json_t *message_hello(struct net *net, const char *stream) {
                                   (int)o->connections, "rooms", (int)o->rooms, "play_bytes",
                                   (int)o->play_bytes));
     return hello;
+}
+
+int message_bad_json(const json_error_t *why, struct error *e) {
+    /* jansson counts the character that it stumbled over, unless it was the end */
+    size_t at = (size_t)why->position;
+    if (at && json_error_code(why) != json_error_premature_end_of_input)
+        at--;
+    return error_at_byte(e, "bad-json", at, "%s", why->text);
 }
 
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {

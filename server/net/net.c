@@ -49,6 +49,8 @@ struct net *net_open(const struct studio *studio, const struct net_options *opti
 void net_change(struct net *net, const struct net_options *options) {
     struct net_options *o = &net->options;
     o->origins = options->origins;
+    o->host_names = options->host_names;
+    o->embed = options->embed;
     o->secrets = options->secrets;
     o->text_bytes = options->text_bytes;
     o->message_bytes = options->message_bytes;
@@ -64,6 +66,8 @@ void net_change(struct net *net, const struct net_options *options) {
     o->lag_seconds = options->lag_seconds;
     o->stall_seconds = options->stall_seconds;
     o->ping_seconds = options->ping_seconds;
+    o->hold_seconds = options->hold_seconds;
+    rights_revoke(net);
 }
 
 void net_drain(struct net *net) {
@@ -102,6 +106,7 @@ void net_close(struct net *net) {
 void net_free(struct net *net) {
     assets_free(&net->assets);
     tally_free(&net->tally);
+    hold_free(&net->hold);
     json_decref(net->more_languages);
     free(net->read_buffer);
     free(net);

@@ -15,6 +15,8 @@ struct net_options {
     const int *listen_fds;         /* sockets that are listened on already, instead of host and port; */
     unsigned listen_count;         /* none */
     char *const *origins;          /* pages that are let in, NULL-terminated; NULL = those of this machine */
+    char *const *host_names;       /* by which it is asked, see access/host.h; NULL: its own alone */
+    char *const *embed;            /* origins whose pages may frame its own; NULL: none */
     const struct secrets *secrets; /* tokens are demanded; NULL = anybody may do all */
     const char *web, *models;      /* folders */
     const char *media;             /* folder of recordings; NULL = none */
@@ -31,6 +33,7 @@ struct net_options {
     unsigned send_bytes_max;       /* unsent bytes at which the client is closed as too slow; 4194304 */
     unsigned lag_seconds;          /* in a room, a client's media that wait for longer are left out; 5 */
     unsigned stall_seconds; /* a client that takes nothing for so long while bytes wait is closed; 10 */
+    unsigned hold_seconds;  /* what is said to an empty room waits so long for somebody; 0 */
     unsigned ping_seconds;  /* a socket silent for so long is pinged, and closed a third later; 30 */
 };
 

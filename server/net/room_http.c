@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Rooms over plain HTTP: to say something in one, to silence it, and its events as server-sent events (HTML
- * standard, 9.2). */
+/* Rooms over plain HTTP: to say something in one, to silence it. */
 #include "server/base/mem.h"
 #include "server/net/internal.h"
+#include "server/net/post_text.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,69 +22,75 @@ struct channel *room_asked(struct exchange *x, int *result) {
 }
 
 struct say {
-    struct exchange *x;
-    struct buf text;
-    const char *markup;
+    struct post_text text;
 };
 
 static int say_body(void *self, const void *data, size_t size) {
     struct say *say = self;
+    return post_text_take(&say->text, data, size);
+}
+
+/* Nobody is there: it is kept, where that is wanted. */
+static int say_to_nobody(struct exchange *x, const char *room, const struct speech_request *request) {
+    struct net *net = exchange_net(x);
+    json_t *answer = json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", 0);
     struct error e;
-    unsigned limit = exchange_net(say->x)->options.text_bytes;
-    if (exchange_answered(say->x))
-        return 0;
-    if (say->text.size + size > limit) {
-        error_set(&e, "text-too-long", "a text may have %u bytes", limit);
-        return exchange_error(say->x, 413, &e);
-    }
-    buf_add(&say->text, data, size);
-    return 0;
+    if (!net->options.hold_seconds)
+        return exchange_json(x, 202, answer);
+    json_object_set_new(answer, "held", json_integer(net->options.hold_seconds));
+    if (!hold_keep(net, room, request, &e))
+        return exchange_json(x, 202, answer);
+    json_decref(answer);
+    return exchange_error(x, 503, &e);
 }
 
 static int say_end(void *self) {
     struct say *say = self;
+    struct exchange *x = say->text.x;
     struct speech_request request;
     struct error e;
-    int result = 0;
-    if (exchange_answered(say->x))
+    const char *room = http_query(exchange_request(x), "room");
+    int result;
+    if (exchange_answered(x))
         return 0;
-    struct channel *channel = room_asked(say->x, &result);
-    if (!channel)
-        return result;
     request_init(&request);
-    request.markup = mem_strdup(say->markup);
-    const char *text = say->text.size ? (const char *)say->text.data : "";
-    bool bad =
-        request_from_query(&request, exchange_request(say->x), "room", &e) ||
-        request_set(&request, "text", (struct request_value){REQUEST_STRING, text, say->text.size, 0}, &e);
-    if (!bad)
+    struct channel *channel = channel_find(exchange_net(x), room);
+    if (post_text_request(&say->text, &request, &e)) {
+        result = exchange_error(x, !strcmp(e.code, "text-too-long") ? 413 : 400, &e);
+    } else if (channel) {
+        int listeners = (int)channel_followers(channel);
         stream_speak(channel_stream(channel), &request);
-    result = bad ? exchange_error(say->x, 400, &e)
-                 : exchange_json(say->x, 202,
-                                 json_pack("{ss ss}", "type", "accepted", "room", channel_name(channel)));
+        result = exchange_json(x, 202,
+                               json_pack("{ss ss si}", "type", "accepted", "room", channel_name(channel),
+                                         "listeners", listeners));
+    } else {
+        result = say_to_nobody(x, room, &request);
+    }
     request_free(&request);
     return result;
 }
 
 static void say_free(void *self) {
     struct say *say = self;
-    buf_free(&say->text);
+    post_text_free(&say->text);
     free(say);
 }
 
+static const struct members say_members = {.speech = true};
+
 int room_say(struct exchange *x) {
     int result = 0;
-    if (!room_asked(x, &result))
-        return result;
-    const char *markup = post_markup(x, &result);
-    if (!markup)
-        return result;
+    const char *room = http_query(exchange_request(x), "room");
+    struct error e;
+    if (!room)
+        return error_in_field(&e, "missing-field", "room", "is missing"), exchange_error(x, 400, &e);
+    if (channel_check_name(room, &e))
+        return exchange_error(x, 400, &e);
     struct say *say = mem_alloc(sizeof *say);
-    say->x = x;
-    say->markup = markup;
     exchange_set_work(
         x, (struct exchange_work){.body = say_body, .body_end = say_end, .free = say_free, .self = say});
-    return 0;
+    post_text_begin(&say->text, x, &say_members, &result);
+    return result;
 }
 
 static int direct(struct exchange *x, void (*act)(struct stream *stream), const char *done) {
@@ -106,55 +112,4 @@ int room_pause(struct exchange *x) {
 
 int room_resume(struct exchange *x) {
     return direct(x, stream_resume, "resumed");
-}
-
-struct events {
-    struct follower follower;
-    struct exchange *x;
-};
-
-static void on_delivery(struct follower *f, struct parcel *parcel) {
-    struct events *events = (struct events *)f;
-    struct buf text = {0};
-    if (parcel->media || exchange_unsent(events->x) > exchange_net(events->x)->options.send_bytes)
-        return; /* he who does not listen misses something */
-    buf_printf(&text, "event: %s\ndata: ", parcel->event);
-    buf_add(&text, parcel_body(parcel), parcel->size);
-    buf_add(&text, "\n\n", 2);
-    exchange_add(events->x, text.data, text.size);
-    buf_free(&text);
-}
-
-/* A comment from time to time shows both ends that the other is there. */
-static void events_beat(void *self) {
-    struct events *events = self;
-    static const char comment[] = ": still here\n\n";
-    if (!exchange_unsent(events->x))
-        exchange_add(events->x, comment, strlen(comment));
-}
-
-static void events_free(void *self) {
-    struct events *events = self;
-    channel_leave(&events->follower);
-    free(events);
-}
-
-int room_events(struct exchange *x) {
-    char value[TOKEN_ROOM + 2];
-    struct error e;
-    const char *name = exchange_query(x, "room", value, sizeof value);
-    struct channel *channel = name ? channel_room(exchange_net(x), name, &e)
-                                   : (error_in_field(&e, "missing-field", "room", "is missing"), NULL);
-    if (!channel)
-        return exchange_error(x, 400, &e);
-    struct events *events = mem_alloc(sizeof *events);
-    events->x = x;
-    events->follower.deliver = on_delivery;
-    exchange_set_work(
-        x, (struct exchange_work){.beat = events_beat, .free = events_free, .self = events, .endless = true});
-    if (exchange_begin(x, "text/event-stream"))
-        return -1;
-    channel_join(channel, &events->follower);
-    events_beat(events);
-    return 0;
 }

@@ -10,12 +10,14 @@ static json_t *models(const struct net *net) {
     return json_pack("{so}", "models", message_models(net));
 }
 
-static json_t *rooms(const struct net *net) {
-    return json_pack("{so}", "rooms", message_rooms(net));
-}
-
 static json_t *expressions(const struct net *net) {
     return json_pack("{so}", "expressions", message_expressions(net));
+}
+
+/* With a token for one room, that one. */
+static int rooms(struct exchange *x) {
+    const char *only = exchange_guest(x)->token.room;
+    return exchange_json(x, 200, json_pack("{so}", "rooms", message_rooms(exchange_net(x), only)));
 }
 
 static int metrics(struct exchange *x) {
@@ -26,29 +28,44 @@ static int metrics(struct exchange *x) {
     return result;
 }
 
-/* What answers where. A route has a JSON document to get, or takes a POST. */
+/* On what a route acts: a token for one room opens what acts on that room, and no more. */
+enum scope {
+    SCOPE_ALL,  /* on more than a room */
+    SCOPE_ROOM, /* on the room that the address names */
+    SCOPE_OWN,  /* on the token's room, or on all with a token for all */
+};
+
+static const char *const room_members[] = {"room", NULL};
+static const char *const play_members[] = {"room", "name", "id", "mode", NULL};
+static const struct members none = {.speech = false}, only_room = {.more = room_members},
+                            for_play = {.more = play_members},
+                            for_say = {.speech = true, .more = room_members};
+
+/* What answers where. A route has a JSON document to get, or something else, or takes a POST. */
 static const struct route {
     const char *path;
     json_t *(*get)(const struct net *net);
     int (*post)(struct exchange *x);
     int (*answer)(struct exchange *x); /* to a GET, with something other than JSON */
     enum right right;                  /* that is needed; 0 = none */
+    enum scope scope;
+    const struct members *members; /* of its query; NULL: they are not looked at */
 } routes[] = {
-    {"/healthz", message_health, NULL, NULL, 0},
-    {"/v1/voices", voices, NULL, NULL, 0},
-    {"/v1/models", models, NULL, NULL, 0},
-    {"/v1/speech", NULL, speech_post, NULL, RIGHT_SPEAK},
-    {"/v1/expressions", expressions, NULL, NULL, 0},
-    {"/v1/rooms", rooms, NULL, NULL, RIGHT_LISTEN},
-    {"/v1/media", NULL, NULL, media_get, RIGHT_SPEAK},
-    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN},
-    {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK},
-    {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK},
-    {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK},
-    {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK},
-    {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK},
-    {"/v1/stream", NULL, NULL, NULL, 0},
-    {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE},
+    {"/healthz", message_health, NULL, NULL, 0, SCOPE_ALL, &none},
+    {"/v1/voices", voices, NULL, NULL, 0, SCOPE_ALL, &none},
+    {"/v1/models", models, NULL, NULL, 0, SCOPE_ALL, &none},
+    {"/v1/speech", NULL, speech_ask, speech_ask, RIGHT_SPEAK, SCOPE_ALL, &speech_members},
+    {"/v1/expressions", expressions, NULL, NULL, 0, SCOPE_ALL, &none},
+    {"/v1/rooms", NULL, NULL, rooms, RIGHT_LISTEN, SCOPE_OWN, &none},
+    {"/v1/media", NULL, NULL, media_get, RIGHT_SPEAK, SCOPE_ALL, &none},
+    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN, SCOPE_ROOM, &only_room},
+    {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_say},
+    {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
+    {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
+    {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
+    {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_play},
+    {"/v1/stream", NULL, NULL, NULL, 0, SCOPE_ALL, NULL},
+    {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE, SCOPE_ALL, &none},
 };
 
 static const struct route *find(const char *path) {
@@ -58,11 +75,27 @@ static const struct route *find(const char *path) {
     return NULL;
 }
 
+/* False when it has been answered. */
+static bool permits(struct exchange *x, const struct route *route, int *result) {
+    const char *room = route->scope == SCOPE_ROOM  ? http_query(exchange_request(x), "room")
+                       : route->scope == SCOPE_OWN ? guest_own_room
+                                                   : NULL;
+    return exchange_permits(x, route->right, room, result);
+}
+
+static const char *methods_of(const struct route *route) {
+    if (!route || !route->post)
+        return "GET, HEAD, OPTIONS";
+    return route->answer ? "GET, HEAD, POST, OPTIONS" : "POST, OPTIONS";
+}
+
 int routes_serve(struct exchange *x, const char *uri, size_t length, int method) {
     struct net *net = exchange_net(x);
     metrics_add(net->studio->metrics, METRIC_REQUESTS, 1);
     struct error e;
     char path[256] = "";
+    if (guest_check_host(net, exchange_request(x), &e))
+        return exchange_error(x, 421, &e);
     if (length < sizeof path)
         memcpy(path, uri, length);
     path[length < sizeof path ? length : 0] = '\0';
@@ -73,15 +106,15 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
         error_set(&e, "not-found", "nothing is at this address");
         return exchange_error(x, 404, &e);
     }
-    const char *methods = route && route->post ? "POST, OPTIONS" : "GET, HEAD, OPTIONS";
     if (method == HTTP_OPTIONS)
-        return exchange_allow(x, 204, methods);
+        return exchange_allow(x, 204, methods_of(route));
     if (asset && get)
         return exchange_asset(x, asset);
     int refusal;
-    char room[TOKEN_ROOM + 2];
-    if (route && !exchange_permits(x, route->right, exchange_query(x, "room", room, sizeof room), &refusal))
+    if (route && !permits(x, route, &refusal))
         return refusal;
+    if (route && route->members)
+        query_check(exchange_request(x), route->members, get && route->post, exchange_warn, x);
     if (route && route->answer && get)
         return route->answer(x);
     if (net->draining && method == HTTP_POST) {
@@ -96,6 +129,6 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
         error_set(&e, "upgrade-required", "this is the address of the WebSocket");
         return exchange_error(x, 426, &e);
     }
-    error_set(&e, "method-not-allowed", "this address takes %s", methods);
+    error_set(&e, "method-not-allowed", "this address takes %s", methods_of(route));
     return exchange_error(x, 405, &e);
 }

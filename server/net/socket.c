@@ -8,6 +8,9 @@
 /* A message that is too long is told so, and dropped. So many times as long, and the connection goes, too. */
 enum { MESSAGE_TIMES = 16 };
 
+/* Clients wait half a minute for the answer to their close. */
+enum { HANG_UP_MS = 25000 };
+
 void socket_enter(struct socket *s, struct channel *channel) {
     s->follower.idle = false;
     channel_join(channel, &s->follower);
@@ -37,15 +40,21 @@ int socket_join(struct socket *s, const char *room, struct error *e) {
     return 0;
 }
 
+void socket_leave(struct socket *s) {
+    socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
+    channel_leave(&s->follower);
+    socket_enter(s, channel_new(s->net, s->name));
+}
+
 int socket_set_media(struct socket *s, const char *audio, const char *fap, struct error *e) {
     struct encoding encoding = s->follower.encoding;
     int codec;
-    if (audio && (codec = encoding_audio(audio)) < 0)
-        return error_in_field(e, "unknown-codec", "audio", "no audio codec '%s'", audio);
+    if (audio && (codec = encoding_audio(audio, e)) < 0)
+        return -1;
     if (audio)
         encoding.audio = (uint8_t)codec;
-    if (fap && (codec = encoding_fap(fap)) < 0)
-        return error_in_field(e, "unknown-codec", "fap", "no FAP codec '%s'", fap);
+    if (fap && (codec = encoding_fap(fap, e)) < 0)
+        return -1;
     if (fap)
         encoding.fap = (uint8_t)codec;
     if (!encoding_possible(&encoding))
@@ -55,10 +64,19 @@ int socket_set_media(struct socket *s, const char *audio, const char *fap, struc
     return 0;
 }
 
+static void warn(void *socket, const struct error *e) {
+    json_t *warning = message_error(e);
+    json_object_set_new(warning, "type", json_string("warning"));
+    socket_say(socket, warning);
+}
+
 /* What the address asks for, besides the defaults of requests. */
 static void read_query(struct socket *s, const struct http_request *from) {
+    static const char *const more[] = {"room", "audio", "fap", NULL};
+    static const struct members known = {.speech = true, .more = more};
     const char *room = http_query(from, "room");
     struct error e;
+    query_check(from, &known, false, warn, s);
     if (request_from_query(&s->defaults, from, NULL, &e) ||
         socket_set_media(s, http_query(from, "audio"), http_query(from, "fap"), &e))
         socket_complain(s, &e);
@@ -85,8 +103,16 @@ static void pong(void *ctx) {
     (void)ctx; /* it has been heard */
 }
 
+/* One that types, and has come to the end of what it was to type, hears the rest of what it had said: its
+ * close is answered after that (RFC 6455, 5.5.1, leaves that open). */
 static void closed(void *ctx, enum websocket_status status) {
-    socket_farewell(ctx, status, "");
+    struct socket *s = ctx;
+    if (s->plain && !socket_room(s) && stream_busy(socket_stream(s))) {
+        s->hangs_up = status;
+        s->hang_up_by = connection_now(s->connection) + HANG_UP_MS;
+    } else {
+        socket_farewell(s, status, "");
+    }
 }
 
 static void fault(void *ctx, enum websocket_status status, const char *why, uint64_t byte) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a WebSocket client sends: messages, taken in pieces and acted on. */
+#include "server/base/near.h"
 #include "server/net/socket_parts.h"
 #include <string.h>
 
@@ -29,11 +30,8 @@ static void join_room(struct socket *s, const json_t *message) {
 
 static void leave_room(struct socket *s, const json_t *message) {
     (void)message;
-    if (!socket_room(s))
-        return;
-    socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
-    channel_leave(&s->follower);
-    socket_enter(s, channel_new(s->net, s->name));
+    if (socket_room(s))
+        socket_leave(s);
 }
 
 static void choose_media(struct socket *s, const json_t *message) {
@@ -74,7 +72,11 @@ void socket_act(struct socket *s, const json_t *message) {
             types[i].act(s, message);
             return;
         }
-    error_in_field(&e, "unknown-type", "type", "no message type '%s'", type);
+    struct near near = near_to(type);
+    char text[NEAR_TEXT];
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        near_try(&near, types[i].type, types[i].type);
+    error_in_field(&e, "unknown-type", "type", "no message type '%.80s'%s", type, near_text(&near, text));
     socket_complain(s, &e);
 }
 
@@ -99,11 +101,7 @@ static void hear(struct socket *s, const char *data, size_t size) {
         json_decref(message);
         return;
     }
-    /* jansson counts the character that it stumbled over, unless it was the end */
-    size_t at = (size_t)why.position;
-    if (at && json_error_code(&why) != json_error_premature_end_of_input)
-        at--;
-    error_at_byte(&e, "bad-json", at, "%s", why.text);
+    message_bad_json(&why, &e);
     socket_complain(s, &e);
 }
 

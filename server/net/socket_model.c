@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A head model for a WebSocket client, part by part. */
+#include "server/base/near.h"
 #include "server/net/socket_parts.h"
 #include <string.h>
 
@@ -29,7 +30,12 @@ void socket_send_model(struct socket *s, const json_t *message) {
     if (s->model) {
         socket_push_model_part(s);
     } else {
-        error_in_field(&e, "unknown-model", "name", "no model '%s'", name ? name : "");
+        struct near near = near_to(name ? name : "");
+        char text[NEAR_TEXT];
+        for (size_t i = 0; i < assets->model_count; i++)
+            near_try(&near, assets->models[i].name, assets->models[i].name);
+        error_in_field(&e, "unknown-model", "name", "no model '%.80s'%s", near.wanted,
+                       near_text(&near, text));
         socket_complain(s, &e);
     }
 }

@@ -28,6 +28,8 @@ struct socket {
     bool deaf;          /* hears no more of one that does not listen, until it does */
     const char *doomed; /* why the connection is to be closed */
     enum websocket_status doom;
+    enum websocket_status hangs_up; /* with which the client has closed, to be answered later */
+    uint64_t hang_up_by;            /* loop time at which at the latest, ms; 0: it has not */
     bool farewell; /* the client has closed, or broken the rules: nothing more is awaited from it */
     bool closing;  /* the close frame is on its way, or has left */
     bool sending;  /* socket_go_on is at work */
@@ -44,6 +46,7 @@ struct stream *socket_stream(const struct socket *socket);
 const char *socket_room(const struct socket *socket);
 
 void socket_enter(struct socket *socket, struct channel *channel);
+void socket_leave(struct socket *socket); /* the room that it is in */
 int socket_join(struct socket *socket, const char *room, struct error *e);
 
 /* Has media come in these codecs; NULL leaves one as it is. -1 with *e. */

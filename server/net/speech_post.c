@@ -1,27 +1,26 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* POST /v1/speech: the body is the text, the answer its sound, its FAPs or its timing. */
+/* /v1/speech: a text is asked for, the answer is its sound, its FAPs or its timing. */
 #include "server/base/mem.h"
-#include "server/markup/markup.h"
+#include "server/base/near.h"
 #include "server/net/internal.h"
+#include "server/net/post_text.h"
 #include "server/stream/scribe.h"
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* No further sentence is taken while more than this waits to be sent. */
 enum { UNSENT_BYTES_MAX = 1 << 20 };
 
 struct post {
     struct exchange *x;
-    struct buf text;
+    struct post_text text;
     struct speech *speech;
     const struct export_format *format;
     struct scribe *scribe;
     struct error failure; /* the last sentence that failed */
     size_t owed;          /* scenes used up and not yet released */
     bool begun;
-    bool spoken;        /* a scene came */
-    const char *markup; /* by the type of the body */
+    bool spoken; /* a scene came */
 };
 
 static bool has_room(const struct post *p) {
@@ -85,53 +84,36 @@ static void on_finished(void *ctx, size_t spoken) {
 
 static int on_body(void *self, const void *data, size_t size) {
     struct post *p = self;
-    struct error e;
-    unsigned limit = exchange_net(p->x)->options.text_bytes;
-    if (exchange_answered(p->x))
-        return 0;
-    if (p->text.size + size > limit) {
-        error_set(&e, "text-too-long", "a text may have %u bytes", limit);
-        return exchange_error(p->x, 413, &e);
-    }
-    buf_add(&p->text, data, size);
-    return 0;
+    return post_text_take(&p->text, data, size);
 }
 
-/* The markup that a content type stands for; NULL: none. What curl --data says by itself means the bytes as
- * they are, and some say nothing. */
-static const char *markup_of(const char *type) {
-    const struct markup_kind *kind = markup_by_content_type(type);
-    if (!*type || !strncasecmp(type, "application/x-www-form-urlencoded", 33))
-        return "auto";
-    return kind ? kind->name : NULL;
+static int no_format(const char *name, struct error *e) {
+    struct near near = near_to(name);
+    char text[NEAR_TEXT];
+    for (const struct export_format *format = export_formats; format->name; format++)
+        near_try(&near, format->name, format->name);
+    return error_in_field(e, "unknown-format", "format", "no format '%s'%s", name, near_text(&near, text));
 }
 
-const char *post_markup(struct exchange *x, int *result) {
-    const char *type = http_header(exchange_request(x), "content-type");
-    struct error e;
-    const char *markup = markup_of(type ? type : "");
-    if (!markup) {
-        error_set(&e, "unsupported-media-type", "no markup has the type '%s'", type);
-        *result = exchange_error(x, 415, &e);
-    }
-    return markup;
-}
-
-/* The query's part of the request, and the format. The status of the answer when something is wrong, else 0.
- */
-static unsigned read_query(struct post *p, struct speech_request *request, struct error *e) {
-    const struct http_request *from = exchange_request(p->x);
+static int read_request(struct post *p, struct speech_request *request, struct error *e) {
     char name[32];
-    request->markup = mem_strdup(p->markup);
-    if (request_from_query(request, from, "format", e))
-        return 400;
-    const char *format = exchange_query(p->x, "format", name, sizeof name);
-    p->format = export_by_name(format ? format : "wav");
-    if (!p->format) {
-        error_in_field(e, "unknown-format", "format", "no format '%s'", format);
-        return 400;
-    }
-    return 0;
+    bool found;
+    if (post_text_request(&p->text, request, e) ||
+        post_text_member(&p->text, "format", name, sizeof name, &found, e))
+        return -1;
+    p->format = export_by_name(found ? name : "wav");
+    return p->format ? 0 : no_format(name, e);
+}
+
+static unsigned status_of(const struct error *e) {
+    return !strcmp(e->code, "voice-unavailable") ? 503 : !strcmp(e->code, "text-too-long") ? 413 : 400;
+}
+
+static void tell_warnings(struct post *p) {
+    size_t count;
+    const struct error *warnings = exchange_warnings(p->x, &count);
+    for (size_t i = 0; i < count; i++)
+        scribe_warn(p->scribe, &warnings[i]);
 }
 
 static int on_body_end(void *self) {
@@ -143,43 +125,37 @@ static int on_body_end(void *self) {
     if (exchange_answered(p->x) || p->speech)
         return 0;
     request_init(&request);
-    unsigned status = read_query(p, &request, &e);
-    if (!status) {
-        request_set(
-            &request, "text",
-            (struct request_value){REQUEST_STRING, p->text.size ? (char *)p->text.data : "", p->text.size, 0},
-            &e);
+    if (!read_request(p, &request, &e))
         p->speech = speech_open(net->studio, &request, &callbacks, p, &e);
-        status = p->speech ? 0 : !strcmp(e.code, "voice-unavailable") ? 503 : 400;
-    }
-    if (!status) {
+    if (p->speech) {
         const struct export_source source = export_source_of(p->speech);
         p->scribe = scribe_open(net->studio->loop, p->format, &source, on_written, p);
+        tell_warnings(p);
         speech_start(p->speech);
     }
     request_free(&request);
-    buf_free(&p->text);
-    return status ? exchange_error(p->x, status, &e) : 0;
+    post_text_free(&p->text);
+    return p->speech ? 0 : exchange_error(p->x, status_of(&e), &e);
 }
 
 static void on_free(void *self) {
     struct post *p = self;
     speech_free(p->speech);
     scribe_free(p->scribe);
-    buf_free(&p->text);
+    post_text_free(&p->text);
     free(p);
 }
 
-int speech_post(struct exchange *x) {
-    int result = 0;
-    const char *markup = post_markup(x, &result);
-    if (!markup)
-        return result;
+static const char *const more_members[] = {"format", NULL};
+const struct members speech_members = {.speech = true, .more = more_members};
+
+int speech_ask(struct exchange *x) {
     struct post *p = mem_alloc(sizeof *p);
+    int result = 0;
     p->x = x;
-    p->markup = markup;
     exchange_set_work(
         x, (struct exchange_work){
                .body = on_body, .body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
-    return 0;
+    post_text_begin(&p->text, x, &speech_members, &result);
+    return result;
 }

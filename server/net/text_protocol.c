@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The sub-protocol for those who type: a line is spoken, /word is a command, and what happens is told in
  * lines. All is turned into the messages of the other protocol, or comes out of them. */
+#include "server/base/near.h"
 #include "server/net/socket_parts.h"
 #include <stdlib.h>
 #include <string.h>
@@ -27,8 +28,8 @@ static const struct {
 };
 
 /* Members of speak that a command sets for all lines that follow. */
-static const char *const settings[] = {"lang",   "voice",  "rate",   "pitch",
-                                       "volume", "engine", "markup", "phones"};
+static const char *const settings[] = {"lang",   "voice",  "rate",   "pitch", "volume",
+                                       "engine", "markup", "phones", NULL};
 
 static bool is(const char *name, const char *word, size_t size) {
     return strlen(name) == size && !memcmp(name, word, size);
@@ -58,7 +59,7 @@ static bool do_simple(struct socket *s, const char *word, size_t size, const cha
 static bool do_setting(struct socket *s, const char *word, size_t size, const char *rest, size_t left) {
     char value[256] = "true", *end;
     struct error e;
-    for (size_t i = 0; i < sizeof settings / sizeof *settings; i++) {
+    for (size_t i = 0; settings[i]; i++) {
         if (!is(settings[i], word, size))
             continue;
         if (left)
@@ -106,8 +107,14 @@ static void do_command(struct socket *s, const char *line, size_t size) {
     } else if (is("help", line, word)) {
         socket_say(s, json_pack("{ss ss}", "type", "help", "text", help));
     } else {
-        error_set(&e, "unknown-command", "no command /%.*s; /help tells which there are",
-                  word < 32 ? (int)word : 32, line);
+        char name[33], text[NEAR_TEXT];
+        snprintf(name, sizeof name, "%.*s", word < 32 ? (int)word : 32, line);
+        struct near near = near_to(name);
+        for (size_t i = 0; i < sizeof simple / sizeof *simple; i++)
+            near_try(&near, simple[i].command, simple[i].command);
+        near_try_all(&near, settings);
+        error_set(&e, "unknown-command", "no command /%s; /help tells which there are%s", name,
+                  near_text(&near, text));
         socket_complain(s, &e);
     }
 }

@@ -25,6 +25,13 @@ void socket_look(struct socket *s) {
     uint64_t ping_ms = (uint64_t)s->net->options.ping_seconds * 1000;
     if (s->closing)
         return;
+    if (s->hang_up_by) {
+        socket_heard(s); /* it says nothing more */
+        bool over = !stream_busy(socket_stream(s)) && outbox_empty(&s->outbox);
+        if (over || connection_now(s->connection) >= s->hang_up_by)
+            socket_farewell(s, s->hangs_up, "");
+        return;
+    }
     if (s->deaf)
         socket_heard(s); /* its answers lie unread */
     else if (s->probe == PROBE_NONE && silent >= ping_ms)

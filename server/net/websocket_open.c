@@ -32,6 +32,11 @@ static int check_place(struct exchange *x) {
     const struct http_request *r = x->request;
     if (r->method != HTTP_GET || !r->minor)
         return refuse(x, 400, "bad-handshake", "a WebSocket is asked for by GET of HTTP/1.1");
+    struct error e;
+    if (guest_check_host(net, r, &e)) {
+        exchange_error(x, 421, &e);
+        return -1;
+    }
     if (strcmp(r->path, "/v1/stream"))
         return refuse(x, 404, "not-found", "no WebSocket is at this address");
     if (!guest_origin_allowed(net, r)) {

@@ -64,7 +64,10 @@ static const struct voice *choose(const struct casting *c, const struct score_it
     const struct score_style *style = item->style;
     const struct voice *base = style->voice ? by_names(c, style->voice) : c->voice;
     if (!base) {
-        score_warn(c->score, item->start, "unknown-voice", "there is no voice \"%.80s\"", style->voice);
+        /* with what may have been meant */
+        struct error e;
+        voice_pool_find(c->pool, style->voice, NULL, NULL, &e);
+        score_warn(c->score, item->start, "unknown-voice", "%s", e.message);
         base = c->voice;
     }
     bool speaks = !style->lang || voice_lang_fit(base->lang, style->lang);

@@ -79,8 +79,14 @@ int stream_jump(struct stream *s, const char *mark, struct error *e) {
     size_t sentence;
     if (!t)
         return error_set(e, "not-speaking", "nothing is spoken");
-    if (!t->speech || !speech_find_mark(t->speech, mark, &sentence))
-        return error_in_field(e, "unknown-mark", "mark", "the utterance has no mark '%s'", mark);
+    if (!t->speech || !speech_find_mark(t->speech, mark, &sentence)) {
+        struct near near = near_to(mark);
+        char text[NEAR_TEXT];
+        if (t->speech)
+            speech_near_marks(t->speech, &near);
+        return error_in_field(e, "unknown-mark", "mark", "the utterance has no mark '%.80s'%s", mark,
+                              near_text(&near, text));
+    }
     stream_forget_unheard(s);
     turn_seek(t, sentence, mark);
     unplace_waiting(s);

@@ -2,6 +2,7 @@
 #include "server/stream/encode.h"
 #include "protocol/fba.h"
 #include "server/base/mem.h"
+#include "server/base/near.h"
 #include "server/stream/opus_audio.h"
 #include <stdlib.h>
 #include <string.h>
@@ -18,30 +19,42 @@ struct encoder {
     uint32_t packets;        /* of it so far */
 };
 
-static const struct {
+struct codec {
     const char *name;
     int codec;
-} audio_names[] = {{"none", CHUNK_AUDIO_SILENCE},
-                   {"pcm_s16le", CHUNK_AUDIO_PCM_S16LE},
-                   {"pcm", CHUNK_AUDIO_PCM_S16LE},
-                   {"opus", CHUNK_AUDIO_OPUS}},
-  fap_names[] = {{"none", CHUNK_FAP_NONE}, {"plain", CHUNK_FAP_PLAIN}, {"fba", CHUNK_FAP_FBA}};
+};
+
+static const struct codec audio_names[] = {{"none", CHUNK_AUDIO_SILENCE},
+                                           {"pcm_s16le", CHUNK_AUDIO_PCM_S16LE},
+                                           {"pcm", CHUNK_AUDIO_PCM_S16LE},
+                                           {"opus", CHUNK_AUDIO_OPUS},
+                                           {0}},
+                          fap_names[] = {{"none", CHUNK_FAP_NONE},
+                                         {"plain", CHUNK_FAP_PLAIN},
+                                         {"fba", CHUNK_FAP_FBA},
+                                         {0}};
 
 const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FBA};
 const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE};
 
-int encoding_audio(const char *name) {
-    for (size_t i = 0; i < sizeof audio_names / sizeof *audio_names; i++)
-        if (!strcmp(audio_names[i].name, name))
-            return audio_names[i].codec;
-    return -1;
+static int find(const struct codec *list, const char *name, const char *field, struct error *e) {
+    struct near near = near_to(name);
+    char text[NEAR_TEXT];
+    for (; list->name; list++) {
+        if (!strcmp(list->name, name))
+            return list->codec;
+        near_try(&near, list->name, list->name);
+    }
+    return error_in_field(e, "unknown-codec", field, "no %s codec '%.80s'%s", field, name,
+                          near_text(&near, text));
 }
 
-int encoding_fap(const char *name) {
-    for (size_t i = 0; i < sizeof fap_names / sizeof *fap_names; i++)
-        if (!strcmp(fap_names[i].name, name))
-            return fap_names[i].codec;
-    return -1;
+int encoding_audio(const char *name, struct error *e) {
+    return find(audio_names, name, "audio", e);
+}
+
+int encoding_fap(const char *name, struct error *e) {
+    return find(fap_names, name, "fap", e);
 }
 
 bool encoding_same(const struct encoding *a, const struct encoding *b) {

@@ -5,6 +5,7 @@
 
 #include "protocol/compact.h"
 #include "server/base/buf.h"
+#include "server/base/error.h"
 #include "server/stream/effort.h"
 #include <stdbool.h>
 
@@ -15,9 +16,10 @@ struct encoding {
     uint8_t fap;   /* enum chunk_fap, CHUNK_FAP_FBA; CHUNK_FAP_NONE = none */
 };
 
-/* What protocol/README.md calls them: "opus", "pcm_s16le", "none"; "fba", "plain", "none". -1: no such. */
-int encoding_audio(const char *name);
-int encoding_fap(const char *name);
+/* What protocol/README.md calls them: "opus", "pcm_s16le", "none"; "fba", "plain", "none". -1 with *e
+ * ("unknown-codec", with its field) when there is no such. */
+int encoding_audio(const char *name, struct error *e);
+int encoding_fap(const char *name, struct error *e);
 
 /* For those who do not say. */
 extern const struct encoding encoding_default;

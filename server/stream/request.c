@@ -123,6 +123,10 @@ static int set_choice(unsigned *choice, const struct field *f, const struct requ
     return error_in_field(e, "bad-field", f->name, "must be one of %s", all);
 }
 
+const char *request_field(size_t i) {
+    return i < sizeof fields / sizeof *fields ? fields[i].name : NULL;
+}
+
 int request_set(struct speech_request *request, const char *name, struct request_value value,
                 struct error *e) {
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {

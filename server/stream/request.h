@@ -53,6 +53,9 @@ struct request_value {
     double number; /* NUMBER, BOOL */
 };
 
+/* The name of the i-th field; NULL: there are no more. */
+const char *request_field(size_t i);
+
 /* Sets the field of that name. 0; 1 when there is no such field (nothing is done); -1 with *e "bad-field"
  * when the value is not of the field's type or range. */
 int request_set(struct speech_request *request, const char *name, struct request_value value,

@@ -208,6 +208,12 @@ bool speech_find_mark(const struct speech *s, const char *name, size_t *sentence
     return false;
 }
 
+void speech_near_marks(const struct speech *s, struct near *near) {
+    for (size_t i = 0; i < s->score->item_count; i++)
+        if (s->score->items[i].kind == SCORE_MARK)
+            near_try(near, s->score->items[i].text, s->score->items[i].text);
+}
+
 size_t speech_sentences(const struct speech *s) {
     return s->score->sentence_count;
 }

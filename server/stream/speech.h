@@ -6,6 +6,7 @@
 #define FACCIA_STREAM_SPEECH_H
 
 #include "server/base/metrics.h"
+#include "server/base/near.h"
 #include "server/face/high_level.h"
 #include "server/face/packs.h"
 #include "server/face/track.h"
@@ -87,6 +88,7 @@ void speech_set_rate(struct speech *speech, double rate);
 
 /* The sentence in which the first mark of that name stands. */
 bool speech_find_mark(const struct speech *speech, const char *name, size_t *sentence);
+void speech_near_marks(const struct speech *speech, struct near *near);
 
 size_t speech_sentences(const struct speech *speech);  /* how many there are */
 size_t speech_next(const struct speech *speech);       /* which one is handed on next */

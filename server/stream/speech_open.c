@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From a request to a score with its voices: what can be said of it before anything is spoken. */
 #include "server/base/mem.h"
+#include "server/base/near.h"
 #include "server/stream/speech_parts.h"
 #include <stdlib.h>
 #include <string.h>
@@ -21,6 +22,21 @@ bool speech_can_speak(const struct studio *studio, const char *lang) {
     return false;
 }
 
+static int no_language(const struct studio *studio, const char *lang, struct error *e) {
+    struct near near = near_to(lang);
+    char text[NEAR_TEXT];
+    size_t count;
+    const struct voice *voices = voice_pool_voices(studio->voices, &count);
+    for (size_t i = 0; i < studio->packs->count; i++) {
+        const struct speech_pack *pack = studio->packs->packs[i];
+        near_try(&near, speech_pack_lang(pack), speech_pack_lang(pack));
+        near_try(&near, speech_pack_name(pack), speech_pack_lang(pack));
+    }
+    for (size_t i = 0; i < count; i++)
+        near_try(&near, voices[i].lang, voices[i].lang);
+    return error_in_field(e, "unknown-language", "lang", "no language '%s'%s", lang, near_text(&near, text));
+}
+
 /* The language and the voice that the request asks for; each may follow from the other. */
 static int choose_voice(struct speech *s, struct error *e) {
     const struct speech_packs *packs = s->studio->packs;
@@ -32,7 +48,7 @@ static int choose_voice(struct speech *s, struct error *e) {
     if (!voices)
         return error_set(e, "voice-unavailable", "no voice is there (yet)");
     if (lang && !speech_can_speak(s->studio, lang))
-        return error_in_field(e, "unknown-language", "lang", "no language '%s'", lang);
+        return no_language(s->studio, lang, e);
     if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
         markup_lang(s->request.text, s->request.text_size, stated) && speech_can_speak(s->studio, stated))
         lang = stated;
@@ -60,7 +76,19 @@ static int check_engine(const struct speech *s, struct error *e) {
                        ? 0
                        : error_in_field(e, "unknown-engine", "engine", "the engine '%s' does not speak '%s'",
                                         *engine, speech_lang(s));
-    return error_in_field(e, "unknown-engine", "engine", "no engine '%s'", s->request.engine);
+    struct near near = near_to(s->request.engine);
+    char text[NEAR_TEXT];
+    near_try_all(&near, face_engines());
+    return error_in_field(e, "unknown-engine", "engine", "no engine '%s'%s", s->request.engine,
+                          near_text(&near, text));
+}
+
+static int no_markup(const char *name, struct error *e) {
+    struct near near = near_to(name);
+    char text[NEAR_TEXT];
+    for (const struct markup_kind *kind = markup_kinds; kind->name; kind++)
+        near_try(&near, kind->name, kind->name);
+    return error_in_field(e, "unknown-markup", "markup", "no markup '%s'%s", name, near_text(&near, text));
 }
 
 /* From here on the request's text is what all places count in. */
@@ -70,7 +98,7 @@ static int decode_text(struct speech *s, struct error *e) {
     const char *name = s->request.markup ? s->request.markup : "auto";
     s->markup = markup_by_name(name);
     if (!s->markup)
-        return error_in_field(e, "unknown-markup", "markup", "no markup '%s'", name);
+        return no_markup(name, e);
     if (!s->request.text)
         return error_in_field(e, "missing-field", "text", "is missing");
     if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))

@@ -2,6 +2,7 @@
 /* The voices that the plugins have, and the choice among them. */
 #include "server/base/lang.h"
 #include "server/base/mem.h"
+#include "server/base/near.h"
 #include "server/voice/pool_parts.h"
 #include <jansson.h>
 #include <stdio.h>
@@ -122,6 +123,19 @@ int voice_lang_fit(const char *lang, const char *wanted) {
     return strcspn(lang, "-") == primary && !strncasecmp(lang, wanted, primary);
 }
 
+/* With or without its plugin's name, as it was asked for. */
+static void no_voice(const struct catalog *catalog, const char *name, struct error *e) {
+    struct near near = near_to(name);
+    char text[NEAR_TEXT];
+    for (size_t i = 0; i < catalog->count; i++) {
+        const struct voice *voice = &catalog->voices[i];
+        near_try(&near, voice->id, voice->id);
+        near_try(&near, voice->id + strlen(voice->plugin) + 1, voice->id);
+    }
+    error_in_field(e, "unknown-voice", "voice", "there is no voice \"%.80s\"%s", name,
+                   near_text(&near, text));
+}
+
 const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,
                                     const char *const *preferred, struct error *e) {
     const struct catalog *catalog = &pool->catalog;
@@ -134,7 +148,7 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
     if (name) {
         best = by_name(catalog, name);
         if (!best)
-            error_in_field(e, "unknown-voice", "voice", "there is no voice \"%.80s\"", name);
+            no_voice(catalog, name, e);
         return best;
     }
     for (; preferred && *preferred && !best; preferred++)

@@ -28,6 +28,7 @@ void pool_plugin_known(struct plugin *plugin) {
     if (!all || pool->is_ready || pool->closing)
         return;
     pool->is_ready = true;
+    plugins_log_absent(pool);
     if (pool->ready)
         pool->ready(pool->ready_ctx);
 }

@@ -63,6 +63,7 @@ struct plugin {
     struct job_queue urgent, waiting; /* sentences, oldest first */
     bool urgent_last;                 /* the last one that left was urgent */
     bool known;                       /* its voices are listed, or it is clear that it does not start */
+    char *absence;                    /* why it had nothing to run at the start; NULL: it had */
 };
 
 /* The voices of all plugins. Pointers into it stay valid when it grows: old lists are kept. */
@@ -103,6 +104,7 @@ void pool_handle_closed(struct voice_pool *pool); /* one of open_handles */
 
 /* pool_plugins.c */
 int plugins_find(struct voice_pool *pool, const struct voice_pool_options *options, struct error *e);
+void plugins_log_absent(const struct voice_pool *pool);
 void plugins_free(struct voice_pool *pool);
 
 /* pool_queue.c */

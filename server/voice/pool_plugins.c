@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plugins that lie in a folder. */
+#include "server/base/buf.h"
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/voice/pool_parts.h"
 #include <dirent.h>
@@ -49,11 +51,24 @@ int plugins_find(struct voice_pool *pool, const struct voice_pool_options *optio
     return 0;
 }
 
+/* One line for all of them. */
+void plugins_log_absent(const struct voice_pool *pool) {
+    struct buf text = {0};
+    for (size_t i = 0; i < pool->plugin_count; i++)
+        if (pool->plugins[i].absence)
+            buf_printf(&text, "%s%s: %s", text.size ? "; " : "", pool->plugins[i].name,
+                       pool->plugins[i].absence);
+    if (text.size && !pool->quiet)
+        log_info("voices that are not there: %.*s", (int)text.size, (const char *)text.data);
+    buf_free(&text);
+}
+
 void plugins_free(struct voice_pool *pool) {
     for (size_t i = 0; i < pool->plugin_count; i++) {
         free(pool->plugins[i].name);
         free(pool->plugins[i].path);
         free(pool->plugins[i].config);
+        free(pool->plugins[i].absence);
         free(pool->plugins[i].workers);
     }
     free(pool->plugins);

@@ -39,8 +39,8 @@ static void end_job(struct worker *w, struct utterance *u, const struct error *e
 
 static void give_up(struct worker *w, const char *why) {
     struct plugin *plugin = w->plugin;
-    if (w->absent && !plugin->known && !plugin->pool->quiet)
-        log_info("the voice %s is not there: %s", plugin->name, why);
+    if (w->absent && !plugin->known && !plugin->absence)
+        plugin->absence = mem_strdup(why);
     if (!w->given_up && !w->absent)
         log_error("the voice %s does not start: %s; it will be tried again every %.0f s", plugin->name, why,
                   plugin->pool->retry_after);

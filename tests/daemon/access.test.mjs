@@ -155,7 +155,7 @@ test('without a list, pages of this machine alone', async () => {
   }
   // a name that an attacker lets point here: page and host agree
   const rebound = await request(open.port, { path: '/v1/speech', method: 'POST', headers: { origin: 'http://evil.example', host: 'evil.example' }, body: 'Sì.' });
-  assert.equal(rebound.status, 403);
+  assert.equal(rebound.status, 421);
   assert.equal((await open.stop()).code, 0);
 });
 

@@ -96,7 +96,8 @@ test('HTTP: unknown addresses, methods, types, formats', async () => {
   await check('/../../etc/passwd', {}, 404, 'not-found');
   await check('/%2e%2e/%2e%2e/etc/passwd', {}, 404, 'not-found');
   await check('/v1/voices', { method: 'POST', body: 'x' }, 405, 'method-not-allowed');
-  await check('/v1/speech', {}, 405, 'method-not-allowed');
+  await check('/v1/say', {}, 405, 'method-not-allowed');
+  await check('/v1/speech', {}, 400, 'missing-field');
   await check('/', { method: 'POST', body: 'x' }, 405, 'method-not-allowed');
   await check('/v1/voices', { method: 'DELETE' }, 405, 'method-not-allowed');
   await check('/v1/stream', {}, 426, 'upgrade-required');
@@ -113,7 +114,8 @@ test('HTTP: unknown addresses, methods, types, formats', async () => {
 test('OPTIONS names the methods', async () => {
   const response = await daemon.get('/v1/speech', { method: 'OPTIONS' });
   assert.equal(response.status, 204);
-  assert.equal(response.headers.get('allow'), 'POST, OPTIONS');
+  assert.equal(response.headers.get('allow'), 'GET, HEAD, POST, OPTIONS');
+  assert.equal((await daemon.get('/v1/say', { method: 'OPTIONS' })).headers.get('allow'), 'POST, OPTIONS');
 });
 
 test('a WebSocket at another address is refused', async () => {
@@ -136,13 +138,13 @@ function raw(bytes) {
 
 test('garbage on the port harms nobody', async () => {
   const other = await daemon.stream();
-  const upgrade = 'GET /v1/stream HTTP/1.1\r\nHost: x\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n';
+  const upgrade = 'GET /v1/stream HTTP/1.1\r\nHost: localhost\r\nConnection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n';
   const hostile = [
     Buffer.alloc(5000, 0xff),
     Buffer.from('GET / HTTP/9.9\r\n\r\n'),
     Buffer.from('GET /' + 'a'.repeat(20000) + ' HTTP/1.1\r\n\r\n'),
-    Buffer.from('POST /v1/speech HTTP/1.1\r\nHost: x\r\nContent-Length: 99999999999\r\n\r\nabc'),
-    Buffer.from('POST /v1/speech HTTP/1.1\r\nHost: x\r\nContent-Length: -5\r\n\r\nabc'),
+    Buffer.from('POST /v1/speech HTTP/1.1\r\nHost: localhost\r\nContent-Length: 99999999999\r\n\r\nabc'),
+    Buffer.from('POST /v1/speech HTTP/1.1\r\nHost: localhost\r\nContent-Length: -5\r\n\r\nabc'),
     Buffer.concat([Buffer.from(upgrade), Buffer.from([0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff, 0xff])]), // reserved bits
     Buffer.concat([Buffer.from(upgrade), Buffer.from([0x81, 0x05, 0x41, 0x41, 0x41, 0x41, 0x41])]), // not masked
     Buffer.concat([Buffer.from(upgrade), Buffer.from([0x80, 0x85, 1, 2, 3, 4, 5, 5, 5, 5, 5])]), // continues nothing

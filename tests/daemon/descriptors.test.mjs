@@ -25,7 +25,7 @@ async function start(t, limits, ...options) {
 
 const softLimit = (pid) => Number(fs.readFileSync(`/proc/${pid}/limits`, 'utf8').match(/^Max open files +(\d+)/m)[1]);
 const used = (pid) => fs.readdirSync(`/proc/${pid}/fd`).length;
-const request = (target) => `GET ${target} HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n`;
+const request = (target) => `GET ${target} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n`;
 const speaks = async (stream, id) => {
   stream.send({ type: 'speak', id, lang: 'it', text: `Una frase, la ${id}.` });
   assert.equal((await stream.wait({ type: 'end', id })).reason, 'done');
@@ -62,7 +62,7 @@ test('above the limit of connections the operator is answered, others are told',
   const other = await ask(daemon.port, request('/v1/voices'));
   assert.deepEqual([other.status, JSON.parse(other.body).code], [503, 'too-many-connections']);
   // who has been answered and just stays gives way to who comes
-  crowd[0].write('GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n');
+  crowd[0].write('GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n');
   await crowd[0].answer();
   const late = await daemon.stream();
   await late.wait({ type: 'hello' });

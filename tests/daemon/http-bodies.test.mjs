@@ -10,9 +10,9 @@ let daemon;
 before(async () => (daemon = await Daemon.start()));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
-const head = (fields, target = '/v1/speech?lang=it&format=json', version = '1.1') => `POST ${target} HTTP/${version}\r\nHost: x\r\nContent-Type: text/plain\r\n${fields}\r\n`;
+const head = (fields, target = '/v1/speech?lang=it&format=json', version = '1.1') => `POST ${target} HTTP/${version}\r\nHost: localhost\r\nContent-Type: text/plain\r\n${fields}\r\n`;
 const chunked = (...chunks) => head('Transfer-Encoding: chunked\r\n') + chunks.map((chunk) => `${Buffer.byteLength(chunk).toString(16)}\r\n${chunk}\r\n`).join('') + '0\r\n\r\n';
-const healthy = 'GET /healthz HTTP/1.1\r\nHost: x\r\n\r\n';
+const healthy = 'GET /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n';
 
 test('a chunked body is read, however it is cut', async () => {
   const words = async (bytes) => JSON.parse((await ask(daemon.port, bytes)).body).words.map((w) => w.text);
@@ -124,7 +124,7 @@ test('limits for each address: idle connections count, and requests count that w
   const statuses = [];
   for (let i = 0; i < 12; i++) {
     let answer;
-    do answer = await ask(tight.port, head('Content-Length: 1\r\n', '/v1/say?room=nowhere') + 'x');
+    do answer = await ask(tight.port, head('Content-Length: 1\r\n', '/v1/stop?room=nowhere') + 'x');
     while (JSON.parse(answer.body).code === 'too-many-connections');
     statuses.push(answer.status);
   }

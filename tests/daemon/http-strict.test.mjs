@@ -17,9 +17,9 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-const get = (target = '/healthz', fields = '') => `GET ${target} HTTP/1.1\r\nHost: x\r\n${fields}\r\n`;
+const get = (target = '/healthz', fields = '') => `GET ${target} HTTP/1.1\r\nHost: localhost\r\n${fields}\r\n`;
 const post = (body, fields = '', target = '/v1/speech?lang=it&format=json') =>
-  `POST ${target} HTTP/1.1\r\nHost: x\r\nContent-Type: text/plain\r\nContent-Length: ${Buffer.byteLength(body)}\r\n${fields}\r\n${body}`;
+  `POST ${target} HTTP/1.1\r\nHost: localhost\r\nContent-Type: text/plain\r\nContent-Length: ${Buffer.byteLength(body)}\r\n${fields}\r\n${body}`;
 
 test('requests in one segment are answered in their order', async () => {
   const raw = await Raw.open(daemon.port);
@@ -97,13 +97,13 @@ const wrong = [
   ['a space before a colon', get('/healthz', 'X-A : b\r\n'), 400, 'bad-header'],
   ['a space in a name', get('/healthz', 'X A: b\r\n'), 400, 'bad-header'],
   ['a line without a colon', get('/healthz', 'nonsense\r\n'), 400, 'bad-request'],
-  ['two spaces in the first line', 'GET  /healthz HTTP/1.1\r\nHost: x\r\n\r\n', 400, 'bad-request'],
-  ['a space in the address', 'GET /a b HTTP/1.1\r\nHost: x\r\n\r\n', 400, 'bad-request'],
+  ['two spaces in the first line', 'GET  /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n', 400, 'bad-request'],
+  ['a space in the address', 'GET /a b HTTP/1.1\r\nHost: localhost\r\n\r\n', 400, 'bad-request'],
   ['a fragment', get('/healthz#a'), 400, 'bad-target'],
-  ['an unknown method', 'BREW /healthz HTTP/1.1\r\nHost: x\r\n\r\n', 501, 'unknown-method'],
-  ['a method that is not taken', 'PATCH /healthz HTTP/1.1\r\nHost: x\r\n\r\n', 405, 'method-not-allowed'],
-  ['CONNECT', 'CONNECT x:80 HTTP/1.1\r\nHost: x\r\n\r\n', 405, 'method-not-allowed'],
-  ['HTTP/9.9', 'GET / HTTP/9.9\r\nHost: x\r\n\r\n', 505, 'unknown-version'],
+  ['an unknown method', 'BREW /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n', 501, 'unknown-method'],
+  ['a method that is not taken', 'PATCH /healthz HTTP/1.1\r\nHost: localhost\r\n\r\n', 405, 'method-not-allowed'],
+  ['CONNECT', 'CONNECT x:80 HTTP/1.1\r\nHost: localhost\r\n\r\n', 405, 'method-not-allowed'],
+  ['HTTP/9.9', 'GET / HTTP/9.9\r\nHost: localhost\r\n\r\n', 505, 'unknown-version'],
   ['an expectation', get('/healthz', 'Expect: a miracle\r\n'), 417, 'unknown-expectation'],
   ['a long address', get(`/healthz?x=${'a'.repeat(9000)}`), 414, 'uri-too-long'],
   ['an address without end', `GET /${'a'.repeat(30000)}`, 414, 'uri-too-long'],
@@ -139,7 +139,7 @@ test('every parameter is decoded, wherever it stands, whatever is before it', as
   await protocol.message({ type: 'joined', room: 'hall', may_speak: true });
   await protocol.close();
   assert.equal((await guarded.stop()).code, 0);
-  const { body } = await ask(daemon.port, get('/v1/say?room=a+b%26c', '').replace('GET', 'POST').replace('\r\n\r\n', '\r\nContent-Length: 0\r\n\r\n'));
+  const { body } = await ask(daemon.port, get('/v1/stop?room=a+b%26c', '').replace('GET', 'POST').replace('\r\n\r\n', '\r\nContent-Length: 0\r\n\r\n'));
   assert.match(JSON.parse(body).message, /'a b&c'/);
 });
 
@@ -173,7 +173,7 @@ test('HTTP/1.0: closed after the answer, unless it is to stay; nothing in chunks
 test('the address may be absolute', async () => {
   const answer = await ask(daemon.port, 'GET http://localhost/healthz?x=1 HTTP/1.1\r\nHost: elsewhere\r\n\r\n');
   assert.equal(answer.status, 200);
-  assert.equal((await ask(daemon.port, 'GET HTTP://localhost HTTP/1.1\r\nHost: x\r\n\r\n')).status, 200);
+  assert.equal((await ask(daemon.port, 'GET HTTP://localhost HTTP/1.1\r\nHost: localhost\r\n\r\n')).status, 200);
 });
 
 test('a connection stays, and says when it will not', async () => {
@@ -191,10 +191,10 @@ test('slow requests end at a deadline, idle connections later', { timeout: 90000
   idle.write(get());
   await idle.answer();
   const began = Date.now();
-  slowHead.write('GET /healthz HTTP/1.1\r\nHost: x\r\n');
-  slowBody.write('POST /v1/speech?lang=it&format=json HTTP/1.1\r\nHost: x\r\nContent-Length: 5000\r\n\r\n');
+  slowHead.write('GET /healthz HTTP/1.1\r\nHost: localhost\r\n');
+  slowBody.write('POST /v1/speech?lang=it&format=json HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5000\r\n\r\n');
   // 20 kB at 1000 bytes a second
-  steady.write('POST /v1/speech?lang=it&format=json&markup=plain HTTP/1.1\r\nHost: x\r\nContent-Type: text/plain\r\nContent-Length: 20003\r\n\r\n');
+  steady.write('POST /v1/speech?lang=it&format=json&markup=plain HTTP/1.1\r\nHost: localhost\r\nContent-Type: text/plain\r\nContent-Length: 20003\r\n\r\n');
   let sent = 0;
   const wait = { milliseconds: 60000 };
   const drip = setInterval(() => {
@@ -214,7 +214,7 @@ test('slow requests end at a deadline, idle connections later', { timeout: 90000
 });
 
 test('clients that reset, half-close, or stop in the middle cost nobody anything', async () => {
-  const texts = [get(), post('Una frase. '.repeat(50)), 'GET / HT', 'POST /v1/speech HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nab', handshake()];
+  const texts = [get(), post('Una frase. '.repeat(50)), 'GET / HT', 'POST /v1/speech HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nab', handshake()];
   for (let i = 0; i < 60; i++) {
     const raw = await Raw.open(daemon.port);
     raw.write(texts[i % texts.length]);

@@ -152,7 +152,7 @@ test('every option stands in the help with its member, and every member in the p
 const wrongFiles = [
   ['{"limits": {"text_bytes": "many"}}', /limits\.text_bytes: must be a number from 1 to 104857600/],
   ['{"limits": {"text_bytes": 1.5}}', /limits\.text_bytes: '1\.5' is not a whole number/],
-  ['{"limits": {"text_byte": 1}}', /limits\.text_byte: there is no such setting/],
+  ['{"limits": {"text_byte": 1}}', /limits\.text_byte: there is no such setting; near: limits\.text_bytes/],
   ['{"limits": 3}', /limits: must be an object/],
   ['{"listen": {"remote": 1}}', /listen\.remote: must be true or false/],
   ['{"access": {"origins": "x"}}', /access\.origins: must be a list/],

@@ -20,13 +20,14 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-/** Runs it in the folder; its standard input stays open, as a terminal's does. Gives what it printed. */
-async function run(program, args) {
+/** Runs it in the folder; its standard input stays open, as a terminal's does, unless it is said. Gives what it printed. */
+async function run(program, args, stdin) {
   const child = spawn(program, args, {
     cwd: folder,
     // wscat from npm; python3 is Debian's, as its package with the library is
     env: { ...process.env, PATH: `${path.join(root, 'tests/node_modules/.bin')}:/usr/bin:${process.env.PATH}` },
   });
+  if (stdin) child.stdin.end(stdin === 'text' ? 'La mamma parla.\nIl papà no.\n' : '');
   let out = '', complaints = '';
   child.stdout.setEncoding('utf8').on('data', (piece) => (out += piece));
   child.stderr.setEncoding('utf8').on('data', (piece) => (complaints += piece));
@@ -36,8 +37,8 @@ async function run(program, args) {
 }
 
 const interpreters = {
-  sh: (code) => run('sh', ['-ec', code]),
-  python: (code) => run('python3', ['-c', code]),
+  sh: (code, stdin) => run('sh', ['-ec', code], stdin),
+  python: (code, stdin) => run('python3', ['-c', code], stdin),
   js: (code) => {
     // in a folder from which it finds ws
     fs.writeFileSync(path.join(folder, 'script.mjs'), code);
@@ -52,12 +53,12 @@ test('every example is in a language that is run here', () => {
   for (const { language } of examples) assert.ok(language in interpreters, language);
 });
 
-for (const { language, room, needs, code } of examples) {
+for (const { language, room, needs, stdin, code } of examples) {
   const missing = needs && spawnSync('which', [needs]).status !== 0;
   test(`${language}: ${code.split('\n')[0]}`, { skip: missing && `${needs} is not installed` }, async () => {
     const listener = room && (await daemon.stream(`?room=${room}`));
     await listener?.wait({ type: 'joined' });
-    const out = await interpreters[language](code.replaceAll('127.0.0.1:8080', `127.0.0.1:${daemon.port}`));
+    const out = await interpreters[language](code.replaceAll('127.0.0.1:8080', `127.0.0.1:${daemon.port}`), stdin);
     assert.doesNotMatch(out, /error/);
     if (!/-o /.test(code) && !room) assert.match(out, /mamma/);
     if (code.includes('faccia.text.v1')) assert.match(out, /word [\d.]+ mamma[^]*end done/);
@@ -71,6 +72,25 @@ for (const { language, room, needs, code } of examples) {
     await listener?.close();
   });
 }
+
+test('a close in the text protocol is answered when all has been said', async () => {
+  const { default: WebSocket } = await import('ws');
+  const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?lang=it`, ['faccia.text.v1']);
+  const lines = [];
+  socket.on('message', (data) => lines.push(String(data)));
+  await once(socket, 'open');
+  socket.send('La mamma parla piano, e il papà la ascolta.');
+  socket.send('Poi tace.');
+  socket.close(1000);
+  const [code] = await once(socket, 'close');
+  assert.equal(code, 1000);
+  assert.equal(lines.filter((line) => line.startsWith('end done')).length, 2, lines.join('\n'));
+  // one that has nothing to hear is let go at once
+  const silent = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream`, ['faccia.text.v1']);
+  await once(silent, 'open');
+  silent.close();
+  await once(silent, 'close');
+});
 
 test('the files that curl wrote are what they are called', () => {
   const bytes = (name) => fs.readFileSync(path.join(folder, name));

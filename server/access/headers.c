@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/access/headers.h"
+#include <stdio.h>
+#include <string.h>
+
+/* A page has its scripts, styles, pictures and worklets from here, and nothing that is written into it
+ * (Content Security Policy, level 3). Its decoder of Opus is WebAssembly. */
+static const char page_policy[] =
+    "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; "
+    "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "require-trusted-types-for 'script'; frame-ancestors";
+
+/* What is no page loads nothing, should a browser take it for one. */
+static const char other_policy[] = "default-src 'none'; frame-ancestors 'none'";
+
+static void add(struct headers *h, const char *name, const char *value) {
+    h->list[h->count].name = name;
+    h->list[h->count++].value = value;
+}
+
+/* A word that ends no directive and no header. */
+static bool is_source(const char *origin) {
+    return *origin && !origin[strcspn(origin, " \t\r\n;,'\"")];
+}
+
+static bool is_page(const char *type) {
+    return !strncmp(type, "text/html", 9);
+}
+
+static void add_page(struct headers *h, char *const *embed) {
+    bool framed = embed && *embed;
+    size_t used =
+        (size_t)snprintf(h->policy, sizeof h->policy, "%s %s", page_policy, framed ? "'self'" : "'none'");
+    for (; embed && *embed; embed++)
+        if (is_source(*embed) && used + strlen(*embed) + 2 < sizeof h->policy)
+            used += (size_t)snprintf(h->policy + used, sizeof h->policy - used, " %s", *embed);
+    add(h, "content-security-policy", h->policy);
+    if (!framed)
+        add(h, "x-frame-options", "DENY"); /* says the same to browsers that are old */
+}
+
+void headers_of(struct headers *h, const char *type, bool shared, char *const *embed) {
+    h->count = 0;
+    add(h, "x-content-type-options", "nosniff");
+    add(h, "referrer-policy", "no-referrer");
+    add(h, "cross-origin-resource-policy", shared ? "cross-origin" : "same-origin");
+    if (is_page(type))
+        add_page(h, embed);
+    else
+        add(h, "content-security-policy", other_policy);
+}

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/access/secrets.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include <errno.h>
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+static bool others_write(const struct stat *status) {
+    return status->st_mode & (S_IWGRP | S_IWOTH);
+}
+
+/* Who may write the file, or put another in its place, makes the tokens. */
+static int check_file(FILE *file, const char *path, struct error *e) {
+    struct stat status, folder;
+    char *real = realpath(path, NULL), *parent = real ? dirname(real) : NULL;
+    bool open_folder =
+        parent && !stat(parent, &folder) && others_write(&folder) && !(folder.st_mode & S_ISVTX);
+    int result = 0;
+    if (fstat(fileno(file), &status))
+        result = error_set(e, "bad-file", "%s: %s", path, strerror(errno));
+    else if (S_ISDIR(status.st_mode))
+        result = error_set(e, "bad-file", "%s: is a folder, not a file of secrets", path);
+    else if (S_ISREG(status.st_mode) && others_write(&status))
+        result =
+            error_set(e, "bad-file", "%s: others than its owner may write it (mode %03o); 'chmod 600' helps",
+                      path, (unsigned)(status.st_mode & 0777));
+    else if (S_ISREG(status.st_mode) && open_folder)
+        result =
+            error_set(e, "bad-file",
+                      "%s: others than its owner may replace it, as they may write its folder (mode %03o)",
+                      path, (unsigned)(folder.st_mode & 0777));
+    else if (S_ISREG(status.st_mode) && status.st_mode & S_IROTH)
+        log_warn("%s: everybody on this machine can read the secrets; 'chmod 600' helps", path);
+    free(real);
+    return result;
+}
+
+static int read_lines(struct secrets *secrets, FILE *file, const char *path, struct error *e) {
+    char *line = NULL;
+    size_t cap = 0, list_cap = 0, number = 0;
+    int result = 0;
+    for (ssize_t n; !result && (n = getline(&line, &cap, file)) >= 0;) {
+        number++;
+        n = (ssize_t)strcspn(line, "\r\n");
+        if (!n)
+            continue;
+        line[n] = '\0';
+        if (n < SECRET_BYTES_MIN) {
+            result = error_at_line(e, "bad-file", number, 1, "%s: a secret must have at least %d bytes", path,
+                                   SECRET_BYTES_MIN);
+            break;
+        }
+        secrets->list = mem_grow(secrets->list, &list_cap, secrets->count + 1, sizeof *secrets->list);
+        secrets->list[secrets->count++] = mem_strdup(line);
+    }
+    free(line);
+    if (!result && !secrets->count)
+        result = error_set(e, "bad-file", "%s: holds no secret", path);
+    return result;
+}
+
+int secrets_load(struct secrets *secrets, const char *path, struct error *e) {
+    *secrets = (struct secrets){0};
+    FILE *file = fopen(path, "r");
+    if (!file)
+        return error_set(e, "bad-file", "%s: %s", path, strerror(errno));
+    int result = check_file(file, path, e) || read_lines(secrets, file, path, e) ? -1 : 0;
+    fclose(file);
+    if (result)
+        secrets_free(secrets);
+    return result;
+}
+
+void secrets_free(struct secrets *secrets) {
+    for (size_t i = 0; i < secrets->count; i++)
+        free(secrets->list[i]);
+    free(secrets->list);
+    *secrets = (struct secrets){0};
+}
+
+/* FNV-1a: it stays in this process, and need not withstand anybody. */
+uint64_t secret_number(const char *secret) {
+    uint64_t number = 14695981039346656037u;
+    for (; *secret; secret++)
+        number = (number ^ (unsigned char)*secret) * 1099511628211u;
+    return number;
+}
+
+bool secrets_have(const struct secrets *secrets, uint64_t number) {
+    for (size_t i = 0; i < secrets->count; i++)
+        if (secret_number(secrets->list[i]) == number)
+            return true;
+    return false;
+}

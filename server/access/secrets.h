@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The secrets that tokens are signed with, out of a file: one in each line, of at least SECRET_BYTES_MIN
+ * bytes. The first signs; all are accepted, so that one can be replaced without cutting anybody off. */
+#ifndef FACCIA_ACCESS_SECRETS_H
+#define FACCIA_ACCESS_SECRETS_H
+
+#include "server/base/error.h"
+#include <stdbool.h>
+#include <stdint.h>
+
+enum { SECRET_BYTES_MIN = 32 };
+
+struct secrets {
+    char **list;
+    size_t count;
+};
+
+/* -1 with *e: "bad-file" (also one that is no file, or that others than its owner may write or replace), or
+ * the line of a secret that is too short. One that all may read is worth a warning in the log. */
+int secrets_load(struct secrets *secrets, const char *path, struct error *e);
+void secrets_free(struct secrets *secrets);
+
+/* Tells secrets from each other without holding them. */
+uint64_t secret_number(const char *secret);
+bool secrets_have(const struct secrets *secrets, uint64_t number);
+
+#endif

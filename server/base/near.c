@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/near.h"
+#include <ctype.h>
+#include <stdio.h>
+#include <string.h>
+#include <strings.h>
+
+enum { NAME_MOST = 64, FAR = 1000, PREFIX_LEAST = 3 };
+
+static unsigned least(unsigned a, unsigned b) {
+    return a < b ? a : b;
+}
+
+static char at(const char *text, size_t i) {
+    return (char)tolower((unsigned char)text[i]);
+}
+
+/* Three rows of the table are enough, as a swap looks back two. */
+static unsigned distance(const char *a, const char *b) {
+    unsigned rows[3][NAME_MOST + 1];
+    size_t n = strlen(a), m = strlen(b);
+    if (n > NAME_MOST || m > NAME_MOST)
+        return FAR;
+    for (size_t j = 0; j <= m; j++)
+        rows[0][j] = (unsigned)j;
+    for (size_t i = 1; i <= n; i++) {
+        unsigned *row = rows[i % 3], *last = rows[(i + 2) % 3], *before = rows[(i + 1) % 3];
+        row[0] = (unsigned)i;
+        for (size_t j = 1; j <= m; j++) {
+            row[j] = least(last[j], row[j - 1]) + 1;
+            row[j] = least(row[j], last[j - 1] + (at(a, i - 1) != at(b, j - 1)));
+            if (i > 1 && j > 1 && at(a, i - 1) == at(b, j - 2) && at(a, i - 2) == at(b, j - 1))
+                row[j] = least(row[j], before[j - 2] + 1);
+        }
+    }
+    return rows[n % 3][m];
+}
+
+/* So much may be wrong in a name of so many letters. */
+static unsigned farthest(size_t length) {
+    return length < 4 ? 1 : length < 8 ? 2 : 3;
+}
+
+struct near near_to(const char *wanted) {
+    return (struct near){.wanted = wanted};
+}
+
+void near_try(struct near *near, const char *name, const char *shown) {
+    size_t length = strlen(near->wanted);
+    unsigned far = distance(near->wanted, name), limit = farthest(length);
+    if (length >= PREFIX_LEAST && !strncasecmp(near->wanted, name, length))
+        far = least(far, limit);
+    if (!length || far > limit)
+        return;
+    for (size_t i = 0; i < near->count; i++)
+        if (!strcmp(near->names[i], shown))
+            return;
+    size_t place = near->count < NEAR_MOST ? near->count++ : NEAR_MOST;
+    while (place && near->distances[place - 1] > far) {
+        if (place < NEAR_MOST) {
+            near->names[place] = near->names[place - 1];
+            near->distances[place] = near->distances[place - 1];
+        }
+        place--;
+    }
+    if (place < NEAR_MOST) {
+        near->names[place] = shown;
+        near->distances[place] = far;
+    }
+}
+
+void near_try_all(struct near *near, const char *const *names) {
+    for (; names && *names; names++)
+        near_try(near, *names, *names);
+}
+
+const char *near_text(const struct near *near, char out[NEAR_TEXT]) {
+    size_t used = 0;
+    *out = '\0';
+    for (size_t i = 0; i < near->count && used < NEAR_TEXT; i++)
+        used += (size_t)snprintf(out + used, NEAR_TEXT - used, "%s%s", i ? ", " : "; near: ", near->names[i]);
+    return out;
+}

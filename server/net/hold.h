@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What was said to rooms in which nobody was: kept for a while, and spoken when somebody comes. */
+#ifndef FACCIA_NET_HOLD_H
+#define FACCIA_NET_HOLD_H
+
+#include "server/base/error.h"
+#include "server/stream/request.h"
+
+struct channel;
+struct net;
+
+/* Of all rooms together. */
+enum { HOLD_MOST = 100 };
+
+struct hold {
+    struct held *first; /* oldest first */
+    size_t count;
+};
+
+/* Keeps a copy of the request for net->options.hold_seconds. -1 with *e: "queue-full". */
+int hold_keep(struct net *net, const char *room, const struct speech_request *request, struct error *e);
+
+/* Somebody has come into the room: speaks what was kept for it, in its order. */
+void hold_speak(struct net *net, const struct channel *room);
+
+void hold_free(struct hold *hold);
+
+#endif

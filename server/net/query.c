@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/query.h"
+#include "server/base/near.h"
+#include "server/net/http_request.h"
+#include "server/stream/request.h"
+#include <string.h>
+
+static void check(const char *name, const struct members *known,
+                  void (*warn)(void *ctx, const struct error *e), void *ctx) {
+    struct near near = near_to(name);
+    struct error e;
+    char text[NEAR_TEXT];
+    const char *field;
+    for (const char *const *more = known->more; more && *more; more++) {
+        if (!strcmp(*more, name))
+            return;
+        near_try(&near, *more, *more);
+    }
+    for (size_t i = 0; known->speech && (field = request_field(i)); i++) {
+        if (!strcmp(field, "text"))
+            continue;
+        if (!strcmp(field, name))
+            return;
+        near_try(&near, field, field);
+    }
+    error_in_field(&e, "unknown-member", name, "no member '%.60s'%s", name, near_text(&near, text));
+    warn(ctx, &e);
+}
+
+void query_check(const struct http_request *request, const struct members *known, bool text,
+                 void (*warn)(void *ctx, const struct error *e), void *ctx) {
+    for (size_t i = 0; i < request->member_count; i++)
+        if (strcmp(request->members[i].name, "token") && /* good everywhere */
+            (!text || strcmp(request->members[i].name, "text")))
+            check(request->members[i].name, known, warn, ctx);
+}
+
+void members_check(const json_t *object, const struct members *known,
+                   void (*warn)(void *ctx, const struct error *e), void *ctx) {
+    const char *name;
+    json_t *value;
+    json_object_foreach((json_t *)object, name, value) check(name, known, warn, ctx);
+}

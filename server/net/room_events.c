@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What happens in a room as server-sent events (HTML standard, 9.2). */
+#include "server/base/mem.h"
+#include "server/net/internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+struct events {
+    struct follower follower;
+    struct exchange *x;
+    struct events *next, **self; /* in the net's list */
+};
+
+static void on_delivery(struct follower *f, struct parcel *parcel) {
+    struct events *events = (struct events *)f;
+    struct buf text = {0};
+    if (parcel->media || exchange_unsent(events->x) > exchange_net(events->x)->options.send_bytes)
+        return; /* he who does not listen misses something */
+    buf_printf(&text, "event: %s\ndata: ", parcel->event);
+    buf_add(&text, parcel_body(parcel), parcel->size);
+    buf_add(&text, "\n\n", 2);
+    exchange_add(events->x, text.data, text.size);
+    buf_free(&text);
+}
+
+/* A comment from time to time shows both ends that the other is there. */
+static void events_beat(void *self) {
+    struct events *events = self;
+    static const char comment[] = ": still here\n\n";
+    if (events->follower.channel && !exchange_unsent(events->x))
+        exchange_add(events->x, comment, strlen(comment));
+}
+
+static void events_free(void *self) {
+    struct events *events = self;
+    *events->self = events->next;
+    if (events->next)
+        events->next->self = events->self;
+    channel_leave(&events->follower);
+    free(events);
+}
+
+static void tell(struct events *events, const char *event, json_t *message) {
+    struct buf text = {0};
+    buf_printf(&text, "event: %s\ndata: ", event);
+    message_write(&text, message);
+    buf_add(&text, "\n\n", 2);
+    exchange_add(events->x, text.data, text.size);
+    buf_free(&text);
+}
+
+void room_events_revoke(struct net *net) {
+    struct error e;
+    error_set(&e, "revoked-token", "the token's secret is not one of this server's any more");
+    for (struct events *events = net->events; events; events = events->next) {
+        if (!events->follower.channel || !guest_revoke(net, exchange_guest(events->x)))
+            continue;
+        channel_leave(&events->follower);
+        tell(events, "error", message_error(&e));
+        exchange_end(events->x);
+    }
+}
+
+int room_events(struct exchange *x) {
+    char value[TOKEN_ROOM + 2];
+    struct error e;
+    const char *name = exchange_query(x, "room", value, sizeof value);
+    struct channel *channel = name ? channel_room(exchange_net(x), name, &e)
+                                   : (error_in_field(&e, "missing-field", "room", "is missing"), NULL);
+    if (!channel)
+        return exchange_error(x, 400, &e);
+    struct events *events = mem_alloc(sizeof *events);
+    struct net *net = exchange_net(x);
+    events->x = x;
+    events->next = net->events;
+    events->self = &net->events;
+    if (events->next)
+        events->next->self = &events->next;
+    net->events = events;
+    events->follower.deliver = on_delivery;
+    exchange_set_work(
+        x, (struct exchange_work){.beat = events_beat, .free = events_free, .self = events, .endless = true});
+    if (exchange_begin(x, "text/event-stream"))
+        return -1;
+    channel_join(channel, &events->follower);
+    events_beat(events);
+    return 0;
+}

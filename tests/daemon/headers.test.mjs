@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What browsers are told to do with each answer: policies of content, frames, referrers, resources.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { Daemon } from '../lib/daemon.mjs';
+
+let daemon;
+before(async () => (daemon = await Daemon.start()));
+after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+
+const policy = (response) =>
+  Object.fromEntries(response.headers.get('content-security-policy').split(';').map((d) => d.trim().split(/ (.*)/s)).map(([name, value]) => [name, value ?? '']));
+const fetched = async (address, from = daemon, options = {}) => {
+  const response = await from.get(address, options);
+  await response.arrayBuffer();
+  return response;
+};
+const pages = ['/', '/voices.html', '/emotion.html'];
+
+test('pages run what comes from here, and nothing that is written into them', async () => {
+  for (const page of pages) {
+    const response = await fetched(page);
+    const directives = policy(response);
+    assert.equal(directives['default-src'], "'none'");
+    assert.equal(directives['script-src'], "'self' 'wasm-unsafe-eval'");
+    assert.equal(directives['style-src'], "'self'");
+    assert.equal(directives['base-uri'], "'none'");
+    assert.equal(directives['form-action'], "'none'");
+    assert.equal(directives['require-trusted-types-for'], "'script'");
+    assert.doesNotMatch(response.headers.get('content-security-policy'), /unsafe-inline|unsafe-eval(?<!wasm-unsafe-eval)|blob:|\*/);
+    assert.equal(directives['frame-ancestors'], "'none'");
+    assert.equal(response.headers.get('x-frame-options'), 'DENY');
+  }
+});
+
+test('every answer: no guessing of types, no referrer, nothing loaded', async () => {
+  const answers = ['/', '/talking-head.js', '/v1/models/mara', '/v1/voices', '/healthz', '/nowhere', '/metrics', '/v1/speech?text=Ciao', '/v1/openapi.json', '/v1/stream'];
+  for (const address of answers) {
+    const { headers } = await fetched(address);
+    assert.equal(headers.get('x-content-type-options'), 'nosniff', address);
+    assert.equal(headers.get('referrer-policy'), 'no-referrer', address);
+    if (address !== '/') assert.equal(headers.get('content-security-policy'), "default-src 'none'; frame-ancestors 'none'", address);
+  }
+});
+
+test('scripts and heads may be embedded anywhere, answers of the API may not', async () => {
+  for (const address of ['/talking-head.js', '/page.css', '/v1/models/mara'])
+    assert.equal((await fetched(address)).headers.get('cross-origin-resource-policy'), 'cross-origin', address);
+  for (const address of ['/v1/voices', '/v1/speech?text=Ciao', '/healthz'])
+    assert.equal((await fetched(address)).headers.get('cross-origin-resource-policy'), 'same-origin', address);
+  // not changed means the same headers
+  const { headers } = await fetched('/talking-head.js');
+  const again = await fetched('/talking-head.js', daemon, { headers: { 'if-none-match': headers.get('etag') } });
+  assert.equal(again.status, 304);
+  assert.equal(again.headers.get('cross-origin-resource-policy'), 'cross-origin');
+});
+
+test('--embed lets pages be framed by those that it names', async () => {
+  const own = await Daemon.start(['--embed', 'https://portal.example', '--embed', 'https://*.school.example', '--embed', "https://x.example; script-src 'unsafe-inline'"]);
+  const response = await fetched('/', own);
+  const directives = policy(response);
+  assert.equal(directives['frame-ancestors'], "'self' https://portal.example https://*.school.example", 'what is no origin is left out');
+  assert.equal(directives['script-src'], "'self' 'wasm-unsafe-eval'");
+  assert.equal(response.headers.get('x-frame-options'), null);
+  assert.equal((await fetched('/v1/voices', own)).headers.get('content-security-policy'), "default-src 'none'; frame-ancestors 'none'");
+  assert.equal((await own.stop()).code, 0);
+  const all = await Daemon.start(['--embed', '*']);
+  assert.equal(policy(await fetched('/', all))['frame-ancestors'], "'self' *");
+  assert.equal((await all.stop()).code, 0);
+});

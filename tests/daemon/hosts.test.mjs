@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// By which names the daemon may be asked, and by which pages: DNS rebinding, and what browsers send without an origin.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import net from 'node:net';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { Daemon } from '../lib/daemon.mjs';
+import { request } from '../lib/raw-http.mjs';
+import { sign } from '../lib/tokens.mjs';
+
+let daemon;
+before(async () => (daemon = await Daemon.start()));
+after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+
+const addresses = ['/', '/healthz', '/talking-head.js', '/v1/voices', '/v1/models/mara', '/v1/rooms', '/v1/openapi.json', '/metrics', '/v1/speech?text=Ciao', '/nowhere'];
+const foreign = ['evil.example', 'evil.example:80', 'localhost.evil.example', '127.0.0.1.evil.example', '[::1].evil.example', '*'];
+
+test('another name gets 421, whatever it asks for', async () => {
+  for (const host of foreign)
+    for (const address of host === foreign[0] ? addresses : ['/', '/v1/voices']) {
+      const { status, text, headers } = await request(daemon.port, { path: address, headers: { host } });
+      assert.equal(status, 421, `${host} ${address}`);
+      const error = JSON.parse(text);
+      assert.equal(error.code, 'unknown-host');
+      assert.match(error.message, /--host-name/);
+      assert.equal(headers['access-control-allow-origin'], undefined);
+    }
+  for (const method of ['POST', 'OPTIONS', 'HEAD', 'PUT'])
+    assert.equal((await request(daemon.port, { path: '/v1/speech', method, headers: { host: 'evil.example' } })).status, 421, method);
+});
+
+test('a page that was rebound, whose origin agrees with its host', async () => {
+  const headers = { host: `evil.example:${daemon.port}`, origin: `http://evil.example:${daemon.port}` };
+  const { status } = await request(daemon.port, { path: '/v1/speech', method: 'POST', headers, body: 'Sì.' });
+  assert.equal(status, 421);
+  await assert.rejects(daemon.stream('', { headers }), /421/);
+  await assert.rejects(daemon.stream('', { headers: { host: 'evil.example' } }), /421/);
+});
+
+test('own names and addresses in figures', async () => {
+  const names = ['localhost', `LocalHost:${daemon.port}`, 'localhost.', 'face.localhost', '127.0.0.1', '[::1]', '192.0.2.7:8080', '[2001:db8::1]:80', os.hostname()];
+  for (const host of names) {
+    assert.equal((await request(daemon.port, { path: '/healthz', headers: { host } })).status, 200, host);
+    await (await daemon.stream('', { headers: { host } })).close();
+  }
+});
+
+test('a request without a host is from no browser', async () => {
+  const socket = net.connect(daemon.port, '127.0.0.1');
+  socket.end('GET /healthz HTTP/1.0\r\n\r\n');
+  let text = '';
+  for await (const bytes of socket) text += bytes;
+  assert.match(text, /^HTTP\/1\.[01] 200 /);
+});
+
+test('--host-name names others, one or all; with tokens it is no different', async () => {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-hosts-'));
+  const secret = 'a secret that is long enough for the daemon';
+  fs.writeFileSync(path.join(folder, 'secrets'), `${secret}\n`, { mode: 0o600 });
+  const config = path.join(folder, 'config.json');
+  fs.writeFileSync(config, JSON.stringify({ access: { host_names: ['face.example', 'head.example'] } }));
+  const own = await Daemon.start(['--config', config, '--token-file', path.join(folder, 'secrets')]);
+  const status = async (host) =>
+    (await request(own.port, { path: '/v1/rooms', headers: { host, authorization: `Bearer ${sign({ secret })}` } })).status;
+  assert.equal(await status('FACE.example:443'), 200);
+  assert.equal(await status('head.example'), 200);
+  assert.equal(await status('evil.example'), 421);
+  assert.equal(await status('x.face.example'), 421);
+  fs.writeFileSync(config, JSON.stringify({ access: { host_names: ['*'] } }));
+  own.process.kill('SIGHUP');
+  await own.logged(/settings read anew/);
+  assert.equal(await status('evil.example'), 200);
+  assert.equal((await own.stop()).code, 0);
+  fs.rmSync(folder, { recursive: true });
+});
+
+test('what a page of another site has its browser fetch without an origin', async () => {
+  const embedded = { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'no-cors', 'sec-fetch-dest': 'audio' };
+  const get = (address, headers) => request(daemon.port, { path: address, headers });
+  for (const address of ['/v1/speech?text=Ciao', '/v1/rooms', '/v1/events?room=x', '/metrics']) {
+    const { status, text } = await get(address, embedded);
+    assert.equal(status, 403, address);
+    assert.equal(JSON.parse(text).code, 'forbidden-origin');
+  }
+  const speech = '/v1/speech?text=Ciao&lang=it&format=json';
+  const allowed = [
+    {}, // no browser
+    { 'sec-fetch-site': 'none', 'sec-fetch-mode': 'navigate', 'sec-fetch-user': '?1' }, // typed
+    { 'sec-fetch-site': 'same-origin', 'sec-fetch-mode': 'no-cors' },
+    { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate', 'sec-fetch-user': '?1' }, // a link that was followed
+    { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'cors', origin: 'http://localhost:5173' },
+  ];
+  for (const headers of allowed) assert.equal((await get(speech, headers)).status, 200, JSON.stringify(headers));
+  // a frame that a page fills by itself
+  assert.equal((await get(speech, { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate' })).status, 403);
+  // scripts and heads are for all
+  for (const address of ['/talking-head.js', '/v1/models/mara']) assert.equal((await get(address, embedded)).status, 200);
+});

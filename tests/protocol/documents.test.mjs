@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// openapi.json and asyncapi.json against the rules of their formats, and of Redocly's linter at its strictest.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import { test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+import { createConfig, lint } from '@redocly/openapi-core';
+
+const folder = fileURLToPath(new URL('../../protocol/', import.meta.url));
+const config = await createConfig({ extends: ['recommended-strict'] });
+const problems = async (file) =>
+  (await lint({ ref: file, config })).map(({ ruleId, message, location: [place] }) => `${place.pointer}: ${message} (${ruleId})`);
+
+for (const name of ['openapi.json', 'asyncapi.json'])
+  test(`${name} is lint clean`, async () => assert.deepEqual(await problems(path.join(folder, name)), []));
+
+test('the linter sees what is wrong', async () => {
+  const copy = JSON.parse(fs.readFileSync(path.join(folder, 'openapi.json'), 'utf8'));
+  delete copy.paths['/v1/speech'].post.operationId;
+  copy.paths['/v1/say'].post.parameters[0] = { $ref: '#/components/parameters/nowhere' };
+  const file = path.join(folder, `.lint-${process.pid}.json`); // beside what it refers to
+  fs.writeFileSync(file, JSON.stringify(copy));
+  try {
+    assert.deepEqual((await problems(file)).map((text) => text.match(/\((.*)\)$/)[1]).sort(), ['no-unresolved-refs', 'operation-operationId']);
+  } finally {
+    fs.rmSync(file);
+  }
+});
+
+test('every operation has an id of its own', () => {
+  const { paths } = JSON.parse(fs.readFileSync(path.join(folder, 'openapi.json'), 'utf8'));
+  const ids = Object.values(paths).flatMap(({ get, post }) => [get, post].filter(Boolean).map(({ operationId }) => operationId));
+  assert.ok(ids.length >= 18 && ids.every(Boolean));
+  assert.equal(new Set(ids).size, ids.length);
+});
