@@ -54,6 +54,7 @@ struct score_cue {
                            "emphasis", "pitch-accent", "boundary", "deictic", "adjectival" */
     const char *name;   /* "joy", "warn", "LplusHstar"...: as the author wrote it, in lower case */
     size_t first, last; /* items [first, last); first == last: at the point before item first */
+    size_t around;      /* the nearest cue before it that ends later, counted from 1; 0 = none */
     size_t at;          /* byte of the input where the author asked for it */
     double intensity;   /* 0..1 */
     double
@@ -114,6 +115,16 @@ struct score_item *score_add(struct score *score, enum score_kind kind, size_t s
 /* A cue with intensity 1, the whole stretch for its time, and nothing else given. kind is static; name is
  * copied. It begins at the item that is added next, and is empty. */
 struct score_cue *score_add_cue(struct score *score, const char *kind, const char *name, size_t at);
+
+/* Puts the cues in the order of their beginnings, leaves out, with a warning, what exceeds SCORE_CUES in a
+ * sentence, and links them. To be called when all sentences and cues are there; and the linking alone when
+ * some were taken out afterwards. */
+enum { SCORE_CUES = 512 };
+void score_order_cues(struct score *score);
+void score_link_cues(struct score *score);
+
+/* Index of the first cue that begins at that item or behind it. */
+size_t score_cues_from(const struct score *score, size_t item);
 
 /* What stands at that byte of the input is not acted on (or not as it was meant). code is static. At most
  * SCORE_WARNINGS are kept; the last then says that there were more ("more-warnings"). The input must still be

@@ -221,17 +221,6 @@ static XML_Parser make_parser(struct walk *w) {
     return parser;
 }
 
-/* By their beginnings, outer ones first. */
-static int compare_cues(const void *a, const void *b) {
-    const struct score_cue *x = a, *y = b;
-    if (x->first != y->first)
-        return x->first < y->first ? -1 : 1;
-    if (x->at != y->at)
-        return x->at < y->at ? -1 : 1;
-    int kind = strcmp(x->kind, y->kind);
-    return kind ? kind : strcmp(x->name, y->name);
-}
-
 /* By their places. */
 static int compare_warnings(const void *a, const void *b) {
     const struct error *x = a, *y = b;
@@ -244,12 +233,8 @@ static int compare_warnings(const void *a, const void *b) {
 
 /* What was found late, at the end of an element or of a sentence, goes where it belongs. */
 static void sort(struct score *score) {
-    size_t warnings = score->warning_count - (score->warning_count == SCORE_WARNINGS), in_order = 1;
-    while (in_order < score->cue_count &&
-           compare_cues(&score->cues[in_order - 1], &score->cues[in_order]) <= 0)
-        in_order++;
-    if (in_order < score->cue_count)
-        qsort(score->cues, score->cue_count, sizeof *score->cues, compare_cues);
+    score_order_cues(score);
+    size_t warnings = score->warning_count - (score->warning_count == SCORE_WARNINGS);
     if (warnings)
         qsort(score->warnings, warnings, sizeof *score->warnings, compare_warnings);
 }

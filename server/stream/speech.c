@@ -23,6 +23,8 @@ static void on_failed(void *ctx, const struct error *e) {
 
 static void submit(struct speech *s) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
+    if (!s->started || !s->score)
+        return;
     while (s->submitted < s->score->sentence_count && s->submitted < s->released + WINDOW) {
         struct slot *slot = &s->slots[s->submitted % WINDOW];
         *slot = (struct slot){.speech = s};
@@ -144,7 +146,25 @@ static void deliver(struct speech *s) {
 }
 
 void speech_start(struct speech *s) {
+    s->started = true;
     submit(s);
+}
+
+static void refuse(struct speech *s) {
+    s->busy = true;
+    s->callbacks.problem(s->ctx, &s->result.error, false);
+    if (!s->freed)
+        s->callbacks.finished(s->ctx, 0);
+    s->busy = false;
+}
+
+void speech_go_on(struct speech *s) {
+    if (!s->freed && !s->score)
+        refuse(s);
+    if (s->freed)
+        speech_free(s);
+    else
+        submit(s);
 }
 
 void speech_direct_face(struct speech *s, void (*face)(void *ctx, struct face_options *options)) {
@@ -167,7 +187,9 @@ void speech_free(struct speech *s) {
         return;
     forget_pending(s);
     s->freed = true;
-    if (s->busy)
+    if (s->reading)
+        uv_cancel((uv_req_t *)&s->work); /* when it runs already it ends by itself */
+    if (s->busy || s->reading)
         return;
     cast_free(s->cast);
     free(s->entry);
@@ -196,8 +218,12 @@ void speech_set_rate(struct speech *s, double rate) {
     s->request.rate = rate;
 }
 
+bool speech_is_read(const struct speech *s) {
+    return s->score;
+}
+
 bool speech_find_mark(const struct speech *s, const char *name, size_t *sentence) {
-    for (size_t i = 0; i < s->score->sentence_count; i++) {
+    for (size_t i = 0; i < speech_sentences(s); i++) {
         const struct score_sentence *in = &s->score->sentences[i];
         for (size_t k = in->first; k < in->first + in->count; k++)
             if (s->score->items[k].kind == SCORE_MARK && !strcmp(s->score->items[k].text, name)) {
@@ -209,7 +235,7 @@ bool speech_find_mark(const struct speech *s, const char *name, size_t *sentence
 }
 
 size_t speech_sentences(const struct speech *s) {
-    return s->score->sentence_count;
+    return s->score ? s->score->sentence_count : 0;
 }
 
 size_t speech_next(const struct speech *s) {
