@@ -86,6 +86,14 @@ static void hand_down(struct part *tree, size_t count) {
     }
 }
 
+/* The index of what the cue means; -1, with a warning, when it is not known. */
+static int find(const struct expressions *expressions, struct score *score, const struct score_cue *cue) {
+    int found = expressions_find(expressions, cue->kind, cue->name);
+    if (found < 0)
+        score_warn(score, cue->at, "unknown-expression", "no %s '%.80s': not shown", cue->kind, cue->name);
+    return found;
+}
+
 void expressions_direct(const struct expressions *expressions, struct score *score) {
     size_t kept = 0, count = score->item_count;
     struct part *tree = mem_alloc((2 * count + 1) * sizeof *tree);
@@ -93,12 +101,9 @@ void expressions_direct(const struct expressions *expressions, struct score *sco
         tree[i].voice = (struct voice_factors){1, 1, 1, 1};
     for (size_t c = 0; c < score->cue_count; c++) {
         const struct score_cue *cue = &score->cues[c];
-        int found = expressions_find(expressions, cue->kind, cue->name);
-        if (found < 0) {
-            score_warn(score, cue->at, "unknown-expression", "no %s '%.80s': not shown", cue->kind,
-                       cue->name);
+        int found = find(expressions, score, cue);
+        if (found < 0)
             continue;
-        }
         struct part part = part_of(expressions_at(expressions, (size_t)found), cue, c + 1);
         if (cue->first < count)
             apply_to_items(tree, count, cue->first, cue->last < count ? cue->last : count, &part);
@@ -106,6 +111,11 @@ void expressions_direct(const struct expressions *expressions, struct score *sco
     }
     score->cue_count = kept;
     score_link_cues(score);
+    kept = 0;
+    for (size_t c = 0; c < score->timed_count; c++)
+        if (find(expressions, score, &score->timed[c]) >= 0)
+            score->timed[kept++] = score->timed[c];
+    score->timed_count = kept;
     hand_down(tree, count);
     for (size_t i = 0; i < count; i++)
         if (tree[count + i].changes)

@@ -16,6 +16,13 @@ static int compare_cues(const void *a, const void *b) {
     return kind ? kind : strcmp(x->name, y->name);
 }
 
+static int compare_clocks(const void *a, const void *b) {
+    const struct score_cue *x = a, *y = b;
+    if (x->clock != y->clock)
+        return x->clock < y->clock ? -1 : 1;
+    return (x->at > y->at) - (x->at < y->at);
+}
+
 static void sort_cues(struct score *score) {
     size_t in_order = 1;
     while (in_order < score->cue_count &&
@@ -72,6 +79,8 @@ void score_link_cues(struct score *score) {
 
 void score_order_cues(struct score *score) {
     sort_cues(score);
+    if (score->timed_count)
+        qsort(score->timed, score->timed_count, sizeof *score->timed, compare_clocks);
     if (score->sentence_count)
         limit_cues(score);
     score_link_cues(score);

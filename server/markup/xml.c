@@ -57,6 +57,12 @@ static const struct element *find_element(const struct vocabulary *v, const char
     return colon ? find_in(v, colon + 1) : element;
 }
 
+static const struct element *find_inside(const struct frame *outer, const char *name) {
+    const struct element *element = find_element(outer->vocabulary, name);
+    const struct vocabulary *also = outer->mute ? NULL : outer->vocabulary->spoken;
+    return element || !also ? element : find_element(also, name);
+}
+
 static bool same(const char *a, const char *b) {
     return a == b || (a && b && !strcmp(a, b));
 }
@@ -69,8 +75,9 @@ static bool same_style(const struct score_style *a, const struct score_style *b)
 
 static void take_common(struct reader *r, struct tag *tag) {
     reader_language(tag, "xml:lang");
-    if (r->vocabulary->common)
-        r->vocabulary->common(r, tag);
+    const struct vocabulary *v = tag->frame[-1].vocabulary;
+    if (v->common)
+        v->common(r, tag);
 }
 
 static void begin_known(struct reader *r, struct frame *frame, struct tag *tag) {
@@ -112,18 +119,23 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
                             .style = outer->style,
                             .kept = outer->kept,
                             .style_depth = outer->style_depth,
+                            .vocabulary = outer->vocabulary,
                             .silent = outer->silent,
+                            .mute = outer->mute,
                             .piece = r->passage.piece_count};
     if (frame->silent)
         return;
     tag_check_references(&tag);
-    frame->element = find_element(r->vocabulary, name);
+    frame->element = find_inside(outer, name);
     if (!frame->element) {
-        score_warn(r->score, tag.at, "unknown-element",
-                   "no element '%.40s' is known: its text is read as it is", name);
+        if (!outer->vocabulary->quiet)
+            score_warn(r->score, tag.at, "unknown-element",
+                       frame->mute ? "no element '%.40s' is known: it is not acted on"
+                                   : "no element '%.40s' is known: its text is read as it is",
+                       name);
         return;
     }
-    frame->silent = frame->element->flags & ELEMENT_SILENT;
+    frame->silent |= frame->element->flags & ELEMENT_SILENT;
     if (frame->element->flags & (ELEMENT_BOUNDARY | ELEMENT_SENTENCE))
         reader_boundary(r);
     if (frame->element->flags & ELEMENT_SENTENCE)
@@ -159,6 +171,8 @@ static void on_text(void *ctx, const XML_Char *text, int n) {
         buf_add(&r->capture, text, (size_t)n);
         return;
     }
+    if (frame->mute)
+        return;
     size_t at = here(w);
     passage_text(&r->passage, text, (size_t)n,
                  (struct piece){.start = at,
@@ -251,6 +265,8 @@ static int walk(struct walk *w, const struct prolog *prolog) {
         return -1;
     passage_close(&r->passage, 0);
     reader_boundary(r);
+    if (r->vocabulary->finish)
+        r->vocabulary->finish(r);
     sort(r->score);
     return 0;
 }
@@ -271,11 +287,18 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
     *r =
         (struct reader){.score = score, .text = text, .size = size, .rules = rules, .vocabulary = vocabulary};
     r->passage = (struct passage){.score = score, .text = text, .rules = rules};
-    r->frames[0] = (struct frame){.style = score_plain_style, .kept = &score_plain_style};
+    r->frames[0] = (struct frame){.style = score_plain_style,
+                                  .kept = &score_plain_style,
+                                  .vocabulary = vocabulary,
+                                  .mute = vocabulary->mute};
+    if (vocabulary->open)
+        vocabulary->open(r, prolog.end);
     w->error = e;
     w->parser = make_parser(w);
     int failed = walk(w, &prolog);
     XML_ParserFree(w->parser);
+    if (vocabulary->close)
+        vocabulary->close(r);
     passage_free(&r->passage);
     buf_free(&r->capture);
     free(w);

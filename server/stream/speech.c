@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/stream/speech_parts.h"
+#include "server/voice/cues.h"
 #include "server/voice/edit.h"
 #include <stdlib.h>
 #include <string.h>
@@ -80,6 +81,7 @@ static void play(struct speech *s, struct slot *slot) {
                                    .expressions = s->studio->expressions};
     if (s->direct_face && !s->freed)
         s->direct_face(s->ctx, &options);
+    cues_add_timed(u, s->score, (double)start / u->sample_rate);
     struct scene scene = {.utterance = u,
                           .track = face_track_new(pack_of(s, u), u, &options, warn, s),
                           .start = start,
