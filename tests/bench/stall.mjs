@@ -13,7 +13,7 @@ const kinds = {
   bml: ['<bml>', '<speech><text>The <sync id="a"/>wind blows.</text></speech><head lexeme="NOD" start="0.5"/>', '</bml>'],
 };
 
-const daemon = await Daemon.start(['--max-text', String(2 * Math.max(...sizes)), '--cache', '0']);
+const daemon = await Daemon.start(['--max-text', String(2 * Math.max(...sizes)), '--max-message', String(2 * Math.max(...sizes)), '--cache', '0']);
 const other = await daemon.stream();
 for (const [kind, [begin, piece, end]] of Object.entries(kinds))
   for (const bytes of sizes) {

@@ -31,7 +31,7 @@ test('every element and every value has its document', () => {
   const elements = [...source.matchAll(/(?:\.name = |(?:EMOTIONML_\w+|FUNCTION|UNSHOWN)\()"([^"]+)"/g)].map((m) => m[1]);
   assert.ok(elements.length > 60);
   for (const element of elements.filter((e) => !['apml', 'jsml', 'ssml', 'emotionml'].includes(e)))
-    assert.match(all, new RegExp(`<([a-z]+:)?${element}[\\s/>]`), element);
+    assert.match(all, new RegExp(`<([a-z]+:)?${element.toLowerCase()}[\\s/>]`), element);
   for (const [, value] of source.matchAll(/\{"([^"]+)", [\w.]+\}/g)) assert.ok(all.includes(value.toLowerCase()), value);
 });
 
