@@ -101,6 +101,10 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     struct reader *r = &w->reader;
     if (w->failed || (w->prefix && !r->depth && !XML_GetCurrentByteIndex(w->parser)))
         return;
+    if (markup_given_up(r->rules)) {
+        fail(w, "cancelled", "nobody waits for it");
+        return;
+    }
     if (r->depth == READER_DEPTH) {
         fail(w, "too-deep", "elements lie too deep inside each other");
         return;

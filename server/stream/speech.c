@@ -189,8 +189,10 @@ void speech_free(struct speech *s) {
         return;
     forget_pending(s);
     s->freed = true;
-    if (s->reading)
-        uv_cancel((uv_req_t *)&s->work); /* when it runs already it ends by itself */
+    if (s->reading) {
+        atomic_store(&s->given_up, true);
+        uv_cancel((uv_req_t *)&s->work); /* when it runs already it ends soon */
+    }
     if (s->busy || s->reading)
         return;
     cast_free(s->cast);

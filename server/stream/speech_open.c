@@ -91,8 +91,13 @@ static void read_text(struct speech *s) {
     struct markup_rules rules = {.abbreviations = speech_pack_abbreviations(s->pack),
                                  .lang = speech_lang(s),
                                  .sentence_bytes =
-                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0};
+                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
+                                 .given_up = &s->given_up};
     r->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
+    if (r->score && markup_given_up(&rules)) { /* much to free, which is better done here */
+        score_free(r->score);
+        r->score = NULL;
+    }
     if (!r->score)
         return;
     if (studio->expressions)

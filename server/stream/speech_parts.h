@@ -36,6 +36,7 @@ struct speech {
     struct voice_list voices; /* for the other thread */
     struct reading_result result;
     bool reading, started;
+    atomic_bool given_up; /* read by the other thread */
     const struct speech_pack *pack;
     const struct voice *voice;
     struct cast *cast;
