@@ -184,6 +184,36 @@ static void forget_pending(struct speech *s) {
     }
 }
 
+/* What a long text was read into takes long to free, too. */
+struct rest {
+    uv_work_t work;
+    struct cast *cast;
+    struct score *score;
+};
+
+static void free_rest(uv_work_t *work) {
+    struct rest *rest = work->data;
+    cast_free(rest->cast);
+    score_free(rest->score);
+}
+
+static void after_rest(uv_work_t *work, int status) {
+    if (status) /* the other thread never came to it */
+        free_rest(work);
+    free(work->data);
+}
+
+static void free_result(struct speech *s) {
+    struct rest *rest = mem_alloc(sizeof *rest);
+    *rest = (struct rest){.cast = s->cast, .score = s->score};
+    rest->work.data = rest;
+    bool is_long = s->studio->long_text && s->request.text_size >= s->studio->long_text && s->score;
+    if (is_long && !uv_queue_work(s->studio->loop, &rest->work, free_rest, after_rest))
+        return;
+    free_rest(&rest->work);
+    free(rest);
+}
+
 void speech_free(struct speech *s) {
     if (!s)
         return;
@@ -195,9 +225,8 @@ void speech_free(struct speech *s) {
     }
     if (s->busy || s->reading)
         return;
-    cast_free(s->cast);
     free(s->entry);
-    score_free(s->score);
+    free_result(s);
     request_free(&s->request);
     free(s);
 }
