@@ -10,22 +10,24 @@
 
 enum { FAPFILE_FPS_MAX = 1000 };
 
+struct fapfile_error {
+    size_t line, column; /* 1-based, columns in bytes */
+    const char *message; /* static */
+};
+
 struct fapfile {
     char version[8]; /* "2.0", "2.1"; "" when the header is missing */
     char *name;      /* may hold spaces; "" when it or the header is missing */
     double fps;      /* 25 when the header is missing */
     size_t count;
     struct fap_frame *frames;
-};
-
-struct fapfile_error {
-    size_t line, column; /* 1-based, columns in bytes */
-    const char *message; /* static */
+    struct fapfile_error note; /* the first thing that was passed over; message NULL = nothing was */
 };
 
 /* Parses text[0..size). 0 on success: release with fapfile_free. -1: *error says why, *out is untouched.
- * Accepts LF, CRLF and CR, '#' comment lines, blank lines, a missing header, spaces in the name, more frames
- * than the header states, -inf (read as 0) and decimals (rounded). The frames' numbers are not used: they
+ * Accepts LF, CRLF and CR, '#' comment lines, blank lines, a missing header, one that is a number of frames
+ * alone or a frame rate and a number of frames, spaces in the name, more frames than the header states, a 69th
+ * flag of 0 (with a note), -inf (read as 0) and decimals (rounded). The frames' numbers are not used: they
  * count in the order in which they stand. Values may be outside the FAPs' ranges: see fap_clamp. */
 int fapfile_read(const char *text, size_t size, struct fapfile *out, struct fapfile_error *error);
 void fapfile_free(struct fapfile *file);

@@ -125,18 +125,39 @@ static int read_small(struct reader *r, size_t count, uint8_t *out) {
     return 0;
 }
 
-static int read_mask(struct reader *r, struct fap_frame *frame) {
+static bool is_flag(struct word w) {
+    return w.size == 1 && (*w.at == '0' || *w.at == '1');
+}
+
+/* Greta writes a 69th flag, which is always 0: there is no such FAP. */
+static int read_further_flags(struct reader *r, struct fapfile *file) {
+    struct word extra = next_word(r);
+    if (!extra.size)
+        return 0;
+    if (!is_flag(extra))
+        return wrong(r, extra.at, "a mask flag must be 0 or 1");
+    if (*extra.at == '1')
+        return wrong(r, extra.at, "the 69th flag must be 0: there are 68 FAPs");
+    struct word more = next_word(r);
+    if (more.size)
+        return wrong(r, more.at, "more than 69 mask flags");
+    if (!file->note.message)
+        file->note = (struct fapfile_error){r->line_number, (size_t)(extra.at - r->line) + 1,
+                                            "69 flags, the last is ignored"};
+    return 0;
+}
+
+static int read_mask(struct reader *r, struct fapfile *file, struct fap_frame *frame) {
     for (int n = 1; n <= FAP_COUNT; n++) {
         struct word w = next_word(r);
         if (!w.size)
             return wrong(r, w.at, "fewer than 68 mask flags");
-        if (w.size != 1 || (*w.at != '0' && *w.at != '1'))
+        if (!is_flag(w))
             return wrong(r, w.at, "a mask flag must be 0 or 1");
         if (*w.at == '1')
             fap_frame_set(frame, n, 0);
     }
-    struct word more = next_word(r);
-    return more.size ? wrong(r, more.at, "more than 68 mask flags") : 0;
+    return read_further_flags(r, file);
 }
 
 static int read_values(struct reader *r, struct fap_frame *frame) {
@@ -203,6 +224,22 @@ static int read_header(struct reader *r, struct fapfile *file, double *stated) {
     return 0;
 }
 
+/* A first line without a version: COUNT alone, or FPS COUNT. False when it is none of the two. */
+static bool read_bare_header(struct reader *r, struct fapfile *file, double *stated) {
+    struct reader ahead = *r;
+    double fps = file->fps;
+    struct word first = next_word(&ahead), second = next_word(&ahead), count = second.size ? second : first;
+    if (next_word(&ahead).size || (second.size && !parse_number(first, &fps)))
+        return false;
+    for (size_t i = 0; i < count.size; i++)
+        if (!is_digit(count.at[i]))
+            return false;
+    if (!(fps > 0 && fps <= FAPFILE_FPS_MAX) || !parse_number(count, stated) || *stated > UINT32_MAX)
+        return false;
+    file->fps = fps;
+    return true;
+}
+
 static int add_frame(struct fapfile *file, size_t *cap, const struct fap_frame *frame) {
     if (file->count == *cap) {
         size_t more = *cap ? *cap * 2 : 64;
@@ -218,9 +255,9 @@ static int add_frame(struct fapfile *file, size_t *cap, const struct fap_frame *
     return 0;
 }
 
-static int read_frame(struct reader *r, struct fap_frame *frame) {
+static int read_frame(struct reader *r, struct fapfile *file, struct fap_frame *frame) {
     *frame = (struct fap_frame){0};
-    if (read_mask(r, frame))
+    if (read_mask(r, file, frame))
         return -1;
     if (!next_content(r))
         return wrong(r, r->at, "the file ends before the values of a mask");
@@ -232,18 +269,19 @@ static int read_all(struct reader *r, struct fapfile *file) {
         return wrong(r, r->at, "the file is empty");
     struct reader ahead = *r;
     struct word first = next_word(&ahead);
-    bool header = first.size != 1 || (*first.at != '0' && *first.at != '1');
+    bool header = !is_flag(first);
     size_t cap = 0;
     double stated = 0;
     file->fps = 25;
     file->name = calloc(1, (size_t)(r->line_end - r->line) + 1);
     if (!file->name)
         return wrong(r, r->line, "out of memory");
-    if (header && read_header(r, file, &stated))
+    bool bare = read_bare_header(r, file, &stated);
+    if (header && !bare && read_header(r, file, &stated))
         return -1;
-    for (bool more = !header || next_content(r); more; more = next_content(r)) {
+    for (bool more = !(header || bare) || next_content(r); more; more = next_content(r)) {
         struct fap_frame frame;
-        if (read_frame(r, &frame))
+        if (read_frame(r, file, &frame))
             return -1;
         if (add_frame(file, &cap, &frame))
             return wrong(r, r->line, "out of memory");

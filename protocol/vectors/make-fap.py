@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """Writes fap/*.fap, small files in the .fap text format as tools in the field write them, and broken ones, and fap.json, which
-says what a reader must find in each, or the line and column at which it must complain (bytes, from 1).
+says what a reader must find in each, and where what it passes over is, or the line and column at which it must complain (bytes, from 1).
 Usage: make-fap.py, in this folder."""
 import json
 import pathlib
@@ -28,9 +28,12 @@ def write(file, text):
     (folder / file).write_bytes(text.encode("utf-8"))
 
 
-def good(file, text, frames, version="2.1", name="sample", fps=25):
+def good(file, text, frames, version="2.1", name="sample", fps=25, note=None):
     write(file, text)
-    catalogue.append({"file": file, "version": version, "name": name, "fps": fps, "frames": frames})
+    entry = {"file": file, "version": version, "name": name, "fps": fps, "frames": frames}
+    if note:
+        entry["note"] = {"line": note[0], "column": note[1]}
+    catalogue.append(entry)
 
 
 def bad(file, text, line, column):
@@ -72,6 +75,16 @@ good("limits.fap", f"2.1 sample 25 1\n{mask(23, 24)}\n0 2147483647 -2147483648\n
 good("all-faps.fap", f"2.1 sample 25 1\n{mask(*all_low)}\n0 {' '.join(str(n * 7 - 200) for n in all_low)}\n",
      [frame({n: n * 7 - 200 for n in all_low})])
 
+greta = f"{mask(3, 5)} 0\n0 100 -20\n{mask(68)} 0\n1 7\n"
+good("mask-of-69.fap", "2.1 sample 25 2\n" + greta, two_frames, note=(2, 137))
+good("mask-of-69-later.fap", f"2.1 sample 25 2\n{mask(3, 5)}\n0 100 -20\n{mask(68)} 0\n1 7\n", two_frames, note=(4, 137))
+good("mask-of-69-no-header.fap", greta, two_frames, version="", name="", note=(1, 137))
+good("count-alone.fap", "2\n" + two, two_frames, version="", name="")
+good("count-of-one-alone.fap", f"1\n{mask(3)}\n0 4\n", [frame({3: 4})], version="", name="")
+good("count-of-nothing-alone.fap", "0\n", [], version="", name="")
+good("count-alone-of-69.fap", "2 \n" + greta, two_frames, version="", name="", note=(2, 137))
+good("rate-and-count.fap", "12.5\t2\n" + two, two_frames, version="", name="", fps=12.5)
+
 head = "2.1 sample 25 1\n"
 bad("empty.fap", "", 1, 1)
 bad("comments-only.fap", "# nothing\n\n", 3, 1)
@@ -86,7 +99,12 @@ bad("count-negative.fap", "2.1 sample 25 -2\n" + two, 1, 15)
 bad("count-broken.fap", "2.1 sample 25 2.5\n" + two, 1, 15)
 bad("nul-in-name.fap", "2.1 sam\0ple 25 2\n" + two, 1, 8)
 bad("mask-of-67.fap", f"{head}{mask(3)[:-2]}\n0 1\n", 2, 134)
-bad("mask-of-69.fap", f"{head}{mask(3)} 0\n0 1\n", 2, 137)
+bad("mask-of-69-set.fap", f"{head}{mask(3)} 1\n0 1\n", 2, 137)
+bad("mask-of-69-no-flag.fap", f"{head}{mask(3)} 2\n0 1\n", 2, 137)
+bad("mask-of-70.fap", f"{head}{mask(3)} 0 0\n0 1\n", 2, 139)
+bad("count-alone-too-high.fap", "3\n" + two, 6, 1)
+bad("count-alone-broken.fap", "2.5\n" + two, 1, 1)
+bad("rate-and-count-too-fast.fap", "1001 2\n" + two, 1, 1)
 bad("flag-2.fap", f"{head}{mask(3)[:8]}2{mask(3)[9:]}\n0 1\n", 2, 9)
 bad("flags-glued.fap", f"{head}{mask(3).replace(' ', '')}\n0 1\n", 2, 1)
 bad("mask-without-values.fap", f"{head}{mask(3)}\n", 3, 1)

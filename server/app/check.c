@@ -15,8 +15,8 @@ static const char usage[] =
     "wrong or is not acted on:\n"
     "FILE:LINE:COLUMN: warning|error: message. The exit code is 1 when there is an error.\n"
     "\n"
-    "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, or auto (auto): by the root "
-    "element\n"
+    "  -m, --markup NAME  plain, apml, jsml, ssml, emotionml, bml, fml, or auto (auto): by the "
+    "root element\n"
     "  -s, --score        also write what was understood\n";
 
 struct check {

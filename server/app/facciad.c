@@ -10,7 +10,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { SIGNALS = 3, GOODBYE_MS = 200, LOOK_MS = 50 };
+enum {
+    SIGNALS = 3,
+    GOODBYE_MS = 200,
+    LOOK_MS = 50,
+    LONG_TEXT_BYTES = 16 << 10, /* takes half a millisecond to read */
+};
 
 struct daemon {
     uv_loop_t loop;
@@ -223,7 +228,8 @@ static int start(struct daemon *d, struct error *e) {
                                 .default_lang = s->lang,
                                 .sounds = s->audio,
                                 .metrics = &d->metrics,
-                                .effort = &d->effort};
+                                .effort = &d->effort,
+                                .long_text = LONG_TEXT_BYTES};
     struct net_options options = net_options_of(d);
     d->net = net_open(&d->studio, &options, e);
     if (!d->net)

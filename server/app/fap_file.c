@@ -24,6 +24,9 @@ static int read_text(const char *path, const struct buf *bytes, struct fap_file 
         cli_complain("%s:%zu:%zu: %s", path, e.line, e.column, e.message);
         return -1;
     }
+    const struct fapfile_error *note = &out->face.note;
+    if (note->message)
+        cli_complain("%s:%zu:%zu: warning: %s", path, note->line, note->column, note->message);
     return 0;
 }
 

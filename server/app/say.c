@@ -23,7 +23,7 @@ static const char usage[] =
     "      --volume FACTOR  0.25 to 4 (1)\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context or syllable\n"
-    "      --markup KIND    auto, plain, apml, jsml, ssml or emotionml (auto)\n"
+    "      --markup KIND    auto, plain, apml, jsml, ssml, emotionml, bml, fml (auto)\n"
     "      --life FACTOR    strength of the signs of life, 0 to 2 (1)\n"
     "      --blend RULE     how expressions share the mouth with speech: regions or weighted (regions)\n"
     "      --still          only the lips move\n"

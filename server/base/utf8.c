@@ -102,13 +102,15 @@ void utf8_mend(char *s) {
     }
 }
 
+static size_t utf16_units(char c) {
+    uint8_t u = (uint8_t)c;
+    return ((u & 0xC0) != 0x80) + (size_t)(u >= 0xF0);
+}
+
 size_t utf16_offset(struct utf16_counter *counter, const char *s, size_t byte) {
-    if (byte < counter->bytes)
-        *counter = (struct utf16_counter){0};
-    for (; counter->bytes < byte; counter->bytes++) {
-        uint8_t u = (uint8_t)s[counter->bytes];
-        counter->units += (u & 0xC0) != 0x80;
-        counter->units += u >= 0xF0;
-    }
+    for (; counter->bytes < byte; counter->bytes++)
+        counter->units += utf16_units(s[counter->bytes]);
+    for (; counter->bytes > byte; counter->bytes--)
+        counter->units -= utf16_units(s[counter->bytes - 1]);
     return counter->units;
 }

@@ -10,9 +10,12 @@
 /* However many cues lie over each other, a voice stays one that can be understood. */
 static const struct voice_factors lowest = {0.6, 0.6, 0.3, 0.4}, highest = {1.6, 1.7, 2.5, 1.8};
 
+/* What the cues over some items do to the voice. */
 struct part {
     struct voice_factors voice;
-    struct score_emotion emotion;
+    const char *emotion; /* of the last affect, which is the innermost; NULL = none */
+    double intensity;
+    size_t order; /* of its cue, from 1; 0 = none */
     bool changes;
 };
 
@@ -20,15 +23,32 @@ static double factor(double at_full, double intensity) {
     return 1 + (at_full - 1) * intensity;
 }
 
-static void apply(const struct expression *x, const struct score_cue *cue, struct part *part) {
+static struct part part_of(const struct expression *x, const struct score_cue *cue, size_t order) {
     double i = fmin(1, fmax(0, cue->intensity));
-    part->voice.rate *= factor(x->voice.rate, i);
-    part->voice.pitch *= factor(x->voice.pitch, i);
-    part->voice.range *= factor(x->voice.range, i);
-    part->voice.volume *= factor(x->voice.volume, i);
+    bool is_affect = !strcmp(x->kind, "affect");
+    return (struct part){.voice = {.rate = factor(x->voice.rate, i),
+                                   .pitch = factor(x->voice.pitch, i),
+                                   .range = factor(x->voice.range, i),
+                                   .volume = factor(x->voice.volume, i)},
+                         .emotion = is_affect ? x->name : NULL,
+                         .intensity = i,
+                         .order = is_affect ? order : 0,
+                         .changes = true};
+}
+
+static void apply(const struct part *more, struct part *part) {
+    if (!more->changes)
+        return;
+    part->voice.rate *= more->voice.rate;
+    part->voice.pitch *= more->voice.pitch;
+    part->voice.range *= more->voice.range;
+    part->voice.volume *= more->voice.volume;
     part->changes = true;
-    if (!strcmp(x->kind, "affect")) /* the innermost comes last */
-        part->emotion = (struct score_emotion){x->name, i};
+    if (more->order > part->order) {
+        part->emotion = more->emotion;
+        part->intensity = more->intensity;
+        part->order = more->order;
+    }
 }
 
 static double bounded(double value, double min, double max) {
@@ -41,36 +61,69 @@ static void style_item(struct score *score, struct score_item *item, const struc
     style.pitch *= bounded(part->voice.pitch, lowest.pitch, highest.pitch);
     style.range *= bounded(part->voice.range, lowest.range, highest.range);
     style.volume *= bounded(part->voice.volume, lowest.volume, highest.volume);
-    if (part->emotion.name) {
-        const char *name = part->emotion.name;
-        style.emotion =
-            (struct score_emotion){score_strndup(score, name, strlen(name)), part->emotion.intensity};
-    }
+    if (part->emotion)
+        style.emotion = (struct score_emotion){score_strndup(score, part->emotion, strlen(part->emotion)),
+                                               part->intensity};
     item->style = score_keep_style(score, &style);
 }
 
+/* A cue over many items is written on the few nodes of a binary tree that stand for them all, so that cues
+ * over each other cost no more than their number: node i stands for what 2i and 2i + 1 do, and count + i for
+ * item i. */
+static void apply_to_items(struct part *tree, size_t count, size_t first, size_t last,
+                           const struct part *part) {
+    for (size_t a = first + count, b = last + count; a < b; a /= 2, b /= 2) {
+        if (a % 2)
+            apply(part, &tree[a++]);
+        if (b % 2)
+            apply(part, &tree[--b]);
+    }
+}
+
+static void hand_down(struct part *tree, size_t count) {
+    for (size_t i = 1; i < count; i++) {
+        apply(&tree[i], &tree[2 * i]);
+        apply(&tree[i], &tree[2 * i + 1]);
+    }
+}
+
+/* The index of what the cue means; -1, with a warning, when it is not known. */
+static int find(const struct expressions *expressions, struct score *score, const struct score_cue *cue) {
+    int found = expressions_find(expressions, cue->kind, cue->name);
+    if (found < 0) {
+        struct near near = expressions_near(expressions, cue->kind, cue->name);
+        char text[NEAR_TEXT];
+        score_warn(score, cue->at, "unknown-expression", "no %s '%.80s': not shown%s", cue->kind, cue->name,
+                   near_text(&near, text));
+    }
+    return found;
+}
+
 void expressions_direct(const struct expressions *expressions, struct score *score) {
-    struct part *parts = mem_alloc((score->item_count + 1) * sizeof *parts);
-    for (size_t i = 0; i < score->item_count; i++)
-        parts[i].voice = (struct voice_factors){1, 1, 1, 1};
-    size_t kept = 0;
+    size_t kept = 0, count = score->item_count;
+    struct part *tree = mem_alloc((2 * count + 1) * sizeof *tree);
+    for (size_t i = 0; i < 2 * count; i++)
+        tree[i].voice = (struct voice_factors){1, 1, 1, 1};
     for (size_t c = 0; c < score->cue_count; c++) {
         const struct score_cue *cue = &score->cues[c];
-        int found = expressions_find(expressions, cue->kind, cue->name);
-        if (found < 0) {
-            struct near near = expressions_near(expressions, cue->kind, cue->name);
-            char text[NEAR_TEXT];
-            score_warn(score, cue->at, "unknown-expression", "no %s '%.80s': not shown%s", cue->kind,
-                       cue->name, near_text(&near, text));
+        int found = find(expressions, score, cue);
+        if (found < 0)
             continue;
-        }
-        for (size_t i = cue->first; i < cue->last && i < score->item_count; i++)
-            apply(expressions_at(expressions, (size_t)found), cue, &parts[i]);
+        struct part part = part_of(expressions_at(expressions, (size_t)found), cue, c + 1);
+        if (cue->first < count)
+            apply_to_items(tree, count, cue->first, cue->last < count ? cue->last : count, &part);
         score->cues[kept++] = *cue;
     }
     score->cue_count = kept;
-    for (size_t i = 0; i < score->item_count; i++)
-        if (parts[i].changes)
-            style_item(score, &score->items[i], &parts[i]);
-    free(parts);
+    score_link_cues(score);
+    kept = 0;
+    for (size_t c = 0; c < score->timed_count; c++)
+        if (find(expressions, score, &score->timed[c]) >= 0)
+            score->timed[kept++] = score->timed[c];
+    score->timed_count = kept;
+    hand_down(tree, count);
+    for (size_t i = 0; i < count; i++)
+        if (tree[count + i].changes)
+            style_item(score, &score->items[i], &tree[count + i]);
+    free(tree);
 }

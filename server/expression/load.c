@@ -6,14 +6,13 @@
 
 #define ASYMMETRY_MAX 0.5
 
-const char *const expression_kinds[] = {"affect",          "performative", "certainty",  "meta-cognitive",
-                                        "belief-relation", "turn",         "emphasis",   "pitch-accent",
-                                        "boundary",        "deictic",      "adjectival", NULL};
+const char *const expression_kinds[] = {
+    "affect",       "performative", "certainty", "meta-cognitive", "belief-relation", "turn", "emphasis",
+    "pitch-accent", "boundary",     "deictic",   "adjectival",     "signal",          NULL};
 
 static const char *const root_keys[] = {
-    "sources", "affect",   "performative", "certainty", "meta-cognitive", "belief-relation",
-    "turn",    "emphasis", "pitch-accent", "boundary",  "deictic",        "adjectival",
-    NULL};
+    "sources",  "affect",       "performative", "certainty", "meta-cognitive", "belief-relation", "turn",
+    "emphasis", "pitch-accent", "boundary",     "deictic",   "adjectival",     "signal",          NULL};
 
 static int read_kind(const struct json_place *at, const char *kind, struct expressions *all) {
     const char *name;

@@ -116,7 +116,7 @@ static bool place(const struct cue *cue, const struct utterance *u, const struct
     s->weight = clamp(cue->weight >= 0 ? cue->weight : WEIGHT_DEFAULT, 0, 1);
     s->is_affect = is_affect;
     s->straight = is_affect && blend == BLEND_WEIGHTED;
-    s->from = cue->start / rate + fmax(0, cue->delay);
+    s->from = fmax(0, cue->start / rate + cue->delay);
     s->to = fmax(s->from, s->from + cue->duration);
     if (!(s->intensity > 0) || !(s->from <= end) || !isfinite(s->to))
         return false;

@@ -80,6 +80,19 @@ const char *affect_meant(const char *name) {
     return name;
 }
 
+bool affect_is_known(const char *name) {
+    static const char *const others[] = {"distress", "embarrassment", "happy-for", "relief",
+                                         "jealousy", "envy",          "sorry-for", "gratification",
+                                         "remorse",  "shame",         "liking"};
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++)
+        if (!strcasecmp(name, places[i].name))
+            return true;
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (!strcasecmp(name, others[i]))
+            return true;
+    return affect_meant(name) != name;
+}
+
 const char *affect_at(double activation, double evaluation, double *intensity) {
     double radius = hypot(activation, evaluation), best = -2;
     const char *name = NULL;

@@ -2,7 +2,7 @@
 /* APML: De Carolis, Pelachaud, Poggi, Steedman, "APML, a markup language for believable behavior generation",
  * in Prendinger and Ishizuka (eds.), Life-like Characters, Springer 2004, and its public DTD. Documents that
  * break the DTD are read as far as they can be understood. */
-#include "server/markup/reader.h"
+#include "server/markup/bml.h"
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -209,6 +209,10 @@ static void begin_emphasis(struct reader *r, struct tag *tag) {
 static void begin_boundary(struct reader *r, struct tag *tag) {
     static const struct choice types[] = {{"L", 0},     {"H", 0},     {"LL", 0.15},
                                           {"HH", 0.15}, {"LH", 0.15}, {"HL", 0.15}};
+    if (tag_has(tag, "start")) { /* as SEMAINE writes it: at a sync point */
+        bml_begin_boundary(r, tag);
+        return;
+    }
     const char *given = tag_take(tag, "type");
     struct timing t = take_timing(tag);
     const struct choice *type = given ? choice_find(types, sizeof types / sizeof *types, given) : &types[2];
@@ -240,10 +244,17 @@ static const struct element elements[] = {
     {.name = "emphasis", .begin = begin_emphasis},
     {.name = "pause", .begin = begin_pause},
     {.name = "performative", .flags = ELEMENT_BOUNDARY, .begin = begin_performative},
+    {.name = "pitchaccent", .begin = bml_begin_accent},
     {.name = "rheme", .begin = begin_part},
+    {.name = "simpleSignal", .flags = ELEMENT_SILENT, .begin = bml_begin_other},
     {.name = "theme", .begin = begin_part},
+    {.name = "tm", .begin = bml_begin_point},
     {.name = "turnallocation", .flags = ELEMENT_BOUNDARY, .begin = begin_turn},
 };
 
-const struct vocabulary apml_vocabulary = {
-    .root = "apml", .elements = elements, .element_count = sizeof elements / sizeof *elements};
+const struct vocabulary apml_vocabulary = {.root = "apml",
+                                           .elements = elements,
+                                           .element_count = sizeof elements / sizeof *elements,
+                                           .open = bml_open,
+                                           .finish = bml_finish,
+                                           .close = bml_close};

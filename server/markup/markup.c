@@ -32,6 +32,16 @@ static int emotionml_read(struct score *score, const char *text, size_t size,
     return xml_read(score, text, size, &emotionml_vocabulary, rules, e);
 }
 
+static int bml_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+                    struct error *e) {
+    return xml_read(score, text, size, &bml_vocabulary, rules, e);
+}
+
+static int fml_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+                    struct error *e) {
+    return xml_read(score, text, size, &fml_vocabulary, rules, e);
+}
+
 const struct markup_kind markup_kinds[] = {
     {"auto", "application/xml text/xml", auto_read},
     {"plain", "text/plain", plain_read},
@@ -39,6 +49,8 @@ const struct markup_kind markup_kinds[] = {
     {"jsml", "application/jsml+xml", jsml_read},
     {"ssml", "application/ssml+xml", ssml_read},
     {"emotionml", "application/emotionml+xml", emotionml_read},
+    {"bml", "application/bml+xml", bml_read},
+    {"fml", "application/fml+xml", fml_read},
     {0},
 };
 
@@ -70,6 +82,9 @@ static const struct {
     {"performative", "apml"},
     {"turnallocation", "apml"},
     {"emotionml", "emotionml"},
+    {"bml", "bml"},
+    {"fml", "fml"},
+    {"fml-apml", "fml"},
     {"jsml", "jsml"},
     {"sent", "jsml"},
     {"para", "jsml"},

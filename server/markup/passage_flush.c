@@ -20,6 +20,9 @@ struct zone {
     size_t from, to;
 };
 
+/* A sentence of so many items ends at a mark or a break: they may be many without a word. */
+enum { SENTENCE_ITEMS = 1000 };
+
 struct flush {
     struct passage *p;
     struct run *runs;
@@ -192,6 +195,7 @@ static void make_items(struct flush *f) {
         while (to > from && is_white(s[to - 1]))
             to--;
         bool last = end == p->flat.size;
+        size_t items = p->score->item_count;
         for (; run < f->run_count; run++) {
             const struct run *r = &f->runs[run];
             if (!last && r->from >= end && r->piece >= sound)
@@ -199,10 +203,15 @@ static void make_items(struct flush *f) {
             if (r->of->kind == SCORE_AUDIO && r->of->until > sound)
                 sound = r->of->until;
             size_t a = r->from > from ? r->from : from, b = r->to < to ? r->to : to;
-            if (r->of->kind != SCORE_TEXT)
+            if (r->of->kind != SCORE_TEXT) {
                 emit(f, r, r->from, r->from);
-            else if (a < b)
+                if (f->p->score->item_count - items >= SENTENCE_ITEMS && r->piece >= sound) {
+                    score_end_sentence(f->p->score);
+                    items = f->p->score->item_count;
+                }
+            } else if (a < b) {
                 emit(f, r, a, b);
+            }
             if (r->to > end)
                 break;
         }

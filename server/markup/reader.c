@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/reader.h"
+#include "server/markup/bml.h"
 #include "server/markup/white.h"
 #include <string.h>
 #include <strings.h>
@@ -99,6 +100,8 @@ void reader_mark(struct reader *r, size_t at, const char *name) {
     struct piece piece = piece_here(r, SCORE_MARK, at, at);
     piece.name = score_strndup(r->score, name, strlen(name));
     passage_add(&r->passage, piece);
+    if (r->bml)
+        bml_point(r, at, name);
 }
 
 bool reader_capture(struct reader *r, struct frame *frame) {

@@ -37,23 +37,34 @@ struct element {
 };
 
 struct vocabulary {
-    const char *root;               /* its root element */
+    const char *root;               /* its root element; NULL = of a part of documents */
     const struct element *elements; /* sorted by name */
     size_t element_count;
-    bool rootless; /* a document may be several elements, and text, without a root */
+    bool rootless;                   /* a document may be several elements, and text, without a root */
+    bool mute;                       /* what is spoken stands inside elements that say so */
+    bool quiet;                      /* unknown elements are passed over without a warning */
+    const struct vocabulary *spoken; /* of what else may stand where text is spoken; may be NULL */
     void (*common)(struct reader *r, struct tag *tag); /* attributes that any element may have; may be NULL */
+    /* Before the first element; when all text is in the score, and before its cues are put in order; at the
+     * end in any case. May be NULL. */
+    void (*open)(struct reader *r, size_t root);
+    void (*finish)(struct reader *r);
+    void (*close)(struct reader *r);
 };
 
-extern const struct vocabulary apml_vocabulary, jsml_vocabulary, ssml_vocabulary, emotionml_vocabulary;
+extern const struct vocabulary apml_vocabulary, jsml_vocabulary, ssml_vocabulary, emotionml_vocabulary,
+    bml_vocabulary, fml_vocabulary;
 
 /* An open element. */
 struct frame {
     const struct element *element; /* NULL = not known */
     size_t at, inside;             /* bytes of the input: the start tag, and its end */
     struct score_style style;
-    const struct score_style *kept; /* the same, in the score */
-    size_t style_depth;             /* of the element that set it */
+    const struct score_style *kept;      /* the same, in the score */
+    size_t style_depth;                  /* of the element that set it */
+    const struct vocabulary *vocabulary; /* of what stands inside */
     bool silent;
+    bool mute;             /* its text is not spoken; what stands inside is acted on */
     bool captures;         /* its text goes to the reader's capture */
     const char *value;     /* free for the element's functions; belongs to the score */
     size_t piece, flushes; /* of the passage: what comes inside begins here */
@@ -86,12 +97,15 @@ struct reader {
     struct buf capture;
     size_t end; /* byte of the input: the end tag, in an element's end function */
     bool capturing;
-    size_t audio; /* depth of the outermost open audio element, 0 = none: no sentence ends in it */
+    struct bml *bml; /* sync points and behaviours; NULL = the vocabulary has none */
+    size_t audio;    /* depth of the outermost open audio element, 0 = none: no sentence ends in it */
 };
 
 /* Errors: "bad-xml", "too-deep", "too-many-attributes" (line and column), "text-too-long". */
 int xml_read(struct score *score, const char *text, size_t size, const struct vocabulary *vocabulary,
              const struct markup_rules *rules, struct error *e);
+
+bool tag_has(const struct tag *tag, const char *name);
 
 /* The value of an attribute, which counts as acted on from then; NULL when there is none of that name. */
 const char *tag_take(struct tag *tag, const char *name);
@@ -99,6 +113,9 @@ const char *tag_take(struct tag *tag, const char *name);
 void tag_bad(struct tag *tag, const char *name, const char *why);
 void tag_warn(struct tag *tag, const char *name, const char *code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+
+/* The byte of the input where that attribute begins; the tag's when it is not there. */
+size_t tag_place(const struct tag *tag, const char *name);
 
 /* Warn of attributes that were not taken, and of references to entities, which vanish in the parser. */
 void tag_check_attributes(struct tag *tag);

@@ -48,6 +48,7 @@ void score_free(struct score *score) {
     free(score->items);
     free(score->sentences);
     free(score->cues);
+    free(score->timed);
     free(score->warnings);
     free(score);
 }
@@ -72,10 +73,8 @@ struct score_item *score_add(struct score *score, enum score_kind kind, size_t s
     return item;
 }
 
-struct score_cue *score_add_cue(struct score *score, const char *kind, const char *name, size_t at) {
-    score->cues = mem_grow(score->cues, &score->cue_cap, score->cue_count + 1, sizeof *score->cues);
-    struct score_cue *cue = &score->cues[score->cue_count++];
-    *cue = (struct score_cue){
+static struct score_cue new_cue(struct score *score, const char *kind, const char *name, size_t at) {
+    return (struct score_cue){
         .kind = kind,
         .name = score_strndup(score, name, strlen(name)),
         .first = score->item_count,
@@ -87,6 +86,24 @@ struct score_cue *score_add_cue(struct score *score, const char *kind, const cha
         .onset = -1,
         .offset = -1,
     };
+}
+
+struct score_cue *score_add_cue(struct score *score, const char *kind, const char *name, size_t at) {
+    score->cues = mem_grow(score->cues, &score->cue_cap, score->cue_count + 1, sizeof *score->cues);
+    struct score_cue *cue = &score->cues[score->cue_count++];
+    *cue = new_cue(score, kind, name, at);
+    return cue;
+}
+
+struct score_cue *score_add_timed(struct score *score, const char *kind, const char *name, size_t at,
+                                  double clock, double seconds) {
+    if (score->timed_count == SCORE_TIMED)
+        return NULL;
+    score->timed = mem_grow(score->timed, &score->timed_cap, score->timed_count + 1, sizeof *score->timed);
+    struct score_cue *cue = &score->timed[score->timed_count++];
+    *cue = new_cue(score, kind, name, at);
+    cue->clock = clock;
+    cue->duration = (struct score_time){.seconds = seconds};
     return cue;
 }
 

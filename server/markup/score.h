@@ -54,17 +54,19 @@ struct score_cue {
                            "emphasis", "pitch-accent", "boundary", "deictic", "adjectival" */
     const char *name;   /* "joy", "warn", "LplusHstar"...: as the author wrote it, in lower case */
     size_t first, last; /* items [first, last); first == last: at the point before item first */
+    size_t around;      /* the nearest cue before it that ends later, counted from 1; 0 = none */
     size_t at;          /* byte of the input where the author asked for it */
     double intensity;   /* 0..1 */
     double
         weight; /* the face's share in the mouth (omega of the Turkish thesis), 0..1; negative = not given */
     /* Its time: begins delay after the stretch, rises for onset, lasts duration in all, falls for offset at
-     * its end. Delay and duration are seconds + share * (length of the stretch). Seconds are >= 0; an onset
-     * or offset that is negative = not given: the expression's own. */
+     * its end. Delay and duration are seconds + share * (length of the stretch); seconds may be negative.
+     * An onset or offset that is negative = not given: the expression's own. */
     struct score_time {
         double seconds, share;
     } delay, duration;
     double onset, offset; /* s */
+    double clock;         /* of score.timed: when it begins, s from the beginning of the utterance */
 };
 
 struct score_item {
@@ -91,6 +93,8 @@ struct score {
     size_t sentence_count, sentence_cap;
     struct score_cue *cues; /* in the order of their beginnings; they may overlap and nest */
     size_t cue_count, cue_cap;
+    struct score_cue *timed; /* cues at times instead of places, by their clocks: for the face alone */
+    size_t timed_count, timed_cap;
     struct error *warnings; /* what was not acted on, with its line and column */
     size_t warning_count, warning_cap;
     const char *input; /* what was read, for the places of warnings: borrowed; NULL = not known */
@@ -114,6 +118,21 @@ struct score_item *score_add(struct score *score, enum score_kind kind, size_t s
 /* A cue with intensity 1, the whole stretch for its time, and nothing else given. kind is static; name is
  * copied. It begins at the item that is added next, and is empty. */
 struct score_cue *score_add_cue(struct score *score, const char *kind, const char *name, size_t at);
+
+/* The same at a time of the utterance; for `seconds`. NULL when there are SCORE_TIMED already. */
+enum { SCORE_TIMED = 1000 };
+struct score_cue *score_add_timed(struct score *score, const char *kind, const char *name, size_t at,
+                                  double clock, double seconds);
+
+/* Puts the cues in the order of their beginnings, leaves out, with a warning, what exceeds SCORE_CUES in a
+ * sentence, and links them. To be called when all sentences and cues are there; and the linking alone when
+ * some were taken out afterwards. */
+enum { SCORE_CUES = 512 };
+void score_order_cues(struct score *score);
+void score_link_cues(struct score *score);
+
+/* Index of the first cue that begins at that item or behind it. */
+size_t score_cues_from(const struct score *score, size_t item);
 
 /* What stands at that byte of the input is not acted on (or not as it was meant). code is static. At most
  * SCORE_WARNINGS are kept; the last then says that there were more ("more-warnings"). The input must still be

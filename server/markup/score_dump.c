@@ -49,18 +49,23 @@ static void add_item(const struct score_item *item, size_t index, struct buf *ou
 }
 
 static void add_time(const char *name, struct score_time time, double usual_share, struct buf *out) {
-    if (time.seconds > 0)
-        buf_printf(out, " %s=%.3gs", name, time.seconds);
+    if (time.seconds != 0)
+        buf_printf(out, " %s=%s%.3gs", name, time.share != 0 && time.seconds > 0 ? "+" : "", time.seconds);
     else if (time.share != usual_share)
         buf_printf(out, " %s=%.3g%%", name, time.share * 100);
 }
 
-static void add_cue(const struct score_cue *cue, struct buf *out) {
+static void add_cue(const struct score_cue *cue, bool timed, struct buf *out) {
     const struct {
         const char *name;
         double value;
     } numbers[] = {{"weight", cue->weight}, {"onset", cue->onset}, {"offset", cue->offset}};
-    buf_printf(out, "cue %s %s %zu-%zu at %zu", cue->kind, cue->name, cue->first, cue->last, cue->at);
+    buf_printf(out, "cue %s %s ", cue->kind, cue->name);
+    if (timed)
+        buf_printf(out, "%.3g s", cue->clock);
+    else
+        buf_printf(out, "%zu-%zu", cue->first, cue->last);
+    buf_printf(out, " at %zu", cue->at);
     if (cue->intensity != 1)
         buf_printf(out, " intensity=%.3g", cue->intensity);
     for (size_t i = 0; i < sizeof numbers / sizeof *numbers; i++)
@@ -79,5 +84,7 @@ void score_dump(const struct score *score, struct buf *out) {
             add_item(&score->items[k], k, out);
     }
     for (size_t i = 0; i < score->cue_count; i++)
-        add_cue(&score->cues[i], out);
+        add_cue(&score->cues[i], false, out);
+    for (size_t i = 0; i < score->timed_count; i++)
+        add_cue(&score->timed[i], true, out);
 }

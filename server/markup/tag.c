@@ -16,6 +16,10 @@ static size_t find_attribute(const struct tag *tag, const char *name) {
     return tag->count;
 }
 
+bool tag_has(const struct tag *tag, const char *name) {
+    return find_attribute(tag, name) < tag->count;
+}
+
 const char *tag_take(struct tag *tag, const char *name) {
     size_t i = find_attribute(tag, name);
     if (i == tag->count)
@@ -24,8 +28,7 @@ const char *tag_take(struct tag *tag, const char *name) {
     return tag->attributes[2 * i + 1];
 }
 
-/* Byte of the input where that attribute begins; the tag's when it is not there. */
-static size_t attribute_place(const struct tag *tag, const char *name) {
+size_t tag_place(const struct tag *tag, const char *name) {
     size_t wanted = find_attribute(tag, name);
     const char *s = tag->r->text + tag->at, *end = s + tag->bytes;
     if (wanted == tag->count)
@@ -51,7 +54,7 @@ void tag_warn(struct tag *tag, const char *name, const char *code, const char *f
     va_start(args, format);
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
-    score_warn(tag->r->score, attribute_place(tag, name), code, "%s", message);
+    score_warn(tag->r->score, tag_place(tag, name), code, "%s", message);
 }
 
 void tag_bad(struct tag *tag, const char *name, const char *why) {

@@ -57,6 +57,12 @@ static const struct element *find_element(const struct vocabulary *v, const char
     return colon ? find_in(v, colon + 1) : element;
 }
 
+static const struct element *find_inside(const struct frame *outer, const char *name) {
+    const struct element *element = find_element(outer->vocabulary, name);
+    const struct vocabulary *also = outer->mute ? NULL : outer->vocabulary->spoken;
+    return element || !also ? element : find_element(also, name);
+}
+
 static bool same(const char *a, const char *b) {
     return a == b || (a && b && !strcmp(a, b));
 }
@@ -69,8 +75,9 @@ static bool same_style(const struct score_style *a, const struct score_style *b)
 
 static void take_common(struct reader *r, struct tag *tag) {
     reader_language(tag, "xml:lang");
-    if (r->vocabulary->common)
-        r->vocabulary->common(r, tag);
+    const struct vocabulary *v = tag->frame[-1].vocabulary;
+    if (v->common)
+        v->common(r, tag);
 }
 
 static void begin_known(struct reader *r, struct frame *frame, struct tag *tag) {
@@ -94,6 +101,10 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     struct reader *r = &w->reader;
     if (w->failed || (w->prefix && !r->depth && !XML_GetCurrentByteIndex(w->parser)))
         return;
+    if (markup_given_up(r->rules)) {
+        fail(w, "cancelled", "nobody waits for it");
+        return;
+    }
     if (r->depth == READER_DEPTH) {
         fail(w, "too-deep", "elements lie too deep inside each other");
         return;
@@ -112,18 +123,23 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
                             .style = outer->style,
                             .kept = outer->kept,
                             .style_depth = outer->style_depth,
+                            .vocabulary = outer->vocabulary,
                             .silent = outer->silent,
+                            .mute = outer->mute,
                             .piece = r->passage.piece_count};
     if (frame->silent)
         return;
     tag_check_references(&tag);
-    frame->element = find_element(r->vocabulary, name);
+    frame->element = find_inside(outer, name);
     if (!frame->element) {
-        score_warn(r->score, tag.at, "unknown-element",
-                   "no element '%.40s' is known: its text is read as it is", name);
+        if (!outer->vocabulary->quiet)
+            score_warn(r->score, tag.at, "unknown-element",
+                       frame->mute ? "no element '%.40s' is known: it is not acted on"
+                                   : "no element '%.40s' is known: its text is read as it is",
+                       name);
         return;
     }
-    frame->silent = frame->element->flags & ELEMENT_SILENT;
+    frame->silent |= frame->element->flags & ELEMENT_SILENT;
     if (frame->element->flags & (ELEMENT_BOUNDARY | ELEMENT_SENTENCE))
         reader_boundary(r);
     if (frame->element->flags & ELEMENT_SENTENCE)
@@ -159,6 +175,8 @@ static void on_text(void *ctx, const XML_Char *text, int n) {
         buf_add(&r->capture, text, (size_t)n);
         return;
     }
+    if (frame->mute)
+        return;
     size_t at = here(w);
     passage_text(&r->passage, text, (size_t)n,
                  (struct piece){.start = at,
@@ -221,17 +239,6 @@ static XML_Parser make_parser(struct walk *w) {
     return parser;
 }
 
-/* By their beginnings, outer ones first. */
-static int compare_cues(const void *a, const void *b) {
-    const struct score_cue *x = a, *y = b;
-    if (x->first != y->first)
-        return x->first < y->first ? -1 : 1;
-    if (x->at != y->at)
-        return x->at < y->at ? -1 : 1;
-    int kind = strcmp(x->kind, y->kind);
-    return kind ? kind : strcmp(x->name, y->name);
-}
-
 /* By their places. */
 static int compare_warnings(const void *a, const void *b) {
     const struct error *x = a, *y = b;
@@ -244,12 +251,8 @@ static int compare_warnings(const void *a, const void *b) {
 
 /* What was found late, at the end of an element or of a sentence, goes where it belongs. */
 static void sort(struct score *score) {
-    size_t warnings = score->warning_count - (score->warning_count == SCORE_WARNINGS), in_order = 1;
-    while (in_order < score->cue_count &&
-           compare_cues(&score->cues[in_order - 1], &score->cues[in_order]) <= 0)
-        in_order++;
-    if (in_order < score->cue_count)
-        qsort(score->cues, score->cue_count, sizeof *score->cues, compare_cues);
+    score_order_cues(score);
+    size_t warnings = score->warning_count - (score->warning_count == SCORE_WARNINGS);
     if (warnings)
         qsort(score->warnings, warnings, sizeof *score->warnings, compare_warnings);
 }
@@ -266,6 +269,8 @@ static int walk(struct walk *w, const struct prolog *prolog) {
         return -1;
     passage_close(&r->passage, 0);
     reader_boundary(r);
+    if (r->vocabulary->finish)
+        r->vocabulary->finish(r);
     sort(r->score);
     return 0;
 }
@@ -286,11 +291,18 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
     *r =
         (struct reader){.score = score, .text = text, .size = size, .rules = rules, .vocabulary = vocabulary};
     r->passage = (struct passage){.score = score, .text = text, .rules = rules};
-    r->frames[0] = (struct frame){.style = score_plain_style, .kept = &score_plain_style};
+    r->frames[0] = (struct frame){.style = score_plain_style,
+                                  .kept = &score_plain_style,
+                                  .vocabulary = vocabulary,
+                                  .mute = vocabulary->mute};
+    if (vocabulary->open)
+        vocabulary->open(r, prolog.end);
     w->error = e;
     w->parser = make_parser(w);
     int failed = walk(w, &prolog);
     XML_ParserFree(w->parser);
+    if (vocabulary->close)
+        vocabulary->close(r);
     passage_free(&r->passage);
     buf_free(&r->capture);
     free(w);

@@ -79,7 +79,7 @@ static void on_finished(void *ctx, size_t spoken) {
     if (spoken)
         scribe_end(p->scribe);
     else
-        exchange_error(p->x, 500, &p->failure);
+        exchange_error(p->x, speech_is_read(p->speech) ? 500 : 400, &p->failure);
 }
 
 static int on_body(void *self, const void *data, size_t size) {

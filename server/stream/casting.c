@@ -5,22 +5,24 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { NAMES = 16 };
+
 struct casting {
     struct score *score;
     const struct voice *voice; /* the usual one */
-    const struct voice_pool *pool;
+    struct voice_list voices;
     const struct speech_packs *packs;
 };
 
-/* The voice of that name, or of the first of several names that is there. */
+/* The voice of that name, or of the first of several names that is there; the first NAMES are looked for. */
 static const struct voice *by_names(const struct casting *c, const char *names) {
-    struct error e;
-    const struct voice *voice = voice_pool_find(c->pool, names, NULL, NULL, &e);
-    while (!voice && *names) {
+    const struct voice *voice = voice_by_name(c->voices, names);
+    for (int tried = 0; !voice && *names && tried < NAMES;) {
         size_t length = strcspn(names, " \t\r\n");
         char *name = mem_strndup(names, length);
-        voice = length ? voice_pool_find(c->pool, name, NULL, NULL, &e) : NULL;
+        voice = length ? voice_by_name(c->voices, name) : NULL;
         free(name);
+        tried += length > 0;
         names += length + (names[length] != '\0');
     }
     return voice;
@@ -44,9 +46,8 @@ static const struct voice *by_language(const struct casting *c, const char *lang
     const char *const *preferred = pack ? speech_pack_voices(pack) : NULL;
     const struct voice *best = NULL;
     double best_score = 0;
-    size_t count;
-    const struct voice *voices = voice_pool_voices(c->pool, &count);
-    for (size_t i = 0; i < count; i++) {
+    const struct voice *voices = c->voices.voices;
+    for (size_t i = 0; i < c->voices.count; i++) {
         int fit = voice_lang_fit(voices[i].lang, lang);
         double score = 16 * has_gender(&voices[i], gender) + 4 * preference(preferred, &voices[i]) +
                        !strcmp(voices[i].plugin, plugin) + 0.1 * fit;
@@ -83,9 +84,9 @@ static const struct voice *choose(const struct casting *c, const struct score_it
     return best && (!speaks || has_gender(best, gender)) ? best : base;
 }
 
-struct cast *casting(struct score *score, const struct voice *voice, const struct voice_pool *pool,
+struct cast *casting(struct score *score, const struct voice *voice, struct voice_list voices,
                      const struct speech_packs *packs, const char *sounds) {
-    const struct casting c = {score, voice, pool, packs};
+    const struct casting c = {score, voice, voices, packs};
     const struct score_style *last = NULL;
     const struct voice *chosen = NULL; /* for the last style */
     struct cast *cast = cast_new(score->item_count);

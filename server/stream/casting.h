@@ -11,8 +11,9 @@
  *
  * A named voice speaks, unless the author gives it another language than its own, or a gender. For a language
  * the voices with the wanted gender come first (the author's, else that of the voice before the change), of
- * these those that the language's pack prefers, and of these those of the same plugin. */
-struct cast *casting(struct score *score, const struct voice *voice, const struct voice_pool *pool,
+ * these those that the language's pack prefers, and of these those of the same plugin. Any thread may call
+ * it. */
+struct cast *casting(struct score *score, const struct voice *voice, struct voice_list voices,
                      const struct speech_packs *packs, const char *sounds);
 
 #endif

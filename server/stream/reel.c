@@ -34,6 +34,7 @@ struct reel {
     size_t pieces, released;
     struct utterance *piece; /* read last */
     struct error error;      /* code NULL: none */
+    struct error note;       /* what of the file was passed over; the same */
 };
 
 void reel_source_free(struct reel_source *source) {
@@ -90,6 +91,9 @@ static int open_fap(struct reel *r) {
         return -1;
     if (fapfile_read(text->size ? (char *)text->data : "", text->size, &r->fap, &wrong))
         return error_at_line(&r->error, "bad-fap", wrong.line, wrong.column, "%s", wrong.message);
+    const struct fapfile_error *note = &r->fap.note;
+    if (note->message)
+        error_at_line(&r->note, "ignored", note->line, note->column, "%s", note->message);
     buf_free(text);
     face_high_level_expand(r->high, r->fap.frames, r->fap.count);
     r->fps = round(r->fap.fps * 100) / 100; /* what the protocol can say */
@@ -148,7 +152,11 @@ static void free_all(struct reel *r) {
 static void read_on(struct reel *r);
 
 static void deliver(struct reel *r) {
-    if (r->error.code) {
+    if (r->note.code && !r->pieces) {
+        r->callbacks.problem(r->ctx, &r->note, true);
+        r->note = (struct error){0};
+    }
+    if (r->error.code && !r->freed) {
         r->ended = true;
         r->callbacks.problem(r->ctx, &r->error, false);
     }

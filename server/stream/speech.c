@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/stream/speech_parts.h"
+#include "server/voice/cues.h"
 #include "server/voice/edit.h"
 #include <stdlib.h>
 #include <string.h>
@@ -23,6 +24,8 @@ static void on_failed(void *ctx, const struct error *e) {
 
 static void submit(struct speech *s) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
+    if (!s->started || !s->score)
+        return;
     while (s->submitted < s->score->sentence_count && s->submitted < s->released + WINDOW) {
         struct slot *slot = &s->slots[s->submitted % WINDOW];
         *slot = (struct slot){.speech = s};
@@ -78,6 +81,7 @@ static void play(struct speech *s, struct slot *slot) {
                                    .expressions = s->studio->expressions};
     if (s->direct_face && !s->freed)
         s->direct_face(s->ctx, &options);
+    cues_add_timed(u, s->score, (double)start / u->sample_rate);
     struct scene scene = {.utterance = u,
                           .track = face_track_new(pack_of(s, u), u, &options, warn, s),
                           .start = start,
@@ -144,7 +148,25 @@ static void deliver(struct speech *s) {
 }
 
 void speech_start(struct speech *s) {
+    s->started = true;
     submit(s);
+}
+
+static void refuse(struct speech *s) {
+    s->busy = true;
+    s->callbacks.problem(s->ctx, &s->result.error, false);
+    if (!s->freed)
+        s->callbacks.finished(s->ctx, 0);
+    s->busy = false;
+}
+
+void speech_go_on(struct speech *s) {
+    if (!s->freed && !s->score)
+        refuse(s);
+    if (s->freed)
+        speech_free(s);
+    else
+        submit(s);
 }
 
 void speech_direct_face(struct speech *s, void (*face)(void *ctx, struct face_options *options)) {
@@ -162,16 +184,49 @@ static void forget_pending(struct speech *s) {
     }
 }
 
+/* What a long text was read into takes long to free, too. */
+struct rest {
+    uv_work_t work;
+    struct cast *cast;
+    struct score *score;
+};
+
+static void free_rest(uv_work_t *work) {
+    struct rest *rest = work->data;
+    cast_free(rest->cast);
+    score_free(rest->score);
+}
+
+static void after_rest(uv_work_t *work, int status) {
+    if (status) /* the other thread never came to it */
+        free_rest(work);
+    free(work->data);
+}
+
+static void free_result(struct speech *s) {
+    struct rest *rest = mem_alloc(sizeof *rest);
+    *rest = (struct rest){.cast = s->cast, .score = s->score};
+    rest->work.data = rest;
+    bool is_long = s->studio->long_text && s->request.text_size >= s->studio->long_text && s->score;
+    if (is_long && !uv_queue_work(s->studio->loop, &rest->work, free_rest, after_rest))
+        return;
+    free_rest(&rest->work);
+    free(rest);
+}
+
 void speech_free(struct speech *s) {
     if (!s)
         return;
     forget_pending(s);
     s->freed = true;
-    if (s->busy)
+    if (s->reading) {
+        atomic_store(&s->given_up, true);
+        uv_cancel((uv_req_t *)&s->work); /* when it runs already it ends soon */
+    }
+    if (s->busy || s->reading)
         return;
-    cast_free(s->cast);
     free(s->entry);
-    score_free(s->score);
+    free_result(s);
     request_free(&s->request);
     free(s);
 }
@@ -196,8 +251,12 @@ void speech_set_rate(struct speech *s, double rate) {
     s->request.rate = rate;
 }
 
+bool speech_is_read(const struct speech *s) {
+    return s->score;
+}
+
 bool speech_find_mark(const struct speech *s, const char *name, size_t *sentence) {
-    for (size_t i = 0; i < s->score->sentence_count; i++) {
+    for (size_t i = 0; i < speech_sentences(s); i++) {
         const struct score_sentence *in = &s->score->sentences[i];
         for (size_t k = in->first; k < in->first + in->count; k++)
             if (s->score->items[k].kind == SCORE_MARK && !strcmp(s->score->items[k].text, name)) {
@@ -215,7 +274,7 @@ void speech_near_marks(const struct speech *s, struct near *near) {
 }
 
 size_t speech_sentences(const struct speech *s) {
-    return s->score->sentence_count;
+    return s->score ? s->score->sentence_count : 0;
 }
 
 size_t speech_next(const struct speech *s) {

@@ -27,6 +27,8 @@ struct studio {
     const char *sounds;      /* folder of sound files that texts may name; NULL = none */
     struct metrics *metrics; /* NULL = nobody counts */
     struct effort *effort;   /* of the sound; NULL = the best */
+    /* Texts of so many bytes and more are read in another thread, so that the loop is free; 0 = none. */
+    size_t long_text;
 };
 
 /* Whether there is a pack for that language, or, of those that share the general one, a voice. */
@@ -61,7 +63,8 @@ struct speech_callbacks {
     void (*finished)(void *ctx, size_t spoken);
 };
 
-/* Checks the request, which is copied. NULL with *e when it cannot be met. */
+/* Checks the request, which is copied. NULL with *e when it cannot be met. What is wrong inside a long text
+ * (struct studio) is found later: the callbacks say it as a problem, and then that nothing was spoken. */
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
                            const struct speech_callbacks *callbacks, void *ctx, struct error *e);
 
@@ -90,7 +93,10 @@ void speech_set_rate(struct speech *speech, double rate);
 bool speech_find_mark(const struct speech *speech, const char *name, size_t *sentence);
 void speech_near_marks(const struct speech *speech, struct near *near);
 
-size_t speech_sentences(const struct speech *speech);  /* how many there are */
+/* Whether the text has been read, all of it: false while a long one is, and when it cannot be read. */
+bool speech_is_read(const struct speech *speech);
+
+size_t speech_sentences(const struct speech *speech);  /* how many there are; 0 until it is read */
 size_t speech_next(const struct speech *speech);       /* which one is handed on next */
 const char *speech_entry(const struct speech *speech); /* the mark at which that is entered, or NULL */
 

@@ -112,20 +112,60 @@ static int decode_text(struct speech *s, struct error *e) {
     return 0;
 }
 
-static int read_text(struct speech *s, struct error *e) {
+/* In any thread: what is reached from here does not change while texts are read. */
+static void read_text(struct speech *s) {
+    const struct studio *studio = s->studio;
+    struct reading_result *r = &s->result;
     struct markup_rules rules = {.abbreviations = speech_pack_abbreviations(s->pack),
                                  .lang = speech_lang(s),
                                  .sentence_bytes =
-                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0};
-    s->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, e);
-    if (!s->score)
-        return -1;
-    if (s->studio->expressions)
-        expressions_direct(s->studio->expressions, s->score);
-    s->cast = casting(s->score, s->voice, s->studio->voices, s->studio->packs, s->studio->sounds);
-    for (size_t i = 0; i < s->score->item_count && s->studio->readings; i++)
-        readings_apply(s->studio->readings, s->score, i, s->cast->voices[i]->lang);
-    return 0;
+                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
+                                 .given_up = &s->given_up};
+    r->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
+    if (r->score && markup_given_up(&rules)) { /* much to free, which is better done here */
+        score_free(r->score);
+        r->score = NULL;
+    }
+    if (!r->score)
+        return;
+    if (studio->expressions)
+        expressions_direct(studio->expressions, r->score);
+    r->cast = casting(r->score, s->voice, s->voices, studio->packs, studio->sounds);
+    for (size_t i = 0; i < r->score->item_count && studio->readings; i++)
+        readings_apply(studio->readings, r->score, i, r->cast->voices[i]->lang);
+}
+
+static void take_result(struct speech *s) {
+    s->score = s->result.score;
+    s->cast = s->result.cast;
+    voice_pool_let_go(s->studio->voices);
+}
+
+static void on_work(uv_work_t *work) {
+    read_text(work->data);
+}
+
+static void after_work(uv_work_t *work, int status) {
+    struct speech *s = work->data;
+    s->reading = false;
+    take_result(s);
+    if (status) /* it was cancelled before it began */
+        error_set(&s->result.error, "cancelled", "the text was not read");
+    speech_go_on(s);
+}
+
+static int begin_reading(struct speech *s, struct error *e) {
+    s->voices = voice_pool_hold(s->studio->voices);
+    if (s->studio->long_text && s->request.text_size >= s->studio->long_text) {
+        s->reading = true;
+        s->work.data = s;
+        uv_queue_work(s->studio->loop, &s->work, on_work, after_work);
+        return 0;
+    }
+    read_text(s);
+    take_result(s);
+    *e = s->result.error;
+    return s->score ? 0 : -1;
 }
 
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
@@ -135,7 +175,7 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);
-    if (decode_text(s, e) || choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
+    if (decode_text(s, e) || choose_voice(s, e) || check_engine(s, e) || begin_reading(s, e)) {
         speech_free(s);
         return NULL;
     }

@@ -19,11 +19,24 @@ struct slot {
     struct error failure;
 };
 
+/* What reading a text gives. */
+struct reading_result {
+    struct score *score; /* NULL: error says why */
+    struct cast *cast;
+    struct error error;
+};
+
+/* While `reading`, the text and what reading it gives belong to the other thread. */
 struct speech {
     const struct studio *studio;
     struct speech_request request;
     const struct markup_kind *markup;
-    struct score *score;
+    struct score *score; /* NULL until the text has been read */
+    uv_work_t work;
+    struct voice_list voices; /* for the other thread */
+    struct reading_result result;
+    bool reading, started;
+    atomic_bool given_up; /* read by the other thread */
     const struct speech_pack *pack;
     const struct voice *voice;
     struct cast *cast;
@@ -39,5 +52,8 @@ struct speech {
     bool warned;      /* of what the markup stage did not act on */
     bool busy, freed; /* inside a callback; to be freed after it */
 };
+
+/* speech.c: the text has been read, or cannot be. */
+void speech_go_on(struct speech *speech);
 
 #endif

@@ -31,18 +31,22 @@ static const char *keep_text(struct catalog *catalog, const json_t *object, cons
     return keep(catalog, mem_strdup(text ? text : ""));
 }
 
-static const struct voice *by_id(const struct catalog *catalog, const char *id) {
-    for (size_t i = 0; i < catalog->count; i++)
-        if (!strcmp(catalog->voices[i].id, id))
-            return &catalog->voices[i];
+static const struct voice *by_id(struct voice_list list, const char *id) {
+    for (size_t i = 0; i < list.count; i++)
+        if (!strcmp(list.voices[i].id, id))
+            return &list.voices[i];
     return NULL;
+}
+
+static struct voice_list list_of(const struct catalog *catalog) {
+    return (struct voice_list){catalog->voices, catalog->count};
 }
 
 static void add(struct catalog *catalog, const char *plugin, uint32_t capabilities, const json_t *object) {
     const char *id = json_string_value(json_object_get(object, "id"));
     char full[128];
     if (!id || !*id || (size_t)snprintf(full, sizeof full, "%s:%s", plugin, id) >= sizeof full ||
-        by_id(catalog, full))
+        by_id(list_of(catalog), full))
         return;
     json_int_t sample_rate = json_integer_value(json_object_get(object, "sample_rate"));
     json_int_t rate = json_integer_value(json_object_get(object, "rate"));
@@ -104,11 +108,11 @@ const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *cou
     return pool->catalog.voices;
 }
 
-static const struct voice *by_name(const struct catalog *catalog, const char *name) {
-    const struct voice *voice = by_id(catalog, name);
-    for (size_t i = 0; i < catalog->count && !voice; i++)
-        if (!strcmp(catalog->voices[i].id + strlen(catalog->voices[i].plugin) + 1, name))
-            voice = &catalog->voices[i];
+const struct voice *voice_by_name(struct voice_list list, const char *name) {
+    const struct voice *voice = by_id(list, name);
+    for (size_t i = 0; i < list.count && !voice; i++)
+        if (!strcmp(list.voices[i].id + strlen(list.voices[i].plugin) + 1, name))
+            voice = &list.voices[i];
     return voice;
 }
 
@@ -146,13 +150,13 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
         return NULL;
     }
     if (name) {
-        best = by_name(catalog, name);
+        best = voice_by_name(list_of(catalog), name);
         if (!best)
             no_voice(catalog, name, e);
         return best;
     }
     for (; preferred && *preferred && !best; preferred++)
-        best = by_name(catalog, *preferred);
+        best = voice_by_name(list_of(catalog), *preferred);
     if (best)
         return best;
     for (size_t i = 0; i < catalog->count && lang; i++) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/cues.h"
 #include "server/base/mem.h"
+#include <math.h>
 
 /* From the first of its words to the last; with no words in it, from the end of the word before to the
  * beginning of the one after. */
@@ -26,8 +27,7 @@ static void place(const struct utterance *u, const struct plan_cue *asked, struc
 }
 
 static double seconds(const struct score_time *time, double length) {
-    double s = time->seconds + time->share * length;
-    return s > 0 ? s : 0;
+    return time->seconds + time->share * length;
 }
 
 void cues_time(struct utterance *u, const struct plan *plan) {
@@ -48,6 +48,30 @@ void cues_time(struct utterance *u, const struct plan *plan) {
         place(u, asked, cue);
         double length = u->sample_rate ? (double)(cue->end - cue->start) / u->sample_rate : 0;
         cue->delay = asked->began_before ? 0 : seconds(&asked->delay, length);
-        cue->duration = seconds(&asked->duration, length);
+        cue->duration = fmax(0, seconds(&asked->duration, length));
+    }
+}
+
+void cues_add_timed(struct utterance *u, const struct score *score, double start) {
+    double end = start + (u->sample_rate ? (double)u->samples / u->sample_rate : 0);
+    for (size_t i = 0; i < score->timed_count && score->timed[i].clock < end; i++) {
+        const struct score_cue *asked = &score->timed[i];
+        double stops = asked->clock + asked->duration.seconds;
+        bool before = asked->clock < start;
+        if (stops <= start && before)
+            continue;
+        u->cues = mem_resize(u->cues, (u->cue_count + 1) * sizeof *u->cues);
+        double from = before ? 0 : asked->clock - start;
+        u->cues[u->cue_count++] = (struct cue){.kind = mem_strdup(asked->kind),
+                                               .name = mem_strdup(asked->name),
+                                               .start = (uint32_t)(from * u->sample_rate),
+                                               .end = (uint32_t)(from * u->sample_rate),
+                                               .intensity = asked->intensity,
+                                               .weight = asked->weight,
+                                               .onset = asked->onset,
+                                               .offset = asked->offset,
+                                               .duration = stops - start - from,
+                                               .began_before = before,
+                                               .goes_on = stops > end};
     }
 }

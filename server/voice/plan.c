@@ -37,6 +37,7 @@ static struct faccia_span *add_span(struct plan *plan, uint32_t kind) {
 static void begin_text(struct plan *plan, const struct score_style *style,
                        const struct plan_prosody *prosody) {
     struct faccia_span *span = add_span(plan, FACCIA_SPAN_TEXT);
+    plan->last_bytes = plan->last_cap = 0;
     span->lang = prosody->cast ? NULL : copy(style->lang);
     span->phones = copy(style->phonemes);
     span->say_as = copy(style->say_as);
@@ -53,10 +54,11 @@ static void begin_text(struct plan *plan, const struct score_style *style,
 
 static void add_text(struct plan *plan, const struct score_item *item) {
     struct faccia_span *span = &plan->spans[plan->span_count - 1];
-    size_t before = span->text ? strlen(span->text) : 0, bytes = strlen(item->text);
-    char *text = mem_resize((char *)span->text, before + bytes + 1);
+    size_t before = plan->last_bytes, bytes = strlen(item->text);
+    char *text = mem_grow((char *)span->text, &plan->last_cap, before + bytes + 1, 1);
     memcpy(text + before, item->text, bytes + 1);
     span->text = text;
+    plan->last_bytes += bytes;
     plan->text_bytes += bytes;
     plan->pieces = mem_grow(plan->pieces, &plan->piece_cap, plan->piece_count + 1, sizeof *plan->pieces);
     plan->pieces[plan->piece_count++] = (struct plan_piece){
@@ -95,11 +97,30 @@ static void add_cue(struct plan *plan, const struct score *score, const struct s
     plan->cues[plan->cue_count++] = mine;
 }
 
+static void turn_round(struct plan_cue *cues, size_t count) {
+    for (size_t i = 0; i < count / 2; i++) {
+        struct plan_cue cue = cues[i];
+        cues[i] = cues[count - 1 - i];
+        cues[count - 1 - i] = cue;
+    }
+}
+
 void plan_cues(struct plan *plan, const struct score *score, size_t sentence) {
     const struct score_sentence *s = &score->sentences[sentence];
+    size_t own = score_cues_from(score, s->first), end = s->first + s->count;
     *plan = (struct plan){.from = s->start, .to = s->end};
-    for (size_t i = 0; i < score->cue_count; i++)
+    /* those that began before and go on: from the last one outwards */
+    for (size_t i = own; i;)
+        if (score->cues[i - 1].last > s->first)
+            add_cue(plan, score, s, &score->cues[--i]);
+        else
+            i = score->cues[i - 1].around;
+    turn_round(plan->cues, plan->cue_count);
+    for (size_t i = own; i < score->cue_count; i++) {
+        if (score->cues[i].first >= end && end < score->item_count)
+            break;
         add_cue(plan, score, s, &score->cues[i]);
+    }
 }
 
 static void add_items(struct plan *plan, const struct score *score, size_t first, size_t count,

@@ -32,9 +32,10 @@ struct plan {
     size_t piece_count, piece_cap;
     struct plan_cue *cues;
     size_t cue_count, cue_cap;
-    size_t from, to;      /* the sentence's bytes of the input */
-    size_t text_bytes;    /* of all spans */
-    double break_seconds; /* of all breaks */
+    size_t from, to;             /* the sentence's bytes of the input */
+    size_t last_bytes, last_cap; /* of the last span's text */
+    size_t text_bytes;           /* of all spans */
+    double break_seconds;        /* of all breaks */
 };
 
 /* What multiplies, or stands in for, the styles of the score. */
@@ -47,7 +48,8 @@ struct plan_prosody {
 };
 
 /* A whole sentence. Adjacent text items of one style become one span, so that no word is cut. Sounds are left
- * out: their alternate contents are spoken. The plan does not keep the score. */
+ * out: their alternate contents are spoken. The plan does not keep the score, whose cues are in their order
+ * (score_order_cues). */
 void plan_make(struct plan *plan, const struct score *score, size_t sentence,
                const struct plan_prosody *prosody);
 

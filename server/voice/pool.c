@@ -88,6 +88,15 @@ void pool_handle_closed(struct voice_pool *pool) {
         closed(ctx);
 }
 
+struct voice_list voice_pool_hold(struct voice_pool *pool) {
+    pool->open_handles++;
+    return (struct voice_list){pool->catalog.voices, pool->catalog.count};
+}
+
+void voice_pool_let_go(struct voice_pool *pool) {
+    pool_handle_closed(pool);
+}
+
 static void on_soon_closed(uv_handle_t *handle) {
     pool_handle_closed(handle->data);
 }

@@ -59,6 +59,17 @@ void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *
 /* A plugin that comes later makes a new list; the one before stays as it is until the pool is closed. */
 const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *count);
 
+/* The same for another thread to read: between voice_pool_hold and voice_pool_let_go, both called on the
+ * loop's thread, the list and its voices stay, even when the pool is closed meanwhile. */
+struct voice_list {
+    const struct voice *voices;
+    size_t count;
+};
+struct voice_list voice_pool_hold(struct voice_pool *pool);
+void voice_pool_let_go(struct voice_pool *pool);
+/* By its whole id, or else by its id inside a plugin. NULL when there is none. */
+const struct voice *voice_by_name(struct voice_list list, const char *name);
+
 /* Finds a voice: by id ("espeak:it"), by id inside any plugin ("it+f2"), or, when name is NULL, the best for
  * lang. preferred is a NULL-terminated list of ids to be tried first for a lang (from the language pack), or
  * NULL. NULL with *e

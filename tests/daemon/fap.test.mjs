@@ -49,7 +49,7 @@ function packets(bytes) {
 test('every file of the test vectors is read as they say, or refused at its line and column', () => {
   const cases = JSON.parse(fs.readFileSync(path.join(vectors, 'fap.json'), 'utf8'));
   assert.ok(cases.length > 40);
-  for (const { file: name, error, version, name: title, fps, frames } of cases) {
+  for (const { file: name, error, version, name: title, fps, frames, note } of cases) {
     const at = path.join(vectors, 'fap', name);
     const { status, text, stderr } = fap('info', at);
     if (error) {
@@ -58,6 +58,7 @@ test('every file of the test vectors is read as they say, or refused at its line
       continue;
     }
     assert.equal(status, 0, `${name}: ${stderr}`);
+    assert.equal(stderr, note ? `faccia: ${at}:${note.line}:${note.column}: warning: 69 flags, the last is ignored\n` : '', name);
     const said = (key) => text.match(new RegExp(`^${key} +(.*)$`, 'm'))?.[1];
     assert.equal(said('version'), version || '(no header)', name);
     assert.equal(said('name'), title || '(none)', name);

@@ -6,6 +6,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { Daemon, root } from '../lib/daemon.mjs';
+import { parseFap } from '../lib/fapfile.mjs';
 
 let daemon;
 before(async () => (daemon = await Daemon.start()));
@@ -81,8 +82,37 @@ test('bad documents are refused with their place, and the next one is spoken', a
   await stream.close();
 });
 
+test('of BML and FML speech alone is read aloud, never a number of theirs', async () => {
+  const words = async (name) => (await (await post('lang=it', 'application/xml', fs.readFileSync(path.join(folder, name)))).json()).words.map((w) => w.text);
+  assert.deepEqual(await words('bml-semaine.xml'), ['One', 'two', 'three']);
+  assert.deepEqual(await words('fml-alone.xml'), ['Only', 'a', 'text']);
+  assert.deepEqual(await words('fml-apml.xml'), ['Buongiorno', 'io', 'sono', 'Mara', 'Vieni', 'qui', 'per', 'favore']);
+  const json = await (await post('lang=it', 'application/bml+xml', '<bml><speech><text>Uno.</text></speech>2.5</bml>')).json();
+  assert.deepEqual(json.words.map((w) => w.text), ['Uno']);
+});
+
+test('what BML asks the head for is shown at its time: at a second, and at a sync point', async () => {
+  const speech = '<speech id="s"><text>Uno due tre. Quattro cinque sei <sync id="x"/>sette otto nove dieci undici.</text></speech>';
+  const pitch = async (behaviours) => {
+    const text = `<bml>${speech}${behaviours}</bml>`;
+    const [fap, json] = await Promise.all(['fap', 'json'].map((format) =>
+      daemon.get(`/v1/speech?format=${format}&lang=it&life=0&seed=1`, { method: 'POST', body: text, headers: { 'content-type': 'application/bml+xml' } })));
+    const { frames } = parseFap(await fap.text());
+    return { at: (from, to) => Math.max(...frames.slice(Math.round(from * 25), Math.round(to * 25)).map((f) => Math.abs(f[48]))), words: (await json.json()).words, end: frames.length / 25 };
+  };
+  const still = await pitch('');
+  assert.ok(still.at(0, still.end) < 1000);
+  const second = await pitch('<head lexeme="NOD" start="1.6"/>'); // in the second sentence
+  assert.ok(second.at(1.6, 2.8) > 6000);
+  assert.ok(second.at(0, 1.5) < 1000 && second.at(2.9, second.end) < 1000);
+  const synced = await pitch('<head lexeme="NOD" start="s:x"/>');
+  const from = synced.words.find((w) => w.text === 'sette').start;
+  assert.ok(synced.at(from, from + 1.2) > 6000);
+  assert.ok(synced.at(0, from - 0.1) < 1000);
+});
+
 test('every document of ours can be spoken', async () => {
-  for (const name of ['apml-dialogue', 'apml-breaks-its-dtd', 'jsml-05', 'ssml-emotionml', 'ssml-audio', 'ssml-inside-words', 'emotionml-alone', 'entities', 'bad-billion-laughs', 'unknown-everything']) {
+  for (const name of ['apml-dialogue', 'apml-breaks-its-dtd', 'jsml-05', 'ssml-emotionml', 'ssml-audio', 'ssml-inside-words', 'emotionml-alone', 'entities', 'bad-billion-laughs', 'unknown-everything', 'bml-speech', 'bml-description', 'bml-times', 'fml-apml', 'apml-semaine']) {
     const response = await post('', 'application/xml', fs.readFileSync(path.join(folder, `${name}.xml`)));
     assert.equal(response.status, 200, name);
     const json = await response.json();

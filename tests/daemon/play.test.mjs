@@ -34,6 +34,9 @@ before(async () => {
   fs.writeFileSync(file('both.wav'), wav(5 * 16000));
   fs.writeFileSync(file('mute.fap'), fap(10, 10));
   fs.writeFileSync(file('bad.fap'), `${fap(3)}1 0 x\n`);
+  fs.writeFileSync(file('greta.fap'), fap(3).replaceAll(/0\n(?=\d+ \d+\n)/g, '0 0\n'));
+  fs.writeFileSync(file('set.fap'), fap(3).replaceAll(/0\n(?=\d+ \d+\n)/g, '0 1\n'));
+  fs.writeFileSync(file('bare.fap'), fap(3).replace(/.*/, '3'));
   fs.writeFileSync(file('fast.fap'), fap(3, 500));
   fs.writeFileSync(file('noise.fap'), fap(3));
   fs.writeFileSync(file('noise.wav'), 'this is no sound');
@@ -56,6 +59,21 @@ after(async () => {
 });
 
 const samples = (chunks) => chunks.flatMap((c) => Array.from(c.audio ?? new Int16Array(c.samples)));
+
+test('a recording with 69 flags in a line, or a bare number of frames above them, plays like any other, and says what was ignored', async () => {
+  const stream = await daemon.stream('?lang=it');
+  stream.send({ type: 'play', id: 'g', name: 'greta' });
+  stream.send({ type: 'play', id: 'b', name: 'bare' });
+  await stream.wait({ type: 'end', id: 'b', reason: 'done' });
+  const { code, line, column, message } = await stream.wait({ type: 'warning', id: 'g' });
+  assert.deepEqual({ code, line, column, message }, { code: 'ignored', line: 2, column: 137, message: '69 flags, the last is ignored' });
+  assert.equal(stream.messages.filter((m) => m.type === 'warning').length, 1);
+  for (const utterance of [1, 2]) assert.deepEqual(stream.chunks.filter((c) => c.utterance === utterance).flatMap((c) => c.frames.map((f) => f[3])), [0, 1, 2]);
+  stream.send({ type: 'play', id: 's', name: 'set' });
+  const error = await stream.wait({ type: 'error', id: 's' });
+  assert.deepEqual([error.code, error.line, error.column], ['bad-fap', 2, 137]);
+  await stream.close();
+});
 
 test('a recording comes as it is, to the sample and the value, and waits its turn', async () => {
   const stream = await daemon.stream('?lang=it');
@@ -133,7 +151,7 @@ for (const [name, expected] of [
 
 test('the folder is listed, by the names that can be played', async () => {
   const { media: list } = await (await daemon.get('/v1/media')).json();
-  const names = ['bad', 'both', 'fast', 'high', 'large', 'mute', 'noise', 'visemes'];
+  const names = ['bad', 'bare', 'both', 'fast', 'greta', 'high', 'large', 'mute', 'noise', 'set', 'visemes'];
   assert.deepEqual(list, names.map((name) => ({ name, sound: ['both', 'noise'].includes(name) })));
   const head = await daemon.get('/v1/media', { method: 'HEAD' });
   assert.equal(head.status, 200);
@@ -148,7 +166,7 @@ test('who asks for the list and does not stay for it costs nothing', async () =>
   }));
   await Promise.all(gone);
   const lists = await Promise.all(Array.from({ length: 20 }, async () => (await daemon.get('/v1/media')).json()));
-  assert.ok(lists.every(({ media: list }) => list.length === 8));
+  assert.ok(lists.every(({ media: list }) => list.length === 11));
 });
 
 test('visemes and expressions of a recording (FAP 1 and 2) come as they are', async () => {

@@ -36,10 +36,11 @@ static struct score_cue *cue(struct score *score, const char *name, size_t first
 }
 
 /* The sentence as a voice speaks it: each word takes a second, after half a second of silence. */
-static struct utterance *speak(const struct score *score, size_t sentence) {
+static struct utterance *speak(struct score *score, size_t sentence) {
     static const struct plan_prosody plain = {.pitch = 1, .volume = 1};
     struct plan plan;
     struct error e;
+    score_order_cues(score);
     plan_make(&plan, score, sentence, &plain);
     struct assembly *a = assembly_new(&plan);
     struct buf audio = {0}, events = {0};

@@ -63,6 +63,10 @@ static void knows_the_names(void **state) {
         {"boundary", "l h ll hh lh hl"},
         {"deictic", "left right here there you thebookonthetable"},
         {"adjectival", "small subtle tiny difficult big long large great"},
+        {"signal",
+         "nod shake tilt tilt-right head-up head-down turn-left turn-right look-at look-away raise-brows "
+         "lower-brows frown wide-eyes close-eyes blink smile au1 au2 au4 au5 au6 au7 au9 au10 au12 "
+         "au15 au17 au18 au20 au25 au26 au27 au43 au45"},
         {"affect", "angry afraid sad happy surprised disgusted worried complex:anger_maskedby_joy HAPPY"},
     };
     for (size_t i = 0; i < sizeof inventory / sizeof *inventory; i++) {

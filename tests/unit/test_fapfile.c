@@ -71,6 +71,12 @@ static void check_file(const json_t *expected, const struct fapfile *file) {
     assert_int_equal(file->count, json_array_size(frames));
     for (size_t i = 0; i < file->count; i++)
         check_frame(json_array_get(frames, i), &file->frames[i]);
+    const json_t *note = json_object_get(expected, "note");
+    assert_int_equal(file->note.message != NULL, note != NULL);
+    assert_int_equal(file->note.line, json_integer_value(json_object_get(note, "line")));
+    assert_int_equal(file->note.column, json_integer_value(json_object_get(note, "column")));
+    if (note)
+        assert_string_equal(file->note.message, "69 flags, the last is ignored");
 }
 
 static void reads_the_samples(void **state) {

@@ -5,6 +5,7 @@
 #include "server/markup/reader.h"
 #include "server/markup/score_dump.h"
 #include <dirent.h>
+#include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -113,8 +114,15 @@ static void check_cues(const struct score *score, size_t size) {
         assert_true(cue->first >= first && cue->first <= cue->last && cue->last <= score->item_count);
         assert_true(cue->at < size);
         assert_true(cue->intensity >= 0 && cue->intensity <= 1 && cue->weight <= 1);
-        assert_true(cue->duration.seconds >= 0 && cue->delay.seconds >= 0);
+        assert_true(fabs(cue->duration.seconds) < 1e7 && fabs(cue->delay.seconds) < 1e7);
+        assert_true(cue->around <= i);
         first = cue->first;
+    }
+    for (size_t i = 0; i < score->timed_count; i++) {
+        const struct score_cue *cue = &score->timed[i];
+        assert_true(cue->clock >= (i ? score->timed[i - 1].clock : 0) && cue->clock < 1e7);
+        assert_true(fabs(cue->duration.seconds) < 1e7 && cue->at < size);
+        assert_true(cue->intensity >= 0 && cue->intensity <= 1);
     }
     for (size_t i = 0; i < score->warning_count; i++) {
         assert_non_null(score->warnings[i].code);

@@ -22,7 +22,7 @@ static struct score *read_as(const char *kind, const char *text, size_t size, st
 static void tables_are_sorted(void **state) {
     (void)state;
     const struct vocabulary *all[] = {&apml_vocabulary, &jsml_vocabulary, &ssml_vocabulary,
-                                      &emotionml_vocabulary};
+                                      &emotionml_vocabulary, &bml_vocabulary};
     for (size_t v = 0; v < sizeof all / sizeof *all; v++)
         for (size_t i = 1; i < all[v]->element_count; i++)
             assert_true(strcasecmp(all[v]->elements[i - 1].name, all[v]->elements[i].name) < 0);
@@ -38,6 +38,9 @@ static void recognises_the_kind(void **state) {
         {"<SENT>x</SENT><SENT>y</SENT>", "jsml"},
         {"<Happy>x</Happy> y", "jsml"},
         {"<emotionml/>", "emotionml"},
+        {"<?xml version='1.0'?><bml xmlns='x'/>", "bml"},
+        {"<!DOCTYPE fml-apml SYSTEM 'fml-apml.dtd' []><fml-apml>", "fml"},
+        {"<f:fml>x</f:fml>", "fml"},
         {"<story>x</story>\n", "ssml"},
         {"<?xml version='1.0'?><story>x", "ssml"},
         {"<!DOCTYPE speak [", "ssml"},
@@ -65,7 +68,8 @@ static void finds_kinds_by_media_type(void **state) {
         {"application/ssml+xml", "ssml"}, {"application/apml+xml; charset=utf-8", "apml"},
         {"application/jsml+xml", "jsml"}, {"Application/EmotionML+xml", "emotionml"},
         {"application/xml", "auto"},      {"text/xml; charset=iso-8859-1", "auto"},
-        {"text/plain", "plain"},
+        {"text/plain", "plain"},          {"application/bml+xml", "bml"},
+        {"application/fml+xml", "fml"},
     };
     for (size_t i = 0; i < sizeof pairs / sizeof *pairs; i++)
         assert_string_equal(markup_by_content_type(pairs[i][0])->name, pairs[i][1]);

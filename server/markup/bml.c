@@ -1,0 +1,215 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* BML 1.0 (Behavior Markup Language, SAIBA, 2014) and its drafts, FML and FML-APML as the Greta and SEMAINE
+ * systems write them: speech is spoken, what a head can show is shown at its time, the rest is warned of. */
+#include "server/markup/bml.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+void bml_open(struct reader *r, size_t root) {
+    r->bml = mem_alloc(sizeof *r->bml);
+    bml_outline(r, root);
+}
+
+void bml_close(struct reader *r) {
+    struct bml *b = r->bml;
+    free(b->syncs);
+    free(b->behaviours);
+    free(b->speeches);
+    free(b->by_id);
+    free(b);
+    r->bml = NULL;
+}
+
+static const struct bml_speech *outline_of(struct bml *b, size_t at) {
+    while (b->next_speech < b->speech_count && b->speeches[b->next_speech].at < at)
+        b->next_speech++;
+    return b->next_speech < b->speech_count && b->speeches[b->next_speech].at == at
+               ? &b->speeches[b->next_speech]
+               : NULL;
+}
+
+/* SEMAINE's documents name languages by their English names. */
+static void take_language(struct reader *r, struct tag *tag) {
+    static const char *const names[][2] = {{"english", "en"}, {"french", "fr"},  {"german", "de"},
+                                           {"italian", "it"}, {"polish", "pl"},  {"portuguese", "pt"},
+                                           {"spanish", "es"}, {"swedish", "sv"}, {"turkish", "tr"}};
+    const char *language = tag_take(tag, "language");
+    for (size_t i = 0; language && i < sizeof names / sizeof *names; i++)
+        if (!strcasecmp(language, names[i][0])) {
+            const char *usual = r->rules ? r->rules->lang : NULL;
+            bool same = usual && !strncasecmp(usual, names[i][1], 2) && (!usual[2] || usual[2] == '-');
+            tag->frame->style.lang = same ? NULL : names[i][1];
+            return;
+        }
+    if (language && *language)
+        reader_language(tag, "language");
+}
+
+/* Speeches follow each other. A time on the clock, or a distance from what was before, is a pause. */
+static void take_pause(struct reader *r, struct tag *tag, const struct bml_behaviour *b) {
+    double seconds;
+    const char *sign = b->start ? strrchr(b->start, '+') : NULL;
+    if (!b->start)
+        return;
+    if (quantity_seconds(b->start, 1, &seconds)) {
+        if (seconds > 0 && r->bml->spoke)
+            tag_bad(tag, "start", "is no time for a speech that follows another: it follows at once");
+        else
+            reader_pause(tag, "start", seconds);
+    } else if (sign && quantity_seconds(sign + 1, 1, &seconds)) {
+        reader_pause(tag, "start", seconds);
+    }
+}
+
+static void begin_speech(struct reader *r, struct tag *tag) {
+    const struct bml_speech *outline = outline_of(r->bml, tag->at);
+    const char *voice = tag_take(tag, "voice"), *text = tag_take(tag, "text");
+    struct bml_behaviour *b = bml_add(tag, 0);
+    b->is_speech = true;
+    take_language(r, tag);
+    if (voice && *voice)
+        tag->frame->style.voice = reader_keep(r, voice);
+    if (!outline) /* a speech inside another */
+        return;
+    take_pause(r, tag, b);
+    r->bml->speech = b->id;
+    r->bml->spoke = true;
+    r->bml->spoken = outline->description;
+    bml_point(r, tag->at, "start");
+    tag->frame->mute = outline->description || !outline->has_text;
+    struct piece piece = {
+        .start = tag->at, .end = tag->at + tag->bytes, .style = tag->frame->kept, .depth = r->depth};
+    if (tag->frame->mute && !outline->description && text && *text)
+        passage_text(&r->passage, text, strlen(text), piece);
+}
+
+static void end_speech(struct reader *r, struct frame *frame) {
+    (void)frame;
+    if (!r->bml->speech)
+        return;
+    bml_point(r, r->end, "end");
+    r->bml->speech = NULL;
+    r->bml->spoken = 0;
+}
+
+/* Outside a speech it is one. */
+static void begin_text(struct reader *r, struct tag *tag) {
+    if (!r->bml->speech)
+        tag->frame->mute = false;
+}
+
+/* Inside a face, a head or a gaze: how Greta names what it shows. */
+static void begin_value(struct reader *r, struct tag *tag) {
+    reader_capture(r, tag->frame);
+}
+
+static const struct element greta_elements[] = {
+    {.name = "intensity", .begin = begin_value, .end = bml_end_intensity},
+    {.name = "reference", .begin = begin_value, .end = bml_end_reference},
+};
+static const struct vocabulary greta_vocabulary = {.elements = greta_elements,
+                                                   .element_count =
+                                                       sizeof greta_elements / sizeof *greta_elements,
+                                                   .mute = true,
+                                                   .quiet = true};
+
+static void begin_description(struct reader *r, struct tag *tag) {
+    const char *type = tag_take(tag, "type");
+    const struct vocabulary *spoken = type ? bml_description(type) : NULL;
+    bool greta = type && !strcasecmp(type, "gretabml");
+    if (r->bml->spoken == tag->at && spoken) {
+        tag->frame->vocabulary = spoken;
+        tag->frame->mute = false;
+        return;
+    }
+    tag->frame->vocabulary = &greta_vocabulary;
+    tag->frame->mute = true;
+    if (!greta || r->bml->speech)
+        tag->frame->silent = true;
+    if (!greta)
+        score_warn(r->score, tag->at, "ignored",
+                   spoken ? "this description is not spoken: another comes first"
+                          : "a description of the type '%.40s' is not understood",
+                   type ? type : "");
+}
+
+static void begin_ignored(struct reader *r, struct tag *tag) {
+    score_warn(r->score, tag->at, "ignored", "<%s> is not acted on", tag->frame->element->name);
+    tag->count = 0;
+}
+
+#define TIMES                                                                                                \
+    " ready relax stroke strokestart stroke_start strokeend stroke_end attackpeak attack_peak side "         \
+    "duration "
+
+#define FUNCTION(NAME)                                                                                       \
+    { .name = NAME, .begin = bml_begin_function, .ignored = TIMES }
+#define UNSHOWN(NAME)                                                                                        \
+    { .name = NAME, .flags = ELEMENT_SILENT, .begin = bml_begin_other }
+
+static const struct element elements[] = {
+    FUNCTION("adjectival"),
+    FUNCTION("backchannel"),
+    FUNCTION("belief-relation"),
+    {.name = "bml", .flags = ELEMENT_BOUNDARY, .ignored = " composition ", .quiet = " characterid "},
+    {.name = "boundary", .begin = bml_begin_boundary, .ignored = TIMES, .quiet = " importance end "},
+    FUNCTION("certainty"),
+    FUNCTION("cognitive"),
+    {.name = "constraint", .flags = ELEMENT_SILENT, .begin = begin_ignored},
+    FUNCTION("deictic"),
+    {.name = "description", .begin = begin_description, .quiet = " priority level "},
+    FUNCTION("emotion"),
+    {.name = "face", .begin = bml_begin_face, .ignored = TIMES " eye_shape mouth_shape ", .quiet = " type "},
+    {.name = "faceFacs", .begin = bml_begin_facs, .ignored = TIMES},
+    {.name = "faceLexeme", .begin = bml_begin_lexeme, .ignored = TIMES},
+    {.name = "faceShift", .begin = bml_begin_face, .ignored = TIMES},
+    {.name = "fml", .flags = ELEMENT_BOUNDARY},
+    {.name = "fml-apml", .flags = ELEMENT_BOUNDARY},
+    {.name = "gaze",
+     .begin = bml_begin_gaze,
+     .ignored = TIMES " influence offsetangle modality shoulders ",
+     .quiet = " type "},
+    {.name = "gazeShift",
+     .begin = bml_begin_gaze,
+     .ignored = TIMES " influence offsetangle modality shoulders ",
+     .quiet = " type "},
+    UNSHOWN("gesture"),
+    {.name = "head", .begin = bml_begin_head, .ignored = TIMES " repetition "},
+    {.name = "headDirectionShift", .begin = bml_begin_head, .ignored = TIMES " repetition "},
+    UNSHOWN("locomotion"),
+    {.name = "mark", .begin = bml_begin_point},
+    FUNCTION("meta-cognitive"),
+    FUNCTION("performative"),
+    {.name = "pitchaccent", .begin = bml_begin_accent, .ignored = TIMES},
+    UNSHOWN("pointing"),
+    UNSHOWN("posture"),
+    UNSHOWN("postureShift"),
+    {.name = "required"},
+    FUNCTION("rheme"),
+    {.name = "signal", .begin = bml_begin_lexeme, .ignored = TIMES},
+    UNSHOWN("simpleSignal"),
+    {.name = "speech",
+     .flags = ELEMENT_BOUNDARY,
+     .begin = begin_speech,
+     .end = end_speech,
+     .quiet = " type speed_num speed_sym "},
+    {.name = "sync", .begin = bml_begin_point},
+    {.name = "synchronize", .flags = ELEMENT_SILENT, .begin = begin_ignored},
+    {.name = "text", .begin = begin_text},
+    FUNCTION("theme"),
+    {.name = "tm", .begin = bml_begin_point},
+    UNSHOWN("torso"),
+    FUNCTION("turn"),
+    FUNCTION("turnallocation"),
+    UNSHOWN("wait"),
+    {.name = "world", .begin = bml_begin_world, .ignored = TIMES},
+};
+
+#define VOCABULARY(ROOT)                                                                                     \
+    {                                                                                                        \
+        .root = ROOT, .elements = elements, .element_count = sizeof elements / sizeof *elements,             \
+        .mute = true, .spoken = &ssml_vocabulary, .open = bml_open, .finish = bml_finish, .close = bml_close \
+    }
+const struct vocabulary bml_vocabulary = VOCABULARY("bml"), fml_vocabulary = VOCABULARY("fml");

@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The order of a score's cues, how many of them may come together, and how those of a sentence are found. */
+#include "server/base/mem.h"
+#include "server/markup/score.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* By their beginnings, outer ones first. */
+static int compare_cues(const void *a, const void *b) {
+    const struct score_cue *x = a, *y = b;
+    if (x->first != y->first)
+        return x->first < y->first ? -1 : 1;
+    if (x->at != y->at)
+        return x->at < y->at ? -1 : 1;
+    int kind = strcmp(x->kind, y->kind);
+    return kind ? kind : strcmp(x->name, y->name);
+}
+
+static int compare_clocks(const void *a, const void *b) {
+    const struct score_cue *x = a, *y = b;
+    if (x->clock != y->clock)
+        return x->clock < y->clock ? -1 : 1;
+    return (x->at > y->at) - (x->at < y->at);
+}
+
+static void sort_cues(struct score *score) {
+    size_t in_order = 1;
+    while (in_order < score->cue_count &&
+           compare_cues(&score->cues[in_order - 1], &score->cues[in_order]) <= 0)
+        in_order++;
+    if (in_order < score->cue_count)
+        qsort(score->cues, score->cue_count, sizeof *score->cues, compare_cues);
+}
+
+/* The sentence of an item; that of the last item for those behind it. */
+static size_t sentence_of(const struct score *score, size_t item) {
+    size_t low = 0, high = score->sentence_count;
+    while (high - low > 1) {
+        size_t middle = (low + high) / 2;
+        if (score->sentences[middle].first <= item)
+            low = middle;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* A sentence costs as much as its cues are many, and one cue may lie in many sentences. */
+static void limit_cues(struct score *score) {
+    size_t *ended = mem_alloc((score->sentence_count + 1) * sizeof *ended), active = 0, sentence = 0,
+           kept = 0;
+    for (size_t i = 0; i < score->cue_count; i++) {
+        struct score_cue *cue = &score->cues[i];
+        size_t first = sentence_of(score, cue->first),
+               last = cue->last > cue->first ? sentence_of(score, cue->last - 1) : first;
+        for (; sentence < first; sentence++)
+            active -= ended[sentence];
+        if (active == SCORE_CUES) {
+            score_warn(score, cue->at, "ignored", "more than %d things at once: this is left out",
+                       SCORE_CUES);
+            continue;
+        }
+        active++;
+        ended[last]++;
+        score->cues[kept++] = *cue;
+    }
+    score->cue_count = kept;
+    free(ended);
+}
+
+void score_link_cues(struct score *score) {
+    for (size_t i = 0; i < score->cue_count; i++) {
+        size_t around = i;
+        while (around && score->cues[around - 1].last <= score->cues[i].last)
+            around = score->cues[around - 1].around;
+        score->cues[i].around = around;
+    }
+}
+
+void score_order_cues(struct score *score) {
+    sort_cues(score);
+    if (score->timed_count)
+        qsort(score->timed, score->timed_count, sizeof *score->timed, compare_clocks);
+    if (score->sentence_count)
+        limit_cues(score);
+    score_link_cues(score);
+}
+
+size_t score_cues_from(const struct score *score, size_t item) {
+    size_t low = 0, high = score->cue_count;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (score->cues[middle].first < item)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
