@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 const browser = Object.fromEntries(
-  `AbortController DOMPoint navigator IntersectionObserver AudioWorkletNode Blob CustomEvent HTMLElement Option ResizeObserver TextDecoder URL WebSocket
+  `AbortController DOMPoint navigator IntersectionObserver AudioWorkletNode Blob CustomEvent HTMLElement MutationObserver Option ResizeObserver
+  TextDecoder URL URLSearchParams WebSocket getComputedStyle history localStorage location sessionStorage
   addEventListener atob cancelAnimationFrame clearInterval clearTimeout console createImageBitmap customElements document
   fetch globalThis matchMedia performance removeEventListener requestAnimationFrame setInterval setTimeout`
     .split(/\s+/)

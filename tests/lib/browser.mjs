@@ -13,9 +13,9 @@ export async function launch() {
   return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args: flags });
 }
 
-/** The demo page with the head loaded. Errors of the page fail the test that looks at page.problems. */
-export async function openPage(browser, url, { quality = 'low' } = {}) {
-  const page = await browser.newPage({ viewport: { width: 1000, height: 800 } });
+/** The demo page in Italian, or as the options of newPage say, with the head loaded. Errors of the page fail the test that looks at page.problems. */
+export async function openPage(browser, url, { quality = 'low', ...options } = {}) {
+  const page = await browser.newPage({ viewport: { width: 1000, height: 800 }, locale: 'it-IT', ...options });
   page.problems = [];
   page.on('pageerror', (error) => page.problems.push(String(error)));
   await page.addInitScript((level) => {

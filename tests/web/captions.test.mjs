@@ -35,11 +35,11 @@ test('a word longer than a caption is cut, but not through a character', () => {
 test('words move from what is to come to what was said as they are heard', () => {
   const text = 'Uno. Due tre quattro.';
   const track = new CaptionTrack(text);
-  assert.equal(track.line, null);
+  assert.equal(track.lineOf(), null);
   track.sentence(place(text, 'Due tre quattro.'));
-  assert.deepEqual(track.line, { said: '', word: '', rest: 'Due tre quattro.' });
+  assert.deepEqual(track.lineOf(), { said: '', word: '', rest: 'Due tre quattro.' });
   track.heard(place(text, 'tre'));
-  assert.deepEqual(track.line, { said: 'Due ', word: 'tre', rest: ' quattro.' });
+  assert.deepEqual(track.lineOf(), { said: 'Due ', word: 'tre', rest: ' quattro.' });
 });
 
 test('the caption turns over with the word that is heard', () => {
@@ -47,10 +47,10 @@ test('the caption turns over with the word that is heard', () => {
   const track = new CaptionTrack(text);
   track.sentence({ utf16_start: 0, utf16_end: text.length });
   track.heard(place(text, 'alfa'));
-  const first = track.line;
+  const first = track.lineOf();
   assert.ok(!first.rest.includes('ypsilon'));
   track.heard(place(text, 'ypsilon'));
-  const last = track.line;
+  const last = track.lineOf();
   assert.equal(last.word, 'ypsilon');
   assert.equal(last.rest, '');
   assert.ok(!last.said.includes('alfa'));
@@ -61,7 +61,7 @@ test('places are UTF-16: characters beyond the basic plane count two', () => {
   const track = new CaptionTrack(text);
   track.sentence({ utf16_start: 0, utf16_end: 7 });
   track.heard({ utf16_start: 3, utf16_end: 7 });
-  assert.deepEqual(track.line, { said: '😀 ', word: 'ciao', rest: '' });
+  assert.deepEqual(track.lineOf(), { said: '😀 ', word: 'ciao', rest: '' });
 });
 
 /** What is on show when the word that stands there in the source is heard. */
@@ -70,7 +70,7 @@ function heardIn(source, word, markup = 'ssml') {
   track.sentence({ utf16_start: 0, utf16_end: source.length });
   const start = source.indexOf(word);
   track.heard({ utf16_start: start, utf16_end: start + word.length });
-  return track.line;
+  return track.lineOf();
 }
 
 test('captions show the words of marked-up text, not its tags', () => {

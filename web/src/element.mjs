@@ -60,6 +60,7 @@ export class TalkingHead extends HTMLElement {
     this.#express();
     this.#connect();
     this.presence.open();
+    this.captionView.open();
     this.timer = setInterval(() => this.#tick(performance.now()), TICK_MS);
   }
 
@@ -68,6 +69,7 @@ export class TalkingHead extends HTMLElement {
     this.#reducedMotion.removeEventListener('change', this.#motionChanged);
     removeEventListener('online', this.#online);
     this.presence.close();
+    this.captionView.close();
     this.#speech.stop();
     this.#disconnect();
     this.player.close();
@@ -335,7 +337,7 @@ export class TalkingHead extends HTMLElement {
   #hear(now) {
     this.#speech.tick(now);
     const { captions, options } = this.#speech.heard(now)?.utterance ?? {};
-    return this.captionView.show(captions?.line ?? null, options?.lang);
+    return this.captionView.show(captions?.lineOf(this.captionView.size) ?? null, options?.lang);
   }
 
   #frame(now, ahead) {
