@@ -9,8 +9,9 @@ import { artefacts } from './daemon.mjs';
 const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
   '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 
-export async function launch() {
-  return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args: flags });
+/** @param {{webgl?: boolean}} [options] webgl: false where nobody looks at the face, which takes most of the time */
+export async function launch({ webgl = true } = {}) {
+  return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args: webgl ? flags : [...flags, '--disable-3d-apis'] });
 }
 
 /** The demo page in Italian, or as the options of newPage say, with the head loaded. Errors of the page fail the test that looks at page.problems. */

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { PlainText } from '../../web/src/plain-text.mjs';
-import { CaptionTrack, cutCaption } from '../../web/src/captions.mjs';
+import { CaptionTrack, cutCaption, HeardCaptions } from '../../web/src/captions.mjs';
 
 const place = (text, part, from = 0) => {
   const start = text.indexOf(part, from);
@@ -99,4 +99,17 @@ test('plain text is left as it is, tags and all', () => {
 test('what is no markup after all is no obstacle', () => {
   for (const text of ['<'.repeat(1e4), '<a '.repeat(3e3), '<a b="'.repeat(2e3), '<!--'.repeat(2e3), '&'.repeat(1e4), `<!DOCTYPE ${'['.repeat(2e3)}`])
     assert.equal(new PlainText(`x${text}`, 'ssml').text[0], 'x');
+});
+
+test('a caption holds no more than there is room for, and changes its cut with the room', () => {
+  const text = 'alfa beta gamma delta epsilon zeta eta theta iota kappa lambda';
+  for (const captions of [new CaptionTrack(text), new HeardCaptions()]) {
+    captions.sentence({ text, utf16_start: 0, utf16_end: text.length });
+    captions.heard(place(text, 'delta'));
+    const whole = ({ said, word, rest }) => said + word + rest;
+    assert.equal(whole(captions.lineOf()), text);
+    assert.equal(whole(captions.lineOf(20)), 'delta epsilon zeta');
+    assert.equal(captions.lineOf(20).word, 'delta');
+    assert.equal(whole(captions.lineOf(84)), text);
+  }
 });

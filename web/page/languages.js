@@ -61,7 +61,7 @@ export function listed(tags, page = 'en') {
 
 const option = ({ tag, name }) => {
   const element = new Option(name, tag);
-  element.lang = tag;
+  if (name !== tag) element.lang = tag; // a tag that the browser knows
   return element;
 };
 
