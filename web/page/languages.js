@@ -39,7 +39,7 @@ export function spokenLanguage(wanted, offered, usual = FIRST[0]) {
 export function ownName(tag, page = 'en') {
   for (const names of [tag, page]) {
     try {
-      const name = new Intl.DisplayNames([names, page], { type: 'language', fallback: 'none' }).of(tag);
+      const name = new Intl.DisplayNames([names, page], { type: 'language', languageDisplay: 'standard', fallback: 'none' }).of(tag);
       if (name) return name.replace(/^\p{Ll}/u, (letter) => letter.toLocaleUpperCase(tag));
     } catch {
       // not of BCP 47
