@@ -9,6 +9,7 @@ import { sharedWords } from './shared-words.js';
 import { forGood } from './storage.js';
 
 const KEY = 'faccia.language';
+const IN_THE_PICTURE = ['no-webgl', 'too-many']; // errors that the head itself tells, in place of the face
 const $ = (id) => document.getElementById(id);
 
 export class Frame {
@@ -104,7 +105,7 @@ export class Frame {
       this.#showCredits();
     });
     head.addEventListener('error', ({ detail }) => {
-      if (!this.access.concerns(detail.code)) this.problem.show(detail);
+      if (!this.access.concerns(detail.code) && !IN_THE_PICTURE.includes(detail.code)) this.problem.show(detail);
     });
     head.addEventListener('begin', () => this.problem.clear());
     head.addEventListener('sound', ({ detail }) => {
