@@ -112,12 +112,17 @@ test('captions are as the reader chose them, on all pages and the next time', as
   await page.evaluate(() => {
     window.captions = new Set();
     const box = document.querySelector('talking-head').shadowRoot.querySelector('.captions');
-    new MutationObserver(() => window.captions.add(box.textContent)).observe(box, { subtree: true, childList: true, characterData: true });
+    window.heights = new Set();
+    new MutationObserver(() => {
+      window.captions.add(box.textContent);
+      window.heights.add(box.offsetHeight);
+    }).observe(box, { subtree: true, childList: true, characterData: true });
   });
   const text = 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura.';
   await page.evaluate((what) => document.querySelector('talking-head').speak(what, { lang: 'it', rate: 240 }), text);
   const shown = (await page.evaluate(() => [...window.captions])).filter(Boolean);
   assert.ok(shown.length >= 2 && shown.every((each) => each.length < text.length && text.includes(each)), JSON.stringify(shown));
+  assert.equal(await page.evaluate(() => window.heights.size), 1, 'two lines always do: the picture above does not jump');
   await page.evaluate(() => document.querySelector('talking-head').shadowRoot.querySelector('.switch').click());
   assert.equal(await page.isChecked('#captions'), false, 'the button on the picture and the switch say the same');
   assert.equal((await look()).shown, false);

@@ -3,7 +3,8 @@ import { CAPTION_CHARACTERS } from './captions.mjs';
 
 const LINGER_MS = 1500; // after the end, so that the last words can be read
 const LINES = 2;
-const CHARACTER_EM = 0.53; // how wide a character is, more or less
+const CHARACTER_EM = 0.6; // how wide a character is in a wide face, more or less: a line more would shift the picture
+const PADDING_EM = 1.2;
 const LEAST_CHARACTERS = 16;
 
 /** The captions on the page. */
@@ -60,7 +61,7 @@ export class CaptionView {
 
   #measure() {
     const em = parseFloat(getComputedStyle(this.box).fontSize);
-    const room = Math.floor((LINES * this.box.clientWidth) / (em * CHARACTER_EM));
+    const room = Math.floor((LINES * (this.box.clientWidth / em - PADDING_EM)) / CHARACTER_EM);
     this.size = Math.min(CAPTION_CHARACTERS, Math.max(LEAST_CHARACTERS, room));
   }
 
