@@ -182,7 +182,8 @@ struct encoded encoder_chunk(struct encoder *e, const struct chunk *chunk, const
     code_audio(e, chunk, &coded, &audio);
     code_frames(e, frames, &coded, begin, &faps);
     put_compact(e, &coded, begin, &audio, &faps, out);
-    e->utterance = *chunk;
+    if (chunk->utterance) /* the idle face may come in between, in a pause */
+        e->utterance = *chunk;
     struct encoded result = {begin, audio.size, out->size - audio.size};
     buf_free(&audio);
     buf_free(&faps);

@@ -208,16 +208,26 @@ test('captions of marked-up text show its words, are readable, and can be switch
     const root = document.querySelector('talking-head').shadowRoot;
     root.querySelector('.word').textContent = 'x';
     root.querySelector('.captions').classList.remove('empty');
-    const numbers = (colour) => colour.match(/[\d.]+/g).map(Number);
+    const canvas = document.createElement('canvas').getContext('2d', { willReadFrequently: true });
+    const numbers = (colour) => {
+      canvas.clearRect(0, 0, 1, 1);
+      canvas.fillStyle = colour;
+      canvas.fillRect(0, 0, 1, 1);
+      const [r, g, b, a] = canvas.getImageData(0, 0, 1, 1).data;
+      return [r, g, b, a / 255];
+    };
     const light = (rgb) => rgb.map((c) => (c / 255 <= 0.04045 ? c / 255 / 12.92 : ((c / 255 + 0.055) / 1.055) ** 2.4)).reduce((sum, c, i) => sum + c * [0.2126, 0.7152, 0.0722][i], 0);
     const contrast = (a, b) => (Math.max(light(a), light(b)) + 0.05) / (Math.min(light(a), light(b)) + 0.05);
     const over = (top, below, alpha) => below.map((c, i) => alpha * top[i] + (1 - alpha) * c);
     const style = (selector) => getComputedStyle(root.querySelector(selector));
     const ground = numbers(style('.captions').backgroundColor).slice(0, 3);
-    const on = (selector, under) => contrast(over(numbers(style(selector).color).slice(0, 3), under, Number(style(selector).opacity)), under);
+    const on = (selector, under) => {
+      const [r, g, b, alpha] = numbers(style(selector).color);
+      return contrast(over([r, g, b], under, alpha * Number(style(selector).opacity)), under);
+    };
     const [white, button] = [[255, 255, 255], style('.switch')];
     const [alpha, face] = [Number(button.opacity), numbers(button.backgroundColor)];
-    const shown = over(face.slice(0, 3), white, alpha * (face[3] ?? 1));
+    const shown = over(face.slice(0, 3), white, alpha * face[3]);
     return {
       said: on('.said', ground), rest: on('.rest', ground), word: on('.word', numbers(style('.word').backgroundColor).slice(0, 3)),
       button: contrast(over(numbers(button.color).slice(0, 3), white, alpha), shown),

@@ -39,7 +39,7 @@ async function bundle(file) {
 let daemon, browser, server;
 before(async () => {
   daemon = await Daemon.start();
-  browser = await launch(['--autoplay-policy=no-user-gesture-required']);
+  browser = await launch({ flags: ['--autoplay-policy=no-user-gesture-required'] });
   server = await servePages({ '/': '<!doctype html><meta charset="utf-8"><title>App</title><link rel="icon" href="data:,"><style>talking-head { inline-size: 9rem; block-size: 12rem }</style><div id="app"></div><script type="module" src="app.js"></script>' });
 });
 after(async () => {

@@ -19,7 +19,7 @@ let daemon, browser, server;
 before(async () => {
   daemon = await Daemon.start();
   server = await servePages({});
-  browser = await launch(['--host-resolver-rules=MAP portal.test 127.0.0.1']);
+  browser = await launch({ flags: ['--host-resolver-rules=MAP portal.test 127.0.0.1'] });
 });
 after(async () => {
   await browser?.close();

@@ -10,6 +10,7 @@ before(async () => {
   daemon = await Daemon.start();
   browser = await launch();
   page = await openPage(browser, `${daemon.url}/voices.html`);
+  await page.waitForSelector('#voices button');
 });
 after(async () => {
   await browser?.close();
@@ -26,7 +27,8 @@ test('the voices of the chosen language, and of no other', async () => {
   assert.ok((await listed()).includes('espeak:it'));
   await page.selectOption('#lang', 'tr');
   assert.deepEqual(await listed(), of('tr'));
-  assert.equal(await page.evaluate(() => document.documentElement.lang), 'tr');
+  assert.equal(await page.getAttribute('#text', 'lang'), 'tr');
+  assert.equal(await page.getAttribute('html', 'lang'), 'it', 'the page stays in the language of its reader');
   assert.match(await page.inputValue('#text'), /Gelin/);
   await page.selectOption('#lang', 'it');
 });
@@ -36,7 +38,7 @@ test('each is reached and started with the keyboard', async () => {
     window.begins = [];
     window.ends = [];
     const head = document.querySelector('talking-head');
-    head.addEventListener('begin', ({ detail }) => window.begins.push({ voice: detail.voice, marked: document.querySelector('[aria-current]')?.dataset.voice }));
+    head.addEventListener('begin', ({ detail }) => window.begins.push({ voice: detail.voice, marked: document.querySelector('#voices [aria-current]')?.dataset.voice }));
     head.addEventListener('end', ({ detail }) => window.ends.push(detail.reason));
   });
   await page.fill('#text', 'Ciao.');

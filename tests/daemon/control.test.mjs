@@ -152,6 +152,22 @@ test('a pause holds the clock; what comes after it follows to the sample', async
   await stream.close();
 });
 
+test('Opus packets are counted on through a pause in which the face lives on', async () => {
+  const stream = await daemon.stream('?audio=opus&fap=fba');
+  stream.send({ type: 'idle', on: true });
+  stream.send({ type: 'speak', text: sentence('uno'), lang: 'it' });
+  await stream.wait({ type: 'word' });
+  stream.send({ type: 'pause' });
+  await stream.wait({ type: 'paused' });
+  const at = stream.chunks.length;
+  await stream.until(() => stream.chunks.slice(at).some((c) => c.utterance === 0));
+  stream.send({ type: 'resume' });
+  await stream.wait({ type: 'end', reason: 'done' });
+  const spoken = stream.chunks.filter((c) => c.utterance === 1 && c.audio?.length);
+  assert.deepEqual(spoken.slice(1).map((c) => c.firstPacket), spoken.slice(0, -1).map((c) => c.firstPacket + c.audio.length));
+  await stream.close();
+});
+
 test('what is asked for in a pause waits; stop, replace and interrupt end it', async () => {
   const stream = await open();
   stream.send({ type: 'pause' });

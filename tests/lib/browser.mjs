@@ -9,14 +9,17 @@ import { artefacts } from './daemon.mjs';
 const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
   '--disable-background-networking', '--disable-component-update', '--disable-sync'];
 
-/** @param {string[]} more flags of the browser */
-export async function launch(more = []) {
-  return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args: [...flags, ...more] });
+/**
+ * @param {{webgl?: boolean, flags?: string[]}} [options] webgl: false where nobody looks at the face, which takes most of the time;
+ *   flags: more of the browser's
+ */
+export async function launch({ webgl = true, flags: more = [] } = {}) {
+  return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args: [...flags, ...more, ...(webgl ? [] : ['--disable-3d-apis'])] });
 }
 
-/** The demo page with the head loaded. Errors of the page fail the test that looks at page.problems. */
-export async function openPage(browser, url, { quality = 'low' } = {}) {
-  const page = await browser.newPage({ viewport: { width: 1000, height: 800 } });
+/** The demo page in Italian, or as the options of newPage say, with the head loaded. Errors of the page fail the test that looks at page.problems. */
+export async function openPage(browser, url, { quality = 'low', ...options } = {}) {
+  const page = await browser.newPage({ viewport: { width: 1000, height: 800 }, locale: 'it-IT', ...options });
   page.problems = [];
   page.on('pageerror', (error) => page.problems.push(String(error)));
   await page.addInitScript((level) => {

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { PlainText } from '../../web/src/plain-text.mjs';
-import { CaptionTrack, cutCaption } from '../../web/src/captions.mjs';
+import { CaptionTrack, cutCaption, HeardCaptions } from '../../web/src/captions.mjs';
 
 const place = (text, part, from = 0) => {
   const start = text.indexOf(part, from);
@@ -35,11 +35,11 @@ test('a word longer than a caption is cut, but not through a character', () => {
 test('words move from what is to come to what was said as they are heard', () => {
   const text = 'Uno. Due tre quattro.';
   const track = new CaptionTrack(text);
-  assert.equal(track.line, null);
+  assert.equal(track.lineOf(), null);
   track.sentence(place(text, 'Due tre quattro.'));
-  assert.deepEqual(track.line, { said: '', word: '', rest: 'Due tre quattro.' });
+  assert.deepEqual(track.lineOf(), { said: '', word: '', rest: 'Due tre quattro.' });
   track.heard(place(text, 'tre'));
-  assert.deepEqual(track.line, { said: 'Due ', word: 'tre', rest: ' quattro.' });
+  assert.deepEqual(track.lineOf(), { said: 'Due ', word: 'tre', rest: ' quattro.' });
 });
 
 test('the caption turns over with the word that is heard', () => {
@@ -47,10 +47,10 @@ test('the caption turns over with the word that is heard', () => {
   const track = new CaptionTrack(text);
   track.sentence({ utf16_start: 0, utf16_end: text.length });
   track.heard(place(text, 'alfa'));
-  const first = track.line;
+  const first = track.lineOf();
   assert.ok(!first.rest.includes('ypsilon'));
   track.heard(place(text, 'ypsilon'));
-  const last = track.line;
+  const last = track.lineOf();
   assert.equal(last.word, 'ypsilon');
   assert.equal(last.rest, '');
   assert.ok(!last.said.includes('alfa'));
@@ -61,7 +61,7 @@ test('places are UTF-16: characters beyond the basic plane count two', () => {
   const track = new CaptionTrack(text);
   track.sentence({ utf16_start: 0, utf16_end: 7 });
   track.heard({ utf16_start: 3, utf16_end: 7 });
-  assert.deepEqual(track.line, { said: '😀 ', word: 'ciao', rest: '' });
+  assert.deepEqual(track.lineOf(), { said: '😀 ', word: 'ciao', rest: '' });
 });
 
 /** What is on show when the word that stands there in the source is heard. */
@@ -70,7 +70,7 @@ function heardIn(source, word, markup = 'ssml') {
   track.sentence({ utf16_start: 0, utf16_end: source.length });
   const start = source.indexOf(word);
   track.heard({ utf16_start: start, utf16_end: start + word.length });
-  return track.line;
+  return track.lineOf();
 }
 
 test('captions show the words of marked-up text, not its tags', () => {
@@ -99,4 +99,17 @@ test('plain text is left as it is, tags and all', () => {
 test('what is no markup after all is no obstacle', () => {
   for (const text of ['<'.repeat(1e4), '<a '.repeat(3e3), '<a b="'.repeat(2e3), '<!--'.repeat(2e3), '&'.repeat(1e4), `<!DOCTYPE ${'['.repeat(2e3)}`])
     assert.equal(new PlainText(`x${text}`, 'ssml').text[0], 'x');
+});
+
+test('a caption holds no more than there is room for, and changes its cut with the room', () => {
+  const text = 'alfa beta gamma delta epsilon zeta eta theta iota kappa lambda';
+  for (const captions of [new CaptionTrack(text), new HeardCaptions()]) {
+    captions.sentence({ text, utf16_start: 0, utf16_end: text.length });
+    captions.heard(place(text, 'delta'));
+    const whole = ({ said, word, rest }) => said + word + rest;
+    assert.equal(whole(captions.lineOf()), text);
+    assert.equal(whole(captions.lineOf(20)), 'delta epsilon zeta');
+    assert.equal(captions.lineOf(20).word, 'delta');
+    assert.equal(whole(captions.lineOf(84)), text);
+  }
 });

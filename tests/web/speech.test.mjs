@@ -235,8 +235,8 @@ test('in a room, what others ask for is heard and shown; elsewhere it is not', (
   hear({ type: 'sentence', utterance: 4, time: 0, text: 'Ciao a tutti.', start: 100, end: 113, utf16_start: 90, utf16_end: 103 });
   hear({ type: 'word', utterance: 4, time: 0.5, text: 'tutti', utf16_start: 97, utf16_end: 102 });
   chunk(4, 0, 1000);
-  assert.deepEqual(play(100).utterance.captions.line, { said: '', word: '', rest: 'Ciao a tutti.' });
-  assert.deepEqual(play(600).utterance.captions.line, { said: 'Ciao a ', word: 'tutti', rest: '.' });
+  assert.deepEqual(play(100).utterance.captions.lineOf(), { said: '', word: '', rest: 'Ciao a tutti.' });
+  assert.deepEqual(play(600).utterance.captions.lineOf(), { said: 'Ciao a ', word: 'tutti', rest: '.' });
   hear({ type: 'end', utterance: 4, reason: 'done', duration: 1 });
   play(1000);
   assert.deepEqual(names(), ['begin', 'Ciao a tutti.', 'tutti', 'done']);

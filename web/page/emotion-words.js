@@ -2,13 +2,11 @@
 /** What the page says, by language. Affects that a language lacks are shown by their own name. */
 export const words = {
   it: {
-    title: 'Emozioni', face: 'La testa', text: 'Testo da dire', lang: 'Lingua', speak: 'Parla', stop: 'Ferma', emotion: 'Disco delle emozioni',
-    affect: 'Una sola emozione', mixed: 'Mescolate', intensity: 'Intensità', neutral: 'Neutra', markup: 'Come scriverla', copy: 'Copia', copied: 'Copiato.',
-    selected: 'Selezionato: premere Ctrl + C.',
+    title: 'Emozioni', text: 'Testo da dire', lang: 'Lingua', speak: 'Parla', stop: 'Ferma', emotion: 'Disco delle emozioni',
+    affect: 'Una sola emozione', mixed: 'Mescolate', intensity: 'Intensità', neutral: 'Neutra', markup: 'Come scriverla', copy: 'Copia',
     faps: 'Valori FAP del volto', name: 'Nome', value: 'Valore', slider: 'punto sul disco',
     hint: 'Trascinare il punto, o spostarlo con le frecce (Maiusc: a passi piccoli; Inizio: al centro). La direzione è l’emozione, la distanza dal centro l’intensità.',
-    connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
-    head: 'Testa: {title}. {credits}', sample: 'Che cosa mi racconti oggi? Non me lo sarei mai aspettato.',
+    sample: 'Che cosa mi racconti oggi? Non me lo sarei mai aspettato.',
     affects: {
       joy: 'gioia', anger: 'rabbia', sadness: 'tristezza', fear: 'paura', disgust: 'disgusto', surprise: 'sorpresa', distress: 'angoscia',
       embarrassment: 'imbarazzo', 'happy-for': 'contentezza per altri', gloating: 'gongolare', resentment: 'risentimento', relief: 'sollievo',
@@ -19,23 +17,19 @@ export const words = {
     },
   },
   en: {
-    title: 'Emotions', face: 'The head', text: 'Text to speak', lang: 'Language', speak: 'Speak', stop: 'Stop', emotion: 'Emotion disc',
-    affect: 'One emotion alone', mixed: 'Mixed', intensity: 'Intensity', neutral: 'Neutral', markup: 'How to write it', copy: 'Copy', copied: 'Copied.',
-    selected: 'Selected: press Ctrl + C.',
+    title: 'Emotions', text: 'Text to speak', lang: 'Language', speak: 'Speak', stop: 'Stop', emotion: 'Emotion disc',
+    affect: 'One emotion alone', mixed: 'Mixed', intensity: 'Intensity', neutral: 'Neutral', markup: 'How to write it', copy: 'Copy',
     faps: 'FAP values of the face', name: 'Name', value: 'Value', slider: 'point on the disc',
     hint: 'Drag the point, or move it with the arrow keys (Shift: small steps; Home: to the middle). The direction is the emotion, the distance from the middle its intensity.',
-    connecting: 'Connecting…', open: 'Connected', waiting: 'Not connected, trying again', closed: 'Not connected',
-    head: 'Head: {title}. {credits}', sample: 'What do you have to tell me today? I would never have expected that.',
+    sample: 'What do you have to tell me today? I would never have expected that.',
     affects: { 'happy-for': 'happy for others', 'sorry-for': 'sorry for others', 'fear-confirmed': 'fear confirmed' },
   },
   pt: {
-    title: 'Emoções', face: 'A cabeça', text: 'Texto a dizer', lang: 'Idioma', speak: 'Falar', stop: 'Parar', emotion: 'Disco das emoções',
-    affect: 'Uma só emoção', mixed: 'Misturadas', intensity: 'Intensidade', neutral: 'Neutra', markup: 'Como escrevê-la', copy: 'Copiar', copied: 'Copiado.',
-    selected: 'Selecionado: pressione Ctrl + C.',
+    title: 'Emoções', text: 'Texto a dizer', lang: 'Idioma', speak: 'Falar', stop: 'Parar', emotion: 'Disco das emoções',
+    affect: 'Uma só emoção', mixed: 'Misturadas', intensity: 'Intensidade', neutral: 'Neutra', markup: 'Como escrevê-la', copy: 'Copiar',
     faps: 'Valores FAP do rosto', name: 'Nome', value: 'Valor', slider: 'ponto no disco',
     hint: 'Arraste o ponto, ou mova-o com as setas (Shift: passos pequenos; Home: ao centro). A direção é a emoção, a distância do centro a intensidade.',
-    connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
-    head: 'Cabeça: {title}. {credits}', sample: 'O que você me conta hoje? Eu nunca teria esperado isso.',
+    sample: 'O que você me conta hoje? Eu nunca teria esperado isso.',
     affects: {
       joy: 'alegria', anger: 'raiva', sadness: 'tristeza', fear: 'medo', disgust: 'nojo', surprise: 'surpresa', distress: 'aflição',
       embarrassment: 'embaraço', 'happy-for': 'contente por outros', gloating: 'regozijo', resentment: 'ressentimento', relief: 'alívio',
@@ -46,13 +40,11 @@ export const words = {
     },
   },
   tr: {
-    title: 'Duygular', face: 'Baş', text: 'Söylenecek metin', lang: 'Dil', speak: 'Konuş', stop: 'Dur', emotion: 'Duygu çarkı',
-    affect: 'Tek bir duygu', mixed: 'Karışık', intensity: 'Şiddet', neutral: 'Nötr', markup: 'Nasıl yazılır', copy: 'Kopyala', copied: 'Kopyalandı.',
-    selected: 'Seçildi: Ctrl + C tuşlarına basın.',
+    title: 'Duygular', text: 'Söylenecek metin', lang: 'Dil', speak: 'Konuş', stop: 'Dur', emotion: 'Duygu çarkı',
+    affect: 'Tek bir duygu', mixed: 'Karışık', intensity: 'Şiddet', neutral: 'Nötr', markup: 'Nasıl yazılır', copy: 'Kopyala',
     faps: 'Yüzün FAP değerleri', name: 'Ad', value: 'Değer', slider: 'çark üzerindeki nokta',
     hint: 'Noktayı sürükleyin ya da ok tuşlarıyla taşıyın (Shift: küçük adımlar; Home: ortaya). Yön duygudur, ortadan uzaklık şiddetidir.',
-    connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
-    head: 'Baş: {title}. {credits}', sample: 'Bugün bana ne anlatacaksın? Bunu hiç beklemezdim.',
+    sample: 'Bugün bana ne anlatacaksın? Bunu hiç beklemezdim.',
     affects: {
       joy: 'sevinç', anger: 'öfke', sadness: 'üzüntü', fear: 'korku', disgust: 'iğrenme', surprise: 'şaşkınlık', distress: 'sıkıntı',
       embarrassment: 'utangaçlık', 'happy-for': 'başkası için sevinme', gloating: 'kıs kıs gülme', resentment: 'gücenme', relief: 'rahatlama',

@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: MIT
+import { copy } from './copy.js';
 import { layOut, markupOf, mixAt, spread } from './emotion-disc.js';
 import { words } from './emotion-words.js';
+import { Frame } from './frame.js';
+import { FIRST, fill, primary, spokenLanguage } from './languages.js';
 
 const R = 100; // of the disc, in units of the picture
 const DOTS_APART = 0.13;
@@ -11,7 +14,7 @@ const STEP = 0.1;
 const SMALL_STEP = 0.02;
 
 const $ = (id) => document.getElementById(id);
-const [head, text, lang, disc, thumb] = ['head', 'text', 'lang', 'disc', 'thumb'].map($);
+const [text, lang, disc, thumb] = ['text', 'lang', 'disc', 'thumb'].map($);
 const [choice, slider, markup] = ['affect', 'intensity', 'markup'].map($);
 const svg = (name, attributes = {}) => {
   const element = document.createElementNS('http://www.w3.org/2000/svg', name);
@@ -19,15 +22,16 @@ const svg = (name, attributes = {}) => {
   return element;
 };
 
-let state = 'connecting';
-let shown = null;
+const frame = new Frame(words);
+const { head } = frame;
+const say = (name, values) => frame.say(name, values);
+let ready = false; // the head, to be told
+let offered = FIRST;
 let placed = []; // the affects on the disc
 let faps = []; // what they are
 const now = { x: 0, y: 0, affect: null }; // the point; affect: that one alone, not what the direction says
 
-const table = () => words[lang.value.slice(0, 2)] ?? words.en;
-const say = (name, values = {}) => table()[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
-const called = (name) => table().affects[name] ?? name;
+const called = (name) => words[frame.lang].affects[name] ?? name;
 const strength = () => Math.min(1, Math.hypot(now.x, now.y));
 const percent = (value) => `${Math.round(100 * value)} %`;
 
@@ -62,7 +66,7 @@ function draw() {
   }));
   const chosen = choice.value;
   const options = placed.map(({ name }) => new Option(called(name), name));
-  options.sort((a, b) => a.text.localeCompare(b.text, lang.value));
+  options.sort((a, b) => a.text.localeCompare(b.text, frame.lang));
   choice.replaceChildren(new Option(say('mixed'), ''), ...options);
   choice.value = chosen;
 }
@@ -81,13 +85,12 @@ function update({ ease = EASE, tell = true } = {}) {
   $('intensity-value').value = percent(strength());
   for (const { classList, dataset } of $('affects').children) classList.toggle('chosen', parts.some((p) => p.name === dataset.name));
   write();
-  if (tell) head.express(parts, { ease });
+  if (tell && ready) head.express(parts, { ease });
 }
 
 function write() {
   const kind = document.querySelector('input[name="kind"]:checked').value;
   markup.value = markupOf(kind, mix(), text.value, lang.value);
-  $('copied').textContent = '';
 }
 
 function move(x, y, affect = null) {
@@ -146,18 +149,10 @@ $('neutral').addEventListener('click', () => move(0, 0));
 
 for (const radio of document.querySelectorAll('input[name="kind"]')) radio.addEventListener('change', write);
 text.addEventListener('input', write);
-$('copy').addEventListener('click', async () => {
-  try {
-    await navigator.clipboard.writeText(markup.value);
-    $('copied').textContent = say('copied');
-  } catch {
-    markup.select(); // a page that is not secure may not
-    $('copied').textContent = say('selected');
-  }
-});
+$('copy').addEventListener('click', async () => frame.tell((await copy(markup.value, markup)) ? 'copied' : 'selected'));
 
 function showFaps() {
-  if (!$('faps-box').open) return;
+  if (!ready || !$('faps-box').open) return;
   const values = head.faps;
   const rows = faps.filter(({ number }) => Math.round(values[number] ?? 0));
   $('faps').tBodies[0].replaceChildren(...rows.map(({ number, name }) => {
@@ -179,53 +174,48 @@ function showFaps() {
 
 // The page
 
-function translate() {
-  document.documentElement.lang = text.lang = head.lang = lang.value;
-  document.title = `${say('title')} · faccia`;
-  for (const element of document.querySelectorAll('[data-text]')) element.textContent = say(element.dataset.text);
+/** Has the text follow the language that is spoken. */
+function showLanguage() {
+  text.lang = lang.value;
   const samples = Object.values(words).map(({ sample }) => sample);
-  if (samples.includes(text.value) || !text.value.trim()) text.value = say('sample');
-  $('connection').dataset.state = state;
-  $('connection').querySelector('.text').textContent = say(state);
-  if (shown) $('credits').textContent = say('head', { title: shown.title, credits: shown.credits.join(' ') });
-  draw();
-  update({ tell: false });
+  if (samples.includes(text.value) || !text.value.trim()) text.value = (words[primary(lang.value)] ?? words.en).sample;
+  write();
 }
 
-function offer(languages) {
-  const chosen = lang.value;
-  lang.replaceChildren(...languages.map(({ tag, name }) => new Option(name, tag)));
-  lang.value = languages.find(({ tag }) => tag.slice(0, 2) === chosen.slice(0, 2))?.tag ?? languages[0].tag;
+function offer(tags, chosen) {
+  offered = tags;
+  fill(lang, tags, { page: frame.lang, others: say('otherLanguages'), chosen });
+  showLanguage();
 }
 
 function speak() {
-  $('problem').textContent = '';
+  if (!ready) return;
+  frame.problem.clear();
   head.stop();
   head.speak(text.value, { lang: lang.value, markup: 'plain' });
 }
 
 head.addEventListener('hello', ({ detail }) => {
-  offer(detail.languages);
-  translate();
+  const tags = detail.languages.map(({ tag }) => tag);
+  offer(tags, lang.dataset.chosen ? lang.value : spokenLanguage(navigator.languages, tags, detail.lang));
 });
-head.addEventListener('connection', ({ detail }) => {
-  state = detail.state;
-  translate();
+lang.addEventListener('change', () => {
+  lang.dataset.chosen = 'yes';
+  showLanguage();
 });
-head.addEventListener('ready', ({ detail }) => {
-  shown = detail;
-  translate();
-});
-head.addEventListener('error', ({ detail }) => ($('problem').textContent = detail.message));
-lang.addEventListener('change', translate);
 $('form').addEventListener('submit', (event) => {
   event.preventDefault();
   speak();
 });
-$('stop').addEventListener('click', () => head.stop());
+$('stop').addEventListener('click', () => ready && head.stop());
 document.addEventListener('keydown', (event) => {
-  if (event.key === 'Escape') head.stop();
+  if (event.key === 'Escape' && ready) head.stop();
   if (event.key === 'Enter' && (event.ctrlKey || event.metaKey)) speak();
+});
+frame.onTranslate(() => {
+  offer(offered, lang.value);
+  draw();
+  update({ tell: false });
 });
 
 // Who asks for less motion sees the emotions, which are what this page is for, without the signs of life.
@@ -233,11 +223,14 @@ if (matchMedia('(prefers-reduced-motion: reduce)').matches) {
   head.setAttribute('still', 'off');
   head.setAttribute('life', '0');
 }
-lang.append(new Option('Italiano', 'it'));
-translate();
+offer(FIRST, spokenLanguage(navigator.languages, FIRST));
+await frame.open();
+ready = true;
 setInterval(showFaps, FAPS_EVERY_MS);
-const load = async (address) => (await fetch(address)).json();
-const [{ expressions }, known] = await Promise.all([load('v1/expressions'), load('faps.json')]);
-({ faps } = known);
-placed = spread(layOut(expressions.filter(({ kind }) => kind === 'affect')), DOTS_APART);
-translate();
+const [expressions, known] = await Promise.all([frame.load('v1/expressions'), frame.load('faps.json')]);
+if (expressions && known) {
+  ({ faps } = known);
+  placed = spread(layOut(expressions.expressions.filter(({ kind }) => kind === 'affect')), DOTS_APART);
+  draw();
+  update();
+}

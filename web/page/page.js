@@ -1,121 +1,232 @@
 // SPDX-License-Identifier: MIT
-const words = {
-  it: {
-    face: 'La testa', loading: 'Si carica la testa…', text: 'Testo da dire', lang: 'Lingua', rate: 'Velocità', speak: 'Parla',
-    stop: 'Ferma', captions: 'Sottotitoli', hint: 'Ctrl + Invio: parla. Esc: ferma.', unit: '({n} parole al minuto)', emotions: 'Disco delle emozioni', voices: 'Confronto delle voci',
-    connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
-    head: 'Testa: {title}. {credits}',
-    'no-connection': 'Non c’è connessione con il server.', 'connection-lost': 'La connessione si è interrotta.',
-    'empty-text': 'Non c’è nulla da dire.',
-  },
-  pt: {
-    face: 'A cabeça', loading: 'Carregando a cabeça…', text: 'Texto a dizer', lang: 'Idioma', rate: 'Velocidade', speak: 'Falar',
-    stop: 'Parar', captions: 'Legendas', hint: 'Ctrl + Enter: falar. Esc: parar.', unit: '({n} palavras por minuto)', emotions: 'Disco das emoções', voices: 'Comparação das vozes',
-    connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
-    head: 'Cabeça: {title}. {credits}',
-    'no-connection': 'Não há conexão com o servidor.', 'connection-lost': 'A conexão foi interrompida.',
-    'empty-text': 'Não há nada a dizer.',
-  },
-  tr: {
-    face: 'Baş', loading: 'Baş yükleniyor…', text: 'Söylenecek metin', lang: 'Dil', rate: 'Hız', speak: 'Konuş',
-    stop: 'Dur', captions: 'Altyazılar', hint: 'Ctrl + Enter: konuş. Esc: dur.', unit: '(dakikada {n} sözcük)', emotions: 'Duygu çarkı', voices: 'Sesleri karşılaştır',
-    connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
-    head: 'Baş: {title}. {credits}',
-    'no-connection': 'Sunucuyla bağlantı yok.', 'connection-lost': 'Bağlantı kesildi.',
-    'empty-text': 'Söylenecek bir şey yok.',
-  },
-  en: {
-    face: 'The head', loading: 'Loading the head…', text: 'Text to speak', lang: 'Language', rate: 'Speed', speak: 'Speak',
-    stop: 'Stop', captions: 'Captions', hint: 'Ctrl + Enter: speak. Esc: stop.', unit: '({n} words a minute)', emotions: 'Emotion disc', voices: 'Compare the voices',
-    connecting: 'Connecting…', open: 'Connected', waiting: 'Not connected, trying again', closed: 'Not connected',
-    head: 'Head: {title}. {credits}',
-    'no-connection': 'There is no connection to the server.', 'connection-lost': 'The connection was lost.',
-    'empty-text': 'There is nothing to say.',
-  },
-};
-
-const samples = {
-  it: 'Nel mezzo del cammin di nostra vita mi ritrovai per una selva oscura, ché la diritta via era smarrita.',
-  pt: 'Amor é fogo que arde sem se ver, é ferida que dói, e não se sente; é um contentamento descontente.',
-  tr: 'Gelin tanış olalım, işi kolay kılalım, sevelim sevilelim, dünya kimseye kalmaz.',
-  en: 'Shall I compare thee to a summer’s day? Thou art more lovely and more temperate.',
-};
+// The first page: speaks what is typed, or what a link holds.
+import { copy } from './copy.js';
+import { Frame } from './frame.js';
+import { FIRST, fill, primary, spokenLanguage } from './languages.js';
+import { makeLink, readLink } from './link.js';
+import { samples, words } from './page-words.js';
+import { Transcript } from './transcript.js';
+import { fillVoices } from './voice-choice.js';
 
 const $ = (id) => document.getElementById(id);
-const [head, form, text, lang, rate] = ['head', 'form', 'text', 'lang', 'rate'].map($);
-let state = 'connecting';
-let shown = null;
+const [form, text, lang, voice, rate, markup, room] = ['form', 'text', 'lang', 'voice', 'rate', 'markup', 'room'].map($);
+const wish = readLink(location.search); // before the token is taken out of the address
+const frame = new Frame(words, { captions: wish.captions === undefined ? {} : { on: wish.captions } });
+const { head } = frame;
+const say = (name, values) => frame.say(name, values);
 
-const primary = (tag) => tag.slice(0, 2);
-const table = () => words[primary(lang.value)] ?? words.en;
-const say = (name, values = {}) => table()[name].replace(/\{(\w+)\}/g, (_, key) => values[key]);
+const wanted = wish.lang ? [wish.lang, ...navigator.languages] : navigator.languages; // languages
+let offered = FIRST;
+let voices = [];
+let last = null; // what was asked for last: {text, options}
+let waiting = 0; // what we have asked for and has not ended
+let heard = null; // the number of the utterance that is heard
+let paused = false;
+let transcript = null;
 
-const nameOf = (tag) => {
-  try {
-    return new Intl.DisplayNames([tag, 'en'], { type: 'language' }).of(tag);
-  } catch {
-    return tag; // not of BCP 47
-  }
-};
+// What can be chosen
 
-function offer(languages, usual) {
-  const chosen = lang.value || usual;
-  lang.replaceChildren(...languages.map(({ tag, name }) => new Option(name, tag)));
-  if (languages.some(({ tag }) => tag === chosen)) lang.value = chosen;
+function offer(tags, usual) {
+  const chosen = lang.value && lang.dataset.chosen ? lang.value : spokenLanguage(wanted, tags, usual);
+  offered = tags;
+  fill(lang, tags, { page: frame.lang, others: say('otherLanguages'), chosen });
+  showLanguage();
 }
 
-function translate() {
-  document.documentElement.lang = text.lang = head.lang = lang.value;
-  for (const element of document.querySelectorAll('[data-text]')) element.textContent = say(element.dataset.text);
-  if (Object.values(samples).includes(text.value) || !text.value.trim()) text.value = samples[primary(lang.value)] ?? '';
+/** Has the fields follow the language that is spoken. */
+function showLanguage() {
+  text.lang = lang.value;
+  const untouched = !text.value.trim() || Object.values(samples).includes(text.value);
+  if (untouched) text.value = samples[primary(lang.value)] ?? '';
+  showVoices();
+}
+
+function showVoices() {
+  const names = { automatic: say('automatic'), male: say('male'), female: say('female'), nameOf: (tag) => frame.nameOf(tag) };
+  fillVoices(voice, voices, lang.value, names);
+}
+
+function showRate() {
   $('rate-value').value = say('unit', { n: rate.value });
-  $('connection').dataset.state = state;
-  $('connection').querySelector('.text').textContent = say(state);
-  if (shown) $('credits').textContent = say('head', { title: shown.title, credits: shown.credits.join(' ') });
+}
+
+function showButtons() {
+  const busy = waiting > 0 || heard !== null;
+  $('pause').querySelector('.text').textContent = say(paused ? 'resume' : 'pause');
+  $('pause').ariaDisabled = String(!busy);
+  $('repeat').ariaDisabled = String(!last);
+}
+
+function enterRoom() {
+  if (!room.checkValidity()) room.reportValidity();
+  else if (room.value) head.setAttribute('room', room.value);
+  else head.removeAttribute('room');
+}
+
+// Speaking
+
+async function perform(what, options) {
+  last = { text: what, options };
+  frame.problem.clear();
+  frame.tell(null);
+  head.stop();
+  paused = false;
+  waiting++;
+  showButtons();
+  await head.speak(what, options);
+  waiting--;
+  showButtons();
 }
 
 function speak() {
-  $('problem').textContent = '';
-  head.stop();
-  head.speak(text.value, { lang: lang.value, rate: Number(rate.value) });
+  if (!transcript) return; // the head is still on its way
+  const options = { lang: lang.value, rate: Number(rate.value), id: transcript.newId() };
+  const { voice: id, lang: tag } = voices.find((each) => each.id === voice.value) ?? {};
+  if (id) Object.assign(options, { voice: id, lang: tag });
+  if (markup.value !== 'auto') options.markup = markup.value;
+  perform(text.value, options);
 }
 
-head.addEventListener('hello', ({ detail }) => {
-  const more = (detail.more_languages ?? []).map((tag) => ({ tag, name: nameOf(tag) }));
-  offer([...detail.languages, ...more.sort((a, b) => a.name.localeCompare(b.name))], detail.lang);
-  translate();
-});
-head.addEventListener('connection', ({ detail }) => {
-  state = detail.state;
-  translate();
-});
-head.addEventListener('progress', ({ detail }) => {
-  if (detail.ratio === null) $('progress').removeAttribute('value');
-  else $('progress').value = detail.ratio;
-});
-head.addEventListener('ready', ({ detail }) => {
-  $('loading').hidden = true;
-  shown = detail;
-  translate();
-});
-head.addEventListener('error', ({ detail }) => ($('problem').textContent = table()[detail.code] ?? detail.message));
-head.addEventListener('begin', () => ($('problem').textContent = ''));
+function repeat() {
+  if (last) perform(last.text, { ...last.options, id: transcript.repeatId(last.options.id) });
+}
+
+function pause() {
+  if ($('pause').ariaDisabled === 'true') return;
+  if (paused) head.resume();
+  else head.pause();
+  paused = !paused;
+  showButtons();
+}
+
+function stop() {
+  if (!transcript) return;
+  head.stop();
+  paused = false;
+  showButtons();
+}
 
 form.addEventListener('submit', (event) => {
   event.preventDefault();
   speak();
 });
-$('stop').addEventListener('click', () => head.stop());
-$('captions').addEventListener('change', ({ target }) => (head.captions = target.checked));
-lang.addEventListener('change', translate);
-rate.addEventListener('input', translate);
+$('pause').addEventListener('click', pause);
+$('stop').addEventListener('click', stop);
+$('repeat').addEventListener('click', repeat);
+lang.addEventListener('change', () => {
+  lang.dataset.chosen = 'yes';
+  showLanguage();
+});
+rate.addEventListener('input', showRate);
+rate.addEventListener('change', () => transcript && (head.rate = Number(rate.value)));
+room.addEventListener('change', enterRoom);
 document.addEventListener('keydown', (event) => {
-  if (event.key === 'Escape') head.stop();
+  if (event.key === 'Escape') stop();
   if (event.key === 'Enter' && (event.ctrlKey || event.metaKey)) speak();
 });
 
-offer([
-  { tag: 'it', name: 'Italiano' }, { tag: 'pt-BR', name: 'Português (Brasil)' }, { tag: 'tr', name: 'Türkçe' },
-  { tag: 'en', name: 'English' },
-]);
-translate();
+// What the head tells
+
+head.addEventListener('hello', ({ detail }) => {
+  offer([...detail.languages.map(({ tag }) => tag), ...(detail.more_languages ?? [])], detail.lang);
+});
+head.addEventListener('progress', ({ detail }) => {
+  if (detail.ratio === null) $('progress').removeAttribute('value');
+  else $('progress').value = detail.ratio;
+});
+for (const type of ['ready', 'error'])
+  head.addEventListener(type, ({ detail }) => {
+    if (type === 'ready' || detail.code === 'bad-model') $('loading').hidden = true;
+  });
+head.addEventListener('begin', ({ detail }) => {
+  heard = detail.utterance;
+  showButtons();
+});
+head.addEventListener('end', ({ detail }) => {
+  if (detail.utterance === heard) heard = null;
+  if (heard === null) paused = false;
+  showButtons();
+});
+for (const type of ['paused', 'resumed'])
+  head.addEventListener(type, () => {
+    paused = type === 'paused';
+    showButtons();
+  });
+head.addEventListener('connection', ({ detail }) => {
+  if (detail.state === 'open') return;
+  heard = null;
+  paused = false;
+  showButtons();
+});
+
+// The transcript, and the link
+
+function openTranscript(PlainText) {
+  transcript = new Transcript($('said'), PlainText, (sentence, id) =>
+    perform(sentence.text, { lang: sentence.lang, voice: sentence.voice, rate: Number(rate.value), markup: 'plain', id }));
+  transcript.follow(head);
+  const show = () => ($('said').hidden = $('said-buttons').hidden = !$('said').children.length);
+  head.addEventListener('sentence', show);
+  $('said-copy').addEventListener('click', async () => {
+    frame.tell((await copy(transcript.text, $('said-field'))) ? 'copied' : 'selected');
+  });
+  $('said-save').addEventListener('click', () => {
+    URL.revokeObjectURL($('said-save').href);
+    $('said-save').href = URL.createObjectURL(new Blob([`${transcript.text}\n`], { type: 'text/plain' }));
+  });
+  $('said-save').href = '#';
+  $('said-clear').addEventListener('click', () => {
+    transcript.clear();
+    $('said-field').hidden = true;
+    show();
+    text.focus();
+  });
+}
+
+$('link').addEventListener('click', async () => {
+  const state = {
+    text: text.value, lang: lang.value, voice: voice.value, rate: Number(rate.value), markup: markup.value, room: room.value,
+    captions: head.captions,
+  };
+  frame.tell((await copy(makeLink(location.href, state), $('link-field'))) ? 'linkCopied' : 'selected');
+});
+
+/** Fills the fields as the link says. It is not spoken at once: the reader does that. */
+function follow() {
+  if (wish.rate) rate.value = wish.rate;
+  if (wish.markup) markup.value = wish.markup;
+  if (wish.room) room.value = wish.room;
+  if (wish.markup || wish.room) $('more').open = true;
+  if (wish.room) enterRoom();
+  if (wish.text) text.value = wish.text;
+  if (wish.text) $('speak').focus();
+}
+
+/** The voice of the link, and its language, when it is known which there are. */
+function choose() {
+  const found = voices.find(({ id }) => id === wish.voice);
+  if (found && primary(found.lang) !== primary(lang.value)) {
+    lang.value = spokenLanguage([found.lang], offered);
+    lang.dataset.chosen = 'yes';
+    showLanguage();
+  }
+  if (found) voice.value = found.id;
+  if (wish.voice && !found) frame.problem.show({ code: 'unknown-voice', field: 'voice' });
+  else if (wish.lang && primary(wish.lang) !== primary(lang.value)) frame.problem.show({ code: 'unknown-language', field: 'lang' });
+}
+
+frame.onTranslate(() => {
+  fill(lang, offered, { page: frame.lang, others: say('otherLanguages'), chosen: lang.value });
+  showVoices();
+  showRate();
+  showButtons();
+});
+offer(FIRST);
+follow();
+const greeted = new Promise((resolve) => head.addEventListener('hello', resolve, { once: true }));
+const { PlainText } = await frame.open();
+openTranscript(PlainText);
+({ voices } = (await frame.load('v1/voices')) ?? { voices: [] });
+showVoices();
+await greeted;
+choose();

@@ -1,6 +1,11 @@
 // SPDX-License-Identifier: MIT
+import { CAPTION_CHARACTERS } from './captions.mjs';
 
 const LINGER_MS = 1500; // after the end, so that the last words can be read
+const LINES = 2;
+const CHARACTER_EM = 0.6; // how wide a character is in a wide face, more or less: a line more would shift the picture
+const PADDING_EM = 1.2;
+const LEAST_CHARACTERS = 16;
 
 /** The captions on the page. */
 export class CaptionView {
@@ -10,7 +15,17 @@ export class CaptionView {
     this.spans = ['said', 'word', 'rest'].map((name) => box.querySelector(`.${name}`));
     this.key = '';
     this.timer = 0;
+    this.size = CAPTION_CHARACTERS; // how many characters there is room for
+    this.resize = new ResizeObserver(() => this.#measure());
     this.clear();
+  }
+
+  open() {
+    this.resize.observe(this.box);
+  }
+
+  close() {
+    this.resize.disconnect();
   }
 
   set shown(on) {
@@ -42,6 +57,12 @@ export class CaptionView {
     this.timer = 0;
     this.key = '';
     this.#write(['', '', '']);
+  }
+
+  #measure() {
+    const em = parseFloat(getComputedStyle(this.box).fontSize);
+    const room = Math.floor((LINES * (this.box.clientWidth / em - PADDING_EM)) / CHARACTER_EM);
+    this.size = Math.min(CAPTION_CHARACTERS, Math.max(LEAST_CHARACTERS, room));
   }
 
   #write(parts) {

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 import { PlainText } from './plain-text.mjs';
 
-const LINE_CHARACTERS = 84; // two lines of 42, what subtitles use
+export const CAPTION_CHARACTERS = 84; // two lines of 42, what subtitles use
 
 /**
  * Cuts a stretch of text into pieces that fit a caption, at spaces, after punctuation where there is any late enough.
  * @returns {{start: number, end: number}[]} places in the text, UTF-16
  */
-export function cutCaption(text, start, end, size = LINE_CHARACTERS) {
+export function cutCaption(text, start, end, size = CAPTION_CHARACTERS) {
   const pieces = [];
   while (start < end) {
     while (start < end && /\s/.test(text[start])) start++;
@@ -35,13 +35,15 @@ export class CaptionTrack {
   constructor(source, markup) {
     this.plain = new PlainText(source, markup);
     this.text = this.plain.text;
-    this.pieces = [];
+    this.heardOf = { start: 0, end: 0 }; // the sentence
+    this.cut = { size: 0, pieces: [] };
     this.word = null;
   }
 
   /** @param {{utf16_start: number, utf16_end: number}} place */
   sentence(place) {
-    this.pieces = cutCaption(this.text, this.plain.at(place.utf16_start), this.plain.at(place.utf16_end));
+    this.heardOf = { start: this.plain.at(place.utf16_start), end: this.plain.at(place.utf16_end) };
+    this.cut = { size: 0, pieces: [] };
     this.word = null;
   }
 
@@ -50,11 +52,16 @@ export class CaptionTrack {
     this.word = { start: this.plain.at(place.utf16_start), end: this.plain.at(place.utf16_end) };
   }
 
-  /** What is on show: said already, being said, and to come. Null when there is nothing. */
-  get line() {
-    if (!this.pieces.length) return null;
-    const { start: from, end: to } = this.word ?? this.pieces[0];
-    const piece = this.pieces.find((p) => from < p.end && to > p.start) ?? this.pieces[this.pieces.length - 1];
+  /**
+   * What is on show: said already, being said, and to come. Null when there is nothing.
+   * @param {number} [size] how many characters there is room for
+   */
+  lineOf(size = CAPTION_CHARACTERS) {
+    if (this.cut.size !== size) this.cut = { size, pieces: cutCaption(this.text, this.heardOf.start, this.heardOf.end, size) };
+    const { pieces } = this.cut;
+    if (!pieces.length) return null;
+    const { start: from, end: to } = this.word ?? pieces[0];
+    const piece = pieces.find((p) => from < p.end && to > p.start) ?? pieces[pieces.length - 1];
     const clip = (place) => Math.min(piece.end, Math.max(piece.start, place));
     const [begin, end] = this.word ? [clip(from), clip(to)] : [piece.start, piece.start];
     return {
@@ -85,8 +92,8 @@ export class HeardCaptions {
     this.track?.heard(this.#shifted(place));
   }
 
-  get line() {
-    return this.track?.line ?? null;
+  lineOf(size) {
+    return this.track?.lineOf(size) ?? null;
   }
 
   #shifted({ utf16_start, utf16_end }) {

@@ -274,6 +274,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#express();
     this.#connect();
     this.#presence.open();
+    this.#captionView.open();
     this.#ticking = setInterval(() => this.#tick(performance.now()), TICK_MS);
   }
 
@@ -283,6 +284,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#reducedMotion.removeEventListener('change', this.#motionChanged);
     removeEventListener('online', this.#online);
     this.#presence.close();
+    this.#captionView.close();
     this.#speech.stop();
     this.#captionView.clear();
     this.#disconnect();
@@ -403,7 +405,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #hear(now) {
     this.#speech.tick(now);
     const { captions, options } = this.#speech.heard(now)?.utterance ?? {};
-    return this.#captionView.show(captions?.line ?? null, options?.lang);
+    return this.#captionView.show(captions?.lineOf(this.#captionView.size) ?? null, options?.lang);
   }
 
   #frame(now, ahead) {

@@ -47,6 +47,8 @@ const PROPERTIES = {
   rate: number('rate', (value) => value > 0),
   life: number('life', (value) => value >= 0),
   captions: onOff('captions', true),
+  captionSize: string('caption-size'),
+  captionColours: string('caption-colours'),
   polite: onOff('polite', true),
   still: onOff('still', null),
   expression: {

@@ -80,6 +80,8 @@ export class TalkingHead extends HTMLElement {
   label: string | null;
   rate: number | null;
   life: number | null;
+  captionSize: 'large' | 'larger' | 'largest' | null;
+  captionColours: 'contrast' | 'light' | 'yellow' | null;
   get captions(): boolean;
   set captions(on: boolean | string | null | undefined);
   get polite(): boolean;

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { captionStyle } from './caption-style.mjs';
 
 export const styles = `
   :host { display: inline-flex; flex-direction: column; inline-size: 20rem; block-size: 26rem; position: relative;
@@ -17,19 +18,10 @@ export const styles = `
   svg { inline-size: 1.4em; vertical-align: -0.3em; fill: none; stroke: currentColor; stroke-width: 2; stroke-linejoin: round;
     stroke-linecap: round; }
   .switch { position: absolute; inset-inline-end: 0.5em; inset-block-start: 0.5em; opacity: 0.8; padding: 0;
-    font-weight: 600; font-size: 0.85em; }
+    font-weight: 600; font-size: 0.85em; min-block-size: 3.25em; min-inline-size: 3.25em; }
   .switch:hover, .switch:focus-visible, .switch[aria-pressed='false'] { opacity: 1; }
   .switch[aria-pressed='false'] { text-decoration: line-through; background: #6c6c70ee; }
-  .captions { flex: none; box-sizing: border-box; min-block-size: 3.6em; display: grid; place-items: center;
-    padding: 0.35em 0.6em; text-align: center;
-    font-size: 1.15em; line-height: 1.35; background: var(--talking-head-caption-background, #101014);
-    color: var(--talking-head-caption-color, #fff); border-radius: 0.4em; overflow-wrap: anywhere; }
-  .captions.empty { background: none; }
-  .captions p { margin: 0; }
-  .said { opacity: 0.72; }
-  .word:not(:empty) { background: var(--talking-head-word-background, #ffd60a); color: var(--talking-head-word-color, #101014);
-    border-radius: 0.2em; box-shadow: 0 0 0 0.12em var(--talking-head-word-background, #ffd60a); }
-`;
+${captionStyle}`;
 
 const SVG = 'http://www.w3.org/2000/svg';
 const WAVES = 'M4 9v6h4l5 4V5L8 9zM16 8.5a5 5 0 0 1 0 7M18.5 6a8.5 8.5 0 0 1 0 12';

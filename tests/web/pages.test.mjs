@@ -1,0 +1,81 @@
+// SPDX-License-Identifier: MIT
+// What the pages are made of, without a page: their words, their errors, links and voices.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import test from 'node:test';
+import { words as emotionWords } from '../../web/page/emotion-words.js';
+import { errorWords } from '../../web/page/error-words.js';
+import { makeLink, readLink } from '../../web/page/link.js';
+import { words as pageWords } from '../../web/page/page-words.js';
+import { placeIn, placeOf } from '../../web/page/problem.js';
+import { sharedWords } from '../../web/page/shared-words.js';
+import { voicesOf } from '../../web/page/voice-choice.js';
+import { words as voicesWords } from '../../web/page/voices-words.js';
+
+const folder = new URL('../../web/page/', import.meta.url);
+const html = (name) => fs.readFileSync(new URL(`${name}.html`, folder), 'utf8');
+const tables = { index: pageWords, emotion: emotionWords, voices: voicesWords };
+
+test('every word is there in every language', () => {
+  for (const words of [...Object.values(tables), sharedWords, errorWords])
+    for (const lang of ['it', 'pt', 'tr']) assert.deepEqual(Object.keys(words[lang]).sort(), Object.keys(words.en).sort(), lang);
+});
+
+test('the pages ask for no word that is not there, and share their frame', () => {
+  const frames = Object.keys(tables).map((name) => {
+    for (const [, word] of html(name).matchAll(/data-(?:text|label)="(\w+)"/g))
+      assert.equal(typeof (tables[name].en[word] ?? sharedWords.en[word]), 'string', `${name}: ${word}`);
+    const frame = html(name).match(/<a class="skip"[^]*?<main>|<footer>[^]*<\/footer>/g);
+    return frame.join('').replace(/ aria-current="page"/, '');
+  });
+  assert.equal(new Set(frames).size, 1);
+});
+
+test('nothing in the pages is inline', () => {
+  for (const name of Object.keys(tables)) assert.doesNotMatch(html(name), /<style|style=|<script(?![^>]*src=)|\son\w+=|data:/);
+  for (const name of fs.readdirSync(folder).filter((file) => file.endsWith('.js')))
+    assert.doesNotMatch(fs.readFileSync(new URL(name, folder), 'utf8'), /innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b/, name);
+});
+
+test('the errors that a page can meet have words', () => {
+  const protocol = fs.readFileSync(new URL('../../protocol/README.md', import.meta.url), 'utf8');
+  const rows = protocol.split('## Error codes')[1].split('## Limits')[0].match(/^\| `.*?\|/gm).join('');
+  // what only scripts do
+  const others = ['bad-json', 'bad-message', 'unknown-type', 'binary-message', 'unknown-format', 'not-speaking', 'unknown-mark', 'unknown-media', 'bad-fap',
+    'bad-sound', 'media-too-large', 'bad-form', 'unknown-command', 'unknown-codec', 'skipped', 'method-not-allowed', 'unsupported-media-type', 'upgrade-required'];
+  const codes = [...rows.matchAll(/`([a-z0-9-]+)`/g)].map(([, code]) => code).filter((code) => !others.includes(code));
+  assert.ok(codes.length >= 30, `${codes.length}`);
+  for (const code of ['token-needed', 'expired-token', 'voice-crashed', 'bad-xml', 'connection-lost', 'no-connection'])
+    assert.ok(errorWords.tr[code], code);
+  assert.deepEqual(codes.filter((code) => !errorWords.it[code]), []);
+});
+
+test('places are told, and found in the text', () => {
+  const say = (name, values) => `${name} ${Object.values(values).join(',')}`;
+  assert.equal(placeOf({ line: 2, column: 7 }, say), 'atLine 2,7');
+  assert.equal(placeOf({ byte: 0 }, say), 'atByte 0');
+  assert.equal(placeOf({ field: 'lang' }, say), 'atField lang');
+  assert.equal(placeOf({}, say), '');
+  assert.equal(placeIn('uno\n😀due\n', 2, 2), 6, 'columns are characters');
+  assert.equal(placeIn('uno', 1, 1), 0);
+  assert.equal(placeIn('uno', 9, 9), 3);
+});
+
+test('a link holds what was chosen, comes back the same, and has no token', () => {
+  const state = { text: 'Così & più\nü', lang: 'pt-BR', voice: 'espeak:pt-br', rate: 200, markup: 'ssml', room: 'sala-1', captions: false };
+  const link = makeLink('https://x.example/faccia/?token=secret&text=old#there', state);
+  assert.ok(link.startsWith('https://x.example/faccia/?text='), link);
+  assert.ok(!link.includes('secret') && !link.includes('#'));
+  assert.deepEqual(readLink(new URL(link).search), state);
+  assert.equal(makeLink('http://h/', { text: 'Ciao', lang: 'it', voice: '', rate: 150, markup: 'auto', room: '', captions: true }), 'http://h/?text=Ciao&lang=it');
+  assert.deepEqual(readLink('?rate=9999&markup=odd&captions=on'), { rate: 240, captions: true });
+  assert.deepEqual(readLink('?rate=fast'), {});
+});
+
+test('the voices of a language: its own, then those of its varieties', () => {
+  const voices = ['en-GB', 'it', 'en', 'en-GB', 'pt'].map((lang, i) => ({ id: `v${i}`, lang }));
+  const ids = (tag) => voicesOf(voices, tag).map(({ lang, voices: list }) => [lang, ...list.map(({ id }) => id)].join(' '));
+  assert.deepEqual(ids('en'), ['en v2', 'en-GB v0 v3']);
+  assert.deepEqual(ids('pt-BR'), ['pt v4']);
+  assert.deepEqual(ids('tr'), []);
+});

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: MIT
+// The token for a server that demands one: from the page's address, kept for the tab, or from a field.
+import { forTab } from './storage.js';
+
+const KEY = 'faccia.token';
+const ERRORS = ['token-needed', 'bad-token', 'expired-token'];
+
+/** Takes the token out of the page's address, so that it is not in the history, nor in a link that is passed on. */
+export function takeFromAddress() {
+  const address = new URL(location.href);
+  const token = address.searchParams.get('token');
+  if (token === null) return null;
+  address.searchParams.delete('token');
+  history.replaceState(history.state, '', address);
+  return token.trim() || null;
+}
+
+export class Access {
+  #waiting = []; // those who want to know when there is a token that is accepted
+
+  /**
+   * @param {HTMLFormElement} form with a field `token` and an element of the class `why`, hidden
+   * @param {HTMLElement} head @param {(code: string) => string} words @param {() => void} accepted
+   */
+  constructor(form, head, words, accepted) {
+    Object.assign(this, { form, head, words, accepted, code: null });
+    this.token = takeFromAddress() ?? forTab.get(KEY);
+    if (this.token) this.#use(this.token);
+    head.addEventListener('hello', ({ detail }) => detail.tokens && !this.token && this.ask('token-needed'));
+    head.addEventListener('error', ({ detail }) => this.concerns(detail.code) && this.ask(detail.code));
+    head.addEventListener('authorized', () => this.#settle());
+    form.addEventListener('submit', (event) => {
+      event.preventDefault();
+      const token = form.elements.token.value.trim();
+      if (token) this.#use(token);
+      else form.elements.token.focus();
+    });
+  }
+
+  concerns(code) {
+    return ERRORS.includes(code);
+  }
+
+  /** Shows the field. What is wrong with a token says more than that one is needed. */
+  ask(code) {
+    if (code !== 'token-needed') {
+      forTab.remove(KEY);
+      this.token = null;
+    }
+    if (!this.code || code !== 'token-needed') this.code = code;
+    this.translate();
+    this.form.hidden = false;
+  }
+
+  translate() {
+    if (this.code) this.form.querySelector('.why').textContent = this.words(this.code);
+    this.form.elements.token.setAttribute('aria-invalid', String(this.code !== null && this.code !== 'token-needed'));
+  }
+
+  /** JSON of the server, when it lets us have it. @param {string} address @returns {Promise<object>} */
+  async load(address) {
+    for (;;) {
+      const headers = this.token ? { authorization: `Bearer ${this.token}` } : {};
+      const response = await fetch(address, { headers });
+      if (response.ok) return response.json();
+      const error = await response.json().catch(() => ({ code: 'unreachable' }));
+      if (!this.concerns(error.code)) throw Object.assign(new Error(error.message), error);
+      this.ask(error.code);
+      await new Promise((resolve) => this.#waiting.push(resolve));
+    }
+  }
+
+  #use(token) {
+    this.token = token;
+    this.code = null;
+    forTab.set(KEY, token);
+    if (this.head.getAttribute('token') === token) this.head.removeAttribute('token'); // so that it is tried again
+    this.head.setAttribute('token', token);
+  }
+
+  #settle() {
+    this.code = null;
+    const asked = !this.form.hidden;
+    this.form.hidden = true;
+    this.form.elements.token.value = '';
+    if (asked) this.accepted();
+    for (const resolve of this.#waiting.splice(0)) resolve();
+  }
+}

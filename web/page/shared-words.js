@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/** What all pages say. */
+export const sharedWords = {
+  it: {
+    skip: 'Vai al testo', pages: 'Pagine', speakPage: 'Parla', emotionPage: 'Emozioni', voicesPage: 'Voci',
+    connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
+    face: 'La testa', head: 'Testa: {title}. {credits}', pageLang: 'Lingua di questa pagina', otherLanguages: 'Altre lingue',
+    token: 'Codice di accesso', tokenUse: 'Usa il codice', tokenWhy: 'Chi gestisce il server può darvene uno.',
+    tokenGood: 'Il codice è stato accettato.', captions: 'Sottotitoli', captionsOn: 'Mostra i sottotitoli', captionSize: 'Grandezza',
+    normal: 'Normale', large: 'Grande', larger: 'Più grande', largest: 'Grandissima', captionColours: 'Colori', standard: 'Bianco su scuro',
+    contrast: 'Contrasto massimo', light: 'Scuro su chiaro', yellow: 'Giallo su nero', sampleSaid: 'Si legge ', sampleWord: 'così',
+    atLine: 'Riga {line}, carattere {column}.', atByte: 'Byte {byte}.', atField: 'Campo: {field}.', goThere: 'Vai al punto nel testo',
+    copied: 'Copiato.', selected: 'Selezionato: premere Ctrl + C.', noSound: 'Qui non c’è un dispositivo audio: la testa parla in silenzio, con i sottotitoli.',
+  },
+  pt: {
+    skip: 'Ir para o texto', pages: 'Páginas', speakPage: 'Falar', emotionPage: 'Emoções', voicesPage: 'Vozes',
+    connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
+    face: 'A cabeça', head: 'Cabeça: {title}. {credits}', pageLang: 'Idioma desta página', otherLanguages: 'Outros idiomas',
+    token: 'Código de acesso', tokenUse: 'Usar o código', tokenWhy: 'Quem administra o servidor pode dar um.',
+    tokenGood: 'O código foi aceito.', captions: 'Legendas', captionsOn: 'Mostrar as legendas', captionSize: 'Tamanho',
+    normal: 'Normal', large: 'Grande', larger: 'Maior', largest: 'Enorme', captionColours: 'Cores', standard: 'Branco sobre escuro',
+    contrast: 'Contraste máximo', light: 'Escuro sobre claro', yellow: 'Amarelo sobre preto', sampleSaid: 'Lê-se ', sampleWord: 'assim',
+    atLine: 'Linha {line}, caractere {column}.', atByte: 'Byte {byte}.', atField: 'Campo: {field}.', goThere: 'Ir ao ponto no texto',
+    copied: 'Copiado.', selected: 'Selecionado: pressione Ctrl + C.', noSound: 'Não há dispositivo de som aqui: a cabeça fala em silêncio, com legendas.',
+  },
+  tr: {
+    skip: 'Metne geç', pages: 'Sayfalar', speakPage: 'Konuş', emotionPage: 'Duygular', voicesPage: 'Sesler',
+    connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
+    face: 'Baş', head: 'Baş: {title}. {credits}', pageLang: 'Bu sayfanın dili', otherLanguages: 'Diğer diller',
+    token: 'Erişim kodu', tokenUse: 'Kodu kullan', tokenWhy: 'Sunucunun yöneticisi size bir kod verebilir.',
+    tokenGood: 'Kod kabul edildi.', captions: 'Altyazılar', captionsOn: 'Altyazıları göster', captionSize: 'Boyut',
+    normal: 'Normal', large: 'Büyük', larger: 'Daha büyük', largest: 'En büyük', captionColours: 'Renkler', standard: 'Koyu üzerine beyaz',
+    contrast: 'En yüksek karşıtlık', light: 'Açık üzerine koyu', yellow: 'Siyah üzerine sarı', sampleSaid: 'Böyle ', sampleWord: 'okunur',
+    atLine: 'Satır {line}, karakter {column}.', atByte: 'Bayt {byte}.', atField: 'Alan: {field}.', goThere: 'Metindeki yere git',
+    copied: 'Kopyalandı.', selected: 'Seçildi: Ctrl + C tuşlarına basın.', noSound: 'Burada ses aygıtı yok: baş sessizce, altyazılarla konuşuyor.',
+  },
+  en: {
+    skip: 'Go to the text', pages: 'Pages', speakPage: 'Speak', emotionPage: 'Emotions', voicesPage: 'Voices',
+    connecting: 'Connecting…', open: 'Connected', waiting: 'Not connected, trying again', closed: 'Not connected',
+    face: 'The head', head: 'Head: {title}. {credits}', pageLang: 'Language of this page', otherLanguages: 'Other languages',
+    token: 'Access token', tokenUse: 'Use the token', tokenWhy: 'Whoever runs the server can give you one.',
+    tokenGood: 'The token was accepted.', captions: 'Captions', captionsOn: 'Show captions', captionSize: 'Size',
+    normal: 'Normal', large: 'Large', larger: 'Larger', largest: 'Largest', captionColours: 'Colours', standard: 'White on dark',
+    contrast: 'Highest contrast', light: 'Dark on light', yellow: 'Yellow on black', sampleSaid: 'It reads ', sampleWord: 'like this',
+    atLine: 'Line {line}, character {column}.', atByte: 'Byte {byte}.', atField: 'Field: {field}.', goThere: 'Go to the place in the text',
+    copied: 'Copied.', selected: 'Selected: press Ctrl + C.', noSound: 'There is no sound device here: the head speaks silently, with captions.',
+  },
+};
