@@ -67,7 +67,7 @@ static const struct voice *choose(const struct casting *c, const struct score_it
     if (!base) {
         /* with what may have been meant */
         struct error e;
-        voice_pool_find(c->pool, style->voice, NULL, NULL, &e);
+        voice_unknown(c->voices, style->voice, &e);
         score_warn(c->score, item->start, "unknown-voice", "%s", e.message);
         base = c->voice;
     }

@@ -128,11 +128,11 @@ int voice_lang_fit(const char *lang, const char *wanted) {
 }
 
 /* With or without its plugin's name, as it was asked for. */
-static void no_voice(const struct catalog *catalog, const char *name, struct error *e) {
+void voice_unknown(struct voice_list list, const char *name, struct error *e) {
     struct near near = near_to(name);
     char text[NEAR_TEXT];
-    for (size_t i = 0; i < catalog->count; i++) {
-        const struct voice *voice = &catalog->voices[i];
+    for (size_t i = 0; i < list.count; i++) {
+        const struct voice *voice = &list.voices[i];
         near_try(&near, voice->id, voice->id);
         near_try(&near, voice->id + strlen(voice->plugin) + 1, voice->id);
     }
@@ -152,7 +152,7 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
     if (name) {
         best = voice_by_name(list_of(catalog), name);
         if (!best)
-            no_voice(catalog, name, e);
+            voice_unknown(list_of(catalog), name, e);
         return best;
     }
     for (; preferred && *preferred && !best; preferred++)

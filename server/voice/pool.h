@@ -70,6 +70,9 @@ void voice_pool_let_go(struct voice_pool *pool);
 /* By its whole id, or else by its id inside a plugin. NULL when there is none. */
 const struct voice *voice_by_name(struct voice_list list, const char *name);
 
+/* *e ("unknown-voice", field "voice") says that there is none of that name, and what may have been meant. */
+void voice_unknown(struct voice_list list, const char *name, struct error *e);
+
 /* Finds a voice: by id ("espeak:it"), by id inside any plugin ("it+f2"), or, when name is NULL, the best for
  * lang. preferred is a NULL-terminated list of ids to be tried first for a lang (from the language pack), or
  * NULL. NULL with *e

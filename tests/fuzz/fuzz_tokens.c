@@ -3,6 +3,7 @@
  * JWT (a line each) to be signed with the right secret, what a short token is to say, an origin with host and
  * list (a line each), or a file of secrets. */
 #include "server/access/origin.h"
+#include "server/access/secrets.h"
 #include "server/access/token.h"
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"
@@ -91,7 +92,7 @@ static void secrets_file(struct fuzz_input *in) {
         return;
     }
     for (size_t i = 0; i < loaded.count; i++)
-        FUZZ_CHECK(strlen(loaded.list[i]) >= TOKEN_SECRET_MIN);
+        FUZZ_CHECK(strlen(loaded.list[i]) >= SECRET_BYTES_MIN);
     secrets_free(&loaded);
 }
 
