@@ -3,7 +3,7 @@
 import { forTab } from './storage.js';
 
 const KEY = 'faccia.token';
-const ERRORS = ['token-needed', 'bad-token', 'expired-token'];
+const ERRORS = ['token-needed', 'bad-token', 'expired-token', 'early-token', 'revoked-token'];
 
 /** Takes the token out of the page's address, so that it is not in the history, nor in a link that is passed on. */
 export function takeFromAddress() {
