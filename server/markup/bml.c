@@ -9,7 +9,8 @@
 
 void bml_open(struct reader *r, size_t root) {
     r->bml = mem_alloc(sizeof *r->bml);
-    bml_outline(r, root);
+    if (r->vocabulary->mute) /* else all text is spoken */
+        bml_outline(r, root);
 }
 
 void bml_close(struct reader *r) {
