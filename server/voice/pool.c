@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The pool's public face: it is opened, speaks and is closed. */
 #include "server/base/mem.h"
+#include "server/base/private_memory.h"
 #include "server/voice/pool_parts.h"
 #include <signal.h>
 #include <stdlib.h>
@@ -63,6 +64,8 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
         return NULL;
     }
     signal(SIGPIPE, SIG_IGN);
+    if (!pool->unconfined)
+        private_memory();
     pool->cache = cache_open(loop, &options->cache);
     uv_timer_init(loop, &pool->soon);
     pool->soon.data = pool;

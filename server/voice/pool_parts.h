@@ -79,6 +79,7 @@ struct voice_pool {
     unsigned megabytes;
     bool unconfined;
     bool quiet;
+    bool gaps_told; /* of the workers' confinement */
     struct plugin *plugins;
     size_t plugin_count;
     struct catalog catalog;
@@ -104,6 +105,7 @@ void pool_handle_closed(struct voice_pool *pool); /* one of open_handles */
 /* pool_plugins.c */
 int plugins_find(struct voice_pool *pool, const struct voice_pool_options *options, struct error *e);
 void plugins_free(struct voice_pool *pool);
+void plugins_tell_gaps(struct voice_pool *pool, const char *description); /* what a worker's HELLO says */
 
 /* pool_queue.c */
 void job_push(struct job_queue *queue, struct voice_job *job); /* at its end */

@@ -66,8 +66,7 @@ const char *wire_get_string(struct wire_reader *r);
 struct wire_limits {
     uint32_t megabytes; /* of address space */
     uint32_t seconds;   /* processor time to start and, in WIRE_SPEAK anew, for each sentence */
-    bool sandbox;       /* system calls that the plugin does not need are refused */
-    bool quiet;         /* no word about a sandbox that is not to be had */
+    bool sandbox;       /* what the plugin does not need is refused */
 };
 
 void wire_put_limits(struct buf *b, const struct wire_limits *limits);

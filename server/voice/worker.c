@@ -113,6 +113,7 @@ static void hello(struct worker *w, const char *description) {
             return;
         }
     }
+    plugins_tell_gaps(plugin->pool, description);
     if (w->given_up)
         log_info("the voice %s has started after all", plugin->name);
     w->given_up = false;
@@ -212,8 +213,7 @@ static void start(struct worker *w) {
     static const struct process_callbacks callbacks = {said, died, gone};
     struct plugin *plugin = w->plugin;
     struct voice_pool *pool = plugin->pool;
-    const struct wire_limits limits = {pool->megabytes, processor_seconds(pool, START_MS), !pool->unconfined,
-                                       pool->quiet};
+    const struct wire_limits limits = {pool->megabytes, processor_seconds(pool, START_MS), !pool->unconfined};
     struct error e;
     pool->open_handles++;
     set_state(w, WORKER_STARTING, START_MS);
