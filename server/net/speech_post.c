@@ -59,8 +59,17 @@ static bool on_written(void *ctx, struct buf *out, size_t scenes, bool done) {
     return has_room(p);
 }
 
+/* As soon as the voice is known, which may have to start yet. */
+static void open_scribe(struct post *p) {
+    if (p->scribe || !speech_voice(p->speech))
+        return;
+    const struct export_source source = export_source_of(p->speech);
+    p->scribe = scribe_open(exchange_net(p->x)->studio->loop, p->format, &source, on_written, p);
+}
+
 static void on_scene(void *ctx, struct scene scene) {
     struct post *p = ctx;
+    open_scribe(p);
     const struct utterance *u = scene.utterance;
     metrics_add(exchange_net(p->x)->studio->metrics, METRIC_SPEECH_SECONDS,
                 (double)u->samples / u->sample_rate);
@@ -70,9 +79,16 @@ static void on_scene(void *ctx, struct scene scene) {
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct post *p = ctx;
-    scribe_warn(p->scribe, e);
+    open_scribe(p);
+    if (p->scribe)
+        scribe_warn(p->scribe, e);
     if (!warning)
         p->failure = *e;
+}
+
+/* Of a request that could not be met. */
+static unsigned status_of(const struct error *e) {
+    return strcmp(e->code, "voice-unavailable") ? 400 : 503;
 }
 
 static void on_finished(void *ctx, size_t spoken) {
@@ -80,7 +96,7 @@ static void on_finished(void *ctx, size_t spoken) {
     if (spoken)
         scribe_end(p->scribe);
     else
-        exchange_error(p->x, 500, &p->failure);
+        exchange_error(p->x, p->scribe ? 500 : status_of(&p->failure), &p->failure);
 }
 
 static int on_body(void *self, const void *data, size_t size) {
@@ -151,11 +167,10 @@ static int on_body_end(void *self) {
             (struct request_value){REQUEST_STRING, p->text.size ? (char *)p->text.data : "", p->text.size, 0},
             &e);
         p->speech = speech_open(net->studio, &request, &callbacks, p, &e);
-        status = p->speech ? 0 : !strcmp(e.code, "voice-unavailable") ? 503 : 400;
+        status = p->speech ? 0 : status_of(&e);
     }
     if (!status) {
-        const struct export_source source = export_source_of(p->speech);
-        p->scribe = scribe_open(net->studio->loop, p->format, &source, on_written, p);
+        open_scribe(p);
         speech_start(p->speech);
     }
     request_free(&request);

@@ -23,6 +23,8 @@ static void on_failed(void *ctx, const struct error *e) {
 
 static void submit(struct speech *s) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
+    if (!s->started || !s->score)
+        return;
     while (s->submitted < s->score->sentence_count && s->submitted < s->released + WINDOW) {
         struct slot *slot = &s->slots[s->submitted % WINDOW];
         *slot = (struct slot){.speech = s};
@@ -144,6 +146,7 @@ static void deliver(struct speech *s) {
 }
 
 void speech_start(struct speech *s) {
+    s->started = true;
     submit(s);
 }
 
@@ -166,6 +169,8 @@ void speech_free(struct speech *s) {
     if (!s)
         return;
     forget_pending(s);
+    voice_wait_end(s->wait);
+    s->wait = NULL;
     s->freed = true;
     if (s->busy)
         return;
@@ -197,7 +202,7 @@ void speech_set_rate(struct speech *s, double rate) {
 }
 
 bool speech_find_mark(const struct speech *s, const char *name, size_t *sentence) {
-    for (size_t i = 0; i < s->score->sentence_count; i++) {
+    for (size_t i = 0; i < speech_sentences(s); i++) {
         const struct score_sentence *in = &s->score->sentences[i];
         for (size_t k = in->first; k < in->first + in->count; k++)
             if (s->score->items[k].kind == SCORE_MARK && !strcmp(s->score->items[k].text, name)) {
@@ -209,7 +214,7 @@ bool speech_find_mark(const struct speech *s, const char *name, size_t *sentence
 }
 
 size_t speech_sentences(const struct speech *s) {
-    return s->score->sentence_count;
+    return s->score ? s->score->sentence_count : 0;
 }
 
 size_t speech_next(const struct speech *s) {

@@ -60,7 +60,9 @@ struct speech_callbacks {
     void (*finished)(void *ctx, size_t spoken);
 };
 
-/* Checks the request, which is copied. NULL with *e when it cannot be met. */
+/* Checks the request, which is copied. NULL with *e when it cannot be met. While voices start that could be
+ * the one that it gets, the speech waits for them (voice_pool_settled): until then it has no voice and no
+ * language, and what is wrong is said by the callbacks: a problem, and then that nothing was spoken. */
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
                            const struct speech_callbacks *callbacks, void *ctx, struct error *e);
 

@@ -100,6 +100,46 @@ static int read_text(struct speech *s, struct error *e) {
     return 0;
 }
 
+/* Whether a plugin that is still starting could not change the choice of voices any more. Marked-up text may
+ * name any. */
+static bool is_settled(const struct speech *s) {
+    const struct voice_pool *voices = s->studio->voices;
+    const char *lang = s->request.lang ? s->request.lang : s->studio->default_lang;
+    const struct speech_pack *pack = speech_packs_find(s->studio->packs, lang);
+    if (!voices)
+        return true;
+    if (s->markup != markup_by_name("plain") || !pack || speech_pack_is_general(pack))
+        return voice_pool_settled(voices, NULL, NULL);
+    return voice_pool_settled(voices, s->request.voice, speech_pack_voices(pack));
+}
+
+static int choose_and_read(struct speech *s, struct error *e) {
+    return choose_voice(s, e) || check_engine(s, e) || read_text(s, e) ? -1 : 0;
+}
+
+static void refuse(struct speech *s, const struct error *e) {
+    s->busy = true;
+    s->callbacks.problem(s->ctx, e, false);
+    if (!s->freed)
+        s->callbacks.finished(s->ctx, 0);
+    s->busy = false;
+    if (s->freed)
+        speech_free(s);
+}
+
+static void on_voices(void *ctx) {
+    struct speech *s = ctx;
+    struct error e;
+    if (!is_settled(s))
+        return;
+    voice_wait_end(s->wait);
+    s->wait = NULL;
+    if (choose_and_read(s, &e))
+        refuse(s, &e);
+    else if (s->started)
+        speech_start(s);
+}
+
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
                            const struct speech_callbacks *callbacks, void *ctx, struct error *e) {
     struct speech *s = mem_alloc(sizeof *s);
@@ -107,7 +147,12 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);
-    if (decode_text(s, e) || choose_voice(s, e) || check_engine(s, e) || read_text(s, e)) {
+    int result = decode_text(s, e);
+    if (!result && !is_settled(s))
+        s->wait = voice_pool_wait(studio->voices, on_voices, s);
+    else if (!result)
+        result = choose_and_read(s, e);
+    if (result) {
         speech_free(s);
         return NULL;
     }

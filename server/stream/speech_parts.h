@@ -23,7 +23,9 @@ struct speech {
     const struct studio *studio;
     struct speech_request request;
     const struct markup_kind *markup;
-    struct score *score;
+    struct score *score;     /* NULL until the text has been read */
+    struct voice_wait *wait; /* the voices are still starting: the voice is not chosen yet */
+    bool started;
     const struct speech_pack *pack;
     const struct voice *voice;
     struct cast *cast;

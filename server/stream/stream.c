@@ -59,8 +59,8 @@ static void on_finished(void *ctx, size_t spoken) {
     struct turn *t = ctx;
     t->finished = true;
     t->spoken = spoken;
-    if (t->next)
-        turn_start(t->next); /* so that it follows without a gap */
+    if (t->next && t->started) /* one that could not be read is finished before its turn comes */
+        turn_start(t->next);   /* so that it follows without a gap */
     stream_wake(t->stream, 0);
 }
 

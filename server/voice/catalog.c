@@ -99,7 +99,7 @@ const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *cou
     return pool->catalog.voices;
 }
 
-static const struct voice *by_name(const struct catalog *catalog, const char *name) {
+const struct voice *catalog_find(const struct catalog *catalog, const char *name) {
     const struct voice *voice = by_id(catalog, name);
     for (size_t i = 0; i < catalog->count && !voice; i++)
         if (!strcmp(catalog->voices[i].id + strlen(catalog->voices[i].plugin) + 1, name))
@@ -128,13 +128,13 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
         return NULL;
     }
     if (name) {
-        best = by_name(catalog, name);
+        best = catalog_find(catalog, name);
         if (!best)
             error_in_field(e, "unknown-voice", "voice", "there is no voice \"%.80s\"", name);
         return best;
     }
     for (; preferred && *preferred && !best; preferred++)
-        best = by_name(catalog, *preferred);
+        best = catalog_find(catalog, *preferred);
     if (best)
         return best;
     for (size_t i = 0; i < catalog->count && lang; i++) {
