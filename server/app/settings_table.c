@@ -38,7 +38,7 @@ const struct setting settings_table[] = {
     {"voices.cache_megabytes", "cache", SETTING_NUMBER, MEMBER(cache_megabytes), 0, 65536, "64", "N",
      "finished sentences to be kept in memory; 0 = none"},
     {"voices.cache_file", "cache-file", SETTING_STRING, MEMBER(cache_file), 0, 0, NULL, "FILE",
-     "and on disk, in this file"},
+     "and on disk, in this file, which must be such a cache or not be there yet"},
     {"voices.cache_file_megabytes", "cache-file-size", SETTING_NUMBER, MEMBER(cache_file_megabytes), 1,
      1048576, "1024", "N", "its size"},
     {"voices.plugins", "voice-config", SETTING_OBJECT, MEMBER(voices), 0, 0, NULL, "FILE",

@@ -22,9 +22,13 @@ static void *keep(struct catalog *catalog, void *data) {
     return data;
 }
 
+/* A plugin may have so many voices, and tell so much of each, bytes. */
+enum { VOICES_MAX = 4096, TEXT_MAX = 256, LANG_MAX = 35 };
+
+/* Longer than it may be, it is left out. */
 static const char *keep_text(struct catalog *catalog, const json_t *object, const char *key) {
     const char *text = json_string_value(json_object_get(object, key));
-    return keep(catalog, mem_strdup(text ? text : ""));
+    return keep(catalog, mem_strdup(text && strlen(text) <= TEXT_MAX ? text : ""));
 }
 
 static const struct voice *by_id(const struct catalog *catalog, const char *id) {
@@ -36,9 +40,10 @@ static const struct voice *by_id(const struct catalog *catalog, const char *id) 
 
 static void add(struct catalog *catalog, const char *plugin, uint32_t capabilities, const json_t *object) {
     const char *id = json_string_value(json_object_get(object, "id"));
+    const char *lang = json_string_value(json_object_get(object, "lang"));
     char full[128];
-    if (!id || !*id || (size_t)snprintf(full, sizeof full, "%s:%s", plugin, id) >= sizeof full ||
-        by_id(catalog, full))
+    if (!id || !lang || strlen(lang) > LANG_MAX || !*id ||
+        (size_t)snprintf(full, sizeof full, "%s:%s", plugin, id) >= sizeof full || by_id(catalog, full))
         return;
     json_int_t sample_rate = json_integer_value(json_object_get(object, "sample_rate"));
     json_int_t rate = json_integer_value(json_object_get(object, "rate"));
@@ -67,6 +72,10 @@ int catalog_add(struct catalog *catalog, const char *plugin, const char *descrip
     if (!added) {
         json_decref(root);
         return error_set(e, "voice-failed", "has no voices");
+    }
+    if (added > VOICES_MAX) {
+        json_decref(root);
+        return error_set(e, "voice-failed", "has more than %d voices", VOICES_MAX);
     }
     while (before < total && strcmp(catalog->voices[before].plugin, plugin) <= 0)
         before++;

@@ -2,6 +2,7 @@
 /* The pool's public face: it is opened, speaks and is closed. */
 #include "server/base/mem.h"
 #include "server/base/private_memory.h"
+#include "server/voice/cache_file.h"
 #include "server/voice/pool_parts.h"
 #include <signal.h>
 #include <stdlib.h>
@@ -54,6 +55,8 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
     int result = 0;
     if (access(options->worker, X_OK) < 0)
         result = error_set(e, "voice-unavailable", "there is no worker program \"%s\"", options->worker);
+    if (!result && options->cache.file && *options->cache.file)
+        result = cache_file_check(options->cache.file, e);
     if (result < 0 || plugins_find(pool, options, e) < 0) {
         free_pool(pool);
         return NULL;

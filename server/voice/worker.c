@@ -204,7 +204,7 @@ static void said(void *ctx, const struct wire_frame *frame) {
         return;
     }
     spare_heard(w);
-    if (frame->type == WIRE_ALIVE)
+    if (frame->type == WIRE_ALIVE && (w->job || w->state == WORKER_LOST))
         return;
     if (w->state == WORKER_LOST && frame->job == w->dropped) {
         came_back(w, frame);

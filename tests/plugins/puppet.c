@@ -174,6 +174,12 @@ static void steady(const struct faccia_sink *sink) {
         usleep(250000);
 }
 
+/* A second. */
+static void brief(const struct faccia_sink *sink) {
+    for (int i = 0; i < 4 && !speak_audio(sink, BYTE); i++)
+        usleep(250000);
+}
+
 static void drip(const struct faccia_sink *sink) {
     while (!speak_audio(sink, BYTE))
         usleep(50000);
@@ -260,7 +266,7 @@ static const struct {
     {"flood", flood},     {"chatter", chatter}, {"leave", leave},   {"print", print},
     {"garbage", garbage}, {"late", late},       {"steady", steady}, {"drip", drip},
     {"spin", spin},       {"hog", hog},         {"dial", dial},     {"launch", launch},
-    {"work", work},
+    {"work", work},       {"brief", brief},
 };
 
 static int puppet_speak(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
