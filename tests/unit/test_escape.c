@@ -116,12 +116,12 @@ static bool is_as_wanted(const char *name, const struct result *r, bool allowed)
     return right;
 }
 
-static void try_to_escape(const char *plugin, const char *const *allowed) {
+static void try_to_escape(const char *plugin, const char *config, const char *const *allowed) {
 #ifndef HAVE_SECCOMP
     skip();
 #endif
     struct stat info;
-    struct scene *s = OPEN(WITH(0), plugin);
+    struct scene *s = OPEN(WITH(.config = config), plugin);
     for (size_t i = 0; i < ATTEMPTS; i++)
         scene_speak(s, "plain", attempts[i]);
     scene_run(s);
@@ -139,19 +139,48 @@ static void try_to_escape(const char *plugin, const char *const *allowed) {
 static void a_plugin_without_capabilities(void **state) {
     static const char *const allowed[] = {"system", "nowhere", "thread", NULL};
     (void)state;
-    try_to_escape("escape", allowed);
+    try_to_escape("escape", NULL, allowed);
 }
 
 static void a_plugin_that_starts_programs(void **state) {
     static const char *const allowed[] = {"system", "nowhere", "thread", "program", "fork", "old call", NULL};
     (void)state;
-    try_to_escape("escape_programs", allowed);
+    try_to_escape("escape_programs", NULL, allowed);
+}
+
+/* What the operator lists may be read, and not written: it did not say that it writes. */
+static void what_the_operator_allows(void **state) {
+    static const char *const allowed[] = {"secret", "system", "nowhere", "thread", NULL};
+    char config[200];
+    (void)state;
+    snprintf(config, sizeof config, "{\"escape\":{\"may_read\":[\"%s\"],\"may_write\":[\"%s\"]}}", folder,
+             folder);
+    try_to_escape("escape", config, allowed);
+}
+
+/* A file that its configuration names may be read, and nothing else in a folder such as /tmp. */
+static void what_its_configuration_names(void **state) {
+    static const char *const allowed[] = {"secret", "system", "nowhere", "thread", NULL};
+    char config[200];
+    (void)state;
+    snprintf(config, sizeof config, "{\"escape\":{\"voices\":[{\"argv\":[\"x\",\"%s\"]}]}}", secret);
+    try_to_escape("escape", config, allowed);
+}
+
+static void a_table_that_changes_is_refused(void **state) {
+    (void)state;
+    size_t count;
+    struct scene *s = OPEN(WITH(0), "liar", "puppet");
+    voice_pool_voices(s->pool, &count);
+    assert_int_equal(count, 2);
+    scene_shut(s);
 }
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(a_plugin_without_capabilities),
-        cmocka_unit_test(a_plugin_that_starts_programs),
+        cmocka_unit_test(a_plugin_without_capabilities),   cmocka_unit_test(a_plugin_that_starts_programs),
+        cmocka_unit_test(what_the_operator_allows),        cmocka_unit_test(what_its_configuration_names),
+        cmocka_unit_test(a_table_that_changes_is_refused),
     };
     return cmocka_run_group_tests(tests, make_files, remove_files);
 }
