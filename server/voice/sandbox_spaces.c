@@ -11,6 +11,7 @@
 #include <sys/resource.h>
 #include <sys/syscall.h>
 #include <sys/utsname.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 /* Processes and threads of a worker with all that it starts. */
@@ -43,19 +44,33 @@ static int keep_identity(unsigned user, unsigned group) {
            write_file("/proc/self/gid_map", groups);
 }
 
-int sandbox_spaces(uint32_t capabilities, char *why, size_t cap) {
+static int enter(int network) {
     const unsigned user = geteuid(), group = getegid();
+    return unshare(CLONE_NEWUSER) || keep_identity(user, group) || unshare(CLONE_NEWIPC | network) ? -1 : 0;
+}
+
+/* There is no way back from a namespace in which it could not keep its identity, so a child tries first.
+ * Gives an error, or 0. */
+static int try_in_child(int network) {
+    int status = 0;
+    pid_t child = fork();
+    if (child == 0)
+        _exit(enter(network) ? errno : 0);
+    if (child < 0 || waitpid(child, &status, 0) < 0)
+        return errno;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : EPERM;
+}
+
+int sandbox_spaces(uint32_t capabilities, char *why, size_t cap) {
     const int network = capabilities & FACCIA_VOICE_NETWORK ? 0 : CLONE_NEWNET;
-    int result = unshare(CLONE_NEWUSER);
-    if (!result)
-        result = keep_identity(user, group);
-    if (!result)
-        result = unshare(CLONE_NEWIPC | network);
-    if (result)
-        snprintf(why, cap, "no namespaces of its own (%s)", strerror(errno));
+    int error = try_in_child(network);
+    if (!error && enter(network))
+        error = errno;
+    if (error)
+        snprintf(why, cap, "no namespaces of their own (%s)", strerror(error));
     else
         limit_tasks();
-    return result;
+    return error ? -1 : 0;
 }
 
 void sandbox_drop_rights(void) {

@@ -57,7 +57,7 @@ test('requests wait for the voice that they get when all are there, and for no o
 
 test('a voice that does not come is waited for no longer than the setting says', async () => {
   fs.rmSync(gate, { force: true });
-  const daemon = await start('--voice-start', '1');
+  const daemon = await start('--voice-start', '5');
   const posted = [post(daemon, 'lang=fr'), post(daemon, 'voice=early:late')];
   await daemon.logged(/the voice early takes long to start/);
   const [other, named] = await Promise.all(posted);
