@@ -130,9 +130,8 @@ void plugins_tell_gaps(struct voice_pool *pool, const char *description); /* wha
 
 /* pool_queue.c */
 void job_push(struct job_queue *queue, struct voice_job *job); /* at its end */
-void job_push_first(struct job_queue *queue, struct voice_job *job);
-void job_take_out(struct voice_job *job); /* of its queue */
-void job_wait(struct voice_job *job);     /* for a worker, which may be idle */
+void job_take_out(struct voice_job *job);                      /* of its queue */
+void job_wait(struct voice_job *job);                          /* for a worker, which may be idle */
 void job_free(struct voice_job *job);
 bool plugin_runs(const struct plugin *plugin); /* a worker of it may yet come */
 void pool_job_end(struct voice_job *job, struct utterance *u,

@@ -12,14 +12,6 @@ void job_push(struct job_queue *queue, struct voice_job *job) {
     queue->last = job;
 }
 
-void job_push_first(struct job_queue *queue, struct voice_job *job) {
-    job->queue = queue;
-    job->next = queue->first;
-    queue->first = job;
-    if (!queue->last)
-        queue->last = job;
-}
-
 void job_take_out(struct voice_job *job) {
     struct job_queue *queue = job->queue;
     struct voice_job **at = &queue->first, *before = NULL;

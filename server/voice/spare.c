@@ -60,7 +60,8 @@ void spare_call(struct plugin *plugin) {
     worker_start(spare);
 }
 
-/* One that a second worker has fallen silent over stays where it is: it may be the sentence. */
+/* One that a second worker has fallen silent over stays where it is: it may be the sentence. It waits behind
+ * those that it has held up, as it may take long. */
 void spare_rescue(struct plugin *plugin) {
     for (size_t i = 0; i < plugin->seat_count; i++) {
         struct worker *w = &plugin->workers[i];
@@ -68,7 +69,7 @@ void spare_rescue(struct plugin *plugin) {
             continue;
         struct voice_job *job = worker_give_up_job(w);
         job->moved = true;
-        job_push_first(job->urgent ? &plugin->urgent : &plugin->waiting, job);
+        job_push(job->urgent ? &plugin->urgent : &plugin->waiting, job);
     }
 }
 
