@@ -20,7 +20,7 @@ const struct setting settings_table[] = {
     {"voices.workers", "workers", SETTING_NUMBER, MEMBER(workers), 1, 64, "1", "N",
      "processes for each voice plugin"},
     {"voices.spare_workers", "spare-workers", SETTING_NUMBER, MEMBER(spare_workers), 0, 64, "1", "N",
-     "and more of them while one has fallen silent or is long at a sentence for which others wait"},
+     "and more while one is long at a sentence and others wait, or has fallen silent; 0 = none"},
     {"voices.start_seconds", "voice-start", SETTING_REAL, MEMBER(start_seconds), 0.1, 3600, "30", "S",
      "requests wait so long for the voice that they get when all have started; then without the late ones"},
     {"voices.deadline_base", "deadline-base", SETTING_REAL, MEMBER(deadline_base), 0.1, 3600, "10", "S",

@@ -72,7 +72,9 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
     for (size_t i = 0; i < pool->plugin_count; i++) {
         struct plugin *plugin = &pool->plugins[i];
         plugin->worker_count = options->workers ? options->workers : 1;
-        plugin->seat_count = plugin->worker_count + options->spare_workers;
+        plugin->spare_count = options->spare_workers;
+        plugin->seat_count =
+            plugin->worker_count + (plugin->spare_count ? plugin->worker_count : 0) + plugin->spare_count;
         plugin->workers = mem_alloc(plugin->seat_count * sizeof *plugin->workers);
         for (size_t k = 0; k < plugin->seat_count; k++)
             worker_open(&plugin->workers[k], plugin);

@@ -68,7 +68,8 @@ struct plugin {
     char *name, *path, *config;
     char edition[48]; /* changes when the plugin's file does */
     struct worker *workers;
-    size_t worker_count, seat_count;  /* the usual ones come first, spare ones after them */
+    size_t worker_count, spare_count;
+    size_t seat_count; /* the usual ones come first; spare ones after them, and in place of the usual ones */
     struct job_queue urgent, waiting; /* sentences, oldest first */
     bool urgent_last;                 /* the last one that left was urgent */
     bool known;                       /* its voices are listed, or nobody waits for them any longer */

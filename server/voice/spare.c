@@ -40,9 +40,10 @@ void spare_heard(struct worker *w) {
     w->silent = 0;
 }
 
-/* Not when one is on its way already. */
+/* Not when one is on its way already. Those that have fallen silent do not count. */
 void spare_call(struct plugin *plugin) {
     struct worker *spare = NULL;
+    size_t active = 0;
     for (size_t i = 0; i < plugin->seat_count; i++) {
         struct worker *w = &plugin->workers[i];
         if (w->state == WORKER_IDLE) {
@@ -51,10 +52,11 @@ void spare_call(struct plugin *plugin) {
         }
         if (w->state == WORKER_STARTING)
             return;
+        active += !spare_is_stuck(w);
         if (w->state == WORKER_OFF && w->not_before <= uv_now(plugin->pool->loop))
             spare = w;
     }
-    if (!spare)
+    if (!spare || active >= plugin->worker_count + plugin->spare_count)
         return;
     log_info("the voice %s is held up by a sentence; a spare worker is started", plugin->name);
     worker_start(spare);
