@@ -88,17 +88,17 @@ static const char *const everybody[] = {"/usr",
 
 /* What programs and their interpreters look for besides. */
 static const char *const programs[] = {
-    "/etc/passwd",     "/etc/group",       "/etc/nsswitch.conf", "/etc/festival.scm", "/etc/festival",
-    "/etc/mime.types", "/etc/os-release",  "/etc/java",          "/etc/perl",         "/etc/python3",
-    "/etc/python3.9",  "/etc/python3.10",  "/etc/python3.11",    "/etc/python3.12",   "/etc/python3.13",
-    "/etc/inputrc",    "/etc/ImageMagick", "/proc/version",      "/proc/sys/kernel"};
+    "/etc/passwd",     "/etc/group",      "/etc/nsswitch.conf",   "/etc/festival.scm", "/etc/festival",
+    "/etc/mime.types", "/etc/os-release", "/etc/ssl/openssl.cnf", "/etc/java",         "/etc/perl",
+    "/etc/python3",    "/etc/python3.9",  "/etc/python3.10",      "/etc/python3.11",   "/etc/python3.12",
+    "/etc/python3.13", "/etc/inputrc",    "/etc/ImageMagick",     "/proc/version",     "/proc/sys/kernel"};
 
 static const char *const network[] = {
-    "/etc/hosts",           "/etc/host.conf",    "/etc/gai.conf",        "/etc/hostname",
-    "/etc/resolv.conf",     "/etc/services",     "/etc/protocols",       "/etc/passwd",
-    "/etc/nsswitch.conf",   "/etc/ssl/certs",    "/etc/ssl/openssl.cnf", "/etc/ca-certificates",
-    "/etc/pki/tls",         "/etc/pki/ca-trust", "/etc/crypto-policies", "/etc/gnutls",
-    "/run/systemd/resolve", "/run/resolvconf",   "/run/NetworkManager"};
+    "/etc/hosts",           "/etc/ssl/openssl.cnf", "/etc/host.conf",       "/etc/gai.conf",
+    "/etc/hostname",        "/etc/resolv.conf",     "/etc/services",        "/etc/protocols",
+    "/etc/passwd",          "/etc/nsswitch.conf",   "/etc/ssl/certs",       "/etc/ca-certificates",
+    "/etc/pki/tls",         "/etc/pki/ca-trust",    "/etc/crypto-policies", "/etc/gnutls",
+    "/run/systemd/resolve", "/run/resolvconf",      "/run/NetworkManager"};
 
 #define COUNT(list) (sizeof(list) / sizeof *(list))
 
