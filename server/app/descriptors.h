@@ -5,8 +5,8 @@
 
 #include "server/net/net.h"
 
-/* Raises the process's limit to what the connections need, beside the daemon's own files and its workers; where
- * it may not be raised so far, lowers the number of connections, and says so in the log. */
+/* Raises the process's limit to what the connections need, beside the daemon's own files and its workers;
+ * where it may not be raised so far, lowers the number of connections, and says so in the log. */
 void descriptors_provide(struct net_options *options, unsigned workers);
 
 #endif

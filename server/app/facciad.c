@@ -238,6 +238,8 @@ static int start(struct daemon *d, struct error *e) {
     struct voice_pool_options voices = {.worker = s->worker,
                                         .plugin_dir = s->plugins,
                                         .workers = s->workers,
+                                        .spare_workers = s->spare_workers,
+                                        .start_seconds = s->start_seconds,
                                         .deadline_base = s->deadline_base,
                                         .deadline_per_byte = s->deadline_per_byte,
                                         .deadline_most = s->deadline_most,

@@ -17,7 +17,8 @@ struct settings {
     char **origins, **host_names, **embed; /* NULL-terminated */
     char *token_file;
     char *lang;
-    unsigned workers;
+    unsigned workers, spare_workers;
+    double start_seconds;
     double deadline_base, deadline_per_byte; /* s */
     double deadline_most, worker_processor;  /* in multiples of them */
     unsigned worker_megabytes;

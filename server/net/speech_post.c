@@ -58,8 +58,25 @@ static bool on_written(void *ctx, struct buf *out, size_t scenes, bool done) {
     return has_room(p);
 }
 
+static void tell_warnings(struct post *p) {
+    size_t count;
+    const struct error *warnings = exchange_warnings(p->x, &count);
+    for (size_t i = 0; i < count; i++)
+        scribe_warn(p->scribe, &warnings[i]);
+}
+
+/* As soon as the voice is known, which may have to start yet. */
+static void open_scribe(struct post *p) {
+    if (p->scribe || !speech_voice(p->speech))
+        return;
+    const struct export_source source = export_source_of(p->speech);
+    p->scribe = scribe_open(exchange_net(p->x)->studio->loop, p->format, &source, on_written, p);
+    tell_warnings(p);
+}
+
 static void on_scene(void *ctx, struct scene scene) {
     struct post *p = ctx;
+    open_scribe(p);
     const struct utterance *u = scene.utterance;
     metrics_add(exchange_net(p->x)->studio->metrics, METRIC_SPEECH_SECONDS,
                 (double)u->samples / u->sample_rate);
@@ -69,9 +86,16 @@ static void on_scene(void *ctx, struct scene scene) {
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct post *p = ctx;
-    scribe_warn(p->scribe, e);
+    open_scribe(p);
+    if (p->scribe)
+        scribe_warn(p->scribe, e);
     if (!warning)
         p->failure = *e;
+}
+
+/* Of a request that could not be met. */
+static unsigned status_of(const struct error *e) {
+    return !strcmp(e->code, "voice-unavailable") ? 503 : !strcmp(e->code, "text-too-long") ? 413 : 400;
 }
 
 static void on_finished(void *ctx, size_t spoken) {
@@ -79,7 +103,7 @@ static void on_finished(void *ctx, size_t spoken) {
     if (spoken)
         scribe_end(p->scribe);
     else
-        exchange_error(p->x, speech_is_read(p->speech) ? 500 : 400, &p->failure);
+        exchange_error(p->x, speech_is_read(p->speech) ? 500 : status_of(&p->failure), &p->failure);
 }
 
 static int on_body(void *self, const void *data, size_t size) {
@@ -105,17 +129,6 @@ static int read_request(struct post *p, struct speech_request *request, struct e
     return p->format ? 0 : no_format(name, e);
 }
 
-static unsigned status_of(const struct error *e) {
-    return !strcmp(e->code, "voice-unavailable") ? 503 : !strcmp(e->code, "text-too-long") ? 413 : 400;
-}
-
-static void tell_warnings(struct post *p) {
-    size_t count;
-    const struct error *warnings = exchange_warnings(p->x, &count);
-    for (size_t i = 0; i < count; i++)
-        scribe_warn(p->scribe, &warnings[i]);
-}
-
 static int on_body_end(void *self) {
     static const struct speech_callbacks callbacks = {on_scene, on_problem, on_finished};
     struct post *p = self;
@@ -128,9 +141,7 @@ static int on_body_end(void *self) {
     if (!read_request(p, &request, &e))
         p->speech = speech_open(net->studio, &request, &callbacks, p, &e);
     if (p->speech) {
-        const struct export_source source = export_source_of(p->speech);
-        p->scribe = scribe_open(net->studio->loop, p->format, &source, on_written, p);
-        tell_warnings(p);
+        open_scribe(p);
         speech_start(p->speech);
     }
     request_free(&request);

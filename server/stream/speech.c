@@ -218,6 +218,8 @@ void speech_free(struct speech *s) {
     if (!s)
         return;
     forget_pending(s);
+    voice_wait_end(s->wait);
+    s->wait = NULL;
     s->freed = true;
     if (s->reading) {
         atomic_store(&s->given_up, true);

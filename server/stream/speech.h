@@ -63,8 +63,10 @@ struct speech_callbacks {
     void (*finished)(void *ctx, size_t spoken);
 };
 
-/* Checks the request, which is copied. NULL with *e when it cannot be met. What is wrong inside a long text
- * (struct studio) is found later: the callbacks say it as a problem, and then that nothing was spoken. */
+/* Checks the request, which is copied. NULL with *e when it cannot be met. While voices start that could be the
+ * one that it gets, the speech waits for them (voice_pool_settled): until then it has no voice and no language.
+ * What is wrong then, or inside a long text (struct studio), is found later: the callbacks say it as a problem,
+ * and then that nothing was spoken. */
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
                            const struct speech_callbacks *callbacks, void *ctx, struct error *e);
 

@@ -168,6 +168,36 @@ static int begin_reading(struct speech *s, struct error *e) {
     return s->score ? 0 : -1;
 }
 
+/* Whether a plugin that is still starting could not change the choice of voices any more. Marked-up text may
+ * name any. */
+static bool is_settled(const struct speech *s) {
+    const struct voice_pool *voices = s->studio->voices;
+    const char *lang = s->request.lang ? s->request.lang : s->studio->default_lang;
+    const struct speech_pack *pack = speech_packs_find(s->studio->packs, lang);
+    if (!voices)
+        return true;
+    if (s->markup != markup_by_name("plain") || !pack || speech_pack_is_general(pack))
+        return voice_pool_settled(voices, NULL, NULL);
+    return voice_pool_settled(voices, s->request.voice, speech_pack_voices(pack));
+}
+
+static int choose_and_read(struct speech *s, struct error *e) {
+    return choose_voice(s, e) || check_engine(s, e) || begin_reading(s, e) ? -1 : 0;
+}
+
+static void on_voices(void *ctx) {
+    struct speech *s = ctx;
+    if (!is_settled(s))
+        return;
+    voice_wait_end(s->wait);
+    s->wait = NULL;
+    struct error e;
+    if (choose_and_read(s, &e))
+        s->result.error = e;
+    if (!s->reading)
+        speech_go_on(s);
+}
+
 struct speech *speech_open(const struct studio *studio, const struct speech_request *request,
                            const struct speech_callbacks *callbacks, void *ctx, struct error *e) {
     struct speech *s = mem_alloc(sizeof *s);
@@ -175,7 +205,12 @@ struct speech *speech_open(const struct studio *studio, const struct speech_requ
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);
-    if (decode_text(s, e) || choose_voice(s, e) || check_engine(s, e) || begin_reading(s, e)) {
+    int result = decode_text(s, e);
+    if (!result && !is_settled(s))
+        s->wait = voice_pool_wait(studio->voices, on_voices, s);
+    else if (!result)
+        result = choose_and_read(s, e);
+    if (result) {
         speech_free(s);
         return NULL;
     }

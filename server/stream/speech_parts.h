@@ -35,6 +35,7 @@ struct speech {
     uv_work_t work;
     struct voice_list voices; /* for the other thread */
     struct reading_result result;
+    struct voice_wait *wait; /* the voices are still starting: the voice is not chosen yet */
     bool reading, started;
     atomic_bool given_up; /* read by the other thread */
     const struct speech_pack *pack;

@@ -2,11 +2,13 @@
 #include "server/voice/cache_disk.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/voice/cache_file.h"
 #include <sqlite3.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -16,6 +18,10 @@ enum { WAITING_MAX = 64, BUSY_MS = 1000 };
 /* The schema's number; a file of another is begun anew. */
 #define SCHEMA 1
 #define SCHEMA_TEXT "1"
+
+#define TEXT_OF(number) #number
+#define TEXT(number) TEXT_OF(number)
+#define CACHE_ID_TEXT TEXT(CACHE_FILE_ID)
 
 struct write {
     struct write *next;
@@ -34,6 +40,8 @@ struct cache_disk {
     struct write *writing; /* in the thread pool */
     int result;            /* of the last write */
     char *file;
+    dev_t device; /* which file it is: another one in its place is not touched */
+    ino_t number;
     bool damaged; /* seen so; it is begun anew when nobody writes */
     bool complained, closing;
 };
@@ -52,15 +60,16 @@ static int schema_of(sqlite3 *db) {
     return number;
 }
 
-/* Write-ahead logging: a crash loses the last sentences at most, and a reader never waits for a writer. A
- * sentence is some 100 kB: large pages are read faster. The log is emptied at 4 MB, as by default. */
+/* The first thing written is whose file it is, at once: write-ahead logging begins after it. A crash loses
+ * the last sentences at most, and a reader never waits for a writer. A sentence is some 100 kB: large pages
+ * are read faster. The log is emptied at 4 MB, as by default. */
 static int prepare(sqlite3 *db) {
     sqlite3_busy_timeout(db, BUSY_MS);
     int number = schema_of(db);
     if (number != 0 && number != SCHEMA)
         return SQLITE_CORRUPT;
-    return run(db, "PRAGMA page_size=16384; PRAGMA wal_autocheckpoint=250;"
-                   "PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;"
+    return run(db, "PRAGMA page_size=16384; PRAGMA application_id=" CACHE_ID_TEXT ";"
+                   "PRAGMA wal_autocheckpoint=250; PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;"
                    "CREATE TABLE IF NOT EXISTS sentence (key BLOB PRIMARY KEY, value BLOB NOT NULL, "
                    "bytes INTEGER NOT NULL, used INTEGER NOT NULL) WITHOUT ROWID;"
                    "CREATE INDEX IF NOT EXISTS sentence_used ON sentence (used, bytes);"
@@ -68,7 +77,13 @@ static int prepare(sqlite3 *db) {
 }
 
 static int open_both(struct cache_disk *disk) {
+    struct stat info;
+    cache_file_prepare(disk->file);
     int result = sqlite3_open(disk->file, &disk->writer);
+    if (!stat(disk->file, &info)) {
+        disk->device = info.st_dev;
+        disk->number = info.st_ino;
+    }
     if (result == SQLITE_OK)
         result = prepare(disk->writer);
     if (result == SQLITE_OK)
@@ -88,12 +103,20 @@ static void close_both(struct cache_disk *disk) {
 }
 
 static void remove_file(const char *file) {
-    static const char *const ends[] = {"", "-wal", "-shm"};
     char path[4096];
-    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
-        snprintf(path, sizeof path, "%s%s", file, ends[i]);
+    for (size_t i = 0; i < sizeof cache_file_ends / sizeof *cache_file_ends; i++) {
+        snprintf(path, sizeof path, "%s%s", file, cache_file_ends[i]);
         unlink(path);
     }
+}
+
+/* Nobody has put another file in its place. */
+static bool is_same(const struct cache_disk *disk) {
+    struct stat info;
+    struct error e;
+    if (stat(disk->file, &info))
+        return true; /* it is gone */
+    return (info.st_dev == disk->device && info.st_ino == disk->number) || !cache_file_check(disk->file, &e);
 }
 
 static bool is_damage(int result) {
@@ -102,10 +125,15 @@ static bool is_damage(int result) {
 
 /* While nobody writes. */
 static int begin_anew(struct cache_disk *disk) {
-    log_warn("the cache %s is damaged or of another version; it is begun anew", disk->file);
     close_both(disk);
-    remove_file(disk->file);
     disk->damaged = false;
+    if (!is_same(disk)) {
+        log_warn("there is another file in the place of the cache %s; nothing more is kept on disk",
+                 disk->file);
+        return SQLITE_CANTOPEN;
+    }
+    log_warn("the cache %s is damaged or of another version; it is begun anew", disk->file);
+    remove_file(disk->file);
     return open_both(disk);
 }
 
@@ -116,6 +144,11 @@ static void destroy(struct cache_disk *disk) {
 }
 
 struct cache_disk *cache_disk_open(uv_loop_t *loop, const char *file, uint64_t bytes) {
+    struct error e;
+    if (cache_file_check(file, &e)) {
+        log_warn("no cache on disk: %s", e.message);
+        return NULL;
+    }
     struct cache_disk *disk = mem_alloc(sizeof *disk);
     *disk = (struct cache_disk){.loop = loop, .room = bytes, .file = mem_strdup(file)};
     int result = open_both(disk);

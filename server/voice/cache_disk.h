@@ -10,7 +10,8 @@
 
 struct cache_disk;
 
-/* NULL after a log line when the file cannot be opened or made. A file that is damaged is begun anew. */
+/* NULL after a log line when the file cannot be opened or made, or is not a cache (cache_file.h). One that is
+ * damaged is begun anew. Its owner alone may read it. */
 struct cache_disk *cache_disk_open(uv_loop_t *loop, const char *file, uint64_t bytes);
 /* What waits is still written, while the loop runs; then it is freed. NULL is fine. */
 void cache_disk_close(struct cache_disk *disk);

@@ -26,9 +26,13 @@ static void *keep(struct catalog *catalog, void *data) {
     return data;
 }
 
+/* A plugin may tell so much of each, bytes. */
+enum { TEXT_MAX = 256, LANG_MAX = 35 };
+
+/* Longer than it may be, it is left out. */
 static const char *keep_text(struct catalog *catalog, const json_t *object, const char *key) {
     const char *text = json_string_value(json_object_get(object, key));
-    return keep(catalog, mem_strdup(text ? text : ""));
+    return keep(catalog, mem_strdup(text && strlen(text) <= TEXT_MAX ? text : ""));
 }
 
 static const struct voice *by_id(struct voice_list list, const char *id) {
@@ -38,15 +42,17 @@ static const struct voice *by_id(struct voice_list list, const char *id) {
     return NULL;
 }
 
-static struct voice_list list_of(const struct catalog *catalog) {
+struct voice_list catalog_list(const struct catalog *catalog) {
     return (struct voice_list){catalog->voices, catalog->count};
 }
 
 static void add(struct catalog *catalog, const char *plugin, uint32_t capabilities, const json_t *object) {
     const char *id = json_string_value(json_object_get(object, "id"));
+    const char *lang = json_string_value(json_object_get(object, "lang"));
     char full[128];
-    if (!id || !*id || (size_t)snprintf(full, sizeof full, "%s:%s", plugin, id) >= sizeof full ||
-        by_id(list_of(catalog), full))
+    if (!id || !lang || strlen(lang) > LANG_MAX || !*id ||
+        (size_t)snprintf(full, sizeof full, "%s:%s", plugin, id) >= sizeof full ||
+        by_id(catalog_list(catalog), full))
         return;
     json_int_t sample_rate = json_integer_value(json_object_get(object, "sample_rate"));
     json_int_t rate = json_integer_value(json_object_get(object, "rate"));
@@ -150,13 +156,13 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
         return NULL;
     }
     if (name) {
-        best = voice_by_name(list_of(catalog), name);
+        best = voice_by_name(catalog_list(catalog), name);
         if (!best)
-            voice_unknown(list_of(catalog), name, e);
+            voice_unknown(catalog_list(catalog), name, e);
         return best;
     }
     for (; preferred && *preferred && !best; preferred++)
-        best = voice_by_name(list_of(catalog), *preferred);
+        best = voice_by_name(catalog_list(catalog), *preferred);
     if (best)
         return best;
     for (size_t i = 0; i < catalog->count && lang; i++) {

@@ -9,8 +9,8 @@
 /* Gives the utterance, which has its words already, the cues of the plan. Once only. */
 void cues_time(struct utterance *u, const struct plan *plan);
 
-/* Adds the score's cues that have a time instead of a place, as far as they lie in the utterance, which begins
- * at `start` s of its text's clock. */
+/* Adds the score's cues that have a time instead of a place, as far as they lie in the utterance, which
+ * begins at `start` s of its text's clock. */
 void cues_add_timed(struct utterance *u, const struct score *score, double start);
 
 #endif

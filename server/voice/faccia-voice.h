@@ -17,9 +17,9 @@
 extern "C" {
 #endif
 
-/* Version 2 added FACCIA_VOICE_NETWORK and FACCIA_VOICE_PROGRAMS. Plugins of version 1, which could not say
- * so, are taken to need both. */
-#define FACCIA_VOICE_ABI 2
+/* Version 2 added FACCIA_VOICE_NETWORK and FACCIA_VOICE_PROGRAMS, version 3 FACCIA_VOICE_FILES. Plugins of an
+ * older version, which could not say so, are taken to need them. */
+#define FACCIA_VOICE_ABI 3
 #define FACCIA_VOICE_ABI_OLDEST 1 /* that still runs */
 
 /* What a plugin can do (faccia_voice.capabilities). */
@@ -39,10 +39,19 @@ enum {
                                      for when it is asked for again */
     FACCIA_VOICE_SLOW = 1u << 12, /* takes about as long as the sound lasts: long sentences come cut at
                                      commas, so that the first part is heard early */
-    /* What a plugin needs; it is refused (EPERM) what it does not name, before open is called. */
+    /* What a plugin needs. It is refused (EPERM, EACCES) what it does not name, from before it is loaded:
+     * these bits are read from the file, so the table must be a constant that no initialiser fills in. */
     FACCIA_VOICE_NETWORK = 1u << 10,  /* it, or a program that it starts, opens sockets */
     FACCIA_VOICE_PROGRAMS = 1u << 11, /* starts processes; threads may always be started */
+    FACCIA_VOICE_FILES = 1u << 13,    /* writes files, in /tmp and in folders that its configuration names */
 };
+
+/* Besides the system's programs, libraries and their data, its own folder, and what its configuration names,
+ * a plugin may read what it names with this, once, outside of any function: absolute paths, and between two
+ * of them "\0". They are read from the file, too. */
+#define FACCIA_VOICE_READS(PATHS)                                                                            \
+    extern const char faccia_voice_reads[sizeof(PATHS)];                                                     \
+    __attribute__((visibility("default"))) const char faccia_voice_reads[sizeof(PATHS)] = PATHS
 
 /* One voice. id is unique inside the plugin: the world sees "PLUGIN:ID". */
 struct faccia_voice_info {
@@ -135,6 +144,7 @@ struct faccia_voice {
 };
 
 #define FACCIA_VOICE_SYMBOL "faccia_voice"
+#define FACCIA_VOICE_READS_SYMBOL "faccia_voice_reads"
 
 #ifdef __cplusplus
 }

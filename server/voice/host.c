@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/host.h"
 #include "server/base/mem.h"
+#include "server/voice/needs.h"
 #include <dlfcn.h>
 #include <jansson.h>
 #include <stdio.h>
@@ -30,9 +31,11 @@ static const char *complaint(const struct faccia_voice *api, char *out, size_t c
     return NULL;
 }
 
-int host_load(struct host *host, const char *path, char *message, size_t cap) {
+int host_load(struct host *host, const char *path, uint32_t capabilities, char *message, size_t cap) {
+    enum { NEEDS = FACCIA_VOICE_NETWORK | FACCIA_VOICE_PROGRAMS | FACCIA_VOICE_FILES };
     char why[160];
-    *host = (struct host){.path = path, .library = dlopen(path, RTLD_NOW | RTLD_LOCAL)};
+    host->path = path;
+    host->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
     if (!host->library) {
         const char *error = dlerror();
         snprintf(message, cap, "%s", error ? error : path);
@@ -44,9 +47,10 @@ int host_load(struct host *host, const char *path, char *message, size_t cap) {
     const char *bad = complaint(host->api, why, sizeof why);
     if (bad)
         return fail(message, cap, path, bad);
-    host->capabilities = host->api->capabilities;
-    if (host->api->abi < 2)
-        host->capabilities |= FACCIA_VOICE_NETWORK | FACCIA_VOICE_PROGRAMS;
+    host->capabilities = needs_stated(host->api->abi, host->api->capabilities);
+    if (host->capabilities & NEEDS & ~capabilities)
+        return fail(message, cap, path,
+                    "the plugin's table is not what its file says: it must be a constant");
     return 0;
 }
 
@@ -83,9 +87,11 @@ static void add_voice(void *ctx, const struct faccia_voice_info *voice) {
 char *host_describe(const struct host *host) {
     json_t *voices = json_array();
     host->api->list(host->self, add_voice, voices);
-    json_t *root = json_pack("{so so so sI so}", "name", text(host->api->name), "version",
-                             text(host->api->version), "licence", text(host->api->licence), "capabilities",
-                             (json_int_t)host->capabilities, "voices", voices);
+    json_t *root =
+        json_pack("{so so so sI so s{so so so}}", "name", text(host->api->name), "version",
+                  text(host->api->version), "licence", text(host->api->licence), "capabilities",
+                  (json_int_t)host->capabilities, "voices", voices, "gaps", "spaces", text(host->gaps.spaces),
+                  "files", text(host->gaps.files), "calls", text(host->gaps.calls));
     char *dump = json_dumps(root, JSON_COMPACT);
     json_decref(root);
     return dump ? dump : mem_strdup("{}");

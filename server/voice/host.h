@@ -4,18 +4,20 @@
 #define FACCIA_VOICE_HOST_H
 
 #include "server/voice/faccia-voice.h"
+#include "server/voice/sandbox.h"
 
 struct host {
     const char *path; /* of the shared object */
     void *library;
     const struct faccia_voice *api;
-    uint32_t capabilities; /* the plugin's, and for an old one what it could not say */
+    uint32_t capabilities;    /* the plugin's, and for an old one what it could not say */
+    struct sandbox_gaps gaps; /* what it could not be confined by */
     void *self;
 };
 
-/* Loads the shared object, whose initialisers run, and looks at its table. -1 with a sentence for people in
- * message. */
-int host_load(struct host *host, const char *path, char *message, size_t cap);
+/* Loads the shared object, whose initialisers run, and looks at its table, which may need no more than those
+ * capabilities. -1 with a sentence for people in message. */
+int host_load(struct host *host, const char *path, uint32_t capabilities, char *message, size_t cap);
 
 /* Opens the plugin. With a sentence for people in message: 1 when it has nothing to run here, -1 when it
  * failed. */
@@ -24,7 +26,7 @@ void host_close(struct host *host);
 
 /* The plugin and its voices as JSON:
  * {"name","version","licence","capabilities","voices":[{"id","name","lang","gender","quality",
- * "licence","sample_rate","rate"}]}. The caller frees it. */
+ * "licence","sample_rate","rate"}],"gaps":{"spaces","files","calls"}}. The caller frees it. */
 char *host_describe(const struct host *host);
 
 #endif

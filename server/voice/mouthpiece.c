@@ -3,10 +3,12 @@
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include <errno.h>
+#include <poll.h>
 #include <pthread.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/socket.h>
 #include <sys/uio.h>
 #include <time.h>
 #include <unistd.h>
@@ -23,11 +25,13 @@ enum { GRACE = 1 };
 
 struct mouthpiece {
     int fd;
+    pthread_mutex_t saying; /* held while a frame is written */
     /* shared with the listening thread */
     pthread_mutex_t lock;
     pthread_cond_t heard;
-    struct buf inbox; /* whole frames: OPEN and SPEAK */
+    struct buf inbox; /* whole frames: SPEAK */
     bool alone;       /* the daemon has gone */
+    bool busy;        /* a sentence was heard, and not all is said of it */
     uint32_t job;     /* the sentence that is spoken, 0 = none */
     const struct faccia_voice *api;
     void *self;
@@ -66,15 +70,43 @@ _Noreturn static void end(struct mouthpiece *m) {
 
 static void deliver(struct mouthpiece *m, const uint8_t *frame, size_t size) {
     pthread_mutex_lock(&m->lock);
+    m->busy = true;
     buf_add(&m->inbox, frame, size);
     pthread_cond_signal(&m->heard);
     pthread_mutex_unlock(&m->lock);
+}
+
+static bool is_busy(struct mouthpiece *m) {
+    pthread_mutex_lock(&m->lock);
+    bool busy = m->busy;
+    pthread_mutex_unlock(&m->lock);
+    return busy;
+}
+
+/* Shows that the process runs, unless the other thread is about to. */
+static void say_alive(struct mouthpiece *m) {
+    struct buf b = {0};
+    wire_end(&b, wire_begin(&b, WIRE_ALIVE, 0));
+    if (pthread_mutex_trylock(&m->saying) == 0) {
+        if (is_busy(m))
+            send(m->fd, b.data, b.size, MSG_DONTWAIT | MSG_NOSIGNAL);
+        pthread_mutex_unlock(&m->saying);
+    }
+    buf_free(&b);
+}
+
+/* Waits until there is something to read. */
+static void wait_for_daemon(struct mouthpiece *m) {
+    struct pollfd socket = {.fd = m->fd, .events = POLLIN};
+    while (poll(&socket, 1, is_busy(m) ? WIRE_ALIVE_MS : -1) == 0)
+        say_alive(m);
 }
 
 static void *listen_to_daemon(void *ctx) {
     struct mouthpiece *m = ctx;
     struct buf in = {0};
     for (;;) {
+        wait_for_daemon(m);
         ssize_t n = read(m->fd, buf_reserve(&in, READ_BYTES), READ_BYTES);
         if (n < 0 && errno == EINTR)
             continue;
@@ -105,6 +137,7 @@ struct mouthpiece *mouthpiece_open(int fd) {
     pthread_t thread;
     m->fd = fd;
     pthread_mutex_init(&m->lock, NULL);
+    pthread_mutex_init(&m->saying, NULL);
     pthread_cond_init(&m->heard, NULL);
     if (pthread_create(&thread, NULL, listen_to_daemon, m) != 0) {
         log_error("a voice worker cannot start a thread");
@@ -141,6 +174,7 @@ static void flush(struct mouthpiece *m) {
     if (m->events.size && m->events_place != SIZE_MAX)
         wire_end(&m->events, m->events_place);
     struct iovec parts[2] = {{m->audio.data, m->audio.size}, {m->events.data, m->events.size}};
+    pthread_mutex_lock(&m->saying);
     while (parts[0].iov_len + parts[1].iov_len) {
         ssize_t n = writev(m->fd, parts, 2);
         if (n < 0 && errno == EINTR)
@@ -155,6 +189,7 @@ static void flush(struct mouthpiece *m) {
             n -= (ssize_t)gone;
         }
     }
+    pthread_mutex_unlock(&m->saying);
     m->audio.size = m->events.size = 0;
     m->events_place = SIZE_MAX;
     m->since = now_ms();
@@ -242,5 +277,8 @@ void mouthpiece_speak(struct mouthpiece *m, const struct faccia_voice *api, void
     m->events_place = wire_begin(&m->events, WIRE_DONE, job);
     wire_put_u32(&m->events, result ? 1 : 0);
     wire_put_string(&m->events, message);
+    pthread_mutex_lock(&m->lock);
+    m->busy = false;
+    pthread_mutex_unlock(&m->lock);
     flush(m);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A worker's half of the socket: hears what the daemon wants, says what the plugin delivers. A thread of its
- * own listens, so that a sentence can be cancelled while the plugin speaks, and so that the process ends with
- * the daemon. */
+ * own listens, so that a sentence can be cancelled while the plugin speaks, that the daemon hears every now
+ * and then that the process runs, and that it ends with the daemon. */
 #ifndef FACCIA_VOICE_MOUTHPIECE_H
 #define FACCIA_VOICE_MOUTHPIECE_H
 
@@ -13,7 +13,7 @@ struct mouthpiece;
 /* Begins to listen on the socket. It stays open until the process ends. */
 struct mouthpiece *mouthpiece_open(int fd);
 
-/* Waits for the next OPEN or SPEAK. The payload is valid until the next call. False when the daemon has gone:
+/* Waits for the next SPEAK. The payload is valid until the next call. False when the daemon has gone:
  * the process must end, and is ended a second later. */
 bool mouthpiece_next(struct mouthpiece *m, struct wire_frame *frame);
 

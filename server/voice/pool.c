@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The pool's public face: it is opened, speaks and is closed. */
 #include "server/base/mem.h"
+#include "server/base/private_memory.h"
+#include "server/voice/cache_file.h"
 #include "server/voice/pool_parts.h"
 #include <signal.h>
 #include <stdlib.h>
@@ -18,23 +20,17 @@ static void on_soon(uv_timer_t *timer) {
         job_recall(job);
     }
     queue_fail(&pool->doomed, "voice-failed", "does not run, or not for a sentence as long as this");
+    pool_call_waits(pool);
 }
 
-void pool_plugin_known(struct plugin *plugin) {
-    struct voice_pool *pool = plugin->pool;
-    bool all = true;
-    for (size_t i = 0; i < pool->plugin_count; i++)
-        all = all && pool->plugins[i].known;
-    if (!all || pool->is_ready || pool->closing)
-        return;
-    pool->is_ready = true;
-    plugins_log_absent(pool);
-    if (pool->ready)
-        pool->ready(pool->ready_ctx);
+void pool_soon(struct voice_pool *pool) {
+    if (!pool->closing)
+        uv_timer_start(&pool->soon, on_soon, 0, 0);
 }
 
 static void free_pool(struct voice_pool *pool) {
     plugins_free(pool);
+    reserve_release(&pool->reserve);
     free(pool->worker_path);
     catalog_free(&pool->catalog);
     free(pool);
@@ -59,20 +55,28 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
     int result = 0;
     if (access(options->worker, X_OK) < 0)
         result = error_set(e, "voice-unavailable", "there is no worker program \"%s\"", options->worker);
+    if (!result && options->cache.file && *options->cache.file)
+        result = cache_file_check(options->cache.file, e);
     if (result < 0 || plugins_find(pool, options, e) < 0) {
         free_pool(pool);
         return NULL;
     }
     signal(SIGPIPE, SIG_IGN);
+    if (!pool->unconfined)
+        private_memory();
     pool->cache = cache_open(loop, &options->cache);
     uv_timer_init(loop, &pool->soon);
     pool->soon.data = pool;
     pool->open_handles = 1;
+    pool_start_open(pool, options->start_seconds);
     for (size_t i = 0; i < pool->plugin_count; i++) {
         struct plugin *plugin = &pool->plugins[i];
         plugin->worker_count = options->workers ? options->workers : 1;
-        plugin->workers = mem_alloc(plugin->worker_count * sizeof *plugin->workers);
-        for (size_t k = 0; k < plugin->worker_count; k++)
+        plugin->spare_count = options->spare_workers;
+        plugin->seat_count =
+            plugin->worker_count + (plugin->spare_count ? plugin->worker_count : 0) + plugin->spare_count;
+        plugin->workers = mem_alloc(plugin->seat_count * sizeof *plugin->workers);
+        for (size_t k = 0; k < plugin->seat_count; k++)
             worker_open(&plugin->workers[k], plugin);
     }
     return pool;
@@ -106,9 +110,10 @@ void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *
     pool->closed = closed;
     pool->closed_ctx = ctx;
     uv_close((uv_handle_t *)&pool->soon, on_soon_closed);
+    pool_start_close(pool);
     for (size_t i = 0; i < pool->plugin_count; i++) {
         struct plugin *plugin = &pool->plugins[i];
-        for (size_t k = 0; k < plugin->worker_count; k++)
+        for (size_t k = 0; k < plugin->seat_count; k++)
             worker_close(&plugin->workers[k]);
         queue_fail(&plugin->urgent, "cancelled", "is shut down");
         queue_fail(&plugin->waiting, "cancelled", "is shut down");
@@ -136,11 +141,15 @@ struct plan_prosody voice_request_prosody(const struct voice_request *request, c
     };
 }
 
+uint32_t pool_number(struct voice_pool *pool) {
+    return ++pool->last_job ? pool->last_job : ++pool->last_job;
+}
+
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
                                         bool urgent, const struct voice_callbacks *callbacks, void *ctx) {
     struct voice_job *job = mem_alloc(sizeof *job);
     job->plugin = plugin_of(pool, voice);
-    job->number = ++pool->last_job ? pool->last_job : ++pool->last_job; /* 0 means none */
+    job->number = pool_number(pool);
     job->voice = voice;
     job->callbacks = *callbacks;
     job->ctx = ctx;
@@ -152,8 +161,8 @@ struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct vo
         job_push(&pool->doomed, job);
     if (!job->queue)
         job_wait(job);
-    else if (!pool->closing)
-        uv_timer_start(&pool->soon, on_soon, 0, 0);
+    else
+        pool_soon(pool);
     return job;
 }
 

@@ -20,6 +20,8 @@ struct voice_pool_options {
     const char *worker;     /* path of the faccia-voice program */
     const char *plugin_dir; /* every *.so in it is a plugin */
     unsigned workers;       /* processes for each plugin, default 1 */
+    unsigned
+        spare_workers; /* and as many more while one of them has fallen silent or is held up by a sentence */
     /* A sentence is given up, and its worker killed, when nothing has come of it for deadline_base +
      * deadline_per_byte * bytes of text (seconds; four times that for a FACCIA_VOICE_SLOW one), and whatever
      * comes when deadline_most times that have passed. Defaults 10, 0.05 and 10. */
@@ -28,10 +30,11 @@ struct voice_pool_options {
      * 20), and address space (default 4096). Too much of the one ends it, more of the other is refused. */
     double processor;
     unsigned megabytes;
-    bool unconfined;    /* true: plugins may do what they did not say that they need (sandbox.h) */
-    double retry_after; /* a plugin that does not start is tried again after so many seconds, default 60 */
-    const char *config; /* JSON object: plugin name -> its own configuration object; NULL = {} */
-    bool quiet;         /* plugins that have nothing to run here are not named in the log */
+    bool unconfined;      /* true: plugins may do what they did not say that they need (sandbox.h) */
+    double start_seconds; /* plugins that take longer to start are not waited for, default 30 */
+    double retry_after;   /* a plugin that does not start is tried again after so many seconds, default 60 */
+    const char *config;   /* JSON object: plugin name -> its own configuration object; NULL = {} */
+    bool quiet;           /* plugins that have nothing to run here are not named in the log */
     struct cache_options cache; /* what is kept of finished sentences; all 0 = nothing */
     struct metrics *metrics;    /* NULL = nobody counts */
 };
@@ -45,10 +48,11 @@ struct voice {
     uint32_t capabilities; /* of its plugin: FACCIA_VOICE_... */
 };
 
-/* Starts the workers. ready is called once, when every plugin has listed its voices or has failed to start; a
- * plugin that failed is skipped with a log line. The process ignores SIGPIPE from then on (a write to a
- * worker that has just died would raise it). Returns NULL with *e ("voice-unavailable") when no plugin or no
- * worker program is found. */
+/* Starts the workers. ready is called once, when every plugin has listed its voices, has failed to start, or
+ * takes longer than start_seconds; a plugin that failed is skipped with a log line. The process ignores
+ * SIGPIPE from then on (a write to a worker that has just died would raise it), and unless plugins are
+ * unconfined nobody reads its memory (private_memory.h). Returns NULL with *e ("voice-unavailable") when no
+ * plugin or no worker program is found. */
 struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_options *options,
                                    void (*ready)(void *ctx), void *ctx, struct error *e);
 
@@ -80,6 +84,16 @@ void voice_unknown(struct voice_list list, const char *name, struct error *e);
  * at all). */
 const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,
                                     const char *const *preferred, struct error *e);
+
+/* Until all plugins have started, or nobody waits for them any longer: would voice_pool_find find the same
+ * then? Without a name, only one of the preferred is sure. */
+bool voice_pool_settled(const struct voice_pool *pool, const char *name, const char *const *preferred);
+
+/* Calls changed, from the loop, whenever a plugin has started or is given up, until voice_wait_end (NULL is
+ * fine), which must come before the pool is closed. */
+struct voice_wait;
+struct voice_wait *voice_pool_wait(struct voice_pool *pool, void (*changed)(void *ctx), void *ctx);
+void voice_wait_end(struct voice_wait *wait);
 
 /* What to speak: one sentence of a score. Copied by voice_pool_speak. */
 struct voice_request {

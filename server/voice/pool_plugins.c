@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The plugins that lie in a folder. */
+/* The plugins that lie in a folder, and what they are confined by. */
 #include "server/base/buf.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
@@ -61,6 +61,22 @@ void plugins_log_absent(const struct voice_pool *pool) {
     if (text.size && !pool->quiet)
         log_info("voices that are not there: %.*s", (int)text.size, (const char *)text.data);
     buf_free(&text);
+}
+
+/* The same for all workers, and told once. */
+void plugins_tell_gaps(struct voice_pool *pool, const char *description) {
+    if (pool->gaps_told || pool->unconfined || pool->quiet)
+        return;
+    json_t *root = json_loads(description, 0, NULL);
+    const char *spaces = "", *files = "", *calls = "";
+    json_unpack(root, "{s{ssssss}}", "gaps", "spaces", &spaces, "files", &files, "calls", &calls);
+    pool->gaps_told = true;
+    if (*calls || *files)
+        log_warn("voice plugins are confined less than they could be: %s%s%s", calls,
+                 *calls && *files ? ", " : "", files);
+    if (*spaces)
+        log_info("voice plugins run with %s", spaces);
+    json_decref(root);
 }
 
 void plugins_free(struct voice_pool *pool) {

@@ -59,9 +59,15 @@ void pool_job_end(struct voice_job *job, struct utterance *u, const struct error
 }
 
 void job_wait(struct voice_job *job) {
-    job_push(job->urgent ? &job->plugin->urgent : &job->plugin->waiting, job);
-    for (size_t i = 0; i < job->plugin->worker_count && !job->worker; i++)
-        worker_wake(&job->plugin->workers[i]);
+    struct plugin *plugin = job->plugin;
+    bool stuck = true;
+    job_push(job->urgent ? &plugin->urgent : &plugin->waiting, job);
+    for (size_t i = 0; i < plugin->seat_count && !job->worker; i++) {
+        worker_wake(&plugin->workers[i]);
+        stuck = stuck && spare_is_stuck(&plugin->workers[i]);
+    }
+    if (!job->worker && stuck)
+        spare_call(plugin);
 }
 
 void queue_fail(struct job_queue *queue, const char *code, const char *why) {

@@ -148,7 +148,9 @@ struct process *process_start(uv_loop_t *loop, const char *program, const char *
         result = uv_read_start((uv_stream_t *)&p->pipe, on_room, on_read);
     if (result == 0)
         return p;
-    error_set(e, "voice-failed", "%s cannot be started: %s", program, uv_strerror(result));
+    bool passes = result == UV_EMFILE || result == UV_ENFILE || result == UV_ENOMEM || result == UV_EAGAIN;
+    error_set(e, passes ? PROCESS_NO_ROOM : "voice-failed", "%s cannot be started: %s", program,
+              uv_strerror(result));
     process_stop(p, false);
     return NULL;
 }

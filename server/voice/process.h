@@ -18,6 +18,9 @@ struct process_callbacks {
     void (*gone)(void *ctx);       /* the last call, after process_stop too */
 };
 
+/* The code of an error that passes: the system has no descriptors, memory or processes left. */
+#define PROCESS_NO_ROOM "no-room"
+
 /* Starts `program plugin`. NULL with *e; gone is called later all the same. The program must ignore SIGPIPE.
  */
 struct process *process_start(uv_loop_t *loop, const char *program, const char *plugin,

@@ -105,14 +105,12 @@ void wire_put_limits(struct buf *b, const struct wire_limits *limits) {
     wire_put_u32(b, limits->megabytes);
     wire_put_u32(b, limits->seconds);
     wire_put_u32(b, limits->sandbox);
-    wire_put_u32(b, limits->quiet);
 }
 
 struct wire_limits wire_get_limits(struct wire_reader *r) {
     struct wire_limits limits = {.megabytes = wire_get_u32(r)};
     limits.seconds = wire_get_u32(r);
     limits.sandbox = wire_get_u32(r);
-    limits.quiet = wire_get_u32(r);
     return limits;
 }
 

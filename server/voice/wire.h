@@ -3,8 +3,8 @@
  * payload. Both ends run on the same machine and come from the same build, so numbers are in native order.
  *
  * Daemon to worker: OPEN once, then SPEAK and CANCEL. Worker to daemon: HELLO, FAILED or ABSENT once, then
- * for each SPEAK any number of AUDIO and EVENTS and one DONE. Neither end trusts the other: every length is
- * checked before it is used. */
+ * for each SPEAK any number of AUDIO and EVENTS and one DONE, with an ALIVE every WIRE_ALIVE_MS. Neither end
+ * trusts the other: every length is checked before it is used. */
 #ifndef FACCIA_VOICE_WIRE_H
 #define FACCIA_VOICE_WIRE_H
 
@@ -22,11 +22,15 @@ enum wire_type {
     WIRE_EVENTS,   /* struct wire_event, one after the other */
     WIRE_DONE,     /* u32: 0 = spoken, else failed; string: why */
     WIRE_ABSENT,   /* string: why the plugin has nothing to run; instead of FAILED */
+    WIRE_ALIVE,    /* nothing: the process runs, and works on a sentence */
     WIRE_TYPE_END
 };
 
 /* The descriptor on which a worker finds its socket. */
 enum { WIRE_FD = 3 };
+
+/* While a sentence is worked on, ms. */
+enum { WIRE_ALIVE_MS = 100 };
 
 enum { WIRE_HEADER_BYTES = 12, WIRE_PAYLOAD_MAX = 16 << 20 };
 
@@ -66,8 +70,7 @@ const char *wire_get_string(struct wire_reader *r);
 struct wire_limits {
     uint32_t megabytes; /* of address space */
     uint32_t seconds;   /* processor time to start and, in WIRE_SPEAK anew, for each sentence */
-    bool sandbox;       /* system calls that the plugin does not need are refused */
-    bool quiet;         /* no word about a sandbox that is not to be had */
+    bool sandbox;       /* what the plugin does not need is refused */
 };
 
 void wire_put_limits(struct buf *b, const struct wire_limits *limits);

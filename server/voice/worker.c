@@ -14,6 +14,9 @@ enum {
     STOP_MS = 300,     /* to stop speaking when told to */
     REST_MS = 100,     /* before the second start in a row; doubled for each further one */
     STARTS = 5,        /* in a row, before the plugin is given up for a while */
+    SHORT_MS = 100,    /* before the next try to start, when the system has no room for a process */
+    SHORT_LOG_MS = 1000,
+    RETIRE_MS = 10000, /* for which a spare one has had nothing to do */
     PROCESSOR_SECONDS_MAX = 1 << 30,
 };
 
@@ -53,10 +56,17 @@ static void give_up(struct worker *w, const char *why) {
     pool_plugin_known(plugin);
 }
 
+static void turn_off(struct worker *w, uint64_t rest_ms) {
+    w->not_before = uv_now(w->plugin->pool->loop) + rest_ms;
+    set_state(w, WORKER_OFF, 0);
+}
+
 /* A start that came to nothing: the next one comes later, and much later after several. */
 static void rest(struct worker *w, const char *why, bool hopeless) {
     w->failed_starts++;
-    if (hopeless || w->failed_starts >= STARTS || w->given_up)
+    if (w->spare)
+        turn_off(w, (uint64_t)REST_MS << (w->failed_starts < STARTS ? w->failed_starts : STARTS));
+    else if (hopeless || w->failed_starts >= STARTS || w->given_up)
         give_up(w, why);
     else
         set_state(w, WORKER_RESTING, (uint64_t)REST_MS << (w->failed_starts - 1));
@@ -74,13 +84,15 @@ static void lose(struct worker *w, const char *code, const char *why, bool hopel
         process_stop(w->process, hopeless); /* one that has said why it ends is about to */
     w->process = NULL;
     error_set(&e, code, "the voice %s %s", plugin->name, why);
-    if (state == WORKER_IDLE || state == WORKER_SPEAKING)
+    if (state == WORKER_IDLE || state == WORKER_SPEAKING || state == WORKER_LOST)
         log_warn("the voice %s %s; it is started again", plugin->name, why);
     w->state = WORKER_RESTING;
-    if (state == WORKER_SPEAKING || state == WORKER_STOPPING)
-        start(w);
-    else
+    if (state == WORKER_IDLE || state == WORKER_STARTING || state == WORKER_RESTING)
         rest(w, why, hopeless);
+    else if (w->spare && spare_may_go(plugin))
+        turn_off(w, 0);
+    else
+        start(w);
     end_job(w, NULL, &e);
 }
 
@@ -96,10 +108,16 @@ static void on_time(uv_timer_t *timer) {
     case WORKER_STOPPING:
         lose(w, "voice-timeout", "did not stop", false);
         break;
+    case WORKER_LOST:
+        lose(w, "voice-timeout", "did not come back", false);
+        break;
     case WORKER_RESTING:
         start(w);
         break;
     case WORKER_IDLE:
+        worker_retire(w);
+        break;
+    case WORKER_OFF:
         break;
     }
 }
@@ -107,17 +125,18 @@ static void on_time(uv_timer_t *timer) {
 static void hello(struct worker *w, const char *description) {
     struct plugin *plugin = w->plugin;
     struct error e;
-    if (!plugin->known || w->given_up) {
+    if (!plugin->listed || w->given_up) {
         if (catalog_add(&plugin->pool->catalog, plugin->name, description, &e) < 0) {
             lose(w, "voice-failed", e.message, true);
             return;
         }
     }
+    plugins_tell_gaps(plugin->pool, description);
     if (w->given_up)
         log_info("the voice %s has started after all", plugin->name);
     w->given_up = false;
     set_state(w, WORKER_IDLE, 0);
-    plugin->known = true;
+    plugin->known = plugin->listed = true;
     pool_plugin_known(plugin);
     worker_wake(w);
 }
@@ -166,6 +185,15 @@ static void be_patient(struct worker *w) {
     set_state(w, WORKER_SPEAKING, left < w->patience ? left : w->patience);
 }
 
+/* What it says of a sentence that another one speaks counts for nothing, but it can be used again. */
+static void came_back(struct worker *w, const struct wire_frame *frame) {
+    if (frame->type != WIRE_DONE)
+        return;
+    log_info("the voice %s: the worker that fell silent has come back", w->plugin->name);
+    set_state(w, WORKER_IDLE, 0);
+    worker_wake(w);
+}
+
 static void said(void *ctx, const struct wire_frame *frame) {
     struct worker *w = ctx;
     struct wire_reader r = wire_read(frame);
@@ -173,6 +201,13 @@ static void said(void *ctx, const struct wire_frame *frame) {
     int result = 0;
     if (w->state == WORKER_STARTING) {
         greeted(w, frame);
+        return;
+    }
+    spare_heard(w);
+    if (frame->type == WIRE_ALIVE && (w->job || w->state == WORKER_LOST))
+        return;
+    if (w->state == WORKER_LOST && frame->job == w->dropped) {
+        came_back(w, frame);
         return;
     }
     bool expected = w->job && frame->job == w->job->number;
@@ -208,16 +243,46 @@ static uint32_t processor_seconds(const struct voice_pool *pool, uint64_t ms) {
     return seconds < PROCESSOR_SECONDS_MAX ? (uint32_t)seconds : PROCESSOR_SECONDS_MAX;
 }
 
-static void start(struct worker *w) {
+/* No fault of the plugin's: its sentences wait. */
+static void wait_for_room(struct worker *w, const char *why) {
+    struct voice_pool *pool = w->plugin->pool;
+    uint64_t now = uv_now(pool->loop);
+    if (now >= pool->short_logged + SHORT_LOG_MS || !pool->short_logged) {
+        log_warn("the voice %s has to wait: %s", w->plugin->name, why);
+        pool->short_logged = now;
+    }
+    set_state(w, WORKER_RESTING, SHORT_MS);
+}
+
+/* With the reserve, when there is nothing else. */
+static struct process *launch(struct worker *w, struct error *e) {
     static const struct process_callbacks callbacks = {said, died, gone};
+    struct voice_pool *pool = w->plugin->pool;
+    struct process *process = NULL;
+    reserve_fill(&pool->reserve);
+    for (int i = 0; i < 2 && !process; i++) {
+        pool->open_handles++;
+        process = process_start(pool->loop, pool->worker_path, w->plugin->path, &callbacks, w, e);
+        if (!process && strcmp(e->code, PROCESS_NO_ROOM) != 0)
+            break;
+        if (!process)
+            reserve_release(&pool->reserve);
+    }
+    reserve_fill(&pool->reserve);
+    return process;
+}
+
+static void start(struct worker *w) {
     struct plugin *plugin = w->plugin;
     struct voice_pool *pool = plugin->pool;
-    const struct wire_limits limits = {pool->megabytes, processor_seconds(pool, START_MS), !pool->unconfined,
-                                       pool->quiet};
+    const struct wire_limits limits = {pool->megabytes, processor_seconds(pool, START_MS), !pool->unconfined};
     struct error e;
-    pool->open_handles++;
     set_state(w, WORKER_STARTING, START_MS);
-    w->process = process_start(pool->loop, pool->worker_path, plugin->path, &callbacks, w, &e);
+    w->process = launch(w, &e);
+    if (!w->process && !strcmp(e.code, PROCESS_NO_ROOM)) {
+        wait_for_room(w, e.message);
+        return;
+    }
     if (!w->process) {
         lose(w, e.code, e.message, false);
         return;
@@ -233,10 +298,29 @@ static void start(struct worker *w) {
 
 void worker_open(struct worker *w, struct plugin *plugin) {
     w->plugin = plugin;
-    w->timer.data = w;
+    w->timer.data = w->pulse.data = w;
     uv_timer_init(plugin->pool->loop, &w->timer);
-    plugin->pool->open_handles++;
+    uv_timer_init(plugin->pool->loop, &w->pulse);
+    plugin->pool->open_handles += 2;
+    w->spare = w >= plugin->workers + plugin->worker_count;
+    if (w->spare)
+        turn_off(w, 0);
+    else
+        start(w);
+}
+
+void worker_start(struct worker *w) {
     start(w);
+}
+
+void worker_retire(struct worker *w) {
+    if (!spare_may_go(w->plugin)) {
+        set_state(w, WORKER_IDLE, RETIRE_MS);
+        return;
+    }
+    process_stop(w->process, true);
+    w->process = NULL;
+    turn_off(w, 0);
 }
 
 static void on_timer_closed(uv_handle_t *handle) {
@@ -248,6 +332,7 @@ void worker_close(struct worker *w) {
     struct error e;
     bool idle = w->state == WORKER_IDLE;
     uv_close((uv_handle_t *)&w->timer, on_timer_closed);
+    uv_close((uv_handle_t *)&w->pulse, on_timer_closed);
     if (w->process)
         process_stop(w->process, idle);
     w->process = NULL;
@@ -257,9 +342,15 @@ void worker_close(struct worker *w) {
 
 void worker_wake(struct worker *w) {
     struct voice_pool *pool = w->plugin->pool;
-    struct voice_job *job = w->state == WORKER_IDLE && !pool->closing ? pool_next_job(w->plugin) : NULL;
-    if (!job)
+    if (w->state != WORKER_IDLE || pool->closing)
         return;
+    spare_rescue(w->plugin);
+    struct voice_job *job = pool_next_job(w->plugin);
+    if (!job) {
+        if (w->spare && !uv_is_active((uv_handle_t *)&w->timer))
+            set_state(w, WORKER_IDLE, RETIRE_MS);
+        return;
+    }
     double seconds = pool->deadline_base + pool->deadline_per_byte * (double)job->plan.text_bytes;
     if (job->voice->capabilities & FACCIA_VOICE_SLOW)
         seconds *= SLOW_PATIENCE;
@@ -276,15 +367,36 @@ void worker_wake(struct worker *w) {
     job->assembly = assembly_new(&job->plan);
     w->job = job;
     be_patient(w);
+    spare_watch(w);
+    process_send(w->process, &b);
+    buf_free(&b);
+}
+
+static void tell_to_stop(struct worker *w) {
+    struct buf b = {0};
+    size_t place = wire_begin(&b, WIRE_CANCEL, w->job->number);
+    wire_end(&b, place);
     process_send(w->process, &b);
     buf_free(&b);
 }
 
 void worker_cancel(struct worker *w) {
-    struct buf b = {0};
-    size_t place = wire_begin(&b, WIRE_CANCEL, w->job->number);
-    wire_end(&b, place);
     set_state(w, WORKER_STOPPING, STOP_MS);
-    process_send(w->process, &b);
-    buf_free(&b);
+    tell_to_stop(w);
+}
+
+/* Its own deadline stays: by then it is back, or another process takes its place. */
+struct voice_job *worker_give_up_job(struct worker *w) {
+    struct voice_job *job = w->job;
+    struct voice_pool *pool = w->plugin->pool;
+    tell_to_stop(w);
+    w->dropped = job->number;
+    w->state = WORKER_LOST;
+    w->job = NULL;
+    assembly_free(job->assembly);
+    job->assembly = NULL;
+    job->spoken.size = 0;
+    job->worker = NULL;
+    job->number = pool_number(pool); /* what the first one still says of it has another */
+    return job;
 }

@@ -2,9 +2,11 @@
 /* faccia-voice PLUGIN.so: runs one voice plugin for the daemon, which starts it with a socket on descriptor
  * WIRE_FD. */
 #include "server/base/log.h"
+#include "server/voice/allowed.h"
 #include "server/voice/host.h"
 #include "server/voice/mouthpiece.h"
 #include "server/voice/sandbox.h"
+#include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
 #include <stdio.h>
@@ -44,11 +46,13 @@ static void limit_processor(uint32_t seconds) {
     setrlimit(RLIMIT_CPU, &time);
 }
 
-/* The worker ends when its socket does; an interrupt of the terminal is for the daemon to handle. */
+/* The worker ends when its socket does; an interrupt of the terminal is for the daemon to handle. What it
+ * signals to its own group does not reach the daemon's. */
 static void set_signals(void) {
     signal(SIGINT, SIG_IGN);
     signal(SIGTERM, SIG_IGN);
     signal(SIGPIPE, SIG_IGN);
+    setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
 }
 
@@ -84,33 +88,71 @@ static int serve(struct mouthpiece *m, struct host *host) {
     return 0;
 }
 
-/* Without a sandbox it goes on. */
-static void confine(const struct host *host, const struct wire_limits *limits) {
-    char why[160];
-    if (limits->sandbox && sandbox_enter(host->capabilities, why, sizeof why) < 0 && !limits->quiet)
-        log_warn("the voice %s runs without a sandbox: %s", host->api->name, why);
+/* What the daemon says first. It is read by the only thread, as a process must be confined before it has a
+ * second one. */
+struct opening {
+    struct buf bytes;
+    const char *config;
+    struct wire_limits limits;
+};
+
+static bool read_all(struct buf *b, size_t size) {
+    for (ssize_t n; b->size < size; b->size += (size_t)n) {
+        n = read(WIRE_FD, buf_reserve(b, size - b->size), size - b->size);
+        if (n < 0 && errno == EINTR)
+            n = 0;
+        else if (n <= 0)
+            return false;
+    }
+    return true;
 }
 
-static int run(struct mouthpiece *m, const char *plugin) {
+/* False when the daemon has gone before it has said all of it. */
+static bool hear_opening(struct opening *opening) {
     struct wire_frame frame;
-    struct host host;
-    char message[256];
-    if (!mouthpiece_next(m, &frame))
-        return 0;
+    size_t used;
+    uint32_t size;
+    if (!read_all(&opening->bytes, WIRE_HEADER_BYTES))
+        return false;
+    memcpy(&size, opening->bytes.data, sizeof size);
+    if (size <= WIRE_PAYLOAD_MAX && !read_all(&opening->bytes, WIRE_HEADER_BYTES + size))
+        return false;
+    if (wire_next(opening->bytes.data, opening->bytes.size, &frame, &used) != 1 || frame.type != WIRE_OPEN)
+        return true;
     struct wire_reader r = wire_read(&frame);
     const char *config = wire_get_string(&r);
-    const struct wire_limits limits = wire_get_limits(&r);
-    if (frame.type != WIRE_OPEN || !config || r.bad) {
-        log_error("a voice worker was not told its configuration");
-        return 1;
-    }
-    limit_memory(limits.megabytes);
-    limit_processor(limits.seconds);
-    int result = host_load(&host, plugin, message, sizeof message);
-    if (!result) {
-        confine(&host, &limits);
-        result = host_open(&host, config, message, sizeof message);
-    }
+    opening->limits = wire_get_limits(&r);
+    opening->config = r.bad ? NULL : config;
+    return true;
+}
+
+/* Rights first, then the plugin's code, from its initialisers on. */
+static int load(struct host *host, const char *plugin, const struct allowed *allowed, bool confined,
+                char *message, size_t cap) {
+    struct needs needs;
+    needs_read(&needs, plugin);
+    const struct sandbox sandbox = {plugin, &needs, allowed->paths, allowed->count, getppid()};
+    host->gaps = (struct sandbox_gaps){0};
+    if (confined)
+        sandbox_enter(&sandbox, &host->gaps);
+    int result = host_load(host, plugin, confined ? needs.capabilities : UINT32_MAX, message, cap);
+    needs_free(&needs);
+    return result;
+}
+
+static int run(const struct opening *opening, const char *plugin) {
+    struct host host = {0};
+    struct allowed allowed;
+    char message[256];
+    limit_memory(opening->limits.megabytes);
+    limit_processor(opening->limits.seconds);
+    int result = allowed_read(&allowed, opening->config, message, sizeof message);
+    if (!result)
+        result = load(&host, plugin, &allowed, opening->limits.sandbox, message, sizeof message);
+    struct mouthpiece *m = mouthpiece_open(WIRE_FD);
+    if (!result)
+        result = host_open(&host, allowed.config, message, sizeof message);
+    allowed_free(&allowed);
     if (result) {
         mouthpiece_say(m, result > 0 ? WIRE_ABSENT : WIRE_FAILED, message);
         return 1;
@@ -132,6 +174,13 @@ int main(int argc, char **argv) {
         return help ? 0 : 2;
     }
     set_signals();
-    struct mouthpiece *m = mouthpiece_open(WIRE_FD);
-    return run(m, argv[1]); /* m is the listening thread's, too */
+    struct opening opening = {0};
+    int status = 0;
+    if (hear_opening(&opening)) {
+        if (!opening.config)
+            log_error("a voice worker was not told its configuration");
+        status = opening.config ? run(&opening, argv[1]) : 1;
+    }
+    buf_free(&opening.bytes);
+    return status;
 }

@@ -69,9 +69,20 @@ test('on disk it outlives the process, also one that was killed; a damaged file 
   daemon = await Daemon.start(options);
   assert.ok(before.equals((await say(daemon)).wav));
   assert.equal((await daemon.stop()).code, 0);
-  fs.writeFileSync(file, 'x'.repeat(20000));
+  // after the header, which says whose file it is
+  const handle = fs.openSync(file, 'r+');
+  fs.writeSync(handle, 'x'.repeat(20000), 100);
+  fs.closeSync(handle);
   daemon = await Daemon.start(options);
   assert.match(daemon.log, /begun anew/);
   assert.ok((await say(daemon)).wav.length > 10000);
   assert.equal((await daemon.stop()).code, 0);
+});
+
+test('a file that is something else stays as it is, and the start names the option', async () => {
+  const file = path.join(folder, 'letter');
+  fs.writeFileSync(file, 'Dear Anna,\n');
+  await assert.rejects(Daemon.start(['--cache-file', file]), /--cache-file: .*letter is no cache of sentences/);
+  assert.equal(fs.readFileSync(file, 'utf8'), 'Dear Anna,\n');
+  assert.deepEqual(fs.readdirSync(folder).filter((name) => name.startsWith('letter')), ['letter']);
 });

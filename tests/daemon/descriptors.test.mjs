@@ -18,7 +18,7 @@ async function start(t, limits, ...options) {
   const program = path.join(folder, 'build', 'server/app/facciad');
   fs.mkdirSync(path.dirname(program), { recursive: true });
   fs.writeFileSync(program, `#!/bin/sh\nexec prlimit --nofile=${limits} "${path.join(build, 'server/app/facciad')}" "$@"\n`, { mode: 0o755 });
-  const daemon = await Daemon.start(options, {}, program);
+  const daemon = await Daemon.start(options, {}, { program });
   t.after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
   return daemon;
 }

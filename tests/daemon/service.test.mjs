@@ -63,7 +63,7 @@ assert seccomp.seccomp_load(found) == 0
 os.execv('${path.join(build, 'server/app/facciad')}', ['facciad'] + sys.argv[1:])
 `, { mode: 0o755 });
   // the leak detector would need ptrace
-  const daemon = await Daemon.start([], { ASAN_OPTIONS: `${process.env.ASAN_OPTIONS ?? ''}:detect_leaks=0` }, script);
+  const daemon = await Daemon.start([], { ASAN_OPTIONS: `${process.env.ASAN_OPTIONS ?? ''}:detect_leaks=0` }, { program: script });
   assert.match(daemon.log, /ready: \d+ voices/);
   assert.match(fs.readFileSync(`/proc/${daemon.process.pid}/status`, 'utf8'), /^Seccomp:\t2$/m);
   assert.doesNotMatch(daemon.log, /warning|error|not permitted/i);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Voice plugins that crash, hang or never start: a sentence is lost, with an error; nobody else notices.
 import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
@@ -11,7 +12,7 @@ const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 let daemon;
 before(async () => {
   fs.symlinkSync(path.join(build, 'server/plugins/espeak.so'), path.join(folder, 'espeak.so'));
-  for (const name of ['puppet', 'old', 'empty', 'refuses', 'dies'])
+  for (const name of ['puppet', 'old', 'empty', 'refuses', 'dies', 'escape'])
     fs.symlinkSync(path.join(build, `tests/plugins/${name}.so`), path.join(folder, `${name}.so`));
   daemon = await Daemon.start(['--plugins', folder]);
 });
@@ -80,4 +81,39 @@ test('a stop reaches a voice at work', async () => {
   stream.send({ type: 'speak', voice: 'puppet:plain', lang: 'it', id: 't', text: 'Ora va bene.' });
   assert.equal((await stream.wait({ type: 'end', id: 't' })).reason, 'done');
   await stream.close();
+});
+
+// tests/unit/test_escape.c has them all
+for (const attempt of ['memory', 'environment', 'poke', 'signal', 'priority', 'out of memory score', 'datagram of a pair', 'fork'])
+  test(`a plugin that tries "${attempt}" is refused, and the daemon lives on`, async () => {
+    const stream = await daemon.stream();
+    stream.send({ type: 'speak', voice: 'escape:plain', lang: 'it', markup: 'plain', id: 'e', text: attempt });
+    assert.match((await stream.wait({ type: 'warning', id: 'e' })).message, /^refused, refused$/);
+    assert.equal((await stream.wait({ type: 'end', id: 'e' })).reason, 'done');
+    assert.equal((await daemon.get('/healthz')).status, 200);
+    await stream.close();
+  });
+
+test('a worker that is stopped in a sentence makes nobody wait for its deadline', async () => {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-stopped-'));
+  fs.symlinkSync(path.join(build, 'tests/plugins/puppet.so'), path.join(folder, 'puppet.so'));
+  // which is longer than this test may last
+  const daemon = await Daemon.start(['--plugins', folder, '--deadline-base', '1000']);
+  const [victim, ...others] = await Promise.all(Array.from({ length: 21 }, () => daemon.stream()));
+  const worker = Number(spawnSync('pgrep', ['-P', String(daemon.process.pid)], { encoding: 'utf8' }).stdout);
+  victim.send({ type: 'speak', lang: 'it', id: 'v', text: 'Una frase.\n\nbrief\n\nE poi ancora.' });
+  await victim.wait({ type: 'begin', id: 'v' });
+  process.kill(worker, 'SIGSTOP');
+  const stopped = performance.now();
+  for (const other of others) other.send({ type: 'speak', lang: 'it', id: 'o', text: 'Io parlo.' });
+  const begins = await Promise.all(others.map((other) => other.wait({ type: 'begin', id: 'o' })));
+  console.log(`# the last of ${others.length} was heard after ${(Math.max(...begins.map((b) => b.arrived)) - stopped).toFixed(0)} ms`);
+  for (const stream of [victim, ...others]) {
+    assert.equal((await stream.wait({ type: 'end' })).reason, 'done');
+    assert.ok(!stream.messages.some((m) => m.type === 'error'));
+  }
+  assert.match(daemon.log, /spare worker/);
+  process.kill(worker, 'SIGCONT');
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+  fs.rmSync(folder, { recursive: true });
 });

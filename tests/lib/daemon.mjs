@@ -20,8 +20,11 @@ const kill = () => running.forEach((child) => child.kill('SIGKILL'));
 if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 5000).unref());
 
 export class Daemon {
-  /** @param {string[]} options of facciad; env: further variables; program: another one that becomes it */
-  static async start(options = [], env = {}, program = path.join(build, 'server/app/facciad')) {
+  /**
+   * @param {string[]} options of facciad; env: further variables; program: another one that becomes it;
+   *   voices: false = does not wait for the voices
+   */
+  static async start(options = [], env = {}, { voices = true, program = path.join(build, 'server/app/facciad') } = {}) {
     const daemon = new Daemon();
     daemon.log = '';
     daemon.process = spawn(program, ['--port', '0', ...options], {
@@ -38,7 +41,7 @@ export class Daemon {
     const line = await daemon.logged(/listening on http:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//);
     daemon.port = Number(line[1]);
     daemon.url = `http://127.0.0.1:${daemon.port}`;
-    await daemon.logged(/ready: |no voice plugin/);
+    if (voices) await daemon.logged(/ready: |no voice plugin/);
     return daemon;
   }
 

@@ -174,6 +174,12 @@ static void steady(const struct faccia_sink *sink) {
         usleep(250000);
 }
 
+/* A second. */
+static void brief(const struct faccia_sink *sink) {
+    for (int i = 0; i < 4 && !speak_audio(sink, BYTE); i++)
+        usleep(250000);
+}
+
 static void drip(const struct faccia_sink *sink) {
     while (!speak_audio(sink, BYTE))
         usleep(50000);
@@ -251,6 +257,36 @@ static void launch(const struct faccia_sink *sink) {
     speak_audio(sink, BYTE);
 }
 
+/* A frame that the host would never write, past it onto the daemon's socket. */
+static void raw(int which, uint32_t job) {
+    enum { EVENTS = 7, AUDIO = 6, DONE = 8, HELLO = 4, ALIVE = 10 };
+    static const uint32_t frames[][12] = {
+        /* words after the header; then length, type, job (0 = of the sentence, 1 = another), payload */
+        {0, 0xffffffff, AUDIO, 0},
+        {0, 0, 0, 0},
+        {0, 0, 99, 0},
+        {2, 8, DONE, 1, 0, 0},
+        {1, 4, HELLO, 0, 0xfffffff0},
+        {1, 1, EVENTS, 0, 1},
+        {1, 4, EVENTS, 0, 77},
+        {7, 28, EVENTS, 0, 1, 0, 0, 0, 0, 0, 0xfffffffe},
+        {8, 32, EVENTS, 0, 1, 0, 0, 0xffffffff, 0xffffffff, 0xffffffff, 1, 0x00414141},
+        {6, 24, EVENTS, 0, 3, 0xffffffff, 0xffffffff, 0xffffff00, 0x41414141, 0x41414141},
+        {1, 3, AUDIO, 0, 0},
+        {2, 7, AUDIO, 0, 16000, 0},
+        {1, 4, AUDIO, 0, 0},
+        {1, 4, AUDIO, 0, 0xffffffff},
+        {1, 4, DONE, 0, 0},
+        {0, 0, DONE, 0},
+        {0, 4, ALIVE, 0},
+    };
+    uint32_t frame[12];
+    memcpy(frame, frames[which], sizeof frame);
+    frame[3] += job;
+    if (write(3, frame + 1, (3 + frame[0]) * sizeof *frame) < 0)
+        abort();
+}
+
 static const struct {
     const char *name;
     void (*play)(const struct faccia_sink *sink);
@@ -260,7 +296,7 @@ static const struct {
     {"flood", flood},     {"chatter", chatter}, {"leave", leave},   {"print", print},
     {"garbage", garbage}, {"late", late},       {"steady", steady}, {"drip", drip},
     {"spin", spin},       {"hog", hog},         {"dial", dial},     {"launch", launch},
-    {"work", work},
+    {"work", work},       {"brief", brief},
 };
 
 static int puppet_speak(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
@@ -271,6 +307,13 @@ static int puppet_speak(void *self, const struct faccia_sentence *sentence, cons
     if (length == 4 && !memcmp(text, "fail", 4)) {
         snprintf(message, cap, "it does not want to");
         return -1;
+    }
+    int which;
+    unsigned job;
+    if (sscanf(text, "raw %d %u", &which, &job) == 2) {
+        raw(which, job);
+        speak_audio(sink, BYTE);
+        return 0;
     }
     for (size_t i = 0; i < sizeof tricks / sizeof *tricks; i++)
         if (strlen(tricks[i].name) == length && !memcmp(text, tricks[i].name, length)) {

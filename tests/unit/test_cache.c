@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/cache.h"
+#include "server/voice/cache_file.h"
 #include <setjmp.h>
 #include <signal.h>
+#include <sqlite3.h>
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
@@ -9,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -138,7 +141,7 @@ static void damaged_files(void **state) {
     for (int n = 0; n < 3; n++) {
         finish(on_disk(0, 1 << 20));
         if (n == 0)
-            scribble(0, noise, sizeof noise);
+            scribble(100, noise, sizeof noise); /* after what says whose it is */
         else if (n == 1)
             scribble(4096, noise, sizeof noise); /* inside */
         else
@@ -253,7 +256,7 @@ static void damaged_under_two(void **state) {
     static const char noise[8192] = "this is no database at all";
     (void)state;
     struct voice_cache *one = on_disk(0, 1 << 24);
-    scribble(0, noise, sizeof noise);
+    scribble(100, noise, sizeof noise);
     struct voice_cache *two = on_disk(0, 1 << 24);
     assert_non_null(two);
     for (int n = 800; n < 810; n++) {
@@ -268,6 +271,116 @@ static void damaged_under_two(void **state) {
     two = on_disk(0, 1 << 24);
     assert_true(holds(two, 809, 5000));
     finish(two);
+}
+
+static size_t read_file(const char *path, char *out, size_t cap) {
+    FILE *f = fopen(path, "rb");
+    size_t size = f ? fread(out, 1, cap, f) : 0;
+    if (f)
+        fclose(f);
+    return size;
+}
+
+/* It is named as the cache by mistake: it stays as it is, to the byte. */
+static void check_untouched(const char *path) {
+    static char before[65536], after[65536];
+    char wal[128];
+    struct stat old, now;
+    struct error e;
+    size_t size = read_file(path, before, sizeof before);
+    snprintf(wal, sizeof wal, "%s-wal", path);
+    assert_int_equal(stat(path, &old), 0);
+    assert_int_equal(cache_file_check(path, &e), -1);
+    assert_string_equal(e.code, "foreign-file");
+    assert_string_equal(e.field, "--cache-file");
+    assert_non_null(strstr(e.message, path));
+    assert_null(cache_open(uv_default_loop(), &(struct cache_options){0, path, 1 << 20}));
+    assert_int_equal(read_file(path, after, sizeof after), size);
+    assert_memory_equal(before, after, size);
+    assert_int_equal(stat(path, &now), 0);
+    assert_int_equal(now.st_mode, old.st_mode);
+    assert_int_equal(now.st_ino, old.st_ino);
+    assert_int_equal(access(wal, F_OK), -1);
+}
+
+static void files_of_others(void **state) {
+    (void)state;
+    char path[128];
+    sqlite3 *db;
+    snprintf(path, sizeof path, "%s/other", folder);
+    for (int n = 0; n < 4; n++) {
+        unlink(path);
+        FILE *f = n < 2 ? fopen(path, "w") : NULL;
+        if (f) {
+            fputs(n ? "SQLite format 3" : "A letter.\n", f);
+            fclose(f);
+        } else {
+            assert_int_equal(sqlite3_open(path, &db), SQLITE_OK);
+            assert_int_equal(sqlite3_exec(db,
+                                          n == 2 ? "CREATE TABLE sentence (key); PRAGMA user_version=1"
+                                                 : "CREATE TABLE a (b); PRAGMA application_id=7",
+                                          NULL, NULL, NULL),
+                             SQLITE_OK);
+            sqlite3_close(db);
+        }
+        chmod(path, 0644);
+        check_untouched(path);
+    }
+    unlink(path);
+    assert_int_equal(mkdir(path, 0755), 0);
+    struct error e;
+    assert_int_equal(cache_file_check(path, &e), -1);
+}
+
+/* Put in the place of a cache that is in use, and found damaged: what is there now is somebody else's. */
+static void a_file_put_in_its_place(void **state) {
+    (void)state;
+    static const char noise[8192] = "this is no database at all";
+    char kept[128], text[64] = "";
+    snprintf(kept, sizeof kept, "%s/kept", folder);
+    struct voice_cache *cache = on_disk(0, 1 << 20);
+    for (int n = 0; n < 20; n++) {
+        put(cache, 900 + n, 5000);
+        uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    }
+    scribble(100, noise, sizeof noise);
+    assert_int_equal(rename(file, kept), 0);
+    FILE *f = fopen(file, "w");
+    fputs("A letter.", f);
+    fclose(f);
+    for (int n = 0; n < 20; n++) {
+        holds(cache, 900 + n, 5000);
+        put(cache, 920 + n, 5000);
+        uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    }
+    finish(cache);
+    read_file(file, text, sizeof text - 1);
+    assert_string_equal(text, "A letter.");
+    unlink(file);
+    unlink(kept);
+}
+
+/* A shared folder, a usual umask: what somebody had spoken is not for others to read. */
+static void only_its_owner_reads_it(void **state) {
+    (void)state;
+    struct stat info;
+    char path[128];
+    mode_t mask = umask(022);
+    unlink(file);
+    struct voice_cache *cache = on_disk(0, 1 << 20);
+    put(cache, 950, 5000);
+    uv_run(uv_default_loop(), UV_RUN_DEFAULT);
+    for (int n = 0; n < 3; n++) {
+        snprintf(path, sizeof path, "%s%s", file, cache_file_ends[n]);
+        assert_int_equal(stat(path, &info), 0);
+        assert_int_equal(info.st_mode & 0777, 0600);
+    }
+    finish(cache);
+    chmod(file, 0644); /* as it was made once */
+    finish(on_disk(0, 1 << 20));
+    assert_int_equal(stat(file, &info), 0);
+    assert_int_equal(info.st_mode & 0777, 0600);
+    umask(mask);
 }
 
 static void no_such_place(void **state) {
@@ -301,11 +414,19 @@ int main(int argc, char **argv) {
         return write_on();
     }
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(memory),          cmocka_unit_test(disk),
-        cmocka_unit_test(disk_is_bounded), cmocka_unit_test(what_is_asked_for_stays_on_disk),
-        cmocka_unit_test(damaged_files),   cmocka_unit_test(full_disk),
-        cmocka_unit_test(no_such_place),   cmocka_unit_test(killed_while_writing),
-        cmocka_unit_test(two_at_once),     cmocka_unit_test(damaged_under_two),
+        cmocka_unit_test(memory),
+        cmocka_unit_test(disk),
+        cmocka_unit_test(disk_is_bounded),
+        cmocka_unit_test(what_is_asked_for_stays_on_disk),
+        cmocka_unit_test(damaged_files),
+        cmocka_unit_test(full_disk),
+        cmocka_unit_test(no_such_place),
+        cmocka_unit_test(killed_while_writing),
+        cmocka_unit_test(two_at_once),
+        cmocka_unit_test(damaged_under_two),
+        cmocka_unit_test(files_of_others),
+        cmocka_unit_test(a_file_put_in_its_place),
+        cmocka_unit_test(only_its_owner_reads_it),
     };
     return cmocka_run_group_tests(tests, make_folder, remove_folder);
 }

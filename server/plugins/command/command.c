@@ -136,7 +136,8 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .name = "command",
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
-    .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_UNTIMED | FACCIA_VOICE_NETWORK | FACCIA_VOICE_PROGRAMS,
+    .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_UNTIMED | FACCIA_VOICE_NETWORK | FACCIA_VOICE_PROGRAMS |
+                    FACCIA_VOICE_FILES,
     .open = cm_open,
     .list = cm_list,
     .speak = cm_speak,

@@ -134,6 +134,8 @@ static int ko_open(const char *text, void **out, char *message, size_t cap) {
     return result;
 }
 
+FACCIA_VOICE_READS(KOKORO_DATA);
+
 __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = {
     .abi = FACCIA_VOICE_ABI,
     .size = sizeof(struct faccia_voice),
