@@ -34,7 +34,8 @@ int socket_join(struct socket *s, const char *room, struct error *e) {
     return 0;
 }
 
-int socket_set_media(struct socket *s, const char *audio, const char *fap, struct error *e) {
+int socket_set_media(struct socket *s, const char *audio, const char *fap, const char *events,
+                     struct error *e) {
     struct encoding encoding = s->follower.encoding;
     int codec;
     if (audio && (codec = encoding_audio(audio)) < 0)
@@ -45,6 +46,10 @@ int socket_set_media(struct socket *s, const char *audio, const char *fap, struc
         return error_in_field(e, "unknown-codec", "fap", "no FAP codec '%s'", fap);
     if (fap)
         encoding.fap = (uint8_t)codec;
+    int packed = events ? encoding_events(events) : encoding.packed;
+    if (packed < 0)
+        return error_in_field(e, "unknown-codec", "events", "no form of events '%s'", events);
+    encoding.packed = packed;
     if (!encoding_possible(&encoding))
         return error_in_field(e, "unknown-codec", "fap",
                               "plain FAPs do not go with Opus: ask for fba, or for pcm");
@@ -54,12 +59,13 @@ int socket_set_media(struct socket *s, const char *audio, const char *fap, struc
 
 /* What the address asks for, besides the defaults of requests. */
 static void read_query(struct socket *s) {
-    char room[TOKEN_ROOM + 2], audio[32], fap[32];
+    char room[TOKEN_ROOM + 2], audio[32], fap[32], events[32];
     struct error e;
     const char *in = lws_get_urlarg_by_name(s->wsi, "room=", room, sizeof room);
     if (request_from_query(&s->defaults, s->wsi, NULL, &e) ||
         socket_set_media(s, lws_get_urlarg_by_name(s->wsi, "audio=", audio, sizeof audio),
-                         lws_get_urlarg_by_name(s->wsi, "fap=", fap, sizeof fap), &e))
+                         lws_get_urlarg_by_name(s->wsi, "fap=", fap, sizeof fap),
+                         lws_get_urlarg_by_name(s->wsi, "events=", events, sizeof events), &e))
         socket_complain(s, &e);
     if (in && socket_join(s, in, &e))
         socket_complain(s, &e);

@@ -39,7 +39,8 @@ static void leave_room(struct socket *s, const json_t *message) {
 static void choose_media(struct socket *s, const json_t *message) {
     struct error e;
     if (socket_set_media(s, json_string_value(json_object_get(message, "audio")),
-                         json_string_value(json_object_get(message, "fap")), &e))
+                         json_string_value(json_object_get(message, "fap")),
+                         json_string_value(json_object_get(message, "events")), &e))
         socket_complain(s, &e);
 }
 

@@ -236,6 +236,7 @@ export class TalkingHead extends HTMLElement {
   get #address() {
     const url = new URL(this.getAttribute('src') || '/v1/stream', document.baseURI);
     url.protocol = url.protocol.replace(/^http/, 'ws');
+    if (!url.searchParams.has('events')) url.searchParams.set('events', 'packed');
     return url.href;
   }
 
