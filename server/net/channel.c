@@ -15,6 +15,8 @@ struct variant {
     unsigned followers;
 };
 
+enum { EVENT_BYTES = 384 }; /* most events have fewer */
+
 struct channel {
     struct net *net;
     char *name;
@@ -82,6 +84,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
             encoder_event(v->encoder, event);
     if (!is_text(c, event->kind))
         return;
+    buf_reserve(&text, EVENT_BYTES);
     event_write(&text, event, c->name);
     struct parcel *parcel = parcel_new(LWS_WRITE_TEXT, text.data, text.size);
     parcel->event = event_name(event->kind);

@@ -34,21 +34,24 @@ int socket_join(struct socket *s, const char *room, struct error *e) {
     return 0;
 }
 
-int socket_set_media(struct socket *s, const char *audio, const char *fap, const char *events,
-                     struct error *e) {
+int socket_set_media(struct socket *s, const struct media_wish *wish, struct error *e) {
     struct encoding encoding = s->follower.encoding;
-    int codec;
-    if (audio && (codec = encoding_audio(audio)) < 0)
-        return error_in_field(e, "unknown-codec", "audio", "no audio codec '%s'", audio);
-    if (audio)
+    int codec = 0;
+    if (wish->audio && (codec = encoding_audio(wish->audio)) < 0)
+        return error_in_field(e, "unknown-codec", "audio", "no audio codec '%s'", wish->audio);
+    if (wish->audio)
         encoding.audio = (uint8_t)codec;
-    if (fap && (codec = encoding_fap(fap)) < 0)
-        return error_in_field(e, "unknown-codec", "fap", "no FAP codec '%s'", fap);
-    if (fap)
+    if (wish->fap && (codec = encoding_fap(wish->fap)) < 0)
+        return error_in_field(e, "unknown-codec", "fap", "no FAP codec '%s'", wish->fap);
+    if (wish->fap)
         encoding.fap = (uint8_t)codec;
-    int packed = events ? encoding_events(events) : encoding.packed;
+    if (wish->kilobits && (codec = encoding_kilobits(wish->kilobits)) < 0)
+        return error_in_field(e, "bad-field", "kilobits", "must be a number of kilobits a second, 6 to 64");
+    if (wish->kilobits)
+        encoding.kilobits = (uint8_t)codec;
+    int packed = wish->events ? encoding_events(wish->events) : encoding.packed;
     if (packed < 0)
-        return error_in_field(e, "unknown-codec", "events", "no form of events '%s'", events);
+        return error_in_field(e, "unknown-codec", "events", "no form of events '%s'", wish->events);
     encoding.packed = packed;
     if (!encoding_possible(&encoding))
         return error_in_field(e, "unknown-codec", "fap",
@@ -59,13 +62,16 @@ int socket_set_media(struct socket *s, const char *audio, const char *fap, const
 
 /* What the address asks for, besides the defaults of requests. */
 static void read_query(struct socket *s) {
-    char room[TOKEN_ROOM + 2], audio[32], fap[32], events[32];
+    char room[TOKEN_ROOM + 2], audio[32], fap[32], events[32], kilobits[32];
     struct error e;
     const char *in = lws_get_urlarg_by_name(s->wsi, "room=", room, sizeof room);
-    if (request_from_query(&s->defaults, s->wsi, NULL, &e) ||
-        socket_set_media(s, lws_get_urlarg_by_name(s->wsi, "audio=", audio, sizeof audio),
-                         lws_get_urlarg_by_name(s->wsi, "fap=", fap, sizeof fap),
-                         lws_get_urlarg_by_name(s->wsi, "events=", events, sizeof events), &e))
+    const struct media_wish wish = {
+        lws_get_urlarg_by_name(s->wsi, "audio=", audio, sizeof audio),
+        lws_get_urlarg_by_name(s->wsi, "fap=", fap, sizeof fap),
+        lws_get_urlarg_by_name(s->wsi, "events=", events, sizeof events),
+        lws_get_urlarg_by_name(s->wsi, "kilobits=", kilobits, sizeof kilobits),
+    };
+    if (request_from_query(&s->defaults, s->wsi, NULL, &e) || socket_set_media(s, &wish, &e))
         socket_complain(s, &e);
     if (in && socket_join(s, in, &e))
         socket_complain(s, &e);

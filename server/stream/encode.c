@@ -7,6 +7,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { KILOBITS_LEAST = 6, KILOBITS_MOST = 64 };
+
 struct encoder {
     struct encoding encoding;
     struct effort *effort;
@@ -29,8 +31,8 @@ static const struct {
                    {"opus", CHUNK_AUDIO_OPUS}},
   fap_names[] = {{"none", CHUNK_FAP_NONE}, {"plain", CHUNK_FAP_PLAIN}, {"fba", CHUNK_FAP_FBA}};
 
-const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FBA, false};
-const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE, false};
+const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FBA, 0, false};
+const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE, 0, false};
 
 int encoding_audio(const char *name) {
     for (size_t i = 0; i < sizeof audio_names / sizeof *audio_names; i++)
@@ -46,12 +48,18 @@ int encoding_fap(const char *name) {
     return -1;
 }
 
+int encoding_kilobits(const char *number) {
+    char *end;
+    long value = strtol(number, &end, 10);
+    return *number && !*end && value >= KILOBITS_LEAST && value <= KILOBITS_MOST ? (int)value : -1;
+}
+
 int encoding_events(const char *name) {
     return !strcmp(name, "packed") ? 1 : !strcmp(name, "text") ? 0 : -1;
 }
 
 bool encoding_same(const struct encoding *a, const struct encoding *b) {
-    return a->audio == b->audio && a->fap == b->fap && a->packed == b->packed;
+    return a->audio == b->audio && a->fap == b->fap && a->kilobits == b->kilobits && a->packed == b->packed;
 }
 
 bool encoding_possible(const struct encoding *e) {
@@ -126,7 +134,7 @@ static void meet_utterance(struct encoder *e, const struct chunk *chunk) {
     if (e->opus && chunk->utterance == e->utterance.utterance)
         return;
     opus_audio_free(e->opus);
-    e->opus = opus_audio_new(chunk->sample_rate, OPUS_BITRATE);
+    e->opus = opus_audio_new(chunk->sample_rate, e->encoding.kilobits * 1000u);
     e->packets = 0;
 }
 

@@ -11,14 +11,18 @@
 /* How one wants to have the media: Opus and FBA in compact chunks, PCM and plain FAPs in those of version 1;
  * PCM also goes with FBA. */
 struct encoding {
-    uint8_t audio; /* enum chunk_audio, CHUNK_AUDIO_OPUS; CHUNK_AUDIO_SILENCE = none */
-    uint8_t fap;   /* enum chunk_fap, CHUNK_FAP_FBA; CHUNK_FAP_NONE = none */
-    bool packed;   /* what begins in a compact chunk is said in it: protocol/packed.h */
+    uint8_t audio;    /* enum chunk_audio, CHUNK_AUDIO_OPUS; CHUNK_AUDIO_SILENCE = none */
+    uint8_t fap;      /* enum chunk_fap, CHUNK_FAP_FBA; CHUNK_FAP_NONE = none */
+    uint8_t kilobits; /* a second, of Opus; 0 = what suits the sound */
+    bool packed;      /* what begins in a compact chunk is said in it: protocol/packed.h */
 };
 
 /* What protocol/README.md calls them: "opus", "pcm_s16le", "none"; "fba", "plain", "none". -1: no such. */
 int encoding_audio(const char *name);
 int encoding_fap(const char *name);
+
+/* Kilobits a second, 6 to 64. -1: no such. */
+int encoding_kilobits(const char *number);
 
 /* "packed": 1; "text": 0. -1: no such. */
 int encoding_events(const char *name);
