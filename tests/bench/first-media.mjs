@@ -2,19 +2,19 @@
 // From `speak` to the first media message on loopback, next to libespeak-ng alone up to its first audio callback, in one run.
 // Usage: node tests/bench/first-media.mjs [RUNS]
 import { execFileSync } from 'node:child_process';
-import path from 'node:path';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { Daemon } from '../lib/daemon.mjs';
 import { median, quantile } from './figures.mjs';
+import { needProgram } from './need.mjs';
 import { prose, sentence } from './text.mjs';
 
 const runs = Number(process.argv[2] ?? 30);
-execFileSync('ninja', ['-C', build, '--quiet', 'tests/bench/bench_espeak_first']);
+const program = needProgram('espeak_first');
 const daemon = await Daemon.start(['--cache', '0']);
 const { voices } = await (await daemon.get('/v1/voices')).json();
 const voice = voices.find((v) => v.id === 'espeak:it');
 
 for (const [name, text] of [['one sentence', sentence], ['five minutes', prose(300)]]) {
-  const alone = execFileSync(path.join(build, 'tests/bench/bench_espeak_first'), ['it', String(runs + 3), text])
+  const alone = execFileSync(program, ['it', String(runs + 3), text])
     .toString().trim().split('\n').map(Number).slice(3);
   const ours = [];
   for (let run = 0; run < runs + 3; run++) {

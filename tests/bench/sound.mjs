@@ -2,15 +2,15 @@
 // What coding takes from the sound: the daemon's own coder at several bit rates, next to what known damage does, voice by voice.
 // likeness.mjs says what is measured. Usage: node tests/bench/sound.mjs [VOICE]... (default: espeak:it and Festival's LP)
 import { execFileSync, spawnSync } from 'node:child_process';
-import path from 'node:path';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { Daemon } from '../lib/daemon.mjs';
 import { likeness } from './likeness.mjs';
+import { needProgram } from './need.mjs';
 import { sentence, varied } from './text.mjs';
 
 const RATES = [8000, 10000, 12000, 14000, 16000, 20000, 24000, 32000, 64000];
 const text = `${sentence} ${varied(500, 3)}`;
 
-execFileSync('ninja', ['-C', build, '--quiet', 'tests/bench/bench_sound']);
+const program = needProgram('sound');
 const daemon = await Daemon.start();
 const { voices } = await (await daemon.get('/v1/voices')).json();
 const wanted = process.argv.length > 2 ? process.argv.slice(2) : ['espeak:it', 'festival:lp'];
@@ -52,7 +52,7 @@ for (const id of wanted) {
   for (const hertz of [8000, 6000, 4000, 3000])
     if (hertz < rate / 2) show(`nothing above ${hertz} Hz`, samples(sox(pcm, rate, 48000, 'sinc', `-${hertz}`)));
   for (const bitrate of RATES) {
-    const coded = spawnSync(path.join(build, 'tests/bench/bench_sound'), [String(rate), String(bitrate)], { input: pcm, maxBuffer: 1 << 28 });
+    const coded = spawnSync(program, [String(rate), String(bitrate)], { input: pcm, maxBuffer: 1 << 28 });
     if (coded.status) throw new Error(String(coded.stderr));
     show(`Opus at ${bitrate / 1000} kbit/s`, samples(coded.stdout), `${((Number(coded.stderr) * 8) / seconds / 1000).toFixed(1)} kbit`);
   }
