@@ -28,7 +28,7 @@ struct opus_audio *opus_audio_new(uint32_t sample_rate, unsigned bitrate);
 void opus_audio_free(struct opus_audio *o);
 
 /* How much work the packets from now on are given, one of effort.h's levels; EFFORT_BEST at first. The
- * bit rate becomes the level's, if that codes by transform. */
+ * bit rate becomes the level's, if that codes by transform and fewer were not asked for. */
 void opus_audio_set_level(struct opus_audio *o, unsigned level);
 
 /* Samples at 48 kHz that a decoder drops at the utterance's beginning, so that the packets' sound begins with
