@@ -83,8 +83,9 @@ void opus_audio_set_level(struct opus_audio *o, unsigned level) {
     o->level = level;
     /* who wants few bits gets no more when many speak: CELT is poor at them */
     bool transform = l->transform && o->bitrate >= OPUS_BITRATE_VOICE;
+    unsigned bitrate = transform && o->bitrate < OPUS_BITRATE_MOST ? OPUS_BITRATE_MOST : o->bitrate;
     opus_encoder_ctl(o->encoder, OPUS_SET_COMPLEXITY(l->transform && !transform ? 0 : l->complexity));
-    opus_encoder_ctl(o->encoder, OPUS_SET_BITRATE((opus_int32)(transform ? OPUS_BITRATE_MOST : o->bitrate)));
+    opus_encoder_ctl(o->encoder, OPUS_SET_BITRATE((opus_int32)bitrate));
     /* for music, libopus takes CELT at these bit rates */
     opus_encoder_ctl(o->encoder, OPUS_SET_SIGNAL(transform ? OPUS_SIGNAL_MUSIC : OPUS_SIGNAL_VOICE));
 }
