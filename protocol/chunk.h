@@ -32,6 +32,8 @@ struct chunk {
     const uint8_t *audio; /* borrowed */
     uint32_t
         first_packet; /* compact chunks with Opus: number of the first packet, from the utterance's first */
+    uint32_t events_bytes; /* compact chunks: packed.h */
+    const uint8_t *events; /* borrowed; before the audio */
 };
 
 /* Writes header, audio and the frames (chunk->frame_count of them, codec chunk->fap_codec) to out. What the

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "protocol/compact.h"
+#include "protocol/varint.h"
 
 enum {
     MARK = 0x80,
@@ -7,30 +8,9 @@ enum {
     AUDIO_SHIFT = 4,
     FAP_SHIFT = 2,
     SAMPLES = 0x02,
-    UNUSED = 0x01,
+    EVENTS = 0x01,
     CODECS = 3
 };
-
-static size_t put(uint8_t *out, uint32_t value) {
-    size_t n = 0;
-    for (; value >= 0x80; value >>= 7)
-        out[n++] = (uint8_t)(value | 0x80);
-    out[n++] = (uint8_t)value;
-    return n;
-}
-
-static bool get(const uint8_t **at, const uint8_t *end, uint32_t *value) {
-    *value = 0;
-    for (int shift = 0; shift < 35 && *at < end; shift += 7) {
-        uint8_t byte = *(*at)++;
-        if (shift == 28 && byte > 0x0F)
-            return false;
-        *value |= (uint32_t)(byte & 0x7F) << shift;
-        if (byte < 0x80)
-            return true;
-    }
-    return false;
-}
 
 uint32_t compact_packets(const uint8_t *audio, size_t size) {
     uint32_t count = 0;
@@ -49,6 +29,7 @@ static void follow(struct compact *state, const struct chunk *chunk) {
     state->next = *chunk;
     state->next.start += chunk->samples;
     state->next.first_frame += chunk->frame_count;
+    state->next.events_bytes = 0;
 }
 
 size_t compact_write(struct compact *state, const struct chunk *c, bool begin, uint8_t *out) {
@@ -58,21 +39,24 @@ size_t compact_write(struct compact *state, const struct chunk *c, bool begin, u
                     c->start != next->start || c->first_frame != next->first_frame;
     bool samples = position || c->samples != next->samples;
     size_t n = 0;
-    out[n++] = (uint8_t)(MARK | (position ? POSITION : 0) | c->audio_codec << AUDIO_SHIFT |
-                         c->fap_codec << FAP_SHIFT | (samples ? SAMPLES : 0));
+    out[n++] =
+        (uint8_t)(MARK | (position ? POSITION : 0) | c->audio_codec << AUDIO_SHIFT |
+                  c->fap_codec << FAP_SHIFT | (samples ? SAMPLES : 0) | (c->events_bytes ? EVENTS : 0));
     if (position) {
-        n += put(out + n, c->utterance);
-        n += put(out + n, c->sample_rate);
-        n += put(out + n, c->fps_hundreds);
-        n += put(out + n, c->start);
-        n += put(out + n, c->first_frame);
+        n += varint_put(out + n, c->utterance);
+        n += varint_put(out + n, c->sample_rate);
+        n += varint_put(out + n, c->fps_hundreds);
+        n += varint_put(out + n, c->start);
+        n += varint_put(out + n, c->first_frame);
         if (c->audio_codec == CHUNK_AUDIO_OPUS)
-            n += put(out + n, c->first_packet);
+            n += varint_put(out + n, c->first_packet);
     }
     if (samples)
-        n += put(out + n, c->samples);
-    n += put(out + n, c->frame_count);
-    n += put(out + n, c->audio_bytes);
+        n += varint_put(out + n, c->samples);
+    n += varint_put(out + n, c->frame_count);
+    n += varint_put(out + n, c->audio_bytes);
+    if (c->events_bytes)
+        n += varint_put(out + n, c->events_bytes);
     follow(state, c);
     return n;
 }
@@ -80,9 +64,10 @@ size_t compact_write(struct compact *state, const struct chunk *c, bool begin, u
 static const char *read_position(const uint8_t **at, const uint8_t *end, struct chunk *c) {
     uint32_t fps;
     c->first_packet = 0;
-    if (!get(at, end, &c->utterance) || !get(at, end, &c->sample_rate) || !get(at, end, &fps) ||
-        !get(at, end, &c->start) || !get(at, end, &c->first_frame) ||
-        (c->audio_codec == CHUNK_AUDIO_OPUS && !get(at, end, &c->first_packet)))
+    if (!varint_get(at, end, &c->utterance) || !varint_get(at, end, &c->sample_rate) ||
+        !varint_get(at, end, &fps) || !varint_get(at, end, &c->start) ||
+        !varint_get(at, end, &c->first_frame) ||
+        (c->audio_codec == CHUNK_AUDIO_OPUS && !varint_get(at, end, &c->first_packet)))
         return "the position is cut short";
     if (!c->sample_rate || !fps || fps > UINT16_MAX)
         return "a rate that cannot be";
@@ -96,7 +81,7 @@ const char *compact_read(struct compact *state, const uint8_t *data, size_t size
     uint32_t frames;
     struct chunk c = state->next;
     const char *wrong;
-    if (!size || !(*at & MARK) || (*at & UNUSED))
+    if (!size || !(*at & MARK))
         return "not a compact chunk";
     uint8_t flags = *at++;
     c.audio_codec = flags >> AUDIO_SHIFT & CODECS;
@@ -107,12 +92,18 @@ const char *compact_read(struct compact *state, const uint8_t *data, size_t size
         return "no chunk to begin with has come yet";
     if ((flags & POSITION) && (wrong = read_position(&at, end, &c)))
         return wrong;
-    if ((flags & SAMPLES) && !get(&at, end, &c.samples))
+    if ((flags & SAMPLES) && !varint_get(&at, end, &c.samples))
         return "the header is cut short";
     if ((flags & POSITION) && !(flags & SAMPLES))
         return "a position without a duration";
-    if (!get(&at, end, &frames) || !get(&at, end, &c.audio_bytes) || frames > UINT16_MAX)
+    c.events_bytes = 0;
+    if (!varint_get(&at, end, &frames) || !varint_get(&at, end, &c.audio_bytes) || frames > UINT16_MAX ||
+        ((flags & EVENTS) && !varint_get(&at, end, &c.events_bytes)))
         return "the header is cut short";
+    if (c.events_bytes > (size_t)(end - at))
+        return "the events are cut short";
+    c.events = at;
+    at += c.events_bytes;
     if (c.audio_bytes > (size_t)(end - at))
         return "the audio is cut short";
     if (c.fap_codec == CHUNK_FAP_NONE && frames)

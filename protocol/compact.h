@@ -7,7 +7,7 @@
 #include "protocol/chunk.h"
 
 enum {
-    COMPACT_HEADER_BYTES_MAX = 40,
+    COMPACT_HEADER_BYTES_MAX = 48,
     CHUNK_AUDIO_OPUS = 2, /* packets of 20 ms, each after its length */
     CHUNK_FAP_FBA = 2,    /* fba.md */
 };
@@ -21,13 +21,13 @@ struct compact {
 /* How many Opus packets lie there; the last may be cut short. */
 uint32_t compact_packets(const uint8_t *audio, size_t size);
 
-/* Writes the header for a chunk whose audio and FAP bytes follow. begin: all that a reader needs to begin
- * here is said (it is by itself where the chunk does not follow from the one before). out has room for
- * COMPACT_HEADER_BYTES_MAX. Returns the number of bytes. */
+/* Writes the header for a chunk whose events (if any), audio and FAP bytes follow. begin: all that a reader
+ * needs to begin here is said (it is by itself where the chunk does not follow from the one before). out has
+ * room for COMPACT_HEADER_BYTES_MAX. Returns the number of bytes. */
 size_t compact_write(struct compact *state, const struct chunk *chunk, bool begin, uint8_t *out);
 
-/* Reads a header; chunk->audio points into data, and what follows the audio is FAP bytes from *fap on. NULL,
- * or what is wrong. */
+/* Reads a header; chunk->events and chunk->audio point into data, and what follows the audio is FAP bytes
+ * from *fap on. NULL, or what is wrong. */
 const char *compact_read(struct compact *state, const uint8_t *data, size_t size, struct chunk *chunk,
                          const uint8_t **fap, size_t *fap_size);
 

@@ -2,6 +2,7 @@
 // Compact media chunks (version 2): README.md, section "Compact chunks". A stream has one reader.
 import { AUDIO_SILENCE, ChunkError, FAP_NONE } from './chunk.mjs';
 import { FbaDecoder } from './fba.mjs';
+import { unpackEvents } from './packed.mjs';
 
 export const AUDIO_OPUS = 2;
 export const FAP_FBA = 2;
@@ -34,7 +35,8 @@ export class CompactReader {
 
   /**
    * @param {ArrayBuffer|Uint8Array} data one message
-   * @returns the chunk as decodeChunk gives it, and the number of its first Opus packet; `audio` is an Int16Array for PCM, a list of packets for Opus, or null;
+   * @returns the chunk as decodeChunk gives it, and the number of its first Opus packet; `audio` is an Int16Array for PCM, a list of packets for Opus, or null; `events` the messages
+   *   that were packed into it;
    *   without frames (`missing` true) when the packets that they build on have not come
    */
   decode(data) {
@@ -55,7 +57,7 @@ export class CompactReader {
       throw new ChunkError('a number of more than 32 bits', at - 1);
     };
     const flags = byte();
-    if (flags < 0x80 || flags & 1) throw new ChunkError('not a compact chunk', 0);
+    if (flags < 0x80) throw new ChunkError('not a compact chunk', 0);
     const audioCodec = (flags >> 4) & 3;
     const fapCodec = (flags >> 2) & 3;
     if (audioCodec > AUDIO_OPUS || (fapCodec !== FAP_NONE && fapCodec !== FAP_FBA)) throw new ChunkError('a codec that is not known here', 0);
@@ -70,6 +72,10 @@ export class CompactReader {
     if (flags & 2) chunk.samples = number();
     const count = number();
     const audioBytes = number();
+    const eventBytes = flags & 1 ? number() : 0;
+    if (eventBytes > bytes.length - at) throw new ChunkError('the events are cut short', at);
+    const events = unpackEvents(bytes.subarray(at, at + eventBytes), chunk);
+    at += eventBytes;
     if (audioBytes > bytes.length - at) throw new ChunkError('the audio is cut short', at);
     if (count && fapCodec === FAP_NONE) throw new ChunkError('frames without a codec', at);
     const audio = bytes.slice(at, at + audioBytes);
@@ -83,6 +89,7 @@ export class CompactReader {
       firstFrame: chunk.firstFrame + count,
       samples: chunk.samples,
     };
+    chunk.events = events;
     chunk.audioCodec = audioCodec;
     chunk.fapCodec = fapCodec;
     chunk.audio = packets ?? (audioCodec === AUDIO_SILENCE ? null : new Int16Array(audio.buffer, 0, audioBytes >> 1));

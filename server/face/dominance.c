@@ -65,21 +65,21 @@ static void fill_h(struct curve *curve, bool forward) {
 }
 
 /* Which segments are felt in each gap between two targets. `reach`: no segment is felt further away than so
- * many gaps. */
+ * many gaps. Neither end ever moves back from one gap to the next. */
 static void fill_ranges(struct curve *curve, size_t reach) {
-    curve->first = mem_alloc((curve->count + 1) * sizeof *curve->first);
-    curve->last = mem_alloc((curve->count + 1) * sizeof *curve->last);
-    for (size_t gap = 0; gap <= curve->count; gap++) {
-        size_t first = gap, last = gap;
-        double begin = gap ? curve->segments[gap - 1].at : -INFINITY,
-               end = gap < curve->count ? curve->segments[gap].at : INFINITY;
-        for (size_t i = gap, steps = 0; i-- > 0 && steps < reach; steps++)
-            if (curve->segments[i].to > begin)
-                first = i;
-        for (size_t i = gap, steps = 0; i < curve->count && steps < reach; i++, steps++)
-            if (curve->segments[i].from < end)
-                last = i + 1;
+    size_t count = curve->count, first = 0, last = count;
+    curve->first = mem_resize(NULL, (count + 1) * sizeof *curve->first);
+    curve->last = mem_resize(NULL, (count + 1) * sizeof *curve->last);
+    for (size_t gap = 0; gap <= count; gap++) {
+        while (first < gap &&
+               (first + reach < gap || curve->segments[first].to <= curve->segments[gap - 1].at))
+            first++;
         curve->first[gap] = (uint32_t)first;
+    }
+    for (size_t gap = count + 1; gap-- > 0;) {
+        while (last > gap &&
+               (last > gap + reach || curve->segments[last - 1].from >= curve->segments[gap].at))
+            last--;
         curve->last[gap] = (uint32_t)last;
     }
 }

@@ -19,6 +19,9 @@ void face_finish(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1], str
     fapmap_part_lips(fapu, faps);
     part_lids(faps);
     for (int n = 3; n <= FAP_COUNT; n++) {
+        frame->value[n] = 0;
+        if (faps[n] == 0) /* many, and always within the limits */
+            continue;
         double value = faps[n] < fap_table[n].min   ? fap_table[n].min
                        : faps[n] > fap_table[n].max ? fap_table[n].max
                                                     : faps[n];

@@ -15,6 +15,8 @@ struct variant {
     unsigned followers;
 };
 
+enum { EVENT_BYTES = 384 }; /* most events have fewer */
+
 struct channel {
     struct net *net;
     char *name;
@@ -34,9 +36,16 @@ static struct variant *variant_of(struct channel *c, const struct encoding *enco
     return v;
 }
 
-static void deliver_text(struct channel *c, struct parcel *parcel) {
-    for (struct follower *f = c->followers; f; f = f->next)
-        f->deliver(f, parcel);
+static bool wants_text(const struct follower *f, enum stream_event_kind kind) {
+    return !f->media || !encoding_packs(&f->encoding, kind);
+}
+
+/* Those who come later to a room are told as text, too. */
+static bool is_text(const struct channel *c, enum stream_event_kind kind) {
+    bool text = c->room;
+    for (const struct follower *f = c->followers; f && !text; f = f->next)
+        text = wants_text(f, kind);
+    return text;
 }
 
 static void deliver_media(struct channel *c, const struct variant *v, const struct buf *bytes, bool start,
@@ -70,11 +79,19 @@ static void on_event(void *ctx, const struct stream_event *event) {
     struct buf text = {0};
     if (event->kind == STREAM_END)
         end_media(c, !strcmp(event->reason, "done"));
-    message_write(&text, message_event(event, c->name));
+    for (struct variant *v = c->variants; v; v = v->next)
+        if (encoding_packs(&v->encoding, event->kind))
+            encoder_event(v->encoder, event);
+    if (!is_text(c, event->kind))
+        return;
+    buf_reserve(&text, EVENT_BYTES);
+    event_write(&text, event, c->name);
     struct parcel *parcel = parcel_new(WEBSOCKET_TEXT, text.data, text.size);
-    parcel->event = message_event_name(event->kind);
+    parcel->event = event_name(event->kind);
     recap_event(&c->recap, event->kind, parcel);
-    deliver_text(c, parcel);
+    for (struct follower *f = c->followers; f; f = f->next)
+        if (wants_text(f, event->kind))
+            f->deliver(f, parcel);
     parcel_release(parcel);
     buf_free(&text);
 }

@@ -40,12 +40,16 @@ struct net {
     const struct voice *languages_of; /* the list from which they were found */
 };
 
+/* event_json.c */
+
+/* Appends the event of that stream as a message. */
+void event_write(struct buf *out, const struct stream_event *event, const char *stream);
+const char *event_name(enum stream_event_kind kind); /* its "type" */
+
 /* message.c: JSON out of the stage's types, and back. */
 
 /* {"type":"error","code",...} with the place; a new reference. */
 json_t *message_error(const struct error *e);
-json_t *message_event(const struct stream_event *event, const char *stream);
-const char *message_event_name(enum stream_event_kind kind);    /* its "type" */
 json_t *message_rooms(const struct net *net, const char *only); /* NULL or "": all */
 json_t *message_hello(struct net *net, const char *stream);
 json_t *message_voices(const struct net *net);

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/internal.h"
 #include "server/stream/opus_audio.h"
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -37,11 +36,6 @@ static void set_string(json_t *object, const char *name, const char *value) {
         json_object_set_new(object, name, quoted(value));
 }
 
-static void set_seconds(json_t *object, const char *name, const struct stream_event *e, uint32_t samples) {
-    double seconds = e->sample_rate ? round((double)samples / e->sample_rate * 1e6) / 1e6 : 0;
-    json_object_set_new_nocheck(object, name, json_real(seconds));
-}
-
 static void set_error(json_t *object, const struct error *e) {
     set_string(object, "code", e->code);
     set_string(object, "message", e->message);
@@ -61,28 +55,6 @@ json_t *message_error(const struct error *e) {
     return object;
 }
 
-static void set_place(json_t *object, const struct stream_event *e) {
-    set_int(object, "start", e->start);
-    set_int(object, "end", e->end);
-    set_int(object, "utf16_start", e->utf16_start);
-    set_int(object, "utf16_end", e->utf16_end);
-}
-
-static void set_time(json_t *object, const struct stream_event *e) {
-    set_seconds(object, "time", e, e->sample);
-    set_int(object, "sample", e->sample);
-}
-
-const char *message_event_name(enum stream_event_kind kind) {
-    static const char *const types[] = {
-        [STREAM_BEGIN] = "begin",     [STREAM_SENTENCE] = "sentence", [STREAM_WORD] = "word",
-        [STREAM_MARK] = "mark",       [STREAM_WARNING] = "warning",   [STREAM_ERROR] = "error",
-        [STREAM_END] = "end",         [STREAM_PHONE] = "phone",       [STREAM_PAUSED] = "paused",
-        [STREAM_RESUMED] = "resumed", [STREAM_JUMPED] = "jumped",
-    };
-    return types[kind];
-}
-
 json_t *message_rooms(const struct net *net, const char *only) {
     json_t *rooms = json_array();
     for (const struct channel *c = net->rooms; c; c = channel_next(c))
@@ -91,66 +63,6 @@ json_t *message_rooms(const struct net *net, const char *only) {
                                                    (int)channel_followers(c), "speaks",
                                                    stream_busy(channel_stream(c))));
     return rooms;
-}
-
-json_t *message_event(const struct stream_event *e, const char *stream) {
-    json_t *object = json_object();
-    set_string(object, "type", message_event_name(e->kind));
-    set_string(object, "stream", stream);
-    if (e->utterance)
-        set_int(object, "utterance", e->utterance);
-    set_string(object, "id", e->id);
-    switch (e->kind) {
-    case STREAM_BEGIN:
-        set_int(object, "rate", e->sample_rate);
-        json_object_set_new(object, "fps",
-                            e->fps == (int)e->fps ? json_integer((int)e->fps) : json_real(e->fps));
-        set_string(object, "play", e->play);
-        set_string(object, "voice", e->voice);
-        set_string(object, "lang", e->lang);
-        set_string(object, "engine", e->engine);
-        set_string(object, "markup", e->markup);
-        if (e->idle >= 0)
-            json_object_set_new_nocheck(object, "idle", json_real(e->idle));
-        break;
-    case STREAM_SENTENCE:
-    case STREAM_WORD:
-        set_time(object, e);
-        set_seconds(object, "duration", e, e->duration);
-        set_place(object, e);
-        json_object_set_new(object, "text", json_stringn(e->text, e->end - e->start));
-        break;
-    case STREAM_MARK:
-        set_time(object, e);
-        set_string(object, "name", e->text);
-        break;
-    case STREAM_PHONE:
-        set_time(object, e);
-        set_seconds(object, "duration", e, e->duration);
-        set_string(object, "ipa", e->text);
-        break;
-    case STREAM_RESUMED:
-        if (e->idle >= 0)
-            json_object_set_new_nocheck(object, "idle", json_real(e->idle));
-        /* fall through */
-    case STREAM_PAUSED:
-        if (e->utterance)
-            set_time(object, e);
-        break;
-    case STREAM_JUMPED:
-        set_time(object, e);
-        set_string(object, "mark", e->text);
-        break;
-    case STREAM_WARNING:
-    case STREAM_ERROR:
-        set_error(object, e->error);
-        break;
-    case STREAM_END:
-        set_string(object, "reason", e->reason);
-        set_seconds(object, "duration", e, e->duration);
-        break;
-    }
-    return object;
 }
 
 json_t *message_models(const struct net *net) {
@@ -242,10 +154,11 @@ json_t *message_hello(struct net *net, const char *stream) {
     for (const char *const *engine = face_engines(); *engine; engine++)
         json_array_append_new(engines, json_string(*engine));
     const struct net_options *o = &net->options;
-    json_t *hello = json_pack("{ss si ss ss si s[sss] s[sss] si sb ss}", "type", "hello", "protocol", 1,
-                              "server", "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio",
-                              "opus", "pcm_s16le", "none", "fap", "fba", "plain", "none", "opus_skip",
-                              OPUS_SKIP, "tokens", o->secrets != NULL, "lang", net->studio->default_lang);
+    json_t *hello =
+        json_pack("{ss si ss ss si s[sss] s[sss] s[ss] si sb ss}", "type", "hello", "protocol", 1, "server",
+                  "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "opus", "pcm_s16le", "none",
+                  "fap", "fba", "plain", "none", "events", "text", "packed", "opus_skip", OPUS_SKIP, "tokens",
+                  o->secrets != NULL, "lang", net->studio->default_lang);
     json_object_set_new(hello, "languages", languages);
     json_object_set_new(hello, "more_languages", more_languages(net));
     json_object_set_new(hello, "engines", engines);

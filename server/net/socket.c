@@ -46,17 +46,25 @@ void socket_leave(struct socket *s) {
     socket_enter(s, channel_new(s->net, s->name));
 }
 
-int socket_set_media(struct socket *s, const char *audio, const char *fap, struct error *e) {
+int socket_set_media(struct socket *s, const struct media_wish *wish, struct error *e) {
     struct encoding encoding = s->follower.encoding;
-    int codec;
-    if (audio && (codec = encoding_audio(audio, e)) < 0)
+    int codec = 0;
+    if (wish->audio && (codec = encoding_audio(wish->audio, e)) < 0)
         return -1;
-    if (audio)
+    if (wish->audio)
         encoding.audio = (uint8_t)codec;
-    if (fap && (codec = encoding_fap(fap, e)) < 0)
+    if (wish->fap && (codec = encoding_fap(wish->fap, e)) < 0)
         return -1;
-    if (fap)
+    if (wish->fap)
         encoding.fap = (uint8_t)codec;
+    if (wish->kilobits && (codec = encoding_kilobits(wish->kilobits)) < 0)
+        return error_in_field(e, "bad-field", "kilobits", "must be a number of kilobits a second, 6 to 64");
+    if (wish->kilobits)
+        encoding.kilobits = (uint8_t)codec;
+    int packed = wish->events ? encoding_events(wish->events) : encoding.packed;
+    if (packed < 0)
+        return error_in_field(e, "unknown-codec", "events", "no form of events '%s'", wish->events);
+    encoding.packed = packed;
     if (!encoding_possible(&encoding))
         return error_in_field(e, "unknown-codec", "fap",
                               "plain FAPs do not go with Opus: ask for fba, or for pcm");
@@ -72,13 +80,14 @@ static void warn(void *socket, const struct error *e) {
 
 /* What the address asks for, besides the defaults of requests. */
 static void read_query(struct socket *s, const struct http_request *from) {
-    static const char *const more[] = {"room", "audio", "fap", NULL};
+    static const char *const more[] = {"room", "audio", "fap", "events", "kilobits", NULL};
     static const struct members known = {.speech = true, .more = more};
+    const struct media_wish wish = {http_query(from, "audio"), http_query(from, "fap"),
+                                    http_query(from, "events"), http_query(from, "kilobits")};
     const char *room = http_query(from, "room");
     struct error e;
     query_check(from, &known, false, warn, s);
-    if (request_from_query(&s->defaults, from, NULL, &e) ||
-        socket_set_media(s, http_query(from, "audio"), http_query(from, "fap"), &e))
+    if (request_from_query(&s->defaults, from, NULL, &e) || socket_set_media(s, &wish, &e))
         socket_complain(s, &e);
     if (room && socket_join(s, room, &e))
         socket_complain(s, &e);

@@ -2,6 +2,7 @@
 /* What a WebSocket client sends: messages, taken in pieces and acted on. */
 #include "server/base/near.h"
 #include "server/net/socket_parts.h"
+#include <stdio.h>
 #include <string.h>
 
 static void speak_json(struct socket *s, const json_t *message) {
@@ -35,9 +36,17 @@ static void leave_room(struct socket *s, const json_t *message) {
 }
 
 static void choose_media(struct socket *s, const json_t *message) {
+    const json_t *kilobits = json_object_get(message, "kilobits");
+    char number[32];
+    struct media_wish wish = {json_string_value(json_object_get(message, "audio")),
+                              json_string_value(json_object_get(message, "fap")),
+                              json_string_value(json_object_get(message, "events")), NULL};
     struct error e;
-    if (socket_set_media(s, json_string_value(json_object_get(message, "audio")),
-                         json_string_value(json_object_get(message, "fap")), &e))
+    if (kilobits) {
+        snprintf(number, sizeof number, "%.12g", json_number_value(kilobits));
+        wish.kilobits = number;
+    }
+    if (socket_set_media(s, &wish, &e))
         socket_complain(s, &e);
 }
 

@@ -49,8 +49,13 @@ void socket_enter(struct socket *socket, struct channel *channel);
 void socket_leave(struct socket *socket); /* the room that it is in */
 int socket_join(struct socket *socket, const char *room, struct error *e);
 
-/* Has media come in these codecs; NULL leaves one as it is. -1 with *e. */
-int socket_set_media(struct socket *socket, const char *audio, const char *fap, struct error *e);
+/* How media and events are to come; NULL leaves one as it is. */
+struct media_wish {
+    const char *audio, *fap, *events, *kilobits;
+};
+
+/* -1 with *e. */
+int socket_set_media(struct socket *socket, const struct media_wish *wish, struct error *e);
 
 /* Speaks a request, or a text with his defaults. */
 void socket_speak_request(struct socket *socket, const struct speech_request *request);

@@ -15,7 +15,7 @@ struct cut {
 /* The chunk from cut->at on, at most samples long, with its frames in frames (room for CUT_FRAMES). Moves
  * cut->at on. The words and marks from cut->word and cut->mark on that begin before the new cut->at belong to
  * it. */
-enum { CUT_FRAMES = 16 };
+enum { CUT_FRAMES = 32 };
 void cut_chunk(struct cut *cut, const struct scene *scene, double fps, uint32_t samples, struct chunk *chunk,
                struct fap_frame *frames);
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/stream/effort.h"
-#include "server/stream/opus_audio.h"
 
 /* The loop is to be busy for this part of the time; above MOST it does less, and it does more only when that
  * would leave it below WELL. */
@@ -12,8 +11,7 @@
 
 /* Costs: libopus 1.3.1, 24 kHz, tests/bench/speakers.mjs. */
 const struct effort_level effort_levels[EFFORT_LEVELS] = {
-    {9, false, OPUS_BITRATE, 15.2},    {5, false, OPUS_BITRATE, 8.5},     {1, false, OPUS_BITRATE, 5},
-    {5, true, OPUS_BITRATE_MOST, 3.2}, {0, true, OPUS_BITRATE_MOST, 1.7},
+    {9, false, 15.2}, {5, false, 8.5}, {1, false, 5}, {5, true, 3.2}, {0, true, 1.7},
 };
 
 void effort_open(struct effort *effort, uv_loop_t *loop, struct metrics *metrics) {

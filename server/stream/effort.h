@@ -18,10 +18,10 @@ enum {
 
 /* What an Opus coder does at a level; see opus_encoder_ctl. */
 struct effort_level {
-    int complexity;   /* 0..10 */
-    bool transform;   /* codes by transform alone (CELT), not by a model of the voice (SILK) */
-    unsigned bitrate; /* bit/s; CELT needs more */
-    double cost;      /* ms of CPU for a second of speech, with all else that a stream takes */
+    int complexity; /* 0..10 */
+    bool transform; /* codes by transform alone (CELT, which needs OPUS_BITRATE_MOST), not by a model of the
+                       voice (SILK) */
+    double cost;    /* ms of CPU for a second of speech, with all else that a stream takes */
 };
 extern const struct effort_level effort_levels[EFFORT_LEVELS];
 

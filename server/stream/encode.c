@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/stream/encode.h"
 #include "protocol/fba.h"
+#include "protocol/packed.h"
 #include "server/base/mem.h"
 #include "server/base/near.h"
 #include "server/stream/opus_audio.h"
 #include <stdlib.h>
 #include <string.h>
+
+enum { KILOBITS_LEAST = 6, KILOBITS_MOST = 64 };
 
 struct encoder {
     struct encoding encoding;
@@ -17,6 +20,7 @@ struct encoder {
     struct opus_audio *opus; /* of the utterance */
     struct chunk utterance;  /* its number and rates */
     uint32_t packets;        /* of it so far */
+    struct buf events;       /* to be said in the next chunk */
 };
 
 struct codec {
@@ -34,8 +38,8 @@ static const struct codec audio_names[] = {{"none", CHUNK_AUDIO_SILENCE},
                                          {"fba", CHUNK_FAP_FBA},
                                          {0}};
 
-const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FBA};
-const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE};
+const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FBA, 0, false};
+const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE, 0, false};
 
 static int find(const struct codec *list, const char *name, const char *field, struct error *e) {
     struct near near = near_to(name);
@@ -57,8 +61,18 @@ int encoding_fap(const char *name, struct error *e) {
     return find(fap_names, name, "fap", e);
 }
 
+int encoding_kilobits(const char *number) {
+    char *end;
+    long value = strtol(number, &end, 10);
+    return *number && !*end && value >= KILOBITS_LEAST && value <= KILOBITS_MOST ? (int)value : -1;
+}
+
+int encoding_events(const char *name) {
+    return !strcmp(name, "packed") ? 1 : !strcmp(name, "text") ? 0 : -1;
+}
+
 bool encoding_same(const struct encoding *a, const struct encoding *b) {
-    return a->audio == b->audio && a->fap == b->fap;
+    return a->audio == b->audio && a->fap == b->fap && a->kilobits == b->kilobits && a->packed == b->packed;
 }
 
 bool encoding_possible(const struct encoding *e) {
@@ -67,6 +81,11 @@ bool encoding_possible(const struct encoding *e) {
 
 static bool is_compact(const struct encoding *e) {
     return e->audio == CHUNK_AUDIO_OPUS || e->fap == CHUNK_FAP_FBA;
+}
+
+bool encoding_packs(const struct encoding *e, enum stream_event_kind kind) {
+    return e->packed && is_compact(e) &&
+           (kind == STREAM_SENTENCE || kind == STREAM_WORD || kind == STREAM_MARK || kind == STREAM_PHONE);
 }
 
 struct encoder *encoder_new(const struct encoding *encoding, struct effort *effort) {
@@ -82,11 +101,27 @@ void encoder_free(struct encoder *e) {
         return;
     opus_audio_free(e->opus);
     free(e->fba);
+    buf_free(&e->events);
     free(e);
 }
 
 void encoder_restart(struct encoder *e) {
     e->restart = true;
+}
+
+void encoder_event(struct encoder *e, const struct stream_event *event) {
+    struct packed_event packed = {.sample = event->sample,
+                                  .duration = event->duration,
+                                  .start = (uint32_t)event->start,
+                                  .utf16_start = (uint32_t)event->utf16_start,
+                                  .text = event->text};
+    bool placed = event->kind == STREAM_SENTENCE || event->kind == STREAM_WORD;
+    packed.kind = event->kind == STREAM_SENTENCE ? PACKED_SENTENCE
+                  : event->kind == STREAM_WORD   ? PACKED_WORD
+                  : event->kind == STREAM_MARK   ? PACKED_MARK
+                                                 : PACKED_PHONE;
+    packed.size = (uint32_t)(placed ? event->end - event->start : strlen(event->text));
+    e->events.size += packed_write(&packed, buf_reserve(&e->events, PACKED_HEAD_BYTES_MAX + packed.size));
 }
 
 /* Version 1: every chunk by itself. */
@@ -112,7 +147,7 @@ static void meet_utterance(struct encoder *e, const struct chunk *chunk) {
     if (e->opus && chunk->utterance == e->utterance.utterance)
         return;
     opus_audio_free(e->opus);
-    e->opus = opus_audio_new(chunk->sample_rate, OPUS_BITRATE);
+    e->opus = opus_audio_new(chunk->sample_rate, e->encoding.kilobits * 1000u);
     e->packets = 0;
 }
 
@@ -160,7 +195,11 @@ static void code_frames(struct encoder *e, const struct fap_frame *frames, struc
 static void put_compact(struct encoder *e, struct chunk *coded, bool begin, const struct buf *audio,
                         const struct buf *faps, struct buf *out) {
     coded->audio_bytes = (uint32_t)audio->size;
+    coded->events_bytes = (uint32_t)e->events.size;
     out->size += compact_write(&e->compact, coded, begin, buf_reserve(out, COMPACT_HEADER_BYTES_MAX));
+    if (e->events.size)
+        buf_add(out, e->events.data, e->events.size);
+    e->events.size = 0;
     buf_add(out, audio->data, audio->size);
     buf_add(out, faps->data, faps->size);
 }

@@ -15,19 +15,19 @@ struct opus_audio {
     uint32_t rate;    /* of the coder */
     size_t packet;    /* samples in one, at that rate */
     int skip;         /* also at that rate */
-    unsigned level;
+    unsigned level, bitrate;
     int16_t waiting[OPUS_PACKET_SAMPLES];
     size_t waiting_count;
     uint64_t in, coded; /* samples at the coder's rate that came in, and that are in packets */
 };
 
-/* The lowest rate of those that Opus takes which leaves nothing of the sound out: what lies above costs time,
- * and bits. */
-static uint32_t coder_rate(uint32_t sample_rate) {
-    return sample_rate <= 8000    ? 8000
-           : sample_rate <= 16000 ? 16000
-           : sample_rate <= 24000 ? 24000
-                                  : OPUS_RATE;
+/* The lowest rate of those that Opus takes which leaves nothing of the sound out that the bits suffice for:
+ * what lies above costs time, and bits. */
+static uint32_t coder_rate(uint32_t sample_rate, unsigned bitrate) {
+    return sample_rate <= 8000                                     ? 8000
+           : sample_rate <= 16000 || bitrate <= OPUS_BITRATE_VOICE ? 16000
+           : sample_rate <= 24000                                  ? 24000
+                                                                   : OPUS_RATE;
 }
 
 static int open_encoder(struct opus_audio *o, unsigned bitrate) {
@@ -56,9 +56,10 @@ static int open_resampler(struct opus_audio *o, uint32_t rate) {
 
 struct opus_audio *opus_audio_new(uint32_t sample_rate, unsigned bitrate) {
     struct opus_audio *o = mem_alloc(sizeof *o);
-    o->rate = coder_rate(sample_rate);
+    o->bitrate = bitrate ? bitrate : sample_rate <= OPUS_VOICE_RATE ? OPUS_BITRATE_VOICE : OPUS_BITRATE;
+    o->rate = coder_rate(sample_rate, o->bitrate);
     o->packet = o->rate / (OPUS_RATE / OPUS_PACKET_SAMPLES);
-    if (open_encoder(o, bitrate) || open_resampler(o, sample_rate)) {
+    if (open_encoder(o, o->bitrate) || open_resampler(o, sample_rate)) {
         opus_audio_free(o);
         return NULL;
     }
@@ -80,10 +81,13 @@ void opus_audio_set_level(struct opus_audio *o, unsigned level) {
     if (level == o->level)
         return;
     o->level = level;
-    opus_encoder_ctl(o->encoder, OPUS_SET_COMPLEXITY(l->complexity));
-    opus_encoder_ctl(o->encoder, OPUS_SET_BITRATE((opus_int32)l->bitrate));
+    /* who wants few bits gets no more when many speak: CELT is poor at them */
+    bool transform = l->transform && o->bitrate >= OPUS_BITRATE_VOICE;
+    unsigned bitrate = transform && o->bitrate < OPUS_BITRATE_MOST ? OPUS_BITRATE_MOST : o->bitrate;
+    opus_encoder_ctl(o->encoder, OPUS_SET_COMPLEXITY(l->transform && !transform ? 0 : l->complexity));
+    opus_encoder_ctl(o->encoder, OPUS_SET_BITRATE((opus_int32)bitrate));
     /* for music, libopus takes CELT at these bit rates */
-    opus_encoder_ctl(o->encoder, OPUS_SET_SIGNAL(l->transform ? OPUS_SIGNAL_MUSIC : OPUS_SIGNAL_VOICE));
+    opus_encoder_ctl(o->encoder, OPUS_SET_SIGNAL(transform ? OPUS_SIGNAL_MUSIC : OPUS_SIGNAL_VOICE));
 }
 
 unsigned opus_audio_skip(const struct opus_audio *o) {

@@ -10,8 +10,9 @@
 #include "server/stream/reel.h"
 
 enum {
-    STREAM_CHUNK_MS = 100, /* media in one chunk */
-    STREAM_LEAD_MS = 400,  /* how far the media sent may run ahead of real time */
+    STREAM_CHUNK_MS = 200, /* media in one chunk */
+    STREAM_FIRST_MS = 60,  /* in the first of an utterance, which somebody waits for */
+    STREAM_LEAD_MS = 400,  /* media are sent when those sent before last no longer than this */
     STREAM_QUEUE = 32,     /* default of utterances that may wait */
 };
 

@@ -111,7 +111,8 @@ static void say_events(struct turn *t, const struct stream_sink *sink, void *ctx
 void turn_cut(struct turn *t, const struct stream_sink *sink, void *ctx, struct chunk *chunk,
               struct fap_frame *frames) {
     const struct scene *scene = &t->scenes[0];
-    uint32_t most = scene->utterance->sample_rate * STREAM_CHUNK_MS / 1000;
+    uint32_t ms = t->sent ? STREAM_CHUNK_MS : STREAM_FIRST_MS;
+    uint32_t most = (uint32_t)((uint64_t)scene->utterance->sample_rate * ms / 1000);
     if (!t->sentence_said)
         cut_enter(&t->cut, scene);
     cut_chunk(&t->cut, scene, turn_fps(t), most, chunk, frames);

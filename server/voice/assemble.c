@@ -8,6 +8,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { EXPECTED_SECONDS = 60 };
+
 struct assembly *assembly_new(const struct plan *plan) {
     struct assembly *a = mem_alloc(sizeof *a);
     double seconds = ASSEMBLY_SECONDS + (double)plan->text_bytes + plan->break_seconds;
@@ -54,6 +56,12 @@ uint32_t assembly_time(struct assembly *a, uint64_t t, uint32_t from, const char
     return (uint32_t)t;
 }
 
+/* Speech has some 13 bytes of text a second. */
+static size_t expected_samples(const struct plan *plan, uint32_t rate) {
+    size_t seconds = 1 + plan->text_bytes / 8;
+    return rate * (seconds < EXPECTED_SECONDS ? seconds : EXPECTED_SECONDS);
+}
+
 int assembly_audio(struct assembly *a, const struct wire_frame *frame, struct error *e) {
     struct utterance *u = a->u;
     struct wire_reader r = wire_read(frame);
@@ -66,6 +74,8 @@ int assembly_audio(struct assembly *a, const struct wire_frame *frame, struct er
     if (u->samples + count > a->seconds_max * rate)
         return error_set(e, "voice-failed", "sent more than %u s of audio", (unsigned)a->seconds_max);
     u->sample_rate = rate;
+    if (!a->pcm_cap) /* room for all of it, as most voices speak: growing copies */
+        u->pcm = mem_grow(u->pcm, &a->pcm_cap, expected_samples(a->plan, rate), sizeof *u->pcm);
     u->pcm = mem_grow(u->pcm, &a->pcm_cap, u->samples + count, sizeof *u->pcm);
     if (bytes)
         memcpy(u->pcm + u->samples, r.at, bytes);

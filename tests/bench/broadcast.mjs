@@ -1,28 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One speaker in a room to many listeners: what a delivered message costs the daemon's process, next to a minimal libwebsockets
 // program (ring.c) that sends the same messages at the same times to as many. Both on core 0, the listeners on core 1. CPU times
-// are those of the kernel's scheduler, so others on the machine hardly show. Before: ninja -C build tests/bench/bench_ring
-// tests/bench/bench_listeners. Usage: node tests/bench/broadcast.mjs [LISTENERS]... (1 100 1000 5000; ulimit -n must allow them)
+// are those of the kernel's scheduler, so others on the machine hardly show. (The ring needs libwebsockets-dev, which is
+// installed then.) Usage: node tests/bench/broadcast.mjs [LISTENERS]... (1 100 1000 5000; ulimit -n must allow them)
 import { execFileSync, spawn } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { once } from 'node:events';
 import readline from 'node:readline';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { Daemon } from '../lib/daemon.mjs';
 import { cpuOf, kilobytesOf } from './figures.mjs';
+import { needProgram } from './need.mjs';
 import { sentence } from './text.mjs';
 
 const counts = process.argv.length > 2 ? process.argv.slice(2).map(Number) : [1, 100, 1000, 5000];
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-broadcast-'));
 const text = `${sentence} `.repeat(2);
-const program = (name) => path.join(build, 'tests/bench', name);
+const listeners = needProgram('listeners');
+const bareRing = needProgram('ring', 'libwebsockets-dev', 'libwebsockets-evlib-uv');
 const pin = (pid, core) => execFileSync('taskset', ['-a', '-c', '-p', String(core), String(pid)]);
 
 /** So many listen while `start` has the process speak. */
 async function listen({ pid, port, count, address, start, record = [] }) {
   const before = kilobytesOf(pid);
-  const child = spawn('taskset', ['-c', '1', program('bench_listeners'), String(port), address, String(count), ...record], { stdio: ['pipe', 'pipe', 'inherit'] });
+  const child = spawn('taskset', ['-c', '1', listeners, String(port), address, String(count), ...record], { stdio: ['pipe', 'pipe', 'inherit'] });
   const ended = once(child, 'exit');
   const lines = readline.createInterface(child.stdout)[Symbol.asyncIterator]();
   const line = async () => {
@@ -55,7 +57,7 @@ async function compare(count) {
   });
   await daemon.stop();
 
-  const ring = spawn('taskset', ['-c', '0', program('bench_ring'), file], { stdio: ['ignore', 'pipe', 'inherit'] });
+  const ring = spawn('taskset', ['-c', '0', bareRing, file], { stdio: ['ignore', 'pipe', 'inherit'] });
   const ended = once(ring, 'exit');
   const port = String((await once(ring.stdout, 'data'))[0]).trim();
   const reference = await listen({ pid: ring.pid, port, count, address: '/', start: () => ring.kill('SIGUSR1') });

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The reference of first-media.mjs: how long libespeak-ng alone needs from a text to its first audio
- * callback. Usage: espeak_first VOICE RUNS TEXT; prints the milliseconds of each run. */
+ * callback, or to its end. Usage: espeak_first VOICE RUNS TEXT [whole]; prints the milliseconds of each run. */
 #include <espeak-ng/speak_lib.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -16,20 +16,21 @@ static double now_ms(void) {
 /* espeak's callback has no room for a context before the first event, so these are the program's only
  * globals. */
 static double started;
-static int heard;
+static int heard, whole;
 
 static int on_audio(short *samples, int count, espeak_EVENT *events) {
     (void)events;
-    if (samples && count > 0 && !heard) {
+    if (whole ? !samples : samples && count > 0 && !heard) {
         heard = 1;
         printf("%.3f\n", now_ms() - started);
     }
-    return heard; /* 1 = stop */
+    return heard && !whole; /* 1 = stop */
 }
 
 int main(int argc, char **argv) {
-    if (argc != 4 || espeak_Initialize(AUDIO_OUTPUT_RETRIEVAL, 0, NULL, 0) < 0) {
-        fputs("Usage: espeak_first VOICE RUNS TEXT\n", stderr);
+    whole = argc == 5 && !strcmp(argv[4], "whole");
+    if ((argc != 4 && !whole) || espeak_Initialize(AUDIO_OUTPUT_RETRIEVAL, 0, NULL, 0) < 0) {
+        fputs("Usage: espeak_first VOICE RUNS TEXT [whole]\n", stderr);
         return 2;
     }
     espeak_SetSynthCallback(on_audio);

@@ -1,21 +1,24 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// From `speak` to the first media message on loopback, next to libespeak-ng alone up to its first audio callback, in one run.
+// From `speak` to the first media message on loopback, next to libespeak-ng alone up to its first audio callback, and to the end of the
+// first sentence, in one run.
 // Usage: node tests/bench/first-media.mjs [RUNS]
 import { execFileSync } from 'node:child_process';
-import path from 'node:path';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { Daemon } from '../lib/daemon.mjs';
 import { median, quantile } from './figures.mjs';
+import { needProgram } from './need.mjs';
 import { prose, sentence } from './text.mjs';
 
 const runs = Number(process.argv[2] ?? 30);
-execFileSync('ninja', ['-C', build, '--quiet', 'tests/bench/bench_espeak_first']);
+const program = needProgram('espeak_first');
 const daemon = await Daemon.start(['--cache', '0']);
 const { voices } = await (await daemon.get('/v1/voices')).json();
 const voice = voices.find((v) => v.id === 'espeak:it');
 
 for (const [name, text] of [['one sentence', sentence], ['five minutes', prose(300)]]) {
-  const alone = execFileSync(path.join(build, 'tests/bench/bench_espeak_first'), ['it', String(runs + 3), text])
-    .toString().trim().split('\n').map(Number).slice(3);
+  const library = (...args) => execFileSync(program, ['it', String(runs + 3), ...args]).toString().trim().split('\n').map(Number).slice(3);
+  const alone = library(text);
+  const first = text.slice(0, text.indexOf('.') + 1);
+  const whole = library(first, 'whole'); // a mouth cannot begin before the sounds that come after are known
   const ours = [];
   for (let run = 0; run < runs + 3; run++) {
     const stream = await daemon.stream();
@@ -29,6 +32,7 @@ for (const [name, text] of [['one sentence', sentence], ['five minutes', prose(3
     await stream.close();
   }
   console.log(`${name}: first media ${median(ours).toFixed(2)} ms (90 %: ${quantile(ours, 0.9).toFixed(2)}), ` +
-    `libespeak-ng alone ${median(alone).toFixed(2)} ms, above it ${(median(ours) - median(alone)).toFixed(2)} ms (${runs} runs, medians)`);
+    `libespeak-ng alone ${median(alone).toFixed(2)} ms, above it ${(median(ours) - median(alone)).toFixed(2)} ms; ` +
+    `libespeak-ng for the first sentence (${first.length} characters) ${median(whole).toFixed(2)} ms, above that ${(median(ours) - median(whole)).toFixed(2)} ms (${runs} runs, medians)`);
 }
 await daemon.stop();

@@ -4,9 +4,9 @@ import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
-import { build } from '../lib/daemon.mjs';
 import { median } from './figures.mjs';
 
+import { needProgram } from './need.mjs';
 const MEGABYTES = 4;
 const words = 'La mamma parla piano mentre il vento soffia forte sopra le case bianche del porto e nessuno risponde perché è tardi'.split(' ');
 const text = (n, from) => Array.from({ length: n }, (_, i) => words[(from + i * 7) % words.length]).join(' ');
@@ -17,7 +17,7 @@ const documents = {
   'prose in ssml': ['<speak xml:lang="it">\n', (i) => `<p>${Array.from({ length: 8 }, (_, k) => `${text(12, i + k)}.`).join(' ')}</p>\n`, '</speak>\n'],
 };
 
-execFileSync('ninja', ['-C', build, '--quiet', 'tests/bench/bench_markup']);
+const program = needProgram('markup');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 for (const [name, [begin, middle, end]] of Object.entries(documents)) {
   const parts = [begin];
@@ -25,7 +25,7 @@ for (const [name, [begin, middle, end]] of Object.entries(documents)) {
   const file = path.join(folder, 'document');
   fs.writeFileSync(file, `${parts.join('')}${end}`);
   const megabytes = fs.statSync(file).size / 1e6;
-  const rounds = JSON.parse(execFileSync(path.join(build, 'tests/bench/bench_markup'), [file, '7']));
+  const rounds = JSON.parse(execFileSync(program, [file, '7']));
   const [bare, ours] = [0, 1].map((k) => median(rounds.map((r) => r[k])));
   console.log(`${name}: ${(megabytes / ours).toFixed(0)} MB/s; expat alone ${(megabytes / bare).toFixed(0)} MB/s, ratio ${(ours / bare).toFixed(2)}`);
 }

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 64, LEAD_MS = 400, CHUNK_MS = 100, LATE_PER_SECOND = 24 };
+enum { BATCH = 64, LEAD_MS = 400, CHUNK_MS = 200, LATE_PER_SECOND = 24 };
 
 struct speaker {
     struct client client; /* first */

@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // How many can speak at once until media come late: separate streams, each with an Italian text of its own (none is in the
 // cache), in real time, heard as any client hears them (Opus and FBA). Doubled until more than 1 % of the chunks come after their
-// play time, then bisected. The hearers share the cores: their CPU is said, too. Before: ninja -C build tests/bench/bench_speakers
+// play time, then bisected. The hearers share the cores: their CPU is said, too.
 // Usage: node tests/bench/speakers.mjs [--workers N] [--seconds S] [--query '&audio=none'] [N]... (N: only these; default: search from 50)
 import { spawn } from 'node:child_process';
 import os from 'node:os';
-import path from 'node:path';
 import { once } from 'node:events';
 import readline from 'node:readline';
 import { parseArgs } from 'node:util';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { Daemon } from '../lib/daemon.mjs';
 import { cpuOf, childrenOf, kilobytesOf } from './figures.mjs';
+import { needProgram } from './need.mjs';
 import { varied } from './text.mjs';
 
+const program = needProgram('speakers');
 const { values: options, positionals } = parseArgs({
   allowPositionals: true,
   options: { query: { type: 'string', default: '' }, workers: { type: 'string', default: '1' }, seconds: { type: 'string', default: '12' } },
@@ -29,7 +30,7 @@ async function speak(count) {
   const parts = { daemon: [daemon.process.pid], voices: childrenOf(daemon.process.pid) };
   const before = kilobytesOf(daemon.process.pid);
   const args = [daemon.port, count, SPREAD, WARM, SECONDS, `/v1/stream?lang=it${options.query}`].map(String);
-  const child = spawn(path.join(build, 'tests/bench/bench_speakers'), args, { stdio: ['pipe', 'pipe', 'inherit'] });
+  const child = spawn(program, args, { stdio: ['pipe', 'pipe', 'inherit'] });
   const ended = once(child, 'exit');
   parts.hearers = [child.pid];
   child.stdin.write(Array.from({ length: count }, (_, i) => `${varied(LENGTH, i + 1)}\n`).join(''));

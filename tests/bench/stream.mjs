@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the stream costs, and what its coding takes from the lips: five minutes of Italian with expression and life as a .fba file,
 // ASCII .fap, that gzipped, and JSON of 52 blend shapes at 60 a second, which takes a few seconds; and the beginning of it heard
-// live as any client hears it (Opus and FBA), which takes as long as she speaks. Usage: node tests/bench/stream.mjs [SECONDS [LIVE]]
+// live (Opus and FBA), by a client that says no more, by one that has the events packed, as the page does, and by one that also
+// wants only 12 kbit/s of Opus, which takes as long as she speaks. Usage: node tests/bench/stream.mjs [SECONDS [LIVE]]
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
@@ -52,7 +53,8 @@ async function hear(query) {
       const parts = partsOf(data);
       sum.audio += parts.audio;
       sum.fap += parts.fap;
-      sum.heads += data.length - parts.audio - parts.fap;
+      sum.texts += parts.events;
+      sum.heads += data.length - parts.audio - parts.fap - parts.events;
     });
   });
   socket.close();
@@ -73,7 +75,8 @@ function partsOf(data) {
   if (data[0] & 2) number();
   number();
   const audio = number();
-  return { audio, fap: data.length - at - audio };
+  const events = data[0] & 1 ? number() : 0;
+  return { audio, events, fap: data.length - at - audio - events };
 }
 
 // the 52 shapes that head trackers of phones send, each driven by the FAP that comes nearest to it
@@ -92,7 +95,8 @@ const shapesJson = (frames) => frames.reduce((sum, values, k) => sum + JSON.stri
   time: Math.round((k / 60) * 1000) / 1000, blendshapes: Object.fromEntries(Object.entries(shapes).map(([name, n]) => [name, weight(values, n)])),
 }).length, 0);
 
-const hearing = hear('');
+const ways = ['', '&events=packed', '&events=packed&kilobits=12'];
+const hearing = Promise.all(ways.map(hear));
 hearing.catch(() => {}); // its failure is thrown where it is awaited
 const ascii = await (await ask('fap')).text();
 const at60 = parseFap(await (await ask('fap', 60)).text());
@@ -130,16 +134,19 @@ table([
 ]);
 console.log(`lips of the default head: off by ${mean.toFixed(3)} mm on average, ${quantile(errors, 0.99).toFixed(3)} in 99 %, ${quantile(errors, 1).toFixed(3)} at most; lossless ${quantile(exact, 1).toFixed(3)}\n`);
 
-const heard = await hearing;
+const all = await hearing;
 await daemon.stop();
-const part = (bytes) => (bytes * 8) / 1000 / heard.duration;
-console.log(`live, ${heard.duration.toFixed(0)} s, ${heard.chunks} chunks\n`);
-table([
-  ['FAPs', part(heard.fap)],
-  ['sound (Opus)', part(heard.audio)],
-  ['heads of the chunks', part(heard.heads)],
-  ['WebSocket framing', part(heard.framing)],
-  ['FAPs, sound, heads and framing', part(heard.fap + heard.audio + heard.heads + heard.framing)],
-  ['events (sentences, words) as JSON', part(heard.texts)],
-  ['all', part(heard.fap + heard.audio + heard.heads + heard.framing + heard.texts)],
-]);
+all.forEach((heard, i) => {
+  const part = (bytes) => (bytes * 8) / 1000 / heard.duration;
+  console.log(`live, ${ways[i] || 'no wishes'}, ${heard.duration.toFixed(0)} s, ${heard.chunks} chunks\n`);
+  table([
+    ['FAPs', part(heard.fap)],
+    ['sound (Opus)', part(heard.audio)],
+    ['heads of the chunks', part(heard.heads)],
+    ['WebSocket framing', part(heard.framing)],
+    ['FAPs, sound, heads and framing', part(heard.fap + heard.audio + heard.heads + heard.framing)],
+    ['events (sentences, words)', part(heard.texts)],
+    ['all', part(heard.fap + heard.audio + heard.heads + heard.framing + heard.texts)],
+  ]);
+  console.log();
+});

@@ -8,8 +8,10 @@ import os from 'node:os';
 import path from 'node:path';
 import { build, Daemon } from '../lib/daemon.mjs';
 import { median } from './figures.mjs';
+import { needPackages, needProgram } from './need.mjs';
 import { prose, sentence } from './text.mjs';
 
+needPackages('espeak-ng', 'festival', 'time');
 const seconds = Number(process.argv[2] ?? 60);
 const chosen = process.argv.slice(3);
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
@@ -26,7 +28,7 @@ const daemon = await Daemon.start(['--cache', '0']);
 const { voices } = await (await daemon.get('/v1/voices')).json();
 const bare = path.join(build, 'tests/bench/bench_kokoro_bare');
 if (voices.some((voice) => voice.id === 'kokoro:if_sara')) {
-  execFileSync('ninja', ['-C', build, '--quiet', 'tests/bench/bench_kokoro_bare']);
+  needProgram('kokoro_bare');
   engines['kokoro:if_sara'] = (text) => [bare, 'if_sara', text]; // the same graph; prints what it measured
 }
 

@@ -60,6 +60,19 @@ test('few bits', async () => {
   assert.ok(kilobits(all - audio) < 3.5, `${kilobits(all - audio)} kbit/s of all else`);
 });
 
+test('as many bits of Opus as somebody asks for', async () => {
+  const ways = ['kilobits=8', 'kilobits=12', '', 'kilobits=32'].map((way) => `audio=opus&fap=fba&${way}`);
+  const sizes = (await hear('bits', ways)).map(({ chunks }) => chunks.flatMap((chunk) => chunk.audio ?? []).reduce((sum, packet) => sum + packet.length + 1, 0));
+  for (let i = 1; i < sizes.length; i++) assert.ok(sizes[i] > 1.15 * sizes[i - 1], `${sizes}`);
+  const stream = await daemon.stream(DEFAULT);
+  for (const kilobits of [5, 65, 'many']) {
+    stream.send({ type: 'media', kilobits });
+    await stream.wait({ type: 'error', code: 'bad-field', field: 'kilobits' });
+    stream.messages.length = 0;
+  }
+  await stream.close();
+});
+
 test('one who comes late can read what he gets', async () => {
   const first = await daemon.stream(`${DEFAULT}&room=late`);
   first.send({ type: 'speak', id: 's', lang: 'it', text });

@@ -86,8 +86,11 @@ export class Stream {
     const reader = new CompactReader();
     stream.socket = new WebSocket(url, protocols, { perMessageDeflate: false, ...options });
     stream.socket.on('message', (data, binary) => {
-      if (binary) stream.chunks.push({ ...(isCompact(data) ? reader.decode(data) : decodeChunk(data)), bytes: data.length, arrived: performance.now() });
-      else stream.messages.push({ ...JSON.parse(data), arrived: performance.now() });
+      if (binary) {
+        const chunk = { ...(isCompact(data) ? reader.decode(data) : decodeChunk(data)), bytes: data.length, arrived: performance.now() };
+        stream.chunks.push(chunk);
+        for (const event of chunk.events ?? []) stream.messages.push({ ...event, packed: true, arrived: chunk.arrived });
+      } else stream.messages.push({ ...JSON.parse(data), arrived: performance.now() });
       for (const waiter of stream.waiters) waiter();
     });
     stream.closed = new Promise((resolve) => stream.socket.on('close', (code, reason) => resolve({ code, reason: String(reason) })));

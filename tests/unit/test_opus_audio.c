@@ -126,6 +126,29 @@ static void levels(void **state) {
     free(heard);
 }
 
+/* Bits that were asked for are kept at every level; without a wish the sound's rate decides, and nothing is
+ * spent on what few bits cannot carry. */
+static void bits(void **state) {
+    (void)state;
+    enum { RATE = 22050 };
+    static const unsigned wishes[] = {8000, 12000, 0, 32000};
+    int16_t *pcm = sweep(RATE);
+    size_t before = 0;
+    for (size_t w = 0; w < sizeof wishes / sizeof *wishes; w++) {
+        struct opus_audio *o = opus_audio_new(RATE, wishes[w]);
+        struct buf packets = {0};
+        if (wishes[w] && wishes[w] < OPUS_BITRATE_VOICE)
+            opus_audio_set_level(o, EFFORT_LEVELS - 1);
+        opus_audio_add(o, pcm, RATE, &packets);
+        assert_true(packets.size > before + before / 8);
+        assert_false(is_transform(packets.data));
+        before = packets.size;
+        buf_free(&packets);
+        opus_audio_free(o);
+    }
+    free(pcm);
+}
+
 /* How the sound is cut into pieces changes nothing. */
 static void pieces(void **state) {
     (void)state;
@@ -162,10 +185,8 @@ static void nothing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(in_time),
-        cmocka_unit_test(levels),
-        cmocka_unit_test(pieces),
-        cmocka_unit_test(nothing),
+        cmocka_unit_test(in_time), cmocka_unit_test(levels),  cmocka_unit_test(bits),
+        cmocka_unit_test(pieces),  cmocka_unit_test(nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

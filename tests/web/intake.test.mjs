@@ -35,6 +35,24 @@ test('what needs no decoding comes at once', () => {
   assert.equal(came[1].audio.length, 4);
 });
 
+test('packed events come before the media of their chunk', async () => {
+  const { intake, came } = rig(new OpusSound({ can: false, load: async () => ({ OpusDecoder }) }));
+  const word = [1, 0, 10, 0, 0, 2, 76, 97]; // "La", ten samples
+  const position = [3, 0xa2, 0xac, 1, 0xc4, 0x13, 0, 0];
+  intake.text('begin');
+  intake.binary(Uint8Array.from([0x80 | 0x40 | 0x20 | 0x02 | 0x01, ...position, 0, 100, 0, 2, word.length, ...word, 1, SILENCE[0]]).buffer);
+  intake.text('end');
+  for (let i = 0; i < 100 && came.length < 4; i++) await settle();
+  assert.equal(came[0], 'begin');
+  assert.deepEqual(came[1], {
+    type: 'word', utterance: 3, time: 0, sample: 0, duration: Math.round((10 / 22050) * 1e6) / 1e6,
+    start: 0, utf16_start: 0, end: 2, utf16_end: 2, text: 'La',
+  });
+  assert.equal(came[2].audio.length, 960 - 312);
+  assert.equal(came[3], 'end');
+  intake.reset();
+});
+
 test('texts wait for the sound before them', async () => {
   const release = [];
   const slow = { decode: ({ audio }) => new Promise((resolve) => release.push(() => resolve(new Float32Array(audio.length * 960)))), close() {} };

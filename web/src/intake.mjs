@@ -35,6 +35,7 @@ export class Intake {
   /** @param {ArrayBuffer} data a media chunk */
   binary(data) {
     const chunk = isCompact(data) ? this.reader.decode(data) : decodeChunk(data);
+    for (const event of chunk.events ?? []) this.text(event);
     if (chunk.audioCodec !== AUDIO_OPUS && !this.busy) this.media(chunk);
     else this.waiting.push(() => this.#deliver(chunk));
     this.#work();

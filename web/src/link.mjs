@@ -6,12 +6,13 @@ const TOKEN_ERRORS = { 'token-needed': 'tokenNeeded', 'bad-token': 'badToken', '
 
 /**
  * The address of the stream. Without a `src` it is that of the page's own server, or, for a page that is a file, of the
- * script's.
+ * script's. Events come with the media unless it says otherwise.
  * @param {string|null} src @param {string} page address of the page @param {string} script address of this script
  */
 export function streamAddress(src, page, script = import.meta.url) {
   const url = new URL(src || '/v1/stream', src || /^https?:/.test(page) ? page : script);
   url.protocol = url.protocol.replace(/^http/, 'ws');
+  if (!url.searchParams.has('events')) url.searchParams.set('events', 'packed');
   return url.href;
 }
 

@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Packed events against the vectors that the C code is held to as well.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import { test } from 'node:test';
+import { ChunkError } from '../../protocol/chunk.mjs';
+import { CompactReader } from '../../protocol/compact.mjs';
+import { packEvents } from '../../protocol/packed.mjs';
+
+const vectors = JSON.parse(fs.readFileSync(new URL('../../protocol/vectors/packed.json', import.meta.url)));
+
+for (const vector of vectors.good)
+  test(`reads and writes: ${vector.name}`, () => {
+    const chunk = new CompactReader().decode(Buffer.from(vector.hex, 'hex'));
+    assert.deepEqual(chunk.events, vector.events);
+    assert.equal(chunk.samples, 4410);
+    assert.equal(Buffer.from(packEvents(vector.events, chunk.sampleRate)).toString('hex'), vector.packed);
+  });
+
+for (const vector of vectors.bad)
+  test(`refuses: ${vector.name}`, () => {
+    assert.throws(() => new CompactReader().decode(Buffer.from(vector.hex, 'hex')), ChunkError);
+  });
+
+test('refuses text that is not UTF-8', () => {
+  const [, word] = vectors.good;
+  const bytes = Buffer.from(word.hex, 'hex');
+  bytes[bytes.length - 1] = 0xff;
+  assert.throws(() => new CompactReader().decode(bytes), ChunkError);
+});
