@@ -92,7 +92,8 @@ static void give(struct fuzz_input *in) {
     size_t size = fuzz_u16(in);
     uint8_t *times = fuzz_bytes(in, &size);
     fuzz_write("times", times, size, path);
-    snprintf(s.times, sizeof s.times, "%s", path);
+    FUZZ_CHECK(strlen(path) < sizeof s.times);
+    memcpy(s.times, path, strlen(path) + 1);
     struct buf sound = {0};
     buf_add(&sound, in->at, fuzz_left(in));
     enum cm_result result = cm_give(&s, 0, &sound);

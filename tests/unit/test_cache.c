@@ -284,7 +284,7 @@ static size_t read_file(const char *path, char *out, size_t cap) {
 /* It is named as the cache by mistake: it stays as it is, to the byte. */
 static void check_untouched(const char *path) {
     static char before[65536], after[65536];
-    char wal[128];
+    char wal[256];
     struct stat old, now;
     struct error e;
     size_t size = read_file(path, before, sizeof before);
