@@ -83,8 +83,8 @@ test('one in a room who reads again is at the live edge, and is told that media 
   const all = speaker.chunks.map((c) => c.start);
   const gap = starts.findIndex((start, i) => i && all.indexOf(start) !== all.indexOf(starts[i - 1]) + 1);
   assert.ok(gap > 0, 'something was left out');
-  // media may be one second old, in chunks of a tenth
-  assert.ok(all.indexOf(starts[gap]) >= missed - 12, 'and it goes on with what is said now');
+  // media may be one second old, in chunks of a fifth
+  assert.ok(all.indexOf(starts[gap]) >= missed - 8, 'and it goes on with what is said now');
   assert.deepEqual(starts.slice(gap), all.slice(all.indexOf(starts[gap]), all.indexOf(starts.at(-1)) + 1), 'without a gap from there on');
   // words are not left out
   const words = (messages) => messages.filter((m) => m.type === 'word').map((m) => m.start);

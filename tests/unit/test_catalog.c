@@ -8,9 +8,10 @@
 #include <cmocka.h>
 
 static void add_voices(struct buf *text, unsigned count) {
-    buf_printf(text, "{\"voices\": [{\"id\": \"a\"}, {\"id\": \"a\"}, {\"id\": \"\"}, 5");
+    buf_printf(text, "{\"voices\": [{\"id\": \"a\", \"lang\": \"it\"}, {\"id\": \"a\", \"lang\": \"it\"}, "
+                     "{\"id\": \"\"}, 5");
     for (unsigned i = 4; i < count; i++)
-        buf_printf(text, ",{\"id\":\"%u\"}", i);
+        buf_printf(text, ",{\"id\":\"%u\",\"lang\":\"it\"}", i);
     buf_printf(text, "]}");
     buf_add(text, "", 1);
 }
