@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { streamAddress } from '../../web/src/link.mjs';
+import { streamAddress, withEvents } from '../../web/src/link.mjs';
 import { reasonOf, serverOf, wantsToken } from '../../web/src/probe.mjs';
 
 const page = new EventTarget();
@@ -45,10 +45,11 @@ test('whether a token is wanted', async () => {
 
 test('where the stream is: as the page says, else at its own server, else at the script’s', () => {
   const script = 'http://daemon:8080/talking-head.js';
-  assert.equal(streamAddress('https://a/v1/stream', 'http://page/x', script), 'wss://a/v1/stream?events=packed');
-  assert.equal(streamAddress('../v1/stream', 'http://page/x/y', script), 'ws://page/v1/stream?events=packed');
-  assert.equal(streamAddress(null, 'https://page/x/', script), 'wss://page/v1/stream?events=packed');
-  assert.equal(streamAddress(null, 'file:///home/page.html', script), 'ws://daemon:8080/v1/stream?events=packed');
-  assert.equal(streamAddress('ws://a/b?events=text', 'http://page/', script), 'ws://a/b?events=text');
+  assert.equal(streamAddress('https://a/v1/stream', 'http://page/x', script), 'wss://a/v1/stream');
+  assert.equal(streamAddress('../v1/stream', 'http://page/x/y', script), 'ws://page/v1/stream');
+  assert.equal(streamAddress(null, 'https://page/x/', script), 'wss://page/v1/stream');
+  assert.equal(streamAddress(null, 'file:///home/page.html', script), 'ws://daemon:8080/v1/stream');
+  assert.equal(withEvents('ws://a/b?room=x'), 'ws://a/b?room=x&events=packed');
+  assert.equal(withEvents('ws://a/b?events=text'), 'ws://a/b?events=text');
   assert.throws(() => streamAddress('ws://:', 'http://page/', script));
 });

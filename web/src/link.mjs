@@ -6,12 +6,18 @@ const TOKEN_ERRORS = { 'token-needed': 'tokenNeeded', 'bad-token': 'badToken', '
 
 /**
  * The address of the stream. Without a `src` it is that of the page's own server, or, for a page that is a file, of the
- * script's. Events come with the media unless it says otherwise.
+ * script's.
  * @param {string|null} src @param {string} page address of the page @param {string} script address of this script
  */
 export function streamAddress(src, page, script = import.meta.url) {
   const url = new URL(src || '/v1/stream', src || /^https?:/.test(page) ? page : script);
   url.protocol = url.protocol.replace(/^http/, 'ws');
+  return url.href;
+}
+
+/** Events come with the media, unless the address says otherwise. @param {string} address */
+export function withEvents(address) {
+  const url = new URL(address);
   if (!url.searchParams.has('events')) url.searchParams.set('events', 'packed');
   return url.href;
 }
@@ -46,7 +52,7 @@ export class Link {
     this.close();
     document.addEventListener('securitypolicyviolation', this.#onviolation);
     try {
-      const connection = new Connection(this.address, {
+      const connection = new Connection(withEvents(this.address), {
         onstate: (state) => this.#stateChanged(connection, state),
         onmessage: (message) => this.#message(message),
         onmedia: this.ports.onmedia,
