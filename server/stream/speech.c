@@ -270,7 +270,7 @@ bool speech_find_mark(const struct speech *s, const char *name, size_t *sentence
 }
 
 void speech_near_marks(const struct speech *s, struct near *near) {
-    for (size_t i = 0; i < s->score->item_count; i++)
+    for (size_t i = 0; s->score && i < s->score->item_count; i++)
         if (s->score->items[i].kind == SCORE_MARK)
             near_try(near, s->score->items[i].text, s->score->items[i].text);
 }

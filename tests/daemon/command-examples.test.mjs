@@ -32,7 +32,8 @@ const exampleOf = (id) => {
 const configured = (text) => {
   const file = path.join(folder, `config-${fs.readdirSync(folder).length}.json`);
   fs.writeFileSync(file, text);
-  return { FACCIA_VOICE_CONFIG: file };
+  // programs as Debian has them: what somebody keeps at home is not a plugin's to read
+  return { FACCIA_VOICE_CONFIG: file, PATH: '/usr/local/bin:/usr/bin:/bin' };
 };
 
 /** Starts a server of lib/ in a thread; gives its port. */

@@ -41,7 +41,7 @@ export class Daemon {
     const line = await daemon.logged(/listening on http:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//);
     daemon.port = Number(line[1]);
     daemon.url = `http://127.0.0.1:${daemon.port}`;
-    if (voices) await daemon.logged(/ready: |no voice plugin/);
+    if (voices) await daemon.logged(/ready: |no voice plugin could be started/);
     return daemon;
   }
 
