@@ -98,6 +98,7 @@ bool exchange_permits(struct exchange *x, enum right right, const char *room, in
     if (!guest_origin_allowed(x->net, x->request)) {
         metrics_add(x->net->studio->metrics, METRIC_REFUSED_ORIGIN, 1);
         error_set(&e, "forbidden-origin", "pages from there may not use this server");
+        x->refused = true;
         *result = exchange_error(x, 403, &e);
         return false;
     }

@@ -73,7 +73,7 @@ static void head_warnings(struct head *h, const struct exchange *x) {
 
 static void head_common(struct head *h, const struct exchange *x, const char *type) {
     struct headers headers;
-    headers_of(&headers, type, x->shared, x->net->options.embed);
+    headers_of(&headers, type, x->shared || x->refused, x->net->options.embed);
     head_add(h, "content-type", type);
     for (size_t i = 0; i < headers.count; i++)
         head_add(h, headers.list[i].name, headers.list[i].value);

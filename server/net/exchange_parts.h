@@ -21,7 +21,8 @@ struct exchange {
     bool chunked;  /* the answer's length is not known */
     bool framed;   /* and it is told in chunks, not by the connection's end */
     bool complete, answered, done, persists;
-    bool shared; /* any page may have the answer */
+    bool shared;  /* any page may have the answer */
+    bool refused; /* the page is; it may see that there is an answer, to tell its reader why */
     struct guest guest;
     struct error *warnings;
     size_t warning_count;

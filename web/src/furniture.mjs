@@ -35,7 +35,7 @@ export class Furniture {
     this.#lang = (lang || 'en').slice(0, 2).toLowerCase();
     this.canvas.setAttribute('aria-label', label ?? this.text('label', { title }));
     this.sound.querySelector('span').textContent = this.text('sound');
-    this.captions.setAttribute('aria-label', this.text('captions'));
+    this.captions.setAttribute('aria-label', `CC: ${this.text('captions')}`); // with what is written on it
     this.captions.title = this.text('captions');
     this.#show();
   }
