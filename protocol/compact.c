@@ -86,7 +86,7 @@ const char *compact_read(struct compact *state, const uint8_t *data, size_t size
     uint8_t flags = *at++;
     c.audio_codec = flags >> AUDIO_SHIFT & CODECS;
     c.fap_codec = flags >> FAP_SHIFT & CODECS;
-    if (c.audio_codec > CHUNK_AUDIO_OPUS || (c.fap_codec != CHUNK_FAP_NONE && c.fap_codec != CHUNK_FAP_FBA))
+    if (c.audio_codec > CHUNK_AUDIO_OPUS || (c.fap_codec != CHUNK_FAP_NONE && c.fap_codec != CHUNK_FAP_FAPC))
         return "a codec that is not known here";
     if (!(flags & POSITION) && !state->known)
         return "no chunk to begin with has come yet";

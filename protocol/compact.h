@@ -9,7 +9,7 @@
 enum {
     COMPACT_HEADER_BYTES_MAX = 48,
     CHUNK_AUDIO_OPUS = 2, /* packets of 20 ms, each after its length */
-    CHUNK_FAP_FBA = 2,    /* fba.md */
+    CHUNK_FAP_FAPC = 2,   /* fapc.md */
 };
 
 /* Where a reader, or a writer, has come. Begins zeroed. */

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: MIT
 // Compact media chunks (version 2): README.md, section "Compact chunks". A stream has one reader.
 import { AUDIO_SILENCE, ChunkError, FAP_NONE } from './chunk.mjs';
-import { FbaDecoder } from './fba.mjs';
+import { FapcDecoder } from './fapc.mjs';
 import { unpackEvents } from './packed.mjs';
 
 export const AUDIO_OPUS = 2;
-export const FAP_FBA = 2;
+export const FAP_FAPC = 2;
 
 /** Opus runs at this clock, Hz, whatever the utterance's rate. */
 export const OPUS_RATE = 48000;
@@ -31,7 +31,7 @@ export function opusPackets(bytes) {
 
 export class CompactReader {
   #next = null;
-  #fba = new FbaDecoder();
+  #fapc = new FapcDecoder();
 
   /**
    * @param {ArrayBuffer|Uint8Array} data one message
@@ -60,7 +60,7 @@ export class CompactReader {
     if (flags < 0x80) throw new ChunkError('not a compact chunk', 0);
     const audioCodec = (flags >> 4) & 3;
     const fapCodec = (flags >> 2) & 3;
-    if (audioCodec > AUDIO_OPUS || (fapCodec !== FAP_NONE && fapCodec !== FAP_FBA)) throw new ChunkError('a codec that is not known here', 0);
+    if (audioCodec > AUDIO_OPUS || (fapCodec !== FAP_NONE && fapCodec !== FAP_FAPC)) throw new ChunkError('a codec that is not known here', 0);
     if (!(flags & 0x40) && !this.#next) throw new ChunkError('no chunk to begin with has come yet', 0);
     const chunk = { ...this.#next };
     if (flags & 0x40) {
@@ -101,9 +101,9 @@ export class CompactReader {
     let frames = [];
     chunk.missing = false;
     try {
-      if (chunk.fapCodec === FAP_FBA) frames = this.#fba.decode(bytes, count);
+      if (chunk.fapCodec === FAP_FAPC) frames = this.#fapc.decode(bytes, count);
     } catch (error) {
-      if (error.name !== 'FbaError') throw error;
+      if (error.name !== 'FapcError') throw error;
       chunk.missing = true;
     }
     chunk.frames = frames.map((frame) => frame.values);

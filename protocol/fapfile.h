@@ -26,9 +26,9 @@ struct fapfile {
 
 /* Parses text[0..size). 0 on success: release with fapfile_free. -1: *error says why, *out is untouched.
  * Accepts LF, CRLF and CR, '#' comment lines, blank lines, a missing header, one that is a number of frames
- * alone or a frame rate and a number of frames, spaces in the name, more frames than the header states, a 69th
- * flag of 0 (with a note), -inf (read as 0) and decimals (rounded). The frames' numbers are not used: they
- * count in the order in which they stand. Values may be outside the FAPs' ranges: see fap_clamp. */
+ * alone or a frame rate and a number of frames, spaces in the name, more frames than the header states, a
+ * 69th flag of 0 (with a note), -inf (read as 0) and decimals (rounded). The frames' numbers are not used:
+ * they count in the order in which they stand. Values may be outside the FAPs' ranges: see fap_clamp. */
 int fapfile_read(const char *text, size_t size, struct fapfile *out, struct fapfile_error *error);
 void fapfile_free(struct fapfile *file);
 

@@ -17,9 +17,9 @@ static size_t nearest(const struct align_map *map, size_t j, size_t count) {
 int align_make(struct align_map *map, const struct align_sound *recording,
                const struct align_sound *reference, const struct align_options *how) {
     struct features a, b;
-    *map = (struct align_map){.recording_rate = recording->rate,
+    *map = (struct align_map){.measured_speech_rate = recording->rate,
                               .reference_rate = reference->rate,
-                              .recording_samples = recording->samples};
+                              .measured_speech_samples = recording->samples};
     features_make(&a, recording->pcm, recording->samples, recording->rate);
     features_make(&b, reference->pcm, reference->samples, reference->rate);
     size_t *gaps = mem_alloc((how->start_count + 1) * sizeof *gaps), gap_count = 0;
@@ -50,8 +50,8 @@ void align_free(struct align_map *map) {
 }
 
 static uint64_t sample_of(const struct align_map *map, double frame) {
-    uint64_t time = (uint64_t)llround(frame * FEATURE_HOP / FEATURE_RATE * map->recording_rate);
-    return time < map->recording_samples ? time : map->recording_samples;
+    uint64_t time = (uint64_t)llround(frame * FEATURE_HOP / FEATURE_RATE * map->measured_speech_rate);
+    return time < map->measured_speech_samples ? time : map->measured_speech_samples;
 }
 
 /* A moment of the reference that is so near, in frames, to a pause that only the recording has lies at it:

@@ -17,8 +17,8 @@ struct align_map {
     size_t *until; /* and the one at which it ends; before at[j + 1] where the recording pauses */
     float *apart;  /* how far it is from the recording; negative where it is silent */
     size_t frames;
-    uint32_t recording_rate, reference_rate;
-    size_t recording_samples;
+    uint32_t measured_speech_rate, reference_rate;
+    size_t measured_speech_samples;
     double distance; /* mean along the path; chance.h tells what that means */
 };
 

@@ -5,7 +5,7 @@
 #define FACCIA_ALIGN_REFERENCE_H
 
 #include "server/base/error.h"
-#include "server/voice/utterance.h"
+#include "server/voice/sentence_audio.h"
 
 /* What was spoken, times in its samples. */
 struct reference_phone {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/align/times_parts.h"
+#include "server/align/times_internal.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
@@ -145,7 +145,8 @@ static int read_offsets(struct times_reader *r) {
         r->options->sound.rate ? &r->options->sound : &transcription_wav;
     if (!r->options->pack)
         return error_set(r->e, TIMES_CODE, "byte offsets need a language with a table of symbols, pt-BR");
-    struct utterance *u = transcription_read(r->at, (size_t)(r->end - r->at), sound, r->options->pack, r->e);
+    struct sentence_audio *u =
+        transcription_read(r->at, (size_t)(r->end - r->at), sound, r->options->pack, r->e);
     bool well = u != NULL;
     for (size_t i = 0; well && i < u->phone_count; i++) {
         const struct phone *p = &u->phones[i];
@@ -154,7 +155,7 @@ static int read_offsets(struct times_reader *r) {
     }
     if (u && !well)
         error_set(r->e, TIMES_CODE, "the sound is too long");
-    utterance_free(u);
+    sentence_audio_free(u);
     return well ? 0 : -1;
 }
 

@@ -6,13 +6,14 @@
  *   "textgrid" Praat, long or short text form: the intervals of one tier, and of one with words
  *   "json"     {"phones": [{"ipa" or "name", "start", "end", "stress"}], "words": [{"text", "start",
  * "end"}]}, seconds: what `faccia say --json` and `faccia align --json` write "offsets"  INDEX: OFFSET SYMBOL
- * a line (server/face/transcription.h) in UTF-8, or in UTF-16 with a byte order mark, as Praat writes them.
+ * a line (server/face/packs/transcription.h) in UTF-8, or in UTF-16 with a byte order mark, as Praat writes
+ * them.
  */
 #ifndef FACCIA_ALIGN_TIMES_H
 #define FACCIA_ALIGN_TIMES_H
 
 #include "server/base/error.h"
-#include "server/face/transcription.h"
+#include "server/face/packs/transcription.h"
 #include <jansson.h>
 
 enum times_format {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The formats with a phone in each line, and JSON. */
-#include "server/align/times_parts.h"
+#include "server/align/times_internal.h"
 #include <stdio.h>
 #include <string.h>
 

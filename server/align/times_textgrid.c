@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Praat's TextGrid: a sequence of numbers and quoted texts; what the long form says besides ("xmin =",
  * "intervals [1]:") is passed over. */
-#include "server/align/times_parts.h"
+#include "server/align/times_internal.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

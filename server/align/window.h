@@ -4,7 +4,7 @@
 #ifndef FACCIA_ALIGN_WINDOW_H
 #define FACCIA_ALIGN_WINDOW_H
 
-#include "server/align/sound.h"
+#include "server/align/sound_file.h"
 #include <stdbool.h>
 
 enum { WINDOW_LEVELS = 100 }; /* dB */

@@ -25,31 +25,30 @@ static void on_warning(void *ctx, const char *message) {
     cli_complain("warning: %s", message);
 }
 
-static int write_scene(struct align *a, uint64_t to) {
-    struct utterance *u = reading_utterance(a->reading, a->at, to);
+static int write_segment(struct align *a, uint64_t to) {
+    struct sentence_audio *u = aligned_recording_audio(a->reading, a->at, to);
     const struct face_options options = {.engine = a->request.engine,
                                          .still = a->request.still,
                                          .life = a->request.life < 0 ? 1 : a->request.life,
                                          .seed = a->request.seed < 0 ? 0 : (uint64_t)a->request.seed,
                                          .begin = (double)a->at / u->sample_rate};
-    struct scene scene = {.utterance = u,
-                          .track = face_track_new(a->pack, u, &options, on_warning, NULL),
-                          .start = (int64_t)a->at};
+    struct media_segment segment = {
+        .audio = u, .track = face_track_new(a->pack, u, &options, on_warning, NULL), .start = (int64_t)a->at};
     int result = 0;
     for (struct output *o = a->outputs; o < a->outputs + OUTPUTS && !result; o++) {
         if (!o->path)
             continue;
-        export_scene(&o->export, &scene);
+        export_segment(&o->export, &segment);
         result = write_out(o);
     }
-    scene_free(&scene);
+    media_segment_free(&segment);
     a->at = to;
     return result;
 }
 
-/* Where the scene that begins at a->at ends: never after `known` seconds. 0 = not known yet. */
-static uint64_t scene_end(struct align *a, double known) {
-    const struct reading *r = a->reading;
+/* Where the segment that begins at a->at ends: never after `known` seconds. 0 = not known yet. */
+static uint64_t segment_end(struct align *a, double known) {
+    const struct aligned_recording *r = a->reading;
     double rate = r->sound->rate, start = (double)a->at / rate, total = (double)r->sound->samples / rate;
     while (a->phone < r->phone_count && r->phones[a->phone].end <= start)
         a->phone++;
@@ -76,9 +75,9 @@ static void show_progress(const struct align *a, double share) {
 }
 
 int align_write(struct align *a, double known) {
-    for (uint64_t to; a->at < a->reading->sound->samples && (to = scene_end(a, known)) > a->at;) {
+    for (uint64_t to; a->at < a->reading->sound->samples && (to = segment_end(a, known)) > a->at;) {
         show_progress(a, (double)to / (double)a->reading->sound->samples);
-        if (write_scene(a, to))
+        if (write_segment(a, to))
             return -1;
     }
     return 0;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What faccia align writes: timing, face and sound, scene by scene as the recording's times become known. */
+/* What faccia align writes: timing, face and sound, segment by segment as the recording's times become known.
+ */
 #ifndef FACCIA_APP_ALIGN_WRITE_H
 #define FACCIA_APP_ALIGN_WRITE_H
 
-#include "server/align/reading.h"
+#include "server/align/aligned_recording.h"
 #include "server/app/cli.h"
 #include "server/app/cli_file.h"
-#include "server/stream/export.h"
+#include "server/export/export.h"
 
 enum { WAV, FAP, JSON, OUTPUTS };
 
@@ -23,15 +24,15 @@ struct align {
     bool progress;
     struct speech_packs packs;
     const struct speech_pack *pack;
-    struct reading *reading;
-    uint64_t at;  /* sample up to which scenes have been written */
+    struct aligned_recording *reading;
+    uint64_t at;  /* sample up to which segments have been written */
     size_t phone; /* the first one that ends after it */
 };
 
 /* All return -1 after a message. */
 int align_open_outputs(struct align *align);
 
-/* Writes the scenes that lie before `known` seconds; INFINITY = all the rest. */
+/* Writes the segments that lie before `known` seconds; INFINITY = all the rest. */
 int align_write(struct align *align, double known);
 
 /* All has been written. */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/cli.h"
 #include "server/base/mem.h"
-#include "server/voice/config.h"
+#include "server/voice/voice_config.h"
 #include <errno.h>
 #include <getopt.h>
 #include <stdarg.h>
@@ -24,15 +24,15 @@ static void on_ready(void *ctx) {
 static int load_expressions(struct cli *cli, struct error *e) {
     char path[4096];
     snprintf(path, sizeof path, "%s/expressions.json", cli->paths.models);
-    cli->studio.expressions = cli->expressions = expressions_load(path, e);
+    cli->pipeline.expressions = cli->expressions = expressions_load(path, e);
     return cli->expressions ? 0 : -1;
 }
 
 static int load_readings(struct cli *cli, struct error *e) {
     char path[4096];
-    snprintf(path, sizeof path, "%s/reading", cli->paths.models);
-    cli->studio.readings = &cli->readings;
-    return readings_load(&cli->readings, path, e);
+    snprintf(path, sizeof path, "%s/normalization", cli->paths.models);
+    cli->pipeline.normalizers = &cli->normalizers;
+    return normalizers_load(&cli->normalizers, path, e);
 }
 
 /* The daemon's settings of voices that concern a single text, from the environment as there. */
@@ -71,7 +71,7 @@ int cli_open(struct cli *cli) {
     *cli = (struct cli){0};
     paths_find(&cli->paths);
     uv_loop_init(&cli->loop);
-    cli->studio = (struct studio){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
+    cli->pipeline = (struct pipeline){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
     struct voice_pool_options options = {
         .worker = cli->paths.worker, .plugin_dir = cli->paths.plugins, .quiet = true};
     bool fit = !read_environment(&options, &e), configured = *cli->paths.voice_config;
@@ -80,7 +80,7 @@ int cli_open(struct cli *cli) {
     snprintf(text, sizeof text, "%s/speech", cli->paths.models);
     if (!fit || (configured && !config) || speech_packs_load(&cli->packs, text, &e) ||
         load_expressions(cli, &e) || load_readings(cli, &e) ||
-        !(cli->studio.voices = voice_pool_open(&cli->loop, &options, on_ready, &ready, &e))) {
+        !(cli->pipeline.voices = voice_pool_open(&cli->loop, &options, on_ready, &ready, &e))) {
         cli_complain("%s", error_text(&e, text, sizeof text));
         free(config);
         return -1;
@@ -89,20 +89,20 @@ int cli_open(struct cli *cli) {
     while (!ready && uv_run(&cli->loop, UV_RUN_ONCE))
         ;
     size_t count;
-    voice_pool_voices(cli->studio.voices, &count);
+    voice_pool_voices(cli->pipeline.voices, &count);
     if (!count)
         cli_complain("no voice plugin could be started");
     return count ? 0 : -1;
 }
 
 void cli_close(struct cli *cli) {
-    if (cli->studio.voices)
-        voice_pool_close(cli->studio.voices, NULL, NULL);
+    if (cli->pipeline.voices)
+        voice_pool_close(cli->pipeline.voices, NULL, NULL);
     uv_run(&cli->loop, UV_RUN_DEFAULT);
     uv_loop_close(&cli->loop);
     speech_packs_free(&cli->packs);
     expressions_free(cli->expressions);
-    readings_free(&cli->readings);
+    normalizers_free(&cli->normalizers);
     paths_free(&cli->paths);
 }
 
@@ -140,13 +140,13 @@ int cli_text(int argc, char **argv, const char *path, struct buf *text) {
 
 int cli_try_engine(const struct cli *cli, const struct speech_request *request, const char *engine,
                    struct error *e) {
-    static const struct speech_callbacks none;
+    static const struct synthesis_callbacks none;
     struct speech_request copy;
     request_copy(&copy, request);
     free(copy.engine);
     copy.engine = mem_strdup(engine);
-    struct speech *speech = speech_open(&cli->studio, &copy, &none, NULL, e);
+    struct synthesis *synthesis = synthesis_open(&cli->pipeline, &copy, &none, NULL, e);
     request_free(&copy);
-    speech_free(speech);
-    return speech ? 0 : -1;
+    synthesis_free(synthesis);
+    return synthesis ? 0 : -1;
 }

@@ -6,7 +6,7 @@
 
 #include "server/base/buf.h"
 #include "server/base/paths.h"
-#include "server/stream/speech.h"
+#include "server/synthesis/synthesis.h"
 #include <stdio.h>
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
@@ -17,8 +17,8 @@ struct cli {
     struct paths paths;
     struct speech_packs packs;
     struct expressions *expressions;
-    struct readings readings;
-    struct studio studio;
+    struct normalizers normalizers;
+    struct pipeline pipeline;
 };
 
 /* Loads the packs, starts the voices and waits until they are there. -1 after a message. */

@@ -30,10 +30,10 @@ struct daemon {
     struct speech_packs packs;
     struct expressions *expressions;
     struct face_high_level *high_level;
-    struct readings readings;
+    struct normalizers normalizers;
     struct metrics metrics;
-    struct effort effort;
-    struct studio studio;
+    struct codec_load codec_load;
+    struct pipeline pipeline;
     struct net *net;
     uv_signal_t signals[SIGNALS];
     uv_timer_t watchdog, ending;
@@ -87,12 +87,12 @@ static void on_ready(void *ctx) {
     struct daemon *d = ctx;
     char status[80];
     size_t count;
-    voice_pool_voices(d->studio.voices, &count);
+    voice_pool_voices(d->pipeline.voices, &count);
     if (!count) {
         log_error("no voice plugin could be started");
         return;
     }
-    if (!speech_can_speak(&d->studio, d->settings.lang)) {
+    if (!synthesis_can_speak(&d->pipeline, d->settings.lang)) {
         struct error e;
         error_in_field(&e, "unknown-language", "--lang", "no language '%s'", d->settings.lang);
         complain(&e);
@@ -146,8 +146,8 @@ static void stop(struct daemon *d) {
     d->stopped = true;
     if (d->net)
         net_close(d->net);
-    if (d->studio.voices)
-        voice_pool_close(d->studio.voices, NULL, NULL);
+    if (d->pipeline.voices)
+        voice_pool_close(d->pipeline.voices, NULL, NULL);
     if (!d->running)
         return;
     for (int i = 0; i < SIGNALS; i++)
@@ -216,22 +216,22 @@ static int start(struct daemon *d, struct error *e) {
     d->expressions = expressions_load(path, e);
     if (!d->expressions)
         return -1;
-    snprintf(path, sizeof path, "%s/reading", s->models);
-    if (readings_load(&d->readings, path, e))
+    snprintf(path, sizeof path, "%s/normalization", s->models);
+    if (normalizers_load(&d->normalizers, path, e))
         return -1;
     d->high_level = face_high_level_new(speech_packs_find(&d->packs, SPEECH_PACK_GENERAL), d->expressions);
-    d->studio = (struct studio){.loop = &d->loop,
-                                .packs = &d->packs,
-                                .expressions = d->expressions,
-                                .high_level = d->high_level,
-                                .readings = &d->readings,
-                                .default_lang = s->lang,
-                                .sounds = s->audio,
-                                .metrics = &d->metrics,
-                                .effort = &d->effort,
-                                .long_text = LONG_TEXT_BYTES};
+    d->pipeline = (struct pipeline){.loop = &d->loop,
+                                    .packs = &d->packs,
+                                    .expressions = d->expressions,
+                                    .high_level = d->high_level,
+                                    .normalizers = &d->normalizers,
+                                    .default_lang = s->lang,
+                                    .sounds = s->audio,
+                                    .metrics = &d->metrics,
+                                    .codec_load = &d->codec_load,
+                                    .long_text = LONG_TEXT_BYTES};
     struct net_options options = net_options_of(d);
-    d->net = net_open(&d->studio, &options, e);
+    d->net = net_open(&d->pipeline, &options, e);
     if (!d->net)
         return -1;
     d->voice_config = s->voices ? json_dumps(s->voices, JSON_COMPACT) : NULL;
@@ -251,8 +251,8 @@ static int start(struct daemon *d, struct error *e) {
                                                   .file = s->cache_file,
                                                   .file_bytes = (uint64_t)s->cache_file_megabytes << 20},
                                         .metrics = &d->metrics};
-    d->studio.voices = voice_pool_open(&d->loop, &voices, on_ready, d, e);
-    if (!d->studio.voices)
+    d->pipeline.voices = voice_pool_open(&d->loop, &voices, on_ready, d, e);
+    if (!d->pipeline.voices)
         return -1;
     watch(d);
     return 0;
@@ -270,7 +270,7 @@ static int run(struct daemon *d) {
     struct error e;
     signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&d->loop);
-    effort_open(&d->effort, &d->loop, &d->metrics);
+    codec_load_open(&d->codec_load, &d->loop, &d->metrics);
     int status = start(d, &e) ? 1 : 0;
     if (status) {
         complain(&e);
@@ -287,7 +287,7 @@ static int run(struct daemon *d) {
     speech_packs_free(&d->packs);
     expressions_free(d->expressions);
     face_high_level_free(d->high_level);
-    readings_free(&d->readings);
+    normalizers_free(&d->normalizers);
     secrets_free(&d->secrets);
     free(d->voice_config);
     return status;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia fap convert, encode, decode: a face animation written anew. */
-#include "protocol/fba.h"
+#include "protocol/fapc.h"
 #include "server/app/cli.h"
 #include "server/app/fap_file.h"
 #include "server/base/mem.h"
@@ -37,8 +37,8 @@ static int parse(int argc, char **argv, const struct option *options, struct tas
             break;
         case 'q': {
             long quality = strtol(optarg, &end, 10);
-            if (*end || end == optarg || quality < 0 || quality > FBA_QUALITY_MAX) {
-                cli_complain("--quality: '%s' is no whole number of 0 to %d", optarg, FBA_QUALITY_MAX);
+            if (*end || end == optarg || quality < 0 || quality > FAPC_QUALITY_MAX) {
+                cli_complain("--quality: '%s' is no whole number of 0 to %d", optarg, FAPC_QUALITY_MAX);
                 return EXIT_USAGE;
             }
             task->quality = (int)quality;
@@ -130,14 +130,14 @@ int fap_convert(int argc, char **argv) {
 
 int fap_encode(int argc, char **argv) {
     static const struct option options[] = {{"fps", 1, NULL, 'r'}, {"quality", 1, NULL, 'q'}, {0}};
-    struct task task = {.usage = "encode [--quality N] [--fps N] FILE [OUT.fba]", .quality = FBA_QUALITY};
+    struct task task = {.usage = "encode [--quality N] [--fps N] FILE [OUT.fapc]", .quality = FAPC_QUALITY};
     int status = parse(argc, argv, options, &task);
     return status >= 0 ? status : run(&task, true);
 }
 
 int fap_decode(int argc, char **argv) {
     static const struct option options[] = {{"name", 1, NULL, 'n'}, {0}};
-    struct task task = {.usage = "decode [--name NAME] FILE.fba [OUT.fap]"};
+    struct task task = {.usage = "decode [--name NAME] FILE.fapc [OUT.fap]"};
     int status = parse(argc, argv, options, &task);
     return status >= 0 ? status : run(&task, false);
 }

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/fap_file.h"
-#include "protocol/fbafile.h"
+#include "protocol/fapcfile.h"
 #include "server/app/cli.h"
 #include "server/app/cli_file.h"
 #include <stdlib.h>
 
 static int read_coded(const char *path, const struct buf *bytes, struct fap_file *out) {
-    struct fbafile file;
-    struct fbafile_error e;
-    if (fbafile_read(bytes->data, bytes->size, &file, &e)) {
+    struct fapcfile file;
+    struct fapcfile_error e;
+    if (fapcfile_read(bytes->data, bytes->size, &file, &e)) {
         cli_complain("%s: byte %zu: %s", path, e.byte, e.message);
         return -1;
     }
-    *out = (struct fap_file){.format = "fba"};
+    *out = (struct fap_file){.format = "fapc"};
     out->face = (struct fapfile){.fps = file.fps, .count = file.count, .frames = file.frames};
     return 0;
 }
@@ -34,8 +34,8 @@ int fap_file_read(const char *path, struct fap_file *out) {
     struct buf bytes = {0};
     int status = cli_read(path, &bytes);
     if (!status)
-        status =
-            fbafile_is(bytes.data, bytes.size) ? read_coded(path, &bytes, out) : read_text(path, &bytes, out);
+        status = fapcfile_is(bytes.data, bytes.size) ? read_coded(path, &bytes, out)
+                                                     : read_text(path, &bytes, out);
     if (!status)
         out->bytes = bytes.size;
     buf_free(&bytes);
@@ -43,17 +43,17 @@ int fap_file_read(const char *path, struct fap_file *out) {
 }
 
 void fap_file_free(struct fap_file *file) {
-    fapfile_free(&file->face); /* frames of .fba come from the same malloc, its name is NULL */
+    fapfile_free(&file->face); /* frames of .fapc come from the same malloc, its name is NULL */
 }
 
 int fap_file_code(const struct fapfile *face, int quality, struct buf *out) {
-    struct fbafile_writer writer;
-    fbafile_begin(&writer, face->fps, quality, buf_reserve(out, FBAFILE_HEADER_BYTES));
-    out->size += FBAFILE_HEADER_BYTES;
+    struct fapcfile_writer writer;
+    fapcfile_begin(&writer, face->fps, quality, buf_reserve(out, FAPCFILE_HEADER_BYTES));
+    out->size += FAPCFILE_HEADER_BYTES;
     for (size_t at = 0; at < face->count; at += writer.frames) {
         size_t count = face->count - at < writer.frames ? face->count - at : writer.frames;
-        size_t size = fbafile_packet(&writer, face->frames + at, count, buf_reserve(out, FBAFILE_PACKET_CAP),
-                                     FBAFILE_PACKET_CAP);
+        size_t size = fapcfile_packet(&writer, face->frames + at, count,
+                                      buf_reserve(out, FAPCFILE_PACKET_CAP), FAPCFILE_PACKET_CAP);
         if (!size)
             return -1;
         out->size += size;

@@ -101,7 +101,7 @@ static int needs(struct table *t, size_t wanted) {
                                           : 0;
 }
 
-static int read_frames(struct table *t, struct recording *r) {
+static int read_frames(struct table *t, struct measured_speech *r) {
     size_t capacity = 0, any = 0;
     bool has[PARAM_COUNT];
     for (int p = 0; p < PARAM_COUNT; p++)
@@ -132,7 +132,7 @@ static int read_frames(struct table *t, struct recording *r) {
     return 0;
 }
 
-int fit_read_curves(const char *path, struct recording *r, struct error *e) {
+int fit_read_curves(const char *path, struct measured_speech *r, struct error *e) {
     struct table t;
     int result = table_open(&t, path, curve_columns, e) || read_frames(&t, r) ? -1 : 0;
     r->repetitions = 1;
@@ -148,7 +148,7 @@ static int set_ipa(struct recorded_phone *phone, const char *ipa, struct error *
     return 0;
 }
 
-static int read_phone_table(struct table *t, struct recording *r) {
+static int read_phone_table(struct table *t, struct measured_speech *r) {
     if (needs(t, START) || needs(t, END) || needs(t, IPA))
         return -1;
     while (table_next(t)) {
@@ -156,13 +156,13 @@ static int read_phone_table(struct table *t, struct recording *r) {
         struct error inner;
         if (table_real(t, START, &phone.start) || table_real(t, END, &phone.end))
             return -1;
-        if (set_ipa(&phone, t->field[IPA], &inner) || recording_add(r, &phone, &inner))
+        if (set_ipa(&phone, t->field[IPA], &inner) || measured_speech_add(r, &phone, &inner))
             return error_at_line(t->error, "bad-recording", t->number, 1, "%s", inner.message);
     }
     return 0;
 }
 
-static int read_json_phone(const struct json_place *at, struct recording *r) {
+static int read_json_phone(const struct json_place *at, struct measured_speech *r) {
     struct json_place ipa = json_place_key(at, "ipa"), start = json_place_key(at, "start"),
                       end = json_place_key(at, "end"), stress = json_place_key(at, "stress");
     struct recorded_phone phone = {0};
@@ -174,12 +174,12 @@ static int read_json_phone(const struct json_place *at, struct recording *r) {
     if (!json_is_string(ipa.json))
         return json_place_fail(&ipa, "must be a string");
     phone.stress = (uint8_t)level;
-    if (set_ipa(&phone, json_string_value(ipa.json), &inner) || recording_add(r, &phone, &inner))
+    if (set_ipa(&phone, json_string_value(ipa.json), &inner) || measured_speech_add(r, &phone, &inner))
         return json_place_fail(at, "%s", inner.message);
     return 0;
 }
 
-static int read_json_phones(const char *path, struct recording *r, struct error *e) {
+static int read_json_phones(const char *path, struct measured_speech *r, struct error *e) {
     struct json_place root;
     if (json_place_load(path, &root, e))
         return -1;
@@ -195,7 +195,7 @@ static int read_json_phones(const char *path, struct recording *r, struct error 
     return result;
 }
 
-int fit_read_phones(const char *path, struct recording *r, struct error *e) {
+int fit_read_phones(const char *path, struct measured_speech *r, struct error *e) {
     size_t length = strlen(path);
     if (length > 5 && !strcmp(path + length - 5, ".json"))
         return read_json_phones(path, r, e);

@@ -18,7 +18,7 @@ const char kit_still[] = "still";
 
 /* The item's samples in its sentence: those of the last word's phones. Words and phones are cut at slightly
  * different places, so a phone belongs to the word that its middle lies in. */
-static void item_range(const struct utterance *u, size_t *from, size_t *to) {
+static void item_range(const struct sentence_audio *u, size_t *from, size_t *to) {
     const struct word *last = u->word_count ? &u->words[u->word_count - 1] : NULL;
     *from = *to = 0;
     for (size_t i = 0; i < u->phone_count; i++) {
@@ -46,7 +46,8 @@ static int write_file(const struct kit *kit, const char *name, const struct buf 
     return cli_finish(&file, true);
 }
 
-static int write_wav(const struct kit *kit, const char *name, const int16_t *pcm, const struct utterance *u) {
+static int write_wav(const struct kit *kit, const char *name, const int16_t *pcm,
+                     const struct sentence_audio *u) {
     char path[PATH_BYTES];
     SF_INFO info = {
         .samplerate = (int)u->sample_rate, .channels = 1, .format = SF_FORMAT_WAV | SF_FORMAT_PCM_16};
@@ -64,8 +65,8 @@ static int write_wav(const struct kit *kit, const char *name, const int16_t *pcm
 /* The track of the item alone: the lips rest while the carrier is heard, so that they give nothing away but
  * the item. */
 static struct face_track *item_track(const struct kit *kit, const char *engine, size_t from) {
-    const struct utterance *u = kit->scene.utterance;
-    struct utterance alone = *u;
+    const struct sentence_audio *u = kit->segment.audio;
+    struct sentence_audio alone = *u;
     struct face_options options = {.engine = engine, .still = true};
     alone.phones = mem_alloc((u->phone_count + 1) * sizeof *alone.phones);
     alone.phone_count = 0;
@@ -79,7 +80,7 @@ static struct face_track *item_track(const struct kit *kit, const char *engine, 
         alone.words = &u->words[u->word_count - 1];
         alone.word_count = 1;
     }
-    const struct speech_pack *pack = speech_packs_find(&kit->cli.packs, speech_lang(kit->speech));
+    const struct speech_pack *pack = speech_packs_find(&kit->cli.packs, synthesis_lang(kit->synthesis));
     struct face_track *track = face_track_new(pack, &alone, &options, NULL, NULL);
     free(alone.phones);
     return track;
@@ -106,7 +107,7 @@ static json_t *film_of(const struct fap_frame *frames, size_t count, double fps)
 }
 
 static int write_face(struct kit *kit, const char *name, const char *engine, size_t from) {
-    const struct utterance *u = kit->scene.utterance;
+    const struct sentence_audio *u = kit->segment.audio;
     size_t count = frame_from_sample(u->samples, u->sample_rate, kit->request.fps), room = 2048;
     struct fap_frame *frames = mem_alloc((count + 1) * sizeof *frames);
     struct face_track *track = item_track(kit, engine, from);
@@ -127,7 +128,7 @@ static int write_face(struct kit *kit, const char *name, const char *engine, siz
     return failed;
 }
 
-static json_t *phones_of(const struct utterance *u, size_t from) {
+static json_t *phones_of(const struct sentence_audio *u, size_t from) {
     json_t *list = json_array();
     for (size_t i = 0; i < u->phone_count; i++)
         if (u->phones[i].end > from && u->phones[i].ipa[0])
@@ -138,7 +139,7 @@ static json_t *phones_of(const struct utterance *u, size_t from) {
 /* One item, spoken: its faces, its sound at each ratio, its trials. */
 int kit_item(struct kit *kit, size_t number) {
     const struct stimuli_item *item = &kit->set.items[number];
-    const struct utterance *u = kit->scene.utterance;
+    const struct sentence_audio *u = kit->segment.audio;
     int16_t *mixed = mem_alloc((u->samples + 1) * sizeof *mixed);
     char wav[80], fap[KIT_FACES][120];
     size_t from, to;

@@ -15,12 +15,12 @@ struct kit {
     struct cli cli;
     struct stimuli_set set;
     struct speech_request request;
-    struct speech *speech;
+    struct synthesis *synthesis;
     const char *out, *set_path, *server;
     const char *faces[KIT_FACES]; /* engines, or kit_still */
     size_t face_count;
     json_t *items, *trials, *films; /* of the manifest; the films are for the page alone */
-    struct scene scene;             /* of the present item */
+    struct media_segment segment;   /* of the present item */
     const char *voice;
     bool finished, failed;
 };
@@ -28,7 +28,8 @@ struct kit {
 /* Makes a folder inside the test's ("" = that itself) where there is none. -1 after a message. */
 int kit_folder(const struct kit *kit, const char *name);
 
-/* Writes the sounds and faces of the item whose scene is there, and lists its trials. -1 after a message. */
+/* Writes the sounds and faces of the item whose segment is there, and lists its trials. -1 after a message.
+ */
 int kit_item(struct kit *kit, size_t number);
 
 /* Writes the manifest and the page, when all items are there. -1 after a message. */

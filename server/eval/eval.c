@@ -33,7 +33,7 @@ static double ratio(const struct eval_reach *r) {
 }
 
 void eval_values(struct eval *e, double values[EVAL_MEASURES]) {
-    struct reader_result read = reader_run(&e->reader);
+    struct lip_reader_result read = reader_run(&e->reader);
     const double all[EVAL_MEASURES] = {
         share(e->lips.seen, e->lips.count),
         share(e->lips.held, e->lips.count),
@@ -60,44 +60,44 @@ static void look(const struct eval_input *in, double t, float *features) {
         features[k] = (float)frame.value[reader_faps[k]];
 }
 
-static const struct word *word_at(const struct utterance *u, double t) {
+static const struct word *word_at(const struct sentence_audio *u, double t) {
     for (size_t i = 0; i < u->word_count; i++)
         if (t * u->sample_rate >= u->words[i].start && t * u->sample_rate < u->words[i].end)
             return &u->words[i];
     return NULL;
 }
 
-static void show_reader(struct eval *e, const struct eval_input *in, const struct gestures *g) {
+static void show_reader(struct eval *e, const struct eval_input *in, const struct phone_segments *g) {
     for (size_t i = 0; i < g->count; i++) {
-        const struct gesture *item = &g->items[i];
+        const struct phone_segment *item = &g->items[i];
         double middle = (item->start + item->end) / 2;
-        const struct word *word = item->phone ? word_at(in->utterance, middle) : NULL;
+        const struct word *word = item->phone ? word_at(in->audio, middle) : NULL;
         if (!word)
             continue;
-        struct reader_sample sample = {.class = item->phone->group};
+        struct lip_reader_sample sample = {.class = item->phone->group};
         look(in, i ? (item[-1].start + item[-1].end) / 2 : 0, sample.features);
         look(in, middle, sample.features + READER_FAPS);
         look(in, i + 1 < g->count ? (item[1].start + item[1].end) / 2 : g->end,
              sample.features + 2 * READER_FAPS);
-        reader_add(&e->reader, reader_half(in->text + word->from, word->to - word->from), &sample);
+        lip_reader_add(&e->reader, lip_reader_half(in->text + word->from, word->to - word->from), &sample);
     }
 }
 
 void eval_add(struct eval *e, const struct eval_input *in) {
-    struct gestures g;
-    gestures_from(in->pack, in->utterance, NULL, NULL, &g);
+    struct phone_segments g;
+    phone_segments_from(in->pack, in->audio, NULL, NULL, &g);
     e->seconds += g.end;
-    e->words += in->utterance->word_count;
+    e->words += in->audio->word_count;
     for (size_t i = 0; i < g.count; i++)
         e->phones += g.items[i].phone != NULL;
     eval_touch(e, in, &g);
     eval_reach(e, in, &g);
     eval_motion(e, in, &g);
     show_reader(e, in, &g);
-    gestures_free(&g);
+    phone_segments_free(&g);
 }
 
 void eval_free(struct eval *e) {
-    reader_free(&e->reader);
+    lip_reader_free(&e->reader);
     *e = (struct eval){0};
 }

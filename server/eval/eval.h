@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Measures of how well a face can be lip-read: pure functions over an utterance and the face that goes with
+/* Measures of how well a face can be lip-read: pure functions over a sentence and the face that goes with
  * it. */
 #ifndef FACCIA_EVAL_EVAL_H
 #define FACCIA_EVAL_EVAL_H
 
 #include "protocol/fap.h"
-#include "server/eval/reader.h"
-#include "server/face/gestures.h"
+#include "server/eval/lip_reader.h"
+#include "server/face/engines/phone_segments.h"
 
 /* Where continuity is asked for, the face is looked at this often, s. */
 #define EVAL_FINE_STEP 0.001
@@ -14,7 +14,7 @@
 /* A vowel counts as rounded when its corners' target before a pause is narrower than rest by this, mm. */
 #define EVAL_ROUNDED_MM 2.0
 
-/* A face over time; t = s from the utterance's first sample. */
+/* A face over time; t = s from the sentence's first sample. */
 struct eval_face {
     void (*sample)(void *self, double t, struct fap_frame *frame);
     void *self;
@@ -22,11 +22,11 @@ struct eval_face {
 
 struct eval_input {
     const struct speech_pack *pack;
-    const struct utterance *utterance;
-    const char *text; /* whose bytes the utterance's words name */
+    const struct sentence_audio *audio;
+    const char *text; /* whose bytes the sentence's words name */
     struct eval_face face;
     double fps;   /* at which viewers see it */
-    double start; /* of the utterance in the speech, s: frame k is shown at k / fps of the speech */
+    double start; /* of the sentence in the speech, s: frame k is shown at k / fps of the speech */
 };
 
 /* Of contacts (contact.h: bilabials' closures, labiodentals at the teeth; neighbours that share one count
@@ -58,10 +58,10 @@ struct eval {
     double speed;                   /* greatest, of the inner lips' gap from frame to frame, mm/s */
     double jerk;                    /* its greatest third difference, mm/s^3 */
     double overlap; /* the most by which the lips pass through each other beyond FAPMAP_MAX_PRESS, mm */
-    struct reader reader;
+    struct lip_reader reader;
 };
 
-/* Measures one utterance more. */
+/* Measures one sentence more. */
 void eval_add(struct eval *e, const struct eval_input *in);
 void eval_free(struct eval *e);
 
@@ -91,8 +91,8 @@ void eval_values(struct eval *e, double values[EVAL_MEASURES]);
 double eval_gap(const struct speech_pack *pack, const struct fap_frame *frame);
 
 /* The parts of eval_add. */
-void eval_touch(struct eval *e, const struct eval_input *in, const struct gestures *g);
-void eval_reach(struct eval *e, const struct eval_input *in, const struct gestures *g);
-void eval_motion(struct eval *e, const struct eval_input *in, const struct gestures *g);
+void eval_touch(struct eval *e, const struct eval_input *in, const struct phone_segments *g);
+void eval_reach(struct eval *e, const struct eval_input *in, const struct phone_segments *g);
+void eval_motion(struct eval *e, const struct eval_input *in, const struct phone_segments *g);
 
 #endif

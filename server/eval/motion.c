@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How fast the lips move, how smoothly, and whether they pass through each other. */
 #include "server/eval/eval.h"
-#include "server/face/fapmap.h"
+#include "server/face/engines/fapmap.h"
 #include <math.h>
 
 static void measure_frames(struct eval *e, const struct eval_input *in, double end) {
@@ -21,7 +21,7 @@ static void measure_frames(struct eval *e, const struct eval_input *in, double e
     }
 }
 
-void eval_motion(struct eval *e, const struct eval_input *in, const struct gestures *g) {
+void eval_motion(struct eval *e, const struct eval_input *in, const struct phone_segments *g) {
     static const int pairs[3][2] = {{4, 5}, {8, 10}, {9, 11}}; /* middle, left, right */
     double unit = in->pack->fapu.mns / 1024;
     measure_frames(e, in, g->end);

@@ -17,7 +17,7 @@ static struct shape shape_at(const struct eval_input *in, double t) {
                           (v[16] + v[17]) / 2.0 * fapu->mns / 1024};
 }
 
-static struct shape middle_third(const struct eval_input *in, const struct gesture *item) {
+static struct shape middle_third(const struct eval_input *in, const struct phone_segment *item) {
     double third = (item->end - item->start) / 3;
     int steps = (int)fmax(1, floor(third / EVAL_FINE_STEP));
     struct shape sum = {0};
@@ -31,8 +31,8 @@ static struct shape middle_third(const struct eval_input *in, const struct gestu
 }
 
 /* A vowel's target for what follows it, between its unstressed and its stressed form, as targets.h has it. */
-static double target(const struct gestures *g, size_t i, enum speech_param p) {
-    const struct gesture *item = &g->items[i];
+static double target(const struct phone_segments *g, size_t i, enum speech_param p) {
+    const struct phone_segment *item = &g->items[i];
     const struct speech_phone *next = i + 1 < g->count ? g->items[i + 1].phone : NULL;
     size_t context = next && !next->group->vowel ? next->group->context : VOWEL_CONTEXT_PAUSE;
     double plain = item->phone->plain[context * PARAM_COUNT + p].T,
@@ -40,7 +40,7 @@ static double target(const struct gestures *g, size_t i, enum speech_param p) {
     return plain + item->stress * (stressed - plain);
 }
 
-static struct shape target_shape(const struct gestures *g, size_t i) {
+static struct shape target_shape(const struct phone_segments *g, size_t i) {
     return (struct shape){fmax(0, target(g, i, PARAM_LI) + target(g, i, PARAM_LS)), -target(g, i, PARAM_AR),
                           (target(g, i, PARAM_PI) + target(g, i, PARAM_PS)) / 2};
 }
@@ -56,9 +56,9 @@ static void add(struct eval_reach *r, double reached, double wanted) {
     r->error += fabs(reached - wanted);
 }
 
-void eval_reach(struct eval *e, const struct eval_input *in, const struct gestures *g) {
+void eval_reach(struct eval *e, const struct eval_input *in, const struct phone_segments *g) {
     for (size_t i = 0; i < g->count; i++) {
-        const struct gesture *item = &g->items[i];
+        const struct phone_segment *item = &g->items[i];
         if (!item->phone || !item->phone->group->vowel)
             continue;
         struct shape reached = middle_third(in, item), wanted = target_shape(g, i);

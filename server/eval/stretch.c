@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/eval/stretch.h"
 #include "server/base/mem.h"
-#include "server/face/contact.h"
+#include "server/face/engines/contact.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -13,7 +13,7 @@ struct range {
     double begin, end;
 };
 
-static struct range range_of(const struct utterance *u, size_t first, size_t count) {
+static struct range range_of(const struct sentence_audio *u, size_t first, size_t count) {
     double rate = u->sample_rate, end = u->samples / rate;
     if (!count) /* a sentence without words is shown whole */
         return (struct range){0, end};
@@ -28,13 +28,13 @@ static size_t contacts_in(const struct contacts *contacts, struct range r) {
     return count;
 }
 
-bool stretch_choose(struct stretch_choice *choice, const struct speech_pack *pack, const struct utterance *u,
-                    size_t number) {
-    struct gestures g;
+bool stretch_choose(struct stretch_choice *choice, const struct speech_pack *pack,
+                    const struct sentence_audio *u, size_t number) {
+    struct phone_segments g;
     struct contacts contacts;
     bool better = false;
     size_t words = u->word_count < STRETCH_WORDS ? u->word_count : STRETCH_WORDS;
-    gestures_from(pack, u, NULL, NULL, &g);
+    phone_segments_from(pack, u, NULL, NULL, &g);
     contacts_from(&g, &contacts);
     for (size_t first = 0; first + words <= u->word_count; first++) {
         size_t found = contacts_in(&contacts, range_of(u, first, words));
@@ -44,15 +44,15 @@ bool stretch_choose(struct stretch_choice *choice, const struct speech_pack *pac
         }
     }
     contacts_free(&contacts);
-    gestures_free(&g);
+    phone_segments_free(&g);
     return better;
 }
 
-static void note_phones(struct stretch *s, const struct gestures *g, struct range r) {
+static void note_phones(struct stretch *s, const struct phone_segments *g, struct range r) {
     struct contacts contacts;
     s->phone_count = s->span_count = 0;
     for (size_t i = 0; i < g->count; i++) {
-        const struct gesture *item = &g->items[i];
+        const struct phone_segment *item = &g->items[i];
         if (item->end <= r.begin || item->start >= r.end)
             continue;
         s->phones = mem_grow(s->phones, &s->phone_cap, s->phone_count + 1, sizeof *s->phones);
@@ -76,9 +76,9 @@ static void note_phones(struct stretch *s, const struct gestures *g, struct rang
 
 void stretch_take(struct stretch *s, const struct stretch_choice *choice, const struct eval_input *in,
                   size_t engine) {
-    struct range r = range_of(in->utterance, choice->first, choice->count);
-    struct gestures g;
-    gestures_from(in->pack, in->utterance, NULL, NULL, &g);
+    struct range r = range_of(in->audio, choice->first, choice->count);
+    struct phone_segments g;
+    phone_segments_from(in->pack, in->audio, NULL, NULL, &g);
     s->seconds = r.end - r.begin;
     note_phones(s, &g, r);
     for (int i = 0; i <= STRETCH_STEPS; i++) {
@@ -86,7 +86,7 @@ void stretch_take(struct stretch *s, const struct stretch_choice *choice, const 
         in->face.sample(in->face.self, r.begin + s->seconds * i / STRETCH_STEPS, &frame);
         s->gaps[engine][i] = (float)eval_gap(in->pack, &frame);
     }
-    gestures_free(&g);
+    phone_segments_free(&g);
 }
 
 void stretch_free(struct stretch *s) {

@@ -9,7 +9,7 @@ enum { STRETCH_WORDS = 6, STRETCH_STEPS = 500, STRETCH_ENGINES = 8 };
 
 /* Which words: begins zeroed. */
 struct stretch_choice {
-    size_t utterance, first, count; /* words [first, first + count) of that utterance of the speech */
+    size_t sentence, first, count; /* words [first, first + count) of that sentence of the speech */
     size_t contacts;
 };
 
@@ -33,11 +33,11 @@ struct stretch {
     float gaps[STRETCH_ENGINES][STRETCH_STEPS + 1]; /* mm, evenly over the time */
 };
 
-/* Takes words of this utterance when they are better than those chosen so far; true when it did. */
-bool stretch_choose(struct stretch_choice *choice, const struct speech_pack *pack, const struct utterance *u,
-                    size_t number);
+/* Takes words of this sentence when they are better than those chosen so far; true when it did. */
+bool stretch_choose(struct stretch_choice *choice, const struct speech_pack *pack,
+                    const struct sentence_audio *u, size_t number);
 
-/* Fills the stretch, once for each engine < STRETCH_ENGINES; in->utterance is the one chosen, at any rate. */
+/* Fills the stretch, once for each engine < STRETCH_ENGINES; in->audio is the one chosen, at any rate. */
 void stretch_take(struct stretch *s, const struct stretch_choice *choice, const struct eval_input *in,
                   size_t engine);
 void stretch_free(struct stretch *s);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Do lips close where they have to, and does the lower lip get to the teeth? */
 #include "server/eval/eval.h"
-#include "server/face/contact.h"
+#include "server/face/engines/contact.h"
 #include <math.h>
 
 /* FAPs are rounded to units, so that a lip that is exactly at its place may seem off by half of one. */
@@ -34,7 +34,7 @@ static bool is_held(const struct eval_input *in, const struct contact *c, double
     return true;
 }
 
-void eval_touch(struct eval *e, const struct eval_input *in, const struct gestures *g) {
+void eval_touch(struct eval *e, const struct eval_input *in, const struct phone_segments *g) {
     struct contacts contacts;
     contacts_from(g, &contacts);
     for (size_t i = 0; i < contacts.count; i++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/json_place.h"
 #include "server/base/mem.h"
-#include "server/expression/load.h"
+#include "server/expression/expressions_internal.h"
 #include "server/expression/pose.h"
 #include <stdlib.h>
 #include <string.h>

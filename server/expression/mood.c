@@ -16,7 +16,7 @@
 #define RUN_OUT_WAY 0.05
 
 /* Askings that are remembered, so that times a little before the last one can still be asked for. */
-enum { TURNS = 16 };
+enum { CHANGES = 16 };
 
 /* An affect's way from what was shown to what was asked. */
 struct way {
@@ -25,7 +25,7 @@ struct way {
 };
 
 /* Those of one asking, in the order of the affects; of the others nothing is or was shown. */
-struct turn {
+struct mood_change {
     double at, ease;
     size_t count;
     struct way ways[];
@@ -34,8 +34,8 @@ struct turn {
 struct mood {
     const struct expressions *expressions;
     size_t affects;
-    struct turn *turns[TURNS];
-    size_t count; /* of all turns ever; the last TURNS are there, turn k at k % TURNS */
+    struct mood_change *changes[CHANGES];
+    size_t count; /* of all changes ever; the last CHANGES are there, change k at k % CHANGES */
 };
 
 struct mood *mood_new(const struct expressions *expressions) {
@@ -48,16 +48,16 @@ struct mood *mood_new(const struct expressions *expressions) {
 }
 
 void mood_free(struct mood *mood) {
-    for (size_t i = 0; mood && i < TURNS; i++)
-        free(mood->turns[i]);
+    for (size_t i = 0; mood && i < CHANGES; i++)
+        free(mood->changes[i]);
     free(mood);
 }
 
-static const struct turn *turn_at(const struct mood *mood, double clock) {
-    size_t k = mood->count, oldest = mood->count > TURNS ? mood->count - TURNS : 0;
-    while (k > oldest + 1 && mood->turns[(k - 1) % TURNS]->at > clock)
+static const struct mood_change *change_at(const struct mood *mood, double clock) {
+    size_t k = mood->count, oldest = mood->count > CHANGES ? mood->count - CHANGES : 0;
+    while (k > oldest + 1 && mood->changes[(k - 1) % CHANGES]->at > clock)
         k--;
-    return mood->turns[(k - 1) % TURNS];
+    return mood->changes[(k - 1) % CHANGES];
 }
 
 /* The way that a speed still makes before it has run out: a cubic that leaves with that speed and comes back
@@ -71,25 +71,25 @@ static double run_out(double speed, double since, double *slope) {
     return speed * time * x * (1 - x) * (1 - x);
 }
 
-static double value_at(const struct turn *turn, const struct way *w, double clock, double *slope) {
-    double since = fmax(0, clock - turn->at), x = since / turn->ease, way = w->to - w->from;
+static double value_at(const struct mood_change *change, const struct way *w, double clock, double *slope) {
+    double since = fmax(0, clock - change->at), x = since / change->ease, way = w->to - w->from;
     *slope = 0;
     if (x >= 1 && since >= RUN_OUT)
         return w->to;
     x = fmin(1, x);
     double bump = run_out(w->speed, since, slope);
-    *slope += way * 6 * x * (1 - x) / turn->ease;
+    *slope += way * 6 * x * (1 - x) / change->ease;
     double value = w->from + way * x * x * (3 - 2 * x) + bump;
     return fmin(1, fmax(0, value));
 }
 
 /* An affect's value at a time, and how fast it changes. */
 static double shown(const struct mood *mood, size_t affect, double clock, double *slope) {
-    const struct turn *turn = turn_at(mood, clock);
+    const struct mood_change *change = change_at(mood, clock);
     *slope = 0;
-    for (size_t i = 0; i < turn->count; i++)
-        if (turn->ways[i].affect == affect)
-            return value_at(turn, &turn->ways[i], clock, slope);
+    for (size_t i = 0; i < change->count; i++)
+        if (change->ways[i].affect == affect)
+            return value_at(change, &change->ways[i], clock, slope);
     return 0;
 }
 
@@ -115,7 +115,7 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
         sum += amount(intensities[i]);
     }
     if (mood->count)
-        at = fmax(at, mood->turns[(mood->count - 1) % TURNS]->at);
+        at = fmax(at, mood->changes[(mood->count - 1) % CHANGES]->at);
     struct way ways[AFFECTS_MAX];
     size_t used = 0;
     for (size_t i = 0; i < mood->affects; i++) {
@@ -128,10 +128,11 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
         if (way.to > 0 || way.from > 0)
             ways[used++] = way;
     }
-    struct turn *next = mem_alloc(sizeof *next + used * sizeof *ways);
-    *next = (struct turn){.at = at, .ease = ease > EASE_MIN ? fmin(ease, EASE_MAX) : EASE_MIN, .count = used};
+    struct mood_change *next = mem_alloc(sizeof *next + used * sizeof *ways);
+    *next = (struct mood_change){
+        .at = at, .ease = ease > EASE_MIN ? fmin(ease, EASE_MAX) : EASE_MIN, .count = used};
     memcpy(next->ways, ways, used * sizeof *ways);
-    struct turn **place = &mood->turns[mood->count++ % TURNS];
+    struct mood_change **place = &mood->changes[mood->count++ % CHANGES];
     free(*place);
     *place = next;
     return 0;
@@ -141,12 +142,12 @@ size_t mood_at(const struct mood *mood, double clock, struct mood_part parts[AFF
     size_t count = 0;
     if (!mood->count)
         return 0;
-    const struct turn *turn = turn_at(mood, clock);
-    for (size_t i = 0; i < turn->count; i++) {
-        double slope, value = value_at(turn, &turn->ways[i], clock, &slope);
+    const struct mood_change *change = change_at(mood, clock);
+    for (size_t i = 0; i < change->count; i++) {
+        double slope, value = value_at(change, &change->ways[i], clock, &slope);
         if (value > 0)
             parts[count++] =
-                (struct mood_part){expressions_at(mood->expressions, turn->ways[i].affect), value};
+                (struct mood_part){expressions_at(mood->expressions, change->ways[i].affect), value};
     }
     return count;
 }

@@ -62,7 +62,7 @@ size_t pose_faps_named(const char *name, int out[2]) {
 }
 
 /* The outer contour of each FAP of the inner lips, and how much of its way it goes (as in
- * server/face/fapmap.c). */
+ * server/face/engines/fapmap.c). */
 static const struct {
     int inner, outer;
 } contours[] = {{4, 51}, {5, 52}, {6, 53}, {7, 54}, {8, 55}, {9, 56}, {10, 57}, {11, 58}, {12, 59}, {13, 60}};

@@ -23,7 +23,7 @@ struct pose {
 
 /* How the intensity goes over the time of the cue: rises in `attack`, stays at 1 for `hold`, settles in
  * `settle` at the level `sustain`, and falls after the end of the cue in `decay`. Seconds, and 0..1. */
-struct curve {
+struct envelope {
     double attack, hold, settle, sustain, decay;
 };
 
@@ -50,7 +50,7 @@ struct expression {
     uint8_t basic;                  /* its number in FAP 2, or 0 */
     double basics[BASIC_COUNT + 1]; /* how much of each basic emotion is in it, 0..1 */
     struct pose pose;               /* that which it is mixed from included */
-    struct curve curve;
+    struct envelope curve;
     struct mouth_share mouth;
     double articulation; /* factor of the speech's movements */
     struct voice_factors voice;

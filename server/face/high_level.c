@@ -2,7 +2,7 @@
 #include "server/face/high_level.h"
 #include "server/base/mem.h"
 #include "server/expression/recipe.h"
-#include "server/face/shape.h"
+#include "server/face/packs/shape.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

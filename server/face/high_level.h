@@ -7,7 +7,7 @@
 
 #include "protocol/fap.h"
 #include "server/expression/expressions.h"
-#include "server/face/speech_pack.h"
+#include "server/face/packs/speech_pack_content.h"
 
 struct face_high_level;
 

@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/track.h"
 #include "server/base/mem.h"
-#include "server/face/contact.h"
-#include "server/face/engine.h"
-#include "server/face/express.h"
-#include "server/face/fapmap.h"
-#include "server/face/finish.h"
-#include "server/face/life.h"
-#include "server/face/viseme.h"
+#include "server/face/engines/contact.h"
+#include "server/face/engines/engine.h"
+#include "server/face/engines/fapmap.h"
+#include "server/face/engines/viseme.h"
+#include "server/face/expression/expression_layer.h"
+#include "server/face/face_limits.h"
+#include "server/face/life/life.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
 struct face_track {
     struct speech_fapu fapu;
-    double end;               /* s */
-    struct face_layer speech; /* none when idle */
-    struct express *express;  /* NULL when still, or nothing to express with */
-    struct face_layer life;   /* none when still */
+    double end;                       /* s */
+    struct face_layer speech;         /* none when idle */
+    struct expression_layer *express; /* NULL when still, or nothing to express with */
+    struct face_layer life;           /* none when still */
     struct face_layer *layers;
     size_t layer_count, layer_cap;
     struct contacts contacts;
@@ -25,20 +25,20 @@ struct face_track {
     size_t contact_cursor, viseme_cursor;
 };
 
-static void animate(struct face_track *track, const struct utterance *u, const struct gestures *g,
+static void animate(struct face_track *track, const struct sentence_audio *u, const struct phone_segments *g,
                     const struct face_options *options) {
     if (options->still)
         return;
-    track->express = express_new(u, g, options);
-    track->life = life_layer(options, u, express_influence(track->express));
+    track->express = expression_layer_new(u, g, options);
+    track->life = life_layer(options, u, expression_layer_influence(track->express));
 }
 
-struct face_track *face_track_new(const struct speech_pack *pack, const struct utterance *u,
+struct face_track *face_track_new(const struct speech_pack *pack, const struct sentence_audio *u,
                                   const struct face_options *options,
                                   void (*warn)(void *ctx, const char *message), void *ctx) {
     struct face_track *track = mem_alloc(sizeof *track);
-    struct gestures gestures;
-    gestures_from(pack, u, warn, ctx, &gestures);
+    struct phone_segments gestures;
+    phone_segments_from(pack, u, warn, ctx, &gestures);
     const struct face_engine *engine = engine_find(options->engine);
     track->fapu = pack->fapu;
     track->end = gestures.end;
@@ -49,7 +49,7 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct u
         contacts_from(&gestures, &track->contacts);
     visemes_from(&gestures, &track->visemes);
     animate(track, u, &gestures, options);
-    gestures_free(&gestures);
+    phone_segments_free(&gestures);
     return track;
 }
 
@@ -72,7 +72,7 @@ void face_track_free(struct face_track *track) {
     free_layer(&track->life);
     for (size_t i = 0; i < track->layer_count; i++)
         free_layer(&track->layers[i]);
-    express_free(track->express);
+    expression_layer_free(track->express);
     free(track->layers);
     contacts_free(&track->contacts);
     visemes_free(&track->visemes);
@@ -110,7 +110,7 @@ void face_track_sample(struct face_track *track, double t, struct fap_frame *fra
         contacts_at(&track->contacts, t, &track->contact_cursor, demand);
     }
     if (track->express) {
-        express_blend(track->express, t, demand, faps, &frame->expression);
+        expression_layer_blend(track->express, t, demand, faps, &frame->expression);
         frame->mask[0] |= 2; /* FAP 2 */
     }
     for (size_t i = 0; i < track->layer_count; i++)
@@ -120,5 +120,5 @@ void face_track_sample(struct face_track *track, double t, struct fap_frame *fra
     /* After all layers, so that none of them can open a closure. */
     if (speaks)
         fapmap_touch(&track->fapu, demand, faps);
-    face_finish(&track->fapu, faps, frame);
+    face_limits_apply(&track->fapu, faps, frame);
 }

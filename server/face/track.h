@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The face track: the values of all FAPs over the time of one utterance, the sum of its layers, to be sampled
+/* The face track: the values of all FAPs over the time of one sentence, the sum of its layers, to be sampled
  * at any rate. The face stage hands it to the stream stage. */
 #ifndef FACCIA_FACE_TRACK_H
 #define FACCIA_FACE_TRACK_H
 
 #include "protocol/fap.h"
 #include "server/expression/expressions.h"
-#include "server/face/speech.h"
-#include "server/voice/utterance.h"
+#include "server/face/packs/speech_pack.h"
+#include "server/voice/sentence_audio.h"
 
-/* A layer adds its part to the values at time t (s from the utterance's start). faps[n] is FAP n in FAP
+/* A layer adds its part to the values at time t (s from the sentence's start). faps[n] is FAP n in FAP
  * units, as reals. */
 struct face_layer {
     void (*add)(void *self, double t, double faps[FAP_COUNT + 1]);
@@ -29,7 +29,7 @@ struct face_options {
     bool still;    /* lips only: no life, no expressions */
     double life;   /* strength of the life layer, 0..2; 1 = as people are */
     uint64_t seed; /* of the life layer: the same seed gives the same track */
-    double begin;  /* time of this utterance's start on the life layer's clock, s */
+    double begin;  /* time of this sentence's start on the life layer's clock, s */
     enum face_blend blend;
     const struct expressions *expressions; /* borrowed, must outlive the track; NULL = cues are not shown */
     const struct mood *mood;               /* borrowed, may change while the track is used; NULL = neutral */
@@ -38,9 +38,9 @@ struct face_options {
 struct face_track;
 
 /* Builds the track. Phones that the pack cannot map are reported through warn (may be NULL) and get the
- * nearest phone's targets. Never fails: a pack that loaded can serve any utterance. The utterance may be
+ * nearest phone's targets. Never fails: a pack that loaded can serve any sentence. The sentence may be
  * freed afterwards; the pack must outlive the track. */
-struct face_track *face_track_new(const struct speech_pack *pack, const struct utterance *u,
+struct face_track *face_track_new(const struct speech_pack *pack, const struct sentence_audio *u,
                                   const struct face_options *options,
                                   void (*warn)(void *ctx, const char *message), void *ctx);
 
@@ -53,7 +53,7 @@ void face_track_free(struct face_track *track);
 void face_track_add(struct face_track *track, struct face_layer layer);
 
 /* The face at t seconds (any t: before 0 and after the end it is at rest), clamped to the FAP ranges, rounded
- * to FAP units. Cheapest when t does not go backwards. Cost does not depend on the utterance's length. */
+ * to FAP units. Cheapest when t does not go backwards. Cost does not depend on the sentence's length. */
 void face_track_sample(struct face_track *track, double t, struct fap_frame *frame);
 
 /* The engines that face_options.engine may name, NULL-terminated. */

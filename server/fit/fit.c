@@ -16,7 +16,7 @@ static size_t find_entry(struct fit *fit, const struct speech_phone *phone, size
 }
 
 /* Calls find_entry for all that the gestures contain, and notes it where there is a list. */
-static void list_entries(struct fit *fit, const struct gestures *g, bool *uses) {
+static void list_entries(struct fit *fit, const struct phone_segments *g, bool *uses) {
     struct target_contexts *contexts = targets_contexts(g);
     for (size_t i = 0; i < g->count; i++) {
         if (!g->items[i].phone)
@@ -59,13 +59,13 @@ static size_t find_parts(struct track *tracks, size_t count, size_t entries) {
     return used;
 }
 
-void fit_run(struct speech_pack *pack, const struct recording *recordings, size_t count,
+void fit_run(struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
              const struct fit_options *options, struct fit *out) {
     *out = (struct fit){0};
     struct track *tracks = mem_alloc((count + 1) * sizeof *tracks);
     for (size_t i = 0; i < count; i++) {
         tracks[i].recording = &recordings[i];
-        recording_gestures(pack, &recordings[i], options->warn, options->ctx, &tracks[i].gestures);
+        measured_speech_segments(pack, &recordings[i], options->warn, options->ctx, &tracks[i].gestures);
         list_entries(out, &tracks[i].gestures, NULL);
     }
     for (size_t i = 0; i < count; i++) {
@@ -88,7 +88,7 @@ void fit_run(struct speech_pack *pack, const struct recording *recordings, size_
         task_measure(&task);
     }
     for (size_t i = 0; i < count; i++) {
-        gestures_free(&tracks[i].gestures);
+        phone_segments_free(&tracks[i].gestures);
         free(tracks[i].uses);
     }
     free(tracks);

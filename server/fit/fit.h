@@ -4,8 +4,8 @@
 #ifndef FACCIA_FIT_FIT_H
 #define FACCIA_FIT_FIT_H
 
-#include "server/face/targets.h"
-#include "server/fit/recording.h"
+#include "server/face/engines/targets.h"
+#include "server/fit/measured_speech.h"
 #include <jansson.h>
 
 /* The coefficients of a phone in one of its contexts. */
@@ -43,7 +43,7 @@ struct fit {
  *
  * Between the two rounds comes the look at the values that the thesis leaves to a person: what has run to a
  * limit begins anew, and for each phone the other resistance is tried and kept where Z becomes smaller. */
-void fit_run(struct speech_pack *pack, const struct recording *recordings, size_t count,
+void fit_run(struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
              const struct fit_options *options, struct fit *out);
 void fit_free(struct fit *fit);
 

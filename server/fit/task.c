@@ -117,7 +117,7 @@ static double mean_at_target(const struct task *task, size_t entry, double place
         if (!takes_part(task, t) || !t->uses[entry])
             continue;
         for (size_t g = 0; g < t->gestures.count; g++) {
-            const struct gesture *item = &t->gestures.items[g];
+            const struct phone_segment *item = &t->gestures.items[g];
             if (item->phone != phone)
                 continue;
             size_t frame = (size_t)((item->start + place * (item->end - item->start)) * RECORDING_FPS);

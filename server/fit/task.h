@@ -7,8 +7,8 @@
 
 /* A recording in the parameter that is being fitted. */
 struct track {
-    const struct recording *recording;
-    struct gestures gestures;
+    const struct measured_speech *recording;
+    struct phone_segments gestures;
     bool *uses; /* by entry */
     size_t part;
 };

@@ -4,7 +4,7 @@
 #ifndef FACCIA_FIT_UNKNOWNS_H
 #define FACCIA_FIT_UNKNOWNS_H
 
-#include "server/face/targets.h"
+#include "server/face/engines/targets.h"
 
 /* Of one segment: all but k, which the curve shows only by passing DOMINANCE_RESISTANT, so that it has no
  * slope. The original function has no shape and one c. */

@@ -129,13 +129,13 @@ static void take_mind(struct tag *tag, const struct timing *t) {
     }
 }
 
-static void begin_part(struct reader *r, struct tag *tag) {
+static void begin_part(struct markup_reader *r, struct tag *tag) {
     (void)r;
     struct timing t = take_timing(tag);
     take_mind(tag, &t);
 }
 
-static void begin_performative(struct reader *r, struct tag *tag) {
+static void begin_performative(struct markup_reader *r, struct tag *tag) {
     (void)r;
     struct timing t = take_timing(tag);
     const char *type = tag_take(tag, "type");
@@ -146,7 +146,7 @@ static void begin_performative(struct reader *r, struct tag *tag) {
     take_mind(tag, &t);
 }
 
-static void begin_turn(struct reader *r, struct tag *tag) {
+static void begin_turn(struct markup_reader *r, struct tag *tag) {
     static const struct choice types[] = {{"take", 0}, {"give", 0}};
     const char *type = tag_take(tag, "type");
     struct timing t = take_timing(tag);
@@ -158,7 +158,7 @@ static void begin_turn(struct reader *r, struct tag *tag) {
         cue(tag, "turn", type, &t, 1);
 }
 
-static void begin_backchannel(struct reader *r, struct tag *tag) {
+static void begin_backchannel(struct markup_reader *r, struct tag *tag) {
     (void)r;
     struct timing t = take_timing(tag);
     cue(tag, "turn", "backchannel", &t, 1);
@@ -182,7 +182,7 @@ static void take_accent(struct tag *tag, const struct timing *t) {
     cue(tag, "pitch-accent", accent ? accent : part && part->value > 0 ? "LplusHstar" : "Hstar", t, 1);
 }
 
-static void begin_emphasis(struct reader *r, struct tag *tag) {
+static void begin_emphasis(struct markup_reader *r, struct tag *tag) {
     static const struct choice levels[] = {
         {"weak", EMPHASIS_WEAK}, {"medium", EMPHASIS_MEDIUM}, {"strong", EMPHASIS_STRONG}};
     static const char *const kinds[] = {"deictic", "adjectival"};
@@ -206,7 +206,7 @@ static void begin_emphasis(struct reader *r, struct tag *tag) {
 }
 
 /* The tone is the last word's. Two letters end an intonational phrase, which is heard as a short silence. */
-static void begin_boundary(struct reader *r, struct tag *tag) {
+static void begin_boundary(struct markup_reader *r, struct tag *tag) {
     static const struct choice types[] = {{"L", 0},     {"H", 0},     {"LL", 0.15},
                                           {"HH", 0.15}, {"LH", 0.15}, {"HL", 0.15}};
     if (tag_has(tag, "start")) { /* as SEMAINE writes it: at a sync point */
@@ -225,7 +225,7 @@ static void begin_boundary(struct reader *r, struct tag *tag) {
     reader_pause(tag, "type", type->value);
 }
 
-static void begin_pause(struct reader *r, struct tag *tag) {
+static void begin_pause(struct markup_reader *r, struct tag *tag) {
     const char *value = tag_take(tag, "sec");
     double seconds;
     (void)r;

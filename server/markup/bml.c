@@ -7,13 +7,13 @@
 #include <string.h>
 #include <strings.h>
 
-void bml_open(struct reader *r, size_t root) {
+void bml_open(struct markup_reader *r, size_t root) {
     r->bml = mem_alloc(sizeof *r->bml);
     if (r->vocabulary->mute) /* else all text is spoken */
         bml_outline(r, root);
 }
 
-void bml_close(struct reader *r) {
+void bml_close(struct markup_reader *r) {
     struct bml *b = r->bml;
     free(b->syncs);
     free(b->behaviours);
@@ -32,7 +32,7 @@ static const struct bml_speech *outline_of(struct bml *b, size_t at) {
 }
 
 /* SEMAINE's documents name languages by their English names. */
-static void take_language(struct reader *r, struct tag *tag) {
+static void take_language(struct markup_reader *r, struct tag *tag) {
     static const char *const names[][2] = {{"english", "en"}, {"french", "fr"},  {"german", "de"},
                                            {"italian", "it"}, {"polish", "pl"},  {"portuguese", "pt"},
                                            {"spanish", "es"}, {"swedish", "sv"}, {"turkish", "tr"}};
@@ -49,7 +49,7 @@ static void take_language(struct reader *r, struct tag *tag) {
 }
 
 /* Speeches follow each other. A time on the clock, or a distance from what was before, is a pause. */
-static void take_pause(struct reader *r, struct tag *tag, const struct bml_behaviour *b) {
+static void take_pause(struct markup_reader *r, struct tag *tag, const struct bml_behaviour *b) {
     double seconds;
     const char *sign = b->start ? strrchr(b->start, '+') : NULL;
     if (!b->start)
@@ -64,7 +64,7 @@ static void take_pause(struct reader *r, struct tag *tag, const struct bml_behav
     }
 }
 
-static void begin_speech(struct reader *r, struct tag *tag) {
+static void begin_speech(struct markup_reader *r, struct tag *tag) {
     const struct bml_speech *outline = outline_of(r->bml, tag->at);
     const char *voice = tag_take(tag, "voice"), *text = tag_take(tag, "text");
     struct bml_behaviour *b = bml_add(tag, 0);
@@ -86,7 +86,7 @@ static void begin_speech(struct reader *r, struct tag *tag) {
         passage_text(&r->passage, text, strlen(text), piece);
 }
 
-static void end_speech(struct reader *r, struct frame *frame) {
+static void end_speech(struct markup_reader *r, struct frame *frame) {
     (void)frame;
     if (!r->bml->speech)
         return;
@@ -96,13 +96,13 @@ static void end_speech(struct reader *r, struct frame *frame) {
 }
 
 /* Outside a speech it is one. */
-static void begin_text(struct reader *r, struct tag *tag) {
+static void begin_text(struct markup_reader *r, struct tag *tag) {
     if (!r->bml->speech)
         tag->frame->mute = false;
 }
 
 /* Inside a face, a head or a gaze: how Greta names what it shows. */
-static void begin_value(struct reader *r, struct tag *tag) {
+static void begin_value(struct markup_reader *r, struct tag *tag) {
     reader_capture(r, tag->frame);
 }
 
@@ -116,7 +116,7 @@ static const struct vocabulary greta_vocabulary = {.elements = greta_elements,
                                                    .mute = true,
                                                    .quiet = true};
 
-static void begin_description(struct reader *r, struct tag *tag) {
+static void begin_description(struct markup_reader *r, struct tag *tag) {
     const char *type = tag_take(tag, "type");
     const struct vocabulary *spoken = type ? bml_description(type) : NULL;
     bool greta = type && !strcasecmp(type, "gretabml");
@@ -136,7 +136,7 @@ static void begin_description(struct reader *r, struct tag *tag) {
                    type ? type : "");
 }
 
-static void begin_ignored(struct reader *r, struct tag *tag) {
+static void begin_ignored(struct markup_reader *r, struct tag *tag) {
     score_warn(r->score, tag->at, "ignored", "<%s> is not acted on", tag->frame->element->name);
     tag->count = 0;
 }

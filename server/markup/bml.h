@@ -5,7 +5,7 @@
 #ifndef FACCIA_MARKUP_BML_H
 #define FACCIA_MARKUP_BML_H
 
-#include "server/markup/reader.h"
+#include "server/markup/markup_reader.h"
 
 /* A moment: at an item of the score, or on the utterance's clock; and so many seconds later. */
 struct bml_place {
@@ -61,44 +61,44 @@ struct bml {
 };
 
 /* Hooks of a vocabulary that has any of this. */
-void bml_open(struct reader *r, size_t root);
-void bml_finish(struct reader *r);
-void bml_close(struct reader *r);
+void bml_open(struct markup_reader *r, size_t root);
+void bml_finish(struct markup_reader *r);
+void bml_close(struct markup_reader *r);
 
 /* A sync point here. */
-void bml_point(struct reader *r, size_t at, const char *name);
-void bml_begin_point(struct reader *r, struct tag *tag); /* the element tm or sync */
+void bml_point(struct markup_reader *r, size_t at, const char *name);
+void bml_begin_point(struct markup_reader *r, struct tag *tag); /* the element tm or sync */
 
 /* A behaviour of that element, with its times; the pointer is good until the next one. */
 struct bml_behaviour *bml_add(struct tag *tag, double usual);
 void bml_show(struct bml_behaviour *behaviour, const char *kind, const char *name, double intensity);
 
 /* bml_behaviour.c: elements that APML has, too. */
-void bml_begin_accent(struct reader *r, struct tag *tag);
-void bml_begin_boundary(struct reader *r, struct tag *tag);
-void bml_begin_other(struct reader *r, struct tag *tag);
+void bml_begin_accent(struct markup_reader *r, struct tag *tag);
+void bml_begin_boundary(struct markup_reader *r, struct tag *tag);
+void bml_begin_other(struct markup_reader *r, struct tag *tag);
 
 /* Further ones of BML and FML. */
-void bml_begin_face(struct reader *r, struct tag *tag);
-void bml_begin_lexeme(struct reader *r, struct tag *tag);
-void bml_begin_facs(struct reader *r, struct tag *tag);
-void bml_begin_head(struct reader *r, struct tag *tag);
-void bml_begin_gaze(struct reader *r, struct tag *tag);
-void bml_begin_function(struct reader *r, struct tag *tag);
-void bml_begin_world(struct reader *r, struct tag *tag);
-void bml_end_reference(struct reader *r, struct frame *frame);
-void bml_end_intensity(struct reader *r, struct frame *frame);
+void bml_begin_face(struct markup_reader *r, struct tag *tag);
+void bml_begin_lexeme(struct markup_reader *r, struct tag *tag);
+void bml_begin_facs(struct markup_reader *r, struct tag *tag);
+void bml_begin_head(struct markup_reader *r, struct tag *tag);
+void bml_begin_gaze(struct markup_reader *r, struct tag *tag);
+void bml_begin_function(struct markup_reader *r, struct tag *tag);
+void bml_begin_world(struct markup_reader *r, struct tag *tag);
+void bml_end_reference(struct markup_reader *r, struct frame *frame);
+void bml_end_intensity(struct markup_reader *r, struct frame *frame);
 
 /* bml_outline.c: what of each speech is spoken, which may be known at its end only. */
-void bml_outline(struct reader *r, size_t root);
+void bml_outline(struct markup_reader *r, size_t root);
 /* The vocabulary that a description's type stands for; NULL when it is none that is spoken. */
 const struct vocabulary *bml_description(const char *type);
 
 /* bml_names.c: what a name means. Written in any case, with "_" or "-". */
 enum { BML_NAME = 64 };
 void bml_plain_name(const char *name, char out[BML_NAME]);
-void bml_show_lexeme(struct bml_behaviour *b, struct reader *r, const char *name); /* of a face */
+void bml_show_lexeme(struct bml_behaviour *b, struct markup_reader *r, const char *name); /* of a face */
 bool bml_show_gaze(struct bml_behaviour *b, const char *name); /* false when nobody knows where that is */
-void bml_show_affect(struct bml_behaviour *b, struct reader *r, const char *name);
+void bml_show_affect(struct bml_behaviour *b, struct markup_reader *r, const char *name);
 
 #endif

@@ -45,7 +45,7 @@ static void missing(struct tag *tag, const char *what) {
 }
 
 /* Only the draft's have a kind of their own; those of BML 1.0 have their parts inside. */
-void bml_begin_face(struct reader *r, struct tag *tag) {
+void bml_begin_face(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = bml_add(tag, SHORT);
     const char *lexeme = tag_take(tag, "lexeme"), *shape = tag_take(tag, "shape"), *au = tag_take(tag, "au");
     if (lexeme || shape)
@@ -72,7 +72,7 @@ static void scale(struct tag *tag, struct bml_behaviour *b) {
         b->signs[b->sign_count - 1].intensity *= amount;
 }
 
-void bml_begin_lexeme(struct reader *r, struct tag *tag) {
+void bml_begin_lexeme(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = own_or_outer(tag);
     const char *lexeme = tag_take(tag, "lexeme");
     if (!lexeme) {
@@ -84,7 +84,7 @@ void bml_begin_lexeme(struct reader *r, struct tag *tag) {
         scale(tag, b);
 }
 
-void bml_begin_facs(struct reader *r, struct tag *tag) {
+void bml_begin_facs(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = own_or_outer(tag);
     const char *au = tag_take(tag, "au");
     double number;
@@ -100,7 +100,7 @@ void bml_begin_facs(struct reader *r, struct tag *tag) {
 }
 
 /* BML 1.0 has a lexeme, the draft a type and a direction. */
-void bml_begin_head(struct reader *r, struct tag *tag) {
+void bml_begin_head(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = bml_add(tag, SHORT);
     const char *lexeme = tag_take(tag, "lexeme"), *type = tag_take(tag, "type"),
                *direction = tag_take(tag, "direction"), *target = tag_take(tag, "target");
@@ -125,7 +125,7 @@ void bml_begin_head(struct reader *r, struct tag *tag) {
     }
 }
 
-void bml_begin_gaze(struct reader *r, struct tag *tag) {
+void bml_begin_gaze(struct markup_reader *r, struct tag *tag) {
     (void)r;
     struct bml_behaviour *b = bml_add(tag, SHORT);
     const char *to = tag_take(tag, "offsetdirection"), *direction = tag_take(tag, "direction"),
@@ -141,7 +141,7 @@ void bml_begin_gaze(struct reader *r, struct tag *tag) {
     }
 }
 
-void bml_begin_function(struct reader *r, struct tag *tag) {
+void bml_begin_function(struct markup_reader *r, struct tag *tag) {
     static const char *const kinds[][3] = {{"adjectival", "adjectival", "type"},
                                            {"backchannel", "turn", NULL},
                                            {"belief-relation", "belief-relation", "type"},
@@ -177,7 +177,7 @@ void bml_begin_function(struct reader *r, struct tag *tag) {
 }
 
 /* Something in the world that is spoken of: she points at it with her gaze. */
-void bml_begin_world(struct reader *r, struct tag *tag) {
+void bml_begin_world(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = bml_add(tag, 0);
     const char *id = tag_take(tag, "ref_id");
     (void)tag_take(tag, "ref_type");
@@ -187,7 +187,7 @@ void bml_begin_world(struct reader *r, struct tag *tag) {
         missing(tag, "what it means in ref_id");
 }
 
-void bml_begin_accent(struct reader *r, struct tag *tag) {
+void bml_begin_accent(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = bml_add(tag, 0.5);
     const char *type = tag_take(tag, "type"), *level = tag_take(tag, "level");
     bml_show(b, "pitch-accent", type && *type ? reader_keep(r, type) : "Hstar", 1);
@@ -195,14 +195,14 @@ void bml_begin_accent(struct reader *r, struct tag *tag) {
         bml_show(b, "emphasis", reader_keep(r, level), 1);
 }
 
-void bml_begin_boundary(struct reader *r, struct tag *tag) {
+void bml_begin_boundary(struct markup_reader *r, struct tag *tag) {
     struct bml_behaviour *b = bml_add(tag, SHORT);
     const char *type = tag_take(tag, "type");
     bml_show(b, "boundary", type && *type ? reader_keep(r, type) : "LL", 1);
     b->is_boundary = true;
 }
 
-void bml_begin_other(struct reader *r, struct tag *tag) {
+void bml_begin_other(struct markup_reader *r, struct tag *tag) {
     bml_add(tag, SHORT);
     score_warn(r->score, tag->at, "ignored", "<%s> is not acted on: this is a head alone",
                tag->frame->element->name);
@@ -210,7 +210,7 @@ void bml_begin_other(struct reader *r, struct tag *tag) {
 }
 
 /* Greta's "affect=anger", "head=head_up", "look_at": the behaviour that it stands in shows that. */
-void bml_end_reference(struct reader *r, struct frame *frame) {
+void bml_end_reference(struct markup_reader *r, struct frame *frame) {
     static const char *const kinds[] = {"performative", "certainty", "deictic", "adjectival", "emphasis"};
     if (!frame->captures)
         return;
@@ -238,7 +238,7 @@ void bml_end_reference(struct reader *r, struct frame *frame) {
         score_warn(r->score, frame->inside, "ignored", "nobody knows where '%.40s' is", name);
 }
 
-void bml_end_intensity(struct reader *r, struct frame *frame) {
+void bml_end_intensity(struct markup_reader *r, struct frame *frame) {
     double intensity;
     if (!frame->captures)
         return;

@@ -36,7 +36,7 @@ static double cut_strength(char *name) {
     return 1;
 }
 
-void bml_show_affect(struct bml_behaviour *b, struct reader *r, const char *name) {
+void bml_show_affect(struct bml_behaviour *b, struct markup_reader *r, const char *name) {
     char plain[BML_NAME];
     bml_plain_name(name, plain);
     double strength = cut_strength(plain);
@@ -49,7 +49,7 @@ void bml_show_affect(struct bml_behaviour *b, struct reader *r, const char *name
     bml_show(b, "affect", reader_keep(r, affect_meant(plain)), strength);
 }
 
-void bml_show_lexeme(struct bml_behaviour *b, struct reader *r, const char *name) {
+void bml_show_lexeme(struct bml_behaviour *b, struct markup_reader *r, const char *name) {
     char plain[BML_NAME], bare[BML_NAME];
     bml_plain_name(name, plain);
     strcpy(bare, plain);

@@ -86,7 +86,7 @@ static void on_text(void *ctx, const XML_Char *text, int n) {
             o->bml->speeches[o->bml->speech_count - 1].has_text = true;
 }
 
-void bml_outline(struct reader *r, size_t root) {
+void bml_outline(struct markup_reader *r, size_t root) {
     struct outline o = {.bml = r->bml, .root = root, .parser = XML_ParserCreate("UTF-8")};
     if (!o.parser)
         abort();

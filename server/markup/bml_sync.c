@@ -13,19 +13,19 @@ enum { CHAIN = 64 };
 
 static const char sync_kind[] = "sync";
 
-static void add_sync(struct reader *r, const char *name, size_t cue, double clock) {
+static void add_sync(struct markup_reader *r, const char *name, size_t cue, double clock) {
     struct bml *b = r->bml;
     b->syncs = mem_grow(b->syncs, &b->sync_cap, b->sync_count + 1, sizeof *b->syncs);
     b->syncs[b->sync_count++] =
         (struct bml_sync){b->speech ? b->speech : "", reader_keep(r, name), cue, clock};
 }
 
-void bml_point(struct reader *r, size_t at, const char *name) {
+void bml_point(struct markup_reader *r, size_t at, const char *name) {
     reader_point(r, at, sync_kind, "");
     add_sync(r, name, r->score->cue_count - 1, -1);
 }
 
-void bml_begin_point(struct reader *r, struct tag *tag) {
+void bml_begin_point(struct markup_reader *r, struct tag *tag) {
     const char *id = tag_take(tag, "id"), *name = tag_take(tag, "name"), *time = tag_take(tag, "time");
     double seconds;
     name = id ? id : name;
@@ -57,7 +57,7 @@ static struct name name_of(const char *s, size_t length) {
     return name;
 }
 
-static bool find_sync(struct reader *r, const char *speech, const char *name, struct bml_place *out) {
+static bool find_sync(struct markup_reader *r, const char *speech, const char *name, struct bml_place *out) {
     const struct bml_sync wanted = {.speech = speech, .name = name};
     struct bml *b = r->bml;
     const struct bml_sync *found =
@@ -69,7 +69,7 @@ static bool find_sync(struct reader *r, const char *speech, const char *name, st
     return true;
 }
 
-static void resolve(struct reader *r, struct bml_behaviour *behaviour, int chain);
+static void resolve(struct markup_reader *r, struct bml_behaviour *behaviour, int chain);
 
 static struct bml_behaviour *find_behaviour(struct bml *b, const char *id) {
     size_t low = 0, high = b->by_id_count;
@@ -86,7 +86,8 @@ static struct bml_behaviour *find_behaviour(struct bml *b, const char *id) {
 
 /* A sync point of a speech or, of another behaviour, its beginning or its end: what lies between is taken for
  * the nearer of the two. */
-static bool find_point(struct reader *r, const char *id, const char *sync, int chain, struct bml_place *out) {
+static bool find_point(struct markup_reader *r, const char *id, const char *sync, int chain,
+                       struct bml_place *out) {
     static const char *const late[] = {"end", "relax", "strokeEnd", "stroke_end"},
                              *const early[] = {"start",  "ready",      "strokeStart", "stroke_start",
                                                "stroke", "attackPeak", "attack_peak"};
@@ -105,7 +106,7 @@ static bool find_point(struct reader *r, const char *id, const char *sync, int c
     return out->kind != BML_NOWHERE;
 }
 
-static bool find_place(struct reader *r, const char *ref, int chain, struct bml_place *out) {
+static bool find_place(struct markup_reader *r, const char *ref, int chain, struct bml_place *out) {
     const char *colon = strrchr(ref, ':'), *id = ref;
     double seconds;
     *out = (struct bml_place){0};
@@ -136,7 +137,7 @@ static bool find_place(struct reader *r, const char *ref, int chain, struct bml_
     return true;
 }
 
-static void resolve(struct reader *r, struct bml_behaviour *b, int chain) {
+static void resolve(struct markup_reader *r, struct bml_behaviour *b, int chain) {
     struct score *score = r->score;
     if (b->state == BML_DONE)
         return;
@@ -236,7 +237,7 @@ static void drop_syncs(struct score *score) {
 }
 
 /* What nobody speaks to is shown in silence: until the last of it ends. */
-static void add_silence(struct reader *r) {
+static void add_silence(struct markup_reader *r) {
     const struct bml *b = r->bml;
     double seconds = 0;
     for (size_t i = 0; i < b->behaviour_count; i++)
@@ -249,7 +250,7 @@ static void add_silence(struct reader *r) {
     score_end_sentence(r->score);
 }
 
-void bml_finish(struct reader *r) {
+void bml_finish(struct markup_reader *r) {
     struct bml *b = r->bml;
     if (b->sync_count)
         qsort(b->syncs, b->sync_count, sizeof *b->syncs, compare_syncs);

@@ -3,7 +3,7 @@
 #ifndef FACCIA_MARKUP_DETECT_H
 #define FACCIA_MARKUP_DETECT_H
 
-#include "server/markup/reader.h"
+#include "server/markup/markup_reader.h"
 
 struct prolog {
     size_t end;       /* byte where the root element begins, or what stands in its place */

@@ -17,7 +17,7 @@ static void take_time(struct tag *tag, const char *attribute, struct score_time 
         tag_bad(tag, attribute, "is no time in milliseconds that is possible here");
 }
 
-void emotionml_begin_emotion(struct reader *r, struct tag *tag) {
+void emotionml_begin_emotion(struct markup_reader *r, struct tag *tag) {
     struct emotion *emotion = &tag->frame->emotion;
     (void)r;
     *emotion = (struct emotion){.intensity = 1, .duration = {.share = 1}};
@@ -26,7 +26,8 @@ void emotionml_begin_emotion(struct reader *r, struct tag *tag) {
 }
 
 /* A cue from the beginning of the emotion on. */
-static void add_cue(struct reader *r, struct frame *frame, size_t at, const char *name, double intensity) {
+static void add_cue(struct markup_reader *r, struct frame *frame, size_t at, const char *name,
+                    double intensity) {
     struct score_cue *cue = reader_cue(r, frame, at, "affect", name);
     cue->intensity = intensity;
     cue->duration = frame->emotion.duration;
@@ -36,7 +37,7 @@ static void add_cue(struct reader *r, struct frame *frame, size_t at, const char
 }
 
 /* The emotion that the element of the tag stands in; NULL, with a warning, when there is none. */
-static struct frame *emotion_around(struct reader *r, const struct tag *tag) {
+static struct frame *emotion_around(struct markup_reader *r, const struct tag *tag) {
     struct frame *outer = tag->frame - 1;
     if (outer->element && outer->element->begin == emotionml_begin_emotion)
         return outer;
@@ -52,7 +53,7 @@ static double take_value(struct tag *tag, double usual) {
     return number;
 }
 
-void emotionml_begin_category(struct reader *r, struct tag *tag) {
+void emotionml_begin_category(struct markup_reader *r, struct tag *tag) {
     struct frame *frame = emotion_around(r, tag);
     const char *name = tag_take(tag, "name");
     double intensity = take_value(tag, 1);
@@ -63,7 +64,7 @@ void emotionml_begin_category(struct reader *r, struct tag *tag) {
 }
 
 /* 0.5 is neutral. */
-void emotionml_begin_dimension(struct reader *r, struct tag *tag) {
+void emotionml_begin_dimension(struct markup_reader *r, struct tag *tag) {
     enum { ACTIVATION, EVALUATION, INTENSITY };
     static const struct choice names[] = {{"arousal", ACTIVATION},    {"activation", ACTIVATION},
                                           {"valence", EVALUATION},    {"pleasure", EVALUATION},
@@ -86,11 +87,11 @@ void emotionml_begin_dimension(struct reader *r, struct tag *tag) {
     *(known->value == ACTIVATION ? &frame->emotion.activation : &frame->emotion.evaluation) = 2 * value - 1;
 }
 
-void emotionml_begin_unused(struct reader *r, struct tag *tag) {
+void emotionml_begin_unused(struct markup_reader *r, struct tag *tag) {
     score_warn(r->score, tag->at, "ignored", "<%s> is not acted on", tag->frame->element->name);
 }
 
-void emotionml_end_emotion(struct reader *r, struct frame *frame) {
+void emotionml_end_emotion(struct markup_reader *r, struct frame *frame) {
     const struct emotion *emotion = &frame->emotion;
     double intensity;
     const char *name =

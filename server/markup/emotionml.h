@@ -3,13 +3,13 @@
 #ifndef FACCIA_MARKUP_EMOTIONML_H
 #define FACCIA_MARKUP_EMOTIONML_H
 
-#include "server/markup/reader.h"
+#include "server/markup/markup_reader.h"
 
-void emotionml_begin_emotion(struct reader *r, struct tag *tag);
-void emotionml_end_emotion(struct reader *r, struct frame *frame);
-void emotionml_begin_category(struct reader *r, struct tag *tag);
-void emotionml_begin_dimension(struct reader *r, struct tag *tag);
-void emotionml_begin_unused(struct reader *r, struct tag *tag);
+void emotionml_begin_emotion(struct markup_reader *r, struct tag *tag);
+void emotionml_end_emotion(struct markup_reader *r, struct frame *frame);
+void emotionml_begin_category(struct markup_reader *r, struct tag *tag);
+void emotionml_begin_dimension(struct markup_reader *r, struct tag *tag);
+void emotionml_begin_unused(struct markup_reader *r, struct tag *tag);
 
 /* The rows of these elements in a vocabulary's table. */
 #define EMOTIONML_EMOTION                                                                                    \

@@ -2,21 +2,21 @@
 /* JSML: the Java Speech Markup Language, Sun Microsystems, versions 0.5 (1997) and 0.6 (1999; W3C Note of
  * 5 June 2000), with the emotion elements of E. Akagunduz, "Talking head with expressions" (METU, 2004).
  * Names of elements and attributes are compared without regard to case; a document needs no root. */
-#include "server/markup/prosody.h"
+#include "server/markup/markup_prosody.h"
 #include "server/markup/styles.h"
 #include <string.h>
 #include <strings.h>
 
 static const struct prosody_dialect numbers = {PROSODY_WPM, 1};
 
-static void take_common(struct reader *r, struct tag *tag) {
+static void take_common(struct markup_reader *r, struct tag *tag) {
     reader_language(tag, "lang");
     const char *mark = strcasecmp(tag->frame->element->name, "marker") ? tag_take(tag, "mark") : NULL;
     if (mark && *mark)
         reader_mark(r, tag->at, mark);
 }
 
-static void begin_div(struct reader *r, struct tag *tag) {
+static void begin_div(struct markup_reader *r, struct tag *tag) {
     static const struct choice types[] = {{"paragraph", 0}, {"para", 0}, {"sentence", 1}, {"sent", 1}};
     const char *type = tag_take(tag, "type");
     const struct choice *known = type ? choice_find(types, sizeof types / sizeof *types, type) : &types[0];
@@ -25,14 +25,14 @@ static void begin_div(struct reader *r, struct tag *tag) {
     r->passage.whole = known && known->value > 0;
 }
 
-static void begin_voice(struct reader *r, struct tag *tag) {
+static void begin_voice(struct markup_reader *r, struct tag *tag) {
     const char *voice = tag_take(tag, "voice"), *name = tag_take(tag, "name");
     if (voice || name)
         tag->frame->style.voice = reader_keep(r, voice ? voice : name);
     style_take_gender(tag);
 }
 
-static void begin_sayas(struct reader *r, struct tag *tag) {
+static void begin_sayas(struct markup_reader *r, struct tag *tag) {
     const char *class_name = tag_take(tag, "class"), *sub = tag_take(tag, "sub"),
                *phones = tag_take(tag, "phon");
     if (!class_name && !sub && !phones)
@@ -45,14 +45,14 @@ static void begin_sayas(struct reader *r, struct tag *tag) {
         tag->frame->value = sub ? reader_keep(r, sub) : NULL;
 }
 
-static void begin_phoneme(struct reader *r, struct tag *tag) {
+static void begin_phoneme(struct markup_reader *r, struct tag *tag) {
     const char *original = tag_take(tag, "original");
     if (reader_capture(r, tag->frame))
         tag->frame->value = original ? reader_keep(r, original) : NULL;
 }
 
 /* The phones are the content. */
-static void end_phoneme(struct reader *r, struct frame *frame) {
+static void end_phoneme(struct markup_reader *r, struct frame *frame) {
     if (!frame->captures)
         return;
     struct score_style style = frame->style;
@@ -62,14 +62,14 @@ static void end_phoneme(struct reader *r, struct frame *frame) {
     reader_say(r, frame, frame->value ? frame->value : style.phonemes, score_keep_style(r->score, &style));
 }
 
-static void begin_break(struct reader *r, struct tag *tag) {
+static void begin_break(struct markup_reader *r, struct tag *tag) {
     static const struct choice sizes[] = {{"none", 0}, {"small", 0.15}, {"medium", 0.4}, {"large", 1}};
     (void)r;
     if (!style_take_pause(tag, "msecs", 0.001) && !style_take_pause(tag, "time", 0.001))
         style_take_pause_word(tag, "size", sizes, 4, &sizes[2]);
 }
 
-static void begin_prosody(struct reader *r, struct tag *tag) {
+static void begin_prosody(struct markup_reader *r, struct tag *tag) {
     struct score_style *style = &tag->frame->style;
     (void)r;
     prosody_take(tag, "rate", PROSODY_RATE, &numbers, &style->rate);
@@ -79,7 +79,7 @@ static void begin_prosody(struct reader *r, struct tag *tag) {
     prosody_take(tag, "range", PROSODY_RANGE, &numbers, &style->range);
 }
 
-static void begin_marker(struct reader *r, struct tag *tag) {
+static void begin_marker(struct markup_reader *r, struct tag *tag) {
     const char *mark = tag_take(tag, "mark");
     if (mark && *mark)
         reader_mark(r, tag->at, mark);
@@ -87,7 +87,7 @@ static void begin_marker(struct reader *r, struct tag *tag) {
         score_warn(r->score, tag->at, "missing-attribute", "a marker has its name in mark");
 }
 
-static void begin_engine(struct reader *r, struct tag *tag) {
+static void begin_engine(struct markup_reader *r, struct tag *tag) {
     (void)tag_take(tag, "name");
     (void)tag_take(tag, "data");
     score_warn(r->score, tag->at, "ignored",
@@ -95,7 +95,7 @@ static void begin_engine(struct reader *r, struct tag *tag) {
 }
 
 /* The thesis's weight is the emotion's share in the face, 0.2 where the element does not say it. */
-static void begin_emotion(struct reader *r, struct tag *tag) {
+static void begin_emotion(struct markup_reader *r, struct tag *tag) {
     static const char *const affects[][2] = {{"afraid", "fear"},       {"anger", "anger"}, {"angry", "anger"},
                                              {"disgusted", "disgust"}, {"happy", "joy"},   {"sad", "sadness"},
                                              {"surprised", "surprise"}};

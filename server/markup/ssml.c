@@ -2,7 +2,7 @@
 /* SSML 1.1 (W3C Recommendation, 7 September 2010), with EmotionML and two vendors' emotions inside. */
 #include "server/markup/affects.h"
 #include "server/markup/emotionml.h"
-#include "server/markup/prosody.h"
+#include "server/markup/markup_prosody.h"
 #include "server/markup/styles.h"
 #include "server/voice/sampa.h"
 #include <math.h>
@@ -11,14 +11,14 @@
 
 static const struct prosody_dialect numbers = {1, 100};
 
-static void begin_voice(struct reader *r, struct tag *tag) {
+static void begin_voice(struct markup_reader *r, struct tag *tag) {
     const char *name = tag_take(tag, "name");
     if (name && *name)
         tag->frame->style.voice = reader_keep(r, name);
     style_take_gender(tag);
 }
 
-static void begin_prosody(struct reader *r, struct tag *tag) {
+static void begin_prosody(struct markup_reader *r, struct tag *tag) {
     struct score_style *style = &tag->frame->style;
     (void)r;
     prosody_take(tag, "rate", PROSODY_RATE, &numbers, &style->rate);
@@ -28,7 +28,7 @@ static void begin_prosody(struct reader *r, struct tag *tag) {
     prosody_take_contour(tag, "contour", &style->pitch);
 }
 
-static void begin_break(struct reader *r, struct tag *tag) {
+static void begin_break(struct markup_reader *r, struct tag *tag) {
     static const struct choice words[] = {{"none", 0},     {"x-weak", 0.1},  {"weak", 0.2},
                                           {"medium", 0.4}, {"strong", 0.75}, {"x-strong", 1.2}};
     (void)r;
@@ -38,7 +38,7 @@ static void begin_break(struct reader *r, struct tag *tag) {
         style_take_pause_word(tag, "strength", words, sizeof words / sizeof *words, &words[3]);
 }
 
-static void begin_say_as(struct reader *r, struct tag *tag) {
+static void begin_say_as(struct markup_reader *r, struct tag *tag) {
     const char *class_name = tag_take(tag, "interpret-as"), *format = tag_take(tag, "format");
     if (!class_name)
         score_warn(r->score, tag->at, "missing-attribute", "say-as has the way of reading in interpret-as");
@@ -47,7 +47,7 @@ static void begin_say_as(struct reader *r, struct tag *tag) {
     reader_capture(r, tag->frame);
 }
 
-static void begin_phoneme(struct reader *r, struct tag *tag) {
+static void begin_phoneme(struct markup_reader *r, struct tag *tag) {
     const char *alphabet = tag_take(tag, "alphabet"), *phones = tag_take(tag, "ph");
     char ipa[512];
     if (!phones)
@@ -63,7 +63,7 @@ static void begin_phoneme(struct reader *r, struct tag *tag) {
     reader_capture(r, tag->frame);
 }
 
-static void begin_sub(struct reader *r, struct tag *tag) {
+static void begin_sub(struct markup_reader *r, struct tag *tag) {
     const char *alias = tag_take(tag, "alias");
     if (!alias)
         score_warn(r->score, tag->at, "missing-attribute", "sub has what is to be said in alias");
@@ -71,7 +71,7 @@ static void begin_sub(struct reader *r, struct tag *tag) {
         tag->frame->value = alias ? reader_keep(r, alias) : NULL;
 }
 
-static void begin_mark(struct reader *r, struct tag *tag) {
+static void begin_mark(struct markup_reader *r, struct tag *tag) {
     const char *name = tag_take(tag, "name");
     if (name && *name)
         reader_mark(r, tag->at, name);
@@ -79,7 +79,7 @@ static void begin_mark(struct reader *r, struct tag *tag) {
         score_warn(r->score, tag->at, "missing-attribute", "a mark has a name");
 }
 
-static void begin_audio(struct reader *r, struct tag *tag) {
+static void begin_audio(struct markup_reader *r, struct tag *tag) {
     const char *src = tag_take(tag, "src");
     if (!src || !*src) {
         score_warn(r->score, tag->at, "missing-attribute", "audio has its file in src");
@@ -97,20 +97,20 @@ static void begin_audio(struct reader *r, struct tag *tag) {
         r->audio = r->depth;
 }
 
-static void end_audio(struct reader *r, struct frame *frame) {
+static void end_audio(struct markup_reader *r, struct frame *frame) {
     if (frame->value)
         r->passage.pieces[frame->piece].until = r->passage.piece_count;
     if (r->audio == r->depth)
         r->audio = 0;
 }
 
-static void begin_lexicon(struct reader *r, struct tag *tag) {
+static void begin_lexicon(struct markup_reader *r, struct tag *tag) {
     score_warn(r->score, tag->at, "ignored", "<%s> is not acted on: no lexicon is loaded",
                tag->frame->element->name);
 }
 
 /* A style's name is an emotion's; what the vendor calls twice as strong is as strong as it gets. */
-static void begin_express_as(struct reader *r, struct tag *tag) {
+static void begin_express_as(struct markup_reader *r, struct tag *tag) {
     const char *style = tag_take(tag, "style"), *degree = tag_take(tag, "styledegree");
     double times = 1;
     if (degree && !quantity_plain(degree, 0.01, 2, &times))
@@ -121,7 +121,7 @@ static void begin_express_as(struct reader *r, struct tag *tag) {
         score_warn(r->score, tag->at, "missing-attribute", "express-as has a style");
 }
 
-static void begin_amazon(struct reader *r, struct tag *tag) {
+static void begin_amazon(struct markup_reader *r, struct tag *tag) {
     static const struct choice degrees[] = {{"low", 0.33}, {"medium", 0.66}, {"high", 1}};
     const char *name = tag_take(tag, "name"), *intensity = tag_take(tag, "intensity");
     const struct choice *degree = intensity ? choice_find(degrees, 3, intensity) : &degrees[1];

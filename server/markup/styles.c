@@ -38,7 +38,7 @@ void style_ipa(struct tag *tag, const char *attribute, const char *ipa) {
         tag->frame->style.phonemes = reader_keep(tag->r, ipa);
 }
 
-void style_emphasis(struct reader *r, struct tag *tag) {
+void style_emphasis(struct markup_reader *r, struct tag *tag) {
     static const struct choice levels[] = {{"strong", EMPHASIS_STRONG},
                                            {"moderate", EMPHASIS_MEDIUM},
                                            {"reduced", EMPHASIS_REDUCED},
@@ -79,7 +79,7 @@ void style_take_pause_word(struct tag *tag, const char *attribute, const struct 
     reader_pause(tag, attribute, known ? known->value : usual->value);
 }
 
-void style_end_capture(struct reader *r, struct frame *frame) {
+void style_end_capture(struct markup_reader *r, struct frame *frame) {
     if (!frame->captures)
         return;
     const char *text = reader_captured(r, frame);

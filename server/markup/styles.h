@@ -3,7 +3,7 @@
 #ifndef FACCIA_MARKUP_STYLES_H
 #define FACCIA_MARKUP_STYLES_H
 
-#include "server/markup/reader.h"
+#include "server/markup/markup_reader.h"
 
 /* The attribute `gender`. */
 void style_take_gender(struct tag *tag);
@@ -16,7 +16,7 @@ bool style_is_ipa(const char *ipa);
 void style_ipa(struct tag *tag, const char *attribute, const char *ipa);
 
 /* The element "emphasis" with its attribute `level`. */
-void style_emphasis(struct reader *r, struct tag *tag);
+void style_emphasis(struct markup_reader *r, struct tag *tag);
 
 /* A pause by its length; numbers alone are in `unit` seconds. False when the attribute is not there or is no
  * time. */
@@ -26,6 +26,6 @@ void style_take_pause_word(struct tag *tag, const char *attribute, const struct 
                            const struct choice *usual);
 
 /* Ends an element that captures its text: says frame->value, or the text itself where that is NULL. */
-void style_end_capture(struct reader *r, struct frame *frame);
+void style_end_capture(struct markup_reader *r, struct frame *frame);
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A start tag: its attributes, and what of them nobody acts on. */
-#include "server/markup/reader.h"
+#include "server/markup/markup_reader.h"
 #include "server/markup/white.h"
 #include <stdarg.h>
 #include <stdio.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Attribute values: words from a list, numbers with units. */
-#include "server/markup/reader.h"
+#include "server/markup/markup_reader.h"
 #include "server/markup/white.h"
 #include <string.h>
 #include <strings.h>

@@ -4,7 +4,7 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/markup/detect.h"
-#include "server/markup/reader.h"
+#include "server/markup/markup_reader.h"
 #include <expat.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,7 +12,7 @@
 #include <strings.h>
 
 struct walk {
-    struct reader reader;
+    struct markup_reader reader;
     XML_Parser parser;
     size_t begin, prefix; /* byte of the input where the parser began, and what it was given before that */
     struct error *error;
@@ -73,14 +73,14 @@ static bool same_style(const struct score_style *a, const struct score_style *b)
            a->emphasis == b->emphasis && same(a->say_as, b->say_as) && same(a->phonemes, b->phonemes);
 }
 
-static void take_common(struct reader *r, struct tag *tag) {
+static void take_common(struct markup_reader *r, struct tag *tag) {
     reader_language(tag, "xml:lang");
     const struct vocabulary *v = tag->frame[-1].vocabulary;
     if (v->common)
         v->common(r, tag);
 }
 
-static void begin_known(struct reader *r, struct frame *frame, struct tag *tag) {
+static void begin_known(struct markup_reader *r, struct frame *frame, struct tag *tag) {
     const struct element *element = frame->element;
     const struct score_style *outer = frame[-1].kept;
     size_t spans = r->passage.span_count;
@@ -98,7 +98,7 @@ static void begin_known(struct reader *r, struct frame *frame, struct tag *tag) 
 
 static void on_start(void *ctx, const XML_Char *name, const XML_Char **attributes) {
     struct walk *w = ctx;
-    struct reader *r = &w->reader;
+    struct markup_reader *r = &w->reader;
     if (w->failed || (w->prefix && !r->depth && !XML_GetCurrentByteIndex(w->parser)))
         return;
     if (markup_given_up(r->rules)) {
@@ -151,7 +151,7 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
 
 static void on_end(void *ctx, const XML_Char *name) {
     struct walk *w = ctx;
-    struct reader *r = &w->reader;
+    struct markup_reader *r = &w->reader;
     (void)name;
     if (w->failed || !r->depth)
         return;
@@ -167,7 +167,7 @@ static void on_end(void *ctx, const XML_Char *name) {
 
 static void on_text(void *ctx, const XML_Char *text, int n) {
     struct walk *w = ctx;
-    struct reader *r = &w->reader;
+    struct markup_reader *r = &w->reader;
     const struct frame *frame = &r->frames[r->depth];
     if (w->failed || frame->silent)
         return;
@@ -203,7 +203,7 @@ static void on_instruction(void *ctx, const XML_Char *target, const XML_Char *da
 
 /* What the parser complains about, where it is. */
 static void explain(struct walk *w) {
-    struct reader *r = &w->reader;
+    struct markup_reader *r = &w->reader;
     char message[200];
     enum XML_Error code = XML_GetErrorCode(w->parser);
     snprintf(message, sizeof message, "this is no XML: %s", XML_ErrorString(code));
@@ -259,7 +259,7 @@ static void sort(struct score *score) {
 
 static int walk(struct walk *w, const struct prolog *prolog) {
     static const char prefix[] = "<_>", suffix[] = "</_>";
-    struct reader *r = &w->reader;
+    struct markup_reader *r = &w->reader;
     bool rootless = r->vocabulary->rootless && !prolog_root_is(prolog, r->vocabulary->root);
     w->begin = prolog->end;
     w->prefix = rootless ? strlen(prefix) : 0;
@@ -287,9 +287,9 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
     if (prolog.instruction)
         score_warn(score, prolog.instruction, "ignored", "processing instructions are not acted on");
     struct walk *w = mem_alloc(sizeof *w);
-    struct reader *r = &w->reader;
-    *r =
-        (struct reader){.score = score, .text = text, .size = size, .rules = rules, .vocabulary = vocabulary};
+    struct markup_reader *r = &w->reader;
+    *r = (struct markup_reader){
+        .score = score, .text = text, .size = size, .rules = rules, .vocabulary = vocabulary};
     r->passage = (struct passage){.score = score, .text = text, .rules = rules};
     r->frames[0] = (struct frame){.style = score_plain_style,
                                   .kept = &score_plain_style,

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/channel.h"
 #include "server/base/mem.h"
-#include "server/net/internal.h"
-#include "server/net/recap.h"
+#include "server/net/catch_up.h"
+#include "server/net/net_internal.h"
 #include <ctype.h>
 #include <stdlib.h>
 #include <string.h>
@@ -26,7 +26,7 @@ struct channel {
     struct follower *followers;
     size_t follower_count;
     struct variant *variants;
-    struct recap recap;
+    struct catch_up catch_up;
 };
 
 static struct variant *variant_of(struct channel *c, const struct encoding *encoding) {
@@ -52,8 +52,8 @@ static void deliver_media(struct channel *c, const struct variant *v, const stru
                           bool idle) {
     if (!bytes->size)
         return;
-    struct parcel *parcel = parcel_new(WEBSOCKET_BINARY, bytes->data, bytes->size);
-    parcel->born = uv_now(c->net->studio->loop);
+    struct queued_message *parcel = queued_message_new(WEBSOCKET_BINARY, bytes->data, bytes->size);
+    parcel->born = uv_now(c->net->pipeline->loop);
     for (struct follower *f = c->followers; f; f = f->next) {
         if (!f->media || !encoding_same(&f->encoding, &v->encoding) || (idle && !f->idle))
             continue;
@@ -61,7 +61,7 @@ static void deliver_media(struct channel *c, const struct variant *v, const stru
         if (!f->waits)
             f->deliver(f, parcel);
     }
-    parcel_release(parcel);
+    queued_message_release(parcel);
 }
 
 /* The ends of the audio, which the coders still hold. */
@@ -86,19 +86,19 @@ static void on_event(void *ctx, const struct stream_event *event) {
         return;
     buf_reserve(&text, EVENT_BYTES);
     event_write(&text, event, c->name);
-    struct parcel *parcel = parcel_new(WEBSOCKET_TEXT, text.data, text.size);
+    struct queued_message *parcel = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
     parcel->event = event_name(event->kind);
-    recap_event(&c->recap, event->kind, parcel);
+    catch_up_event(&c->catch_up, event->kind, parcel);
     for (struct follower *f = c->followers; f; f = f->next)
         if (wants_text(f, event->kind))
             f->deliver(f, parcel);
-    parcel_release(parcel);
+    queued_message_release(parcel);
     buf_free(&text);
 }
 
 static void on_media(void *ctx, const struct chunk *chunk, const struct fap_frame *frames) {
     struct channel *c = ctx;
-    struct metrics *metrics = c->net->studio->metrics;
+    struct metrics *metrics = c->net->pipeline->metrics;
     metrics_add(metrics, METRIC_CHUNKS, 1);
     for (struct variant *v = c->variants; v; v = v->next) {
         struct buf bytes = {0};
@@ -114,7 +114,7 @@ static void on_media(void *ctx, const struct chunk *chunk, const struct fap_fram
 static bool on_ready(void *ctx) {
     const struct channel *c = ctx;
     const struct follower *f = c->followers;
-    return c->room || !f || !f->outbox || f->outbox->unsent < c->net->options.send_bytes;
+    return c->room || !f || !f->queue || f->queue->unsent < c->net->options.send_bytes;
 }
 
 struct channel *channel_new(struct net *net, const char *name) {
@@ -122,7 +122,7 @@ struct channel *channel_new(struct net *net, const char *name) {
     struct channel *c = mem_alloc(sizeof *c);
     c->net = net;
     c->name = mem_strdup(name);
-    c->stream = stream_new(net->studio, &sink, c, net->options.queue);
+    c->stream = stream_new(net->pipeline, &sink, c, net->options.queue);
     return c;
 }
 
@@ -165,7 +165,7 @@ struct channel *channel_room(struct net *net, const char *name, struct error *e)
         c->next->self = &c->next;
     net->rooms = c;
     net->room_count++;
-    metrics_add(net->studio->metrics, METRIC_ROOMS, 1);
+    metrics_add(net->pipeline->metrics, METRIC_ROOMS, 1);
     return c;
 }
 
@@ -175,10 +175,10 @@ static void free_channel(struct channel *c) {
         if (c->next)
             c->next->self = c->self;
         c->net->room_count--;
-        metrics_add(c->net->studio->metrics, METRIC_ROOMS, -1);
+        metrics_add(c->net->pipeline->metrics, METRIC_ROOMS, -1);
     }
     stream_free(c->stream);
-    recap_free(&c->recap);
+    catch_up_free(&c->catch_up);
     for (struct variant *v = c->variants, *next; v; v = next) {
         next = v->next;
         encoder_free(v->encoder);
@@ -194,7 +194,7 @@ static void add_variant(struct channel *c, const struct encoding *encoding) {
         v = mem_alloc(sizeof *v);
         *v = (struct variant){.next = c->variants,
                               .encoding = *encoding,
-                              .encoder = encoder_new(encoding, c->net->studio->effort)};
+                              .encoder = encoder_new(encoding, c->net->pipeline->codec_load)};
         c->variants = v;
     }
     v->followers++;
@@ -213,7 +213,7 @@ static void remove_variant(struct channel *c, const struct encoding *encoding) {
     free(v);
 }
 
-static void tell(void *ctx, struct parcel *parcel) {
+static void tell(void *ctx, struct queued_message *parcel) {
     struct follower *f = ctx;
     f->deliver(f, parcel);
 }
@@ -229,7 +229,7 @@ void channel_join(struct channel *c, struct follower *f) {
     f->waits = true;
     if (f->media)
         add_variant(c, &f->encoding);
-    recap_tell(&c->recap, tell, f);
+    catch_up_tell(&c->catch_up, tell, f);
     if (c->room && c->follower_count == 1)
         hold_speak(c->net, c);
 }

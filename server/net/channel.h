@@ -4,8 +4,8 @@
 #ifndef FACCIA_NET_CHANNEL_H
 #define FACCIA_NET_CHANNEL_H
 
-#include "server/net/outbox.h"
-#include "server/stream/encode.h"
+#include "server/codec/media_encoder.h"
+#include "server/net/message_queue.h"
 #include "server/stream/stream.h"
 
 struct net;
@@ -15,13 +15,13 @@ struct channel;
 struct follower {
     struct channel *channel;
     struct follower *next, **self;
-    struct encoding encoding; /* how media are wanted */
-    bool media;               /* are wanted at all */
-    bool idle;                /* also those of idling */
-    bool waits;               /* for media that one can begin with */
-    bool lagging;             /* has left out media */
-    struct outbox *outbox;    /* NULL for one who hears events alone */
-    void (*deliver)(struct follower *follower, struct parcel *parcel);
+    struct encoding encoding;    /* how media are wanted */
+    bool media;                  /* are wanted at all */
+    bool idle;                   /* also those of idling */
+    bool waits;                  /* for media that one can begin with */
+    bool lagging;                /* has left out media */
+    struct message_queue *queue; /* NULL for one who hears events alone */
+    void (*deliver)(struct follower *follower, struct queued_message *parcel);
 };
 
 /* A stream of one's own. name is what its messages are marked with. */

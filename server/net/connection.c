@@ -2,8 +2,8 @@
 #include "server/net/connection.h"
 #include "server/base/mem.h"
 #include "server/net/http_session.h"
-#include "server/net/internal.h"
 #include "server/net/listener.h"
+#include "server/net/net_internal.h"
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
 #include <stdio.h>
@@ -16,7 +16,7 @@ enum {
 };
 
 uint64_t connection_now(const struct connection *c) {
-    return uv_now(c->net->studio->loop);
+    return uv_now(c->net->pipeline->loop);
 }
 
 /* What the connections of one client are counted by: of IPv6, it has a whole network. */
@@ -71,9 +71,9 @@ void connection_read(struct connection *c, bool on) {
 
 static void count(struct net *net, int change) {
     net->connections += (unsigned)change;
-    metrics_add(net->studio->metrics, METRIC_CONNECTIONS, change);
+    metrics_add(net->pipeline->metrics, METRIC_CONNECTIONS, change);
     if (change > 0)
-        metrics_add(net->studio->metrics, METRIC_CONNECTIONS_TOTAL, 1);
+        metrics_add(net->pipeline->metrics, METRIC_CONNECTIONS_TOTAL, 1);
 }
 
 /* What a client does not take shall wait here, where it can be left out, and not in the kernel, which would
@@ -84,7 +84,7 @@ static void keep_kernel_short(int fd) {
 }
 
 static int open_stream(struct connection *c, int fd, bool unix_socket) {
-    uv_loop_t *loop = c->net->studio->loop;
+    uv_loop_t *loop = c->net->pipeline->loop;
     if (unix_socket) {
         uv_pipe_init(loop, &c->io.pipe, 0);
         return uv_pipe_open(&c->io.pipe, fd);
@@ -101,7 +101,7 @@ struct connection *connection_open(struct net *net, int fd, const struct sockadd
     struct connection *c = mem_alloc(sizeof *c);
     *c = (struct connection){.net = net, .next = net->open, .self = &net->open, .address_key = key_of(peer)};
     c->key = mem_strdup(c->address_key);
-    tally_enter(&net->tally, c->key, 0);
+    quota_enter(&net->quota, c->key, 0);
     if (c->next)
         c->next->self = &c->next;
     net->open = c;
@@ -118,9 +118,9 @@ struct connection *connection_open(struct net *net, int fd, const struct sockadd
 bool connection_count(struct connection *c, const char *key) {
     if (!strcmp(key, c->key))
         return true;
-    if (!tally_enter(&c->net->tally, key, c->net->options.address_connections))
+    if (!quota_enter(&c->net->quota, key, c->net->options.address_connections))
         return false;
-    tally_leave(&c->net->tally, c->key);
+    quota_leave(&c->net->quota, c->key);
     free(c->key);
     c->key = mem_strdup(key);
     return true;
@@ -212,7 +212,7 @@ static void on_closed(uv_handle_t *handle) {
     *c->self = c->next;
     if (c->next)
         c->next->self = c->self;
-    tally_leave(&net->tally, c->key);
+    quota_leave(&net->quota, c->key);
     count(net, -1);
     listeners_freed(net, c->borrows_reserve);
     free(c->key);

@@ -23,7 +23,7 @@ struct connection {
         uv_pipe_t pipe;
     } io;
     uv_write_t write;
-    char *key;         /* what it is counted by in the tally: "a ADDRESS" or "s SUBJECT" */
+    char *key;         /* what it is counted by in the quota: "a ADDRESS" or "s SUBJECT" */
     char *address_key; /* the former */
     uint64_t progress; /* loop time when bytes left last, or began to wait, ms */
     uint64_t end_by;   /* loop time at which it is closed, whatever comes; 0 = never */

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A stream's events as JSON, written by hand: many a second leave, to every listener. */
 #include "server/base/utf8.h"
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include <stdio.h>
 #include <string.h>
 

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One HTTP request: how it comes and goes, and its answer's body, as the connection takes it. */
 #include "server/base/mem.h"
-#include "server/net/exchange_parts.h"
+#include "server/net/exchange_internal.h"
 #include "server/net/http_session.h"
 #include <stdlib.h>
 #include <string.h>
 
-enum { BEAT_MS = 15000 };
+enum { KEEPALIVE_MS = 15000 };
 
 struct exchange *exchange_open(struct net *net, const struct http_request *request) {
     struct exchange *x = mem_alloc(sizeof *x);
@@ -35,8 +35,8 @@ const struct http_request *exchange_request(const struct exchange *x) {
     return x->request;
 }
 
-struct guest *exchange_guest(struct exchange *x) {
-    return &x->guest;
+struct principal *exchange_guest(struct exchange *x) {
+    return &x->principal;
 }
 
 void exchange_warn(void *exchange, const struct error *e) {
@@ -79,9 +79,9 @@ bool exchange_endless(const struct exchange *x) {
 
 void exchange_look(struct exchange *x) {
     uint64_t now = connection_now(x->connection);
-    if (x->chunked && !x->complete && x->work.beat && now - x->beat >= BEAT_MS) {
-        x->beat = now;
-        x->work.beat(x->work.self);
+    if (x->chunked && !x->complete && x->work.keepalive && now - x->last_keepalive >= KEEPALIVE_MS) {
+        x->last_keepalive = now;
+        x->work.keepalive(x->work.self);
     }
 }
 
@@ -95,8 +95,8 @@ const char *exchange_query(const struct exchange *x, const char *name, char *val
 
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result) {
     struct error e;
-    if (!guest_origin_allowed(x->net, x->request)) {
-        metrics_add(x->net->studio->metrics, METRIC_REFUSED_ORIGIN, 1);
+    if (!principal_origin_allowed(x->net, x->request)) {
+        metrics_add(x->net->pipeline->metrics, METRIC_REFUSED_ORIGIN, 1);
         error_set(&e, "forbidden-origin", "pages from there may not use this server");
         x->refused = true;
         *result = exchange_error(x, 403, &e);
@@ -104,8 +104,9 @@ bool exchange_permits(struct exchange *x, enum right right, const char *room, in
     }
     if (!right)
         return true;
-    bool refused = guest_enter(x->net, x->request, &x->guest, &e) ||
-                   guest_may(x->net, &x->guest, right, room, &e) || guest_ask(x->net, &x->guest, &e);
+    bool refused = principal_enter(x->net, x->request, &x->principal, &e) ||
+                   principal_may(x->net, &x->principal, right, room, &e) ||
+                   principal_ask(x->net, &x->principal, &e);
     if (refused)
         *result = exchange_error(x,
                                  !strncmp(e.code, "too-many", 8) ? 429

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The answer to an HTTP request: its head, and bodies of known length. */
 #include "server/access/headers.h"
-#include "server/net/exchange_parts.h"
+#include "server/net/exchange_internal.h"
 #include "server/net/http_session.h"
 #include <stdlib.h>
 #include <string.h>
@@ -53,7 +53,7 @@ static void head_origin(struct head *h, const struct exchange *x) {
         return;
     }
     head_add(h, "vary", "origin");
-    if (origin && *origin && guest_origin_allowed(x->net, x->request))
+    if (origin && *origin && principal_origin_allowed(x->net, x->request))
         head_add(h, "access-control-allow-origin", origin);
     if (x->warning_count)
         head_add(h, "access-control-expose-headers", "faccia-warning");
@@ -191,7 +191,7 @@ int exchange_begin(struct exchange *x, const char *type) {
         head_add(&h, "transfer-encoding", "chunked");
     head_end(&h);
     x->complete = x->request->method == HTTP_HEAD;
-    x->beat = connection_now(x->connection);
+    x->last_keepalive = connection_now(x->connection);
     exchange_flush(x);
     return 0;
 }

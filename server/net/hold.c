@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/hold.h"
 #include "server/base/mem.h"
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -22,7 +22,7 @@ static void drop(struct hold *hold, struct held **at) {
 
 static void drop_old(struct net *net) {
     for (struct held **at = &net->hold.first; *at;) {
-        if ((*at)->until <= uv_now(net->studio->loop))
+        if ((*at)->until <= uv_now(net->pipeline->loop))
             drop(&net->hold, at);
         else
             at = &(*at)->next;
@@ -40,7 +40,7 @@ int hold_keep(struct net *net, const char *room, const struct speech_request *re
                          net->hold.count >= HOLD_MOST ? net->hold.count : of_room);
     struct held *held = *at = mem_alloc(sizeof *held);
     snprintf(held->room, sizeof held->room, "%s", room);
-    held->until = uv_now(net->studio->loop) + (uint64_t)net->options.hold_seconds * 1000;
+    held->until = uv_now(net->pipeline->loop) + (uint64_t)net->options.hold_seconds * 1000;
     request_copy(&held->request, request);
     net->hold.count++;
     return 0;

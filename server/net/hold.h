@@ -4,7 +4,7 @@
 #define FACCIA_NET_HOLD_H
 
 #include "server/base/error.h"
-#include "server/stream/request.h"
+#include "server/synthesis/speech_request.h"
 
 struct channel;
 struct net;

@@ -2,7 +2,7 @@
 #include "server/net/http_session.h"
 #include "server/base/mem.h"
 #include "server/net/http_reader.h"
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include "server/net/websocket_open.h"
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +21,7 @@ struct http_session {
     struct exchange *exchange; /* the request that is being answered; NULL = none */
     struct buf pending;        /* what came meanwhile */
     uint64_t began;            /* loop time when what is waited for began, ms */
-    uint64_t heard;            /* and when the last of it came */
+    uint64_t last_rx;          /* and when the last of it came */
     uint64_t body;             /* bytes of the body so far */
     bool complete;             /* all of the present request has come */
     bool served;               /* an answer has been given on this connection */
@@ -67,7 +67,7 @@ static void refuse(struct connection *c, unsigned status, const struct error *e)
 }
 
 /* Somebody above the limits: the operator's questions are answered all the same. */
-static bool turn_away(struct connection *c) {
+static bool utterance_away(struct connection *c) {
     const struct http_request *r = &c->http->reader.request;
     struct error e;
     bool asks_how = !strcmp(r->path, "/healthz") || !strcmp(r->path, "/metrics");
@@ -75,7 +75,7 @@ static bool turn_away(struct connection *c) {
         return false;
     error_set(&e, "too-many-connections",
               c->crowded ? "too many connections from there are open" : "too many connections are open");
-    metrics_add(c->net->studio->metrics, METRIC_REFUSED_LIMIT, 1);
+    metrics_add(c->net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
     refuse(c, c->crowded ? 429 : 503, &e);
     return true;
 }
@@ -84,11 +84,11 @@ static void begin(struct connection *c) {
     static const char go_on[] = "HTTP/1.1 100 Continue\r\n\r\n";
     struct http_session *h = c->http;
     struct http_request *r = &h->reader.request;
-    h->began = h->heard = connection_now(c);
+    h->began = h->last_rx = connection_now(c);
     h->body = 0;
     h->complete = false;
     h->exchange = exchange_open(c->net, r);
-    if (turn_away(c) || websocket_asked(h->exchange))
+    if (utterance_away(c) || websocket_asked(h->exchange))
         return;
     routes_serve(h->exchange, r->path, strlen(r->path), r->method);
     if (r->expects_continue && !exchange_answered(h->exchange) && !c->sending)
@@ -98,7 +98,7 @@ static void begin(struct connection *c) {
 static void body(struct connection *c) {
     struct http_session *h = c->http;
     struct exchange_work *work = h->exchange ? exchange_get_work(h->exchange) : NULL;
-    h->heard = connection_now(c);
+    h->last_rx = connection_now(c);
     h->body += h->reader.body_size;
     if (work && work->body)
         work->body(work->self, h->reader.body, h->reader.body_size);
@@ -119,7 +119,7 @@ static void settle(struct connection *c) {
     exchange_close(h->exchange);
     h->exchange = NULL;
     h->served = true;
-    h->began = h->heard = connection_now(c);
+    h->began = h->last_rx = connection_now(c);
     if (!persists) {
         h->last = true;
         connection_finish(c);
@@ -235,7 +235,7 @@ static bool is_late(const struct connection *c) {
     const struct http_session *h = c->http;
     uint64_t now = connection_now(c);
     if (h->exchange && !h->complete)
-        return now - h->heard > BODY_MS || now - h->began > BODY_MS + BODY_BYTES_MS * h->body;
+        return now - h->last_rx > BODY_MS || now - h->began > BODY_MS + BODY_BYTES_MS * h->body;
     if (h->exchange)
         return false;
     return now - h->began > (http_session_is_idle(c) ? IDLE_MS : HEAD_MS);

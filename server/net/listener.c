@@ -4,8 +4,8 @@
 #include "server/base/mem.h"
 #include "server/net/connection.h"
 #include "server/net/http_session.h"
-#include "server/net/internal.h"
 #include "server/net/listen_address.h"
+#include "server/net/net_internal.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <netinet/in.h>
@@ -74,7 +74,7 @@ static bool make_room(struct net *net) {
 static void take(struct net *net, int fd, const struct sockaddr_storage *peer, bool borrowed) {
     struct connection *c = connection_open(net, fd, peer);
     const struct net_options *o = &net->options;
-    unsigned here = tally_open(&net->tally, c->key);
+    unsigned here = quota_open(&net->quota, c->key);
     c->crowded = o->address_connections && here > o->address_connections;
     c->surplus = borrowed || (net->connections > o->connections && !make_room(net));
     c->borrows_reserve = borrowed;
@@ -82,13 +82,13 @@ static void take(struct net *net, int fd, const struct sockaddr_storage *peer, b
         c->end_by = connection_now(c) + BORROWED_MS;
     if ((c->crowded && here > o->address_connections + CROWD) ||
         net->connections > o->connections + o->connections_above) {
-        metrics_add(net->studio->metrics, METRIC_REFUSED_LIMIT, 1);
+        metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
         connection_close(c);
     }
 }
 
 static void complain(struct listeners *all, int why) {
-    uint64_t now = uv_now(all->net->studio->loop);
+    uint64_t now = uv_now(all->net->pipeline->loop);
     if (all->complained && now - all->complained < 1000)
         return;
     all->complained = now;
@@ -278,7 +278,7 @@ int listeners_open(struct net *net, struct error *e) {
         return -1;
     }
     for (size_t i = 0; i < all->count; i++) {
-        uv_poll_init(net->studio->loop, &all->list[i]->poll, all->list[i]->fd);
+        uv_poll_init(net->pipeline->loop, &all->list[i]->poll, all->list[i]->fd);
         all->list[i]->poll.data = all->list[i];
     }
     fill_reserve(all);

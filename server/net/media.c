@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The folder of recordings: what is in it. */
 #include "server/base/mem.h"
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include <stdlib.h>
 
-int media_source(const struct net *net, struct reel_source *source, const char *name, struct error *e) {
+int media_source(const struct net *net, struct recording_source *source, const char *name, struct error *e) {
     source->fap_bytes_max = net->options.play_bytes;
     if (!net->options.media)
         return error_in_field(e, "unknown-media", "name", "there is no folder of recordings here");
-    return reel_source_in(source, net->options.media, name, e);
+    return recording_source_in(source, net->options.media, name, e);
 }
 
 /* The folder, which may be large and far away, is read in another thread. The list belongs to the exchange,
@@ -27,7 +27,7 @@ static void add(void *list, const char *name, bool sound) {
 
 static void work(uv_work_t *work) {
     struct listing *l = work->data;
-    reel_list(l->folder, add, l->list);
+    recording_list(l->folder, add, l->list);
 }
 
 static void free_listing(struct listing *l) {
@@ -63,6 +63,6 @@ int media_get(struct exchange *x) {
     *l = (struct listing){.x = x, .folder = mem_strdup(net->options.media), .list = json_array()};
     l->work.data = l;
     exchange_set_work(x, (struct exchange_work){.free = leave, .self = l});
-    uv_queue_work(net->studio->loop, &l->work, work, after);
+    uv_queue_work(net->pipeline->loop, &l->work, work, after);
     return 0;
 }

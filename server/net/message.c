@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/net/internal.h"
-#include "server/stream/opus_audio.h"
+#include "server/codec/opus_audio.h"
+#include "server/net/net_internal.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -76,7 +76,7 @@ json_t *message_models(const struct net *net) {
 }
 
 json_t *message_expressions(const struct net *net) {
-    const struct expressions *expressions = net->studio->expressions;
+    const struct expressions *expressions = net->pipeline->expressions;
     json_t *list = json_array();
     for (size_t i = 0; i < expressions_count(expressions); i++) {
         struct expression_info info = expressions_info(expressions, i);
@@ -108,7 +108,7 @@ static json_t *engines_of(const struct speech_pack *pack) {
 json_t *message_voices(const struct net *net) {
     json_t *voices = json_array();
     size_t count = 0;
-    const struct voice *v = net->ready ? voice_pool_voices(net->studio->voices, &count) : NULL;
+    const struct voice *v = net->ready ? voice_pool_voices(net->pipeline->voices, &count) : NULL;
     for (size_t i = 0; i < count; i++)
         json_array_append_new(voices,
                               json_pack("{ss ss ss ss ss ss ss si}", "id", v[i].id, "name", v[i].name, "lang",
@@ -125,7 +125,7 @@ json_t *message_health(const struct net *net) {
 /* Those that a voice speaks and that share the general pack: found once for each list of voices. */
 static json_t *more_languages(struct net *net) {
     size_t count = 0;
-    const struct voice *v = net->ready ? voice_pool_voices(net->studio->voices, &count) : NULL;
+    const struct voice *v = net->ready ? voice_pool_voices(net->pipeline->voices, &count) : NULL;
     if (net->more_languages && net->languages_of == v)
         return json_incref(net->more_languages);
     json_t *tags = json_array();
@@ -133,7 +133,7 @@ static json_t *more_languages(struct net *net) {
     net->more_languages = tags;
     net->languages_of = v;
     for (size_t i = 0; i < count; i++) {
-        const struct speech_pack *pack = speech_packs_find(net->studio->packs, v[i].lang);
+        const struct speech_pack *pack = speech_packs_find(net->pipeline->packs, v[i].lang);
         bool listed = !pack || !speech_pack_is_general(pack);
         for (size_t k = 0; k < i && !listed; k++)
             listed = !strcmp(v[k].lang, v[i].lang);
@@ -145,7 +145,7 @@ static json_t *more_languages(struct net *net) {
 
 json_t *message_hello(struct net *net, const char *stream) {
     json_t *languages = json_array(), *engines = json_array();
-    const struct speech_packs *packs = net->studio->packs;
+    const struct speech_packs *packs = net->pipeline->packs;
     for (size_t i = 0; i < packs->count; i++)
         if (!speech_pack_is_general(packs->packs[i]))
             json_array_append_new(languages, json_pack("{ss ss so}", "tag", speech_pack_lang(packs->packs[i]),
@@ -157,12 +157,12 @@ json_t *message_hello(struct net *net, const char *stream) {
     json_t *hello =
         json_pack("{ss si ss ss si s[sss] s[sss] s[ss] si sb ss}", "type", "hello", "protocol", 1, "server",
                   "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "opus", "pcm_s16le", "none",
-                  "fap", "fba", "plain", "none", "events", "text", "packed", "opus_skip", OPUS_SKIP, "tokens",
-                  o->secrets != NULL, "lang", net->studio->default_lang);
+                  "fap", "fapc", "plain", "none", "events", "text", "packed", "opus_skip", OPUS_SKIP,
+                  "tokens", o->secrets != NULL, "lang", net->pipeline->default_lang);
     json_object_set_new(hello, "languages", languages);
     json_object_set_new(hello, "more_languages", more_languages(net));
     json_object_set_new(hello, "engines", engines);
-    json_object_set_new(hello, "expressions", affects(net->studio->expressions));
+    json_object_set_new(hello, "expressions", affects(net->pipeline->expressions));
     json_object_set_new(hello, "models", message_models(net));
     json_object_set_new(hello, "limits",
                         json_pack("{si si si si si si}", "text_bytes", (int)o->text_bytes, "message_bytes",

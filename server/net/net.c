@@ -3,8 +3,8 @@
 #include "server/net/net.h"
 #include "server/base/mem.h"
 #include "server/net/connection.h"
-#include "server/net/internal.h"
 #include "server/net/listener.h"
+#include "server/net/net_internal.h"
 #include <stdlib.h>
 
 const struct net_options net_defaults = {
@@ -26,19 +26,19 @@ const struct net_options net_defaults = {
 
 static void open_handles(struct net *net) {
     net->idle = mem_alloc(sizeof *net->idle);
-    uv_idle_init(net->studio->loop, net->idle);
+    uv_idle_init(net->pipeline->loop, net->idle);
     net->idle->data = net;
-    watch_begin(net);
+    keepalive_begin(net);
 }
 
-struct net *net_open(const struct studio *studio, const struct net_options *options, struct error *e) {
+struct net *net_open(const struct pipeline *pipeline, const struct net_options *options, struct error *e) {
     struct net *net = mem_alloc(sizeof *net);
     net->options = *options;
-    net->studio = studio;
+    net->pipeline = pipeline;
     net->read_buffer = mem_alloc(NET_READ_BYTES);
     if (listeners_open(net, e) || assets_load(&net->assets, options->web, options->models, e)) {
         net_close(net);
-        uv_run(studio->loop, UV_RUN_DEFAULT); /* until the handles are closed */
+        uv_run(pipeline->loop, UV_RUN_DEFAULT); /* until the handles are closed */
         net_free(net);
         return NULL;
     }
@@ -96,7 +96,7 @@ static void free_idle(uv_handle_t *idle) {
 
 void net_close(struct net *net) {
     listeners_close(net);
-    watch_end(net);
+    keepalive_end(net);
     connections_close(net);
     if (net->idle)
         uv_close((uv_handle_t *)net->idle, free_idle);
@@ -105,7 +105,7 @@ void net_close(struct net *net) {
 
 void net_free(struct net *net) {
     assets_free(&net->assets);
-    tally_free(&net->tally);
+    quota_free(&net->quota);
     hold_free(&net->hold);
     json_decref(net->more_languages);
     free(net->read_buffer);

@@ -4,7 +4,7 @@
  * played. */
 #include "server/base/mem.h"
 #include "server/net/form.h"
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -12,16 +12,16 @@
 struct upload {
     struct exchange *x;
     struct buf form;
-    struct reel_source source;
+    struct recording_source source;
     struct speech_request request; /* its id and mode */
 };
 
 /* Begins, and has the answer. */
-static int play(struct exchange *x, struct reel_source *source, const struct speech_request *request) {
+static int play(struct exchange *x, struct recording_source *source, const struct speech_request *request) {
     int result = 0;
     struct channel *channel = room_asked(x, &result);
     if (!channel) {
-        reel_source_free(source);
+        recording_source_free(source);
         return result;
     }
     source->id = request->id ? mem_strdup(request->id) : NULL;
@@ -73,7 +73,7 @@ static int on_body_end(void *self) {
 static void on_free(void *self) {
     struct upload *u = self;
     buf_free(&u->form);
-    reel_source_free(&u->source);
+    recording_source_free(&u->source);
     request_free(&u->request);
     free(u);
 }
@@ -90,7 +90,7 @@ static int open_upload(struct exchange *x, struct speech_request *request) {
 int play_post(struct exchange *x) {
     char value[512];
     struct speech_request request;
-    struct reel_source source = {0};
+    struct recording_source source = {0};
     struct error e;
     int result = 0;
     if (!room_asked(x, &result))
@@ -111,7 +111,7 @@ int play_post(struct exchange *x) {
                   "a recording is uploaded as multipart/form-data, or named by name=");
         result = exchange_error(x, 415, &e);
     }
-    reel_source_free(&source);
+    recording_source_free(&source);
     request_free(&request);
     return result;
 }

@@ -2,7 +2,7 @@
 #include "server/net/post_text.h"
 #include "server/base/mem.h"
 #include "server/markup/markup.h"
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>

@@ -6,7 +6,7 @@
 
 #include "server/base/buf.h"
 #include "server/net/query.h"
-#include "server/stream/request.h"
+#include "server/synthesis/speech_request.h"
 
 struct exchange;
 

@@ -2,7 +2,7 @@
 #include "server/net/query.h"
 #include "server/base/near.h"
 #include "server/net/http_request.h"
-#include "server/stream/request.h"
+#include "server/synthesis/speech_request.h"
 #include <string.h>
 
 static void check(const char *name, const struct members *known,

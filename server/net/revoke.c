@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/net/socket_parts.h"
+#include "server/net/socket_internal.h"
 
 /* One that spoke on a stream of its own is cut; in a room others may have spoken, and it is put out. */
 static void put_out(struct socket *s) {
@@ -14,7 +14,7 @@ static void put_out(struct socket *s) {
 
 void rights_revoke(struct net *net) {
     for (struct socket *s = net->sockets; s; s = s->next)
-        if (guest_revoke(net, &s->guest))
+        if (principal_revoke(net, &s->principal))
             put_out(s);
     room_events_revoke(net);
 }

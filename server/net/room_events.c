@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What happens in a room as server-sent events (HTML standard, 9.2). */
 #include "server/base/mem.h"
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,20 +11,20 @@ struct events {
     struct events *next, **self; /* in the net's list */
 };
 
-static void on_delivery(struct follower *f, struct parcel *parcel) {
+static void on_delivery(struct follower *f, struct queued_message *parcel) {
     struct events *events = (struct events *)f;
     struct buf text = {0};
     if (parcel->media || exchange_unsent(events->x) > exchange_net(events->x)->options.send_bytes)
         return; /* he who does not listen misses something */
     buf_printf(&text, "event: %s\ndata: ", parcel->event);
-    buf_add(&text, parcel_body(parcel), parcel->size);
+    buf_add(&text, queued_message_body(parcel), parcel->size);
     buf_add(&text, "\n\n", 2);
     exchange_add(events->x, text.data, text.size);
     buf_free(&text);
 }
 
 /* A comment from time to time shows both ends that the other is there. */
-static void events_beat(void *self) {
+static void events_keepalive(void *self) {
     struct events *events = self;
     static const char comment[] = ": still here\n\n";
     if (events->follower.channel && !exchange_unsent(events->x))
@@ -53,7 +53,7 @@ void room_events_revoke(struct net *net) {
     struct error e;
     error_set(&e, "revoked-token", "the token's secret is not one of this server's any more");
     for (struct events *events = net->events; events; events = events->next) {
-        if (!events->follower.channel || !guest_revoke(net, exchange_guest(events->x)))
+        if (!events->follower.channel || !principal_revoke(net, exchange_guest(events->x)))
             continue;
         channel_leave(&events->follower);
         tell(events, "error", message_error(&e));
@@ -79,10 +79,11 @@ int room_events(struct exchange *x) {
     net->events = events;
     events->follower.deliver = on_delivery;
     exchange_set_work(
-        x, (struct exchange_work){.beat = events_beat, .free = events_free, .self = events, .endless = true});
+        x, (struct exchange_work){
+               .keepalive = events_keepalive, .free = events_free, .self = events, .endless = true});
     if (exchange_begin(x, "text/event-stream"))
         return -1;
     channel_join(channel, &events->follower);
-    events_beat(events);
+    events_keepalive(events);
     return 0;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Rooms over plain HTTP: to say something in one, to silence it. */
 #include "server/base/mem.h"
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include "server/net/post_text.h"
 #include <stdlib.h>
 #include <string.h>

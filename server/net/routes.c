@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include <string.h>
 
 static json_t *voices(const struct net *net) {
@@ -22,7 +22,7 @@ static int rooms(struct exchange *x) {
 
 static int metrics(struct exchange *x) {
     struct buf text = {0};
-    metrics_write(exchange_net(x)->studio->metrics, &text);
+    metrics_write(exchange_net(x)->pipeline->metrics, &text);
     int result = exchange_answer(x, 200, "text/plain; version=0.0.4", text.data, text.size);
     buf_free(&text);
     return result;
@@ -78,7 +78,7 @@ static const struct route *find(const char *path) {
 /* False when it has been answered. */
 static bool permits(struct exchange *x, const struct route *route, int *result) {
     const char *room = route->scope == SCOPE_ROOM  ? http_query(exchange_request(x), "room")
-                       : route->scope == SCOPE_OWN ? guest_own_room
+                       : route->scope == SCOPE_OWN ? principal_own_room
                                                    : NULL;
     return exchange_permits(x, route->right, room, result);
 }
@@ -91,10 +91,10 @@ static const char *methods_of(const struct route *route) {
 
 int routes_serve(struct exchange *x, const char *uri, size_t length, int method) {
     struct net *net = exchange_net(x);
-    metrics_add(net->studio->metrics, METRIC_REQUESTS, 1);
+    metrics_add(net->pipeline->metrics, METRIC_REQUESTS, 1);
     struct error e;
     char path[256] = "";
-    if (guest_check_host(net, exchange_request(x), &e))
+    if (principal_check_host(net, exchange_request(x), &e))
         return exchange_error(x, 421, &e);
     if (length < sizeof path)
         memcpy(path, uri, length);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One WebSocket client: how it comes and goes, the room it is in, and what it may have said. */
 #include "server/base/mem.h"
-#include "server/net/socket_parts.h"
+#include "server/net/socket_internal.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,7 +27,7 @@ const char *socket_room(const struct socket *s) {
 
 int socket_join(struct socket *s, const char *room, struct error *e) {
     struct error ignored;
-    if (guest_may(s->net, &s->guest, RIGHT_LISTEN, room, e))
+    if (principal_may(s->net, &s->principal, RIGHT_LISTEN, room, e))
         return -1;
     struct channel *channel = channel_room(s->net, room, e);
     if (!channel || channel == s->follower.channel)
@@ -35,7 +35,7 @@ int socket_join(struct socket *s, const char *room, struct error *e) {
     channel_leave(&s->follower);
     socket_say(s, json_pack("{ss ss si sb}", "type", "joined", "room", room, "followers",
                             (int)channel_followers(channel) + 1, "may_speak",
-                            !guest_may(s->net, &s->guest, RIGHT_SPEAK, room, &ignored)));
+                            !principal_may(s->net, &s->principal, RIGHT_SPEAK, room, &ignored)));
     socket_enter(s, channel);
     return 0;
 }
@@ -67,7 +67,7 @@ int socket_set_media(struct socket *s, const struct media_wish *wish, struct err
     encoding.packed = packed;
     if (!encoding_possible(&encoding))
         return error_in_field(e, "unknown-codec", "fap",
-                              "plain FAPs do not go with Opus: ask for fba, or for pcm");
+                              "plain FAPs do not go with Opus: ask for fapc, or for pcm");
     channel_want(&s->follower, &encoding);
     return 0;
 }
@@ -153,7 +153,7 @@ void socket_open(struct connection *c, const struct http_request *request, const
     c->socket = s;
     s->reader = (struct websocket_reader){
         .ear = &ear, .ctx = s, .most = (uint64_t)MESSAGE_TIMES * net->options.message_bytes};
-    outbox_open(&s->outbox);
+    message_queue_open(&s->queue);
     socket_heard(s);
     s->number = ++net->streams;
     snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)s->number);
@@ -161,14 +161,14 @@ void socket_open(struct connection *c, const struct http_request *request, const
     s->plain = plain;
     s->follower = (struct follower){.encoding = s->plain ? encoding_none : encoding_default,
                                     .media = !s->plain,
-                                    .outbox = &s->outbox,
+                                    .queue = &s->queue,
                                     .deliver = socket_deliver};
     socket_enter(s, channel_new(net, s->name));
-    struct parcel *answer = parcel_plain(head->data, head->size);
-    outbox_push(&s->outbox, answer);
-    parcel_release(answer);
+    struct queued_message *answer = queued_message_plain(head->data, head->size);
+    message_queue_push(&s->queue, answer);
+    queued_message_release(answer);
     socket_say(s, message_hello(net, s->name));
-    if (guest_enter(net, request, &s->guest, &e))
+    if (principal_enter(net, request, &s->principal, &e))
         socket_complain(s, &e);
     read_query(s, request);
 }
@@ -181,9 +181,9 @@ void socket_close(struct socket *s) {
     request_free(&s->defaults);
     buf_free(&s->message);
     websocket_reader_free(&s->reader);
-    outbox_close(&s->outbox);
-    parcel_release(s->leaving);
-    parcel_release(s->pong);
+    message_queue_close(&s->queue);
+    queued_message_release(s->leaving);
+    queued_message_release(s->pong);
     free(s);
 }
 
@@ -208,11 +208,11 @@ void socket_refuse(struct socket *s, const char *id, const struct error *e) {
 }
 
 int socket_may_direct(struct socket *s, struct error *e) {
-    return guest_may(s->net, &s->guest, RIGHT_SPEAK, socket_room(s), e);
+    return principal_may(s->net, &s->principal, RIGHT_SPEAK, socket_room(s), e);
 }
 
 int socket_may_speak(struct socket *s, struct error *e) {
-    if (socket_may_direct(s, e) || guest_ask(s->net, &s->guest, e))
+    if (socket_may_direct(s, e) || principal_ask(s->net, &s->principal, e))
         return -1;
     return s->net->draining ? error_set(e, "stopping", "the server is about to stop") : 0;
 }

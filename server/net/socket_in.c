@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a WebSocket client sends: messages, taken in pieces and acted on. */
 #include "server/base/near.h"
-#include "server/net/socket_parts.h"
+#include "server/net/socket_internal.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -53,11 +53,11 @@ static void choose_media(struct socket *s, const json_t *message) {
 static void authorise(struct socket *s, const json_t *message) {
     const char *token = json_string_value(json_object_get(message, "token"));
     struct error e;
-    if (token ? guest_show(s->net, &s->guest, token, &e)
+    if (token ? principal_show(s->net, &s->principal, token, &e)
               : error_in_field(&e, "missing-field", "token", "is missing"))
         socket_complain(s, &e);
     else
-        socket_say(s, json_pack("{ss ss}", "type", "authorized", "subject", s->guest.token.subject));
+        socket_say(s, json_pack("{ss ss}", "type", "authorized", "subject", s->principal.token.subject));
 }
 
 void socket_act(struct socket *s, const json_t *message) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A head model for a WebSocket client, part by part. */
 #include "server/base/near.h"
-#include "server/net/socket_parts.h"
+#include "server/net/socket_internal.h"
 #include <string.h>
 
 void socket_push_model_part(struct socket *s) {

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What goes out to a WebSocket client: the queue of it, and how he is told goodbye. */
-#include "server/net/socket_parts.h"
+#include "server/net/socket_internal.h"
 #include <string.h>
 
 /* So long a client may take to answer a goodbye. */
 enum { GOODBYE_MS = 2000 };
 
 void socket_dismiss(struct socket *s, enum websocket_status status, const char *reason) {
-    if (s->doomed)
+    if (s->close_reason)
         return;
-    s->doomed = reason;
-    s->doom = status;
+    s->close_reason = reason;
+    s->close_status = status;
     socket_go_on(s);
 }
 
@@ -20,13 +20,13 @@ void socket_farewell(struct socket *s, enum websocket_status status, const char 
         socket_go_on(s);
         return;
     }
-    s->doomed = NULL;
+    s->close_reason = NULL;
     socket_dismiss(s, status, reason);
 }
 
 /* True: all of it has left. */
-static bool transmit(struct socket *s, struct parcel *parcel) {
-    metrics_add(s->net->studio->metrics, METRIC_SENT_BYTES, (double)parcel->size);
+static bool transmit(struct socket *s, struct queued_message *parcel) {
+    metrics_add(s->net->pipeline->metrics, METRIC_SENT_BYTES, (double)parcel->size);
     if (connection_send(s->connection, parcel->bytes, parcel->head + parcel->size))
         return true;
     s->leaving = parcel;
@@ -35,25 +35,25 @@ static bool transmit(struct socket *s, struct parcel *parcel) {
 }
 
 /* At once, when nothing is before it. False: it has to wait. */
-static bool transmit_now(struct socket *s, struct parcel *parcel) {
-    if (!outbox_empty(&s->outbox) || s->doomed || s->leaving || s->pong)
+static bool transmit_now(struct socket *s, struct queued_message *parcel) {
+    if (!message_queue_empty(&s->queue) || s->close_reason || s->leaving || s->pong)
         return false;
     transmit(s, parcel);
     return true;
 }
 
-static void enqueue(struct socket *s, struct parcel *parcel) {
+static void enqueue(struct socket *s, struct queued_message *parcel) {
     const struct net_options *options = &s->net->options;
     if (s->closing)
         return;
-    outbox_push(&s->outbox, parcel);
+    message_queue_push(&s->queue, parcel);
     socket_go_on(s);
-    if (!s->deaf && s->outbox.unsent > options->send_bytes) {
-        s->deaf = true;
+    if (!s->rx_paused && s->queue.unsent > options->send_bytes) {
+        s->rx_paused = true;
         connection_read(s->connection, false);
     }
-    if (s->outbox.unsent > options->send_bytes_max && !s->doomed) {
-        metrics_add(s->net->studio->metrics, METRIC_TOO_SLOW, 1);
+    if (s->queue.unsent > options->send_bytes_max && !s->close_reason) {
+        metrics_add(s->net->pipeline->metrics, METRIC_TOO_SLOW, 1);
         socket_dismiss(s, WEBSOCKET_POLICY, "too-slow");
     }
 }
@@ -61,8 +61,8 @@ static void enqueue(struct socket *s, struct parcel *parcel) {
 void socket_pong(struct socket *s, const void *payload, size_t size) {
     if (s->closing)
         return;
-    parcel_release(s->pong);
-    s->pong = parcel_new(WEBSOCKET_PONG, payload, size);
+    queued_message_release(s->pong);
+    s->pong = queued_message_new(WEBSOCKET_PONG, payload, size);
     socket_go_on(s);
 }
 
@@ -72,25 +72,25 @@ void socket_ping(struct socket *s) {
 }
 
 /* One who types gets lines. */
-static void push(struct socket *s, struct parcel *parcel) {
+static void push(struct socket *s, struct queued_message *parcel) {
     struct buf line = {0};
     if (!s->plain) {
         enqueue(s, parcel);
         return;
     }
-    text_line((const char *)parcel_body(parcel), parcel->size, &line);
+    text_line((const char *)queued_message_body(parcel), parcel->size, &line);
     if (line.size) {
-        struct parcel *said = parcel_new(WEBSOCKET_TEXT, line.data, line.size);
+        struct queued_message *said = queued_message_new(WEBSOCKET_TEXT, line.data, line.size);
         enqueue(s, said);
-        parcel_release(said);
+        queued_message_release(said);
     }
     buf_free(&line);
 }
 
 void socket_say_text(struct socket *s, const struct buf *text) {
-    struct parcel *parcel = parcel_new(WEBSOCKET_TEXT, text->data, text->size);
+    struct queued_message *parcel = queued_message_new(WEBSOCKET_TEXT, text->data, text->size);
     push(s, parcel);
-    parcel_release(parcel);
+    queued_message_release(parcel);
 }
 
 void socket_say(struct socket *s, json_t *object) {
@@ -108,18 +108,18 @@ static struct socket *socket_of(struct follower *f) {
     return (struct socket *)((char *)f - offsetof(struct socket, follower));
 }
 
-void socket_deliver(struct follower *f, struct parcel *parcel) {
+void socket_deliver(struct follower *f, struct queued_message *parcel) {
     struct socket *s = socket_of(f);
     const struct net_options *options = &s->net->options;
-    bool full = s->outbox.unsent > options->send_bytes ||
-                outbox_age(&s->outbox, parcel->born) > (uint64_t)options->lag_seconds * 1000;
+    bool full = s->queue.unsent > options->send_bytes ||
+                message_queue_age(&s->queue, parcel->born) > (uint64_t)options->lag_seconds * 1000;
     if (!s->plain && transmit_now(s, parcel))
         return;
     if (!parcel->media || !full || !channel_is_room(f->channel)) {
         push(s, parcel);
         return;
     }
-    outbox_drop_media(&s->outbox);
+    message_queue_drop_media(&s->queue);
     f->waits = true;
     if (!f->lagging)
         socket_say(s, json_pack("{ss ss ss}", "type", "warning", "code", "skipped", "message",
@@ -130,53 +130,53 @@ void socket_deliver(struct follower *f, struct parcel *parcel) {
 /* The close frame (RFC 6455, 5.5.1), before which nothing waits any more. */
 static void say_goodbye(struct socket *s) {
     enum { STATUS_BYTES = 2 };
-    uint8_t payload[WEBSOCKET_CONTROL_BYTES] = {(uint8_t)(s->doom >> 8), (uint8_t)s->doom};
-    size_t reason = strlen(s->doomed), most = sizeof payload - STATUS_BYTES;
+    uint8_t payload[WEBSOCKET_CONTROL_BYTES] = {(uint8_t)(s->close_status >> 8), (uint8_t)s->close_status};
+    size_t reason = strlen(s->close_reason), most = sizeof payload - STATUS_BYTES;
     reason = reason < most ? reason : most;
-    memcpy(payload + STATUS_BYTES, s->doomed, reason);
-    struct parcel *frame =
-        parcel_new(WEBSOCKET_CLOSE, payload, s->doom == WEBSOCKET_NONE ? 0 : STATUS_BYTES + reason);
+    memcpy(payload + STATUS_BYTES, s->close_reason, reason);
+    struct queued_message *frame = queued_message_new(
+        WEBSOCKET_CLOSE, payload, s->close_status == WEBSOCKET_NONE ? 0 : STATUS_BYTES + reason);
     s->closing = true;
-    outbox_close(&s->outbox);
+    message_queue_close(&s->queue);
     s->model = NULL;
     s->connection->end_by = connection_now(s->connection) + GOODBYE_MS;
-    if (s->deaf)
+    if (s->rx_paused)
         connection_read(s->connection, true); /* to hear the client's answer */
     transmit(s, frame);
-    parcel_release(frame);
+    queued_message_release(frame);
 }
 
 /* The next thing that has to leave. False: there is none. */
 static bool send_next(struct socket *s) {
-    bool empty = outbox_empty(&s->outbox);
+    bool empty = message_queue_empty(&s->queue);
     if (s->closing)
         return false;
     /* one that is too slow gets nothing more, nor does one that has closed; others get what is on its way */
-    if (s->doomed && (empty || s->farewell || s->outbox.unsent > s->net->options.send_bytes_max)) {
+    if (s->close_reason && (empty || s->farewell || s->queue.unsent > s->net->options.send_bytes_max)) {
         say_goodbye(s);
         return true;
     }
-    struct parcel *parcel = s->pong;
+    struct queued_message *parcel = s->pong;
     s->pong = NULL;
     if (!parcel && s->probe == PROBE_DUE) {
         s->probe = PROBE_SENT;
-        parcel = parcel_new(WEBSOCKET_PING, "", 0);
+        parcel = queued_message_new(WEBSOCKET_PING, "", 0);
     }
     if (!parcel)
-        parcel = outbox_pop(&s->outbox);
+        parcel = message_queue_pop(&s->queue);
     if (parcel)
         transmit(s, parcel);
-    parcel_release(parcel);
+    queued_message_release(parcel);
     return parcel != NULL;
 }
 
 /* Less waits than before. */
 static void go_easy(struct socket *s) {
-    if (s->deaf && s->outbox.unsent <= s->net->options.send_bytes) {
-        s->deaf = false;
+    if (s->rx_paused && s->queue.unsent <= s->net->options.send_bytes) {
+        s->rx_paused = false;
         connection_read(s->connection, true);
     }
-    if (!outbox_empty(&s->outbox) || s->closing)
+    if (!message_queue_empty(&s->queue) || s->closing)
         return;
     if (s->follower.lagging) {
         s->follower.lagging = false;
@@ -189,7 +189,7 @@ static void go_easy(struct socket *s) {
 void socket_go_on(struct socket *s) {
     if (s->sending || s->connection->sending || s->connection->closing)
         return;
-    parcel_release(s->leaving);
+    queued_message_release(s->leaving);
     s->leaving = NULL;
     s->sending = true;
     while (!s->leaving && send_next(s))
@@ -201,7 +201,7 @@ void socket_go_on(struct socket *s) {
 
 bool sockets_busy(const struct net *net) {
     for (const struct socket *s = net->sockets; s; s = s->next)
-        if (s->leaving || !outbox_empty(&s->outbox) || stream_busy(socket_stream(s)))
+        if (s->leaving || !message_queue_empty(&s->queue) || stream_busy(socket_stream(s)))
             return true;
     return false;
 }

@@ -2,9 +2,9 @@
 /* /v1/speech: a text is asked for, the answer is its sound, its FAPs or its timing. */
 #include "server/base/mem.h"
 #include "server/base/near.h"
-#include "server/net/internal.h"
+#include "server/export/export_worker.h"
+#include "server/net/net_internal.h"
 #include "server/net/post_text.h"
-#include "server/stream/scribe.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -14,13 +14,13 @@ enum { UNSENT_BYTES_MAX = 1 << 20 };
 struct post {
     struct exchange *x;
     struct post_text text;
-    struct speech *speech;
+    struct synthesis *synthesis;
     const struct export_format *format;
-    struct scribe *scribe;
+    struct export_worker *worker;
     struct error failure; /* the last sentence that failed */
-    size_t owed;          /* scenes used up and not yet released */
+    size_t owed;          /* segments used up and not yet released */
     bool begun;
-    bool spoken; /* a scene came */
+    bool spoken; /* a segment came */
 };
 
 static bool has_room(const struct post *p) {
@@ -29,18 +29,18 @@ static bool has_room(const struct post *p) {
 
 static void release(struct post *p) {
     for (; p->owed && has_room(p); p->owed--)
-        speech_release(p->speech);
+        synthesis_release(p->synthesis);
 }
 
 static void on_sent(void *self) {
     struct post *p = self;
     release(p);
-    if (p->scribe && has_room(p))
-        scribe_go_on(p->scribe);
+    if (p->worker && has_room(p))
+        export_worker_go_on(p->worker);
 }
 
 /* Warnings alone are no answer yet: all sentences may fail. */
-static bool on_written(void *ctx, struct buf *out, size_t scenes, bool done) {
+static bool on_written(void *ctx, struct buf *out, size_t segments, bool done) {
     struct post *p = ctx;
     if (p->format->streams && p->spoken && out->size) {
         if (!p->begun)
@@ -53,7 +53,7 @@ static bool on_written(void *ctx, struct buf *out, size_t scenes, bool done) {
         exchange_end(p->x);
     else if (done)
         exchange_answer(p->x, 200, p->format->content_type, out->data, out->size);
-    p->owed += scenes;
+    p->owed += segments;
     release(p);
     return has_room(p);
 }
@@ -62,33 +62,33 @@ static void tell_warnings(struct post *p) {
     size_t count;
     const struct error *warnings = exchange_warnings(p->x, &count);
     for (size_t i = 0; i < count; i++)
-        scribe_warn(p->scribe, &warnings[i]);
+        export_worker_warn(p->worker, &warnings[i]);
 }
 
 /* As soon as the voice is known, which may have to start yet. */
 static void open_scribe(struct post *p) {
-    if (p->scribe || !speech_voice(p->speech))
+    if (p->worker || !synthesis_voice(p->synthesis))
         return;
-    const struct export_source source = export_source_of(p->speech);
-    p->scribe = scribe_open(exchange_net(p->x)->studio->loop, p->format, &source, on_written, p);
+    const struct export_source source = export_source_of(p->synthesis);
+    p->worker = export_worker_open(exchange_net(p->x)->pipeline->loop, p->format, &source, on_written, p);
     tell_warnings(p);
 }
 
-static void on_scene(void *ctx, struct scene scene) {
+static void on_segment(void *ctx, struct media_segment segment) {
     struct post *p = ctx;
     open_scribe(p);
-    const struct utterance *u = scene.utterance;
-    metrics_add(exchange_net(p->x)->studio->metrics, METRIC_SPEECH_SECONDS,
+    const struct sentence_audio *u = segment.audio;
+    metrics_add(exchange_net(p->x)->pipeline->metrics, METRIC_SPEECH_SECONDS,
                 (double)u->samples / u->sample_rate);
     p->spoken = true;
-    scribe_add(p->scribe, scene);
+    export_worker_add(p->worker, segment);
 }
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
     struct post *p = ctx;
     open_scribe(p);
-    if (p->scribe)
-        scribe_warn(p->scribe, e);
+    if (p->worker)
+        export_worker_warn(p->worker, e);
     if (!warning)
         p->failure = *e;
 }
@@ -101,9 +101,9 @@ static unsigned status_of(const struct error *e) {
 static void on_finished(void *ctx, size_t spoken) {
     struct post *p = ctx;
     if (spoken)
-        scribe_end(p->scribe);
+        export_worker_end(p->worker);
     else
-        exchange_error(p->x, speech_is_read(p->speech) ? 500 : status_of(&p->failure), &p->failure);
+        exchange_error(p->x, synthesis_is_read(p->synthesis) ? 500 : status_of(&p->failure), &p->failure);
 }
 
 static int on_body(void *self, const void *data, size_t size) {
@@ -130,29 +130,29 @@ static int read_request(struct post *p, struct speech_request *request, struct e
 }
 
 static int on_body_end(void *self) {
-    static const struct speech_callbacks callbacks = {on_scene, on_problem, on_finished};
+    static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct post *p = self;
     struct net *net = exchange_net(p->x);
     struct speech_request request;
     struct error e;
-    if (exchange_answered(p->x) || p->speech)
+    if (exchange_answered(p->x) || p->synthesis)
         return 0;
     request_init(&request);
     if (!read_request(p, &request, &e))
-        p->speech = speech_open(net->studio, &request, &callbacks, p, &e);
-    if (p->speech) {
+        p->synthesis = synthesis_open(net->pipeline, &request, &callbacks, p, &e);
+    if (p->synthesis) {
         open_scribe(p);
-        speech_start(p->speech);
+        synthesis_start(p->synthesis);
     }
     request_free(&request);
     post_text_free(&p->text);
-    return p->speech ? 0 : exchange_error(p->x, status_of(&e), &e);
+    return p->synthesis ? 0 : exchange_error(p->x, status_of(&e), &e);
 }
 
 static void on_free(void *self) {
     struct post *p = self;
-    speech_free(p->speech);
-    scribe_free(p->scribe);
+    synthesis_free(p->synthesis);
+    export_worker_free(p->worker);
     post_text_free(&p->text);
     free(p);
 }

@@ -2,7 +2,7 @@
 /* The sub-protocol for those who type: a line is spoken, /word is a command, and what happens is told in
  * lines. All is turned into the messages of the other protocol, or comes out of them. */
 #include "server/base/near.h"
-#include "server/net/socket_parts.h"
+#include "server/net/socket_internal.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/websocket_open.h"
-#include "server/net/exchange_parts.h"
-#include "server/net/socket_parts.h"
+#include "server/net/exchange_internal.h"
+#include "server/net/socket_internal.h"
 #include <ctype.h>
 #include <openssl/evp.h>
 #include <string.h>
@@ -33,18 +33,18 @@ static int check_place(struct exchange *x) {
     if (r->method != HTTP_GET || !r->minor)
         return refuse(x, 400, "bad-handshake", "a WebSocket is asked for by GET of HTTP/1.1");
     struct error e;
-    if (guest_check_host(net, r, &e)) {
+    if (principal_check_host(net, r, &e)) {
         exchange_error(x, 421, &e);
         return -1;
     }
     if (strcmp(r->path, "/v1/stream"))
         return refuse(x, 404, "not-found", "no WebSocket is at this address");
-    if (!guest_origin_allowed(net, r)) {
-        metrics_add(net->studio->metrics, METRIC_REFUSED_ORIGIN, 1);
+    if (!principal_origin_allowed(net, r)) {
+        metrics_add(net->pipeline->metrics, METRIC_REFUSED_ORIGIN, 1);
         return refuse(x, 403, "forbidden-origin", "pages from there may not use this server");
     }
     if (net->draining) {
-        metrics_add(net->studio->metrics, METRIC_REFUSED_LIMIT, 1);
+        metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
         return refuse(x, 503, "stopping", "the server is about to stop");
     }
     return 0;

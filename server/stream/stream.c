@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/stream/stream.h"
 #include "server/base/mem.h"
-#include "server/stream/stream_parts.h"
+#include "server/stream/stream_internal.h"
 #include <stdlib.h>
 
-static void give(const struct turn *t, struct stream_event event) {
-    turn_give(t, &t->stream->sink, t->stream->ctx, event);
+static void give(const struct utterance *t, struct stream_event event) {
+    utterance_give(t, &t->stream->sink, t->stream->ctx, event);
 }
 
-void stream_end_turn(struct stream *s, const char *reason) {
-    struct turn *t = s->turns;
-    struct metrics *metrics = s->studio->metrics;
-    s->turns = t->next;
+void stream_end_utterance(struct stream *s, const char *reason) {
+    struct utterance *t = s->queue;
+    struct metrics *metrics = s->pipeline->metrics;
+    s->queue = t->next;
     metrics_add(metrics,
                 *reason == 'd'   ? METRIC_UTTERANCES_DONE
                 : *reason == 's' ? METRIC_UTTERANCES_STOPPED
@@ -22,13 +22,13 @@ void stream_end_turn(struct stream *s, const char *reason) {
     if (s->waiting)
         s->waiting--;
     give(t, (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});
-    turn_free(t);
+    utterance_free(t);
 }
 
 static void on_face(void *ctx, struct face_options *options) {
-    struct turn *t = ctx;
+    struct utterance *t = ctx;
     struct stream *s = t->stream;
-    const struct speech_request *request = speech_request(t->speech);
+    const struct speech_request *request = synthesis_request(t->synthesis);
     if (!t->placed)
         t->life_begin = stream_place(t);
     t->placed = true;
@@ -41,13 +41,13 @@ static void on_face(void *ctx, struct face_options *options) {
         return;
     }
     if (!t->mood)
-        t->mood = mix_copy(&s->mix);
+        t->mood = mood_mix_copy(&s->mix);
     options->mood = t->mood;
 }
 
-static void on_scene(void *ctx, struct scene scene) {
-    struct turn *t = ctx;
-    turn_add_scene(t, scene);
+static void on_segment(void *ctx, struct media_segment segment) {
+    struct utterance *t = ctx;
+    utterance_add_segment(t, segment);
     stream_wake(t->stream, 0);
 }
 
@@ -56,27 +56,27 @@ static void on_problem(void *ctx, const struct error *e, bool warning) {
 }
 
 static void on_finished(void *ctx, size_t spoken) {
-    struct turn *t = ctx;
+    struct utterance *t = ctx;
     t->finished = true;
     t->spoken = spoken;
-    if (t->next && t->started) /* one that could not be read is finished before its turn comes */
-        turn_start(t->next);   /* so that it follows without a gap */
+    if (t->next && t->started)    /* one that could not be read is finished before its turn comes */
+        utterance_start(t->next); /* so that it follows without a gap */
     stream_wake(t->stream, 0);
 }
 
-static const struct speech_callbacks speech_callbacks = {on_scene, on_problem, on_finished};
+static const struct synthesis_callbacks synthesis_callbacks = {on_segment, on_problem, on_finished};
 
-struct stream *stream_new(const struct studio *studio, const struct stream_sink *sink, void *ctx,
+struct stream *stream_new(const struct pipeline *pipeline, const struct stream_sink *sink, void *ctx,
                           unsigned queue) {
     struct stream *s = mem_alloc(sizeof *s);
-    s->studio = studio;
+    s->pipeline = pipeline;
     s->sink = *sink;
     s->ctx = ctx;
     s->queue_limit = queue;
     s->idling.life = 1;
-    mix_open(&s->mix, studio->expressions);
+    mood_mix_open(&s->mix, pipeline->expressions);
     s->timer = mem_alloc(sizeof *s->timer);
-    uv_timer_init(studio->loop, s->timer);
+    uv_timer_init(pipeline->loop, s->timer);
     s->timer->data = s;
     return s;
 }
@@ -96,38 +96,38 @@ void stream_free(struct stream *s) {
     s->sink.event = ignore_event;
     stream_idle(s, NULL);
     stream_stop(s);
-    mix_close(&s->mix);
+    mood_mix_close(&s->mix);
     uv_close((uv_handle_t *)s->timer, free_timer);
     free(s);
 }
 
 void stream_refuse(struct stream *s, const char *id, const struct error *e) {
-    struct turn t = {.stream = s, .utterance = ++s->utterances};
+    struct utterance t = {.stream = s, .number = ++s->utterances};
     give(&t, (struct stream_event){.kind = STREAM_ERROR, .error = e, .id = id});
     give(&t, (struct stream_event){.kind = STREAM_END, .reason = "failed", .id = id});
 }
 
-/* Puts it among the turns, in the place that its mode asks for. */
-static void take_turn(struct stream *s, struct turn *t, enum speech_mode mode) {
+/* Puts it among the queue, in the place that its mode asks for. */
+static void enqueue(struct stream *s, struct utterance *t, enum speech_mode mode) {
     if (mode == SPEAK_REPLACE)
         stream_stop(s);
-    if (mode == SPEAK_INTERRUPT && s->turns) {
-        stream_end_turn(s, "stopped");
+    if (mode == SPEAK_INTERRUPT && s->queue) {
+        stream_end_utterance(s, "stopped");
         stream_forget_unheard(s);
     }
     if (mode == SPEAK_INTERRUPT)
         stream_resume(s);
-    struct turn **at = &s->turns;
+    struct utterance **at = &s->queue;
     while (*at && mode == SPEAK_QUEUE)
         at = &(*at)->next;
-    t->utterance = ++s->utterances;
+    t->number = ++s->utterances;
     t->next = *at;
     *at = t;
-    s->waiting += s->turns->next != NULL;
+    s->waiting += s->queue->next != NULL;
     if (t->next)
-        turn_unplace(t->next);
-    if (t == s->turns)
-        turn_start(t);
+        utterance_unplace(t->next);
+    if (t == s->queue)
+        utterance_start(t);
 }
 
 /* Whether one more may wait. */
@@ -140,8 +140,8 @@ static bool has_room(struct stream *s, const char *id, enum speech_mode mode) {
     return false;
 }
 
-static struct turn *turn_new(struct stream *s) {
-    struct turn *t = mem_alloc(sizeof *t);
+static struct utterance *utterance_new(struct stream *s) {
+    struct utterance *t = mem_alloc(sizeof *t);
     t->stream = s;
     t->asked = uv_hrtime();
     return t;
@@ -151,33 +151,34 @@ void stream_speak(struct stream *s, const struct speech_request *request) {
     struct error e;
     if (!has_room(s, request->id, request->mode))
         return;
-    struct turn *t = turn_new(s);
-    t->speech = speech_open(s->studio, request, &speech_callbacks, t, &e);
-    if (!t->speech) {
+    struct utterance *t = utterance_new(s);
+    t->synthesis = synthesis_open(s->pipeline, request, &synthesis_callbacks, t, &e);
+    if (!t->synthesis) {
         free(t);
         stream_refuse(s, request->id, &e);
         return;
     }
-    speech_direct_face(t->speech, on_face);
-    take_turn(s, t, request->mode);
+    synthesis_direct_face(t->synthesis, on_face);
+    enqueue(s, t, request->mode);
 }
 
-void stream_play(struct stream *s, struct reel_source *source, enum speech_mode mode) {
+void stream_play(struct stream *s, struct recording_source *source, enum speech_mode mode) {
     if (!has_room(s, source->id, mode)) {
-        reel_source_free(source);
+        recording_source_free(source);
         return;
     }
-    struct turn *t = turn_new(s);
-    t->reel = reel_open(s->studio->loop, s->studio->high_level, source, &speech_callbacks, t);
-    take_turn(s, t, mode);
+    struct utterance *t = utterance_new(s);
+    t->recording =
+        recording_open(s->pipeline->loop, s->pipeline->high_level, source, &synthesis_callbacks, t);
+    enqueue(s, t, mode);
 }
 
 bool stream_busy(const struct stream *s) {
-    return s->turns != NULL;
+    return s->queue != NULL;
 }
 
 void stream_forget_unheard(struct stream *s) {
-    uint64_t now = uv_now(s->studio->loop);
+    uint64_t now = uv_now(s->pipeline->loop);
     if (!s->paused && s->spoken_until > now)
         stream_go_on_from(s, now);
     s->spoken_until = 0;
@@ -186,8 +187,8 @@ void stream_forget_unheard(struct stream *s) {
 
 void stream_stop(struct stream *s) {
     uv_timer_stop(s->timer);
-    while (s->turns)
-        stream_end_turn(s, "stopped");
+    while (s->queue)
+        stream_end_utterance(s, "stopped");
     stream_forget_unheard(s);
     stream_resume(s);
     if (s->idle)
@@ -195,21 +196,21 @@ void stream_stop(struct stream *s) {
 }
 
 void stream_idle(struct stream *s, const struct idle_options *options) {
-    if (options && s->idle && idle_is(s->idle, options))
+    if (options && s->idle && idle_face_is(s->idle, options))
         return;
-    idle_free(s->idle);
+    idle_face_free(s->idle);
     s->idle = NULL;
     if (!options)
         return;
     s->idling = *options;
-    s->idle = idle_new(s->studio, options, s->mix.mood, uv_now(s->studio->loop));
+    s->idle = idle_face_new(s->pipeline, options, s->mix.mood, uv_now(s->pipeline->loop));
     stream_wake(s, 0);
 }
 
-int stream_express(struct stream *s, const struct stream_mix *mix, struct error *e) {
-    if (mix_set(&s->mix, mix, s->life, e))
+int stream_express(struct stream *s, const struct mood_request *mix, struct error *e) {
+    if (mood_mix_set(&s->mix, mix, s->life, e))
         return -1;
-    for (const struct turn *t = s->turns; t; t = t->next)
-        mix_follow(&s->mix, t->mood, t->sent ? (double)t->sent / t->sample_rate : 0);
+    for (const struct utterance *t = s->queue; t; t = t->next)
+        mood_mix_follow(&s->mix, t->mood, t->sent ? (double)t->sent / t->sample_rate : 0);
     return 0;
 }

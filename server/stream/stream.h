@@ -5,9 +5,9 @@
 #define FACCIA_STREAM_STREAM_H
 
 #include "protocol/chunk.h"
-#include "server/stream/idle.h"
-#include "server/stream/mix.h"
-#include "server/stream/reel.h"
+#include "server/stream/idle_face.h"
+#include "server/stream/mood_mix.h"
+#include "server/synthesis/recording.h"
 
 enum {
     STREAM_CHUNK_MS = 200, /* media in one chunk */
@@ -56,7 +56,7 @@ struct stream_sink {
 
 struct stream;
 
-struct stream *stream_new(const struct studio *studio, const struct stream_sink *sink, void *ctx,
+struct stream *stream_new(const struct pipeline *pipeline, const struct stream_sink *sink, void *ctx,
                           unsigned queue);
 
 /* No callback comes after this. */
@@ -67,7 +67,7 @@ void stream_free(struct stream *stream);
 void stream_speak(struct stream *stream, const struct speech_request *request);
 
 /* The same for a recording, which is opened when its turn comes: what is wrong with it is said then. */
-void stream_play(struct stream *stream, struct reel_source *source, enum speech_mode mode);
+void stream_play(struct stream *stream, struct recording_source *source, enum speech_mode mode);
 
 /* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END. */
 void stream_refuse(struct stream *stream, const char *id, const struct error *e);
@@ -79,7 +79,7 @@ void stream_refuse(struct stream *stream, const char *id, const struct error *e)
 void stream_idle(struct stream *stream, const struct idle_options *options);
 
 /* Sets the stream's mood, from the next media on, until it is set anew. -1 with *e as mood_set. */
-int stream_express(struct stream *stream, const struct stream_mix *mix, struct error *e);
+int stream_express(struct stream *stream, const struct mood_request *mix, struct error *e);
 /* Does it speak, or does anything wait? */
 bool stream_busy(const struct stream *stream);
 

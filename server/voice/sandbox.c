@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/private_memory.h"
-#include "server/voice/sandbox_parts.h"
+#include "server/voice/sandbox_internal.h"
 #include <stdlib.h>
 #include <sys/prctl.h>
 

@@ -10,7 +10,7 @@
 #ifndef FACCIA_VOICE_SANDBOX_H
 #define FACCIA_VOICE_SANDBOX_H
 
-#include "server/voice/needs.h"
+#include "server/voice/plugin_needs.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <sys/types.h>

@@ -3,7 +3,7 @@
  * namespaces, the kernel's and the machine's settings, limits and priorities of other processes, keyrings,
  * io_uring (it goes round filters), typing into a terminal, signals to the daemon by whatever way. More
  * without the capabilities. What a filter cannot see, as it lies in memory, is refused whole. */
-#include "server/voice/sandbox_parts.h"
+#include "server/voice/sandbox_internal.h"
 #include <stdio.h>
 
 #ifdef HAVE_SECCOMP

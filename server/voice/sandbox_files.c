@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which files a worker may read and write: Landlock, as much of it as the kernel has. Also no signals to
  * processes outside and, without FACCIA_VOICE_NETWORK, no connections. */
-#include "server/voice/sandbox_parts.h"
+#include "server/voice/sandbox_internal.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Namespaces and the administrator's rights. */
-#include "server/voice/sandbox_parts.h"
+#include "server/voice/sandbox_internal.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <linux/capability.h>

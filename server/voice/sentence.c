@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/sentence.h"
 #include "server/base/mem.h"
-#include "server/voice/assemble.h"
-#include "server/voice/cues.h"
-#include "server/voice/edit.h"
-#include "server/voice/join.h"
-#include "server/voice/sound.h"
+#include "server/voice/assembly.h"
+#include "server/voice/cue_times.h"
+#include "server/voice/inserted_sound.h"
+#include "server/voice/sentence_audio_edit.h"
+#include "server/voice/sentence_audio_join.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -18,7 +18,7 @@ struct reading {
     char *path;
     double volume;
     uint32_t sample_rate;
-    struct utterance *u;
+    struct sentence_audio *u;
     struct error e;
 };
 
@@ -29,7 +29,7 @@ struct role {
     bool wanted, started, failed; /* failed: a sound that cannot be played */
     struct voice_job *job;
     struct reading *reading;
-    struct utterance *u;
+    struct sentence_audio *u;
     struct error e;
 };
 
@@ -37,7 +37,7 @@ struct sentence {
     struct voice_pool *pool;
     uv_loop_t *loop;
     struct voice_request request;
-    const struct cast *cast;
+    const struct voice_selection *cast;
     struct voice_callbacks callbacks;
     void *ctx;
     struct plan cues; /* of the whole sentence */
@@ -51,7 +51,7 @@ enum { SOUNDS_MAX = 16, RUNNING_MAX = 4 };
 
 static void free_sentence(struct sentence *s) {
     for (size_t i = 0; i < s->count; i++)
-        utterance_free(s->roles[i].u);
+        sentence_audio_free(s->roles[i].u);
     plan_free(&s->cues);
     free(s->roles);
     free(s);
@@ -101,15 +101,15 @@ static bool ends_with_pause(const struct sentence *s, const struct part *part) {
 }
 
 /* The marks of a part that has no voice stand at its beginning. */
-static void add_marks(const struct sentence *s, const struct part *part, struct utterance *u) {
+static void add_marks(const struct sentence *s, const struct part *part, struct sentence_audio *u) {
     u->marks = mem_alloc(part->count * sizeof *u->marks);
     for (size_t i = part->first; i < part->first + part->count; i++)
         if (item(s, i)->kind == SCORE_MARK)
             u->marks[u->mark_count++] = (struct mark){.name = mem_strdup(item(s, i)->text)};
 }
 
-static struct utterance *make_silence(struct sentence *s, const struct part *part) {
-    struct utterance *u = mem_alloc(sizeof *u);
+static struct sentence_audio *make_silence(struct sentence *s, const struct part *part) {
+    struct sentence_audio *u = mem_alloc(sizeof *u);
     double seconds = 0;
     for (size_t i = part->first; i < part->first + part->count; i++)
         if (item(s, i)->kind == SCORE_BREAK && item(s, i)->seconds > 0)
@@ -126,8 +126,8 @@ static struct utterance *make_silence(struct sentence *s, const struct part *par
     return u;
 }
 
-/* The one utterance. */
-static struct utterance *gather(struct sentence *s) {
+/* The one sentence's audio. */
+static struct sentence_audio *gather(struct sentence *s) {
     struct join_piece *pieces = mem_alloc(s->count * sizeof *pieces);
     size_t count = 0;
     for (size_t i = 0; i < s->count; i++) {
@@ -138,18 +138,18 @@ static struct utterance *gather(struct sentence *s) {
             (struct join_piece){role->u, role->part.kind == PART_TEXT, ends_with_pause(s, &role->part)};
         role->u = NULL;
     }
-    struct utterance *u = s->count == 1 && s->roles->part.kind == PART_TEXT
-                              ? pieces->u
-                              : join(pieces, count, s->request.voice->sample_rate);
+    struct sentence_audio *u = s->count == 1 && s->roles->part.kind == PART_TEXT
+                                   ? pieces->u
+                                   : join(pieces, count, s->request.voice->sample_rate);
     free(pieces);
     if (!*u->lang)
         snprintf(u->lang, sizeof u->lang, "%s", s->request.voice->lang);
     for (size_t i = 0; i < s->count; i++)
         if (s->roles[i].failed)
-            utterance_warn(u, s->roles[i].e.message);
+            sentence_audio_warn(u, s->roles[i].e.message);
     u->from = s->cues.from;
     u->to = s->cues.to;
-    cues_time(u, &s->cues);
+    cue_times_set(u, &s->cues);
     return u;
 }
 
@@ -162,7 +162,7 @@ static void finish(struct sentence *s, const struct error *failure) {
         callbacks.failed(ctx, &e);
         return;
     }
-    struct utterance *u = gather(s);
+    struct sentence_audio *u = gather(s);
     free_sentence(s);
     callbacks.done(ctx, u);
 }
@@ -180,7 +180,7 @@ static void go_on(struct sentence *s) {
     finish(s, NULL);
 }
 
-static void on_done(void *ctx, struct utterance *u) {
+static void on_done(void *ctx, struct sentence_audio *u) {
     struct role *role = ctx;
     role->job = NULL;
     role->u = u;
@@ -280,7 +280,7 @@ static void on_read(uv_work_t *work, int status) {
         role->e = r->e;
         give_up(role);
     }
-    utterance_free(r->u);
+    sentence_audio_free(r->u);
     free(r->path);
     free(r);
     if (role)
@@ -288,9 +288,10 @@ static void on_read(uv_work_t *work, int status) {
 }
 
 struct sentence *sentence_speak(struct voice_pool *pool, uv_loop_t *loop, const struct voice_request *request,
-                                const struct cast *cast, const struct voice_callbacks *callbacks, void *ctx) {
+                                const struct voice_selection *cast, const struct voice_callbacks *callbacks,
+                                void *ctx) {
     struct sentence *s = mem_alloc(sizeof *s);
-    struct part *parts = cast_parts(cast, request->score, request->sentence, &s->count);
+    struct part *parts = voice_selection_parts(cast, request->score, request->sentence, &s->count);
     s->pool = pool;
     s->loop = loop;
     s->request = *request;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Speaks a sentence of a score with all who have a part in it: several voices, of several plugins perhaps,
- * and sounds. What comes is one utterance. */
+ * and sounds. What comes is one sentence's audio. */
 #ifndef FACCIA_VOICE_SENTENCE_H
 #define FACCIA_VOICE_SENTENCE_H
 
-#include "server/voice/cast.h"
+#include "server/voice/voice_selection.h"
 
 struct sentence;
 
@@ -12,7 +12,8 @@ struct sentence;
  * The score and the cast must outlive the sentence. Exactly one callback follows, later, unless it is
  * cancelled. */
 struct sentence *sentence_speak(struct voice_pool *pool, uv_loop_t *loop, const struct voice_request *request,
-                                const struct cast *cast, const struct voice_callbacks *callbacks, void *ctx);
+                                const struct voice_selection *cast, const struct voice_callbacks *callbacks,
+                                void *ctx);
 
 /* Forgets the sentence: no callback will come. */
 void sentence_cancel(struct sentence *sentence);

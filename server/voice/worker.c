@@ -3,8 +3,8 @@
  * lost. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/voice/pool_parts.h"
-#include "server/voice/process.h"
+#include "server/voice/voice_pool_internal.h"
+#include "server/voice/worker_process.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,7 +33,7 @@ static void set_state(struct worker *w, enum worker_state state, uint64_t ms) {
 }
 
 /* Ends the sentence that is spoken. */
-static void end_job(struct worker *w, struct utterance *u, const struct error *e) {
+static void end_job(struct worker *w, struct sentence_audio *u, const struct error *e) {
     struct voice_job *job = w->job;
     w->job = NULL;
     if (job)
@@ -151,7 +151,7 @@ static void done(struct worker *w, struct wire_reader *r) {
         lose(w, "voice-failed", "sent garbage", false);
         return;
     }
-    struct utterance *u = NULL;
+    struct sentence_audio *u = NULL;
     w->failed_starts = 0;
     if (job->cancelled)
         failed = 0;

@@ -2,10 +2,10 @@
 /* faccia-voice PLUGIN.so: runs one voice plugin for the daemon, which starts it with a socket on descriptor
  * WIRE_FD. */
 #include "server/base/log.h"
-#include "server/voice/allowed.h"
-#include "server/voice/host.h"
-#include "server/voice/mouthpiece.h"
+#include "server/voice/plugin_allowed.h"
+#include "server/voice/plugin_loader.h"
 #include "server/voice/sandbox.h"
+#include "server/voice/worker_io.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -67,9 +67,9 @@ static int set_socket(void) {
 }
 
 /* Speaks until the daemon has gone. Returns the exit status. */
-static int serve(struct mouthpiece *m, struct host *host) {
+static int serve(struct worker_io *m, struct loaded_plugin *host) {
     struct wire_frame frame;
-    while (mouthpiece_next(m, &frame)) {
+    while (worker_io_next(m, &frame)) {
         struct faccia_sentence sentence;
         struct faccia_span *spans = NULL;
         struct wire_reader r = wire_read(&frame);
@@ -77,7 +77,7 @@ static int serve(struct mouthpiece *m, struct host *host) {
         bool understood = frame.type == WIRE_SPEAK && wire_get_sentence(&r, &sentence, &spans);
         if (understood) {
             limit_processor(seconds);
-            mouthpiece_speak(m, host->api, host->self, frame.job, &sentence);
+            worker_io_speak(m, host->api, host->self, frame.job, &sentence);
         }
         free(spans);
         if (!understood) {
@@ -127,7 +127,7 @@ static bool hear_opening(struct opening *opening) {
 }
 
 /* Rights first, then the plugin's code, from its initialisers on. */
-static int load(struct host *host, const char *plugin, const struct allowed *allowed, bool confined,
+static int load(struct loaded_plugin *host, const char *plugin, const struct allowed *allowed, bool confined,
                 char *message, size_t cap) {
     struct needs needs;
     needs_read(&needs, plugin);
@@ -135,13 +135,13 @@ static int load(struct host *host, const char *plugin, const struct allowed *all
     host->gaps = (struct sandbox_gaps){0};
     if (confined)
         sandbox_enter(&sandbox, &host->gaps);
-    int result = host_load(host, plugin, confined ? needs.capabilities : UINT32_MAX, message, cap);
+    int result = loaded_plugin_load(host, plugin, confined ? needs.capabilities : UINT32_MAX, message, cap);
     needs_free(&needs);
     return result;
 }
 
 static int run(const struct opening *opening, const char *plugin) {
-    struct host host = {0};
+    struct loaded_plugin host = {0};
     struct allowed allowed;
     char message[256];
     limit_memory(opening->limits.megabytes);
@@ -149,19 +149,19 @@ static int run(const struct opening *opening, const char *plugin) {
     int result = allowed_read(&allowed, opening->config, message, sizeof message);
     if (!result)
         result = load(&host, plugin, &allowed, opening->limits.sandbox, message, sizeof message);
-    struct mouthpiece *m = mouthpiece_open(WIRE_FD);
+    struct worker_io *m = worker_io_open(WIRE_FD);
     if (!result)
-        result = host_open(&host, allowed.config, message, sizeof message);
+        result = loaded_plugin_open(&host, allowed.config, message, sizeof message);
     allowed_free(&allowed);
     if (result) {
-        mouthpiece_say(m, result > 0 ? WIRE_ABSENT : WIRE_FAILED, message);
+        worker_io_say(m, result > 0 ? WIRE_ABSENT : WIRE_FAILED, message);
         return 1;
     }
-    char *description = host_describe(&host);
-    mouthpiece_say(m, WIRE_HELLO, description);
+    char *description = loaded_plugin_describe(&host);
+    worker_io_say(m, WIRE_HELLO, description);
     free(description);
     int status = serve(m, &host);
-    host_close(&host);
+    loaded_plugin_close(&host);
     return status;
 }
 

@@ -14,7 +14,7 @@ const [AIM, LIMIT] = [Number(options.hours) * 3600, Number(options.minutes) * 60
 const [POSTS, SOCKETS] = [4, 4]; // at once
 const MARKS = [0.01, 0.05, 0.1, 0.25, 0.5, 0.75, 1];
 // how often each is asked for: Opus takes more time than all else
-const FORMATS = [...Array(14).fill('fba'), 'fap', 'fap', 'ndjson', 'json', 'wav', 'ogg'];
+const FORMATS = [...Array(14).fill('fapc'), 'fap', 'fap', 'ndjson', 'json', 'wav', 'ogg'];
 const sleep = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 const daemon = await Daemon.start(['--cache', '2']);

@@ -10,8 +10,8 @@
 
 struct bench {
     struct cli cli;
-    struct speech *speech;
-    struct utterance **utterances;
+    struct synthesis *synthesis;
+    struct sentence_audio **utterances;
     size_t count, cap;
     double seconds;
     bool finished;
@@ -23,13 +23,13 @@ static double cpu(void) {
     return (double)t.tv_sec + (double)t.tv_nsec / 1e9;
 }
 
-static void on_scene(void *ctx, struct scene scene) {
+static void on_segment(void *ctx, struct media_segment segment) {
     struct bench *b = ctx;
-    b->utterances = realloc(b->utterances, (b->count + 1) * sizeof(struct utterance *));
-    b->utterances[b->count++] = scene.utterance;
-    b->seconds += (double)scene.utterance->samples / scene.utterance->sample_rate;
-    face_track_free(scene.track);
-    speech_release(b->speech);
+    b->utterances = realloc(b->utterances, (b->count + 1) * sizeof(struct sentence_audio *));
+    b->utterances[b->count++] = segment.audio;
+    b->seconds += (double)segment.audio->samples / segment.audio->sample_rate;
+    face_track_free(segment.track);
+    synthesis_release(b->synthesis);
 }
 
 static void on_problem(void *ctx, const struct error *e, bool warning) {
@@ -46,7 +46,7 @@ static long run(const struct bench *b, const struct speech_pack *pack, double fp
     long sum = 0; /* so that nothing is optimised away */
     struct face_options options = {.seed = 1, .life = 1, .engine = engine};
     for (size_t i = 0; i < b->count; i++) {
-        const struct utterance *u = b->utterances[i];
+        const struct sentence_audio *u = b->utterances[i];
         struct face_track *track = face_track_new(pack, u, &options, NULL, NULL);
         struct fap_frame frame;
         for (long k = 0; k < fps * u->samples / u->sample_rate; k++) {
@@ -59,7 +59,7 @@ static long run(const struct bench *b, const struct speech_pack *pack, double fp
 }
 
 int main(int argc, char **argv) {
-    static const struct speech_callbacks callbacks = {on_scene, on_problem, on_finished};
+    static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct bench b = {0};
     struct speech_request request;
     struct error e;
@@ -76,10 +76,10 @@ int main(int argc, char **argv) {
     request_set(&request, "text", (struct request_value){REQUEST_STRING, (char *)text.data, text.size, 0},
                 &e);
     request_set(&request, "lang", (struct request_value){REQUEST_WORD, argv[2], strlen(argv[2]), 0}, &e);
-    b.speech = speech_open(&b.cli.studio, &request, &callbacks, &b, &e);
-    if (!b.speech)
+    b.synthesis = synthesis_open(&b.cli.pipeline, &request, &callbacks, &b, &e);
+    if (!b.synthesis)
         return 1;
-    speech_start(b.speech);
+    synthesis_start(b.synthesis);
     while (!b.finished && uv_run(&b.cli.loop, UV_RUN_ONCE))
         ;
     const struct speech_pack *pack = speech_packs_find(&b.cli.packs, argv[2]);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The reference of first-media.mjs: how long libespeak-ng alone needs from a text to its first audio
- * callback, or to its end. Usage: espeak_first VOICE RUNS TEXT [whole]; prints the milliseconds of each run. */
+ * callback, or to its end. Usage: espeak_first VOICE RUNS TEXT [whole]; prints the milliseconds of each run.
+ */
 #include <espeak-ng/speak_lib.h>
 #include <stdio.h>
 #include <stdlib.h>

@@ -32,7 +32,7 @@ static struct cue cue(const char *kind, const char *name, double from, double to
                         false};
 }
 
-static void mark_up(struct utterance *u, bool dense, struct cue cues[CUES]) {
+static void mark_up(struct sentence_audio *u, bool dense, struct cue cues[CUES]) {
     static const char *const affects[] = {"joy", "anger", "hope", "shame"}, *const accents[] = {"hstar",
                                                                                                 "lplushstar"};
     double end = (double)u->samples / u->sample_rate;
@@ -57,7 +57,7 @@ static void mark_up(struct utterance *u, bool dense, struct cue cues[CUES]) {
     u->cue_count = n;
 }
 
-static double run(const struct speech_pack *pack, const struct utterance *u,
+static double run(const struct speech_pack *pack, const struct sentence_audio *u,
                   const struct face_options *options, double fps) {
     long sum = 0; /* so that nothing is optimised away */
     struct face_options o = *options;
@@ -94,7 +94,7 @@ int main(int argc, char **argv) {
         return 1;
     struct mood *mood = mood_new(all);
     mood_set(mood, (const char *const[]){"joy", "surprise"}, (const double[]){0.4, 0.2}, 2, 0, 1, &e);
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct cue cues[CUES];
     double seconds[WHATS][RUNS];
     for (int r = 0; r < RUNS; r++) {

@@ -18,7 +18,7 @@ struct listener {
     uint32_t heard; /* messages since "begin" */
 };
 
-struct scene {
+struct media_segment {
     struct clients clients;
     struct listener *all;
     size_t count, ended;
@@ -35,7 +35,7 @@ static void put32(uint8_t *at, uint32_t value) {
         at[i] = (uint8_t)(value >> (8 * i));
 }
 
-static void record(struct scene *s, const uint8_t *data, size_t size, int opcode, double now) {
+static void record(struct media_segment *s, const uint8_t *data, size_t size, int opcode, double now) {
     uint8_t head[9];
     put32(head, (uint32_t)(now - s->begun));
     head[4] = (uint8_t)opcode;
@@ -45,7 +45,7 @@ static void record(struct scene *s, const uint8_t *data, size_t size, int opcode
 }
 
 static void on_message(void *ctx, struct client *client, int opcode, const uint8_t *data, size_t size) {
-    struct scene *s = ctx;
+    struct media_segment *s = ctx;
     struct listener *l = (struct listener *)client;
     double now = now_ms();
     if (opcode == CLIENT_TEXT && !l->done && holds(data, size, "\"type\":\"begin\""))
@@ -69,7 +69,7 @@ static void on_message(void *ctx, struct client *client, int opcode, const uint8
     }
 }
 
-static void report(struct scene *s) {
+static void report(struct media_segment *s) {
     size_t n = s->late_count;
     qsort(s->late, n, sizeof *s->late, ascending);
     printf("{\"messages\":%zu,\"bytes\":%llu,\"p50\":%.3f,\"p99\":%.3f,\"max\":%.3f}\n", n,
@@ -78,7 +78,7 @@ static void report(struct scene *s) {
 }
 
 int main(int argc, char **argv) {
-    struct scene s = {.clients = {.message = on_message, .ctx = &s}};
+    struct media_segment s = {.clients = {.message = on_message, .ctx = &s}};
     if (argc < 4)
         return 2;
     clients_open(&s.clients);

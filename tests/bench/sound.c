@@ -2,7 +2,7 @@
 /* Speech through the daemon's Opus coder and back, for sound.mjs. Usage: sound RATE BITRATE < PCM > PCM: 16
  * bit, mono; what comes out is at 48 kHz and in step with what went in. The number of coded bytes, lengths
  * included, goes to standard error. */
-#include "server/stream/opus_audio.h"
+#include "server/codec/opus_audio.h"
 #include <opus/opus.h>
 #include <stdio.h>
 #include <stdlib.h>

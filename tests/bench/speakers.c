@@ -20,7 +20,7 @@ struct speaker {
     double asked, begun, until; /* ms; until: of the media that have come */
 };
 
-struct scene {
+struct media_segment {
     struct clients clients;
     struct speaker *all;
     size_t count;
@@ -35,7 +35,7 @@ static double most(double a, double b) {
 }
 
 static void on_message(void *ctx, struct client *client, int opcode, const uint8_t *data, size_t size) {
-    struct scene *s = ctx;
+    struct media_segment *s = ctx;
     struct speaker *k = (struct speaker *)client;
     struct chunk chunk;
     const uint8_t *fap;
@@ -74,7 +74,7 @@ static char *read_line(void) {
     return line;
 }
 
-static void speak_all(struct scene *s, double spread) {
+static void speak_all(struct media_segment *s, double spread) {
     double start = now_ms();
     for (size_t i = 0; i < s->count; i++) {
         double due = start + spread * 1000 * (double)i / (double)s->count;
@@ -85,13 +85,13 @@ static void speak_all(struct scene *s, double spread) {
     }
 }
 
-static void serve_until(struct scene *s, double end) {
+static void serve_until(struct media_segment *s, double end) {
     while (now_ms() < end)
         clients_serve(&s->clients, (int)most(1, end - now_ms()));
 }
 
 /* Chunks that should have been heard from by now. */
-static void count_missing(struct scene *s, double now) {
+static void count_missing(struct media_segment *s, double now) {
     for (size_t i = 0; i < s->count; i++) {
         const struct speaker *k = &s->all[i];
         double missing = now - (k->begun > 0 ? k->until : k->asked);
@@ -109,7 +109,7 @@ static float at(float *values, size_t count, double part) {
     return values[(size_t)((double)(count - 1) * part)];
 }
 
-static void report(struct scene *s) {
+static void report(struct media_segment *s) {
     printf("{\"chunks\":%zu,\"late\":%zu,\"media\":%.3f,\"p50\":%.2f,\"p99\":%.2f,", s->chunks, s->late,
            s->media / 1000, (double)at(s->delays, s->delay_count, 0.5),
            (double)at(s->delays, s->delay_count, 0.99));
@@ -119,7 +119,7 @@ static void report(struct scene *s) {
 }
 
 int main(int argc, char **argv) {
-    struct scene s = {.clients = {.message = on_message, .ctx = &s}};
+    struct media_segment s = {.clients = {.message = on_message, .ctx = &s}};
     if (argc < 7)
         return 2;
     double spread = atof(argv[3]), warm = atof(argv[4]), seconds = atof(argv[5]);

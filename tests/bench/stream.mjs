@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What the stream costs, and what its coding takes from the lips: five minutes of Italian with expression and life as a .fba file,
+// What the stream costs, and what its coding takes from the lips: five minutes of Italian with expression and life as a .fapc file,
 // ASCII .fap, that gzipped, and JSON of 52 blend shapes at 60 a second, which takes a few seconds; and the beginning of it heard
-// live (Opus and FBA), by a client that says no more, by one that has the events packed, as the page does, and by one that also
+// live (Opus and FAPC), by a client that says no more, by one that has the events packed, as the page does, and by one that also
 // wants only 12 kbit/s of Opus, which takes as long as she speaks. Usage: node tests/bench/stream.mjs [SECONDS [LIVE]]
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -100,7 +100,7 @@ const hearing = Promise.all(ways.map(hear));
 hearing.catch(() => {}); // its failure is thrown where it is awaited
 const ascii = await (await ask('fap')).text();
 const at60 = parseFap(await (await ask('fap', 60)).text());
-const file = await (await ask('fba')).arrayBuffer();
+const file = await (await ask('fapc')).arrayBuffer();
 const original = parseFap(ascii);
 const duration = original.frames.length / original.fps;
 const rate = (bytes) => (bytes * 8) / 1000 / duration;
@@ -124,10 +124,10 @@ const mean = errors.reduce((a, b) => a + b, 0) / errors.length;
 const table = (rows) => rows.forEach(([name, value, against]) =>
   console.log(`${name.padEnd(58)}${value.toFixed(2).padStart(10)} kbit/s${against ? `${(value / against).toFixed(1).padStart(9)} x` : ''}`));
 const coded = rate(file.byteLength);
-console.log(`${duration.toFixed(0)} s of speech, 25 frames a second; x: times the .fba file\n`);
+console.log(`${duration.toFixed(0)} s of speech, 25 frames a second; x: times the .fapc file\n`);
 table([
-  ['.fba file', coded],
-  ['.fba file, lossless', rate(lossless.length), coded],
+  ['.fapc file', coded],
+  ['.fapc file, lossless', rate(lossless.length), coded],
   ['ASCII .fap', rate(ascii.length), coded],
   ['ASCII .fap, gzip -9', rate(zlib.gzipSync(ascii, { level: 9 }).length), coded],
   ['JSON of 52 blend shapes, 60 a second', rate(shapesJson(at60.frames)), coded],

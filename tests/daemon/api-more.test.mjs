@@ -78,7 +78,7 @@ test('members that nobody knows are warned of, in the way of each format', async
   assert.match(has(timing.warnings, unknown).message, /no member 'rat'; near: rate/);
   const lines = String(await bytes(`/v1/speech?${query}&format=ndjson`)).trim().split('\n').map(JSON.parse);
   has(lines.filter((line) => line.type === 'warning'), unknown);
-  for (const format of ['wav', 'ogg', 'fap', 'fba']) {
+  for (const format of ['wav', 'ogg', 'fap', 'fapc']) {
     const response = await daemon.get(`/v1/speech?${query}&format=${format}`);
     assert.equal(response.status, 200);
     has(headerOf(response), unknown);
@@ -133,7 +133,7 @@ test('what may have been meant', async () => {
     [{ type: 'speak', text: 'a', engine: 'dominence' }, /near: dominance/],
     [{ type: 'speak', text: 'a', markup: 'smml' }, /near: ssml/],
     [{ type: 'media', audio: 'opsu' }, /near: opus/],
-    [{ type: 'media', fap: 'fbaa' }, /near: fba/],
+    [{ type: 'media', fap: 'fbaa' }, /near: fapc/],
     [{ type: 'model', name: 'marra' }, /near: mara/],
     [{ type: 'express', mix: [{ name: 'jyo' }] }, /near: joy/],
   ];

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { CompactReader, OPUS_PACKET_SAMPLES, OPUS_RATE, OPUS_SKIP } from '../../protocol/compact.mjs';
-import { fbaStep } from '../../protocol/fba.mjs';
+import { fapcStep } from '../../protocol/fapc.mjs';
 import { Daemon, framesOf } from '../lib/daemon.mjs';
 
 let daemon;
@@ -11,7 +11,7 @@ before(async () => (daemon = await Daemon.start()));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
 const text = 'La mamma prepara il pane con la farina bianca. Il bambino guarda fuori, e vede passare un gatto. Poi torna il sole.';
-const DEFAULT = '?audio=opus&fap=fba';
+const DEFAULT = '?audio=opus&fap=fapc';
 
 /** A room, so that all hear the same. */
 const hear = async (room, ways) => {
@@ -23,19 +23,19 @@ const hear = async (room, ways) => {
 };
 
 test('coded and plain FAPs are the same within half a step, at the same times', async () => {
-  const [coded, plain] = await hear('same', ['audio=opus&fap=fba', 'audio=pcm&fap=plain']);
+  const [coded, plain] = await hear('same', ['audio=opus&fap=fapc', 'audio=pcm&fap=plain']);
   const a = framesOf(coded.chunks);
   const b = framesOf(plain.chunks);
   assert.equal(a.length, b.length);
   assert.ok(a.length > 100);
   a.forEach((frame, i) => {
     assert.equal(frame.time, b[i].time);
-    for (let n = 3; n <= 68; n++) assert.ok(Math.abs(frame.values[n] - b[i].values[n]) <= fbaStep(n, 5) / 2, `FAP ${n}`);
+    for (let n = 3; n <= 68; n++) assert.ok(Math.abs(frame.values[n] - b[i].values[n]) <= fapcStep(n, 5) / 2, `FAP ${n}`);
   });
 });
 
 test('the Opus packets cover the utterance without a gap, and belong to the frames beside them', async () => {
-  const [coded, plain] = await hear('cover', ['audio=opus&fap=fba', 'audio=pcm&fap=plain']);
+  const [coded, plain] = await hear('cover', ['audio=opus&fap=fapc', 'audio=pcm&fap=plain']);
   const seconds = plain.chunks.reduce((sum, chunk) => sum + chunk.samples / chunk.sampleRate, 0);
   let packets = 0;
   for (const chunk of coded.chunks) {
@@ -51,7 +51,7 @@ test('the Opus packets cover the utterance without a gap, and belong to the fram
 });
 
 test('few bits', async () => {
-  const [coded] = await hear('few', ['audio=opus&fap=fba']);
+  const [coded] = await hear('few', ['audio=opus&fap=fapc']);
   const seconds = coded.chunks.reduce((sum, chunk) => sum + chunk.samples / chunk.sampleRate, 0);
   const kilobits = (bytes) => (bytes * 8) / seconds / 1000;
   const audio = coded.chunks.flatMap((chunk) => chunk.audio ?? []).reduce((sum, packet) => sum + packet.length + 1, 0);
@@ -61,7 +61,7 @@ test('few bits', async () => {
 });
 
 test('as many bits of Opus as somebody asks for', async () => {
-  const ways = ['kilobits=8', 'kilobits=12', '', 'kilobits=32'].map((way) => `audio=opus&fap=fba&${way}`);
+  const ways = ['kilobits=8', 'kilobits=12', '', 'kilobits=32'].map((way) => `audio=opus&fap=fapc&${way}`);
   const sizes = (await hear('bits', ways)).map(({ chunks }) => chunks.flatMap((chunk) => chunk.audio ?? []).reduce((sum, packet) => sum + packet.length + 1, 0));
   for (let i = 1; i < sizes.length; i++) assert.ok(sizes[i] > 1.15 * sizes[i - 1], `${sizes}`);
   const stream = await daemon.stream(DEFAULT);
@@ -107,7 +107,7 @@ test('a stop leaves nothing of the old utterance in the next', async () => {
 test('what does not go together is refused', async () => {
   const stream = await daemon.stream('?audio=opus&fap=plain');
   await stream.wait({ type: 'error', code: 'unknown-codec', field: 'fap' });
-  stream.send({ type: 'media', audio: 'pcm', fap: 'fba' });
+  stream.send({ type: 'media', audio: 'pcm', fap: 'fapc' });
   stream.send({ type: 'speak', id: 's', lang: 'it', text: 'Sì.' });
   await stream.wait({ type: 'end', id: 's', reason: 'done' });
   assert.ok(stream.chunks.length > 0 && stream.chunks.every((chunk) => chunk.audio instanceof Int16Array && chunk.fapCodec === 2));

@@ -153,7 +153,7 @@ test('a pause holds the clock; what comes after it follows to the sample', async
 });
 
 test('Opus packets are counted on through a pause in which the face lives on', async () => {
-  const stream = await daemon.stream('?audio=opus&fap=fba');
+  const stream = await daemon.stream('?audio=opus&fap=fapc');
   stream.send({ type: 'idle', on: true });
   stream.send({ type: 'speak', text: sentence('uno'), lang: 'it' });
   await stream.wait({ type: 'word' });

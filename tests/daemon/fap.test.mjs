@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Files of face animation on the command line: looked into, converted, coded, drawn; and .fba as a format of speech.
+// Files of face animation on the command line: looked into, converted, coded, drawn; and .fapc as a format of speech.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { FbaDecoder } from '../../protocol/fba.mjs';
+import { FapcDecoder } from '../../protocol/fapc.mjs';
 import { build, Daemon, root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
@@ -35,9 +35,9 @@ const moving = (frames, fps = 25) => {
 };
 fs.writeFileSync(file('moving.fap'), moving(600));
 
-/** The packets of an .fba file: {frames, data, begin}. */
+/** The packets of an .fapc file: {frames, data, begin}. */
 function packets(bytes) {
-  assert.equal(bytes.toString('latin1', 0, 4), 'FBA1');
+  assert.equal(bytes.toString('latin1', 0, 4), 'FPC1');
   const list = [];
   for (let at = 8; at < bytes.length; at += 3 + bytes.readUInt16LE(at + 1)) {
     const data = bytes.subarray(at + 3, at + 3 + bytes.readUInt16LE(at + 1));
@@ -108,8 +108,8 @@ test('a coded file lets readers begin every 10 s, and comes back as near as its 
   assert.deepEqual(list.flatMap((p, i) => (p.begin ? [i] : [])), [0, 50, 100]);
   assert.ok(list.every((p) => p.frames === 5));
   const original = parseFap(fs.readFileSync(file('moving.fap'), 'utf8')).frames;
-  fs.writeFileSync(file('moving.fba'), coded);
-  const back = parseFap(done('decode', file('moving.fba')).text);
+  fs.writeFileSync(file('moving.fapc'), coded);
+  const back = parseFap(done('decode', file('moving.fapc')).text);
   assert.equal(back.fps, 25);
   assert.equal(back.frames.length, 600);
   const off = Math.max(...back.frames.map((frame, k) => Math.abs(frame[3] - original[k][3])));
@@ -118,7 +118,7 @@ test('a coded file lets readers begin every 10 s, and comes back as near as its 
   fs.writeFileSync(file('fast.fap'), moving(300, 100));
   assert.equal(packets(done('encode', file('fast.fap')).stdout)[0].frames, 12);
   // JavaScript decodes the same
-  const decoder = new FbaDecoder();
+  const decoder = new FapcDecoder();
   const frames = list.flatMap((p) => decoder.decode(p.data, p.frames));
   frames.forEach((frame, k) => assert.equal(frame.values[3] ?? frame[3], back.frames[k][3]));
 });
@@ -182,16 +182,16 @@ test('asked wrongly', () => {
   }
 });
 
-test('speech leaves as .fba from the command line and the daemon, the same values that encode makes of its .fap', async () => {
-  const said = faccia(['say', '-l', 'it', '--fap', file('say.fap'), '--fba', file('say.fba'), 'La mamma parla piano. Poi tace.']);
+test('speech leaves as .fapc from the command line and the daemon, the same values that encode makes of its .fap', async () => {
+  const said = faccia(['say', '-l', 'it', '--fap', file('say.fap'), '--fapc', file('say.fapc'), 'La mamma parla piano. Poi tace.']);
   assert.equal(said.status, 0, said.stderr);
-  const coded = fs.readFileSync(file('say.fba'));
+  const coded = fs.readFileSync(file('say.fapc'));
   const faces = [coded, done('encode', file('say.fap')).stdout].map((bytes) => parseFap(faccia(['fap', 'decode', '-'], bytes).text).frames);
   assert.ok(faces[0].length > 40);
   assert.deepEqual(faces[0], faces[1]);
   const daemon = await Daemon.start();
   try {
-    const answer = await daemon.get('/v1/speech?lang=it&format=fba', { method: 'POST', body: 'La mamma parla piano. Poi tace.', headers: { 'content-type': 'text/plain' } });
+    const answer = await daemon.get('/v1/speech?lang=it&format=fapc', { method: 'POST', body: 'La mamma parla piano. Poi tace.', headers: { 'content-type': 'text/plain' } });
     assert.equal(answer.headers.get('content-type'), 'application/octet-stream');
     assert.deepEqual(Buffer.from(await answer.arrayBuffer()), coded);
   } finally {

@@ -94,7 +94,7 @@ test('100-continue: said when the body is wanted, and only then', async () => {
   assert.deepEqual([refused.status, refused.headers.connection], [415, 'close']);
   await raw.end();
   const long = 'Una frase. '.repeat(8000);
-  const curl = spawnSync('curl', ['-s', '-m', '60', '-o', '/dev/null', '-w', '%{http_code}', '-H', 'Expect: 100-continue', '-H', 'Transfer-Encoding: chunked', '-H', 'Content-Type: text/plain', '--data-binary', '@-', `${daemon.url}/v1/speech?lang=it&format=fba&rate=500`], { encoding: 'utf8', input: long.slice(0, 2000) });
+  const curl = spawnSync('curl', ['-s', '-m', '60', '-o', '/dev/null', '-w', '%{http_code}', '-H', 'Expect: 100-continue', '-H', 'Transfer-Encoding: chunked', '-H', 'Content-Type: text/plain', '--data-binary', '@-', `${daemon.url}/v1/speech?lang=it&format=fapc&rate=500`], { encoding: 'utf8', input: long.slice(0, 2000) });
   assert.equal(curl.stdout, '200');
 });
 

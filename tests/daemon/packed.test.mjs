@@ -10,7 +10,7 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 
 const text = '<speak>La città è più bella <mark name="qui &quot;"/>di sera. Il bambino guarda fuori, e vede passare un 🐈 gatto.</speak>';
 const speak = { type: 'speak', id: 's', lang: 'it', markup: 'ssml', text, phones: true };
-const PACKED = 'audio=opus&fap=fba&events=packed';
+const PACKED = 'audio=opus&fap=fapc&events=packed';
 const INSIDE = ['sentence', 'word', 'mark', 'phone'];
 
 /** What of the messages both forms have to say. */
@@ -19,7 +19,7 @@ const inside = (stream) => stream.messages.filter(({ type }) => INSIDE.includes(
 
 test('packed events say what the texts say, in the chunks in which they begin', async () => {
   const packed = await daemon.stream(`?room=both&${PACKED}`);
-  const plain = await daemon.stream('?room=both&audio=opus&fap=fba');
+  const plain = await daemon.stream('?room=both&audio=opus&fap=fapc');
   packed.send(speak);
   for (const stream of [packed, plain]) await stream.wait({ type: 'end', id: 's', reason: 'done' });
   assert.ok(inside(plain).length > 50);
@@ -56,7 +56,7 @@ test('without compact chunks they are texts, and the form can be changed', async
     return stream.messages.slice(from).filter(({ type }) => type === 'word').map(({ packed }) => packed ?? false);
   };
   assert.deepEqual(await say('plain'), [false, false]);
-  stream.send({ type: 'media', fap: 'fba' });
+  stream.send({ type: 'media', fap: 'fapc' });
   assert.deepEqual(await say('compact'), [true, true]);
   stream.send({ type: 'media', events: 'text' });
   assert.deepEqual(await say('text'), [false, false]);

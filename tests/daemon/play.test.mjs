@@ -195,7 +195,7 @@ test('visemes and expressions move the face of a recording that moves it by noth
   assert.ok(gap(p) < gap(half) && gap(half) < gap(a), `lips ${[gap(p), gap(half), gap(a)]}`);
   assert.ok(a[corner] > half[corner] && half[corner] > 50, `corners ${[p[corner], half[corner], a[corner]]}`);
   // by the default codec, which leaves FAP 1 and 2 out
-  const coded = await daemon.stream('?fap=fba');
+  const coded = await daemon.stream('?fap=fapc');
   coded.send({ type: 'play', name: 'visemes' });
   await coded.wait({ type: 'end', reason: 'done' });
   assert.ok(coded.chunks.flatMap((c) => c.frames)[2][open] > 300);

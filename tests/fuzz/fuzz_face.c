@@ -3,7 +3,7 @@
  * which language and how; then come phones, of 4 bytes and a name that ends with a line's end, or words and
  * cues. */
 #include "server/base/mem.h"
-#include "server/face/packs.h"
+#include "server/face/packs/speech_packs.h"
 #include "server/face/track.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdio.h>
@@ -27,7 +27,7 @@ static const struct expressions *expressions(void) {
     return loaded;
 }
 
-static void add_phone(struct utterance *u, struct fuzz_input *in) {
+static void add_phone(struct sentence_audio *u, struct fuzz_input *in) {
     struct phone *p = &u->phones[u->phone_count++];
     uint8_t stress = fuzz_u8(in);
     p->start = u->samples;
@@ -39,7 +39,7 @@ static void add_phone(struct utterance *u, struct fuzz_input *in) {
     free(name);
 }
 
-static void add_word(struct utterance *u, struct fuzz_input *in) {
+static void add_word(struct sentence_audio *u, struct fuzz_input *in) {
     struct word *w = &u->words[u->word_count++];
     w->start = u->samples;
     w->end = u->samples + fuzz_u16(in);
@@ -51,7 +51,7 @@ static double part(struct fuzz_input *in) {
     return fuzz_u8(in) / 255.0;
 }
 
-static void add_cue(struct utterance *u, struct fuzz_input *in) {
+static void add_cue(struct sentence_audio *u, struct fuzz_input *in) {
     size_t which = fuzz_u8(in) % expressions_count(expressions());
     struct expression_info info = expressions_info(expressions(), which);
     struct cue *c = &u->cues[u->cue_count++];
@@ -76,7 +76,7 @@ static void sample(struct face_track *track, double end) {
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     static const char *const langs[] = {"it", "pt-BR", "tr", "en", "cmn", "und"};
     struct fuzz_input in = fuzz_input(data, size);
-    struct utterance *u = mem_alloc(sizeof *u);
+    struct sentence_audio *u = mem_alloc(sizeof *u);
     const struct speech_pack *pack = speech_packs_find(packs(), langs[fuzz_below(&in, 6)]);
     uint8_t choice = fuzz_u8(&in);
     struct face_options options = {.engine = face_engines()[choice & 3],
@@ -103,6 +103,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct face_track *track = face_track_new(pack, u, &options, NULL, NULL);
     sample(track, (double)u->samples / u->sample_rate + 0.2);
     face_track_free(track);
-    utterance_free(u);
+    sentence_audio_free(u);
     return 0;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Low-bit-rate FAP coding. Byte 0: what the rest is, a file, packets as they come over the net, or frames to
  * be coded and decoded. */
-#include "protocol/fbafile.h"
+#include "protocol/fapcfile.h"
 #include "server/base/mem.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
@@ -10,14 +10,14 @@
 enum { FRAMES_MAX = 8, PACKETS_MAX = 16 };
 
 static void read_file(struct fuzz_input *in) {
-    struct fbafile file;
-    struct fbafile_error e = {0};
+    struct fapcfile file;
+    struct fapcfile_error e = {0};
     size_t size;
     uint8_t *bytes = fuzz_rest(in, &size);
-    fbafile_is(bytes, size);
-    if (!fbafile_read(bytes, size, &file, &e)) {
-        FUZZ_CHECK(file.fps > 0 && file.count <= FBAFILE_FRAMES_MAX);
-        fbafile_free(&file);
+    fapcfile_is(bytes, size);
+    if (!fapcfile_read(bytes, size, &file, &e)) {
+        FUZZ_CHECK(file.fps > 0 && file.count <= FAPCFILE_FRAMES_MAX);
+        fapcfile_free(&file);
     } else {
         FUZZ_CHECK(e.message && e.byte <= size);
     }
@@ -26,20 +26,20 @@ static void read_file(struct fuzz_input *in) {
 
 static void check_values(const struct fap_frame *frame) {
     for (int n = 3; n <= FAP_COUNT; n++) {
-        int64_t most = FBA_VALUE_MAX + 2 * (int64_t)fba_step(n, FBA_QUALITY_MAX);
+        int64_t most = FAPC_VALUE_MAX + 2 * (int64_t)fapc_step(n, FAPC_QUALITY_MAX);
         FUZZ_CHECK(frame->value[n] <= most && frame->value[n] >= -most);
     }
 }
 
 /* Each with its number of frames and its size before it. */
 static void read_packets(struct fuzz_input *in) {
-    struct fba_decoder *decoder = mem_alloc(sizeof *decoder);
-    struct fap_frame *frames = mem_alloc(FBA_FRAMES_MAX * sizeof *frames);
-    fba_decoder_init(decoder);
+    struct fapc_decoder *decoder = mem_alloc(sizeof *decoder);
+    struct fap_frame *frames = mem_alloc(FAPC_FRAMES_MAX * sizeof *frames);
+    fapc_decoder_init(decoder);
     for (int i = 0; i < PACKETS_MAX && fuzz_left(in); i++) {
-        size_t count = fuzz_below(in, FBA_FRAMES_MAX + 1), size = fuzz_u16(in);
+        size_t count = fuzz_below(in, FAPC_FRAMES_MAX + 1), size = fuzz_u16(in);
         uint8_t *bytes = fuzz_bytes(in, &size);
-        if (!fba_decode(decoder, bytes, size, frames, count))
+        if (!fapc_decode(decoder, bytes, size, frames, count))
             for (size_t f = 0; f < count; f++)
                 check_values(&frames[f]);
         free(bytes);
@@ -64,25 +64,25 @@ static void take_frame(struct fuzz_input *in, struct fap_frame *frame) {
 }
 
 static int32_t limited(int32_t value) {
-    return value > FBA_VALUE_MAX ? FBA_VALUE_MAX : value < -FBA_VALUE_MAX ? -FBA_VALUE_MAX : value;
+    return value > FAPC_VALUE_MAX ? FAPC_VALUE_MAX : value < -FAPC_VALUE_MAX ? -FAPC_VALUE_MAX : value;
 }
 
 /* What the mask leaves out keeps its value. */
 static void there_and_back(struct fuzz_input *in) {
-    static uint8_t bytes[(FRAMES_MAX + 1) * FBA_FRAME_BYTES_MAX];
-    struct fba_encoder *encoder = mem_alloc(sizeof *encoder);
-    struct fba_decoder *decoder = mem_alloc(sizeof *decoder);
+    static uint8_t bytes[(FRAMES_MAX + 1) * FAPC_FRAME_BYTES_MAX];
+    struct fapc_encoder *encoder = mem_alloc(sizeof *encoder);
+    struct fapc_decoder *decoder = mem_alloc(sizeof *decoder);
     struct fap_frame frames[FRAMES_MAX], decoded[FRAMES_MAX];
-    int quality = (int)fuzz_below(in, FBA_QUALITY_MAX + 1);
-    fba_encoder_init(encoder, quality);
-    fba_decoder_init(decoder);
+    int quality = (int)fuzz_below(in, FAPC_QUALITY_MAX + 1);
+    fapc_encoder_init(encoder, quality);
+    fapc_decoder_init(decoder);
     for (int i = 0; i < PACKETS_MAX && fuzz_left(in); i++) {
         uint8_t choice = fuzz_u8(in);
         size_t count = 1 + choice % FRAMES_MAX;
         for (size_t f = 0; f < count; f++)
             take_frame(in, &frames[f]);
-        size_t size = fba_encode(encoder, frames, count, choice & 64, bytes, sizeof bytes);
-        FUZZ_CHECK(size && !fba_decode(decoder, bytes, size, decoded, count));
+        size_t size = fapc_encode(encoder, frames, count, choice & 64, bytes, sizeof bytes);
+        FUZZ_CHECK(size && !fapc_decode(decoder, bytes, size, decoded, count));
         for (size_t f = 0; f < count; f++) {
             check_values(&decoded[f]);
             for (int n = 3; n <= FAP_COUNT && !quality; n++)

@@ -4,7 +4,7 @@
 #include "server/base/utf8.h"
 #include "server/net/form.h"
 #include "server/net/http_reader.h"
-#include "server/net/internal.h"
+#include "server/net/net_internal.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>

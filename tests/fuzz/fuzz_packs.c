@@ -2,9 +2,9 @@
 /* A language's files: byte 0 says which one, the rest edits it (json_edit.c). What loads serves an utterance.
  */
 #include "server/base/mem.h"
-#include "server/face/context_table.h"
-#include "server/face/packs.h"
-#include "server/face/spelling.h"
+#include "server/face/packs/context_table.h"
+#include "server/face/packs/speech_packs.h"
+#include "server/face/packs/spelling.h"
 #include "server/face/track.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdio.h>
@@ -41,11 +41,11 @@ static const json_t *base(size_t which) {
     return loaded[which];
 }
 
-static struct utterance *sample(void) {
+static struct sentence_audio *sample(void) {
     static const char *const phones[] = {"",  "p", "a", "t͡ʃ", "o",  "",  "m", "u",
                                          "ʒ", "i", "l", "e",  "kː", "ã", ""};
     enum { COUNT = sizeof phones / sizeof *phones };
-    struct utterance *u = mem_alloc(sizeof *u);
+    struct sentence_audio *u = mem_alloc(sizeof *u);
     u->sample_rate = RATE;
     u->phones = mem_alloc(COUNT * sizeof *u->phones);
     u->words = mem_alloc(2 * sizeof *u->words);
@@ -61,7 +61,7 @@ static struct utterance *sample(void) {
 }
 
 static void serve(const struct speech_pack *pack) {
-    struct utterance *u = sample();
+    struct sentence_audio *u = sample();
     for (const char *const *engine = face_engines(); *engine; engine++) {
         if (!face_engine_speaks(*engine, pack))
             continue;
@@ -75,7 +75,7 @@ static void serve(const struct speech_pack *pack) {
         }
         face_track_free(track);
     }
-    utterance_free(u);
+    sentence_audio_free(u);
 }
 
 static const struct speech_pack *whole(const char *lang) {

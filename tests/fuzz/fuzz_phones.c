@@ -3,10 +3,10 @@
  * in a pack; byte 1: how large the answer may be, or the pack. */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/face/packs.h"
-#include "server/face/phones.h"
-#include "server/face/spelling.h"
-#include "server/face/transcription.h"
+#include "server/face/packs/phone_match.h"
+#include "server/face/packs/speech_packs.h"
+#include "server/face/packs/spelling.h"
+#include "server/face/packs/transcription.h"
 #include "server/voice/sampa.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
@@ -43,7 +43,7 @@ static void there_and_back(convert *to, convert *back, const char *text, size_t 
 static void transcribe(const char *text, size_t size, uint8_t choice) {
     const struct transcription_sound other = {choice, 1 + choice * 1000u, 1 + choice % 4};
     struct error e = {0};
-    struct utterance *u =
+    struct sentence_audio *u =
         transcription_read(text, size, choice ? &other : &transcription_wav, pack("pt-BR"), &e);
     FUZZ_CHECK(u || e.code);
     uint32_t at = 0;
@@ -51,16 +51,16 @@ static void transcribe(const char *text, size_t size, uint8_t choice) {
         FUZZ_CHECK(u->phones[i].start == at && u->phones[i].end >= at);
         at = u->phones[i].end;
     }
-    utterance_free(u);
+    sentence_audio_free(u);
 }
 
 static void find(const char *text, uint8_t choice) {
     static const char *const langs[] = {"it", "en", "pt-BR", "tr", "und", "cmn"};
     const struct speech_pack *in = pack(langs[choice % 6]);
-    struct phones *found = mem_alloc(sizeof *found);
-    phones_find(in, text, found);
+    struct phone_matches *found = mem_alloc(sizeof *found);
+    phone_match_find(in, text, found);
     double share = 0;
-    FUZZ_CHECK(found->count <= PHONES_MAX);
+    FUZZ_CHECK(found->count <= PHONE_MATCHES_MAX);
     for (size_t i = 0; i < found->count; i++) {
         FUZZ_CHECK(found->match[i].phone && found->match[i].share >= 0);
         share += found->match[i].share;

@@ -2,15 +2,15 @@
 /* Texts that are dates, numbers, sums...: byte 0 says in which language, byte 1 as what, the rest is the
  * text. */
 #include "server/base/utf8.h"
-#include "server/reading/readings.h"
+#include "server/normalize/normalizers.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>
 
-static const struct readings *readings(void) {
-    static struct readings loaded;
+static const struct normalizers *normalizers(void) {
+    static struct normalizers loaded;
     struct error e;
-    FUZZ_CHECK(loaded.count || !readings_load(&loaded, SOURCE_ROOT "/models/reading", &e));
+    FUZZ_CHECK(loaded.count || !normalizers_load(&loaded, SOURCE_ROOT "/models/normalization", &e));
     return &loaded;
 }
 
@@ -26,7 +26,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     char *text = fuzz_rest_text(&in);
     if (utf8_check(text, strlen(text)) == strlen(text)) { /* as all that markup lets through */
         struct buf out = {0};
-        bool read = reading_words(readings_find(readings(), lang), way, text, &out);
+        bool read = normalizer_words(normalizers_find(normalizers(), lang), way, text, &out);
         FUZZ_CHECK(read || !out.size);
         FUZZ_CHECK(!out.size || utf8_check((char *)out.data, out.size) == out.size);
         buf_free(&out);
@@ -40,7 +40,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         item->verbatim = true;
         score->input = item->text;
         score->input_size = strlen(text);
-        readings_apply(readings(), score, 0, lang);
+        normalizers_apply(normalizers(), score, 0, lang);
         FUZZ_CHECK(!score->items[0].verbatim || !strcmp(score->items[0].text, text));
         score_free(score);
     }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A folder of the recording plugin: byte 0 says how its times are written; then come the description, the
  * text, the times, each with its size (2 bytes) before it, and the sound. */
-#include "server/face/packs.h"
+#include "server/face/packs/speech_packs.h"
 #include "server/plugins/recording/folder.h"
 #include "server/plugins/recording/match.h"
 #include "tests/fuzz/fuzz.h"
@@ -29,7 +29,7 @@ static void write_part(struct fuzz_input *in, const char *name) {
 }
 
 /* Words that are not yet known are to be found by alignment, which takes a voice. */
-static bool is_known(const struct reading *reading, size_t first, size_t last) {
+static bool is_known(const struct aligned_recording *reading, size_t first, size_t last) {
     for (size_t i = first; i <= last && i < reading->tokens.count; i++)
         if (!reading->words[i].known)
             return false;
@@ -37,7 +37,7 @@ static bool is_known(const struct reading *reading, size_t first, size_t last) {
 }
 
 static void speak(struct recorded *r) {
-    struct reading *reading = r->reading;
+    struct aligned_recording *reading = r->reading;
     const struct faccia_span span = {.kind = FACCIA_SPAN_TEXT, .text = "uno due"};
     const struct faccia_sentence sentence = {"a", &span, 1};
     struct match match = {0};
@@ -46,9 +46,9 @@ static void speak(struct recorded *r) {
     match_words(&match, &sentence);
     bool found = !match_find(&match, reading, 0, &e);
     if (found && is_known(reading, match.at, match.at + match.tokens.count)) {
-        reading_stretch(reading, match.at, match.at + match.tokens.count, 2, &from, &to);
+        aligned_recording_stretch(reading, match.at, match.at + match.tokens.count, 2, &from, &to);
         FUZZ_CHECK(from <= to);
-        struct utterance *u = reading_utterance(reading, from, to);
+        struct sentence_audio *u = aligned_recording_audio(reading, from, to);
         uint32_t at = 0;
         for (size_t i = 0; i < u->phone_count; i++) {
             FUZZ_CHECK(u->phones[i].start == at && u->phones[i].end >= at && u->phones[i].end <= u->samples);
@@ -56,7 +56,7 @@ static void speak(struct recorded *r) {
         }
         for (size_t i = 0; i < match.tokens.count; i++)
             match_time(&match, reading, i, i & 1, from, u->samples);
-        utterance_free(u);
+        sentence_audio_free(u);
     }
     match_free(&match);
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What clients ask for. Byte 0: whether the rest is a message, the words of a query (NAME=VALUE, a line
  * each), or a message of ours for those who type. */
-#include "server/net/internal.h"
-#include "server/net/socket_parts.h"
-#include "server/stream/request.h"
+#include "server/net/net_internal.h"
+#include "server/net/socket_internal.h"
+#include "server/synthesis/speech_request.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdlib.h>
@@ -30,7 +30,7 @@ static void check_error(const struct error *e) {
 static void take_message(const json_t *message) {
     struct speech_request request, copy;
     struct idle_options idle;
-    struct stream_mix mix;
+    struct mood_request mix;
     struct error e = {0};
     bool on;
     request_init(&request);

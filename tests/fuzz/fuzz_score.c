@@ -3,11 +3,11 @@
  * language and how, the rest is the document. */
 #include "server/base/mem.h"
 #include "server/expression/expressions.h"
-#include "server/face/packs.h"
+#include "server/face/packs/speech_packs.h"
 #include "server/face/track.h"
 #include "server/markup/markup.h"
-#include "server/reading/readings.h"
-#include "server/voice/cues.h"
+#include "server/normalize/normalizers.h"
+#include "server/voice/cue_times.h"
 #include "server/voice/plan.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
@@ -18,7 +18,7 @@ enum { RATE = 16000, WORDS_MAX = 200, SENTENCES_MAX = 8, FRAMES_MAX = 40 };
 
 struct stage {
     struct expressions *expressions;
-    struct readings readings;
+    struct normalizers normalizers;
     struct speech_packs packs;
 };
 
@@ -27,15 +27,16 @@ static const struct stage *stage(void) {
     struct error e;
     if (!s.expressions) {
         s.expressions = expressions_load(SOURCE_ROOT "/models/expressions.json", &e);
-        FUZZ_CHECK(s.expressions && !readings_load(&s.readings, SOURCE_ROOT "/models/reading", &e) &&
+        FUZZ_CHECK(s.expressions &&
+                   !normalizers_load(&s.normalizers, SOURCE_ROOT "/models/normalization", &e) &&
                    !speech_packs_load(&s.packs, SOURCE_ROOT "/models/speech", &e));
     }
     return &s;
 }
 
 /* As if each piece were a word of 0.3 s that begins with an a. */
-static struct utterance *say(const struct plan *plan) {
-    struct utterance *u = mem_alloc(sizeof *u);
+static struct sentence_audio *say(const struct plan *plan) {
+    struct sentence_audio *u = mem_alloc(sizeof *u);
     size_t count = plan->piece_count < WORDS_MAX ? plan->piece_count : WORDS_MAX;
     u->sample_rate = RATE;
     u->words = mem_alloc((count + 1) * sizeof *u->words);
@@ -57,7 +58,7 @@ static struct utterance *say(const struct plan *plan) {
     return u;
 }
 
-static void show(const struct utterance *u, const char *lang, uint8_t choice) {
+static void show(const struct sentence_audio *u, const char *lang, uint8_t choice) {
     const struct stage *s = stage();
     const struct speech_pack *pack = speech_packs_find(&s->packs, lang);
     struct face_options options = {.engine = face_engines()[choice & 3],
@@ -90,12 +91,12 @@ static void speak(const struct score *score, size_t sentence, const char *lang, 
                    isfinite(span->volume) && isfinite(span->seconds) && span->intensity >= 0 &&
                    span->intensity <= 1);
     }
-    struct utterance *u = say(&plan);
-    cues_time(u, &plan);
+    struct sentence_audio *u = say(&plan);
+    cue_times_set(u, &plan);
     for (size_t i = 0; i < u->cue_count; i++)
         FUZZ_CHECK(u->cues[i].start <= u->cues[i].end && u->cues[i].end <= u->samples);
     show(u, lang, choice);
-    utterance_free(u);
+    sentence_audio_free(u);
     plan_free(&plan);
 }
 
@@ -113,7 +114,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (score) {
         expressions_direct(stage()->expressions, score);
         for (size_t i = 0; i < score->item_count; i++)
-            readings_apply(&stage()->readings, score, i, lang);
+            normalizers_apply(&stage()->normalizers, score, i, lang);
         for (size_t i = 0; i < score->sentence_count && i < SENTENCES_MAX; i++)
             speak(score, i, lang, choice);
         score_free(score);

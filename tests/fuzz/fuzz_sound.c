@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sound files, by everything that reads them. Byte 0 says who; the rest is the file. */
-#include "server/align/sound.h"
+#include "server/align/sound_file.h"
 #include "server/base/mem.h"
-#include "server/plugins/command/sound.h"
-#include "server/stream/reel_sound.h"
-#include "server/voice/sound.h"
+#include "server/plugins/command/command_sound.h"
+#include "server/synthesis/recording_sound.h"
+#include "server/voice/inserted_sound.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>
@@ -42,28 +42,28 @@ static void command(const uint8_t *data, size_t size, uint32_t raw) {
 
 static void audio_element(const char *path, uint8_t choice) {
     struct error e = {0};
-    struct utterance *u = sound_read(path, choice / 32.0, choice & 1 ? 22050 : 48000, &e);
+    struct sentence_audio *u = sound_read(path, choice / 32.0, choice & 1 ? 22050 : 48000, &e);
     FUZZ_CHECK(u ? u->sample_rate > 0 : e.code != NULL);
     if (u)
         FUZZ_CHECK(u->samples <= (SOUND_SECONDS + 1u) * u->sample_rate &&
                    (!u->phone_count || u->phones[u->phone_count - 1].end == u->samples));
-    utterance_free(u);
+    sentence_audio_free(u);
 }
 
 static void recording(const uint8_t *data, size_t size) {
-    struct reel_source source = {0};
-    struct reel_sound *sound;
+    struct recording_source source = {0};
+    struct recording_sound *sound;
     struct error e = {0};
     buf_add(&source.sound, data, size);
     int16_t *pcm = mem_alloc(PIECE * sizeof *pcm);
-    if (!reel_sound_open(&sound, &source, &e) && sound) {
-        FUZZ_CHECK(reel_sound_rate(sound) >= 8000);
-        for (int i = 0; i < PIECES && reel_sound_read(sound, pcm, PIECE) == PIECE; i++)
+    if (!recording_sound_open(&sound, &source, &e) && sound) {
+        FUZZ_CHECK(recording_sound_rate(sound) >= 8000);
+        for (int i = 0; i < PIECES && recording_sound_read(sound, pcm, PIECE) == PIECE; i++)
             ;
-        reel_sound_close(sound);
+        recording_sound_close(sound);
     }
     free(pcm);
-    reel_source_free(&source);
+    recording_source_free(&source);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {

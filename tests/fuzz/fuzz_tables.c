@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The expressions and the readings of a language: byte 0 says which file, the rest edits it (json_edit.c).
+/* The expressions and the normalizers of a language: byte 0 says which file, the rest edits it (json_edit.c).
  * What loads is used. */
 #include "server/expression/recipe.h"
 #include "server/markup/markup.h"
-#include "server/reading/readings.h"
+#include "server/normalize/normalizers.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdio.h>
@@ -11,8 +11,8 @@
 #include <string.h>
 
 static const char *const files[] = {"models/expressions.json", "models/expressions.json",
-                                    "models/reading/it.json", "models/reading/en.json",
-                                    "models/reading/tr.json"};
+                                    "models/normalization/it.json", "models/normalization/en.json",
+                                    "models/normalization/tr.json"};
 enum { FILES = sizeof files / sizeof *files };
 
 static const json_t *base(size_t which) {
@@ -47,7 +47,7 @@ static void direct(const struct expressions *expressions) {
 static void load_expressions(const json_t *json) {
     char path[FUZZ_PATH];
     struct error e = {0};
-    fuzz_write_json("expressions", json, path); /* readings are all the *.json of their folder */
+    fuzz_write_json("expressions", json, path); /* normalizers are all the *.json of their folder */
     struct expressions *loaded = expressions_load(path, &e);
     FUZZ_CHECK(loaded || e.code);
     if (!loaded)
@@ -71,21 +71,21 @@ static void load_reading(const json_t *json) {
     static const char *const texts[] = {"12",     "1.234,5", "1/2",    "1.5.2024", "12:30", "2h3m",
                                         "€ 3,50", "5 kg",    "a@b.it", "XIV",      "-3"};
     char folder[FUZZ_PATH], path[FUZZ_PATH];
-    struct readings readings;
+    struct normalizers normalizers;
     struct error e = {0};
     snprintf(folder, sizeof folder, "%s", fuzz_folder());
     fuzz_write_json("reading.json", json, path);
-    int failed = readings_load(&readings, folder, &e);
+    int failed = normalizers_load(&normalizers, folder, &e);
     FUZZ_CHECK(!failed || e.code);
-    const struct reading *reading =
-        failed ? NULL : readings_find(&readings, json_string_value(json_object_get(json, "tag")));
+    const struct normalizer *reading =
+        failed ? NULL : normalizers_find(&normalizers, json_string_value(json_object_get(json, "tag")));
     for (size_t w = 0; reading && w < sizeof ways / sizeof *ways; w++)
         for (size_t t = 0; t < sizeof texts / sizeof *texts; t++) {
             struct buf out = {0};
-            reading_words(reading, ways[w], texts[t], &out);
+            normalizer_words(reading, ways[w], texts[t], &out);
             buf_free(&out);
         }
-    readings_free(&readings);
+    normalizers_free(&normalizers);
     remove(path);
 }
 

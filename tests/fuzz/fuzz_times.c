@@ -2,7 +2,7 @@
 /* Files of times. Byte 0: the format; byte 1: which names, tiers and entries are asked for; the rest is the
  * file. */
 #include "server/align/times.h"
-#include "server/face/speech.h"
+#include "server/face/packs/speech_pack.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdlib.h>

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a worker says, and what it is told: frames as they come over the socket. What it says while it speaks
  * becomes an utterance, whatever it says. */
-#include "server/voice/assemble.h"
-#include "server/voice/pool_parts.h"
+#include "server/voice/assembly.h"
+#include "server/voice/voice_pool_internal.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
 #include <string.h>
@@ -25,7 +25,7 @@ static const struct plan *plan(void) {
     return &made;
 }
 
-static void check_utterance(const struct utterance *u) {
+static void check_utterance(const struct sentence_audio *u) {
     uint32_t at = 0;
     for (size_t i = 0; i < u->phone_count; i++) {
         const struct phone *p = &u->phones[i];
@@ -95,9 +95,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     }
     FUZZ_CHECK(!failed || e.code);
     if (!failed) {
-        struct utterance *u = assembly_finish(a, "it", 22050);
+        struct sentence_audio *u = assembly_finish(a, "it", 22050);
         check_utterance(u);
-        utterance_free(u);
+        sentence_audio_free(u);
     }
     assembly_free(a);
     return 0;

@@ -35,7 +35,7 @@ const messages = [
   { type: 'speak', text: 'Ciao, mondo!', id: 'a', lang: 'it', voice: 'espeak:it', engine: 'dominance', markup: 'ssml', rate: 160, pitch: 1.5, volume: 0.5, fps: 50, seed: 7, life: 0.5, blend: 'weighted', still: true, phones: true, mode: 'interrupt' },
   { type: 'idle', on: true, life: 1.5, seed: 3 },
   { type: 'express', mix: [{ name: 'joy', intensity: 0.5 }, { name: 'fear' }], ease: 0.25 },
-  { type: 'media', audio: 'opus', fap: 'fba' },
+  { type: 'media', audio: 'opus', fap: 'fapc' },
   { type: 'join', room: 'hall' }, { type: 'rate', rate: 200 }, { type: 'jump', mark: 'here' }, { type: 'play', name: 'x', id: 'b' },
 ];
 const answers = [
@@ -62,9 +62,9 @@ const parts = {
     5, u16(3000), 'ağlar\n', 7, lang * 9, u16(2000), [255, 255, 0, 128, 90, 90])),
   fap: () => list('protocol/vectors/fap', '.fap').map((name) => read(name)),
   fapc: () => {
-    const { streams, bad } = json('protocol', 'vectors', 'fba.json');
+    const { streams, bad } = json('protocol', 'vectors', 'fapc.json');
     const packet = ({ frames = [0], bytes }) => joined(frames.length, sized(hex(bytes)));
-    const file = ({ packets }) => joined('FBA1', u32(2500), ...packets.map(({ frames, bytes }) => joined(frames.length, sized(hex(bytes)))));
+    const file = ({ packets }) => joined('FPC1', u32(2500), ...packets.map(({ frames, bytes }) => joined(frames.length, sized(hex(bytes)))));
     return [...streams.map((s) => joined(1, ...s.packets.map(packet))), ...bad.map((b) => joined(1, packet(streams[0].packets[0]), packet(b))), ...streams.map((s) => joined(0, file(s))),
       joined(2, 0, 7, ...Array.from({ length: 40 }, (_, i) => joined(3, i, 1, u32(i * 99), i, 0, u16(i * 1000), i, 0, 5, 7, 1, 2, 3, 4, 5, 6, 7, 8)))];
   },

@@ -52,7 +52,7 @@ const kinds = [
   (c) => ({ type: 'rate', rate: c.of([40, 160, 500, 501]) }),
   () => ({ type: 'jump', mark: 'qui' }),
   (c) => ({ type: 'play', name: c.of(['all', 'none', '../all']), id: 'p', mode: c.of(['queue', 'interrupt']) }),
-  (c) => ({ type: 'media', audio: c.of(['opus', 'pcm_s16le', 'none', undefined]), fap: c.of(['fba', 'plain', 'none', undefined]) }),
+  (c) => ({ type: 'media', audio: c.of(['opus', 'pcm_s16le', 'none', undefined]), fap: c.of(['fapc', 'plain', 'none', undefined]) }),
   (c) => ({ type: 'idle', on: !c.one(3), life: c.of([0, 1, 2]), seed: c.below(9) }),
   (c) => ({ type: 'express', mix: Array.from({ length: c.below(6) }, () => ({ name: c.of(['joy', 'fear', 'none']), intensity: c.of([0, 0.5, 1, 2]) })), ease: c.of([0, 0.3, 11]) }),
   (c) => ({ type: 'model', name: c.of([undefined, 'mara', 'none']) }),
@@ -125,7 +125,7 @@ export function webSocketFrames(c, text) {
 
 const upgradeHeaders = (c) => `Connection: ${c.of(['Upgrade', 'keep-alive, Upgrade'])}\r\nUpgrade: websocket\r\nSec-WebSocket-Version: ${c.one(20) ? c.of(['8', '0', '14', '']) : 13}\r\n`
   + `Sec-WebSocket-Key: ${c.one(20) ? c.of(['', 'x', 'dGhlIHNhbXBsZSBub25jZQ', 'a'.repeat(500)]) : 'dGhlIHNhbXBsZSBub25jZQ=='}\r\n`;
-const query = (c) => (c.one(2) ? '' : `?${Array.from({ length: 1 + c.below(4) }, () => c.of(['room=hall', 'lang=it', 'audio=pcm', 'fap=plain', 'rate=fast', `token=${c.token ?? 'y'}`, 'token=' + 'x'.repeat(c.below(700)), 'room', '=', '%', '%zz=%00', 'x=%ff', 'text=%3Cspeak%3E', 'format=' + c.of(['wav', 'ogg', 'fap', 'fba', 'json', 'ndjson', 'gif']), 'still=1', 'fps=120', 'id=a', 'name=all', 'mode=replace', `room=${c.of(['b', 'x'.repeat(70)])}`, '&&', 'a=b=c', '#'])).join('&')}`);
+const query = (c) => (c.one(2) ? '' : `?${Array.from({ length: 1 + c.below(4) }, () => c.of(['room=hall', 'lang=it', 'audio=pcm', 'fap=plain', 'rate=fast', `token=${c.token ?? 'y'}`, 'token=' + 'x'.repeat(c.below(700)), 'room', '=', '%', '%zz=%00', 'x=%ff', 'text=%3Cspeak%3E', 'format=' + c.of(['wav', 'ogg', 'fap', 'fapc', 'json', 'ndjson', 'gif']), 'still=1', 'fps=120', 'id=a', 'name=all', 'mode=replace', `room=${c.of(['b', 'x'.repeat(70)])}`, '&&', 'a=b=c', '#'])).join('&')}`);
 
 /** The beginning of a WebSocket, mostly a right one. */
 export function upgradeRequest(c) {

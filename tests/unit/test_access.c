@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/access/origin.h"
-#include "server/access/tally.h"
+#include "server/access/quota.h"
 #include "server/access/token.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -190,36 +190,36 @@ static void origins(void **state) {
 
 static void tallies(void **state) {
     (void)state;
-    struct tally tally = {0};
-    assert_true(tally_enter(&tally, "a", 2));
-    assert_true(tally_enter(&tally, "a", 2));
-    assert_false(tally_enter(&tally, "a", 2));
-    assert_true(tally_enter(&tally, "b", 2));
-    tally_leave(&tally, "a");
-    assert_true(tally_enter(&tally, "a", 2));
+    struct quota quota = {0};
+    assert_true(quota_enter(&quota, "a", 2));
+    assert_true(quota_enter(&quota, "a", 2));
+    assert_false(quota_enter(&quota, "a", 2));
+    assert_true(quota_enter(&quota, "b", 2));
+    quota_leave(&quota, "a");
+    assert_true(quota_enter(&quota, "a", 2));
     for (int i = 0; i < 3; i++)
-        assert_true(tally_ask(&tally, "a", 3, 59000));
-    assert_false(tally_ask(&tally, "a", 3, 59999));
-    assert_true(tally_ask(&tally, "b", 3, 59999));
-    assert_true(tally_ask(&tally, "a", 3, 60000));
-    tally_leave(&tally, "nobody");
-    tally_leave(&tally, "a");
-    tally_leave(&tally, "a");
-    assert_int_equal(tally_open(&tally, "a"), 0);
-    assert_false(tally_ask(&tally, "a", 1, 60000)); /* what was asked counts all the same */
-    assert_true(tally_ask(&tally, "a", 2, 60000));
-    assert_true(tally_ask(&tally, "c", 1, 60000)); /* one that has nothing open */
-    assert_false(tally_ask(&tally, "c", 1, 61000));
-    assert_true(tally_ask(&tally, "c", 1, 120000));
-    assert_int_equal(tally.closed, 1); /* a is forgotten: that was another minute; b has something open */
+        assert_true(quota_ask(&quota, "a", 3, 59000));
+    assert_false(quota_ask(&quota, "a", 3, 59999));
+    assert_true(quota_ask(&quota, "b", 3, 59999));
+    assert_true(quota_ask(&quota, "a", 3, 60000));
+    quota_leave(&quota, "nobody");
+    quota_leave(&quota, "a");
+    quota_leave(&quota, "a");
+    assert_int_equal(quota_open(&quota, "a"), 0);
+    assert_false(quota_ask(&quota, "a", 1, 60000)); /* what was asked counts all the same */
+    assert_true(quota_ask(&quota, "a", 2, 60000));
+    assert_true(quota_ask(&quota, "c", 1, 60000)); /* one that has nothing open */
+    assert_false(quota_ask(&quota, "c", 1, 61000));
+    assert_true(quota_ask(&quota, "c", 1, 120000));
+    assert_int_equal(quota.closed, 1); /* a is forgotten: that was another minute; b has something open */
     for (int i = 0; i < 3 * TALLY_CLOSED_MOST; i++) {
         char key[24];
         snprintf(key, sizeof key, "x%d", i);
-        assert_true(tally_ask(&tally, key, 1, 120000));
-        assert_true(tally.closed <= TALLY_CLOSED_MOST + 1);
+        assert_true(quota_ask(&quota, key, 1, 120000));
+        assert_true(quota.closed <= TALLY_CLOSED_MOST + 1);
     }
-    assert_int_equal(tally_open(&tally, "b"), 1);
-    tally_free(&tally);
+    assert_int_equal(quota_open(&quota, "b"), 1);
+    quota_free(&quota);
 }
 
 int main(void) {

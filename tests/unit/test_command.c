@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The command plugin and the example plugin, as the daemon uses them. */
 #include "server/voice/faccia-voice.h"
-#include "tests/unit/pool_scene.h"
+#include "tests/unit/pool_fixture.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -18,7 +18,7 @@ static void command_follows_the_score(void **state) {
     (void)state;
     static const char config[] = "{\"command\": {\"voices\": [" VOICE(
         "raw", "\"raw\": 8000, \"feed\": true, \"argv\": [\"cat\"]") "]}}";
-    struct scene *s = OPEN(WITH(.config = config), "command");
+    struct media_segment *s = OPEN(WITH(.config = config), "command");
     score_add(s->score, SCORE_BREAK, 0, 1)->seconds = 0.5;
     struct score_item *item = scene_add(s, "uno due");
     item->start = 1, item->end = 8;
@@ -40,7 +40,7 @@ static void command_follows_the_score(void **state) {
 
 static void the_example_speaks(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(0), "example");
+    struct media_segment *s = OPEN(WITH(0), "example");
     const struct result *r = scene_speak(s, "hum", "Uno, due tre!");
     scene_run(s);
     assert_false(r->failed);

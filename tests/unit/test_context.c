@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The tables and examples of P. D. P. Costa's thesis (UNICAMP 2009) against models/speech/visemes/pt.json. */
-#include "server/face/context_table.h"
-#include "server/face/engine.h"
-#include "server/face/morph.h"
+#include "server/face/engines/engine.h"
+#include "server/face/engines/morph.h"
+#include "server/face/packs/context_table.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -266,16 +266,16 @@ static void reaches_its_keys_in_the_middle_of_phones(void **state) {
                 {NULL, "rest", 0.8, 1}};
     const struct speech_pack *pack = *state;
     const struct context_table *table = pack->visemes;
-    struct gesture items[sizeof rows / sizeof *rows];
+    struct phone_segment items[sizeof rows / sizeof *rows];
     size_t count = sizeof rows / sizeof *rows;
     for (size_t i = 0; i < count; i++) {
         const char *ipa = rows[i].ipa;
-        items[i] = (struct gesture){.phone = ipa ? speech_pack_phone(pack, ipa, strlen(ipa)) : NULL,
-                                    .start = rows[i].start,
-                                    .end = i + 1 < count ? rows[i + 1].start : 1.2};
+        items[i] = (struct phone_segment){.phone = ipa ? speech_pack_phone(pack, ipa, strlen(ipa)) : NULL,
+                                          .start = rows[i].start,
+                                          .end = i + 1 < count ? rows[i + 1].start : 1.2};
         assert_true(!ipa || items[i].phone);
     }
-    struct gestures g = {items, count, count, 1.2};
+    struct phone_segments g = {items, count, count, 1.2};
     struct face_layer layer = engine_context.layer(pack, NULL, &g);
     const double *last = NULL;
     double last_at = 0;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The expected numbers are printed by dominance_reference.py, which knows the formulas alone. */
-#include "server/face/dominance.h"
+#include "server/face/engines/dominance.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What every engine has to keep to, each in a language that it speaks. */
-#include "server/face/engine.h"
+#include "server/face/engines/engine.h"
 #include "tests/unit/utter.h"
 #include <math.h>
 #include <setjmp.h>
@@ -34,7 +34,7 @@ static int unload(void **state) {
     return 0;
 }
 
-static struct face_track *track_by(void **state, size_t engine, const struct utterance *u) {
+static struct face_track *track_by(void **state, size_t engine, const struct sentence_audio *u) {
     struct face_options options = {.still = true, .engine = face_engines()[engine]};
     assert_true(face_engine_speaks(options.engine, ((struct speech_pack **)*state)[engine]));
     return face_track_new(((struct speech_pack **)*state)[engine], u, &options, NULL, NULL);
@@ -53,7 +53,7 @@ static void check_bounds(const struct fap_frame *f) {
 static void keep_the_mouth_whole(void **state) {
     for (size_t e = 0; e < ENGINES; e++) {
         for (double stretch = 0.3; stretch < 2.2; stretch += 0.3) {
-            struct utterance *u = utter(speech, stretch);
+            struct sentence_audio *u = utter(speech, stretch);
             struct face_track *track = track_by(state, e, u);
             double end = (double)u->samples / UTTER_RATE;
             struct fap_frame f;
@@ -83,7 +83,7 @@ static void close_at_every_rate(void **state) {
         const char *name = face_engines()[e];
         assert_int_equal(engine_find(name)->contacts, strcmp(name, "cohen-massaro") != 0);
         for (double wpm = 80; wpm <= 400 && engine_find(name)->contacts; wpm += 40) {
-            struct utterance *u = utter(speech, 160 / wpm);
+            struct sentence_audio *u = utter(speech, 160 / wpm);
             struct face_track *track = track_by(state, e, u);
             for (size_t i = 0; i < u->phone_count; i++) {
                 const struct phone *p = &u->phones[i];
@@ -102,7 +102,7 @@ static void close_at_every_rate(void **state) {
 
 static void sample_in_any_order(void **state) {
     for (size_t e = 0; e < ENGINES; e++) {
-        struct utterance *u = utter(speech, 1);
+        struct sentence_audio *u = utter(speech, 1);
         struct face_track *a = track_by(state, e, u), *b = track_by(state, e, u);
         struct fap_frame x, y;
         uint32_t random = 1;
@@ -135,7 +135,7 @@ static void bear_odd_utterances(void **state) {
                                       "ɯ.100 ʘ.080 §.050 ð.100"};
     for (size_t e = 0; e < ENGINES; e++) {
         for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
-            struct utterance *u = utter(odd[i], 1);
+            struct sentence_audio *u = utter(odd[i], 1);
             struct face_track *track = track_by(state, e, u);
             for (double t = -0.1; t < 0.6; t += 0.003) {
                 struct fap_frame f;
@@ -145,7 +145,7 @@ static void bear_odd_utterances(void **state) {
             face_track_free(track);
             done(u);
         }
-        struct utterance nothing = {0};
+        struct sentence_audio nothing = {0};
         struct fap_frame f;
         struct face_track *track = track_by(state, e, &nothing);
         face_track_sample(track, 0, &f);
@@ -157,7 +157,7 @@ static void bear_odd_utterances(void **state) {
 /* No jump from one frame of 100 a second to the next, but for the lips of a contact. */
 static void move_without_jumps(void **state) {
     for (size_t e = 0; e < ENGINES; e++) {
-        struct utterance *u = utter(speech, 1);
+        struct sentence_audio *u = utter(speech, 1);
         struct face_track *track = track_by(state, e, u);
         struct fap_frame before, now;
         face_track_sample(track, 0, &before);
@@ -177,7 +177,7 @@ static void move_without_jumps(void **state) {
 /* An engine that does not speak the language gives way to the default one. */
 static void stand_in_for_each_other(void **state) {
     struct speech_pack *it = ((struct speech_pack **)*state)[0];
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct face_options options = {.still = true, .engine = "syllable"};
     struct face_track *a = face_track_new(it, u, &options, NULL, NULL), *b = track_by(state, 0, u);
     for (double t = 0; t < 2; t += 0.05) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A plugin tries to get out of its worker (tests/plugins/escape.c): this process is its daemon. */
-#include "tests/unit/pool_scene.h"
+#include "tests/unit/pool_fixture.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -122,7 +122,7 @@ static void try_to_escape(const char *plugin, const char *config, const char *co
 #endif
     struct stat info;
     int priority = getpriority(PRIO_PROCESS, 0);
-    struct scene *s = OPEN(WITH(.config = config), plugin);
+    struct media_segment *s = OPEN(WITH(.config = config), plugin);
     for (size_t i = 0; i < ATTEMPTS; i++)
         scene_speak(s, "plain", attempts[i]);
     scene_run(s);
@@ -171,7 +171,7 @@ static void what_its_configuration_names(void **state) {
 static void a_table_that_changes_is_refused(void **state) {
     (void)state;
     size_t count;
-    struct scene *s = OPEN(WITH(0), "liar", "puppet");
+    struct media_segment *s = OPEN(WITH(0), "liar", "puppet");
     voice_pool_voices(s->pool, &count);
     assert_int_equal(count, 2);
     scene_shut(s);

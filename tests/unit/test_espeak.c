@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The espeak-ng plugin, as the daemon uses it. */
 #include "server/base/mem.h"
-#include "tests/unit/pool_scene.h"
+#include "tests/unit/pool_fixture.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -38,7 +38,7 @@ static void check_text(const struct result *r, const char *text, const char *con
 
 static void espeak_speaks_italian(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     const struct result *mamma = scene_speak(s, "it", "La mamma parla."),
                         *friend = scene_speak(s, "it", "«L'amica», perché…"),
                         *female = scene_speak(s, "espeak:it+f2", "La mamma parla.");
@@ -53,7 +53,7 @@ static void espeak_speaks_italian(void **state) {
     scene_shut(s);
 }
 
-static double loudest(const struct utterance *u, uint32_t from, uint32_t to) {
+static double loudest(const struct sentence_audio *u, uint32_t from, uint32_t to) {
     int most = 0;
     for (uint32_t i = from; i < to; i++)
         most = abs(u->pcm[i]) > most ? abs(u->pcm[i]) : most;
@@ -66,7 +66,7 @@ static void espeak_gives_closures_to_stops(void **state) {
     (void)state;
     static const char text[] = "La pappa, tutto il pacco. Capo";
     unsigned stops = 0;
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     const struct result *r = scene_speak(s, "it", text);
     scene_run(s);
     assert_false(r->failed);
@@ -92,7 +92,7 @@ static void espeak_gives_closures_to_stops(void **state) {
 /* A variant with an echo, which sounds on in its closures, has them where the plain voice has them. */
 static void espeak_hears_closures_through_an_echo(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     const struct result *plain = scene_speak(s, "it", "La pappa, tutto il pacco: topo e capo.");
     const struct result *echo = scene_speak(s, "it+f2", "La pappa, tutto il pacco: topo e capo.");
     unsigned stops = 0;
@@ -116,7 +116,7 @@ static void espeak_follows_the_score(void **state) {
         slow = {.rate = 0.6, .pitch = 1.3, .range = 1, .volume = 1},
         spell = {.rate = 1, .pitch = 1, .range = 1, .volume = 1, .say_as = "characters"},
         strange = {.rate = 1, .pitch = 1, .range = 1, .volume = 1, .say_as = "moonwise"};
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     scene_add(s, "Uno <due> & ")->end = 12;
     struct score_item *item = score_add(s->score, SCORE_MARK, 12, 13);
     item->text = "qui & \"là\"";
@@ -160,7 +160,7 @@ static void espeak_follows_the_score(void **state) {
 
 static void espeak_keeps_the_rate_in_its_bounds(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     scene_add(s, "una frase di prova");
     const struct result *fast = scene_speak_items(s, "it", 300);
     scene_add(s, "una frase di prova");
@@ -178,7 +178,7 @@ static void espeak_keeps_the_rate_in_its_bounds(void **state) {
 
 static void espeak_stops_when_cancelled(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     char *text = mem_alloc(90001);
     for (int i = 0; i < 90000; i += 9)
         memcpy(text + i, "parlare, ", 9);
@@ -190,7 +190,7 @@ static void espeak_stops_when_cancelled(void **state) {
     uv_run(&s->loop, UV_RUN_DEFAULT);
     assert_int_equal(s->results[1].order, 1);
     assert_int_equal(s->results[1].u->word_count, 1);
-    utterance_free(s->results[1].u);
+    sentence_audio_free(s->results[1].u);
     s->count = 0;
     free(text);
     scene_shut(s);
@@ -211,13 +211,13 @@ static void espeak_names_every_phone(void **state) {
         {"en-gb",
          "Poor boys hear the winding moor, near fair cows; measure, breathe, singing, hurry, button."},
     };
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     enum { COUNT = sizeof texts / sizeof *texts };
     for (size_t i = 0; i < COUNT; i++)
         scene_speak(s, texts[i][0], texts[i][1]);
     scene_run(s);
     for (size_t i = 0; i < COUNT; i++) {
-        const struct utterance *u = s->results[i].u;
+        const struct sentence_audio *u = s->results[i].u;
         assert_non_null(u);
         check_whole(u, texts[i][1]);
         assert_int_equal(u->warning_count, 0);

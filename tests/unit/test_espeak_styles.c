@@ -2,7 +2,7 @@
 /* What the styles of a score do to espeak-ng's speech, heard in its samples: emphasis, pitch, range, rate,
  * volume, given phones. */
 #include "server/base/mem.h"
-#include "tests/unit/pool_scene.h"
+#include "tests/unit/pool_fixture.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -15,7 +15,7 @@
 static const struct score_style plain = {.rate = 1, .pitch = 1, .range = 1, .volume = 1};
 
 /* Text behind the text before. */
-static struct score_item *add(struct scene *s, const char *text) {
+static struct score_item *add(struct media_segment *s, const char *text) {
     size_t at = s->score->item_count ? s->score->items[s->score->item_count - 1].end : 0;
     struct score_item *item = scene_add(s, text);
     item->start = at;
@@ -24,7 +24,7 @@ static struct score_item *add(struct scene *s, const char *text) {
 }
 
 /* The sentence word by word; word `which` has the style. */
-static const struct result *speak(struct scene *s, const struct score_style *style, size_t which) {
+static const struct result *speak(struct media_segment *s, const struct score_style *style, size_t which) {
     static const char *const words[] = {"La ", "mia ", "mela ", "rimane ", "là."};
     for (size_t i = 0; i < 5; i++)
         add(s, words[i])->style = i == which ? style : &plain;
@@ -32,7 +32,7 @@ static const struct result *speak(struct scene *s, const struct score_style *sty
 }
 
 /* Fundamental frequency at a place: the lag of the best correlation. */
-static double f0_at(const struct utterance *u, uint32_t at) {
+static double f0_at(const struct sentence_audio *u, uint32_t at) {
     uint32_t window = u->sample_rate / 25, best_lag = 0;
     double best = 0;
     for (uint32_t lag = u->sample_rate / 500; lag < u->sample_rate / 70; lag++) {
@@ -54,7 +54,7 @@ struct heard {
     double seconds, loudness, low, mean, high; /* of F0, Hz */
 };
 
-static struct heard hear(const struct utterance *u, size_t word) {
+static struct heard hear(const struct sentence_audio *u, size_t word) {
     struct heard h = {.low = 1e9};
     double sum = 0, f0 = 0;
     unsigned count = 0;
@@ -87,7 +87,7 @@ static void each_style_is_heard(void **state) {
     fast.rate = 1.6, slow.rate = 0.6, loud.volume = 2, soft.volume = 0.4;
     const struct score_style *const styles[] = {&plain, &strong, &reduced, &high, &low,
                                                 &flat,  &fast,   &slow,    &loud, &soft};
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     for (size_t i = 0; i < 10; i++)
         speak(s, styles[i], 3);
     scene_run(s);
@@ -112,7 +112,7 @@ static void each_style_is_heard(void **state) {
 /* Each word may have a style of its own, and the sentence flows on. */
 static void many_styles_make_no_pauses(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     struct score_style styles[5];
     speak(s, &plain, 0);
     for (size_t i = 0; i < 5; i++) {
@@ -125,7 +125,7 @@ static void many_styles_make_no_pauses(void **state) {
         add(s, words[i])->style = &styles[i];
     scene_speak_items(s, "it+f2", 0);
     scene_run(s);
-    const struct utterance *a = s->results[0].u, *b = s->results[1].u;
+    const struct sentence_audio *a = s->results[0].u, *b = s->results[1].u;
     assert_int_equal(b->word_count, 5);
     for (size_t i = 0; i < 5; i++)
         assert_string_equal(a->words[i].text, b->words[i].text);
@@ -143,7 +143,7 @@ static void many_styles_make_no_pauses(void **state) {
     scene_shut(s);
 }
 
-static const char *phones_of(const struct utterance *u, const struct word *w) {
+static const char *phones_of(const struct sentence_audio *u, const struct word *w) {
     static char out[200];
     *out = '\0';
     for (size_t i = 0; i < u->phone_count; i++) {
@@ -169,7 +169,7 @@ static void given_phones_are_spoken(void **state) {
         {"pt-br", "gato", "ˈpɐ̃w", "p'ɐ̃w", 1, 0},           {"tr", "kedi", "ɟyˈzel", "ɟyz'el", 1, 0},
     };
     enum { COUNT = sizeof cases / sizeof *cases };
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     struct score_style styles[COUNT];
     for (size_t i = 0; i < COUNT; i++) {
         styles[i] = plain;
@@ -182,7 +182,7 @@ static void given_phones_are_spoken(void **state) {
     scene_speak(s, "it", "[[kaza]] gatto");
     scene_run(s);
     for (size_t i = 0; i < COUNT; i++) {
-        const struct utterance *u = s->results[i].u;
+        const struct sentence_audio *u = s->results[i].u;
         assert_non_null(u);
         assert_string_equal(phones_of(u, &u->words[1]), cases[i].spoken);
         assert_int_equal(u->warning_count, cases[i].warnings);
@@ -200,7 +200,7 @@ static void given_phones_are_spoken(void **state) {
 static void extremes_are_bounded(void **state) {
     (void)state;
     static const double factors[] = {0, 1e-9, 0.01, 100, 1e9};
-    struct scene *s = OPEN(WITH(0), "espeak");
+    struct media_segment *s = OPEN(WITH(0), "espeak");
     struct score_style styles[5];
     for (size_t i = 0; i < 5; i++) {
         styles[i] = (struct score_style){

@@ -3,7 +3,7 @@
 #include "server/base/mem.h"
 #include "server/eval/eval.h"
 #include "server/eval/plot.h"
-#include "server/face/contact.h"
+#include "server/face/engines/contact.h"
 #include "server/face/track.h"
 #include <math.h>
 #include <setjmp.h>
@@ -68,8 +68,8 @@ static void pose(void *self, double t, struct fap_frame *frame) {
 
 /* Phones as "p.080 a.120 _.300": name and duration in ms. Every run of phones between pauses is a word "w".
  */
-static struct utterance *utter(const char *text) {
-    struct utterance *u = mem_alloc(sizeof *u);
+static struct sentence_audio *utter(const char *text) {
+    struct sentence_audio *u = mem_alloc(sizeof *u);
     char *copy = mem_strdup(text), *save;
     bool in_word = false;
     u->sample_rate = RATE;
@@ -94,14 +94,14 @@ static struct utterance *utter(const char *text) {
     return u;
 }
 
-static void done(struct utterance *u) {
+static void done(struct sentence_audio *u) {
     free(u->phones);
     free(u->words);
     free(u);
 }
 
 static void measure(const char *text, const struct puppet *puppet, double fps, double values[EVAL_MEASURES]) {
-    struct utterance *u = utter(text);
+    struct sentence_audio *u = utter(text);
     struct eval e = {0};
     struct eval_input in = {puppet->pack, u, "w", {pose, (void *)puppet}, fps, 0};
     eval_add(&e, &in);
@@ -215,36 +215,36 @@ static void motion(void **state) {
 static void reader(void **state) {
     (void)state;
     static const char classes[3];
-    struct reader r = {0};
+    struct lip_reader r = {0};
     assert_int_equal(reader_run(&r).read, 0);
     for (int i = 0; i < 60; i++) {
-        struct reader_sample s = {.class = &classes[i % 3]};
+        struct lip_reader_sample s = {.class = &classes[i % 3]};
         s.features[7] = (float)(1000 * (i % 3)); /* tells the classes, */
         s.features[8] = (float)(i * 7 % 10);     /* this one does not */
-        reader_add(&r, i < 30 ? READER_LEARN : READER_READ, &s);
+        lip_reader_add(&r, i < 30 ? READER_LEARN : READER_READ, &s);
     }
-    struct reader_sample stranger = {.class = &r};
-    reader_add(&r, READER_READ, &stranger); /* of a class that was never learnt */
-    struct reader_result result = reader_run(&r);
+    struct lip_reader_sample stranger = {.class = &r};
+    lip_reader_add(&r, READER_READ, &stranger); /* of a class that was never learnt */
+    struct lip_reader_result result = reader_run(&r);
     assert_int_equal(result.read, 31);
     assert_int_equal(result.right, 30);
     assert_int_equal(result.usual, 10);
-    reader_free(&r);
+    lip_reader_free(&r);
 }
 
-static void reader_scales(void **state) {
+static void lip_reader_scales(void **state) {
     (void)state;
     /* unscaled, the large feature would hide the small one that tells the classes */
     static const char classes[2];
-    struct reader r = {0};
+    struct lip_reader r = {0};
     for (int i = 0; i < 80; i++) {
-        struct reader_sample s = {.class = &classes[i % 2]};
+        struct lip_reader_sample s = {.class = &classes[i % 2]};
         s.features[0] = (float)(i % 2);
         s.features[1] = (float)(1000 * sin(i));
-        reader_add(&r, i < 40 ? READER_LEARN : READER_READ, &s);
+        lip_reader_add(&r, i < 40 ? READER_LEARN : READER_READ, &s);
     }
     assert_int_equal(reader_run(&r).right, 40);
-    reader_free(&r);
+    lip_reader_free(&r);
 }
 
 static void halves(void **state) {
@@ -252,9 +252,9 @@ static void halves(void **state) {
     int count[READER_HALVES] = {0};
     char word[16];
     for (int i = 0; i < 1000; i++)
-        count[reader_half(word, (size_t)snprintf(word, sizeof word, "w%d", i))]++;
+        count[lip_reader_half(word, (size_t)snprintf(word, sizeof word, "w%d", i))]++;
     assert_in_range(count[0], 400, 600);
-    assert_int_equal(reader_half("Mamma", 5), reader_half("mamma", 5));
+    assert_int_equal(lip_reader_half("Mamma", 5), lip_reader_half("mamma", 5));
 }
 
 static void sample(void *track, double t, struct fap_frame *frame) {
@@ -262,7 +262,7 @@ static void sample(void *track, double t, struct fap_frame *frame) {
 }
 
 static void default_engine(void **state) {
-    struct utterance *u =
+    struct sentence_audio *u =
         utter("_.100 p.030 a.050 p.020 a.040 f.025 a.050 m.020 o.060 v.030 u.050 b.040 o.060 _.200");
     struct face_options options = {.still = true};
     struct face_track *track = face_track_new(*state, u, &options, NULL, NULL);
@@ -281,7 +281,7 @@ static void default_engine(void **state) {
 }
 
 static void picture(void **state) {
-    struct utterance *u = utter("_.100 p.080 a.150 p.080 a.140 _.300");
+    struct sentence_audio *u = utter("_.100 p.080 a.150 p.080 a.140 _.300");
     struct puppet p = {.pack = *state, .gap = open_5};
     struct eval_input in = {*state, u, "w", {pose, &p}, 25, 0};
     struct stretch_choice choice = {0};
@@ -317,7 +317,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(vowels, load, unload),
         cmocka_unit_test_setup_teardown(motion, load, unload),
         cmocka_unit_test(reader),
-        cmocka_unit_test(reader_scales),
+        cmocka_unit_test(lip_reader_scales),
         cmocka_unit_test(halves),
         cmocka_unit_test_setup_teardown(default_engine, load, unload),
         cmocka_unit_test_setup_teardown(picture, load, unload),

@@ -2,8 +2,8 @@
 /* Expressions on a speaking face. */
 #include "server/base/mem.h"
 #include "server/expression/recipe.h"
-#include "server/face/fapmap.h"
-#include "server/face/show.h"
+#include "server/face/engines/fapmap.h"
+#include "server/face/expression/cue_envelope.h"
 #include "server/face/track.h"
 #include "tests/unit/utter.h"
 #include <math.h>
@@ -63,7 +63,7 @@ static struct cue affect(const char *name, double from, double to) {
     return cue_of("affect", name, from, to);
 }
 
-static struct face_track *track_of(struct utterance *u, struct cue *cues, size_t count,
+static struct face_track *track_of(struct sentence_audio *u, struct cue *cues, size_t count,
                                    const struct face_options *options) {
     u->cues = cues;
     u->cue_count = count;
@@ -79,7 +79,7 @@ static struct fap_frame at(struct face_track *track, double t) {
     return f;
 }
 
-static double length_of(const struct utterance *u) {
+static double length_of(const struct sentence_audio *u) {
     return (double)u->samples / RATE;
 }
 
@@ -106,7 +106,7 @@ static bool is_one_of(const struct phone *p, const char *letters) {
 }
 
 /* Closures hold from their beginning to the release, and the lower lip meets the teeth. */
-static void check_contacts(struct face_track *track, const struct utterance *u, const char *what) {
+static void check_contacts(struct face_track *track, const struct sentence_audio *u, const char *what) {
     for (size_t i = 0; i < u->phone_count; i++) {
         const struct phone *p = &u->phones[i];
         double start = (double)p->start / RATE, length = (double)(p->end - p->start) / RATE;
@@ -129,7 +129,7 @@ static void every_expression_leaves_contacts(void **state) {
     static const double stretches[] = {2, 1, 0.6, 0.36};
     (void)state;
     for (size_t s = 0; s < sizeof stretches / sizeof *stretches; s++) {
-        struct utterance *u = utter(speech, stretches[s]);
+        struct sentence_audio *u = utter(speech, stretches[s]);
         for (size_t r = 0; r < 2; r++) {
             for (size_t i = 0; i < expressions_count(data.all); i++) {
                 const struct expression *x = expressions_at(data.all, i);
@@ -146,7 +146,7 @@ static void every_expression_leaves_contacts(void **state) {
 }
 
 static void moods_leave_contacts(void **state) {
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     (void)state;
     for (size_t r = 0; r < 2; r++) {
         struct mood *mood = mood_new(data.all);
@@ -174,7 +174,7 @@ static bool is_mouth(int n) {
 }
 
 static void expressions_are_continuous(void **state) {
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     const double step = 0.01;
     (void)state;
     for (size_t r = 0; r < 2; r++) {
@@ -209,8 +209,8 @@ static void expressions_are_continuous(void **state) {
                 struct fap_frame f = at(track, t), g = at(plain, t);
                 for (int n = 3; n <= FAP_COUNT; n++) {
                     double now = f.value[n] - g.value[n];
-                    /* rise and fall of 1.5 / SHOW_FASTEST a second, of two cues that may meet */
-                    double bound = 1.25 * 2 * biggest[n] * 1.5 / SHOW_FASTEST * step + 4;
+                    /* rise and fall of 1.5 / CUE_FASTEST a second, of two cues that may meet */
+                    double bound = 1.25 * 2 * biggest[n] * 1.5 / CUE_FASTEST * step + 4;
                     if (is_mouth(n))
                         bound = 100 + bound;
                     if (fabs(now - before[n]) > bound)
@@ -228,8 +228,8 @@ static void expressions_are_continuous(void **state) {
 
 /* A sentence's last face is the next one's first, whatever goes on and whatever ends. */
 static void sentences_join(void **state) {
-    struct utterance *first = utter("_.100 m.080 'a.120 n.060 o.120 _.250", 1),
-                     *second = utter("'a.120 m.080 o.100 r.050 e.140 _.060", 1);
+    struct sentence_audio *first = utter("_.100 m.080 'a.120 n.060 o.120 _.250", 1),
+                          *second = utter("'a.120 m.080 o.100 r.050 e.140 _.060", 1);
     (void)state;
     for (size_t r = 0; r < 2; r++) {
         for (size_t i = 0; i < expressions_count(data.all); i++) {
@@ -279,7 +279,7 @@ static void nothing_is_left_at_the_end(void **state) {
     static const char *const texts[] = {"'a.120 m.080 o.100", "a.060 m.050", "_.200 'a.200 _.500"};
     (void)state;
     for (size_t k = 0; k < 3; k++) {
-        struct utterance *u = utter(texts[k], 1);
+        struct sentence_audio *u = utter(texts[k], 1);
         for (size_t i = 0; i < expressions_count(data.all); i++) {
             const struct expression *x = expressions_at(data.all, i);
             struct face_options options = with(BLEND_REGIONS);
@@ -302,7 +302,7 @@ static void nothing_is_left_at_the_end(void **state) {
 
 /* Delta O = (1 - omega) Delta lips + omega rho Delta emotion; 0.8 and 0.6 of them by default. */
 static void the_weighted_rule_is_the_published_one(void **state) {
-    struct utterance *u = utter("_.300 k.080 'a.200 k.080 'e.200 _.300", 1);
+    struct sentence_audio *u = utter("_.300 k.080 'a.200 k.080 'e.200 _.300", 1);
     struct face_options options = with(BLEND_WEIGHTED);
     (void)state;
     for (int k = 0; k < 2; k++) {
@@ -328,7 +328,7 @@ static void the_weighted_rule_is_the_published_one(void **state) {
 }
 
 static void words_cross_fade_in_one_transition(void **state) {
-    struct utterance *u = utter("_.300 k.100 'a.200 k.200 'e.200 _.300", 1);
+    struct sentence_audio *u = utter("_.300 k.100 'a.200 k.200 'e.200 _.300", 1);
     struct face_options options = with(BLEND_WEIGHTED);
     struct cue cues[] = {affect("sadness", 0.3, 0.6), affect("anger", 0.6, 1)};
     (void)state;
@@ -350,7 +350,7 @@ static void words_cross_fade_in_one_transition(void **state) {
 
 /* Regions: the mouth keeps what lip readers need. */
 static void lips_stay_readable(void **state) {
-    struct utterance *u =
+    struct sentence_audio *u =
         utter("_.200 k.080 'a.160 k.080 'u.160 k.080 'i.160 k.080 'a.160 _.300 'a.120 k.080 'u.160 _.300", 1);
     (void)state;
     for (size_t i = 0; i < expressions_count(data.all); i++) {
@@ -395,7 +395,7 @@ static void no_recipe_can_spoil_the_lips(void **state) {
     struct expressions *own = expressions_load(path, &e);
     unlink(path);
     assert_non_null(own);
-    struct utterance *u =
+    struct sentence_audio *u =
         utter("_.200 k.080 'a.160 k.080 'u.160 k.080 'i.160 f.080 'a.160 m.080 a.100 _.300", 1);
     for (int i = 0; i < 2; i++) {
         struct face_options options = with(BLEND_REGIONS);
@@ -420,7 +420,7 @@ static void no_recipe_can_spoil_the_lips(void **state) {
 
 /* While nobody needs the mouth it shows the whole expression. */
 static void pauses_show_it_all(void **state) {
-    struct utterance *u = utter("_.200 k.080 'a.160 _.2000 k.080 'a.160 _.300", 1);
+    struct sentence_audio *u = utter("_.200 k.080 'a.160 _.2000 k.080 'a.160 _.300", 1);
     struct face_options options = with(BLEND_REGIONS);
     (void)state;
     struct cue cue = affect("joy", 0, length_of(u));
@@ -436,7 +436,7 @@ static void pauses_show_it_all(void **state) {
 }
 
 static void inner_emotions_replace_outer_ones(void **state) {
-    struct utterance *u = utter("_.200 k.080 'a.260 k.080 'u.160 k.080 'i.660 k.080 'a.660 _.300", 1);
+    struct sentence_audio *u = utter("_.200 k.080 'a.260 k.080 'u.160 k.080 'i.660 k.080 'a.660 _.300", 1);
     struct face_options options = with(BLEND_REGIONS);
     struct cue cues[] = {affect("joy", 0, length_of(u)), affect("sad", 0.7, 1.4)};
     (void)state;
@@ -453,7 +453,7 @@ static void inner_emotions_replace_outer_ones(void **state) {
 
 /* "complex:joy_sadness" is two cues over the same words. */
 static void emotions_of_the_same_words_mix(void **state) {
-    struct utterance *u = utter("_.200 k.080 'a.260 k.080 'u.160 k.080 'i.660 k.080 'a.660 _.300", 1);
+    struct sentence_audio *u = utter("_.200 k.080 'a.260 k.080 'u.160 k.080 'i.660 k.080 'a.660 _.300", 1);
     (void)state;
     for (size_t r = 0; r < 2; r++) {
         struct face_options options = with(rules[r]);
@@ -478,7 +478,7 @@ static void emotions_of_the_same_words_mix(void **state) {
 }
 
 static void same_input_same_face(void **state) {
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     (void)state;
     for (size_t r = 0; r < 2; r++) {
         struct face_options options = with(rules[r]);
@@ -505,7 +505,7 @@ static void same_input_same_face(void **state) {
 }
 
 static void still_faces_express_nothing(void **state) {
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct face_options options = with(BLEND_REGIONS);
     (void)state;
     options.still = true;
@@ -522,7 +522,7 @@ static void still_faces_express_nothing(void **state) {
 }
 
 static void bears_odd_cues(void **state) {
-    struct utterance *u = utter("a.100 m.080 a.100", 1);
+    struct sentence_audio *u = utter("a.100 m.080 a.100", 1);
     (void)state;
     for (size_t r = 0; r < 2; r++) {
         struct face_options options = with(rules[r]);
@@ -546,7 +546,7 @@ static void bears_odd_cues(void **state) {
             assert_true(f.value[4] + f.value[5] <= 16);
         }
         face_track_free(track);
-        struct utterance nothing = {.sample_rate = 0};
+        struct sentence_audio nothing = {.sample_rate = 0};
         face_track_free(track_of(&nothing, odd, 8, &options));
     }
     done(u);
@@ -575,7 +575,7 @@ static void idles_in_a_mood(void **state) {
     }
     assert_true(shut > 10 && wide > 3000);
     /* Speech begins where idling was. */
-    struct utterance *u = utter("_.200 m.080 'a.120 _.200", 1);
+    struct sentence_audio *u = utter("_.200 m.080 'a.120 _.200", 1);
     options.begin += 10;
     for (size_t r = 0; r < 2; r++) {
         options.blend = rules[r];
@@ -593,7 +593,7 @@ static void idles_in_a_mood(void **state) {
 }
 
 static void gestures_gesture(void **state) {
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct face_options options = with(BLEND_REGIONS);
     (void)state;
     struct cue cues[] = {cue_of("performative", "refuse", 0, length_of(u)),

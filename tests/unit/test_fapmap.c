@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/face/fapmap.h"
+#include "server/face/engines/fapmap.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Festival plugin, as the daemon uses it. */
 #include "server/base/mem.h"
-#include "tests/unit/pool_scene.h"
+#include "tests/unit/pool_fixture.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -12,8 +12,8 @@
 #include <cmocka.h>
 
 /* Without its engine the plugin has no voices, and there is nothing to be tested. */
-static struct scene *open_festival(void) {
-    struct scene *s = OPEN(WITH(0), "festival", "espeak");
+static struct media_segment *open_festival(void) {
+    struct media_segment *s = OPEN(WITH(0), "festival", "espeak");
     struct error e;
     if (voice_pool_find(s->pool, "festival:lp", NULL, NULL, &e))
         return s;
@@ -22,11 +22,11 @@ static struct scene *open_festival(void) {
     return NULL;
 }
 
-static double seconds(const struct utterance *u, uint32_t samples) {
+static double seconds(const struct sentence_audio *u, uint32_t samples) {
     return (double)samples / u->sample_rate;
 }
 
-static double loudest(const struct utterance *u, uint32_t from, uint32_t to) {
+static double loudest(const struct sentence_audio *u, uint32_t from, uint32_t to) {
     int most = 0;
     for (uint32_t i = from; i < to; i++)
         most = abs(u->pcm[i]) > most ? abs(u->pcm[i]) : most;
@@ -59,7 +59,7 @@ static void festival_follows_the_score(void **state) {
                  {"B", NULL, 0.8, NULL},         {"mamma ", &slow, 0, NULL},     {"mamma ", &soft, 0, NULL},
                  {"mamma ", &strong, 0, NULL},   {"UE ", &spell, 0, NULL},       {"fine.", &strange, 0, NULL},
                  {"M", NULL, 0, "fine"}};
-    struct scene *s = open_festival();
+    struct media_segment *s = open_festival();
     char text[128] = "";
     for (size_t i = 0; i < sizeof items / sizeof *items; i++) {
         size_t at = strlen(text);
@@ -105,7 +105,7 @@ static void festival_follows_the_score(void **state) {
 /* The same sentence sounds the same, and a voice's database is not made quieter by being used. */
 static void festival_repeats_itself(void **state) {
     (void)state;
-    struct scene *s = open_festival();
+    struct media_segment *s = open_festival();
     const struct result *once = scene_speak(s, "festival:lp", "La mamma parla piano."),
                         *other = scene_speak(s, "festival:pc", "La mamma parla piano."),
                         *again = scene_speak(s, "festival:lp", "La mamma parla piano.");
@@ -119,7 +119,7 @@ static void festival_repeats_itself(void **state) {
 
 static void festival_stops_when_cancelled(void **state) {
     (void)state;
-    struct scene *s = open_festival();
+    struct media_segment *s = open_festival();
     char *text = mem_alloc(90001);
     for (int i = 0; i < 90000; i += 9)
         memcpy(text + i, "parlare, ", 9);
@@ -131,7 +131,7 @@ static void festival_stops_when_cancelled(void **state) {
     uv_run(&s->loop, UV_RUN_DEFAULT);
     assert_int_equal(s->results[1].order, 1);
     assert_int_equal(s->results[1].u->word_count, 1);
-    utterance_free(s->results[1].u);
+    sentence_audio_free(s->results[1].u);
     s->count = 0;
     free(text);
     scene_shut(s);

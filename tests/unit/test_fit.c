@@ -78,10 +78,10 @@ static void change_speaker(struct speech_pack *pack, uint64_t seed) {
     }
 }
 
-static struct recording speak(const struct speech_pack *pack, const char *const *word, double speed,
-                              double noise, uint64_t *seed) {
+static struct measured_speech speak(const struct speech_pack *pack, const char *const *word, double speed,
+                                    double noise, uint64_t *seed) {
     static const double lengths[] = {0.4, 0.17, 0.12, 0.19, 0.42};
-    struct recording r = {.repetitions = 1};
+    struct measured_speech r = {.repetitions = 1};
     struct error e;
     double at = 0;
     for (int i = 0; i < 5; i++) {
@@ -89,14 +89,14 @@ static struct recording speak(const struct speech_pack *pack, const char *const 
         if (i > 0 && i < 4)
             snprintf(phone.ipa, sizeof phone.ipa, "%s", word[i - 1]);
         phone.end = at += lengths[i] / (i > 0 && i < 4 ? speed : 1);
-        assert_int_equal(recording_add(&r, &phone, &e), 0);
+        assert_int_equal(measured_speech_add(&r, &phone, &e), 0);
     }
     r.frame_count = (size_t)(at * RECORDING_FPS) + 1;
     r.times = mem_alloc(r.frame_count * sizeof *r.times);
     for (size_t n = 0; n < r.frame_count; n++)
         r.times[n] = (double)n / RECORDING_FPS;
-    struct gestures g;
-    recording_gestures(pack, &r, NULL, NULL, &g);
+    struct phone_segments g;
+    measured_speech_segments(pack, &r, NULL, NULL, &g);
     for (size_t i = 0; i < RECORDED; i++) {
         struct curve curve;
         struct curve_cursor cursor = {0};
@@ -107,39 +107,39 @@ static struct recording speak(const struct speech_pack *pack, const char *const 
             r.curves[p][n] = 12 + curve_at(&curve, r.times[n], &cursor) + noise * normal(seed);
         curve_free(&curve);
     }
-    gestures_free(&g);
-    assert_int_equal(recording_subtract_rest(&r, &pack->rest, &e), 0);
+    phone_segments_free(&g);
+    assert_int_equal(measured_speech_subtract_rest(&r, &pack->rest, &e), 0);
     return r;
 }
 
-static struct recording *record(const struct speech_pack *speaker, double noise, size_t *count) {
-    struct recording list[WORDS * REPETITIONS];
+static struct measured_speech *record(const struct speech_pack *speaker, double noise, size_t *count) {
+    struct measured_speech list[WORDS * REPETITIONS];
     uint64_t seed = 11;
     for (size_t w = 0; w < WORDS; w++)
         for (size_t k = 0; k < REPETITIONS; k++)
             list[w * REPETITIONS + k] = speak(speaker, words[w], speeds[k], noise, &seed);
-    struct recording *means = recordings_average(list, WORDS * REPETITIONS, count);
+    struct measured_speech *means = measured_speech_average_all(list, WORDS * REPETITIONS, count);
     for (size_t i = 0; i < WORDS * REPETITIONS; i++)
-        recording_free(&list[i]);
+        measured_speech_free(&list[i]);
     return means;
 }
 
 /* Mean of |true - fitted| over the recordings. */
-static double distance(const struct speech_pack *fitted, const struct recording *truth, size_t count,
+static double distance(const struct speech_pack *fitted, const struct measured_speech *truth, size_t count,
                        enum targets_function function, int p) {
     double sum = 0;
     size_t frames = 0;
     for (size_t i = 0; i < count; i++) {
-        struct gestures g;
+        struct phone_segments g;
         struct curve curve;
         struct curve_cursor cursor = {0};
-        recording_gestures(fitted, &truth[i], NULL, NULL, &g);
+        measured_speech_segments(fitted, &truth[i], NULL, NULL, &g);
         targets_curve(fitted, &g, function, p, &curve);
         for (size_t n = 0; n < truth[i].frame_count; n++)
             sum += fabs(curve_at(&curve, truth[i].times[n], &cursor) - truth[i].curves[p][n]);
         frames += truth[i].frame_count;
         curve_free(&curve);
-        gestures_free(&g);
+        phone_segments_free(&g);
     }
     return sum / (double)frames;
 }
@@ -149,7 +149,7 @@ static void finds_a_speaker(void **state) {
     struct speech_pack *speaker = load_italian(), *plain = load_italian(), *baseline = load_italian();
     change_speaker(speaker, 7);
     size_t count, clean_count;
-    struct recording *seen = record(speaker, NOISE, &count), *clean = record(speaker, 0, &clean_count);
+    struct measured_speech *seen = record(speaker, NOISE, &count), *clean = record(speaker, 0, &clean_count);
     assert_int_equal(count, WORDS * RATES);
     assert_int_equal(clean_count, WORDS * RATES);
     struct fit_options options = {.function = TARGETS_LOOK_AHEAD, .first = 10, .then = 20};
@@ -171,8 +171,8 @@ static void finds_a_speaker(void **state) {
     assert_false(fit.fitted[PARAM_EM]);
     fit_free(&fit);
     fit_free(&original);
-    recordings_free(seen, count);
-    recordings_free(clean, clean_count);
+    measured_speech_free_all(seen, count);
+    measured_speech_free_all(clean, clean_count);
     speech_pack_free(speaker);
     speech_pack_free(plain);
     speech_pack_free(baseline);
@@ -183,11 +183,11 @@ static void writes_a_pack(void **state) {
     (void)state;
     struct speech_pack *pack = load_italian(), *italian = load_italian();
     uint64_t seed = 3;
-    struct recording r = speak(pack, words[0], 1, NOISE, &seed);
+    struct measured_speech r = speak(pack, words[0], 1, NOISE, &seed);
     struct fit_options options = {.function = TARGETS_LOOK_AHEAD, .first = 3};
     struct fit fit;
     size_t count;
-    struct recording *mean = recordings_average(&r, 1, &count);
+    struct measured_speech *mean = measured_speech_average_all(&r, 1, &count);
     fit_run(pack, mean, count, &options, &fit);
     assert_int_equal(fit.entry_count, 3); /* a before p, p beside a, a before a pause */
     struct fit_names names = {"it-x-test", "prova", "it", "test_fit.c"};
@@ -224,8 +224,8 @@ static void writes_a_pack(void **state) {
     assert_ptr_equal(speech_pack_phone(back, "s", 1)->group, speech_pack_phone(back->base, "s", 1)->group);
     json_decref(json);
     fit_free(&fit);
-    recording_free(&r);
-    recordings_free(mean, count);
+    measured_speech_free(&r);
+    measured_speech_free_all(mean, count);
     speech_pack_free(back);
     speech_pack_free(pack);
     speech_pack_free(italian);
@@ -235,15 +235,15 @@ static void names_what_is_wrong(void **state) {
     (void)state;
     struct error e;
     struct speech_rest rest = {.reach = 0.1, .leave = 0.1};
-    struct recording r = {0};
+    struct measured_speech r = {0};
     struct recorded_phone a = {"a", 0.1, 0.3, 0}, early = {"p", 0.2, 0.4, 0}, none = {"p", 0.3, 0.3, 0};
-    assert_int_equal(recording_add(&r, &a, &e), 0);
-    assert_int_equal(recording_add(&r, &early, &e), -1);
+    assert_int_equal(measured_speech_add(&r, &a, &e), 0);
+    assert_int_equal(measured_speech_add(&r, &early, &e), -1);
     assert_string_equal(e.message, "phone 2: starts before the end of the one before it");
-    assert_int_equal(recording_add(&r, &none, &e), -1);
-    assert_int_equal(recording_subtract_rest(&r, &rest, &e), -1);
+    assert_int_equal(measured_speech_add(&r, &none, &e), -1);
+    assert_int_equal(measured_speech_subtract_rest(&r, &rest, &e), -1);
     assert_non_null(strstr(e.message, "begin and end with a pause"));
-    recording_free(&r);
+    measured_speech_free(&r);
 }
 
 int main(void) {

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How Kokoro's text is read, which needs espeak-ng but none of Kokoro's weights. */
-#include "server/plugins/kokoro/reader.h"
+#include "server/plugins/kokoro/kokoro_reader.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>

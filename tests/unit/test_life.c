@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/eval/life_statistics.h"
-#include "server/face/life.h"
-#include "server/face/life_prosody.h"
+#include "server/face/life/life.h"
+#include "server/face/life/life_prosody.h"
 #include "tests/unit/utter.h"
 #include <math.h>
 #include <setjmp.h>
@@ -17,7 +17,7 @@ enum { FPS = 100, EYE_YAW = 23, EYE_PITCH = 25, PITCH = 48, YAW = 49, ROLL = 50 
 
 #define DEGREE 1745.33
 
-static struct face_layer alive(uint64_t seed, double strength, double begin, const struct utterance *u) {
+static struct face_layer alive(uint64_t seed, double strength, double begin, const struct sentence_audio *u) {
     struct face_options options = {.life = strength, .seed = seed, .begin = begin};
     return life_layer(&options, u, (struct life_influence){0});
 }
@@ -50,7 +50,7 @@ static void watch(struct life_statistics *s, const struct face_layer *layer, dou
 }
 
 /* A voice: harmonics of a pitch that rises in stressed phones, and by so many semitones in the last one. */
-static void give_voice(struct utterance *u, double hz, double rise) {
+static void give_voice(struct sentence_audio *u, double hz, double rise) {
     u->pcm = mem_alloc(u->samples * sizeof *u->pcm);
     double phase = 0;
     for (size_t i = 0; i < u->phone_count; i++) {
@@ -66,7 +66,7 @@ static void give_voice(struct utterance *u, double hz, double rise) {
     }
 }
 
-static void quiet(struct utterance *u) {
+static void quiet(struct sentence_audio *u) {
     free(u->pcm);
     done(u);
 }
@@ -127,7 +127,7 @@ static void speaks_as_people_do(void **state) {
     double begin = 0;
     size_t at_ends = 0, ends = 0;
     for (int i = 0; begin < 300; i++) {
-        struct utterance *u = utter(speech, 0.9 + 0.05 * (i % 7));
+        struct sentence_audio *u = utter(speech, 0.9 + 0.05 * (i % 7));
         double length = (double)u->samples / u->sample_rate;
         give_voice(u, 200, 0);
         struct face_layer layer = alive(3, 1, begin, u);
@@ -166,7 +166,7 @@ static void speaks_as_people_do(void **state) {
 
 static void repeats_itself_in_any_order(void **state) {
     (void)state;
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct face_layer a = alive(7, 1, 30, u), b = alive(7, 1, 30, u), other = alive(8, 1, 30, u);
     double length = (double)u->samples / u->sample_rate, x[FAP_COUNT + 1], y[FAP_COUNT + 1], *forwards;
     int count = (int)((length + 20) * 25), different = 0;
@@ -196,7 +196,7 @@ static void joins_without_a_step(void **state) {
                                         "_.400 'a.100 m.100 b.100 'o.900 n.200 'i.200 n.300 o.300 'a.500"};
     for (uint64_t seed = 0; seed < 40; seed++)
         for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
-            struct utterance *u = utter(texts[i], 1), *v = utter(texts[(i + 2) % 5], 1.2);
+            struct sentence_audio *u = utter(texts[i], 1), *v = utter(texts[(i + 2) % 5], 1.2);
             give_voice(u, 180, 4);
             double begin = 3.3 + 7.7 * (double)seed, length = (double)u->samples / u->sample_rate;
             double after = begin + length + (double)v->samples / v->sample_rate;
@@ -249,7 +249,7 @@ static void leaves_the_lips_to_speech(void **state) {
     (void)state;
     double parted = 0, corners = 0;
     for (uint64_t seed = 0; seed < 10; seed++) {
-        struct utterance *u = utter(speech, 1.5);
+        struct sentence_audio *u = utter(speech, 1.5);
         struct face_layer layer = alive(seed, 2, 100, u);
         double faps[FAP_COUNT + 1];
         for (size_t i = 0; i < u->phone_count; i++)
@@ -277,7 +277,7 @@ static void leaves_the_lips_to_speech(void **state) {
 
 static void has_no_life_at_strength_zero(void **state) {
     (void)state;
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct face_layer layer = alive(3, 0, 10, u);
     double faps[FAP_COUNT + 1];
     for (int k = 0; k < 1000; k++) {
@@ -291,7 +291,7 @@ static void has_no_life_at_strength_zero(void **state) {
 
 static void scales_with_its_strength(void **state) {
     (void)state;
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct face_layer weak = alive(3, 0.25, 10, u), full = alive(3, 1, 10, u), strong = alive(3, 2, 10, u);
     struct life_statistics often, seldom;
     double a[FAP_COUNT + 1], b[FAP_COUNT + 1], c[FAP_COUNT + 1];
@@ -422,7 +422,7 @@ static void bears_odd_utterances(void **state) {
                                       "_.200 'a.900 _.200 'a.030 _.200 'o.9000"};
     for (size_t i = 0; i < sizeof odd / sizeof *odd; i++)
         for (int voiced = 0; voiced < 2; voiced++) {
-            struct utterance *u = utter(odd[i], 1);
+            struct sentence_audio *u = utter(odd[i], 1);
             if (voiced)
                 give_voice(u, 500, -30);
             struct face_layer layer = alive(i, 1, 2, u);
@@ -440,7 +440,7 @@ static void bears_odd_utterances(void **state) {
 static void hears_pitch(void **state) {
     (void)state;
     for (double hz = 80; hz < 400; hz *= 1.13) {
-        struct utterance *u = utter("a.300", 1);
+        struct sentence_audio *u = utter("a.300", 1);
         give_voice(u, hz, 0);
         double heard = prosody_pitch(u, u->samples / 2);
         assert_true(fabs(heard / hz - 1) < 0.03);
@@ -454,7 +454,7 @@ static void hears_pitch(void **state) {
 
 static void hears_phrases_accents_and_questions(void **state) {
     (void)state;
-    struct utterance *u = utter(speech, 1), *asked = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1), *asked = utter(speech, 1);
     give_voice(u, 200, -2);
     give_voice(asked, 200, 4);
     struct prosody p, q;
@@ -490,7 +490,8 @@ static void nods_with_accents(void **state) {
     (void)state;
     double with = 0, without = 0;
     for (uint64_t seed = 0; seed < 20; seed++) {
-        struct utterance *u = utter("_.100 m.080 a.100 'a.160 m.080 a.100 n.070 o.300 n.070 a.500 _.300", 1);
+        struct sentence_audio *u =
+            utter("_.100 m.080 a.100 'a.160 m.080 a.100 n.070 o.300 n.070 a.500 _.300", 1);
         give_voice(u, 200, 0);
         struct face_layer layer = alive(seed, 1, 40, u), idle = alive(seed, 1, 40, NULL);
         double faps[FAP_COUNT + 1], silent[FAP_COUNT + 1];

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the voice pool allows a worker: time, processor time, memory, system calls. */
-#include "tests/unit/pool_scene.h"
+#include "tests/unit/pool_fixture.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -9,7 +9,7 @@
 #include <cmocka.h>
 
 /* The voice goes on after whatever it was. */
-static void speak_and_go_on(struct scene *s, const char *text) {
+static void speak_and_go_on(struct media_segment *s, const char *text) {
     scene_speak(s, "plain", text);
     scene_speak(s, "plain", "uno");
     scene_run(s);
@@ -19,7 +19,7 @@ static void speak_and_go_on(struct scene *s, const char *text) {
 /* The sentence takes 5 s. */
 static void a_voice_at_work_has_more_time(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(.deadline_base = 4), "puppet");
+    struct media_segment *s = OPEN(WITH(.deadline_base = 4), "puppet");
     speak_and_go_on(s, "steady");
     assert_false(s->results[0].failed);
     assert_int_equal(s->results[0].u->samples, 20 * 160);
@@ -28,7 +28,7 @@ static void a_voice_at_work_has_more_time(void **state) {
 
 static void but_not_for_ever(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(.deadline_base = 1, .deadline_most = 2), "puppet");
+    struct media_segment *s = OPEN(WITH(.deadline_base = 1, .deadline_most = 2), "puppet");
     speak_and_go_on(s, "drip");
     check_failed(&s->results[0], "voice-timeout");
     assert_string_equal(s->results[0].e.message, "the voice puppet took too long");
@@ -37,7 +37,7 @@ static void but_not_for_ever(void **state) {
 
 static void processor_time_is_limited(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(.deadline_base = 100, .processor = 0.01), "puppet");
+    struct media_segment *s = OPEN(WITH(.deadline_base = 100, .processor = 0.01), "puppet");
     speak_and_go_on(s, "spin");
     check_failed(&s->results[0], "voice-crashed");
     assert_string_equal(s->results[0].e.message, "the voice puppet took too much processor time");
@@ -47,7 +47,7 @@ static void processor_time_is_limited(void **state) {
 /* Each sentence has its own: what they take together is more than what one may. */
 static void processor_time_is_that_of_one_sentence(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(.deadline_base = 100, .processor = 0.01), "puppet");
+    struct media_segment *s = OPEN(WITH(.deadline_base = 100, .processor = 0.01), "puppet");
     for (int i = 0; i < 6; i++)
         scene_speak(s, "plain", "work");
     scene_run(s);
@@ -61,7 +61,7 @@ static void memory_is_limited(void **state) {
 #if defined __SANITIZE_ADDRESS__ /* which itself takes more than any limit */
     skip();
 #endif
-    struct scene *s = OPEN(WITH(0), "puppet");
+    struct media_segment *s = OPEN(WITH(0), "puppet");
     speak_and_go_on(s, "hog");
     check_failed(&s->results[0], "voice-crashed");
     scene_shut(s);
@@ -87,7 +87,7 @@ static void what_was_not_asked_for_is_refused(void **state) {
 #ifndef HAVE_SECCOMP
     skip();
 #endif
-    struct scene *s = OPEN(WITH(0), "puppet");
+    struct media_segment *s = OPEN(WITH(0), "puppet");
     scene_speak(s, "plain", "dial");
     speak_and_go_on(s, "launch");
     check_attempts(&s->results[0], sockets, "Operation not permitted");
@@ -97,7 +97,7 @@ static void what_was_not_asked_for_is_refused(void **state) {
 
 static void a_sandbox_can_be_forgone(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(.unconfined = true), "puppet");
+    struct media_segment *s = OPEN(WITH(.unconfined = true), "puppet");
     speak_and_go_on(s, "dial");
     assert_string_equal(s->results[0].u->warnings[0], "inet: done");
     assert_string_equal(s->results[0].u->warnings[4], "connect: No such file or directory");
@@ -107,7 +107,7 @@ static void a_sandbox_can_be_forgone(void **state) {
 /* It starts only where it may open a socket and run a program. */
 static void old_plugins_may_do_what_they_could(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(0), "first");
+    struct media_segment *s = OPEN(WITH(0), "first");
     scene_speak(s, "never", "ciao");
     scene_run(s);
     assert_false(s->results[0].failed);

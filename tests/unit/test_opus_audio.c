@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/stream/effort.h"
-#include "server/stream/opus_audio.h"
+#include "server/codec/codec_load.h"
+#include "server/codec/opus_audio.h"
 #include <math.h>
 #include <opus/opus.h>
 #include <setjmp.h>
@@ -102,14 +102,16 @@ static void levels(void **state) {
     struct buf packets = {0};
     unsigned count = 0, kinds[2] = {0};
     for (uint32_t i = 0; i + PIECE <= RATE; i += PIECE) {
-        unsigned step = i / PIECE / 2, level = step < EFFORT_LEVELS ? step : 2 * EFFORT_LEVELS - 1 - step;
+        unsigned step = i / PIECE / 2,
+                 level = step < CODEC_LOAD_LEVELS ? step : 2 * CODEC_LOAD_LEVELS - 1 - step;
         opus_audio_set_level(o, level);
         size_t before = packets.size;
         unsigned added = opus_audio_add(o, pcm + i, PIECE, &packets);
         count += added;
         /* the first packets after a change may still be of the kind before */
-        if (added && (level == EFFORT_BEST || level == EFFORT_LEVELS - 1))
-            kinds[level != EFFORT_BEST] += is_transform(packets.data + before) == (level != EFFORT_BEST);
+        if (added && (level == CODEC_LOAD_BEST || level == CODEC_LOAD_LEVELS - 1))
+            kinds[level != CODEC_LOAD_BEST] +=
+                is_transform(packets.data + before) == (level != CODEC_LOAD_BEST);
     }
     count += opus_audio_end(o, &packets);
     assert_int_equal(opus_audio_skip(o), OPUS_SKIP);
@@ -138,7 +140,7 @@ static void bits(void **state) {
         struct opus_audio *o = opus_audio_new(RATE, wishes[w]);
         struct buf packets = {0};
         if (wishes[w] && wishes[w] < OPUS_BITRATE_VOICE)
-            opus_audio_set_level(o, EFFORT_LEVELS - 1);
+            opus_audio_set_level(o, CODEC_LOAD_LEVELS - 1);
         opus_audio_add(o, pcm, RATE, &packets);
         assert_true(packets.size > before + before / 8);
         assert_false(is_transform(packets.data));

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sentences that several voices and sounds have a part in, spoken by real workers. */
 #include "server/base/mem.h"
+#include "server/voice/inserted_sound.h"
 #include "server/voice/sentence.h"
-#include "server/voice/sound.h"
-#include "tests/unit/pool_scene.h"
+#include "tests/unit/pool_fixture.h"
 #include <math.h>
 #include <setjmp.h>
 #include <sndfile.h>
@@ -16,35 +16,35 @@
 #include <cmocka.h>
 
 struct stage {
-    struct scene *scene;
+    struct media_segment *segment;
     const struct voice *voices[16];
     char *sounds[16];
-    struct cast cast;
-    struct utterance *u;
+    struct voice_selection cast;
+    struct sentence_audio *u;
     struct error e;
     bool done;
 };
 
 static void begin(struct stage *t) {
-    *t = (struct stage){.scene = OPEN(WITH(0), "puppet", "espeak")};
+    *t = (struct stage){.segment = OPEN(WITH(0), "puppet", "espeak")};
 }
 
 static struct score_item *add(struct stage *t, enum score_kind kind, const char *voice, const char *text) {
-    struct score *score = t->scene->score;
+    struct score *score = t->segment->score;
     size_t at = 100 * score->item_count;
-    t->voices[score->item_count] = scene_voice(t->scene, voice);
+    t->voices[score->item_count] = scene_voice(t->segment, voice);
     struct score_item *item = score_add(score, kind, at, at + (text ? strlen(text) : 0));
     item->text = text;
     item->verbatim = true;
     return item;
 }
 
-static void on_done(void *ctx, struct utterance *u) {
+static void on_done(void *ctx, struct sentence_audio *u) {
     struct stage *t = ctx;
     assert_false(t->done);
     t->done = true;
     t->u = u;
-    uv_stop(&t->scene->loop);
+    uv_stop(&t->segment->loop);
 }
 
 static void on_failed(void *ctx, const struct error *e) {
@@ -52,33 +52,34 @@ static void on_failed(void *ctx, const struct error *e) {
     assert_false(t->done);
     t->done = true;
     t->e = *e;
-    uv_stop(&t->scene->loop);
+    uv_stop(&t->segment->loop);
 }
 
 static struct sentence *start(struct stage *t, const char *voice) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
-    score_end_sentence(t->scene->score);
-    t->cast = (struct cast){t->voices, t->sounds, t->scene->score->item_count};
-    const struct voice_request request = {scene_voice(t->scene, voice), t->scene->score, 0, 0, 1, 1, false};
-    return sentence_speak(t->scene->pool, &t->scene->loop, &request, &t->cast, &callbacks, t);
+    score_end_sentence(t->segment->score);
+    t->cast = (struct voice_selection){t->voices, t->sounds, t->segment->score->item_count};
+    const struct voice_request request = {
+        scene_voice(t->segment, voice), t->segment->score, 0, 0, 1, 1, false};
+    return sentence_speak(t->segment->pool, &t->segment->loop, &request, &t->cast, &callbacks, t);
 }
 
-static struct utterance *speak(struct stage *t, const char *voice) {
+static struct sentence_audio *speak(struct stage *t, const char *voice) {
     start(t, voice);
     assert_false(t->done);
-    uv_run(&t->scene->loop, UV_RUN_DEFAULT);
+    uv_run(&t->segment->loop, UV_RUN_DEFAULT);
     assert_true(t->done);
     return t->u;
 }
 
 static void end(struct stage *t) {
-    utterance_free(t->u);
-    scene_shut(t->scene);
+    sentence_audio_free(t->u);
+    scene_shut(t->segment);
     for (size_t i = 0; i < 16; i++)
         free(t->sounds[i]);
 }
 
-static void check_phones(const struct utterance *u) {
+static void check_phones(const struct sentence_audio *u) {
     uint32_t at = 0;
     for (size_t i = 0; i < u->phone_count; i++) {
         assert_int_equal(u->phones[i].start, at);
@@ -97,10 +98,10 @@ static void two_plugins_in_one_sentence(void **state) {
     add(&t, SCORE_TEXT, "puppet:plain", "una due ");
     add(&t, SCORE_MARK, "espeak:it", "here");
     add(&t, SCORE_TEXT, "espeak:it", "e casa tua.");
-    struct score_cue *cue = score_add_cue(t.scene->score, "affect", "joy", 0);
+    struct score_cue *cue = score_add_cue(t.segment->score, "affect", "joy", 0);
     cue->first = 1;
     cue->last = 2;
-    struct utterance *u = speak(&t, "espeak:it");
+    struct sentence_audio *u = speak(&t, "espeak:it");
     static const char *const words[] = {"Casa", "mia", "una", "due,", "e", "casa", "tua"};
     assert_non_null(u);
     assert_int_equal(u->sample_rate, 22050);
@@ -133,7 +134,7 @@ static void one_voice_that_is_not_the_request_s(void **state) {
     struct stage t;
     begin(&t);
     add(&t, SCORE_TEXT, "puppet:gb", "una due");
-    struct utterance *u = speak(&t, "espeak:it");
+    struct sentence_audio *u = speak(&t, "espeak:it");
     assert_int_equal(u->sample_rate, 16000);
     assert_int_equal(u->word_count, 2);
     assert_string_equal(u->lang, "en-GB");
@@ -147,7 +148,7 @@ static void a_break_between_voices_has_its_length(void **state) {
     add(&t, SCORE_TEXT, "puppet:plain", "una");
     add(&t, SCORE_BREAK, "puppet:plain", NULL)->seconds = 0.7;
     add(&t, SCORE_TEXT, "puppet:gb", "due");
-    struct utterance *u = speak(&t, "puppet:plain");
+    struct sentence_audio *u = speak(&t, "puppet:plain");
     assert_int_equal(u->word_count, 2);
     assert_float_equal((double)(u->words[1].start - u->words[0].end) / 16000, 0.7, 0.02);
     end(&t);
@@ -181,8 +182,8 @@ static void sounds_and_their_alternates(void **state) {
     struct stage t;
     begin(&t);
     char good[128], bad[128];
-    snprintf(good, sizeof good, "%s/good.wav", t.scene->folder);
-    snprintf(bad, sizeof bad, "%s/bad.wav", t.scene->folder);
+    snprintf(good, sizeof good, "%s/good.wav", t.segment->folder);
+    snprintf(bad, sizeof bad, "%s/bad.wav", t.segment->folder);
     write_sound(good, 44100, 2, 0.5);
     FILE *file = fopen(bad, "w");
     fputs("no sound", file);
@@ -195,7 +196,7 @@ static void sounds_and_their_alternates(void **state) {
     add(&t, SCORE_AUDIO, "puppet:plain", "bad.wav")->fallback = 1;
     add(&t, SCORE_TEXT, "puppet:gb", "instead ");
     add(&t, SCORE_TEXT, "puppet:plain", "due");
-    struct utterance *u = speak(&t, "puppet:plain");
+    struct sentence_audio *u = speak(&t, "puppet:plain");
     assert_non_null(u);
     check_phones(u);
     assert_int_equal(u->word_count, 3);
@@ -217,15 +218,15 @@ static void cancelled(void **state) {
     struct stage t;
     begin(&t);
     char path[128];
-    snprintf(path, sizeof path, "%s/good.wav", t.scene->folder);
+    snprintf(path, sizeof path, "%s/good.wav", t.segment->folder);
     write_sound(path, 48000, 2, 20);
     add(&t, SCORE_TEXT, "espeak:it", "Casa mia ");
     t.sounds[1] = strdup(path);
     add(&t, SCORE_AUDIO, "puppet:plain", "good.wav");
     add(&t, SCORE_TEXT, "puppet:plain", "slow it is ");
     sentence_cancel(start(&t, "espeak:it"));
-    scene_close_pool(t.scene);
-    uv_run(&t.scene->loop, UV_RUN_DEFAULT);
+    scene_close_pool(t.segment);
+    uv_run(&t.segment->loop, UV_RUN_DEFAULT);
     assert_false(t.done);
     end(&t);
 }
@@ -280,12 +281,12 @@ static void long_sounds_are_cut(void **state) {
     struct error e;
     close(mkstemp(path));
     write_sound(path, 8000, 1, SOUND_SECONDS + 2);
-    struct utterance *u = sound_read(path, 1, 16000, &e);
+    struct sentence_audio *u = sound_read(path, 1, 16000, &e);
     assert_non_null(u);
     assert_int_equal(u->samples, SOUND_SECONDS * 16000);
     assert_int_equal(u->warning_count, 1);
     assert_int_equal(u->phone_count, 1);
-    utterance_free(u);
+    sentence_audio_free(u);
     write_sound(path, 4000, 1, 0.1);
     assert_null(sound_read(path, 1, 16000, &e));
     assert_null(sound_read("/nowhere.wav", 1, 16000, &e));

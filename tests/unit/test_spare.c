@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Workers that hang, that are stopped, and that cannot be started: others go on, and no sentence is lost. */
-#include "tests/unit/pool_scene.h"
+#include "tests/unit/pool_fixture.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <setjmp.h>
@@ -27,17 +27,17 @@ static pid_t first_child(void) {
     return child;
 }
 
-static void speak_others(struct scene *s) {
+static void speak_others(struct media_segment *s) {
     for (int i = 0; i < OTHERS; i++)
         scene_speak(s, "plain", "uno due");
 }
 
-static void check_spoken(const struct scene *s) {
+static void check_spoken(const struct media_segment *s) {
     for (size_t i = 0; i < s->count; i++)
         assert_false(s->results[i].failed);
 }
 
-static void run_for(struct scene *s, int ms) {
+static void run_for(struct media_segment *s, int ms) {
     for (int i = 0; i < ms; i++) {
         usleep(1000);
         uv_run(&s->loop, UV_RUN_NOWAIT);
@@ -49,7 +49,7 @@ static void run_for(struct scene *s, int ms) {
 
 static void a_worker_stopped_in_a_sentence_holds_up_nobody(void **state) {
     (void)state;
-    struct scene *s = OPEN(PATIENT, "puppet");
+    struct media_segment *s = OPEN(PATIENT, "puppet");
     pid_t worker = first_child();
     scene_speak(s, "plain", "brief");
     run_for(s, 100);
@@ -71,7 +71,7 @@ static void a_worker_stopped_in_a_sentence_holds_up_nobody(void **state) {
 
 static void so_does_one_that_was_stopped_at_rest(void **state) {
     (void)state;
-    struct scene *s = OPEN(PATIENT, "puppet");
+    struct media_segment *s = OPEN(PATIENT, "puppet");
     pid_t worker = first_child();
     kill(worker, SIGSTOP);
     speak_others(s);
@@ -84,7 +84,7 @@ static void so_does_one_that_was_stopped_at_rest(void **state) {
 /* Its process runs, so the sentence stays its own until its deadline; the others do not wait for that. */
 static void a_hanging_sentence_holds_up_nobody(void **state) {
     (void)state;
-    struct scene *s =
+    struct media_segment *s =
         OPEN(WITH(.workers = 1, .spare_workers = 1, .deadline_base = 5, .deadline_most = 1), "puppet");
     scene_speak(s, "plain", "hang");
     speak_others(s);
@@ -99,7 +99,7 @@ static void a_hanging_sentence_holds_up_nobody(void **state) {
 /* An idle one is there already: no spare one is needed. */
 static void another_usual_worker_takes_over(void **state) {
     (void)state;
-    struct scene *s = OPEN(WITH(.workers = 2, .spare_workers = 1, .deadline_base = 1000), "puppet");
+    struct media_segment *s = OPEN(WITH(.workers = 2, .spare_workers = 1, .deadline_base = 1000), "puppet");
     pid_t worker = first_child();
     kill(worker, SIGSTOP);
     speak_others(s);
@@ -127,7 +127,7 @@ static void a_worker_starts_with_the_last_descriptors(void **state) {
     (void)state;
     int fds[256];
     struct rlimit limit, low;
-    struct scene *s = OPEN(WITH(0), "puppet");
+    struct media_segment *s = OPEN(WITH(0), "puppet");
     getrlimit(RLIMIT_NOFILE, &limit);
     low = limit;
     low.rlim_cur = 128;
@@ -152,7 +152,7 @@ static void a_worker_starts_with_the_last_descriptors(void **state) {
 static void a_sentence_waits_for_descriptors(void **state) {
     (void)state;
     struct rlimit limit, none;
-    struct scene *s = OPEN(WITH(0), "puppet");
+    struct media_segment *s = OPEN(WITH(0), "puppet");
     getrlimit(RLIMIT_NOFILE, &limit);
     pid_t worker = first_child();
     none = limit;
@@ -172,7 +172,7 @@ static void a_sentence_waits_for_descriptors(void **state) {
 static void too_many_voices_are_refused(void **state) {
     (void)state;
     size_t count;
-    struct scene *s = OPEN(WITH(0), "crowd", "puppet");
+    struct media_segment *s = OPEN(WITH(0), "crowd", "puppet");
     voice_pool_voices(s->pool, &count);
     assert_int_equal(count, 2);
     scene_shut(s);
@@ -184,7 +184,7 @@ static void frames_that_lie_cost_a_sentence(void **state) {
     enum { FRAMES = 17 };
     static char texts[FRAMES][32];
     (void)state;
-    struct scene *s = OPEN(WITH(.deadline_base = 2, .deadline_most = 1), "puppet");
+    struct media_segment *s = OPEN(WITH(.deadline_base = 2, .deadline_most = 1), "puppet");
     for (int i = 0; i < FRAMES; i++) {
         snprintf(texts[i], sizeof texts[i], "raw %d %d", i, 2 * i + 1);
         scene_speak(s, "plain", texts[i]);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The tables and examples of E. Akagündüz's thesis (METU 2004) against models/speech/letters/tr.json. */
 #include "server/base/mem.h"
-#include "server/face/engine.h"
-#include "server/face/spelling.h"
+#include "server/face/engines/engine.h"
+#include "server/face/packs/spelling.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -209,8 +209,8 @@ static void knows_durations(void **state) {
 
 /* An utterance of words alone: "Merhaba 0.1 0" = text, start and end in s (0 = not known: the next one's
  * start). */
-static struct utterance words_alone(const char *text, double seconds) {
-    struct utterance u = {.sample_rate = RATE, .samples = (uint32_t)(seconds * RATE)};
+static struct sentence_audio words_alone(const char *text, double seconds) {
+    struct sentence_audio u = {.sample_rate = RATE, .samples = (uint32_t)(seconds * RATE)};
     char word[64];
     double start, end;
     int used;
@@ -225,7 +225,7 @@ static struct utterance words_alone(const char *text, double seconds) {
     return u;
 }
 
-static void words_free(struct utterance *u) {
+static void words_free(struct sentence_audio *u) {
     for (size_t i = 0; i < u->word_count; i++)
         free(u->words[i].text);
     free(u->words);
@@ -239,9 +239,9 @@ static void begins_each_word_when_the_voice_does(void **state) {
                                        "merhaba 0.1 0.3 benim 0.55 0.9 adım 1.2 1.3 erdem 1.4 1.6"};
     static const char *const first[] = {"m", "b", "a", "e"};
     for (size_t i = 0; i < sizeof said / sizeof *said; i++) {
-        struct utterance u = words_alone(said[i], 2.5);
-        struct gestures g;
-        spelling_gestures(pack->letters, &u, &g);
+        struct sentence_audio u = words_alone(said[i], 2.5);
+        struct phone_segments g;
+        spelling_segments(pack->letters, &u, &g);
         for (size_t w = 0; w < 4; w++) {
             double start = (double)u.words[w].start / RATE;
             size_t found = 0;
@@ -254,7 +254,7 @@ static void begins_each_word_when_the_voice_does(void **state) {
             assert_true(g.items[k].start >= g.items[k - 1].end - 1e-9);
         NEAR(g.items[g.count - 1].end, 2.5, 1e-6);
         assert_null(g.items[g.count - 1].phone);
-        gestures_free(&g);
+        phone_segments_free(&g);
         words_free(&u);
     }
 }
@@ -262,26 +262,26 @@ static void begins_each_word_when_the_voice_does(void **state) {
 static void fills_words_by_the_table(void **state) {
     const struct speech_pack *pack = *state;
     /* The end is known: a fifth shorter than the table. */
-    struct utterance u = words_alone("merhaba 0.1 0.4256", 2);
-    struct gestures g;
-    spelling_gestures(pack->letters, &u, &g);
+    struct sentence_audio u = words_alone("merhaba 0.1 0.4256", 2);
+    struct phone_segments g;
+    spelling_segments(pack->letters, &u, &g);
     assert_int_equal(g.count, 9); /* a pause at both ends */
     NEAR(g.items[1].end - g.items[1].start, 0.068 * 0.8, 1e-4);
     NEAR(g.items[7].end, 0.4256, 1e-4);
-    gestures_free(&g);
+    phone_segments_free(&g);
     words_free(&u);
     /* Not known: no word is drawn out over the silence at the end. */
     u = words_alone("merhaba 0.1 0", 3);
-    spelling_gestures(pack->letters, &u, &g);
+    spelling_segments(pack->letters, &u, &g);
     NEAR(g.items[7].end, 0.1 + 2 * 0.407, 1e-4);
-    gestures_free(&g);
+    phone_segments_free(&g);
     words_free(&u);
     /* A slow voice: words last longer, and fill their time. */
     u = words_alone("merhaba 0 0 benim 0.6 0 adım 1.0 0 erdem 1.3 0", 1.7);
-    spelling_gestures(pack->letters, &u, &g);
+    spelling_segments(pack->letters, &u, &g);
     for (size_t k = 0; k < g.count; k++)
         assert_non_null(g.items[k].phone);
-    gestures_free(&g);
+    phone_segments_free(&g);
     words_free(&u);
 }
 
@@ -304,8 +304,8 @@ static void check_face(struct face_layer *layer, double t, const double *from, c
 static void goes_straight_from_shape_to_shape(void **state) {
     const struct speech_pack *pack = *state;
     const struct spelling *s = pack->letters;
-    struct utterance u = words_alone("benim 0.3 0.578 adım 0.6 0.813", 1.5);
-    struct gestures g = {.end = 1.5};
+    struct sentence_audio u = words_alone("benim 0.3 0.578 adım 0.6 0.813", 1.5);
+    struct phone_segments g = {.end = 1.5};
     struct face_layer layer = engine_syllable.layer(pack, &u, &g);
     const double *none = row(s, "neutral"), *b = row(s, "bpe"), *e = row(s, "e"), *n = row(s, "ne"),
                  *m = row(s, "me"), *a = row(s, "a");
@@ -320,7 +320,7 @@ static void goes_straight_from_shape_to_shape(void **state) {
     check_face(&layer, 1.4, none, none, 0);
     assert_true(g.count > 8); /* for the closures */
     layer.free(layer.self);
-    gestures_free(&g);
+    phone_segments_free(&g);
     words_free(&u);
 }
 
@@ -329,14 +329,14 @@ static void phones_come_first(void **state) {
     const struct speech_pack *pack = *state;
     static const char *const phones[] = {"m", "ɛ", "ɾ", "h", "a", "b", "a"};
     static const char *const shapes[] = {"me", "e", "re", "a", "a", "bpa", "a"};
-    struct utterance u = words_alone("12 0.2 0.9", 1.2);
-    struct gestures g = {.end = 1.2};
+    struct sentence_audio u = words_alone("12 0.2 0.9", 1.2);
+    struct phone_segments g = {.end = 1.2};
     for (size_t i = 0; i < 9; i++) {
         g.items = mem_grow(g.items, &g.cap, i + 1, sizeof *g.items);
         double start = i ? 0.1 + 0.1 * (double)i : 0, end = i < 8 ? 0.2 + 0.1 * (double)i : 1.2;
         const struct speech_phone *phone =
             i % 8 ? speech_pack_phone(pack, phones[i - 1], strlen(phones[i - 1])) : NULL;
-        g.items[g.count++] = (struct gesture){phone, start, end, 0, 1};
+        g.items[g.count++] = (struct phone_segment){phone, start, end, 0, 1};
     }
     struct face_layer layer = engine_syllable.layer(pack, &u, &g);
     for (size_t i = 0; i < 7; i++) {
@@ -345,7 +345,7 @@ static void phones_come_first(void **state) {
     }
     assert_int_equal(g.count, 9);
     layer.free(layer.self);
-    gestures_free(&g);
+    phone_segments_free(&g);
     words_free(&u);
 }
 
@@ -354,26 +354,26 @@ static void ends_syllables_at_words(void **state) {
     const struct speech_pack *pack = *state;
     const char *const phones[] = {"a", "t", "o"};
     for (int words = 1; words <= 2; words++) {
-        struct utterance u = words_alone("at 0 0 o 0.2 0", 0.3);
+        struct sentence_audio u = words_alone("at 0 0 o 0.2 0", 0.3);
         u.word_count = (size_t)words;
-        struct gestures g = {.end = 0.3};
+        struct phone_segments g = {.end = 0.3};
         for (size_t i = 0; i < 3; i++) {
             g.items = mem_grow(g.items, &g.cap, i + 1, sizeof *g.items);
-            g.items[g.count++] = (struct gesture){speech_pack_phone(pack, phones[i], 1), 0.1 * (double)i,
-                                                  0.1 * (double)(i + 1), 0, 1};
+            g.items[g.count++] = (struct phone_segment){speech_pack_phone(pack, phones[i], 1),
+                                                        0.1 * (double)i, 0.1 * (double)(i + 1), 0, 1};
         }
         struct face_layer layer = engine_syllable.layer(pack, &u, &g);
         const double *t = row(pack->letters, words == 1 ? "szto" : "ta");
         check_face(&layer, 0.1, t, t, 0);
         layer.free(layer.self);
-        gestures_free(&g);
+        phone_segments_free(&g);
         u.word_count = 2;
         words_free(&u);
     }
 }
 
 static void closes_the_lips_without_phones(void **state) {
-    struct utterance u = words_alone("baba 0.2 0 mama 0.6 0", 1.1);
+    struct sentence_audio u = words_alone("baba 0.2 0 mama 0.6 0", 1.1);
     struct face_options options = {.still = true, .engine = "syllable"};
     struct face_track *track = face_track_new(*state, &u, &options, NULL, NULL);
     struct fap_frame f;

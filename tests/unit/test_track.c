@@ -30,7 +30,7 @@ static void count_warning(void *ctx, const char *message) {
     ++*(int *)ctx;
 }
 
-static struct face_track *track_of(const struct speech_pack *pack, const struct utterance *u) {
+static struct face_track *track_of(const struct speech_pack *pack, const struct sentence_audio *u) {
     struct face_options options = {.still = true};
     return face_track_new(pack, u, &options, NULL, NULL);
 }
@@ -48,7 +48,7 @@ static bool is_bilabial(const struct phone *p) {
 }
 
 static void check_closures(const struct speech_pack *pack, double stretch, struct face_layer *layer) {
-    struct utterance *u = utter(speech, stretch);
+    struct sentence_audio *u = utter(speech, stretch);
     struct face_track *track = track_of(pack, u);
     if (layer)
         face_track_add(track, *layer);
@@ -102,7 +102,7 @@ static void shows_closures_that_last_no_time(void **state) {
                                           "_.100 i.040 r.000 u.000 m.000 _.022 v.075 a.080 _.100",
                                           "_.100 a.080 m.000 f.000 a.080 _.100"};
     for (size_t i = 0; i < sizeof hurried / sizeof *hurried; i++) {
-        struct utterance *u = utter(hurried[i], 1);
+        struct sentence_audio *u = utter(hurried[i], 1);
         struct face_track *track = track_of(*state, u);
         size_t k = 0;
         while (!is_bilabial(&u->phones[k]))
@@ -127,7 +127,7 @@ static void no_layer_opens_a_closure(void **state) {
 
 static void brings_the_lip_to_the_teeth(void **state) {
     for (double wpm = 80; wpm <= 450; wpm += 10) {
-        struct utterance *u = utter(speech, 160 / wpm);
+        struct sentence_audio *u = utter(speech, 160 / wpm);
         struct face_track *track = track_of(*state, u);
         for (size_t i = 0; i < u->phone_count; i++) {
             const struct phone *p = &u->phones[i];
@@ -147,7 +147,7 @@ static void brings_the_lip_to_the_teeth(void **state) {
 
 static void lips_never_pass_through_each_other(void **state) {
     for (double stretch = 0.3; stretch < 2.2; stretch += 0.1) {
-        struct utterance *u = utter(speech, stretch);
+        struct sentence_audio *u = utter(speech, stretch);
         struct face_track *track = track_of(*state, u);
         for (double t = -0.1; t < (double)u->samples / RATE + 0.2; t += 0.005) {
             struct fap_frame f;
@@ -165,7 +165,7 @@ static void lips_never_pass_through_each_other(void **state) {
 }
 
 static void rests_before_and_after(void **state) {
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct face_track *track = track_of(*state, u);
     double end = (double)u->samples / RATE;
     const double times[] = {-100, -0.01, 0, end, end + 0.01, end + 1000};
@@ -186,7 +186,7 @@ static void rests_before_and_after(void **state) {
 }
 
 static void moves_without_jumps(void **state) {
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct face_track *track = track_of(*state, u);
     struct fap_frame before, now;
     face_track_sample(track, 0, &before);
@@ -210,7 +210,7 @@ static double gap_at(struct face_track *track, double t) {
 }
 
 static void shows_vowels(void **state) {
-    struct utterance *u =
+    struct sentence_audio *u =
         utter("_.200 p.080 'a.130 p.080 'i.130 p.080 'u.130 p.080 a.060 p.080 a.150 _.300", 1);
     struct face_track *track = track_of(*state, u);
     struct fap_frame i, w;
@@ -227,7 +227,7 @@ static void shows_vowels(void **state) {
 }
 
 static void anticipates_rounding(void **state) {
-    struct utterance *u = utter("_.200 'a.120 s.060 t.060 r.050 'u.120 t.070 i.100 _.300", 1);
+    struct sentence_audio *u = utter("_.200 'a.120 s.060 t.060 r.050 'u.120 t.070 i.100 _.300", 1);
     struct face_track *track = track_of(*state, u);
     struct fap_frame early, late;
     face_track_sample(track, 0.43, &early); /* end of the t, 60 ms before the u */
@@ -239,7 +239,7 @@ static void anticipates_rounding(void **state) {
 }
 
 static void samples_in_any_order(void **state) {
-    struct utterance *u = utter(speech, 1);
+    struct sentence_audio *u = utter(speech, 1);
     struct face_track *a = track_of(*state, u), *b = track_of(*state, u);
     struct fap_frame x, y;
     uint32_t random = 1;
@@ -264,7 +264,7 @@ static void push_everything(void *self, double t, double faps[FAP_COUNT + 1]) {
 }
 
 static void clamps_and_masks(void **state) {
-    struct utterance *u = utter("'a.200", 1);
+    struct sentence_audio *u = utter("'a.200", 1);
     for (int sign = -1; sign <= 1; sign += 2) {
         double push = sign * 1e8;
         struct face_track *track = track_of(*state, u);
@@ -283,7 +283,7 @@ static void clamps_and_masks(void **state) {
 }
 
 static void begins_life_at_the_neutral_face(void **state) {
-    struct utterance *u = utter("_.500", 1);
+    struct sentence_audio *u = utter("_.500", 1);
     struct face_options options = {.life = 1, .seed = 7};
     struct face_track *track = face_track_new(*state, u, &options, NULL, NULL);
     struct fap_frame f;
@@ -295,7 +295,7 @@ static void begins_life_at_the_neutral_face(void **state) {
 }
 
 static void blends_visemes(void **state) {
-    struct utterance *u = utter("p.100 'a.100 f.100", 1);
+    struct sentence_audio *u = utter("p.100 'a.100 f.100", 1);
     struct face_track *track = track_of(*state, u);
     struct fap_frame f;
     face_track_sample(track, 0.05, &f);
@@ -314,7 +314,7 @@ static void blends_visemes(void **state) {
 }
 
 static void reports_unknown_phones_once(void **state) {
-    struct utterance *u = utter("ɯ.100 p.080 ɯ.100 ʘ.080 a.100", 1);
+    struct sentence_audio *u = utter("ɯ.100 p.080 ɯ.100 ʘ.080 a.100", 1);
     struct face_options options = {.still = true};
     int warnings = 0;
     struct face_track *track = face_track_new(*state, u, &options, count_warning, &warnings);
@@ -336,7 +336,7 @@ static void bears_odd_utterances(void **state) {
                                       "_.030 a.100 _.030"};
     struct fap_frame f;
     for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
-        struct utterance *u = utter(odd[i], 1);
+        struct sentence_audio *u = utter(odd[i], 1);
         struct face_track *track = track_of(*state, u);
         for (double t = -0.1; t < 0.6; t += 0.003) {
             face_track_sample(track, t, &f);
@@ -345,7 +345,7 @@ static void bears_odd_utterances(void **state) {
         face_track_free(track);
         done(u);
     }
-    struct utterance nothing = {0};
+    struct sentence_audio nothing = {0};
     struct face_track *track = track_of(*state, &nothing);
     face_track_sample(track, 0, &f);
     assert_int_equal(f.value[3], 0);
@@ -372,7 +372,7 @@ static void moves_the_tongue(void **state) {
         double middle = (0.2 + 0.12 + 0.04) * stretch;
         for (size_t i = 0; i < sizeof ridge / sizeof *ridge; i++) {
             snprintf(text, sizeof text, "_.200 'a.120 %s.080 a.120 _.300", ridge[i]);
-            struct utterance *u = utter(text, stretch);
+            struct sentence_audio *u = utter(text, stretch);
             struct face_track *track = track_of(*state, u);
             assert_true(tip_height(track, middle) > 4); /* at the ridge behind the teeth, jaw open or not */
             assert_true(tip_height(track, 0.26 * stretch) < 0);
@@ -381,7 +381,7 @@ static void moves_the_tongue(void **state) {
         }
         for (size_t i = 0; i < sizeof velar / sizeof *velar; i++) {
             snprintf(text, sizeof text, "_.200 'a.120 %s.080 a.120 _.300", velar[i]);
-            struct utterance *u = utter(text, stretch);
+            struct sentence_audio *u = utter(text, stretch);
             struct face_track *track = track_of(*state, u);
             assert_true(tongue(track, middle, 46) > 5 && tongue(track, middle, 45) < -1);
             assert_true(tip_height(track, middle) < 1);
@@ -389,7 +389,7 @@ static void moves_the_tongue(void **state) {
             done(u);
         }
     }
-    struct utterance *u = utter("_.200 'a.120 θ.100 a.120 b.100 'i.120 _.300", 1);
+    struct sentence_audio *u = utter("_.200 'a.120 θ.100 a.120 b.100 'i.120 _.300", 1);
     struct face_track *track = track_of(*state, u);
     assert_true(tongue(track, 0.36, 45) > 3.5); /* between the teeth */
     assert_true(tongue(track, 0.7, 46) > 4);    /* /i/: the body is high */
@@ -399,7 +399,7 @@ static void moves_the_tongue(void **state) {
     done(u);
 }
 
-static struct face_track *track_by(const struct speech_pack *pack, const struct utterance *u,
+static struct face_track *track_by(const struct speech_pack *pack, const struct sentence_audio *u,
                                    const char *engine) {
     struct face_options options = {.still = true, .engine = engine};
     return face_track_new(pack, u, &options, NULL, NULL);
@@ -407,7 +407,7 @@ static struct face_track *track_by(const struct speech_pack *pack, const struct 
 
 /* The share of bilabials whose lips touch at their middle. */
 static double closed_share(const struct speech_pack *pack, double stretch, const char *engine) {
-    struct utterance *u = utter(speech, stretch);
+    struct sentence_audio *u = utter(speech, stretch);
     struct face_track *track = track_by(pack, u, engine);
     int closed = 0, all = 0;
     for (size_t i = 0; i < u->phone_count; i++) {

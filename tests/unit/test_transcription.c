@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/face/context_table.h"
-#include "server/face/gestures.h"
-#include "server/face/transcription.h"
+#include "server/face/engines/phone_segments.h"
+#include "server/face/packs/context_table.h"
+#include "server/face/packs/transcription.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -36,13 +36,13 @@ static void refuse_warnings(void *ctx, const char *message) {
     fail_msg("%s", message);
 }
 
-static double seconds(const struct utterance *u, uint32_t sample) {
+static double seconds(const struct sentence_audio *u, uint32_t sample) {
     return (double)sample / u->sample_rate;
 }
 
 static void reads_the_printed_sample(void **state) {
     struct error e;
-    struct utterance *u = transcription_read(sample, strlen(sample), &transcription_wav, *state, &e);
+    struct sentence_audio *u = transcription_read(sample, strlen(sample), &transcription_wav, *state, &e);
     assert_non_null(u);
     assert_int_equal(u->phone_count, 20);
     assert_int_equal(u->sample_rate, 16000);
@@ -61,7 +61,7 @@ static void reads_the_printed_sample(void **state) {
     assert_string_equal(u->phones[0].ipa, "");
     assert_string_equal(u->phones[0].sampa, "_");
     assert_null(u->pcm);
-    utterance_free(u);
+    sentence_audio_free(u);
 }
 
 /* The visemes and contexts of the sample, from its symbols on. */
@@ -74,10 +74,10 @@ static void gives_the_visemes_of_the_sample(void **state) {
         "6: 14922 dZ\n7: 17258 ii\n8: 18146 aa\n9: 19096 vv\n10: 20784 'ee\n11: 23782 rr\n"
         "12: 24900 tt\n13: 25900 r^\n14: 27000 'EE\n15: 30000\n";
     struct error e;
-    struct utterance *u = transcription_read(lines, strlen(lines), &transcription_wav, pack, &e);
+    struct sentence_audio *u = transcription_read(lines, strlen(lines), &transcription_wav, pack, &e);
     assert_non_null(u);
-    struct gestures g;
-    gestures_from(pack, u, refuse_warnings, NULL, &g);
+    struct phone_segments g;
+    phone_segments_from(pack, u, refuse_warnings, NULL, &g);
     /* the silence at its beginning is too short for a pause of the mouth, but it is the first */
     assert_int_equal(g.count, 15);
     for (size_t i = 0; i < sizeof visemes / sizeof *visemes; i++) {
@@ -88,20 +88,20 @@ static void gives_the_visemes_of_the_sample(void **state) {
         }
         assert_string_equal(table->shapes.items[context_shape(table, sounds)].name, visemes[i]);
     }
-    gestures_free(&g);
-    utterance_free(u);
+    phone_segments_free(&g);
+    sentence_audio_free(u);
 }
 
 static void counts_in_any_sound(void **state) {
     static const char lines[] = "\r\n0: 1000 aa\r\n  1: 8920   ##  \r\n2: 9000";
     const struct transcription_sound stereo = {1000, 8000, 4};
     struct error e;
-    struct utterance *u = transcription_read(lines, strlen(lines), &stereo, *state, &e);
+    struct sentence_audio *u = transcription_read(lines, strlen(lines), &stereo, *state, &e);
     assert_non_null(u);
     assert_int_equal(u->phone_count, 2);
     assert_int_equal(u->phones[0].end, 1980);
     assert_int_equal(u->samples, 2000);
-    utterance_free(u);
+    sentence_audio_free(u);
 }
 
 static void names_the_line_of_an_error(void **state) {

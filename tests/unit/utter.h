@@ -4,7 +4,7 @@
 #define FACCIA_TESTS_UTTER_H
 
 #include "server/base/mem.h"
-#include "server/voice/utterance.h"
+#include "server/voice/sentence_audio.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -22,8 +22,8 @@ static const char speech[] = "l.063 a.050 m.069 'a.065 m.075 m.070 a.040 p.080 '
 
 /* Phones as "p.080 'a.120 _.300": name, duration in ms, a quote before a stressed one. Durations are
  * multiplied by stretch. */
-static inline struct utterance *utter(const char *text, double stretch) {
-    struct utterance *u = mem_alloc(sizeof *u);
+static inline struct sentence_audio *utter(const char *text, double stretch) {
+    struct sentence_audio *u = mem_alloc(sizeof *u);
     u->sample_rate = UTTER_RATE;
     char *copy = mem_strdup(text), *save;
     double at = 0;
@@ -44,7 +44,7 @@ static inline struct utterance *utter(const char *text, double stretch) {
     return u;
 }
 
-static inline void done(struct utterance *u) {
+static inline void done(struct sentence_audio *u) {
     free(u->phones);
     free(u);
 }

@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { HeardClock, PositionMap } from '../../web/src/audio/clock.mjs';
-import { Pump } from '../../web/src/audio/pump.mjs';
+import { PlayoutBuffer } from '../../web/src/audio/playout-buffer.mjs';
 import { Resampler } from '../../web/src/audio/resampler.mjs';
 import { Ring } from '../../web/src/audio/ring.mjs';
 
@@ -22,14 +22,14 @@ test('the ring keeps the order over its end and when it grows', () => {
   assert.deepEqual(out, [...ramp(0, 65)]);
 });
 
-/** A pump, its reports, and what it has played. */
+/** A buffer, its reports, and what it has played. */
 function rig(rate = 1000) {
   const reports = [];
-  const pump = new Pump(rate, (report) => reports.push(report));
+  const buffer = new PlayoutBuffer(rate, (report) => reports.push(report));
   const played = [];
   let frame = 0;
   return {
-    pump,
+    buffer,
     reports,
     played,
     map() {
@@ -40,19 +40,19 @@ function rig(rate = 1000) {
     run(quanta, size = 20) {
       for (let i = 0; i < quanta; i++, frame += size) {
         const out = new Float32Array(size);
-        pump.render(out, frame);
+        buffer.render(out, frame);
         played.push(...out);
       }
     },
   };
 }
 
-test('the pump waits for its preroll, then position and clock go together', () => {
-  const { pump, played, reports, run, map } = rig();
-  pump.push(ramp(1, 60));
+test('the buffer waits for its preroll, then position and clock go together', () => {
+  const { buffer, played, reports, run, map } = rig();
+  buffer.push(ramp(1, 60));
   run(2);
   assert.deepEqual(reports, [], 'less than the preroll: nothing yet');
-  pump.push(ramp(61, 60));
+  buffer.push(ramp(61, 60));
   run(3);
   assert.deepEqual(reports, [{ frame: 40, position: 0, running: true, underruns: 0 }]);
   assert.deepEqual(played.slice(40, 100), [...ramp(1, 60)]);
@@ -61,9 +61,9 @@ test('the pump waits for its preroll, then position and clock go together', () =
 });
 
 test('a short utterance starts without the preroll when it is complete, and its end is no underrun', () => {
-  const { pump, reports, run } = rig();
-  pump.push(ramp(1, 30));
-  pump.finish();
+  const { buffer, reports, run } = rig();
+  buffer.push(ramp(1, 30));
+  buffer.finish();
   run(4);
   assert.deepEqual(reports, [
     { frame: 0, position: 0, running: true, underruns: 0 },
@@ -72,10 +72,10 @@ test('a short utterance starts without the preroll when it is complete, and its 
 });
 
 test('late samples stop the position, and nothing is lost or shifted afterwards', () => {
-  const { pump, played, reports, run, map } = rig();
-  pump.push(ramp(1, 100));
+  const { buffer, played, reports, run, map } = rig();
+  buffer.push(ramp(1, 100));
   run(8); // 60 frames without samples
-  pump.push(ramp(101, 200));
+  buffer.push(ramp(101, 200));
   run(3);
   assert.equal(reports[1].running, false);
   assert.equal(reports[1].underruns, 1);
@@ -87,26 +87,26 @@ test('late samples stop the position, and nothing is lost or shifted afterwards'
 });
 
 test('after a flush it is silent within five milliseconds, and the rest counts as heard', () => {
-  const { pump, played, reports, run, map } = rig(48000);
-  pump.push(new Float32Array(48000).fill(1));
+  const { buffer, played, reports, run, map } = rig(48000);
+  buffer.push(new Float32Array(48000).fill(1));
   run(100, 128);
-  pump.flush();
+  buffer.flush();
   run(4, 128);
   const after = played.slice(12800);
   assert.ok(after[0] > 0.98 && after[100] < 0.7, 'fades');
   assert.ok(after.slice(241).every((sample) => sample === 0));
   assert.ok(after.every((sample, i) => i === 0 || Math.abs(sample - after[i - 1]) < 0.01), 'no click');
   assert.deepEqual(reports.at(-1), { frame: 12800, position: 48000, running: false, underruns: 0 });
-  pump.push(new Float32Array(9600).fill(0.5));
+  buffer.push(new Float32Array(9600).fill(0.5));
   run(1, 128);
   assert.equal(map().at(12800 + 512 + 10).position, 48010);
 });
 
-test('what is left can be taken over by another pump', () => {
-  const { pump, run } = rig();
-  pump.push(ramp(1, 200));
+test('what is left can be taken over by another buffer', () => {
+  const { buffer, run } = rig();
+  buffer.push(ramp(1, 200));
   run(3);
-  assert.deepEqual([...pump.drain()], [...ramp(61, 140)]);
+  assert.deepEqual([...buffer.drain()], [...ramp(61, 140)]);
 });
 
 test('resampling keeps a tone, its phase and the length, however the stream is cut', () => {
@@ -163,15 +163,15 @@ test('the heard clock does without stamps, and does not believe impossible ones'
 });
 
 test('held it is silent within five milliseconds and stands still; released it goes on where it was, without a click', () => {
-  const { pump, played, run, map } = rig();
-  pump.push(new Float32Array(300).fill(1));
+  const { buffer, played, run, map } = rig();
+  buffer.push(new Float32Array(300).fill(1));
   run(5);
-  pump.hold();
+  buffer.hold();
   run(10);
   assert.ok(played.slice(105, 300).every((sample) => sample === 0), 'silent');
   assert.deepEqual(map().at(290), { position: 100, running: false });
-  pump.push(new Float32Array(50).fill(1));
-  pump.release();
+  buffer.push(new Float32Array(50).fill(1));
+  buffer.release();
   run(5);
   assert.deepEqual(map().at(350), { position: 150, running: true });
   const step = Math.max(...played.slice(90, 400).map((sample, i, all) => (i ? Math.abs(sample - all[i - 1]) : 0)));

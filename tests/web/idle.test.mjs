@@ -5,7 +5,7 @@ import { readMix } from '../../web/src/expression.mjs';
 import { FaceMixer } from '../../web/src/face-mixer.mjs';
 import { FAP_VALUES } from '../../web/src/face-track.mjs';
 import { IdleFace } from '../../web/src/idle.mjs';
-import { Liveliness } from '../../web/src/liveliness.mjs';
+import { IdleController } from '../../web/src/idle-controller.mjs';
 
 const RATE = 8000;
 const CHUNK = 0.12;
@@ -125,7 +125,7 @@ test('a mixture can be given as a list, an object or a text', () => {
 test('what is wanted is asked for once, and again on a new link', () => {
   const sent = [];
   let up = false;
-  const life = new Liveliness((message) => up && sent.push(message) > 0);
+  const life = new IdleController((message) => up && sent.push(message) > 0);
   life.idle({ life: 0.5 });
   life.express('joy 0.4');
   assert.deepEqual(sent, []);

@@ -3,13 +3,13 @@ import { applyStyles } from './stylesheet.mjs';
 import { canDecode } from './audio/opus.mjs';
 import { CaptionView } from './caption-view.mjs';
 import { FaceMixer, faceValues } from './face-mixer.mjs';
-import { Furniture } from './furniture.mjs';
+import { Controls } from './controls.mjs';
 import { ModelSource } from './head/source.mjs';
-import { Intake } from './intake.mjs';
+import { Demuxer } from './demuxer.mjs';
 import { Link } from './link.mjs';
-import { Liveliness } from './liveliness.mjs';
+import { IdleController } from './idle-controller.mjs';
 import { Player } from './audio/player.mjs';
-import { Presence } from './presence.mjs';
+import { Visibility } from './visibility.mjs';
 import { addProperties, upgradeProperties } from './properties.mjs';
 import { Speech } from './speech.mjs';
 import { Stage } from './stage.mjs';
@@ -37,19 +37,19 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #title = '';
   #drawn = { seconds: null, at: 0 };
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
-  #furniture;
+  #controls;
   #captionView;
   #stage;
   #mixer = new FaceMixer();
-  #liveliness = new Liveliness((message) => this.#link.send(message));
-  #presence = new Presence(this, () => this.#presenceChanged());
+  #liveliness = new IdleController((message) => this.#link.send(message));
+  #presence = new Visibility(this, () => this.#presenceChanged());
   #player = new Player((sound, reason) => this.#soundChanged(sound, reason));
 
   #link = new Link({
     source: () => ({ src: this.src, token: this.token }),
     onstate: (state) => this.#stateChanged(state),
-    onmessage: (message) => this.#intake.text(message),
-    onmedia: (data) => this.#intake.binary(data),
+    onmessage: (message) => this.#demuxer.text(message),
+    onmedia: (data) => this.#demuxer.binary(data),
     ontrouble: (name, values, told) => this.#linkTrouble(name, values, told),
   });
 
@@ -62,7 +62,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     idle: (chunk) => this.#liveliness.face.take(chunk, performance.now() / 1000),
   });
 
-  #intake = new Intake({
+  #demuxer = new Demuxer({
     hear: (message) => this.#message(message),
     media: (chunk) => {
       this.#speech.media(chunk);
@@ -82,12 +82,12 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     const root = this.attachShadow({ mode: 'open' });
     root.append(...parts());
     applyStyles(root, styles);
-    this.#furniture = new Furniture(root, {
+    this.#controls = new Controls(root, {
       sound: () => this.#player.open(),
       captions: () => (this.captions = !this.captions),
     });
     this.#captionView = new CaptionView(root.querySelector('.captions'));
-    this.#stage = new Stage(this.#furniture.canvas, {
+    this.#stage = new Stage(this.#controls.canvas, {
       hear: (now) => this.#hear(now),
       frame: (now, ahead) => this.#frame(now, ahead),
       trouble: (what) => this.#pictureTrouble(what),
@@ -246,16 +246,16 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   #translate() {
-    this.#furniture.translate(this.lang, this.getAttribute('label'), this.#title);
+    this.#controls.translate(this.lang, this.getAttribute('label'), this.#title);
   }
 
   #showCaptions() {
     this.#captionView.shown = this.captions;
-    this.#furniture.captions.setAttribute('aria-pressed', String(this.captions));
+    this.#controls.captions.setAttribute('aria-pressed', String(this.captions));
   }
 
   #soundChanged(sound, reason) {
-    this.#furniture.sound.hidden = sound !== 'blocked';
+    this.#controls.sound.hidden = sound !== 'blocked';
     this.#emit('sound', { sound, ...(reason ? { reason } : {}) });
     this.#stage.wake();
   }
@@ -297,7 +297,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   #connect() {
     this.#disconnect();
-    this.#furniture.say('model', null);
+    this.#controls.say('model', null);
     this.#link.open();
   }
 
@@ -314,23 +314,23 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #disconnect() {
     this.#models.close();
     this.#link.close();
-    this.#intake.reset();
+    this.#demuxer.reset();
   }
 
   #linkTrouble(name, values, told) {
-    this.#furniture.say('link', name, values);
+    this.#controls.say('link', name, values);
     if (name && !told) this.#fail(name, values);
   }
 
   #pictureTrouble(name) {
-    this.#furniture.say('picture', name);
+    this.#controls.say('picture', name);
     if (name && name !== 'lost') this.#fail(name);
   }
 
   /** Tells the page. @param {string} name of a message @param {object} [values] */
   #fail(name, values) {
     const code = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
-    this.#emit('error', { type: 'error', code, message: this.#furniture.text(name, values) });
+    this.#emit('error', { type: 'error', code, message: this.#controls.text(name, values) });
   }
 
   /** Sound that needs no decoder: where there is none, or it failed. */
@@ -348,7 +348,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       this.#openModel(hello);
       canDecode().then((can) => can || this.#wantPlainSound());
     } else {
-      this.#intake.reset();
+      this.#demuxer.reset();
       this.#speech.unlinked();
       this.#liveliness.unlinked();
     }
@@ -357,7 +357,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   #openModel(hello) {
     if (this.model === null && !hello.models?.length) {
-      this.#furniture.say('model', 'noModel');
+      this.#controls.say('model', 'noModel');
       this.#fail('noModel');
     } else this.#models.open(this.#link.address, hello, this.model);
   }
@@ -388,7 +388,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       this.#emit('ready', { model: model.name, title: model.title, credits: model.credits });
     } catch (error) {
       console.error('talking-head:', error);
-      this.#furniture.say('model', 'noModel');
+      this.#controls.say('model', 'noModel');
       this.#emit('error', { type: 'error', code: 'bad-model', message: String(error.message) });
     }
   }

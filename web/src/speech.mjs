@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { HeardCaptions } from './captions.mjs';
-import { Programme } from './programme.mjs';
+import { Timeline } from './timeline.mjs';
 import { Turns } from './turns.mjs';
 import { Utterance } from './utterance.mjs';
 
@@ -23,7 +23,7 @@ export class Speech {
     setTimeout = (...args) => globalThis.setTimeout(...args),
   }) {
     Object.assign(this, { player, send, emit, idle, state, turns, setTimeout });
-    this.programme = new Programme();
+    this.timeline = new Timeline();
     /** @type {Set<Utterance>} */
     this.open = new Set();
     this.count = 0;
@@ -88,7 +88,7 @@ export class Speech {
   stop() {
     this.player.flush();
     this.#hold(false);
-    this.programme = new Programme();
+    this.timeline = new Timeline();
     this.send({ type: 'stop' });
     for (const utterance of [...this.open].reverse()) {
       utterance.cancelled = true;
@@ -138,10 +138,10 @@ export class Speech {
     else if (utterance.cancelled) return;
     else if (message.type === 'begin') this.#begin(utterance, message);
     else if (utterance.item && ['sentence', 'word', 'mark', 'phone'].includes(message.type))
-      this.programme.schedule(utterance.item, message.time, message);
+      this.timeline.schedule(utterance.item, message.time, message);
   }
 
-  /** @param {object} chunk decoded: see Intake */
+  /** @param {object} chunk decoded: see Demuxer */
   media(chunk) {
     if (chunk.utterance === 0) {
       this.idle(chunk);
@@ -155,7 +155,7 @@ export class Speech {
   /** Lets happen what is due. @param {number} now performance.now() */
   tick(now) {
     const heard = this.player.heard(now);
-    for (const [item, message] of this.programme.take(heard)) this.#happen(item.utterance, message);
+    for (const [item, message] of this.timeline.take(heard)) this.#happen(item.utterance, message);
   }
 
   /**
@@ -165,7 +165,7 @@ export class Speech {
    */
   heard(now, ahead = 0) {
     const { position, running } = this.player.heard(now, ahead);
-    const found = this.programme.at(position);
+    const found = this.timeline.at(position);
     if (!found) return null;
     const { utterance } = found.item;
     utterance.track.forgetBefore(found.seconds);
@@ -198,7 +198,7 @@ export class Speech {
 
   /** What has come and has not been heard will not be. */
   #forgetUnheard() {
-    this.programme.forgetAfter(this.player.heard(performance.now()).position);
+    this.timeline.forgetAfter(this.player.heard(performance.now()).position);
     this.player.flush();
   }
 
@@ -232,8 +232,8 @@ export class Speech {
 
   #begin(utterance, message) {
     utterance.begin(message, this.player.rate);
-    utterance.item = this.programme.add(utterance, this.player.written, this.player.rate);
-    this.programme.schedule(utterance.item, 0, message);
+    utterance.item = this.timeline.add(utterance, this.player.written, this.player.rate);
+    this.timeline.schedule(utterance.item, 0, message);
   }
 
   #close(utterance, message) {
@@ -249,7 +249,7 @@ export class Speech {
     }
     this.player.write(utterance.rest());
     this.player.finish();
-    this.programme.close(utterance.item, this.player.written, message);
+    this.timeline.close(utterance.item, this.player.written, message);
   }
 
   #happen(utterance, message) {
@@ -271,7 +271,7 @@ export class Speech {
   #end(utterance, message) {
     clearTimeout(utterance.timer);
     this.open.delete(utterance);
-    if (utterance.item) this.programme.remove(utterance.item);
+    if (utterance.item) this.timeline.remove(utterance.item);
     const detail = this.#detail(utterance, message);
     if (UNHEARD.includes(this.player.sound)) detail.sound = this.player.sound;
     this.emit('end', detail);

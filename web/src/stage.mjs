@@ -4,7 +4,7 @@ import { Head } from './head/head.mjs';
 import { readModel } from './head/model.mjs';
 import { Governor } from './head/quality.mjs';
 import { View } from './head/view.mjs';
-import { Pace } from './pace.mjs';
+import { FramePacer } from './frame-pacer.mjs';
 
 const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden page
 const AHEAD_MOST_MS = 300; // for longer nothing is foreseen
@@ -38,7 +38,7 @@ export class Stage {
     this.opened = false;
     this.visible = false;
     this.used = false; // the canvas has had a context, and cannot have another
-    this.pace = new Pace(() => this.view.mark());
+    this.pacer = new FramePacer(() => this.view.mark());
     this.lost = false;
     this.observer = new ResizeObserver(() => this.#resize());
   }
@@ -166,8 +166,8 @@ export class Stage {
   #draw(now) {
     this.request = 0;
     const interval = now - this.last;
-    this.pace.tick(now);
-    if (this.pace.busy || (this.calm && interval < CALM_MS)) {
+    this.pacer.tick(now);
+    if (this.pacer.busy || (this.calm && interval < CALM_MS)) {
       this.wake();
       return;
     }
@@ -180,10 +180,10 @@ export class Stage {
     }
     const begun = performance.now();
     const beside = this.ports.hear(begun);
-    const { values, more, calm } = this.ports.frame(begun, Math.min(AHEAD_MOST_MS, this.pace.ahead(begun, beside)));
+    const { values, more, calm } = this.ports.frame(begun, Math.min(AHEAD_MOST_MS, this.pacer.ahead(begun, beside)));
     this.view.head?.setFaps(values);
     this.#paint();
-    this.pace.drawn(begun, beside);
+    this.pacer.drawn(begun, beside);
     this.following = more;
     this.calm = Boolean(calm);
     if (more) this.wake();

@@ -18,7 +18,7 @@ export class Utterance {
     this.sent = false;
     this.cancelled = false;
     this.answer = null; // its `end`, from the server or made here
-    this.item = null; // its place on the programme
+    this.item = null; // its place on the timeline
     this.promise = new Promise((resolve) => (this.resolve = resolve));
   }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the sink is given: sound, phones, words. */
-#include "server/plugins/command/sound.h"
+#include "server/plugins/command/command_sound.h"
 #include "server/plugins/command/speaking.h"
 #include <math.h>
 #include <stdio.h>

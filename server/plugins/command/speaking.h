@@ -3,8 +3,8 @@
 #ifndef FACCIA_PLUGINS_COMMAND_SPEAKING_H
 #define FACCIA_PLUGINS_COMMAND_SPEAKING_H
 
-#include "server/plugins/command/align.h"
-#include "server/plugins/command/config.h"
+#include "server/plugins/command/command_align.h"
+#include "server/plugins/command/command_config.h"
 #include "server/plugins/command/run.h"
 
 struct cm_speaking {

@@ -2,10 +2,10 @@
 /* The espeak-ng voice plugin. libespeak-ng keeps its state in globals, and so must its callbacks' owner; the
  * host runs one instance in a process. */
 #include "server/base/mem.h"
-#include "server/plugins/espeak/text.h"
-#include "server/plugins/espeak/timing.h"
-#include "server/plugins/espeak/voices.h"
-#include "server/plugins/espeak/words.h"
+#include "server/plugins/espeak/espeak_text.h"
+#include "server/plugins/espeak/espeak_timing.h"
+#include "server/plugins/espeak/espeak_voices.h"
+#include "server/plugins/espeak/espeak_words.h"
 #include "server/voice/faccia-voice.h"
 #include <espeak-ng/speak_lib.h>
 #include <jansson.h>

@@ -2,8 +2,8 @@
 /* The Festival voice plugin. Festival runs as a program of its own: it crashes on some texts, and when it
  * does so the sentence can be given to another one in plainer form. */
 #include "server/base/mem.h"
-#include "server/plugins/festival/child.h"
-#include "server/plugins/festival/piece.h"
+#include "server/plugins/festival/festival_child.h"
+#include "server/plugins/festival/festival_piece.h"
 #include <dlfcn.h>
 #include <limits.h>
 #include <locale.h>

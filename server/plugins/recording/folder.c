@@ -90,7 +90,7 @@ static int describe(struct recorded *r, const char *path, const char *lang, stru
 }
 
 static void free_recorded(struct recorded *r) {
-    reading_free(r->reading);
+    aligned_recording_free(r->reading);
     json_decref(r->names);
     char *const texts[] = {r->id, r->sound, r->text, r->name, r->lang, r->gender, r->quality, r->licence};
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++)
@@ -198,8 +198,8 @@ static bool outdated(const char *path, const struct buf *text, const struct reco
     struct error e;
     struct sound_file *sound = sound_open(r->sound, &e);
     bool old = sound && !read_file(path, &data, &e) &&
-               !reading_is_of((char *)data.data, data.size, (char *)text->data, text->size,
-                              sound_source(sound)->samples);
+               !aligned_recording_is_of((char *)data.data, data.size, (char *)text->data, text->size,
+                                        sound_source(sound)->samples);
     sound_close(sound);
     buf_free(&data);
     return old;
@@ -220,16 +220,16 @@ int folder_load(const struct folder *f, struct recorded *r, struct reference_slo
     if (path)
         result = load_times(r, path, packs, &times, e);
     if (!result) {
-        const struct reading_options options = {.sound = r->sound,
-                                                .text = text.size ? (char *)text.data + skip : "",
-                                                .text_size = text.size - skip,
-                                                .lang = r->lang,
-                                                .gender =
-                                                    strcmp(r->gender, "neutral") != 0 ? r->gender : NULL,
-                                                .times = path ? &times : NULL,
-                                                .reference = reference,
-                                                .stop = stop};
-        r->reading = reading_open(&options, e);
+        const struct aligned_recording_options options = {
+            .sound = r->sound,
+            .text = text.size ? (char *)text.data + skip : "",
+            .text_size = text.size - skip,
+            .lang = r->lang,
+            .gender = strcmp(r->gender, "neutral") != 0 ? r->gender : NULL,
+            .times = path ? &times : NULL,
+            .reference = reference,
+            .stop = stop};
+        r->reading = aligned_recording_open(&options, e);
         result = r->reading ? 0 : -1;
     }
     times_free(&times);
@@ -242,7 +242,7 @@ int folder_keep(const struct folder *f, const struct recorded *r, struct error *
     if (r->reading->keep_phones)
         return 0; /* the times are the user's, and are read again */
     char *path = own_times(f, r);
-    int result = reading_save(r->reading, path, e);
+    int result = aligned_recording_save(r->reading, path, e);
     free(path);
     return result;
 }

@@ -5,8 +5,8 @@
 #ifndef FACCIA_PLUGINS_RECORDING_FOLDER_H
 #define FACCIA_PLUGINS_RECORDING_FOLDER_H
 
-#include "server/align/reading.h"
-#include "server/face/packs.h"
+#include "server/align/aligned_recording.h"
+#include "server/face/packs/speech_packs.h"
 
 enum { FOLDER_RECORDINGS_MAX = 10000 };
 
@@ -15,7 +15,7 @@ struct recorded {
     char *name, *lang, *gender, *quality, *licence; /* as voices have them */
     json_t *names;                                  /* the times' names -> IPA, or NULL */
     uint32_t rate;                                  /* Hz; 0 = the sound cannot be read */
-    struct reading *reading;                        /* NULL = not loaded */
+    struct aligned_recording *reading;              /* NULL = not loaded */
     uint64_t used;                                  /* when it was spoken last; larger is later */
     size_t next;                                    /* the word after the last one spoken */
 };

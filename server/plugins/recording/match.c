@@ -11,7 +11,7 @@ void match_words(struct match *m, const struct faccia_sentence *sentence) {
         if (span->kind != FACCIA_SPAN_TEXT || !span->text)
             continue;
         size_t before = m->tokens.count;
-        tokens_add(&m->tokens, span->text, strlen(span->text), 0);
+        text_words_add(&m->tokens, span->text, strlen(span->text), 0);
         m->spans = mem_grow(m->spans, &m->cap, m->tokens.count + 1, sizeof *m->spans);
         for (size_t i = before; i < m->tokens.count; i++)
             m->spans[i] = s;
@@ -19,35 +19,35 @@ void match_words(struct match *m, const struct faccia_sentence *sentence) {
 }
 
 void match_free(struct match *m) {
-    tokens_free(&m->tokens);
+    text_words_free(&m->tokens);
     free(m->spans);
 }
 
-int match_find(struct match *m, const struct reading *reading, size_t from, struct error *e) {
-    const struct tokens *in = &reading->tokens;
+int match_find(struct match *m, const struct aligned_recording *reading, size_t from, struct error *e) {
+    const struct text_words *in = &reading->tokens;
     size_t count = m->tokens.count, place;
-    m->at = tokens_find(in, m->tokens.list, count, from);
+    m->at = text_words_find(in, m->tokens.list, count, from);
     if (m->at == SIZE_MAX)
-        m->at = tokens_find(in, m->tokens.list, count, 0);
+        m->at = text_words_find(in, m->tokens.list, count, 0);
     if (m->at != SIZE_MAX)
         return 0;
-    size_t agree = tokens_longest(in, m->tokens.list, count, &place);
-    const struct token *asked = &m->tokens.list[agree];
+    size_t agree = text_words_longest(in, m->tokens.list, count, &place);
+    const struct text_word *asked = &m->tokens.list[agree];
     const char *text = m->sentence->spans[m->spans[agree]].text;
     int length = (int)(asked->to - asked->from);
     if (!agree)
         return error_set(e, "voice-failed", "this is not in the recording: it has no word \"%.*s\"", length,
                          text + asked->from);
-    const struct token *other = place + agree < in->count ? &in->list[place + agree] : NULL;
+    const struct text_word *other = place + agree < in->count ? &in->list[place + agree] : NULL;
     return error_set(e, "voice-failed",
                      "this is not in the recording: after %zu words it has \"%.*s\" instead of \"%.*s\"",
                      agree, other ? (int)(other->to - other->from) : 0,
                      other ? reading->text + other->from : "", length, text + asked->from);
 }
 
-uint64_t match_time(const struct match *m, const struct reading *reading, size_t word, bool end,
+uint64_t match_time(const struct match *m, const struct aligned_recording *reading, size_t word, bool end,
                     uint64_t from, uint64_t samples) {
-    const struct reading_word *w = &reading->words[m->at + word];
+    const struct aligned_recording_word *w = &reading->words[m->at + word];
     double at = (end ? w->end : w->start) * reading->sound->rate - (double)from;
     return at <= 0 ? 0 : at >= (double)samples ? samples : (uint64_t)at;
 }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-/** Which position of the speech is played at a frame of the audio clock, from the reports of a pump. */
+/** Which position of the speech is played at a frame of the audio clock, from the reports of a buffer. */
 export class PositionMap {
   constructor() {
     this.reports = [{ frame: -Infinity, position: 0, running: false }];

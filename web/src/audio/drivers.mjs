@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What pulls the samples out of a pump: the audio thread, the page on behalf of the audio thread, or nobody but a clock.
-import { Pump } from './pump.mjs';
+// What pulls the samples out of a buffer: the audio thread, the page on behalf of the audio thread, or nobody but a clock.
+import { PlayoutBuffer } from './playout-buffer.mjs';
 
 const WORKLET = './talking-head-worklet.js'; // beside the script: pages may forbid scripts that are no files
 const loaded = new WeakMap(); // context -> promise of its worklet module
@@ -18,7 +18,7 @@ class WorkletDriver {
   }
 
   constructor(context, report) {
-    this.node = new AudioWorkletNode(context, 'faccia-pump', { numberOfInputs: 0, outputChannelCount: [1] });
+    this.node = new AudioWorkletNode(context, 'faccia-playout', { numberOfInputs: 0, outputChannelCount: [1] });
     this.node.port.onmessage = ({ data }) => report(data);
     this.node.connect(context.destination);
   }
@@ -52,31 +52,31 @@ class WorkletDriver {
 /** In the page, where there is no worklet: browsers offer it over HTTPS and on localhost only, and pages can forbid it. */
 class ScriptDriver {
   constructor(context, report) {
-    this.pump = new Pump(context.sampleRate, report);
+    this.buffer = new PlayoutBuffer(context.sampleRate, report);
     this.node = context.createScriptProcessor(1024, 0, 1);
     this.node.onaudioprocess = ({ outputBuffer, playbackTime }) =>
-      this.pump.render(outputBuffer.getChannelData(0), Math.round(playbackTime * context.sampleRate));
+      this.buffer.render(outputBuffer.getChannelData(0), Math.round(playbackTime * context.sampleRate));
     this.node.connect(context.destination);
   }
 
   push(block) {
-    this.pump.push(block);
+    this.buffer.push(block);
   }
 
   finish() {
-    this.pump.finish();
+    this.buffer.finish();
   }
 
   flush() {
-    this.pump.flush();
+    this.buffer.flush();
   }
 
   hold() {
-    this.pump.hold();
+    this.buffer.hold();
   }
 
   release() {
-    this.pump.release();
+    this.buffer.release();
   }
 
   close() {
@@ -88,40 +88,40 @@ class ScriptDriver {
 /** Without sound: the samples go by as time does. Frames count from the page's beginning. */
 export class SilentDriver {
   constructor(rate, report) {
-    this.pump = new Pump(rate, report);
+    this.buffer = new PlayoutBuffer(rate, report);
     this.frame = null;
     this.sink = new Float32Array(1024);
   }
 
   /** To be called often. @param {number} seconds the page's clock */
   run(seconds) {
-    const now = Math.floor(seconds * this.pump.rate);
+    const now = Math.floor(seconds * this.buffer.rate);
     this.frame ??= now;
     while (this.frame < now) {
       const out = this.sink.subarray(0, Math.min(this.sink.length, now - this.frame));
-      this.pump.render(out, this.frame);
+      this.buffer.render(out, this.frame);
       this.frame += out.length;
     }
   }
 
   push(block) {
-    this.pump.push(block);
+    this.buffer.push(block);
   }
 
   finish() {
-    this.pump.finish();
+    this.buffer.finish();
   }
 
   flush() {
-    this.pump.flush();
+    this.buffer.flush();
   }
 
   hold() {
-    this.pump.hold();
+    this.buffer.hold();
   }
 
   release() {
-    this.pump.release();
+    this.buffer.release();
   }
 }
 

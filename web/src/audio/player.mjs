@@ -228,8 +228,8 @@ export class Player {
       return;
     }
     audio = driver;
-    const rest = this.silent.pump.drain();
-    const complete = this.silent.pump.complete;
+    const rest = this.silent.buffer.drain();
+    const complete = this.silent.buffer.complete;
     this.silent = null;
     this.audio = audio;
     this.map = new PositionMap();

@@ -1,19 +1,19 @@
 // SPDX-License-Identifier: MIT
 /* global AudioWorkletProcessor, registerProcessor, sampleRate, currentFrame */
-import { Pump } from './pump.mjs';
+import { PlayoutBuffer } from './playout-buffer.mjs';
 
 registerProcessor(
-  'faccia-pump',
+  'faccia-playout',
   class extends AudioWorkletProcessor {
     constructor() {
       super();
-      const pump = new Pump(sampleRate, (report) => this.port.postMessage(report));
-      this.pump = pump;
-      this.port.onmessage = ({ data: [method, block] }) => pump[method](block);
+      const buffer = new PlayoutBuffer(sampleRate, (report) => this.port.postMessage(report));
+      this.buffer = buffer;
+      this.port.onmessage = ({ data: [method, block] }) => buffer[method](block);
     }
 
     process(inputs, outputs) {
-      this.pump.render(outputs[0][0], currentFrame);
+      this.buffer.render(outputs[0][0], currentFrame);
       return true;
     }
   },

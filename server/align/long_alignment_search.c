@@ -1,0 +1,165 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a chapter looks for, and where. */
+#include "server/align/long_alignment_internal.h"
+#include "server/base/mem.h"
+#include "server/markup/plain.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* So much synthetic speech is looked for at once, s; at least two pieces. */
+#define REFERENCE_SECONDS 20.0
+/* A piece is at most so long, bytes (about 13 s), and not cut where it would be shorter than the least. */
+enum { PIECE_BYTES = 200, PIECE_BYTES_LEAST = 40, TRIES = 3 };
+/* Seconds of the recording for each of the reference: what people need at most, until it is known. */
+#define PACE_FIRST 1.7
+/* The window is longer than what is expected by this factor, and by so many seconds. */
+#define WINDOW_FACTOR 1.35
+#define WINDOW_MORE 3.0
+/* A way that ends within this share of the window's end may have been cut off by it. */
+#define NEAR_END 0.03
+/* The beginning: so many places are tried, if the first words (s) are so much farther than the others are;
+ * each must be so much better than the ones before. */
+#define FIRST_SECONDS 1.0
+#define FIRST_APART 1.05
+#define BETTER_START 0.98
+enum { STARTS = 5 };
+
+/* The length of the piece at the head of the text: a sentence, or what stands before a comma or a space in
+ * one that is too long. */
+static size_t piece_length(const char *text, size_t size) {
+    size_t length = plain_sentence(text, size, NULL), comma = 0, space = 0;
+    while (length < PIECE_BYTES_LEAST && length < size)
+        length += plain_sentence(text + length, size - length, NULL);
+    if (length <= PIECE_BYTES)
+        return length;
+    for (size_t i = PIECE_BYTES / 3; i < PIECE_BYTES; i++)
+        if (text[i] == ' ' || text[i] == '\n') {
+            space = i + 1;
+            comma = strchr(",;:", text[i - 1]) ? i + 1 : comma;
+        }
+    return comma ? comma : space ? space : length;
+}
+
+/* Has the voice speak pieces of the text from there on, until there are enough. Returns where they end. */
+int long_alignment_speak(struct long_alignment *c, const char *voice, struct error *e) {
+    struct reference_speech *s = &c->speech;
+    size_t at = c->at;
+    reference_clear(s);
+    c->span_count = 0;
+    while (at < c->size && c->span_count < PIECES_MAX &&
+           (c->span_count < 2 || (double)s->samples < REFERENCE_SECONDS * s->rate)) {
+        struct reference_span *span = &c->spans[c->span_count++];
+        size_t to = at + piece_length(c->text + at, c->size - at);
+        *span = (struct reference_span){at, to, s->samples, 0, s->phone_count, s->word_count};
+        if (reference_speak(c->reference, voice, c->text, at, to, s, e))
+            return -1;
+        span->end = s->samples;
+        at = to;
+    }
+    c->spans[c->span_count] =
+        (struct reference_span){.from = at, .phones = s->phone_count, .words = s->word_count};
+    return 0;
+}
+
+static int by_time(const void *a, const void *b) {
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* Where the speaker may pause: before words, and where the voice does. */
+static uint64_t *pauses(const struct reference_speech *s, size_t *count) {
+    uint64_t *starts = mem_alloc((s->word_count + s->phone_count + 1) * sizeof *starts);
+    *count = 0;
+    for (size_t i = 0; i < s->word_count; i++)
+        starts[(*count)++] = s->words[i].start;
+    for (size_t i = 0; i + 1 < s->phone_count; i++)
+        if (!*s->phones[i].ipa)
+            starts[(*count)++] = s->phones[i].end;
+    qsort(starts, *count, sizeof *starts, by_time);
+    return starts;
+}
+
+/* Looks for what the voice has spoken in the window, which is made longer if need be. -1 when the recording
+ * is far too short. */
+int long_alignment_find(struct long_alignment *c, struct align_map *map) {
+    const struct reference_speech *s = &c->speech;
+    double seconds = (double)s->samples / s->rate, pace = c->pace > 0 ? c->pace : PACE_FIRST;
+    double want = (seconds * pace * WINDOW_FACTOR + WINDOW_MORE) * c->window.source->rate;
+    size_t count;
+    uint64_t *starts = pauses(s, &count);
+    const struct align_options options = {starts, count, true, c->stop};
+    int result = -1;
+    for (int i = 0; i < TRIES; i++, want *= 1.4) {
+        window_fill(&c->window, c->skip + (size_t)want);
+        struct align_sound recording = {c->window.pcm + c->skip, c->window.samples - c->skip,
+                                        c->window.source->rate};
+        bool more = recording.samples > (size_t)want;
+        if (more)
+            recording.samples = (size_t)want;
+        struct align_sound reference = {s->pcm, s->samples, s->rate};
+        result = align_make(map, &recording, &reference, &options);
+        double end = result ? 1 : (double)align_end_time(map, s->samples) / (double)recording.samples;
+        bool all = c->window.ended && !more;
+        if (end < 1 - NEAR_END || all || i == TRIES - 1)
+            break;
+        align_free(map);
+    }
+    free(starts);
+    return result;
+}
+
+bool long_alignment_stopped(const struct long_alignment *c) {
+    return c->stop && atomic_load(c->stop);
+}
+
+int long_alignment_cancelled(struct error *e) {
+    return error_set(e, "cancelled", "the alignment was stopped");
+}
+
+/* The voice that comes closest, by what it makes of the first window. */
+int long_alignment_choose_voice(struct long_alignment *c, struct error *e) {
+    double best = INFINITY;
+    const char *chosen = c->voices[0];
+    for (size_t i = 0; i < c->voice_count; i++) {
+        struct align_map map;
+        if (long_alignment_speak(c, c->voices[i], e))
+            return -1;
+        if (!long_alignment_find(c, &map) && map.distance < best) {
+            best = map.distance;
+            chosen = c->voices[i];
+        }
+        align_free(&map);
+    }
+    if (long_alignment_stopped(c))
+        return long_alignment_cancelled(e);
+    c->voices[0] = chosen;
+    c->voice_count = 1;
+    return 0;
+}
+
+/* The text may begin after something else, such as noise or another voice, and a pause: then its first words
+ * are farther from what is heard first than the others are from theirs, and nearer to what follows the pause.
+ */
+int long_alignment_choose_start(struct long_alignment *c, struct error *e) {
+    uint64_t first = (uint64_t)(FIRST_SECONDS * c->speech.rate);
+    double best = INFINITY;
+    size_t start = 0;
+    for (int i = 0; i < STARTS && c->skip != SIZE_MAX; i++) {
+        struct align_map map;
+        bool good = false;
+        if (!long_alignment_find(c, &map)) {
+            double all = align_apart(&map, 0, c->speech.samples), here = align_apart(&map, 0, first);
+            good = !i && here < FIRST_APART * all;
+            if (all < BETTER_START * best) {
+                best = all;
+                start = c->skip;
+            }
+        }
+        align_free(&map);
+        c->skip = good ? SIZE_MAX : window_after_pause(&c->window, c->skip);
+    }
+    c->skip = 0;
+    window_drop(&c->window, start);
+    return long_alignment_stopped(c) ? long_alignment_cancelled(e) : 0;
+}

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/codec/codec_load.h"
+
+/* The loop is to be busy for this part of the time; above MOST it does less, and it does more only when that
+ * would leave it below WELL. */
+#define MOST 0.8
+#define WELL 0.6
+/* A loop that never waits has fallen behind, nobody knows by how much. */
+#define SWAMPED 0.97
+#define SWAMPED_DEMAND 2.0
+
+/* Costs: libopus 1.3.1, 24 kHz, tests/bench/speakers.mjs. */
+const struct codec_load_level codec_load_levels[CODEC_LOAD_LEVELS] = {
+    {9, false, 15.2}, {5, false, 8.5}, {1, false, 5}, {5, true, 3.2}, {0, true, 1.7},
+};
+
+void codec_load_open(struct codec_load *codec_load, uv_loop_t *loop, struct metrics *metrics) {
+    *codec_load = (struct codec_load){.loop = loop, .metrics = metrics};
+    uv_loop_configure(loop, UV_METRICS_IDLE_TIME);
+}
+
+static unsigned less(unsigned level, double busy) {
+    double demand = busy > SWAMPED ? SWAMPED_DEMAND : busy, now = codec_load_levels[level].cost;
+    if (level + 1 < CODEC_LOAD_LEVELS)
+        level++;
+    while (level + 1 < CODEC_LOAD_LEVELS && demand * codec_load_levels[level].cost / now > MOST)
+        level++;
+    return level;
+}
+
+unsigned codec_load_choose(unsigned level, double busy, bool calm) {
+    if (busy > MOST)
+        return less(level, busy);
+    if (calm && level && busy * codec_load_levels[level - 1].cost / codec_load_levels[level].cost < WELL)
+        return level - 1;
+    return level;
+}
+
+unsigned codec_load_now(struct codec_load *e) {
+    if (!e)
+        return CODEC_LOAD_BEST;
+    uint64_t now = uv_hrtime(), took = now - e->from;
+    if (took < CODEC_LOAD_WINDOW_MS * 1000000ull)
+        return e->level;
+    uint64_t idle = uv_metrics_idle_time(e->loop);
+    bool calm = now - e->changed >= CODEC_LOAD_CALM_MS * 1000000ull;
+    unsigned level = codec_load_choose(e->level, 1 - (double)(idle - e->idle) / (double)took, calm);
+    if (level != e->level) {
+        e->changed = now;
+        metrics_add(e->metrics, METRIC_SOUND_LEVEL, (double)level - e->level);
+    }
+    e->level = level;
+    e->from = now;
+    e->idle = idle;
+    return level;
+}

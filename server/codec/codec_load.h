@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How much work each stream's sound is given: the better an Opus coder is to sound, the more it computes, and
+ * at its best it takes twenty times what all the rest of a stream takes. While the loop has time to spare the
+ * sound is as good as can be; when many speak at once it becomes plainer, rather than late. */
+#ifndef FACCIA_CODEC_CODEC_LOAD_H
+#define FACCIA_CODEC_CODEC_LOAD_H
+
+#include "server/base/metrics.h"
+#include <stdbool.h>
+#include <uv.h>
+
+enum {
+    CODEC_LOAD_BEST = 0, /* levels, the dearest first */
+    CODEC_LOAD_LEVELS = 5,
+    CODEC_LOAD_WINDOW_MS = 250,
+    CODEC_LOAD_CALM_MS = 2000, /* the level stays for so long before it becomes dearer */
+};
+
+/* What an Opus coder does at a level; see opus_encoder_ctl. */
+struct codec_load_level {
+    int complexity; /* 0..10 */
+    bool transform; /* codes by transform alone (CELT, which needs OPUS_BITRATE_MOST), not by a model of the
+                       voice (SILK) */
+    double cost;    /* ms of CPU for a second of speech, with all else that a stream takes */
+};
+extern const struct codec_load_level codec_load_levels[CODEC_LOAD_LEVELS];
+
+struct codec_load {
+    uv_loop_t *loop;
+    uint64_t from, idle; /* of the window, ns */
+    uint64_t changed;    /* when the level was, ns */
+    unsigned level;
+    struct metrics *metrics;
+};
+
+/* Before the loop runs: it has to count the time in which it waits. metrics: borrowed; NULL = nobody counts.
+ */
+void codec_load_open(struct codec_load *codec_load, uv_loop_t *loop, struct metrics *metrics);
+
+/* The level of the sound that is coded now. codec_load = NULL: the best. */
+unsigned codec_load_now(struct codec_load *codec_load);
+
+/* The level after a window in which the loop at that level was busy for that part of the time, 0..1. calm: it
+ * may become dearer. */
+unsigned codec_load_choose(unsigned level, double busy, bool calm);
+
+#endif

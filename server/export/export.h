@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A speech, or a recording, written down whole: as sound (WAV, Opus in Ogg), as face animation (.fap, .fapc),
+ * as its timing (JSON, of speech only), or as all that happens in it (NDJSON). For files and HTTP answers. */
+#ifndef FACCIA_EXPORT_EXPORT_H
+#define FACCIA_EXPORT_EXPORT_H
+
+#include "server/base/buf.h"
+#include "server/base/utf8.h"
+#include "server/synthesis/synthesis.h"
+
+struct export;
+
+/* One format. */
+struct export_format {
+    const char *name; /* "wav" */
+    const char *content_type;
+    /* Its bytes can leave while the speech is made; otherwise only all at the end. */
+    bool streams;
+    /* The samples of a segment up to `to` (of its own); those before x->at have been written. */
+    void (*piece)(struct export *x, const struct media_segment *segment, uint32_t to);
+    void (*end)(struct export *x);
+    void (*warning)(struct export *x, const struct error *e); /* NULL: nobody is told */
+    void (*free)(struct export *x);                           /* of its coder; NULL: it has none */
+};
+
+/* What is written down about where the segments come from. Borrowed. */
+struct export_source {
+    const char *text, *lang, *voice, *engine, *markup; /* of a speech */
+    const char *play;                                  /* the name of a recording, else NULL */
+    double fps;
+    uint32_t frames; /* that there will be; 0 = not known. When it is, faces stream, too. */
+};
+
+/* That of a speech, which must outlive it. */
+struct export_source export_source_of(const struct synthesis *synthesis);
+
+/* The state of one export. Bytes that are ready lie in out; the owner takes them from its head. */
+struct export {
+    const struct export_format *format;
+    struct buf out;
+    void *coder; /* the format's own */
+    struct export_source source;
+    double fps;
+    uint32_t samples, sample_rate, frames; /* so far */
+    uint32_t at;                           /* samples of the segment that is being written */
+    size_t segments;                       /* that are written */
+    size_t phones;                         /* in the JSON so far */
+    struct buf words, marks, warnings;     /* members of its other lists */
+    struct utf16_counter utf16;
+};
+
+/* The formats on offer, ended by a name of NULL. */
+extern const struct export_format export_formats[];
+const struct export_format *export_by_name(const char *name);
+
+/* The fps of a recording may be set later, before its first segment. */
+void export_begin(struct export *x, const struct export_format *format, const struct export_source *source);
+
+/* Writes the next piece of a segment, of EXPORT_PIECE_MS. True: it was the last. */
+enum { EXPORT_PIECE_MS = 250 };
+bool export_piece(struct export *x, const struct media_segment *segment);
+/* All pieces of it. */
+void export_segment(struct export *x, const struct media_segment *segment);
+void export_warning(struct export *x, const struct error *e);
+void export_end(struct export *x);
+void export_free(struct export *x);
+
+/* The 44 bytes of a WAV header for mono 16 bit sound; samples = UINT32_MAX when the length is not known yet.
+ */
+enum { WAV_HEADER_BYTES = 44 };
+void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t samples);
+
+/* The frames that there are up to that sample of the segment. */
+uint32_t export_frames_until(const struct export *x, const struct media_segment *segment, uint32_t to);
+
+void export_json_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_json_end(struct export *x);
+void export_json_warning(struct export *x, const struct error *e);
+
+void export_ndjson_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_ndjson_end(struct export *x);
+void export_ndjson_warning(struct export *x, const struct error *e);
+
+void export_ogg_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_ogg_end(struct export *x);
+void export_ogg_free(struct export *x);
+
+void export_fapc_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_fapc_end(struct export *x);
+void export_fapc_free(struct export *x);
+
+#endif

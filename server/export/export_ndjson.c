@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The NDJSON export: a line for each event and each frame, in the order of their times, as they are made. The
+ * events are those of the stream; a frame has the FAPs that are not 0. */
+#include "server/base/mem.h"
+#include "server/export/export.h"
+#include <jansson.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+static int append(const char *text, size_t size, void *buf) {
+    buf_add(buf, text, size);
+    return 0;
+}
+
+static void put(struct export *x, json_t *line) {
+    json_dump_callback(line, append, &x->out, JSON_COMPACT | JSON_REAL_PRECISION(12));
+    buf_add(&x->out, "\n", 1);
+    json_decref(line);
+}
+
+static double seconds(uint64_t samples, uint32_t rate) {
+    return rate ? round((double)samples / rate * 1e6) / 1e6 : 0;
+}
+
+/* What stands at a time of a segment. */
+struct item {
+    uint64_t sample; /* of the speech */
+    enum { SENTENCE, WORD, PHONE, MARK, FRAME } kind;
+    size_t index;
+};
+
+static int by_time(const void *a, const void *b) {
+    const struct item *p = a, *q = b;
+    if (p->sample != q->sample)
+        return p->sample < q->sample ? -1 : 1;
+    if (p->kind != q->kind)
+        return p->kind < q->kind ? -1 : 1;
+    return p->index < q->index ? -1 : p->index > q->index;
+}
+
+static void put_begin(struct export *x, uint32_t rate) {
+    json_t *line = json_pack("{ss si sf}", "type", "begin", "rate", (int)rate, "fps", x->fps);
+    if (x->source.play) {
+        json_object_set_new(line, "play", json_string(x->source.play));
+    } else {
+        json_object_set_new(line, "voice", json_string(x->source.voice));
+        json_object_set_new(line, "lang", json_string(x->source.lang));
+        json_object_set_new(line, "engine", json_string(x->source.engine));
+        json_object_set_new(line, "markup", json_string(x->source.markup));
+    }
+    put(x, line);
+}
+
+static json_t *span(struct export *x, const char *type, const struct item *item, uint32_t duration,
+                    size_t from, size_t to) {
+    const char *text = x->source.text;
+    size_t utf16_from = utf16_offset(&x->utf16, text, from);
+    return json_pack("{ss sf sf sI sI sI sI}", "type", type, "time", seconds(item->sample, x->sample_rate),
+                     "duration", seconds(duration, x->sample_rate), "start", (json_int_t)from, "end",
+                     (json_int_t)to, "utf16_start", (json_int_t)utf16_from, "utf16_end",
+                     (json_int_t)utf16_offset(&x->utf16, text, to));
+}
+
+/* Its FAPs are written by hand: they are most of the answer. */
+static void put_frame(struct export *x, const struct media_segment *segment, uint32_t k) {
+    struct fap_frame f;
+    const char *comma = "";
+    char text[24]; /* of one parameter */
+    json_t *line =
+        json_pack("{ss si sf}", "type", "frame", "frame", (int)k, "time", round(k / x->fps * 1e6) / 1e6);
+    put(x, line);
+    x->out.size -= 2; /* "}\n" */
+    buf_printf(&x->out, ",\"faps\":{");
+    media_segment_frame(segment, x->fps, k, &f);
+    for (int n = 3; n <= FAP_COUNT; n++)
+        if (fap_frame_has(&f, n) && f.value[n]) {
+            buf_add(&x->out, text,
+                    (size_t)snprintf(text, sizeof text, "%s\"%d\":%d", comma, n, (int)f.value[n]));
+            comma = ",";
+        }
+    buf_printf(&x->out, "}}\n");
+}
+
+static void put_item(struct export *x, const struct media_segment *segment, const struct item *item) {
+    const struct sentence_audio *u = segment->audio;
+    double time = seconds(item->sample, x->sample_rate);
+    switch (item->kind) {
+    case SENTENCE:
+        put(x, span(x, "sentence", item, u->samples, u->from, u->to));
+        break;
+    case WORD: {
+        const struct word *w = &u->words[item->index];
+        json_t *line = span(x, "word", item, w->end - w->start, w->from, w->to);
+        json_object_set_new(line, "text", json_stringn(x->source.text + w->from, w->to - w->from));
+        put(x, line);
+        break;
+    }
+    case PHONE: {
+        const struct phone *p = &u->phones[item->index];
+        put(x, json_pack("{ss sf sf ss}", "type", "phone", "time", time, "duration",
+                         seconds(p->end - p->start, x->sample_rate), "ipa", p->ipa));
+        break;
+    }
+    case MARK:
+        put(x, json_pack("{ss sf ss}", "type", "mark", "time", time, "name", u->marks[item->index].name));
+        break;
+    case FRAME:
+        put_frame(x, segment, (uint32_t)item->index);
+        break;
+    }
+}
+
+/* Does what begins at that sample of the segment belong to the piece up to `to`? */
+static bool is_in(const struct export *x, const struct sentence_audio *u, uint32_t sample, uint32_t to) {
+    return sample >= x->at && (sample < to || to == u->samples);
+}
+
+void export_ndjson_piece(struct export *x, const struct media_segment *segment, uint32_t to) {
+    const struct sentence_audio *u = segment->audio;
+    uint64_t start = (uint64_t)segment->start;
+    uint32_t end = export_frames_until(x, segment, to), first = x->frames;
+    if (!x->segments && !x->at)
+        put_begin(x, u->sample_rate);
+    size_t count = 0, most = 1 + u->word_count + u->phone_count + u->mark_count + (end - first);
+    struct item *items = mem_alloc(most * sizeof *items);
+    if (!x->source.play && !x->at)
+        items[count++] = (struct item){start, SENTENCE, 0};
+    for (size_t i = 0; i < u->word_count; i++)
+        if (is_in(x, u, u->words[i].start, to))
+            items[count++] = (struct item){start + u->words[i].start, WORD, i};
+    for (size_t i = 0; i < u->phone_count; i++)
+        if (is_in(x, u, u->phones[i].start, to))
+            items[count++] = (struct item){start + u->phones[i].start, PHONE, i};
+    for (size_t i = 0; i < u->mark_count; i++)
+        if (is_in(x, u, u->marks[i].at, to))
+            items[count++] = (struct item){start + u->marks[i].at, MARK, i};
+    for (; x->frames < end; x->frames++)
+        items[count++] = (struct item){(uint64_t)(x->frames / x->fps * u->sample_rate), FRAME, x->frames};
+    qsort(items, count, sizeof *items, by_time);
+    for (size_t i = 0; i < count; i++)
+        put_item(x, segment, &items[i]);
+    free(items);
+}
+
+void export_ndjson_end(struct export *x) {
+    put(x, json_pack("{ss ss sf}", "type", "end", "reason", x->segments ? "done" : "failed", "duration",
+                     seconds(x->samples, x->sample_rate)));
+}
+
+void export_ndjson_warning(struct export *x, const struct error *e) {
+    char text[400];
+    put(x, json_pack("{ss ss ss}", "type", "warning", "code", e->code, "message",
+                     error_text(e, text, sizeof text)));
+}

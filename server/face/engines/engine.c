@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/face/engines/engine.h"
+#include <string.h>
+
+/* The first is the default. */
+static const struct face_engine *const engines[] = {&engine_dominance, &engine_cohen_massaro, &engine_context,
+                                                    &engine_syllable};
+static const char *const names[] = {"dominance", "cohen-massaro", "context", "syllable", NULL};
+
+const struct face_engine *engine_find(const char *name) {
+    for (size_t i = 0; i < sizeof engines / sizeof *engines; i++)
+        if (!name || !strcmp(engines[i]->name, name))
+            return engines[i];
+    return NULL;
+}
+
+bool face_engine_speaks(const char *name, const struct speech_pack *pack) {
+    const struct face_engine *engine = engine_find(name);
+    return engine && engine->speaks(pack);
+}
+
+const char *const *face_engines(void) {
+    return names;
+}

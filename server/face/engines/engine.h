@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Visible-speech engines: each makes a layer that moves the mouth from the same timed phones. */
+#ifndef FACCIA_FACE_ENGINES_ENGINE_H
+#define FACCIA_FACE_ENGINES_ENGINE_H
+
+#include "server/face/engines/phone_segments.h"
+#include "server/face/track.h"
+
+struct face_engine {
+    const char *name;
+    /* The track shows closures at any rate, whatever the curves make of them (contact.h). */
+    bool contacts;
+    /* Whether the pack has what the engine needs. */
+    bool (*speaks)(const struct speech_pack *pack);
+    /* Only for a pack that it speaks. The pack outlives the layer, the rest does not. An engine that makes
+     * out gestures where the voice gave no phones puts them in g, for the closures and FAP 1. */
+    struct face_layer (*layer)(const struct speech_pack *pack, const struct sentence_audio *u,
+                               struct phone_segments *g);
+};
+
+extern const struct face_engine engine_dominance;
+extern const struct face_engine engine_cohen_massaro;
+extern const struct face_engine engine_context;
+extern const struct face_engine engine_syllable;
+
+/* NULL = the default one. Unknown names find nothing. */
+const struct face_engine *engine_find(const char *name);
+
+#endif

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/face/engines/fapmap.h"
+#include <math.h>
+
+/* Opening half-way between middle and corner, as a part of the opening in the middle: a parabola gives 3/4; a
+ * narrow mouth is round, so that its sides close earlier. */
+#define SIDE_OPENING 0.75
+#define SIDE_PER_MM 0.02
+#define SIDE_MIN 0.55
+
+/* Secondary motion, mm per mm. */
+#define CORNER_PER_JAW (-0.12) /* corners sink with the jaw */
+#define CORNER_PER_SPREAD 0.12 /* and rise a little as they spread */
+#define CHIN_PER_PRESS 0.5     /* the chin muscle lifts a pressing lower lip */
+#define CHIN_PER_PUSH 0.2      /* and a protruding one */
+#define CHEEK_PER_JAW (-0.06)  /* cheeks get hollow as the jaw sinks */
+#define CHEEK_PER_PUSH (-0.15) /* and as the lips are pushed forward */
+#define CHEEK_PER_PRESS 0.2    /* air is held behind closed lips */
+#define LIFT_PER_SPREAD 0.12   /* spreading lifts the cheeks */
+#define OUTER_PER_INNER 0.85   /* the outer contour moves less than the inner one */
+
+/* How much of the chin's way down the tongue's tip and body are carried, and how far they sink into the floor
+ * of the mouth, mm. */
+#define TIP_PER_JAW 0.8
+#define BODY_PER_JAW 0.5
+#define TIP_FLOOR (-1.0)
+#define BODY_FLOOR (-2.0)
+
+/* How two lips share the way to each other. */
+#define LOWER_SHARE 0.7
+
+enum { MIDDLE, LEFT, RIGHT, PAIRS };
+
+/* FAPs of the upper and the lower lip that face each other. Upper ones are positive downwards, lower ones
+ * upwards: they touch where their sum is 0 and are pressed where it is positive. */
+static const struct {
+    int upper, lower, upper_outer, lower_outer;
+} pairs[PAIRS] = {{4, 5, 51, 52}, {8, 10, 55, 57}, {9, 11, 56, 58}};
+
+static double positive(double x) {
+    return x > 0 ? x : 0;
+}
+
+void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], double faps[FAP_COUNT + 1]) {
+    double mns = 1024 / fapu->mns, mw = 1024 / fapu->mw, es = 1024 / fapu->es, ens = 1024 / fapu->ens;
+    double spread = mm[PARAM_AR] / 2; /* each corner's part */
+    double press = positive(-mm[PARAM_LI]), push = positive((mm[PARAM_PI] + mm[PARAM_PS]) / 2),
+           jaw = positive(mm[PARAM_EM]);
+    double corner = CORNER_PER_JAW * jaw + CORNER_PER_SPREAD * spread;
+    double side = fmax(SIDE_MIN, SIDE_OPENING + SIDE_PER_MM * fmin(0, mm[PARAM_AR]));
+    for (int i = 0; i < PAIRS; i++) {
+        double part = i == MIDDLE ? 1 : side, at_corner = i == MIDDLE ? 0 : (1 - side) * corner;
+        double up = (part * mm[PARAM_LS] + at_corner) * mns, down = (part * mm[PARAM_LI] - at_corner) * mns;
+        faps[pairs[i].upper] -= up;
+        faps[pairs[i].lower] -= down;
+        /* An opening mouth thins its lips; a closing one is left to fapmap_part_lips. */
+        faps[pairs[i].upper_outer] -= up > 0 ? OUTER_PER_INNER * up : up;
+        faps[pairs[i].lower_outer] -= down > 0 ? OUTER_PER_INNER * down : down;
+    }
+    faps[3] += jaw * mns;
+    faps[6] += spread * mw;
+    faps[7] += spread * mw;
+    faps[53] += spread * mw;
+    faps[54] += spread * mw;
+    faps[12] += corner * mns;
+    faps[13] += corner * mns;
+    faps[59] += corner * mns;
+    faps[60] += corner * mns;
+    faps[44] += fmax(mm[PARAM_TH] + TIP_PER_JAW * jaw, TIP_FLOOR) * mns;
+    faps[45] += mm[PARAM_TA] * mw;
+    faps[46] += fmax(mm[PARAM_TB] + BODY_PER_JAW * jaw, BODY_FLOOR) * mns;
+    faps[16] += mm[PARAM_PI] * mns;
+    faps[17] += mm[PARAM_PS] * mns;
+    faps[18] += (CHIN_PER_PRESS * press + CHIN_PER_PUSH * push) * mns;
+    double puff = CHEEK_PER_JAW * jaw + CHEEK_PER_PUSH * push + CHEEK_PER_PRESS * press;
+    faps[39] += puff * es;
+    faps[40] += puff * es;
+    faps[41] += LIFT_PER_SPREAD * positive(spread) * ens;
+    faps[42] += LIFT_PER_SPREAD * positive(spread) * ens;
+}
+
+static void close_lips(const struct contact_demand *d, double mns, double faps[FAP_COUNT + 1]) {
+    for (int i = 0; i < PAIRS; i++) {
+        double missing = d->rule->press * mns - (faps[pairs[i].upper] + faps[pairs[i].lower]);
+        double move = d->weight * positive(missing);
+        faps[pairs[i].lower] += LOWER_SHARE * move;
+        faps[pairs[i].lower_outer] += LOWER_SHARE * move;
+        faps[pairs[i].upper] += (1 - LOWER_SHARE) * move;
+        faps[pairs[i].upper_outer] += (1 - LOWER_SHARE) * move;
+    }
+}
+
+static void meet_teeth(const struct contact_demand *d, double mns, double faps[FAP_COUNT + 1]) {
+    double side = SIDE_OPENING;
+    for (int i = 0; i < PAIRS; i++) {
+        double lowest = -d->rule->reach * mns * (i == MIDDLE ? 1 : side);
+        double move = d->weight * positive(lowest - faps[pairs[i].lower]);
+        faps[pairs[i].lower] += move;
+        faps[pairs[i].lower_outer] += move;
+    }
+    faps[16] -= d->weight * positive(faps[16] + d->rule->retract * mns);
+}
+
+void fapmap_touch(const struct speech_fapu *fapu, const struct contact_demand demand[CONTACT_TEETH + 1],
+                  double faps[FAP_COUNT + 1]) {
+    double mns = 1024 / fapu->mns;
+    if (demand[CONTACT_TEETH].weight > 0)
+        meet_teeth(&demand[CONTACT_TEETH], mns, faps);
+    if (demand[CONTACT_LIPS].weight > 0)
+        close_lips(&demand[CONTACT_LIPS], mns, faps);
+}
+
+void fapmap_part_lips(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1]) {
+    double limit = FAPMAP_MAX_PRESS * 1024 / fapu->mns;
+    for (int i = 0; i < PAIRS; i++) {
+        double excess = positive(faps[pairs[i].upper] + faps[pairs[i].lower] - limit);
+        faps[pairs[i].upper] -= excess / 2;
+        faps[pairs[i].lower] -= excess / 2;
+    }
+}

@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/face/engines/targets.h"
+#include "server/base/mem.h"
+#include <math.h>
+#include <stdlib.h>
+
+/* The packs' extents were found beside the resistance, which ends gestures; without it they would reach over
+ * half a sentence and nothing would ever close. Times this they are where Cohen and Massaro have theirs,
+ * about 0.03 per ms.
+ */
+#define ORIGINAL_EXTENT 3.0
+
+enum { NO_CONTEXT = SPEECH_MAX_CONTEXTS };
+
+enum target_kind { TARGET_CONSONANT, TARGET_VOWEL, TARGET_REST };
+
+/* A target before its neighbours are taken into account. */
+struct raw_target {
+    double at;
+    struct coefficients c;
+    enum target_kind kind;
+    double reached; /* how much of the way from the neighbours it gets */
+    double leaves;  /* where its neighbours' ways begin: its target, or touching where that lies beyond */
+};
+
+struct raw_list {
+    struct raw_target *items;
+    size_t count, cap;
+};
+
+/* The part of the way that is covered in the duration d. */
+static double covered(double d, double constant) {
+    return constant > 0 ? 1 - exp(-pow(d / constant, 1.5)) : 1;
+}
+
+static bool is_vowel(const struct phone_segment *g) {
+    return g->phone && speech_phone_is_vowel(g->phone);
+}
+
+struct target_contexts *targets_contexts(const struct phone_segments *g) {
+    struct target_contexts *out = mem_alloc((g->count + 1) * sizeof *out);
+    size_t vowel = NO_CONTEXT;
+    for (size_t i = 0; i < g->count; i++) {
+        const struct speech_phone *phone = g->items[i].phone;
+        out[i].before = vowel;
+        if (!phone)
+            vowel = NO_CONTEXT;
+        else if (phone->group->vowel)
+            vowel = phone->group->context;
+    }
+    vowel = NO_CONTEXT;
+    for (size_t i = g->count; i-- > 0;) {
+        const struct speech_phone *phone = g->items[i].phone;
+        out[i].after = vowel;
+        if (!phone) {
+            vowel = NO_CONTEXT;
+        } else if (phone->group->vowel) {
+            vowel = phone->group->context;
+            const struct speech_phone *next = i + 1 < g->count ? g->items[i + 1].phone : NULL;
+            out[i].before = out[i].after =
+                next && !next->group->vowel ? next->group->context : VOWEL_CONTEXT_PAUSE;
+        }
+    }
+    for (size_t i = 0; i < g->count; i++) {
+        if (out[i].before == NO_CONTEXT)
+            out[i].before = out[i].after == NO_CONTEXT ? 0 : out[i].after;
+        if (out[i].after == NO_CONTEXT)
+            out[i].after = out[i].before;
+    }
+    return out;
+}
+
+/* a + weight (b - a), for all twelve. */
+static struct coefficients between(const struct coefficients *a, const struct coefficients *b,
+                                   double weight) {
+    struct coefficients out;
+    const double *x = (const double *)a, *y = (const double *)b;
+    double *z = (double *)&out;
+    for (size_t i = 0; i < sizeof out / sizeof(double); i++)
+        z[i] = x[i] + weight * (y[i] - x[i]);
+    return out;
+}
+
+static struct coefficients of_phone(const struct phone_segment *g, const struct target_contexts *contexts,
+                                    int p) {
+    size_t before = contexts->before * PARAM_COUNT + (size_t)p,
+           after = contexts->after * PARAM_COUNT + (size_t)p;
+    const struct speech_phone *phone = g->phone;
+    if (is_vowel(g))
+        return between(&phone->plain[after], &phone->stressed[after], g->stress);
+    return between(&phone->plain[before], &phone->plain[after], 0.5);
+}
+
+static void add(struct raw_list *list, double at, const struct coefficients *c, enum target_kind kind,
+                double reached, double leaves) {
+    if (c->alpha <= 0)
+        return;
+    list->items = mem_grow(list->items, &list->cap, list->count + 1, sizeof *list->items);
+    list->items[list->count++] = (struct raw_target){at, *c, kind, reached, leaves};
+}
+
+static void add_rest(struct raw_list *list, double at, const struct speech_rest *rest, int p,
+                     double reached) {
+    add(list, at, &rest->coefficients[p], TARGET_REST, reached, 0);
+}
+
+static void add_pause(struct raw_list *list, const struct phone_segment *g, const struct speech_rest *rest,
+                      int p, bool first, bool last) {
+    double length = g->end - g->start, needed = rest->reach + rest->leave;
+    if (length < needed && !first && !last) {
+        add_rest(list, g->start + length * rest->reach / needed, rest, p, covered(length, rest->partial));
+        return;
+    }
+    if (!first)
+        add_rest(list, g->start + fmin(rest->reach, length), rest, p, 1);
+    if (!last)
+        add_rest(list, g->end - fmin(rest->leave, length), rest, p, 1);
+}
+
+/* Lips that are pressed together begin to open from where they touch. */
+static bool is_pressed(const struct phone_segment *g, int p) {
+    return g->phone->contact.kind == CONTACT_LIPS && (p == PARAM_LI || p == PARAM_LS);
+}
+
+static void add_phone(struct raw_list *list, const struct phone_segment *g,
+                      const struct target_contexts *contexts, double undershoot, int p) {
+    struct coefficients c = of_phone(g, contexts, p);
+    double length = g->end - g->start, at = g->start + c.t * length; /* (3.19) */
+    if (is_vowel(g))
+        add(list, at, &c, TARGET_VOWEL, covered(length, undershoot), c.T);
+    else
+        add(list, at, &c, TARGET_CONSONANT, 1, is_pressed(g, p) ? fmax(0, c.T) : c.T);
+}
+
+/* Mean target of the neighbours that the target is measured against, weighted by their dominance: a vowel's
+ * consonants and pauses, a pause's phones. Without any, its own. */
+static double origin(const struct raw_list *list, size_t i) {
+    const struct raw_target *self = &list->items[i];
+    double sum = 0, weights = 0;
+    for (int side = -1; side <= 1; side += 2) {
+        if ((side < 0 && i == 0) || (side > 0 && i + 1 == list->count))
+            continue;
+        const struct raw_target *neighbour = &list->items[side < 0 ? i - 1 : i + 1];
+        if (neighbour->kind == self->kind)
+            continue;
+        sum += neighbour->c.alpha * neighbour->leaves;
+        weights += neighbour->c.alpha;
+    }
+    return weights > 0 ? sum / weights : self->c.T;
+}
+
+static void to_curve(const struct raw_list *list, enum targets_function function, struct curve *curve) {
+    for (size_t i = 0; i < list->count; i++) {
+        struct raw_target target = list->items[i];
+        if (target.reached < 1) {
+            double from = origin(list, i);
+            target.c.T = from + target.reached * (target.c.T - from);
+        }
+        if (function == TARGETS_ORIGINAL) {
+            target.c.theta_bw *= ORIGINAL_EXTENT;
+            target.c.theta_fw *= ORIGINAL_EXTENT;
+        }
+        curve_add(curve, target.at, &target.c);
+    }
+    if (function == TARGETS_ORIGINAL)
+        curve_link_original(curve);
+    else
+        curve_link(curve);
+}
+
+static void make_curve(const struct speech_pack *pack, const struct phone_segments *g,
+                       const struct target_contexts *contexts, enum targets_function function, int p,
+                       struct raw_list *list, struct curve *curve) {
+    double undershoot = function == TARGETS_ORIGINAL ? 0 : pack->undershoot[p];
+    list->count = 0;
+    add_rest(list, 0, &pack->rest, p, 1);
+    for (size_t i = 0; i < g->count; i++) {
+        if (g->items[i].phone)
+            add_phone(list, &g->items[i], &contexts[i], undershoot, p);
+        else
+            add_pause(list, &g->items[i], &pack->rest, p, i == 0, i + 1 == g->count);
+    }
+    add_rest(list, g->end, &pack->rest, p, 1);
+    *curve = (struct curve){0};
+    to_curve(list, function, curve);
+}
+
+void targets_curve(const struct speech_pack *pack, const struct phone_segments *g,
+                   enum targets_function function, int param, struct curve *curve) {
+    struct target_contexts *contexts = targets_contexts(g);
+    struct raw_list list = {0};
+    make_curve(pack, g, contexts, function, param, &list, curve);
+    free(list.items);
+    free(contexts);
+}
+
+void targets_curves(const struct speech_pack *pack, const struct phone_segments *g,
+                    enum targets_function function, struct curve curves[PARAM_COUNT]) {
+    struct target_contexts *contexts = targets_contexts(g);
+    struct raw_list list = {0};
+    for (int p = 0; p < PARAM_COUNT; p++)
+        make_curve(pack, g, contexts, function, p, &list, &curves[p]);
+    free(list.items);
+    free(contexts);
+}

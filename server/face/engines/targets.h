@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From gestures to the curves of the articulatory parameters: targets in context (Leone,
+ * "LUCIA-WebGL", 3.17-3.19). */
+#ifndef FACCIA_FACE_ENGINES_TARGETS_H
+#define FACCIA_FACE_ENGINES_TARGETS_H
+
+#include "server/face/engines/dominance.h"
+#include "server/face/engines/phone_segments.h"
+
+/* Which function makes the curve of the targets: the one of LUCIA, or the one that it came from (3.2). */
+enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL };
+
+/* The rules:
+ * - A consonant between two vowels has the mean of the coefficients that it has in the two symmetric contexts
+ * (3.17, 3.18); all consonants of a cluster look at the cluster's vowels. At a pause's edge only one vowel
+ * counts.
+ * - A vowel has the coefficients for the consonant that follows it, and stands between its unstressed and its
+ * stressed form.
+ * - Target instants by (3.19).
+ * - Undershoot: a vowel that lasts d seconds reaches the part 1 - exp(-(d / u)^1.5) of the way from its
+ * consonants' targets to its own, u being the pack's "undershoot" (after Lindblom, JASA 35, 1963: vowels
+ * shrink with their duration). Without it a vowel that resists like the consonants would open fully at any
+ * speech rate. The original function undershoots by itself, since nothing stops a gesture: it gets the
+ * targets as they are.
+ * - A pause brings the mouth to rest, completely when it is long enough; the mouth is at rest at time 0 and
+ * at the end. */
+void targets_curves(const struct speech_pack *pack, const struct phone_segments *g,
+                    enum targets_function function, struct curve curves[PARAM_COUNT]);
+
+/* The same for one parameter alone. */
+void targets_curve(const struct speech_pack *pack, const struct phone_segments *g,
+                   enum targets_function function, int param, struct curve *curve);
+
+/* The contexts of each gesture, as indices into a phone's tables: for a consonant those of its two vowels,
+ * for a vowel twice that of what follows. To be freed. */
+struct target_contexts {
+    size_t before, after;
+};
+struct target_contexts *targets_contexts(const struct phone_segments *g);
+
+#endif

@@ -1,0 +1,199 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/face/expression/cue_envelope.h"
+#include "server/base/mem.h"
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* E. Akagunduz 2004, eq. 5.4: expressions cross-fade while one letter goes over into the next. A pause counts
+ * for this much, s, of that way. */
+#define PAUSE_REACH 0.15
+/* The emotion's weight in that rule when the author gives none (the same, chapter 5.2). */
+#define WEIGHT_DEFAULT 0.2
+
+static double clamp(double x, double min, double max) {
+    return fmax(min, fmin(max, x));
+}
+
+/* The middles of the phones before and after an instant: the letter transition that it lies in. */
+static void transition(const struct sentence_audio *u, double at, double *from, double *to) {
+    double rate = u->sample_rate;
+    *from = at - CUE_FASTEST / 2;
+    *to = at + CUE_FASTEST / 2;
+    for (size_t i = 0; i < u->phone_count; i++) {
+        double start = u->phones[i].start / rate, end = u->phones[i].end / rate, half = (end - start) / 2;
+        if (!u->phones[i].ipa[0])
+            half = fmin(half, PAUSE_REACH);
+        if (end <= at + 1e-6)
+            *from = fmin(end - half, at - CUE_FASTEST / 2);
+        else if (start >= at - 1e-6) {
+            *to = fmax(start + half, at + CUE_FASTEST / 2);
+            return;
+        }
+    }
+}
+
+/* Fits rise and fall into the time there is. */
+static void squeeze(struct cue_envelope *s) {
+    double rise = s->full - s->begin, fall = s->end - s->fall, room = s->end - s->begin;
+    if (rise + fall <= room)
+        return;
+    double part = room / (rise + fall);
+    s->full = s->begin + fmax(CUE_FASTEST, rise * part);
+    s->fall = s->end - fmax(CUE_FASTEST, fall * part);
+}
+
+static void time_pose(const struct cue *cue, const struct sentence_audio *u, double end,
+                      struct cue_envelope *s) {
+    const struct envelope *curve = &s->expression->curve;
+    bool early = cue->onset < 0 && cue->delay <= 0; /* a face moves before the voice does */
+    double rise = fmax(CUE_FASTEST, cue->onset >= 0 ? cue->onset : curve->attack);
+    double fall = fmax(CUE_FASTEST, cue->offset >= 0 ? cue->offset : curve->decay);
+    s->begin = fmax(0, s->from - (early ? rise / 2 : 0));
+    s->full = s->begin + rise;
+    s->end = s->to + (cue->offset >= 0 ? 0 : fall);
+    s->fall = s->end - fall;
+    if (s->straight && early)
+        transition(u, s->from, &s->begin, &s->full);
+    if (s->straight && cue->offset < 0)
+        transition(u, s->to, &s->fall, &s->end);
+    if (s->begin < 0) { /* speech from the very first sample */
+        s->full -= s->begin;
+        s->begin = 0;
+    }
+    if (s->end > end) {
+        s->fall -= s->end - end;
+        s->end = end;
+    }
+    if (cue->began_before) {
+        s->begin = s->full = -INFINITY;
+    } else if (cue->goes_on) {
+        s->full = fmin(s->full, end);
+        s->begin = fmax(0, fmin(s->begin, s->full - CUE_FASTEST));
+    }
+    if (cue->goes_on)
+        s->fall = s->end = INFINITY;
+    else if (!cue->began_before)
+        squeeze(s);
+    else {
+        s->end = fmax(s->end, CUE_FASTEST);
+        s->fall = clamp(s->fall, 0, s->end - CUE_FASTEST);
+    }
+}
+
+static void time_settling(const struct cue *cue, double end, struct cue_envelope *s) {
+    const struct envelope *curve = &s->expression->curve;
+    s->settle_from = s->full + curve->hold;
+    s->settle_to = s->settle_from + curve->settle;
+    if (cue->began_before) {
+        s->settle_from = s->settle_to = -INFINITY;
+    } else if (cue->goes_on && s->settle_to > end) {
+        s->settle_to = end;
+        s->settle_from = clamp(end - curve->settle, 0, s->settle_from);
+    }
+}
+
+static void time_gesture(const struct cue *cue, double end, struct cue_envelope *s) {
+    const struct expression *x = s->expression;
+    bool at_end = x->anchor == ANCHOR_END;
+    s->reach = 0;
+    if (!x->key_count || (at_end ? cue->goes_on : cue->began_before) || end <= 0)
+        return;
+    double begin = x->keys[0].at, length = x->keys[x->key_count - 1].at - begin;
+    s->pace = fmin(1, end / length);
+    /* What has to be hurried over is also smaller. */
+    s->reach = fmin(1, 2 * s->pace) * s->intensity;
+    double start = clamp((at_end ? s->to : s->from) + begin, 0, end - length * s->pace);
+    s->gesture = start - begin * s->pace;
+    s->first = fmin(s->first, start);
+    s->last = fmax(s->last, start + length * s->pace);
+}
+
+static bool place(const struct cue *cue, const struct sentence_audio *u, const struct expression *x,
+                  enum face_blend blend, struct cue_envelope *s) {
+    double rate = u->sample_rate, end = u->samples / rate;
+    bool is_affect = !strcmp(x->kind, "affect");
+    *s = (struct cue_envelope){.expression = x, .intensity = clamp(cue->intensity, 0, 1)};
+    s->weight = clamp(cue->weight >= 0 ? cue->weight : WEIGHT_DEFAULT, 0, 1);
+    s->is_affect = is_affect;
+    s->straight = is_affect && blend == BLEND_WEIGHTED;
+    s->from = fmax(0, cue->start / rate + cue->delay);
+    s->to = fmax(s->from, s->from + cue->duration);
+    if (!(s->intensity > 0) || !(s->from <= end) || !isfinite(s->to))
+        return false;
+    time_pose(cue, u, end, s);
+    time_settling(cue, end, s);
+    s->first = s->begin;
+    s->last = s->end;
+    time_gesture(cue, end, s);
+    return true;
+}
+
+static int by_first(const void *a, const void *b) {
+    const struct cue_envelope *x = a, *y = b;
+    if (x->first != y->first)
+        return x->first < y->first ? -1 : 1;
+    if (x->to != y->to)
+        return x->to > y->to ? -1 : 1; /* outer ones first */
+    return (x->order > y->order) - (x->order < y->order);
+}
+
+void cue_envelopes_from(const struct sentence_audio *u, const struct expressions *expressions,
+                        enum face_blend blend, struct cue_envelopes *out) {
+    *out = (struct cue_envelopes){0};
+    if (!u->cue_count || !u->sample_rate)
+        return;
+    out->items = mem_alloc(u->cue_count * sizeof *out->items);
+    out->latest = mem_alloc(u->cue_count * sizeof *out->latest);
+    for (size_t i = 0; i < u->cue_count; i++) {
+        int found = expressions_find(expressions, u->cues[i].kind, u->cues[i].name);
+        struct cue_envelope *show = &out->items[out->count];
+        if (found < 0 || !place(&u->cues[i], u, expressions_at(expressions, (size_t)found), blend, show))
+            continue;
+        show->order = i;
+        out->count++;
+    }
+    qsort(out->items, out->count, sizeof *out->items, by_first);
+    for (size_t i = 0; i < out->count; i++)
+        out->latest[i] = i ? fmax(out->latest[i - 1], out->items[i].last) : out->items[i].last;
+}
+
+void cue_envelopes_free(struct cue_envelopes *shows) {
+    free(shows->items);
+    free(shows->latest);
+    *shows = (struct cue_envelopes){0};
+}
+
+static double smooth(double x) {
+    return x <= 0 ? 0 : x >= 1 ? 1 : x * x * (3 - 2 * x);
+}
+
+double cue_envelope_level(const struct cue_envelope *s, double t) {
+    if (t <= s->begin || t >= s->end)
+        return 0;
+    if (t >= s->full && t <= s->fall && (s->straight || t <= s->settle_from))
+        return 1;
+    double rise = t >= s->full ? 1 : (t - s->begin) / (s->full - s->begin);
+    double fall = t <= s->fall ? 1 : (s->end - t) / (s->end - s->fall);
+    if (s->straight)
+        return rise * fall;
+    double settled = t <= s->settle_from ? 0
+                     : t >= s->settle_to ? 1
+                                         : smooth((t - s->settle_from) / (s->settle_to - s->settle_from));
+    return smooth(rise) * smooth(fall) * (1 - (1 - s->expression->curve.sustain) * settled);
+}
+
+bool cue_envelope_gesture(const struct cue_envelope *s, double t, size_t *key, double *on) {
+    const struct expression *x = s->expression;
+    if (!(s->reach > 0))
+        return false;
+    double at = (t - s->gesture) / s->pace;
+    if (at <= x->keys[0].at || at >= x->keys[x->key_count - 1].at)
+        return false;
+    size_t k = 0;
+    while (at >= x->keys[k + 1].at)
+        k++;
+    *key = k;
+    *on = smooth((at - x->keys[k].at) / (x->keys[k + 1].at - x->keys[k].at));
+    return true;
+}

@@ -1,0 +1,247 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/face/life/life.h"
+#include "server/base/mem.h"
+#include "server/face/life/life_blink.h"
+#include "server/face/life/life_gesture.h"
+#include "server/face/life/life_noise.h"
+#include "server/face/life/life_prosody.h"
+#include "server/face/life/life_random.h"
+#include <stdlib.h>
+
+#define DEGREE 1745.33 /* in FAP angle units, 1e-5 rad */
+
+/* Upper and lower lid meet after IRISD in all: 1024 FAP units. They follow the eye up and down, the upper one
+ * nearly as far (on an eyeball of twice the iris's diameter, 1 degree is 1024 * pi / 180 units). */
+#define LID_UPPER 940
+#define LID_LOWER 84
+#define LID_UPPER_FOLLOWS 15.0 /* FAP units per degree */
+#define LID_LOWER_FOLLOWS 7.0
+
+/* Sway of the head, degrees each way; what speech adds to it. */
+#define SWAY_HZ 0.4 /* also of the eyes' drift */
+#define SWAY_PITCH 0.5
+#define SWAY_YAW 0.8
+#define SWAY_ROLL 0.45
+#define SWAY_SPEAKING 0.5
+
+/* Fixations drift, degrees. */
+#define DRIFT 0.15
+
+#define BREATH_PITCH (-0.35) /* degrees: breathing in lifts the head */
+#define BREATH_NOSTRILS 14   /* FAP units */
+
+/* How uneven the face is, FAP units: brows, lids, mouth corners at rest. */
+#define UNEVEN_BROW 12
+#define UNEVEN_LID 18
+#define UNEVEN_CORNER 9
+
+#define FADE_IN 1.0
+#define REST_FADE 0.5 /* s at the sentence's start and end */
+#define STRENGTH_MOST 2.0
+
+/* The shifts and blinks of a stretch of the clock. */
+struct window {
+    double from, to;
+    struct shifts glances, poses;
+    struct blinks blinks;
+};
+
+struct life {
+    uint64_t seed;
+    double strength, begin, end; /* s on the clock; end = begin: nobody speaks */
+    struct life_influence influence;
+    struct window speech, now; /* that of the sentence; the one of the block that was asked for last */
+    struct life_gestures gestures;
+    struct noise noise;
+    struct breath breath;
+    double brow, lid, corner; /* uneven, FAP units: half goes to each side */
+};
+
+static void window_free(struct window *w) {
+    shifts_free(&w->glances);
+    shifts_free(&w->poses);
+    blinks_free(&w->blinks);
+    *w = (struct window){0};
+}
+
+/* The blocks from the one at time `from` to the one at time `to`. */
+static void window_of(struct window *w, uint64_t seed, double from, double to) {
+    int64_t first = life_block(seed, from), last = life_block(seed, to);
+    window_free(w);
+    w->from = life_edge(seed, first);
+    w->to = life_edge(seed, last + 1);
+    for (int64_t block = first; block <= last; block++) {
+        glances_of_block(&w->glances, seed, block);
+        poses_of_block(&w->poses, seed, block);
+        blinks_of_block(&w->blinks, seed, block, &w->glances);
+    }
+}
+
+static struct window *window_at(struct life *life, double clock) {
+    if (clock >= life->speech.from && clock < life->speech.to)
+        return &life->speech;
+    if (clock < life->now.from || clock >= life->now.to)
+        window_of(&life->now, life->seed, clock, clock);
+    return &life->now;
+}
+
+static struct liveliness liveliness_at(const struct life *life, double clock) {
+    struct liveliness l = {1, 1, 1};
+    if (life->influence.at)
+        life->influence.at(life->influence.ctx, clock - life->begin, &l);
+    return l;
+}
+
+static struct blink_factors decide(const void *ctx, double clock) {
+    const struct life *life = ctx;
+    struct liveliness l = liveliness_at(life, clock);
+    double often = life->strength < 1 ? life->strength : (1 + life->strength) / 2;
+    return (struct blink_factors){often * l.blink_rate, l.blink_length};
+}
+
+/* 1 while nobody speaks .. 0 */
+static double rest_at(const struct life *life, double clock) {
+    if (clock <= life->begin || clock >= life->end)
+        return 1;
+    return 1 - life_smooth((clock - life->begin) / REST_FADE) * life_smooth((life->end - clock) / REST_FADE);
+}
+
+static void add_lids(const struct life *life, struct window *w, double clock, double fade, double pitch,
+                     double faps[FAP_COUNT + 1]) {
+    double closed[2];
+    blinks_at(&w->blinks, clock, decide, life, closed);
+    for (int side = 0; side < 2; side++) {
+        double shut = fade * closed[side], open = fade * (side ? -life->lid : life->lid) / 2;
+        faps[19 + side] += (1 - shut) * (LID_UPPER_FOLLOWS * pitch + open) + shut * LID_UPPER;
+        faps[21 + side] += (1 - shut) * -LID_LOWER_FOLLOWS * pitch + shut * LID_LOWER;
+    }
+}
+
+/* Breath through parted lips. */
+static void part_lips(double amount, double faps[FAP_COUNT + 1]) {
+    static const struct {
+        int fap;
+        double part;
+    } moves[] = {{3, 1},     {4, -0.25}, {5, -1},     {8, -0.18},  {9, -0.18},  {10, -0.75}, {11, -0.75},
+                 {51, -0.2}, {52, -0.9}, {55, -0.15}, {56, -0.15}, {57, -0.65}, {58, -0.65}};
+    for (size_t i = 0; i < sizeof moves / sizeof *moves; i++)
+        faps[moves[i].fap] += amount * moves[i].part;
+}
+
+static void add_gestures(const float g[GESTURE_CHANNELS], double strength, double faps[FAP_COUNT + 1]) {
+    for (int side = 0; side < 2; side++) {
+        double brow = strength * (double)g[GESTURE_BROW_LEFT + side];
+        faps[31 + side] += 0.8 * brow;
+        faps[33 + side] += brow;
+        faps[35 + side] += 0.9 * brow;
+        faps[61 + side] += strength * (double)g[GESTURE_NOSTRILS];
+    }
+    if (g[GESTURE_LIPS] > 0)
+        part_lips(strength * (double)g[GESTURE_LIPS], faps);
+}
+
+static void add_unevenness(const struct life *life, double fade, double rest, double faps[FAP_COUNT + 1]) {
+    for (int side = 0; side < 2; side++) {
+        double half = fade * (side ? -0.5 : 0.5);
+        for (int n = 31; n <= 35; n += 2)
+            faps[n + side] += half * life->brow;
+        faps[12 + side] += half * rest * life->corner;
+        faps[59 + side] += half * rest * life->corner;
+    }
+}
+
+static void add(void *self, double t, double faps[FAP_COUNT + 1]) {
+    struct life *life = self;
+    double clock = life->begin + t;
+    if (clock <= 0)
+        return;
+    double fade = life_smooth(clock / FADE_IN), strength = fade * life->strength;
+    double rest = rest_at(life, clock), noise[NOISE_CHANNELS], at[SHIFT_CHANNELS] = {0};
+    float gestures[GESTURE_CHANNELS] = {0};
+    struct window *w = window_at(life, clock);
+    shifts_at(&w->glances, clock, at);
+    shifts_at(&w->poses, clock, at);
+    noise_at(&life->noise, clock, noise);
+    if (rest < 1)
+        life_gestures_at(&life->gestures, t, gestures);
+
+    double motion = strength * liveliness_at(life, clock).motion,
+           breath = rest > 0 ? rest * breath_at(&life->breath, clock) : 0;
+    double swaying = 1 + SWAY_SPEAKING * (1 - rest);
+    double pitch = motion * (at[HEAD_PITCH] + (double)gestures[GESTURE_PITCH] + BREATH_PITCH * breath +
+                             swaying * SWAY_PITCH * noise[HEAD_PITCH]);
+    double yaw =
+        motion * (at[HEAD_YAW] + (double)gestures[GESTURE_YAW] + swaying * SWAY_YAW * noise[HEAD_YAW]);
+    double roll =
+        motion * (at[HEAD_ROLL] + (double)gestures[GESTURE_ROLL] + swaying * SWAY_ROLL * noise[HEAD_ROLL]);
+    /* The eyes keep their target while the head moves. */
+    double eyes = fade * (life->strength < 1 ? life->strength : (3 + life->strength) / 4);
+    double eye_yaw = eyes * (at[GAZE_YAW] + DRIFT * noise[GAZE_YAW]) - yaw,
+           eye_pitch = eyes * (at[GAZE_PITCH] + DRIFT * noise[GAZE_PITCH]) - pitch;
+    for (int side = 0; side < 2; side++) {
+        faps[23 + side] += DEGREE * eye_yaw;
+        faps[25 + side] += DEGREE * eye_pitch;
+        faps[61 + side] += strength * BREATH_NOSTRILS * breath;
+    }
+    faps[48] += DEGREE * pitch;
+    faps[49] += DEGREE * yaw;
+    faps[50] += DEGREE * roll;
+    add_lids(life, w, clock, fade, eye_pitch, faps);
+    add_unevenness(life, strength, rest, faps);
+    if (rest < 1)
+        add_gestures(gestures, strength, faps);
+}
+
+static void add_nothing(void *self, double t, double faps[FAP_COUNT + 1]) {
+    (void)self;
+    (void)t;
+    (void)faps;
+}
+
+static void life_free(void *self) {
+    struct life *life = self;
+    window_free(&life->speech);
+    window_free(&life->now);
+    life_gestures_free(&life->gestures);
+    free(life);
+}
+
+static void prepare_speech(struct life *life, const struct sentence_audio *u) {
+    struct prosody prosody;
+    prosody_of(u, life->begin, &prosody);
+    life->end = life->begin + prosody.end;
+    window_of(&life->speech, life->seed, life->begin, life->end);
+    glances_of_speech(&life->speech.glances, life->seed, &prosody, life->begin, life->end);
+    blinks_of_speech(&life->speech.blinks, life->seed, &prosody, life->begin, life->end);
+    life_gestures_of(&prosody, life->seed, &life->gestures);
+    prosody_free(&prosody);
+}
+
+struct face_layer life_layer(const struct face_options *options, const struct sentence_audio *u,
+                             struct life_influence influence) {
+    if (!(options->life > 0))
+        return (struct face_layer){add_nothing, NULL, NULL};
+    struct life *life = mem_alloc(sizeof *life);
+    uint64_t seed = options->seed;
+    struct dice d = dice_of(seed, DICE_ASYMMETRY, 0);
+    *life = (struct life){.seed = seed,
+                          .strength = fmin(options->life, STRENGTH_MOST),
+                          .begin = options->begin,
+                          .end = options->begin,
+                          .influence = influence,
+                          .noise = noise_of(seed, SWAY_HZ),
+                          .breath = {.seed = seed},
+                          .brow = UNEVEN_BROW * dice_between(&d, 0.4, 1),
+                          .lid = UNEVEN_LID * dice_between(&d, 0.4, 1),
+                          .corner = UNEVEN_CORNER * dice_between(&d, 0.4, 1)};
+    uint64_t sides = dice_bits(&d);
+    if (sides & 1)
+        life->brow = -life->brow;
+    if (sides & 2)
+        life->lid = -life->lid;
+    if (sides & 4)
+        life->corner = -life->corner;
+    if (u && u->samples)
+        prepare_speech(life, u);
+    return (struct face_layer){add, life_free, life};
+}

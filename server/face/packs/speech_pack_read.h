@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The parts of reading a speech pack; speech.c puts them together. All return 0, or -1 with the root's error
+ * filled. */
+#ifndef FACCIA_FACE_PACKS_SPEECH_PACK_READ_H
+#define FACCIA_FACE_PACKS_SPEECH_PACK_READ_H
+
+#include "server/base/json_place.h"
+#include "server/face/packs/speech_pack_content.h"
+
+/* Overwrites those coefficients that the object names; with_target allows t and T. */
+int speech_read_coefficients(const struct json_place *at, bool with_target, struct coefficients *out);
+
+/* An object from parameter names to coefficients: overwrites what it names. Nothing to do when it is missing.
+ */
+int speech_read_parameters(const struct json_place *at, struct coefficients out[PARAM_COUNT]);
+
+int speech_read_groups(struct speech_pack *pack, const struct json_place *at);
+const struct speech_group *speech_find_group(const struct speech_pack *pack, const char *name);
+
+int speech_read_phones(struct speech_pack *pack, const struct json_place *at);
+void speech_phone_free(struct speech_phone *phone);
+
+/* {"LI": {"a": {"t": ..., "T": ...}, "any": {...}}, ...} into table[context * PARAM_COUNT + param]; notes in
+ * seen (may be NULL) which entries were given. */
+int speech_read_targets(const struct json_place *at, char *const *contexts, struct coefficients *table,
+                        bool *seen);
+
+#endif

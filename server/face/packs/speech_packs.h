@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* All speech packs of a folder, and the choice among them by language tag. */
+#ifndef FACCIA_FACE_PACKS_SPEECH_PACKS_H
+#define FACCIA_FACE_PACKS_SPEECH_PACKS_H
+
+#include "server/face/packs/speech_pack.h"
+#include "server/voice/sentence_audio.h"
+
+struct speech_packs {
+    struct speech_pack **packs; /* sorted by language tag */
+    size_t count, cap;
+};
+
+/* Loads every *.json of the folder. -1 with *e (code "bad-pack") when one is broken or there is none; the
+ * message names the file. */
+int speech_packs_load(struct speech_packs *packs, const char *folder, struct error *e);
+void speech_packs_free(struct speech_packs *packs);
+
+/* The tag of the pack for languages that have none of their own (ISO 639-2: undetermined). */
+#define SPEECH_PACK_GENERAL "und"
+
+/* The pack for a BCP 47 tag, compared without regard to case: the same tag, else the same language ("it-CH"
+ * and "pt" find "it" and "pt-BR"), else the general pack, else NULL. */
+const struct speech_pack *speech_packs_find(const struct speech_packs *packs, const char *lang);
+
+/* Whether it is the one for languages that have none. */
+bool speech_pack_is_general(const struct speech_pack *pack);
+
+/* For a sentence in several languages: the pack that knows most of its phones; own when none knows more. (A
+ * pack knows the phones of the one that it inherits from.) */
+const struct speech_pack *speech_packs_cover(const struct speech_packs *packs, const struct speech_pack *own,
+                                             const struct sentence_audio *u);
+
+#endif

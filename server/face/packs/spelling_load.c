@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/mem.h"
+#include "server/base/utf8.h"
+#include "server/face/packs/spelling.h"
+#include <stdlib.h>
+#include <string.h>
+
+static int read_code(const struct json_place *at, const char *key, uint32_t *code) {
+    return *key && utf8_next(key, strlen(key), code) == strlen(key)
+               ? 0
+               : json_place_fail(at, "must be named by one letter");
+}
+
+static int read_consonant(const struct spelling *s, const struct json_place *at, struct spelling_letter *l) {
+    const char *text;
+    if (json_is_string(at->json)) {
+        l->like_vowel = true;
+        if (json_place_text(at, &text))
+            return -1;
+        return strcmp(text, "vowel") ? json_place_fail(at, "must be \"vowel\" or one shape for each class")
+                                     : 0;
+    }
+    if (json_place_keys(at, (const char *const *)s->classes))
+        return -1;
+    for (size_t i = 0; i < s->class_count; i++) {
+        struct json_place child = json_place_key(at, s->classes[i]);
+        if (shapes_choose(&child, &s->shapes, &l->shapes[i]))
+            return -1;
+    }
+    return 0;
+}
+
+static int read_vowel(const struct spelling *s, const struct json_place *at, struct spelling_letter *l) {
+    struct json_place class = json_place_key(at, "class"), shape = json_place_key(at, "shape");
+    l->vowel = true;
+    return json_place_choice(&class, (const char *const *)s->classes, &l->class) ||
+                   shapes_choose(&shape, &s->shapes, &l->shapes[0])
+               ? -1
+               : 0;
+}
+
+/* The first phone that a letter shows is the one that it stands for. */
+static int read_own_phone(const struct json_place *at, const struct speech_pack *pack,
+                          struct spelling_letter *l) {
+    struct json_place first = json_place_item(at, 0);
+    const char *name;
+    if (json_place_array(at) || json_place_text(&first, &name))
+        return -1;
+    l->phone = speech_pack_phone(pack, name, strlen(name));
+    return l->phone && l->phone->group ? 0 : json_place_fail(&first, "there is no phone \"%s\"", name);
+}
+
+static int read_letters(struct spelling *s, const struct json_place *at, const struct speech_pack *pack) {
+    static const char *const vowel_keys[] = {"class", "shape", "ms", "shows", NULL};
+    static const char *const consonant_keys[] = {"shapes", "ms", "shows", NULL};
+    if (json_place_object(at))
+        return -1;
+    s->letters = mem_alloc((json_object_size(at->json) + 1) * sizeof *s->letters);
+    const char *key;
+    json_t *value;
+    json_object_foreach(at->json, key, value) {
+        struct json_place child = json_place_key(at, key), shapes = json_place_key(&child, "shapes"),
+                          ms = json_place_key(&child, "ms"), shows = json_place_key(&child, "shows");
+        struct spelling_letter *l = &s->letters[s->letter_count++];
+        double duration;
+        if (json_place_keys(&child, shapes.json ? consonant_keys : vowel_keys) ||
+            read_code(&child, key, &l->code) || json_place_real(&ms, 1, 1000, &duration) ||
+            read_own_phone(&shows, pack, l) ||
+            (shapes.json ? read_consonant(s, &shapes, l) : read_vowel(s, &child, l)))
+            return -1;
+        l->seconds = duration / 1000;
+    }
+    return 0;
+}
+
+static int read_folds(struct spelling *s, const struct json_place *at) {
+    if (json_place_object(at))
+        return -1;
+    s->folds = mem_alloc((json_object_size(at->json) + 1) * sizeof *s->folds);
+    const char *key;
+    json_t *value;
+    json_object_foreach(at->json, key, value) {
+        struct json_place child = json_place_key(at, key);
+        struct spelling_fold *fold = &s->folds[s->fold_count];
+        const char *text;
+        if (read_code(&child, key, &fold->code) || json_place_text(&child, &text))
+            return -1;
+        fold->text = mem_strdup(text);
+        s->fold_count++;
+        struct spelled *letters;
+        size_t count = spelling_read(s, text, &letters), characters = 0;
+        free(letters);
+        for (const char *c = text; *c; c++)
+            characters += ((unsigned char)*c & 0xC0) != 0x80;
+        if (count != characters)
+            return json_place_fail(&child, "must be made of the letters");
+    }
+    return 0;
+}
+
+/* The letter that shows the pack's phone of that name, or -1. */
+static long find_shown(const struct json_place *letters, const char *ipa) {
+    const char *key;
+    json_t *value, *name;
+    long index = 0;
+    json_object_foreach(letters->json, key, value) {
+        size_t i;
+        json_array_foreach(json_object_get(value, "shows"), i, name) {
+            if (json_is_string(name) && !strcmp(json_string_value(name), ipa))
+                return index;
+        }
+        index++;
+    }
+    return -1;
+}
+
+static int by_phone(const void *a, const void *b) {
+    const struct spelling_shown *x = a, *y = b;
+    return (x->phone > y->phone) - (x->phone < y->phone);
+}
+
+static int read_shown(struct spelling *s, const struct json_place *at, const struct speech_pack *pack) {
+    size_t cap = 0;
+    for (; pack; pack = pack->base) {
+        for (size_t i = 0; i < pack->phone_count; i++) {
+            const struct speech_phone *phone = pack->phones[i];
+            if (phone->part_count)
+                continue;
+            long found = find_shown(at, phone->ipa);
+            if (found < 0)
+                return json_place_fail(at, "none of them shows the pack's phone \"%s\"", phone->ipa);
+            s->shown = mem_grow(s->shown, &cap, s->shown_count + 1, sizeof *s->shown);
+            s->shown[s->shown_count++] = (struct spelling_shown){phone, (size_t)found};
+        }
+    }
+    if (s->shown_count)
+        qsort(s->shown, s->shown_count, sizeof *s->shown, by_phone);
+    return 0;
+}
+
+static int read_table(struct spelling *s, const struct json_place *root, const struct speech_pack *pack) {
+    static const char *const keys[] = {"name", "sources", "classes", "neutral",
+                                       "fold", "letters", "shapes",  NULL};
+    struct json_place name = json_place_key(root, "name"), sources = json_place_key(root, "sources"),
+                      classes = json_place_key(root, "classes"), neutral = json_place_key(root, "neutral"),
+                      fold = json_place_key(root, "fold"), letters = json_place_key(root, "letters"),
+                      shapes = json_place_key(root, "shapes");
+    const char *text;
+    char **texts;
+    if (json_place_keys(root, keys) || json_place_text(&name, &text) || json_place_texts(&sources, &texts))
+        return -1;
+    json_texts_free(texts);
+    if (json_place_texts(&classes, &s->classes))
+        return -1;
+    s->class_count = json_array_size(classes.json);
+    if (!s->class_count || s->class_count > SPELLING_MAX_CLASSES)
+        return json_place_fail(&classes, "must have 1 to %d names", SPELLING_MAX_CLASSES);
+    return shapes_read(&shapes, pack, &s->shapes) || shapes_choose(&neutral, &s->shapes, &s->neutral) ||
+                   read_letters(s, &letters, pack) || read_folds(s, &fold) || read_shown(s, &letters, pack)
+               ? -1
+               : 0;
+}
+
+struct spelling *spelling_load(const char *path, const struct speech_pack *pack, struct error *e) {
+    struct json_place root;
+    if (json_place_load(path, &root, e))
+        return NULL;
+    struct spelling *s = mem_alloc(sizeof *s);
+    if (read_table(s, &root, pack)) {
+        spelling_free(s);
+        s = NULL;
+    }
+    json_decref(root.json);
+    return s;
+}
+
+void spelling_free(struct spelling *spelling) {
+    if (!spelling)
+        return;
+    for (size_t i = 0; i < spelling->fold_count; i++)
+        free(spelling->folds[i].text);
+    json_texts_free(spelling->classes);
+    free(spelling->letters);
+    free(spelling->folds);
+    free(spelling->shown);
+    shapes_free(&spelling->shapes);
+    free(spelling);
+}

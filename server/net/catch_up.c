@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/catch_up.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+
+static void replace(struct queued_message **place, struct queued_message *parcel) {
+    queued_message_release(*place);
+    *place = parcel;
+    if (parcel)
+        parcel->refs++;
+}
+
+static void forget_sentence(struct catch_up *catch_up) {
+    while (catch_up->text_count)
+        queued_message_release(catch_up->texts[--catch_up->text_count]);
+}
+
+static void keep(struct catch_up *catch_up, struct queued_message *parcel) {
+    if (catch_up->text_count == RECAP_TEXTS)
+        return;
+    catch_up->texts = mem_grow(catch_up->texts, &catch_up->text_cap, catch_up->text_count + 1,
+                               sizeof(struct queued_message *));
+    catch_up->texts[catch_up->text_count++] = parcel;
+    parcel->refs++;
+}
+
+void catch_up_event(struct catch_up *catch_up, enum stream_event_kind kind, struct queued_message *parcel) {
+    switch (kind) {
+    case STREAM_PAUSED:
+        replace(&catch_up->paused, parcel);
+        break;
+    case STREAM_RESUMED:
+        replace(&catch_up->paused, NULL);
+        break;
+    case STREAM_BEGIN:
+    case STREAM_END:
+        forget_sentence(catch_up);
+        replace(&catch_up->begin, kind == STREAM_BEGIN ? parcel : NULL);
+        break;
+    case STREAM_SENTENCE:
+        forget_sentence(catch_up);
+        keep(catch_up, parcel);
+        break;
+    case STREAM_WORD:
+    case STREAM_MARK:
+        keep(catch_up, parcel);
+        break;
+    default:
+        break;
+    }
+}
+
+void catch_up_tell(const struct catch_up *catch_up, void (*tell)(void *ctx, struct queued_message *parcel),
+                   void *ctx) {
+    if (catch_up->begin)
+        tell(ctx, catch_up->begin);
+    for (size_t i = 0; i < catch_up->text_count; i++)
+        tell(ctx, catch_up->texts[i]);
+    if (catch_up->paused)
+        tell(ctx, catch_up->paused);
+}
+
+void catch_up_free(struct catch_up *catch_up) {
+    forget_sentence(catch_up);
+    replace(&catch_up->begin, NULL);
+    replace(&catch_up->paused, NULL);
+    free(catch_up->texts);
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of one HTTP exchange share. */
+#ifndef FACCIA_NET_EXCHANGE_INTERNAL_H
+#define FACCIA_NET_EXCHANGE_INTERNAL_H
+
+#include "server/net/connection.h"
+#include "server/net/net_internal.h"
+
+enum { WARNINGS_MOST = 8 };
+
+struct exchange {
+    struct net *net;
+    const struct http_request *request;
+    struct connection *connection;
+    struct exchange_work work;
+    struct buf queue;    /* of the answer: what waits */
+    struct buf leaving;  /* and what is on its way */
+    const uint8_t *body; /* what is to follow, and lives as long as the net */
+    size_t body_size;
+    uint64_t last_keepalive; /* loop time of the last keepalive, ms */
+    bool chunked;            /* the answer's length is not known */
+    bool framed;             /* and it is told in chunks, not by the connection's end */
+    bool complete, answered, done, persists;
+    bool shared;  /* any page may have the answer */
+    bool refused; /* the page is; it may see that there is an answer, to tell its reader why */
+    struct principal principal;
+    struct error *warnings;
+    size_t warning_count;
+};
+
+/* Sends what waits, as far as it goes. */
+void exchange_flush(struct exchange *exchange);
+
+#endif

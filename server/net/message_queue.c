@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/message_queue.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+#include <string.h>
+
+struct message_queue_link {
+    struct message_queue_link *next;
+    struct queued_message *parcel;
+};
+
+static struct queued_message *make(const uint8_t *head, size_t head_size, const void *data, size_t size) {
+    struct queued_message *parcel = mem_alloc(sizeof *parcel + head_size + size);
+    parcel->refs = 1;
+    parcel->head = (uint8_t)head_size;
+    parcel->size = size;
+    memcpy(parcel->bytes, head, head_size);
+    if (size)
+        memcpy(parcel->bytes + head_size, data, size);
+    return parcel;
+}
+
+struct queued_message *queued_message_new(enum websocket_opcode opcode, const void *data, size_t size) {
+    uint8_t head[WEBSOCKET_HEAD_BYTES];
+    struct queued_message *parcel = make(head, websocket_head(head, opcode, size), data, size);
+    parcel->media = opcode == WEBSOCKET_BINARY;
+    return parcel;
+}
+
+struct queued_message *queued_message_plain(const void *data, size_t size) {
+    return make((const uint8_t *)"", 0, data, size);
+}
+
+const uint8_t *queued_message_body(const struct queued_message *parcel) {
+    return parcel->bytes + parcel->head;
+}
+
+void queued_message_release(struct queued_message *parcel) {
+    if (parcel && --parcel->refs == 0)
+        free(parcel);
+}
+
+void message_queue_open(struct message_queue *box) {
+    *box = (struct message_queue){.last = &box->first};
+}
+
+void message_queue_close(struct message_queue *box) {
+    struct queued_message *parcel;
+    while ((parcel = message_queue_pop(box)))
+        queued_message_release(parcel);
+}
+
+bool message_queue_empty(const struct message_queue *box) {
+    return !box->first;
+}
+
+void message_queue_push(struct message_queue *box, struct queued_message *parcel) {
+    struct message_queue_link *link = mem_alloc(sizeof *link);
+    link->parcel = parcel;
+    parcel->refs++;
+    *box->last = link;
+    box->last = &link->next;
+    box->unsent += parcel->size;
+}
+
+struct queued_message *message_queue_pop(struct message_queue *box) {
+    struct message_queue_link *link = box->first;
+    if (!link)
+        return NULL;
+    struct queued_message *parcel = link->parcel;
+    box->first = link->next;
+    if (!box->first)
+        box->last = &box->first;
+    box->unsent -= parcel->size;
+    free(link);
+    return parcel;
+}
+
+uint64_t message_queue_age(const struct message_queue *box, uint64_t now) {
+    const struct message_queue_link *link = box->first;
+    while (link && !link->parcel->media)
+        link = link->next;
+    return link ? now - link->parcel->born : 0;
+}
+
+void message_queue_drop_media(struct message_queue *box) {
+    struct message_queue_link **at = &box->first;
+    while (*at) {
+        struct message_queue_link *link = *at;
+        if (!link->parcel->media) {
+            at = &link->next;
+            continue;
+        }
+        *at = link->next;
+        box->unsent -= link->parcel->size;
+        queued_message_release(link->parcel);
+        free(link);
+    }
+    box->last = at;
+}

@@ -1,0 +1,180 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of the net stage share. */
+#ifndef FACCIA_NET_NET_INTERNAL_H
+#define FACCIA_NET_NET_INTERNAL_H
+
+#include "server/access/quota.h"
+#include "server/base/buf.h"
+#include "server/net/assets.h"
+#include "server/net/channel.h"
+#include "server/net/hold.h"
+#include "server/net/http_request.h"
+#include "server/net/net.h"
+#include "server/net/principal.h"
+#include "server/net/query.h"
+#include <jansson.h>
+
+enum { NET_READ_BYTES = 65536 };
+
+struct net {
+    struct net_options options;
+    const struct pipeline *pipeline;
+    struct listeners *listeners;
+    struct assets assets;
+    struct connection *open; /* all connections */
+    struct connection *due;  /* see connection_later */
+    unsigned connections;
+    uint64_t streams; /* numbers given so far */
+    bool ready, draining;
+    struct quota quota;
+    struct socket *sockets; /* all that are open */
+    uv_timer_t *keepalive;  /* over all connections; NULL: none */
+    uv_idle_t *idle;        /* NULL: none */
+    char *read_buffer;
+    struct channel *rooms;
+    unsigned room_count;
+    struct hold hold;
+    struct events *events;            /* those who follow a room over HTTP */
+    unsigned works;                   /* HTTP answers that are being made */
+    json_t *more_languages;           /* of hello */
+    const struct voice *languages_of; /* the list from which they were found */
+};
+
+/* event_json.c */
+
+/* Appends the event of that stream as a message. */
+void event_write(struct buf *out, const struct stream_event *event, const char *stream);
+const char *event_name(enum stream_event_kind kind); /* its "type" */
+
+/* message.c: JSON out of the stage's types, and back. */
+
+/* {"type":"error","code",...} with the place; a new reference. */
+json_t *message_error(const struct error *e);
+json_t *message_rooms(const struct net *net, const char *only); /* NULL or "": all */
+json_t *message_hello(struct net *net, const char *stream);
+json_t *message_voices(const struct net *net);
+json_t *message_models(const struct net *net);
+json_t *message_expressions(const struct net *net);
+json_t *message_health(const struct net *net);
+
+/* Appends the object as text and drops it. */
+void message_write(struct buf *out, json_t *object);
+
+/* Where JSON could not be read. Returns -1. */
+int message_bad_json(const json_error_t *why, struct error *e);
+
+/* Sets the request's fields from the members of a speak message, or from the query of an address. */
+int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
+int request_from_query(struct speech_request *request, const struct http_request *from, const char *except,
+                       struct error *e);
+
+/* live.c: what an idle and an express message ask for. -1 with *e. The mix borrows from the message. */
+int live_idle(const json_t *message, const struct speech_request *defaults, uint64_t seed,
+              struct idle_options *options, bool *on, struct error *e);
+int live_express(const json_t *message, struct mood_request *mix, struct error *e);
+
+/* socket.c, socket_in.c, socket_out.c: one WebSocket client. */
+
+/* The head is the answer to the handshake. */
+void socket_open(struct connection *connection, const struct http_request *request, const struct buf *head,
+                 bool plain);
+void socket_close(struct socket *socket);
+void socket_read(struct socket *socket, const char *bytes, size_t size);
+void socket_go_on(struct socket *socket); /* bytes have left */
+bool sockets_busy(const struct net *net);
+void sockets_dismiss(struct net *net, const char *reason); /* closes all, with the reason */
+
+/* keepalive.c: closes clients that take nothing, or are gone. */
+void keepalive_begin(struct net *net);
+void keepalive_end(struct net *net);
+
+/* exchange.c, exchange_answer.c: one HTTP request and its answer. */
+struct exchange *exchange_open(struct net *net, const struct http_request *request);
+void exchange_close(struct exchange *x);
+void exchange_sent(struct exchange *x);           /* bytes have left */
+bool exchange_answered(const struct exchange *x); /* its head has been made */
+bool exchange_done(const struct exchange *x);     /* all of it has been sent: close it */
+bool exchange_persists(const struct exchange *x); /* and another one may follow it */
+bool exchange_endless(const struct exchange *x);
+void exchange_look(struct exchange *x); /* from time to time */
+
+/* What answers returns 0, for routes to pass on. */
+
+/* An answer of known length; body is copied. */
+int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size);
+int exchange_json(struct exchange *x, unsigned status, json_t *object); /* drops the object */
+int exchange_error(struct exchange *x, unsigned status, const struct error *e);
+int exchange_allow(struct exchange *x, unsigned status,
+                   const char *methods); /* an empty answer that names the methods */
+
+/* An answer whose body lives as long as the net. */
+int exchange_asset(struct exchange *x, const struct asset *asset);
+
+/* An answer of unknown length, in chunks. */
+int exchange_begin(struct exchange *x, const char *type);
+void exchange_add(struct exchange *x, const void *data, size_t size);
+void exchange_end(struct exchange *x);
+size_t exchange_unsent(const struct exchange *x);
+
+struct net *exchange_net(const struct exchange *x);
+
+/* Something that was asked for is not acted on: the answer, which has not begun, will tell. The first few
+ * count. exchange is one; it is void * to be called back. */
+void exchange_warn(void *exchange, const struct error *e);
+const struct error *exchange_warnings(const struct exchange *x, size_t *count);
+
+struct principal *exchange_guest(struct exchange *x); /* once it has been permitted something */
+
+/* Whether he who asks may do that; when not, it has been answered and *result is what to return. */
+bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);
+
+/* The value of a parameter in the address, or NULL; cut when it is longer than what any good one could be. */
+const char *exchange_query(const struct exchange *x, const char *name, char *value, size_t cap);
+const struct http_request *exchange_request(const struct exchange *x);
+
+/* The owner of a body that is being received or made. */
+struct exchange_work {
+    int (*body)(void *self, const void *data, size_t size);
+    int (*body_end)(void *self);
+    void (*sent)(void *self);      /* bytes have left: more may come */
+    void (*keepalive)(void *self); /* from time to time, from the answer's beginning on */
+    void (*free)(void *self);
+    void *self;
+    bool endless; /* nobody waits for its end before the daemon stops */
+};
+void exchange_set_work(struct exchange *x, struct exchange_work work);
+struct exchange_work *exchange_get_work(struct exchange *x);
+
+/* routes.c */
+int routes_serve(struct exchange *x, const char *path, size_t length, int method);
+
+/* speech_post.c: /v1/speech, by POST or GET */
+int speech_ask(struct exchange *x);
+extern const struct members speech_members; /* that it knows */
+
+/* media.c */
+
+/* A recording of the folder of those. -1 with *e: "unknown-media" when there is no such folder, or as
+ * recording_source_in. */
+int media_source(const struct net *net, struct recording_source *source, const char *name, struct error *e);
+int media_get(struct exchange *x); /* GET /v1/media */
+
+int play_post(struct exchange *x); /* play_post.c: POST /v1/play?room= */
+
+/* room_http.c */
+
+/* The room that the address names; NULL after the answer, with *result to be returned. */
+struct channel *room_asked(struct exchange *x, int *result);
+int room_say(struct exchange *x);    /* POST /v1/say?room= */
+int room_stop(struct exchange *x);   /* POST /v1/stop?room= */
+int room_pause(struct exchange *x);  /* POST /v1/pause?room= */
+int room_resume(struct exchange *x); /* POST /v1/resume?room= */
+
+/* room_events.c */
+int room_events(struct exchange *x); /* GET /v1/events?room= */
+void room_events_revoke(struct net *net);
+
+/* revoke.c: the secrets have changed: those who came by one that is gone lose their rights, and are told. */
+void rights_revoke(struct net *net);
+
+#endif

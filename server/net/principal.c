@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/principal.h"
+#include "server/access/host.h"
+#include "server/access/origin.h"
+#include "server/net/connection.h"
+#include "server/net/net_internal.h"
+#include <string.h>
+#include <strings.h>
+#include <time.h>
+#include <unistd.h>
+
+enum { TOKEN_BYTES = 4096 };
+
+const char principal_own_room[] = "";
+
+int principal_check_host(const struct net *net, const struct http_request *request, struct error *e) {
+    char own[256] = "";
+    const char *host = http_header(request, "host");
+    gethostname(own, sizeof own - 1);
+    if (host_allowed(host, own, net->options.host_names) || host_allowed(host, net->options.host, NULL))
+        return 0;
+    metrics_add(net->pipeline->metrics, METRIC_REFUSED_ORIGIN, 1);
+    return error_set(
+        e, "unknown-host",
+        "this server has no name '%.100s'; when it shall have that name, start it with --host-name", host);
+}
+
+bool principal_revoke(const struct net *net, struct principal *principal) {
+    bool lost = principal->token.rights && net->options.secrets &&
+                !secrets_have(net->options.secrets, principal->token.secret);
+    if (lost)
+        principal->token = (struct token){0};
+    return lost;
+}
+
+/* A browser that fetches for a page of another site says whose it is, or that it does. */
+static bool is_unsaid_allowed(const struct http_request *request) {
+    return origin_unsaid_allowed(http_header(request, "sec-fetch-site"),
+                                 http_header(request, "sec-fetch-mode"),
+                                 http_header(request, "sec-fetch-user"));
+}
+
+bool principal_origin_allowed(const struct net *net, const struct http_request *request) {
+    const char *origin = http_header(request, "origin"), *host = http_header(request, "host");
+    if (!origin && !is_unsaid_allowed(request))
+        return false;
+    return origin_allowed(origin ? origin : "", net->options.secrets && host ? host : NULL,
+                          net->options.origins);
+}
+
+/* What follows "token." in the list of sub-protocols: browsers let a page set no other header. */
+static void find_in_protocols(const struct http_request *request, char token[TOKEN_BYTES]) {
+    static const char prefix[] = "token.";
+    const char *word;
+    size_t at = 0, length;
+    while (http_header_next(request, "sec-websocket-protocol", &at, &word, &length))
+        if (length > strlen(prefix) && !strncmp(word, prefix, strlen(prefix)))
+            snprintf(token, TOKEN_BYTES, "%.*s", (int)(length - strlen(prefix)), word + strlen(prefix));
+}
+
+/* The token that stands in the headers, or "". One that is cut is nobody's. */
+static void find_token(const struct http_request *request, char token[TOKEN_BYTES]) {
+    static const char scheme[] = "Bearer ";
+    const char *header = http_header(request, "authorization"), *value = http_query(request, "token");
+    *token = '\0';
+    if (header && !strncasecmp(header, scheme, strlen(scheme)))
+        snprintf(token, TOKEN_BYTES, "%s", header + strlen(scheme));
+    else if (value)
+        snprintf(token, TOKEN_BYTES, "%s", value);
+    else
+        find_in_protocols(request, token);
+}
+
+int principal_show(struct net *net, struct principal *principal, const char *text, struct error *e) {
+    struct token token;
+    char key[sizeof principal->key];
+    if (!net->options.secrets)
+        return 0;
+    if (token_check(net->options.secrets, text, (long)time(NULL), &token, e)) {
+        metrics_add(net->pipeline->metrics, METRIC_REFUSED_TOKEN, 1);
+        return -1;
+    }
+    snprintf(key, sizeof key, "s %s", token.subject);
+    if (!connection_count(principal->connection, key)) {
+        metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
+        return error_set(e, "too-many-connections", "too many connections from there are open");
+    }
+    memcpy(principal->key, key, sizeof principal->key);
+    principal->token = token;
+    return 0;
+}
+
+int principal_enter(struct net *net, const struct http_request *request, struct principal *principal,
+                    struct error *e) {
+    char token[TOKEN_BYTES];
+    *principal = (struct principal){.connection = request->connection};
+    if (!net->options.secrets)
+        principal->token.rights = RIGHTS_ALL;
+    snprintf(principal->key, sizeof principal->key, "%s", request->connection->address_key);
+    find_token(request, token);
+    return *token ? principal_show(net, principal, token, e) : 0;
+}
+
+int principal_may(const struct net *net, const struct principal *principal, enum right right,
+                  const char *room, struct error *e) {
+    const struct token *token = &principal->token;
+    if (!net->options.secrets)
+        return 0;
+    int refused = 0;
+    if (!token->rights)
+        refused = error_set(e, "token-needed", "this server wants a token");
+    else if (token->expires <= (long)time(NULL))
+        refused = error_set(e, "expired-token", "the token has expired");
+    else if (!(token->rights & right))
+        refused = error_set(e, "forbidden", "the token does not give the right to do that");
+    else if (*token->room && room != principal_own_room && (!room || strcmp(room, token->room)))
+        refused = error_set(e, "forbidden", "the token is for the room '%s'", token->room);
+    if (refused)
+        metrics_add(net->pipeline->metrics, METRIC_REFUSED_TOKEN, 1);
+    return refused;
+}
+
+int principal_ask(struct net *net, const struct principal *principal, struct error *e) {
+    uint64_t now = uv_now(net->pipeline->loop);
+    if (quota_ask(&net->quota, principal->key, net->options.address_requests, now))
+        return 0;
+    metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
+    return error_set(e, "too-many-requests", "%u requests in a minute are the limit",
+                     net->options.address_requests);
+}

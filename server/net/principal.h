@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Who somebody is and what he may do: from the headers of his request, or from a token that he sends later.
+ */
+#ifndef FACCIA_NET_PRINCIPAL_H
+#define FACCIA_NET_PRINCIPAL_H
+
+#include "server/access/token.h"
+
+struct connection;
+struct http_request;
+struct net;
+
+struct principal {
+    struct token token; /* subject "", room "", all rights and no end where no tokens are demanded */
+    char key[80];       /* what his requests are counted by: "a ADDRESS" or "s SUBJECT" */
+    struct connection *connection;
+};
+
+/* The page that the request comes from may use the daemon. */
+bool principal_origin_allowed(const struct net *net, const struct http_request *request);
+
+/* It asks by a name of the daemon's own. -1 with *e: "unknown-host". */
+int principal_check_host(const struct net *net, const struct http_request *request, struct error *e);
+
+/* Lets him in, with the token of his headers (Authorization: Bearer, or token= in the address) if there is
+ * one. -1 with *e: "bad-token", "expired-token", "too-many-connections". */
+int principal_enter(struct net *net, const struct http_request *request, struct principal *principal,
+                    struct error *e);
+
+/* Another token. -1 with *e as above; then the principal is as he was. */
+int principal_show(struct net *net, struct principal *principal, const char *token, struct error *e);
+
+/* Stands for the room that the token is for, or any. */
+extern const char principal_own_room[];
+
+/* His secret is gone: then so are his rights. True: he had some. */
+bool principal_revoke(const struct net *net, struct principal *principal);
+
+/* May he do that now? room NULL = no room. -1 with *e: "token-needed", "expired-token", "forbidden". */
+int principal_may(const struct net *net, const struct principal *principal, enum right right,
+                  const char *room, struct error *e);
+
+/* One more request of his. -1 with *e ("too-many-requests") when there have been too many in this minute. */
+int principal_ask(struct net *net, const struct principal *principal, struct error *e);
+
+#endif

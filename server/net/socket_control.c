@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Messages that direct what is said, and how the face lives. */
+#include "server/base/mem.h"
+#include "server/net/socket_internal.h"
+#include <string.h>
+
+/* What needs nothing but the right. */
+static void direct(struct socket *s, void (*act)(struct stream *stream)) {
+    struct error e;
+    if (socket_may_direct(s, &e))
+        socket_complain(s, &e);
+    else
+        act(socket_stream(s));
+}
+
+void control_stop(struct socket *s, const json_t *message) {
+    (void)message;
+    direct(s, stream_stop);
+}
+
+void control_pause(struct socket *s, const json_t *message) {
+    (void)message;
+    direct(s, stream_pause);
+}
+
+void control_resume(struct socket *s, const json_t *message) {
+    (void)message;
+    direct(s, stream_resume);
+}
+
+void control_rate(struct socket *s, const json_t *message) {
+    const json_t *rate = json_object_get(message, "rate");
+    struct error e;
+    int wrong = socket_may_direct(s, &e);
+    if (!wrong && !json_is_number(rate))
+        wrong = error_in_field(&e, rate ? "bad-field" : "missing-field", "rate", "must be a number");
+    if (wrong || stream_rate(socket_stream(s), json_number_value(rate), &e))
+        socket_complain(s, &e);
+}
+
+/* A string without NUL, or NULL with *e. */
+static const char *string_of(const json_t *message, const char *name, struct error *e) {
+    const json_t *value = json_object_get(message, name);
+    const char *string = json_string_value(value);
+    if (string && strlen(string) == json_string_length(value))
+        return string;
+    error_in_field(e, value ? "bad-field" : "missing-field", name, "must be a string");
+    return NULL;
+}
+
+void control_jump(struct socket *s, const json_t *message) {
+    struct error e;
+    const char *mark = NULL;
+    if (socket_may_direct(s, &e) || !(mark = string_of(message, "mark", &e)) ||
+        stream_jump(socket_stream(s), mark, &e))
+        socket_complain(s, &e);
+}
+
+void control_play(struct socket *s, const json_t *message) {
+    struct speech_request request;
+    struct recording_source source = {0};
+    struct error e;
+    const char *name = NULL;
+    request_init(&request);
+    int wrong = request_from_json(&request, message, &e) || socket_may_speak(s, &e) ||
+                !(name = string_of(message, "name", &e)) || media_source(s->net, &source, name, &e);
+    if (wrong) {
+        socket_refuse(s, request.id, &e);
+        recording_source_free(&source);
+    } else {
+        source.id = request.id ? mem_strdup(request.id) : NULL;
+        stream_play(socket_stream(s), &source, request.mode);
+    }
+    request_free(&request);
+}
+
+void control_idle(struct socket *s, const json_t *message) {
+    struct idle_options options;
+    struct error e;
+    bool on;
+    if (live_idle(message, &s->defaults, s->number, &options, &on, &e))
+        socket_complain(s, &e);
+    else if (!s->plain)
+        channel_idle(&s->follower, on ? &options : NULL);
+}
+
+void control_express(struct socket *s, const json_t *message) {
+    struct mood_request mix;
+    struct error e;
+    if (socket_may_direct(s, &e) || live_express(message, &mix, &e) ||
+        stream_express(socket_stream(s), &mix, &e))
+        socket_complain(s, &e);
+}

@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of one WebSocket client share. */
+#ifndef FACCIA_NET_SOCKET_INTERNAL_H
+#define FACCIA_NET_SOCKET_INTERNAL_H
+
+#include "server/net/connection.h"
+#include "server/net/net_internal.h"
+#include "server/net/websocket_reader.h"
+
+struct socket {
+    struct net *net;
+    struct connection *connection;
+    uint64_t number;
+    struct socket *next, **self; /* in the net's list */
+    struct principal principal;
+    char name[24];
+    bool plain;                     /* speaks TEXT_PROTOCOL */
+    struct follower follower;       /* of its own stream, or of a room's */
+    struct speech_request defaults; /* from the address */
+    struct websocket_reader reader;
+    struct buf message; /* being received */
+    bool too_long;      /* its rest is being dropped */
+    struct message_queue queue;
+    struct queued_message *leaving;                   /* not all of it has left */
+    struct queued_message *pong;                      /* the answer to the last ping, while it waits */
+    uint64_t last_rx;                                 /* loop time at which it said something last, ms */
+    enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that asks whether it is still there */
+    bool rx_paused;           /* nothing is read from a client that takes nothing, until it does */
+    const char *close_reason; /* why the connection is to be closed */
+    enum websocket_status close_status;
+    enum websocket_status hangs_up; /* with which the client has closed, to be answered later */
+    uint64_t hang_up_by;            /* loop time at which at the latest, ms; 0: it has not */
+    bool farewell; /* the client has closed, or broken the rules: nothing more is awaited from it */
+    bool closing;  /* the close frame is on its way, or has left */
+    bool sending;  /* socket_go_on is at work */
+    const struct model *model; /* being sent, part by part */
+    size_t model_part;
+};
+
+/* socket.c: who he is, where he is, what he may */
+
+/* The stream that he hears: his own, or his room's. */
+struct stream *socket_stream(const struct socket *socket);
+
+/* The room that he is in, or NULL. */
+const char *socket_room(const struct socket *socket);
+
+void socket_enter(struct socket *socket, struct channel *channel);
+void socket_leave(struct socket *socket); /* the room that it is in */
+int socket_join(struct socket *socket, const char *room, struct error *e);
+
+/* How media and events are to come; NULL leaves one as it is. */
+struct media_wish {
+    const char *audio, *fap, *events, *kilobits;
+};
+
+/* -1 with *e. */
+int socket_set_media(struct socket *socket, const struct media_wish *wish, struct error *e);
+
+/* Speaks a request, or a text with his defaults. */
+void socket_speak_request(struct socket *socket, const struct speech_request *request);
+void socket_speak(struct socket *socket, const char *text, size_t size);
+
+/* Whether he may have the stream do something; or say something more. -1 with *e. */
+int socket_may_direct(struct socket *socket, struct error *e);
+int socket_may_speak(struct socket *socket, struct error *e);
+
+/* What he asked to be said is not: its error and its end. */
+void socket_refuse(struct socket *socket, const char *id, const struct error *e);
+
+/* socket_in.c: does what a message asks for. */
+void socket_act(struct socket *socket, const json_t *message);
+
+/* Acts on a whole message, or says why not. */
+void socket_hear(struct socket *socket, bool binary);
+
+/* Asks whether it is still there. */
+void socket_ping(struct socket *socket);
+void socket_heard(struct socket *socket); /* it has said something */
+void socket_look(struct socket *socket);  /* keepalive.c */
+
+/* socket_out.c */
+
+/* Sends him the message, and drops it. */
+void socket_say(struct socket *socket, json_t *message);
+void socket_say_text(struct socket *socket, const struct buf *text);
+void socket_complain(struct socket *socket, const struct error *e);
+
+/* A follower's deliver: in a room, one who is too slow is moved on to the live edge; on a stream of his own
+ * it waits for him. */
+void socket_deliver(struct follower *follower, struct queued_message *parcel);
+
+/* Closes the connection when what is on its way to him has left. The reason is a literal. */
+void socket_dismiss(struct socket *socket, enum websocket_status status, const char *reason);
+
+/* Closes it now: the client has, or has broken the rules. */
+void socket_farewell(struct socket *socket, enum websocket_status status, const char *reason);
+
+/* The answer to a ping. When pings come faster than answers leave, the last one is answered (RFC
+ * 6455, 5.5.3). */
+void socket_pong(struct socket *socket, const void *payload, size_t size);
+
+/* socket_model.c: the next part goes out when the one before has left. */
+void socket_send_model(struct socket *socket, const json_t *message);
+void socket_push_model_part(struct socket *socket);
+
+/* control.c: messages that direct what is said, and how the face lives. */
+void control_stop(struct socket *socket, const json_t *message);
+void control_pause(struct socket *socket, const json_t *message);
+void control_resume(struct socket *socket, const json_t *message);
+void control_rate(struct socket *socket, const json_t *message);
+void control_jump(struct socket *socket, const json_t *message);
+void control_play(struct socket *socket, const json_t *message);
+void control_idle(struct socket *socket, const json_t *message);
+void control_express(struct socket *socket, const json_t *message);
+
+/* text_protocol.c: the sub-protocol for those who type. Appends what a message is as a line; nothing when it
+ * is of no use to them. */
+#define TEXT_PROTOCOL "faccia.text.v1"
+void text_line(const char *json, size_t size, struct buf *line);
+void text_hear(struct socket *socket, const char *data, size_t size);
+
+#endif

@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* How a text says that it is to be read (say-as) becomes words, before any voice sees it: dates, times, sums
+ * of money, addresses of the net... Each language is a file of models/normalizer. */
+#ifndef FACCIA_NORMALIZE_NORMALIZERS_H
+#define FACCIA_NORMALIZE_NORMALIZERS_H
+
+#include "server/base/buf.h"
+#include "server/base/error.h"
+#include "server/markup/score.h"
+#include <jansson.h>
+
+struct normalizer;
+struct normalizers {
+    struct normalizer **list;
+    size_t count, cap;
+};
+
+/* Loads every *.json of the folder; without a folder there are none. -1 with *e ("bad-normalization") when
+ * one is broken; the message names the file. */
+int normalizers_load(struct normalizers *normalizers, const char *folder, struct error *e);
+void normalizers_free(struct normalizers *normalizers);
+
+/* For a BCP 47 tag: the same language, whatever its region; else NULL. */
+const struct normalizer *normalizers_find(const struct normalizers *normalizers, const char *lang);
+
+/* Text in the words of the language. way is a say_as of struct score_style. False when the text is not of
+ * that kind, or the language has no words for it; then nothing is added. normalizer NULL = a language without
+ * a file: what needs no words of it can be read. */
+bool normalizer_words(const struct normalizer *normalizer, const char *way, const char *text,
+                      struct buf *out);
+
+/* Rewrites the item, whose voice speaks lang. Letters to be spelled stay as they are: voices know their
+ * names. What is not of the kind that its author says gets a warning ("bad-value"), and stays too, for the
+ * voice to try. */
+void normalizers_apply(const struct normalizers *normalizers, struct score *score, size_t item,
+                       const char *lang);
+
+#endif

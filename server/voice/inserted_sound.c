@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/voice/inserted_sound.h"
+#include "server/base/mem.h"
+#include "server/voice/assembly.h"
+#include "server/voice/sentence_audio_edit.h"
+#include <limits.h>
+#include <math.h>
+#include <sndfile.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* A path of names alone: nothing that leads upwards, to the root or to another host. */
+static bool is_plain(const char *src) {
+    if (!*src || *src == '/' || strchr(src, ':') || strchr(src, '\\') || strlen(src) > 1024)
+        return false;
+    for (const char *name = src; *name;) {
+        size_t length = strcspn(name, "/");
+        if (!length || (length == 1 && *name == '.') || (length == 2 && !memcmp(name, "..", 2)))
+            return false;
+        name += length + (name[length] == '/');
+    }
+    return true;
+}
+
+char *sound_find(const char *folder, const char *src, struct error *e) {
+    char root[PATH_MAX], file[PATH_MAX], path[PATH_MAX];
+    struct stat status;
+    if (!folder || !*folder) {
+        error_set(e, "no-sound", "no folder of sounds is set up: \"%.80s\" is left out", src);
+        return NULL;
+    }
+    if (!is_plain(src)) {
+        error_set(e, "no-sound", "\"%.80s\" is no path below the folder of sounds", src);
+        return NULL;
+    }
+    /* where links lead must lie in the folder too */
+    bool found = (size_t)snprintf(path, sizeof path, "%s/%s", folder, src) < sizeof path &&
+                 realpath(folder, root) && realpath(path, file) && !strncmp(file, root, strlen(root)) &&
+                 file[strlen(root)] == '/' && !stat(file, &status) && S_ISREG(status.st_mode);
+    if (!found || status.st_size > SOUND_BYTES_MAX) {
+        error_set(e, "no-sound", found ? "the sound \"%.80s\" is too large" : "there is no sound \"%.80s\"",
+                  src);
+        return NULL;
+    }
+    return mem_strdup(file);
+}
+
+/* Block by block, so that memory is bounded whatever the header says. */
+static void read_mono(SNDFILE *file, const SF_INFO *info, double volume, struct sentence_audio *u,
+                      size_t limit) {
+    enum { BLOCK = 4096 };
+    float *block = mem_alloc((size_t)BLOCK * (size_t)info->channels * sizeof *block);
+    size_t cap = 0;
+    sf_count_t got;
+    while (u->samples < limit && (got = sf_readf_float(file, block, BLOCK)) > 0) {
+        u->pcm = mem_grow(u->pcm, &cap, u->samples + (size_t)got, sizeof *u->pcm);
+        for (sf_count_t i = 0; i < got; i++) {
+            double sum = 0;
+            for (int c = 0; c < info->channels; c++)
+                sum += (double)block[i * info->channels + c];
+            double value = sum / info->channels * volume * 32767;
+            u->pcm[u->samples++] = (int16_t)(value > 32767 ? 32767 : value > -32768 ? lrint(value) : -32768);
+        }
+    }
+    free(block);
+}
+
+struct sentence_audio *sound_read(const char *path, double volume, uint32_t sample_rate, struct error *e) {
+    SF_INFO info = {0};
+    SNDFILE *file = sf_open(path, SFM_READ, &info);
+    const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
+    if (!file || info.samplerate < ASSEMBLY_RATE_MIN || info.samplerate > ASSEMBLY_RATE_MAX ||
+        info.channels < 1 || info.channels > SOUND_CHANNELS_MAX) {
+        error_set(e, "no-sound", "the sound \"%.80s\" cannot be read: %s", name,
+                  file ? "its sample rate or number of channels is out of bounds" : sf_strerror(NULL));
+        sf_close(file);
+        return NULL;
+    }
+    struct sentence_audio *u = mem_alloc(sizeof *u);
+    size_t limit = (size_t)SOUND_SECONDS * (size_t)info.samplerate;
+    u->sample_rate = (uint32_t)info.samplerate;
+    sf_command(file, SFC_SET_SCALE_FLOAT_INT_READ, NULL, SF_TRUE);
+    read_mono(file, &info, volume, u, limit);
+    sf_close(file);
+    u->phones = mem_alloc(sizeof *u->phones);
+    if (u->samples)
+        u->phones[u->phone_count++] = (struct phone){.sampa = "_", .end = u->samples};
+    if (u->samples >= limit) {
+        char message[160];
+        snprintf(message, sizeof message, "the sound \"%.80s\" is cut after %d s", name, SOUND_SECONDS);
+        sentence_audio_cut(u, 0, (uint32_t)limit);
+        sentence_audio_warn(u, message);
+    }
+    sentence_audio_resample(u, sample_rate);
+    return u;
+}

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/voice/sentence_audio.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+#include <string.h>
+
+void sentence_audio_free(struct sentence_audio *u) {
+    if (!u)
+        return;
+    for (size_t i = 0; i < u->mark_count; i++)
+        free(u->marks[i].name);
+    for (size_t i = 0; i < u->warning_count; i++)
+        free(u->warnings[i]);
+    for (size_t i = 0; i < u->word_count; i++)
+        free(u->words[i].text);
+    free(u->pcm);
+    free(u->phones);
+    for (size_t i = 0; i < u->cue_count; i++) {
+        free(u->cues[i].kind);
+        free(u->cues[i].name);
+    }
+    free(u->cues);
+    free(u->words);
+    free(u->marks);
+    free(u->warnings);
+    free(u);
+}
+
+void sentence_audio_warn(struct sentence_audio *u, const char *message) {
+    for (size_t i = 0; i < u->warning_count; i++)
+        if (!strcmp(u->warnings[i], message))
+            return;
+    u->warnings = mem_resize(u->warnings, (u->warning_count + 1) * sizeof *u->warnings);
+    u->warnings[u->warning_count++] = mem_strdup(message);
+}

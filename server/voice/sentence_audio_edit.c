@@ -1,0 +1,168 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/voice/sentence_audio_edit.h"
+#include "server/base/mem.h"
+#include <math.h>
+#include <soxr.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A time at another rate; never after the end. */
+static uint32_t rescale(uint32_t t, uint32_t rate, uint32_t was, uint32_t end) {
+    uint64_t scaled = ((uint64_t)t * rate + was / 2) / was;
+    return scaled < end ? (uint32_t)scaled : end;
+}
+
+/* The samples at the new rate; silence for what the converter does not give. */
+static int16_t *convert(const struct sentence_audio *u, uint32_t rate, uint32_t count) {
+    soxr_io_spec_t io = soxr_io_spec(SOXR_INT16_I, SOXR_INT16_I);
+    soxr_quality_spec_t quality = soxr_quality_spec(SOXR_HQ, 0);
+    int16_t *pcm = mem_alloc(((size_t)count + 1) * sizeof *pcm);
+    size_t used, made;
+    if (u->samples)
+        soxr_oneshot(u->sample_rate, rate, 1, u->pcm, u->samples, &used, pcm, count, &made, &io, &quality,
+                     NULL);
+    return pcm;
+}
+
+static void drop_empty_phones(struct sentence_audio *u) {
+    size_t kept = 0;
+    for (size_t i = 0; i < u->phone_count; i++)
+        if (u->phones[i].start < u->phones[i].end)
+            u->phones[kept++] = u->phones[i];
+    u->phone_count = kept;
+}
+
+void sentence_audio_resample(struct sentence_audio *u, uint32_t rate) {
+    uint32_t was = u->sample_rate;
+    if (was == rate || !was)
+        return;
+    uint64_t scaled = ((uint64_t)u->samples * rate + was / 2) / was;
+    uint32_t count = scaled < UINT32_MAX ? (uint32_t)scaled : UINT32_MAX - 1;
+    int16_t *pcm = convert(u, rate, count);
+    free(u->pcm);
+    u->pcm = pcm;
+    u->samples = count;
+    u->sample_rate = rate;
+    for (size_t i = 0; i < u->phone_count; i++) {
+        u->phones[i].start = rescale(u->phones[i].start, rate, was, count);
+        u->phones[i].end = rescale(u->phones[i].end, rate, was, count);
+    }
+    for (size_t i = 0; i < u->word_count; i++) {
+        u->words[i].start = rescale(u->words[i].start, rate, was, count);
+        u->words[i].end = rescale(u->words[i].end, rate, was, count);
+    }
+    for (size_t i = 0; i < u->mark_count; i++)
+        u->marks[i].at = rescale(u->marks[i].at, rate, was, count);
+    drop_empty_phones(u);
+}
+
+static void fade(int16_t *edge, int step, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++, edge += step)
+        *edge = (int16_t)((int32_t)*edge * (int32_t)i / (int32_t)count);
+}
+
+static uint32_t inside(uint32_t t, uint32_t from, uint32_t to) {
+    return (t < from ? from : t > to ? to : t) - from;
+}
+
+void sentence_audio_cut(struct sentence_audio *u, uint32_t from, uint32_t to) {
+    uint32_t length = to - from, soft = u->sample_rate * EDIT_FADE_MS / 1000;
+    if (soft > length / 2)
+        soft = length / 2;
+    bool head = from > 0, tail = to < u->samples;
+    if (head && length)
+        memmove(u->pcm, u->pcm + from, length * sizeof *u->pcm);
+    if (head && soft)
+        fade(u->pcm, 1, soft);
+    if (tail && soft)
+        fade(u->pcm + length - 1, -1, soft);
+    u->samples = length;
+    for (size_t i = 0; i < u->phone_count; i++) {
+        u->phones[i].start = inside(u->phones[i].start, from, to);
+        u->phones[i].end = inside(u->phones[i].end, from, to);
+    }
+    for (size_t i = 0; i < u->word_count; i++) {
+        u->words[i].start = inside(u->words[i].start, from, to);
+        u->words[i].end = inside(u->words[i].end, from, to);
+    }
+    for (size_t i = 0; i < u->mark_count; i++)
+        u->marks[i].at = inside(u->marks[i].at, from, to);
+    drop_empty_phones(u);
+}
+
+/* Room for `more` elements behind the `count` that are there. */
+static void *extend(void *list, size_t count, size_t more, size_t element) {
+    return more ? mem_resize(list, (count + more) * element) : list;
+}
+
+static bool is_pause(const struct phone *p) {
+    return !*p->ipa;
+}
+
+static void append_phones(struct sentence_audio *a, const struct sentence_audio *b) {
+    a->phones = extend(a->phones, a->phone_count, b->phone_count, sizeof *a->phones);
+    for (size_t i = 0; i < b->phone_count; i++) {
+        struct phone p = b->phones[i], *last = a->phone_count ? &a->phones[a->phone_count - 1] : NULL;
+        p.start += a->samples;
+        p.end += a->samples;
+        if (last && is_pause(last) && is_pause(&p))
+            last->end = p.end;
+        else
+            a->phones[a->phone_count++] = p;
+    }
+}
+
+static void append_words(struct sentence_audio *a, struct sentence_audio *b) {
+    a->words = extend(a->words, a->word_count, b->word_count, sizeof *a->words);
+    for (size_t i = 0; i < b->word_count; i++) {
+        struct word w = b->words[i];
+        w.start += a->samples;
+        w.end += a->samples;
+        a->words[a->word_count++] = w;
+    }
+    a->marks = extend(a->marks, a->mark_count, b->mark_count, sizeof *a->marks);
+    for (size_t i = 0; i < b->mark_count; i++)
+        a->marks[a->mark_count++] = (struct mark){b->marks[i].name, b->marks[i].at + a->samples};
+    b->word_count = b->mark_count = 0; /* their strings have moved */
+}
+
+void sentence_audio_append(struct sentence_audio *a, struct sentence_audio *b) {
+    append_phones(a, b);
+    append_words(a, b);
+    for (size_t i = 0; i < b->warning_count; i++)
+        sentence_audio_warn(a, b->warnings[i]);
+    a->pcm = extend(a->pcm, a->samples, b->samples, sizeof *a->pcm);
+    if (b->samples)
+        memcpy(a->pcm + a->samples, b->pcm, b->samples * sizeof *a->pcm);
+    a->samples += b->samples;
+    sentence_audio_free(b);
+}
+
+static bool has_sound(const struct sentence_audio *u) {
+    for (size_t i = 0; i < u->phone_count; i++)
+        if (!is_pause(&u->phones[i]))
+            return true;
+    return false;
+}
+
+void sentence_audio_bounds(const struct sentence_audio *u, uint32_t *from, uint32_t *to) {
+    int32_t peak = 0;
+    for (uint32_t i = 0; i < u->samples; i++)
+        peak = abs(u->pcm[i]) > peak ? abs(u->pcm[i]) : peak;
+    /* phones say where speech is; what is loud is speech all the same, but not an echo of it */
+    int32_t faint = peak / (has_sound(u) ? 8 : 200);
+    uint32_t first = 0, last = u->samples;
+    while (first < u->samples && abs(u->pcm[first]) <= faint)
+        first++;
+    while (last > first && abs(u->pcm[last - 1]) <= faint)
+        last--;
+    for (size_t i = 0; i < u->phone_count; i++) {
+        if (is_pause(&u->phones[i]))
+            continue;
+        first = u->phones[i].start < first ? u->phones[i].start : first;
+        last = u->phones[i].end > last ? u->phones[i].end : last;
+    }
+    *from = first < last ? first : last;
+    *to = last;
+}

@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Changes to finished sentences' audio: another sample rate, a part of one, several as one. Cues are not
+ * touched: they are timed last. */
+#ifndef FACCIA_VOICE_SENTENCE_AUDIO_EDIT_H
+#define FACCIA_VOICE_SENTENCE_AUDIO_EDIT_H
+
+#include "server/voice/sentence_audio.h"
+
+/* Converts the audio, and all times with it. */
+void sentence_audio_resample(struct sentence_audio *u, uint32_t sample_rate);
+
+/* Keeps samples [from, to) and what lies in them: phones and words are cut, marks outside move to the edge.
+ * An edge that was cut is faded over EDIT_FADE_MS, so that it does not click. */
+enum { EDIT_FADE_MS = 10 };
+void sentence_audio_cut(struct sentence_audio *u, uint32_t from, uint32_t to);
+
+/* Puts b, which has the same rate, behind a, and frees b. */
+void sentence_audio_append(struct sentence_audio *a, struct sentence_audio *b);
+
+/* Where the sound begins and ends. Before and after it is nothing loud (18 dB below the loudest sample, 46 dB
+ * where no phones are known), and no sounding phone. from == to: there is no sound. */
+void sentence_audio_bounds(const struct sentence_audio *u, uint32_t *from, uint32_t *to);
+
+#endif

@@ -1,0 +1,178 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The voices that the plugins have, and the choice among them. */
+#include "server/base/lang.h"
+#include "server/base/mem.h"
+#include "server/base/near.h"
+#include "server/voice/voice_pool_internal.h"
+#include <jansson.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+/* Each is looked for among all, and a plugin that means harm must not keep the daemon busy with that. */
+enum { PLUGIN_VOICES_MAX = 10000 };
+
+/* What the catalog allocated: strings and outgrown lists, all kept for those who still point at them. */
+struct catalog_block {
+    struct catalog_block *next;
+    void *data;
+};
+
+static void *keep(struct catalog *catalog, void *data) {
+    struct catalog_block *block = mem_alloc(sizeof *block);
+    *block = (struct catalog_block){catalog->blocks, data};
+    catalog->blocks = block;
+    return data;
+}
+
+/* A plugin may tell so much of each, bytes. */
+enum { TEXT_MAX = 256, LANG_MAX = 35 };
+
+/* Longer than it may be, it is left out. */
+static const char *keep_text(struct catalog *catalog, const json_t *object, const char *key) {
+    const char *text = json_string_value(json_object_get(object, key));
+    return keep(catalog, mem_strdup(text && strlen(text) <= TEXT_MAX ? text : ""));
+}
+
+static const struct voice *by_id(struct voice_list list, const char *id) {
+    for (size_t i = 0; i < list.count; i++)
+        if (!strcmp(list.voices[i].id, id))
+            return &list.voices[i];
+    return NULL;
+}
+
+struct voice_list catalog_list(const struct catalog *catalog) {
+    return (struct voice_list){catalog->voices, catalog->count};
+}
+
+static void add(struct catalog *catalog, const char *plugin, uint32_t capabilities, const json_t *object) {
+    const char *id = json_string_value(json_object_get(object, "id"));
+    const char *lang = json_string_value(json_object_get(object, "lang"));
+    char full[128];
+    if (!id || !lang || strlen(lang) > LANG_MAX || !*id ||
+        (size_t)snprintf(full, sizeof full, "%s:%s", plugin, id) >= sizeof full ||
+        by_id(catalog_list(catalog), full))
+        return;
+    json_int_t sample_rate = json_integer_value(json_object_get(object, "sample_rate"));
+    json_int_t rate = json_integer_value(json_object_get(object, "rate"));
+    catalog->voices[catalog->count++] = (struct voice){
+        .id = keep(catalog, mem_strdup(full)),
+        .plugin = plugin,
+        .name = keep_text(catalog, object, "name"),
+        .lang = keep_text(catalog, object, "lang"),
+        .gender = keep_text(catalog, object, "gender"),
+        .quality = keep_text(catalog, object, "quality"),
+        .licence = keep_text(catalog, object, "licence"),
+        .sample_rate = sample_rate >= ASSEMBLY_RATE_MIN && sample_rate <= ASSEMBLY_RATE_MAX
+                           ? (uint32_t)sample_rate
+                           : 22050,
+        .rate = rate > 0 && rate < 2000 ? (uint32_t)rate : 170,
+        .capabilities = capabilities,
+    };
+}
+
+/* Voices are in the order of their plugins' names, whichever starts first; a plugin's own voices in its
+ * order. */
+int catalog_add(struct catalog *catalog, const char *plugin, const char *description, struct error *e) {
+    json_error_t why;
+    json_t *root = json_loads(description, 0, &why), *voices = json_object_get(root, "voices"), *voice;
+    size_t i, before = 0, added = json_array_size(voices), total = catalog->count;
+    if (!added || added > PLUGIN_VOICES_MAX) {
+        json_decref(root);
+        return error_set(e, "voice-failed", added ? "has more than %d voices" : "has no voices",
+                         PLUGIN_VOICES_MAX);
+    }
+    while (before < total && strcmp(catalog->voices[before].plugin, plugin) <= 0)
+        before++;
+    const struct voice *shorter = catalog->voices;
+    struct voice *longer = mem_alloc((total + added) * sizeof *longer);
+    if (before)
+        memcpy(longer, shorter, before * sizeof *longer);
+    catalog->voices = keep(catalog, longer);
+    catalog->count = before;
+    uint32_t capabilities = (uint32_t)json_integer_value(json_object_get(root, "capabilities"));
+    json_array_foreach(voices, i, voice) add(catalog, plugin, capabilities, voice);
+    json_decref(root);
+    if (before < total)
+        memcpy(longer + catalog->count, shorter + before, (total - before) * sizeof *longer);
+    catalog->count += total - before;
+    return 0;
+}
+
+void catalog_free(struct catalog *catalog) {
+    for (struct catalog_block *block = catalog->blocks, *next; block; block = next) {
+        next = block->next;
+        free(block->data);
+        free(block);
+    }
+    *catalog = (struct catalog){0};
+}
+
+const struct voice *voice_pool_voices(const struct voice_pool *pool, size_t *count) {
+    *count = pool->catalog.count;
+    return pool->catalog.voices;
+}
+
+const struct voice *voice_by_name(struct voice_list list, const char *name) {
+    const struct voice *voice = by_id(list, name);
+    for (size_t i = 0; i < list.count && !voice; i++)
+        if (!strcmp(list.voices[i].id + strlen(list.voices[i].plugin) + 1, name))
+            voice = &list.voices[i];
+    return voice;
+}
+
+int voice_lang_fit(const char *lang, const char *wanted) {
+    wanted = lang_usual(wanted);
+    lang = lang_usual(lang);
+    size_t primary = strcspn(wanted, "-"), length = strlen(wanted);
+    if (!strcasecmp(lang, wanted))
+        return 3;
+    if (!strncasecmp(lang, wanted, length) && lang[length] == '-')
+        return 2;
+    return strcspn(lang, "-") == primary && !strncasecmp(lang, wanted, primary);
+}
+
+/* With or without its plugin's name, as it was asked for. */
+void voice_unknown(struct voice_list list, const char *name, struct error *e) {
+    struct near near = near_to(name);
+    char text[NEAR_TEXT];
+    for (size_t i = 0; i < list.count; i++) {
+        const struct voice *voice = &list.voices[i];
+        near_try(&near, voice->id, voice->id);
+        near_try(&near, voice->id + strlen(voice->plugin) + 1, voice->id);
+    }
+    error_in_field(e, "unknown-voice", "voice", "there is no voice \"%.80s\"%s", name,
+                   near_text(&near, text));
+}
+
+const struct voice *voice_pool_find(const struct voice_pool *pool, const char *name, const char *lang,
+                                    const char *const *preferred, struct error *e) {
+    const struct catalog *catalog = &pool->catalog;
+    const struct voice *best = NULL;
+    int best_fit = 0;
+    if (!catalog->count) {
+        error_set(e, "voice-unavailable", "no voice plugin runs");
+        return NULL;
+    }
+    if (name) {
+        best = voice_by_name(catalog_list(catalog), name);
+        if (!best)
+            voice_unknown(catalog_list(catalog), name, e);
+        return best;
+    }
+    for (; preferred && *preferred && !best; preferred++)
+        best = voice_by_name(catalog_list(catalog), *preferred);
+    if (best)
+        return best;
+    for (size_t i = 0; i < catalog->count && lang; i++) {
+        int f = voice_lang_fit(catalog->voices[i].lang, lang);
+        if (f > best_fit) {
+            best_fit = f;
+            best = &catalog->voices[i];
+        }
+    }
+    if (!best)
+        error_in_field(e, "unknown-language", "lang", "no voice speaks \"%.80s\"", lang ? lang : "");
+    return best;
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sentences that were spoken before: what a worker says is kept, and said again. */
+#include "server/voice/voice_pool_internal.h"
+
+void pool_job_said(struct voice_job *job, const struct wire_frame *frame) {
+    struct voice_cache *cache = job->plugin->pool->cache;
+    if (!cache || job->uncacheable)
+        return;
+    if (job->spoken.size + frame->size + WIRE_HEADER_BYTES > cache_value_max(cache)) {
+        job->uncacheable = true;
+        buf_free(&job->spoken);
+        return;
+    }
+    size_t place = wire_begin(&job->spoken, frame->type, 0);
+    buf_add(&job->spoken, frame->data, frame->size);
+    wire_end(&job->spoken, place);
+}
+
+void pool_job_spoken(struct voice_job *job) {
+    struct voice_cache *cache = job->plugin->pool->cache;
+    if (cache && !job->uncacheable && job->spoken.size)
+        cache_put(cache, &job->key, &job->spoken);
+}
+
+/* Says again what the worker once said; a value that cannot be used (it lay on a disk) is spoken anew. */
+void job_recall(struct voice_job *job) {
+    struct wire_frame frame;
+    struct error e;
+    size_t used;
+    const uint8_t *at = job->spoken.data, *end = at + job->spoken.size;
+    int state = 0;
+    job->assembly = assembly_new(&job->plan);
+    while (at < end && (state = wire_next(at, (size_t)(end - at), &frame, &used)) == 1) {
+        if (frame.type == WIRE_AUDIO
+                ? assembly_audio(job->assembly, &frame, &e)
+                : frame.type != WIRE_EVENTS || assembly_events(job->assembly, &frame, &e))
+            break;
+        at += used;
+    }
+    if (at == end) {
+        pool_job_end(job, assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate), NULL);
+        return;
+    }
+    assembly_free(job->assembly);
+    job->assembly = NULL;
+    job->spoken.size = 0;
+    if (plugin_runs(job->plugin))
+        job_wait(job);
+    else
+        job_push(&job->plugin->pool->refused, job);
+}
+
+/* Makes the key: all that the worker is told, and which worker it is. True when the cache has the sentence.
+ */
+bool job_look_up(struct voice_job *job) {
+    struct voice_pool *pool = job->plugin->pool;
+    const struct faccia_sentence sentence = {job->voice->id, job->plan.spans, job->plan.span_count};
+    job->uncacheable = job->voice->capabilities & FACCIA_VOICE_FRESH;
+    if (job->uncacheable)
+        return false;
+    wire_put_string(&job->key, job->plugin->edition);
+    wire_put_string(&job->key, job->plugin->config);
+    wire_put_sentence(&job->key, &sentence);
+    const struct buf *value = cache_get(pool->cache, &job->key);
+    metrics_add(pool->metrics, value ? METRIC_CACHE_HITS : METRIC_CACHE_MISSES, 1);
+    if (value)
+        buf_add(&job->spoken, value->data, value->size);
+    return value != NULL;
+}

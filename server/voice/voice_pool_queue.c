@@ -1,0 +1,93 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Sentences that wait for a worker, and how each of them ends. */
+#include "server/voice/voice_pool_internal.h"
+#include <stdlib.h>
+
+void job_push(struct job_queue *queue, struct voice_job *job) {
+    job->queue = queue;
+    if (queue->last)
+        queue->last->next = job;
+    else
+        queue->first = job;
+    queue->last = job;
+}
+
+void job_take_out(struct voice_job *job) {
+    struct job_queue *queue = job->queue;
+    struct voice_job **at = &queue->first, *before = NULL;
+    while (*at != job) {
+        before = *at;
+        at = &before->next;
+    }
+    *at = job->next;
+    if (queue->last == job)
+        queue->last = before;
+    job->next = NULL;
+    job->queue = NULL;
+}
+
+/* First come, first served, but those that somebody waits for and those that are made ahead by turns: however
+ * many begin to speak, who speaks already goes on. */
+struct voice_job *pool_next_job(struct plugin *plugin) {
+    struct voice_job *urgent = plugin->urgent.first, *waiting = plugin->waiting.first;
+    struct voice_job *job = urgent && (!waiting || !plugin->urgent_last) ? urgent : waiting;
+    plugin->urgent_last = job && job == urgent;
+    if (job)
+        job_take_out(job);
+    return job;
+}
+
+void job_free(struct voice_job *job) {
+    assembly_free(job->assembly);
+    plan_free(&job->plan);
+    buf_free(&job->key);
+    buf_free(&job->spoken);
+    free(job);
+}
+
+void pool_job_end(struct voice_job *job, struct sentence_audio *u, const struct error *e) {
+    const struct voice_callbacks callbacks = job->callbacks;
+    void *ctx = job->ctx;
+    bool cancelled = job->cancelled;
+    job_free(job);
+    if (cancelled)
+        sentence_audio_free(u);
+    else if (u)
+        callbacks.done(ctx, u);
+    else
+        callbacks.failed(ctx, e);
+}
+
+void job_wait(struct voice_job *job) {
+    struct plugin *plugin = job->plugin;
+    bool stuck = true;
+    job_push(job->urgent ? &plugin->urgent : &plugin->waiting, job);
+    for (size_t i = 0; i < plugin->seat_count && !job->worker; i++) {
+        worker_wake(&plugin->workers[i]);
+        stuck = stuck && spare_is_stuck(&plugin->workers[i]);
+    }
+    if (!job->worker && stuck)
+        spare_call(plugin);
+}
+
+void queue_fail(struct job_queue *queue, const char *code, const char *why) {
+    while (queue->first) {
+        struct voice_job *job = queue->first;
+        struct error e;
+        error_set(&e, code, "the voice %s %s", job->plugin->name, why);
+        job_take_out(job);
+        pool_job_end(job, NULL, &e);
+    }
+}
+
+void pool_fail_waiting(struct plugin *plugin) {
+    queue_fail(&plugin->urgent, "voice-failed", "does not run");
+    queue_fail(&plugin->waiting, "voice-failed", "does not run");
+}
+
+bool plugin_runs(const struct plugin *plugin) {
+    for (size_t i = 0; i < plugin->worker_count; i++)
+        if (!plugin->workers[i].given_up)
+            return true;
+    return false;
+}

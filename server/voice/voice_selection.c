@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/voice/voice_selection.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+
+struct voice_selection *voice_selection_new(size_t count) {
+    struct voice_selection *cast = mem_alloc(sizeof *cast);
+    cast->voices = mem_alloc(count * sizeof *cast->voices);
+    cast->sounds = mem_alloc(count * sizeof *cast->sounds);
+    cast->count = count;
+    return cast;
+}
+
+void voice_selection_free(struct voice_selection *cast) {
+    if (!cast)
+        return;
+    for (size_t i = 0; i < cast->count; i++)
+        free(cast->sounds[i]);
+    free(cast->sounds);
+    free(cast->voices);
+    free(cast);
+}
+
+struct cutter {
+    const struct voice_selection *cast;
+    const struct score *score;
+    struct part *parts;
+    size_t count, cap;
+};
+
+static struct part *add(struct cutter *c, int kind, size_t first, size_t count, size_t instead_of) {
+    c->parts = mem_grow(c->parts, &c->cap, c->count + 1, sizeof *c->parts);
+    struct part *part = &c->parts[c->count++];
+    *part = (struct part){.kind = kind, .first = first, .count = count, .instead_of = instead_of};
+    return part;
+}
+
+static enum score_kind kind(const struct cutter *c, size_t item) {
+    return c->score->items[item].kind;
+}
+
+static bool is_sound(const struct cutter *c, size_t item) {
+    return kind(c, item) == SCORE_AUDIO && c->cast->sounds[item];
+}
+
+static bool is_text(const struct cutter *c, size_t item) {
+    return kind(c, item) == SCORE_TEXT && c->score->items[item].text && *c->score->items[item].text;
+}
+
+/* Items without a text. */
+static void add_silence(struct cutter *c, size_t first, size_t end, size_t instead_of) {
+    if (first < end)
+        add(c, PART_SILENCE, first, end - first, instead_of);
+}
+
+/* Items without a playable sound: a part for each voice. Marks go with the text around them; breaks between
+ * two voices are silences of their own, so that each has its full length. */
+static void cut_texts(struct cutter *c, size_t first, size_t end, size_t instead_of) {
+    while (first < end) {
+        size_t text = first;
+        while (text < end && !is_text(c, text))
+            text++;
+        if (text == end) {
+            add_silence(c, first, end, instead_of);
+            return;
+        }
+        size_t begin = text, last = text;
+        while (begin > first && kind(c, begin - 1) != SCORE_BREAK)
+            begin--;
+        add_silence(c, first, begin, instead_of);
+        for (size_t i = text; i < end && (!is_text(c, i) || c->cast->voices[i] == c->cast->voices[text]); i++)
+            if (is_text(c, i))
+                last = i;
+        add(c, PART_TEXT, begin, last + 1 - begin, instead_of);
+        first = last + 1;
+    }
+}
+
+static void cut(struct cutter *c, size_t first, size_t end, size_t instead_of) {
+    size_t texts = first;
+    for (size_t i = first; i < end; i++) {
+        if (!is_sound(c, i))
+            continue;
+        size_t fallback = c->score->items[i].fallback, after = i + 1;
+        after = fallback < end - after ? after + fallback : end;
+        cut_texts(c, texts, i, instead_of);
+        size_t sound = c->count;
+        add(c, PART_SOUND, i, 1, instead_of);
+        cut(c, i + 1, after, sound);
+        texts = after;
+        i = after - 1;
+    }
+    cut_texts(c, texts, end, instead_of);
+}
+
+struct part *voice_selection_parts(const struct voice_selection *cast, const struct score *score,
+                                   size_t sentence, size_t *count) {
+    const struct score_sentence *s = &score->sentences[sentence];
+    struct cutter c = {.cast = cast, .score = score};
+    size_t end = s->first + s->count, texts = 0;
+    bool simple = true;
+    const struct voice *voice = NULL;
+    for (size_t i = s->first; i < end && simple; i++) {
+        simple = !is_sound(&c, i) && (!is_text(&c, i) || !texts++ || cast->voices[i] == voice);
+        voice = is_text(&c, i) ? cast->voices[i] : voice;
+    }
+    if (simple)
+        add(&c, PART_TEXT, s->first, s->count, SIZE_MAX);
+    else
+        cut(&c, s->first, end, SIZE_MAX);
+    *count = c.count;
+    return c.parts;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Who says what in a score: chosen before it is spoken, by somebody who knows languages and folders. */
+#ifndef FACCIA_VOICE_VOICE_SELECTION_H
+#define FACCIA_VOICE_VOICE_SELECTION_H
+
+#include "server/voice/voice_pool.h"
+
+/* For each item of a score. */
+struct voice_selection {
+    const struct voice **voices; /* of texts */
+    char **sounds;               /* of SCORE_AUDIO: the file; NULL = its alternate content is spoken */
+    size_t count;
+};
+
+struct voice_selection *voice_selection_new(size_t count);
+void voice_selection_free(struct voice_selection *cast);
+
+/* A part of a sentence that one voice speaks, or a sound, or silence. */
+struct part {
+    enum { PART_TEXT, PART_SOUND, PART_SILENCE } kind;
+    size_t first, count; /* items; of a sound or a silence: it and the marks around */
+    size_t instead_of; /* this part is spoken when that part, a sound, cannot be played; SIZE_MAX = always */
+};
+
+/* Cuts a sentence into parts, in order. The caller frees them. */
+struct part *voice_selection_parts(const struct voice_selection *cast, const struct score *score,
+                                   size_t sentence, size_t *count);
+
+#endif

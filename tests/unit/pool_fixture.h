@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* For tests with a real voice pool: a pool over a folder with chosen plugins, the sentences spoken with it,
+ * and what came of them. Every step is checked. */
+#ifndef FACCIA_TESTS_POOL_SCENE_H
+#define FACCIA_TESTS_POOL_SCENE_H
+
+#include "server/voice/voice_pool.h"
+
+enum { SCENE_JOBS = 64 };
+
+struct result {
+    struct sentence_audio *u; /* NULL = failed or not there yet */
+    struct error e;
+    bool failed;
+    unsigned order; /* 1 = the first to come back */
+    struct media_segment *segment;
+};
+
+struct media_segment {
+    uv_loop_t loop;
+    uv_timer_t guard;
+    struct voice_pool *pool;
+    struct score *score;
+    char folder[64];
+    struct result results[SCENE_JOBS];
+    struct voice_job *jobs[SCENE_JOBS];
+    size_t count, finished;
+    bool ready, closing, closed;
+    bool urgent; /* what is spoken next */
+    void (*when_finished)(struct media_segment *s);
+};
+
+/* names: plugins (of the server, or one of tests/plugins), ended by NULL. Returns when the pool is ready. A
+ * failed test leaves its segment, with handles that libuv knows, where it is. */
+struct media_segment *scene_open(struct voice_pool_options options, const char *const *names);
+#define OPEN(options, ...)                                                                                   \
+    scene_open((struct voice_pool_options)options, (const char *const[]){__VA_ARGS__, NULL})
+#define WITH(...)                                                                                            \
+    { __VA_ARGS__ }
+
+/* Closes the pool, if that was not begun, and frees everything. */
+void scene_close_pool(struct media_segment *s);
+void scene_shut(struct media_segment *s);
+
+const struct voice *scene_voice(struct media_segment *s, const char *name);
+
+/* Adds text to the sentence that is being made; scene_speak_items speaks it. The result is filled by
+ * scene_run. */
+struct score_item *scene_add(struct media_segment *s, const char *text);
+struct result *scene_speak_items(struct media_segment *s, const char *voice, double rate);
+struct result *scene_speak(struct media_segment *s, const char *voice, const char *text);
+void scene_run(struct media_segment *s); /* until all sentences have come back */
+
+void check_failed(const struct result *r, const char *code);
+
+/* Phones touch, have names and times and cover the audio; words lie inside the input. */
+void check_whole(const struct sentence_audio *u, const char *text);
+
+#endif

@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/codec/codec_load.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdint.h>
+
+#include <cmocka.h>
+
+/* Every level is cheaper than the one before. */
+static void order(void **state) {
+    (void)state;
+    for (int i = 1; i < CODEC_LOAD_LEVELS; i++)
+        assert_true(codec_load_levels[i].cost < codec_load_levels[i - 1].cost);
+}
+
+/* The level at which so many speak, after windows in which the loop is as busy as they make it. */
+static unsigned settle(unsigned level, double speakers, int windows, unsigned *changes) {
+    for (int i = 0; i < windows; i++) {
+        double busy = fmin(1, speakers * codec_load_levels[level].cost / 1000);
+        unsigned next = codec_load_choose(level, busy, true);
+        *changes += next != level;
+        level = next;
+    }
+    return level;
+}
+
+/* However many speak, the level comes to rest, from above and from below, where they are in time if that can
+ * be had at all; and a crowd is met within a few windows. */
+static void rests(void **state) {
+    (void)state;
+    const unsigned ends[] = {CODEC_LOAD_BEST, CODEC_LOAD_LEVELS - 1};
+    for (int speakers = 1; speakers < 1000; speakers++)
+        for (int e = 0; e < 2; e++) {
+            unsigned moves = 0, more = 0, level = settle(ends[e], speakers, 6, &moves);
+            assert_true(speakers * codec_load_levels[level].cost <= 800.001 ||
+                        level == CODEC_LOAD_LEVELS - 1);
+            /* and no plainer than it has to be: the next dearer one would leave too little to spare */
+            assert_true(!level || speakers * codec_load_levels[level - 1].cost >= 599.999);
+            assert_int_equal(settle(level, speakers, 20, &more), level);
+            assert_int_equal(more, 0);
+        }
+}
+
+static void few_are_heard_best(void **state) {
+    (void)state;
+    unsigned changes = 0;
+    assert_int_equal(settle(CODEC_LOAD_LEVELS - 1, 20, 10, &changes), CODEC_LOAD_BEST);
+}
+
+static void calm(void **state) {
+    (void)state;
+    assert_int_equal(codec_load_choose(3, 0.1, false), 3);
+    assert_int_equal(codec_load_choose(3, 0.1, true), 2);
+    assert_true(codec_load_choose(0, 0.9, false) > 0);
+    assert_int_equal(codec_load_choose(CODEC_LOAD_BEST, 0, true), CODEC_LOAD_BEST);
+    assert_int_equal(codec_load_choose(CODEC_LOAD_LEVELS - 1, 1, true), CODEC_LOAD_LEVELS - 1);
+}
+
+/* Without a loop to look at, sound is at its best. */
+static void nobody_counts(void **state) {
+    (void)state;
+    assert_int_equal(codec_load_now(NULL), CODEC_LOAD_BEST);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(order), cmocka_unit_test(rests),         cmocka_unit_test(few_are_heard_best),
+        cmocka_unit_test(calm),  cmocka_unit_test(nobody_counts),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,49 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The voices that plugins say they have. */
+#include "server/voice/voice_pool_internal.h"
+#include <setjmp.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+static void add_voices(struct buf *text, unsigned count) {
+    buf_printf(text, "{\"voices\": [{\"id\": \"a\", \"lang\": \"it\"}, {\"id\": \"a\", \"lang\": \"it\"}, "
+                     "{\"id\": \"\"}, 5");
+    for (unsigned i = 4; i < count; i++)
+        buf_printf(text, ",{\"id\":\"%u\",\"lang\":\"it\"}", i);
+    buf_printf(text, "]}");
+    buf_add(text, "", 1);
+}
+
+static void takes_each_once(void **state) {
+    (void)state;
+    struct catalog catalog = {0};
+    struct buf text = {0};
+    struct error e;
+    add_voices(&text, 6);
+    assert_int_equal(catalog_add(&catalog, "x", (char *)text.data, &e), 0);
+    assert_int_equal(catalog.count, 3);
+    assert_string_equal(catalog.voices[0].id, "x:a");
+    assert_string_equal(catalog.voices[2].id, "x:5");
+    catalog_free(&catalog);
+    buf_free(&text);
+}
+
+static void refuses_too_many(void **state) {
+    (void)state;
+    struct catalog catalog = {0};
+    struct buf text = {0};
+    struct error e;
+    add_voices(&text, 10001);
+    assert_int_equal(catalog_add(&catalog, "x", (char *)text.data, &e), -1);
+    assert_string_equal(e.message, "has more than 10000 voices");
+    assert_int_equal(catalog.count, 0);
+    catalog_free(&catalog);
+    buf_free(&text);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(takes_each_once), cmocka_unit_test(refuses_too_many)};
+    return cmocka_run_group_tests_name("catalog", tests, NULL, NULL);
+}

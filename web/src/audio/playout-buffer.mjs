@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: MIT
+import { Ring } from './ring.mjs';
+
+const PREROLL_SECONDS = 0.08;
+const PREROLL_MAX_SECONDS = 0.4;
+const FADE_SECONDS = 0.005;
+
+/**
+ * Plays samples out, quantum by quantum, and says when its output starts and stops running. Positions count the
+ * samples of speech that were ever pushed; frames count those of the clock that pulls them. While it runs the two
+ * advance together, so that one report for each start and stop tells the other side the position at any time.
+ * When samples are late it waits (silence, position stands still) until a little more has come than the last time.
+ *
+ * Runs in the audio thread, and without one in the page.
+ */
+export class PlayoutBuffer {
+  /**
+   * @param {number} rate in Hz
+   * @param {(report: {frame: number, position: number, running: boolean, underruns: number}) => void} report
+   */
+  constructor(rate, report) {
+    this.rate = rate;
+    this.report = report;
+    this.ring = new Ring(rate);
+    this.position = 0;
+    this.running = false;
+    this.complete = true; // all that belongs to the speech so far has come: do not wait for more
+    this.underruns = 0;
+    this.preroll = Math.round(PREROLL_SECONDS * rate);
+    this.fade = Math.round(FADE_SECONDS * rate);
+    this.residue = new Float32Array(0); // what is still to sound of something cut
+    this.last = 0;
+    this.cut = false;
+    this.held = false;
+    this.rising = 0; // samples that are still to be faded in
+  }
+
+  push(block) {
+    this.ring.push(block);
+    this.complete = false;
+  }
+
+  /** Nothing follows what was pushed, for now. */
+  finish() {
+    this.complete = true;
+  }
+
+  /** Forgets what was not played yet; the rest fades out at once, so that it does not click. */
+  flush() {
+    if (this.running) {
+      const residue = new Float32Array(this.fade);
+      this.position += this.ring.read(residue);
+      this.residue = residue.map((sample, i) => sample * (1 - (i + 1) / this.fade));
+    }
+    this.position += this.ring.skip(this.ring.length);
+    this.complete = true;
+    this.cut = true;
+  }
+
+  /** Silence at once; the position stands still until `release`. */
+  hold() {
+    this.held = true;
+  }
+
+  /** Goes on where it was held. */
+  release() {
+    this.held = false;
+  }
+
+  /** Takes out what was not played yet, so that another buffer can go on with it. */
+  drain() {
+    const rest = new Float32Array(this.ring.length);
+    this.ring.read(rest);
+    return rest;
+  }
+
+  /** Fills `out` with what sounds from clock frame `frame` on. */
+  render(out, frame) {
+    out.fill(0);
+    if (this.cut) this.#stop(frame);
+    if (this.held && this.running) this.#halt(frame);
+    const ready = this.ring.length && (this.complete || this.ring.length >= this.preroll);
+    if (!this.held && !this.running && ready) this.#start(frame);
+    if (this.running) this.#play(out, frame);
+    if (this.residue.length) this.#fadeOut(out);
+  }
+
+  #fadeOut(out) {
+    const count = Math.min(out.length, this.residue.length);
+    for (let i = 0; i < count; i++) out[i] += this.residue[i];
+    this.residue = this.residue.subarray(count);
+  }
+
+  #play(out, frame) {
+    const got = this.ring.read(out);
+    this.position += got;
+    for (let i = 0; i < got && this.rising; i++, this.rising--) out[i] *= 1 - this.rising / this.fade;
+    if (got) this.last = out[got - 1];
+    if (got === out.length) return;
+    if (!this.complete) {
+      this.underruns++;
+      this.preroll = Math.min(Math.round(this.preroll * 1.5), PREROLL_MAX_SECONDS * this.rate);
+    }
+    this.residue = new Float32Array(got + this.fade).fill(0, 0, got);
+    for (let i = 0; i < this.fade; i++) this.residue[got + i] = this.last * (1 - (i + 1) / this.fade);
+    this.#stop(frame + got);
+  }
+
+  #halt(frame) {
+    this.residue = Float32Array.from({ length: this.fade }, (_, i) => this.last * (1 - (i + 1) / this.fade));
+    this.rising = this.fade;
+    this.#stop(frame);
+  }
+
+  #start(frame) {
+    this.running = true;
+    this.#tell(frame);
+  }
+
+  #stop(frame) {
+    this.running = false;
+    this.cut = false;
+    this.#tell(frame);
+  }
+
+  #tell(frame) {
+    this.report({ frame, position: this.position, running: this.running, underruns: this.underruns });
+  }
+}
