@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What one who comes late to a channel has to be told: the utterance that is spoken, its sentence, the words
+/* What a follower that comes late to a channel has to be told: the utterance that is spoken, its sentence, the words
  * and marks of that so far, and whether all is paused. */
 #ifndef FACCIA_NET_CATCH_UP_H
 #define FACCIA_NET_CATCH_UP_H

@@ -20,7 +20,7 @@ struct follower {
     bool idle;                   /* also those of idling */
     bool waits;                  /* for media that one can begin with */
     bool lagging;                /* has left out media */
-    struct message_queue *queue; /* NULL for one who hears events alone */
+    struct message_queue *queue; /* NULL for one that takes events alone */
     void (*deliver)(struct follower *follower, struct queued_message *parcel);
 };
 

@@ -60,7 +60,7 @@ static void fill_reserve(struct listeners *all) {
     }
 }
 
-/* Somebody who asks for nothing at the moment gives way. */
+/* A connection that asks for nothing at the moment gives way. */
 static bool make_room(struct net *net) {
     struct connection *oldest = NULL;
     for (struct connection *c = net->open; c; c = c->next)

@@ -15,7 +15,7 @@ static void on_delivery(struct follower *f, struct queued_message *parcel) {
     struct events *events = (struct events *)f;
     struct buf text = {0};
     if (parcel->media || exchange_unsent(events->x) > exchange_net(events->x)->options.send_bytes)
-        return; /* he who does not listen misses something */
+        return; /* a client that reads nothing misses something */
     buf_printf(&text, "event: %s\ndata: ", parcel->event);
     buf_add(&text, queued_message_body(parcel), parcel->size);
     buf_add(&text, "\n\n", 2);

@@ -171,7 +171,7 @@ test('say tells how many listen; where nobody does, it is accepted and lost', as
   late.send({ type: 'ping', id: 1 });
   await late.wait({ type: 'pong' });
   assert.ok(!late.messages.some((m) => m.type === 'begin'));
-  // what is wrong is told, whoever listens
+  // what is wrong is told whether or not somebody listens
   assert.equal((await asked('/v1/say?room=empty&rate=3', plain('a'))).code, 'bad-field');
   await Promise.all([one, two, late].map((stream) => stream.close()));
 });

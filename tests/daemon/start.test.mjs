@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A daemon that has just started: whoever asks at once gets the voice that he would get later.
+// A daemon that has just started: a request at once gets the voice that it would get later.
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -72,7 +72,7 @@ test('a voice that does not come is waited for no longer than the setting says',
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-test('whoever waits may go, and the daemon may be stopped meanwhile', async () => {
+test('a client that waits may go, and the daemon may be stopped meanwhile', async () => {
   fs.rmSync(gate, { force: true });
   const daemon = await start();
   const [gone, stays] = await Promise.all([daemon.stream(), daemon.stream()]);

@@ -80,7 +80,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         speak(folder.list);
     FUZZ_CHECK(!failed || e.code);
     folder_close(&folder);
-    fuzz_write(name, NULL, 0, path);
+    fuzz_write(name, "", 0, path);
     unlink(path);
     return 0;
 }
