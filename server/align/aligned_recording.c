@@ -102,26 +102,26 @@ int aligned_recording_advance(struct aligned_recording *r, struct error *e) {
     struct long_alignment_piece piece;
     if (r->complete)
         return 0;
-    if (!r->chapter) {
+    if (!r->alignment) {
         const struct long_alignment_options options = {r->lang, *r->gender ? r->gender : NULL, r->stop,
                                                        false};
         struct reference *reference = reference_get(r->reference, e);
         if (!reference)
             return -1;
-        r->chapter = long_alignment_open(r->sound, reference, r->text, r->text_size, &options, e);
-        if (!r->chapter)
+        r->alignment = long_alignment_open(r->sound, reference, r->text, r->text_size, &options, e);
+        if (!r->alignment)
             return -1;
     }
-    int found = long_alignment_next(r->chapter, &piece, e);
+    int found = long_alignment_next(r->alignment, &piece, e);
     if (found > 0) {
         take_piece(r, &piece);
         long_alignment_piece_free(&piece);
     }
     if (found == 0) {
         settle(r, r->text_size);
-        r->rest = long_alignment_rest(r->chapter);
-        long_alignment_free(r->chapter);
-        r->chapter = NULL;
+        r->rest = long_alignment_rest(r->alignment);
+        long_alignment_free(r->alignment);
+        r->alignment = NULL;
         r->complete = true;
     }
     return found;
@@ -190,7 +190,7 @@ struct aligned_recording *aligned_recording_open(const struct aligned_recording_
 void aligned_recording_free(struct aligned_recording *r) {
     if (!r)
         return;
-    long_alignment_free(r->chapter);
+    long_alignment_free(r->alignment);
     sound_close(r->file);
     text_words_free(&r->tokens);
     free(r->words);

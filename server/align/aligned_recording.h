@@ -44,8 +44,8 @@ struct aligned_recording {
     struct aligned_recording_word *words; /* one for each */
     struct aligned_recording_phone *phones;
     size_t phone_count, phone_cap;
-    struct long_alignment *chapter; /* NULL = nothing is to be found (any more) */
-    bool keep_phones;               /* they come from a file: only words are to be found */
+    struct long_alignment *alignment; /* NULL = nothing is to be found (any more) */
+    bool keep_phones;                 /* they come from a file: only words are to be found */
     bool complete;
     size_t placed; /* words so far */
     double until;  /* s: what comes before is known */

@@ -42,19 +42,20 @@ void long_alignment_piece_free(struct long_alignment_piece *piece);
 
 struct long_alignment;
 
-/* The source, the reference and the text (UTF-8 without NUL) must outlive the chapter. NULL with *e
+/* The source, the reference and the text (UTF-8 without NUL) must outlive the alignment. NULL with *e
  * ("no-reference") when there is no voice for the language. */
 struct long_alignment *long_alignment_open(const struct sound_source *source, struct reference *reference,
                                            const char *text, size_t size,
                                            const struct long_alignment_options *options, struct error *e);
-void long_alignment_free(struct long_alignment *chapter);
+void long_alignment_free(struct long_alignment *alignment);
 
 /* The next piece: 1 and *piece, which the caller frees; 0 at the end; -1 with *e: "misaligned" (with line and
  * column of the text, and the time in the message) when text and recording do not fit, "no-reference",
  * "cancelled" (it can be called again). */
-int long_alignment_next(struct long_alignment *chapter, struct long_alignment_piece *piece, struct error *e);
+int long_alignment_next(struct long_alignment *alignment, struct long_alignment_piece *piece,
+                        struct error *e);
 
 /* Seconds of sound that follow the text's end; more than 60 are not counted. After the last piece only. */
-double long_alignment_rest(struct long_alignment *chapter);
+double long_alignment_rest(struct long_alignment *alignment);
 
 #endif

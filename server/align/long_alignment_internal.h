@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The inside of a chapter: what is looked for next, and where. */
+/* The inside of a long alignment: what is looked for next, and where. */
 #ifndef FACCIA_ALIGN_LONG_ALIGNMENT_INTERNAL_H
 #define FACCIA_ALIGN_LONG_ALIGNMENT_INTERNAL_H
 
@@ -33,7 +33,7 @@ struct long_alignment {
     size_t ready_count, ready_at, ready_cap;
 };
 
-/* Has the voice speak pieces of the text from chapter->at on, until there are enough. */
+/* Has the voice speak pieces of the text from alignment->at on, until there are enough. */
 int long_alignment_speak(struct long_alignment *c, const char *voice, struct error *e);
 
 /* Looks for what the voice has spoken in the window, which is made longer if need be. -1 when the recording

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What a chapter looks for, and where. */
+/* What a long alignment looks for, and where. */
 #include "server/align/long_alignment_internal.h"
 #include "server/base/mem.h"
 #include "server/markup/plain.h"

@@ -3,11 +3,11 @@
 #include "server/base/mem.h"
 #include <stdlib.h>
 
-static void replace(struct queued_message **place, struct queued_message *parcel) {
+static void replace(struct queued_message **place, struct queued_message *message) {
     queued_message_release(*place);
-    *place = parcel;
-    if (parcel)
-        parcel->refs++;
+    *place = message;
+    if (message)
+        message->refs++;
 }
 
 static void forget_sentence(struct catch_up *catch_up) {
@@ -15,19 +15,19 @@ static void forget_sentence(struct catch_up *catch_up) {
         queued_message_release(catch_up->texts[--catch_up->text_count]);
 }
 
-static void keep(struct catch_up *catch_up, struct queued_message *parcel) {
+static void keep(struct catch_up *catch_up, struct queued_message *message) {
     if (catch_up->text_count == RECAP_TEXTS)
         return;
     catch_up->texts = mem_grow(catch_up->texts, &catch_up->text_cap, catch_up->text_count + 1,
                                sizeof(struct queued_message *));
-    catch_up->texts[catch_up->text_count++] = parcel;
-    parcel->refs++;
+    catch_up->texts[catch_up->text_count++] = message;
+    message->refs++;
 }
 
-void catch_up_event(struct catch_up *catch_up, enum stream_event_kind kind, struct queued_message *parcel) {
+void catch_up_event(struct catch_up *catch_up, enum stream_event_kind kind, struct queued_message *message) {
     switch (kind) {
     case STREAM_PAUSED:
-        replace(&catch_up->paused, parcel);
+        replace(&catch_up->paused, message);
         break;
     case STREAM_RESUMED:
         replace(&catch_up->paused, NULL);
@@ -35,22 +35,22 @@ void catch_up_event(struct catch_up *catch_up, enum stream_event_kind kind, stru
     case STREAM_BEGIN:
     case STREAM_END:
         forget_sentence(catch_up);
-        replace(&catch_up->begin, kind == STREAM_BEGIN ? parcel : NULL);
+        replace(&catch_up->begin, kind == STREAM_BEGIN ? message : NULL);
         break;
     case STREAM_SENTENCE:
         forget_sentence(catch_up);
-        keep(catch_up, parcel);
+        keep(catch_up, message);
         break;
     case STREAM_WORD:
     case STREAM_MARK:
-        keep(catch_up, parcel);
+        keep(catch_up, message);
         break;
     default:
         break;
     }
 }
 
-void catch_up_tell(const struct catch_up *catch_up, void (*tell)(void *ctx, struct queued_message *parcel),
+void catch_up_tell(const struct catch_up *catch_up, void (*tell)(void *ctx, struct queued_message *message),
                    void *ctx) {
     if (catch_up->begin)
         tell(ctx, catch_up->begin);

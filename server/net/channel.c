@@ -52,16 +52,16 @@ static void deliver_media(struct channel *c, const struct variant *v, const stru
                           bool idle) {
     if (!bytes->size)
         return;
-    struct queued_message *parcel = queued_message_new(WEBSOCKET_BINARY, bytes->data, bytes->size);
-    parcel->born = uv_now(c->net->pipeline->loop);
+    struct queued_message *message = queued_message_new(WEBSOCKET_BINARY, bytes->data, bytes->size);
+    message->born = uv_now(c->net->pipeline->loop);
     for (struct follower *f = c->followers; f; f = f->next) {
         if (!f->media || !encoding_same(&f->encoding, &v->encoding) || (idle && !f->idle))
             continue;
         f->waits &= !start;
         if (!f->waits)
-            f->deliver(f, parcel);
+            f->deliver(f, message);
     }
-    queued_message_release(parcel);
+    queued_message_release(message);
 }
 
 /* The ends of the audio, which the coders still hold. */
@@ -86,13 +86,13 @@ static void on_event(void *ctx, const struct stream_event *event) {
         return;
     buf_reserve(&text, EVENT_BYTES);
     event_write(&text, event, c->name);
-    struct queued_message *parcel = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
-    parcel->event = event_name(event->kind);
-    catch_up_event(&c->catch_up, event->kind, parcel);
+    struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
+    message->event = event_name(event->kind);
+    catch_up_event(&c->catch_up, event->kind, message);
     for (struct follower *f = c->followers; f; f = f->next)
         if (wants_text(f, event->kind))
-            f->deliver(f, parcel);
-    queued_message_release(parcel);
+            f->deliver(f, message);
+    queued_message_release(message);
     buf_free(&text);
 }
 
@@ -213,9 +213,9 @@ static void remove_variant(struct channel *c, const struct encoding *encoding) {
     free(v);
 }
 
-static void tell(void *ctx, struct queued_message *parcel) {
+static void tell(void *ctx, struct queued_message *message) {
     struct follower *f = ctx;
-    f->deliver(f, parcel);
+    f->deliver(f, message);
 }
 
 void channel_join(struct channel *c, struct follower *f) {

@@ -21,7 +21,7 @@ struct follower {
     bool waits;                  /* for media that one can begin with */
     bool lagging;                /* has left out media */
     struct message_queue *queue; /* NULL for one that takes events alone */
-    void (*deliver)(struct follower *follower, struct queued_message *parcel);
+    void (*deliver)(struct follower *follower, struct queued_message *message);
 };
 
 /* A stream of one's own. name is what its messages are marked with. */

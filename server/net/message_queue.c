@@ -6,38 +6,38 @@
 
 struct message_queue_link {
     struct message_queue_link *next;
-    struct queued_message *parcel;
+    struct queued_message *message;
 };
 
 static struct queued_message *make(const uint8_t *head, size_t head_size, const void *data, size_t size) {
-    struct queued_message *parcel = mem_alloc(sizeof *parcel + head_size + size);
-    parcel->refs = 1;
-    parcel->head = (uint8_t)head_size;
-    parcel->size = size;
-    memcpy(parcel->bytes, head, head_size);
+    struct queued_message *message = mem_alloc(sizeof *message + head_size + size);
+    message->refs = 1;
+    message->head = (uint8_t)head_size;
+    message->size = size;
+    memcpy(message->bytes, head, head_size);
     if (size)
-        memcpy(parcel->bytes + head_size, data, size);
-    return parcel;
+        memcpy(message->bytes + head_size, data, size);
+    return message;
 }
 
 struct queued_message *queued_message_new(enum websocket_opcode opcode, const void *data, size_t size) {
     uint8_t head[WEBSOCKET_HEAD_BYTES];
-    struct queued_message *parcel = make(head, websocket_head(head, opcode, size), data, size);
-    parcel->media = opcode == WEBSOCKET_BINARY;
-    return parcel;
+    struct queued_message *message = make(head, websocket_head(head, opcode, size), data, size);
+    message->media = opcode == WEBSOCKET_BINARY;
+    return message;
 }
 
 struct queued_message *queued_message_plain(const void *data, size_t size) {
     return make((const uint8_t *)"", 0, data, size);
 }
 
-const uint8_t *queued_message_body(const struct queued_message *parcel) {
-    return parcel->bytes + parcel->head;
+const uint8_t *queued_message_body(const struct queued_message *message) {
+    return message->bytes + message->head;
 }
 
-void queued_message_release(struct queued_message *parcel) {
-    if (parcel && --parcel->refs == 0)
-        free(parcel);
+void queued_message_release(struct queued_message *message) {
+    if (message && --message->refs == 0)
+        free(message);
 }
 
 void message_queue_open(struct message_queue *box) {
@@ -45,55 +45,55 @@ void message_queue_open(struct message_queue *box) {
 }
 
 void message_queue_close(struct message_queue *box) {
-    struct queued_message *parcel;
-    while ((parcel = message_queue_pop(box)))
-        queued_message_release(parcel);
+    struct queued_message *message;
+    while ((message = message_queue_pop(box)))
+        queued_message_release(message);
 }
 
 bool message_queue_empty(const struct message_queue *box) {
     return !box->first;
 }
 
-void message_queue_push(struct message_queue *box, struct queued_message *parcel) {
+void message_queue_push(struct message_queue *box, struct queued_message *message) {
     struct message_queue_link *link = mem_alloc(sizeof *link);
-    link->parcel = parcel;
-    parcel->refs++;
+    link->message = message;
+    message->refs++;
     *box->last = link;
     box->last = &link->next;
-    box->unsent += parcel->size;
+    box->unsent += message->size;
 }
 
 struct queued_message *message_queue_pop(struct message_queue *box) {
     struct message_queue_link *link = box->first;
     if (!link)
         return NULL;
-    struct queued_message *parcel = link->parcel;
+    struct queued_message *message = link->message;
     box->first = link->next;
     if (!box->first)
         box->last = &box->first;
-    box->unsent -= parcel->size;
+    box->unsent -= message->size;
     free(link);
-    return parcel;
+    return message;
 }
 
 uint64_t message_queue_age(const struct message_queue *box, uint64_t now) {
     const struct message_queue_link *link = box->first;
-    while (link && !link->parcel->media)
+    while (link && !link->message->media)
         link = link->next;
-    return link ? now - link->parcel->born : 0;
+    return link ? now - link->message->born : 0;
 }
 
 void message_queue_drop_media(struct message_queue *box) {
     struct message_queue_link **at = &box->first;
     while (*at) {
         struct message_queue_link *link = *at;
-        if (!link->parcel->media) {
+        if (!link->message->media) {
             at = &link->next;
             continue;
         }
         *at = link->next;
-        box->unsent -= link->parcel->size;
-        queued_message_release(link->parcel);
+        box->unsent -= link->message->size;
+        queued_message_release(link->message);
         free(link);
     }
     box->last = at;

@@ -23,8 +23,8 @@ struct queued_message *queued_message_new(enum websocket_opcode opcode, const vo
 
 /* Bytes that are no frame. */
 struct queued_message *queued_message_plain(const void *data, size_t size);
-const uint8_t *queued_message_body(const struct queued_message *parcel);
-void queued_message_release(struct queued_message *parcel);
+const uint8_t *queued_message_body(const struct queued_message *message);
+void queued_message_release(struct queued_message *message);
 
 struct message_queue {
     struct message_queue_link *first, **last;
@@ -36,7 +36,7 @@ void message_queue_close(struct message_queue *box);
 bool message_queue_empty(const struct message_queue *box);
 
 /* Takes a reference of its own. */
-void message_queue_push(struct message_queue *box, struct queued_message *parcel);
+void message_queue_push(struct message_queue *box, struct queued_message *message);
 
 /* The next to be sent, whose reference is the caller's; NULL when there is none. */
 struct queued_message *message_queue_pop(struct message_queue *box);

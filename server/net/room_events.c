@@ -11,13 +11,13 @@ struct events {
     struct events *next, **self; /* in the net's list */
 };
 
-static void on_delivery(struct follower *f, struct queued_message *parcel) {
+static void on_delivery(struct follower *f, struct queued_message *message) {
     struct events *events = (struct events *)f;
     struct buf text = {0};
-    if (parcel->media || exchange_unsent(events->x) > exchange_net(events->x)->options.send_bytes)
+    if (message->media || exchange_unsent(events->x) > exchange_net(events->x)->options.send_bytes)
         return; /* a client that reads nothing misses something */
-    buf_printf(&text, "event: %s\ndata: ", parcel->event);
-    buf_add(&text, queued_message_body(parcel), parcel->size);
+    buf_printf(&text, "event: %s\ndata: ", message->event);
+    buf_add(&text, queued_message_body(message), message->size);
     buf_add(&text, "\n\n", 2);
     exchange_add(events->x, text.data, text.size);
     buf_free(&text);

@@ -25,28 +25,28 @@ void socket_farewell(struct socket *s, enum websocket_status status, const char 
 }
 
 /* True: all of it has left. */
-static bool transmit(struct socket *s, struct queued_message *parcel) {
-    metrics_add(s->net->pipeline->metrics, METRIC_SENT_BYTES, (double)parcel->size);
-    if (connection_send(s->connection, parcel->bytes, parcel->head + parcel->size))
+static bool transmit(struct socket *s, struct queued_message *message) {
+    metrics_add(s->net->pipeline->metrics, METRIC_SENT_BYTES, (double)message->size);
+    if (connection_send(s->connection, message->bytes, message->head + message->size))
         return true;
-    s->leaving = parcel;
-    parcel->refs++;
+    s->leaving = message;
+    message->refs++;
     return false;
 }
 
 /* At once, when nothing is before it. False: it has to wait. */
-static bool transmit_now(struct socket *s, struct queued_message *parcel) {
+static bool transmit_now(struct socket *s, struct queued_message *message) {
     if (!message_queue_empty(&s->queue) || s->close_reason || s->leaving || s->pong)
         return false;
-    transmit(s, parcel);
+    transmit(s, message);
     return true;
 }
 
-static void enqueue(struct socket *s, struct queued_message *parcel) {
+static void enqueue(struct socket *s, struct queued_message *message) {
     const struct net_options *options = &s->net->options;
     if (s->closing)
         return;
-    message_queue_push(&s->queue, parcel);
+    message_queue_push(&s->queue, message);
     socket_go_on(s);
     if (!s->rx_paused && s->queue.unsent > options->send_bytes) {
         s->rx_paused = true;
@@ -72,13 +72,13 @@ void socket_ping(struct socket *s) {
 }
 
 /* One who types gets lines. */
-static void push(struct socket *s, struct queued_message *parcel) {
+static void push(struct socket *s, struct queued_message *message) {
     struct buf line = {0};
     if (!s->plain) {
-        enqueue(s, parcel);
+        enqueue(s, message);
         return;
     }
-    text_line((const char *)queued_message_body(parcel), parcel->size, &line);
+    text_line((const char *)queued_message_body(message), message->size, &line);
     if (line.size) {
         struct queued_message *said = queued_message_new(WEBSOCKET_TEXT, line.data, line.size);
         enqueue(s, said);
@@ -88,9 +88,9 @@ static void push(struct socket *s, struct queued_message *parcel) {
 }
 
 void socket_say_text(struct socket *s, const struct buf *text) {
-    struct queued_message *parcel = queued_message_new(WEBSOCKET_TEXT, text->data, text->size);
-    push(s, parcel);
-    queued_message_release(parcel);
+    struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, text->data, text->size);
+    push(s, message);
+    queued_message_release(message);
 }
 
 void socket_say(struct socket *s, json_t *object) {
@@ -108,15 +108,15 @@ static struct socket *socket_of(struct follower *f) {
     return (struct socket *)((char *)f - offsetof(struct socket, follower));
 }
 
-void socket_deliver(struct follower *f, struct queued_message *parcel) {
+void socket_deliver(struct follower *f, struct queued_message *message) {
     struct socket *s = socket_of(f);
     const struct net_options *options = &s->net->options;
     bool full = s->queue.unsent > options->send_bytes ||
-                message_queue_age(&s->queue, parcel->born) > (uint64_t)options->lag_seconds * 1000;
-    if (!s->plain && transmit_now(s, parcel))
+                message_queue_age(&s->queue, message->born) > (uint64_t)options->lag_seconds * 1000;
+    if (!s->plain && transmit_now(s, message))
         return;
-    if (!parcel->media || !full || !channel_is_room(f->channel)) {
-        push(s, parcel);
+    if (!message->media || !full || !channel_is_room(f->channel)) {
+        push(s, message);
         return;
     }
     message_queue_drop_media(&s->queue);
@@ -156,18 +156,18 @@ static bool send_next(struct socket *s) {
         say_goodbye(s);
         return true;
     }
-    struct queued_message *parcel = s->pong;
+    struct queued_message *message = s->pong;
     s->pong = NULL;
-    if (!parcel && s->probe == PROBE_DUE) {
+    if (!message && s->probe == PROBE_DUE) {
         s->probe = PROBE_SENT;
-        parcel = queued_message_new(WEBSOCKET_PING, "", 0);
+        message = queued_message_new(WEBSOCKET_PING, "", 0);
     }
-    if (!parcel)
-        parcel = message_queue_pop(&s->queue);
-    if (parcel)
-        transmit(s, parcel);
-    queued_message_release(parcel);
-    return parcel != NULL;
+    if (!message)
+        message = message_queue_pop(&s->queue);
+    if (message)
+        transmit(s, message);
+    queued_message_release(message);
+    return message != NULL;
 }
 
 /* Less waits than before. */

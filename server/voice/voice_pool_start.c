@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The time until all plugins have started: what they will have decides which voice a request gets, so one that
- * comes meanwhile waits, but not for ever. */
+/* The time until all plugins have started: what they will have decides which voice a request gets, so one
+ * that comes meanwhile waits, but not for ever. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/voice/voice_pool_internal.h"
