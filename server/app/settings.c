@@ -125,6 +125,12 @@ void settings_print(const struct settings *s, struct buf *out) {
     for (size_t i = 0; i < settings_count; i++)
         setting_to_json(s, &settings_table[i], root);
     char *text = json_dumps(root, JSON_INDENT(2) | JSON_REAL_PRECISION(12));
+    json_t *again = json_loads(text, 0, NULL);
+    if (!json_equal(root, again)) { /* a number has more digits than people write */
+        free(text);
+        text = json_dumps(root, JSON_INDENT(2));
+    }
+    json_decref(again);
     buf_printf(out, "%s\n", text);
     free(text);
     json_decref(root);

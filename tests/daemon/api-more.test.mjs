@@ -133,7 +133,7 @@ test('what may have been meant', async () => {
     [{ type: 'speak', text: 'a', engine: 'dominence' }, /near: dominance/],
     [{ type: 'speak', text: 'a', markup: 'smml' }, /near: ssml/],
     [{ type: 'media', audio: 'opsu' }, /near: opus/],
-    [{ type: 'media', fap: 'fbaa' }, /near: fapc/],
+    [{ type: 'media', fap: 'fapcc' }, /near: fapc/],
     [{ type: 'model', name: 'marra' }, /near: mara/],
     [{ type: 'express', mix: [{ name: 'jyo' }] }, /near: joy/],
   ];
