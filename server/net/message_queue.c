@@ -10,10 +10,9 @@ struct message_queue_link {
 };
 
 static struct queued_message *make(const uint8_t *head, size_t head_size, const void *data, size_t size) {
-    struct queued_message *message = mem_alloc(sizeof *message + head_size + size);
-    message->refs = 1;
-    message->head = (uint8_t)head_size;
-    message->size = size;
+    /* not zeroed: all of it is written, and there is one for each message */
+    struct queued_message *message = mem_resize(NULL, sizeof *message + head_size + size);
+    *message = (struct queued_message){.refs = 1, .head = (uint8_t)head_size, .size = size};
     memcpy(message->bytes, head, head_size);
     if (size)
         memcpy(message->bytes + head_size, data, size);
