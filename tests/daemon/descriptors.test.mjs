@@ -25,6 +25,16 @@ async function start(t, limits, ...options) {
 
 const softLimit = (pid) => Number(fs.readFileSync(`/proc/${pid}/limits`, 'utf8').match(/^Max open files +(\d+)/m)[1]);
 const used = (pid) => fs.readdirSync(`/proc/${pid}/fd`).length;
+/** What is used once nothing is being opened or closed any more: a worker's start takes some and gives them back. */
+async function settled(pid) {
+  for (let last = used(pid), still = 0; ; ) {
+    await new Promise((resolve) => setTimeout(resolve, 50));
+    const now = used(pid);
+    still = now === last ? still + 1 : 0;
+    if (still === 20) return now;
+    last = now;
+  }
+}
 const request = (target) => `GET ${target} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n`;
 const speaks = async (stream, id) => {
   stream.send({ type: 'speak', id, lang: 'it', text: `Una frase, la ${id}.` });
@@ -74,7 +84,7 @@ test('without a descriptor left: accepting pauses, health is answered, and it go
   const { pid } = daemon.process;
   const stream = await daemon.stream();
   await speaks(stream, 'a');
-  const limit = used(pid) + 10;
+  const limit = (await settled(pid)) + 10;
   assert.equal(spawnSync('prlimit', ['--pid', String(pid), `--nofile=${limit}:4096`]).status, 0);
   const crowd = [];
   const cpu = () => fs.readFileSync(`/proc/${pid}/stat`, 'utf8').split(' ').slice(13, 15).map(Number).reduce((a, b) => a + b) / 100;
