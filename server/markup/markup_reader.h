@@ -102,6 +102,10 @@ struct markup_reader {
     size_t audio;    /* depth of the outermost open audio element, 0 = none: no sentence ends in it */
 };
 
+/* The element of that name, with or without a namespace's prefix; NULL = not known. Where text is spoken
+ * (mute = false), those of the vocabulary that may stand there count, too. */
+const struct element *vocabulary_find(const struct vocabulary *vocabulary, bool mute, const char *name);
+
 /* Errors: "bad-xml", "too-deep", "too-many-attributes" (line and column), "text-too-long". */
 int xml_read(struct score *score, const char *text, size_t size, const struct vocabulary *vocabulary,
              const struct markup_rules *rules, struct error *e);
