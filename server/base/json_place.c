@@ -138,5 +138,5 @@ int json_place_choice(const struct json_place *at, const char *const *names, siz
             return 0;
         }
     }
-    return json_place_fail(at, "\"%s\" is not one of those that there are", text);
+    return json_place_fail(at, "\"%s\" is not known here", text);
 }

@@ -171,7 +171,7 @@ static void code_audio(struct encoder *e, const struct chunk *chunk, struct chun
         opus_audio_add(e->opus, (const int16_t *)(const void *)chunk->audio, chunk->audio_bytes / 2, audio);
 }
 
-/* FAP 1 and 2 say again, for simple decoders, what the others say; those who read this coding read all. */
+/* FAP 1 and 2 say again, for simple decoders, what the others say; clients of this coding read all. */
 static void code_frames(struct encoder *e, const struct fap_frame *frames, struct chunk *coded, bool begin,
                         struct buf *out) {
     struct fap_frame low[FAPC_FRAMES_MAX];

@@ -29,7 +29,7 @@ int encoding_kilobits(const char *number);
 /* "packed": 1; "text": 0. -1: no such. */
 int encoding_events(const char *name);
 
-/* For those who do not say. */
+/* For clients that name none. */
 extern const struct encoding encoding_default;
 extern const struct encoding encoding_none; /* no media */
 

@@ -11,7 +11,7 @@
 struct net;
 struct channel;
 
-/* One who follows. Owned by whoever lets it in. */
+/* A member of a channel. Its maker owns it. */
 struct follower {
     struct channel *channel;
     struct follower *next, **self;

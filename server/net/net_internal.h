@@ -34,7 +34,7 @@ struct net {
     struct channel *rooms;
     unsigned room_count;
     struct hold hold;
-    struct events *events;            /* those who follow a room over HTTP */
+    struct events *events;            /* clients that follow a room over HTTP */
     unsigned works;                   /* HTTP answers that are being made */
     json_t *more_languages;           /* of hello */
     const struct voice *languages_of; /* the list from which they were found */
@@ -125,7 +125,7 @@ const struct error *exchange_warnings(const struct exchange *x, size_t *count);
 
 struct principal *exchange_guest(struct exchange *x); /* once it has been permitted something */
 
-/* Whether he who asks may do that; when not, it has been answered and *result is what to return. */
+/* Whether the client may do that; when not, it has been answered and *result is what to return. */
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);
 
 /* The value of a parameter in the address, or NULL; cut when it is longer than what any good one could be. */
@@ -174,7 +174,7 @@ int room_resume(struct exchange *x); /* POST /v1/resume?room= */
 int room_events(struct exchange *x); /* GET /v1/events?room= */
 void room_events_revoke(struct net *net);
 
-/* revoke.c: the secrets have changed: those who came by one that is gone lose their rights, and are told. */
+/* revoke.c: the secrets have changed: clients whose secret is gone lose their rights, and are told. */
 void rights_revoke(struct net *net);
 
 #endif

@@ -86,8 +86,8 @@ void socket_say(struct socket *socket, json_t *message);
 void socket_say_text(struct socket *socket, const struct buf *text);
 void socket_complain(struct socket *socket, const struct error *e);
 
-/* A follower's deliver: in a room, one who is too slow is moved on to the live edge; on a stream of his own
- * it waits for him. */
+/* A follower's deliver: in a room, a client that is too slow is moved on to the live edge; on
+ * a stream of its own the stream waits for it. */
 void socket_deliver(struct follower *follower, struct queued_message *message);
 
 /* Closes the connection when what is on its way to him has left. The reason is a literal. */
@@ -114,7 +114,7 @@ void control_play(struct socket *socket, const json_t *message);
 void control_idle(struct socket *socket, const json_t *message);
 void control_express(struct socket *socket, const json_t *message);
 
-/* text_protocol.c: the sub-protocol for those who type. Appends what a message is as a line; nothing when it
+/* text_protocol.c: the sub-protocol for people who type. Appends what a message is as a line; nothing when it
  * is of no use to them. */
 #define TEXT_PROTOCOL "faccia.text.v1"
 void text_line(const char *json, size_t size, struct buf *line);

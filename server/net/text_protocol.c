@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sub-protocol for those who type: a line is spoken, /word is a command, and what happens is told in
+/* The sub-protocol for people who type: a line is spoken, /word is a command, and what happens is told in
  * lines. All is turned into the messages of the other protocol, or comes out of them. */
 #include "server/base/near.h"
 #include "server/net/socket_internal.h"

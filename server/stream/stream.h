@@ -87,7 +87,7 @@ bool stream_busy(const struct stream *stream);
 void stream_stop(struct stream *stream);
 
 /* No media of utterances leave, and their clock stands still where they are heard now, until stream_resume;
- * whoever hears them halts there, too. Idle media go on meanwhile. What is asked for waits. */
+ * listeners halt there, too. Idle media go on meanwhile. What is asked for waits. */
 void stream_pause(struct stream *stream);
 void stream_resume(struct stream *stream);
 

@@ -33,7 +33,7 @@ enum {
     FACCIA_VOICE_VOLUME = 1u << 5,
     FACCIA_VOICE_PHONEMES = 1u << 6, /* speaks IPA given in a span */
     FACCIA_VOICE_EMOTION = 1u << 7,
-    FACCIA_VOICE_UNTIMED = 1u << 8, /* may deliver audio without phones or words: whoever wants their times
+    FACCIA_VOICE_UNTIMED = 1u << 8, /* may deliver audio without phones or words: callers that want their times
                                        has to find them in the audio */
     FACCIA_VOICE_FRESH = 1u << 9, /* the same sentence may sound otherwise another time: it is not to be kept
                                      for when it is asked for again */

@@ -184,7 +184,7 @@ void spare_heard(struct worker *worker); /* anything from it */
 bool spare_is_stuck(const struct worker *worker);
 void spare_call(struct plugin *plugin); /* somebody else is to speak */
 void spare_rescue(
-    struct plugin *plugin); /* somebody else can: sentences of those who fell silent wait again */
+    struct plugin *plugin); /* another worker can: sentences of workers that fell silent wait again */
 bool spare_may_go(const struct plugin *plugin);
 
 /* voice_catalog.c */

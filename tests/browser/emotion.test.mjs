@@ -238,7 +238,7 @@ test('captions of marked-up text show its words, are readable, and can be switch
   assert.equal(await page.locator('talking-head .captions').isVisible(), false);
 });
 
-test('who asks for less motion sees the emotions on a face that is still otherwise', async () => {
+test('with less motion the emotions show on a face that is still otherwise', async () => {
   const other = await browser.newPage({ reducedMotion: 'reduce' });
   await other.goto(`${daemon.url}/emotion.html`);
   await other.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });

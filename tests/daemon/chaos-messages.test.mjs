@@ -19,7 +19,7 @@ const clients = 8;
 /** A daemon that says nothing for so long hangs, ms. */
 const silence = 20000;
 
-/** A connection that never fails: what went wrong with it is the business of those who sent it. */
+/** A connection that never fails: what went wrong with it is its sender's business. */
 class Connection {
   constructor(port, log) {
     this.log = log;
@@ -114,7 +114,7 @@ async function speaksAsEver(daemon, token) {
   await stream.close();
   const left = async () => (await (await daemon.get(`/v1/rooms${query}`)).json()).rooms.length;
   for (let i = 0; i < 100 && (await left()); i++) await sleep(50);
-  assert.equal(await left(), 0, 'a room outlives those who were in it');
+  assert.equal(await left(), 0, 'a room outlives its members');
 }
 
 /** @param {{options: string[], token: string, statuses: number[]}} token: that all may use; statuses: of /healthz */

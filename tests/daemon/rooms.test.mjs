@@ -101,7 +101,7 @@ test('the number of rooms is bounded', async () => {
   assert.equal((await small.stop()).code, 0);
 });
 
-test('idling in a room: for those who want it, as long as one does', async () => {
+test('idling in a room: for members that want it, as long as one does', async () => {
   const [a, b] = [await enter('quiet'), await enter('quiet')];
   a.send({ type: 'idle', on: true, seed: 3 });
   await a.until(() => a.chunks.filter((c) => c.utterance === 0).length > 3);
@@ -166,7 +166,7 @@ test('a word from the shell into a room', async () => {
   await room.close();
 });
 
-test('one who does not listen is moved on, and holds nobody up', async () => {
+test('a member that reads nothing is moved on, and holds nobody up', async () => {
   const small = await Daemon.start(['--send-bytes', '20000', '--send-bytes-max', '1000000', '--stall-seconds', '60']);
   const speaker = await enter('slow', small);
   const slow = await enter('slow', small);

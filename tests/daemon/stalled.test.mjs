@@ -24,7 +24,7 @@ const stuck = async (t, daemon, ...args) => {
   return client;
 };
 
-/** A room with one who speaks and one who hears; done() tells that neither missed anything. */
+/** A room with a speaker and a listener; done() tells that neither missed anything. */
 async function room(daemon, name) {
   const [speaker, listener] = [await daemon.stream(`?room=${name}&lang=it`), await daemon.stream(`?room=${name}`)];
   for (const stream of [speaker, listener]) await stream.wait({ type: 'joined' });
@@ -124,7 +124,7 @@ test('one that answers no ping is let go; one that says nothing but answers stay
   await quiet.close();
 });
 
-test('those who are cut off while they listen cost the others nothing', async (t) => {
+test('listeners that are cut off cost the others nothing', async (t) => {
   const daemon = await start(t);
   const { speaker, done } = await room(daemon, 'hall');
   speaker.send({ type: 'speak', text });

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What clients ask for. Byte 0: whether the rest is a message, the words of a query (NAME=VALUE, a line
- * each), or a message of ours for those who type. */
+ * each), or a message of ours for people who type. */
 #include "server/net/net_internal.h"
 #include "server/net/socket_internal.h"
 #include "server/synthesis/speech_request.h"
