@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/connection.h"
 #include "server/base/mem.h"
-#include "server/net/http_session.h"
-#include "server/net/listener.h"
 #include "server/net/net_internal.h"
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
@@ -42,14 +40,12 @@ static void on_bytes(uv_stream_t *stream, ssize_t size, const uv_buf_t *buffer) 
     struct connection *c = stream->data;
     if (size == 0 || (size > 0 && c->finished))
         return;
-    if (size < 0 && (size != UV_EOF || c->finished || c->socket))
+    if (size < 0 && (size != UV_EOF || c->finished || !c->protocol->eof))
         connection_close(c);
     else if (size < 0)
-        http_session_eof(c);
-    else if (c->socket)
-        socket_read(c->socket, buffer->base, (size_t)size);
+        c->protocol->eof(c);
     else
-        http_session_read(c, buffer->base, (size_t)size);
+        c->protocol->read(c, buffer->base, (size_t)size);
 }
 
 /* One buffer serves all: what comes is dealt with before anything else is read. */
@@ -108,11 +104,14 @@ struct connection *connection_open(struct net *net, int fd, const struct sockadd
     count(net, 1);
     int failed = open_stream(c, fd, peer->ss_family == AF_UNIX);
     c->io.handle.data = c;
-    c->http = http_session_new(c);
     if (failed)
         connection_close(c);
-    connection_read(c, true);
     return c;
+}
+
+void connection_use(struct connection *c, const struct connection_protocol *protocol) {
+    c->protocol = protocol;
+    connection_read(c, true);
 }
 
 bool connection_count(struct connection *c, const char *key) {
@@ -127,12 +126,8 @@ bool connection_count(struct connection *c, const char *key) {
 }
 
 static void tell_protocol(struct connection *c) {
-    if (c->closing)
-        return;
-    if (c->socket)
-        socket_go_on(c->socket);
-    else
-        http_session_sent(c);
+    if (!c->closing)
+        c->protocol->sent(c);
 }
 
 static void on_sent(uv_write_t *request, int status) {
@@ -188,11 +183,9 @@ void connection_finish(struct connection *c) {
 
 /* What belongs to it goes with it, or before. */
 static void drop_protocol(struct connection *c) {
-    if (c->socket)
-        socket_close(c->socket);
-    http_session_free(c->http);
-    c->socket = NULL;
-    c->http = NULL;
+    if (c->protocol)
+        c->protocol->free(c);
+    c->protocol = NULL;
 }
 
 static void forget_due(struct connection *c) {
@@ -214,7 +207,7 @@ static void on_closed(uv_handle_t *handle) {
         c->next->self = c->self;
     quota_leave(&net->quota, c->key);
     count(net, -1);
-    listeners_freed(net, c->borrows_reserve);
+    net->descriptor_freed(net, c->borrows_reserve);
     free(c->key);
     free(c->address_key);
     free(c);
@@ -240,8 +233,8 @@ static void on_due(uv_idle_t *idle) {
     for (struct connection *c; (c = net->due);) {
         net->due = c->next_due;
         c->due = false;
-        if (c->http && !c->closing)
-            http_session_go_on(c);
+        if (!c->closing && c->protocol && c->protocol->go_on)
+            c->protocol->go_on(c);
     }
 }
 

@@ -54,6 +54,7 @@ static bool make_room(struct net *net) {
 
 static void take(struct net *net, int fd, const struct sockaddr_storage *peer, bool borrowed) {
     struct connection *c = connection_open(net, fd, peer);
+    http_session_open(c);
     const struct net_options *o = &net->options;
     unsigned here = quota_open(&net->quota, c->key);
     c->crowded = o->address_connections && here > o->address_connections;
@@ -118,7 +119,8 @@ static void on_connection(uv_poll_t *poll, int status, int events) {
     }
 }
 
-void listeners_freed(struct net *net, bool reserve) {
+/* A connection is gone: a descriptor, perhaps one of the reserve, is free. */
+static void listeners_freed(struct net *net, bool reserve) {
     struct listeners *all = net->listeners;
     if (!all || (!reserve && !all->paused && all->reserved == RESERVE))
         return;
@@ -147,6 +149,7 @@ int listeners_open(struct net *net, struct error *e) {
     all->paused = true;
     pause_all(all, false);
     net->listeners = all;
+    net->descriptor_freed = listeners_freed;
     return 0;
 }
 

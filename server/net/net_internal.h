@@ -20,6 +20,7 @@ struct net {
     struct net_options options;
     const struct pipeline *pipeline;
     struct listeners *listeners;
+    void (*descriptor_freed)(struct net *net, bool reserve); /* a connection has gone */
     struct assets assets;
     struct connection *open; /* all connections */
     struct connection *due;  /* see connection_later */
@@ -78,9 +79,6 @@ int live_express(const json_t *message, struct mood_request *mix, struct error *
 /* The head is the answer to the handshake. */
 void socket_open(struct connection *connection, const struct http_request *request, const struct buf *head,
                  bool plain);
-void socket_close(struct socket *socket);
-void socket_read(struct socket *socket, const char *bytes, size_t size);
-void socket_go_on(struct socket *socket); /* bytes have left */
 bool sockets_busy(const struct net *net);
 void sockets_dismiss(struct net *net, const char *reason); /* closes all, with the reason */
 
@@ -89,7 +87,15 @@ void keepalive_begin(struct net *net);
 void keepalive_end(struct net *net);
 
 /* exchange.c, exchange_answer.c: one HTTP request and its answer. */
-struct exchange *exchange_open(struct net *net, const struct http_request *request);
+
+/* The session that a request came in; both are asked while it is answered. */
+struct exchange_session {
+    bool (*persists)(
+        const struct connection *connection);        /* can it go on after an answer that is given now? */
+    void (*answered)(struct connection *connection); /* all of the answer has left */
+};
+struct exchange *exchange_open(struct net *net, const struct http_request *request,
+                               const struct exchange_session *session);
 void exchange_close(struct exchange *x);
 void exchange_sent(struct exchange *x);           /* bytes have left */
 bool exchange_answered(const struct exchange *x); /* its head has been made */

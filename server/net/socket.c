@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One WebSocket client: how it comes and goes, the room it is in, and what it may have said. */
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/net/socket_internal.h"
 #include <stdlib.h>
@@ -137,8 +138,66 @@ static void fault(void *ctx, enum websocket_status status, const char *why, uint
     socket_farewell(s, status, why);
 }
 
+void socket_heard(struct socket *s) {
+    s->last_rx = connection_now(s->connection);
+    s->probe = PROBE_NONE;
+}
+
+static void close_socket(struct connection *c) {
+    struct socket *s = c->socket;
+    c->socket = NULL;
+    *s->self = s->next;
+    if (s->next)
+        s->next->self = s->self;
+    channel_leave(&s->follower);
+    request_free(&s->defaults);
+    buf_free(&s->message);
+    websocket_reader_free(&s->reader);
+    message_queue_close(&s->queue);
+    queued_message_release(s->leaving);
+    queued_message_release(s->pong);
+    free(s);
+}
+
+static void read_bytes(struct connection *c, const char *bytes, size_t size) {
+    struct socket *s = c->socket;
+    socket_heard(s);
+    websocket_reader_feed(&s->reader, (const uint8_t *)bytes, size);
+}
+
+/* A socket that has been silent is asked whether it is still there (RFC 6455, 5.5.2), and closed when it does
+ * not answer. */
+static void look(struct connection *c) {
+    struct socket *s = c->socket;
+    uint64_t silent = connection_now(s->connection) - s->last_rx;
+    uint64_t ping_ms = (uint64_t)s->net->options.ping_seconds * 1000;
+    if (s->closing)
+        return;
+    if (s->hang_up_by) {
+        socket_heard(s); /* it says nothing more */
+        bool over = !stream_busy(socket_stream(s)) && message_queue_empty(&s->queue);
+        if (over || connection_now(s->connection) >= s->hang_up_by)
+            socket_farewell(s, s->hangs_up, "");
+        return;
+    }
+    if (s->rx_paused)
+        socket_heard(s); /* its answers lie unread */
+    else if (s->probe == PROBE_NONE && silent >= ping_ms)
+        socket_ping(s);
+    else if (s->probe != PROBE_NONE && silent >= ping_ms + ping_ms / 3) {
+        log_info("%s does not answer: closed", s->name);
+        connection_close(s->connection);
+    }
+}
+
+static void on_sent(struct connection *c) {
+    socket_go_on(c->socket);
+}
+
 void socket_open(struct connection *c, const struct http_request *request, const struct buf *head,
                  bool plain) {
+    static const struct connection_protocol protocol = {
+        .read = read_bytes, .sent = on_sent, .look = look, .free = close_socket};
     static const struct websocket_ear ear = {piece, ping, pong, closed, fault};
     struct net *net = c->net;
     struct socket *s = mem_alloc(sizeof *s);
@@ -151,6 +210,8 @@ void socket_open(struct connection *c, const struct http_request *request, const
         s->next->self = &s->next;
     net->sockets = s;
     c->socket = s;
+    c->name = s->name;
+    connection_use(c, &protocol);
     s->reader = (struct websocket_reader){
         .ear = &ear, .ctx = s, .most = (uint64_t)MESSAGE_TIMES * net->options.message_bytes};
     message_queue_open(&s->queue);
@@ -171,25 +232,6 @@ void socket_open(struct connection *c, const struct http_request *request, const
     if (principal_enter(net, request, &s->principal, &e))
         socket_complain(s, &e);
     read_query(s, request);
-}
-
-void socket_close(struct socket *s) {
-    *s->self = s->next;
-    if (s->next)
-        s->next->self = s->self;
-    channel_leave(&s->follower);
-    request_free(&s->defaults);
-    buf_free(&s->message);
-    websocket_reader_free(&s->reader);
-    message_queue_close(&s->queue);
-    queued_message_release(s->leaving);
-    queued_message_release(s->pong);
-    free(s);
-}
-
-void socket_read(struct socket *s, const char *bytes, size_t size) {
-    socket_heard(s);
-    websocket_reader_feed(&s->reader, (const uint8_t *)bytes, size);
 }
 
 /* In a room, others need not hear of it. */

@@ -77,9 +77,10 @@ void socket_hear(struct socket *socket, bool binary);
 /* Asks whether it is still there. */
 void socket_ping(struct socket *socket);
 void socket_heard(struct socket *socket); /* it has said something */
-void socket_look(struct socket *socket);  /* keepalive.c */
 
 /* socket_out.c */
+
+void socket_go_on(struct socket *socket); /* bytes have left */
 
 /* Sends him the message, and drops it. */
 void socket_say(struct socket *socket, json_t *message);
