@@ -96,16 +96,16 @@ static void on_event(void *ctx, const struct stream_event *event) {
     buf_free(&text);
 }
 
-static void on_media(void *ctx, const struct chunk *chunk, const struct fap_frame *frames) {
+static void on_media(void *ctx, const struct media *media) {
     struct channel *c = ctx;
     struct metrics *metrics = c->net->pipeline->metrics;
     metrics_add(metrics, METRIC_CHUNKS, 1);
     for (struct variant *v = c->variants; v; v = v->next) {
         struct buf bytes = {0};
-        struct encoded coded = encoder_chunk(v->encoder, chunk, frames, &bytes);
+        struct encoded coded = encoder_media(v->encoder, media, &bytes);
         metrics_add(metrics, METRIC_AUDIO_BYTES, (double)coded.audio_bytes);
         metrics_add(metrics, METRIC_FAP_BYTES, (double)coded.fap_bytes);
-        deliver_media(c, v, &bytes, coded.begin, !chunk->utterance);
+        deliver_media(c, v, &bytes, coded.begin, !media->utterance);
         buf_free(&bytes);
     }
 }
