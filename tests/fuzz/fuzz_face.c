@@ -4,7 +4,7 @@
  * cues. */
 #include "server/base/mem.h"
 #include "server/face/packs/speech_packs.h"
-#include "server/face/track.h"
+#include "server/face/placement.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdio.h>
 #include <stdlib.h>

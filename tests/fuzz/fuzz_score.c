@@ -4,7 +4,7 @@
 #include "server/base/mem.h"
 #include "server/expression/expressions.h"
 #include "server/face/packs/speech_packs.h"
-#include "server/face/track.h"
+#include "server/face/placement.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
 #include "server/voice/cue_times.h"

@@ -3,6 +3,7 @@
 #include "server/face/engines/engine.h"
 #include "server/face/engines/morph.h"
 #include "server/face/packs/context_table.h"
+#include "server/face/track.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

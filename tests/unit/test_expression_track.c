@@ -409,7 +409,7 @@ static void no_recipe_can_spoil_the_lips(void **state) {
         utter("_.200 k.080 'a.160 k.080 'u.160 k.080 'i.160 f.080 'a.160 m.080 a.100 _.300", 1);
     for (int i = 0; i < 2; i++) {
         struct options options = with(BLEND_REGIONS);
-        options.expressions = own;
+        options.face.expressions = own;
         struct cue cue = affect(names[i], 0, length_of(u));
         struct face_placement *track = track_of(u, &cue, 1, &options),
                               *plain = track_of(u, NULL, 0, &options);

@@ -3,6 +3,7 @@
 #include "server/base/mem.h"
 #include "server/face/engines/engine.h"
 #include "server/face/packs/spelling.h"
+#include "server/face/track.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
