@@ -5,6 +5,7 @@
 #include "server/base/mem.h"
 #include "server/base/near.h"
 #include "server/codec/opus_audio.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -211,8 +212,26 @@ static bool begins(struct encoder *e, const struct chunk *chunk) {
     return begin;
 }
 
-struct encoded encoder_chunk(struct encoder *e, const struct chunk *chunk, const struct fap_frame *frames,
-                             struct buf *out) {
+/* Samples and frames as PCM and plain FAPs. Little-endian: see meson.build. */
+static struct chunk chunk_of(const struct media *media) {
+    return (struct chunk){
+        .audio_codec = media->pcm ? CHUNK_AUDIO_PCM_S16LE : CHUNK_AUDIO_SILENCE,
+        .fap_codec = CHUNK_FAP_PLAIN,
+        .utterance = media->utterance,
+        .sample_rate = media->sample_rate,
+        .fps_hundreds = (uint16_t)lround(media->fps * 100),
+        .frame_count = (uint16_t)media->frame_count,
+        .start = media->start,
+        .samples = media->samples,
+        .first_frame = media->first_frame,
+        .audio_bytes = media->pcm ? media->samples * 2 : 0,
+        .audio = (const uint8_t *)media->pcm,
+    };
+}
+
+struct encoded encoder_media(struct encoder *e, const struct media *media, struct buf *out) {
+    const struct chunk plain = chunk_of(media), *chunk = &plain;
+    const struct fap_frame *frames = media->frames;
     if (!is_compact(&e->encoding))
         return plain_chunk(e, chunk, frames, out);
     struct chunk coded = *chunk;

@@ -62,9 +62,8 @@ struct encoded {
     size_t audio_bytes, fap_bytes;
 };
 
-/* Appends the message: the coding of a chunk with PCM or silence, and its frames. */
-struct encoded encoder_chunk(struct encoder *encoder, const struct chunk *chunk,
-                             const struct fap_frame *frames, struct buf *out);
+/* Appends the message that carries the media. */
+struct encoded encoder_media(struct encoder *encoder, const struct media *media, struct buf *out);
 
 /* The utterance has ended. heard: to its end; then a message with what the audio coder still holds is
  * appended, if that is anything. */

@@ -40,6 +40,22 @@ static bool wants_text(const struct follower *f, enum stream_event_kind kind) {
     return !f->media || !encoding_packs(&f->encoding, kind);
 }
 
+/* Those who come later to a room may want lines, too. */
+static bool is_typed(const struct channel *c) {
+    bool lines = c->room;
+    for (const struct follower *f = c->followers; f && !lines; f = f->next)
+        lines = f->lines;
+    return lines;
+}
+
+static struct queued_message *line_of(const struct stream_event *event) {
+    struct buf line = {0};
+    event_line(&line, event);
+    struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, line.data, line.size);
+    buf_free(&line);
+    return message;
+}
+
 /* Those who come later to a room are told as text, too. */
 static bool is_text(const struct channel *c, enum stream_event_kind kind) {
     bool text = c->room;
@@ -88,6 +104,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
     event_write(&text, event, c->name);
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
     message->event = event_name(event->kind);
+    message->line = is_typed(c) ? line_of(event) : NULL;
     catch_up_event(&c->catch_up, event->kind, message);
     for (struct follower *f = c->followers; f; f = f->next)
         if (wants_text(f, event->kind))
@@ -96,16 +113,16 @@ static void on_event(void *ctx, const struct stream_event *event) {
     buf_free(&text);
 }
 
-static void on_media(void *ctx, const struct chunk *chunk, const struct fap_frame *frames) {
+static void on_media(void *ctx, const struct media *media) {
     struct channel *c = ctx;
     struct metrics *metrics = c->net->pipeline->metrics;
     metrics_add(metrics, METRIC_CHUNKS, 1);
     for (struct variant *v = c->variants; v; v = v->next) {
         struct buf bytes = {0};
-        struct encoded coded = encoder_chunk(v->encoder, chunk, frames, &bytes);
+        struct encoded coded = encoder_media(v->encoder, media, &bytes);
         metrics_add(metrics, METRIC_AUDIO_BYTES, (double)coded.audio_bytes);
         metrics_add(metrics, METRIC_FAP_BYTES, (double)coded.fap_bytes);
-        deliver_media(c, v, &bytes, coded.begin, !chunk->utterance);
+        deliver_media(c, v, &bytes, coded.begin, !media->utterance);
         buf_free(&bytes);
     }
 }

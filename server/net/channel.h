@@ -17,6 +17,7 @@ struct follower {
     struct follower *next, **self;
     struct encoding encoding;    /* how media are wanted */
     bool media;                  /* are wanted at all */
+    bool lines;                  /* instead of JSON */
     bool idle;                   /* also those of idling */
     bool waits;                  /* for media that one can begin with */
     bool lagging;                /* has left out media */

@@ -45,6 +45,11 @@ struct net {
 
 /* Appends the event of that stream as a message. */
 void event_write(struct buf *out, const struct stream_event *event, const char *stream);
+
+/* event_line.c: the same as a line, for those who type. */
+void event_line(struct buf *line, const struct stream_event *event);
+
+/* event_json.c */
 const char *event_name(enum stream_event_kind kind); /* its "type" */
 
 /* message.c: JSON out of the stage's types, and back. */

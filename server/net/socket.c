@@ -222,6 +222,7 @@ void socket_open(struct connection *c, const struct http_request *request, const
     s->plain = plain;
     s->follower = (struct follower){.encoding = s->plain ? encoding_none : encoding_default,
                                     .media = !s->plain,
+                                    .lines = s->plain,
                                     .queue = &s->queue,
                                     .deliver = socket_deliver};
     socket_enter(s, channel_new(net, s->name));

@@ -115,10 +115,10 @@ void control_play(struct socket *socket, const json_t *message);
 void control_idle(struct socket *socket, const json_t *message);
 void control_express(struct socket *socket, const json_t *message);
 
-/* text_protocol.c: the sub-protocol for people who type. Appends what a message is as a line; nothing when it
- * is of no use to them. */
+/* text_protocol.c: the sub-protocol for people who type. Appends what an answer is as a line; nothing when it
+ * is of no use to them. (Events: event_line.c.) */
 #define TEXT_PROTOCOL "faccia.text.v1"
-void text_line(const char *json, size_t size, struct buf *line);
+void text_line(const json_t *message, struct buf *line);
 void text_hear(struct socket *socket, const char *data, size_t size);
 
 #endif

@@ -71,32 +71,23 @@ void socket_ping(struct socket *s) {
     socket_go_on(s);
 }
 
-/* One who types gets lines. */
-static void push(struct socket *s, struct queued_message *message) {
-    struct buf line = {0};
-    if (!s->plain) {
-        enqueue(s, message);
-        return;
-    }
-    text_line((const char *)queued_message_body(message), message->size, &line);
-    if (line.size) {
-        struct queued_message *said = queued_message_new(WEBSOCKET_TEXT, line.data, line.size);
-        enqueue(s, said);
-        queued_message_release(said);
-    }
-    buf_free(&line);
-}
-
 void socket_say_text(struct socket *s, const struct buf *text) {
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, text->data, text->size);
-    push(s, message);
+    enqueue(s, message);
     queued_message_release(message);
 }
 
+/* One who types gets lines. */
 void socket_say(struct socket *s, json_t *object) {
     struct buf text = {0};
-    message_write(&text, object);
-    socket_say_text(s, &text);
+    if (s->plain) {
+        text_line(object, &text);
+        json_decref(object);
+    } else {
+        message_write(&text, object);
+    }
+    if (text.size)
+        socket_say_text(s, &text);
     buf_free(&text);
 }
 
@@ -111,12 +102,17 @@ static struct socket *socket_of(struct follower *f) {
 void socket_deliver(struct follower *f, struct queued_message *message) {
     struct socket *s = socket_of(f);
     const struct net_options *options = &s->net->options;
+    if (s->plain) {
+        if (message->line)
+            enqueue(s, message->line);
+        return;
+    }
     bool full = s->queue.unsent > options->send_bytes ||
                 message_queue_age(&s->queue, message->born) > (uint64_t)options->lag_seconds * 1000;
-    if (!s->plain && transmit_now(s, message))
+    if (transmit_now(s, message))
         return;
     if (!message->media || !full || !channel_is_room(f->channel)) {
-        push(s, message);
+        enqueue(s, message);
         return;
     }
     message_queue_drop_media(&s->queue);

@@ -129,6 +129,8 @@ static void read_text(struct synthesis *s) {
     }
     if (!r->score)
         return;
+    for (size_t i = 0; i < r->score->item_count; i++)
+        r->marks |= r->score->items[i].kind == SCORE_MARK;
     if (pipeline->expressions)
         expressions_direct(pipeline->expressions, r->score);
     r->cast = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);

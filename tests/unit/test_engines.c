@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What every engine has to keep to, each in a language that it speaks. */
 #include "server/face/engines/engine.h"
+#include "server/face/track.h"
 #include "tests/unit/utter.h"
 #include <math.h>
 #include <setjmp.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/face/track.h"
+#include "server/face/placement.h"
 #include "tests/unit/utter.h"
 #include <math.h>
 #include <setjmp.h>
@@ -50,8 +50,9 @@ static bool is_bilabial(const struct phone *p) {
 static void check_closures(const struct speech_pack *pack, double stretch, struct face_layer *layer) {
     struct sentence_audio *u = utter(speech, stretch);
     struct face_track *track = track_of(pack, u);
+    struct face_placement *placement = face_placement_new(track, u, &(struct placement_options){0});
     if (layer)
-        face_track_add(track, *layer);
+        face_placement_add(placement, *layer);
     struct fap_frame f;
     for (size_t i = 0; i < u->phone_count; i++) {
         const struct phone *p = &u->phones[i];
@@ -62,7 +63,7 @@ static void check_closures(const struct speech_pack *pack, double stretch, struc
         double start = (double)p->start / RATE, length = (double)(p->end - p->start) / RATE;
         double end = start + length - fmin(0.45 * length, 0.03);
         for (double t = start; t <= end; t += 0.001) {
-            face_track_sample(track, t, &f);
+            face_placement_sample(placement, t, &f);
             if (!is_closed(&f))
                 fail_msg("stretch %g: phone %zu, %s, open at %.3f (%.3f..%.3f)", stretch, i, p->ipa, t, start,
                          end);
@@ -71,12 +72,13 @@ static void check_closures(const struct speech_pack *pack, double stretch, struc
         for (double phase = 0; phase < 0.04; phase += 0.005) {
             int closed = 0;
             for (double t = phase + 0.04 * floor((start - 0.04) / 0.04); t < end + 0.04; t += 0.04) {
-                face_track_sample(track, t, &f);
+                face_placement_sample(placement, t, &f);
                 closed += t > 0 && is_closed(&f);
             }
             assert_true(closed > 0);
         }
     }
+    face_placement_free(placement);
     face_track_free(track);
     done(u);
 }
@@ -268,15 +270,17 @@ static void clamps_and_masks(void **state) {
     for (int sign = -1; sign <= 1; sign += 2) {
         double push = sign * 1e8;
         struct face_track *track = track_of(*state, u);
-        face_track_add(track, (struct face_layer){push_everything, NULL, &push});
+        struct face_placement *placement = face_placement_new(track, u, &(struct placement_options){0});
+        face_placement_add(placement, (struct face_layer){push_everything, NULL, &push});
         struct fap_frame f;
-        face_track_sample(track, 0.1, &f);
+        face_placement_sample(placement, 0.1, &f);
         assert_true(fap_frame_has(&f, 1) && !fap_frame_has(&f, 2));
         for (int n = 3; n <= FAP_COUNT; n++) {
             assert_true(fap_frame_has(&f, n));
             assert_in_range(f.value[n] - fap_table[n].min, 0, fap_table[n].max - fap_table[n].min);
         }
         assert_int_equal(f.value[48], sign < 0 ? fap_table[48].min : fap_table[48].max);
+        face_placement_free(placement);
         face_track_free(track);
     }
     done(u);
@@ -284,10 +288,12 @@ static void clamps_and_masks(void **state) {
 
 static void begins_life_at_the_neutral_face(void **state) {
     struct sentence_audio *u = utter("_.500", 1);
-    struct face_options options = {.life = 1, .seed = 7};
-    struct face_track *track = face_track_new(*state, u, &options, NULL, NULL);
+    struct face_track *track = face_track_new(*state, u, &(struct face_options){0}, NULL, NULL);
+    struct face_placement *placement =
+        face_placement_new(track, u, &(struct placement_options){.life = 1, .seed = 7});
     struct fap_frame f;
-    face_track_sample(track, 0, &f);
+    face_placement_sample(placement, 0, &f);
+    face_placement_free(placement);
     for (int n = 3; n <= FAP_COUNT; n++)
         assert_int_equal(f.value[n], 0);
     face_track_free(track);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/engine.h"
+#include "server/face/track.h"
 #include <string.h>
 
 /* The first is the default. */

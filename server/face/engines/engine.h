@@ -4,7 +4,7 @@
 #define FACCIA_FACE_ENGINES_ENGINE_H
 
 #include "server/face/engines/phone_segments.h"
-#include "server/face/track.h"
+#include "server/face/face_layer.h"
 
 struct face_engine {
     const char *name;
@@ -14,8 +14,8 @@ struct face_engine {
     bool (*speaks)(const struct speech_pack *pack);
     /* Only for a pack that it speaks. The pack outlives the layer, the rest does not. An engine that makes
      * out gestures where the voice gave no phones puts them in g, for the closures and FAP 1. */
-    struct face_layer (*layer)(const struct speech_pack *pack, const struct sentence_audio *u,
-                               struct phone_segments *g);
+    struct speech_layer (*layer)(const struct speech_pack *pack, const struct sentence_audio *u,
+                                 struct phone_segments *g);
 };
 
 extern const struct face_engine engine_dominance;
