@@ -88,7 +88,7 @@ void socket_complain(struct socket *socket, const struct error *e);
 
 /* A follower's deliver: in a room, one who is too slow is moved on to the live edge; on a stream of his own
  * it waits for him. */
-void socket_deliver(struct follower *follower, struct queued_message *message);
+void socket_deliver(struct follower *follower, struct queued_message *const *messages, size_t count);
 
 /* Closes the connection when what is on its way to him has left. The reason is a literal. */
 void socket_dismiss(struct socket *socket, enum websocket_status status, const char *reason);
