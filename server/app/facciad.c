@@ -90,7 +90,9 @@ static void on_ready(void *ctx) {
     size_t count;
     voice_pool_voices(d->pipeline.voices, &count);
     if (!count) {
-        log_error("no voice plugin could be started");
+        static const char none[] = "no voice plugin could be started";
+        log_error(none);
+        net_set_unavailable(d->net, none);
         return;
     }
     if (!synthesis_can_speak(&d->pipeline, d->settings.lang)) {

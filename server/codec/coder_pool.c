@@ -17,12 +17,14 @@ struct coder_pool {
 };
 
 static void queue_line(struct coder_pool *pool, struct coder_line *line) {
-    line->next = NULL;
-    if (pool->first)
+    bool before = !pool->first || line->first->urgent;
+    line->next = before ? pool->first : NULL;
+    if (!before)
         pool->last->next = line;
-    else
+    if (!before || !pool->first)
+        pool->last = line;
+    if (before)
         pool->first = line;
-    pool->last = line;
 }
 
 static void put_done(struct coder_pool *pool, struct coder_job *job) {
@@ -31,7 +33,7 @@ static void put_done(struct coder_pool *pool, struct coder_job *job) {
     pool->done_last = &job->next;
 }
 
-/* A job of the line that has waited longest; the mutex is held, but not during the work. One line has one job
+/* A job of the first line; the mutex is held, but not during the work. One line has one job
  * at a time, and then the others their turn. */
 static void do_next(struct coder_pool *pool) {
     struct coder_line *line = pool->first;

@@ -16,6 +16,7 @@ struct coder_job {
     struct coder_job *next;
     void (*work)(struct coder_job *job); /* in one of the threads; not of one that was cancelled in time */
     void (*done)(struct coder_job *job); /* on the loop, in the line's order; owns the job */
+    bool urgent; /* its line comes before others, if the job is the first in it */
     bool cancelled;
 };
 

@@ -136,12 +136,13 @@ static void submit(struct encoder *e, struct job *job, void *tag) {
 
 /* What it codes is the stream's, which goes on meanwhile: it is copied. */
 static void code_later(struct encoder *e, const struct chunk *chunk, const struct fap_frame *frames,
-                       bool begin, void *tag) {
+                       bool begin, bool urgent, void *tag) {
     size_t faces = chunk->frame_count * sizeof *frames;
     size_t sound = chunk->audio_codec == CHUNK_AUDIO_SILENCE ? 0 : chunk->audio_bytes;
     struct job *job = mem_resize(NULL, sizeof *job + faces + sound);
     *job = (struct job){.terms = {.begin = begin, .level = codec_load_now(e->codec_load)}, .chunk = *chunk};
     memcpy(job->frames, frames, faces);
+    job->base.urgent = urgent; /* somebody waits for an utterance's first sound */
     if (sound)
         job->chunk.audio = memcpy((uint8_t *)job->frames + faces, chunk->audio, sound);
     submit(e, job, tag);
@@ -149,12 +150,12 @@ static void code_later(struct encoder *e, const struct chunk *chunk, const struc
 
 void encoder_chunk(struct encoder *e, const struct chunk *chunk, const struct fap_frame *frames, void *tag) {
     bool opus = e->encoding.audio == CHUNK_AUDIO_OPUS && chunk->audio_codec != CHUNK_AUDIO_SILENCE;
-    bool begin = begins(e, chunk);
+    bool begin = begins(e, chunk), first = opus && !e->sounds;
     if (chunk->utterance)
         e->utterance = chunk->utterance;
     e->sounds |= opus;
     if (e->pending || (opus && e->coders)) {
-        code_later(e, chunk, frames, begin, tag);
+        code_later(e, chunk, frames, begin, first, tag);
         return;
     }
     struct media_terms terms = {begin, codec_load_now(e->codec_load), e->events};

@@ -118,7 +118,8 @@ json_t *message_voices(const struct net *net) {
 }
 
 json_t *message_health(const struct net *net) {
-    return json_pack("{ss ss si}", "status", net->ready ? "ok" : "starting", "server",
+    const char *status = net->ready ? "ok" : net->unavailable ? "unavailable" : "starting";
+    return json_pack("{ss ss* ss si}", "status", status, "reason", net->unavailable, "server",
                      "faccia/" FACCIA_VERSION, "connections", (int)net->connections);
 }
 
