@@ -32,7 +32,7 @@ void socket_look(struct socket *s) {
             socket_farewell(s, s->hangs_up, "");
         return;
     }
-    if (s->rx_paused)
+    if (s->rx_paused || s->reading)
         socket_heard(s); /* its answers lie unread */
     else if (s->probe == PROBE_NONE && silent >= ping_ms)
         socket_ping(s);

@@ -205,9 +205,9 @@ static int set_field(struct speech_request *request, const char *name, const jso
 
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e) {
     const char *name;
-    json_t *value;
-    json_object_foreach((json_t *)object, name, value) {
-        if (set_field(request, name, value, e))
+    for (size_t i = 0; (name = request_field(i)); i++) {
+        const json_t *value = json_object_get(object, name);
+        if (value && set_field(request, name, value, e))
             return -1;
     }
     return 0;

@@ -178,8 +178,10 @@ void socket_close(struct socket *s) {
     if (s->next)
         s->next->self = s->self;
     channel_leave(&s->follower);
+    socket_forget_long(s);
     request_free(&s->defaults);
     buf_free(&s->message);
+    buf_free(&s->unread);
     websocket_reader_free(&s->reader);
     message_queue_close(&s->queue);
     queued_message_release(s->leaving);
@@ -189,7 +191,12 @@ void socket_close(struct socket *s) {
 
 void socket_read(struct socket *s, const char *bytes, size_t size) {
     socket_heard(s);
-    websocket_reader_feed(&s->reader, (const uint8_t *)bytes, size);
+    size_t taken = websocket_reader_feed(&s->reader, (const uint8_t *)bytes, size);
+    buf_add(&s->unread, bytes + taken, size - taken);
+}
+
+void socket_listen(struct socket *s) {
+    connection_read(s->connection, !s->rx_paused && !s->reading);
 }
 
 /* In a room, others need not hear of it. */

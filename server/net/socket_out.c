@@ -66,7 +66,7 @@ static void enqueue(struct socket *s, struct queued_message *message) {
     socket_go_on(s);
     if (!s->rx_paused && s->queue.unsent > options->send_bytes) {
         s->rx_paused = true;
-        connection_read(s->connection, false);
+        socket_listen(s);
     }
     if (s->queue.unsent > options->send_bytes_max && !s->close_reason) {
         metrics_add(s->net->pipeline->metrics, METRIC_TOO_SLOW, 1);
@@ -196,7 +196,7 @@ static bool send_next(struct socket *s) {
 static void go_easy(struct socket *s) {
     if (s->rx_paused && s->queue.unsent <= s->net->options.send_bytes) {
         s->rx_paused = false;
-        connection_read(s->connection, true);
+        socket_listen(s);
     }
     if (!message_queue_empty(&s->queue) || s->closing)
         return;
