@@ -32,6 +32,7 @@ struct daemon {
     struct face_high_level *high_level;
     struct normalizers normalizers;
     struct metrics metrics;
+    struct coder_pool *coders;
     struct codec_load codec_load;
     struct pipeline pipeline;
     struct net *net;
@@ -89,7 +90,9 @@ static void on_ready(void *ctx) {
     size_t count;
     voice_pool_voices(d->pipeline.voices, &count);
     if (!count) {
-        log_error("no voice plugin could be started");
+        static const char none[] = "no voice plugin could be started";
+        log_error(none);
+        net_set_unavailable(d->net, none);
         return;
     }
     if (!synthesis_can_speak(&d->pipeline, d->settings.lang)) {
@@ -148,6 +151,7 @@ static void stop(struct daemon *d) {
         net_close(d->net);
     if (d->pipeline.voices)
         voice_pool_close(d->pipeline.voices, NULL, NULL);
+    coder_pool_close(d->coders);
     if (!d->running)
         return;
     for (int i = 0; i < SIGNALS; i++)
@@ -229,6 +233,7 @@ static int start(struct daemon *d, struct error *e) {
                                     .sounds = s->audio,
                                     .metrics = &d->metrics,
                                     .codec_load = &d->codec_load,
+                                    .coders = d->coders,
                                     .long_text = LONG_TEXT_BYTES};
     struct net_options options = net_options_of(d);
     d->net = net_open(&d->pipeline, &options, e);
@@ -270,7 +275,8 @@ static int run(struct daemon *d) {
     struct error e;
     signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&d->loop);
-    codec_load_open(&d->codec_load, &d->loop, &d->metrics);
+    d->coders = coder_pool_open(&d->loop, 0);
+    codec_load_open(&d->codec_load, &d->loop, d->coders, &d->metrics);
     int status = start(d, &e) ? 1 : 0;
     if (status) {
         complain(&e);

@@ -139,23 +139,24 @@ static void on_sent(uv_write_t *request, int status) {
     tell_protocol(c);
 }
 
+size_t connection_try(struct connection *c, const uv_buf_t *buffers, unsigned count) {
+    int sent = c->closing ? UV_ECANCELED : uv_try_write(&c->io.stream, buffers, count);
+    if (sent == UV_EAGAIN)
+        sent = 0;
+    else if (sent < 0)
+        connection_close(c);
+    c->progress = connection_now(c);
+    return sent < 0 ? SIZE_MAX : (size_t)sent;
+}
+
 bool connection_send(struct connection *c, const void *bytes, size_t size) {
-    if (c->closing)
-        return true;
     /* libuv takes the bytes as char * and changes none */
     uv_buf_t buffer = uv_buf_init((char *)(uintptr_t)bytes, (unsigned)size);
-    int sent = uv_try_write(&c->io.stream, &buffer, 1);
-    if (sent < 0 && sent != UV_EAGAIN) {
-        connection_close(c);
+    size_t sent = connection_try(c, &buffer, 1);
+    if (sent >= size)
         return true;
-    }
-    c->progress = connection_now(c);
-    if (sent > 0) {
-        buffer.base += sent;
-        buffer.len -= (size_t)sent;
-    }
-    if (!buffer.len)
-        return true;
+    buffer.base += sent;
+    buffer.len -= sent;
     c->write.data = c;
     if (uv_write(&c->write, &c->io.stream, &buffer, 1, on_sent)) {
         connection_close(c);

@@ -61,6 +61,10 @@ void connection_use(struct connection *connection, const struct connection_proto
  * the bytes must stay until then. Not while anything is on its way. */
 bool connection_send(struct connection *connection, const void *bytes, size_t size);
 
+/* Sends what goes at once of several buffers. How many bytes that is; SIZE_MAX, which counts as all, when
+ * nobody is there any more. Not while anything is on its way. */
+size_t connection_try(struct connection *connection, const uv_buf_t *buffers, unsigned count);
+
 /* Bytes that have not left. */
 size_t connection_unsent(const struct connection *connection);
 

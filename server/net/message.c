@@ -118,7 +118,8 @@ json_t *message_voices(const struct net *net) {
 }
 
 json_t *message_health(const struct net *net) {
-    return json_pack("{ss ss si}", "status", net->ready ? "ok" : "starting", "server",
+    const char *status = net->ready ? "ok" : net->unavailable ? "unavailable" : "starting";
+    return json_pack("{ss ss* ss si}", "status", status, "reason", net->unavailable, "server",
                      "faccia/" FACCIA_VERSION, "connections", (int)net->connections);
 }
 
@@ -204,9 +205,9 @@ static int set_field(struct speech_request *request, const char *name, const jso
 
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e) {
     const char *name;
-    json_t *value;
-    json_object_foreach((json_t *)object, name, value) {
-        if (set_field(request, name, value, e))
+    for (size_t i = 0; (name = request_field(i)); i++) {
+        const json_t *value = json_object_get(object, name);
+        if (value && set_field(request, name, value, e))
             return -1;
     }
     return 0;

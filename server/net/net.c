@@ -88,6 +88,11 @@ bool net_address(const struct net *net, size_t number, struct buf *out) {
 
 void net_set_ready(struct net *net) {
     net->ready = true;
+    net->unavailable = NULL;
+}
+
+void net_set_unavailable(struct net *net, const char *reason) {
+    net->unavailable = reason;
 }
 
 static void free_idle(uv_handle_t *idle) {

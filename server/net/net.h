@@ -54,6 +54,10 @@ bool net_address(const struct net *net, size_t number, struct buf *out);
 /* The voices are there: until then /healthz answers 503 and a speak fails with "voice-unavailable". */
 void net_set_ready(struct net *net);
 
+/* No voice has come, and none is waited for: /healthz answers 503 with that reason, a literal, until there is
+ * one after all. */
+void net_set_unavailable(struct net *net, const char *reason);
+
 /* Takes the limits, origins and secrets of options; the rest stays as it is. */
 void net_change(struct net *net, const struct net_options *options);
 

@@ -27,6 +27,7 @@ struct net {
     unsigned connections;
     uint64_t streams; /* numbers given so far */
     bool ready, draining;
+    const char *unavailable; /* why nothing can be spoken, nor soon will be; or NULL */
     struct quota quota;
     struct socket *sockets; /* all that are open */
     uv_timer_t *keepalive;  /* over all connections; NULL: none */

@@ -150,8 +150,10 @@ static void close_socket(struct connection *c) {
     if (s->next)
         s->next->self = s->self;
     channel_leave(&s->follower);
+    socket_forget_long(s);
     request_free(&s->defaults);
     buf_free(&s->message);
+    buf_free(&s->unread);
     websocket_reader_free(&s->reader);
     message_queue_close(&s->queue);
     queued_message_release(s->leaving);
@@ -162,7 +164,12 @@ static void close_socket(struct connection *c) {
 static void read_bytes(struct connection *c, const char *bytes, size_t size) {
     struct socket *s = c->socket;
     socket_heard(s);
-    websocket_reader_feed(&s->reader, (const uint8_t *)bytes, size);
+    size_t taken = websocket_reader_feed(&s->reader, (const uint8_t *)bytes, size);
+    buf_add(&s->unread, bytes + taken, size - taken);
+}
+
+void socket_listen(struct socket *s) {
+    connection_read(s->connection, !s->rx_paused && !s->reading);
 }
 
 /* A socket that has been silent is asked whether it is still there (RFC 6455, 5.5.2), and closed when it does
@@ -180,7 +187,7 @@ static void look(struct connection *c) {
             socket_farewell(s, s->hangs_up, "");
         return;
     }
-    if (s->rx_paused)
+    if (s->rx_paused || s->reading)
         socket_heard(s); /* its answers lie unread */
     else if (s->probe == PROBE_NONE && silent >= ping_ms)
         socket_ping(s);

@@ -102,15 +102,24 @@ static void hear(struct socket *s, const char *data, size_t size) {
         socket_speak(s, data, size);
         return;
     }
-    json_error_t why;
-    struct error e;
-    json_t *message = json_loadb(data, size, JSON_ALLOW_NUL, &why);
-    if (message) {
-        socket_act(s, message);
-        json_decref(message);
+    size_t is_long = s->net->pipeline->long_text;
+    if (is_long && size >= is_long) {
+        socket_read_long(s, &s->message);
         return;
     }
-    message_bad_json(&why, &e);
+    json_error_t why;
+    json_t *message = json_loadb(data, size, JSON_ALLOW_NUL, &why);
+    socket_take(s, message, &why);
+    json_decref(message);
+}
+
+void socket_take(struct socket *s, const json_t *message, const json_error_t *why) {
+    struct error e;
+    if (message) {
+        socket_act(s, message);
+        return;
+    }
+    message_bad_json(why, &e);
     socket_complain(s, &e);
 }
 

@@ -25,8 +25,10 @@ struct socket {
     struct queued_message *pong;                      /* the answer to the last ping, while it waits */
     uint64_t last_rx;                                 /* loop time at which it said something last, ms */
     enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that asks whether it is still there */
-    bool rx_paused;           /* nothing is read from a client that takes nothing, until it does */
-    const char *close_reason; /* why the connection is to be closed */
+    bool rx_paused;               /* nothing is read from a client that takes nothing, until it does */
+    struct long_message *reading; /* a message that is read in another thread: what follows waits */
+    struct buf unread;            /* what follows */
+    const char *close_reason;     /* why the connection is to be closed */
     enum websocket_status close_status;
     enum websocket_status hangs_up; /* with which the client has closed, to be answered later */
     uint64_t hang_up_by;            /* loop time at which at the latest, ms; 0: it has not */
@@ -74,6 +76,16 @@ void socket_act(struct socket *socket, const json_t *message);
 /* Acts on a whole message, or says why not. */
 void socket_hear(struct socket *socket, bool binary);
 
+/* What a message asks for, as read or with why it could not be. */
+void socket_take(struct socket *socket, const json_t *message, const json_error_t *why);
+
+/* socket_long.c: reads the message in another thread, and takes it then. */
+void socket_read_long(struct socket *socket, struct buf *message);
+void socket_forget_long(struct socket *socket);
+
+/* Reads what comes, if nothing speaks against it. */
+void socket_listen(struct socket *socket);
+
 /* Asks whether it is still there. */
 void socket_ping(struct socket *socket);
 void socket_heard(struct socket *socket); /* it has said something */
@@ -89,7 +101,7 @@ void socket_complain(struct socket *socket, const struct error *e);
 
 /* A follower's deliver: in a room, a client that is too slow is moved on to the live edge; on
  * a stream of its own the stream waits for it. */
-void socket_deliver(struct follower *follower, struct queued_message *message);
+void socket_deliver(struct follower *follower, struct queued_message *const *messages, size_t count);
 
 /* Closes the connection when what is on its way to him has left. The reason is a literal. */
 void socket_dismiss(struct socket *socket, enum websocket_status status, const char *reason);

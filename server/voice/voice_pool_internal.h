@@ -104,7 +104,7 @@ struct voice_pool {
     struct metrics *metrics;
     void (*ready)(void *ctx);
     void *ready_ctx;
-    bool is_ready;
+    bool is_ready, speaks; /* speaks: there was a voice when `ready` was called last */
     uv_timer_t start; /* so long is waited for plugins that are slow to start */
     struct voice_wait *waits;
     struct reserve reserve;
