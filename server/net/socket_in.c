@@ -89,13 +89,18 @@ void socket_act(struct socket *s, const json_t *message) {
     socket_complain(s, &e);
 }
 
-/* A whole text message. */
-static void hear(struct socket *s, const char *data, size_t size) {
-    size_t blank = 0;
-    if (s->plain) {
-        text_hear(s, data, size);
+static void take(struct socket *s, const json_t *message, const json_error_t *why) {
+    struct error e;
+    if (message) {
+        socket_act(s, message);
         return;
     }
+    message_bad_json(why, &e);
+    socket_complain(s, &e);
+}
+
+void socket_hear_json(struct socket *s, const char *data, size_t size) {
+    size_t blank = 0;
     while (blank < size && strchr(" \t\r\n", data[blank]))
         blank++;
     if (blank == size || data[blank] != '{') {
@@ -104,23 +109,13 @@ static void hear(struct socket *s, const char *data, size_t size) {
     }
     size_t is_long = s->net->pipeline->long_text;
     if (is_long && size >= is_long) {
-        socket_read_long(s, &s->message);
+        socket_read_long(s, &s->message, take);
         return;
     }
     json_error_t why;
     json_t *message = json_loadb(data, size, JSON_ALLOW_NUL, &why);
-    socket_take(s, message, &why);
+    take(s, message, &why);
     json_decref(message);
-}
-
-void socket_take(struct socket *s, const json_t *message, const json_error_t *why) {
-    struct error e;
-    if (message) {
-        socket_act(s, message);
-        return;
-    }
-    message_bad_json(why, &e);
-    socket_complain(s, &e);
 }
 
 void socket_hear(struct socket *s, bool binary) {
@@ -132,7 +127,7 @@ void socket_hear(struct socket *s, bool binary) {
         error_set(&e, "binary-message", "a client sends no binary messages");
         socket_complain(s, &e);
     } else {
-        hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);
+        s->hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);
     }
     buf_free(&s->message);
     s->too_long = false;

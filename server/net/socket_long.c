@@ -8,6 +8,7 @@
 struct long_message {
     uv_work_t work;
     struct socket *socket; /* NULL: it is gone */
+    long_message_done *done;
     struct buf text;
     json_t *message;
     json_error_t why;
@@ -49,16 +50,17 @@ static void after_parse(uv_work_t *work, int status) {
     if (s) {
         s->reading = NULL;
         if (!status && !s->closing)
-            socket_take(s, m->message, &m->why);
+            m->done(s, m->message, &m->why);
         go_on(s);
     }
     if (uv_queue_work(loop, &m->work, drop, after_drop))
         after_drop(&m->work, UV_ECANCELED);
 }
 
-void socket_read_long(struct socket *s, struct buf *message) {
+void socket_read_long(struct socket *s, struct buf *message, long_message_done *done) {
     struct long_message *m = mem_alloc(sizeof *m);
     m->socket = s;
+    m->done = done;
     m->text = *message;
     m->work.data = m;
     *message = (struct buf){0};

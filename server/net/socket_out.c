@@ -27,6 +27,10 @@ void socket_farewell(struct socket *s, enum websocket_status status, const char 
     socket_dismiss(s, status, reason);
 }
 
+void socket_listen(struct socket *s) {
+    connection_read(s->connection, !s->rx_paused && !s->reading);
+}
+
 static void send_rest(struct socket *s, struct queued_message *message, size_t from) {
     size_t size = message->head + message->size;
     metrics_add(s->net->pipeline->metrics, METRIC_SENT_BYTES, (double)message->size);
@@ -93,7 +97,7 @@ void socket_say_text(struct socket *s, const struct buf *text) {
     queued_message_release(message);
 }
 
-/* One who types gets lines. */
+/* People who type get lines. */
 void socket_say(struct socket *s, json_t *object) {
     struct buf text = {0};
     if (s->plain) {
@@ -156,7 +160,7 @@ static void say_goodbye(struct socket *s) {
         WEBSOCKET_CLOSE, payload, s->close_status == WEBSOCKET_NONE ? 0 : STATUS_BYTES + reason);
     s->closing = true;
     message_queue_close(&s->queue);
-    s->model = NULL;
+    s->more = NULL;
     s->connection->end_by = connection_now(s->connection) + GOODBYE_MS;
     if (s->rx_paused)
         connection_read(s->connection, true); /* to hear the client's answer */
@@ -200,8 +204,8 @@ static void go_easy(struct socket *s) {
         s->follower.lagging = false;
         channel_resume(&s->follower);
     }
-    if (s->model)
-        socket_push_model_part(s);
+    if (s->more)
+        s->more(s);
 }
 
 void socket_go_on(struct socket *s) {
@@ -215,17 +219,4 @@ void socket_go_on(struct socket *s) {
     s->sending = false;
     if (s->closing && s->farewell && !s->leaving)
         connection_finish(s->connection);
-}
-
-bool sockets_busy(const struct net *net) {
-    for (const struct socket *s = net->sockets; s; s = s->next)
-        if (s->leaving || !message_queue_empty(&s->queue) || stream_busy(socket_stream(s)) ||
-            channel_pending(s->follower.channel))
-            return true;
-    return false;
-}
-
-void sockets_dismiss(struct net *net, const char *reason) {
-    for (struct socket *s = net->sockets; s; s = s->next)
-        socket_dismiss(s, WEBSOCKET_GOING_AWAY, reason);
 }
