@@ -23,8 +23,8 @@ struct channel *channel_new(struct net *net, const char *name) {
 }
 
 static void free_channel(struct channel *c) {
-    if (c->room)
-        room_unlist(c);
+    if (c->gone)
+        c->gone(c);
     stream_free(c->stream);
     channel_forget_all(c);
     catch_up_free(&c->catch_up);
@@ -81,7 +81,7 @@ void channel_join(struct channel *c, struct follower *f) {
         add_variant(c, &f->encoding);
     catch_up_tell(&c->catch_up, tell, f);
     if (c->room && c->follower_count == 1)
-        hold_speak(c->net, c);
+        hold_speak(c->net, c->name, c->stream);
 }
 
 void channel_leave(struct follower *f) {

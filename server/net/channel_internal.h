@@ -32,7 +32,8 @@ struct channel {
     struct net *net;
     char *name;
     bool room;
-    struct channel *next, **self; /* of the rooms */
+    void (*gone)(struct channel *channel); /* before it is freed; may be NULL */
+    struct channel *next, **self;          /* of the rooms */
     struct stream *stream;
     struct follower *followers;
     size_t follower_count;
@@ -52,8 +53,5 @@ void channel_coded(void *variant, void *item, const struct encoded *encoded);
 /* What the variant owes will not come. */
 void channel_forget_variant(struct channel *channel, struct variant *variant);
 void channel_forget_all(struct channel *channel);
-
-/* rooms.c: the room goes. */
-void room_unlist(struct channel *channel);
 
 #endif

@@ -26,6 +26,14 @@ int channel_check_name(const char *name, struct error *e) {
                                           "must have 1 to %d letters, digits, and any of - _ .", TOKEN_ROOM);
 }
 
+static void unlist(struct channel *c) {
+    *c->self = c->next;
+    if (c->next)
+        c->next->self = c->self;
+    c->net->room_count--;
+    metrics_add(c->net->pipeline->metrics, METRIC_ROOMS, -1);
+}
+
 struct channel *channel_room(struct net *net, const char *name, struct error *e) {
     struct channel *c = channel_find(net, name);
     if (c)
@@ -38,6 +46,7 @@ struct channel *channel_room(struct net *net, const char *name, struct error *e)
     }
     c = channel_new(net, name);
     c->room = true;
+    c->gone = unlist;
     c->next = net->rooms;
     c->self = &net->rooms;
     if (c->next)
@@ -46,14 +55,6 @@ struct channel *channel_room(struct net *net, const char *name, struct error *e)
     net->room_count++;
     metrics_add(net->pipeline->metrics, METRIC_ROOMS, 1);
     return c;
-}
-
-void room_unlist(struct channel *c) {
-    *c->self = c->next;
-    if (c->next)
-        c->next->self = c->self;
-    c->net->room_count--;
-    metrics_add(c->net->pipeline->metrics, METRIC_ROOMS, -1);
 }
 
 struct channel *channel_next(const struct channel *c) {

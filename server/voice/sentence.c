@@ -2,7 +2,7 @@
 #include "server/base/mem.h"
 #include "server/voice/assembly.h"
 #include "server/voice/inserted_sound.h"
-#include "server/voice/sentence_internal.h"
+#include "server/voice/sentence_part.h"
 #include <stdlib.h>
 #include <string.h>
 

@@ -5,7 +5,7 @@
 #include "server/voice/cue_times.h"
 #include "server/voice/sentence_audio_edit.h"
 #include "server/voice/sentence_audio_join.h"
-#include "server/voice/sentence_internal.h"
+#include "server/voice/sentence_part.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>

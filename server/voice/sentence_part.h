@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Inside of a sentence on its way: its parts, each spoken, silent or a sound. */
-#ifndef FACCIA_VOICE_SENTENCE_INTERNAL_H
-#define FACCIA_VOICE_SENTENCE_INTERNAL_H
+/* A sentence on its way, and its parts: each is spoken, silent or a sound. */
+#ifndef FACCIA_VOICE_SENTENCE_PART_H
+#define FACCIA_VOICE_SENTENCE_PART_H
 
 #include "server/voice/sentence.h"
 #include "server/voice/voice_selection.h"
