@@ -41,7 +41,7 @@ export class Daemon {
     const line = await daemon.logged(/listening on http:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//);
     daemon.port = Number(line[1]);
     daemon.url = `http://127.0.0.1:${daemon.port}`;
-    if (voices) await daemon.logged(/ready: |no voice plugin could be started/);
+    if (voices) await daemon.logged(/ready: |no voice plugin could be started/, 60000); // a voice is waited for up to 30 s
     return daemon;
   }
 
