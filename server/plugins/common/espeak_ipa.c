@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/espeak/espeak_ipa.h"
+#include "server/plugins/common/espeak_ipa.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/plugins/espeak/espeak_align.h"
+#include "server/plugins/common/espeak_align.h"
 #include <espeak-ng/speak_lib.h>
 #include <stdio.h>
 #include <stdlib.h>

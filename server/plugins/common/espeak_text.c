@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/espeak/espeak_text.h"
+#include "server/plugins/common/espeak_text.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include <ctype.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/espeak/espeak_align.h"
+#include "server/plugins/common/espeak_align.h"
 #include "server/base/mem.h"
 #include <ctype.h>
 #include <stdio.h>

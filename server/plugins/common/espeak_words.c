@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/plugins/espeak/espeak_words.h"
+#include "server/plugins/common/espeak_words.h"
 #include "server/base/utf8.h"
 #include <string.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The voices that espeak-ng has: every language, plain and with each of the chosen variants. */
-#ifndef FACCIA_PLUGINS_ESPEAK_ESPEAK_VOICES_H
-#define FACCIA_PLUGINS_ESPEAK_ESPEAK_VOICES_H
+#ifndef FACCIA_PLUGINS_COMMON_ESPEAK_VOICES_H
+#define FACCIA_PLUGINS_COMMON_ESPEAK_VOICES_H
 
 #include <stddef.h>
 

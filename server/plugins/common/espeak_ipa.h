@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Phones given in IPA, in the names that espeak-ng has for them. Which phones a voice has, and how they are
  * named, is learnt from the engine itself, by asking it for the IPA of every name that can be. */
-#ifndef FACCIA_PLUGINS_ESPEAK_ESPEAK_IPA_H
-#define FACCIA_PLUGINS_ESPEAK_ESPEAK_IPA_H
+#ifndef FACCIA_PLUGINS_COMMON_ESPEAK_IPA_H
+#define FACCIA_PLUGINS_COMMON_ESPEAK_IPA_H
 
 #include "server/base/buf.h"
 #include "server/voice/faccia-voice.h"

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Words: from espeak-ng's word events, whose lengths stop at apostrophes and which split numbers and
  * addresses, to stretches of the text that a reader would call words. */
-#ifndef FACCIA_PLUGINS_ESPEAK_ESPEAK_WORDS_H
-#define FACCIA_PLUGINS_ESPEAK_ESPEAK_WORDS_H
+#ifndef FACCIA_PLUGINS_COMMON_ESPEAK_WORDS_H
+#define FACCIA_PLUGINS_COMMON_ESPEAK_WORDS_H
 
-#include "server/plugins/espeak/espeak_text.h"
+#include "server/plugins/common/espeak_text.h"
 
 struct es_word {
     uint32_t start;       /* sample */

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The text that espeak-ng is given for a sentence: plain when all spans sound alike, SSML when they do not,
  * with the way back from its characters to the spans. */
-#ifndef FACCIA_PLUGINS_ESPEAK_ESPEAK_TEXT_H
-#define FACCIA_PLUGINS_ESPEAK_ESPEAK_TEXT_H
+#ifndef FACCIA_PLUGINS_COMMON_ESPEAK_TEXT_H
+#define FACCIA_PLUGINS_COMMON_ESPEAK_TEXT_H
 
 #include "server/base/buf.h"
-#include "server/plugins/espeak/espeak_ipa.h"
-#include "server/plugins/espeak/espeak_voices.h"
+#include "server/plugins/common/espeak_ipa.h"
+#include "server/plugins/common/espeak_voices.h"
 #include "server/voice/faccia-voice.h"
 #include <stdbool.h>
 

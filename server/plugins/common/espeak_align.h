@@ -3,8 +3,8 @@
  * transcription of the clause carries IPA, length and stress but no times. Both walk the same list, but not
  * all of it: pauses at the end of a clause are events only, and a phone written as a modifier letter is glued
  * to the one before. So the two are aligned. */
-#ifndef FACCIA_PLUGINS_ESPEAK_ESPEAK_ALIGN_H
-#define FACCIA_PLUGINS_ESPEAK_ESPEAK_ALIGN_H
+#ifndef FACCIA_PLUGINS_COMMON_ESPEAK_ALIGN_H
+#define FACCIA_PLUGINS_COMMON_ESPEAK_ALIGN_H
 
 #include <stdbool.h>
 #include <stddef.h>
