@@ -152,6 +152,7 @@ static int run(const struct opening *opening, const char *plugin) {
     limit_memory(opening->limits.megabytes);
     limit_processor(opening->limits.seconds);
     int result = allowed_read(&allowed, opening->config, message, sizeof message);
+    allowed_add_packs(&allowed);
     if (!result)
         result = load(&host, plugin, &allowed, opening->limits.sandbox, message, sizeof message);
     struct worker_io *m = worker_io_open(WIRE_FD);

@@ -89,7 +89,7 @@ test('so does one that was moved, and its faccia', async () => {
   await lives(moved);
   const faccia = (...args) => run(path.join(moved, options.bindir, 'faccia'), args, { env: plain, cwd: folder });
   const json = JSON.parse(faccia('say', '--lang', 'it', '--wav', path.join(folder, 'say.wav'), '--json', '-', 'La mamma parla piano.'));
-  assert.equal(json.voice, 'espeak:it');
+  assert.match(json.voice, /^espeak:it/);
   assert.ok(json.phones.length > 12);
   assert.match(faccia('voices', '--lang', 'it'), /espeak:it/);
   assert.match(faccia('models'), /mara/);
@@ -129,7 +129,7 @@ test('a voice is built outside of the tree with the installed header alone, and 
   const stream = await daemon.stream('?voice=example:hum');
   stream.send({ type: 'speak', text: 'Uno due tre.', phones: true });
   await stream.wait({ type: 'end' });
-  assert.deepEqual(stream.messages.filter((m) => m.type === 'word').map((m) => m.text), ['Uno', 'due', 'tre']);
+  assert.deepEqual(stream.messages.filter((m) => m.type === 'word').map((m) => m.text), ['Uno', 'due', 'tre.']);
   assert.equal(stream.messages.filter((m) => m.type === 'phone' && m.ipa === 'a').length, 3);
   assert.ok(stream.chunks.length > 0);
   await stream.close();
