@@ -82,6 +82,7 @@ static int run(struct align *a, const struct paths *paths) {
     struct error e;
     char text[400];
     int result = -1;
+    snprintf(reference.worker, sizeof reference.worker, "%s", paths->worker);
     snprintf(reference.path, sizeof reference.path, "%s/espeak.so", paths->plugins);
     if ((!a->text || !cli_read(a->text, &script)) && (!a->timing || !read_timing(a, &times))) {
         size_t skip = script.size >= 3 && !memcmp(script.data, "\xEF\xBB\xBF", 3) ? 3 : 0;

@@ -41,7 +41,16 @@ static void choose_media(struct socket *s, const json_t *message) {
     struct media_wish wish = {json_string_value(json_object_get(message, "audio")),
                               json_string_value(json_object_get(message, "fap")),
                               json_string_value(json_object_get(message, "events")), NULL};
+    static const char *const texts[] = {"audio", "fap", "events"};
     struct error e;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        const json_t *value = json_object_get(message, texts[i]);
+        if (value && !json_is_string(value)) {
+            error_in_field(&e, "bad-field", texts[i], "must be a string");
+            socket_complain(s, &e);
+            return;
+        }
+    }
     if (kilobits) {
         snprintf(number, sizeof number, "%.12g", json_number_value(kilobits));
         wish.kilobits = number;

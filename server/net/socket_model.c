@@ -22,9 +22,15 @@ static void push_part(struct socket *s) {
 }
 
 void socket_send_model(struct socket *s, const json_t *message) {
-    const char *name = json_string_value(json_object_get(message, "name"));
+    const json_t *wanted = json_object_get(message, "name");
+    const char *name = json_string_value(wanted);
     const struct assets *assets = &s->net->assets;
     struct error e;
+    if (wanted && !name) {
+        error_in_field(&e, "bad-field", "name", "must be a string");
+        socket_complain(s, &e);
+        return;
+    }
     s->model = name ? assets_model(assets, name) : assets->model_count ? &assets->models[0] : NULL;
     s->model_part = 0;
     s->more = s->model ? push_part : NULL;

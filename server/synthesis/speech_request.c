@@ -29,7 +29,7 @@ static const struct field {
     {"pitch", NUMBER, offsetof(struct speech_request, pitch), 0.25, 4, NULL},
     {"volume", NUMBER, offsetof(struct speech_request, volume), 0.25, 4, NULL},
     {"fps", NUMBER, offsetof(struct speech_request, fps), 1, 120, NULL},
-    {"seed", INTEGER, offsetof(struct speech_request, seed), 0, 9007199254740992.0, NULL},
+    {"seed", INTEGER, offsetof(struct speech_request, seed), 0, 9007199254740991.0, NULL},
     {"life", NUMBER, offsetof(struct speech_request, life), 0, 2, NULL},
     {"blend", CHOICE, offsetof(struct speech_request, blend), 0, 0, blends},
     {"mode", CHOICE, offsetof(struct speech_request, mode), 0, 0, modes},

@@ -35,6 +35,35 @@ static int read_name(const struct json_place *root, const char *key, char **out)
     return 0;
 }
 
+/* BCP 47: a language of two or three letters, and what narrows it down. */
+static int read_tag(const struct json_place *root, char **out) {
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyz", all[] =
+                                                                    "abcdefghijklmnopqrstuvwxyz"
+                                                                    "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+    struct json_place at = json_place_key(root, "tag");
+    if (read_name(root, "tag", out))
+        return -1;
+    size_t size = strspn(*out, letters), part = 1;
+    bool good = size == 2 || size == 3;
+    for (const char *rest = *out + size; good && *rest; rest += 1 + part)
+        good = *rest == '-' && (part = strspn(rest + 1, all)) > 0;
+    return good ? 0 : json_place_fail(&at, "must be a language tag, such as pt-BR");
+}
+
+/* PLUGIN:VOICE. */
+static int read_voices(const struct json_place *root, char ***out) {
+    struct json_place at = json_place_key(root, "voices");
+    if (json_place_texts(&at, out))
+        return -1;
+    for (size_t i = 0; (*out)[i]; i++) {
+        const char *colon = strchr((*out)[i], ':');
+        struct json_place item = json_place_item(&at, i);
+        if (!colon || colon == (*out)[i] || !colon[1])
+            return json_place_fail(&item, "must be the id of a voice, such as espeak:it");
+    }
+    return 0;
+}
+
 static int read_sources(const struct json_place *root) {
     char **sources;
     if (read_texts(root, "sources", &sources))
@@ -195,9 +224,8 @@ static int read_pack(struct speech_pack *pack, const struct json_place *root, co
     struct json_place inherits = json_place_key(root, "inherits"), groups = json_place_key(root, "groups"),
                       phones = json_place_key(root, "phones"), visemes = json_place_key(root, "visemes"),
                       letters = json_place_key(root, "letters");
-    if (json_place_keys(root, inherits.json ? heir_keys : base_keys) || read_name(root, "tag", &pack->lang) ||
-        read_name(root, "name", &pack->name) || read_sources(root) ||
-        read_texts(root, "voices", &pack->voices) ||
+    if (json_place_keys(root, inherits.json ? heir_keys : base_keys) || read_tag(root, &pack->lang) ||
+        read_name(root, "name", &pack->name) || read_sources(root) || read_voices(root, &pack->voices) ||
         read_texts(root, "abbreviations", &pack->abbreviations) ||
         (inherits.json ? inherit(pack, &inherits, path, depth) : read_foundations(pack, root, path)))
         return -1;

@@ -254,7 +254,7 @@ static int fill_phone(struct reader *r, const struct json_place *at, struct spee
                       group = json_place_key(at, "group"), viseme = json_place_key(at, "viseme"),
                       contact = json_place_key(at, "contact"), parts = json_place_key(at, "parts");
     const char *text;
-    double number;
+    int number;
     size_t count = 0;
     if (json_place_keys(at, parts.json ? part_keys : keys) || json_place_text(&sampa, &text))
         return -1;
@@ -266,7 +266,7 @@ static int fill_phone(struct reader *r, const struct json_place *at, struct spee
     if ((group.json || !like.json) && read_group_of(r, &group, phone, &count))
         return -1;
     if (viseme.json) {
-        if (json_place_real(&viseme, 0, 14, &number))
+        if (json_place_whole(&viseme, 0, 14, &number))
             return -1;
         phone->viseme = (uint8_t)number;
     }
