@@ -233,12 +233,13 @@ static int start(struct daemon *d, struct error *e) {
                                     .sounds = s->audio,
                                     .metrics = &d->metrics,
                                     .codec_load = &d->codec_load,
-                                    .coders = d->coders,
                                     .long_text = LONG_TEXT_BYTES};
     struct net_options options = net_options_of(d);
     d->net = net_open(&d->pipeline, &options, e);
     if (!d->net)
         return -1;
+    d->pipeline.coders = d->coders = coder_pool_open(&d->loop, 0);
+    codec_load_open(&d->codec_load, &d->loop, d->coders, &d->metrics);
     d->voice_config = s->voices ? json_dumps(s->voices, JSON_COMPACT) : NULL;
     struct voice_pool_options voices = {.worker = s->worker,
                                         .plugin_dir = s->plugins,
@@ -275,8 +276,6 @@ static int run(struct daemon *d) {
     struct error e;
     signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&d->loop);
-    d->coders = coder_pool_open(&d->loop, 0);
-    codec_load_open(&d->codec_load, &d->loop, d->coders, &d->metrics);
     int status = start(d, &e) ? 1 : 0;
     if (status) {
         complain(&e);
