@@ -19,6 +19,7 @@ enum { NET_READ_BYTES = 65536 };
 struct net {
     struct net_options options;
     const struct pipeline *pipeline;
+    struct offer_source offer;
     struct listeners *listeners;
     struct assets assets;
     struct connection *open; /* all connections */
@@ -37,7 +38,7 @@ struct net {
     struct events *events;            /* those who follow a room over HTTP */
     unsigned works;                   /* HTTP answers that are being made */
     json_t *more_languages;           /* of hello */
-    const struct voice *languages_of; /* the list from which they were found */
+    const struct offer_voice *languages_of; /* the list from which they were found */
 };
 
 /* event_json.c */
