@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* facciad: the daemon. Puts the stages together on one loop, reads its settings anew on SIGHUP, and stops
  * cleanly when it is told to. */
+#include "server/app/daemon_offer.h"
 #include "server/app/descriptors.h"
 #include "server/app/service.h"
 #include "server/app/settings.h"
@@ -36,6 +37,7 @@ struct daemon {
     struct codec_load codec_load;
     struct pipeline pipeline;
     struct net *net;
+    struct daemon_offer *offer;
     uv_signal_t signals[SIGNALS];
     uv_timer_t watchdog, ending;
     uint64_t end_by; /* loop time, ms */
@@ -235,7 +237,9 @@ static int start(struct daemon *d, struct error *e) {
                                     .codec_load = &d->codec_load,
                                     .long_text = LONG_TEXT_BYTES};
     struct net_options options = net_options_of(d);
-    d->net = net_open(&d->pipeline, &options, e);
+    d->offer = daemon_offer_new(&d->pipeline);
+    const struct offer_source offer = daemon_offer_source(d->offer);
+    d->net = net_open(&d->pipeline, &offer, &options, e);
     if (!d->net)
         return -1;
     d->pipeline.coders = d->coders = coder_pool_open(&d->loop, 0);
@@ -288,6 +292,7 @@ static int run(struct daemon *d) {
         status = 1;
     if (d->net)
         net_free(d->net);
+    daemon_offer_free(d->offer);
     uv_loop_close(&d->loop);
     speech_packs_free(&d->packs);
     expressions_free(d->expressions);

@@ -44,3 +44,12 @@ void face_track_free(struct face_track *track) {
     visemes_free(&track->visemes);
     free(track);
 }
+
+bool face_engine_speaks(const char *name, const struct speech_pack *pack) {
+    const struct face_engine *engine = engine_find(name);
+    return engine && engine->speaks(pack);
+}
+
+const char *const *face_engines(void) {
+    return engine_names();
+}

@@ -19,6 +19,7 @@ enum { NET_READ_BYTES = 65536 };
 struct net {
     struct net_options options;
     const struct pipeline *pipeline;
+    struct offer_source offer;
     struct listeners *listeners;
     void (*descriptor_freed)(struct net *net, bool reserve); /* a connection has gone */
     struct assets assets;
@@ -39,7 +40,7 @@ struct net {
     struct events *events;            /* clients that follow a room over HTTP */
     unsigned works;                   /* HTTP answers that are being made */
     json_t *more_languages;           /* of hello */
-    const struct voice *languages_of; /* the list from which they were found */
+    const struct offer_voice *languages_of; /* the list from which they were found */
 };
 
 /* event_json.c */

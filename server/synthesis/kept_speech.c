@@ -25,10 +25,10 @@ void kept_speech_add(struct kept_speech *kept, const struct kept_sentence *sente
             drop(kept, i);
             break;
         }
-    while (kept->count && kept->bytes + size_of(sentence) > KEPT_SPEECH_BYTES)
-        drop(kept, 0);
     if (size_of(sentence) > KEPT_SPEECH_BYTES)
         return;
+    while (kept->bytes + size_of(sentence) > KEPT_SPEECH_BYTES)
+        drop(kept, 0);
     kept->items = mem_grow(kept->items, &kept->cap, kept->count + 1, sizeof *kept->items);
     kept->items[kept->count++] = (struct kept_sentence){.sentence = sentence->sentence,
                                                         .audio = sentence_audio_share(sentence->audio),

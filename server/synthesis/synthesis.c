@@ -124,11 +124,9 @@ static void play(struct synthesis *s, struct slot *slot) {
         s->callbacks.segment(s->ctx, segment);
 }
 
-/* Why the utterance cannot follow the ones before it, or NULL. */
-static const char *misfit(const struct synthesis *s, const struct sentence_audio *u) {
-    if (u->samples > UINT32_MAX - s->samples)
-        return "the speech is longer than its clock can count";
-    return NULL;
+/* Whether the sentence goes beyond what the utterance's clock can count. */
+static bool is_beyond(const struct synthesis *s, const struct sentence_audio *u) {
+    return u && u->samples > UINT32_MAX - s->samples;
 }
 
 static void warn_of_markup(struct synthesis *s) {
@@ -157,9 +155,8 @@ static void deliver(struct synthesis *s) {
         s->delivered++;
         if (slot->audio && s->sample_rate && !slot->track)
             sentence_audio_resample(slot->audio, s->sample_rate);
-        const char *unfit = slot->audio ? misfit(s, slot->audio) : NULL;
-        if (unfit) {
-            error_set(&slot->failure, "voice-failed", "%s", unfit);
+        if (is_beyond(s, slot->audio)) {
+            error_set(&slot->failure, "voice-failed", "the speech is longer than its clock can count");
             drop_audio(slot);
         }
         if (slot->audio) {
@@ -228,13 +225,14 @@ static void forget_pending(struct synthesis *s, size_t first, size_t last) {
 struct rest {
     uv_work_t work;
     struct voice_selection *cast;
-    struct score *score;
+    struct score *script, *document;
 };
 
 static void free_rest(uv_work_t *work) {
     struct rest *rest = work->data;
     voice_selection_free(rest->cast);
-    score_free(rest->score);
+    score_free(rest->script);
+    score_free(rest->document);
 }
 
 static void after_rest(uv_work_t *work, int status) {
@@ -245,7 +243,7 @@ static void after_rest(uv_work_t *work, int status) {
 
 static void free_result(struct synthesis *s) {
     struct rest *rest = mem_alloc(sizeof *rest);
-    *rest = (struct rest){.cast = s->cast, .score = s->score};
+    *rest = (struct rest){.cast = s->cast, .script = s->result.score, .document = s->result.document};
     rest->work.data = rest;
     bool is_long = s->pipeline->long_text && s->request.text_size >= s->pipeline->long_text && s->score;
     if (is_long && !uv_queue_work(s->pipeline->loop, &rest->work, free_rest, after_rest))

@@ -26,7 +26,8 @@ struct slot {
 
 /* What reading a text gives. */
 struct reading_result {
-    struct score *score; /* NULL: error says why */
+    struct score *document; /* what the text says; NULL: error says why */
+    struct score *score;    /* its script: what is spoken */
     struct voice_selection *cast;
     struct error error;
     bool marks; /* it has some */
@@ -37,7 +38,7 @@ struct synthesis {
     const struct pipeline *pipeline;
     struct speech_request request;
     const struct markup_kind *markup;
-    struct score *score; /* NULL until the text has been read */
+    const struct score *score; /* the script; NULL until the text has been read */
     uv_work_t work;
     struct voice_list voices; /* for the other thread */
     struct reading_result result;

@@ -122,13 +122,14 @@ static void read_text(struct synthesis *s) {
                                  .sentence_bytes =
                                      s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
                                  .given_up = &s->given_up};
-    r->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
-    if (r->score && markup_given_up(&rules)) { /* much to free, which is better done here */
-        score_free(r->score);
-        r->score = NULL;
+    r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
+    if (r->document && markup_given_up(&rules)) { /* much to free, which is better done here */
+        score_free(r->document);
+        r->document = NULL;
     }
-    if (!r->score)
+    if (!r->document)
         return;
+    r->score = score_script(r->document);
     for (size_t i = 0; i < r->score->item_count; i++)
         r->marks |= r->score->items[i].kind == SCORE_MARK;
     if (pipeline->expressions)

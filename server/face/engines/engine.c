@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/engine.h"
-#include "server/face/track.h"
 #include <string.h>
 
 /* The first is the default. */
@@ -15,11 +14,6 @@ const struct face_engine *engine_find(const char *name) {
     return NULL;
 }
 
-bool face_engine_speaks(const char *name, const struct speech_pack *pack) {
-    const struct face_engine *engine = engine_find(name);
-    return engine && engine->speaks(pack);
-}
-
-const char *const *face_engines(void) {
+const char *const *engine_names(void) {
     return names;
 }

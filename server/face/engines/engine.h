@@ -26,4 +26,7 @@ extern const struct face_engine engine_syllable;
 /* NULL = the default one. Unknown names find nothing. */
 const struct face_engine *engine_find(const char *name);
 
+/* All of them, NULL-terminated. */
+const char *const *engine_names(void);
+
 #endif
