@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: MIT
+// The light inside of the mouth: what comes in between the lips, less with the distance behind them and in the lips' own shadow.
+import { Vector4 } from 'three';
+
+/** The lips as they stand, in mm: height of the opening's upper and lower border, half of its width, how far it is forward. */
+export const mouthUniforms = (model) => ({
+  opening: { value: new Vector4() },
+  lipFront: { value: model.fdp['2.2']?.[2] ?? 0 },
+  lipLine: { value: ((model.fdp['2.2']?.[1] ?? 0) + (model.fdp['2.3']?.[1] ?? 0)) / 2 },
+});
+
+/** @param {ReturnType<mouthUniforms>} uniforms @param {Float32Array} values by FAP number */
+export function setMouthLight(uniforms, { fapu, fdp }, values) {
+  const mns = fapu.MNS / 1024;
+  const up = -mns * Math.min(values[4], (values[8] + values[9]) / 2);
+  const down = -mns * Math.min(values[5], (values[10] + values[11]) / 2);
+  const width = (fdp['2.4']?.[0] ?? fapu.MW * 0.43) + ((values[6] + values[7]) / 2) * (fapu.MW / 1024);
+  const forward = mns * Math.max(0, (values[16] + values[17]) / 2);
+  uniforms.opening.value.set(up, down, width, forward);
+}
+
+export const mouthLightGlsl = /* glsl */ `
+uniform vec4 opening;
+uniform float lipFront; // z of the lips
+uniform float lipLine;  // height of the line where they meet
+
+/** The share of the light that reaches a place behind the lips. */
+vec4 mouthLight(vec3 place) {
+  float gap = max(0.0, opening.x + opening.y);
+  float depth = max(1.0, lipFront + opening.w - place.z);
+  // As through a window of that size, seen from that far behind it.
+  float window = 1.4 * gap * opening.z;
+  float reach = window / (window + 1.6 * depth * depth);
+  // The light comes from above: under the upper lip there is its shadow, which is longest where the lip stands far off.
+  float under = lipLine + opening.x - place.y;
+  float shadow = smoothstep(-3.0, 1.0 + 0.16 * depth, under);
+  float above = place.y - (lipLine - opening.y);
+  float rim = smoothstep(-4.0, 1.5, above);
+  // Flesh gives light back: what is left of it is never nothing, and less of it is as bright as the skin outside.
+  float dim = 0.05 + 0.9 * reach * (0.3 + 0.7 * shadow) * (0.4 + 0.6 * rim);
+  return vec4(dim, dim * 0.95, dim * 0.8, 0.0);
+}
+`;
