@@ -26,8 +26,18 @@ const CORNERS = [
   [7, 54, 13, 60, CORNER_R, -1],
 ];
 
+/** Of a pressed lip, mm for each mm of its outer contour: the red goes back and towards the other lip. */
+const ROLL = { back: 1.1, up: 0.35 };
+/**
+ * Of rounded lips: pushed ones hang lower, mm for a mm; drawn together the wet inside of the upper lip comes down behind its
+ * border (both corners by one mm).
+ */
+const ROUNDING = { hang: 0.6, curtain: 0.22 };
+
 /** @param {object} tuning the recipe's `faps.mouth` */
 export function mouthActions(actions, ctx, grid, tuning) {
+  const roll = { ...ROLL, ...tuning.roll },
+    rounding = { ...ROUNDING, ...tuning.rounding };
   const basis = cardinalBasis(NODES, tuning.cornerSteepness);
   const isLower = (v) => grid.lower[v] > 0.5;
   const isUpper = (v) => grid.lower[v] < 0.5;
@@ -46,6 +56,12 @@ export function mouthActions(actions, ctx, grid, tuning) {
       sign,
       (v) => mine(v) && along(grid.outer[v] * basis(node, grid.s[v]), [0, up, forward.outer * up]),
     );
+    // Towards the other lip the outer contour makes the lip thin: its red rolls in.
+    if (sign === 'positive')
+      actions.plainMove(outer, sign, (v) => {
+        const red = mine(v) && !grid.inMouth[v] ? 4 * grid.inner[v] * grid.outer[v] : 0;
+        return red && along(red * basis(node, grid.s[v]), [0, up * roll.up, -roll.back]);
+      });
   };
   for (const [inner, outer, node] of UPPER) {
     lipPoint(inner, outer, node, isUpper, -1, 'positive', tuning.upperDown);
@@ -89,6 +105,21 @@ export function mouthActions(actions, ctx, grid, tuning) {
   };
   push(16, isLower, -tuning.pushEvert);
   push(17, isUpper, tuning.pushEvert);
+  for (const [fap, mine] of [
+    [16, isLower],
+    [17, isUpper],
+  ])
+    actions.plainMove(fap, 'positive', (v) => {
+      if (!mine(v)) return null;
+      const w = (grid.inner[v] + grid.outer[v]) * raisedCosine(Math.abs(grid.s[v]) / tuning.pushWidth);
+      return along(w * rounding.hang, [0, -1, 0]);
+    });
+  for (const fap of [6, 7])
+    actions.plainMove(fap, 'negative', (v) => {
+      // Half of the way into the mouth, where nothing is tied to the border any more.
+      const w = isUpper(v) && grid.inMouth[v] ? 4 * grid.inner[v] * (1 - grid.inner[v]) : 0;
+      return w && along(w * rounding.curtain * raisedCosine(Math.abs(grid.s[v])), [0, -1, 0.2]);
+    });
 }
 
 /**

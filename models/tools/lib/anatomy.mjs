@@ -27,7 +27,7 @@ export const UPPER_SHARE = 0.3;
 /** Between the edges of the teeth when the jaw hangs at rest, mm. */
 export const EDGES_APART = 0.3;
 /** The jaw's mouth of this width has teeth of average size. */
-const AVERAGE_WIDTH = 46;
+const AVERAGE_WIDTH = 50;
 
 /**
  * The recipe's `mouth` with all that it leaves out: sex and age from the macro targets of `shape`, the rest

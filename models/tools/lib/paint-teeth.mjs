@@ -25,8 +25,8 @@ export function paintTeeth(size, { wear, shade }) {
       let c = mix(ramp(enamel.young, v), ramp(enamel.old, v), wear);
       if (shade) c = mix(c, hex(shade), 0.7);
       // Where teeth stand side by side it is dark and warm between them.
-      const side = smoothstep(0.4, 0.5, Math.abs(u - 0.5));
-      c = mix(c, [120, 84, 66], 0.6 * side);
+      const side = smoothstep(0.42, 0.5, Math.abs(u - 0.5));
+      c = mix(c, [168, 128, 104], 0.55 * side);
       return c.map((x) => x * (1 + 0.018 * noise(u * 9, v * 3)));
     },
     gum: (u, v) => ramp(gum, v).map((x) => x * (1 + 0.08 * fractal(u * 40, v * 5, 1, 3))),

@@ -27,9 +27,10 @@ const FRONT_TEETH = 3; // incisors and canine have an edge, the others a chewing
 
 /** Height as a share of the crown; width; how far the outer surface lies behind the arch; thickness. */
 const FRONT_RINGS = [
-  [0, 0.84, 0.75, 0.1],
-  [0.035, 0.95, 0.5, 0.16],
-  [0.2, 1, 0.22, 0.24],
+  [0, 0.78, 0.85, 0.09],
+  [0.03, 0.91, 0.55, 0.15],
+  [0.09, 0.97, 0.38, 0.19],
+  [0.25, 1, 0.18, 0.27],
   [0.5, 0.99, 0, 0.5],
   [0.8, 0.9, 0.15, 0.9],
   [1.12, 0.76, 0.55, 1],
@@ -41,8 +42,8 @@ const BACK_RINGS = [
   [0.7, 0.96, 0.1, 0.98],
   [1.12, 0.84, 0.6, 0.86],
 ];
-const ROUND = 10; // points of a ring
-const SQUARE = 2 / 3.2; // exponent of its superellipse
+const ROUND = 14; // points of a ring
+const SQUARE = 2 / 3; // exponent of its superellipse
 
 /** Tiles of the texture: u, v, width, height. */
 export const TILES = {

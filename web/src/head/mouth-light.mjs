@@ -26,18 +26,20 @@ uniform float lipLine;  // height of the line where they meet
 
 /** The share of the light that reaches a place behind the lips. */
 vec4 mouthLight(vec3 place) {
-  float gap = max(0.0, opening.x + opening.y);
-  float depth = max(1.0, lipFront + opening.w - place.z);
+  // The opening at this place: nothing at the corners.
+  float along = clamp(place.x / opening.z, -1.0, 1.0);
+  float part = 1.0 - along * along;
+  float gap = max(0.0, opening.x + opening.y), depth = max(1.0, lipFront + opening.w - place.z);
   // As through a window of that size, seen from that far behind it.
   float window = 1.4 * gap * opening.z;
   float reach = window / (window + 1.6 * depth * depth);
-  // The light comes from above: under the upper lip there is its shadow, which is longest where the lip stands far off.
-  float under = lipLine + opening.x - place.y;
-  float shadow = smoothstep(-3.0, 1.0 + 0.16 * depth, under);
-  float above = place.y - (lipLine - opening.y);
+  // The light comes from above: under the upper lip there is its shadow, longer where the lip stands far off.
+  float under = lipLine + part * opening.x - place.y, above = place.y - lipLine + part * opening.y;
+  float shadow = smoothstep(-3.0, 1.0 + 0.16 * depth, under) * (0.35 + 0.65 * smoothstep(0.0, 0.6, part));
   float rim = smoothstep(-4.0, 1.5, above);
-  // Flesh gives light back: what is left of it is never nothing, and less of it is as bright as the skin outside.
-  float dim = 0.05 + 0.9 * reach * (0.3 + 0.7 * shadow) * (0.4 + 0.6 * rim);
-  return vec4(dim, dim * 0.95, dim * 0.8, 0.0);
+  // Flesh gives light back: what is left of it is never nothing, and no place is as bright as the skin outside.
+  float lamps = 0.85 * pow(reach, 1.5) * (0.3 + 0.7 * shadow) * (0.45 + 0.55 * rim);
+  float flesh = 0.1 + 0.5 * reach * (0.4 + 0.6 * shadow);
+  return vec4(flesh, lamps, 0.9 * lamps, 0.0);
 }
 `;
