@@ -32,7 +32,7 @@ const ROLL = { back: 1.1, up: 0.35 };
  * Of rounded lips: pushed ones hang lower, mm for a mm; drawn together the wet inside of the upper lip comes down behind its
  * border (both corners by one mm).
  */
-const ROUNDING = { hang: 0.6, curtain: 0.22 };
+const ROUNDING = { hang: 1.2, curtain: 0.4 };
 
 /** @param {object} tuning the recipe's `faps.mouth` */
 export function mouthActions(actions, ctx, grid, tuning) {

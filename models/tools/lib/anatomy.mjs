@@ -5,6 +5,7 @@
  * ones, men 1.9 and 1.2) and, for age, da Motta and others (the upper ones show less with the years, the
  * lower ones more).
  */
+import { MOUTH_CONTACT } from './hm08.mjs';
 import { clamp, piecewise, smoothstep } from './zones.mjs';
 
 /** Years, mm of the upper incisors, mm of the lower ones. */
@@ -53,7 +54,7 @@ export function mouthFigures(recipe) {
     lowerShown: shown(2),
     overbite: 2,
     overjet: 2,
-    clearance: 0.5,
+    clearance: 1.2,
     archScale: null,
     wear: clamp((age - 30) / 45, 0, 1),
     ...given,
@@ -126,9 +127,9 @@ export function placeTeeth(ctx, figures) {
   const scale = figures.archScale ?? clamp(fapu.MW / AVERAGE_WIDTH, 0.85, 1.12);
   let room = Infinity;
   for (const loops of [ctx.topology.mouth.l, ctx.topology.mouth.r]) {
-    for (const v of loops.slice(8, 13).flat()) {
+    for (const v of loops.slice(MOUTH_CONTACT, 13).flat()) {
       const [x, y, z] = [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]];
-      if (Math.abs(x) > 16 || y < edge - 0.5 || y > edge + 9 * scale) continue;
+      if (Math.abs(x) > 16 || y < edge - 1 || y > edge + 9 * scale) continue;
       const lower = grid.lower[v] > 0.5;
       room = Math.min(room, z + behind(Math.abs(x) / scale) * scale * (lower ? 0.9 : 1));
     }
@@ -137,8 +138,8 @@ export function placeTeeth(ctx, figures) {
 }
 
 /** Where the tip of the tongue rests: above the upper edge and behind the arch's front; mm for average teeth. */
-const TIP = { above: 1.5, behind: 7.2 };
-const TONGUE = { width: 0.8, length: 0.95, tip: 0.5, body: 0.85, taper: 16 };
+const TIP = { above: 1.5, behind: 6.8 };
+const TONGUE = { width: 0.72, length: 0.95, tip: 0.5, body: 0.85, taper: 16 };
 
 /**
  * Moves the base mesh's tongue between the arches: narrower, so that it finds room between the molars, its

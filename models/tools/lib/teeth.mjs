@@ -29,8 +29,8 @@ const FRONT_TEETH = 3; // incisors and canine have an edge, the others a chewing
 const FRONT_RINGS = [
   [0, 0.78, 0.85, 0.09],
   [0.03, 0.91, 0.55, 0.15],
-  [0.09, 0.97, 0.38, 0.19],
-  [0.25, 1, 0.18, 0.27],
+  [0.09, 0.97, 0.38, 0.17],
+  [0.25, 1, 0.18, 0.23],
   [0.5, 0.99, 0, 0.5],
   [0.8, 0.9, 0.15, 0.9],
   [1.12, 0.76, 0.55, 1],
@@ -210,10 +210,11 @@ function addBand(mesh, path, columns, rows, name, towards) {
   }
 }
 
-const margin = (column) => column.height * (0.94 - 0.4 * column.papilla);
+const margin = (column) => column.height * (0.95 - 0.26 * column.papilla);
 
 function addGum(mesh, { path, up, scale }, columns) {
-  const high = up > 0 ? 5.5 : 3;
+  // Below, the fold between lip and gum is near.
+  const [high, deep] = up > 0 ? [5.5, 1] : [2, 4.4];
   const rows = (column) => {
     const y = (mm) => column.edge + up * mm;
     const neck = column.height * 0.94;
@@ -221,9 +222,9 @@ function addGum(mesh, { path, up, scale }, columns) {
     return [
       [-1 - 1.1 * between, y(margin(column))],
       [0.15 - 0.9 * between, y(margin(column) + 0.25 + 0.3 * between)],
-      [0.3 - 0.25 * between, y(neck + 1.4)],
-      [-0.1, y(neck + high * 0.55 * scale)],
-      [-1, y(neck + high * scale)],
+      [(up > 0 ? 0.3 : -0.5) - 0.25 * between, y(neck + Math.min(1.4, 0.4 * high))],
+      [up > 0 ? -0.1 : -2.2, y(neck + high * 0.6 * scale)],
+      [-deep, y(neck + high * scale)],
     ];
   };
   addBand(mesh, path, columns, rows, 'gum', (at) => at.out);

@@ -6,7 +6,7 @@
  * lower lip hangs a little fuller; a narrow mouth is round, so that its sides close earlier. */
 #define SIDE_OPENING 0.8
 #define SIDE_PER_MM 0.03
-#define SIDE_MIN 0.45
+#define SIDE_MIN 0.55
 
 /* Secondary motion, mm per mm. */
 #define CORNER_PER_JAW (-0.12) /* corners sink with the jaw */

@@ -38,8 +38,8 @@ vec4 mouthLight(vec3 place) {
   float shadow = smoothstep(-3.0, 1.0 + 0.16 * depth, under) * (0.35 + 0.65 * smoothstep(0.0, 0.6, part));
   float rim = smoothstep(-4.0, 1.5, above);
   // Flesh gives light back: what is left of it is never nothing, and no place is as bright as the skin outside.
-  float lamps = 0.85 * pow(reach, 1.5) * (0.3 + 0.7 * shadow) * (0.45 + 0.55 * rim);
-  float flesh = 0.1 + 0.5 * reach * (0.4 + 0.6 * shadow);
+  float lamps = 0.8 * reach * reach * (0.3 + 0.7 * shadow) * (0.45 + 0.55 * rim);
+  float flesh = 0.22 + 0.85 * reach * (0.4 + 0.6 * shadow);
   return vec4(flesh, lamps, 0.9 * lamps, 0.0);
 }
 `;
