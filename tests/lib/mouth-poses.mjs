@@ -17,6 +17,8 @@ export const LANGUAGES = {
   en: ['The path of my father. She saw two boats, a cake, and a lazy fish in the pool.', ['p', 'f', 's', 't', 'ʃ', 'θ', 'l', 'm']],
 };
 
+const ROUND = /^[uoɔʊyøœwɯ]/;
+
 /** @returns {Object<string, number[]>} FAPs by sound: the longest of its kind is the clearest */
 export function soundPoses(lang, emotion) {
   const [text, wanted] = LANGUAGES[lang];
@@ -29,7 +31,10 @@ export function soundPoses(lang, emotion) {
     const { fps, frames } = parseFap(fs.readFileSync(fap, 'utf8'));
     const out = {};
     for (const ipa of wanted) {
-      const own = phones.filter((p) => p.ipa.startsWith(ipa) && !(ipa === 't' && p.ipa.startsWith('tʃ')));
+      const named = phones.filter((p) => p.ipa.startsWith(ipa) && !(ipa === 't' && p.ipa.startsWith('tʃ')));
+      // Beside a rounded vowel a consonant has its lips.
+      const plain = named.filter((p) => ![-1, 1].some((d) => ROUND.test(phones[phones.indexOf(p) + d]?.ipa)));
+      const own = plain.length ? plain : named;
       const phone = own.sort((a, b) => b.end - b.start - a.end + a.start)[0];
       if (!phone) throw new Error(`${lang}: no /${ipa}/ among ${phones.map((p) => p.ipa).join(' ')}`);
       out[ipa] = withoutHead(frames[Math.round(((phone.start + phone.end) / 2) * fps)]);
