@@ -29,7 +29,7 @@ const LEAST_MOVE = 2e-3;
 
 /** The inside of the mouth, where the recipe says nothing else about it. */
 const CAVITY = { follows: true, material: 'mouth' };
-const CAVITY_LOOK = { texture: 'skin', color: [1.6, 1.4, 1.35], roughness: 0.4, specular: 0.3, alpha: 'opaque', double_sided: false, subsurface: 0.3 };
+const CAVITY_LOOK = { color: [0.4, 0.15, 0.13], roughness: 0.4, specular: 0.3, alpha: 'opaque', double_sided: false, subsurface: 0.3 };
 
 export async function buildHead(assets, given) {
   const recipe = {

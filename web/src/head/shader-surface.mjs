@@ -52,7 +52,11 @@ vec3 diffuseLight(vec3 n, vec4 reach) {
   vec3 ambientReach = vec3(max(reach.x, 0.12)); // hair lets some through
   vec3 keyReach = vec3(reach.y);
 #endif
+#if KIND == 4
+  vec3 light = mix(GROUND, SKY, 0.5) * ambientReach; // from all the flesh around
+#else
   vec3 light = mix(GROUND, SKY, 0.5 + 0.5 * n.y) * ambientReach;
+#endif
   light += KEY_COLOR * wrapped(dot(n, KEY_DIRECTION)) * keyReach;
   light += FILL_COLOR * wrapped(dot(n, FILL_DIRECTION)) * reach.z;
   light += RIM_COLOR * wrapped(dot(n, RIM_DIRECTION)) * reach.w;
