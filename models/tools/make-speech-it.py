@@ -41,6 +41,10 @@ ROLL = 0.25 / 1.5
 # /o/ by the opening first.
 CLOSE = {"i": 0.82, "u": 0.85, "y": 0.85}
 
+# The markers sit on the skin and hardly tell /o/ from /a/: a factor makes its rounding seen. A rounded upper lip is pushed forward and
+# hangs in front of the teeth instead of being raised.
+ROUNDED = {"o": {"AR": 1.7, "PI": 1.5, "PS": 1.5, "LS": 0.75}, "u": {"LS": 0.75}, "y": {"LS": 0.75}}
+
 VOWEL_CONTEXTS = {"pause": ["pause"], "pbm": ["p", "b", "m"], "fv": ["f"], "tdsz": ["s"], "tʃ": ["tS"], "kgnr": ["g"],
                   "l": ["l"], "w": ["w"]}
 CONSONANT_CONTEXTS = ["a", "e", "i", "o", "u", "y"]
@@ -123,7 +127,8 @@ def vowel_table(rows, ipa, row, factor=1.0):
             if p in ("LI", "LS"):
                 push = sum(rows[row, b, "ULP"][0] for b in beside) / len(beside)
                 T *= factor * CLOSE.get(row[0], 1) * (1 - ROLL * min(1.5, max(0, push)))
-            table[p][context] = entry(T, t)
+            more = ROUNDED.get(row[0].lower(), {}).get(p, 1)
+            table[p][context] = entry(T * more if T < 0 or p != "AR" else T, t)
         table[p] = squeeze(table[p])
     jaw = sum(target(rows, "EM", row, beside)[0] for beside in VOWEL_CONTEXTS.values()) / len(VOWEL_CONTEXTS)
     for p, T in tongue_of_vowel(ipa, jaw).items():
@@ -257,10 +262,11 @@ def lips(press, release):
 
 
 def phones(rows):
-    # The lower lip rests against the upper incisors, the upper lip is raised off it so that they show: 2 mm and less are what tells
-    # /f v/ from /p b m/. The markers' 0.5 mm would look closed.
+    # The lower lip rests against the edge of the upper incisors, which is some 2 mm below the line of closed lips (Vig and Brundo 1978);
+    # the upper lip is raised off it so that they show: 3 mm and less are what tells /f v/ from /p b m/. The markers' 0.5 mm would
+    # look closed.
     def fv(v):
-        return {"LI": (0.4, 0.5), "LS": (1.1 if v in "ouy" else 1.5, 0.5)}
+        return {"LI": (1.3, 0.5), "LS": (1.2 if v in "ouy" else 1.6, 0.5)}
     # No figures for /L N/: their opening is like that of /tS/ (chapter 3.4.3.2), their width like that of /n/.
     def palatal(p):
         return lambda v: target(rows, p, "tS", [v])
@@ -271,7 +277,7 @@ def phones(rows):
             return (T * 0.8 if p in ("LI", "LS", "EM") else T), 0.5
         return get
 
-    teeth = {"kind": "teeth", "onset": 0.008, "release": 0.012, "reach": 0.7, "retract": 1.6}
+    teeth = {"kind": "teeth", "onset": 0.008, "release": 0.012, "reach": 1.7, "retract": 1.6}
     plateau = {p: {k: v for k, v in GROUPS["tsdz"]["coefficients"][p].items() if k[:5] == "theta" or k[0] == "c"}
                for p in ("LI", "LS", "EM")}
     fv_over = dict(LI=lambda v: fv(v)["LI"], LS=lambda v: fv(v)["LS"],

@@ -2,10 +2,10 @@
 #include "server/face/engines/fapmap.h"
 #include <math.h>
 
-/* Opening half-way between middle and corner, as a part of the opening in the middle: a parabola gives 3/4; a
- * narrow mouth is round, so that its sides close earlier. */
-#define SIDE_OPENING 0.75
-#define SIDE_PER_MM 0.02
+/* Opening half-way between middle and corner, as a part of the opening in the middle: a parabola gives 3/4, and a
+ * lower lip hangs a little fuller; a narrow mouth is round, so that its sides close earlier. */
+#define SIDE_OPENING 0.8
+#define SIDE_PER_MM 0.03
 #define SIDE_MIN 0.55
 
 /* Secondary motion, mm per mm. */
@@ -25,6 +25,9 @@
 #define BODY_PER_JAW 0.5
 #define TIP_FLOOR (-1.0)
 #define BODY_FLOOR (-2.0)
+
+/* Pressed lips get thin: their outer contours come so much nearer, mm per mm of the press. */
+#define THIN_PER_PRESS 5.0
 
 /* How two lips share the way to each other. */
 #define LOWER_SHARE 0.7
@@ -83,10 +86,11 @@ static void close_lips(const struct contact_demand *d, double mns, double faps[F
     for (int i = 0; i < PAIRS; i++) {
         double missing = d->rule->press * mns - (faps[pairs[i].upper] + faps[pairs[i].lower]);
         double move = d->weight * positive(missing);
+        double thin = d->weight * THIN_PER_PRESS * d->rule->press * mns;
         faps[pairs[i].lower] += LOWER_SHARE * move;
-        faps[pairs[i].lower_outer] += LOWER_SHARE * move;
+        faps[pairs[i].lower_outer] += LOWER_SHARE * (move + thin);
         faps[pairs[i].upper] += (1 - LOWER_SHARE) * move;
-        faps[pairs[i].upper_outer] += (1 - LOWER_SHARE) * move;
+        faps[pairs[i].upper_outer] += (1 - LOWER_SHARE) * (move + thin);
     }
 }
 

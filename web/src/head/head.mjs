@@ -6,12 +6,12 @@ import {
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
+import { mouthUniforms, setMouthLight } from './mouth-light.mjs';
 import { eyeNormals, fibres, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
-const MOUTH_OPEN_MM = 9; // from here on the light goes in freely
 const SLICE_MS = 12; // of work at a time, while the page lives on
 
 const THIN = ['lashes', 'brows']; // a few fibres on the skin: they hide nothing
@@ -30,7 +30,7 @@ const breath = () => new Promise((resolve) => setTimeout(resolve));
 function kindOf(name) {
   if (/^(hair|lashes|brows)/.test(name)) return 'hair';
   if (name.startsWith('eye')) return 'eye';
-  if (/^(teeth|tongue)/.test(name)) return 'mouth';
+  if (/^(teeth|tongue|mouth)/.test(name)) return 'mouth';
   return name.startsWith('skin') ? 'skin' : 'other';
 }
 
@@ -58,8 +58,7 @@ export class Head {
       turnPivot: { value: model.turns.map(({ pivot }) => new Vector3(...pivot)) },
       turnAxis: { value: model.turns.map(({ axis }) => new Vector3(...axis).normalize()) },
       headTurn: { value: new Matrix4() },
-      mouthOpen: { value: 0 },
-      lipFront: { value: model.fdp['2.2']?.[2] ?? 0 },
+      ...mouthUniforms(model),
     };
   }
 
@@ -224,9 +223,7 @@ export class Head {
     const origin = new Vector3(...this.drive.withHead([0, 0, 0]));
     const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
     this.uniforms.headTurn.value.makeBasis(...axes).setPosition(origin);
-    const mns = this.model.fapu.MNS / 1024;
-    const open = mns * (values[3] * 0.5 - values[4] - values[5]);
-    this.uniforms.mouthOpen.value = Math.min(1, Math.max(0, open / MOUTH_OPEN_MM));
+    setMouthLight(this.uniforms, this.model, values);
   }
 
   get triangles() {
