@@ -3,9 +3,11 @@
 #include <string.h>
 
 /* The first is the default. */
-static const struct face_engine *const engines[] = {&engine_dominance, &engine_cohen_massaro, &engine_context,
-                                                    &engine_syllable, &engine_table};
+static const struct face_engine *const engines[] = {
+    &engine_dominance, &engine_cohen_massaro, &engine_context,           &engine_syllable,
+    &engine_table,     &engine_without_shape, &engine_without_resistance};
 static const char *const names[] = {"dominance", "cohen-massaro", "context", "syllable", "table", NULL};
+static const char *const ablations[] = {"dominance-no-shape", "dominance-no-resistance", NULL};
 
 const struct face_engine *engine_find(const char *name) {
     for (size_t i = 0; i < sizeof engines / sizeof *engines; i++)
@@ -26,6 +28,10 @@ bool engine_has_contacts(const struct face_engine *engine, enum face_contacts co
 bool face_engine_contacts(const char *name, enum face_contacts contacts) {
     const struct face_engine *engine = engine_find(name);
     return engine_has_contacts(engine ? engine : engine_find(NULL), contacts);
+}
+
+const char *const *face_engine_ablations(void) {
+    return ablations;
 }
 
 const char *const *face_engines(void) {

@@ -24,8 +24,10 @@ extern const struct face_engine engine_cohen_massaro;
 extern const struct face_engine engine_context;
 extern const struct face_engine engine_syllable;
 extern const struct face_engine engine_table;
+extern const struct face_engine engine_without_shape;
+extern const struct face_engine engine_without_resistance;
 
-/* NULL = the default one. Unknown names find nothing. */
+/* Ablations included. NULL = the default one. Unknown names find nothing. */
 const struct face_engine *engine_find(const char *name);
 
 bool engine_has_contacts(const struct face_engine *engine, enum face_contacts contacts);
