@@ -41,8 +41,8 @@ static const char usage[] =
     "this\n"
     "                       the level of the curves is free, and pauses do not count\n"
     "      --strength S     how firmly it is held, in mm, instead of what cross-validation finds\n"
-    "      --first N        iterations of each trial of the cross-validation (4)\n"
-    "      --then N         iterations of the fit itself (15)\n"
+    "      --first N        iterations of each trial of the cross-validation (3)\n"
+    "      --then N         iterations of the fit itself (10)\n"
     "      --compare        fit the function of Cohen and Massaro to the same, to see its error\n"
     "  -o, --output FILE    the pack; standard output when left out. It is found in models/speech, beside "
     "its base\n"
@@ -330,7 +330,7 @@ static int parse(int argc, char **argv, struct fitting *f) {
 }
 
 int fit_main(int argc, char **argv) {
-    struct fitting f = {.base = "it", .first = 4, .then = 15};
+    struct fitting f = {.base = "it", .first = 3, .then = 10};
     int status = parse(argc, argv, &f);
     if (status >= 0)
         return status;

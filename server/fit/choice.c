@@ -10,7 +10,7 @@
 
 /* mm of error that a move by one spread is weighed against, from firm to loose; before them comes no move at
  * all. */
-static const double strengths[] = {20, 6, 2, 0.6, 0.15};
+static const double strengths[] = {12, 4, 1.3, 0.4, 0.12};
 enum { STRENGTHS = sizeof strengths / sizeof *strengths, WORSE = 1 };
 
 struct trial {

@@ -11,18 +11,34 @@
 #define STEP 1e-4
 
 size_t task_unknowns(const struct task *task) {
-    return (task->group_count + task->fit->entry_count) * task->per_block;
+    return task->group_count * task->per_block + task->fit->entry_count * UNKNOWNS_TARGET;
+}
+
+/* Which block a column belongs to, entries behind groups, and which unknown of it it is. */
+static size_t block_of(const struct task *task, size_t column, size_t *unknown) {
+    size_t groups = task->group_count * task->per_block;
+    bool of_group = column < groups;
+    size_t at = of_group ? column : column - groups, size = of_group ? task->per_block : UNKNOWNS_TARGET;
+    *unknown = at % size;
+    return at / size + (of_group ? 0 : task->group_count);
+}
+
+/* What pulls an unknown back to 0, for each unit of it. */
+static double pull(const struct task *task, size_t column) {
+    size_t unknown;
+    block_of(task, column, &unknown);
+    return task->strength / unknowns_spread(task->options->function, unknown);
 }
 
 /* The moves of a slot: its group's and its own. */
 static void set_slot(const struct task *task, size_t slot, const double *x) {
     const struct task_slot *s = &task->slots[slot];
     const double *group = x + s->group * task->per_block,
-                 *own = x + (task->group_count + slot) * task->per_block;
+                 *own = x + task->group_count * task->per_block + slot * UNKNOWNS_TARGET;
     double moves[UNKNOWNS_MOST];
     size_t at = s->entry->context * PARAM_COUNT + (size_t)task->param;
     for (size_t i = 0; i < task->per_block; i++)
-        moves[i] = group[i] + own[i];
+        moves[i] = group[i] + (i < UNKNOWNS_TARGET ? own[i] : 0);
     enum targets_function function = task->options->function;
     s->entry->phone->plain[at] = unknowns_moved(function, &s->plain, task->param, moves);
     s->entry->phone->stressed[at] = unknowns_moved(function, &s->stressed, task->param, moves);
@@ -84,7 +100,7 @@ static void residual(void *ctx, const double *x, double *out) {
         out += t->recording->frame_count;
     }
     for (size_t i = 0; i < task_unknowns(task); i++)
-        out[i] = task->strength * x[i] / unknowns_spread(task->options->function, i % task->per_block);
+        out[i] = pull(task, i) * x[i];
 }
 
 /* Does the track use an entry of that block? */
@@ -129,13 +145,13 @@ static void jacobian(void *ctx, const double *x, double *out, size_t stride) {
     residual(ctx, x, at_x);
     memcpy(y, x, unknowns * sizeof *y);
     for (size_t column = 0; column < unknowns; column++) {
+        size_t unknown, block = block_of(task, column, &unknown);
         y[column] += STEP;
-        move_block(task, column / task->per_block, y);
-        slopes(task, column / task->per_block, at_x, moved, out + column, stride);
+        move_block(task, block, y);
+        slopes(task, block, at_x, moved, out + column, stride);
         y[column] = x[column];
-        move_block(task, column / task->per_block, y);
-        out[(task->frames + column) * stride + column] =
-            task->strength / unknowns_spread(task->options->function, column % task->per_block);
+        move_block(task, block, y);
+        out[(task->frames + column) * stride + column] = pull(task, column);
     }
     free(y);
     free(moved);

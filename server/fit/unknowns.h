@@ -11,6 +11,10 @@
  * slope. The original function has no shape and one c. */
 enum { UNKNOWNS_LOOK_AHEAD = 11, UNKNOWNS_ORIGINAL = 6, UNKNOWNS_MOST = UNKNOWNS_LOOK_AHEAD };
 
+/* The first ones, t and T, which a phone has of its own in each context; the rest it shares with its group.
+ */
+enum { UNKNOWNS_TARGET = 2 };
+
 size_t unknowns_count(enum targets_function function);
 
 /* The coefficients of parameter p that lie x away from those of the base. x = 0 gives the base itself, as far

@@ -19,7 +19,7 @@
 #include <string.h>
 
 #define HOLDS 0.5
-#define STEP 0.01
+#define STEP 0.02
 static const double stretches[] = {2, 1, 0.5};
 enum { STRETCHES = 3 };
 
@@ -68,8 +68,16 @@ static double way(const struct curve *curve, double t) {
     return from->c.T + weight * (to->c.T - from->c.T);
 }
 
-static void add_error(const struct curve *raw, double end, double extent, double degree, double *sum,
-                      double *count) {
+/* Its values from STEP on, every STEP. To be freed. */
+static double *way_of(const struct curve *raw, double end) {
+    double *out = mem_alloc(((size_t)(end / STEP) + 2) * sizeof *out);
+    for (size_t n = 1; (double)n * STEP < end; n++)
+        out[n] = way(raw, (double)n * STEP);
+    return out;
+}
+
+static void add_error(const struct curve *raw, const double *wanted, double end, double extent, double degree,
+                      double *sum, double *count) {
     struct curve curve = {0};
     struct curve_cursor cursor = {0};
     for (size_t i = 0; i < raw->count; i++) {
@@ -81,8 +89,8 @@ static void add_error(const struct curve *raw, double end, double extent, double
         curve_add(&curve, raw->segments[i].at, &c);
     }
     curve_link_original(&curve);
-    for (double t = STEP; t < end; t += STEP) {
-        double d = curve_at(&curve, t, &cursor) - way(raw, t);
+    for (size_t n = 1; (double)n * STEP < end; n++) {
+        double d = curve_at(&curve, (double)n * STEP, &cursor) - wanted[n];
         *sum += d * d;
         ++*count;
     }
@@ -111,15 +119,18 @@ int main(int argc, char **argv) {
     for (int p = 0; p < PARAM_COUNT; p++) {
         double best = INFINITY, best_extent = 0, best_degree = 0, plain = 0;
         struct curve *raw = mem_alloc(files * sizeof *raw);
-        for (size_t i = 0; i < files; i++)
+        double **wanted = mem_alloc(files * sizeof *wanted);
+        for (size_t i = 0; i < files; i++) {
             targets_curve(pack, &g[i], TARGETS_NO_RESISTANCE, p, &raw[i]);
-        for (int k = 0; k < 16; k++) /* degrees 0.8 to 2.3 */
-            for (int j = -4; j < 44; j++) {
-                double extent = pow(10, j * 0.05), degree = 0.8 + 0.1 * k, sum = 0, count = 0;
+            wanted[i] = way_of(&raw[i], g[i].end);
+        }
+        for (int k = 0; k < 9; k++) /* degrees 0.8 to 2.4 */
+            for (int j = 0; j < 22; j++) {
+                double extent = pow(10, j * 0.1), degree = 0.8 + 0.2 * k, sum = 0, count = 0;
                 for (size_t i = 0; i < files; i++)
-                    add_error(&raw[i], g[i].end, extent, degree, &sum, &count);
+                    add_error(&raw[i], wanted[i], g[i].end, extent, degree, &sum, &count);
                 double rms = sqrt(sum / count);
-                if (j == 10 && k == 2)
+                if (j == 5 && k == 1)
                     plain = rms;
                 if (rms < best) {
                     best = rms;
@@ -130,9 +141,13 @@ int main(int argc, char **argv) {
         printf("    [PARAM_%s] = {%.2f, %.1f}, /* %.2f mm from the way through the targets; with {3.16, 1} "
                "%.2f */\n",
                speech_params[p], best_extent, best_degree, best, plain);
-        for (size_t i = 0; i < files; i++)
+        fflush(stdout);
+        for (size_t i = 0; i < files; i++) {
             curve_free(&raw[i]);
+            free(wanted[i]);
+        }
         free(raw);
+        free(wanted);
     }
     for (size_t i = 0; i < files; i++)
         phone_segments_free(&g[i]);
