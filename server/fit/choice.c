@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* How strongly a fit is held to the pack that it starts from: what foretells best the part of the data that
- * it has not seen (cross-validation), and of those that foretell it about as well the strongest (one standard
- * error; Hastie, Tibshirani and Friedman, "The Elements of Statistical Learning", 7.10). */
+/* How strongly a fit is held to the pack that it starts from: of the strengths that foretell the part of the
+ * data that has not been seen about as well as the best one does, the firmest (cross-validation and one
+ * standard error; Hastie, Tibshirani and Friedman, "The Elements of Statistical Learning", 7.10). A few
+ * sentences of one speaker are alike, so that what foretells them best would know them too well. */
 #include "server/base/mem.h"
 #include "server/fit/task.h"
 #include <math.h>
@@ -11,7 +12,7 @@
 /* mm of error that a move by one spread is weighed against, from firm to loose; before them comes no move at
  * all. */
 static const double strengths[] = {12, 4, 1.3, 0.4, 0.12};
-enum { STRENGTHS = sizeof strengths / sizeof *strengths, WORSE = 1 };
+enum { STRENGTHS = sizeof strengths / sizeof *strengths, WORSE = 2 };
 
 struct trial {
     double errors[TASK_FOLDS]; /* mean square of each held-out part, mm^2 */
@@ -57,8 +58,7 @@ void task_choose(struct task *task) {
     struct trial trials[STRENGTHS + 1];
     double own = task->options->strength, *x = mem_alloc(TASK_FOLDS * task_unknowns(task) * sizeof *x);
     const double *list = own > 0 ? &own : strengths;
-    size_t frames[TASK_FOLDS], each = task_unknowns(task), best = 0, chosen = 0,
-                               most = own > 0 ? 1 : STRENGTHS;
+    size_t frames[TASK_FOLDS], each = task_unknowns(task), best = 0, most = own > 0 ? 1 : STRENGTHS;
     task->strength = INFINITY;
     run_trial(task, x, each, 0, &trials[0], frames);
     for (size_t i = 1; i <= most && i - best <= WORSE + 1; i++) {
@@ -67,10 +67,12 @@ void task_choose(struct task *task) {
         if (trials[i].mean < trials[best].mean)
             best = i;
     }
+    size_t chosen = 0;
     while (chosen < best &&
            trials[chosen].mean - trials[best].mean > uncertainty(&trials[chosen], &trials[best]))
         chosen++;
-    chosen = own > 0 ? 1 : chosen;
+    if (own > 0)
+        chosen = 1;
     task->strength = chosen ? list[chosen - 1] : INFINITY;
     task->fit->held_out[task->param] = sqrt(trials[chosen].mean);
     task->fit->held_out_unfitted[task->param] = sqrt(trials[0].mean);

@@ -36,20 +36,12 @@ static bool has_entry(const struct fit *fit, const struct speech_phone *phone, s
     return false;
 }
 
-static bool has_group(const struct fit *fit, const struct speech_group *group) {
-    for (size_t i = 0; i < fit->entry_count; i++)
-        if (fit->entries[i].phone->group == group)
-            return true;
-    return false;
-}
-
-/* All phones of the entries' groups, in all contexts, but the entries. */
+/* All phones in all contexts but the entries. */
 static void list_others(struct fit *fit, const struct speech_pack *pack) {
     for (const struct speech_pack *from = pack; from; from = from->base)
         for (size_t i = 0; i < from->phone_count; i++) {
             const struct speech_phone *phone = from->phones[i];
-            if (!phone->group || !has_group(fit, phone->group) ||
-                speech_pack_phone(pack, phone->ipa, strlen(phone->ipa)) != phone)
+            if (!phone->group || speech_pack_phone(pack, phone->ipa, strlen(phone->ipa)) != phone)
                 continue;
             size_t contexts = phone->group->vowel ? pack->vowel_context_count : pack->consonant_context_count;
             for (size_t c = 0; c < contexts; c++) {
@@ -62,19 +54,20 @@ static void list_others(struct fit *fit, const struct speech_pack *pack) {
         }
 }
 
-/* Whole recordings where there are enough of them, else stretches of a few phones. */
+/* So many phones are held out together where there are few recordings. */
+enum { STRETCH = 2 };
+
+/* Whole recordings where there are enough of them, else short stretches. */
 static void fill_folds(struct track *t, size_t number, size_t count, bool rest_known) {
     const struct measured_speech *r = t->recording;
-    size_t segment = 0, spoken = 0, before = 0;
-    for (size_t i = 0; i < t->gestures.count; i++)
-        spoken += t->gestures.items[i].phone != NULL;
+    size_t segment = 0, before = 0;
     t->folds = mem_alloc(r->frame_count + 1);
     for (size_t n = 0; n < r->frame_count; n++) {
         while (segment < t->gestures.count && r->times[n] >= t->gestures.items[segment].end)
             before += t->gestures.items[segment++].phone != NULL;
         bool speaks = segment < t->gestures.count && t->gestures.items[segment].phone &&
                       r->times[n] >= t->gestures.items[segment].start;
-        size_t stretch = spoken ? (before < spoken ? before : spoken - 1) * TASK_FOLDS / spoken : 0;
+        size_t stretch = before / STRETCH % TASK_FOLDS;
         t->folds[n] = !speaks && !rest_known ? FOLD_NONE
                                              : (uint8_t)(count >= TASK_FOLDS ? number % TASK_FOLDS : stretch);
     }

@@ -37,7 +37,7 @@ struct fit_options {
 struct fit {
     struct fit_entry *entries; /* what the recordings contain */
     size_t entry_count, entry_cap;
-    struct fit_entry *others; /* what else is in their groups, and moves with them */
+    struct fit_entry *others; /* all else, which moves with the speaker, and with its group */
     size_t other_count, other_cap;
     bool fitted[PARAM_COUNT];              /* a curve was there */
     double error[PARAM_COUNT];             /* mm, root of the mean of (Y - F)^2, of the fit to what it saw */

@@ -11,37 +11,46 @@
 #define STEP 1e-4
 
 size_t task_unknowns(const struct task *task) {
-    return task->group_count * task->per_block + task->fit->entry_count * UNKNOWNS_TARGET;
+    return (1 + task->group_count) * task->per_block + task->fit->entry_count * UNKNOWNS_TARGET;
 }
 
-/* Which block a column belongs to, entries behind groups, and which unknown of it it is. */
+/* Which block a column belongs to, and which unknown of it it is. */
 static size_t block_of(const struct task *task, size_t column, size_t *unknown) {
-    size_t groups = task->group_count * task->per_block;
-    bool of_group = column < groups;
-    size_t at = of_group ? column : column - groups, size = of_group ? task->per_block : UNKNOWNS_TARGET;
+    size_t shared = (1 + task->group_count) * task->per_block;
+    bool is_shared = column < shared;
+    size_t at = is_shared ? column : column - shared, size = is_shared ? task->per_block : UNKNOWNS_TARGET;
     *unknown = at % size;
-    return at / size + (of_group ? 0 : task->group_count);
+    return at / size + (is_shared ? 0 : 1 + task->group_count);
 }
 
 /* What pulls an unknown back to 0, for each unit of it. */
 static double pull(const struct task *task, size_t column) {
     size_t unknown;
-    block_of(task, column, &unknown);
-    return task->strength / unknowns_spread(task->options->function, unknown);
+    bool is_speaker = block_of(task, column, &unknown) == 0;
+    return task->strength / (is_speaker && unknown == UNKNOWNS_T
+                                 ? UNKNOWNS_GAIN_SPREAD
+                                 : unknowns_spread(task->options->function, unknown));
 }
 
-/* The moves of a slot: its group's and its own. */
+/* What the speaker's block, a group's (NULL = none) and an entry's (NULL = none) make of coefficients. */
+static struct coefficients moved(const struct task *task, const struct coefficients *base,
+                                 const double *speaker, const double *group, const double *own) {
+    struct coefficients c = *base;
+    double moves[UNKNOWNS_MOST];
+    for (size_t i = 0; i < task->per_block; i++)
+        moves[i] = (i == UNKNOWNS_T ? 0 : speaker[i]) + (group ? group[i] : 0) +
+                   (own && i < UNKNOWNS_TARGET ? own[i] : 0);
+    c.T *= exp(speaker[UNKNOWNS_T]);
+    return unknowns_moved(task->options->function, &c, task->param, moves);
+}
+
 static void set_slot(const struct task *task, size_t slot, const double *x) {
     const struct task_slot *s = &task->slots[slot];
-    const double *group = x + s->group * task->per_block,
-                 *own = x + task->group_count * task->per_block + slot * UNKNOWNS_TARGET;
-    double moves[UNKNOWNS_MOST];
+    const double *group = x + (1 + s->group) * task->per_block,
+                 *own = x + (1 + task->group_count) * task->per_block + slot * UNKNOWNS_TARGET;
     size_t at = s->entry->context * PARAM_COUNT + (size_t)task->param;
-    for (size_t i = 0; i < task->per_block; i++)
-        moves[i] = group[i] + (i < UNKNOWNS_TARGET ? own[i] : 0);
-    enum targets_function function = task->options->function;
-    s->entry->phone->plain[at] = unknowns_moved(function, &s->plain, task->param, moves);
-    s->entry->phone->stressed[at] = unknowns_moved(function, &s->stressed, task->param, moves);
+    s->entry->phone->plain[at] = moved(task, &s->plain, x, group, own);
+    s->entry->phone->stressed[at] = moved(task, &s->stressed, x, group, own);
 }
 
 void task_apply(const struct task *task, const double *x) {
@@ -103,33 +112,36 @@ static void residual(void *ctx, const double *x, double *out) {
         out[i] = pull(task, i) * x[i];
 }
 
+static bool is_in(const struct task *task, size_t entry, size_t block) {
+    return !block || (block <= task->group_count ? task->slots[entry].group == block - 1
+                                                 : entry == block - 1 - task->group_count);
+}
+
 /* Does the track use an entry of that block? */
 static bool is_felt(const struct task *task, const struct track *t, size_t block) {
-    if (block >= task->group_count)
-        return t->uses[block - task->group_count];
     for (size_t i = 0; i < task->fit->entry_count; i++)
-        if (t->uses[i] && task->slots[i].group == block)
+        if (t->uses[i] && is_in(task, i, block))
             return true;
     return false;
 }
 
 static void move_block(const struct task *task, size_t block, const double *x) {
     for (size_t i = 0; i < task->fit->entry_count; i++)
-        if (block < task->group_count ? task->slots[i].group == block : i == block - task->group_count)
+        if (is_in(task, i, block))
             set_slot(task, i, x);
 }
 
-static void slopes(const struct task *task, size_t block, const double *at_x, double *moved, double *out,
+static void slopes(const struct task *task, size_t block, const double *at_x, double *at_y, double *out,
                    size_t stride) {
     for (const struct track *t = task->tracks; t < task->tracks + task->track_count; t++) {
         if (!takes_part(task, t))
             continue;
         size_t frames = t->recording->frame_count;
         if (is_felt(task, t, block)) {
-            compare(task, t, moved);
-            drop_held(task, t, moved);
+            compare(task, t, at_y);
+            drop_held(task, t, at_y);
             for (size_t n = 0; n < frames; n++)
-                out[n * stride] = (moved[n] - at_x[n]) / STEP;
+                out[n * stride] = (at_y[n] - at_x[n]) / STEP;
         }
         at_x += frames;
         out += frames * stride;
@@ -140,7 +152,7 @@ static void jacobian(void *ctx, const double *x, double *out, size_t stride) {
     const struct task *task = ctx;
     size_t unknowns = task_unknowns(task);
     double *at_x = mem_alloc((task->frames + unknowns) * sizeof *at_x);
-    double *moved = mem_alloc((task->frames + 1) * sizeof *moved);
+    double *at_y = mem_alloc((task->frames + 1) * sizeof *at_y);
     double *y = mem_alloc(unknowns * sizeof *y);
     residual(ctx, x, at_x);
     memcpy(y, x, unknowns * sizeof *y);
@@ -148,13 +160,13 @@ static void jacobian(void *ctx, const double *x, double *out, size_t stride) {
         size_t unknown, block = block_of(task, column, &unknown);
         y[column] += STEP;
         move_block(task, block, y);
-        slopes(task, block, at_x, moved, out + column, stride);
+        slopes(task, block, at_x, at_y, out + column, stride);
         y[column] = x[column];
         move_block(task, block, y);
         out[(task->frames + column) * stride + column] = pull(task, column);
     }
     free(y);
-    free(moved);
+    free(at_y);
     free(at_x);
 }
 
@@ -218,20 +230,18 @@ void task_close(struct task *task) {
     free(task->groups);
 }
 
-/* The other phones of the groups move with them, so that what the recordings do not contain fits what they
- * do. */
+/* The other phones move with their groups and the speaker, so that what the recordings do not contain fits
+ * what they do. */
 static void move_others(const struct task *task, const double *x) {
-    static const double none[UNKNOWNS_MOST];
-    enum targets_function function = task->options->function;
     for (size_t i = 0; i < task->fit->other_count; i++) {
         const struct fit_entry *e = &task->fit->others[i];
         size_t at = e->context * PARAM_COUNT + (size_t)task->param;
-        const double *moves = none;
+        const double *group = NULL;
         for (size_t g = 0; g < task->group_count; g++)
             if (task->groups[g] == e->phone->group)
-                moves = x + g * task->per_block;
-        e->phone->plain[at] = unknowns_moved(function, &e->phone->plain[at], task->param, moves);
-        e->phone->stressed[at] = unknowns_moved(function, &e->phone->stressed[at], task->param, moves);
+                group = x + (1 + g) * task->per_block;
+        e->phone->plain[at] = moved(task, &e->phone->plain[at], x, group, NULL);
+        e->phone->stressed[at] = moved(task, &e->phone->stressed[at], x, group, NULL);
     }
 }
 

@@ -22,8 +22,9 @@ struct task_slot {
     struct coefficients plain, stressed;
 };
 
-/* What is fitted together: blocks of unknowns, one for each group, which moves all of its phones alike, and
- * behind them one for each entry, which moves it besides. */
+/* What is fitted together: blocks of unknowns. The first is the speaker's: it moves all phones alike, and
+ * multiplies their targets. Then one for each group, which moves its phones alike, and one for each entry,
+ * which moves its target besides. */
 struct task {
     const struct speech_pack *pack;
     const struct fit_options *options;

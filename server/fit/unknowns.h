@@ -13,7 +13,10 @@ enum { UNKNOWNS_LOOK_AHEAD = 11, UNKNOWNS_ORIGINAL = 6, UNKNOWNS_MOST = UNKNOWNS
 
 /* The first ones, t and T, which a phone has of its own in each context; the rest it shares with its group.
  */
-enum { UNKNOWNS_TARGET = 2 };
+enum { UNKNOWNS_TARGET = 2, UNKNOWNS_T = 1 };
+
+/* All targets of a speaker by a common factor: its logarithm is expected within this. */
+#define UNKNOWNS_GAIN_SPREAD 0.4
 
 size_t unknowns_count(enum targets_function function);
 
