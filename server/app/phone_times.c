@@ -112,7 +112,8 @@ static bool is_table(const struct buf *text) {
         length++;
     memcpy(line, text->data, length);
     line[length] = '\0';
-    return strstr(line, "start") && strstr(line, "end") && strpbrk(line, ",;\t");
+    return line[strspn(line, " \t\r")] != '{' && strstr(line, "start") && strstr(line, "end") &&
+           strpbrk(line, ",;\t");
 }
 
 int phone_times_read(const char *path, struct measured_speech *r, struct error *e) {
