@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How strongly a fit is held to the pack that it starts from, by cross-validation: of the strengths under
- * which what has been seen foretells what has not, the firmest that gains half of what the best one gains
+ * which what has been seen foretells what has not, the firmest that gains a third of what the best one gains
  * over the unfitted pack. A few sentences of one speaker are alike: what foretells them best knows them too
  * well for others. (One standard error, the usual rule, was tried between two speakers: it is too loose where
  * the parts are alike, and too firm where they are not.) */
@@ -12,7 +12,7 @@
 
 /* mm of error that a move by one spread is weighed against, from firm to loose; before them comes no move at
  * all. */
-static const double strengths[] = {12, 5, 2, 0.8, 0.3};
+static const double strengths[] = {12, 6, 3, 1.2, 0.4};
 enum { STRENGTHS = sizeof strengths / sizeof *strengths, WORSE = 2 };
 
 struct trial {
@@ -57,7 +57,7 @@ void task_choose(struct task *task) {
             best = i;
     }
     size_t chosen = own > 0 ? 1 : best;
-    while (chosen > 1 && trials[0].mean - trials[chosen - 1].mean >= (trials[0].mean - trials[best].mean) / 2)
+    while (chosen > 1 && trials[0].mean - trials[chosen - 1].mean >= (trials[0].mean - trials[best].mean) / 3)
         chosen--;
     task->strength = chosen ? list[chosen - 1] : INFINITY;
     task->fit->held_out[task->param] = sqrt(trials[chosen].mean);
