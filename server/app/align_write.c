@@ -28,6 +28,7 @@ static void on_warning(void *ctx, const char *message) {
 static int write_segment(struct align *a, uint64_t to) {
     struct sentence_audio *u = aligned_recording_audio(a->reading, a->at, to);
     const struct face_options options = {.engine = a->request.engine,
+                                         .contacts = a->request.contacts,
                                          .still = a->request.still,
                                          .life = a->request.life < 0 ? 1 : a->request.life,
                                          .seed = a->request.seed < 0 ? 0 : (uint64_t)a->request.seed,
