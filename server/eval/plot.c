@@ -17,11 +17,11 @@ enum {
 };
 
 static void draw_legend(const struct plot *p, struct buf *out) {
-    enum { IN_ROW = 6 };
+    enum { IN_ROW = 5 };
     svg_text(out, LEFT, 24, 16, "start", p->title);
     for (size_t i = 0; i < p->engine_count; i++) {
         struct svg_style style = svg_style(i);
-        double x = LEFT + 170 * (double)(i % IN_ROW), y = 40 + 16 * (double)(i / IN_ROW);
+        double x = LEFT + 208 * (double)(i % IN_ROW), y = 40 + 16 * (double)(i / IN_ROW);
         buf_printf(out,
                    "<path d=\"M%.1f %.0fh34\" stroke=\"%s\" stroke-width=\"2.4\" stroke-dasharray=\"%s\"/>\n",
                    x, y, style.colour, style.dashes);
