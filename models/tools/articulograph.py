@@ -11,7 +11,7 @@ with its header, or AG500 without (12 channels, 200 Hz): 7 values for each chann
 been taken out.
 
 --sensors   NAME=ul,...: which sensor (its name in .mat, its number from 1 in .pos) is the upper and lower lip (ul, ll), the
-            jaw (at the lower incisors), the tongue's tip and body (tt, tb). Left out for .mat: the sensors' own names in small letters
+            jaw (at the lower incisors), the tongue's tip and body (tt, tb, or tr further back). Left out for .mat: the sensors' own names in small letters
 --forward, --up   the axis that points out of the face, and up: x, y or z, with - before it when it points the other way, as in --forward=-y (x, z)
 --hz        frames a second of what is written (100)
 --gap       what is missing (NaN) is bridged with straight lines; a gap of more seconds than this is an error (0.1)
