@@ -27,7 +27,8 @@ static void on_warning(void *ctx, const char *message) {
 
 static int write_segment(struct align *a, uint64_t to) {
     struct sentence_audio *u = aligned_recording_audio(a->reading, a->at, to);
-    const struct face_options options = {.engine = a->request.engine, .still = a->request.still};
+    const struct face_options options = {
+        .engine = a->request.engine, .contacts = a->request.contacts, .still = a->request.still};
     struct media_segment segment = {.audio = u,
                                     .track = face_track_new(a->pack, u, &options, on_warning, NULL),
                                     .start = (int64_t)a->at,

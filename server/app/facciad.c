@@ -232,6 +232,9 @@ static int start(struct daemon *d, struct error *e) {
                                     .high_level = d->high_level,
                                     .normalizers = &d->normalizers,
                                     .default_lang = s->lang,
+                                    .default_contacts = !strcmp(s->contacts, "on")    ? CONTACTS_ON
+                                                        : !strcmp(s->contacts, "off") ? CONTACTS_OFF
+                                                                                      : CONTACTS_ENGINE,
                                     .sounds = s->audio,
                                     .metrics = &d->metrics,
                                     .codec_load = &d->codec_load,

@@ -13,12 +13,20 @@ enum face_blend {
     BLEND_WEIGHTED, /* E. Akagunduz 2004, eq. 5.1 to 5.4: weights omega and rho over the whole face */
 };
 
+/* Whether lips that must touch do so whatever the engine made (engines/contact.h). */
+enum face_contacts {
+    CONTACTS_ENGINE, /* as the engine has it: face_engine_contacts */
+    CONTACTS_ON,
+    CONTACTS_OFF,
+};
+
 /* Of a face track: what is said, and how the author wants it shown. */
 struct face_options {
     const char
         *engine; /* NULL = the default one, which also stands in for one that does not speak the pack */
     bool still;  /* lips only: no expressions */
     enum face_blend blend;
+    enum face_contacts contacts;
     const struct expressions *expressions; /* borrowed, must outlive the track; NULL = cues are not shown */
 };
 

@@ -18,7 +18,7 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct s
     if (!engine || !engine->speaks(pack))
         engine = engine_find(NULL);
     track->speech = engine->layer(pack, u, &gestures);
-    if (engine->contacts)
+    if (engine_has_contacts(engine, options->contacts))
         contacts_from(&gestures, &track->contacts);
     visemes_from(&gestures, &track->visemes);
     track->still = options->still;
@@ -52,4 +52,13 @@ bool face_engine_speaks(const char *name, const struct speech_pack *pack) {
 
 const char *const *face_engines(void) {
     return engine_names();
+}
+
+const char *const *face_engine_ablations(void) {
+    return engine_ablations();
+}
+
+bool face_engine_contacts(const char *name, enum face_contacts contacts) {
+    const struct face_engine *engine = engine_find(name);
+    return engine_has_contacts(engine ? engine : engine_find(NULL), contacts);
 }

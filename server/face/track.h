@@ -30,8 +30,14 @@ void face_track_sample(const struct face_track *track, double t, struct fap_fram
 /* The engines that face_options.engine may name, NULL-terminated. */
 const char *const *face_engines(void);
 
+/* The default engine with a part left out, for measuring: faccia eval names them, requests cannot. */
+const char *const *face_engine_ablations(void);
+
 /* Whether there is an engine of that name (NULL = the default one, which speaks all languages) and the pack
  * has what it needs. */
 bool face_engine_speaks(const char *name, const struct speech_pack *pack);
+
+/* Whether a track of that engine (NULL = the default one) has the layer of contacts. */
+bool face_engine_contacts(const char *name, enum face_contacts contacts);
 
 #endif

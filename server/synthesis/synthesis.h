@@ -24,6 +24,7 @@ struct pipeline {
     const struct face_high_level *high_level; /* NULL = FAP 1 and 2 of recordings move nothing */
     const struct normalizers *normalizers;    /* NULL = say-as is left to the voices */
     const char *default_lang;
+    enum face_contacts default_contacts; /* of requests that say "engine" */
     const char *sounds;            /* folder of sound files that texts may name; NULL = none */
     struct metrics *metrics;       /* NULL = nobody counts */
     struct codec_load *codec_load; /* of the sound; NULL = the best */

@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/targets.h"
 #include "server/base/mem.h"
+#include "server/face/engines/original.h"
 #include <math.h>
 #include <stdlib.h>
-
-/* The packs' extents were found beside the resistance, which ends gestures; without it they would reach over
- * half a sentence and nothing would ever close. Times this they are where Cohen and Massaro have theirs,
- * about 0.03 per ms.
- */
-#define ORIGINAL_EXTENT 3.0
 
 enum { NO_CONTEXT = SPEECH_MAX_CONTEXTS };
 
@@ -149,21 +144,24 @@ static double origin(const struct raw_list *list, size_t i) {
     return weights > 0 ? sum / weights : self->c.T;
 }
 
-static void to_curve(const struct raw_list *list, enum targets_function function, struct curve *curve) {
+static void to_curve(const struct raw_list *list, enum targets_function function, int p,
+                     struct curve *curve) {
     for (size_t i = 0; i < list->count; i++) {
         struct raw_target target = list->items[i];
         if (target.reached < 1) {
             double from = origin(list, i);
             target.c.T = from + target.reached * (target.c.T - from);
         }
-        if (function == TARGETS_ORIGINAL) {
-            target.c.theta_bw *= ORIGINAL_EXTENT;
-            target.c.theta_fw *= ORIGINAL_EXTENT;
-        }
+        if (function == TARGETS_ORIGINAL)
+            target.c = original_coefficients(&target.c, p);
+        if (function == TARGETS_NO_SHAPE)
+            target.c.beta_bw = target.c.beta_fw = 0;
         curve_add(curve, target.at, &target.c);
     }
     if (function == TARGETS_ORIGINAL)
         curve_link_original(curve);
+    else if (function == TARGETS_NO_RESISTANCE)
+        curve_link_unconfined(curve);
     else
         curve_link(curve);
 }
@@ -182,7 +180,7 @@ static void make_curve(const struct speech_pack *pack, const struct phone_segmen
     }
     add_rest(list, g->end, &pack->rest, p, 1);
     *curve = (struct curve){0};
-    to_curve(list, function, curve);
+    to_curve(list, function, p, curve);
 }
 
 void targets_curve(const struct speech_pack *pack, const struct phone_segments *g,
