@@ -340,6 +340,7 @@ static void names_the_place_of_an_error(void **state) {
     check_broken(w, "fapu/MNS", "0", "fapu.MNS");
     check_broken(w, "rest/reach", "\"soon\"", "rest.reach");
     check_broken(w, "undershoot/AR", "-1", "undershoot.AR");
+    check_broken(w, "trough", "1.5", "trough");
     check_broken(w, "contexts/vowels", "[]", "contexts.vowels");
     check_broken(w, "groups/pbm/viseme", "15", "groups.pbm.viseme");
     check_broken(w, "groups/pbm/context", "\"a\"", "groups.pbm.context");

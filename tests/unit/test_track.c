@@ -226,6 +226,48 @@ static void shows_vowels(void **state) {
     done(u);
 }
 
+/* The gap in the middle of the 60 ms vowel that begins at 0.4 s. */
+static double short_vowel(const struct speech_pack *pack, const char *text) {
+    struct sentence_audio *u = utter(text, 1);
+    struct face_track *track = track_of(pack, u);
+    double gap = gap_at(track, 0.43);
+    face_track_free(track);
+    done(u);
+    return gap;
+}
+
+static void opens_through_glides(void **state) {
+    double glides = short_vowel(*state, "_.200 p.080 l.120 'a.060 n.120 s.080 _.300"),
+           stops = short_vowel(*state, "_.200 p.150 t.050 'a.060 t.050 s.080 _.300");
+    assert_true(glides > 9 && stops < 0.8 * glides);
+}
+
+/* How much of the upper lip's protrusion in two /u/ is left between them. */
+static double left_between(const char *lang) {
+    struct error e;
+    char path[400];
+    snprintf(path, sizeof path, SOURCE_ROOT "/models/speech/%s.json", lang);
+    struct speech_pack *pack = speech_pack_load(path, &e);
+    assert_non_null(pack);
+    struct sentence_audio *u = utter("_.300 k.080 'u.160 k.080 t.080 l.080 'u.160 k.080 _.300", 1);
+    struct face_track *track = track_of(pack, u);
+    struct fap_frame first, between, second;
+    face_track_sample(track, 0.47, &first);
+    face_track_sample(track, 0.66, &between);
+    face_track_sample(track, 0.87, &second);
+    face_track_free(track);
+    done(u);
+    speech_pack_free(pack);
+    return between.value[17] / (0.5 * (first.value[17] + second.value[17]));
+}
+
+/* S. E. Boyce, JASA 88, 1990: between two /u/ English lips retreat, Turkish ones stay. */
+static void rounds_as_the_language_does(void **state) {
+    (void)state;
+    assert_true(left_between("en") < 0.7);
+    assert_true(left_between("tr") > 0.9);
+}
+
 static void anticipates_rounding(void **state) {
     struct sentence_audio *u = utter("_.200 'a.120 s.060 t.060 r.050 'u.120 t.070 i.100 _.300", 1);
     struct face_track *track = track_of(*state, u);
@@ -449,6 +491,8 @@ int main(void) {
         cmocka_unit_test(rests_before_and_after),
         cmocka_unit_test(moves_without_jumps),
         cmocka_unit_test(shows_vowels),
+        cmocka_unit_test(opens_through_glides),
+        cmocka_unit_test(rounds_as_the_language_does),
         cmocka_unit_test(anticipates_rounding),
         cmocka_unit_test(samples_in_any_order),
         cmocka_unit_test(clamps_and_masks),

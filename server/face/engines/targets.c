@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/targets.h"
 #include "server/base/mem.h"
+#include "server/face/engines/rounding.h"
 #include <math.h>
 #include <stdlib.h>
 
 /* The packs' extents were found beside the resistance, which ends gestures; without it they would reach over
  * half a sentence and nothing would ever close. Times this they are where Cohen and Massaro have theirs,
- * about 0.03 per ms.
+ * about 0.03 per ms, the same before and after the target: a gesture that begins early and ends late needs
+ * the resistance as well.
  */
 #define ORIGINAL_EXTENT 3.0
 
@@ -125,15 +127,14 @@ static bool is_pressed(const struct phone_segment *g, int p) {
     return g->phone->contact.kind == CONTACT_LIPS && (p == PARAM_LI || p == PARAM_LS);
 }
 
-static void add_phone(struct raw_list *list, const struct phone_segment *g,
-                      const struct target_contexts *contexts, double undershoot, int p) {
-    struct coefficients c = of_phone(g, contexts, p);
-    double length = g->end - g->start, at = g->start + c.t * length; /* (3.19) */
+static void add_phone(struct raw_list *list, const struct phone_segment *g, const struct coefficients *c,
+                      double undershoot, int p) {
+    double length = g->end - g->start, at = g->start + c->t * length; /* (3.19) */
     if (is_vowel(g))
-        add(list, &(struct raw_target){at, c, TARGET_VOWEL, length, undershoot, c.T});
+        add(list, &(struct raw_target){at, *c, TARGET_VOWEL, length, undershoot, c->T});
     else
-        add(list,
-            &(struct raw_target){at, c, TARGET_CONSONANT, length, 0, is_pressed(g, p) ? fmax(0, c.T) : c.T});
+        add(list, &(struct raw_target){at, *c, TARGET_CONSONANT, length, 0,
+                                       is_pressed(g, p) ? fmax(0, c->T) : c->T});
 }
 
 /* The next target on one side that holds its place against a vowel: vowels and what glides are passed over.
@@ -203,8 +204,8 @@ static void to_curve(const struct raw_list *list, enum targets_function function
         struct raw_target target = list->items[i];
         target.c.T = shown(list, i, p);
         if (function == TARGETS_ORIGINAL) {
-            target.c.theta_bw *= ORIGINAL_EXTENT;
-            target.c.theta_fw *= ORIGINAL_EXTENT;
+            target.c.theta_bw = target.c.theta_fw =
+                ORIGINAL_EXTENT * (target.c.theta_bw + target.c.theta_fw) / 2;
         }
         curve_add(curve, target.at, &target.c);
     }
@@ -218,15 +219,22 @@ static void make_curve(const struct speech_pack *pack, const struct phone_segmen
                        const struct target_contexts *contexts, enum targets_function function, int p,
                        struct raw_list *list, struct curve *curve) {
     double undershoot = function == TARGETS_ORIGINAL ? 0 : pack->undershoot[p];
+    struct coefficients *c = mem_alloc((g->count + 1) * sizeof *c);
+    for (size_t i = 0; i < g->count; i++)
+        if (g->items[i].phone)
+            c[i] = of_phone(&g->items[i], &contexts[i], p);
+    if (pack->trough >= 0)
+        rounding_trough(g, (enum speech_param)p, pack->trough, c);
     list->count = 0;
     add_rest(list, 0, &pack->rest, p, 0, 0);
     for (size_t i = 0; i < g->count; i++) {
         if (g->items[i].phone)
-            add_phone(list, &g->items[i], &contexts[i], undershoot, p);
+            add_phone(list, &g->items[i], &c[i], undershoot, p);
         else
             add_pause(list, &g->items[i], &pack->rest, p, i == 0, i + 1 == g->count);
     }
     add_rest(list, g->end, &pack->rest, p, 0, 0);
+    free(c);
     *curve = (struct curve){0};
     to_curve(list, function, p, curve);
 }
