@@ -25,7 +25,7 @@ static const char usage[] =
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "      --gender WORD    of the speaker: female or male; found out when it is not told\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
-    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context or syllable\n"
+    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context, syllable or table\n"
     "      --still          only the lips move\n"
     "      --seed N         another life of the face (0)\n"
     "      --json FILE      phones and words with their times\n"

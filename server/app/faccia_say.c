@@ -22,10 +22,13 @@ static const char usage[] =
     "      --pitch FACTOR   0.25 to 4 (1)\n"
     "      --volume FACTOR  0.25 to 4 (1)\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
-    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context or syllable\n"
+    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context, syllable or table\n"
     "      --markup KIND    auto, plain, apml, jsml, ssml, emotionml, bml, fml (auto)\n"
     "      --life FACTOR    strength of the signs of life, 0 to 2 (1)\n"
     "      --blend RULE     how expressions share the mouth with speech: regions or weighted (regions)\n"
+    "      --contacts HOW   lips that must touch do, whatever the engine makes: on, off, or engine: off for "
+    "the baselines\n"
+    "                       cohen-massaro and table, on for the others (engine)\n"
     "      --still          only the lips move\n"
     "      --seed N         another life of the face; the same number gives the same face (0)\n"
     "  -f, --file FILE      the text\n"
@@ -151,17 +154,29 @@ static void close_outputs(struct say *s) {
 /* The exit code, or -1 to go on. */
 static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
     static const struct option options[] = {
-        {"lang", 1, NULL, 'l'},   {"voice", 1, NULL, 'v'},
-        {"rate", 1, NULL, 'r'},   {"pitch", 1, NULL, 1},
-        {"volume", 1, NULL, 1},   {"fps", 1, NULL, 1},
-        {"engine", 1, NULL, 'e'}, {"markup", 1, NULL, 1},
-        {"seed", 1, NULL, 1},     {"still", 0, NULL, 1},
-        {"life", 1, NULL, 1},     {"blend", 1, NULL, 1},
-        {"file", 1, NULL, 'f'},   {"wav", 1, NULL, 'W'},
-        {"fap", 1, NULL, 'F'},    {"json", 1, NULL, 'J'},
-        {"audio", 1, NULL, 'A'},  {"ogg", 1, NULL, 'O'},
-        {"ndjson", 1, NULL, 'N'}, {"fapc", 1, NULL, 'B'},
-        {"help", 0, NULL, 'h'},   {0},
+        {"lang", 1, NULL, 'l'},
+        {"voice", 1, NULL, 'v'},
+        {"rate", 1, NULL, 'r'},
+        {"pitch", 1, NULL, 1},
+        {"volume", 1, NULL, 1},
+        {"fps", 1, NULL, 1},
+        {"engine", 1, NULL, 'e'},
+        {"markup", 1, NULL, 1},
+        {"seed", 1, NULL, 1},
+        {"still", 0, NULL, 1},
+        {"life", 1, NULL, 1},
+        {"blend", 1, NULL, 1},
+        {"file", 1, NULL, 'f'},
+        {"wav", 1, NULL, 'W'},
+        {"fap", 1, NULL, 'F'},
+        {"json", 1, NULL, 'J'},
+        {"audio", 1, NULL, 'A'},
+        {"ogg", 1, NULL, 'O'},
+        {"ndjson", 1, NULL, 'N'},
+        {"fapc", 1, NULL, 'B'},
+        {"contacts", 1, NULL, 1},
+        {"help", 0, NULL, 'h'},
+        {0},
     };
     const char *path = NULL;
     struct error e;

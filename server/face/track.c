@@ -45,7 +45,7 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct s
     if (!engine || !engine->speaks(pack))
         engine = engine_find(NULL);
     track->speech = engine->layer(pack, u, &gestures);
-    if (engine->contacts)
+    if (engine_has_contacts(engine, options->contacts))
         contacts_from(&gestures, &track->contacts);
     visemes_from(&gestures, &track->visemes);
     animate(track, u, &gestures, options);

@@ -23,6 +23,13 @@ enum face_blend {
     BLEND_WEIGHTED, /* E. Akagunduz 2004, eq. 5.1 to 5.4: weights omega and rho over the whole face */
 };
 
+/* Whether lips that must touch do so whatever the engine made (engines/contact.h). */
+enum face_contacts {
+    CONTACTS_ENGINE, /* as the engine has it: face_engine_contacts */
+    CONTACTS_ON,
+    CONTACTS_OFF,
+};
+
 struct face_options {
     const char
         *engine;   /* NULL = the default one, which also stands in for one that does not speak the pack */
@@ -31,6 +38,7 @@ struct face_options {
     uint64_t seed; /* of the life layer: the same seed gives the same track */
     double begin;  /* time of this sentence's start on the life layer's clock, s */
     enum face_blend blend;
+    enum face_contacts contacts;
     const struct expressions *expressions; /* borrowed, must outlive the track; NULL = cues are not shown */
     const struct mood *mood;               /* borrowed, may change while the track is used; NULL = neutral */
 };
@@ -59,8 +67,14 @@ void face_track_sample(struct face_track *track, double t, struct fap_frame *fra
 /* The engines that face_options.engine may name, NULL-terminated. */
 const char *const *face_engines(void);
 
+/* The default engine with a part left out, for measuring: faccia eval names them, requests cannot. */
+const char *const *face_engine_ablations(void);
+
 /* Whether there is an engine of that name (NULL = the default one, which speaks all languages) and the pack
  * has what it needs. */
 bool face_engine_speaks(const char *name, const struct speech_pack *pack);
+
+/* Whether a track of that engine (NULL = the default one) has the layer of contacts. */
+bool face_engine_contacts(const char *name, enum face_contacts contacts);
 
 #endif

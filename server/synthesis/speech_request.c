@@ -8,6 +8,8 @@
 #include <strings.h>
 
 static const char *const blends[] = {[BLEND_REGIONS] = "regions", [BLEND_WEIGHTED] = "weighted", NULL};
+static const char *const contacts[] = {
+    [CONTACTS_ENGINE] = "engine", [CONTACTS_ON] = "on", [CONTACTS_OFF] = "off", NULL};
 static const char *const modes[] = {
     [SPEAK_QUEUE] = "queue", [SPEAK_REPLACE] = "replace", [SPEAK_INTERRUPT] = "interrupt", NULL};
 
@@ -32,6 +34,7 @@ static const struct field {
     {"seed", INTEGER, offsetof(struct speech_request, seed), 0, 9007199254740992.0, NULL},
     {"life", NUMBER, offsetof(struct speech_request, life), 0, 2, NULL},
     {"blend", CHOICE, offsetof(struct speech_request, blend), 0, 0, blends},
+    {"contacts", CHOICE, offsetof(struct speech_request, contacts), 0, 0, contacts},
     {"mode", CHOICE, offsetof(struct speech_request, mode), 0, 0, modes},
     {"phones", FLAG, offsetof(struct speech_request, phones), 0, 1, NULL},
     {"still", FLAG, offsetof(struct speech_request, still), 0, 1, NULL},
@@ -106,7 +109,8 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
 }
 
 /* An enum without negative members is an unsigned int to GCC and Clang. */
-_Static_assert(sizeof(enum face_blend) == sizeof(unsigned) && sizeof(enum speech_mode) == sizeof(unsigned),
+_Static_assert(sizeof(enum face_blend) == sizeof(unsigned) && sizeof(enum speech_mode) == sizeof(unsigned) &&
+                   sizeof(enum face_contacts) == sizeof(unsigned),
                "choices are set as unsigned");
 
 static int set_choice(unsigned *choice, const struct field *f, const struct request_value *v,

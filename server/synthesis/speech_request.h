@@ -30,6 +30,7 @@ struct speech_request {
     double seed;                 /* integer, 0..2^53; negative = not given */
     double life;                 /* strength of the signs of life, 0..2; negative = not given */
     enum face_blend blend;       /* how expressions share the mouth with speech */
+    enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
     bool still;                  /* only the lips move */
     bool phones;                 /* its phones are events, too */
     enum speech_mode mode;

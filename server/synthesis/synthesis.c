@@ -79,6 +79,7 @@ static void play(struct synthesis *s, struct slot *slot) {
                                    .seed = r->seed < 0 ? 0 : (uint64_t)r->seed,
                                    .begin = (double)start / u->sample_rate,
                                    .blend = r->blend,
+                                   .contacts = r->contacts,
                                    .expressions = s->pipeline->expressions};
     if (s->direct_face && !s->freed)
         s->direct_face(s->ctx, &options);

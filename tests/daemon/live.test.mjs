@@ -275,7 +275,7 @@ test('all expressions are listed, the affects in hello', async () => {
   for (const kind of ['performative', 'certainty', 'emphasis', 'boundary']) assert.ok(expressions.some((e) => e.kind === kind), kind);
   // two engines speak every language, the others those that they have tables for
   for (const { tag, engines } of hello.languages)
-    assert.deepEqual(engines, ['dominance', 'cohen-massaro', ...({ 'pt-BR': ['context'], tr: ['syllable'] }[tag] ?? [])], tag);
+    assert.deepEqual(engines, ['dominance', 'cohen-massaro', ...({ 'pt-BR': ['context'], tr: ['syllable'] }[tag] ?? []), 'table'], tag);
   for (const tag of ['it', 'en', 'pt-BR', 'tr']) assert.ok(hello.languages.some((l) => l.tag === tag), tag);
   await stream.close();
 });

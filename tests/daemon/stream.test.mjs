@@ -23,7 +23,7 @@ test('hello comes at once and says what is on offer', async () => {
   const hello = await stream.wait({ type: 'hello' });
   assert.equal(stream.messages[0], hello);
   assert.deepEqual(hello.languages.map((l) => l.tag).sort(), ['cmn', 'en', 'it', 'pt-BR', 'tr', 'yue']);
-  assert.deepEqual(hello.engines, ['dominance', 'cohen-massaro', 'context', 'syllable']);
+  assert.deepEqual(hello.engines, ['dominance', 'cohen-massaro', 'context', 'syllable', 'table']);
   assert.equal(hello.limits.text_bytes, 100000);
   await stream.close();
 });

@@ -128,7 +128,7 @@ static double blink(double t) {
 static void closures(void **state) {
     struct puppet p = {.pack = *state, .gap = shut};
     double v[EVAL_MEASURES];
-    /* the closure of /m/ is its time but the first 0 and the last 8 ms: 500 to 592 ms */
+    /* /m/ sounds from 500 to 600 ms; its middle third is 533 to 567 */
     const char *text = "_.400 a.100 m.100 a.100 _.100";
     measure(text, &p, 25, v);
     assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 1);
@@ -136,14 +136,16 @@ static void closures(void **state) {
     p.gap = open_5;
     measure(text, &p, 25, v);
     assert_true(v[LIPS_SEEN] == 0 && v[LIPS_HELD] == 0);
-    p.gap = blink; /* seen, at 0.52 and 0.56, but opens too early */
+    p.gap = blink; /* seen, at 0.52 and 0.56, and held */
     measure(text, &p, 25, v);
-    assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 0);
-    measure("_.400 a.100 m.080 a.100 _.100", &p, 25, v);
     assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 1);
+    measure("_.400 a.130 m.080 a.100 _.100", &p, 25, v); /* opens before its middle third, 557 to 583, ends */
+    assert_true(v[LIPS_SEEN] == 1 && v[LIPS_HELD] == 0);
+    measure("_.400 a.060 m.060 a.100 _.100", &p, 25, v); /* closes too late, but for the frame at 0.52 */
+    assert_true(v[LIPS_SEEN] == 0 && v[LIPS_HELD] == 0);
     measure("_.400 a.100 m.080 a.100 b.100 a.100 _.100", &p, 25, v);
     assert_true(v[LIPS_SEEN] == 0.5 && v[LIPS_HELD] == 0.5);
-    measure("_.400 a.110 m.060 a.100 _.100", &p, 1, v); /* no frame falls into it */
+    measure("_.400 a.110 m.060 a.100 _.100", &p, 1, v); /* the frame of 0 s is still shown */
     assert_true(v[LIPS_SEEN] == 0 && v[LIPS_HELD] == 1);
 }
 

@@ -478,7 +478,8 @@ static void names_its_engines(void **state) {
     assert_string_equal(face_engines()[1], "cohen-massaro");
     assert_string_equal(face_engines()[2], "context");
     assert_string_equal(face_engines()[3], "syllable");
-    assert_null(face_engines()[4]);
+    assert_string_equal(face_engines()[4], "table");
+    assert_null(face_engines()[5]);
 }
 
 int main(void) {

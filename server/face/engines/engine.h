@@ -8,7 +8,8 @@
 
 struct face_engine {
     const char *name;
-    /* The track shows closures at any rate, whatever the curves make of them (contact.h). */
+    /* Its layer is followed by that of the contacts (contact.h) unless a request says otherwise: not so of
+     * the baselines, which are there to be compared with. */
     bool contacts;
     /* Whether the pack has what the engine needs. */
     bool (*speaks)(const struct speech_pack *pack);
@@ -22,8 +23,13 @@ extern const struct face_engine engine_dominance;
 extern const struct face_engine engine_cohen_massaro;
 extern const struct face_engine engine_context;
 extern const struct face_engine engine_syllable;
+extern const struct face_engine engine_table;
+extern const struct face_engine engine_without_shape;
+extern const struct face_engine engine_without_resistance;
 
-/* NULL = the default one. Unknown names find nothing. */
+/* Ablations included. NULL = the default one. Unknown names find nothing. */
 const struct face_engine *engine_find(const char *name);
+
+bool engine_has_contacts(const struct face_engine *engine, enum face_contacts contacts);
 
 #endif

@@ -118,3 +118,18 @@ void fapmap_part_lips(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1]
         faps[pairs[i].lower] -= excess / 2;
     }
 }
+
+void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, double mm[PARAM_COUNT]) {
+    double mns = fapu->mns / 1024, mw = fapu->mw / 1024;
+    const int32_t *v = frame->value;
+    double jaw = v[3] * mns;
+    mm[PARAM_LS] = -v[4] * mns;
+    mm[PARAM_LI] = -v[5] * mns;
+    mm[PARAM_AR] = (v[6] + v[7]) * mw;
+    mm[PARAM_PI] = v[16] * mns;
+    mm[PARAM_PS] = v[17] * mns;
+    mm[PARAM_EM] = jaw;
+    mm[PARAM_TH] = v[44] * mns - TIP_PER_JAW * jaw;
+    mm[PARAM_TA] = v[45] * mw;
+    mm[PARAM_TB] = v[46] * mns - BODY_PER_JAW * jaw;
+}

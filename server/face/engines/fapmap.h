@@ -20,6 +20,9 @@
  */
 void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], double faps[FAP_COUNT + 1]);
 
+/* What the parameters are in a frame of which fapmap_add and fapmap_touch made all, mm. */
+void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, double mm[PARAM_COUNT]);
+
 /* Obeys the contacts' demands: closes the lips, brings the lower lip to the upper teeth. */
 void fapmap_touch(const struct speech_fapu *fapu, const struct contact_demand demand[CONTACT_TEETH + 1],
                   double faps[FAP_COUNT + 1]);

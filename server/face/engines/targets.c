@@ -207,10 +207,14 @@ static void to_curve(const struct raw_list *list, enum targets_function function
             target.c.theta_bw = target.c.theta_fw =
                 ORIGINAL_EXTENT * (target.c.theta_bw + target.c.theta_fw) / 2;
         }
+        if (function == TARGETS_NO_SHAPE)
+            target.c.beta_bw = target.c.beta_fw = 0;
         curve_add(curve, target.at, &target.c);
     }
     if (function == TARGETS_ORIGINAL)
         curve_link_original(curve);
+    else if (function == TARGETS_NO_RESISTANCE)
+        curve_link_unconfined(curve);
     else
         curve_link(curve);
 }

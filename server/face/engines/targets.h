@@ -7,8 +7,10 @@
 #include "server/face/engines/dominance.h"
 #include "server/face/engines/phone_segments.h"
 
-/* Which function makes the curve of the targets: the one of LUCIA, or the one that it came from (3.2). */
-enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL };
+/* Which function makes the curve of the targets: the one of LUCIA, or the one that it came from (3.2). The others are
+ * LUCIA's with a part left out, to see what that part does: the shape, S = 1; or the resistance, R = 1, which takes the
+ * shape with it, since that is measured in the resistance's reach. */
+enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL, TARGETS_NO_SHAPE, TARGETS_NO_RESISTANCE };
 
 /* The rules:
  * - A consonant between two vowels has the mean of the coefficients that it has in the two symmetric contexts
