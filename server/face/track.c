@@ -4,6 +4,7 @@
 #include "server/face/engines/contact.h"
 #include "server/face/engines/engine.h"
 #include "server/face/engines/fapmap.h"
+#include "server/face/engines/opening.h"
 #include "server/face/engines/viseme.h"
 #include "server/face/expression/expression_layer.h"
 #include "server/face/face_limits.h"
@@ -21,8 +22,9 @@ struct face_track {
     struct face_layer *layers;
     size_t layer_count, layer_cap;
     struct contacts contacts;
+    struct openings openings;
     struct visemes visemes;
-    size_t contact_cursor, viseme_cursor;
+    size_t contact_cursor, opening_cursor, viseme_cursor;
 };
 
 static void animate(struct face_track *track, const struct sentence_audio *u, const struct phone_segments *g,
@@ -45,8 +47,10 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct s
     if (!engine || !engine->speaks(pack))
         engine = engine_find(NULL);
     track->speech = engine->layer(pack, u, &gestures);
-    if (engine_has_contacts(engine, options->contacts))
+    if (engine_has_contacts(engine, options->contacts)) {
         contacts_from(&gestures, &track->contacts);
+        openings_from(&gestures, &track->contacts, &track->openings);
+    }
     visemes_from(&gestures, &track->visemes);
     animate(track, u, &gestures, options);
     phone_segments_free(&gestures);
@@ -75,6 +79,7 @@ void face_track_free(struct face_track *track) {
     expression_layer_free(track->express);
     free(track->layers);
     contacts_free(&track->contacts);
+    openings_free(&track->openings);
     visemes_free(&track->visemes);
     free(track);
 }
@@ -117,8 +122,10 @@ void face_track_sample(struct face_track *track, double t, struct fap_frame *fra
         track->layers[i].add(track->layers[i].self, t, faps);
     if (track->life.add)
         add_life(&track->life, t, faps);
-    /* After all layers, so that none of them can open a closure. */
-    if (speaks)
+    /* After all layers, so that none of them can open a closure or close a vowel. */
+    if (speaks) {
+        openings_show(&track->openings, t, &track->opening_cursor, &track->fapu, faps);
         fapmap_touch(&track->fapu, demand, faps);
+    }
     face_limits_apply(&track->fapu, faps, frame);
 }

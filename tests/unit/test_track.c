@@ -125,6 +125,57 @@ static void no_layer_opens_a_closure(void **state) {
     check_closures(*state, 0.4, &layer);
 }
 
+static void press_shut(void *self, double t, double faps[FAP_COUNT + 1]) {
+    (void)self;
+    (void)t;
+    faps[4] += 400;
+    faps[5] += 400;
+}
+
+/* Vowels that are longer than a contact's ramps open whatever another layer does, and the lips still close
+ * round them; in vowels that are hardly there the contacts have the time. */
+static void no_layer_closes_a_vowel(void **state) {
+    for (double stretch = 0.4; stretch <= 1; stretch += 0.2) {
+        struct sentence_audio *u = utter(speech, stretch);
+        struct face_track *track = track_of(*state, u);
+        face_track_add(track, (struct face_layer){press_shut, NULL, NULL});
+        for (size_t i = 0; i < u->phone_count; i++) {
+            const struct phone *p = &u->phones[i];
+            double from = (double)p->start / RATE, to = (double)p->end / RATE, widest = -10;
+            for (double t = from; t < to; t += 0.001) {
+                struct fap_frame f;
+                face_track_sample(track, t, &f);
+                widest = fmax(widest, -top_and_bottom(&f, 4, 5) * 21 / 1024.0);
+            }
+            if (*p->ipa && strchr("aeo", *p->ipa) && to - from > 0.035 && widest < 3)
+                fail_msg("phone %zu, %s of %.0f ms opens by %.1f mm", i, p->ipa, 1000 * (to - from), widest);
+        }
+        face_track_free(track);
+        done(u);
+        check_closures(*state, stretch, &(struct face_layer){press_shut, NULL, NULL});
+    }
+}
+
+/* A closure that has no time before the audio, or after it, is shown within it. */
+static void closes_at_the_edges(void **state) {
+    static const char *const edges[] = {"b.015 'a.100 _.200", "_.007 b.015 'a.060 _.200",
+                                        "_.200 'a.100 p.015"};
+    for (size_t i = 0; i < sizeof edges / sizeof *edges; i++) {
+        struct sentence_audio *u = utter(edges[i], 1);
+        struct face_track *track = track_of(*state, u);
+        face_track_add(track, (struct face_layer){open_wide, NULL, NULL});
+        double closed = 0;
+        for (double t = 0.0005; t < (double)u->samples / RATE; t += 0.001) {
+            struct fap_frame f;
+            face_track_sample(track, t, &f);
+            closed += is_closed(&f) ? 0.001 : 0;
+        }
+        assert_true(closed > 0.04);
+        face_track_free(track);
+        done(u);
+    }
+}
+
 static void brings_the_lip_to_the_teeth(void **state) {
     for (double wpm = 80; wpm <= 450; wpm += 10) {
         struct sentence_audio *u = utter(speech, 160 / wpm);
@@ -487,6 +538,8 @@ int main(void) {
         cmocka_unit_test(closes_bilabials_at_every_rate),
         cmocka_unit_test(shows_closures_that_last_no_time),
         cmocka_unit_test(no_layer_opens_a_closure),
+        cmocka_unit_test(no_layer_closes_a_vowel),
+        cmocka_unit_test(closes_at_the_edges),
         cmocka_unit_test(brings_the_lip_to_the_teeth),
         cmocka_unit_test(lips_never_pass_through_each_other),
         cmocka_unit_test(rests_before_and_after),
