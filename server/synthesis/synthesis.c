@@ -78,7 +78,7 @@ static void play(struct synthesis *s, struct slot *slot) {
                                    .life = r->life < 0 ? 1 : r->life,
                                    .seed = r->seed < 0 ? 0 : (uint64_t)r->seed,
                                    .begin = (double)start / u->sample_rate,
-                                   .blend = r->blend,
+                                   .blend = s->result.blend,
                                    .contacts = r->contacts,
                                    .expressions = s->pipeline->expressions};
     if (s->direct_face && !s->freed)

@@ -23,6 +23,7 @@ struct slot {
 struct reading_result {
     struct score *score; /* NULL: error says why */
     struct voice_selection *cast;
+    enum face_blend blend; /* what the request and the text ask for */
     struct error error;
 };
 
