@@ -367,7 +367,31 @@ def phones(rows):
         "ʔ": {"sampa": "?", "like": "h"},
         "x": {"sampa": "x", "like": "k"},
     }
+    for ipa, phone in out.items():
+        sampa = phone.pop("sampa")
+        out[ipa] = {"sampa": sampa, "source": source(ipa), **phone}
     return out
+
+
+MEASURED = "measured: Italian speakers, ELITE, scaled; the upper lip's share of the opening and the tongue by rule"
+SOURCES = {
+    "p b m": "LI beside /a/ printed: Leone, table 3.2; other contexts, width, protrusion measured: Italian speakers, ELITE; upper lip, jaw, tongue by rule",
+    "f v": "opening and retraction by rule; width and upper protrusion measured: Italian speakers, ELITE",
+    "ɛ ɔ": "by rule: 1.08 times the opening of the closed vowel, which is measured; the rest measured: Italian speakers, ELITE",
+    "ts dz": "by rule: as /t d/ are measured, with the jaw of /s/",
+    "dʒ": "by rule: as /tʃ/ is measured",
+    "ʎ ɲ": "by rule: opening of /tʃ/, width and protrusion of /n/",
+    "j": "by rule: a short unstressed /i/",
+    "ð ʒ ŋ ɱ ɾ ɪ ʊ ɒ ə h ʔ x": "by rule",
+}
+RULED_JAW = "; the jaw by rule, in mm of the teeth"
+
+
+def source(ipa):
+    for phones, text in SOURCES.items():
+        if ipa in phones.split():
+            return text
+    return MEASURED + (RULED_JAW if ipa in JAW or ipa in JAW_OF_CLOSE else "")
 
 
 # None that is also a word which may end a sentence (via, col, don, mar...).
@@ -382,7 +406,9 @@ def pack(rows):
         "name": "italiano",
         "sources": [
             "Targets and their places: ELITE motion capture of Italian speakers, figures as kept in the open Greta agent, scaled "
-            "as models/tools/make-speech-it.py tells.",
+            "as models/tools/make-speech-it.py tells. Each phone's source says what of it was measured.",
+            "How the lips share an opening, jaw heights of consonants and how early openings begin: rounded figures after "
+            "articulograph recordings of English speakers, not of Italian ones.",
             "The tongue: from the phones' articulatory features.",
             "Bilabials beside /a/, viseme groups, findings: E. Leone, LUCIA-WebGL, chapter 3.4 and table 3.2.",
         ],
