@@ -21,7 +21,13 @@ const [fap, json] = ['a.fap', 'a.json'].map((name) => path.join(folder, name));
 function speak(lang, engine, rate, emotion, blend) {
   const words = sentences[lang].join('\n');
   const text = `<speak>${emotion ? `<emotion><category name="${emotion}"/>${words}</emotion>` : words}</speak>`;
-  execFileSync(path.join(build, 'server/app/faccia'), ['say', '--lang', lang, '--engine', engine, '--rate', rate, '--blend', blend, '--markup', 'ssml', '--fps', FPS, '--fap', fap, '--json', json, '-'], { env, input: text, stdio: ['pipe', 'pipe', 'ignore'] });
+  const say = () => execFileSync(path.join(build, 'server/app/faccia'), ['say', '--lang', lang, '--engine', engine, '--rate', rate, '--blend', blend, '--markup', 'ssml', '--fps', FPS, '--fap', fap, '--json', json, '-'], { env, input: text, stdio: ['pipe', 'pipe', 'pipe'] });
+  try {
+    say();
+  } catch (e) {
+    console.log(`again: ${e.stderr}`); // a voice may be too slow to start on a busy machine
+    say();
+  }
   return readMouth(JSON.parse(fs.readFileSync(json)).phones, parseFap(fs.readFileSync(fap, 'utf8')));
 }
 
