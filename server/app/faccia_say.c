@@ -25,7 +25,7 @@ static const char usage[] =
     "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context, syllable or table\n"
     "      --markup KIND    auto, plain, apml, jsml, ssml, emotionml, bml, fml (auto)\n"
     "      --life FACTOR    strength of the signs of life, 0 to 2 (1)\n"
-    "      --blend RULE     how expressions share the mouth with speech: regions or weighted (regions)\n"
+    "      --blend RULE     how expressions share the mouth with speech: auto, regions or weighted (auto)\n"
     "      --contacts HOW   lips that must touch do, whatever the engine makes: on, off, or engine: off for "
     "the baselines\n"
     "                       cohen-massaro and table, on for the others (engine)\n"

@@ -18,7 +18,7 @@ struct face_placement {
     struct face_layer *layers;
     size_t layer_count, layer_cap;
     struct speech_cursor speech_cursor;
-    size_t contact_cursor, viseme_cursor;
+    size_t contact_cursor, opening_cursor, viseme_cursor;
     struct expression_layer express;
 };
 
@@ -106,9 +106,11 @@ void face_placement_sample(struct face_placement *p, double t, struct fap_frame 
         p->layers[i].add(p->layers[i].self, t, faps);
     if (p->life.add)
         add_life(&p->life, t, faps);
-    /* After all layers, so that none of them can open a closure. */
-    if (speaks)
+    /* After all layers, so that none of them can open a closure or close a vowel. */
+    if (speaks) {
+        openings_show(&track->openings, t, &p->opening_cursor, fapu, faps);
         fapmap_touch(fapu, demand, faps);
+    }
     face_limits_apply(fapu, faps, frame);
 }
 

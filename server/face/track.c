@@ -18,8 +18,10 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct s
     if (!engine || !engine->speaks(pack))
         engine = engine_find(NULL);
     track->speech = engine->layer(pack, u, &gestures);
-    if (engine_has_contacts(engine, options->contacts))
+    if (engine_has_contacts(engine, options->contacts)) {
         contacts_from(&gestures, &track->contacts);
+        openings_from(&gestures, &track->contacts, &track->openings);
+    }
     visemes_from(&gestures, &track->visemes);
     track->still = options->still;
     if (!options->still)
@@ -41,6 +43,7 @@ void face_track_free(struct face_track *track) {
         track->speech.free(track->speech.self);
     sentence_expression_free(&track->expression);
     contacts_free(&track->contacts);
+    openings_free(&track->openings);
     visemes_free(&track->visemes);
     free(track);
 }

@@ -3,7 +3,7 @@
 #ifndef FACCIA_FACE_TRACK_INTERNAL_H
 #define FACCIA_FACE_TRACK_INTERNAL_H
 
-#include "server/face/engines/contact.h"
+#include "server/face/engines/opening.h"
 #include "server/face/engines/viseme.h"
 #include "server/face/expression/sentence_expression.h"
 #include "server/face/face_layer.h"
@@ -16,6 +16,7 @@ struct face_track {
     double end; /* s */
     struct speech_layer speech;
     struct contacts contacts;
+    struct openings openings;
     struct visemes visemes;
     bool still;
     struct sentence_expression expression; /* of nothing when still */

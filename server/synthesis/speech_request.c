@@ -7,7 +7,10 @@
 #include <string.h>
 #include <strings.h>
 
-static const char *const blends[] = {[BLEND_REGIONS] = "regions", [BLEND_WEIGHTED] = "weighted", NULL};
+static const char *const blends[] = {[SPEAK_BLEND_AUTO] = "auto",
+                                     [SPEAK_BLEND_REGIONS] = "regions",
+                                     [SPEAK_BLEND_WEIGHTED] = "weighted",
+                                     NULL};
 static const char *const contacts[] = {
     [CONTACTS_ENGINE] = "engine", [CONTACTS_ON] = "on", [CONTACTS_OFF] = "off", NULL};
 static const char *const modes[] = {
@@ -109,7 +112,8 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
 }
 
 /* An enum without negative members is an unsigned int to GCC and Clang. */
-_Static_assert(sizeof(enum face_blend) == sizeof(unsigned) && sizeof(enum speech_mode) == sizeof(unsigned) &&
+_Static_assert(sizeof(enum speech_blend) == sizeof(unsigned) &&
+                   sizeof(enum speech_mode) == sizeof(unsigned) &&
                    sizeof(enum face_contacts) == sizeof(unsigned),
                "choices are set as unsigned");
 

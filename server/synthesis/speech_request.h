@@ -16,6 +16,13 @@ enum speech_mode {
     SPEAK_INTERRUPT, /* now: what speaks is cut, what waits comes afterwards */
 };
 
+/* How expressions share the mouth with speech. */
+enum speech_blend {
+    SPEAK_BLEND_AUTO, /* as the text asks: by weights where it names one, else by regions */
+    SPEAK_BLEND_REGIONS,
+    SPEAK_BLEND_WEIGHTED,
+};
+
 enum { REQUEST_RATE_MIN = 40, REQUEST_RATE_MAX = 500 }; /* words per minute */
 
 struct speech_request {
@@ -29,7 +36,7 @@ struct speech_request {
     double fps;                  /* 1..120 */
     double seed;                 /* integer, 0..2^53; negative = not given */
     double life;                 /* strength of the signs of life, 0..2; negative = not given */
-    enum face_blend blend;       /* how expressions share the mouth with speech */
+    enum speech_blend blend;
     enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
     bool still;                  /* only the lips move */
     bool phones;                 /* its phones are events, too */

@@ -89,7 +89,7 @@ static void make_track(struct synthesis *s, struct slot *slot, uint32_t skip) {
     struct sentence_audio *u = slot->audio;
     const struct face_options options = {.engine = s->request.engine,
                                          .still = s->request.still,
-                                         .blend = s->request.blend,
+                                         .blend = s->result.blend,
                                          .contacts = s->request.contacts ? s->request.contacts
                                                                          : s->pipeline->default_contacts,
                                          .expressions = s->pipeline->expressions};

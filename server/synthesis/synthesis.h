@@ -25,10 +25,10 @@ struct pipeline {
     const struct normalizers *normalizers;    /* NULL = say-as is left to the voices */
     const char *default_lang;
     enum face_contacts default_contacts; /* of requests that say "engine" */
-    const char *sounds;            /* folder of sound files that texts may name; NULL = none */
-    struct metrics *metrics;       /* NULL = nobody counts */
-    struct codec_load *codec_load; /* of the sound; NULL = the best */
-    struct coder_pool *coders;     /* that code it; NULL = it is coded on the loop */
+    const char *sounds;                  /* folder of sound files that texts may name; NULL = none */
+    struct metrics *metrics;             /* NULL = nobody counts */
+    struct codec_load *codec_load;       /* of the sound; NULL = the best */
+    struct coder_pool *coders;           /* that code it; NULL = it is coded on the loop */
     /* Texts of so many bytes and more are read in another thread, so that the loop is free; 0 = none. */
     size_t long_text;
 };

@@ -29,6 +29,7 @@ struct reading_result {
     struct score *document; /* what the text says; NULL: error says why */
     struct score *score;    /* its script: what is spoken */
     struct voice_selection *cast;
+    enum face_blend blend; /* what the request and the text ask for */
     struct error error;
     bool marks; /* it has some */
 };

@@ -22,6 +22,11 @@ for (const name of packs)
     assert.ok(validate(read(name)), JSON.stringify(validate.errors?.slice(0, 3)));
   });
 
+for (const name of ['it', 'en', 'tr', 'pt-BR'])
+  test(`${name}.json says of each phone where it comes from`, () => {
+    for (const [phone, { source }] of Object.entries(read(`${name}.json`).phones)) assert.match(source ?? '', /measured|printed|by rule/, phone);
+  });
+
 for (const kind of ['visemes', 'letters', 'alphabets'])
   for (const name of fs.readdirSync(path.join(folder, kind)).filter((file) => file.endsWith('.json')))
     test(`${kind}/${name} is as the schema says`, () => {

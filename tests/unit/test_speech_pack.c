@@ -340,6 +340,7 @@ static void names_the_place_of_an_error(void **state) {
     check_broken(w, "fapu/MNS", "0", "fapu.MNS");
     check_broken(w, "rest/reach", "\"soon\"", "rest.reach");
     check_broken(w, "undershoot/AR", "-1", "undershoot.AR");
+    check_broken(w, "trough", "1.5", "trough");
     check_broken(w, "contexts/vowels", "[]", "contexts.vowels");
     check_broken(w, "groups/pbm/viseme", "15", "groups.pbm.viseme");
     check_broken(w, "groups/pbm/context", "\"a\"", "groups.pbm.context");
@@ -361,6 +362,7 @@ static void names_the_place_of_an_error(void **state) {
     check_broken(w, "phones/ɪ/like", "{\"i\": 0.7, \"p\": 0.3}", "phones.ɪ.like");
     check_broken(w, "phones/θ", "{\"sampa\": \"T\", \"like\": \"ð\"}", "phones.θ");
     check_broken(w, "phones/ð/like", "\"ð\"", "phones.ð.like");
+    check_broken(w, "phones/ð/source", "7", "phones.ð.source");
     check_broken(w, "phones/ð/gain", "{\"LI\": 1e9}", "phones.ð.gain.LI");
     check_broken(w, "phones/ai", "{\"sampa\": \"ai\", \"parts\": []}", "phones.ai.parts");
     check_broken(w, "phones/ai", "{\"sampa\": \"ai\", \"parts\": [{\"phone\": \"a\"}]}",

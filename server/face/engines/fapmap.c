@@ -82,6 +82,18 @@ void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], do
     faps[42] += LIFT_PER_SPREAD * positive(spread) * ens;
 }
 
+void fapmap_open(const struct speech_fapu *fapu, double gap, double weight, double faps[FAP_COUNT + 1]) {
+    double mns = 1024 / fapu->mns;
+    for (int i = 0; i < PAIRS; i++) {
+        double wanted = gap * mns * (i == MIDDLE ? 1 : SIDE_OPENING);
+        double move = weight * positive(wanted + faps[pairs[i].upper] + faps[pairs[i].lower]);
+        faps[pairs[i].lower] -= LOWER_SHARE * move;
+        faps[pairs[i].lower_outer] -= LOWER_SHARE * move;
+        faps[pairs[i].upper] -= (1 - LOWER_SHARE) * move;
+        faps[pairs[i].upper_outer] -= (1 - LOWER_SHARE) * move;
+    }
+}
+
 static void close_lips(const struct contact_demand *d, double mns, double faps[FAP_COUNT + 1]) {
     for (int i = 0; i < PAIRS; i++) {
         double missing = d->rule->press * mns - (faps[pairs[i].upper] + faps[pairs[i].lower]);
