@@ -82,8 +82,7 @@ static void add_error(const struct curve *raw, const double *wanted, double end,
     struct curve_cursor cursor = {0};
     for (size_t i = 0; i < raw->count; i++) {
         struct coefficients c = raw->segments[i].c;
-        c.theta_bw *= extent;
-        c.theta_fw *= extent;
+        c.theta_bw = c.theta_fw = extent * (c.theta_bw + c.theta_fw) / 2;
         c.c_bw *= degree;
         c.c_fw *= degree;
         curve_add(&curve, raw->segments[i].at, &c);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Draws web/mouth.png, the twelve mouths of the README, as the program speaks them: FACCIA_BUILD=build node tests/bench/mouth-picture.mjs [MODEL] [OUT]
 import fs from 'node:fs';
+import { createRequire } from 'node:module';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { PNG } from 'pngjs';
@@ -37,4 +38,5 @@ await browser.close();
 const { width, height } = tiles[0];
 const sheet = new PNG({ width: width * COLUMNS, height: height * Math.ceil(tiles.length / COLUMNS) });
 tiles.forEach((tile, i) => PNG.bitblt(tile, sheet, 0, 0, width, height, (i % COLUMNS) * width, Math.floor(i / COLUMNS) * height));
-fs.writeFileSync(out, PNG.sync.write(sheet));
+const sharp = createRequire(path.join(root, 'models/package.json'))('sharp');
+await sharp(PNG.sync.write(sheet)).png({ palette: true, quality: 85, effort: 10 }).toFile(out);

@@ -94,7 +94,7 @@ static size_t missed(void **state, size_t engine, enum face_contacts contacts, d
         struct fap_frame f;
         face_track_sample(track, (p->start + p->end) / 2.0 / UTTER_RATE, &f);
         count += *p->ipa && strchr("pbm", *p->ipa) && !is_closed(&f);
-        count += *p->ipa && strchr("fv", *p->ipa) && (f.value[5] < -35 || f.value[16] > -78);
+        count += *p->ipa && strchr("fv", *p->ipa) && (f.value[5] < -87 || f.value[16] > -78);
     }
     face_track_free(track);
     done(u);

@@ -126,7 +126,7 @@ static void check_contacts(struct face_placement *track, const struct sentence_a
             }
         } else if (is_one_of(p, "fv")) {
             struct fap_frame f = at(track, start + length / 2);
-            if (f.value[5] < -35 || f.value[16] > -78 || f.value[4] >= -20 || is_closed(&f))
+            if (f.value[5] < -87 || f.value[16] > -78 || f.value[4] >= -20 || is_closed(&f))
                 fail_msg("%s: phone %zu, %s: lower lip %d up, %d forward, upper lip %d down", what, i, p->ipa,
                          f.value[5], f.value[16], f.value[4]);
         }

@@ -2,8 +2,8 @@
 #include "server/face/engines/fapmap.h"
 #include <math.h>
 
-/* Opening half-way between middle and corner, as a part of the opening in the middle: a parabola gives 3/4, and a
- * lower lip hangs a little fuller; a narrow mouth is round, so that its sides close earlier. */
+/* Opening half-way between middle and corner, as a part of the opening in the middle: a parabola gives 3/4,
+ * and a lower lip hangs a little fuller; a narrow mouth is round, so that its sides close earlier. */
 #define SIDE_OPENING 0.8
 #define SIDE_PER_MM 0.03
 #define SIDE_MIN 0.55

@@ -5,21 +5,20 @@
 static const struct {
     double extent, degree;
 } factors[PARAM_COUNT] = {
-    [PARAM_LI] = {10.00, 1.8}, /* 1.60 mm from the way through the targets; with {3.16, 1} 1.72 */
-    [PARAM_LS] = {10.00, 1.8}, /* 0.51 mm from the way through the targets; with {3.16, 1} 0.55 */
-    [PARAM_AR] = {25.12, 1.8}, /* 1.19 mm from the way through the targets; with {3.16, 1} 1.50 */
-    [PARAM_PI] = {15.85, 1.8}, /* 0.27 mm from the way through the targets; with {3.16, 1} 0.31 */
-    [PARAM_PS] = {12.59, 1.6}, /* 0.31 mm from the way through the targets; with {3.16, 1} 0.36 */
-    [PARAM_EM] = {3.16, 1.0},  /* 0.81 mm from the way through the targets; with {3.16, 1} 0.81 */
-    [PARAM_TH] = {50.12, 2.0}, /* 1.88 mm from the way through the targets; with {3.16, 1} 2.24 */
-    [PARAM_TA] = {2.51, 0.8},  /* 0.41 mm from the way through the targets; with {3.16, 1} 0.45 */
-    [PARAM_TB] = {2.51, 1.0},  /* 1.16 mm from the way through the targets; with {3.16, 1} 1.18 */
+    [PARAM_LI] = {3.16, 1.2},  /* 1.31 mm from the way through the targets; with {3.16, 1} 1.34 */
+    [PARAM_LS] = {6.31, 1.6},  /* 0.51 mm from the way through the targets; with {3.16, 1} 0.54 */
+    [PARAM_AR] = {6.31, 1.4},  /* 1.21 mm from the way through the targets; with {3.16, 1} 1.25 */
+    [PARAM_PI] = {5.01, 1.2},  /* 0.23 mm from the way through the targets; with {3.16, 1} 0.23 */
+    [PARAM_PS] = {6.31, 1.4},  /* 0.26 mm from the way through the targets; with {3.16, 1} 0.27 */
+    [PARAM_EM] = {3.16, 1.0},  /* 0.82 mm from the way through the targets; with {3.16, 1} 0.82 */
+    [PARAM_TH] = {19.95, 1.8}, /* 1.83 mm from the way through the targets; with {3.16, 1} 2.11 */
+    [PARAM_TA] = {2.51, 0.8},  /* 0.41 mm from the way through the targets; with {3.16, 1} 0.44 */
+    [PARAM_TB] = {2.51, 1.0},  /* 1.11 mm from the way through the targets; with {3.16, 1} 1.16 */
 };
 
 struct coefficients original_coefficients(const struct coefficients *c, int param) {
     struct coefficients out = *c;
-    out.theta_bw *= factors[param].extent;
-    out.theta_fw *= factors[param].extent;
+    out.theta_bw = out.theta_fw = factors[param].extent * (c->theta_bw + c->theta_fw) / 2;
     out.c_bw *= factors[param].degree;
     out.c_fw *= factors[param].degree;
     return out;

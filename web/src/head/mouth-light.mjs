@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// The light inside of the mouth: what comes in between the lips, less with the distance behind them and in the lips' own shadow.
+// The light inside of the mouth: what comes in between the lips, less with the distance behind them and in their own shadow.
 import { Vector4 } from 'three';
 
 /** The lips as they stand, in mm: height of the opening's upper and lower border, half of its width, how far it is forward. */
