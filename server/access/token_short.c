@@ -36,7 +36,7 @@ static void put_expiry(char out[16], long seconds) {
 char *token_make_short(const struct secrets *secrets, const struct token *token, struct error *e) {
     char rights[sizeof rights_letters] = "", expiry[16];
     if (!is_plain(token->subject) || !is_plain(token->room)) {
-        error_in_field(e, "bad-field", is_plain(token->room) ? "subject" : "room",
+        error_in_field(e, ERROR_BAD_FIELD, is_plain(token->room) ? "subject" : "room",
                        "must have letters, digits, - _ . only in a short token");
         return NULL;
     }
@@ -100,6 +100,6 @@ int token_check_short(const struct secrets *secrets, const char *text, long now,
         free(ours);
     }
     if (!good)
-        return error_set(e, "bad-token", "the token is not signed with a secret of this server");
-    return token->expires <= now ? error_set(e, "expired-token", "the token has expired") : 0;
+        return error_set(e, ERROR_BAD_TOKEN, "the token is not signed with a secret of this server");
+    return token->expires <= now ? error_set(e, ERROR_EXPIRED_TOKEN, "the token has expired") : 0;
 }

@@ -141,7 +141,7 @@ int aligned_recording_save(const struct aligned_recording *r, const char *path, 
     }
     well = well && !rename(part, path);
     if (!well) {
-        error_set(e, "bad-times", "%.150s: %s", path, strerror(errno));
+        error_set(e, ERROR_BAD_TIMES, "%.150s: %s", path, strerror(errno));
         remove(part);
     }
     free(part);

@@ -55,8 +55,9 @@ static int read_environment(struct voice_pool_options *options, struct error *e)
             continue;
         *limits[i].value = strtod(text, &end);
         if (*end || !(*limits[i].value >= limits[i].least && *limits[i].value <= limits[i].most))
-            return error_in_field(e, "bad-field", limits[i].name, "'%s' is not a number from %.12g to %.12g",
-                                  text, limits[i].least, limits[i].most);
+            return error_in_field(e, ERROR_BAD_FIELD, limits[i].name,
+                                  "'%s' is not a number from %.12g to %.12g", text, limits[i].least,
+                                  limits[i].most);
     }
     const char *sandbox = getenv("FACCIA_SANDBOX");
     options->unconfined = sandbox && !strcmp(sandbox, "off");

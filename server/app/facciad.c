@@ -94,7 +94,7 @@ static void on_ready(void *ctx) {
     }
     if (!synthesis_can_speak(&d->pipeline, d->settings.lang)) {
         struct error e;
-        error_in_field(&e, "unknown-language", "--lang", "no language '%s'", d->settings.lang);
+        error_in_field(&e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", d->settings.lang);
         complain(&e);
         d->failed = true;
         stop(d);
@@ -163,7 +163,7 @@ static void on_ending(uv_timer_t *timer) {
         stop(d);
     } else if (!net_busy(d->net) || uv_now(&d->loop) >= d->end_by) {
         d->dismissed = true;
-        net_dismiss(d->net, "stopping");
+        net_dismiss(d->net, error_name(ERROR_STOPPING));
         uv_timer_start(timer, on_ending, GOODBYE_MS, 0);
     }
 }
@@ -211,7 +211,7 @@ static int start(struct daemon *d, struct error *e) {
     if (speech_packs_load(&d->packs, path, e))
         return -1;
     if (!speech_packs_find(&d->packs, s->lang))
-        return error_in_field(e, "unknown-language", "--lang", "no language '%s'", s->lang);
+        return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
     snprintf(path, sizeof path, "%s/expressions.json", s->models);
     d->expressions = expressions_load(path, e);
     if (!d->expressions)

@@ -50,11 +50,11 @@ static bool next_line(struct table *t) {
 static int table_open(struct table *t, const char *path, const char *const *wanted, struct error *e) {
     *t = (struct table){.file = fopen(path, "r"), .wanted = wanted, .error = e};
     if (!t->file)
-        return error_set(e, "bad-recording", "%s", strerror(errno));
+        return error_set(e, ERROR_BAD_CURVES, "%s", strerror(errno));
     for (size_t i = 0; wanted[i]; i++)
         t->column[i] = NO_COLUMN;
     if (!next_line(t))
-        return error_set(e, "bad-recording", "is empty");
+        return error_set(e, ERROR_BAD_CURVES, "is empty");
     char *rest = t->line + (!strncmp(t->line, "\xef\xbb\xbf", 3) ? 3 : 0);
     for (size_t n = 0; rest; n++) {
         const char *name = next_field(&rest);
@@ -90,13 +90,13 @@ static int table_real(struct table *t, size_t wanted, double *out) {
     char *end;
     *out = strtod(t->field[wanted], &end);
     if (end == t->field[wanted] || *end || !isfinite(*out))
-        return error_at_line(t->error, "bad-recording", t->number, 1, "%s: '%.40s' is not a number",
+        return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "%s: '%.40s' is not a number",
                              t->wanted[wanted], t->field[wanted]);
     return 0;
 }
 
 static int needs(struct table *t, size_t wanted) {
-    return t->column[wanted] == NO_COLUMN ? error_at_line(t->error, "bad-recording", t->number, 1,
+    return t->column[wanted] == NO_COLUMN ? error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1,
                                                           "no column is named '%s'", t->wanted[wanted])
                                           : 0;
 }
@@ -109,7 +109,7 @@ static int read_frames(struct table *t, struct measured_speech *r) {
     if (needs(t, 0))
         return -1;
     if (!any)
-        return error_at_line(t->error, "bad-recording", t->number, 1,
+        return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1,
                              "no column is named LI, LS, AR, PI, PS or EM");
     while (table_next(t)) {
         size_t n = r->frame_count;
@@ -123,7 +123,7 @@ static int read_frames(struct table *t, struct measured_speech *r) {
         if (table_real(t, 0, &r->times[n]))
             return -1;
         if (n && !(r->times[n] > r->times[n - 1]))
-            return error_at_line(t->error, "bad-recording", t->number, 1, "time: does not rise");
+            return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "time: does not rise");
         for (int p = 0; p < PARAM_COUNT; p++)
             if (has[p] && table_real(t, (size_t)p + 1, &r->curves[p][n]))
                 return -1;
@@ -143,7 +143,7 @@ int fit_read_curves(const char *path, struct measured_speech *r, struct error *e
 static int set_ipa(struct recorded_phone *phone, const char *ipa, struct error *e) {
     bool is_pause = !strcmp(ipa, "_") || !strcmp(ipa, "sil");
     if (strlen(ipa) >= sizeof phone->ipa)
-        return error_set(e, "bad-recording", "'%.40s' is too long for a phone", ipa);
+        return error_set(e, ERROR_BAD_CURVES, "'%.40s' is too long for a phone", ipa);
     snprintf(phone->ipa, sizeof phone->ipa, "%s", is_pause ? "" : ipa);
     return 0;
 }
@@ -157,7 +157,7 @@ static int read_phone_table(struct table *t, struct measured_speech *r) {
         if (table_real(t, START, &phone.start) || table_real(t, END, &phone.end))
             return -1;
         if (set_ipa(&phone, t->field[IPA], &inner) || measured_speech_add(r, &phone, &inner))
-            return error_at_line(t->error, "bad-recording", t->number, 1, "%s", inner.message);
+            return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "%s", inner.message);
     }
     return 0;
 }
@@ -181,7 +181,7 @@ static int read_json_phone(const struct json_place *at, struct measured_speech *
 
 static int read_json_phones(const char *path, struct measured_speech *r, struct error *e) {
     struct json_place root;
-    if (json_place_load(path, &root, e))
+    if (json_place_load(path, ERROR_BAD_CURVES, &root, e))
         return -1;
     struct json_place phones = json_place_key(&root, "phones");
     int result = json_place_array(&phones);
@@ -190,8 +190,6 @@ static int read_json_phones(const char *path, struct measured_speech *r, struct 
         result = read_json_phone(&phone, r);
     }
     json_decref(root.json);
-    if (result)
-        e->code = "bad-recording";
     return result;
 }
 

@@ -7,7 +7,7 @@
 #include "server/fit/measured_speech.h"
 
 /* CSV with a line of names: "time" (s) and some of speech_params (mm), others being ignored; times rise
- * strictly. 0, or -1 with *e (code "bad-recording", with the line where there is one). */
+ * strictly. 0, or -1 with *e (code "bad-curves", with the line where there is one). */
 int fit_read_curves(const char *path, struct measured_speech *r, struct error *e);
 
 /* A name that ends with .json: what faccia say --json writes. Else CSV with a line of names: "start", "end"

@@ -68,7 +68,7 @@ static int read_options(struct settings *s, struct settings_request *request, in
         else if (c == OPTION_CONFIG)
             request->file = optarg;
         else if (c == '?')
-            return error_set(e, "bad-option", "try 'facciad --help'");
+            return error_set(e, ERROR_BAD_OPTION, "try 'facciad --help'");
         else if (!only_request) {
             const struct setting *setting = &settings_table[c];
             snprintf(name, sizeof name, "--%s", setting->option);
@@ -80,7 +80,7 @@ static int read_options(struct settings *s, struct settings_request *request, in
         }
     }
     if (optind < argc)
-        return error_set(e, "bad-option", "unexpected '%s'; try 'facciad --help'", argv[optind]);
+        return error_set(e, ERROR_BAD_OPTION, "unexpected '%s'; try 'facciad --help'", argv[optind]);
     return 0;
 }
 

@@ -41,7 +41,7 @@ static int set_number(struct settings *s, const struct setting *setting, double 
                       const char *name, struct error *e) {
     if (!(value >= setting->min && value <= setting->max) ||
         (setting->type == SETTING_NUMBER && value != floor(value)))
-        return error_in_field(e, "bad-field", name, "'%s' is not a%s number from %.12g to %.12g", shown,
+        return error_in_field(e, ERROR_BAD_FIELD, name, "'%s' is not a%s number from %.12g to %.12g", shown,
                               setting->type == SETTING_NUMBER ? " whole" : "", setting->min, setting->max);
     if (setting->type == SETTING_NUMBER)
         *(unsigned *)place(s, setting) = (unsigned)value;
@@ -67,12 +67,12 @@ static int check_object(const json_t *object, const char *name, struct error *e)
     const char *key;
     json_t *value;
     if (!json_is_object(object))
-        return error_in_field(e, "bad-field", name, "must be an object");
+        return error_in_field(e, ERROR_BAD_FIELD, name, "must be an object");
     json_object_foreach((json_t *)object, key, value) {
         char member[64];
         snprintf(member, sizeof member, "%s.%s", name, key);
         if (!json_is_object(value))
-            return error_in_field(e, "bad-field", member, "must be an object: the plugin's own settings");
+            return error_in_field(e, ERROR_BAD_FIELD, member, "must be an object: the plugin's own settings");
     }
     return 0;
 }
@@ -81,9 +81,9 @@ static json_t *load_object(const char *file, const char *name, struct error *e) 
     json_error_t why;
     json_t *object = json_load_file(file, JSON_REJECT_DUPLICATES, &why);
     if (!object && why.line > 0)
-        error_in_field(e, "bad-json", name, "%s:%d:%d: %s", file, why.line, why.column, why.text);
+        error_in_field(e, ERROR_BAD_SETTINGS, name, "%s:%d:%d: %s", file, why.line, why.column, why.text);
     else if (!object)
-        error_in_field(e, "bad-file", name, "%s", why.text);
+        error_in_field(e, ERROR_BAD_SETTINGS, name, "%s", why.text);
     return object;
 }
 
@@ -95,12 +95,12 @@ int setting_from_text(struct settings *s, const struct setting *setting, const c
     switch (setting->type) {
     case SETTING_CHOICE:
         if (!is_choice(setting->shape, text))
-            return error_in_field(e, "bad-field", name, "'%s' is not one of %s", text, setting->shape);
+            return error_in_field(e, ERROR_BAD_FIELD, name, "'%s' is not one of %s", text, setting->shape);
         /* fall through */
     case SETTING_STRING:
     case SETTING_FOLDER:
         if (setting->type == SETTING_FOLDER && !is_folder(text))
-            return error_in_field(e, "bad-field", name, "'%s' is not a folder", text);
+            return error_in_field(e, ERROR_BAD_FIELD, name, "'%s' is not a folder", text);
         free(*(char **)at);
         *(char **)at = mem_strdup(text);
         return 0;
@@ -110,7 +110,7 @@ int setting_from_text(struct settings *s, const struct setting *setting, const c
         return set_number(s, setting, end == text || *end ? NAN : value, text, name, e);
     case SETTING_FLAG:
         if (strcmp(text, "true") && strcmp(text, "false") && strcmp(text, "1") && strcmp(text, "0"))
-            return error_in_field(e, "bad-field", name, "'%s' is not true or false", text);
+            return error_in_field(e, ERROR_BAD_FIELD, name, "'%s' is not true or false", text);
         *(bool *)at = *text == 't' || *text == '1';
         return 0;
     case SETTING_LIST:
@@ -142,28 +142,28 @@ static int set_from_json(struct settings *s, const struct setting *setting, cons
     case SETTING_FOLDER:
     case SETTING_CHOICE:
         if (!json_is_string(value))
-            return error_in_field(e, "bad-field", name, "must be a string");
+            return error_in_field(e, ERROR_BAD_FIELD, name, "must be a string");
         return setting_from_text(s, setting, json_string_value(value), name, e);
     case SETTING_NUMBER:
     case SETTING_REAL:
         if (!json_is_number(value))
-            return error_in_field(e, "bad-field", name, "must be a number from %.12g to %.12g", setting->min,
-                                  setting->max);
+            return error_in_field(e, ERROR_BAD_FIELD, name, "must be a number from %.12g to %.12g",
+                                  setting->min, setting->max);
         char shown[32];
         snprintf(shown, sizeof shown, "%.12g", json_number_value(value));
         return set_number(s, setting, json_number_value(value), shown, name, e);
     case SETTING_FLAG:
         if (!json_is_boolean(value))
-            return error_in_field(e, "bad-field", name, "must be true or false");
+            return error_in_field(e, ERROR_BAD_FIELD, name, "must be true or false");
         *(bool *)at = json_is_true(value);
         return 0;
     case SETTING_LIST:
         if (!json_is_array(value))
-            return error_in_field(e, "bad-field", name, "must be a list of strings");
+            return error_in_field(e, ERROR_BAD_FIELD, name, "must be a list of strings");
         setting_clear(s, setting);
         json_array_foreach((json_t *)value, i, item) {
             if (!json_is_string(item))
-                return error_in_field(e, "bad-field", name, "item %zu must be a string", i);
+                return error_in_field(e, ERROR_BAD_FIELD, name, "item %zu must be a string", i);
             add_to_list(at, json_string_value(item), json_string_length(item));
         }
         return 0;
@@ -189,7 +189,7 @@ static int set_member(struct settings *s, const char *group, const char *key, co
         near_try(&near, settings_table[i].path, settings_table[i].path);
         near_try(&near, settings_table[i].option, settings_table[i].path);
     }
-    return error_in_field(e, "bad-field", path, "there is no such setting%s", near_text(&near, text));
+    return error_in_field(e, ERROR_BAD_FIELD, path, "there is no such setting%s", near_text(&near, text));
 }
 
 int settings_from_file(struct settings *s, const char *file, struct error *e) {
@@ -197,10 +197,10 @@ int settings_from_file(struct settings *s, const char *file, struct error *e) {
     json_t *members, *value, *root = load_object(file, "--config", e);
     int result = root ? 0 : -1;
     if (root && !json_is_object(root))
-        result = error_in_field(e, "bad-field", "--config", "%s: must be an object", file);
+        result = error_in_field(e, ERROR_BAD_FIELD, "--config", "%s: must be an object", file);
     json_object_foreach(root, group, members) {
         if (!result && !json_is_object(members))
-            result = error_in_field(e, "bad-field", group, "must be an object, as in --print-config");
+            result = error_in_field(e, ERROR_BAD_FIELD, group, "must be an object, as in --print-config");
         json_object_foreach(members, key, value) {
             if (!result)
                 result = set_member(s, group, key, value, e);

@@ -41,7 +41,8 @@ void bml_show(struct bml_behaviour *b, const char *kind, const char *name, doubl
 }
 
 static void missing(struct tag *tag, const char *what) {
-    score_warn(tag->r->score, tag->at, "missing-attribute", "<%s> has %s", tag->frame->element->name, what);
+    score_warn(tag->r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "<%s> has %s", tag->frame->element->name,
+               what);
 }
 
 /* Only the draft's have a kind of their own; those of BML 1.0 have their parts inside. */
@@ -137,7 +138,7 @@ void bml_begin_gaze(struct markup_reader *r, struct tag *tag) {
                  to          ? "offsetdirection"
                  : direction ? "direction"
                              : "target",
-                 "ignored", "nobody knows where '%.40s' is", where);
+                 ERROR_IGNORED, "nobody knows where '%.40s' is", where);
     }
 }
 
@@ -204,7 +205,7 @@ void bml_begin_boundary(struct markup_reader *r, struct tag *tag) {
 
 void bml_begin_other(struct markup_reader *r, struct tag *tag) {
     bml_add(tag, SHORT);
-    score_warn(r->score, tag->at, "ignored", "<%s> is not acted on: this is a head alone",
+    score_warn(r->score, tag->at, ERROR_IGNORED, "<%s> is not acted on: this is a head alone",
                tag->frame->element->name);
     tag->count = 0;
 }
@@ -235,7 +236,7 @@ void bml_end_reference(struct markup_reader *r, struct frame *frame) {
     else if ((n != 4 || strncasecmp(text, "gaze", 4) != 0) && strncasecmp(name, "look_", 5) != 0)
         bml_show_lexeme(b, r, name);
     else if (!bml_show_gaze(b, name))
-        score_warn(r->score, frame->inside, "ignored", "nobody knows where '%.40s' is", name);
+        score_warn(r->score, frame->inside, ERROR_IGNORED, "nobody knows where '%.40s' is", name);
 }
 
 void bml_end_intensity(struct markup_reader *r, struct frame *frame) {

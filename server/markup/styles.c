@@ -33,7 +33,7 @@ bool style_is_ipa(const char *ipa) {
 
 void style_ipa(struct tag *tag, const char *attribute, const char *ipa) {
     if (!style_is_ipa(ipa))
-        tag_warn(tag, attribute, "bad-value", "not all of \"%.60s\" is IPA", ipa);
+        tag_warn(tag, attribute, ERROR_BAD_VALUE, "not all of \"%.60s\" is IPA", ipa);
     if (*ipa)
         tag->frame->style.phonemes = reader_keep(tag->r, ipa);
 }

@@ -134,7 +134,7 @@ static int load_head(struct assets *assets, const char *file, struct error *e) {
     snprintf(path, sizeof path, "/v1/models/%.*s", (int)length, name);
     uint8_t *data = read_file(file, &size);
     if (!data)
-        return error_set(e, "bad-model", "%s: cannot be read", file);
+        return error_set(e, ERROR_BAD_MODEL, "%s: cannot be read", file);
     struct model model = {.asset = add(assets, path, "application/json", file, data, size)};
     assets->models = mem_grow(assets->models, &assets->model_cap, assets->model_count + 1, sizeof model);
     assets->models[assets->model_count++] = model;

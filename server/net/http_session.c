@@ -55,7 +55,7 @@ bool http_session_persists(const struct connection *c) {
 }
 
 /* A request that is refused before anybody else hears of it. */
-static void refuse(struct connection *c, unsigned status, const struct error *e) {
+static void refuse(struct connection *c, const struct error *e) {
     struct http_session *h = c->http;
     h->last = true;
     if (!h->exchange)
@@ -63,7 +63,7 @@ static void refuse(struct connection *c, unsigned status, const struct error *e)
     if (exchange_answered(h->exchange))
         connection_close(c);
     else
-        exchange_error(h->exchange, status, e);
+        exchange_error(h->exchange, e);
 }
 
 /* Somebody above the limits: the operator's questions are answered all the same. */
@@ -73,10 +73,9 @@ static bool utterance_away(struct connection *c) {
     bool asks_how = !strcmp(r->path, "/healthz") || !strcmp(r->path, "/metrics");
     if (!c->crowded && (!c->surplus || asks_how))
         return false;
-    error_set(&e, "too-many-connections",
-              c->crowded ? "too many connections from there are open" : "too many connections are open");
+    error_plain(&e, c->crowded ? ERROR_TOO_MANY_PER_ADDRESS : ERROR_TOO_MANY_CONNECTIONS);
     metrics_add(c->net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
-    refuse(c, c->crowded ? 429 : 503, &e);
+    refuse(c, &e);
     return true;
 }
 
@@ -153,7 +152,7 @@ static size_t advance(struct connection *c, const uint8_t *bytes, size_t size) {
         else if (event == HTTP_READ_END)
             end(c);
         else
-            refuse(c, h->reader.status, &h->reader.error);
+            refuse(c, &h->reader.error);
     }
     if (c->http)
         h->advancing = false;
@@ -253,8 +252,8 @@ void http_session_look(struct connection *c) {
     } else if (h->exchange && exchange_answered(h->exchange)) {
         connection_close(c);
     } else {
-        error_set(&e, "request-timeout", "the request has not come in time");
-        refuse(c, 408, &e);
+        error_plain(&e, ERROR_REQUEST_TIMEOUT);
+        refuse(c, &e);
         http_session_go_on(c);
     }
 }

@@ -23,7 +23,7 @@ int model_split(struct model *m, const char *file, struct error *e) {
     if (!head || !format || strcmp(format, "faccia-head") || !name || strcmp(name, base) ||
         !json_is_array(parts) || !json_is_object(textures)) {
         json_decref(head);
-        return error_set(e, "bad-model", "%s: %s", file,
+        return error_set(e, ERROR_BAD_MODEL, "%s: %s", file,
                          head ? "not a faccia-head of that name with parts and textures" : why.text);
     }
     m->name = mem_strdup(name);

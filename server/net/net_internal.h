@@ -103,7 +103,7 @@ void exchange_look(struct exchange *x); /* from time to time */
 /* An answer of known length; body is copied. */
 int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size);
 int exchange_json(struct exchange *x, unsigned status, json_t *object); /* drops the object */
-int exchange_error(struct exchange *x, unsigned status, const struct error *e);
+int exchange_error(struct exchange *x, const struct error *e);
 int exchange_allow(struct exchange *x, unsigned status,
                    const char *methods); /* an empty answer that names the methods */
 

@@ -29,10 +29,10 @@ static int play(struct exchange *x, struct recording_source *source, const struc
     return exchange_json(x, 202, json_pack("{ss ss}", "type", "accepted", "room", channel_name(channel)));
 }
 
-static int refuse(struct upload *u, unsigned status, const char *code, const char *why) {
+static int refuse(struct upload *u, enum error_code code, const char *why) {
     struct error e;
     error_set(&e, code, "%s", why);
-    return exchange_error(u->x, status, &e);
+    return exchange_error(u->x, &e);
 }
 
 static int on_body(void *self, const void *data, size_t size) {
@@ -40,7 +40,7 @@ static int on_body(void *self, const void *data, size_t size) {
     if (exchange_answered(u->x))
         return 0;
     if (u->form.size + size > exchange_net(u->x)->options.play_bytes)
-        return refuse(u, 413, "media-too-large", "the recording is larger than this server takes");
+        return refuse(u, ERROR_MEDIA_TOO_LARGE, "the recording is larger than this server takes");
     buf_add(&u->form, data, size);
     return 0;
 }
@@ -62,10 +62,10 @@ static int on_body_end(void *self) {
     if (exchange_answered(u->x))
         return 0;
     if (take_part(u, "fap", &u->source.fap, &e) < 0 || take_part(u, "sound", &u->source.sound, &e) < 0)
-        return exchange_error(u->x, 400, &e);
+        return exchange_error(u->x, &e);
     buf_free(&u->form);
     if (!u->source.fap.size)
-        return refuse(u, 400, "bad-form", "the form has no file 'fap'");
+        return refuse(u, ERROR_BAD_FORM, "the form has no file 'fap'");
     u->source.name = mem_strdup("upload");
     return play(u->x, &u->source, &u->request);
 }
@@ -101,15 +101,15 @@ int play_post(struct exchange *x) {
     bool form = type && !strncasecmp(type, "multipart/form-data", 19);
     if (request_from_query(&request, exchange_request(x), "name", &e) ||
         (name && media_source(exchange_net(x), &source, name, &e))) {
-        result = exchange_error(x, strcmp(e.code, "unknown-media") ? 400 : 404, &e);
+        result = exchange_error(x, &e);
     } else if (name) {
         result = play(x, &source, &request);
     } else if (form) {
         return open_upload(x, &request);
     } else {
-        error_set(&e, "unsupported-media-type",
+        error_set(&e, ERROR_UNSUPPORTED_MEDIA_TYPE,
                   "a recording is uploaded as multipart/form-data, or named by name=");
-        result = exchange_error(x, 415, &e);
+        result = exchange_error(x, &e);
     }
     recording_source_free(&source);
     request_free(&request);

@@ -58,15 +58,16 @@ int socket_set_media(struct socket *s, const struct media_wish *wish, struct err
     if (wish->fap)
         encoding.fap = (uint8_t)codec;
     if (wish->kilobits && (codec = encoding_kilobits(wish->kilobits)) < 0)
-        return error_in_field(e, "bad-field", "kilobits", "must be a number of kilobits a second, 6 to 64");
+        return error_in_field(e, ERROR_BAD_FIELD, "kilobits",
+                              "must be a number of kilobits a second, 6 to 64");
     if (wish->kilobits)
         encoding.kilobits = (uint8_t)codec;
     int packed = wish->events ? encoding_events(wish->events) : encoding.packed;
     if (packed < 0)
-        return error_in_field(e, "unknown-codec", "events", "no form of events '%s'", wish->events);
+        return error_in_field(e, ERROR_UNKNOWN_CODEC, "events", "no form of events '%s'", wish->events);
     encoding.packed = packed;
     if (!encoding_possible(&encoding))
-        return error_in_field(e, "unknown-codec", "fap",
+        return error_in_field(e, ERROR_UNKNOWN_CODEC, "fap",
                               "plain FAPs do not go with Opus: ask for fapc, or for pcm");
     channel_want(&s->follower, &encoding);
     return 0;
@@ -128,10 +129,10 @@ static void fault(void *ctx, enum websocket_status status, const char *why, uint
     struct socket *s = ctx;
     struct error e;
     if (status == WEBSOCKET_BAD_TEXT && !s->closing) {
-        error_at_byte(&e, why, (size_t)byte, "a text must be UTF-8");
+        error_at_byte(&e, ERROR_BAD_UTF8, (size_t)byte, "a text must be UTF-8");
         socket_complain(s, &e);
     } else if (status == WEBSOCKET_TOO_LARGE && !s->closing) {
-        error_set(&e, why, "a message may have %u bytes", s->net->options.message_bytes);
+        error_set(&e, ERROR_MESSAGE_TOO_LONG, "a message may have %u bytes", s->net->options.message_bytes);
         socket_complain(s, &e);
     }
     socket_farewell(s, status, why);
@@ -214,7 +215,7 @@ int socket_may_direct(struct socket *s, struct error *e) {
 int socket_may_speak(struct socket *s, struct error *e) {
     if (socket_may_direct(s, e) || principal_ask(s->net, &s->principal, e))
         return -1;
-    return s->net->draining ? error_set(e, "stopping", "the server is about to stop") : 0;
+    return s->net->draining ? error_plain(e, ERROR_STOPPING) : 0;
 }
 
 void socket_speak_request(struct socket *s, const struct speech_request *request) {
@@ -222,7 +223,7 @@ void socket_speak_request(struct socket *s, const struct speech_request *request
     struct error e;
     int refused = socket_may_speak(s, &e);
     if (!refused && request->text_size > limit)
-        refused = error_in_field(&e, "text-too-long", "text", "a text may have %u bytes", limit);
+        refused = error_in_field(&e, ERROR_TEXT_TOO_LONG, "text", "a text may have %u bytes", limit);
     if (refused)
         socket_refuse(s, request->id, &e);
     else

@@ -93,17 +93,12 @@ static void on_problem(void *ctx, const struct error *e, bool warning) {
         p->failure = *e;
 }
 
-/* Of a request that could not be met. */
-static unsigned status_of(const struct error *e) {
-    return !strcmp(e->code, "voice-unavailable") ? 503 : !strcmp(e->code, "text-too-long") ? 413 : 400;
-}
-
 static void on_finished(void *ctx, size_t spoken) {
     struct post *p = ctx;
     if (spoken)
         export_worker_end(p->worker);
     else
-        exchange_error(p->x, synthesis_is_read(p->synthesis) ? 500 : status_of(&p->failure), &p->failure);
+        exchange_error(p->x, &p->failure);
 }
 
 static int on_body(void *self, const void *data, size_t size) {
@@ -116,7 +111,8 @@ static int no_format(const char *name, struct error *e) {
     char text[NEAR_TEXT];
     for (const struct export_format *format = export_formats; format->name; format++)
         near_try(&near, format->name, format->name);
-    return error_in_field(e, "unknown-format", "format", "no format '%s'%s", name, near_text(&near, text));
+    return error_in_field(e, ERROR_UNKNOWN_FORMAT, "format", "no format '%s'%s", name,
+                          near_text(&near, text));
 }
 
 static int read_request(struct post *p, struct speech_request *request, struct error *e) {
@@ -146,7 +142,7 @@ static int on_body_end(void *self) {
     }
     request_free(&request);
     post_text_free(&p->text);
-    return p->synthesis ? 0 : exchange_error(p->x, status_of(&e), &e);
+    return p->synthesis ? 0 : exchange_error(p->x, &e);
 }
 
 static void on_free(void *self) {

@@ -45,7 +45,7 @@ static void submit(struct synthesis *s) {
 static void warn(void *ctx, const char *message) {
     struct synthesis *s = ctx;
     struct error e;
-    error_set(&e, "voice-warning", "%s", message);
+    error_set(&e, ERROR_VOICE_WARNING, "%s", message);
     if (!s->freed)
         s->callbacks.problem(s->ctx, &e, true);
 }
@@ -127,7 +127,7 @@ static void deliver(struct synthesis *s) {
         if (unfit) {
             sentence_audio_free(slot->audio);
             slot->audio = NULL;
-            error_set(&slot->failure, "voice-failed", "%s", unfit);
+            error_set(&slot->failure, ERROR_VOICE_FAILED, "%s", unfit);
         }
         metrics_add(s->pipeline->metrics, slot->audio ? METRIC_SENTENCES : METRIC_SENTENCES_FAILED, 1);
         if (slot->audio) {

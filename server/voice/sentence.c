@@ -188,7 +188,7 @@ static void on_done(void *ctx, struct sentence_audio *u) {
     role->sentence->seconds += u->sample_rate ? (double)u->samples / u->sample_rate : 0;
     if (role->sentence->seconds > 2 * ASSEMBLY_SECONDS_MAX) {
         struct error e;
-        error_set(&e, "voice-failed", "the voices made more than %d s of one sentence",
+        error_set(&e, ERROR_VOICE_FAILED, "the voices made more than %d s of one sentence",
                   2 * ASSEMBLY_SECONDS_MAX);
         finish(role->sentence, &e);
         return;
@@ -252,7 +252,7 @@ static void start(struct sentence *s, struct role *role) {
     } else if (role->part.kind == PART_SILENCE) {
         role->u = make_silence(s, &role->part);
     } else if (s->sounds++ >= SOUNDS_MAX) {
-        error_set(&role->e, "no-sound", "more than %d sounds in one sentence", SOUNDS_MAX);
+        error_set(&role->e, ERROR_NO_SOUND, "more than %d sounds in one sentence", SOUNDS_MAX);
         give_up(role);
     } else {
         const struct score_item *sound = item(s, role->part.first);

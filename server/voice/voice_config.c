@@ -9,16 +9,17 @@ char *voice_config_read(const char *path, struct error *e) {
     char *text = NULL;
     *e = (struct error){0};
     if (!root && why.line < 1)
-        error_set(e, "bad-config", "%.100s: %.100s", path, why.text);
+        error_set(e, ERROR_BAD_VOICE_CONFIG, "%.100s: %.100s", path, why.text);
     else if (!root)
-        error_at_line(e, "bad-config", (size_t)why.line, (size_t)why.column, "%.100s: %.100s", path,
+        error_at_line(e, ERROR_BAD_VOICE_CONFIG, (size_t)why.line, (size_t)why.column, "%.100s: %.100s", path,
                       why.text);
     else if (!json_is_object(root))
-        error_set(e, "bad-config", "%.100s: wanted is an object with an object for each voice plugin", path);
+        error_set(e, ERROR_BAD_VOICE_CONFIG,
+                  "%.100s: wanted is an object with an object for each voice plugin", path);
     json_object_foreach(root, name, own) {
         if (!json_is_object(own) && !e->code)
-            error_in_field(e, "bad-config", name, "%.100s: wanted is an object, the plugin's configuration",
-                           path);
+            error_in_field(e, ERROR_BAD_VOICE_CONFIG, name,
+                           "%.100s: wanted is an object, the plugin's configuration", path);
     }
     if (!e->code)
         text = json_dumps(root, JSON_COMPACT);

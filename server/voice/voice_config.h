@@ -6,8 +6,8 @@
 
 #include "server/base/error.h"
 
-/* Reads the file for voice_pool_options.config; the caller frees it. NULL with *e ("bad-config", with line
- * and column, or the field). */
+/* Reads the file for voice_pool_options.config; the caller frees it. NULL with *e ("bad-voice-config", with
+ * line and column, or the field). */
 char *voice_config_read(const char *path, struct error *e);
 
 #endif

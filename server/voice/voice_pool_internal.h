@@ -144,7 +144,7 @@ pool_next_job(struct plugin *plugin);          /* the sentence to be spoken next
 void pool_fail_waiting(struct plugin *plugin); /* when no worker of it will come */
 
 /* Ends all of them; why follows "the voice NAME". */
-void queue_fail(struct job_queue *queue, const char *code, const char *why);
+void queue_fail(struct job_queue *queue, enum error_code code, const char *why);
 
 /* pool_cache.c */
 

@@ -74,7 +74,7 @@ static void rest(struct worker *w, const char *why, bool hopeless) {
 
 /* The process is lost; why follows "the voice NAME". That costs the sentence that it spoke, if any, and
  * another process is started: at once if this one was of any use. */
-static void lose(struct worker *w, const char *code, const char *why, bool hopeless) {
+static void lose(struct worker *w, enum error_code code, const char *why, bool hopeless) {
     struct plugin *plugin = w->plugin;
     enum worker_state state = w->state;
     struct error e;
@@ -100,16 +100,16 @@ static void on_time(uv_timer_t *timer) {
     struct worker *w = timer->data;
     switch (w->state) {
     case WORKER_STARTING:
-        lose(w, "voice-failed", "does not answer", false);
+        lose(w, ERROR_VOICE_FAILED, "does not answer", false);
         break;
     case WORKER_SPEAKING:
-        lose(w, "voice-timeout", "took too long", false);
+        lose(w, ERROR_VOICE_TIMEOUT, "took too long", false);
         break;
     case WORKER_STOPPING:
-        lose(w, "voice-timeout", "did not stop", false);
+        lose(w, ERROR_VOICE_TIMEOUT, "did not stop", false);
         break;
     case WORKER_LOST:
-        lose(w, "voice-timeout", "did not come back", false);
+        lose(w, ERROR_VOICE_TIMEOUT, "did not come back", false);
         break;
     case WORKER_RESTING:
         start(w);
@@ -127,7 +127,7 @@ static void hello(struct worker *w, const char *description) {
     struct error e;
     if (!plugin->listed || w->given_up) {
         if (catalog_add(&plugin->pool->catalog, plugin->name, description, &e) < 0) {
-            lose(w, "voice-failed", e.message, true);
+            lose(w, e.code, e.message, true);
             return;
         }
     }
@@ -148,7 +148,7 @@ static void done(struct worker *w, struct wire_reader *r) {
     const char *message = wire_get_string(r);
     struct error e;
     if (r->bad) {
-        lose(w, "voice-failed", "sent garbage", false);
+        lose(w, ERROR_VOICE_FAILED, "sent garbage", false);
         return;
     }
     struct sentence_audio *u = NULL;
@@ -156,7 +156,7 @@ static void done(struct worker *w, struct wire_reader *r) {
     if (job->cancelled)
         failed = 0;
     else if (failed)
-        error_set(&e, "voice-failed", "the voice %s failed: %s", w->plugin->name,
+        error_set(&e, ERROR_VOICE_FAILED, "the voice %s failed: %s", w->plugin->name,
                   message && *message ? message : "it does not say why");
     else {
         u = assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate);
@@ -175,7 +175,7 @@ static void greeted(struct worker *w, const struct wire_frame *frame) {
     if (text && frame->type == WIRE_HELLO)
         hello(w, text);
     else
-        lose(w, "voice-failed", text && (w->absent || frame->type == WIRE_FAILED) ? text : "sent garbage",
+        lose(w, ERROR_VOICE_FAILED, text && (w->absent || frame->type == WIRE_FAILED) ? text : "sent garbage",
              true);
 }
 
@@ -218,7 +218,7 @@ static void said(void *ctx, const struct wire_frame *frame) {
     else if (expected && frame->type == WIRE_EVENTS)
         result = w->job->cancelled ? 0 : assembly_events(w->job->assembly, frame, &e);
     else
-        result = error_set(&e, "voice-failed", "sent garbage");
+        result = error_set(&e, ERROR_VOICE_FAILED, "sent garbage");
     if (!result && w->job && (frame->type == WIRE_AUDIO || frame->type == WIRE_EVENTS)) {
         pool_job_said(w->job, frame);
         if (w->state == WORKER_SPEAKING)
@@ -229,7 +229,7 @@ static void said(void *ctx, const struct wire_frame *frame) {
 }
 
 static void died(void *ctx, const char *how) {
-    lose(ctx, "voice-crashed", how, false);
+    lose(ctx, ERROR_VOICE_CRASHED, how, false);
 }
 
 static void gone(void *ctx) {
@@ -263,7 +263,7 @@ static struct process *launch(struct worker *w, struct error *e) {
     for (int i = 0; i < 2 && !process; i++) {
         pool->open_handles++;
         process = process_start(pool->loop, pool->worker_path, w->plugin->path, &callbacks, w, e);
-        if (!process && strcmp(e->code, PROCESS_NO_ROOM) != 0)
+        if (!process && e->code != PROCESS_NO_ROOM)
             break;
         if (!process)
             reserve_release(&pool->reserve);
@@ -279,7 +279,7 @@ static void start(struct worker *w) {
     struct error e;
     set_state(w, WORKER_STARTING, START_MS);
     w->process = launch(w, &e);
-    if (!w->process && !strcmp(e.code, PROCESS_NO_ROOM)) {
+    if (!w->process && e.code == PROCESS_NO_ROOM) {
         wait_for_room(w, e.message);
         return;
     }
@@ -336,7 +336,7 @@ void worker_close(struct worker *w) {
     if (w->process)
         process_stop(w->process, idle);
     w->process = NULL;
-    error_set(&e, "cancelled", "the voice %s is shut down", w->plugin->name);
+    error_set(&e, ERROR_CANCELLED, "the voice %s is shut down", w->plugin->name);
     end_job(w, NULL, &e);
 }
 

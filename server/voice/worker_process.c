@@ -149,7 +149,7 @@ struct process *process_start(uv_loop_t *loop, const char *program, const char *
     if (result == 0)
         return p;
     bool passes = result == UV_EMFILE || result == UV_ENFILE || result == UV_ENOMEM || result == UV_EAGAIN;
-    error_set(e, passes ? PROCESS_NO_ROOM : "voice-failed", "%s cannot be started: %s", program,
+    error_set(e, passes ? PROCESS_NO_ROOM : ERROR_VOICE_FAILED, "%s cannot be started: %s", program,
               uv_strerror(result));
     process_stop(p, false);
     return NULL;

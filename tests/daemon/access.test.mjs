@@ -164,7 +164,7 @@ test('limits for an address and for a subject', async () => {
   const first = await tight.stream('', bearer(token()));
   const second = await tight.stream('', bearer(token()));
   const third = await tight.stream('', bearer(token(['--subject', 'anna'])));
-  await third.wait({ type: 'error', code: 'too-many-connections' });
+  await third.wait({ type: 'error', code: 'too-many-per-address' });
   // of the same address, but another subject
   const other = await tight.stream('', bearer(token(['--subject', 'bruno'])));
   assert.equal(await speaks(other), true);

@@ -203,7 +203,7 @@ static int read_table(struct context_table *table, const struct json_place *root
 
 struct context_table *context_table_load(const char *path, const struct speech_pack *pack, struct error *e) {
     struct json_place root;
-    if (json_place_load(path, &root, e))
+    if (json_place_load(path, ERROR_BAD_SHAPE_TABLE, &root, e))
         return NULL;
     struct context_table *table = mem_alloc(sizeof *table);
     if (read_table(table, &root, pack)) {

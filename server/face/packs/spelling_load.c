@@ -163,7 +163,7 @@ static int read_table(struct spelling *s, const struct json_place *root, const s
 
 struct spelling *spelling_load(const char *path, const struct speech_pack *pack, struct error *e) {
     struct json_place root;
-    if (json_place_load(path, &root, e))
+    if (json_place_load(path, ERROR_BAD_SHAPE_TABLE, &root, e))
         return NULL;
     struct spelling *s = mem_alloc(sizeof *s);
     if (read_table(s, &root, pack)) {
