@@ -253,14 +253,10 @@ static int parse(int argc, char **argv, struct fitting *f) {
     return -1;
 }
 
-int fit_main(int argc, char **argv) {
+int fit_main(int argc, char **argv, const struct settings *settings) {
     struct fitting f = {.base = "it", .first = 10, .then = 30};
     int status = parse(argc, argv, &f);
     if (status >= 0)
         return status;
-    struct paths paths;
-    paths_find(&paths);
-    status = fit_all(&f, paths.models, argv + optind, argc - optind);
-    paths_free(&paths);
-    return status;
+    return fit_all(&f, settings->models, argv + optind, argc - optind);
 }

@@ -71,7 +71,8 @@ static int print(const char *secret_file, const struct token *token, bool brief)
     return EXIT_DONE;
 }
 
-int token_main(int argc, char **argv) {
+int token_main(int argc, char **argv, const struct settings *settings) {
+    (void)settings;
     enum { SECRET = 256, ROOM, RIGHTS, EXPIRES, SHORT };
     static const struct option options[] = {{"secret-file", 1, NULL, SECRET}, {"subject", 1, NULL, 's'},
                                             {"room", 1, NULL, ROOM},          {"rights", 1, NULL, RIGHTS},

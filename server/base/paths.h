@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where the program's own files lie: beside it in a build tree, or under its prefix when it is installed. */
+/* Where the program's own files lie: in its build tree; or below the prefix that the program itself lies in,
+ * which may have been moved; or, when it lies elsewhere, below the prefix that it was built for. */
 #ifndef FACCIA_BASE_PATHS_H
 #define FACCIA_BASE_PATHS_H
 
 /* Absolute paths; free with paths_free. An empty string where nothing was found. */
 struct paths {
-    char *models;       /* holds speech/, heads/; $FACCIA_MODELS overrides */
-    char *web;          /* the page and its bundle; $FACCIA_WEB overrides */
-    char *plugins;      /* voice plugins; $FACCIA_PLUGINS overrides */
-    char *worker;       /* the faccia-voice program; $FACCIA_WORKER overrides */
-    char *voice_config; /* $FACCIA_VOICE_CONFIG: the voices' configuration file */
+    char *models;  /* holds speech/, heads/ */
+    char *web;     /* the page and its bundle */
+    char *plugins; /* voice plugins */
+    char *worker;  /* the faccia-voice program */
 };
 
 void paths_find(struct paths *paths);

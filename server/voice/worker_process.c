@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/worker_process.h"
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include <signal.h>
 #include <stdio.h>
@@ -132,7 +133,7 @@ struct process *process_start(uv_loop_t *loop, const char *program, const char *
     uv_pipe_init(loop, &p->pipe, 0);
     uv_timer_init(loop, &p->killer);
     p->open = 3;
-    char *args[] = {(char *)program, (char *)plugin, NULL};
+    char *args[] = {(char *)program, (char *)plugin, (char *)log_format_name(), NULL};
     uv_stdio_container_t stdio[] = {
         {.flags = UV_IGNORE},
         {.flags = UV_INHERIT_FD, .data.fd = 2}, /* what a plugin prints is no part of the daemon's output */
