@@ -96,18 +96,17 @@ static void begin(struct connection *c) {
 
 static void body(struct connection *c) {
     struct http_session *h = c->http;
-    struct exchange_work *work = h->exchange ? exchange_get_work(h->exchange) : NULL;
     h->last_rx = connection_now(c);
     h->body += h->reader.body_size;
-    if (work && work->body)
-        work->body(work->self, h->reader.body, h->reader.body_size);
+    if (h->exchange)
+        exchange_take_body(h->exchange, h->reader.body, h->reader.body_size);
 }
 
 static void end(struct connection *c) {
     struct http_session *h = c->http;
     struct exchange_work *work = h->exchange ? exchange_get_work(h->exchange) : NULL;
     h->complete = true;
-    if (work && work->body_end)
+    if (work && work->body_end && !exchange_answered(h->exchange))
         work->body_end(work->self);
 }
 

@@ -27,6 +27,11 @@ int post_text_begin(struct post_text *p, struct exchange *x, const struct member
     struct error e;
     *p = (struct post_text){.x = x, .known = *known, .bodiless = request->method != HTTP_POST};
     p->json = !p->bodiless && type && has_type(type, "application/json");
+    const struct net_options *options = &exchange_net(x)->options;
+    if (p->json)
+        exchange_expect_body(x, options->message_bytes, ERROR_MESSAGE_TOO_LONG);
+    else if (!p->bodiless)
+        exchange_expect_body(x, options->text_bytes, ERROR_TEXT_TOO_LONG);
     if (p->json || p->bodiless)
         return 0;
     p->markup = markup_of(type ? type : "");
@@ -38,25 +43,10 @@ int post_text_begin(struct post_text *p, struct exchange *x, const struct member
     return -1;
 }
 
-int post_text_take(struct post_text *p, const void *data, size_t size) {
-    struct error e;
-    const struct net_options *options = &exchange_net(p->x)->options;
-    unsigned limit = p->json ? options->message_bytes : options->text_bytes;
-    if (exchange_answered(p->x))
-        return 0;
-    if (p->body.size + size > limit) {
-        error_set(&e, p->json ? ERROR_MESSAGE_TOO_LONG : ERROR_TEXT_TOO_LONG, "a %s may have %u bytes",
-                  p->json ? "JSON body" : "text", limit);
-        return exchange_error(p->x, &e);
-    }
-    buf_add(&p->body, data, size);
-    return 0;
-}
-
 static int read_json(struct post_text *p, struct speech_request *request, struct error *e) {
     json_error_t why;
-    p->object =
-        json_loadb(p->body.size ? (const char *)p->body.data : "", p->body.size, JSON_ALLOW_NUL, &why);
+    const struct buf *body = exchange_body(p->x);
+    p->object = json_loadb(body->size ? (const char *)body->data : "", body->size, JSON_ALLOW_NUL, &why);
     if (!p->object)
         return message_bad_json(&why, e);
     if (!json_is_object(p->object))
@@ -75,8 +65,8 @@ static int read_json(struct post_text *p, struct speech_request *request, struct
 int post_text_request(struct post_text *p, struct speech_request *request, struct error *e) {
     const struct http_request *from = exchange_request(p->x);
     unsigned limit = exchange_net(p->x)->options.text_bytes;
-    struct request_value text = {REQUEST_STRING, p->body.size ? (const char *)p->body.data : "", p->body.size,
-                                 0};
+    const struct buf *body = exchange_body(p->x);
+    struct request_value text = {REQUEST_STRING, body->size ? (const char *)body->data : "", body->size, 0};
     if (p->markup)
         request->markup = mem_strdup(p->markup);
     if (request_from_query(request, from, NULL, e))
@@ -107,7 +97,7 @@ int post_text_member(const struct post_text *p, const char *name, char *value, s
 }
 
 void post_text_free(struct post_text *p) {
-    buf_free(&p->body);
+    exchange_drop_body(p->x);
     json_decref(p->object);
     p->object = NULL;
 }

@@ -25,11 +25,6 @@ struct say {
     struct post_text text;
 };
 
-static int say_body(void *self, const void *data, size_t size) {
-    struct say *say = self;
-    return post_text_take(&say->text, data, size);
-}
-
 /* Nobody is there: it is kept, where that is wanted. */
 static int say_to_nobody(struct exchange *x, const char *room, const struct speech_request *request) {
     struct net *net = exchange_net(x);
@@ -51,8 +46,6 @@ static int say_end(void *self) {
     struct error e;
     const char *room = http_query(exchange_request(x), "room");
     int result;
-    if (exchange_answered(x))
-        return 0;
     request_init(&request);
     struct channel *channel = channel_find(exchange_net(x), room);
     if (post_text_request(&say->text, &request, &e)) {
@@ -87,8 +80,7 @@ int room_say(struct exchange *x) {
     if (channel_check_name(room, &e))
         return exchange_error(x, &e);
     struct say *say = mem_alloc(sizeof *say);
-    exchange_set_work(
-        x, (struct exchange_work){.body = say_body, .body_end = say_end, .free = say_free, .self = say});
+    exchange_set_work(x, (struct exchange_work){.body_end = say_end, .free = say_free, .self = say});
     post_text_begin(&say->text, x, &say_members, &result);
     return result;
 }

@@ -101,11 +101,6 @@ static void on_finished(void *ctx, size_t spoken) {
         exchange_error(p->x, &p->failure);
 }
 
-static int on_body(void *self, const void *data, size_t size) {
-    struct post *p = self;
-    return post_text_take(&p->text, data, size);
-}
-
 static int no_format(const char *name, struct error *e) {
     struct near near = near_to(name);
     char text[NEAR_TEXT];
@@ -131,7 +126,7 @@ static int on_body_end(void *self) {
     struct net *net = exchange_net(p->x);
     struct speech_request request;
     struct error e;
-    if (exchange_answered(p->x) || p->synthesis)
+    if (p->synthesis)
         return 0;
     request_init(&request);
     if (!read_request(p, &request, &e))
@@ -161,8 +156,7 @@ int speech_ask(struct exchange *x) {
     int result = 0;
     p->x = x;
     exchange_set_work(
-        x, (struct exchange_work){
-               .body = on_body, .body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
+        x, (struct exchange_work){.body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
     post_text_begin(&p->text, x, &speech_members, &result);
     return result;
 }
