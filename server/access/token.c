@@ -117,8 +117,6 @@ static int read_token(jwt_t *jwt, long now, struct token *token, struct error *e
 
 int token_check(const struct secrets *secrets, const char *text, long now, struct token *token,
                 struct error *e) {
-    if (strchr(text, '~') && strlen(text) < TOKEN_BYTES)
-        return token_check_short(secrets, text, now, token, e);
     *token = (struct token){0};
     jwt_t *jwt = NULL;
     for (size_t i = 0; !jwt && i < secrets->count && strlen(text) < TOKEN_BYTES; i++) {

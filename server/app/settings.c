@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/settings.h"
-#include "server/app/settings_table.h"
+#include "server/app/settings_internal.h"
 #include "server/base/mem.h"
 #include <getopt.h>
 #include <stdlib.h>

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/app/settings_table.h"
+#include "server/app/settings_internal.h"
 
 #define MEMBER(name) offsetof(struct settings, name)
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/app/settings_table.h"
+#include "server/app/settings_internal.h"
 #include "server/base/mem.h"
 #include "server/base/near.h"
 #include <math.h>

@@ -52,10 +52,4 @@ void mood_free(struct mood *mood);
 int mood_set(struct mood *mood, const char *const *names, const double *intensities, size_t count, double at,
              double ease, struct error *e);
 
-/* How the expressions at a moment change the signs of life; all 1 when neutral. */
-struct liveliness {
-    double blink_rate, blink_length; /* factors */
-    double motion;                   /* factor of head motion */
-};
-
 #endif

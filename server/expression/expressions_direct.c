@@ -2,6 +2,7 @@
 /* The voice's part of the expressions. */
 #include "server/base/mem.h"
 #include "server/base/near.h"
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <stdlib.h>

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/near.h"
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <stdio.h>

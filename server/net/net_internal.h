@@ -143,7 +143,8 @@ struct exchange_work {
 };
 void exchange_set_work(struct exchange *x, struct exchange_work work);
 
-/* The body is kept, up to so many bytes; a longer one is answered with that error. Otherwise it is passed over. */
+/* The body is kept, up to so many bytes; a longer one is answered with that error. Otherwise it is passed
+ * over. */
 void exchange_expect_body(struct exchange *x, size_t most, enum error_code too_long);
 void exchange_take_body(struct exchange *x, const void *data, size_t size); /* what has come of it */
 const struct buf *exchange_body(const struct exchange *x);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/normalize/normalizers.h"
 #include "server/base/mem.h"
-#include "server/normalize/normalizer_internal.h"
+#include "server/normalize/normalizers_internal.h"
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>

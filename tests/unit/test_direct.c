@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The voice's part of the expressions. */
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <setjmp.h>

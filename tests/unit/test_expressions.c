@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The expressions file: what is in it, and what its reader says of a broken one. */
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <setjmp.h>

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <setjmp.h>

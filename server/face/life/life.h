@@ -17,6 +17,7 @@
 #ifndef FACCIA_FACE_LIFE_LIFE_H
 #define FACCIA_FACE_LIFE_LIFE_H
 
+#include "server/expression/recipe.h"
 #include "server/face/track.h"
 
 /* How the expressions change life at a time of the sentence; may be NULL. */

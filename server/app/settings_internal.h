@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Inside of the settings: the table, and one setting in and out of text and JSON. */
-#ifndef FACCIA_APP_SETTINGS_TABLE_H
-#define FACCIA_APP_SETTINGS_TABLE_H
+#ifndef FACCIA_APP_SETTINGS_INTERNAL_H
+#define FACCIA_APP_SETTINGS_INTERNAL_H
 
 #include "server/app/settings.h"
 #include <jansson.h>
