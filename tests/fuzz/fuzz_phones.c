@@ -72,7 +72,7 @@ static void find(const char *text, uint8_t choice) {
         size_t count = spelling_read(in->letters, text, &letters);
         spelling_syllables(letters, count);
         for (size_t i = 0; i < count; i++)
-            FUZZ_CHECK(spelling_shape(in->letters, &letters[i]) < in->letters->shapes.count);
+            FUZZ_CHECK(spelling_shape(in->letters, &letters[i]) < in->letters->common.shapes.count);
         free(letters);
     }
 }

@@ -86,7 +86,7 @@ static void gives_the_visemes_of_the_sample(void **state) {
             size_t at = i + k;
             sounds[k] = at < 2 ? (size_t)CONTEXT_SILENCE : context_sound(table, g.items[at - 2].phone);
         }
-        assert_string_equal(table->shapes.items[context_shape(table, sounds)].name, visemes[i]);
+        assert_string_equal(table->common.shapes.items[context_shape(table, sounds)].name, visemes[i]);
     }
     phone_segments_free(&g);
     sentence_audio_free(u);
