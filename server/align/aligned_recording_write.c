@@ -2,7 +2,7 @@
 /* What is known of an aligned recording, handed out: as audio with its times, and as a file. */
 #include "server/align/aligned_recording.h"
 #include "server/base/mem.h"
-#include "server/voice/sampa.h"
+#include "server/base/sampa.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>

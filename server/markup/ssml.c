@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* SSML 1.1 (W3C Recommendation, 7 September 2010), with EmotionML and two vendors' emotions inside. */
+#include "server/base/sampa.h"
 #include "server/markup/affects.h"
 #include "server/markup/emotionml.h"
 #include "server/markup/markup_prosody.h"
 #include "server/markup/styles.h"
-#include "server/voice/sampa.h"
 #include <math.h>
 #include <string.h>
 #include <strings.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/styles.h"
+#include "server/base/sampa.h"
 #include "server/markup/sayas.h"
-#include "server/voice/sampa.h"
 #include <string.h>
 
 void style_take_gender(struct tag *tag) {

@@ -2,7 +2,7 @@
 #include "server/synthesis/recording.h"
 #include "protocol/fapfile.h"
 #include "server/base/mem.h"
-#include "server/synthesis/recording_sound.h"
+#include "server/synthesis/recording_internal.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/synthesis/recording_sound.h"
 #include "server/base/mem.h"
+#include "server/synthesis/recording_internal.h"
 #include <math.h>
 #include <sndfile.h>
 #include <stdio.h>

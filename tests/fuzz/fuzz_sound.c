@@ -3,7 +3,7 @@
 #include "server/align/sound_file.h"
 #include "server/base/mem.h"
 #include "server/plugins/command/command_sound.h"
-#include "server/synthesis/recording_sound.h"
+#include "server/synthesis/recording_internal.h"
 #include "server/voice/inserted_sound.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>

@@ -24,7 +24,7 @@ const BELOW = {
   align: ['face', 'voice', 'markup', 'base'],
   eval: ['face', 'voice', 'expression', 'protocol', 'base'],
   fit: ['face', 'voice', 'protocol', 'base'],
-  plugins: ['voice', 'align', 'base', 'markup'],
+  plugins: ['align', 'face', 'voice', 'markup', 'base'],
 };
 BELOW.app = Object.keys(BELOW);
 

@@ -2,10 +2,10 @@
 /* The readers of marked-up text: what documents alone (tests/documents) do not show. */
 #include "server/base/buf.h"
 #include "server/base/lines.h"
+#include "server/base/sampa.h"
 #include "server/markup/affects.h"
 #include "server/markup/markup_prosody.h"
 #include "server/markup/sayas.h"
-#include "server/voice/sampa.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdlib.h>
