@@ -21,16 +21,16 @@ static int check_file(FILE *file, const char *path, struct error *e) {
         parent && !stat(parent, &folder) && others_write(&folder) && !(folder.st_mode & S_ISVTX);
     int result = 0;
     if (fstat(fileno(file), &status))
-        result = error_set(e, "bad-file", "%s: %s", path, strerror(errno));
+        result = error_set(e, ERROR_BAD_SECRETS, "%s: %s", path, strerror(errno));
     else if (S_ISDIR(status.st_mode))
-        result = error_set(e, "bad-file", "%s: is a folder, not a file of secrets", path);
+        result = error_set(e, ERROR_BAD_SECRETS, "%s: is a folder, not a file of secrets", path);
     else if (S_ISREG(status.st_mode) && others_write(&status))
-        result =
-            error_set(e, "bad-file", "%s: others than its owner may write it (mode %03o); 'chmod 600' helps",
-                      path, (unsigned)(status.st_mode & 0777));
+        result = error_set(e, ERROR_BAD_SECRETS,
+                           "%s: others than its owner may write it (mode %03o); 'chmod 600' helps", path,
+                           (unsigned)(status.st_mode & 0777));
     else if (S_ISREG(status.st_mode) && open_folder)
         result =
-            error_set(e, "bad-file",
+            error_set(e, ERROR_BAD_SECRETS,
                       "%s: others than its owner may replace it, as they may write its folder (mode %03o)",
                       path, (unsigned)(folder.st_mode & 0777));
     else if (S_ISREG(status.st_mode) && status.st_mode & S_IROTH)
@@ -50,8 +50,8 @@ static int read_lines(struct secrets *secrets, FILE *file, const char *path, str
             continue;
         line[n] = '\0';
         if (n < SECRET_BYTES_MIN) {
-            result = error_at_line(e, "bad-file", number, 1, "%s: a secret must have at least %d bytes", path,
-                                   SECRET_BYTES_MIN);
+            result = error_at_line(e, ERROR_BAD_SECRETS, number, 1,
+                                   "%s: a secret must have at least %d bytes", path, SECRET_BYTES_MIN);
             break;
         }
         secrets->list = mem_grow(secrets->list, &list_cap, secrets->count + 1, sizeof *secrets->list);
@@ -59,7 +59,7 @@ static int read_lines(struct secrets *secrets, FILE *file, const char *path, str
     }
     free(line);
     if (!result && !secrets->count)
-        result = error_set(e, "bad-file", "%s: holds no secret", path);
+        result = error_set(e, ERROR_BAD_SECRETS, "%s: holds no secret", path);
     return result;
 }
 
@@ -67,7 +67,7 @@ int secrets_load(struct secrets *secrets, const char *path, struct error *e) {
     *secrets = (struct secrets){0};
     FILE *file = fopen(path, "r");
     if (!file)
-        return error_set(e, "bad-file", "%s: %s", path, strerror(errno));
+        return error_set(e, ERROR_BAD_SECRETS, "%s: %s", path, strerror(errno));
     int result = check_file(file, path, e) || read_lines(secrets, file, path, e) ? -1 : 0;
     fclose(file);
     if (result)

@@ -15,8 +15,8 @@ struct secrets {
     size_t count;
 };
 
-/* -1 with *e: "bad-file" (also one that is no file, or that others than its owner may write or replace), or
- * the line of a secret that is too short. One that all may read is worth a warning in the log. */
+/* -1 with *e: "bad-secrets" (also one that is no file, or that others than its owner may write or replace),
+ * or the line of a secret that is too short. One that all may read is worth a warning in the log. */
 int secrets_load(struct secrets *secrets, const char *path, struct error *e);
 void secrets_free(struct secrets *secrets);
 

@@ -26,11 +26,11 @@ int rights_parse(const char *words, unsigned *rights, struct error *e) {
             if (strlen(rights_words[i].word) == n && !strncmp(rights_words[i].word, words, n))
                 found = rights_words[i].right;
         if (n && !found)
-            return error_in_field(e, "bad-field", "rights",
+            return error_in_field(e, ERROR_BAD_FIELD, "rights",
                                   "no right '%.*s'; there are listen, speak, operate", (int)n, words);
         *rights |= found;
     }
-    return *rights ? 0 : error_in_field(e, "bad-field", "rights", "names no right");
+    return *rights ? 0 : error_in_field(e, ERROR_BAD_FIELD, "rights", "names no right");
 }
 
 char *token_make(const struct secrets *secrets, const struct token *token, struct error *e) {
@@ -46,7 +46,7 @@ char *token_make(const struct secrets *secrets, const struct token *token, struc
         jwt_add_grant(jwt, "sub", token->subject) ||
         (*token->room && jwt_add_grant(jwt, "room", token->room)) || jwt_add_grant(jwt, "rights", rights) ||
         jwt_add_grant_int(jwt, "exp", token->expires) || !(text = jwt_encode_str(jwt)))
-        error_set(e, "bad-token", "the token could not be made");
+        error_set(e, ERROR_BAD_TOKEN, "the token could not be made");
     jwt_free(jwt);
     return text;
 }
@@ -57,7 +57,8 @@ static int copy_claim(char *out, size_t cap, const json_t *claims, const char *n
     const char *value = json_string_value(claim);
     if ((!value && (claim || needed)) || (value && json_string_length(claim) >= cap) ||
         (value && strlen(value) != json_string_length(claim)))
-        return error_set(e, "bad-token", "the token's claim '%s' is missing, too long, or no string", name);
+        return error_set(e, ERROR_BAD_TOKEN, "the token's claim '%s' is missing, too long, or no string",
+                         name);
     snprintf(out, cap, "%s", value ? value : "");
     return 0;
 }
@@ -69,7 +70,7 @@ static int copy_date(long *seconds, const json_t *claims, const char *name, bool
     if (!claim && !needed)
         return 0;
     if (!json_is_number(claim) || !(value >= 0 && value <= LATEST))
-        return error_set(e, "bad-token", "the token's claim '%s' is missing or no date", name);
+        return error_set(e, ERROR_BAD_TOKEN, "the token's claim '%s' is missing or no date", name);
     *seconds = (long)value;
     return 0;
 }
@@ -84,11 +85,11 @@ static int read_claims(const json_t *claims, long now, struct token *token, stru
         copy_date(&made, claims, "iat", false, e))
         return -1;
     if (rights_parse(rights, &token->rights, e))
-        return error_set(e, "bad-token", "the token names rights that there are not");
+        return error_set(e, ERROR_BAD_TOKEN, "the token names rights that there are not");
     if (token->expires <= now)
-        return error_set(e, "expired-token", "the token has expired");
+        return error_set(e, ERROR_EXPIRED_TOKEN, "the token has expired");
     if (from > now + LEEWAY_SECONDS || made > now + LEEWAY_SECONDS)
-        return error_set(e, "early-token", "the token is not good yet");
+        return error_set(e, ERROR_EARLY_TOKEN, "the token is not good yet");
     return 0;
 }
 
@@ -105,8 +106,8 @@ static int read_token(jwt_t *jwt, long now, struct token *token, struct error *e
     int result;
     /* who signs with "crit" wants it refused by those who do not understand (RFC 7515, 4.1.11) */
     if (json_object_get(header, "crit"))
-        result =
-            error_set(e, "bad-token", "the token's header has 'crit', of which this server knows nothing");
+        result = error_set(e, ERROR_BAD_TOKEN,
+                           "the token's header has 'crit', of which this server knows nothing");
     else
         result = read_claims(claims, now, token, e);
     json_decref(header);
@@ -116,8 +117,6 @@ static int read_token(jwt_t *jwt, long now, struct token *token, struct error *e
 
 int token_check(const struct secrets *secrets, const char *text, long now, struct token *token,
                 struct error *e) {
-    if (strchr(text, '~') && strlen(text) < TOKEN_BYTES)
-        return token_check_short(secrets, text, now, token, e);
     *token = (struct token){0};
     jwt_t *jwt = NULL;
     for (size_t i = 0; !jwt && i < secrets->count && strlen(text) < TOKEN_BYTES; i++) {
@@ -128,7 +127,7 @@ int token_check(const struct secrets *secrets, const char *text, long now, struc
     }
     /* a token may say that it is not signed: that is no token of ours */
     int result = !jwt || jwt_get_alg(jwt) != JWT_ALG_HS256
-                     ? error_set(e, "bad-token", "the token is not signed with a secret of this server")
+                     ? error_set(e, ERROR_BAD_TOKEN, "the token is not signed with a secret of this server")
                      : read_token(jwt, now, token, e);
     jwt_free(jwt);
     return result;

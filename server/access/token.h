@@ -31,14 +31,7 @@ int rights_parse(const char *words, unsigned *rights, struct error *e);
 /* Signs; free the text. NULL with *e. */
 char *token_make(const struct secrets *secrets, const struct token *token, struct error *e);
 
-/* The same in few bytes, for where a JWT is too long: SUBJECT~ROOM~RIGHTS~EXPIRY~SIGNATURE, with a letter for
- * each right (l, s, o), the expiry in base 36, and the beginning of the signature that the JWT would have.
- * The subject may have only what the name of a WebSocket's sub-protocol may. Free the text. NULL with *e. */
-char *token_make_short(const struct secrets *secrets, const struct token *token, struct error *e);
-int token_check_short(const struct secrets *secrets, const char *text, long now, struct token *token,
-                      struct error *e);
-
-/* Either kind. -1 with *e: "bad-token" (not one of ours, damaged, without a claim), "expired-token" or
+/* -1 with *e: "bad-token" (not one of ours, damaged, without a claim), "expired-token" or
  * "early-token". */
 int token_check(const struct secrets *secrets, const char *text, long now, struct token *token,
                 struct error *e);

@@ -144,7 +144,7 @@ static int take_words(struct aligned_recording *r, const struct times *times, st
         text_words_free(&own);
     }
     if (2 * missed > times->word_count)
-        return error_set(e, "misaligned", "%zu of the %zu words of the times are not in the text", missed,
+        return error_set(e, ERROR_MISALIGNED, "%zu of the %zu words of the times are not in the text", missed,
                          times->word_count);
     settle(r, r->text_size);
     return 0;
@@ -169,7 +169,7 @@ struct aligned_recording *aligned_recording_open(const struct aligned_recording_
     if (nul && (size_t)(nul - text) < bad)
         bad = (size_t)(nul - text);
     if (bad < size) {
-        error_at_byte(e, "bad-utf8", bad, "the text is not UTF-8");
+        error_at_byte(e, ERROR_BAD_UTF8, bad, "the text is not UTF-8");
     } else if ((r->file = sound_open(options->sound, e))) {
         r->sound = sound_source(r->file);
         r->text = mem_strndup(text, size);

@@ -2,7 +2,7 @@
 /* What is known of an aligned recording, handed out: as audio with its times, and as a file. */
 #include "server/align/aligned_recording.h"
 #include "server/base/mem.h"
-#include "server/voice/sampa.h"
+#include "server/base/sampa.h"
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -141,7 +141,7 @@ int aligned_recording_save(const struct aligned_recording *r, const char *path, 
     }
     well = well && !rename(part, path);
     if (!well) {
-        error_set(e, "bad-times", "%.150s: %s", path, strerror(errno));
+        error_set(e, ERROR_BAD_TIMES, "%.150s: %s", path, strerror(errno));
         remove(part);
     }
     free(part);

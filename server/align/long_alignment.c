@@ -39,7 +39,7 @@ struct long_alignment *long_alignment_open(const struct sound_source *source, st
     window_open(&c->window, source);
     if (c->voice_count)
         return c;
-    error_set(e, "no-reference", "no voice to align to speaks '%.40s'", options->lang);
+    error_set(e, ERROR_NO_REFERENCE, "no voice to align to speaks '%.40s'", options->lang);
     long_alignment_free(c);
     return NULL;
 }
@@ -145,7 +145,7 @@ static int misfit(const struct long_alignment *c, size_t byte, double time, cons
         }
     }
     int minutes = (int)(time / 60);
-    return error_at_line(e, "misaligned", line, column, "%s, at %d:%04.1f of the recording", why, minutes,
+    return error_at_line(e, ERROR_MISALIGNED, line, column, "%s, at %d:%04.1f of the recording", why, minutes,
                          time - 60.0 * minutes);
 }
 

@@ -114,7 +114,7 @@ bool long_alignment_stopped(const struct long_alignment *c) {
 }
 
 int long_alignment_cancelled(struct error *e) {
-    return error_set(e, "cancelled", "the alignment was stopped");
+    return error_set(e, ERROR_CANCELLED, "the alignment was stopped");
 }
 
 /* The voice that comes closest, by what it makes of the first window. */

@@ -10,7 +10,7 @@
 #include <string.h>
 #include <strings.h>
 
-#define CODE "no-reference"
+#define CODE ERROR_NO_REFERENCE
 /* A man and a woman for every language. */
 #define CONFIG "{\"variants\": [\"f2\"]}"
 

@@ -11,7 +11,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define CODE "no-reference"
+#define CODE ERROR_NO_REFERENCE
 enum { READ_BYTES = 64 << 10 };
 
 extern char **environ;

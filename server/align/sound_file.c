@@ -7,7 +7,7 @@
 
 enum { FRAMES = 4096, CHANNELS_MAX = 16, RATE_MIN = 8000, RATE_MAX = 192000 };
 
-#define CODE "bad-sound"
+#define CODE ERROR_BAD_SOUND
 
 struct sound_file {
     SNDFILE *file;

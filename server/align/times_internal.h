@@ -6,7 +6,7 @@
 #include "server/align/times.h"
 #include <stdbool.h>
 
-#define TIMES_CODE "bad-times"
+#define TIMES_CODE ERROR_BAD_TIMES
 
 struct times_reader {
     struct times *times;

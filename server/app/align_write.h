@@ -22,7 +22,7 @@ struct align {
     struct speech_request request; /* lang, engine, fps, still, seed */
     struct output outputs[OUTPUTS];
     bool progress;
-    struct speech_packs packs;
+    const struct speech_packs *packs;
     const struct speech_pack *pack;
     struct aligned_recording *reading;
     uint64_t at;  /* sample up to which segments have been written */

@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/cli.h"
 #include "server/base/mem.h"
-#include "server/voice/voice_config.h"
 #include <errno.h>
 #include <getopt.h>
 #include <stdarg.h>
@@ -17,93 +16,56 @@ void cli_complain(const char *format, ...) {
     va_end(args);
 }
 
+void cli_complain_of(const struct error *e) {
+    char text[400];
+    cli_complain("%s (%s)", error_text(e, text, sizeof text), error_name(e->code));
+}
+
+int cli_load(struct stages *stages, const struct settings *settings, unsigned wanted, uv_loop_t *loop) {
+    struct error e;
+    int result = stages_load(stages, settings, wanted, loop, &e);
+    if (result)
+        cli_complain_of(&e);
+    return result;
+}
+
 static void on_ready(void *ctx) {
     *(bool *)ctx = true;
 }
 
-static int load_expressions(struct cli *cli, struct error *e) {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/expressions.json", cli->paths.models);
-    cli->pipeline.expressions = cli->expressions = expressions_load(path, e);
-    return cli->expressions ? 0 : -1;
-}
-
-static int load_readings(struct cli *cli, struct error *e) {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/normalization", cli->paths.models);
-    cli->pipeline.normalizers = &cli->normalizers;
-    return normalizers_load(&cli->normalizers, path, e);
-}
-
-/* The daemon's settings of voices that concern a single text, from the environment as there. */
-static int read_environment(struct voice_pool_options *options, struct error *e) {
-    double megabytes = 0;
-    const struct {
-        const char *name;
-        double *value, least, most;
-    } limits[] = {
-        {"FACCIA_DEADLINE_BASE", &options->deadline_base, 0.1, 3600},
-        {"FACCIA_DEADLINE_PER_BYTE", &options->deadline_per_byte, 0, 10},
-        {"FACCIA_DEADLINE_MOST", &options->deadline_most, 1, 1000},
-        {"FACCIA_WORKER_PROCESSOR", &options->processor, 0.01, 1000},
-        {"FACCIA_WORKER_MEMORY", &megabytes, 64, 1048576},
-    };
-    for (size_t i = 0; i < sizeof limits / sizeof *limits; i++) {
-        const char *text = getenv(limits[i].name);
-        char *end;
-        if (!text || !*text)
-            continue;
-        *limits[i].value = strtod(text, &end);
-        if (*end || !(*limits[i].value >= limits[i].least && *limits[i].value <= limits[i].most))
-            return error_in_field(e, "bad-field", limits[i].name, "'%s' is not a number from %.12g to %.12g",
-                                  text, limits[i].least, limits[i].most);
-    }
-    const char *sandbox = getenv("FACCIA_SANDBOX");
-    options->unconfined = sandbox && !strcmp(sandbox, "off");
-    options->megabytes = (unsigned)megabytes;
-    return 0;
-}
-
-int cli_open(struct cli *cli) {
+/* For a single text: nothing is kept, and nobody waits besides. */
+static int start_voices(struct cli *cli, const struct settings *settings) {
+    struct voice_pool_options voices = settings->voices;
     struct error e;
-    char text[400];
     bool ready = false;
-    *cli = (struct cli){0};
-    paths_find(&cli->paths);
-    uv_loop_init(&cli->loop);
-    cli->pipeline = (struct pipeline){.loop = &cli->loop, .packs = &cli->packs, .default_lang = "it"};
-    struct voice_pool_options options = {
-        .worker = cli->paths.worker, .plugin_dir = cli->paths.plugins, .quiet = true};
-    bool fit = !read_environment(&options, &e), configured = *cli->paths.voice_config;
-    char *config = fit && configured ? voice_config_read(cli->paths.voice_config, &e) : NULL;
-    options.config = config;
-    snprintf(text, sizeof text, "%s/speech", cli->paths.models);
-    if (!fit || (configured && !config) || speech_packs_load(&cli->packs, text, &e) ||
-        load_expressions(cli, &e) || load_readings(cli, &e) ||
-        !(cli->pipeline.voices = voice_pool_open(&cli->loop, &options, on_ready, &ready, &e))) {
-        cli_complain("%s", error_text(&e, text, sizeof text));
-        free(config);
+    size_t count;
+    voices.workers = 1;
+    voices.spare_workers = 0;
+    voices.cache = (struct cache_options){0};
+    voices.quiet = true;
+    if (stages_start_voices(&cli->stages, &voices, on_ready, &ready, &e)) {
+        cli_complain_of(&e);
         return -1;
     }
-    free(config);
     while (!ready && uv_run(&cli->loop, UV_RUN_ONCE))
         ;
-    size_t count;
-    voice_pool_voices(cli->pipeline.voices, &count);
+    voice_pool_voices(cli->stages.pipeline.voices, &count);
     if (!count)
         cli_complain("no voice plugin could be started");
     return count ? 0 : -1;
 }
 
+int cli_open(struct cli *cli, const struct settings *settings) {
+    *cli = (struct cli){0};
+    uv_loop_init(&cli->loop);
+    return cli_load(&cli->stages, settings, STAGES_ALL, &cli->loop) || start_voices(cli, settings) ? -1 : 0;
+}
+
 void cli_close(struct cli *cli) {
-    if (cli->pipeline.voices)
-        voice_pool_close(cli->pipeline.voices, NULL, NULL);
+    stages_stop_voices(&cli->stages);
     uv_run(&cli->loop, UV_RUN_DEFAULT);
     uv_loop_close(&cli->loop);
-    speech_packs_free(&cli->packs);
-    expressions_free(cli->expressions);
-    normalizers_free(&cli->normalizers);
-    paths_free(&cli->paths);
+    stages_free(&cli->stages);
 }
 
 int cli_read(const char *path, struct buf *text) {
@@ -145,7 +107,7 @@ int cli_try_engine(const struct cli *cli, const struct speech_request *request, 
     request_copy(&copy, request);
     free(copy.engine);
     copy.engine = mem_strdup(engine);
-    struct synthesis *synthesis = synthesis_open(&cli->pipeline, &copy, &none, NULL, e);
+    struct synthesis *synthesis = synthesis_open(&cli->stages.pipeline, &copy, &none, NULL, e);
     request_free(&copy);
     synthesis_free(synthesis);
     return synthesis ? 0 : -1;

@@ -4,9 +4,8 @@
 #ifndef FACCIA_APP_CLI_H
 #define FACCIA_APP_CLI_H
 
+#include "server/app/stages.h"
 #include "server/base/buf.h"
-#include "server/base/paths.h"
-#include "server/synthesis/synthesis.h"
 #include <stdio.h>
 
 enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
@@ -14,16 +13,19 @@ enum { EXIT_DONE = 0, EXIT_FAILED = 1, EXIT_USAGE = 2 };
 /* The stages, without the network. */
 struct cli {
     uv_loop_t loop;
-    struct paths paths;
-    struct speech_packs packs;
-    struct expressions *expressions;
-    struct normalizers normalizers;
-    struct pipeline pipeline;
+    struct stages stages;
 };
 
-/* Loads the packs, starts the voices and waits until they are there. -1 after a message. */
-int cli_open(struct cli *cli);
+/* Loads all, starts the voices and waits until they are there. -1 after a message; cli_close all the same. */
+int cli_open(struct cli *cli, const struct settings *settings);
 void cli_close(struct cli *cli);
+
+/* Loads what is wanted, for commands that speak nothing (loop NULL) or only play. As stages_load, after a
+ * message. */
+int cli_load(struct stages *stages, const struct settings *settings, unsigned wanted, uv_loop_t *loop);
+
+/* The error with its code, as "faccia: FIELD: message (code)". */
+void cli_complain_of(const struct error *e);
 
 /* "faccia: ..." on standard error. */
 void cli_complain(const char *format, ...) __attribute__((format(printf, 1, 2)));
@@ -40,20 +42,21 @@ int cli_text(int argc, char **argv, const char *path, struct buf *text);
 int cli_try_engine(const struct cli *cli, const struct speech_request *request, const char *engine,
                    struct error *e);
 
-int say_main(int argc, char **argv);
-int play_main(int argc, char **argv);
-int voices_main(int argc, char **argv);
-int models_main(int argc, char **argv);
-int eval_main(int argc, char **argv);
-int stimuli_main(int argc, char **argv);
-int anova_main(int argc, char **argv);
-int fit_main(int argc, char **argv);
-int token_main(int argc, char **argv);
-int timed_main(int argc, char **argv);
-int align_main(int argc, char **argv);
-int fap_main(int argc, char **argv);
-int life_main(int argc, char **argv);
-int check_main(int argc, char **argv);
-int expressions_main(int argc, char **argv);
+/* The commands. argv[0] is the name. */
+int say_main(int argc, char **argv, const struct settings *settings);
+int play_main(int argc, char **argv, const struct settings *settings);
+int voices_main(int argc, char **argv, const struct settings *settings);
+int models_main(int argc, char **argv, const struct settings *settings);
+int eval_main(int argc, char **argv, const struct settings *settings);
+int stimuli_main(int argc, char **argv, const struct settings *settings);
+int anova_main(int argc, char **argv, const struct settings *settings);
+int fit_main(int argc, char **argv, const struct settings *settings);
+int token_main(int argc, char **argv, const struct settings *settings);
+int timed_main(int argc, char **argv, const struct settings *settings);
+int align_main(int argc, char **argv, const struct settings *settings);
+int fap_main(int argc, char **argv, const struct settings *settings);
+int life_main(int argc, char **argv, const struct settings *settings);
+int check_main(int argc, char **argv, const struct settings *settings);
+int expressions_main(int argc, char **argv, const struct settings *settings);
 
 #endif

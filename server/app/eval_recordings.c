@@ -4,6 +4,7 @@
 #include "server/app/eval_recordings_internal.h"
 #include "server/app/fit_read.h"
 #include "server/app/phone_times.h"
+#include "server/app/stages.h"
 #include "server/base/mem.h"
 #include "server/face/packs/speech_packs.h"
 #include <math.h>
@@ -22,11 +23,11 @@ static int read_person(const char *curves, const char *phones, struct measured_s
         result = phone_times_read(phones, out, &e);
     }
     if (!result && out->phone_count > MOST_PHONES)
-        result = error_set(&e, "bad-recording", "more than %d phones", MOST_PHONES);
+        result = error_set(&e, ERROR_BAD_CURVES, "more than %d phones", MOST_PHONES);
     double start, end;
     person_speech(out, &start, &end);
     if (!result && (out->times[0] > end || out->times[out->frame_count - 1] < start || end <= start))
-        result = error_set(&e, "bad-recording",
+        result = error_set(&e, ERROR_BAD_CURVES,
                            "the curves are not those of the phones' time, %.3f to %.3f s", start, end);
     if (result)
         cli_complain("%s: %s", path, error_text(&e, text, sizeof text));
@@ -175,28 +176,24 @@ static int run(struct recordings *r, const struct speech_packs *packs) {
     return recordings_write(r);
 }
 
-int eval_recordings(const struct eval_options *o) {
+int eval_recordings(const struct eval_options *o, const struct settings *settings) {
     struct recordings *r = mem_alloc(sizeof *r);
-    struct paths paths;
-    struct speech_packs packs = {0};
+    struct stages stages;
     struct error e;
     char text[4200];
     int status = EXIT_FAILED;
     r->options = o;
     r->people = mem_alloc((o->people + 1) * sizeof *r->people);
     r->others = mem_alloc((o->people + 1) * sizeof *r->others);
-    paths_find(&paths);
-    snprintf(text, sizeof text, "%s/speech", paths.models);
-    if (speech_packs_load(&packs, text, &e))
+    if (stages_load(&stages, settings, STAGES_SPEECH, NULL, &e))
         cli_complain("%s", error_text(&e, text, sizeof text));
     else
-        status = run(r, &packs);
+        status = run(r, &stages.packs);
     measured_speech_free_all(r->people, o->people);
     measured_speech_free_all(r->others, o->people);
     for (size_t i = 0; i < LINES; i++)
         lip_reader_free(&r->lines[i].reader);
-    speech_packs_free(&packs);
-    paths_free(&paths);
+    stages_free(&stages);
     free(r);
     return status;
 }

@@ -4,8 +4,9 @@
 #define FACCIA_APP_EVAL_RECORDINGS_H
 
 #include "server/app/eval_options.h"
+#include "server/app/settings.h"
 
 /* The exit code. */
-int eval_recordings(const struct eval_options *o);
+int eval_recordings(const struct eval_options *o, const struct settings *settings);
 
 #endif

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia: the talking head on the command line, without a daemon. */
 #include "server/app/cli.h"
+#include <getopt.h>
 #include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
 static const struct {
     const char *name;
-    int (*run)(int argc, char **argv);
+    int (*run)(int argc, char **argv, const struct settings *settings);
     const char *help;
 } commands[] = {
     {"say", say_main, "speak a text: its sound, its face animation, its timing"},
@@ -28,31 +29,54 @@ static const struct {
 };
 
 static void print_usage(FILE *out) {
-    fputs("Usage: faccia COMMAND [OPTION]...\nThe talking head without a network.\n\n", out);
+    struct buf text = {0};
+    fputs("Usage: faccia [SETTING]... COMMAND [OPTION]...\nThe talking head without a network.\n\n", out);
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
         fprintf(out, "  %-12s %s\n", commands[i].name, commands[i].help);
-    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad. $FACCIA_VOICE_CONFIG may name a file "
-          "with what\n"
-          "the voice plugins are told.\n",
+    fputs("\n'faccia COMMAND --help' tells more. The daemon is facciad, whose settings these are, too:\n\n",
           out);
+    settings_help(PROGRAM_COMMANDS, &text);
+    fwrite(text.data, 1, text.size, out);
+    buf_free(&text);
 }
 
-int main(int argc, char **argv) {
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error like any other */
-    const char *name = argc > 1 ? argv[1] : "";
+static int run(int argc, char **argv, const struct settings *settings) {
+    const char *name = argc ? argv[0] : "";
     for (size_t i = 0; i < sizeof commands / sizeof *commands; i++)
-        if (!strcmp(commands[i].name, name))
-            return commands[i].run(argc - 1, argv + 1);
-    if (!strcmp(name, "--help") || !strcmp(name, "-h") || !strcmp(name, "help")) {
+        if (!strcmp(commands[i].name, name)) {
+            optind = 0; /* the command's options are of another kind */
+            return commands[i].run(argc, argv, settings);
+        }
+    if (!strcmp(name, "help")) {
         print_usage(stdout);
         return EXIT_DONE;
     }
-    if (!strcmp(name, "--version")) {
-        puts("faccia " FACCIA_VERSION);
-        return EXIT_DONE;
-    }
-    if (*name)
-        cli_complain("no command '%s'", name);
-    print_usage(stderr);
+    cli_complain(*name ? "no command '%s'; 'faccia --help' lists them"
+                       : "a command is needed: 'faccia --help' lists them",
+                 name);
     return EXIT_USAGE;
+}
+
+int main(int argc, char **argv) {
+    struct paths paths;
+    struct settings settings;
+    struct settings_request request;
+    struct error e;
+    int status = EXIT_DONE;
+    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error like any other */
+    paths_find(&paths);
+    if (settings_read(&settings, &request, PROGRAM_COMMANDS, argc, argv, &paths, &e)) {
+        cli_complain_of(&e);
+        status = EXIT_USAGE;
+    } else if (request.help) {
+        print_usage(stdout);
+    } else if (request.version) {
+        puts("faccia " FACCIA_VERSION);
+    } else {
+        log_open(settings_log_format(&settings));
+        status = run(argc - request.rest, argv + request.rest, &settings);
+    }
+    settings_free(&settings);
+    paths_free(&paths);
+    return status;
 }

@@ -76,15 +76,15 @@ static int read_timing(struct align *a, struct times *times) {
     return result;
 }
 
-static int run(struct align *a, const struct paths *paths) {
+static int run(struct align *a, const struct settings *settings) {
     struct reference_slot reference = {.reference = NULL};
     struct buf script = {0};
     struct times times = {0};
     struct error e;
     char text[400];
     int result = -1;
-    snprintf(reference.worker, sizeof reference.worker, "%s", paths->worker);
-    snprintf(reference.path, sizeof reference.path, "%s/espeak.so", paths->plugins);
+    snprintf(reference.worker, sizeof reference.worker, "%s", settings->voices.worker);
+    snprintf(reference.path, sizeof reference.path, "%s/espeak.so", settings->voices.plugin_dir);
     if ((!a->text || !cli_read(a->text, &script)) && (!a->timing || !read_timing(a, &times))) {
         size_t skip = script.size >= 3 && !memcmp(script.data, "\xEF\xBB\xBF", 3) ? 3 : 0;
         const struct aligned_recording_options options = {
@@ -175,12 +175,12 @@ static int parse(int argc, char **argv, struct align *a) {
 static int choose(struct align *a) {
     if (!a->request.lang)
         a->request.lang = mem_strdup("it");
-    a->pack = speech_packs_find(&a->packs, a->request.lang);
+    a->pack = speech_packs_find(a->packs, a->request.lang);
     char text[NEAR_TEXT];
     if (!a->pack) {
         struct near near = near_to(a->request.lang);
-        for (size_t i = 0; i < a->packs.count; i++)
-            near_try(&near, speech_pack_lang(a->packs.packs[i]), speech_pack_lang(a->packs.packs[i]));
+        for (size_t i = 0; i < a->packs->count; i++)
+            near_try(&near, speech_pack_lang(a->packs->packs[i]), speech_pack_lang(a->packs->packs[i]));
         cli_complain("lang: no language '%s'%s", a->request.lang, near_text(&near, text));
         return EXIT_USAGE;
     }
@@ -194,27 +194,22 @@ static int choose(struct align *a) {
     return -1;
 }
 
-int align_main(int argc, char **argv) {
+int align_main(int argc, char **argv, const struct settings *settings) {
     struct align a = {.progress = isatty(STDERR_FILENO)};
-    struct paths paths;
-    struct error e;
-    char text[400];
+    struct stages stages;
     request_init(&a.request);
     int status = parse(argc, argv, &a);
     if (status < 0) {
         if (!a.outputs[WAV].path && !a.outputs[FAP].path && !a.outputs[JSON].path)
             a.outputs[JSON].path = "-";
-        paths_find(&paths);
-        snprintf(text, sizeof text, "%s/speech", paths.models);
-        if (speech_packs_load(&a.packs, text, &e)) {
-            cli_complain("%s", error_text(&e, text, sizeof text));
+        if (cli_load(&stages, settings, STAGES_SPEECH, NULL)) {
             status = EXIT_FAILED;
         } else {
+            a.packs = &stages.packs;
             status = choose(&a);
-            status = status < 0 ? run(&a, &paths) : status;
+            status = status < 0 ? run(&a, settings) : status;
         }
-        speech_packs_free(&a.packs);
-        paths_free(&paths);
+        stages_free(&stages);
     }
     request_free(&a.request);
     return status;

@@ -86,7 +86,8 @@ static int wrong(const char *why) {
     return EXIT_USAGE;
 }
 
-int anova_main(int argc, char **argv) {
+int anova_main(int argc, char **argv, const struct settings *settings) {
+    (void)settings;
     static const struct option options[] = {
         {"csv", 1, NULL, 'c'}, {"means", 1, NULL, 'm'}, {"help", 0, NULL, 'h'}, {0}};
     struct votes votes = {0};

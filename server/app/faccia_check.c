@@ -90,20 +90,7 @@ static int check(const struct check *c, const char *path) {
     return failed;
 }
 
-static struct expressions *load_expressions(void) {
-    struct paths paths;
-    struct error e;
-    char path[4096];
-    paths_find(&paths);
-    snprintf(path, sizeof path, "%s/expressions.json", paths.models);
-    struct expressions *expressions = expressions_load(path, &e);
-    if (!expressions)
-        cli_complain("%s", error_text(&e, path, sizeof path));
-    paths_free(&paths);
-    return expressions;
-}
-
-int check_main(int argc, char **argv) {
+int check_main(int argc, char **argv, const struct settings *settings) {
     enum { HELP = 256 };
     static const struct option options[] = {
         {"markup", 1, NULL, 'm'}, {"score", 0, NULL, 's'}, {"help", 0, NULL, HELP}, {0}};
@@ -131,13 +118,17 @@ int check_main(int argc, char **argv) {
         cli_complain("a file is needed, or - for standard input");
         return EXIT_USAGE;
     }
-    if (!(c.expressions = load_expressions()))
+    struct stages stages;
+    if (cli_load(&stages, settings, STAGES_EXPRESSIONS, NULL)) {
+        stages_free(&stages);
         return EXIT_FAILED;
+    }
+    c.expressions = stages.expressions;
     struct cli_file out = {.file = stdout, .path = "standard output"};
     int result = EXIT_DONE;
     for (int i = optind; i < argc; i++)
         if (check(&c, argv[i]))
             result = EXIT_FAILED;
-    expressions_free(c.expressions);
+    stages_free(&stages);
     return cli_finish(&out, true) ? EXIT_FAILED : result;
 }

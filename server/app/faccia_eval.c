@@ -26,7 +26,8 @@ static void sample(void *track, double t, struct fap_frame *frame) {
 
 static void measure(struct run *run, const struct media_segment *segment, size_t engine, bool chosen) {
     struct eval_report *r = &run->report;
-    const struct speech_pack *pack = speech_packs_find(&run->cli.packs, synthesis_lang(run->synthesis));
+    const struct speech_pack *pack =
+        speech_packs_find(&run->cli.stages.packs, synthesis_lang(run->synthesis));
     struct face_options options = {
         .engine = r->engines[engine].engine, .still = true, .contacts = r->engines[engine].contacts};
     struct face_track *track = face_track_new(pack, segment->audio, &options, NULL, NULL);
@@ -44,7 +45,8 @@ static void measure(struct run *run, const struct media_segment *segment, size_t
 
 static void on_segment(void *ctx, struct media_segment segment) {
     struct run *run = ctx;
-    const struct speech_pack *pack = speech_packs_find(&run->cli.packs, synthesis_lang(run->synthesis));
+    const struct speech_pack *pack =
+        speech_packs_find(&run->cli.stages.packs, synthesis_lang(run->synthesis));
     bool chosen = run->rate ? run->rate + 1 == run->report.rate_count && run->segment == run->choice.sentence
                             : stretch_choose(&run->choice, pack, segment.audio, run->segment);
     for (size_t i = 0; i < run->report.engine_count; i++)
@@ -77,7 +79,7 @@ static int speak(struct run *run) {
     run->options.request.rate = run->options.rates[run->rate];
     run->segment = 0;
     run->finished = false;
-    run->synthesis = synthesis_open(&run->cli.pipeline, &run->options.request, &callbacks, run, &e);
+    run->synthesis = synthesis_open(&run->cli.stages.pipeline, &run->options.request, &callbacks, run, &e);
     if (!run->synthesis) {
         cli_complain("%s", error_text(&e, message, sizeof message));
         return e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
@@ -165,15 +167,15 @@ static int evaluate(struct run *run) {
     return status;
 }
 
-int eval_main(int argc, char **argv) {
+int eval_main(int argc, char **argv, const struct settings *settings) {
     struct run *run = mem_alloc(sizeof *run);
     struct buf text = {0};
     request_init(&run->options.request);
     int status = eval_options_parse(argc, argv, &run->options, &text);
     if (status < 0 && run->options.people) {
-        status = eval_recordings(&run->options);
+        status = eval_recordings(&run->options, settings);
     } else if (status < 0) {
-        status = cli_open(&run->cli) ? EXIT_FAILED : evaluate(run);
+        status = cli_open(&run->cli, settings) ? EXIT_FAILED : evaluate(run);
         cli_close(&run->cli);
     }
     request_free(&run->options.request);

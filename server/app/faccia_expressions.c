@@ -142,23 +142,15 @@ static int parse(int argc, char **argv, struct asked *asked) {
     return -1;
 }
 
-int expressions_main(int argc, char **argv) {
+int expressions_main(int argc, char **argv, const struct settings *settings) {
     struct asked asked = {.wishes = calloc((size_t)argc + 1, sizeof *asked.wishes)};
     int result = asked.wishes ? parse(argc, argv, &asked) : EXIT_FAILED;
     if (result < 0) {
-        struct paths paths;
-        struct error e;
-        char text[4200];
-        paths_find(&paths);
-        snprintf(text, sizeof text, "%s/expressions.json", paths.models);
-        struct expressions *all = expressions_load(text, &e);
-        result = EXIT_FAILED;
-        if (!all)
-            cli_complain("%s: %s", text, error_text(&e, (char[400]){0}, 400));
-        else
-            result = asked.wish_count ? write_poses(all, &asked) : list(all, &asked);
-        expressions_free(all);
-        paths_free(&paths);
+        struct stages stages;
+        result = cli_load(&stages, settings, STAGES_EXPRESSIONS, NULL) ? EXIT_FAILED
+                 : asked.wish_count ? write_poses(stages.expressions, &asked)
+                                    : list(stages.expressions, &asked);
+        stages_free(&stages);
     }
     free(asked.wishes);
     return result;

@@ -99,7 +99,8 @@ static int info(int argc, char **argv) {
     return status;
 }
 
-int fap_main(int argc, char **argv) {
+int fap_main(int argc, char **argv, const struct settings *settings) {
+    (void)settings;
     static const struct {
         const char *name;
         int (*run)(int argc, char **argv);

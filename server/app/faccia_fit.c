@@ -207,16 +207,12 @@ static int fit_all(struct fitting *f, const char *models, char **paths, int coun
     return status;
 }
 
-int fit_main(int argc, char **argv) {
+int fit_main(int argc, char **argv, const struct settings *settings) {
     struct fitting *f = mem_alloc(sizeof *f);
     f->choices = (struct fit_choices){.base = "it", .first = 3, .then = 10};
     int status = fit_options_parse(argc, argv, &f->choices);
-    if (status < 0) {
-        struct paths paths;
-        paths_find(&paths);
-        status = fit_all(f, paths.models, argv + optind, argc - optind);
-        paths_free(&paths);
-    }
+    if (status < 0)
+        status = fit_all(f, settings->models, argv + optind, argc - optind);
     free(f);
     return status;
 }

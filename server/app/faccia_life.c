@@ -97,7 +97,7 @@ static void on_finished(void *ctx, size_t spoken) {
     ((struct life_run *)ctx)->finished = true;
 }
 
-static int speak(struct life_run *r, const struct buf *text) {
+static int speak(struct life_run *r, const struct settings *settings, const struct buf *text) {
     static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct speech_request request;
     struct error e;
@@ -109,8 +109,8 @@ static int speak(struct life_run *r, const struct buf *text) {
         wrong = request_set(&request, "lang",
                             (struct request_value){REQUEST_WORD, r->lang, strlen(r->lang), 0}, &e);
     int status = EXIT_FAILED;
-    if (!cli_open(&r->cli)) {
-        r->synthesis = wrong ? NULL : synthesis_open(&r->cli.pipeline, &request, &callbacks, r, &e);
+    if (!cli_open(&r->cli, settings)) {
+        r->synthesis = wrong ? NULL : synthesis_open(&r->cli.stages.pipeline, &request, &callbacks, r, &e);
         if (r->synthesis) {
             synthesis_start(r->synthesis);
             while (!r->finished && uv_run(&r->cli.loop, UV_RUN_ONCE))
@@ -206,7 +206,7 @@ static int parse(int argc, char **argv, struct life_run *r) {
     return -1;
 }
 
-int life_main(int argc, char **argv) {
+int life_main(int argc, char **argv, const struct settings *settings) {
     struct life_run r = {.seconds = 600, .strength = 1, .fps = 100};
     struct buf text = {0};
     int status = parse(argc, argv, &r);
@@ -220,7 +220,7 @@ int life_main(int argc, char **argv) {
     life_statistics_init(&r.statistics, r.fps);
     status = EXIT_DONE;
     if (speaks) {
-        status = speak(&r, &text);
+        status = speak(&r, settings, &text);
         write_header(&r, r.statistics.frames);
         if (r.out.file)
             fwrite(r.frames.data, 1, r.frames.size, r.out.file);

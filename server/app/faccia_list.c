@@ -47,7 +47,7 @@ static int print_json(json_t *list, const char *name) {
     return EXIT_DONE;
 }
 
-int voices_main(int argc, char **argv) {
+int voices_main(int argc, char **argv, const struct settings *settings) {
     static const char usage[] = "Usage: faccia voices [--lang TAG] [--json]\n"
                                 "Lists the voices: id, language, gender, quality, name.\n";
     const char *lang = NULL;
@@ -56,9 +56,9 @@ int voices_main(int argc, char **argv) {
     struct cli cli;
     if (status >= 0)
         return status;
-    status = cli_open(&cli) ? EXIT_FAILED : EXIT_DONE;
+    status = cli_open(&cli, settings) ? EXIT_FAILED : EXIT_DONE;
     size_t count = 0;
-    const struct voice *v = status ? NULL : voice_pool_voices(cli.pipeline.voices, &count);
+    const struct voice *v = status ? NULL : voice_pool_voices(cli.stages.pipeline.voices, &count);
     json_t *list = json_array();
     for (size_t i = 0; i < count; i++) {
         if (lang && !matches(v[i].lang, lang))
@@ -79,17 +79,15 @@ int voices_main(int argc, char **argv) {
     return status;
 }
 
-int models_main(int argc, char **argv) {
+int models_main(int argc, char **argv, const struct settings *settings) {
     static const char usage[] = "Usage: faccia models [--json]\nLists the head models: name, bytes, title.\n";
     bool json = false;
     int status = parse(argc, argv, usage, NULL, &json);
     if (status >= 0)
         return status;
-    struct paths paths;
     char pattern[4096];
     glob_t found;
-    paths_find(&paths);
-    snprintf(pattern, sizeof pattern, "%s/heads/*.json", paths.models);
+    snprintf(pattern, sizeof pattern, "%s/heads/*.json", settings->models);
     json_t *list = json_array();
     if (!glob(pattern, 0, NULL, &found)) {
         for (size_t i = 0; i < found.gl_pathc; i++) {
@@ -109,7 +107,6 @@ int models_main(int argc, char **argv) {
         }
         globfree(&found);
     }
-    paths_free(&paths);
     size_t i;
     json_t *model;
     if (json)

@@ -101,21 +101,27 @@ static void close_outputs(struct play *p, bool well) {
     }
 }
 
-static int run(struct play *p, const char *fap, const char *sound) {
+static int run(struct play *p, const struct settings *settings, const char *fap, const char *sound) {
     static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct recording_source source = {.name = mem_strdup(fap),
                                       .fap_path = mem_strdup(fap),
                                       .sound_path = sound ? mem_strdup(sound) : NULL,
                                       .fap_bytes_max = (size_t)1 << 30};
+    struct stages stages;
     uv_loop_t loop;
     int status = open_outputs(p, fap);
+    uv_loop_init(&loop);
+    if (!status && cli_load(&stages, settings, STAGES_SPEECH | STAGES_EXPRESSIONS, &loop)) {
+        stages_free(&stages);
+        status = EXIT_FAILED;
+    }
     if (status) {
         recording_source_free(&source);
         close_outputs(p, false);
+        uv_loop_close(&loop);
         return status;
     }
-    uv_loop_init(&loop);
-    p->recording = recording_open(&loop, NULL, &source, &callbacks, p);
+    p->recording = recording_open(&loop, stages.pipeline.high_level, &source, &callbacks, p);
     recording_start(p->recording);
     while (!p->finished && uv_run(&loop, UV_RUN_ONCE))
         ;
@@ -123,10 +129,11 @@ static int run(struct play *p, const char *fap, const char *sound) {
     recording_free(p->recording);
     uv_run(&loop, UV_RUN_DEFAULT);
     uv_loop_close(&loop);
+    stages_free(&stages);
     return p->failed ? EXIT_FAILED : EXIT_DONE;
 }
 
-int play_main(int argc, char **argv) {
+int play_main(int argc, char **argv, const struct settings *settings) {
     static const struct option options[] = {{"ndjson", 1, NULL, 0},
                                             {"wav", 1, NULL, 1},
                                             {"ogg", 1, NULL, 2},
@@ -150,5 +157,5 @@ int play_main(int argc, char **argv) {
         cli_complain("one .fap file is wanted, and at most one with its sound");
         return EXIT_USAGE;
     }
-    return run(&p, argv[optind], argv[optind + 1]);
+    return run(&p, settings, argv[optind], argv[optind + 1]);
 }

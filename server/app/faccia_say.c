@@ -238,8 +238,9 @@ static int speak(struct say *s, const struct speech_request *request) {
     static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct error e;
     char message[400];
-    s->cli.pipeline.sounds = s->sounds ? s->sounds : getenv("FACCIA_AUDIO");
-    s->synthesis = synthesis_open(&s->cli.pipeline, request, &callbacks, s, &e);
+    if (s->sounds)
+        s->cli.stages.pipeline.sounds = s->sounds;
+    s->synthesis = synthesis_open(&s->cli.stages.pipeline, request, &callbacks, s, &e);
     if (!s->synthesis) {
         cli_complain("%s", error_text(&e, message, sizeof message));
         return e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
@@ -255,14 +256,14 @@ static int speak(struct say *s, const struct speech_request *request) {
     return status ? status : s->failed ? EXIT_FAILED : EXIT_DONE;
 }
 
-int say_main(int argc, char **argv) {
+int say_main(int argc, char **argv, const struct settings *settings) {
     struct say s = {0};
     struct speech_request request;
     struct buf text = {0};
     request_init(&request);
     int status = parse(argc, argv, &s, &request, &text);
     if (status < 0) {
-        status = cli_open(&s.cli) ? EXIT_FAILED : speak(&s, &request);
+        status = cli_open(&s.cli, settings) ? EXIT_FAILED : speak(&s, &request);
         cli_close(&s.cli);
     }
     request_free(&request);

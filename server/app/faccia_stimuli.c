@@ -62,7 +62,7 @@ static int speak_item(struct kit *kit, size_t number) {
     request_set(&kit->request, "text", (struct request_value){REQUEST_STRING, text, strlen(text), 0}, &e);
     free(text);
     kit->finished = false;
-    kit->synthesis = synthesis_open(&kit->cli.pipeline, &kit->request, &callbacks, kit, &e);
+    kit->synthesis = synthesis_open(&kit->cli.stages.pipeline, &kit->request, &callbacks, kit, &e);
     if (!kit->synthesis) {
         cli_complain("%s", error_text(&e, message, sizeof message));
         return e.place == PLACE_FIELD ? EXIT_USAGE : EXIT_FAILED;
@@ -103,7 +103,7 @@ static int choose_faces(struct kit *kit) {
 static int make(struct kit *kit) {
     char path[4096], text[400];
     struct error e;
-    snprintf(path, sizeof path, "%s/stimuli/pt-BR.json", kit->cli.paths.models);
+    snprintf(path, sizeof path, "%s/stimuli/pt-BR.json", kit->settings->models);
     const char *set_path = kit->set_path ? kit->set_path : path;
     if (stimuli_set_load(&kit->set, set_path, &e)) {
         cli_complain("%s: %s", set_path, error_text(&e, text, sizeof text));
@@ -198,14 +198,14 @@ static int parse(int argc, char **argv, struct kit *kit) {
     return status;
 }
 
-int stimuli_main(int argc, char **argv) {
-    struct kit kit = {.server = "http://127.0.0.1:8080"};
+int stimuli_main(int argc, char **argv, const struct settings *settings) {
+    struct kit kit = {.settings = settings, .server = "http://127.0.0.1:8080"};
     request_init(&kit.request);
     kit.request.seed = 0;
     kit.request.fps = 50;
     int status = parse(argc, argv, &kit);
     if (status < 0) {
-        status = cli_open(&kit.cli) ? EXIT_FAILED : make(&kit);
+        status = cli_open(&kit.cli, settings) ? EXIT_FAILED : make(&kit);
         cli_close(&kit.cli);
     }
     json_decref(kit.items);

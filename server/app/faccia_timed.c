@@ -39,20 +39,6 @@ static int read_number(const char *name, const char *text, double min, double ma
     return 0;
 }
 
-static int read_file(const char *path, struct buf *out) {
-    FILE *file = fopen(path, "rb");
-    for (size_t n = 1; file && n;) {
-        n = fread(buf_reserve(out, 65536), 1, 65536, file);
-        out->size += n;
-    }
-    bool failed = !file || ferror(file);
-    if (failed)
-        cli_complain("%s: %s", path, strerror(errno));
-    if (file)
-        fclose(file);
-    return failed ? -1 : 0;
-}
-
 static void on_warning(void *ctx, const char *message) {
     (void)ctx;
     cli_complain("%s", message);
@@ -94,7 +80,7 @@ static int run(const struct timed *o, const char *path, const struct speech_pack
     struct error e;
     char message[400];
     int result = EXIT_FAILED;
-    if (!read_file(path, &text)) {
+    if (!cli_read(path, &text)) {
         struct sentence_audio *u = transcription_read((const char *)text.data, text.size, &sound, pack, &e);
         if (u)
             result = write_face(o, pack, u);
@@ -106,7 +92,7 @@ static int run(const struct timed *o, const char *path, const struct speech_pack
     return result;
 }
 
-int timed_main(int argc, char **argv) {
+int timed_main(int argc, char **argv, const struct settings *settings) {
     enum { HELP = 256, FPS, HEADER, HERTZ, FRAME };
     static const struct option options[] = {{"lang", 1, NULL, 'l'},  {"engine", 1, NULL, 'e'},
                                             {"fps", 1, NULL, FPS},   {"header", 1, NULL, HEADER},
@@ -153,18 +139,9 @@ int timed_main(int argc, char **argv) {
         cli_complain("one file is needed");
         return EXIT_USAGE;
     }
-    struct paths paths;
-    struct speech_packs packs = {0};
-    struct error e;
-    char text[400];
-    int result = EXIT_FAILED;
-    paths_find(&paths);
-    snprintf(text, sizeof text, "%s/speech", paths.models);
-    if (speech_packs_load(&packs, text, &e))
-        cli_complain("%s", error_text(&e, text, sizeof text));
-    else
-        result = run(&o, argv[optind], &packs);
-    speech_packs_free(&packs);
-    paths_free(&paths);
+    struct stages stages;
+    int result =
+        cli_load(&stages, settings, STAGES_SPEECH, NULL) ? EXIT_FAILED : run(&o, argv[optind], &stages.packs);
+    stages_free(&stages);
     return result;
 }

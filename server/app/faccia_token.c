@@ -17,8 +17,6 @@ static const char usage[] =
     "      --room NAME          good in this room only\n"
     "      --rights WORDS       of listen, speak, operate, with commas (listen,speak)\n"
     "      --expires TIME       good for so long: 90s, 15m, 12h, 30d (15m)\n"
-    "      --short              not as a JSON Web Token, but short enough for the list of sub-protocols\n"
-    "                           of a browser's WebSocket: ['faccia.v1', 'token.' + TOKEN]\n"
     "  -h, --help               print this and exit\n"
     "Exit status: 0 printed, 1 failed, 2 wrong usage.\n";
 
@@ -53,14 +51,14 @@ static int copy(char *out, size_t cap, const char *value, const char *option) {
     return 0;
 }
 
-static int print(const char *secret_file, const struct token *token, bool brief) {
+static int print(const char *secret_file, const struct token *token) {
     struct secrets secrets;
     struct error e;
     if (secrets_load(&secrets, secret_file, &e)) {
         complain(&e);
         return EXIT_FAILED;
     }
-    char *text = (brief ? token_make_short : token_make)(&secrets, token, &e);
+    char *text = token_make(&secrets, token, &e);
     secrets_free(&secrets);
     if (!text) {
         complain(&e);
@@ -71,17 +69,20 @@ static int print(const char *secret_file, const struct token *token, bool brief)
     return EXIT_DONE;
 }
 
-int token_main(int argc, char **argv) {
-    enum { SECRET = 256, ROOM, RIGHTS, EXPIRES, SHORT };
-    static const struct option options[] = {{"secret-file", 1, NULL, SECRET}, {"subject", 1, NULL, 's'},
-                                            {"room", 1, NULL, ROOM},          {"rights", 1, NULL, RIGHTS},
-                                            {"expires", 1, NULL, EXPIRES},    {"short", 0, NULL, SHORT},
-                                            {"help", 0, NULL, 'h'},           {0}};
+int token_main(int argc, char **argv, const struct settings *settings) {
+    (void)settings;
+    enum { SECRET = 256, ROOM, RIGHTS, EXPIRES };
+    static const struct option options[] = {{"secret-file", 1, NULL, SECRET},
+                                            {"subject", 1, NULL, 's'},
+                                            {"room", 1, NULL, ROOM},
+                                            {"rights", 1, NULL, RIGHTS},
+                                            {"expires", 1, NULL, EXPIRES},
+                                            {"help", 0, NULL, 'h'},
+                                            {0}};
     struct token token = {.rights = RIGHT_LISTEN | RIGHT_SPEAK};
     struct error e;
     const char *secret_file = NULL;
     long seconds = 15 * 60;
-    bool brief = false;
     for (int c; (c = getopt_long(argc, argv, "s:h", options, NULL)) != -1;) {
         switch (c) {
         case SECRET:
@@ -105,9 +106,6 @@ int token_main(int argc, char **argv) {
                 return EXIT_USAGE;
             }
             break;
-        case SHORT:
-            brief = true;
-            break;
         case 'h':
             fputs(usage, stdout);
             return EXIT_DONE;
@@ -121,5 +119,5 @@ int token_main(int argc, char **argv) {
         return EXIT_USAGE;
     }
     token.expires = (long)time(NULL) + seconds;
-    return print(secret_file, &token, brief);
+    return print(secret_file, &token);
 }

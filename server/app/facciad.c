@@ -5,6 +5,7 @@
 #include "server/app/descriptors.h"
 #include "server/app/service.h"
 #include "server/app/settings.h"
+#include "server/app/stages.h"
 #include "server/base/log.h"
 #include "server/net/net.h"
 #include <stdio.h>
@@ -25,17 +26,12 @@ struct daemon {
     struct paths paths;
     struct settings settings;
     struct secrets secrets;
-    char *voice_config;
     int *sockets; /* from systemd */
     unsigned socket_count;
-    struct speech_packs packs;
-    struct expressions *expressions;
-    struct face_high_level *high_level;
-    struct normalizers normalizers;
+    struct stages stages;
     struct metrics metrics;
     struct coder_pool *coders;
     struct codec_load codec_load;
-    struct pipeline pipeline;
     struct net *net;
     struct daemon_offer *offer;
     uv_signal_t signals[SIGNALS];
@@ -46,41 +42,18 @@ struct daemon {
 
 static void complain(const struct error *e) {
     char text[512];
-    log_error("%s", error_text(e, text, sizeof text));
+    log_error("%s (%s)", error_text(e, text, sizeof text), error_name(e->code));
 }
 
+/* The network's section, with what is no setting. */
 static struct net_options net_options_of(const struct daemon *d) {
-    const struct settings *s = &d->settings;
-    struct net_options options = {
-        .host = s->host,
-        .port = (int)s->port,
-        .remote = s->remote,
-        .listen_fds = d->sockets,
-        .listen_count = d->socket_count,
-        .origins = s->origins,
-        .host_names = s->host_names,
-        .embed = s->embed,
-        .secrets = d->secrets.count ? &d->secrets : NULL,
-        .web = s->web,
-        .models = s->models,
-        .media = s->media,
-        .text_bytes = s->text_bytes,
-        .message_bytes = s->message_bytes,
-        .play_bytes = s->play_bytes,
-        .queue = s->queue,
-        .connections = s->connections,
-        .connections_above = NET_CONNECTIONS_ABOVE,
-        .rooms = s->rooms,
-        .address_connections = s->address_connections,
-        .address_requests = s->address_requests,
-        .send_bytes = s->send_bytes,
-        .send_bytes_max = s->send_bytes_max,
-        .lag_seconds = s->lag_seconds,
-        .stall_seconds = s->stall_seconds,
-        .ping_seconds = s->ping_seconds,
-        .hold_seconds = s->hold_seconds,
-    };
-    descriptors_provide(&options, s->workers);
+    struct net_options options = d->settings.net;
+    options.models = d->settings.models;
+    options.listen_fds = d->sockets;
+    options.listen_count = d->socket_count;
+    options.secrets = d->secrets.count ? &d->secrets : NULL;
+    options.connections_above = NET_CONNECTIONS_ABOVE;
+    descriptors_provide(&options, d->settings.voices.workers);
     return options;
 }
 
@@ -90,23 +63,23 @@ static void on_ready(void *ctx) {
     struct daemon *d = ctx;
     char status[80];
     size_t count;
-    voice_pool_voices(d->pipeline.voices, &count);
+    voice_pool_voices(d->stages.pipeline.voices, &count);
     if (!count) {
         static const char none[] = "no voice plugin could be started";
         log_error(none);
         net_set_unavailable(d->net, none);
         return;
     }
-    if (!synthesis_can_speak(&d->pipeline, d->settings.lang)) {
+    if (!synthesis_can_speak(&d->stages.pipeline, d->settings.lang)) {
         struct error e;
-        error_in_field(&e, "unknown-language", "--lang", "no language '%s'", d->settings.lang);
+        error_in_field(&e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", d->settings.lang);
         complain(&e);
         d->failed = true;
         stop(d);
         return;
     }
     net_set_ready(d->net);
-    snprintf(status, sizeof status, "%zu voices, %zu language packs", count, d->packs.count);
+    snprintf(status, sizeof status, "%zu voices, %zu language packs", count, d->stages.packs.count);
     log_info("ready: %s", status);
     service_ready(status);
 }
@@ -118,7 +91,7 @@ static void reload(struct daemon *d) {
     struct secrets secrets = {0};
     struct error e;
     service_reloading();
-    if (settings_read(&settings, &request, d->argc, d->argv, &d->paths, &e) ||
+    if (settings_read(&settings, &request, PROGRAM_DAEMON, d->argc, d->argv, &d->paths, &e) ||
         (settings.token_file && secrets_load(&secrets, settings.token_file, &e))) {
         complain(&e);
         log_warn("the settings stay as they were");
@@ -133,7 +106,7 @@ static void reload(struct daemon *d) {
         d->secrets = secrets;
         struct net_options options = net_options_of(d);
         net_change(d->net, &options);
-        settings_apply_log(&d->settings);
+        log_open(settings_log_format(&d->settings));
         if (settings_need_restart(&old, &settings))
             log_warn(
                 "some of the changed settings count after a restart only: those of listen, speech, voices, "
@@ -151,8 +124,7 @@ static void stop(struct daemon *d) {
     d->stopped = true;
     if (d->net)
         net_close(d->net);
-    if (d->pipeline.voices)
-        voice_pool_close(d->pipeline.voices, NULL, NULL);
+    stages_stop_voices(&d->stages);
     coder_pool_close(d->coders);
     if (!d->running)
         return;
@@ -169,7 +141,7 @@ static void on_ending(uv_timer_t *timer) {
         stop(d);
     } else if (!net_busy(d->net) || uv_now(&d->loop) >= d->end_by) {
         d->dismissed = true;
-        net_dismiss(d->net, "stopping");
+        net_dismiss(d->net, error_name(ERROR_STOPPING));
         uv_timer_start(timer, on_ending, GOODBYE_MS, 0);
     }
 }
@@ -208,64 +180,29 @@ static void watch(struct daemon *d) {
     d->running = true;
 }
 
+/* The files first, then the network, so that voices are started only where they can be asked. */
 static int start(struct daemon *d, struct error *e) {
     const struct settings *s = &d->settings;
-    char path[4096];
+    struct voice_pool_options voices = s->voices;
+    struct pipeline *pipeline = &d->stages.pipeline;
     if (s->token_file && secrets_load(&d->secrets, s->token_file, e))
         return -1;
-    snprintf(path, sizeof path, "%s/speech", s->models);
-    if (speech_packs_load(&d->packs, path, e))
+    if (stages_load(&d->stages, s, STAGES_ALL, &d->loop, e))
         return -1;
-    if (!speech_packs_find(&d->packs, s->lang))
-        return error_in_field(e, "unknown-language", "--lang", "no language '%s'", s->lang);
-    snprintf(path, sizeof path, "%s/expressions.json", s->models);
-    d->expressions = expressions_load(path, e);
-    if (!d->expressions)
-        return -1;
-    snprintf(path, sizeof path, "%s/normalization", s->models);
-    if (normalizers_load(&d->normalizers, path, e))
-        return -1;
-    d->high_level = face_high_level_new(speech_packs_find(&d->packs, SPEECH_PACK_GENERAL), d->expressions);
-    d->pipeline = (struct pipeline){.loop = &d->loop,
-                                    .packs = &d->packs,
-                                    .expressions = d->expressions,
-                                    .high_level = d->high_level,
-                                    .normalizers = &d->normalizers,
-                                    .default_lang = s->lang,
-                                    .default_contacts = !strcmp(s->contacts, "on")    ? CONTACTS_ON
-                                                        : !strcmp(s->contacts, "off") ? CONTACTS_OFF
-                                                                                      : CONTACTS_ENGINE,
-                                    .sounds = s->audio,
-                                    .metrics = &d->metrics,
-                                    .codec_load = &d->codec_load,
-                                    .long_text = LONG_TEXT_BYTES};
+    if (!speech_packs_find(&d->stages.packs, s->lang))
+        return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
+    pipeline->metrics = voices.metrics = &d->metrics;
+    pipeline->codec_load = &d->codec_load;
+    pipeline->long_text = LONG_TEXT_BYTES;
     struct net_options options = net_options_of(d);
-    d->offer = daemon_offer_new(&d->pipeline);
+    d->offer = daemon_offer_new(pipeline);
     const struct offer_source offer = daemon_offer_source(d->offer);
-    d->net = net_open(&d->pipeline, &offer, &options, e);
+    d->net = net_open(pipeline, &offer, &options, e);
     if (!d->net)
         return -1;
-    d->pipeline.coders = d->coders = coder_pool_open(&d->loop, 0);
+    pipeline->coders = d->coders = coder_pool_open(&d->loop, 0);
     codec_load_open(&d->codec_load, &d->loop, d->coders, &d->metrics);
-    d->voice_config = s->voices ? json_dumps(s->voices, JSON_COMPACT) : NULL;
-    struct voice_pool_options voices = {.worker = s->worker,
-                                        .plugin_dir = s->plugins,
-                                        .workers = s->workers,
-                                        .spare_workers = s->spare_workers,
-                                        .start_seconds = s->start_seconds,
-                                        .deadline_base = s->deadline_base,
-                                        .deadline_per_byte = s->deadline_per_byte,
-                                        .deadline_most = s->deadline_most,
-                                        .processor = s->worker_processor,
-                                        .megabytes = s->worker_megabytes,
-                                        .unconfined = !strcmp(s->sandbox, "off"),
-                                        .config = d->voice_config,
-                                        .cache = {.bytes = (size_t)s->cache_megabytes << 20,
-                                                  .file = s->cache_file,
-                                                  .file_bytes = (uint64_t)s->cache_file_megabytes << 20},
-                                        .metrics = &d->metrics};
-    d->pipeline.voices = voice_pool_open(&d->loop, &voices, on_ready, d, e);
-    if (!d->pipeline.voices)
+    if (stages_start_voices(&d->stages, &voices, on_ready, d, e))
         return -1;
     watch(d);
     return 0;
@@ -297,21 +234,19 @@ static int run(struct daemon *d) {
         net_free(d->net);
     daemon_offer_free(d->offer);
     uv_loop_close(&d->loop);
-    speech_packs_free(&d->packs);
-    expressions_free(d->expressions);
-    face_high_level_free(d->high_level);
-    normalizers_free(&d->normalizers);
+    stages_free(&d->stages);
     secrets_free(&d->secrets);
-    free(d->voice_config);
     return status;
 }
 
 /* What can be answered without starting; -1 to go on. */
 static int answer(const struct settings *settings, const struct settings_request *request) {
     struct buf text = {0};
-    if (request->help)
-        settings_help(&text);
-    else if (request->version)
+    if (request->help) {
+        buf_printf(&text, "Usage: facciad [OPTION]...\nServes the talking head: a page, a WebSocket and HTTP "
+                          "(protocol/README.md says how).\n\n");
+        settings_help(PROGRAM_DAEMON, &text);
+    } else if (request->version)
         buf_printf(&text, "facciad " FACCIA_VERSION "\n");
     else if (request->print)
         settings_print(settings, &text);
@@ -329,11 +264,11 @@ int main(int argc, char **argv) {
     char text[512];
     int status;
     paths_find(&d.paths);
-    if (settings_read(&d.settings, &request, argc, argv, &d.paths, &e)) {
-        fprintf(stderr, "facciad: %s\n", error_text(&e, text, sizeof text));
+    if (settings_read(&d.settings, &request, PROGRAM_DAEMON, argc, argv, &d.paths, &e)) {
+        fprintf(stderr, "facciad: %s (%s)\n", error_text(&e, text, sizeof text), error_name(e.code));
         status = 2;
     } else if ((status = answer(&d.settings, &request)) < 0) {
-        settings_apply_log(&d.settings);
+        log_open(settings_log_format(&d.settings));
         d.socket_count = service_sockets(&d.sockets);
         status = run(&d);
     }

@@ -60,11 +60,11 @@ static bool next_line(struct table *t) {
 static int table_open(struct table *t, const char *path, const char *const *wanted, struct error *e) {
     *t = (struct table){.file = fopen(path, "r"), .wanted = wanted, .error = e};
     if (!t->file)
-        return error_set(e, "bad-recording", "%s", strerror(errno));
+        return error_set(e, ERROR_BAD_CURVES, "%s", strerror(errno));
     for (size_t i = 0; wanted[i]; i++)
         t->column[i] = NO_COLUMN;
     if (!next_line(t))
-        return error_set(e, "bad-recording", "is empty");
+        return error_set(e, ERROR_BAD_CURVES, "is empty");
     char *rest = t->line + (!strncmp(t->line, "\xef\xbb\xbf", 3) ? 3 : 0);
     for (size_t n = 0; rest; n++) {
         const char *name = next_field(&rest);
@@ -100,13 +100,13 @@ static int table_real(struct table *t, size_t wanted, double *out) {
     char *end;
     *out = strtod(t->field[wanted], &end);
     if (end == t->field[wanted] || *end || !isfinite(*out))
-        return error_at_line(t->error, "bad-recording", t->number, 1, "%s: '%.40s' is not a number",
+        return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "%s: '%.40s' is not a number",
                              t->wanted[wanted], t->field[wanted]);
     return 0;
 }
 
 static int needs(struct table *t, size_t wanted) {
-    return t->column[wanted] == NO_COLUMN ? error_at_line(t->error, "bad-recording", t->number, 1,
+    return t->column[wanted] == NO_COLUMN ? error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1,
                                                           "no column is named '%s'", t->wanted[wanted])
                                           : 0;
 }
@@ -135,7 +135,7 @@ static int read_frames(struct table *t, struct measured_speech *r) {
         return -1;
     if (!find_sources(t, source, sign))
         return error_at_line(
-            t->error, "bad-recording", t->number, 1,
+            t->error, ERROR_BAD_CURVES, t->number, 1,
             "no column is named LI, LS, AR, PI, PS, EM, TH, TA, TB or like a marker (ll_z, ul_z, "
             "ll_x, ul_x, jaw_z, tt_z, tt_x, tb_z, tr_z)");
     while (table_next(t)) {
@@ -150,7 +150,7 @@ static int read_frames(struct table *t, struct measured_speech *r) {
         if (table_real(t, time, &r->times[n]))
             return -1;
         if (n && !(r->times[n] > r->times[n - 1]))
-            return error_at_line(t->error, "bad-recording", t->number, 1, "time: does not rise");
+            return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "time: does not rise");
         for (int p = 0; p < PARAM_COUNT; p++) {
             if (!r->curves[p])
                 continue;
@@ -160,7 +160,8 @@ static int read_frames(struct table *t, struct measured_speech *r) {
         }
         r->frame_count++;
     }
-    return r->frame_count ? 0 : error_at_line(t->error, "bad-recording", t->number, 1, "there are no frames");
+    return r->frame_count ? 0
+                          : error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "there are no frames");
 }
 
 int fit_read_curves(const char *path, struct measured_speech *r, struct error *e) {
@@ -183,11 +184,11 @@ static int read_phone_table(struct table *t, struct measured_speech *r) {
         if (table_real(t, START, &phone.start) || table_real(t, END, &phone.end))
             return -1;
         if (strlen(t->field[name]) >= sizeof phone.ipa)
-            return error_at_line(t->error, "bad-recording", t->number, 1, "'%.40s' is too long for a phone",
+            return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "'%.40s' is too long for a phone",
                                  t->field[name]);
         snprintf(phone.ipa, sizeof phone.ipa, "%s", t->field[name]);
         if (measured_speech_add(r, &phone, &inner))
-            return error_at_line(t->error, "bad-recording", t->number, 1, "%s", inner.message);
+            return error_at_line(t->error, ERROR_BAD_CURVES, t->number, 1, "%s", inner.message);
     }
     return 0;
 }

@@ -3,8 +3,8 @@
 #include "server/align/times.h"
 #include "server/app/fit_read.h"
 #include "server/base/buf.h"
+#include "server/base/sampa.h"
 #include "server/fit/arpabet.h"
-#include "server/voice/sampa.h"
 #include <ctype.h>
 #include <errno.h>
 #include <stdio.h>
@@ -76,10 +76,10 @@ static int read_file(const char *path, struct buf *out, struct error *e) {
     char block[65536];
     size_t n;
     if (!file)
-        return error_set(e, "bad-recording", "%s", strerror(errno));
+        return error_set(e, ERROR_BAD_CURVES, "%s", strerror(errno));
     while ((n = fread(block, 1, sizeof block, file)) > 0 && out->size < 100 << 20)
         buf_add(out, block, n);
-    int result = ferror(file) ? error_set(e, "bad-recording", "%s", strerror(errno)) : 0;
+    int result = ferror(file) ? error_set(e, ERROR_BAD_CURVES, "%s", strerror(errno)) : 0;
     fclose(file);
     return result;
 }
@@ -92,14 +92,14 @@ static int read_times(const struct buf *text, struct measured_speech *r, struct 
         const struct times_phone *from = &times.phones[i];
         struct recorded_phone phone = {.start = from->start, .end = from->end, .stress = from->stress};
         if (strlen(from->ipa) >= sizeof phone.ipa) {
-            result = error_set(e, "bad-recording", "'%.31s' is too long for a phone", from->ipa);
+            result = error_set(e, ERROR_BAD_CURVES, "'%.31s' is too long for a phone", from->ipa);
             break;
         }
         memcpy(phone.ipa, from->ipa, strlen(from->ipa) + 1);
         result = measured_speech_add(r, &phone, e);
     }
     if (result)
-        e->code = "bad-recording";
+        e->code = ERROR_BAD_CURVES;
     times_free(&times);
     return result;
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/settings.h"
-#include "server/app/settings_table.h"
+#include "server/app/settings_internal.h"
 #include "server/base/mem.h"
 #include <getopt.h>
 #include <stdlib.h>
@@ -17,9 +17,9 @@ static void set_defaults(struct settings *s, const struct paths *paths) {
         if (settings_table[i].value)
             setting_from_text(s, &settings_table[i], settings_table[i].value, "", &e);
     s->models = mem_strdup(paths->models);
-    s->web = mem_strdup(paths->web);
-    s->plugins = mem_strdup(paths->plugins);
-    s->worker = mem_strdup(paths->worker);
+    s->net.web = mem_strdup(paths->web);
+    s->voices.plugin_dir = mem_strdup(paths->plugins);
+    s->voices.worker = mem_strdup(paths->worker);
 }
 
 /* FACCIA_MAX_TEXT for --max-text. */
@@ -30,9 +30,15 @@ static const char *variable(const struct setting *setting, char out[64]) {
     return out;
 }
 
-static int read_environment(struct settings *s, struct error *e) {
+static bool has(enum program program, const struct setting *setting) {
+    return program == PROGRAM_DAEMON || setting->program == FOR_BOTH;
+}
+
+static int read_environment(struct settings *s, enum program program, struct error *e) {
     char name[64];
     for (size_t i = 0; i < settings_count; i++) {
+        if (!has(program, &settings_table[i]))
+            continue;
         const char *value = getenv(variable(&settings_table[i], name));
         if (value && *value && setting_from_text(s, &settings_table[i], value, name, e))
             return -1;
@@ -42,23 +48,30 @@ static int read_environment(struct settings *s, struct error *e) {
 
 enum { OPTION_HELP = 1000, OPTION_VERSION, OPTION_PRINT, OPTION_CONFIG };
 
-static int read_options(struct settings *s, struct settings_request *request, int argc, char **argv,
-                        bool only_request, struct error *e) {
+static const char *name_of(enum program program) {
+    return program == PROGRAM_DAEMON ? "facciad" : "faccia";
+}
+
+static int read_options(struct settings *s, struct settings_request *request, enum program program, int argc,
+                        char **argv, bool only_request, struct error *e) {
     struct option options[SETTINGS_MAX + 5] = {
         {"help", 0, NULL, OPTION_HELP},
         {"version", 0, NULL, OPTION_VERSION},
-        {"print-config", 0, NULL, OPTION_PRINT},
         {"config", 1, NULL, OPTION_CONFIG},
     };
+    size_t count = 3;
+    if (program == PROGRAM_DAEMON)
+        options[count++] = (struct option){"print-config", 0, NULL, OPTION_PRINT};
     for (size_t i = 0; i < settings_count; i++) {
         const struct setting *setting = &settings_table[i];
-        options[4 + i] = (struct option){setting->option, setting->type != SETTING_FLAG, NULL, (int)i};
+        if (has(program, setting))
+            options[count++] = (struct option){setting->option, setting->type != SETTING_FLAG, NULL, (int)i};
     }
     bool listed[SETTINGS_MAX] = {false};
     char name[64];
-    optind = 1;
+    optind = 0; /* begin anew: one may have been at it, in another order */
     opterr = !only_request;
-    for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+    for (int c; (c = getopt_long(argc, argv, program == PROGRAM_DAEMON ? "h" : "+h", options, NULL)) != -1;) {
         if (c == 'h' || c == OPTION_HELP)
             request->help = true;
         else if (c == OPTION_VERSION)
@@ -68,7 +81,7 @@ static int read_options(struct settings *s, struct settings_request *request, in
         else if (c == OPTION_CONFIG)
             request->file = optarg;
         else if (c == '?')
-            return error_set(e, "bad-option", "try 'facciad --help'");
+            return error_set(e, ERROR_BAD_OPTION, "try '%s --help'", name_of(program));
         else if (!only_request) {
             const struct setting *setting = &settings_table[c];
             snprintf(name, sizeof name, "--%s", setting->option);
@@ -79,25 +92,26 @@ static int read_options(struct settings *s, struct settings_request *request, in
                 return -1;
         }
     }
-    if (optind < argc)
-        return error_set(e, "bad-option", "unexpected '%s'; try 'facciad --help'", argv[optind]);
+    request->rest = optind;
+    if (optind < argc && program == PROGRAM_DAEMON)
+        return error_set(e, ERROR_BAD_OPTION, "unexpected '%s'; try 'facciad --help'", argv[optind]);
     return 0;
 }
 
-int settings_read(struct settings *s, struct settings_request *request, int argc, char **argv,
-                  const struct paths *paths, struct error *e) {
+int settings_read(struct settings *s, struct settings_request *request, enum program program, int argc,
+                  char **argv, const struct paths *paths, struct error *e) {
     *s = (struct settings){0};
     *request = (struct settings_request){.file = getenv("FACCIA_CONFIG")};
     set_defaults(s, paths);
     /* The file is read first, so its name is looked for before all else; what is wrong is told later. */
-    (void)read_options(s, request, argc, argv, true, e);
+    (void)read_options(s, request, program, argc, argv, true, e);
     if (request->help || request->version)
         return 0;
-    if (request->file && *request->file && settings_from_file(s, request->file, e))
+    if (request->file && *request->file && settings_from_file(s, program, request->file, e))
         return -1;
-    if (read_environment(s, e))
+    if (read_environment(s, program, e))
         return -1;
-    return read_options(s, request, argc, argv, false, e);
+    return read_options(s, request, program, argc, argv, false, e);
 }
 
 bool settings_need_restart(const struct settings *old, const struct settings *now) {
@@ -115,9 +129,8 @@ bool settings_need_restart(const struct settings *old, const struct settings *no
     return differ;
 }
 
-/* The workers, which log too, inherit it. */
-void settings_apply_log(const struct settings *s) {
-    setenv("FACCIA_LOG", s->log, 1);
+enum log_format settings_log_format(const struct settings *s) {
+    return s->log_format ? LOG_JSON : getenv("JOURNAL_STREAM") ? LOG_JOURNAL : LOG_TEXT;
 }
 
 void settings_print(const struct settings *s, struct buf *out) {
@@ -136,27 +149,34 @@ void settings_print(const struct settings *s, struct buf *out) {
     json_decref(root);
 }
 
-void settings_help(struct buf *out) {
+void settings_help(enum program program, struct buf *out) {
     char name[64], option[64];
-    buf_printf(out, "Usage: facciad [OPTION]...\n"
-                    "Serves the talking head: a page, a WebSocket and HTTP (protocol/README.md says how).\n\n"
-                    "      --config FILE            settings as JSON; the members stand in brackets below\n"
-                    "      --print-config           print the settings in force as such a file, and exit\n"
-                    "  -h, --help                   print this and exit\n"
+    buf_printf(out, "      --config FILE            settings as JSON; the members stand in brackets below\n");
+    if (program == PROGRAM_DAEMON)
+        buf_printf(out,
+                   "      --print-config           print the settings in force as such a file, and exit\n");
+    buf_printf(out, "  -h, --help                   print this and exit\n"
                     "      --version                print the version and exit\n\n");
     for (size_t i = 0; i < settings_count; i++) {
         const struct setting *setting = &settings_table[i];
+        if (!has(program, setting))
+            continue;
         snprintf(option, sizeof option, "--%s%s%s", setting->option, setting->shape ? " " : "",
                  setting->shape ? setting->shape : "");
         buf_printf(out, "      %-24s %s", option, setting->help);
-        if (setting->type == SETTING_NUMBER || setting->type == SETTING_REAL)
+        if (setting->max > 0)
             buf_printf(out, ", %.12g to %.12g", setting->min, setting->max);
         if (setting->value && *setting->value && setting->type != SETTING_FLAG)
             buf_printf(out, " (%s)", setting->value);
         buf_printf(out, " [%s]\n", setting->path);
     }
-    buf_printf(out,
-               "\nEvery option can also be given in the environment, as %s for --%s, and so on; the file is\n"
-               "$FACCIA_CONFIG. Options override the environment, which overrides the file.\n",
-               variable(&settings_table[1], name), settings_table[1].option);
+    const struct setting *example = &settings_table[1];
+    while (!has(program, example))
+        example++;
+    buf_printf(
+        out,
+        "\nEvery such option can also be given in the environment, as %s for --%s, and so on; the file "
+        "is\n"
+        "$FACCIA_CONFIG. Options override the environment, which overrides the file.\n",
+        variable(example, name), example->option);
 }

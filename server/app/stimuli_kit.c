@@ -80,7 +80,8 @@ static struct face_track *item_track(const struct kit *kit, const char *engine, 
         alone.words = &u->words[u->word_count - 1];
         alone.word_count = 1;
     }
-    const struct speech_pack *pack = speech_packs_find(&kit->cli.packs, synthesis_lang(kit->synthesis));
+    const struct speech_pack *pack =
+        speech_packs_find(&kit->cli.stages.packs, synthesis_lang(kit->synthesis));
     struct face_track *track = face_track_new(pack, &alone, &options, NULL, NULL);
     free(alone.phones);
     return track;
@@ -211,10 +212,10 @@ int kit_page(struct kit *kit) {
     json_dump_callback(manifest, append, &data, JSON_COMPACT | JSON_REAL_PRECISION(7));
     json_decref(manifest);
     /* Without the client's bundle (built without Node.js) the page loads it from the daemon. */
-    snprintf(path, sizeof path, "%s/talking-head.js", kit->cli.paths.web);
+    snprintf(path, sizeof path, "%s/talking-head.js", kit->settings->net.web);
     if (!access(path, R_OK))
         failed = failed || cli_read(path, &bundle);
-    snprintf(path, sizeof path, "%s/stimuli/page.html", kit->cli.paths.models);
+    snprintf(path, sizeof path, "%s/stimuli/page.html", kit->settings->models);
     failed = failed || cli_read(path, &template);
     if (!failed) {
         stimuli_page(&template, &data, &bundle, &page);

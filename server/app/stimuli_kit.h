@@ -12,6 +12,7 @@ enum { KIT_FACES = 2 };
 extern const char kit_still[];
 
 struct kit {
+    const struct settings *settings;
     struct cli cli;
     struct stimuli_set set;
     struct speech_request request;

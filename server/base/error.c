@@ -1,14 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/error.h"
 #include <stdio.h>
-#include <string.h>
 
-static void fill(struct error *e, const char *code, const char *format, va_list args) {
+static const struct {
+    const char *name, *message;
+    unsigned status;
+} table[] = {[ERROR_NONE] = {"", "", 0},
+#define ERROR_ROW(identifier, name, status, message) [ERROR_##identifier] = {name, message, status},
+             ERROR_CODES(ERROR_ROW)
+#undef ERROR_ROW
+};
+
+const char *error_name(enum error_code code) {
+    return table[code].name;
+}
+
+unsigned error_status(enum error_code code) {
+    return table[code].status ? table[code].status : 500;
+}
+
+static void fill(struct error *e, enum error_code code, const char *format, va_list args) {
     *e = (struct error){.code = code};
     vsnprintf(e->message, sizeof e->message, format, args);
 }
 
-int error_set(struct error *e, const char *code, const char *format, ...) {
+int error_set(struct error *e, enum error_code code, const char *format, ...) {
     va_list args;
     va_start(args, format);
     fill(e, code, format, args);
@@ -16,7 +32,7 @@ int error_set(struct error *e, const char *code, const char *format, ...) {
     return -1;
 }
 
-int error_at_byte(struct error *e, const char *code, size_t byte, const char *format, ...) {
+int error_at_byte(struct error *e, enum error_code code, size_t byte, const char *format, ...) {
     va_list args;
     va_start(args, format);
     fill(e, code, format, args);
@@ -26,7 +42,8 @@ int error_at_byte(struct error *e, const char *code, size_t byte, const char *fo
     return -1;
 }
 
-int error_at_line(struct error *e, const char *code, size_t line, size_t column, const char *format, ...) {
+int error_at_line(struct error *e, enum error_code code, size_t line, size_t column, const char *format,
+                  ...) {
     va_list args;
     va_start(args, format);
     fill(e, code, format, args);
@@ -37,7 +54,7 @@ int error_at_line(struct error *e, const char *code, size_t line, size_t column,
     return -1;
 }
 
-int error_in_field(struct error *e, const char *code, const char *field, const char *format, ...) {
+int error_in_field(struct error *e, enum error_code code, const char *field, const char *format, ...) {
     va_list args;
     va_start(args, format);
     fill(e, code, format, args);
@@ -45,6 +62,14 @@ int error_in_field(struct error *e, const char *code, const char *field, const c
     e->place = PLACE_FIELD;
     snprintf(e->field, sizeof e->field, "%s", field);
     return -1;
+}
+
+int error_plain(struct error *e, enum error_code code) {
+    return error_set(e, code, "%s", table[code].message);
+}
+
+int error_plain_in_field(struct error *e, enum error_code code, const char *field) {
+    return error_in_field(e, code, field, "%s", table[code].message);
 }
 
 const char *error_text(const struct error *e, char *out, size_t cap) {

@@ -1,15 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What went wrong with somebody's input, with its place. Codes are stable: protocol/README.md lists them. */
+/* What went wrong with somebody's input, with its place. */
 #ifndef FACCIA_BASE_ERROR_H
 #define FACCIA_BASE_ERROR_H
 
+#include "server/base/error_codes.h"
 #include <stdarg.h>
 #include <stddef.h>
+
+enum error_code {
+    ERROR_NONE,
+#define ERROR_IDENTIFIER(identifier, name, status, message) ERROR_##identifier,
+    ERROR_CODES(ERROR_IDENTIFIER)
+#undef ERROR_IDENTIFIER
+};
 
 enum error_place { PLACE_NONE, PLACE_BYTE, PLACE_LINE, PLACE_FIELD };
 
 struct error {
-    const char *code; /* static, e.g. "bad-json"; NULL = no error */
+    enum error_code code;
     char message[256];
     enum error_place place;
     size_t byte;         /* PLACE_BYTE: 0-based offset */
@@ -18,14 +26,22 @@ struct error {
 };
 
 /* Fill *e; return -1 so that a caller can `return error_set(...)`. */
-int error_set(struct error *e, const char *code, const char *format, ...)
+int error_set(struct error *e, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
-int error_at_byte(struct error *e, const char *code, size_t byte, const char *format, ...)
+int error_at_byte(struct error *e, enum error_code code, size_t byte, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
-int error_at_line(struct error *e, const char *code, size_t line, size_t column, const char *format, ...)
+int error_at_line(struct error *e, enum error_code code, size_t line, size_t column, const char *format, ...)
     __attribute__((format(printf, 5, 6)));
-int error_in_field(struct error *e, const char *code, const char *field, const char *format, ...)
+int error_in_field(struct error *e, enum error_code code, const char *field, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
+
+/* The same with what error_codes.h says of it. */
+int error_plain(struct error *e, enum error_code code);
+int error_plain_in_field(struct error *e, enum error_code code, const char *field);
+
+/* Of the table: "bad-json"; the status of the answer that is this error. ERROR_NONE: "" and 500. */
+const char *error_name(enum error_code code);
+unsigned error_status(enum error_code code);
 
 /* "LINE:COLUMN: message", "byte N: message", "FIELD: message" or the message alone, into out. Returns out. */
 const char *error_text(const struct error *e, char *out, size_t cap);

@@ -5,24 +5,23 @@
 #include <stdlib.h>
 #include <string.h>
 
-int json_place_load(const char *path, struct json_place *root, struct error *e) {
+int json_place_load(const char *path, enum error_code code, struct json_place *root, struct error *e) {
     json_error_t bad;
-    *root = (struct json_place){.error = e};
+    *root = (struct json_place){.code = code, .error = e};
     root->json = json_load_file(path, JSON_REJECT_DUPLICATES, &bad);
     if (root->json)
         return 0;
     if (bad.line < 0)
-        return error_set(e, "bad-pack", "%s", bad.text);
-    return error_at_line(e, "bad-pack", (size_t)bad.line, bad.column > 0 ? (size_t)bad.column : 1, "%s",
-                         bad.text);
+        return error_set(e, code, "%s", bad.text);
+    return error_at_line(e, code, (size_t)bad.line, bad.column > 0 ? (size_t)bad.column : 1, "%s", bad.text);
 }
 
 struct json_place json_place_key(const struct json_place *up, const char *key) {
-    return (struct json_place){up, key, 0, json_object_get(up->json, key), up->error};
+    return (struct json_place){up, key, 0, json_object_get(up->json, key), up->code, up->error};
 }
 
 struct json_place json_place_item(const struct json_place *up, size_t index) {
-    return (struct json_place){up, NULL, index, json_array_get(up->json, index), up->error};
+    return (struct json_place){up, NULL, index, json_array_get(up->json, index), up->code, up->error};
 }
 
 static void write_path(const struct json_place *at, struct buf *out) {
@@ -42,12 +41,19 @@ int json_place_fail(const struct json_place *at, const char *format, ...) {
     vsnprintf(message, sizeof message, format, args);
     va_end(args);
     if (!at->up)
-        return error_set(at->error, "bad-pack", "%s", message);
+        return error_set(at->error, at->code, "%s", message);
     struct buf path = {0};
     write_path(at, &path);
     buf_add(&path, "", 1);
-    error_in_field(at->error, "bad-pack", (const char *)path.data, "%s", message);
+    error_in_field(at->error, at->code, (const char *)path.data, "%s", message);
     buf_free(&path);
+    return -1;
+}
+
+int json_place_fail_in(const struct json_place *at, const char *name, const struct error *inner) {
+    char text[sizeof inner->message + sizeof inner->field];
+    json_place_fail(at, "\"%s\": %s", name, error_text(inner, text, sizeof text));
+    at->error->code = inner->code;
     return -1;
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Reading a JSON file strictly: every value knows where it stands, so that an error names its path
- * ("phones.p.targets.LI.a.T"). The functions return 0, or -1 after filling the root's error (code "bad-pack",
- * field = path). */
+ * ("phones.p.targets.LI.a.T"). The functions return 0, or -1 after filling the root's error (its code says
+ * what kind of file it is; field = path). */
 #ifndef FACCIA_BASE_JSON_PLACE_H
 #define FACCIA_BASE_JSON_PLACE_H
 
@@ -13,18 +13,23 @@ struct json_place {
     const struct json_place *up; /* NULL at the root */
     const char *key;             /* NULL for an array's item */
     size_t index;
-    json_t *json; /* NULL when there is no such value */
+    json_t *json;         /* NULL when there is no such value */
+    enum error_code code; /* when something is wrong with it */
     struct error *error;
 };
 
-/* Reads a file into *root; the caller releases root->json with json_decref. Duplicate keys are an error. */
-int json_place_load(const char *path, struct json_place *root, struct error *e);
+/* Reads a file into *root; what is wrong with it has that code. The caller releases root->json with
+ * json_decref. Duplicate keys are an error. */
+int json_place_load(const char *path, enum error_code code, struct json_place *root, struct error *e);
 
 struct json_place json_place_key(const struct json_place *up, const char *key);
 struct json_place json_place_item(const struct json_place *up, size_t index);
 
 int json_place_fail(const struct json_place *at, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+
+/* What stands there names a file, in which something is wrong: its code, and where in it. */
+int json_place_fail_in(const struct json_place *at, const char *name, const struct error *inner);
 
 int json_place_object(const struct json_place *at);
 int json_place_array(const struct json_place *at);

@@ -1,16 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/log.h"
 #include <stdarg.h>
-#include <stdbool.h>
+#include <stdatomic.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
 
-static bool is_json(void) {
-    const char *format = getenv("FACCIA_LOG");
-    return format && !strcmp(format, "json");
+static const char *const names[] = {[LOG_TEXT] = "text", [LOG_JSON] = "json", [LOG_JOURNAL] = "journal"};
+static _Atomic(enum log_format) current;
+
+void log_open(enum log_format format) {
+    current = format;
+}
+
+bool log_open_named(const char *name) {
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (!strcmp(names[i], name)) {
+            log_open((enum log_format)i);
+            return true;
+        }
+    return false;
+}
+
+const char *log_format_name(void) {
+    return names[current];
 }
 
 /* The text as a JSON string. */
@@ -45,9 +59,9 @@ static void write_json(char *out, size_t cap, const char *word, const char *text
 static void line(int priority, const char *word, const char *format, va_list args) {
     char text[1024], out[1200];
     vsnprintf(text, sizeof text, format, args);
-    if (is_json())
+    if (current == LOG_JSON)
         write_json(out, sizeof out, word, text);
-    else if (getenv("JOURNAL_STREAM"))
+    else if (current == LOG_JOURNAL)
         snprintf(out, sizeof out, "<%d>%s\n", priority, text);
     else
         snprintf(out, sizeof out, "faccia: %s%s\n", word, text);

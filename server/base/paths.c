@@ -50,11 +50,8 @@ static const struct layout *look_round(char *root, size_t cap) {
     return &layouts[INSTALLED];
 }
 
-static char *find(const char *variable, const char *root, const char *place) {
-    const char *given = getenv(variable);
+static char *find(const char *root, const char *place) {
     char path[2 * PATH_MAX], real[PATH_MAX];
-    if (given && *given)
-        return mem_strdup(given);
     snprintf(path, sizeof path, "%s/%s", *place == '/' ? "" : root, place);
     return mem_strdup(realpath(path, real) ? real : "");
 }
@@ -62,12 +59,10 @@ static char *find(const char *variable, const char *root, const char *place) {
 void paths_find(struct paths *paths) {
     char root[PATH_MAX];
     const struct layout *layout = look_round(root, sizeof root);
-    const char *configured = getenv("FACCIA_VOICE_CONFIG");
-    paths->models = find("FACCIA_MODELS", root, layout->places[MODELS]);
-    paths->web = find("FACCIA_WEB", root, layout->places[WEB]);
-    paths->plugins = find("FACCIA_PLUGINS", root, layout->places[PLUGINS]);
-    paths->worker = find("FACCIA_WORKER", root, layout->places[WORKER]);
-    paths->voice_config = mem_strdup(configured ? configured : "");
+    paths->models = find(root, layout->places[MODELS]);
+    paths->web = find(root, layout->places[WEB]);
+    paths->plugins = find(root, layout->places[PLUGINS]);
+    paths->worker = find(root, layout->places[WORKER]);
 }
 
 void paths_free(struct paths *paths) {
@@ -75,6 +70,5 @@ void paths_free(struct paths *paths) {
     free(paths->web);
     free(paths->plugins);
     free(paths->worker);
-    free(paths->voice_config);
     *paths = (struct paths){0};
 }

@@ -6,11 +6,10 @@
 
 /* Absolute paths; free with paths_free. An empty string where nothing was found. */
 struct paths {
-    char *models;       /* holds speech/, heads/; $FACCIA_MODELS overrides */
-    char *web;          /* the page and its bundle; $FACCIA_WEB overrides */
-    char *plugins;      /* voice plugins; $FACCIA_PLUGINS overrides */
-    char *worker;       /* the faccia-voice program; $FACCIA_WORKER overrides */
-    char *voice_config; /* $FACCIA_VOICE_CONFIG: the voices' configuration file */
+    char *models;  /* holds speech/, heads/ */
+    char *web;     /* the page and its bundle */
+    char *plugins; /* voice plugins */
+    char *worker;  /* the faccia-voice program */
 };
 
 void paths_find(struct paths *paths);

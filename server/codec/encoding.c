@@ -34,7 +34,7 @@ static int find(const struct codec *list, const char *name, const char *field, s
             return list->codec;
         near_try(&near, list->name, list->name);
     }
-    return error_in_field(e, "unknown-codec", field, "no %s codec '%.80s'%s", field, name,
+    return error_in_field(e, ERROR_UNKNOWN_CODEC, field, "no %s codec '%.80s'%s", field, name,
                           near_text(&near, text));
 }
 

@@ -16,7 +16,7 @@ static int read_field(struct csv *csv, struct error *e) {
     for (;; csv->at++) {
         if (csv->at == csv->end) {
             if (quoted)
-                return error_at_line(e, "bad-csv", csv->line, 1, "a quoted field does not end");
+                return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "a quoted field does not end");
             break;
         }
         if (quoted && *csv->at == '"') {
@@ -29,13 +29,13 @@ static int read_field(struct csv *csv, struct error *e) {
             break;
         }
         if (!*csv->at)
-            return error_at_line(e, "bad-csv", csv->line, 1, "it holds a NUL byte");
+            return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "it holds a NUL byte");
         csv->lines += *csv->at == '\n';
         buf_add(&csv->text, csv->at, 1);
     }
     buf_add(&csv->text, "", 1);
     if (csv->at < csv->end && *csv->at != ',' && *csv->at != '\n' && *csv->at != '\r')
-        return error_at_line(e, "bad-csv", csv->line, 1, "text follows a quoted field");
+        return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "text follows a quoted field");
     return 0;
 }
 
@@ -45,7 +45,7 @@ static int read_record(struct csv *csv, struct error *e) {
     csv->line = csv->lines + 1;
     for (;;) {
         if (csv->count == CSV_COLUMNS)
-            return error_at_line(e, "bad-csv", csv->line, 1, "more than %d columns", CSV_COLUMNS);
+            return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "more than %d columns", CSV_COLUMNS);
         offsets[csv->count++] = csv->text.size;
         if (read_field(csv, e))
             return -1;
@@ -76,13 +76,13 @@ int csv_next(struct csv *csv, struct error *e) {
 int csv_header(struct csv *csv, const char *const *names, size_t *columns, struct error *e) {
     int got = csv_next(csv, e);
     if (got <= 0)
-        return got ? -1 : error_at_line(e, "bad-csv", 1, 1, "there is nothing in it");
+        return got ? -1 : error_at_line(e, ERROR_BAD_RESULTS, 1, 1, "there is nothing in it");
     for (size_t i = 0; names[i]; i++) {
         for (columns[i] = 0; columns[i] < csv->count && strcmp(csv->fields[columns[i]], names[i]) != 0;
              columns[i]++)
             ;
         if (columns[i] == csv->count)
-            return error_at_line(e, "bad-csv", csv->line, 1, "no column '%s'", names[i]);
+            return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "no column '%s'", names[i]);
     }
     return 0;
 }
@@ -97,8 +97,8 @@ int csv_number(const struct csv *csv, size_t column, const char *name, double mi
     char *end;
     *out = strtod(text, &end);
     if (end == text || *end || !(*out >= min && *out <= max))
-        return error_at_line(e, "bad-csv", csv->line, 1, "%s must be a number from %g to %g, not '%.40s'",
-                             name, min, max, text);
+        return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1,
+                             "%s must be a number from %g to %g, not '%.40s'", name, min, max, text);
     return 0;
 }
 

@@ -20,7 +20,7 @@ struct csv {
 
 void csv_begin(struct csv *csv, const char *text, size_t size);
 
-/* The next record that is not blank. 1; 0 at the end; -1 with *e ("bad-csv"). */
+/* The next record that is not blank. 1; 0 at the end; -1 with *e ("bad-results"). */
 int csv_next(struct csv *csv, struct error *e);
 
 /* Reads the first record and finds the columns of those names (NULL-terminated) in it. -1 with *e. */

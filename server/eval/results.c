@@ -12,7 +12,7 @@ static int read_name(const struct csv *csv, size_t column, const char *what, cha
                      struct error *e) {
     const char *text = csv_field(csv, column);
     if (!*text || strlen(text) >= RESULTS_NAME_BYTES)
-        return error_at_line(e, "bad-csv", csv->line, 1, "%s must have 1 to %d bytes", what,
+        return error_at_line(e, ERROR_BAD_RESULTS, csv->line, 1, "%s must have 1 to %d bytes", what,
                              RESULTS_NAME_BYTES - 1);
     memcpy(out, text, strlen(text) + 1);
     return 0;
@@ -46,7 +46,7 @@ int votes_read(struct votes *votes, const char *text, size_t size, struct error 
                   ? -1
                   : 0;
         if (!got && correct != 0 && correct != 1)
-            got = error_at_line(e, "bad-csv", csv.line, 1, "correct must be 0 or 1");
+            got = error_at_line(e, ERROR_BAD_RESULTS, csv.line, 1, "correct must be 0 or 1");
         if (got)
             break;
         struct vote *vote = find_vote(votes, &like);
@@ -116,7 +116,8 @@ int results_read_means(const char *text, size_t size, struct results *out, struc
                   ? -1
                   : 0;
         if (!got && find_cell(out, snr, mode))
-            got = error_at_line(e, "bad-csv", csv.line, 1, "'%s' at %g dB was there before", mode, snr);
+            got =
+                error_at_line(e, ERROR_BAD_RESULTS, csv.line, 1, "'%s' at %g dB was there before", mode, snr);
         if (got)
             break;
         add_cell(out, snr, mode)->group = g;

@@ -38,14 +38,14 @@ struct votes {
 };
 
 /* Adds a file with the columns listener, mode, snr, correct (1 or 0), one line for each answer. -1 with *e
- * ("bad-csv"). */
+ * ("bad-results"). */
 int votes_read(struct votes *votes, const char *text, size_t size, struct error *e);
 void votes_free(struct votes *votes);
 
 /* Each listener's proportion in each cell, gathered. */
 void results_from_votes(const struct votes *votes, struct results *out);
 
-/* Reads the columns snr, mode, mean, variance, n. -1 with *e ("bad-csv"). */
+/* Reads the columns snr, mode, mean, variance, n. -1 with *e ("bad-results"). */
 int results_read_means(const char *text, size_t size, struct results *out, struct error *e);
 void results_free(struct results *results);
 

@@ -71,8 +71,9 @@ void export_json_piece(struct export *x, const struct media_segment *segment, ui
 
 void export_json_warning(struct export *x, const struct error *e) {
     char text[400];
-    add_member(&x->warnings, !x->warnings.size,
-               json_pack("{ss ss}", "code", e->code, "message", error_text(e, text, sizeof text)));
+    add_member(
+        &x->warnings, !x->warnings.size,
+        json_pack("{ss ss}", "code", error_name(e->code), "message", error_text(e, text, sizeof text)));
 }
 
 static void add_list(struct export *x, const char *name, const struct buf *members) {

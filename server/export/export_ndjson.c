@@ -150,6 +150,6 @@ void export_ndjson_end(struct export *x) {
 
 void export_ndjson_warning(struct export *x, const struct error *e) {
     char text[400];
-    put(x, json_pack("{ss ss ss}", "type", "warning", "code", e->code, "message",
+    put(x, json_pack("{ss ss ss}", "type", "warning", "code", error_name(e->code), "message",
                      error_text(e, text, sizeof text)));
 }

@@ -32,9 +32,9 @@ int expressions_find(const struct expressions *expressions, const char *kind, co
 /* For a name that is not found: those of that kind that come near. */
 struct near expressions_near(const struct expressions *expressions, const char *kind, const char *name);
 
-/* The voice's part, into a script: multiplies the styles of the items under each cue by the expression's factors for rate,
- * pitch, range and volume at its intensity, and names the affect in style.emotion. A cue that the file does
- * not know is removed with a warning at its place. */
+/* The voice's part, into a script: multiplies the styles of the items under each cue by the expression's
+ * factors for rate, pitch, range and volume at its intensity, and names the affect in style.emotion. A cue
+ * that the file does not know is removed with a warning at its place. */
 void expressions_direct(const struct expressions *expressions, struct score *script);
 
 /* A mixture of affects that somebody sets from outside (an emotion disc) and that holds until it is set anew.
@@ -51,11 +51,5 @@ void mood_free(struct mood *mood);
  * ("unknown-expression", field "mix.I.name"; "bad-value", field "mix", when they are too many). */
 int mood_set(struct mood *mood, const char *const *names, const double *intensities, size_t count, double at,
              double ease, struct error *e);
-
-/* How the expressions at a moment change the signs of life; all 1 when neutral. */
-struct liveliness {
-    double blink_rate, blink_length; /* factors */
-    double motion;                   /* factor of head motion */
-};
 
 #endif

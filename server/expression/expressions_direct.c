@@ -2,6 +2,7 @@
 /* The voice's part of the expressions. */
 #include "server/base/mem.h"
 #include "server/base/near.h"
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <stdlib.h>
@@ -93,8 +94,8 @@ static int find(const struct expressions *expressions, struct score *score, cons
     if (found < 0) {
         struct near near = expressions_near(expressions, cue->kind, cue->name);
         char text[NEAR_TEXT];
-        score_warn(score, cue->at, "unknown-expression", "no %s '%.80s': not shown%s", cue->kind, cue->name,
-                   near_text(&near, text));
+        score_warn(score, cue->at, ERROR_UNKNOWN_EXPRESSION, "no %s '%.80s': not shown%s", cue->kind,
+                   cue->name, near_text(&near, text));
     }
     return found;
 }

@@ -4,6 +4,7 @@
 #define FACCIA_EXPRESSION_EXPRESSIONS_INTERNAL_H
 
 #include "server/base/json_place.h"
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 
 /* An alias that stands for every name of its kind that nobody else has. */

@@ -89,7 +89,7 @@ static int read_all(const struct json_place *root, struct expressions *all) {
 
 struct expressions *expressions_load(const char *path, struct error *e) {
     struct json_place root;
-    if (json_place_load(path, &root, e))
+    if (json_place_load(path, ERROR_BAD_EXPRESSIONS, &root, e))
         return NULL;
     struct expressions *all = mem_alloc(sizeof *all);
     if (read_all(&root, all)) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/near.h"
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <stdio.h>
@@ -101,14 +102,14 @@ int mood_set(struct mood *mood, const char *const *names, const double *intensit
              double ease, struct error *e) {
     double to[AFFECTS_MAX] = {0}, sum = 0;
     if (count > MOOD_MIX)
-        return error_in_field(e, "bad-value", "mix", "at most %d expressions", MOOD_MIX);
+        return error_in_field(e, ERROR_BAD_VALUE, "mix", "at most %d expressions", MOOD_MIX);
     for (size_t i = 0; i < count; i++) {
         int found = expressions_find(mood->expressions, "affect", names[i]);
         if (found < 0) {
             char field[32], text[NEAR_TEXT];
             struct near near = expressions_near(mood->expressions, "affect", names[i]);
             snprintf(field, sizeof field, "mix.%zu.name", i);
-            return error_in_field(e, "unknown-expression", field, "there is no expression '%.80s'%s",
+            return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, field, "there is no expression '%.80s'%s",
                                   names[i], near_text(&near, text));
         }
         to[found] += amount(intensities[i]);

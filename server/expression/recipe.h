@@ -5,7 +5,10 @@
 #define FACCIA_EXPRESSION_RECIPE_H
 
 #include "protocol/fap.h"
-#include "server/expression/expressions.h"
+#include <stddef.h>
+
+struct expressions;
+struct mood;
 
 enum {
     BASIC_COUNT = 6, /* of FAP 2: 1 joy, 2 sadness, 3 anger, 4 fear, 5 disgust, 6 surprise */
@@ -30,6 +33,12 @@ struct envelope {
 /* Parts of the pose that stay while she speaks, 0..1: of jaw and lips, and of the mouth's corners. */
 struct mouth_share {
     double lips, corners;
+};
+
+/* How the expressions at a moment change the signs of life; all 1 when neutral. */
+struct liveliness {
+    double blink_rate, blink_length; /* factors */
+    double motion;                   /* factor of head motion */
 };
 
 struct voice_factors {

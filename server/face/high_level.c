@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/high_level.h"
 #include "server/base/mem.h"
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include "server/face/packs/shape.h"
 #include <math.h>

@@ -37,11 +37,11 @@ static void put_phone(struct measured_speech *r, const struct recorded_phone *ph
 int measured_speech_add(struct measured_speech *r, const struct recorded_phone *phone, struct error *e) {
     struct recorded_phone own = *phone;
     if (!(own.end > own.start) || !(own.start >= 0) || !(own.end <= LONGEST))
-        return error_set(e, "bad-recording", "phone %zu: must end after it starts, and within an hour",
+        return error_set(e, ERROR_BAD_CURVES, "phone %zu: must end after it starts, and within an hour",
                          r->phone_count + 1);
     double last = r->phone_count ? r->phones[r->phone_count - 1].end : own.start;
     if (own.start < last - SAME_TIME)
-        return error_set(e, "bad-recording", "phone %zu: starts before the end of the one before it",
+        return error_set(e, ERROR_BAD_CURVES, "phone %zu: starts before the end of the one before it",
                          r->phone_count + 1);
     if (own.start > last + SAME_TIME) {
         struct recorded_phone gap = {.start = last, .end = own.start};
@@ -76,14 +76,14 @@ int measured_speech_check(const struct measured_speech *r, struct error *e) {
     for (size_t i = 0; i < r->phone_count; i++)
         spoken += r->phones[i].ipa[0] != '\0';
     if (!spoken)
-        return error_set(e, "bad-recording", "there are no phones but pauses");
+        return error_set(e, ERROR_BAD_CURVES, "there are no phones but pauses");
     if (r->frame_count < LEAST_FRAMES)
-        return error_set(e, "bad-recording", "there are fewer than %d frames", LEAST_FRAMES);
+        return error_set(e, ERROR_BAD_CURVES, "there are fewer than %d frames", LEAST_FRAMES);
     /* the pauses before and behind may be longer than the curves */
     double start = r->phones[0].ipa[0] ? r->phones[0].start : r->phones[0].end,
            end = last_phone(r)->ipa[0] ? last_phone(r)->end : last_phone(r)->start;
     if (r->times[0] > start + SHORT_CURVES || r->times[r->frame_count - 1] < end - SHORT_CURVES)
-        return error_set(e, "bad-recording", "the curves do not cover the phones, %.3f to %.3f s", start,
+        return error_set(e, ERROR_BAD_CURVES, "the curves do not cover the phones, %.3f to %.3f s", start,
                          end);
     return 0;
 }
@@ -91,12 +91,12 @@ int measured_speech_check(const struct measured_speech *r, struct error *e) {
 int measured_speech_subtract_rest(struct measured_speech *r, const struct speech_rest *rest,
                                   struct error *e) {
     if (r->phone_count < 3 || r->phones[0].ipa[0] || last_phone(r)->ipa[0])
-        return error_set(e, "bad-recording",
+        return error_set(e, ERROR_BAD_CURVES,
                          "must begin and end with a pause, so that the mouth can be seen at rest");
     double start = r->phones[0].start, end = last_phone(r)->end;
     if (r->frame_count < LEAST_FRAMES || r->times[0] > start + SHORT_CURVES ||
         r->times[r->frame_count - 1] < end - SHORT_CURVES)
-        return error_set(e, "bad-recording", "the curves do not cover the phones, %.3f to %.3f s", start,
+        return error_set(e, ERROR_BAD_CURVES, "the curves do not cover the phones, %.3f to %.3f s", start,
                          end);
     /* A third of a pause that is too short for the mouth to come to rest is better than nothing. */
     double first_end = r->phones[0].end, last_start = last_phone(r)->start;

@@ -32,7 +32,7 @@ struct measured_speech {
 void measured_speech_free(struct measured_speech *r);
 void measured_speech_free_all(struct measured_speech *list, size_t count);
 
-/* Puts a phone behind the others; what is left out between two is a pause. -1 (code "bad-recording") when it
+/* Puts a phone behind the others; what is left out between two is a pause. -1 (code "bad-curves") when it
  * ends before it starts or starts before the last one's end. */
 int measured_speech_add(struct measured_speech *r, const struct recorded_phone *phone, struct error *e);
 
@@ -40,7 +40,7 @@ int measured_speech_add(struct measured_speech *r, const struct recorded_phone *
 int measured_speech_check(const struct measured_speech *r, struct error *e);
 
 /* Makes the curves relative to rest: the mean over those parts of the first and the last pause in which the
- * mouth rests. -1 (code "bad-recording") when it does not begin and end with a pause, or the curves do not
+ * mouth rests. -1 (code "bad-curves") when it does not begin and end with a pause, or the curves do not
  * cover the phones. */
 int measured_speech_subtract_rest(struct measured_speech *r, const struct speech_rest *rest, struct error *e);
 

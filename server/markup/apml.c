@@ -140,7 +140,7 @@ static void begin_performative(struct markup_reader *r, struct tag *tag) {
     struct timing t = take_timing(tag);
     const char *type = tag_take(tag, "type");
     if (!type || !*type)
-        score_warn(tag->r->score, tag->at, "missing-attribute", "a performative has a type");
+        score_warn(tag->r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a performative has a type");
     else if (strcasecmp(type, "none") != 0)
         cue(tag, "performative", type, &t, 1);
     take_mind(tag, &t);
@@ -151,7 +151,7 @@ static void begin_turn(struct markup_reader *r, struct tag *tag) {
     const char *type = tag_take(tag, "type");
     struct timing t = take_timing(tag);
     if (!type)
-        score_warn(r->score, tag->at, "missing-attribute", "a turnallocation has a type: take or give");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a turnallocation has a type: take or give");
     else if (!choice_find(types, 2, type))
         tag_bad(tag, "type", "is neither take nor give");
     else
@@ -230,7 +230,7 @@ static void begin_pause(struct markup_reader *r, struct tag *tag) {
     double seconds;
     (void)r;
     if (!value)
-        score_warn(r->score, tag->at, "missing-attribute", "a pause has its length in sec");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a pause has its length in sec");
     else if (!quantity_seconds(value, 1, &seconds))
         tag_bad(tag, "sec", "is no number of seconds");
     else

@@ -130,14 +130,14 @@ static void begin_description(struct markup_reader *r, struct tag *tag) {
     if (!greta || r->bml->speech)
         tag->frame->silent = true;
     if (!greta)
-        score_warn(r->score, tag->at, "ignored",
+        score_warn(r->score, tag->at, ERROR_IGNORED,
                    spoken ? "this description is not spoken: another comes first"
                           : "a description of the type '%.40s' is not understood",
                    type ? type : "");
 }
 
 static void begin_ignored(struct markup_reader *r, struct tag *tag) {
-    score_warn(r->score, tag->at, "ignored", "<%s> is not acted on", tag->frame->element->name);
+    score_warn(r->score, tag->at, ERROR_IGNORED, "<%s> is not acted on", tag->frame->element->name);
     tag->count = 0;
 }
 

@@ -36,7 +36,8 @@ struct bml_behaviour *bml_add(struct tag *tag, double usual) {
 }
 
 static void missing(struct tag *tag, const char *what) {
-    score_warn(tag->r->score, tag->at, "missing-attribute", "<%s> has %s", tag->frame->element->name, what);
+    score_warn(tag->r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "<%s> has %s", tag->frame->element->name,
+               what);
 }
 
 /* Only the draft's have a kind of their own; those of BML 1.0 have their parts inside. */
@@ -132,7 +133,7 @@ void bml_begin_gaze(struct markup_reader *r, struct tag *tag) {
                  to          ? "offsetdirection"
                  : direction ? "direction"
                              : "target",
-                 "ignored", "nobody knows where '%.40s' is", where);
+                 ERROR_IGNORED, "nobody knows where '%.40s' is", where);
     }
 }
 
@@ -199,7 +200,7 @@ void bml_begin_boundary(struct markup_reader *r, struct tag *tag) {
 
 void bml_begin_other(struct markup_reader *r, struct tag *tag) {
     bml_add(tag, SHORT);
-    score_warn(r->score, tag->at, "ignored", "<%s> is not acted on: this is a head alone",
+    score_warn(r->score, tag->at, ERROR_IGNORED, "<%s> is not acted on: this is a head alone",
                tag->frame->element->name);
     tag->count = 0;
 }
@@ -230,7 +231,7 @@ void bml_end_reference(struct markup_reader *r, struct frame *frame) {
     else if ((n != 4 || strncasecmp(text, "gaze", 4) != 0) && strncasecmp(name, "look_", 5) != 0)
         bml_show_lexeme(b, r, name);
     else if (!bml_show_gaze(b, name))
-        score_warn(r->score, frame->inside, "ignored", "nobody knows where '%.40s' is", name);
+        score_warn(r->score, frame->inside, ERROR_IGNORED, "nobody knows where '%.40s' is", name);
 }
 
 void bml_end_intensity(struct markup_reader *r, struct frame *frame) {

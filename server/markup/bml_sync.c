@@ -30,7 +30,7 @@ void bml_begin_point(struct markup_reader *r, struct tag *tag) {
     double seconds;
     name = id ? id : name;
     if (!name || !*name)
-        score_warn(r->score, tag->at, "missing-attribute", "a sync point has an id");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a sync point has an id");
     else if (time && quantity_plain(time, 0, 1e6, &seconds))
         add_sync(r, name, 0, seconds);
     else if (strcmp(tag->frame->element->name, "mark") != 0)
@@ -143,7 +143,7 @@ static void resolve(struct markup_reader *r, struct bml_behaviour *b, int chain)
         return;
     b->state = BML_BUSY;
     if (b->start && !find_place(r, b->start, chain, &b->from)) {
-        score_warn(score, b->start_at, "bad-value",
+        score_warn(score, b->start_at, ERROR_BAD_VALUE,
                    "start=\"%.60s\" is no time that is known: it begins at once", b->start);
         b->start = NULL;
     }
@@ -155,12 +155,12 @@ static void resolve(struct markup_reader *r, struct bml_behaviour *b, int chain)
         usual = (struct bml_place){BML_ITEM, score->item_count, 0};
     b->to = usual;
     if (b->end && !find_place(r, b->end, chain, &b->to)) {
-        score_warn(score, b->end_at, "bad-value", "end=\"%.60s\" is no time that is known: it ends as usual",
-                   b->end);
+        score_warn(score, b->end_at, ERROR_BAD_VALUE,
+                   "end=\"%.60s\" is no time that is known: it ends as usual", b->end);
         b->to = usual;
     }
     if (b->from.kind == BML_ITEM && b->to.kind == BML_ITEM && b->to.item < b->from.item) {
-        score_warn(score, b->end_at, "bad-value", "end=\"%.60s\" lies before the start: it ends as usual",
+        score_warn(score, b->end_at, ERROR_BAD_VALUE, "end=\"%.60s\" lies before the start: it ends as usual",
                    b->end);
         b->to = usual;
     }
@@ -185,8 +185,8 @@ static void add_cue(struct score *score, const struct bml_behaviour *b, const st
         if (timed)
             timed->intensity = intensity;
         else
-            score_warn(score, b->at, "ignored", "more than %d things at times of the clock: this is left out",
-                       SCORE_TIMED);
+            score_warn(score, b->at, ERROR_IGNORED,
+                       "more than %d things at times of the clock: this is left out", SCORE_TIMED);
         return;
     }
     struct score_cue *cue = score_add_cue(score, sign->kind, sign->name, b->at);

@@ -56,7 +56,7 @@ static void limit_cues(struct score *score) {
         for (; sentence < first; sentence++)
             active -= ended[sentence];
         if (active == SCORE_CUES) {
-            score_warn(score, cue->at, "ignored", "more than %d things at once: this is left out",
+            score_warn(score, cue->at, ERROR_IGNORED, "more than %d things at once: this is left out",
                        SCORE_CUES);
             continue;
         }

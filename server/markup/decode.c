@@ -36,7 +36,8 @@ static uint32_t decode(uint8_t byte, bool turkish, bool cp) {
     return byte;
 }
 
-static int at_byte(struct error *e, const char *code, const char *text, size_t byte, const char *message) {
+static int at_byte(struct error *e, enum error_code code, const char *text, size_t byte,
+                   const char *message) {
     struct lines lines = {0};
     size_t line, column;
     lines_place(&lines, text, byte, &line, &column);
@@ -54,14 +55,15 @@ int markup_decode(const char *text, size_t size, char **out, size_t *out_size, s
         known++;
     if (known == count)
         return at_byte(
-            e, "unknown-encoding", text, prolog.encoding_at,
+            e, ERROR_UNKNOWN_ENCODING, text, prolog.encoding_at,
             "this encoding is not read here; UTF-8, ISO-8859-1, ISO-8859-9 and windows-1252, -1254 are");
     struct buf buf = {0};
     for (size_t i = 0; i < size; i++) {
         uint32_t c = decode((uint8_t)text[i], encodings[known].turkish, encodings[known].windows);
         if (!c && text[i]) {
             buf_free(&buf);
-            return at_byte(e, "bad-encoding", text, i, "the encoding that is stated has no such character");
+            return at_byte(e, ERROR_BAD_ENCODING, text, i,
+                           "the encoding that is stated has no such character");
         }
         buf.size += utf8_put(c, buf_reserve(&buf, 4));
     }

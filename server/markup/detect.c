@@ -110,7 +110,8 @@ int prolog_read(const char *text, size_t size, struct prolog *prolog, struct err
             struct lines lines = {0};
             size_t line, column;
             lines_place(&lines, text, item, &line, &column);
-            return error_at_line(e, "bad-xml", line, column, "this is no XML: what begins here does not end");
+            return error_at_line(e, ERROR_BAD_XML, line, column,
+                                 "this is no XML: what begins here does not end");
         }
     }
     prolog->end = s.at;

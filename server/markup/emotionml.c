@@ -41,7 +41,7 @@ static struct frame *emotion_around(struct markup_reader *r, const struct tag *t
     struct frame *outer = tag->frame - 1;
     if (outer->element && outer->element->begin == emotionml_begin_emotion)
         return outer;
-    score_warn(r->score, tag->at, "ignored", "this stands outside an emotion");
+    score_warn(r->score, tag->at, ERROR_IGNORED, "this stands outside an emotion");
     return NULL;
 }
 
@@ -58,7 +58,7 @@ void emotionml_begin_category(struct markup_reader *r, struct tag *tag) {
     const char *name = tag_take(tag, "name");
     double intensity = take_value(tag, 1);
     if (!name)
-        score_warn(r->score, tag->at, "missing-attribute", "a category has a name");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a category has a name");
     else if (frame)
         add_cue(r, frame, tag->at, affect_meant(name), intensity);
 }
@@ -74,9 +74,9 @@ void emotionml_begin_dimension(struct markup_reader *r, struct tag *tag) {
     double value = take_value(tag, 0.5);
     const struct choice *known = name ? choice_find(names, sizeof names / sizeof *names, name) : NULL;
     if (!name)
-        score_warn(r->score, tag->at, "missing-attribute", "a dimension has a name");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a dimension has a name");
     else if (!known)
-        tag_warn(tag, "name", "ignored", "the dimension '%.40s' is not acted on", name);
+        tag_warn(tag, "name", ERROR_IGNORED, "the dimension '%.40s' is not acted on", name);
     if (!known || !frame)
         return;
     if (known->value == INTENSITY) {
@@ -88,7 +88,7 @@ void emotionml_begin_dimension(struct markup_reader *r, struct tag *tag) {
 }
 
 void emotionml_begin_unused(struct markup_reader *r, struct tag *tag) {
-    score_warn(r->score, tag->at, "ignored", "<%s> is not acted on", tag->frame->element->name);
+    score_warn(r->score, tag->at, ERROR_IGNORED, "<%s> is not acted on", tag->frame->element->name);
 }
 
 void emotionml_end_emotion(struct markup_reader *r, struct frame *frame) {

@@ -36,7 +36,7 @@ static void begin_sayas(struct markup_reader *r, struct tag *tag) {
     const char *class_name = tag_take(tag, "class"), *sub = tag_take(tag, "sub"),
                *phones = tag_take(tag, "phon");
     if (!class_name && !sub && !phones)
-        score_warn(r->score, tag->at, "missing-attribute", "sayas has a class, sub or phon");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "sayas has a class, sub or phon");
     if (class_name)
         style_say_as(tag, "class", class_name, NULL);
     if (phones)
@@ -58,7 +58,7 @@ static void end_phoneme(struct markup_reader *r, struct frame *frame) {
     struct score_style style = frame->style;
     style.phonemes = reader_keep(r, reader_captured(r, frame));
     if (!style_is_ipa(style.phonemes))
-        score_warn(r->score, frame->inside, "bad-value", "not all of \"%.60s\" is IPA", style.phonemes);
+        score_warn(r->score, frame->inside, ERROR_BAD_VALUE, "not all of \"%.60s\" is IPA", style.phonemes);
     reader_say(r, frame, frame->value ? frame->value : style.phonemes, score_keep_style(r->score, &style));
 }
 
@@ -84,13 +84,13 @@ static void begin_marker(struct markup_reader *r, struct tag *tag) {
     if (mark && *mark)
         reader_mark(r, tag->at, mark);
     else
-        score_warn(r->score, tag->at, "missing-attribute", "a marker has its name in mark");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a marker has its name in mark");
 }
 
 static void begin_engine(struct markup_reader *r, struct tag *tag) {
     (void)tag_take(tag, "name");
     (void)tag_take(tag, "data");
-    score_warn(r->score, tag->at, "ignored",
+    score_warn(r->score, tag->at, ERROR_IGNORED,
                "no data is passed to a speech engine: the text is read instead");
 }
 

@@ -145,12 +145,12 @@ struct score *markup_read(const struct markup_kind *kind, const char *text, size
                           const struct markup_rules *rules, struct error *e) {
     size_t bad = utf8_check(text, size);
     if (bad < size) {
-        error_at_byte(e, "bad-utf8", bad, "the text is not UTF-8");
+        error_at_byte(e, ERROR_BAD_UTF8, bad, "the text is not UTF-8");
         return NULL;
     }
     const char *nul = memchr(text, '\0', size);
     if (nul) {
-        error_at_byte(e, "nul", (size_t)(nul - text), "the text holds a NUL character");
+        error_at_byte(e, ERROR_NUL, (size_t)(nul - text), "the text holds a NUL character");
         return NULL;
     }
     struct score *score = score_new();
@@ -158,7 +158,7 @@ struct score *markup_read(const struct markup_kind *kind, const char *text, size
     score->input_size = size;
     int failed = kind->read(score, text, size, rules, e);
     if (!failed && !score->sentence_count)
-        failed = error_set(e, "empty-text", "there is nothing to speak");
+        failed = error_set(e, ERROR_EMPTY_TEXT, "there is nothing to speak");
     if (failed) {
         score_free(score);
         return NULL;

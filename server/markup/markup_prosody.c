@@ -104,6 +104,6 @@ void prosody_take_contour(struct tag *tag, const char *attribute, double *factor
     if (count)
         *factor = fmin(fmax(sum / (double)count, kinds[PROSODY_PITCH].min), kinds[PROSODY_PITCH].max);
     if (value)
-        tag_warn(tag, attribute, count ? "ignored" : "bad-value",
+        tag_warn(tag, attribute, count ? ERROR_IGNORED : ERROR_BAD_VALUE,
                  count ? "of a pitch contour only its mean is acted on" : "this is no pitch contour");
 }

@@ -117,7 +117,7 @@ bool tag_has(const struct tag *tag, const char *name);
 const char *tag_take(struct tag *tag, const char *name);
 /* Warns at the place of that attribute: its value cannot be acted on. why: "is no number". */
 void tag_bad(struct tag *tag, const char *name, const char *why);
-void tag_warn(struct tag *tag, const char *name, const char *code, const char *format, ...)
+void tag_warn(struct tag *tag, const char *name, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
 /* The byte of the input where that attribute begins; the tag's when it is not there. */

@@ -69,7 +69,7 @@ void passage_warn_word(struct passage *p, size_t at, const char *what) {
     if (p->warned == at + 1)
         return;
     p->warned = at + 1;
-    score_warn(p->score, at, "inside-word", "%s", what);
+    score_warn(p->score, at, ERROR_INSIDE_WORD, "%s", what);
 }
 
 void passage_make_runs(struct flush *f) {

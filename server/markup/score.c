@@ -124,7 +124,7 @@ struct score_cue *score_add_timed(struct score *score, const char *kind, const c
     return cue;
 }
 
-void score_warn(struct score *score, size_t at, const char *code, const char *format, ...) {
+void score_warn(struct score *score, size_t at, enum error_code code, const char *format, ...) {
     if (score->warning_count == SCORE_WARNINGS)
         return;
     score->warnings =
@@ -137,7 +137,7 @@ void score_warn(struct score *score, size_t at, const char *code, const char *fo
     va_end(args);
     utf8_mend(message);
     if (score->warning_count == SCORE_WARNINGS) {
-        code = "more-warnings";
+        code = ERROR_MORE_WARNINGS;
         strcpy(message, "there is more that is not acted on");
     }
     if (!score->input) {

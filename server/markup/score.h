@@ -144,7 +144,7 @@ size_t score_cues_from(const struct score *score, size_t item);
  * SCORE_WARNINGS are kept; the last then says that there were more ("more-warnings"). The input must still be
  * there. */
 enum { SCORE_WARNINGS = 1000 };
-void score_warn(struct score *score, size_t at, const char *code, const char *format, ...)
+void score_warn(struct score *score, size_t at, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
 /* Closes the sentence that began after the last closed one. Does nothing when it has no items. */

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* SSML 1.1 (W3C Recommendation, 7 September 2010), with EmotionML and two vendors' emotions inside. */
+#include "server/base/sampa.h"
 #include "server/markup/affects.h"
 #include "server/markup/emotionml.h"
 #include "server/markup/markup_prosody.h"
 #include "server/markup/styles.h"
-#include "server/voice/sampa.h"
 #include <math.h>
 #include <string.h>
 #include <strings.h>
@@ -41,7 +41,8 @@ static void begin_break(struct markup_reader *r, struct tag *tag) {
 static void begin_say_as(struct markup_reader *r, struct tag *tag) {
     const char *class_name = tag_take(tag, "interpret-as"), *format = tag_take(tag, "format");
     if (!class_name)
-        score_warn(r->score, tag->at, "missing-attribute", "say-as has the way of reading in interpret-as");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE,
+                   "say-as has the way of reading in interpret-as");
     else
         style_say_as(tag, "interpret-as", class_name, format);
     reader_capture(r, tag->frame);
@@ -51,7 +52,7 @@ static void begin_phoneme(struct markup_reader *r, struct tag *tag) {
     const char *alphabet = tag_take(tag, "alphabet"), *phones = tag_take(tag, "ph");
     char ipa[512];
     if (!phones)
-        score_warn(r->score, tag->at, "missing-attribute", "a phoneme has its phones in ph");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a phoneme has its phones in ph");
     else if (!alphabet || !*alphabet || !strcasecmp(alphabet, "ipa"))
         style_ipa(tag, "ph", phones);
     else if (strcasecmp(alphabet, "x-sampa") != 0)
@@ -66,7 +67,7 @@ static void begin_phoneme(struct markup_reader *r, struct tag *tag) {
 static void begin_sub(struct markup_reader *r, struct tag *tag) {
     const char *alias = tag_take(tag, "alias");
     if (!alias)
-        score_warn(r->score, tag->at, "missing-attribute", "sub has what is to be said in alias");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "sub has what is to be said in alias");
     if (reader_capture(r, tag->frame))
         tag->frame->value = alias ? reader_keep(r, alias) : NULL;
 }
@@ -76,13 +77,13 @@ static void begin_mark(struct markup_reader *r, struct tag *tag) {
     if (name && *name)
         reader_mark(r, tag->at, name);
     else
-        score_warn(r->score, tag->at, "missing-attribute", "a mark has a name");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a mark has a name");
 }
 
 static void begin_audio(struct markup_reader *r, struct tag *tag) {
     const char *src = tag_take(tag, "src");
     if (!src || !*src) {
-        score_warn(r->score, tag->at, "missing-attribute", "audio has its file in src");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "audio has its file in src");
         return;
     }
     struct piece piece = {.kind = SCORE_AUDIO,
@@ -105,7 +106,7 @@ static void end_audio(struct markup_reader *r, struct frame *frame) {
 }
 
 static void begin_lexicon(struct markup_reader *r, struct tag *tag) {
-    score_warn(r->score, tag->at, "ignored", "<%s> is not acted on: no lexicon is loaded",
+    score_warn(r->score, tag->at, ERROR_IGNORED, "<%s> is not acted on: no lexicon is loaded",
                tag->frame->element->name);
 }
 
@@ -118,7 +119,7 @@ static void begin_express_as(struct markup_reader *r, struct tag *tag) {
     if (style && *style)
         reader_cue(r, tag->frame, tag->at, "affect", affect_meant(style))->intensity = fmin(0.7 * times, 1);
     else
-        score_warn(r->score, tag->at, "missing-attribute", "express-as has a style");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "express-as has a style");
 }
 
 static void begin_amazon(struct markup_reader *r, struct tag *tag) {
@@ -131,7 +132,7 @@ static void begin_amazon(struct markup_reader *r, struct tag *tag) {
         reader_cue(r, tag->frame, tag->at, "affect", affect_meant(name))->intensity =
             degree ? degree->value : degrees[1].value;
     else
-        score_warn(r->score, tag->at, "missing-attribute", "an emotion has a name");
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "an emotion has a name");
 }
 
 static const struct element elements[] = {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/styles.h"
+#include "server/base/sampa.h"
 #include "server/markup/sayas.h"
-#include "server/voice/sampa.h"
 #include <string.h>
 
 void style_take_gender(struct tag *tag) {
@@ -33,7 +33,7 @@ bool style_is_ipa(const char *ipa) {
 
 void style_ipa(struct tag *tag, const char *attribute, const char *ipa) {
     if (!style_is_ipa(ipa))
-        tag_warn(tag, attribute, "bad-value", "not all of \"%.60s\" is IPA", ipa);
+        tag_warn(tag, attribute, ERROR_BAD_VALUE, "not all of \"%.60s\" is IPA", ipa);
     if (*ipa)
         tag->frame->style.phonemes = reader_keep(tag->r, ipa);
 }

@@ -48,7 +48,7 @@ size_t tag_place(const struct tag *tag, const char *name) {
     return tag->at;
 }
 
-void tag_warn(struct tag *tag, const char *name, const char *code, const char *format, ...) {
+void tag_warn(struct tag *tag, const char *name, enum error_code code, const char *format, ...) {
     char message[200];
     va_list args;
     va_start(args, format);
@@ -59,7 +59,7 @@ void tag_warn(struct tag *tag, const char *name, const char *code, const char *f
 
 void tag_bad(struct tag *tag, const char *name, const char *why) {
     const char *value = tag_take(tag, name);
-    tag_warn(tag, name, "bad-value", "%s=\"%.60s\" %s", name, value ? value : "", why);
+    tag_warn(tag, name, ERROR_BAD_VALUE, "%s=\"%.60s\" %s", name, value ? value : "", why);
 }
 
 static bool listed(const char *list, const char *name) {
@@ -79,7 +79,7 @@ void tag_check_attributes(struct tag *tag) {
             !strncmp(name, "xmlns:", 6))
             continue;
         bool known = listed(element->ignored, name);
-        tag_warn(tag, name, known ? "ignored" : "unknown-attribute",
+        tag_warn(tag, name, known ? ERROR_IGNORED : ERROR_UNKNOWN_ATTRIBUTE,
                  known ? "the attribute '%.40s' is not acted on" : "no attribute '%.40s' is known here",
                  name);
     }
@@ -94,7 +94,7 @@ void tag_check_references(struct tag *tag) {
         for (size_t i = 0; i < sizeof known / sizeof *known && !found; i++)
             found = !strncmp(s, known[i], strlen(known[i]));
         if (!found)
-            score_warn(tag->r->score, (size_t)(s - text), "entity",
+            score_warn(tag->r->score, (size_t)(s - text), ERROR_ENTITY,
                        "entities are not expanded: nothing is read here");
         s++;
     }

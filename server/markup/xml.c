@@ -29,13 +29,13 @@ static size_t length_here(const struct walk *w) {
     return length < w->reader.size - at ? length : w->reader.size - at;
 }
 
-static int place_error(struct walk *w, const char *code, size_t at, const char *message) {
+static int place_error(struct walk *w, enum error_code code, size_t at, const char *message) {
     size_t line, column;
     lines_place(&w->reader.score->lines, w->reader.text, at, &line, &column);
     return error_at_line(w->error, code, line, column, "%s", message);
 }
 
-static void fail(struct walk *w, const char *code, const char *message) {
+static void fail(struct walk *w, enum error_code code, const char *message) {
     place_error(w, code, here(w), message);
     w->failed = true;
     XML_StopParser(w->parser, XML_FALSE);
@@ -80,18 +80,18 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     if (w->failed || (w->prefix && !r->depth && !XML_GetCurrentByteIndex(w->parser)))
         return;
     if (markup_given_up(r->rules)) {
-        fail(w, "cancelled", "nobody waits for it");
+        fail(w, ERROR_CANCELLED, "nobody waits for it");
         return;
     }
     if (r->depth == READER_DEPTH) {
-        fail(w, "too-deep", "elements lie too deep inside each other");
+        fail(w, ERROR_TOO_DEEP, "elements lie too deep inside each other");
         return;
     }
     struct tag tag = {.r = r, .at = here(w), .bytes = length_here(w), .attributes = attributes};
     while (attributes[2 * tag.count])
         tag.count++;
     if (tag.count > READER_ATTRIBUTES) {
-        fail(w, "too-many-attributes", "an element has too many attributes");
+        fail(w, ERROR_TOO_MANY_ATTRIBUTES, "an element has too many attributes");
         return;
     }
     const struct frame *outer = &r->frames[r->depth];
@@ -111,7 +111,7 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     frame->element = vocabulary_find(outer->vocabulary, outer->mute, name);
     if (!frame->element) {
         if (!outer->vocabulary->quiet)
-            score_warn(r->score, tag.at, "unknown-element",
+            score_warn(r->score, tag.at, ERROR_UNKNOWN_ELEMENT,
                        frame->mute ? "no element '%.40s' is known: it is not acted on"
                                    : "no element '%.40s' is known: its text is read as it is",
                        name);
@@ -168,7 +168,7 @@ static void on_entity(void *ctx, const XML_Char *name, int is_parameter) {
     struct walk *w = ctx;
     (void)is_parameter;
     if (!w->failed && !w->reader.frames[w->reader.depth].silent)
-        score_warn(w->reader.score, here(w), "entity",
+        score_warn(w->reader.score, here(w), ERROR_ENTITY,
                    "the entity '%.40s' is not expanded: nothing is read here", name);
 }
 
@@ -176,7 +176,8 @@ static void on_instruction(void *ctx, const XML_Char *target, const XML_Char *da
     struct walk *w = ctx;
     (void)data;
     if (!w->failed)
-        score_warn(w->reader.score, here(w), "ignored", "the instruction '%.40s' is not acted on", target);
+        score_warn(w->reader.score, here(w), ERROR_IGNORED, "the instruction '%.40s' is not acted on",
+                   target);
 }
 
 /* What the parser complains about, where it is. */
@@ -192,7 +193,7 @@ static void explain(struct walk *w) {
                  (int)(length < 40 ? length : 40), r->text + open + 1, line);
     }
     utf8_mend(message);
-    place_error(w, "bad-xml", here(w), message);
+    place_error(w, ERROR_BAD_XML, here(w), message);
 }
 
 static int parse(struct walk *w, const char *text, size_t size, bool last) {
@@ -257,13 +258,13 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
              const struct markup_rules *rules, struct error *e) {
     struct prolog prolog;
     if (size > READER_BYTES)
-        return error_set(e, "text-too-long", "a document may have %d bytes", READER_BYTES);
+        return error_set(e, ERROR_TEXT_TOO_LONG, "a document may have %d bytes", READER_BYTES);
     if (prolog_read(text, size, &prolog, e))
         return -1;
     if (prolog.entities)
-        score_warn(score, prolog.entities, "entity", "declarations of entities are not read");
+        score_warn(score, prolog.entities, ERROR_ENTITY, "declarations of entities are not read");
     if (prolog.instruction)
-        score_warn(score, prolog.instruction, "ignored", "processing instructions are not acted on");
+        score_warn(score, prolog.instruction, ERROR_IGNORED, "processing instructions are not acted on");
     struct walk *w = mem_alloc(sizeof *w);
     struct markup_reader *r = &w->reader;
     *r = (struct markup_reader){

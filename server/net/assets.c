@@ -3,7 +3,6 @@
 #include "protocol/documents.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/net/models.h"
 #include <glob.h>
 #include <openssl/evp.h>
 #include <stdbool.h>
@@ -134,11 +133,11 @@ static int load_head(struct assets *assets, const char *file, struct error *e) {
     snprintf(path, sizeof path, "/v1/models/%.*s", (int)length, name);
     uint8_t *data = read_file(file, &size);
     if (!data)
-        return error_set(e, "bad-model", "%s: cannot be read", file);
+        return error_set(e, ERROR_BAD_MODEL, "%s: cannot be read", file);
     struct model model = {.asset = add(assets, path, "application/json", file, data, size)};
     assets->models = mem_grow(assets->models, &assets->model_cap, assets->model_count + 1, sizeof model);
     assets->models[assets->model_count++] = model;
-    return model_split(&assets->models[assets->model_count - 1], file, e);
+    return model_split(&assets->models[assets->model_count - 1], strrchr(path, '/') + 1, data, size, file, e);
 }
 
 int assets_load(struct assets *assets, const char *web, const char *models, struct error *e) {

@@ -5,6 +5,7 @@
 #define FACCIA_NET_ASSETS_H
 
 #include "server/base/error.h"
+#include "server/net/models.h"
 #include <stddef.h>
 #include <stdint.h>
 
@@ -16,17 +17,6 @@ struct asset {
     uint8_t *packed; /* gzip, or NULL where that saves nothing */
     size_t packed_size;
     char hash[41]; /* SHA-1 of data, hex: the ETag */
-};
-
-/* A head model: its asset, and its parts as the JSON texts that go over the socket. */
-struct model {
-    char *name, *title;
-    struct asset *asset;
-    struct model_part {
-        char *kind, *name; /* "head", "texture" or "part" */
-        char *json;
-    } * parts;
-    size_t part_count;
 };
 
 struct assets {

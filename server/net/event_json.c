@@ -87,7 +87,7 @@ static void put_real(struct buf *out, const char *name, double value) {
 }
 
 static void put_error(struct buf *out, const struct error *e) {
-    put_text(out, "code", e->code);
+    put_text(out, "code", error_name(e->code));
     put_text(out, "message", e->message);
     if (e->place == PLACE_BYTE)
         put_count(out, "byte", e->byte);

@@ -24,7 +24,7 @@ static void add_seconds(struct buf *line, const struct stream_event *e, uint32_t
 }
 
 static void add_error(struct buf *line, const struct error *e) {
-    add(line, e->code);
+    add(line, error_name(e->code));
     if (e->place == PLACE_FIELD)
         add(line, e->field);
     add(line, e->message);

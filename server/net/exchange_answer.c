@@ -148,8 +148,8 @@ int exchange_json(struct exchange *x, unsigned status, json_t *object) {
     return result;
 }
 
-int exchange_error(struct exchange *x, unsigned status, const struct error *e) {
-    return exchange_json(x, status, message_error(e));
+int exchange_error(struct exchange *x, const struct error *e) {
+    return exchange_json(x, error_status(e->code), message_error(e));
 }
 
 static bool header_has(const struct exchange *x, const char *name, const char *word) {

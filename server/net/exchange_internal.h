@@ -14,6 +14,9 @@ struct exchange {
     struct connection *connection;
     const struct exchange_session *session;
     struct exchange_work work;
+    struct buf request_body; /* what has come of it */
+    size_t body_most;        /* 0 = none is expected */
+    enum error_code body_too_long;
     struct buf queue;    /* of the answer: what waits */
     struct buf leaving;  /* and what is on its way */
     const uint8_t *body; /* what is to follow, and lives as long as the net */

@@ -48,7 +48,7 @@ int form_part(const char *type, const void *body, size_t size, const char *name,
     const uint8_t *at = body, *end = at + size;
     struct boundary b;
     if (read_boundary(type, &b))
-        return error_set(e, "bad-form", "the form's Content-Type names no boundary");
+        return error_set(e, ERROR_BAD_FORM, "the form's Content-Type names no boundary");
     at = find(at, end, b.text, b.size);
     while (at) {
         at += b.size;
@@ -68,5 +68,5 @@ int form_part(const char *type, const void *body, size_t size, const char *name,
         }
         at = next;
     }
-    return error_at_byte(e, "bad-form", size, "the form has no end");
+    return error_at_byte(e, ERROR_BAD_FORM, size, "the form has no end");
 }

@@ -36,7 +36,7 @@ int hold_keep(struct net *net, const char *room, const struct speech_request *re
     for (; *at; at = &(*at)->next)
         of_room += !strcmp((*at)->room, room);
     if (net->hold.count >= HOLD_MOST || of_room >= net->options.queue)
-        return error_set(e, "queue-full", "%zu utterances wait for listeners already",
+        return error_set(e, ERROR_QUEUE_FULL, "%zu utterances wait for listeners already",
                          net->hold.count >= HOLD_MOST ? net->hold.count : of_room);
     struct held *held = *at = mem_alloc(sizeof *held);
     snprintf(held->room, sizeof held->room, "%s", room);

@@ -23,16 +23,14 @@ struct parts {
     bool keep_alive, complete;
 };
 
-enum http_event http_reader_refuse(struct http_reader *r, unsigned status, const char *code,
-                                   const char *why) {
+enum http_event http_reader_refuse(struct http_reader *r, enum error_code code, const char *why) {
     r->at = HTTP_AT_WRONG;
-    r->status = status;
     error_set(&r->error, code, "%s", why);
     return HTTP_READ_WRONG;
 }
 
-static enum http_event refuse_at(struct http_reader *r, size_t byte, const char *code, const char *why) {
-    http_reader_refuse(r, 400, code, why);
+static enum http_event refuse_at(struct http_reader *r, size_t byte, enum error_code code, const char *why) {
+    http_reader_refuse(r, code, why);
     r->error.place = PLACE_BYTE;
     r->error.byte = byte;
     return HTTP_READ_WRONG;
@@ -107,19 +105,19 @@ static enum http_event refuse_syntax(struct http_reader *r, const http_parser *p
             if (!isupper((unsigned char)head[i]) && head[i] != '-')
                 word = 0;
         if (word && head[word] == ' ')
-            return http_reader_refuse(r, 501, "unknown-method", "no such method is known here");
-        return refuse_at(r, byte, "bad-request", "this is no HTTP request");
+            return http_reader_refuse(r, ERROR_UNKNOWN_METHOD, "no such method is known here");
+        return refuse_at(r, byte, ERROR_BAD_REQUEST, "this is no HTTP request");
     case HPE_INVALID_VERSION:
-        return http_reader_refuse(r, 505, "unknown-version", "HTTP/1.1 is spoken here");
+        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "HTTP/1.1 is spoken here");
     case HPE_INVALID_CONTENT_LENGTH:
     case HPE_UNEXPECTED_CONTENT_LENGTH:
-        return refuse_at(r, byte, "bad-length", "the body's length must be told once, and in digits");
+        return refuse_at(r, byte, ERROR_BAD_LENGTH, "the body's length must be told once, and in digits");
     case HPE_INVALID_TRANSFER_ENCODING:
-        return http_reader_refuse(r, 501, "unknown-coding",
+        return http_reader_refuse(r, ERROR_UNKNOWN_CODING,
                                   "a body may be chunked, and coded in no other way");
     default:
-        return parts->too_many ? http_reader_refuse(r, 431, "headers-too-large", "there are too many headers")
-                               : refuse_at(r, byte, "bad-request", "this is no HTTP request");
+        return parts->too_many ? http_reader_refuse(r, ERROR_HEADERS_TOO_LARGE, "there are too many headers")
+                               : refuse_at(r, byte, ERROR_BAD_REQUEST, "this is no HTTP request");
     }
 }
 
@@ -128,14 +126,14 @@ static enum http_event check_fields(struct http_reader *r) {
     const char *head = (const char *)q->head.data;
     for (size_t i = 0; i < q->field_count; i++)
         if (!is_token(q->fields[i].name))
-            return refuse_at(r, (size_t)(q->fields[i].name - head), "bad-header",
+            return refuse_at(r, (size_t)(q->fields[i].name - head), ERROR_BAD_HEADER,
                              "a header has no such name");
     size_t hosts = http_header_count(q, "host");
     const char *host = http_header(q, "host");
     if (hosts > 1 || (!hosts && q->minor))
-        return http_reader_refuse(r, 400, "bad-host", "there must be one header Host");
+        return http_reader_refuse(r, ERROR_BAD_HOST, "there must be one header Host");
     if (host && host[strcspn(host, " \t/?#@,\\")])
-        return http_reader_refuse(r, 400, "bad-host", "the header Host names no host");
+        return http_reader_refuse(r, ERROR_BAD_HOST, "the header Host names no host");
     return HTTP_READ_HEAD;
 }
 
@@ -144,12 +142,12 @@ static enum http_event check_body(struct http_reader *r) {
     struct http_request *q = &r->request;
     const char *coding = http_header(q, "transfer-encoding"), *length = http_header(q, "content-length");
     if ((coding && length) || http_header_count(q, "content-length") > 1 || (coding && !q->minor))
-        return http_reader_refuse(r, 400, "bad-length", "the body's length must be told once");
+        return http_reader_refuse(r, ERROR_BAD_LENGTH, "the body's length must be told once");
     if (coding && (strcasecmp(coding, "chunked") || http_header_count(q, "transfer-encoding") > 1))
-        return http_reader_refuse(r, 501, "unknown-coding",
+        return http_reader_refuse(r, ERROR_UNKNOWN_CODING,
                                   "a body may be chunked, and coded in no other way");
     if (length && (!*length || length[strspn(length, "0123456789")] || strlen(length) > 15))
-        return http_reader_refuse(r, 400, "bad-length", "the body's length must be told in digits");
+        return http_reader_refuse(r, ERROR_BAD_LENGTH, "the body's length must be told in digits");
     q->chunked = coding != NULL;
     q->content_length = length ? strtoull(length, NULL, 10) : 0;
     return HTTP_READ_HEAD;
@@ -161,7 +159,7 @@ static enum http_event check_expectation(struct http_reader *r) {
     if (!expectation || !q->minor)
         return HTTP_READ_HEAD;
     if (strcasecmp(expectation, "100-continue") || http_header_count(q, "expect") > 1)
-        return http_reader_refuse(r, 417, "unknown-expectation", "only 100-continue can be expected here");
+        return http_reader_refuse(r, ERROR_UNKNOWN_EXPECTATION, "only 100-continue can be expected here");
     q->expects_continue = q->chunked || q->content_length;
     return HTTP_READ_HEAD;
 }
@@ -173,7 +171,7 @@ static enum http_event take_target(struct http_reader *r, const struct parts *pa
     const char *target = parts->target;
     size_t size = parts->target_size, offset = 0;
     if (size > HTTP_TARGET_BYTES)
-        return http_reader_refuse(r, 414, "uri-too-long", "the address is too long");
+        return http_reader_refuse(r, ERROR_URI_TOO_LONG, "the address is too long");
     if (r->request.method == HTTP_CONNECT) {
         target = "/"; /* no route takes it, whatever it names */
         size = 1;
@@ -200,7 +198,7 @@ static enum http_event take_target(struct http_reader *r, const struct parts *pa
     buf_free(&form);
     if (!failed)
         return HTTP_READ_HEAD;
-    http_reader_refuse(r, 400, e.code, e.message);
+    http_reader_refuse(r, e.code, e.message);
     r->error = e;
     return HTTP_READ_WRONG;
 }
@@ -217,18 +215,18 @@ static enum http_event parse_head(struct http_reader *r) {
     buf_add(&q->head, "", 1);
     const char *head = (const char *)q->head.data;
     if (!strncmp(head, "PRI * HTTP/2.0\r\n", 16))
-        return http_reader_refuse(r, 505, "unknown-version", "HTTP/1.1 is spoken here");
+        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "HTTP/1.1 is spoken here");
     http_parser_init(&parser, HTTP_REQUEST);
     parser.data = &parts;
     size_t byte = http_parser_execute(&parser, &settings, head, size);
     if (HTTP_PARSER_ERRNO(&parser) != HPE_OK || !parts.complete)
         return refuse_syntax(r, &parser, &parts, byte);
     if (parts.target != head + strcspn(head, " ") + 1)
-        return refuse_at(r, strcspn(head, " ") + 1, "bad-request", "this is no HTTP request");
+        return refuse_at(r, strcspn(head, " ") + 1, ERROR_BAD_REQUEST, "this is no HTTP request");
     if (parser.http_major != 1)
-        return http_reader_refuse(r, 505, "unknown-version", "HTTP/1.1 is spoken here");
+        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "HTTP/1.1 is spoken here");
     if (parts.folded)
-        return http_reader_refuse(r, 400, "bad-header", "a header must stand in one line");
+        return http_reader_refuse(r, ERROR_BAD_HEADER, "a header must stand in one line");
     q->method = (enum http_method)parser.method;
     q->minor = parser.http_minor;
     q->keep_alive = parts.keep_alive;
@@ -262,14 +260,14 @@ static enum http_event gather(struct http_reader *r, const uint8_t *bytes, size_
             continue;
         buf_add(head, &c, 1);
         if ((c < ' ' && c != '\r' && c != '\n' && c != '\t') || c == 0x7F || (head->size == 1 && !isupper(c)))
-            return refuse_at(r, head->size - 1, "bad-request", "this is no HTTP request");
+            return refuse_at(r, head->size - 1, ERROR_BAD_REQUEST, "this is no HTTP request");
         r->lines += c == '\n';
         if (c == '\n' && is_end(head))
             return parse_head(r);
         if (head->size > HTTP_TARGET_BYTES + REQUEST_LINE_BYTES && !r->lines)
-            return http_reader_refuse(r, 414, "uri-too-long", "the address is too long");
+            return http_reader_refuse(r, ERROR_URI_TOO_LONG, "the address is too long");
         if (head->size == HTTP_HEAD_BYTES)
-            return http_reader_refuse(r, 431, "headers-too-large", "the headers are too large");
+            return http_reader_refuse(r, ERROR_HEADERS_TOO_LARGE, "the headers are too large");
     }
     return HTTP_READ_MORE;
 }

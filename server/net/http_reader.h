@@ -17,7 +17,7 @@ enum http_event {
     HTTP_READ_HEAD,  /* the request's head is there */
     HTTP_READ_BODY,  /* a piece of its body */
     HTTP_READ_END,   /* the request is complete; the next one may follow */
-    HTTP_READ_WRONG, /* with status and error; nothing further can be read */
+    HTTP_READ_WRONG, /* with the error; nothing further can be read */
 };
 
 struct http_reader {
@@ -25,7 +25,6 @@ struct http_reader {
         request;         /* from HTTP_READ_HEAD on, until the head after the next HTTP_READ_END begins */
     const uint8_t *body; /* HTTP_READ_BODY: the piece, among the bytes that were given */
     size_t body_size;
-    unsigned status; /* HTTP_READ_WRONG: of the answer */
     struct error error;
     enum {
         HTTP_AT_HEAD,
@@ -54,8 +53,7 @@ bool http_reader_begun(const struct http_reader *reader);
 /* http_body.c: the same, for a body. */
 enum http_event http_body_feed(struct http_reader *reader, const uint8_t *bytes, size_t size, size_t *used);
 
-/* Fills status and error. */
-enum http_event http_reader_refuse(struct http_reader *reader, unsigned status, const char *code,
-                                   const char *why);
+/* Fills the error. */
+enum http_event http_reader_refuse(struct http_reader *reader, enum error_code code, const char *why);
 
 #endif

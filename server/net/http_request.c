@@ -88,7 +88,7 @@ static char *decode(char *from, const char *start, const char *stops, bool query
     for (; *from && !strchr(stops, *from); from++) {
         int high = *from == '%' ? hex(from[1]) : 0, low = *from == '%' && high >= 0 ? hex(from[2]) : 0;
         if (high < 0 || low < 0 || (*from == '%' && !(high | low))) {
-            error_at_byte(e, "bad-escape", (size_t)(from - start),
+            error_at_byte(e, ERROR_BAD_ESCAPE, (size_t)(from - start),
                           high < 0 || low < 0 ? "after a '%%' stand two hexadecimal digits"
                                               : "no NUL may stand in an address");
             return NULL;
@@ -119,7 +119,7 @@ int http_request_target(struct http_request *r, const char *target, size_t size,
     char *text = (char *)r->target.data, *at = text;
     size_t bad = strcspn(text, others), length;
     if (bad < size || (*text != '/' && strcmp(text, "*")))
-        return error_at_byte(e, "bad-target", bad < size ? bad : 0, "an address cannot be like that");
+        return error_at_byte(e, ERROR_BAD_TARGET, bad < size ? bad : 0, "an address cannot be like that");
     r->path = text;
     if (!(at = decode(at, text, "?", false, &length, e)))
         return -1;

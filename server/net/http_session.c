@@ -55,7 +55,7 @@ static void answered(struct connection *c) {
 static const struct exchange_session session = {persists, answered};
 
 /* A request that is refused before anybody else hears of it. */
-static void refuse(struct connection *c, unsigned status, const struct error *e) {
+static void refuse(struct connection *c, const struct error *e) {
     struct http_session *h = c->http;
     h->last = true;
     if (!h->exchange)
@@ -63,7 +63,7 @@ static void refuse(struct connection *c, unsigned status, const struct error *e)
     if (exchange_answered(h->exchange))
         connection_close(c);
     else
-        exchange_error(h->exchange, status, e);
+        exchange_error(h->exchange, e);
 }
 
 /* Somebody above the limits: the operator's questions are answered all the same. */
@@ -73,10 +73,9 @@ static bool utterance_away(struct connection *c) {
     bool asks_how = !strcmp(r->path, "/healthz") || !strcmp(r->path, "/metrics");
     if (!c->crowded && (!c->surplus || asks_how))
         return false;
-    error_set(&e, "too-many-connections",
-              c->crowded ? "too many connections from there are open" : "too many connections are open");
+    error_plain(&e, c->crowded ? ERROR_TOO_MANY_PER_ADDRESS : ERROR_TOO_MANY_CONNECTIONS);
     metrics_add(c->net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
-    refuse(c, c->crowded ? 429 : 503, &e);
+    refuse(c, &e);
     return true;
 }
 
@@ -97,18 +96,17 @@ static void begin(struct connection *c) {
 
 static void body(struct connection *c) {
     struct http_session *h = c->http;
-    struct exchange_work *work = h->exchange ? exchange_get_work(h->exchange) : NULL;
     h->last_rx = connection_now(c);
     h->body += h->reader.body_size;
-    if (work && work->body)
-        work->body(work->self, h->reader.body, h->reader.body_size);
+    if (h->exchange)
+        exchange_take_body(h->exchange, h->reader.body, h->reader.body_size);
 }
 
 static void end(struct connection *c) {
     struct http_session *h = c->http;
     struct exchange_work *work = h->exchange ? exchange_get_work(h->exchange) : NULL;
     h->complete = true;
-    if (work && work->body_end)
+    if (work && work->body_end && !exchange_answered(h->exchange))
         work->body_end(work->self);
 }
 
@@ -153,7 +151,7 @@ static size_t advance(struct connection *c, const uint8_t *bytes, size_t size) {
         else if (event == HTTP_READ_END)
             end(c);
         else
-            refuse(c, h->reader.status, &h->reader.error);
+            refuse(c, &h->reader.error);
     }
     if (c->http)
         h->advancing = false;
@@ -248,8 +246,8 @@ static void look(struct connection *c) {
     } else if (h->exchange && exchange_answered(h->exchange)) {
         connection_close(c);
     } else {
-        error_set(&e, "request-timeout", "the request has not come in time");
-        refuse(c, 408, &e);
+        error_plain(&e, ERROR_REQUEST_TIMEOUT);
+        refuse(c, &e);
         go_on(c);
     }
 }

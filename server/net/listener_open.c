@@ -75,7 +75,8 @@ static int bind_host(struct listeners *all, struct listen_addresses *found, stru
             break;
     }
     if (failed)
-        return error_set(e, "listen", "cannot listen on %s port %d: %s", o->host, o->port, strerror(errno));
+        return error_set(e, ERROR_CANNOT_LISTEN, "cannot listen on %s port %d: %s", o->host, o->port,
+                         strerror(errno));
     return 0;
 }
 
@@ -86,7 +87,8 @@ static int take_passed(struct listeners *all, struct error *e) {
         int fd = o->listen_fds[i], listens = 0;
         socklen_t size = sizeof listens;
         if (getsockopt(fd, SOL_SOCKET, SO_ACCEPTCONN, &listens, &size) || !listens)
-            return error_set(e, "listen", "descriptor %d, which was passed, is no socket that listens", fd);
+            return error_set(e, ERROR_CANNOT_LISTEN,
+                             "descriptor %d, which was passed, is no socket that listens", fd);
         fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
         fcntl(fd, F_SETFD, FD_CLOEXEC);
         add(all, fd);
@@ -101,9 +103,9 @@ static int check(const struct net *net, bool local, const char *what, struct err
         return 0;
     if (!o->remote)
         return error_in_field(
-            e, "bad-field", "host",
+            e, ERROR_BAD_FIELD, "host",
             "'%s' is not a loopback address; to be heard by other machines, say so with --remote", what);
-    return error_in_field(e, "bad-field", "host",
+    return error_in_field(e, ERROR_BAD_FIELD, "host",
                           "'%s' can be reached by other machines: tokens are needed, so name a --token-file",
                           what);
 }

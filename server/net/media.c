@@ -7,7 +7,7 @@
 int media_source(const struct net *net, struct recording_source *source, const char *name, struct error *e) {
     source->fap_bytes_max = net->options.play_bytes;
     if (!net->options.media)
-        return error_in_field(e, "unknown-media", "name", "there is no folder of recordings here");
+        return error_in_field(e, ERROR_UNKNOWN_MEDIA, "name", "there is no folder of recordings here");
     return recording_source_in(source, net->options.media, name, e);
 }
 

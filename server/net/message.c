@@ -37,7 +37,7 @@ static void set_string(json_t *object, const char *name, const char *value) {
 }
 
 static void set_error(json_t *object, const struct error *e) {
-    set_string(object, "code", e->code);
+    set_string(object, "code", error_name(e->code));
     set_string(object, "message", e->message);
     if (e->place == PLACE_BYTE)
         set_int(object, "byte", e->byte);
@@ -182,7 +182,7 @@ int message_bad_json(const json_error_t *why, struct error *e) {
     size_t at = (size_t)why->position;
     if (at && json_error_code(why) != json_error_premature_end_of_input)
         at--;
-    return error_at_byte(e, "bad-json", at, "%s", why->text);
+    return error_at_byte(e, ERROR_BAD_JSON, at, "%s", why->text);
 }
 
 static int set_field(struct speech_request *request, const char *name, const json_t *value, struct error *e) {

@@ -12,18 +12,18 @@ static void add_part(struct model *m, const char *kind, const char *name, const 
     p->json = json_dumps(value, JSON_COMPACT | JSON_ENCODE_ANY); /* whatever it is */
 }
 
-int model_split(struct model *m, const char *file, struct error *e) {
+int model_split(struct model *m, const char *wanted, const void *text, size_t size, const char *file,
+                struct error *e) {
     json_error_t why;
-    json_t *head = json_loadb((const char *)m->asset->data, m->asset->size, 0, &why);
+    json_t *head = json_loadb(text, size, 0, &why);
     json_t *parts = json_object_get(head, "parts"), *textures = json_object_get(head, "textures");
     const char *format = json_string_value(json_object_get(head, "format"));
     const char *name = json_string_value(json_object_get(head, "name"));
     const char *title = json_string_value(json_object_get(head, "title"));
-    const char *base = strrchr(m->asset->path, '/') + 1;
-    if (!head || !format || strcmp(format, "faccia-head") || !name || strcmp(name, base) ||
+    if (!head || !format || strcmp(format, "faccia-head") || !name || strcmp(name, wanted) ||
         !json_is_array(parts) || !json_is_object(textures)) {
         json_decref(head);
-        return error_set(e, "bad-model", "%s: %s", file,
+        return error_set(e, ERROR_BAD_MODEL, "%s: %s", file,
                          head ? "not a faccia-head of that name with parts and textures" : why.text);
     }
     m->name = mem_strdup(name);

@@ -3,11 +3,26 @@
 #ifndef FACCIA_NET_MODELS_H
 #define FACCIA_NET_MODELS_H
 
-#include "server/net/assets.h"
+#include "server/base/error.h"
+#include <stddef.h>
 
-/* Fills name, title and parts from the asset's JSON. -1 with *e "bad-model" when it is no head model; file is
- * for the message. */
-int model_split(struct model *model, const char *file, struct error *e);
+struct asset;
+
+/* Its asset, and its parts as the JSON texts that go over the socket. */
+struct model {
+    char *name, *title;
+    struct asset *asset;
+    struct model_part {
+        char *kind, *name; /* "head", "texture" or "part" */
+        char *json;
+    } * parts;
+    size_t part_count;
+};
+
+/* Fills name, title and parts from the JSON text. -1 with *e "bad-model" when it is no head model of that
+ * name; file is for the message. */
+int model_split(struct model *model, const char *name, const void *text, size_t size, const char *file,
+                struct error *e);
 void model_free(struct model *model);
 
 #endif

@@ -7,23 +7,6 @@
 #include "server/net/net_internal.h"
 #include <stdlib.h>
 
-const struct net_options net_defaults = {
-    .host = "127.0.0.1",
-    .port = 8080,
-    .text_bytes = 100000,
-    .message_bytes = 262144,
-    .play_bytes = 16777216,
-    .queue = STREAM_QUEUE,
-    .connections = 1000,
-    .connections_above = NET_CONNECTIONS_ABOVE,
-    .rooms = 100,
-    .send_bytes = 262144,
-    .send_bytes_max = 4194304,
-    .lag_seconds = 5,
-    .stall_seconds = 10,
-    .ping_seconds = 30,
-};
-
 static void open_handles(struct net *net) {
     net->idle = mem_alloc(sizeof *net->idle);
     uv_idle_init(net->pipeline->loop, net->idle);

@@ -8,11 +8,11 @@
 #include "server/net/offer.h"
 #include "server/stream/stream.h"
 
-/* Every limit stands beside its default; protocol/README.md tells the clients. */
+/* What the network is told; server/app/settings_table.c has the bounds and defaults of what are settings. */
 struct net_options {
-    const char *host;              /* address, name or interface to listen on, "*" = all; "127.0.0.1" */
-    int port;                      /* 8080; 0 = any free one */
-    bool remote;                   /* allow a host that is not loopback, which needs secrets too; false */
+    const char *host;              /* address, name or interface to listen on, "*" = all */
+    unsigned port;                 /* 0 = any free one */
+    bool remote;                   /* allow a host that is not loopback, which needs secrets too */
     const int *listen_fds;         /* sockets that are listened on already, instead of host and port; */
     unsigned listen_count;         /* none */
     char *const *origins;          /* pages that are let in, NULL-terminated; NULL = those of this machine */
@@ -21,24 +21,22 @@ struct net_options {
     const struct secrets *secrets; /* tokens are demanded; NULL = anybody may do all */
     const char *web, *models;      /* folders */
     const char *media;             /* folder of recordings; NULL = none */
-    unsigned text_bytes;           /* longest text of one speak or POST; 100000 */
-    unsigned message_bytes;        /* longest message of a client; 262144 */
-    unsigned play_bytes;           /* of an uploaded recording, or of a .fap file; 16777216 */
-    unsigned queue;                /* utterances that wait on one stream; 32 */
-    unsigned connections;          /* open connections; 1000 */
-    unsigned connections_above;    /* that are told so, and what the operator asks; 50 */
-    unsigned rooms;                /* that have somebody in them; 100 */
+    unsigned text_bytes;           /* longest text of one speak or POST */
+    unsigned message_bytes;        /* longest message of a client */
+    unsigned play_bytes;           /* of an uploaded recording, or of a .fap file */
+    unsigned queue;                /* utterances that wait on one stream */
+    unsigned connections;          /* open connections */
+    unsigned connections_above;    /* that are told so, and what the operator asks */
+    unsigned rooms;                /* that have somebody in them */
     unsigned address_connections;  /* of one address, or one token's subject; 0 = no limit of its own */
     unsigned address_requests;     /* utterances and POSTs of such in a minute; 0 = no limit */
-    unsigned send_bytes;           /* unsent bytes at which media to one client wait; 262144 */
-    unsigned send_bytes_max;       /* unsent bytes at which the client is closed as too slow; 4194304 */
-    unsigned lag_seconds;          /* in a room, a client's media that wait for longer are left out; 5 */
-    unsigned stall_seconds; /* a client that takes nothing for so long while bytes wait is closed; 10 */
-    unsigned hold_seconds;  /* what is said to an empty room waits so long for somebody; 0 */
-    unsigned ping_seconds;  /* a socket silent for so long is pinged, and closed a third later; 30 */
+    unsigned send_bytes;           /* unsent bytes at which media to one client wait */
+    unsigned send_bytes_max;       /* unsent bytes at which the client is closed as too slow */
+    unsigned lag_seconds;          /* in a room, a client's media that wait for longer are left out */
+    unsigned stall_seconds;        /* a client that takes nothing for so long while bytes wait is closed */
+    unsigned hold_seconds;         /* what is said to an empty room waits so long for somebody */
+    unsigned ping_seconds;         /* a socket silent for so long is pinged, and closed a third later */
 };
-
-extern const struct net_options net_defaults;
 
 enum { NET_CONNECTIONS_ABOVE = 50 };
 

@@ -37,9 +37,9 @@ struct net {
     struct channel *rooms;
     unsigned room_count;
     struct hold hold;
-    struct events *events;            /* clients that follow a room over HTTP */
-    unsigned works;                   /* HTTP answers that are being made */
-    json_t *more_languages;           /* of hello */
+    struct events *events;                  /* clients that follow a room over HTTP */
+    unsigned works;                         /* HTTP answers that are being made */
+    json_t *more_languages;                 /* of hello */
     const struct offer_voice *languages_of; /* the list from which they were found */
 };
 
@@ -119,7 +119,7 @@ void exchange_look(struct exchange *x); /* from time to time */
 /* An answer of known length; body is copied. */
 int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size);
 int exchange_json(struct exchange *x, unsigned status, json_t *object); /* drops the object */
-int exchange_error(struct exchange *x, unsigned status, const struct error *e);
+int exchange_error(struct exchange *x, const struct error *e);
 int exchange_allow(struct exchange *x, unsigned status,
                    const char *methods); /* an empty answer that names the methods */
 
@@ -150,8 +150,7 @@ const struct http_request *exchange_request(const struct exchange *x);
 
 /* The owner of a body that is being received or made. */
 struct exchange_work {
-    int (*body)(void *self, const void *data, size_t size);
-    int (*body_end)(void *self);
+    int (*body_end)(void *self);   /* the body has come, if one is expected, and nothing was answered yet */
     void (*sent)(void *self);      /* bytes have left: more may come */
     void (*keepalive)(void *self); /* from time to time, from the answer's beginning on */
     void (*free)(void *self);
@@ -159,6 +158,13 @@ struct exchange_work {
     bool endless; /* nobody waits for its end before the daemon stops */
 };
 void exchange_set_work(struct exchange *x, struct exchange_work work);
+
+/* The body is kept, up to so many bytes; a longer one is answered with that error. Otherwise it is passed
+ * over. */
+void exchange_expect_body(struct exchange *x, size_t most, enum error_code too_long);
+void exchange_take_body(struct exchange *x, const void *data, size_t size); /* what has come of it */
+const struct buf *exchange_body(const struct exchange *x);
+void exchange_drop_body(struct exchange *x); /* it is not needed any more */
 struct exchange_work *exchange_get_work(struct exchange *x);
 
 /* routes.c */

@@ -11,7 +11,6 @@
 
 struct upload {
     struct exchange *x;
-    struct buf form;
     struct recording_source source;
     struct speech_request request; /* its id and mode */
 };
@@ -29,28 +28,13 @@ static int play(struct exchange *x, struct recording_source *source, const struc
     return exchange_json(x, 202, json_pack("{ss ss}", "type", "accepted", "room", channel_name(channel)));
 }
 
-static int refuse(struct upload *u, unsigned status, const char *code, const char *why) {
-    struct error e;
-    error_set(&e, code, "%s", why);
-    return exchange_error(u->x, status, &e);
-}
-
-static int on_body(void *self, const void *data, size_t size) {
-    struct upload *u = self;
-    if (exchange_answered(u->x))
-        return 0;
-    if (u->form.size + size > exchange_net(u->x)->options.play_bytes)
-        return refuse(u, 413, "media-too-large", "the recording is larger than this server takes");
-    buf_add(&u->form, data, size);
-    return 0;
-}
-
 /* Copies the part of that name. As form_part. */
 static int take_part(struct upload *u, const char *name, struct buf *out, struct error *e) {
     const uint8_t *part;
     size_t size;
     const char *type = http_header(exchange_request(u->x), "content-type");
-    int found = form_part(type, u->form.data, u->form.size, name, &part, &size, e);
+    const struct buf *form = exchange_body(u->x);
+    int found = form_part(type, form->data, form->size, name, &part, &size, e);
     if (found > 0)
         buf_add(out, part, size);
     return found;
@@ -59,20 +43,17 @@ static int take_part(struct upload *u, const char *name, struct buf *out, struct
 static int on_body_end(void *self) {
     struct upload *u = self;
     struct error e;
-    if (exchange_answered(u->x))
-        return 0;
     if (take_part(u, "fap", &u->source.fap, &e) < 0 || take_part(u, "sound", &u->source.sound, &e) < 0)
-        return exchange_error(u->x, 400, &e);
-    buf_free(&u->form);
+        return exchange_error(u->x, &e);
+    exchange_drop_body(u->x);
     if (!u->source.fap.size)
-        return refuse(u, 400, "bad-form", "the form has no file 'fap'");
+        return error_set(&e, ERROR_BAD_FORM, "the form has no file 'fap'"), exchange_error(u->x, &e);
     u->source.name = mem_strdup("upload");
     return play(u->x, &u->source, &u->request);
 }
 
 static void on_free(void *self) {
     struct upload *u = self;
-    buf_free(&u->form);
     recording_source_free(&u->source);
     request_free(&u->request);
     free(u);
@@ -82,8 +63,8 @@ static int open_upload(struct exchange *x, struct speech_request *request) {
     struct upload *u = mem_alloc(sizeof *u);
     u->x = x;
     u->request = *request;
-    exchange_set_work(
-        x, (struct exchange_work){.body = on_body, .body_end = on_body_end, .free = on_free, .self = u});
+    exchange_set_work(x, (struct exchange_work){.body_end = on_body_end, .free = on_free, .self = u});
+    exchange_expect_body(x, exchange_net(x)->options.play_bytes, ERROR_MEDIA_TOO_LARGE);
     return 0;
 }
 
@@ -101,15 +82,15 @@ int play_post(struct exchange *x) {
     bool form = type && !strncasecmp(type, "multipart/form-data", 19);
     if (request_from_query(&request, exchange_request(x), "name", &e) ||
         (name && media_source(exchange_net(x), &source, name, &e))) {
-        result = exchange_error(x, strcmp(e.code, "unknown-media") ? 400 : 404, &e);
+        result = exchange_error(x, &e);
     } else if (name) {
         result = play(x, &source, &request);
     } else if (form) {
         return open_upload(x, &request);
     } else {
-        error_set(&e, "unsupported-media-type",
+        error_set(&e, ERROR_UNSUPPORTED_MEDIA_TYPE,
                   "a recording is uploaded as multipart/form-data, or named by name=");
-        result = exchange_error(x, 415, &e);
+        result = exchange_error(x, &e);
     }
     recording_source_free(&source);
     request_free(&request);

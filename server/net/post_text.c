@@ -27,43 +27,34 @@ int post_text_begin(struct post_text *p, struct exchange *x, const struct member
     struct error e;
     *p = (struct post_text){.x = x, .known = *known, .bodiless = request->method != HTTP_POST};
     p->json = !p->bodiless && type && has_type(type, "application/json");
+    const struct net_options *options = &exchange_net(x)->options;
+    if (p->json)
+        exchange_expect_body(x, options->message_bytes, ERROR_MESSAGE_TOO_LONG);
+    else if (!p->bodiless)
+        exchange_expect_body(x, options->text_bytes, ERROR_TEXT_TOO_LONG);
     if (p->json || p->bodiless)
         return 0;
     p->markup = markup_of(type ? type : "");
     if (p->markup)
         return 0;
-    error_set(&e, "unsupported-media-type", "no markup has the type '%.80s'; JSON is application/json", type);
-    *result = exchange_error(x, 415, &e);
+    error_set(&e, ERROR_UNSUPPORTED_MEDIA_TYPE, "no markup has the type '%.80s'; JSON is application/json",
+              type);
+    *result = exchange_error(x, &e);
     return -1;
-}
-
-int post_text_take(struct post_text *p, const void *data, size_t size) {
-    struct error e;
-    const struct net_options *options = &exchange_net(p->x)->options;
-    unsigned limit = p->json ? options->message_bytes : options->text_bytes;
-    if (exchange_answered(p->x))
-        return 0;
-    if (p->body.size + size > limit) {
-        error_set(&e, p->json ? "message-too-long" : "text-too-long", "a %s may have %u bytes",
-                  p->json ? "JSON body" : "text", limit);
-        return exchange_error(p->x, 413, &e);
-    }
-    buf_add(&p->body, data, size);
-    return 0;
 }
 
 static int read_json(struct post_text *p, struct speech_request *request, struct error *e) {
     json_error_t why;
-    p->object =
-        json_loadb(p->body.size ? (const char *)p->body.data : "", p->body.size, JSON_ALLOW_NUL, &why);
+    const struct buf *body = exchange_body(p->x);
+    p->object = json_loadb(body->size ? (const char *)body->data : "", body->size, JSON_ALLOW_NUL, &why);
     if (!p->object)
         return message_bad_json(&why, e);
     if (!json_is_object(p->object))
-        return error_set(e, "bad-message", "the body must be an object with a string 'text'");
+        return error_set(e, ERROR_BAD_MESSAGE, "the body must be an object with a string 'text'");
     if (request_from_json(request, p->object, e))
         return -1;
     if (!request->text)
-        return error_in_field(e, "missing-field", "text", "is missing");
+        return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
     json_t *others = json_copy(p->object);
     json_object_del(others, "text");
     members_check(others, &p->known, exchange_warn, p->x);
@@ -74,8 +65,8 @@ static int read_json(struct post_text *p, struct speech_request *request, struct
 int post_text_request(struct post_text *p, struct speech_request *request, struct error *e) {
     const struct http_request *from = exchange_request(p->x);
     unsigned limit = exchange_net(p->x)->options.text_bytes;
-    struct request_value text = {REQUEST_STRING, p->body.size ? (const char *)p->body.data : "", p->body.size,
-                                 0};
+    const struct buf *body = exchange_body(p->x);
+    struct request_value text = {REQUEST_STRING, body->size ? (const char *)body->data : "", body->size, 0};
     if (p->markup)
         request->markup = mem_strdup(p->markup);
     if (request_from_query(request, from, NULL, e))
@@ -86,13 +77,13 @@ int post_text_request(struct post_text *p, struct speech_request *request, struc
     while (p->bodiless && i < from->member_count && strcmp(from->members[i].name, "text"))
         i++;
     if (p->bodiless && i == from->member_count)
-        return error_in_field(e, "missing-field", "text", "is missing");
+        return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
     if (p->bodiless)
         text = (struct request_value){REQUEST_STRING, from->members[i].value, from->members[i].size, 0};
     if (!p->json)
         request_set(request, "text", text, e);
     if (request->text_size > limit)
-        return error_in_field(e, "text-too-long", "text", "a text may have %u bytes", limit);
+        return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have %u bytes", limit);
     return 0;
 }
 
@@ -102,11 +93,11 @@ int post_text_member(const struct post_text *p, const char *name, char *value, s
     const char *text = member ? json_string_value(member) : http_query(exchange_request(p->x), name);
     *found = text;
     snprintf(value, cap, "%s", text ? text : "");
-    return member && !text ? error_in_field(e, "bad-field", name, "must be a string") : 0;
+    return member && !text ? error_in_field(e, ERROR_BAD_FIELD, name, "must be a string") : 0;
 }
 
 void post_text_free(struct post_text *p) {
-    buf_free(&p->body);
+    exchange_drop_body(p->x);
     json_decref(p->object);
     p->object = NULL;
 }

@@ -4,7 +4,6 @@
 #ifndef FACCIA_NET_POST_TEXT_H
 #define FACCIA_NET_POST_TEXT_H
 
-#include "server/base/buf.h"
 #include "server/net/query.h"
 #include "server/synthesis/speech_request.h"
 
@@ -15,16 +14,13 @@ struct post_text {
     struct members
         known; /* of the body, but for its text; those of the query that are no fields are passed over */
     const char *markup; /* by the type of the body; NULL: none is said */
-    struct buf body;
     bool json, bodiless;
     json_t *object; /* of a JSON body, once it has been read */
 };
 
-/* Looks at the type of the body. -1 after the answer 415, with *result to be returned. */
+/* Looks at the type of the body, which is expected from then on. -1 after the answer 415, with *result to be
+ * returned. */
 int post_text_begin(struct post_text *p, struct exchange *x, const struct members *known, int *result);
-
-/* A part of the body. What a callback for bodies returns. */
-int post_text_take(struct post_text *p, const void *data, size_t size);
 
 /* All has come. -1 with *e. Members of a body count for more than those of the query. */
 int post_text_request(struct post_text *p, struct speech_request *request, struct error *e);

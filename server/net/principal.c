@@ -21,7 +21,7 @@ int principal_check_host(const struct net *net, const struct http_request *reque
         return 0;
     metrics_add(net->pipeline->metrics, METRIC_REFUSED_ORIGIN, 1);
     return error_set(
-        e, "unknown-host",
+        e, ERROR_UNKNOWN_HOST,
         "this server has no name '%.100s'; when it shall have that name, start it with --host-name", host);
 }
 
@@ -83,7 +83,7 @@ int principal_show(struct net *net, struct principal *principal, const char *tex
     snprintf(key, sizeof key, "s %s", token.subject);
     if (!connection_count(principal->connection, key)) {
         metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
-        return error_set(e, "too-many-connections", "too many connections from there are open");
+        return error_plain(e, ERROR_TOO_MANY_PER_ADDRESS);
     }
     memcpy(principal->key, key, sizeof principal->key);
     principal->token = token;
@@ -108,13 +108,13 @@ int principal_may(const struct net *net, const struct principal *principal, enum
         return 0;
     int refused = 0;
     if (!token->rights)
-        refused = error_set(e, "token-needed", "this server wants a token");
+        refused = error_plain(e, ERROR_TOKEN_NEEDED);
     else if (token->expires <= (long)time(NULL))
-        refused = error_set(e, "expired-token", "the token has expired");
+        refused = error_plain(e, ERROR_EXPIRED_TOKEN);
     else if (!(token->rights & right))
-        refused = error_set(e, "forbidden", "the token does not give the right to do that");
+        refused = error_plain(e, ERROR_FORBIDDEN);
     else if (*token->room && room != principal_own_room && (!room || strcmp(room, token->room)))
-        refused = error_set(e, "forbidden", "the token is for the room '%s'", token->room);
+        refused = error_set(e, ERROR_FORBIDDEN, "the token is for the room '%s'", token->room);
     if (refused)
         metrics_add(net->pipeline->metrics, METRIC_REFUSED_TOKEN, 1);
     return refused;
@@ -125,6 +125,6 @@ int principal_ask(struct net *net, const struct principal *principal, struct err
     if (quota_ask(&net->quota, principal->key, net->options.address_requests, now))
         return 0;
     metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
-    return error_set(e, "too-many-requests", "%u requests in a minute are the limit",
+    return error_set(e, ERROR_TOO_MANY_REQUESTS, "%u requests in a minute are the limit",
                      net->options.address_requests);
 }

@@ -23,7 +23,7 @@ bool principal_origin_allowed(const struct net *net, const struct http_request *
 int principal_check_host(const struct net *net, const struct http_request *request, struct error *e);
 
 /* Lets him in, with the token of his headers (Authorization: Bearer, or token= in the address) if there is
- * one. -1 with *e: "bad-token", "expired-token", "too-many-connections". */
+ * one. -1 with *e: "bad-token", "expired-token", "too-many-per-address". */
 int principal_enter(struct net *net, const struct http_request *request, struct principal *principal,
                     struct error *e);
 

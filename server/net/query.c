@@ -23,7 +23,7 @@ static void check(const char *name, const struct members *known,
             return;
         near_try(&near, field, field);
     }
-    error_in_field(&e, "unknown-member", name, "no member '%.60s'%s", name, near_text(&near, text));
+    error_in_field(&e, ERROR_UNKNOWN_MEMBER, name, "no member '%.60s'%s", name, near_text(&near, text));
     warn(ctx, &e);
 }
 

@@ -4,7 +4,7 @@
 /* One that spoke on a stream of its own is cut; in a room others may have spoken, and it is put out. */
 static void put_out(struct socket *s) {
     struct error e;
-    error_set(&e, "revoked-token", "the token's secret is not one of this server's any more");
+    error_plain(&e, ERROR_REVOKED_TOKEN);
     socket_complain(s, &e);
     if (socket_room(s))
         socket_leave(s);

@@ -53,7 +53,7 @@ static void tell(struct events *events, const char *event, json_t *message) {
 
 void room_events_revoke(struct net *net) {
     struct error e;
-    error_set(&e, "revoked-token", "the token's secret is not one of this server's any more");
+    error_plain(&e, ERROR_REVOKED_TOKEN);
     for (struct events *events = net->events; events; events = events->next) {
         if (!events->follower.channel || !principal_revoke(net, exchange_guest(events->x)))
             continue;
@@ -68,9 +68,9 @@ int room_events(struct exchange *x) {
     struct error e;
     const char *name = exchange_query(x, "room", value, sizeof value);
     struct channel *channel = name ? channel_room(exchange_net(x), name, &e)
-                                   : (error_in_field(&e, "missing-field", "room", "is missing"), NULL);
+                                   : (error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"), NULL);
     if (!channel)
-        return exchange_error(x, 400, &e);
+        return exchange_error(x, &e);
     struct events *events = mem_alloc(sizeof *events);
     struct net *net = exchange_net(x);
     events->x = x;

@@ -12,23 +12,18 @@ struct channel *room_asked(struct exchange *x, int *result) {
     const char *name = exchange_query(x, "room", value, sizeof value);
     struct channel *channel = name ? channel_find(exchange_net(x), name) : NULL;
     if (!name)
-        error_in_field(&e, "missing-field", "room", "is missing");
+        error_plain_in_field(&e, ERROR_MISSING_FIELD, "room");
     else if (!channel)
-        error_in_field(&e, "unknown-room", "room", "nobody is in a room '%s'", name);
+        error_in_field(&e, ERROR_UNKNOWN_ROOM, "room", "nobody is in a room '%s'", name);
     else
         return channel;
-    *result = exchange_error(x, name ? 404 : 400, &e);
+    *result = exchange_error(x, &e);
     return NULL;
 }
 
 struct say {
     struct post_text text;
 };
-
-static int say_body(void *self, const void *data, size_t size) {
-    struct say *say = self;
-    return post_text_take(&say->text, data, size);
-}
 
 /* Nobody is there: it is kept, where that is wanted. */
 static int say_to_nobody(struct exchange *x, const char *room, const struct speech_request *request) {
@@ -41,7 +36,7 @@ static int say_to_nobody(struct exchange *x, const char *room, const struct spee
     if (!hold_keep(net, room, request, &e))
         return exchange_json(x, 202, answer);
     json_decref(answer);
-    return exchange_error(x, 503, &e);
+    return exchange_error(x, &e);
 }
 
 static int say_end(void *self) {
@@ -51,12 +46,10 @@ static int say_end(void *self) {
     struct error e;
     const char *room = http_query(exchange_request(x), "room");
     int result;
-    if (exchange_answered(x))
-        return 0;
     request_init(&request);
     struct channel *channel = channel_find(exchange_net(x), room);
     if (post_text_request(&say->text, &request, &e)) {
-        result = exchange_error(x, !strcmp(e.code, "text-too-long") ? 413 : 400, &e);
+        result = exchange_error(x, &e);
     } else if (channel) {
         int listeners = (int)channel_followers(channel);
         stream_speak(channel_stream(channel), &request);
@@ -83,12 +76,11 @@ int room_say(struct exchange *x) {
     const char *room = http_query(exchange_request(x), "room");
     struct error e;
     if (!room)
-        return error_in_field(&e, "missing-field", "room", "is missing"), exchange_error(x, 400, &e);
+        return error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"), exchange_error(x, &e);
     if (channel_check_name(room, &e))
-        return exchange_error(x, 400, &e);
+        return exchange_error(x, &e);
     struct say *say = mem_alloc(sizeof *say);
-    exchange_set_work(
-        x, (struct exchange_work){.body = say_body, .body_end = say_end, .free = say_free, .self = say});
+    exchange_set_work(x, (struct exchange_work){.body_end = say_end, .free = say_free, .self = say});
     post_text_begin(&say->text, x, &say_members, &result);
     return result;
 }

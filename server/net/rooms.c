@@ -22,7 +22,7 @@ static bool is_name(const char *name) {
 
 int channel_check_name(const char *name, struct error *e) {
     return is_name(name) ? 0
-                         : error_in_field(e, "bad-field", "room",
+                         : error_in_field(e, ERROR_BAD_FIELD, "room",
                                           "must have 1 to %d letters, digits, and any of - _ .", TOKEN_ROOM);
 }
 
@@ -41,7 +41,7 @@ struct channel *channel_room(struct net *net, const char *name, struct error *e)
     if (channel_check_name(name, e))
         return NULL;
     if (net->room_count >= net->options.rooms) {
-        error_set(e, "too-many-rooms", "there are %u rooms already", net->room_count);
+        error_set(e, ERROR_TOO_MANY_ROOMS, "there are %u rooms already", net->room_count);
         return NULL;
     }
     c = channel_new(net, name);

@@ -95,7 +95,7 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
     struct error e;
     char path[256] = "";
     if (principal_check_host(net, exchange_request(x), &e))
-        return exchange_error(x, 421, &e);
+        return exchange_error(x, &e);
     if (length < sizeof path)
         memcpy(path, uri, length);
     path[length < sizeof path ? length : 0] = '\0';
@@ -103,8 +103,8 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
     const struct asset *asset = route ? NULL : assets_find(&net->assets, path);
     bool get = method == HTTP_GET || method == HTTP_HEAD;
     if (!route && !asset) {
-        error_set(&e, "not-found", "nothing is at this address");
-        return exchange_error(x, 404, &e);
+        error_plain(&e, ERROR_NOT_FOUND);
+        return exchange_error(x, &e);
     }
     if (method == HTTP_OPTIONS)
         return exchange_allow(x, 204, methods_of(route));
@@ -118,17 +118,17 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
     if (route && route->answer && get)
         return route->answer(x);
     if (net->draining && method == HTTP_POST) {
-        error_set(&e, "stopping", "the server is about to stop");
-        return exchange_error(x, 503, &e);
+        error_plain(&e, ERROR_STOPPING);
+        return exchange_error(x, &e);
     }
     if (route && route->get && get)
         return exchange_json(x, route->get == message_health && !net->ready ? 503 : 200, route->get(net));
     if (route && route->post && method == HTTP_POST)
         return route->post(x);
     if (route && !route->get && !route->post && !route->answer && get) {
-        error_set(&e, "upgrade-required", "this is the address of the WebSocket");
-        return exchange_error(x, 426, &e);
+        error_plain(&e, ERROR_UPGRADE_REQUIRED);
+        return exchange_error(x, &e);
     }
-    error_set(&e, "method-not-allowed", "this address takes %s", methods_of(route));
-    return exchange_error(x, 405, &e);
+    error_set(&e, ERROR_METHOD_NOT_ALLOWED, "this address takes %s", methods_of(route));
+    return exchange_error(x, &e);
 }

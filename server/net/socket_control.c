@@ -33,7 +33,7 @@ void control_rate(struct socket *s, const json_t *message) {
     struct error e;
     int wrong = socket_may_direct(s, &e);
     if (!wrong && !json_is_number(rate))
-        wrong = error_in_field(&e, rate ? "bad-field" : "missing-field", "rate", "must be a number");
+        wrong = error_in_field(&e, rate ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "rate", "must be a number");
     if (wrong || stream_rate(socket_stream(s), json_number_value(rate), &e))
         socket_complain(s, &e);
 }
@@ -44,7 +44,7 @@ static const char *string_of(const json_t *message, const char *name, struct err
     const char *string = json_string_value(value);
     if (string && strlen(string) == json_string_length(value))
         return string;
-    error_in_field(e, value ? "bad-field" : "missing-field", name, "must be a string");
+    error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, name, "must be a string");
     return NULL;
 }
 

@@ -22,7 +22,7 @@ int live_idle(const json_t *message, const struct speech_request *defaults, uint
     struct speech_request request;
     const json_t *wanted = json_object_get(message, "on");
     if (wanted && !json_is_boolean(wanted))
-        return error_in_field(e, "bad-field", "on", "must be true or false");
+        return error_in_field(e, ERROR_BAD_FIELD, "on", "must be true or false");
     request_copy(&request, defaults);
     int failed = take(&request, "life", message, e) || take(&request, "seed", message, e);
     *on = !wanted || json_is_true(wanted);
@@ -41,12 +41,12 @@ static int take_part(const json_t *part, size_t i, struct mood_request *mix, str
     mix->intensities[i] = intensity ? json_number_value(intensity) : 1;
     if (!mix->names[i]) {
         snprintf(field, sizeof field, "mix.%zu.name", i);
-        return error_in_field(e, json_object_get(part, "name") ? "bad-field" : "missing-field", field,
+        return error_in_field(e, json_object_get(part, "name") ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, field,
                               "must be the name of an affect");
     }
     if ((intensity && !json_is_number(intensity)) || mix->intensities[i] < 0 || mix->intensities[i] > 1) {
         snprintf(field, sizeof field, "mix.%zu.intensity", i);
-        return error_in_field(e, "bad-field", field, "must be a number from 0 to 1");
+        return error_in_field(e, ERROR_BAD_FIELD, field, "must be a number from 0 to 1");
     }
     return 0;
 }
@@ -55,12 +55,12 @@ int live_express(const json_t *message, struct mood_request *mix, struct error *
     const json_t *parts = json_object_get(message, "mix"), *ease = json_object_get(message, "ease");
     *mix = (struct mood_request){.count = json_array_size(parts), .ease = EASE_DEFAULT};
     if (!json_is_array(parts) || mix->count > MOOD_MIX)
-        return error_in_field(e, parts ? "bad-field" : "missing-field", "mix",
+        return error_in_field(e, parts ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "mix",
                               "must be a list of up to %d affects with their intensities", MOOD_MIX);
     if (ease)
         mix->ease = json_number_value(ease);
     if ((ease && !json_is_number(ease)) || mix->ease < 0 || mix->ease > EASE_MOST)
-        return error_in_field(e, "bad-field", "ease", "must be a number from 0 to %d", EASE_MOST);
+        return error_in_field(e, ERROR_BAD_FIELD, "ease", "must be a number from 0 to %d", EASE_MOST);
     for (size_t i = 0; i < mix->count; i++)
         if (take_part(json_array_get(parts, i), i, mix, e))
             return -1;

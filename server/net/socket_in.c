@@ -25,7 +25,7 @@ static void pong(struct socket *s, const json_t *message) {
 static void join_room(struct socket *s, const json_t *message) {
     const char *room = json_string_value(json_object_get(message, "room"));
     struct error e;
-    if (room ? socket_join(s, room, &e) : error_in_field(&e, "missing-field", "room", "is missing"))
+    if (room ? socket_join(s, room, &e) : error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"))
         socket_complain(s, &e);
 }
 
@@ -46,7 +46,7 @@ static void choose_media(struct socket *s, const json_t *message) {
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
         const json_t *value = json_object_get(message, texts[i]);
         if (value && !json_is_string(value)) {
-            error_in_field(&e, "bad-field", texts[i], "must be a string");
+            error_in_field(&e, ERROR_BAD_FIELD, texts[i], "must be a string");
             socket_complain(s, &e);
             return;
         }
@@ -63,7 +63,7 @@ static void authorise(struct socket *s, const json_t *message) {
     const char *token = json_string_value(json_object_get(message, "token"));
     struct error e;
     if (token ? principal_show(s->net, &s->principal, token, &e)
-              : error_in_field(&e, "missing-field", "token", "is missing"))
+              : error_plain_in_field(&e, ERROR_MISSING_FIELD, "token"))
         socket_complain(s, &e);
     else
         socket_say(s, json_pack("{ss ss}", "type", "authorized", "subject", s->principal.token.subject));
@@ -81,7 +81,7 @@ void socket_act(struct socket *s, const json_t *message) {
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {
-        error_in_field(&e, "bad-message", "type", "a message is an object with a string 'type'");
+        error_in_field(&e, ERROR_BAD_MESSAGE, "type", "a message is an object with a string 'type'");
         socket_complain(s, &e);
         return;
     }
@@ -94,7 +94,7 @@ void socket_act(struct socket *s, const json_t *message) {
     char text[NEAR_TEXT];
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
         near_try(&near, types[i].type, types[i].type);
-    error_in_field(&e, "unknown-type", "type", "no message type '%.80s'%s", type, near_text(&near, text));
+    error_in_field(&e, ERROR_UNKNOWN_TYPE, "type", "no message type '%.80s'%s", type, near_text(&near, text));
     socket_complain(s, &e);
 }
 
@@ -130,10 +130,10 @@ void socket_hear_json(struct socket *s, const char *data, size_t size) {
 void socket_hear(struct socket *s, bool binary) {
     struct error e;
     if (s->too_long) {
-        error_set(&e, "message-too-long", "a message may have %u bytes", s->net->options.message_bytes);
+        error_set(&e, ERROR_MESSAGE_TOO_LONG, "a message may have %u bytes", s->net->options.message_bytes);
         socket_complain(s, &e);
     } else if (binary) {
-        error_set(&e, "binary-message", "a client sends no binary messages");
+        error_set(&e, ERROR_BINARY_MESSAGE, "a client sends no binary messages");
         socket_complain(s, &e);
     } else {
         s->hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);

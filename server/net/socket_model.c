@@ -27,7 +27,7 @@ void socket_send_model(struct socket *s, const json_t *message) {
     const struct assets *assets = &s->net->assets;
     struct error e;
     if (wanted && !name) {
-        error_in_field(&e, "bad-field", "name", "must be a string");
+        error_in_field(&e, ERROR_BAD_FIELD, "name", "must be a string");
         socket_complain(s, &e);
         return;
     }
@@ -41,7 +41,7 @@ void socket_send_model(struct socket *s, const json_t *message) {
         char text[NEAR_TEXT];
         for (size_t i = 0; i < assets->model_count; i++)
             near_try(&near, assets->models[i].name, assets->models[i].name);
-        error_in_field(&e, "unknown-model", "name", "no model '%.80s'%s", near.wanted,
+        error_in_field(&e, ERROR_UNKNOWN_MODEL, "name", "no model '%.80s'%s", near.wanted,
                        near_text(&near, text));
         socket_complain(s, &e);
     }

@@ -74,7 +74,7 @@ static void enqueue(struct socket *s, struct queued_message *message) {
     }
     if (s->queue.unsent > options->send_bytes_max && !s->close_reason) {
         metrics_add(s->net->pipeline->metrics, METRIC_TOO_SLOW, 1);
-        socket_dismiss(s, WEBSOCKET_POLICY, "too-slow");
+        socket_dismiss(s, WEBSOCKET_POLICY, error_name(ERROR_TOO_SLOW));
     }
 }
 
@@ -138,7 +138,7 @@ static void deliver_later(struct socket *s, struct queued_message *message) {
     message_queue_drop_media(&s->queue);
     f->waits = true;
     if (!f->lagging)
-        socket_say(s, json_pack("{ss ss ss}", "type", "warning", "code", "skipped", "message",
+        socket_say(s, json_pack("{ss ss ss}", "type", "warning", "code", error_name(ERROR_SKIPPED), "message",
                                 "media were left out: they came faster than they were taken"));
     f->lagging = true;
 }

@@ -50,15 +50,16 @@ int socket_set_media(struct socket *s, const struct media_wish *wish, struct err
     if (wish->fap)
         encoding.fap = (uint8_t)codec;
     if (wish->kilobits && (codec = encoding_kilobits(wish->kilobits)) < 0)
-        return error_in_field(e, "bad-field", "kilobits", "must be a number of kilobits a second, 6 to 64");
+        return error_in_field(e, ERROR_BAD_FIELD, "kilobits",
+                              "must be a number of kilobits a second, 6 to 64");
     if (wish->kilobits)
         encoding.kilobits = (uint8_t)codec;
     int packed = wish->events ? encoding_events(wish->events) : encoding.packed;
     if (packed < 0)
-        return error_in_field(e, "unknown-codec", "events", "no form of events '%s'", wish->events);
+        return error_in_field(e, ERROR_UNKNOWN_CODEC, "events", "no form of events '%s'", wish->events);
     encoding.packed = packed;
     if (!encoding_possible(&encoding))
-        return error_in_field(e, "unknown-codec", "fap",
+        return error_in_field(e, ERROR_UNKNOWN_CODEC, "fap",
                               "plain FAPs do not go with Opus: ask for fapc, or for pcm");
     channel_want(&s->follower, &encoding);
     return 0;
@@ -86,7 +87,7 @@ int socket_may_direct(struct socket *s, struct error *e) {
 int socket_may_speak(struct socket *s, struct error *e) {
     if (socket_may_direct(s, e) || principal_ask(s->net, &s->principal, e))
         return -1;
-    return s->net->draining ? error_set(e, "stopping", "the server is about to stop") : 0;
+    return s->net->draining ? error_set(e, ERROR_STOPPING, "the server is about to stop") : 0;
 }
 
 void socket_speak_request(struct socket *s, const struct speech_request *request) {
@@ -94,7 +95,7 @@ void socket_speak_request(struct socket *s, const struct speech_request *request
     struct error e;
     int refused = socket_may_speak(s, &e);
     if (!refused && request->text_size > limit)
-        refused = error_in_field(&e, "text-too-long", "text", "a text may have %u bytes", limit);
+        refused = error_in_field(&e, ERROR_TEXT_TOO_LONG, "text", "a text may have %u bytes", limit);
     if (refused)
         socket_refuse(s, request->id, &e);
     else

@@ -93,22 +93,12 @@ static void on_problem(void *ctx, const struct error *e, bool warning) {
         p->failure = *e;
 }
 
-/* Of a request that could not be met. */
-static unsigned status_of(const struct error *e) {
-    return !strcmp(e->code, "voice-unavailable") ? 503 : !strcmp(e->code, "text-too-long") ? 413 : 400;
-}
-
 static void on_finished(void *ctx, size_t spoken) {
     struct post *p = ctx;
     if (spoken)
         export_worker_end(p->worker);
     else
-        exchange_error(p->x, synthesis_is_read(p->synthesis) ? 500 : status_of(&p->failure), &p->failure);
-}
-
-static int on_body(void *self, const void *data, size_t size) {
-    struct post *p = self;
-    return post_text_take(&p->text, data, size);
+        exchange_error(p->x, &p->failure);
 }
 
 static int no_format(const char *name, struct error *e) {
@@ -116,7 +106,8 @@ static int no_format(const char *name, struct error *e) {
     char text[NEAR_TEXT];
     for (const struct export_format *format = export_formats; format->name; format++)
         near_try(&near, format->name, format->name);
-    return error_in_field(e, "unknown-format", "format", "no format '%s'%s", name, near_text(&near, text));
+    return error_in_field(e, ERROR_UNKNOWN_FORMAT, "format", "no format '%s'%s", name,
+                          near_text(&near, text));
 }
 
 static int read_request(struct post *p, struct speech_request *request, struct error *e) {
@@ -135,7 +126,7 @@ static int on_body_end(void *self) {
     struct net *net = exchange_net(p->x);
     struct speech_request request;
     struct error e;
-    if (exchange_answered(p->x) || p->synthesis)
+    if (p->synthesis)
         return 0;
     request_init(&request);
     if (!read_request(p, &request, &e))
@@ -146,7 +137,7 @@ static int on_body_end(void *self) {
     }
     request_free(&request);
     post_text_free(&p->text);
-    return p->synthesis ? 0 : exchange_error(p->x, status_of(&e), &e);
+    return p->synthesis ? 0 : exchange_error(p->x, &e);
 }
 
 static void on_free(void *self) {
@@ -165,8 +156,7 @@ int speech_ask(struct exchange *x) {
     int result = 0;
     p->x = x;
     exchange_set_work(
-        x, (struct exchange_work){
-               .body = on_body, .body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
+        x, (struct exchange_work){.body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
     post_text_begin(&p->text, x, &speech_members, &result);
     return result;
 }

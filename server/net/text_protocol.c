@@ -113,7 +113,7 @@ static void do_command(struct socket *s, const char *line, size_t size) {
         for (size_t i = 0; i < sizeof simple / sizeof *simple; i++)
             near_try(&near, simple[i].command, simple[i].command);
         near_try_all(&near, settings);
-        error_set(&e, "unknown-command", "no command /%s; /help tells which there are%s", name,
+        error_set(&e, ERROR_UNKNOWN_COMMAND, "no command /%s; /help tells which there are%s", name,
                   near_text(&near, text));
         socket_complain(s, &e);
     }

@@ -9,10 +9,10 @@
 
 enum { KEY_CHARS = 24, ACCEPT_CHARS = 28, PROTOCOL_CHARS = 32 };
 
-static int refuse(struct exchange *x, unsigned status, const char *code, const char *why) {
+static int refuse(struct exchange *x, enum error_code code, const char *why) {
     struct error e;
     error_set(&e, code, "%s", why);
-    exchange_error(x, status, &e);
+    exchange_error(x, &e);
     return -1;
 }
 
@@ -31,21 +31,21 @@ static int check_place(struct exchange *x) {
     struct net *net = x->net;
     const struct http_request *r = x->request;
     if (r->method != HTTP_GET || !r->minor)
-        return refuse(x, 400, "bad-handshake", "a WebSocket is asked for by GET of HTTP/1.1");
+        return refuse(x, ERROR_BAD_HANDSHAKE, "a WebSocket is asked for by GET of HTTP/1.1");
     struct error e;
     if (principal_check_host(net, r, &e)) {
-        exchange_error(x, 421, &e);
+        exchange_error(x, &e);
         return -1;
     }
     if (strcmp(r->path, "/v1/stream"))
-        return refuse(x, 404, "not-found", "no WebSocket is at this address");
+        return refuse(x, ERROR_NOT_FOUND, "no WebSocket is at this address");
     if (!principal_origin_allowed(net, r)) {
         metrics_add(net->pipeline->metrics, METRIC_REFUSED_ORIGIN, 1);
-        return refuse(x, 403, "forbidden-origin", "pages from there may not use this server");
+        return refuse(x, ERROR_FORBIDDEN_ORIGIN, "pages from there may not use this server");
     }
     if (net->draining) {
         metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
-        return refuse(x, 503, "stopping", "the server is about to stop");
+        return refuse(x, ERROR_STOPPING, "the server is about to stop");
     }
     return 0;
 }
@@ -54,11 +54,11 @@ static int check_handshake(struct exchange *x) {
     const struct http_request *r = x->request;
     const char *version = http_header(r, "sec-websocket-version");
     if (!version || strcmp(version, "13") || http_header_count(r, "sec-websocket-version") > 1)
-        return refuse(x, 426, "upgrade-required", "version 13 of the WebSocket protocol is spoken here");
+        return refuse(x, ERROR_UPGRADE_REQUIRED, "version 13 of the WebSocket protocol is spoken here");
     if (!is_key(http_header(r, "sec-websocket-key")) || http_header_count(r, "sec-websocket-key") > 1)
-        return refuse(x, 400, "bad-handshake", "Sec-WebSocket-Key must be 16 bytes in base64, once");
+        return refuse(x, ERROR_BAD_HANDSHAKE, "Sec-WebSocket-Key must be 16 bytes in base64, once");
     if (r->chunked || r->content_length)
-        return refuse(x, 400, "bad-handshake", "a WebSocket is asked for without a body");
+        return refuse(x, ERROR_BAD_HANDSHAKE, "a WebSocket is asked for without a body");
     return 0;
 }
 
@@ -75,7 +75,7 @@ static int choose_protocol(struct exchange *x, char protocol[PROTOCOL_CHARS]) {
                 return 0;
             }
     if (http_header(x->request, "sec-websocket-protocol"))
-        return refuse(x, 400, "unknown-protocol", "the sub-protocols are faccia.v1 and faccia.text.v1");
+        return refuse(x, ERROR_UNKNOWN_PROTOCOL, "the sub-protocols are faccia.v1 and faccia.text.v1");
     return 0;
 }
 

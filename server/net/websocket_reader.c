@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/websocket_reader.h"
+#include "server/base/error.h"
 #include "server/base/mem.h"
 #include <stdlib.h>
 #include <string.h>
@@ -50,7 +51,7 @@ static void close_frame(struct websocket_reader *r, const uint8_t *payload, size
     if (size == 1 || (size && !may_close_with(status))) {
         fault(r, "bad-close");
     } else if (size && utf8_check((const char *)payload + 2, size - 2) < size - 2) {
-        fault_at(r, WEBSOCKET_BAD_TEXT, "bad-utf8", 0);
+        fault_at(r, WEBSOCKET_BAD_TEXT, error_name(ERROR_BAD_UTF8), 0);
     } else {
         r->ended = true;
         r->ear->close(r->ctx, (enum websocket_status)status);
@@ -72,7 +73,7 @@ static void data_piece(struct websocket_reader *r, const uint8_t *bytes, size_t 
     if (!r->binary)
         bad = utf8_feed(&r->text, bytes, size);
     if (bad < size || (last && !r->binary && r->text.need)) {
-        fault_at(r, WEBSOCKET_BAD_TEXT, "bad-utf8", r->message + bad - r->text.done);
+        fault_at(r, WEBSOCKET_BAD_TEXT, error_name(ERROR_BAD_UTF8), r->message + bad - r->text.done);
         return;
     }
     r->message += size;
@@ -124,7 +125,7 @@ static void take(struct websocket_reader *r, const struct wslay_frame_iocb *io) 
         }
         r->begun = true;
         if (io->payload_length > r->most || r->message > r->most - io->payload_length) {
-            fault_at(r, WEBSOCKET_TOO_LARGE, "message-too-long", 0);
+            fault_at(r, WEBSOCKET_TOO_LARGE, error_name(ERROR_MESSAGE_TOO_LONG), 0);
             return;
         }
     }

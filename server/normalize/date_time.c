@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Dates, times of the day, lengths of time. */
-#include "server/normalize/normalizer_internal.h"
+#include "server/normalize/normalizers_internal.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

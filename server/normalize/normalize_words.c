@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From a text and the way to read it to words. */
-#include "server/normalize/normalizer_internal.h"
+#include "server/normalize/normalizers_internal.h"
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>

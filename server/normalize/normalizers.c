@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/normalize/normalizers.h"
 #include "server/base/mem.h"
-#include "server/normalize/normalizer_internal.h"
+#include "server/normalize/normalizers_internal.h"
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -68,7 +68,7 @@ static int load(struct normalizers *normalizers, const char *path, struct error 
     json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &why);
     const char *wrong = root ? fault(root) : why.text;
     if (wrong) {
-        error_set(e, "bad-normalization", "%s: %s", path, wrong);
+        error_set(e, ERROR_BAD_NORMALIZATION, "%s: %s", path, wrong);
         json_decref(root);
         return -1;
     }
@@ -172,7 +172,8 @@ void normalizers_apply(const struct normalizers *normalizers, struct score *scor
         item->text = score_strndup(score, (const char *)words.data, words.size);
         item->style = score_keep_style(score, &style);
     } else if (normalizer) {
-        score_warn(score, item->start, "bad-value", "\"%.60s\" cannot be read as \"%.40s\"", trimmed, way);
+        score_warn(score, item->start, ERROR_BAD_VALUE, "\"%.60s\" cannot be read as \"%.40s\"", trimmed,
+                   way);
     }
     buf_free(&words);
     free(trimmed);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/normalize/normalizer_internal.h"
+#include "server/normalize/normalizers_internal.h"
 #include <ctype.h>
 #include <stdio.h>
 #include <string.h>

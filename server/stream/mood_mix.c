@@ -23,7 +23,7 @@ void mood_mix_close(struct mood_mix *mix) {
 
 int mood_mix_set(struct mood_mix *mix, const struct mood_request *asked, double at, struct error *e) {
     if (!mix->mood && asked->count)
-        return error_in_field(e, "unknown-expression", "mix.0.name", "there are no expressions");
+        return error_in_field(e, ERROR_UNKNOWN_EXPRESSION, "mix.0.name", "there are no expressions");
     /* after a stop the clock may stand a little before where media had come already */
     at = fmax(at, mix->last);
     if (mix->mood && mood_set(mix->mood, asked->names, asked->intensities, asked->count, at, asked->ease, e))

@@ -115,7 +115,7 @@ static bool has_room(struct stream *s, const char *id, enum speech_mode mode) {
     struct error e;
     if (mode != SPEAK_QUEUE || s->waiting < s->queue_limit)
         return true;
-    error_set(&e, "queue-full", "%u utterances wait already", s->waiting);
+    error_set(&e, ERROR_QUEUE_FULL, "%u utterances wait already", s->waiting);
     stream_refuse(s, id, &e);
     return false;
 }

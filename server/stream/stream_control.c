@@ -55,7 +55,7 @@ void stream_resume(struct stream *s) {
 
 int stream_rate(struct stream *s, double rate, struct error *e) {
     if (!(rate >= REQUEST_RATE_MIN && rate <= REQUEST_RATE_MAX))
-        return error_in_field(e, "bad-field", "rate", "must be a number from %d to %d", REQUEST_RATE_MIN,
+        return error_in_field(e, ERROR_BAD_FIELD, "rate", "must be a number from %d to %d", REQUEST_RATE_MIN,
                               REQUEST_RATE_MAX);
     for (struct utterance *t = s->queue; t; t = t->next) {
         if (!t->synthesis)
@@ -71,13 +71,13 @@ int stream_jump(struct stream *s, const char *mark, struct error *e) {
     struct utterance *t = s->queue;
     size_t sentence;
     if (!t)
-        return error_set(e, "not-speaking", "nothing is spoken");
+        return error_set(e, ERROR_NOT_SPEAKING, "nothing is spoken");
     if (!t->synthesis || !synthesis_find_mark(t->synthesis, mark, &sentence)) {
         struct near near = near_to(mark);
         char text[NEAR_TEXT];
         if (t->synthesis)
             synthesis_near_marks(t->synthesis, &near);
-        return error_in_field(e, "unknown-mark", "mark", "the utterance has no mark '%.80s'%s", mark,
+        return error_in_field(e, ERROR_UNKNOWN_MARK, "mark", "the utterance has no mark '%.80s'%s", mark,
                               near_text(&near, text));
     }
     stream_forget_unheard(s);

@@ -2,7 +2,7 @@
 #include "server/synthesis/recording.h"
 #include "protocol/fapfile.h"
 #include "server/base/mem.h"
-#include "server/synthesis/recording_sound.h"
+#include "server/synthesis/recording_internal.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -51,7 +51,7 @@ int recording_source_in(struct recording_source *source, const char *folder, con
                         struct error *e) {
     size_t size = strlen(name);
     if (!recording_is_name(name))
-        return error_in_field(e, "bad-field", "name",
+        return error_in_field(e, ERROR_BAD_FIELD, "name",
                               "must be the name of a file without its ending, up to %d bytes",
                               RECORDING_NAME_BYTES_MAX);
     source->name = mem_strdup(name);
@@ -69,7 +69,7 @@ static int read_fap(struct recording *r) {
     if (fd < 0 || fstat(fd, &status) || !S_ISREG(status.st_mode)) {
         if (fd >= 0)
             close(fd);
-        return error_in_field(&r->error, "unknown-media", "name", "no recording '%s'", source->name);
+        return error_in_field(&r->error, ERROR_UNKNOWN_MEDIA, "name", "no recording '%s'", source->name);
     }
     while (got > 0 && source->fap.size <= source->fap_bytes_max) {
         got = read(fd, buf_reserve(&source->fap, 65536), 65536);
@@ -77,10 +77,10 @@ static int read_fap(struct recording *r) {
     }
     close(fd);
     if (got < 0)
-        return error_set(&r->error, "unknown-media", "'%s' cannot be read: %s", source->name,
+        return error_set(&r->error, ERROR_UNKNOWN_MEDIA, "'%s' cannot be read: %s", source->name,
                          strerror(errno));
     if (source->fap.size > source->fap_bytes_max)
-        return error_set(&r->error, "media-too-large", "a .fap file may have %zu bytes",
+        return error_set(&r->error, ERROR_MEDIA_TOO_LARGE, "a .fap file may have %zu bytes",
                          source->fap_bytes_max);
     return 0;
 }
@@ -91,15 +91,16 @@ static int open_fap(struct recording *r) {
     if (r->source.fap_path && read_fap(r))
         return -1;
     if (fapfile_read(text->size ? (char *)text->data : "", text->size, &r->fap, &wrong))
-        return error_at_line(&r->error, "bad-fap", wrong.line, wrong.column, "%s", wrong.message);
+        return error_at_line(&r->error, ERROR_BAD_FAP, wrong.line, wrong.column, "%s", wrong.message);
     const struct fapfile_error *note = &r->fap.note;
     if (note->message)
-        error_at_line(&r->note, "ignored", note->line, note->column, "%s", note->message);
+        error_at_line(&r->note, ERROR_IGNORED, note->line, note->column, "%s", note->message);
     buf_free(text);
     face_high_level_expand(r->high, r->fap.frames, r->fap.count);
     r->fps = round(r->fap.fps * 100) / 100; /* what the protocol can say */
     if (r->fps < 1 || r->fps > RECORDING_FPS_MAX)
-        return error_at_line(&r->error, "bad-fap", 1, 1, "the frame rate must be 1 to %d", RECORDING_FPS_MAX);
+        return error_at_line(&r->error, ERROR_BAD_FAP, 1, 1, "the frame rate must be 1 to %d",
+                             RECORDING_FPS_MAX);
     return 0;
 }
 
@@ -129,7 +130,7 @@ static void read_piece(struct recording *r) {
     if (!size) {
         free(pcm);
         if (!r->at)
-            error_at_line(&r->error, "bad-fap", 1, 1, "there are no frames");
+            error_at_line(&r->error, ERROR_BAD_FAP, 1, 1, "there are no frames");
         return;
     }
     r->piece = mem_alloc(sizeof *r->piece);

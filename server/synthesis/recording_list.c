@@ -2,7 +2,7 @@
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/synthesis/recording.h"
-#include "server/synthesis/recording_sound.h"
+#include "server/synthesis/recording_internal.h"
 #include <dirent.h>
 #include <stdio.h>
 #include <stdlib.h>

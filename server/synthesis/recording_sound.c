@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/synthesis/recording_sound.h"
 #include "server/base/mem.h"
+#include "server/synthesis/recording_internal.h"
 #include <math.h>
 #include <sndfile.h>
 #include <stdio.h>
@@ -95,12 +95,13 @@ int recording_sound_open(struct recording_sound **sound, const struct recording_
     open_file(s, source);
     const SF_INFO *info = &s->info;
     if (!s->file)
-        failed = error_set(e, "bad-sound", "%s", sf_strerror(NULL));
+        failed = error_set(e, ERROR_BAD_SOUND, "%s", sf_strerror(NULL));
     else if (info->samplerate < RATE_MIN || info->samplerate > RATE_MAX)
-        failed = error_set(e, "bad-sound", "the sample rate must be %d to %d Hz, not %d", RATE_MIN, RATE_MAX,
-                           info->samplerate);
+        failed = error_set(e, ERROR_BAD_SOUND, "the sample rate must be %d to %d Hz, not %d", RATE_MIN,
+                           RATE_MAX, info->samplerate);
     else if (info->channels > CHANNELS_MAX)
-        failed = error_set(e, "bad-sound", "it may have %d channels, not %d", CHANNELS_MAX, info->channels);
+        failed =
+            error_set(e, ERROR_BAD_SOUND, "it may have %d channels, not %d", CHANNELS_MAX, info->channels);
     if (failed) {
         recording_sound_close(s);
         return -1;

@@ -68,7 +68,7 @@ static const struct voice *choose(const struct selecting *c, const struct score_
         /* with what may have been meant */
         struct error e;
         voice_unknown(c->voices, style->voice, &e);
-        score_warn(c->score, item->start, "unknown-voice", "%s", e.message);
+        score_warn(c->score, item->start, ERROR_UNKNOWN_VOICE, "%s", e.message);
         base = c->voice;
     }
     bool speaks = !style->lang || voice_lang_fit(base->lang, style->lang);
@@ -78,9 +78,9 @@ static const struct voice *choose(const struct selecting *c, const struct score_
     const char *gender = style->gender ? style->gender : base->gender;
     const struct voice *best = by_language(c, lang, gender, base->plugin);
     if (!best)
-        score_warn(c->score, item->start, "unknown-language", "no voice speaks \"%.40s\"", lang);
+        score_warn(c->score, item->start, ERROR_UNKNOWN_LANGUAGE, "no voice speaks \"%.40s\"", lang);
     else if (style->gender && !has_gender(best, gender))
-        score_warn(c->score, item->start, "unknown-voice", "no voice for \"%.40s\" is %s", lang, gender);
+        score_warn(c->score, item->start, ERROR_UNKNOWN_VOICE, "no voice for \"%.40s\" is %s", lang, gender);
     return best && (!speaks || has_gender(best, gender)) ? best : base;
 }
 

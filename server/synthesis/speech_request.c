@@ -69,10 +69,10 @@ void request_copy(struct speech_request *to, const struct speech_request *from) 
 
 static int set_string(char **string, const struct field *f, const struct request_value *v, struct error *e) {
     if (v->type != REQUEST_STRING && v->type != REQUEST_WORD)
-        return error_in_field(e, "bad-field", f->name, "must be a string");
+        return error_in_field(e, ERROR_BAD_FIELD, f->name, "must be a string");
     if (f->type == STRING &&
         ((double)v->size < f->min || (double)v->size > f->max || memchr(v->string, 0, v->size)))
-        return error_in_field(e, "bad-field", f->name, "must have %.0f to %.0f bytes", f->min, f->max);
+        return error_in_field(e, ERROR_BAD_FIELD, f->name, "must have %.0f to %.0f bytes", f->min, f->max);
     free(*string);
     *string = mem_alloc(v->size + 1);
     memcpy(*string, v->string, v->size);
@@ -90,9 +90,10 @@ static int set_number(double *number, const struct field *f, const struct reques
         value = NAN;
     }
     if (f->type == INTEGER && value != floor(value))
-        return error_in_field(e, "bad-field", f->name, "must be an integer");
+        return error_in_field(e, ERROR_BAD_FIELD, f->name, "must be an integer");
     if (!(value >= f->min && value <= f->max))
-        return error_in_field(e, "bad-field", f->name, "must be a number from %g to %.16g", f->min, f->max);
+        return error_in_field(e, ERROR_BAD_FIELD, f->name, "must be a number from %g to %.16g", f->min,
+                              f->max);
     *number = value;
     return 0;
 }
@@ -108,7 +109,7 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
             *flag = i / 4;
             return 0;
         }
-    return error_in_field(e, "bad-field", f->name, "must be true or false");
+    return error_in_field(e, ERROR_BAD_FIELD, f->name, "must be true or false");
 }
 
 /* An enum without negative members is an unsigned int to GCC and Clang. */
@@ -128,7 +129,7 @@ static int set_choice(unsigned *choice, const struct field *f, const struct requ
         }
         snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i ? ", " : "", f->words[i]);
     }
-    return error_in_field(e, "bad-field", f->name, "must be one of %s", all);
+    return error_in_field(e, ERROR_BAD_FIELD, f->name, "must be one of %s", all);
 }
 
 const char *request_field(size_t i) {

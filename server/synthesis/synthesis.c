@@ -60,7 +60,7 @@ static void submit(struct synthesis *s) {
 static void warn(void *ctx, const char *message) {
     struct synthesis *s = ctx;
     struct error e;
-    error_set(&e, "voice-warning", "%s", message);
+    error_set(&e, ERROR_VOICE_WARNING, "%s", message);
     if (!s->freed)
         s->callbacks.problem(s->ctx, &e, true);
 }
@@ -158,7 +158,7 @@ static void deliver(struct synthesis *s) {
         if (slot->audio && s->sample_rate && !slot->track)
             sentence_audio_resample(slot->audio, s->sample_rate);
         if (is_beyond(s, slot->audio)) {
-            error_set(&slot->failure, "voice-failed", "the speech is longer than its clock can count");
+            error_set(&slot->failure, ERROR_VOICE_FAILED, "the speech is longer than its clock can count");
             drop_audio(slot);
         }
         if (slot->audio) {

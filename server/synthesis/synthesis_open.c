@@ -34,7 +34,8 @@ static int no_language(const struct pipeline *pipeline, const char *lang, struct
     }
     for (size_t i = 0; i < count; i++)
         near_try(&near, voices[i].lang, voices[i].lang);
-    return error_in_field(e, "unknown-language", "lang", "no language '%s'%s", lang, near_text(&near, text));
+    return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "lang", "no language '%s'%s", lang,
+                          near_text(&near, text));
 }
 
 /* The language and the voice that the request asks for; each may follow from the other. */
@@ -46,7 +47,7 @@ static int choose_voice(struct synthesis *s, struct error *e) {
     if (s->pipeline->voices)
         voice_pool_voices(s->pipeline->voices, &voices);
     if (!voices)
-        return error_set(e, "voice-unavailable", "no voice is there (yet)");
+        return error_set(e, ERROR_VOICE_UNAVAILABLE, "no voice is there (yet)");
     if (lang && !synthesis_can_speak(s->pipeline, lang))
         return no_language(s->pipeline, lang, e);
     if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
@@ -75,12 +76,12 @@ static int check_engine(const struct synthesis *s, struct error *e) {
         if (!strcmp(*engine, s->request.engine))
             return face_engine_speaks(*engine, s->pack)
                        ? 0
-                       : error_in_field(e, "unknown-engine", "engine", "the engine '%s' does not speak '%s'",
-                                        *engine, synthesis_lang(s));
+                       : error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine",
+                                        "the engine '%s' does not speak '%s'", *engine, synthesis_lang(s));
     struct near near = near_to(s->request.engine);
     char text[NEAR_TEXT];
     near_try_all(&near, face_engines());
-    return error_in_field(e, "unknown-engine", "engine", "no engine '%s'%s", s->request.engine,
+    return error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine", "no engine '%s'%s", s->request.engine,
                           near_text(&near, text));
 }
 
@@ -89,7 +90,8 @@ static int no_markup(const char *name, struct error *e) {
     char text[NEAR_TEXT];
     for (const struct markup_kind *kind = markup_kinds; kind->name; kind++)
         near_try(&near, kind->name, kind->name);
-    return error_in_field(e, "unknown-markup", "markup", "no markup '%s'%s", name, near_text(&near, text));
+    return error_in_field(e, ERROR_UNKNOWN_MARKUP, "markup", "no markup '%s'%s", name,
+                          near_text(&near, text));
 }
 
 /* From here on the request's text is what all places count in. */
@@ -101,7 +103,7 @@ static int decode_text(struct synthesis *s, struct error *e) {
     if (!s->markup)
         return no_markup(name, e);
     if (!s->request.text)
-        return error_in_field(e, "missing-field", "text", "is missing");
+        return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
     if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))
         return -1;
     if (text) {
@@ -122,7 +124,7 @@ static enum face_blend blend_of(enum speech_blend asked, struct score *score) {
             continue;
         weighted = true;
         if (asked == SPEAK_BLEND_REGIONS)
-            score_warn(score, score->cues[i].at, "ignored",
+            score_warn(score, score->cues[i].at, ERROR_IGNORED,
                        "the weight is not acted on: the request wants blend regions");
     }
     return asked == SPEAK_BLEND_WEIGHTED || (asked == SPEAK_BLEND_AUTO && weighted) ? BLEND_WEIGHTED
@@ -171,7 +173,7 @@ static void after_work(uv_work_t *work, int status) {
     s->reading = false;
     take_result(s);
     if (status) /* it was cancelled before it began */
-        error_set(&s->result.error, "cancelled", "the text was not read");
+        error_set(&s->result.error, ERROR_CANCELLED, "the text was not read");
     synthesis_go_on(s);
 }
 

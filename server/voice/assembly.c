@@ -44,11 +44,12 @@ int assembly_audio(struct assembly *a, const struct wire_frame *frame, struct er
     uint32_t rate = wire_get_u32(&r);
     size_t bytes = (size_t)(r.end - r.at), count = bytes / sizeof *u->pcm;
     if (r.bad || bytes % sizeof *u->pcm || rate < ASSEMBLY_RATE_MIN || rate > ASSEMBLY_RATE_MAX)
-        return error_set(e, "voice-failed", "sent broken audio");
+        return error_set(e, ERROR_VOICE_FAILED, "sent broken audio");
     if (u->sample_rate && u->sample_rate != rate)
-        return error_set(e, "voice-failed", "changed its sample rate from %u to %u Hz", u->sample_rate, rate);
+        return error_set(e, ERROR_VOICE_FAILED, "changed its sample rate from %u to %u Hz", u->sample_rate,
+                         rate);
     if (u->samples + count > a->seconds_max * rate)
-        return error_set(e, "voice-failed", "sent more than %u s of audio", (unsigned)a->seconds_max);
+        return error_set(e, ERROR_VOICE_FAILED, "sent more than %u s of audio", (unsigned)a->seconds_max);
     u->sample_rate = rate;
     if (!a->pcm_cap) /* room for all of it, as most voices speak: growing copies */
         u->pcm = mem_grow(u->pcm, &a->pcm_cap, expected_samples(a->plan, rate), sizeof *u->pcm);
@@ -101,11 +102,11 @@ int assembly_events(struct assembly *a, const struct wire_frame *frame, struct e
     struct wire_event event;
     while (wire_get_event(&r, &event)) {
         if (!a->events_left)
-            return error_set(e, "voice-failed", "reported more events than the text can have");
+            return error_set(e, ERROR_VOICE_FAILED, "reported more events than the text can have");
         a->events_left--;
         take_event(a, &event);
     }
-    return r.bad ? error_set(e, "voice-failed", "sent a broken event") : 0;
+    return r.bad ? error_set(e, ERROR_VOICE_FAILED, "sent a broken event") : 0;
 }
 
 struct sentence_audio *assembly_finish(struct assembly *a, const char *lang, uint32_t sample_rate) {

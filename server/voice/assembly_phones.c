@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
+#include "server/base/sampa.h"
 #include "server/voice/assembly_said.h"
-#include "server/voice/sampa.h"
 #include <string.h>
 
 static bool is_pause(const struct phone *p) {

@@ -28,11 +28,11 @@ char *sound_find(const char *folder, const char *src, struct error *e) {
     char root[PATH_MAX], file[PATH_MAX], path[PATH_MAX];
     struct stat status;
     if (!folder || !*folder) {
-        error_set(e, "no-sound", "no folder of sounds is set up: \"%.80s\" is left out", src);
+        error_set(e, ERROR_NO_SOUND, "no folder of sounds is set up: \"%.80s\" is left out", src);
         return NULL;
     }
     if (!is_plain(src)) {
-        error_set(e, "no-sound", "\"%.80s\" is no path below the folder of sounds", src);
+        error_set(e, ERROR_NO_SOUND, "\"%.80s\" is no path below the folder of sounds", src);
         return NULL;
     }
     /* where links lead must lie in the folder too */
@@ -40,8 +40,8 @@ char *sound_find(const char *folder, const char *src, struct error *e) {
                  realpath(folder, root) && realpath(path, file) && !strncmp(file, root, strlen(root)) &&
                  file[strlen(root)] == '/' && !stat(file, &status) && S_ISREG(status.st_mode);
     if (!found || status.st_size > SOUND_BYTES_MAX) {
-        error_set(e, "no-sound", found ? "the sound \"%.80s\" is too large" : "there is no sound \"%.80s\"",
-                  src);
+        error_set(e, ERROR_NO_SOUND,
+                  found ? "the sound \"%.80s\" is too large" : "there is no sound \"%.80s\"", src);
         return NULL;
     }
     return mem_strdup(file);
@@ -73,7 +73,7 @@ struct sentence_audio *sound_read(const char *path, double volume, uint32_t samp
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     if (!file || info.samplerate < ASSEMBLY_RATE_MIN || info.samplerate > ASSEMBLY_RATE_MAX ||
         info.channels < 1 || info.channels > SOUND_CHANNELS_MAX) {
-        error_set(e, "no-sound", "the sound \"%.80s\" cannot be read: %s", name,
+        error_set(e, ERROR_NO_SOUND, "the sound \"%.80s\" cannot be read: %s", name,
                   file ? "its sample rate or number of channels is out of bounds" : sf_strerror(NULL));
         sf_close(file);
         return NULL;

@@ -73,7 +73,7 @@ static void on_done(void *ctx, struct sentence_audio *u) {
     part->sentence->seconds += u->sample_rate ? (double)u->samples / u->sample_rate : 0;
     if (part->sentence->seconds > 2 * ASSEMBLY_SECONDS_MAX) {
         struct error e;
-        error_set(&e, "voice-failed", "the voices made more than %d s of one sentence",
+        error_set(&e, ERROR_VOICE_FAILED, "the voices made more than %d s of one sentence",
                   2 * ASSEMBLY_SECONDS_MAX);
         finish(part->sentence, &e);
         return;
@@ -137,7 +137,7 @@ static void start(struct sentence *s, struct sentence_part *part) {
     } else if (part->what.kind == PART_SILENCE) {
         part->u = sentence_silence(s, &part->what);
     } else if (s->sounds++ >= SOUNDS_MAX) {
-        error_set(&part->e, "no-sound", "more than %d sounds in one sentence", SOUNDS_MAX);
+        error_set(&part->e, ERROR_NO_SOUND, "more than %d sounds in one sentence", SOUNDS_MAX);
         give_up(part);
     } else {
         const struct score_item *sound = sentence_item(s, part->what.first);

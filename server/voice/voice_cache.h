@@ -10,7 +10,7 @@
 #include <uv.h>
 
 struct cache_options {
-    size_t bytes;        /* in memory, keys and values; 0 = none */
+    uint64_t bytes;      /* in memory, keys and values; 0 = none */
     const char *file;    /* SQLite; NULL = none */
     uint64_t file_bytes; /* in the file */
 };

@@ -34,7 +34,7 @@ static const char *complaint(const char *file) {
 
 int cache_file_check(const char *file, struct error *e) {
     const char *why = complaint(file);
-    return why ? error_in_field(e, "foreign-file", "--cache-file",
+    return why ? error_in_field(e, ERROR_BAD_CACHE, "--cache-file",
                                 "%.120s %s; it stays as it is: name another file, or remove it", file, why)
                : 0;
 }

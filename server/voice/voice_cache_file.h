@@ -13,7 +13,7 @@
 /* What the other files of a database end with, after its own name's end, "". */
 extern const char *const cache_file_ends[4];
 
-/* 0 when the file is a cache, is empty, or is not there; -1 with *e ("foreign-file"). Does not change it. */
+/* 0 when the file is a cache, is empty, or is not there; -1 with *e ("bad-cache"). Does not change it. */
 int cache_file_check(const char *file, struct error *e);
 
 /* Before it is opened: makes it, if it is not there, and lets nobody but its owner read it. A place where it

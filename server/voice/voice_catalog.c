@@ -80,7 +80,7 @@ int catalog_add(struct catalog *catalog, const char *plugin, const char *descrip
     size_t i, before = 0, added = json_array_size(voices), total = catalog->count;
     if (!added || added > PLUGIN_VOICES_MAX) {
         json_decref(root);
-        return error_set(e, "voice-failed", added ? "has more than %d voices" : "has no voices",
+        return error_set(e, ERROR_BAD_VOICE_LIST, added ? "has more than %d voices" : "has no voices",
                          PLUGIN_VOICES_MAX);
     }
     while (before < total && strcmp(catalog->voices[before].plugin, plugin) <= 0)
@@ -142,7 +142,7 @@ void voice_unknown(struct voice_list list, const char *name, struct error *e) {
         near_try(&near, voice->id, voice->id);
         near_try(&near, voice->id + strlen(voice->plugin) + 1, voice->id);
     }
-    error_in_field(e, "unknown-voice", "voice", "there is no voice \"%.80s\"%s", name,
+    error_in_field(e, ERROR_UNKNOWN_VOICE, "voice", "there is no voice \"%.80s\"%s", name,
                    near_text(&near, text));
 }
 
@@ -152,7 +152,7 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
     const struct voice *best = NULL;
     int best_fit = 0;
     if (!catalog->count) {
-        error_set(e, "voice-unavailable", "no voice plugin runs");
+        error_set(e, ERROR_VOICE_UNAVAILABLE, "no voice plugin runs");
         return NULL;
     }
     if (name) {
@@ -173,6 +173,6 @@ const struct voice *voice_pool_find(const struct voice_pool *pool, const char *n
         }
     }
     if (!best)
-        error_in_field(e, "unknown-language", "lang", "no voice speaks \"%.80s\"", lang ? lang : "");
+        error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "lang", "no voice speaks \"%.80s\"", lang ? lang : "");
     return best;
 }

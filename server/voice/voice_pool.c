@@ -19,7 +19,7 @@ static void on_soon(uv_timer_t *timer) {
         job_take_out(job);
         job_recall(job);
     }
-    queue_fail(&pool->refused, "voice-failed", "does not run, or not for a sentence as long as this");
+    queue_fail(&pool->refused, ERROR_VOICE_FAILED, "does not run, or not for a sentence as long as this");
     pool_call_waits(pool);
 }
 
@@ -54,7 +54,7 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
     pool->ready_ctx = ctx;
     int result = 0;
     if (access(options->worker, X_OK) < 0)
-        result = error_set(e, "voice-unavailable", "there is no worker program \"%s\"", options->worker);
+        result = error_set(e, ERROR_VOICE_UNAVAILABLE, "there is no worker program \"%s\"", options->worker);
     if (!result && options->cache.file && *options->cache.file)
         result = cache_file_check(options->cache.file, e);
     if (result < 0 || plugins_find(pool, options, e) < 0) {
@@ -115,11 +115,11 @@ void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *
         struct plugin *plugin = &pool->plugins[i];
         for (size_t k = 0; k < plugin->seat_count; k++)
             worker_close(&plugin->workers[k]);
-        queue_fail(&plugin->urgent, "cancelled", "is shut down");
-        queue_fail(&plugin->waiting, "cancelled", "is shut down");
+        queue_fail(&plugin->urgent, ERROR_CANCELLED, "is shut down");
+        queue_fail(&plugin->waiting, ERROR_CANCELLED, "is shut down");
     }
-    queue_fail(&pool->refused, "cancelled", "is shut down");
-    queue_fail(&pool->known, "cancelled", "is shut down");
+    queue_fail(&pool->refused, ERROR_CANCELLED, "is shut down");
+    queue_fail(&pool->known, ERROR_CANCELLED, "is shut down");
     cache_close(pool->cache);
     pool->cache = NULL;
 }

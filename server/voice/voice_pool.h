@@ -30,7 +30,7 @@ struct voice_pool_options {
      * 20), and address space (default 4096). Too much of the one ends it, more of the other is refused. */
     double processor;
     unsigned megabytes;
-    bool unconfined;      /* true: plugins may do what they did not say that they need (sandbox.h) */
+    unsigned unconfined;  /* not 0: plugins may do what they did not say that they need (sandbox.h) */
     double start_seconds; /* plugins that take longer to start are not waited for, default 30 */
     double retry_after;   /* a plugin that does not start is tried again after so many seconds, default 60 */
     const char *config;   /* JSON object: plugin name -> its own configuration object; NULL = {} */

@@ -105,7 +105,7 @@ struct voice_pool {
     void (*ready)(void *ctx);
     void *ready_ctx;
     bool is_ready, speaks; /* speaks: there was a voice when `ready` was called last */
-    uv_timer_t start; /* so long is waited for plugins that are slow to start */
+    uv_timer_t start;      /* so long is waited for plugins that are slow to start */
     struct voice_wait *waits;
     struct reserve reserve;
     bool closing;
@@ -144,7 +144,7 @@ pool_next_job(struct plugin *plugin);          /* the sentence to be spoken next
 void pool_fail_waiting(struct plugin *plugin); /* when no worker of it will come */
 
 /* Ends all of them; why follows "the voice NAME". */
-void queue_fail(struct job_queue *queue, const char *code, const char *why);
+void queue_fail(struct job_queue *queue, enum error_code code, const char *why);
 
 /* voice_pool_cache.c */
 
@@ -170,7 +170,7 @@ void worker_end_job(struct worker *worker, struct sentence_audio *u, const struc
 
 /* The process is lost; why follows "the voice NAME". That costs the sentence that it spoke, if any, and
  * another process is started: at once if this one was of any use. */
-void worker_lose(struct worker *worker, const char *code, const char *why, bool hopeless);
+void worker_lose(struct worker *worker, enum error_code code, const char *why, bool hopeless);
 
 /* worker_sentence.c */
 void worker_said(void *worker, const struct wire_frame *frame);

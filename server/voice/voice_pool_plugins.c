@@ -46,7 +46,7 @@ int plugins_find(struct voice_pool *pool, const struct voice_pool_options *optio
         closedir(folder);
     json_decref(config);
     if (!pool->plugin_count)
-        return error_set(e, "voice-unavailable", "no voice plugin in \"%s\"", options->plugin_dir);
+        return error_set(e, ERROR_VOICE_UNAVAILABLE, "no voice plugin in \"%s\"", options->plugin_dir);
     qsort(pool->plugins, pool->plugin_count, sizeof *pool->plugins, by_name);
     return 0;
 }

@@ -70,7 +70,7 @@ void job_wait(struct voice_job *job) {
         spare_call(plugin);
 }
 
-void queue_fail(struct job_queue *queue, const char *code, const char *why) {
+void queue_fail(struct job_queue *queue, enum error_code code, const char *why) {
     while (queue->first) {
         struct voice_job *job = queue->first;
         struct error e;
@@ -81,8 +81,8 @@ void queue_fail(struct job_queue *queue, const char *code, const char *why) {
 }
 
 void pool_fail_waiting(struct plugin *plugin) {
-    queue_fail(&plugin->urgent, "voice-failed", "does not run");
-    queue_fail(&plugin->waiting, "voice-failed", "does not run");
+    queue_fail(&plugin->urgent, ERROR_VOICE_FAILED, "does not run");
+    queue_fail(&plugin->waiting, ERROR_VOICE_FAILED, "does not run");
 }
 
 bool plugin_runs(const struct plugin *plugin) {

@@ -70,7 +70,7 @@ static void rest(struct worker *w, const char *why, bool hopeless) {
 
 /* The process is lost; why follows "the voice NAME". That costs the sentence that it spoke, if any, and
  * another process is started: at once if this one was of any use. */
-void worker_lose(struct worker *w, const char *code, const char *why, bool hopeless) {
+void worker_lose(struct worker *w, enum error_code code, const char *why, bool hopeless) {
     struct plugin *plugin = w->plugin;
     enum worker_state state = w->state;
     struct error e;
@@ -96,16 +96,16 @@ static void on_time(uv_timer_t *timer) {
     struct worker *w = timer->data;
     switch (w->state) {
     case WORKER_STARTING:
-        worker_lose(w, "voice-failed", "does not answer", false);
+        worker_lose(w, ERROR_VOICE_FAILED, "does not answer", false);
         break;
     case WORKER_SPEAKING:
-        worker_lose(w, "voice-timeout", "took too long", false);
+        worker_lose(w, ERROR_VOICE_TIMEOUT, "took too long", false);
         break;
     case WORKER_STOPPING:
-        worker_lose(w, "voice-timeout", "did not stop", false);
+        worker_lose(w, ERROR_VOICE_TIMEOUT, "did not stop", false);
         break;
     case WORKER_LOST:
-        worker_lose(w, "voice-timeout", "did not come back", false);
+        worker_lose(w, ERROR_VOICE_TIMEOUT, "did not come back", false);
         break;
     case WORKER_RESTING:
         start(w);
@@ -123,7 +123,7 @@ static void hello(struct worker *w, const char *description) {
     struct error e;
     if (!plugin->listed || w->given_up) {
         if (catalog_add(&plugin->pool->catalog, plugin->name, description, &e) < 0) {
-            worker_lose(w, "voice-failed", e.message, true);
+            worker_lose(w, e.code, e.message, true);
             return;
         }
     }
@@ -145,12 +145,12 @@ void worker_greeted(struct worker *w, const struct wire_frame *frame) {
     if (text && frame->type == WIRE_HELLO)
         hello(w, text);
     else
-        worker_lose(w, "voice-failed",
+        worker_lose(w, ERROR_VOICE_FAILED,
                     text && (w->absent || frame->type == WIRE_FAILED) ? text : "sent garbage", true);
 }
 
 static void died(void *ctx, const char *how) {
-    worker_lose(ctx, "voice-crashed", how, false);
+    worker_lose(ctx, ERROR_VOICE_CRASHED, how, false);
 }
 
 static void gone(void *ctx) {
@@ -184,7 +184,7 @@ static struct process *launch(struct worker *w, struct error *e) {
     for (int i = 0; i < 2 && !process; i++) {
         pool->open_handles++;
         process = process_start(pool->loop, pool->worker_path, w->plugin->path, &callbacks, w, e);
-        if (!process && strcmp(e->code, PROCESS_NO_ROOM) != 0)
+        if (!process && e->code != PROCESS_NO_ROOM)
             break;
         if (!process)
             reserve_release(&pool->reserve);
@@ -201,7 +201,7 @@ static void start(struct worker *w) {
     struct error e;
     worker_set_state(w, WORKER_STARTING, START_MS);
     w->process = launch(w, &e);
-    if (!w->process && !strcmp(e.code, PROCESS_NO_ROOM)) {
+    if (!w->process && e.code == PROCESS_NO_ROOM) {
         wait_for_room(w, e.message);
         return;
     }
@@ -258,6 +258,6 @@ void worker_close(struct worker *w) {
     if (w->process)
         process_stop(w->process, idle);
     w->process = NULL;
-    error_set(&e, "cancelled", "the voice %s is shut down", w->plugin->name);
+    error_set(&e, ERROR_CANCELLED, "the voice %s is shut down", w->plugin->name);
     worker_end_job(w, NULL, &e);
 }

@@ -173,10 +173,11 @@ static int run(const struct opening *opening, const char *plugin) {
 
 int main(int argc, char **argv) {
     bool help = argc == 2 && !strcmp(argv[1], "--help");
-    if (argc != 2 || help || set_socket() < 0) {
-        fprintf(stderr,
-                "usage: faccia-voice PLUGIN.so\nRuns a voice plugin for facciad, which starts this program "
-                "by itself.\n");
+    bool well = (argc == 2 || (argc == 3 && log_open_named(argv[2]))) && !help;
+    if (!well || set_socket() < 0) {
+        fprintf(stderr, "usage: faccia-voice PLUGIN.so [text|json|journal]\nRuns a voice plugin for facciad, "
+                        "which starts this program "
+                        "by itself.\n");
         return help ? 0 : 2;
     }
     set_signals();

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/worker_process.h"
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include <signal.h>
 #include <stdio.h>
@@ -132,7 +133,7 @@ struct process *process_start(uv_loop_t *loop, const char *program, const char *
     uv_pipe_init(loop, &p->pipe, 0);
     uv_timer_init(loop, &p->killer);
     p->open = 3;
-    char *args[] = {(char *)program, (char *)plugin, NULL};
+    char *args[] = {(char *)program, (char *)plugin, (char *)log_format_name(), NULL};
     uv_stdio_container_t stdio[] = {
         {.flags = UV_IGNORE},
         {.flags = UV_INHERIT_FD, .data.fd = 2}, /* what a plugin prints is no part of the daemon's output */
@@ -149,7 +150,7 @@ struct process *process_start(uv_loop_t *loop, const char *program, const char *
     if (result == 0)
         return p;
     bool passes = result == UV_EMFILE || result == UV_ENFILE || result == UV_ENOMEM || result == UV_EAGAIN;
-    error_set(e, passes ? PROCESS_NO_ROOM : "voice-failed", "%s cannot be started: %s", program,
+    error_set(e, passes ? PROCESS_NO_ROOM : ERROR_VOICE_FAILED, "%s cannot be started: %s", program,
               uv_strerror(result));
     process_stop(p, false);
     return NULL;

@@ -19,7 +19,7 @@ struct process_callbacks {
 };
 
 /* The code of an error that passes: the system has no descriptors, memory or processes left. */
-#define PROCESS_NO_ROOM "no-room"
+#define PROCESS_NO_ROOM ERROR_VOICE_UNAVAILABLE
 
 /* Starts `program plugin`. NULL with *e; gone is called later all the same. The program must ignore SIGPIPE.
  */

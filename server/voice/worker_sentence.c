@@ -17,7 +17,7 @@ static void done(struct worker *w, struct wire_reader *r) {
     const char *message = wire_get_string(r);
     struct error e;
     if (r->bad) {
-        worker_lose(w, "voice-failed", "sent garbage", false);
+        worker_lose(w, ERROR_VOICE_FAILED, "sent garbage", false);
         return;
     }
     struct sentence_audio *u = NULL;
@@ -25,7 +25,7 @@ static void done(struct worker *w, struct wire_reader *r) {
     if (job->cancelled)
         failed = 0;
     else if (failed)
-        error_set(&e, "voice-failed", "the voice %s failed: %s", w->plugin->name,
+        error_set(&e, ERROR_VOICE_FAILED, "the voice %s failed: %s", w->plugin->name,
                   message && *message ? message : "it does not say why");
     else {
         u = assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate);
@@ -75,7 +75,7 @@ void worker_said(void *ctx, const struct wire_frame *frame) {
     else if (expected && frame->type == WIRE_EVENTS)
         result = w->job->cancelled ? 0 : assembly_events(w->job->assembly, frame, &e);
     else
-        result = error_set(&e, "voice-failed", "sent garbage");
+        result = error_set(&e, ERROR_VOICE_FAILED, "sent garbage");
     if (!result && w->job && (frame->type == WIRE_AUDIO || frame->type == WIRE_EVENTS)) {
         pool_job_said(w->job, frame);
         if (w->state == WORKER_SPEAKING)

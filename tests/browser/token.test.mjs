@@ -42,9 +42,8 @@ const speaks = (query, protocols, first) =>
 test('in the address, among the sub-protocols, in the first message', async () => {
   assert.equal(await speaks('', []), 'failed');
   assert.equal(await speaks(`&token=${token()}`, ['faccia.v1']), 'done');
-  assert.equal(await speaks(`&token=${encodeURIComponent(token('--short'))}`, []), 'done');
-  assert.equal(await speaks('', ['faccia.v1', `token.${token('--short')}`]), 'done');
-  assert.equal(await speaks('', ['faccia.v1', 'token.anna~~ls~zzzzzz~AAAAAAAAAAAAAAAAAAAAAA']), 'failed');
+  assert.equal(await speaks('', ['faccia.v1', `token.${token()}`]), 'done');
+  assert.equal(await speaks('', ['faccia.v1', `token.${token().slice(0, -4)}AAAA`]), 'failed');
   assert.equal(await speaks('', [], { type: 'authorize', token: token() }), 'done');
 });
 

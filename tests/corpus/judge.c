@@ -2,7 +2,7 @@
 /* What the readers say of files: on each line of standard input a kind and a path, on each line of standard
  * output "ok", or code, place and message with tabs between them. */
 #include "server/base/mem.h"
-#include "server/expression/recipe.h"
+#include "server/expression/expressions.h"
 #include "server/face/packs/context_table.h"
 #include "server/face/packs/speech_packs.h"
 #include "server/face/packs/spelling.h"
@@ -68,15 +68,14 @@ static bool normalization(const char *path, struct error *e) {
 /* As the daemon serves it under the name of the file. */
 static bool head(const char *path, struct error *e) {
     char name[300], *copy = mem_strdup(path), *base = basename(copy);
-    snprintf(name, sizeof name, "/v1/models/%.*s", (int)strcspn(base, "."), base);
-    struct asset asset = {.path = name};
-    struct model model = {.asset = &asset};
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(base, "."), base);
+    struct model model = {0};
     FILE *file = fopen(path, "rb");
-    asset.data = mem_alloc(1 << 24);
-    asset.size = file ? fread(asset.data, 1, 1 << 24, file) : 0;
-    bool good = !model_split(&model, base, e);
+    char *text = mem_alloc(1 << 24);
+    size_t size = file ? fread(text, 1, 1 << 24, file) : 0;
+    bool good = !model_split(&model, name, text, size, base, e);
     model_free(&model);
-    free(asset.data);
+    free(text);
     free(copy);
     if (file)
         fclose(file);
@@ -99,7 +98,7 @@ static bool judge(const struct kind *kind, const char *path) {
     if (good)
         puts("ok");
     else
-        printf("%s\t%s\t%s\n", e.code ? e.code : "", e.place == PLACE_FIELD ? e.field : place, e.message);
+        printf("%s\t%s\t%s\n", error_name(e.code), e.place == PLACE_FIELD ? e.field : place, e.message);
     return !fflush(stdout);
 }
 

@@ -40,12 +40,36 @@ test('writes sound, face and timing that belong together', () => {
   assert.deepEqual(json.words.map((w) => w.text), ['La', 'mamma', 'parla', 'piano', 'Ciao']);
 });
 
+test('settings come from a file, the environment and options, as those of the daemon do', () => {
+  const config = path.join(folder, 'settings.json');
+  const broken = path.join(folder, 'broken.json');
+  fs.writeFileSync(config, JSON.stringify({ listen: { port: -5 }, speech: { lang: 'tr' }, voices: { sandbox: 'off' } }));
+  fs.writeFileSync(broken, '{');
+  const langOf = (args, env = {}) => JSON.parse(faccia([...args, 'say', '--json', '-', 'Merhaba.'], '', env).stdout).lang;
+  assert.equal(langOf(['--config', config]), 'tr', 'what concerns the daemon alone is passed over');
+  assert.equal(langOf([], { FACCIA_CONFIG: config, FACCIA_LANG: 'en' }), 'en');
+  assert.equal(langOf(['--lang', 'pt-BR'], { FACCIA_LANG: 'en' }), 'pt-BR');
+  assert.equal(faccia(['voices'], '', { FACCIA_PORT: 'x' }).status, 0);
+  for (const [args, why] of [
+    [['--sandbox', 'maybe', 'voices'], /--sandbox: 'maybe' is not one of on\|off \(bad-field\)/],
+    [['--config', broken, 'voices'], /--config: .*broken.json:1:1: .*\(bad-settings\)/],
+    [['--port', '1', 'voices'], /try 'faccia --help' \(bad-option\)/],
+  ]) {
+    const { status, stderr } = faccia(args);
+    assert.equal(status, 2, stderr);
+    assert.match(stderr, why);
+  }
+  const nowhere = faccia(['--models', '/nowhere', 'voices']);
+  assert.equal(nowhere.status, 1);
+  assert.match(nowhere.stderr, /no language pack in '\/nowhere\/speech' \(bad-speech-pack\)/);
+});
+
 test('the limits of voices are those of the environment', () => {
   const { status, stderr } = faccia(['say', 'Ciao.'], '', { FACCIA_DEADLINE_BASE: 'soon' });
-  assert.equal(status, 1);
+  assert.equal(status, 2);
   assert.match(stderr, /FACCIA_DEADLINE_BASE: 'soon' is not a number from 0.1 to 3600/);
   const small = faccia(['say', 'Ciao.'], '', { FACCIA_DEADLINE_BASE: '20', FACCIA_WORKER_MEMORY: '50' });
-  assert.match(small.stderr, /FACCIA_WORKER_MEMORY: '50' is not a number from 64 to 1048576/);
+  assert.match(small.stderr, /FACCIA_WORKER_MEMORY: '50' is not a whole number from 64 to 1048576/);
   assert.equal(faccia(['say', 'Ciao.'], '', { FACCIA_DEADLINE_BASE: '20', FACCIA_WORKER_PROCESSOR: '' }).status, 0);
 });
 

@@ -12,6 +12,9 @@
 void log_error(const char *format, ...) {
     (void)format;
 }
+const char *log_format_name(void) {
+    return "text";
+}
 void log_warn(const char *format, ...) {
     (void)format;
 }

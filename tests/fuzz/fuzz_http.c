@@ -70,7 +70,7 @@ static void read_requests(const uint8_t *bytes, size_t size, size_t piece, struc
         free(exact);
     }
     if (event == HTTP_READ_WRONG)
-        buf_printf(trace, "%u %s", reader.status, reader.error.code);
+        buf_printf(trace, "%u %s", error_status(reader.error.code), error_name(reader.error.code));
     http_reader_free(&reader);
 }
 

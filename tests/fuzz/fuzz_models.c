@@ -22,18 +22,19 @@ static void check_part(const struct model_part *part) {
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct fuzz_input in = fuzz_input(data, size);
-    struct asset asset = {.path = "/v1/models/tiny"};
-    struct model model = {.asset = &asset};
+    struct model model = {0};
+    size_t length;
+    uint8_t *text;
     struct error e = {0};
     if (fuzz_u8(&in) & 1) {
         json_t *edited = fuzz_edit_json(head(), &in);
-        asset.data = (uint8_t *)json_dumps(edited, JSON_COMPACT | JSON_ENCODE_ANY);
-        asset.size = strlen((char *)asset.data);
+        text = (uint8_t *)json_dumps(edited, JSON_COMPACT | JSON_ENCODE_ANY);
+        length = strlen((char *)text);
         json_decref(edited);
     } else {
-        asset.data = fuzz_rest(&in, &asset.size);
+        text = fuzz_rest(&in, &length);
     }
-    if (!model_split(&model, "tiny.json", &e)) {
+    if (!model_split(&model, "tiny", text, length, "tiny.json", &e)) {
         FUZZ_CHECK(model.name && model.title && model.part_count && !strcmp(model.parts[0].kind, "head"));
         for (size_t i = 0; i < model.part_count; i++)
             check_part(&model.parts[i]);
@@ -41,6 +42,6 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         FUZZ_CHECK(e.code);
     }
     model_free(&model);
-    free(asset.data);
+    free(text);
     return 0;
 }

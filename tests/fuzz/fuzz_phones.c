@@ -2,12 +2,12 @@
 /* Phones in letters. Byte 0: whether the rest is IPA, X-SAMPA, a timed transcription, or phones to be found
  * in a pack; byte 1: how large the answer may be, or the pack. */
 #include "server/base/mem.h"
+#include "server/base/sampa.h"
 #include "server/base/utf8.h"
 #include "server/face/packs/phone_match.h"
 #include "server/face/packs/speech_packs.h"
 #include "server/face/packs/spelling.h"
 #include "server/face/packs/transcription.h"
-#include "server/voice/sampa.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdlib.h>
@@ -72,7 +72,7 @@ static void find(const char *text, uint8_t choice) {
         size_t count = spelling_read(in->letters, text, &letters);
         spelling_syllables(letters, count);
         for (size_t i = 0; i < count; i++)
-            FUZZ_CHECK(spelling_shape(in->letters, &letters[i]) < in->letters->shapes.count);
+            FUZZ_CHECK(spelling_shape(in->letters, &letters[i]) < in->letters->common.shapes.count);
         free(letters);
     }
 }

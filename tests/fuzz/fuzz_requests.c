@@ -89,7 +89,7 @@ static void write_lines(const char *text, size_t size) {
     char *string = mem_strndup(text, size);
     write_line(&(struct stream_event){.kind = STREAM_WORD, .sample_rate = 16000, .end = size, .text = text});
     write_line(&(struct stream_event){.kind = STREAM_MARK, .text = string});
-    error_in_field(&e, "bad-field", string, "%s", string);
+    error_in_field(&e, ERROR_BAD_FIELD, string, "%s", string);
     write_line(&(struct stream_event){.kind = STREAM_WARNING, .error = &e});
     free(string);
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The daemon's settings. Byte 0: whether the rest is a file, edits of the file with the defaults
  * (json_edit.c), or one setting's number and its text. What was taken is printed and read again. */
-#include "server/app/settings_table.h"
+#include "server/app/settings_internal.h"
 #include "server/base/utf8.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
@@ -9,10 +9,10 @@
 
 static void defaults(struct settings *s) {
     char *argv[] = {"facciad", NULL};
-    struct paths paths = {.models = "/", .web = "/", .plugins = "/", .worker = "w", .voice_config = ""};
+    struct paths paths = {.models = "/", .web = "/", .plugins = "/", .worker = "w"};
     struct settings_request request;
     struct error e;
-    FUZZ_CHECK(!settings_read(s, &request, 1, argv, &paths, &e));
+    FUZZ_CHECK(!settings_read(s, &request, PROGRAM_DAEMON, 1, argv, &paths, &e));
 }
 
 static const json_t *printed(void) {
@@ -39,7 +39,7 @@ static void check_again(const struct settings *s) {
     settings_print(s, &out);
     fuzz_write("again.json", out.data, out.size, path);
     defaults(&again);
-    FUZZ_CHECK(!settings_from_file(&again, path, &e));
+    FUZZ_CHECK(!settings_from_file(&again, PROGRAM_DAEMON, path, &e));
     settings_print(&again, &more);
     FUZZ_CHECK(out.size == more.size && !memcmp(out.data, more.data, out.size));
     FUZZ_CHECK(!settings_need_restart(s, &again));
@@ -71,7 +71,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         } else {
             fuzz_write("settings.json", in.at, fuzz_left(&in), path);
         }
-        failed = settings_from_file(&s, path, &e);
+        failed = settings_from_file(&s, PROGRAM_DAEMON, path, &e);
     }
     FUZZ_CHECK(!failed || e.code);
     if (!failed)

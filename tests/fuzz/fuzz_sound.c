@@ -3,7 +3,7 @@
 #include "server/align/sound_file.h"
 #include "server/base/mem.h"
 #include "server/plugins/command/command_sound.h"
-#include "server/synthesis/recording_sound.h"
+#include "server/synthesis/recording_internal.h"
 #include "server/voice/inserted_sound.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdlib.h>
@@ -43,7 +43,7 @@ static void command(const uint8_t *data, size_t size, uint32_t raw) {
 static void audio_element(const char *path, uint8_t choice) {
     struct error e = {0};
     struct sentence_audio *u = sound_read(path, choice / 32.0, choice & 1 ? 22050 : 48000, &e);
-    FUZZ_CHECK(u ? u->sample_rate > 0 : e.code != NULL);
+    FUZZ_CHECK(u ? u->sample_rate > 0 : e.code != ERROR_NONE);
     if (u)
         FUZZ_CHECK(u->samples <= (SOUND_SECONDS + 1u) * u->sample_rate &&
                    (!u->phone_count || u->phones[u->phone_count - 1].end == u->samples));

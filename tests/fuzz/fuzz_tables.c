@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The expressions and the normalizers of a language: byte 0 says which file, the rest edits it (json_edit.c).
  * What loads is used. */
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"

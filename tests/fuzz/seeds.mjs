@@ -76,7 +76,7 @@ const parts = {
   settings: () => [joined(0, '{"listen": {"host": "::1", "port": 9000, "origins": ["https://a.example"], "remote": true}, "limits": {"text_bytes": 1000, "queue": 3}, "voices": {"plugins": {"espeak": {}}}}'),
     joined(1, 3, 0, 0, 1), ...[0, 1, 5, 9, 14].map((i) => joined(2, i, '12.5'))],
   times: () => Object.values(timesFiles).flatMap((file, i) => [joined(5, 0, file), joined(i, 8 + i, file), joined(5, 4, utf16(file))]),
-  tokens: () => [joined(0, 'anna~hall~ls~1jk~AAAAAAAAAAAAAAAAAAAAAA'), joined(0, 'eyJhbGciOiJub25lIn0.eyJzdWIiOiJhIn0.'),
+  tokens: () => [joined(0, 'eyJhbGciOiJIUzI1NiJ9.eyJzdWIiOiJhbm5hIn0.AAAA'), joined(0, 'eyJhbGciOiJub25lIn0.eyJzdWIiOiJhIn0.'),
     joined(1, '\n{"sub": "anna", "room": "hall", "rights": "listen speak", "exp": 2000000}'), joined(1, '{"typ": "JWT"}\n{"sub": "a", "rights": "operate", "exp": 9e99, "nbf": 5, "iat": 1}'),
     joined(2, 2, u16(99), u16(8), 5, 'anna\nhall'), joined(3, 'https://www.example.org:8443\nwww.example.org\nhttps://*.example.org:8443\nnull\n*'), joined(3, 'http://localhost:80\n127.0.0.1\n'),
     joined(4, 'short\n0123456789abcdef0123456789abcdef0\r\n\nfedcba9876543210fedcba9876543210')],

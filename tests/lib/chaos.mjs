@@ -56,7 +56,7 @@ const kinds = [
   (c) => ({ type: 'idle', on: !c.one(3), life: c.of([0, 1, 2]), seed: c.below(9) }),
   (c) => ({ type: 'express', mix: Array.from({ length: c.below(6) }, () => ({ name: c.of(['joy', 'fear', 'none']), intensity: c.of([0, 0.5, 1, 2]) })), ease: c.of([0, 0.3, 11]) }),
   (c) => ({ type: 'model', name: c.of([undefined, 'mara', 'none']) }),
-  (c) => ({ type: 'authorize', token: c.of([c.token ?? 'y', 'x', 'a~b~ls~1~AAAA', 'eyJhbGciOiJub25lIn0.e30.']) }),
+  (c) => ({ type: 'authorize', token: c.of([c.token ?? 'y', 'x', 'eyJhbGciOiJIUzI1NiJ9.eyJzdWIiOiJhIn0.AAAA', 'eyJhbGciOiJub25lIn0.e30.']) }),
   () => ({ type: 'ping', id: 'x' }),
 ];
 

@@ -69,8 +69,8 @@ const whole = {
     text: 'x',
   },
   end: { stream: 's', utterance: 1, reason: 'done', duration: 1 },
-  error: { code: 'x', message: 'x', byte: 0, line: 1, column: 1 },
-  warning: { stream: 's', utterance: 1, code: 'x', message: 'x' },
+  error: { code: 'bad-json', message: 'x', byte: 0, line: 1, column: 1 },
+  warning: { stream: 's', utterance: 1, code: 'ignored', message: 'x' },
 };
 
 test('the examples of the server are valid', () => {

@@ -143,7 +143,7 @@ void scene_run(struct media_segment *s) {
 
 void check_failed(const struct result *r, const char *code) {
     assert_true(r->failed);
-    assert_string_equal(r->e.code, code);
+    assert_string_equal(error_name(r->e.code), code);
 }
 
 void check_whole(const struct sentence_audio *u, const char *text) {

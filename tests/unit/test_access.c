@@ -34,56 +34,8 @@ static void there_and_back(void **state) {
     assert_string_equal(token.room, "hall");
     assert_int_equal(token.rights, RIGHT_LISTEN | RIGHT_SPEAK);
     assert_int_equal(token_check(&secrets, text, 2000, &token, &e), -1);
-    assert_string_equal(e.code, "expired-token");
+    assert_string_equal(error_name(e.code), "expired-token");
     free(text);
-}
-
-/* Any change of a short token spoils it, whatever else it could be read as; so does what one may not contain.
- */
-static void short_ones(void **state) {
-    (void)state;
-    struct secrets secrets = both(), other = {(char *[]){second}, 1}, old = {(char *[]){second}, 1};
-    struct token token, odd = sample;
-    struct error e;
-    char *text = token_make_short(&secrets, &sample, &e);
-    assert_non_null(text);
-    assert_int_equal(strncmp(text, "anna~hall~ls~1jk~", 17), 0);
-    assert_int_equal(strlen(text), 17 + 22);
-    assert_int_equal(token_check(&secrets, text, 1999, &token, &e), 0);
-    assert_string_equal(token.subject, "anna");
-    assert_string_equal(token.room, "hall");
-    assert_int_equal(token.rights, RIGHT_LISTEN | RIGHT_SPEAK);
-    assert_int_equal(token.expires, 2000);
-    assert_int_equal(token_check(&secrets, text, 2000, &token, &e), -1);
-    assert_string_equal(e.code, "expired-token");
-    assert_int_equal(token_check(&other, text, 0, &token, &e), -1);
-    assert_string_equal(e.code, "bad-token");
-    for (size_t i = 0; text[i]; i++)
-        for (const char *c = "Als~0."; *c; c++) {
-            char was = text[i];
-            text[i] = *c;
-            assert_int_equal(token_check(&secrets, text, 0, &token, &e), was == *c ? 0 : -1);
-            text[i] = was;
-        }
-    for (size_t size = strlen(text); size--;) {
-        text[size] = '\0';
-        assert_int_equal(token_check(&secrets, text, 0, &token, &e), -1);
-    }
-    free(text);
-    text = token_make_short(&old, &sample, &e);
-    assert_int_equal(token_check(&secrets, text, 0, &token, &e), 0);
-    free(text);
-    static const char *const bad[] = {"~", "~~~~", "anna~hall~sl~1jk~", "a~b~l~zzzzzzzzzzzzzzzzzzzzzz~x",
-                                      "a~b~~1~x"};
-    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        assert_int_equal(token_check(&secrets, bad[i], 0, &token, &e), -1);
-    strcpy(odd.subject, "anna bianchi");
-    assert_null(token_make_short(&secrets, &odd, &e));
-    assert_string_equal(e.field, "subject");
-    strcpy(odd.subject, "anna");
-    strcpy(odd.room, "a~b");
-    assert_null(token_make_short(&secrets, &odd, &e));
-    assert_string_equal(e.field, "room");
 }
 
 static void old_secret_still_counts(void **state) {
@@ -104,7 +56,7 @@ static void forgeries(void **state) {
     struct error e;
     char *text = token_make(&mine, &sample, &e);
     assert_int_equal(token_check(&other, text, 0, &token, &e), -1);
-    assert_string_equal(e.code, "bad-token");
+    assert_string_equal(error_name(e.code), "bad-token");
     for (size_t i = 0; text[i + 1]; i++) {
         char was = text[i];
         text[i] = was == 'A' ? 'B' : 'A';
@@ -225,9 +177,9 @@ static void tallies(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(there_and_back), cmocka_unit_test(old_secret_still_counts),
-        cmocka_unit_test(short_ones),     cmocka_unit_test(forgeries),
-        cmocka_unit_test(secret_files),   cmocka_unit_test(rights),
-        cmocka_unit_test(origins),        cmocka_unit_test(tallies),
+        cmocka_unit_test(forgeries),      cmocka_unit_test(secret_files),
+        cmocka_unit_test(rights),         cmocka_unit_test(origins),
+        cmocka_unit_test(tallies),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -55,7 +55,7 @@ static void read_sounds(const struct context_table *table, const char *text, siz
 static const char *viseme(const struct context_table *table, const char *text) {
     size_t sounds[CONTEXT_WINDOW];
     read_sounds(table, text, sounds);
-    return table->shapes.items[context_shape(table, sounds)].name;
+    return table->common.shapes.items[context_shape(table, sounds)].name;
 }
 
 /* Tables 3.1, 4.1, 4.2 and 4.3: each phone's group and, for vowels, its class. */
@@ -75,12 +75,12 @@ static void knows_groups_and_classes(void **state) {
             assert_string_equal(group->name, rows[i][1]);
             assert_int_equal(group->vowel, rows[i][2] != NULL);
             if (group->vowel)
-                assert_string_equal(table->classes[group->class], rows[i][2]);
+                assert_string_equal(table->common.classes[group->class], rows[i][2]);
         }
     }
     assert_int_equal(phones, table->phone_count);
     assert_int_equal(table->group_count, sizeof rows / sizeof *rows);
-    assert_int_equal(table->shapes.count, 34);
+    assert_int_equal(table->common.shapes.count, 34);
 }
 
 /* Tables 5.1 and 5.2. */
@@ -142,8 +142,8 @@ static void maps_the_examples(void **state) {
         read_sounds(table, examples[i].sounds, sounds);
         unsigned rule = context_map(table, sounds, &left, &right);
         if (rule != examples[i].rule ||
-            strcmp(left ? table->classes[left - 1] : "#", examples[i].left) != 0 ||
-            strcmp(table->classes[right - 1], examples[i].right) != 0)
+            strcmp(left ? table->common.classes[left - 1] : "#", examples[i].left) != 0 ||
+            strcmp(table->common.classes[right - 1], examples[i].right) != 0)
             fail_msg("\"%s\": rule %u, left %zu, right %zu", examples[i].sounds, rule, left, right);
         assert_string_equal(viseme(table, examples[i].sounds), examples[i].viseme);
     }
@@ -228,7 +228,7 @@ static void gives_every_pentaphone_a_viseme(void **state) {
                e = n / (KINDS * KINDS * KINDS);
         for (size_t c = 1; c <= CONSONANTS; c++) {
             size_t sounds[CONTEXT_WINDOW] = {of[a], of[b], of[c], of[d], of[e]};
-            const char *name = table->shapes.items[context_shape(table, sounds)].name;
+            const char *name = table->common.shapes.items[context_shape(table, sounds)].name;
             assert_memory_equal(name, kinds[c], strlen(kinds[c])); /* one of its own group's */
             all++;
             one_vowel += a <= 10 && b <= 10 && d <= 10 && e <= 10;
@@ -284,9 +284,9 @@ static void reaches_its_keys_in_the_middle_of_phones(void **state) {
     for (size_t i = 0; i < count - 1; i++) {
         double faps[FAP_COUNT + 1] = {0}, middle[FAP_COUNT + 1] = {0};
         const double *row = NULL;
-        for (size_t k = 0; k < table->shapes.count; k++)
-            if (!strcmp(table->shapes.items[k].name, rows[i].viseme))
-                row = table->shapes.items[k].faps;
+        for (size_t k = 0; k < table->common.shapes.count; k++)
+            if (!strcmp(table->common.shapes.items[k].name, rows[i].viseme))
+                row = table->common.shapes.items[k].faps;
         assert_non_null(row);
         double key = (items[i].start + items[i].end) / 2;
         NEAR(key, rows[i].key, 5e-5);
@@ -305,9 +305,9 @@ static void reaches_its_keys_in_the_middle_of_phones(void **state) {
 }
 
 static double opening(const struct context_table *table, const char *name) {
-    for (size_t k = 0; k < table->shapes.count; k++)
-        if (!strcmp(table->shapes.items[k].name, name))
-            return -(table->shapes.items[k].faps[4] + table->shapes.items[k].faps[5]);
+    for (size_t k = 0; k < table->common.shapes.count; k++)
+        if (!strcmp(table->common.shapes.items[k].name, name))
+            return -(table->common.shapes.items[k].faps[4] + table->common.shapes.items[k].faps[5]);
     fail_msg("no shape %s", name);
     return 0;
 }
@@ -317,9 +317,9 @@ static void shapes_look_like_their_sounds(void **state) {
     assert_true(opening(table, "p1") <= 0 && opening(table, "p2") <= 0);
     assert_true(opening(table, "a") > opening(table, "e") && opening(table, "e") > opening(table, "i1"));
     assert_true(opening(table, "a") > opening(table, "o") && opening(table, "o") > opening(table, "u"));
-    for (size_t i = 0; i < table->shapes.count; i++) {
-        const struct shape *a = &table->shapes.items[i];
-        for (const struct shape *b = table->shapes.items; b < a; b++)
+    for (size_t i = 0; i < table->common.shapes.count; i++) {
+        const struct shape *a = &table->common.shapes.items[i];
+        for (const struct shape *b = table->common.shapes.items; b < a; b++)
             if (!memcmp(a->faps, b->faps, sizeof a->faps))
                 fail_msg("%s and %s look the same", a->name, b->name);
     }
@@ -360,7 +360,7 @@ static void check_broken(const struct speech_pack *pack, const char *path, const
     struct error e = {0};
     assert_null(context_table_load(file, pack, &e));
     unlink(file);
-    assert_string_equal(e.code, "bad-pack");
+    assert_string_equal(error_name(e.code), "bad-shape-table");
     if (strcmp(e.field, field) != 0)
         fail_msg("expected \"%s\", got \"%s\": %s", field, e.field, e.message);
 }

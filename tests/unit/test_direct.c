@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The voice's part of the expressions. */
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include <math.h>
 #include <setjmp.h>
@@ -115,7 +116,7 @@ static void removes_what_it_does_not_know(void **state) {
     assert_int_equal(score->cue_count, 1);
     assert_string_equal(score->cues[0].name, "joy");
     assert_int_equal(score->warning_count, 2);
-    assert_string_equal(score->warnings[0].code, "unknown-expression");
+    assert_string_equal(error_name(score->warnings[0].code), "unknown-expression");
     assert_non_null(strstr(score->warnings[0].message, "hunger"));
     assert_int_equal(score->warnings[0].byte, 10);
     assert_ptr_equal(score->items[2].style, &score_plain_style);

@@ -89,7 +89,7 @@ static void finish(struct receiver *r) {
 
 static void fill(struct receiver *r, const struct fap_frame *frames) {
     struct error warning;
-    error_set(&warning, "voice-warning", "of no weight");
+    error_set(&warning, ERROR_VOICE_WARNING, "of no weight");
     for (size_t i = 0; i < SCENES; i++) {
         export_worker_add(r->worker, make(frames, i));
         if (i == 1)
@@ -101,7 +101,7 @@ static void fill(struct receiver *r, const struct fap_frame *frames) {
 static void expected(const struct export_format *format, const struct fap_frame *frames, struct buf *out) {
     struct export x;
     struct error warning;
-    error_set(&warning, "voice-warning", "of no weight");
+    error_set(&warning, ERROR_VOICE_WARNING, "of no weight");
     export_begin(&x, format, &source);
     for (size_t i = 0; i < SCENES; i++) {
         struct media_segment segment = make(frames, i);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Expressions on a speaking face. */
 #include "server/base/mem.h"
+#include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include "server/face/engines/fapmap.h"
 #include "server/face/expression/cue_envelope.h"

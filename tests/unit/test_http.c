@@ -28,7 +28,7 @@ static void read_all(const char *bytes, size_t size, size_t piece, struct buf *o
         else if (event == HTTP_READ_END)
             buf_printf(out, "body:%.*s end ", (int)body.size, body.size ? (char *)body.data : "");
         else if (event == HTTP_READ_WRONG)
-            buf_printf(out, "wrong:%u %s ", reader.status, reader.error.code);
+            buf_printf(out, "wrong:%u %s ", error_status(reader.error.code), error_name(reader.error.code));
         else if (at == size)
             break;
         if (event == HTTP_READ_END)
@@ -144,7 +144,7 @@ static void test_escapes(void **state) {
         struct http_request r = {0};
         struct error e;
         assert_int_equal(http_request_target(&r, wrong[i].target, strlen(wrong[i].target), &e), -1);
-        assert_string_equal(e.code, "bad-escape");
+        assert_string_equal(error_name(e.code), "bad-escape");
         assert_int_equal(e.byte, wrong[i].byte);
         http_request_free(&r);
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/voice/sampa.h"
+#include "server/base/sampa.h"
 #include <setjmp.h>
 #include <stdarg.h>
 #include <stdint.h>

@@ -94,9 +94,10 @@ static void dates_and_headers(void **state) {
         struct error e;
         char *text = sign(cases[i].alg, cases[i].claims, cases[i].header);
         int result = token_check(&secrets, text, 1000, &token, &e);
-        if (result != (cases[i].code ? -1 : 0) || (cases[i].code && strcmp(e.code, cases[i].code)))
+        if (result != (cases[i].code ? -1 : 0) ||
+            (cases[i].code && strcmp(error_name(e.code), cases[i].code)))
             fail_msg("%s %s: %d %s", cases[i].claims, cases[i].header ? cases[i].header : "", result,
-                     result ? e.code : "");
+                     result ? error_name(e.code) : "");
         free(text);
     }
 }
@@ -107,18 +108,14 @@ static void secrets_that_are_gone(void **state) {
     const struct secrets both = {(char *[]){other, secret}, 2}, first = {(char *[]){other}, 1},
                          second = {(char *[]){secret}, 1};
     const struct token sample = {.subject = "anna", .rights = RIGHT_SPEAK, .expires = 2000};
-    char *(*const makers[])(const struct secrets *, const struct token *,
-                            struct error *) = {token_make, token_make_short};
-    for (size_t i = 0; i < 2; i++) {
-        struct token token;
-        struct error e;
-        char *text = makers[i](&second, &sample, &e);
-        assert_int_equal(token_check(&both, text, 1000, &token, &e), 0);
-        assert_true(secrets_have(&both, token.secret));
-        assert_true(secrets_have(&second, token.secret));
-        assert_false(secrets_have(&first, token.secret));
-        free(text);
-    }
+    struct token token;
+    struct error e;
+    char *text = token_make(&second, &sample, &e);
+    assert_int_equal(token_check(&both, text, 1000, &token, &e), 0);
+    assert_true(secrets_have(&both, token.secret));
+    assert_true(secrets_have(&second, token.secret));
+    assert_false(secrets_have(&first, token.secret));
+    free(text);
 }
 
 static void hosts(void **state) {

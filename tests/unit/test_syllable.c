@@ -67,7 +67,7 @@ static void shapes_of(const struct spelling *s, const char *word, char out[128])
     *out = '\0';
     for (size_t i = 0; i < count; i++)
         snprintf(out + strlen(out), 128 - strlen(out), "%s%s", i ? " " : "",
-                 s->shapes.items[spelling_shape(s, &letters[i])].name);
+                 s->common.shapes.items[spelling_shape(s, &letters[i])].name);
     free(letters);
 }
 
@@ -168,7 +168,7 @@ static void has_a_shape_for_every_letter_and_vowel(void **state) {
         }
     }
     assert_int_equal(distinct, 36);
-    assert_int_equal(s->shapes.count, 37);
+    assert_int_equal(s->common.shapes.count, 37);
     assert_int_equal(s->letter_count, 29);
     char got[128];
     shapes_of(s, "yağmur", got);
@@ -287,9 +287,9 @@ static void fills_words_by_the_table(void **state) {
 }
 
 static const double *row(const struct spelling *s, const char *name) {
-    for (size_t k = 0; k < s->shapes.count; k++)
-        if (!strcmp(s->shapes.items[k].name, name))
-            return s->shapes.items[k].faps;
+    for (size_t k = 0; k < s->common.shapes.count; k++)
+        if (!strcmp(s->common.shapes.items[k].name, name))
+            return s->common.shapes.items[k].faps;
     fail_msg("no shape %s", name);
     return NULL;
 }
@@ -419,7 +419,7 @@ static void check_broken(const struct speech_pack *pack, const char *path, const
     struct error e = {0};
     assert_null(spelling_load(file, pack, &e));
     unlink(file);
-    assert_string_equal(e.code, "bad-pack");
+    assert_string_equal(error_name(e.code), "bad-shape-table");
     if (strcmp(e.field, field) != 0)
         fail_msg("expected \"%s\", got \"%s\": %s", field, e.field, e.message);
 }

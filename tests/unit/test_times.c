@@ -130,7 +130,7 @@ static void textgrid(void **state) {
         struct error e = {0};
         struct times_options options = {.format = TIMES_TEXTGRID};
         assert_int_equal(times_read(&t, &options, long_grid, size, &e), -1);
-        assert_string_equal(e.code, "bad-times");
+        assert_string_equal(error_name(e.code), "bad-times");
         assert_int_equal(e.place, PLACE_LINE);
         times_free(&t);
     }

@@ -2,7 +2,7 @@
 // Errors, said in the page's language with what to do, and where they are.
 
 /** Those that a new connection ends. */
-const OF_THE_LINK = ['connection-lost', 'no-connection', 'too-many-connections', 'too-slow', 'stopping', 'unreachable', 'no-server',
+const OF_THE_LINK = ['connection-lost', 'no-connection', 'too-many-connections', 'too-many-per-address', 'too-slow', 'stopping', 'unreachable', 'no-server',
   'server-busy', 'wrong-address', 'forbidden-origin'];
 
 /**

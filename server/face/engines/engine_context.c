@@ -28,7 +28,7 @@ static struct speech_layer layer(const struct speech_pack *pack, const struct se
                                  struct phone_segments *g) {
     (void)u;
     const struct context_table *table = pack->visemes;
-    const double *rest = table->shapes.items[table->silence].faps;
+    const double *rest = table->common.shapes.items[table->common.rest].faps;
     struct morph morph = {.ease = MORPH_SMOOTH};
     morph_add(&morph, 0, rest);
     for (size_t i = 0; i < g->count; i++) {
@@ -41,7 +41,7 @@ static struct speech_layer layer(const struct speech_pack *pack, const struct se
         for (size_t k = 0; k < CONTEXT_WINDOW; k++)
             sounds[k] = sound_at(table, g, i, (long)k - CONTEXT_WINDOW / 2);
         morph_add(&morph, (item->start + item->end) / 2, /* (4.1) */
-                  table->shapes.items[context_shape(table, sounds)].faps);
+                  table->common.shapes.items[context_shape(table, sounds)].faps);
     }
     morph_add(&morph, g->end, rest);
     return morph_layer(&morph);

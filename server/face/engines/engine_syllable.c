@@ -43,7 +43,7 @@ static void add_word(struct morph *morph, const struct spelling *spelling, const
     for (size_t i = 0; i < n; i++) {
         /* The mouth cannot have its first shape the moment it begins: it gets half of the sound for it. */
         double at = items[i].start > 0 ? items[i].start : items[i].end / 2;
-        morph_add(morph, at, spelling->shapes.items[spelling_shape(spelling, &letters[i])].faps);
+        morph_add(morph, at, spelling->common.shapes.items[spelling_shape(spelling, &letters[i])].faps);
     }
     free(letters);
 }
@@ -51,7 +51,7 @@ static void add_word(struct morph *morph, const struct spelling *spelling, const
 static struct speech_layer layer(const struct speech_pack *pack, const struct sentence_audio *u,
                                  struct phone_segments *g) {
     const struct spelling *spelling = pack->letters;
-    const double *neutral = spelling->shapes.items[spelling->neutral].faps;
+    const double *neutral = spelling->common.shapes.items[spelling->common.rest].faps;
     if (!has_phones(g) && u->word_count) {
         phone_segments_free(g);
         spelling_segments(spelling, u, g);

@@ -17,6 +17,7 @@
 #ifndef FACCIA_FACE_LIFE_LIFE_H
 #define FACCIA_FACE_LIFE_LIFE_H
 
+#include "server/expression/recipe.h"
 #include "server/face/face_layer.h"
 #include "server/face/face_options.h"
 #include "server/voice/sentence_audio.h"

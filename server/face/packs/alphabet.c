@@ -77,7 +77,7 @@ static int by_code(const void *a, const void *b) {
 struct alphabet *alphabet_load(const char *path, struct error *e) {
     static const char *const keys[] = {"name", "vowels", "consonants", NULL};
     struct json_place root;
-    if (json_place_load(path, &root, e))
+    if (json_place_load(path, ERROR_BAD_ALPHABET, &root, e))
         return NULL;
     struct json_place name = json_place_key(&root, "name"), vowels = json_place_key(&root, "vowels"),
                       consonants = json_place_key(&root, "consonants");

@@ -4,10 +4,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int read_class(const struct context_table *table, const struct json_place *at, size_t *class) {
-    return json_place_choice(at, (const char *const *)table->classes, class);
-}
-
 /* First the names, so that all else can refer to them. */
 static int read_group_names(struct context_table *table, const struct json_place *at) {
     static const char *const kinds[] = {"consonant", "vowel", NULL};
@@ -44,7 +40,7 @@ static int read_exceptions(const struct context_table *table, const struct json_
         struct context_exception *e = &group->exceptions[group->exception_count++];
         if (json_place_keys(&item, keys) || context_read_groups_named(table, &before, &e->before) ||
             context_read_groups_named(table, &after, &e->after) ||
-            shapes_choose(&shape, &table->shapes, &e->shape))
+            shapes_choose(&shape, &table->common.shapes, &e->shape))
             return -1;
     }
     return 0;
@@ -60,8 +56,8 @@ static int read_groups(const struct context_table *table, const struct json_plac
                           contexts = json_place_key(&child, "contexts");
         if (json_place_keys(&child, group->vowel ? vowel_keys : consonant_keys))
             return -1;
-        if (group->vowel && (read_class(table, &class, &group->class) ||
-                             shapes_choose(&shape, &table->shapes, &group->shape) ||
+        if (group->vowel && (shape_table_class(&table->common, &class, &group->class) ||
+                             shapes_choose(&shape, &table->common.shapes, &group->shape) ||
                              read_exceptions(table, &contexts, group)))
             return -1;
     }
@@ -71,19 +67,20 @@ static int read_groups(const struct context_table *table, const struct json_plac
 static int read_cells(const struct context_table *table, const struct json_place *at,
                       struct context_group *group) {
     const char *keys[CONTEXT_MAX_CLASSES + 2] = {"#"};
-    for (size_t i = 0; i < table->class_count; i++)
-        keys[i + 1] = table->classes[i];
+    for (size_t i = 0; i < table->common.class_count; i++)
+        keys[i + 1] = table->common.classes[i];
     if (json_place_keys(at, keys))
         return -1;
-    for (size_t left = 0; left <= table->class_count; left++) {
+    for (size_t left = 0; left <= table->common.class_count; left++) {
         struct json_place row = json_place_key(at, keys[left]);
         if (json_place_array(&row))
             return -1;
-        if (json_array_size(row.json) != table->class_count)
-            return json_place_fail(&row, "must have %zu items, one for each class", table->class_count);
-        for (size_t right = 0; right < table->class_count; right++) {
+        if (json_array_size(row.json) != table->common.class_count)
+            return json_place_fail(&row, "must have %zu items, one for each class",
+                                   table->common.class_count);
+        for (size_t right = 0; right < table->common.class_count; right++) {
             struct json_place cell = json_place_item(&row, right);
-            if (shapes_choose(&cell, &table->shapes, &group->grid[left][right]))
+            if (shapes_choose(&cell, &table->common.shapes, &group->grid[left][right]))
                 return -1;
         }
     }
@@ -130,88 +127,35 @@ static int read_phones(struct context_table *table, const struct json_place *at)
     return 0;
 }
 
-/* The table's phone that shows the pack's phone of that name, or -1. */
-static long find_shown(const struct json_place *phones, const char *ipa) {
-    const char *key;
-    json_t *value;
-    long index = 0;
-    json_object_foreach(phones->json, key, value) {
-        size_t i;
-        json_t *name;
-        json_array_foreach(json_object_get(value, "shows"), i, name) {
-            if (json_is_string(name) && !strcmp(json_string_value(name), ipa))
-                return index;
-        }
-        index++;
-    }
-    return -1;
-}
-
-static int by_phone(const void *a, const void *b) {
-    const struct context_shown *x = a, *y = b;
-    return (x->phone > y->phone) - (x->phone < y->phone);
-}
-
-static int read_shown(struct context_table *table, const struct json_place *at,
-                      const struct speech_pack *pack) {
-    size_t cap = 0;
-    for (; pack; pack = pack->base) {
-        for (size_t i = 0; i < pack->phone_count; i++) {
-            const struct speech_phone *phone = pack->phones[i];
-            long found = phone->part_count ? -1 : find_shown(at, phone->ipa);
-            if (phone->part_count)
-                continue;
-            if (found < 0)
-                return json_place_fail(at, "none of them shows the pack's phone \"%s\"", phone->ipa);
-            table->shown = mem_grow(table->shown, &cap, table->shown_count + 1, sizeof *table->shown);
-            table->shown[table->shown_count++] = (struct context_shown){phone, table->phones[found].sound};
-        }
-    }
-    if (table->shown_count)
-        qsort(table->shown, table->shown_count, sizeof *table->shown, by_phone);
-    return 0;
-}
-
-static int read_table(struct context_table *table, const struct json_place *root,
-                      const struct speech_pack *pack) {
-    static const char *const keys[] = {"name",  "sources",   "classes", "silence", "groups", "phones",
-                                       "rules", "otherwise", "grid",    "visemes", NULL};
-    struct json_place name = json_place_key(root, "name"), sources = json_place_key(root, "sources"),
-                      classes = json_place_key(root, "classes"), silence = json_place_key(root, "silence"),
-                      groups = json_place_key(root, "groups"), phones = json_place_key(root, "phones"),
+static int read(void *self, const struct json_place *root, const struct speech_pack *pack) {
+    struct context_table *table = self;
+    struct json_place groups = json_place_key(root, "groups"), phones = json_place_key(root, "phones"),
                       rules = json_place_key(root, "rules"), otherwise = json_place_key(root, "otherwise"),
-                      grid = json_place_key(root, "grid"), visemes = json_place_key(root, "visemes");
-    const char *text;
-    char **texts;
-    if (json_place_keys(root, keys) || json_place_text(&name, &text) || json_place_texts(&sources, &texts))
-        return -1;
-    json_texts_free(texts);
-    if (json_place_texts(&classes, &table->classes))
-        return -1;
-    table->class_count = json_array_size(classes.json);
-    if (!table->class_count || table->class_count > CONTEXT_MAX_CLASSES)
-        return json_place_fail(&classes, "must have 1 to %d names", CONTEXT_MAX_CLASSES);
-    return shapes_read(&visemes, pack, &table->shapes) ||
-                   shapes_choose(&silence, &table->shapes, &table->silence) ||
-                   read_group_names(table, &groups) || read_groups(table, &groups) ||
-                   read_grid(table, &grid) || read_phones(table, &phones) ||
-                   read_shown(table, &phones, pack) || context_read_rules(table, &rules) ||
+                      grid = json_place_key(root, "grid");
+    (void)pack;
+    return read_group_names(table, &groups) || read_groups(table, &groups) || read_grid(table, &grid) ||
+                   read_phones(table, &phones) || context_read_rules(table, &rules) ||
                    context_read_otherwise(table, &otherwise)
                ? -1
                : 0;
 }
 
+static void free_table(void *table) {
+    context_table_free(table);
+}
+
 struct context_table *context_table_load(const char *path, const struct speech_pack *pack, struct error *e) {
-    struct json_place root;
-    if (json_place_load(path, &root, e))
-        return NULL;
-    struct context_table *table = mem_alloc(sizeof *table);
-    if (read_table(table, &root, pack)) {
-        context_table_free(table);
-        table = NULL;
-    }
-    json_decref(root.json);
-    return table;
+    static const char *const keys[] = {"name",  "sources",   "classes", "silence", "groups", "phones",
+                                       "rules", "otherwise", "grid",    "visemes", NULL};
+    static const struct shape_table_kind kind = {sizeof(struct context_table),
+                                                 CONTEXT_MAX_CLASSES,
+                                                 keys,
+                                                 "visemes",
+                                                 "silence",
+                                                 "phones",
+                                                 read,
+                                                 free_table};
+    return shape_table_load(&kind, path, pack, e);
 }
 
 void context_table_free(struct context_table *table) {
@@ -225,11 +169,9 @@ void context_table_free(struct context_table *table) {
         free(table->phones[i].ipa);
         json_texts_free(table->phones[i].symbols);
     }
-    json_texts_free(table->classes);
+    shape_table_free(&table->common);
     free(table->groups);
     free(table->phones);
     free(table->rules);
-    free(table->shown);
-    shapes_free(&table->shapes);
     free(table);
 }

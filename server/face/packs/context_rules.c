@@ -94,8 +94,8 @@ static int read_source(const struct context_table *table, const struct json_plac
         *out = (struct context_source){CONTEXT_FROM_PLACE, (size_t)(*text - '1')};
     } else {
         out->kind = CONTEXT_FROM_CLASS;
-        for (out->value = 0; out->value < table->class_count; out->value++) {
-            const char *class = table->classes[out->value];
+        for (out->value = 0; out->value < table->common.class_count; out->value++) {
+            const char *class = table->common.classes[out->value];
             if (n == strlen(class) + 2 && *text == '[' && !strncmp(text + 1, class, n - 2))
                 return 0;
         }

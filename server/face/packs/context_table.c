@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/packs/context_table.h"
-#include <stdlib.h>
 #include <string.h>
 
 enum { CENTRE = CONTEXT_WINDOW / 2, NOT_THERE = CONTEXT_MAX_CLASSES + 1 };
@@ -9,16 +8,9 @@ static const struct context_group *group_of(const struct context_table *table, s
     return sound == CONTEXT_SILENCE ? NULL : &table->groups[sound - 1];
 }
 
-static int by_phone(const void *a, const void *b) {
-    const struct context_shown *x = a, *y = b;
-    return (x->phone > y->phone) - (x->phone < y->phone);
-}
-
 size_t context_sound(const struct context_table *table, const struct speech_phone *phone) {
-    struct context_shown key = {phone, CONTEXT_SILENCE};
-    const struct context_shown *found =
-        phone ? bsearch(&key, table->shown, table->shown_count, sizeof key, by_phone) : NULL;
-    return found ? found->sound : CONTEXT_SILENCE;
+    const size_t *entry = shape_table_entry(&table->common, phone);
+    return entry ? table->phones[*entry].sound : CONTEXT_SILENCE;
 }
 
 const struct context_phone *context_phone_named(const struct context_table *table, const char *name) {
@@ -114,7 +106,7 @@ static size_t vowel_shape(const struct context_group *group, const size_t *sound
 size_t context_shape(const struct context_table *table, const size_t sounds[CONTEXT_WINDOW]) {
     const struct context_group *group = group_of(table, sounds[CENTRE]);
     if (!group)
-        return table->silence;
+        return table->common.rest;
     if (group->vowel)
         return vowel_shape(group, sounds);
     size_t left, right;

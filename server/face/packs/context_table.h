@@ -6,7 +6,7 @@
 #ifndef FACCIA_FACE_PACKS_CONTEXT_TABLE_H
 #define FACCIA_FACE_PACKS_CONTEXT_TABLE_H
 
-#include "server/face/packs/shape.h"
+#include "server/face/packs/shape_table.h"
 
 enum { CONTEXT_MAX_GROUPS = 62, CONTEXT_MAX_CLASSES = 8, CONTEXT_MAX_CHOICES = 4, CONTEXT_WINDOW = 5 };
 
@@ -52,8 +52,7 @@ struct context_phone {
 };
 
 struct context_table {
-    char **classes;
-    size_t class_count;
+    struct shape_table common; /* whose entries are the phones */
     struct context_group *groups;
     size_t group_count;
     struct context_phone *phones;
@@ -63,14 +62,6 @@ struct context_table {
     /* for what no rule fits: the first source that is there */
     struct context_source left[CONTEXT_MAX_CHOICES], right[CONTEXT_MAX_CHOICES];
     size_t left_count, right_count;
-    struct shapes shapes;
-    size_t silence; /* its shape */
-    /* the sound of each phone of the pack, in the order of their addresses */
-    struct context_shown {
-        const struct speech_phone *phone;
-        size_t sound;
-    } * shown;
-    size_t shown_count;
 };
 
 /* Every phone of the pack must be shown as one of the table's. NULL with *e (field = JSON path) when the file
@@ -92,7 +83,7 @@ long context_sound_named(const struct context_table *table, const char *name);
 unsigned context_map(const struct context_table *table, const size_t sounds[CONTEXT_WINDOW], size_t *left,
                      size_t *right);
 
-/* The shape of sounds[2]: an index of table->shapes. */
+/* The shape of sounds[2]: an index of the shapes. */
 size_t context_shape(const struct context_table *table, const size_t sounds[CONTEXT_WINDOW]);
 
 #endif

@@ -137,9 +137,7 @@ static int read_alphabet(struct speech_pack *pack, const struct json_place *at, 
     pack->alphabet = alphabet_load(file, &inner);
     free(folder);
     free(file);
-    char text[sizeof inner.message + sizeof inner.field];
-    return pack->alphabet ? 0
-                          : json_place_fail(at, "\"%s\": %s", name, error_text(&inner, text, sizeof text));
+    return pack->alphabet ? 0 : json_place_fail_in(at, name, &inner);
 }
 
 /* What a pack says that inherits from nothing. */
@@ -173,10 +171,8 @@ static int inherit(struct speech_pack *pack, const struct json_place *at, const 
     struct error inner = {0};
     struct speech_pack *base = load(file, depth + 1, &inner);
     free(file);
-    if (!base) {
-        char text[sizeof inner.message + sizeof inner.field];
-        return json_place_fail(at, "\"%s\": %s", name, error_text(&inner, text, sizeof text));
-    }
+    if (!base)
+        return json_place_fail_in(at, name, &inner);
     pack->base = base;
     pack->alphabet = base->alphabet;
     pack->fapu = base->fapu;
@@ -205,8 +201,7 @@ static int read_extra(struct speech_pack *pack, const struct json_place *at, con
     bool is_loaded = load_it(pack, file, &inner);
     free(beside_it);
     free(file);
-    char text[sizeof inner.message + sizeof inner.field];
-    return is_loaded ? 0 : json_place_fail(at, "\"%s\": %s", name, error_text(&inner, text, sizeof text));
+    return is_loaded ? 0 : json_place_fail_in(at, name, &inner);
 }
 
 static bool load_visemes(struct speech_pack *pack, const char *file, struct error *e) {
@@ -231,8 +226,7 @@ static int read_pack(struct speech_pack *pack, const struct json_place *root, co
                       letters = json_place_key(root, "letters"), trough = json_place_key(root, "trough");
     pack->trough = -1;
     if (json_place_keys(root, inherits.json ? heir_keys : base_keys) || read_tag(root, &pack->lang) ||
-        read_name(root, "name", &pack->name) || read_sources(root) ||
-        read_voices(root, &pack->voices) ||
+        read_name(root, "name", &pack->name) || read_sources(root) || read_voices(root, &pack->voices) ||
         read_texts(root, "abbreviations", &pack->abbreviations) ||
         (inherits.json ? inherit(pack, &inherits, path, depth) : read_foundations(pack, root, path)) ||
         read_trough(&trough, &pack->trough))
@@ -247,7 +241,7 @@ static int read_pack(struct speech_pack *pack, const struct json_place *root, co
 
 static struct speech_pack *load(const char *path, int depth, struct error *e) {
     struct json_place root;
-    if (json_place_load(path, &root, e))
+    if (json_place_load(path, ERROR_BAD_SPEECH_PACK, &root, e))
         return NULL;
     struct speech_pack *pack = mem_alloc(sizeof *pack);
     if (read_pack(pack, &root, path, depth)) {

@@ -14,7 +14,7 @@ static int load_one(struct speech_packs *packs, const char *path, struct error *
     struct speech_pack *pack = speech_pack_load(path, &inner);
     if (!pack) {
         char text[320];
-        return error_set(e, "bad-pack", "%s: %s", path, error_text(&inner, text, sizeof text));
+        return error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));
     }
     packs->packs = mem_grow(packs->packs, &packs->cap, packs->count + 1, sizeof(struct speech_pack *));
     packs->packs[packs->count++] = pack;
@@ -27,7 +27,7 @@ int speech_packs_load(struct speech_packs *packs, const char *folder, struct err
     *packs = (struct speech_packs){0};
     snprintf(pattern, sizeof pattern, "%s/*.json", folder);
     if (glob(pattern, 0, NULL, &found))
-        return error_set(e, "bad-pack", "no language pack in '%s'", folder);
+        return error_set(e, ERROR_BAD_SPEECH_PACK, "no language pack in '%s'", folder);
     int failed = 0;
     for (size_t i = 0; i < found.gl_pathc && !failed; i++)
         failed = load_one(packs, found.gl_pathv[i], e);

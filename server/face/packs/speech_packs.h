@@ -11,8 +11,8 @@ struct speech_packs {
     size_t count, cap;
 };
 
-/* Loads every *.json of the folder. -1 with *e (code "bad-pack") when one is broken or there is none; the
- * message names the file. */
+/* Loads every *.json of the folder. -1 with *e ("bad-speech-pack", or the code of a file that it names) when
+ * one is broken or there is none; the message names the file. */
 int speech_packs_load(struct speech_packs *packs, const char *folder, struct error *e);
 void speech_packs_free(struct speech_packs *packs);
 

@@ -5,17 +5,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int by_phone(const void *a, const void *b) {
-    const struct spelling_shown *x = a, *y = b;
-    return (x->phone > y->phone) - (x->phone < y->phone);
-}
-
 const struct spelling_letter *spelling_of_phone(const struct spelling *spelling,
                                                 const struct speech_phone *phone) {
-    struct spelling_shown key = {phone, 0};
-    const struct spelling_shown *found =
-        bsearch(&key, spelling->shown, spelling->shown_count, sizeof key, by_phone);
-    return found ? &spelling->letters[found->letter] : NULL;
+    const size_t *entry = shape_table_entry(&spelling->common, phone);
+    return entry ? &spelling->letters[*entry] : NULL;
 }
 
 static const struct spelling_letter *find_letter(const struct spelling *spelling, uint32_t code) {
@@ -93,6 +86,6 @@ size_t spelling_shape(const struct spelling *spelling, const struct spelled *let
     if (l->vowel)
         return l->shapes[0];
     if (!letter->vowel) /* a word without vowels: the first class stands for all */
-        return l->like_vowel ? spelling->neutral : l->shapes[0];
+        return l->like_vowel ? spelling->common.rest : l->shapes[0];
     return l->like_vowel ? letter->vowel->shapes[0] : l->shapes[letter->vowel->class];
 }

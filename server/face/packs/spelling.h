@@ -6,7 +6,7 @@
 #define FACCIA_FACE_PACKS_SPELLING_H
 
 #include "server/face/engines/phone_segments.h"
-#include "server/face/packs/shape.h"
+#include "server/face/packs/shape_table.h"
 
 enum { SPELLING_MAX_CLASSES = 8 };
 
@@ -21,8 +21,7 @@ struct spelling_letter {
 };
 
 struct spelling {
-    char **classes;
-    size_t class_count;
+    struct shape_table common; /* whose entries are the letters */
     struct spelling_letter *letters;
     size_t letter_count;
     /* what is written in place of another character: small letters for capitals, in the language's own way */
@@ -31,14 +30,6 @@ struct spelling {
         char *text;
     } * folds;
     size_t fold_count;
-    struct shapes shapes;
-    size_t neutral; /* its shape */
-    /* the letter of each phone of the pack, in the order of their addresses */
-    struct spelling_shown {
-        const struct speech_phone *phone;
-        size_t letter;
-    } * shown;
-    size_t shown_count;
 };
 
 /* One letter of a word. */

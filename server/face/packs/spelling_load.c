@@ -20,11 +20,11 @@ static int read_consonant(const struct spelling *s, const struct json_place *at,
         return strcmp(text, "vowel") ? json_place_fail(at, "must be \"vowel\" or one shape for each class")
                                      : 0;
     }
-    if (json_place_keys(at, (const char *const *)s->classes))
+    if (json_place_keys(at, (const char *const *)s->common.classes))
         return -1;
-    for (size_t i = 0; i < s->class_count; i++) {
-        struct json_place child = json_place_key(at, s->classes[i]);
-        if (shapes_choose(&child, &s->shapes, &l->shapes[i]))
+    for (size_t i = 0; i < s->common.class_count; i++) {
+        struct json_place child = json_place_key(at, s->common.classes[i]);
+        if (shapes_choose(&child, &s->common.shapes, &l->shapes[i]))
             return -1;
     }
     return 0;
@@ -33,8 +33,8 @@ static int read_consonant(const struct spelling *s, const struct json_place *at,
 static int read_vowel(const struct spelling *s, const struct json_place *at, struct spelling_letter *l) {
     struct json_place class = json_place_key(at, "class"), shape = json_place_key(at, "shape");
     l->vowel = true;
-    return json_place_choice(&class, (const char *const *)s->classes, &l->class) ||
-                   shapes_choose(&shape, &s->shapes, &l->shapes[0])
+    return shape_table_class(&s->common, &class, &l->class) ||
+                   shapes_choose(&shape, &s->common.shapes, &l->shapes[0])
                ? -1
                : 0;
 }
@@ -98,80 +98,27 @@ static int read_folds(struct spelling *s, const struct json_place *at) {
     return 0;
 }
 
-/* The letter that shows the pack's phone of that name, or -1. */
-static long find_shown(const struct json_place *letters, const char *ipa) {
-    const char *key;
-    json_t *value, *name;
-    long index = 0;
-    json_object_foreach(letters->json, key, value) {
-        size_t i;
-        json_array_foreach(json_object_get(value, "shows"), i, name) {
-            if (json_is_string(name) && !strcmp(json_string_value(name), ipa))
-                return index;
-        }
-        index++;
-    }
-    return -1;
+static int read(void *self, const struct json_place *root, const struct speech_pack *pack) {
+    struct json_place fold = json_place_key(root, "fold"), letters = json_place_key(root, "letters");
+    return read_letters(self, &letters, pack) || read_folds(self, &fold) ? -1 : 0;
 }
 
-static int by_phone(const void *a, const void *b) {
-    const struct spelling_shown *x = a, *y = b;
-    return (x->phone > y->phone) - (x->phone < y->phone);
-}
-
-static int read_shown(struct spelling *s, const struct json_place *at, const struct speech_pack *pack) {
-    size_t cap = 0;
-    for (; pack; pack = pack->base) {
-        for (size_t i = 0; i < pack->phone_count; i++) {
-            const struct speech_phone *phone = pack->phones[i];
-            if (phone->part_count)
-                continue;
-            long found = find_shown(at, phone->ipa);
-            if (found < 0)
-                return json_place_fail(at, "none of them shows the pack's phone \"%s\"", phone->ipa);
-            s->shown = mem_grow(s->shown, &cap, s->shown_count + 1, sizeof *s->shown);
-            s->shown[s->shown_count++] = (struct spelling_shown){phone, (size_t)found};
-        }
-    }
-    if (s->shown_count)
-        qsort(s->shown, s->shown_count, sizeof *s->shown, by_phone);
-    return 0;
-}
-
-static int read_table(struct spelling *s, const struct json_place *root, const struct speech_pack *pack) {
-    static const char *const keys[] = {"name", "sources", "classes", "neutral",
-                                       "fold", "letters", "shapes",  NULL};
-    struct json_place name = json_place_key(root, "name"), sources = json_place_key(root, "sources"),
-                      classes = json_place_key(root, "classes"), neutral = json_place_key(root, "neutral"),
-                      fold = json_place_key(root, "fold"), letters = json_place_key(root, "letters"),
-                      shapes = json_place_key(root, "shapes");
-    const char *text;
-    char **texts;
-    if (json_place_keys(root, keys) || json_place_text(&name, &text) || json_place_texts(&sources, &texts))
-        return -1;
-    json_texts_free(texts);
-    if (json_place_texts(&classes, &s->classes))
-        return -1;
-    s->class_count = json_array_size(classes.json);
-    if (!s->class_count || s->class_count > SPELLING_MAX_CLASSES)
-        return json_place_fail(&classes, "must have 1 to %d names", SPELLING_MAX_CLASSES);
-    return shapes_read(&shapes, pack, &s->shapes) || shapes_choose(&neutral, &s->shapes, &s->neutral) ||
-                   read_letters(s, &letters, pack) || read_folds(s, &fold) || read_shown(s, &letters, pack)
-               ? -1
-               : 0;
+static void free_table(void *spelling) {
+    spelling_free(spelling);
 }
 
 struct spelling *spelling_load(const char *path, const struct speech_pack *pack, struct error *e) {
-    struct json_place root;
-    if (json_place_load(path, &root, e))
-        return NULL;
-    struct spelling *s = mem_alloc(sizeof *s);
-    if (read_table(s, &root, pack)) {
-        spelling_free(s);
-        s = NULL;
-    }
-    json_decref(root.json);
-    return s;
+    static const char *const keys[] = {"name", "sources", "classes", "neutral",
+                                       "fold", "letters", "shapes",  NULL};
+    static const struct shape_table_kind kind = {sizeof(struct spelling),
+                                                 SPELLING_MAX_CLASSES,
+                                                 keys,
+                                                 "shapes",
+                                                 "neutral",
+                                                 "letters",
+                                                 read,
+                                                 free_table};
+    return shape_table_load(&kind, path, pack, e);
 }
 
 void spelling_free(struct spelling *spelling) {
@@ -179,10 +126,8 @@ void spelling_free(struct spelling *spelling) {
         return;
     for (size_t i = 0; i < spelling->fold_count; i++)
         free(spelling->folds[i].text);
-    json_texts_free(spelling->classes);
+    shape_table_free(&spelling->common);
     free(spelling->letters);
     free(spelling->folds);
-    free(spelling->shown);
-    shapes_free(&spelling->shapes);
     free(spelling);
 }

@@ -10,7 +10,7 @@
 
 const struct transcription_sound transcription_wav = {44, 16000, 2};
 
-#define CODE "bad-transcription"
+#define CODE ERROR_BAD_TRANSCRIPTION
 
 enum { LINE_BYTES = 128 };
 
@@ -135,7 +135,7 @@ struct sentence_audio *transcription_read(const char *text, size_t size,
                                           const struct transcription_sound *sound,
                                           const struct speech_pack *pack, struct error *e) {
     if (!pack->visemes) {
-        error_set(e, "unknown-engine", "'%s' has no table of visemes, so no symbols of transcriptions",
+        error_set(e, ERROR_UNKNOWN_ENGINE, "'%s' has no table of visemes, so no symbols of transcriptions",
                   pack->lang);
         return NULL;
     }

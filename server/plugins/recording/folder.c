@@ -11,7 +11,7 @@
 #include <strings.h>
 #include <unistd.h>
 
-#define CODE "bad-config"
+#define CODE ERROR_BAD_VOICE_CONFIG
 #define OWN_TIMES ".timing.json"
 
 enum { FILE_BYTES_MAX = 256 << 20 };

@@ -26,8 +26,8 @@ struct folder {
     size_t count, cap;
 };
 
-/* lang: of recordings that do not tell theirs. -1 with *e ("bad-config"): the folder cannot be read, or a
- * description is wrong. */
+/* lang: of recordings that do not tell theirs. -1 with *e ("bad-voice-config"): the folder cannot be read, or
+ * a description is wrong. */
 int folder_open(struct folder *folder, const char *path, const char *cache, const char *lang,
                 struct error *e);
 void folder_close(struct folder *folder);

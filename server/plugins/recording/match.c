@@ -36,10 +36,10 @@ int match_find(struct match *m, const struct aligned_recording *reading, size_t 
     const char *text = m->sentence->spans[m->spans[agree]].text;
     int length = (int)(asked->to - asked->from);
     if (!agree)
-        return error_set(e, "voice-failed", "this is not in the recording: it has no word \"%.*s\"", length,
-                         text + asked->from);
+        return error_set(e, ERROR_VOICE_FAILED, "this is not in the recording: it has no word \"%.*s\"",
+                         length, text + asked->from);
     const struct text_word *other = place + agree < in->count ? &in->list[place + agree] : NULL;
-    return error_set(e, "voice-failed",
+    return error_set(e, ERROR_VOICE_FAILED,
                      "this is not in the recording: after %zu words it has \"%.*s\" instead of \"%.*s\"",
                      agree, other ? (int)(other->to - other->from) : 0,
                      other ? reading->text + other->from : "", length, text + asked->from);

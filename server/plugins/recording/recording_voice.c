@@ -77,7 +77,7 @@ static int find_times(struct recordings *self, struct recorded *r, size_t last,
     size_t wanted = last < reading->tokens.count ? last : reading->tokens.count - 1;
     while (!reading->complete && (!reading->words[wanted].known || last == reading->tokens.count)) {
         if (now() > until)
-            return error_set(e, "voice-failed",
+            return error_set(e, ERROR_VOICE_FAILED,
                              "the recording %.40s is still being aligned (%.0f %%); ask again, or let "
                              "'faccia align' do it once",
                              r->id,

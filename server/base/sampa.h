@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* IPA to X-SAMPA and back (J. C. Wells, "Computer-coding the IPA: a proposed extension of SAMPA", University
  * College London, 1995/2000). */
-#ifndef FACCIA_VOICE_SAMPA_H
-#define FACCIA_VOICE_SAMPA_H
+#ifndef FACCIA_BASE_SAMPA_H
+#define FACCIA_BASE_SAMPA_H
 
 #include <stddef.h>
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The sound of a recording, in any format that libsndfile reads, as mono samples. */
-#ifndef FACCIA_SYNTHESIS_RECORDING_SOUND_H
-#define FACCIA_SYNTHESIS_RECORDING_SOUND_H
+#ifndef FACCIA_SYNTHESIS_RECORDING_INTERNAL_H
+#define FACCIA_SYNTHESIS_RECORDING_INTERNAL_H
 
 #include "server/synthesis/recording.h"
 

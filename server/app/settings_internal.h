@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Inside of the settings: the table, and one setting in and out of text and JSON. */
-#ifndef FACCIA_APP_SETTINGS_TABLE_H
-#define FACCIA_APP_SETTINGS_TABLE_H
+#ifndef FACCIA_APP_SETTINGS_INTERNAL_H
+#define FACCIA_APP_SETTINGS_INTERNAL_H
 
 #include "server/app/settings.h"
+#include <jansson.h>
 
 enum { SETTINGS_MAX = 64 };
 
@@ -15,12 +16,14 @@ struct setting {
         SETTING_FOLDER, /* one that is there */
         SETTING_NUMBER, /* whole */
         SETTING_REAL,
+        SETTING_MEGABYTES, /* whole; kept as bytes, in a uint64_t */
         SETTING_FLAG,
         SETTING_LIST,   /* of strings; the option may be repeated, the variable has commas */
-        SETTING_OBJECT, /* as an option or variable: the name of a file */
-        SETTING_CHOICE, /* one of the words of shape, with | between */
+        SETTING_OBJECT, /* JSON, kept as text; as an option or variable: the name of a file */
+        SETTING_CHOICE, /* one of the words of shape, with | between, kept as its index */
     } type;
-    size_t offset; /* in struct settings */
+    size_t offset;                         /* in struct settings */
+    enum { FOR_DAEMON, FOR_BOTH } program; /* that has it: facciad, or faccia, too */
     double min, max;
     const char *value; /* default, as text; NULL = none */
     const char *shape; /* "N", "FILE": for the help */
@@ -33,7 +36,7 @@ extern const size_t settings_count;
 /* -1 with *e, whose field is name. */
 int setting_from_text(struct settings *s, const struct setting *setting, const char *text, const char *name,
                       struct error *e);
-int settings_from_file(struct settings *s, const char *file, struct error *e);
+int settings_from_file(struct settings *s, enum program program, const char *file, struct error *e);
 
 /* Puts it where its path says. */
 void setting_to_json(const struct settings *s, const struct setting *setting, json_t *root);

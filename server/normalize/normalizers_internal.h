@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The parts of the reader: a language's file, what fills its templates, and the kinds of text. */
-#ifndef FACCIA_NORMALIZE_NORMALIZER_INTERNAL_H
-#define FACCIA_NORMALIZE_NORMALIZER_INTERNAL_H
+#ifndef FACCIA_NORMALIZE_NORMALIZERS_INTERNAL_H
+#define FACCIA_NORMALIZE_NORMALIZERS_INTERNAL_H
 
 #include "server/normalize/normalizers.h"
 

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/app/stages.h"
+#include <stdio.h>
+
+enum { PATH_BYTES = 4096 };
+
+static const char *in_models(const struct settings *settings, const char *name, char path[PATH_BYTES]) {
+    snprintf(path, PATH_BYTES, "%s/%s", settings->models, name);
+    return path;
+}
+
+/* With the file, where the reader does not say it. */
+static int load_expressions(struct stages *s, const char *path, struct error *e) {
+    struct error inner = {0};
+    char text[320];
+    s->expressions = expressions_load(path, &inner);
+    return s->expressions ? 0
+                          : error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));
+}
+
+int stages_load(struct stages *s, const struct settings *settings, unsigned wanted, uv_loop_t *loop,
+                struct error *e) {
+    char path[PATH_BYTES];
+    *s = (struct stages){0};
+    s->pipeline = (struct pipeline){.loop = loop,
+                                    .packs = &s->packs,
+                                    .default_lang = settings->lang,
+                                    .default_contacts = settings->contacts,
+                                    .sounds = settings->sounds};
+    if (wanted & STAGES_SPEECH && speech_packs_load(&s->packs, in_models(settings, "speech", path), e))
+        return -1;
+    if (wanted & STAGES_EXPRESSIONS && load_expressions(s, in_models(settings, "expressions.json", path), e))
+        return -1;
+    if (wanted & STAGES_NORMALIZATION &&
+        normalizers_load(&s->normalizers, in_models(settings, "normalization", path), e))
+        return -1;
+    if (s->expressions && s->packs.count)
+        s->high_level =
+            face_high_level_new(speech_packs_find(&s->packs, SPEECH_PACK_GENERAL), s->expressions);
+    s->pipeline.expressions = s->expressions;
+    s->pipeline.high_level = s->high_level;
+    s->pipeline.normalizers = &s->normalizers;
+    return 0;
+}
+
+int stages_start_voices(struct stages *s, const struct voice_pool_options *voices, void (*ready)(void *ctx),
+                        void *ctx, struct error *e) {
+    s->pipeline.voices = voice_pool_open(s->pipeline.loop, voices, ready, ctx, e);
+    return s->pipeline.voices ? 0 : -1;
+}
+
+void stages_stop_voices(struct stages *s) {
+    if (s->pipeline.voices)
+        voice_pool_close(s->pipeline.voices, NULL, NULL);
+}
+
+void stages_free(struct stages *s) {
+    speech_packs_free(&s->packs);
+    expressions_free(s->expressions);
+    face_high_level_free(s->high_level);
+    normalizers_free(&s->normalizers);
+    *s = (struct stages){0};
+}

@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The stages up to the network, put together as the settings say: the same for the daemon and for each
+ * command of the command line. */
+#ifndef FACCIA_APP_STAGES_H
+#define FACCIA_APP_STAGES_H
+
+#include "server/app/settings.h"
+#include "server/synthesis/synthesis.h"
+
+/* What is wanted of them. */
+enum {
+    STAGES_SPEECH = 1u << 0,        /* speech packs */
+    STAGES_EXPRESSIONS = 1u << 1,   /* with the packs: what FAP 1 and 2 mean, too */
+    STAGES_NORMALIZATION = 1u << 2, /* words for digits, dates and sums */
+    STAGES_ALL = STAGES_SPEECH | STAGES_EXPRESSIONS | STAGES_NORMALIZATION,
+};
+
+struct stages {
+    struct speech_packs packs;
+    struct expressions *expressions;
+    struct face_high_level *high_level;
+    struct normalizers normalizers;
+    struct pipeline pipeline; /* all of that; what else it has is for the caller to fill in */
+};
+
+/* Reads the files. loop NULL: nothing will be spoken. -1 with *e; call stages_free all the same. */
+int stages_load(struct stages *stages, const struct settings *settings, unsigned wanted, uv_loop_t *loop,
+                struct error *e);
+
+/* Starts the voices, which the pipeline has from then on: voices is a copy of the settings' section, with
+ * what no setting says. ready as voice_pool_open has it. -1 with *e. */
+int stages_start_voices(struct stages *stages, const struct voice_pool_options *voices,
+                        void (*ready)(void *ctx), void *ctx, struct error *e);
+
+/* Then the loop must run until it is empty, before stages_free. */
+void stages_stop_voices(struct stages *stages);
+void stages_free(struct stages *stages);
+
+#endif

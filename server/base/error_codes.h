@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Every error and warning that there is: its identifier, its code, which is stable and which
+ * protocol/README.md explains, the status of an HTTP answer that it is (0: it is never one, so that it would
+ * be 500), and what is said of it where nothing more exact is known. tests/protocol/errors.test.mjs holds
+ * this table, the protocol's text and the schemas together. */
+#ifndef FACCIA_BASE_ERROR_CODES_H
+#define FACCIA_BASE_ERROR_CODES_H
+
+/* clang-format off */
+#define ERROR_CODES(X) \
+    /* messages and requests */ \
+    X(BAD_JSON, "bad-json", 400, "this is not JSON") \
+    X(BAD_MESSAGE, "bad-message", 400, "a message is an object with a string 'type'") \
+    X(UNKNOWN_TYPE, "unknown-type", 400, "there is no such type of message") \
+    X(MISSING_FIELD, "missing-field", 400, "is missing") \
+    X(BAD_FIELD, "bad-field", 400, "has the wrong type, or is out of range") \
+    X(UNKNOWN_MEMBER, "unknown-member", 0, "there is no such member") \
+    X(BINARY_MESSAGE, "binary-message", 400, "a client sends no binary messages") \
+    X(UNKNOWN_COMMAND, "unknown-command", 400, "there is no such command") \
+    X(MESSAGE_TOO_LONG, "message-too-long", 413, "the message is too long") \
+    X(TEXT_TOO_LONG, "text-too-long", 413, "the text is too long") \
+    /* what is asked for */ \
+    X(UNKNOWN_LANGUAGE, "unknown-language", 400, "there is no such language") \
+    X(UNKNOWN_VOICE, "unknown-voice", 400, "there is no such voice") \
+    X(UNKNOWN_ENGINE, "unknown-engine", 400, "there is no such engine") \
+    X(UNKNOWN_MODEL, "unknown-model", 404, "there is no such head") \
+    X(UNKNOWN_FORMAT, "unknown-format", 400, "there is no such format") \
+    X(UNKNOWN_MARKUP, "unknown-markup", 400, "there is no such markup") \
+    X(UNKNOWN_EXPRESSION, "unknown-expression", 400, "there is no such expression") \
+    X(UNKNOWN_CODEC, "unknown-codec", 400, "there is no such codec") \
+    X(UNKNOWN_MEDIA, "unknown-media", 404, "there is no such recording") \
+    X(UNKNOWN_ROOM, "unknown-room", 404, "nobody is in that room") \
+    X(UNKNOWN_MARK, "unknown-mark", 400, "there is no such mark") \
+    X(NOT_SPEAKING, "not-speaking", 400, "nothing is spoken") \
+    /* limits */ \
+    X(QUEUE_FULL, "queue-full", 503, "too many utterances wait already") \
+    X(TOO_MANY_ROOMS, "too-many-rooms", 503, "there are too many rooms already") \
+    X(TOO_MANY_REQUESTS, "too-many-requests", 429, "too many requests in this minute") \
+    X(TOO_MANY_PER_ADDRESS, "too-many-per-address", 429, "too many connections from there are open") \
+    X(TOO_MANY_CONNECTIONS, "too-many-connections", 503, "too many connections are open") \
+    X(MEDIA_TOO_LARGE, "media-too-large", 413, "the recording is larger than this server takes") \
+    X(SKIPPED, "skipped", 0, "media were left out for a client that is too slow") \
+    X(TOO_SLOW, "too-slow", 0, "the client does not take its media") \
+    X(STOPPING, "stopping", 503, "the server is about to stop") \
+    /* texts and their markup */ \
+    X(BAD_UTF8, "bad-utf8", 400, "the text is not UTF-8") \
+    X(NUL, "nul", 400, "the text holds a NUL character") \
+    X(EMPTY_TEXT, "empty-text", 400, "there is nothing to speak") \
+    X(BAD_XML, "bad-xml", 400, "this is not well-formed XML") \
+    X(TOO_DEEP, "too-deep", 400, "too many elements lie in each other") \
+    X(TOO_MANY_ATTRIBUTES, "too-many-attributes", 400, "an element has too many attributes") \
+    X(UNKNOWN_ENCODING, "unknown-encoding", 400, "the stated encoding is not read here") \
+    X(BAD_ENCODING, "bad-encoding", 400, "the document is not in the encoding that it states") \
+    X(UNKNOWN_ELEMENT, "unknown-element", 0, "there is no such element") \
+    X(UNKNOWN_ATTRIBUTE, "unknown-attribute", 0, "there is no such attribute") \
+    X(MISSING_ATTRIBUTE, "missing-attribute", 0, "an attribute is missing") \
+    X(BAD_VALUE, "bad-value", 400, "the value is not understood, or goes too far") \
+    X(IGNORED, "ignored", 0, "this is not acted on") \
+    X(INSIDE_WORD, "inside-word", 0, "this begins or ends inside a word") \
+    X(ENTITY, "entity", 0, "entities are not read") \
+    X(MORE_WARNINGS, "more-warnings", 0, "there are more warnings") \
+    /* voices */ \
+    X(VOICE_FAILED, "voice-failed", 500, "the voice could not speak") \
+    X(VOICE_CRASHED, "voice-crashed", 500, "the voice crashed") \
+    X(VOICE_TIMEOUT, "voice-timeout", 500, "the voice took too long") \
+    X(VOICE_UNAVAILABLE, "voice-unavailable", 503, "no voice is there") \
+    X(VOICE_WARNING, "voice-warning", 0, "the voice does this otherwise") \
+    X(NO_SOUND, "no-sound", 0, "there is no such sound") \
+    X(CANCELLED, "cancelled", 500, "nobody waits for it") \
+    /* access */ \
+    X(TOKEN_NEEDED, "token-needed", 401, "this server wants a token") \
+    X(BAD_TOKEN, "bad-token", 401, "the token is not one of this server's") \
+    X(EXPIRED_TOKEN, "expired-token", 401, "the token has expired") \
+    X(EARLY_TOKEN, "early-token", 401, "the token is not good yet") \
+    X(REVOKED_TOKEN, "revoked-token", 401, "the token's secret is not one of this server's any more") \
+    X(FORBIDDEN, "forbidden", 403, "the token does not give the right to do that") \
+    X(FORBIDDEN_ORIGIN, "forbidden-origin", 403, "pages from there may not use this server") \
+    X(UNKNOWN_HOST, "unknown-host", 421, "this server has no such name") \
+    /* HTTP and the WebSocket's opening */ \
+    X(NOT_FOUND, "not-found", 404, "nothing is at this address") \
+    X(METHOD_NOT_ALLOWED, "method-not-allowed", 405, "this address does not take that method") \
+    X(UNSUPPORTED_MEDIA_TYPE, "unsupported-media-type", 415, "bodies of that type are not taken") \
+    X(UPGRADE_REQUIRED, "upgrade-required", 426, "this is the address of the WebSocket") \
+    X(BAD_REQUEST, "bad-request", 400, "this is no HTTP request") \
+    X(BAD_HEADER, "bad-header", 400, "the headers cannot be like that") \
+    X(BAD_HOST, "bad-host", 400, "there must be one header Host") \
+    X(BAD_LENGTH, "bad-length", 400, "the body's length must be told once, and in digits") \
+    X(BAD_CHUNK, "bad-chunk", 400, "the body is not in chunks as RFC 9112, 7.1 has them") \
+    X(BAD_TARGET, "bad-target", 400, "an address cannot be like that") \
+    X(BAD_ESCAPE, "bad-escape", 400, "two hexadecimal digits must follow a %") \
+    X(BAD_FORM, "bad-form", 400, "the body is no form with a file 'fap'") \
+    X(REQUEST_TIMEOUT, "request-timeout", 408, "the request has not come in time") \
+    X(URI_TOO_LONG, "uri-too-long", 414, "the address is too long") \
+    X(HEADERS_TOO_LARGE, "headers-too-large", 431, "the headers are too large") \
+    X(UNKNOWN_METHOD, "unknown-method", 501, "no such method is known here") \
+    X(UNKNOWN_CODING, "unknown-coding", 501, "a body may be chunked, and nothing else") \
+    X(UNKNOWN_VERSION, "unknown-version", 505, "HTTP/1.1 is spoken here") \
+    X(UNKNOWN_EXPECTATION, "unknown-expectation", 417, "only 100-continue can be expected here") \
+    X(BAD_HANDSHAKE, "bad-handshake", 400, "a WebSocket is asked for by GET of HTTP/1.1") \
+    X(UNKNOWN_PROTOCOL, "unknown-protocol", 400, "there is no such sub-protocol") \
+    /* files: a code for each kind */ \
+    X(BAD_SPEECH_PACK, "bad-speech-pack", 0, "this is no speech pack") \
+    X(BAD_ALPHABET, "bad-alphabet", 0, "this is no alphabet of phones") \
+    X(BAD_SHAPE_TABLE, "bad-shape-table", 0, "this is no table of mouth shapes") \
+    X(BAD_EXPRESSIONS, "bad-expressions", 0, "this is no library of expressions") \
+    X(BAD_NORMALIZATION, "bad-normalization", 0, "this is no file of words for normalisation") \
+    X(BAD_MODEL, "bad-model", 0, "this is no head model") \
+    X(BAD_FAP, "bad-fap", 400, "this is no .fap file") \
+    X(BAD_SOUND, "bad-sound", 400, "this is no sound that can be read") \
+    X(BAD_TIMES, "bad-times", 0, "these are no times of words and phones") \
+    X(BAD_TRANSCRIPTION, "bad-transcription", 0, "this is no timed transcription") \
+    X(BAD_CURVES, "bad-curves", 0, "these are no measured curves with their phones") \
+    X(BAD_RESULTS, "bad-results", 0, "this is no table of results") \
+    X(BAD_STIMULI, "bad-stimuli", 0, "this is no set of stimuli") \
+    X(BAD_VOICE_CONFIG, "bad-voice-config", 0, "these are no settings of voices") \
+    X(BAD_VOICE_LIST, "bad-voice-list", 0, "this is no list of voices") \
+    X(BAD_SETTINGS, "bad-settings", 0, "this is no file of settings") \
+    X(BAD_SECRETS, "bad-secrets", 0, "this is no file of secrets") \
+    X(BAD_CACHE, "bad-cache", 0, "this is no cache of sentences") \
+    /* programs */ \
+    X(BAD_OPTION, "bad-option", 0, "there is no such option") \
+    X(CANNOT_LISTEN, "cannot-listen", 0, "the address cannot be listened on") \
+    X(MISALIGNED, "misaligned", 0, "the text and the recording do not fit") \
+    X(NO_REFERENCE, "no-reference", 0, "there is no voice to align to")
+/* clang-format on */
+
+#endif
