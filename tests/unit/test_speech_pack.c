@@ -386,7 +386,7 @@ static void refuses_what_is_no_pack(void **state) {
     assert_int_equal(e.place, PLACE_LINE);
     check_text(w, "it.json", "[]", &e);
     check_text(w, "heir.json",
-               "{\"tag\": \"x\", \"name\": \"x\", \"inherits\": \"heir\", \"sources\": [], \"voices\": [],"
+               "{\"tag\": \"xx\", \"name\": \"x\", \"inherits\": \"heir\", \"sources\": [], \"voices\": [],"
                " \"abbreviations\": [], \"phones\": {}}",
                &e);
     assert_string_equal(e.field, "inherits");
@@ -399,7 +399,7 @@ static void describes_phones_by_others(void **state) {
     char file[256];
     snprintf(file, sizeof file, "%s/it.json", w->folder);
     copy(PACKS "it.json", file);
-    static const char heir[] = "{\"tag\": \"x\", \"name\": \"x\", \"inherits\": \"it\", \"sources\": [], "
+    static const char heir[] = "{\"tag\": \"xx\", \"name\": \"x\", \"inherits\": \"it\", \"sources\": [], "
                                "\"voices\": [], \"abbreviations\": [],"
                                " \"phones\": {\"ʌ\": {\"sampa\": \"V\", \"like\": {\"a\": 0.75, \"e\": "
                                "0.25}, \"gain\": {\"LI\": 2}, \"shift\": {\"AR\": 1}},"
