@@ -80,7 +80,7 @@ struct reference *reference_open(const struct reference_slot *from, struct error
     struct reference *r = mem_alloc(sizeof *r);
     const char *sandbox = getenv("FACCIA_SANDBOX");
     r->from = *from;
-    r->unconfined = sandbox && !strcmp(sandbox, "off");
+    r->unconfined = from->unconfined || (sandbox && !strcmp(sandbox, "off"));
     r->worker.fd = -1;
     if (!start(r, e))
         return r;

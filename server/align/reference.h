@@ -6,6 +6,7 @@
 
 #include "server/base/error.h"
 #include "server/voice/sentence_audio.h"
+#include <stdbool.h>
 
 /* What was spoken, times in its samples. */
 struct reference_phone {
@@ -36,6 +37,7 @@ struct reference;
  * is confined. */
 struct reference_slot {
     char worker[4096], path[4096]; /* the program faccia-voice; the plugin */
+    bool unconfined;               /* what the plugin does not need is not refused */
     struct reference *reference;
 };
 struct reference *reference_get(struct reference_slot *slot, struct error *e); /* opens it, if need be */

@@ -26,7 +26,7 @@ export async function openPage(browser, url, { quality = 'low', ...options } = {
     addEventListener('DOMContentLoaded', () => document.querySelector('talking-head').setAttribute('quality', level));
   }, quality);
   await page.goto(url);
-  await page.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });
+  await page.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 180000 });
   return page;
 }
 
