@@ -92,7 +92,7 @@ static void on_closed(uv_handle_t *async) {
 struct coder_pool *coder_pool_open(uv_loop_t *loop, unsigned threads) {
     struct coder_pool *pool = mem_alloc(sizeof *pool);
     if (!threads)
-        threads = uv_available_parallelism();
+        threads = (uv_available_parallelism() + 1) / 2;
     if (threads > CODER_THREADS_MAX)
         threads = CODER_THREADS_MAX;
     pool->done_last = &pool->done;

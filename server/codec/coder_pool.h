@@ -29,7 +29,8 @@ struct coder_line {
 
 struct coder_pool;
 
-/* threads = 0: as many as there are processors, at most CODER_THREADS_MAX. NULL when none can be had. */
+/* threads = 0: one for every two processors, so that the voices and the loop have the others, at most
+ * CODER_THREADS_MAX. NULL when none can be had. */
 struct coder_pool *coder_pool_open(uv_loop_t *loop, unsigned threads);
 
 /* Waits for the jobs that are in work; the others are cancelled. All are done before it returns. The pool is
