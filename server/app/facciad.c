@@ -6,6 +6,7 @@
 #include "server/app/service.h"
 #include "server/app/settings.h"
 #include "server/base/log.h"
+#include "server/codec/codec_load.h"
 #include "server/net/net.h"
 #include <stdio.h>
 #include <stdlib.h>

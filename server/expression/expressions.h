@@ -12,6 +12,12 @@
 
 struct expressions;
 
+/* How expressions share the mouth with speech. */
+enum face_blend {
+    BLEND_REGIONS,  /* the upper face is free, the mouth gets a limited offset */
+    BLEND_WEIGHTED, /* E. Akagunduz 2004, eq. 5.1 to 5.4: weights omega and rho over the whole face */
+};
+
 /* One entry, as lists show it. */
 struct expression_info {
     const char *kind, *name;
@@ -32,9 +38,9 @@ int expressions_find(const struct expressions *expressions, const char *kind, co
 /* For a name that is not found: those of that kind that come near. */
 struct near expressions_near(const struct expressions *expressions, const char *kind, const char *name);
 
-/* The voice's part, into a script: multiplies the styles of the items under each cue by the expression's factors for rate,
- * pitch, range and volume at its intensity, and names the affect in style.emotion. A cue that the file does
- * not know is removed with a warning at its place. */
+/* The voice's part, into a script: multiplies the styles of the items under each cue by the expression's
+ * factors for rate, pitch, range and volume at its intensity, and names the affect in style.emotion. A cue
+ * that the file does not know is removed with a warning at its place. */
 void expressions_direct(const struct expressions *expressions, struct score *script);
 
 /* A mixture of affects that somebody sets from outside (an emotion disc) and that holds until it is set anew.

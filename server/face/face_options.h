@@ -7,12 +7,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* How expressions share the mouth with speech. */
-enum face_blend {
-    BLEND_REGIONS,  /* the upper face is free, the mouth gets a limited offset */
-    BLEND_WEIGHTED, /* E. Akagunduz 2004, eq. 5.1 to 5.4: weights omega and rho over the whole face */
-};
-
 /* Of a face track: what is said, and how the author wants it shown. */
 struct face_options {
     const char
