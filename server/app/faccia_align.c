@@ -84,6 +84,7 @@ static int run(struct align *a, const struct settings *settings) {
     char text[400];
     int result = -1;
     snprintf(reference.worker, sizeof reference.worker, "%s", settings->voices.worker);
+    reference.unconfined = settings->voices.unconfined;
     snprintf(reference.path, sizeof reference.path, "%s/espeak.so", settings->voices.plugin_dir);
     if ((!a->text || !cli_read(a->text, &script)) && (!a->timing || !read_timing(a, &times))) {
         size_t skip = script.size >= 3 && !memcmp(script.data, "\xEF\xBB\xBF", 3) ? 3 : 0;

@@ -7,6 +7,7 @@
 #include "server/app/settings.h"
 #include "server/app/stages.h"
 #include "server/base/log.h"
+#include "server/codec/codec_load.h"
 #include "server/net/net.h"
 #include <stdio.h>
 #include <stdlib.h>

@@ -12,6 +12,19 @@
 
 struct expressions;
 
+/* How expressions share the mouth with speech. */
+enum face_blend {
+    BLEND_REGIONS,  /* the upper face is free, the mouth gets a limited offset */
+    BLEND_WEIGHTED, /* E. Akagunduz 2004, eq. 5.1 to 5.4: weights omega and rho over the whole face */
+};
+
+/* Whether lips that must touch do so whatever the engine made (face/engines/contact.h). */
+enum face_contacts {
+    CONTACTS_ENGINE, /* as the engine has it */
+    CONTACTS_ON,
+    CONTACTS_OFF,
+};
+
 /* One entry, as lists show it. */
 struct expression_info {
     const char *kind, *name;

@@ -7,19 +7,6 @@
 #include <stdbool.h>
 #include <stdint.h>
 
-/* How expressions share the mouth with speech. */
-enum face_blend {
-    BLEND_REGIONS,  /* the upper face is free, the mouth gets a limited offset */
-    BLEND_WEIGHTED, /* E. Akagunduz 2004, eq. 5.1 to 5.4: weights omega and rho over the whole face */
-};
-
-/* Whether lips that must touch do so whatever the engine made (engines/contact.h). */
-enum face_contacts {
-    CONTACTS_ENGINE, /* as the engine has it: face_engine_contacts */
-    CONTACTS_ON,
-    CONTACTS_OFF,
-};
-
 /* Of a face track: what is said, and how the author wants it shown. */
 struct face_options {
     const char

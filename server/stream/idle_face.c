@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/stream/idle_face.h"
 #include "server/base/mem.h"
+#include "server/synthesis/media_segment.h"
 #include <stdlib.h>
 
 enum { SAMPLES = IDLE_SAMPLE_RATE * IDLE_CHUNK_MS / 1000 };

@@ -3,21 +3,13 @@
 #ifndef FACCIA_STREAM_IDLE_FACE_H
 #define FACCIA_STREAM_IDLE_FACE_H
 
-#include "server/stream/media.h"
-#include "server/synthesis/synthesis.h"
+#include "server/stream/stream.h"
 
 enum {
     IDLE_SAMPLE_RATE = 8000,
     IDLE_CHUNK_MS = 120,
     IDLE_LEAD_MS = 200, /* how far idle media may run ahead of real time */
     IDLE_FRAMES = 16,   /* most in one piece */
-};
-
-struct idle_options {
-    double life;   /* strength, 0..2 */
-    uint64_t seed; /* of the life layer */
-    double fps;    /* 1..120 */
-    bool still;    /* a face that does not move */
 };
 
 struct idle_face;

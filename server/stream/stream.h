@@ -4,17 +4,25 @@
 #ifndef FACCIA_STREAM_STREAM_H
 #define FACCIA_STREAM_STREAM_H
 
-#include "server/stream/idle_face.h"
 #include "server/stream/media.h"
 #include "server/stream/mood_mix.h"
+#include "server/synthesis/pipeline.h"
 #include "server/synthesis/recording.h"
-#include "server/synthesis/synthesis.h"
+#include "server/synthesis/speech_request.h"
 
 enum {
     STREAM_CHUNK_MS = 200, /* media in one chunk */
     STREAM_FIRST_MS = 60,  /* in the first of an utterance, which somebody waits for */
     STREAM_LEAD_MS = 400,  /* media are sent when those sent before last no longer than this */
     STREAM_QUEUE = 32,     /* default of utterances that may wait */
+};
+
+/* How the face lives while nobody speaks. */
+struct idle_options {
+    double life;   /* strength, 0..2 */
+    uint64_t seed; /* of the life layer */
+    double fps;    /* 1..120 */
+    bool still;    /* a face that does not move */
 };
 
 enum stream_event_kind {

@@ -4,6 +4,7 @@
 #define FACCIA_STREAM_STREAM_INTERNAL_H
 
 #include "server/stream/face_ease.h"
+#include "server/stream/idle_face.h"
 #include "server/stream/stream.h"
 #include "server/stream/utterance.h"
 

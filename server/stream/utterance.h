@@ -8,6 +8,7 @@
 #include "server/stream/segment_cut.h"
 #include "server/stream/stream.h"
 #include "server/synthesis/recording.h"
+#include "server/synthesis/synthesis.h"
 
 struct utterance {
     struct utterance *next;

@@ -3,6 +3,7 @@
 #include "protocol/fapfile.h"
 #include "server/base/mem.h"
 #include "server/synthesis/recording_internal.h"
+#include "server/synthesis/synthesis.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>

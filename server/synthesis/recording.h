@@ -5,7 +5,9 @@
 #define FACCIA_SYNTHESIS_RECORDING_H
 
 #include "server/base/buf.h"
-#include "server/synthesis/synthesis.h"
+#include "server/base/error.h"
+#include <stdbool.h>
+#include <uv.h>
 
 enum {
     RECORDING_PIECE_SECONDS = 2,
@@ -13,6 +15,9 @@ enum {
     RECORDING_FPS_MAX = 120,
     RECORDING_NAME_BYTES_MAX = 100,
 };
+
+struct face_high_level;
+struct synthesis_callbacks;
 
 /* Where it lies: in files, or in memory. All is released with recording_source_free. */
 struct recording_source {

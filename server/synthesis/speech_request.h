@@ -4,7 +4,7 @@
 #define FACCIA_SYNTHESIS_SPEECH_REQUEST_H
 
 #include "server/base/error.h"
-#include "server/face/face_options.h"
+#include "server/expression/expressions.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>

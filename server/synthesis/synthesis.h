@@ -7,31 +7,13 @@
 
 #include "server/base/metrics.h"
 #include "server/base/near.h"
-#include "server/codec/codec_load.h"
 #include "server/face/high_level.h"
 #include "server/face/packs/speech_packs.h"
 #include "server/normalize/normalizers.h"
 #include "server/synthesis/media_segment.h"
+#include "server/synthesis/pipeline.h"
 #include "server/synthesis/speech_request.h"
 #include "server/voice/voice_pool.h"
-
-/* What all syntheses share. Borrowed. */
-struct pipeline {
-    uv_loop_t *loop;
-    struct voice_pool *voices;
-    const struct speech_packs *packs;
-    const struct expressions *expressions;
-    const struct face_high_level *high_level; /* NULL = FAP 1 and 2 of recordings move nothing */
-    const struct normalizers *normalizers;    /* NULL = say-as is left to the voices */
-    const char *default_lang;
-    enum face_contacts default_contacts; /* of requests that say "engine" */
-    const char *sounds;                  /* folder of sound files that texts may name; NULL = none */
-    struct metrics *metrics;             /* NULL = nobody counts */
-    struct codec_load *codec_load;       /* of the sound; NULL = the best */
-    struct coder_pool *coders;           /* that code it; NULL = it is coded on the loop */
-    /* Texts of so many bytes and more are read in another thread, so that the loop is free; 0 = none. */
-    size_t long_text;
-};
 
 /* Whether there is a pack for that language, or, of those that share the general one, a voice. */
 bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang);
