@@ -18,19 +18,24 @@ static void on_guard(uv_timer_t *timer) {
 }
 
 static void on_ready(void *ctx) {
-    struct media_segment *s = ctx;
-    assert_false(s->ready);
+    struct pool_test *s = ctx;
+    size_t count;
+    if (s->ready) { /* once more, as the first voice has come after all */
+        voice_pool_voices(s->pool, &count);
+        assert_true(count && !s->voiced);
+    }
     s->ready = true;
+    s->voiced = s->pool && voice_pool_voices(s->pool, &count) && count;
     uv_stop(&s->loop);
 }
 
 static void on_closed(void *ctx) {
-    struct media_segment *s = ctx;
+    struct pool_test *s = ctx;
     s->closed = true;
     uv_close((uv_handle_t *)&s->guard, NULL);
 }
 
-static void link_plugin(const struct media_segment *s, const char *name) {
+static void link_plugin(const struct pool_test *s, const char *name) {
     char from[512], to[512];
     snprintf(from, sizeof from, BUILD_ROOT "/server/plugins/%s.so", name);
     if (access(from, R_OK) != 0)
@@ -39,9 +44,9 @@ static void link_plugin(const struct media_segment *s, const char *name) {
     assert_int_equal(symlink(from, to), 0);
 }
 
-struct media_segment *scene_open(struct voice_pool_options options, const char *const *names) {
+struct pool_test *pool_test_open(struct voice_pool_options options, const char *const *names) {
     struct error e;
-    struct media_segment *s = mem_alloc(sizeof *s);
+    struct pool_test *s = mem_alloc(sizeof *s);
     strcpy(s->folder, "/tmp/faccia-test-XXXXXX");
     assert_non_null(mkdtemp(s->folder));
     for (; *names; names++)
@@ -60,14 +65,14 @@ struct media_segment *scene_open(struct voice_pool_options options, const char *
     return s;
 }
 
-void scene_close_pool(struct media_segment *s) {
+void pool_test_close_pool(struct pool_test *s) {
     s->closing = true;
     voice_pool_close(s->pool, on_closed, s);
 }
 
-void scene_shut(struct media_segment *s) {
+void pool_test_shut(struct pool_test *s) {
     if (!s->closing)
-        scene_close_pool(s);
+        pool_test_close_pool(s);
     while (!s->closed)
         uv_run(&s->loop, UV_RUN_ONCE);
     uv_run(&s->loop, UV_RUN_DEFAULT);
@@ -82,7 +87,7 @@ void scene_shut(struct media_segment *s) {
 }
 
 static void finish(struct result *r) {
-    struct media_segment *s = r->segment;
+    struct pool_test *s = r->test;
     assert_int_equal(r->order, 0); /* one callback */
     r->order = (unsigned)++s->finished;
     if (s->finished == s->count)
@@ -105,38 +110,38 @@ static void on_failed(void *ctx, const struct error *e) {
     finish(r);
 }
 
-const struct voice *scene_voice(struct media_segment *s, const char *name) {
+const struct voice *pool_test_voice(struct pool_test *s, const char *name) {
     struct error e;
     const struct voice *v = voice_pool_find(s->pool, name, NULL, NULL, &e);
     assert_non_null(v);
     return v;
 }
 
-struct result *scene_speak_items(struct media_segment *s, const char *name, double rate) {
+struct result *pool_test_speak_items(struct pool_test *s, const char *name, double rate) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
     score_end_sentence(s->score);
     struct result *r = &s->results[s->count];
-    r->segment = s;
+    r->test = s;
     const struct voice_request request = {
-        scene_voice(s, name), s->score, s->score->sentence_count - 1, rate, 1, 1, s->urgent};
+        pool_test_voice(s, name), s->score, s->score->sentence_count - 1, rate, 1, 1, s->urgent};
     s->jobs[s->count++] = voice_pool_speak(s->pool, &request, &callbacks, r);
     assert_int_equal(r->order, 0); /* never at once */
     return r;
 }
 
-struct score_item *scene_add(struct media_segment *s, const char *text) {
+struct score_item *pool_test_add(struct pool_test *s, const char *text) {
     struct score_item *item = score_add(s->score, SCORE_TEXT, 0, strlen(text));
     item->text = score_strndup(s->score, text, strlen(text));
     item->verbatim = true;
     return item;
 }
 
-struct result *scene_speak(struct media_segment *s, const char *name, const char *text) {
-    scene_add(s, text);
-    return scene_speak_items(s, name, 0);
+struct result *pool_test_speak(struct pool_test *s, const char *name, const char *text) {
+    pool_test_add(s, text);
+    return pool_test_speak_items(s, name, 0);
 }
 
-void scene_run(struct media_segment *s) {
+void pool_test_run(struct pool_test *s) {
     uv_run(&s->loop, UV_RUN_DEFAULT);
     assert_int_equal(s->finished, s->count);
 }

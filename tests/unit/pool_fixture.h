@@ -6,50 +6,50 @@
 
 #include "server/voice/voice_pool.h"
 
-enum { SCENE_JOBS = 64 };
+enum { POOL_TEST_JOBS = 64 };
 
 struct result {
     struct sentence_audio *u; /* NULL = failed or not there yet */
     struct error e;
     bool failed;
     unsigned order; /* 1 = the first to come back */
-    struct media_segment *segment;
+    struct pool_test *test;
 };
 
-struct media_segment {
+struct pool_test {
     uv_loop_t loop;
     uv_timer_t guard;
     struct voice_pool *pool;
     struct score *score;
     char folder[64];
-    struct result results[SCENE_JOBS];
-    struct voice_job *jobs[SCENE_JOBS];
+    struct result results[POOL_TEST_JOBS];
+    struct voice_job *jobs[POOL_TEST_JOBS];
     size_t count, finished;
-    bool ready, closing, closed;
+    bool ready, voiced, closing, closed;
     bool urgent; /* what is spoken next */
-    void (*when_finished)(struct media_segment *s);
+    void (*when_finished)(struct pool_test *s);
 };
 
 /* names: plugins (of the server, or one of tests/plugins), ended by NULL. Returns when the pool is ready. A
  * failed test leaves its segment, with handles that libuv knows, where it is. */
-struct media_segment *scene_open(struct voice_pool_options options, const char *const *names);
+struct pool_test *pool_test_open(struct voice_pool_options options, const char *const *names);
 #define OPEN(options, ...)                                                                                   \
-    scene_open((struct voice_pool_options)options, (const char *const[]){__VA_ARGS__, NULL})
+    pool_test_open((struct voice_pool_options)options, (const char *const[]){__VA_ARGS__, NULL})
 #define WITH(...)                                                                                            \
     { __VA_ARGS__ }
 
 /* Closes the pool, if that was not begun, and frees everything. */
-void scene_close_pool(struct media_segment *s);
-void scene_shut(struct media_segment *s);
+void pool_test_close_pool(struct pool_test *s);
+void pool_test_shut(struct pool_test *s);
 
-const struct voice *scene_voice(struct media_segment *s, const char *name);
+const struct voice *pool_test_voice(struct pool_test *s, const char *name);
 
-/* Adds text to the sentence that is being made; scene_speak_items speaks it. The result is filled by
- * scene_run. */
-struct score_item *scene_add(struct media_segment *s, const char *text);
-struct result *scene_speak_items(struct media_segment *s, const char *voice, double rate);
-struct result *scene_speak(struct media_segment *s, const char *voice, const char *text);
-void scene_run(struct media_segment *s); /* until all sentences have come back */
+/* Adds text to the sentence that is being made; pool_test_speak_items speaks it. The result is filled by
+ * pool_test_run. */
+struct score_item *pool_test_add(struct pool_test *s, const char *text);
+struct result *pool_test_speak_items(struct pool_test *s, const char *voice, double rate);
+struct result *pool_test_speak(struct pool_test *s, const char *voice, const char *text);
+void pool_test_run(struct pool_test *s); /* until all sentences have come back */
 
 void check_failed(const struct result *r, const char *code);
 

@@ -18,31 +18,31 @@ static void command_follows_the_score(void **state) {
     (void)state;
     static const char config[] = "{\"command\": {\"voices\": [" VOICE(
         "raw", "\"raw\": 8000, \"feed\": true, \"argv\": [\"cat\"]") "]}}";
-    struct media_segment *s = OPEN(WITH(.config = config), "command");
+    struct pool_test *s = OPEN(WITH(.config = config), "command");
     score_add(s->score, SCORE_BREAK, 0, 1)->seconds = 0.5;
-    struct score_item *item = scene_add(s, "uno due");
+    struct score_item *item = pool_test_add(s, "uno due");
     item->start = 1, item->end = 8;
     score_add(s->score, SCORE_MARK, 8, 9)->text = "qui";
     score_add(s->score, SCORE_BREAK, 9, 10)->seconds = 0.25;
-    item = scene_add(s, "tre quattro.");
+    item = pool_test_add(s, "tre quattro.");
     item->start = 10, item->end = 22;
-    const struct result *r = scene_speak_items(s, "raw", 0);
-    scene_run(s);
+    const struct result *r = pool_test_speak_items(s, "raw", 0);
+    pool_test_run(s);
     assert_false(r->failed);
     assert_int_equal(r->u->sample_rate, 8000);
     assert_int_equal(r->u->samples, 4000 + 7 / 2 + 2000 + 12 / 2); /* two bytes of text are a sample here */
     assert_int_equal(r->u->mark_count, 1);
     assert_int_equal(r->u->marks[0].at, 4000 + 7 / 2);
     check_whole(r->u, "BuUo dueMBtre quattro.");
-    assert_true(scene_voice(s, "raw")->capabilities & FACCIA_VOICE_UNTIMED);
-    scene_shut(s);
+    assert_true(pool_test_voice(s, "raw")->capabilities & FACCIA_VOICE_UNTIMED);
+    pool_test_shut(s);
 }
 
 static void the_example_speaks(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(0), "example");
-    const struct result *r = scene_speak(s, "hum", "Uno, due tre!");
-    scene_run(s);
+    struct pool_test *s = OPEN(WITH(0), "example");
+    const struct result *r = pool_test_speak(s, "hum", "Uno, due tre!");
+    pool_test_run(s);
     assert_false(r->failed);
     check_whole(r->u, "Uno, due tre!");
     assert_int_equal(r->u->word_count, 3);
@@ -51,7 +51,7 @@ static void the_example_speaks(void **state) {
     assert_string_equal(r->u->phones[1].ipa, "a");
     assert_true(r->u->samples == 3 * r->u->sample_rate / 4);
     assert_int_equal(r->u->warning_count, 0);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 int main(void) {

@@ -122,10 +122,10 @@ static void try_to_escape(const char *plugin, const char *config, const char *co
 #endif
     struct stat info;
     int priority = getpriority(PRIO_PROCESS, 0);
-    struct media_segment *s = OPEN(WITH(.config = config), plugin);
+    struct pool_test *s = OPEN(WITH(.config = config), plugin);
     for (size_t i = 0; i < ATTEMPTS; i++)
-        scene_speak(s, "plain", attempts[i]);
-    scene_run(s);
+        pool_test_speak(s, "plain", attempts[i]);
+    pool_test_run(s);
     unsigned right = 0;
     for (size_t i = 0; i < ATTEMPTS; i++)
         right += is_as_wanted(attempts[i], &s->results[i], is_one_of(allowed, attempts[i]));
@@ -134,7 +134,7 @@ static void try_to_escape(const char *plugin, const char *config, const char *co
     assert_int_equal(stat(file, &info), 0);
     assert_int_equal(info.st_mode & 07777, 0640);
     assert_int_equal(info.st_size, 4);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void a_plugin_without_capabilities(void **state) {
@@ -171,10 +171,10 @@ static void what_its_configuration_names(void **state) {
 static void a_table_that_changes_is_refused(void **state) {
     (void)state;
     size_t count;
-    struct media_segment *s = OPEN(WITH(0), "liar", "puppet");
+    struct pool_test *s = OPEN(WITH(0), "liar", "puppet");
     voice_pool_voices(s->pool, &count);
     assert_int_equal(count, 2);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 int main(void) {

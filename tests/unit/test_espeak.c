@@ -38,19 +38,19 @@ static void check_text(const struct result *r, const char *text, const char *con
 
 static void espeak_speaks_italian(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(0), "espeak");
-    const struct result *mamma = scene_speak(s, "it", "La mamma parla."),
-                        *friend = scene_speak(s, "it", "«L'amica», perché…"),
-                        *female = scene_speak(s, "espeak:it+f2", "La mamma parla.");
-    scene_run(s);
+    struct pool_test *s = OPEN(WITH(0), "espeak");
+    const struct result *mamma = pool_test_speak(s, "it", "La mamma parla."),
+                        *friend = pool_test_speak(s, "it", "«L'amica», perché…"),
+                        *female = pool_test_speak(s, "espeak:it+f2", "La mamma parla.");
+    pool_test_run(s);
     check_text(mamma, "La mamma parla.", WORDS("La", "mamma", "parla"), "l a m ˈa m m a p ˈa r l a _ ");
     check_text(friend, "«L'amica», perché…", WORDS("L'amica", "perché"), "_ l a m ˈi k a _ p e r k ˈe _ ");
     check_text(female, "La mamma parla.", WORDS("La", "mamma", "parla"), "l a m ˈa m m a p ˈa r l a _ ");
     assert_string_equal(mamma->u->lang, "it");
     assert_int_equal(mamma->u->sample_rate, 22050);
-    assert_string_equal(scene_voice(s, "it+f2")->gender, "female");
-    assert_string_equal(scene_voice(s, "pt-br")->lang, "pt-BR");
-    scene_shut(s);
+    assert_string_equal(pool_test_voice(s, "it+f2")->gender, "female");
+    assert_string_equal(pool_test_voice(s, "pt-br")->lang, "pt-BR");
+    pool_test_shut(s);
 }
 
 static double loudest(const struct sentence_audio *u, uint32_t from, uint32_t to) {
@@ -66,9 +66,9 @@ static void espeak_gives_closures_to_stops(void **state) {
     (void)state;
     static const char text[] = "La pappa, tutto il pacco. Capo";
     unsigned stops = 0;
-    struct media_segment *s = OPEN(WITH(0), "espeak");
-    const struct result *r = scene_speak(s, "it", text);
-    scene_run(s);
+    struct pool_test *s = OPEN(WITH(0), "espeak");
+    const struct result *r = pool_test_speak(s, "it", text);
+    pool_test_run(s);
     assert_false(r->failed);
     check_whole(r->u, text);
     for (size_t i = 1; i < r->u->phone_count; i++) {
@@ -86,17 +86,17 @@ static void espeak_gives_closures_to_stops(void **state) {
             assert_true(p->end - p->start < 150 * ms); /* not the pause before it */
     }
     assert_int_equal(stops, 8);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* A variant with an echo, which sounds on in its closures, has them where the plain voice has them. */
 static void espeak_hears_closures_through_an_echo(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(0), "espeak");
-    const struct result *plain = scene_speak(s, "it", "La pappa, tutto il pacco: topo e capo.");
-    const struct result *echo = scene_speak(s, "it+f2", "La pappa, tutto il pacco: topo e capo.");
+    struct pool_test *s = OPEN(WITH(0), "espeak");
+    const struct result *plain = pool_test_speak(s, "it", "La pappa, tutto il pacco: topo e capo.");
+    const struct result *echo = pool_test_speak(s, "it+f2", "La pappa, tutto il pacco: topo e capo.");
     unsigned stops = 0;
-    scene_run(s);
+    pool_test_run(s);
     assert_int_equal(plain->u->phone_count, echo->u->phone_count);
     for (size_t i = 0; i < plain->u->phone_count; i++) {
         const struct phone *a = &plain->u->phones[i], *b = &echo->u->phones[i];
@@ -106,7 +106,7 @@ static void espeak_hears_closures_through_an_echo(void **state) {
         assert_true(fabs((double)(a->end - a->start) - (double)(b->end - b->start)) < 0.010 * 22050);
     }
     assert_int_equal(stops, 10);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Marks, breaks, styles and escapes through SSML: places and pauses are where they belong. */
@@ -116,20 +116,20 @@ static void espeak_follows_the_score(void **state) {
         slow = {.rate = 0.6, .pitch = 1.3, .range = 1, .volume = 1},
         spell = {.rate = 1, .pitch = 1, .range = 1, .volume = 1, .say_as = "characters"},
         strange = {.rate = 1, .pitch = 1, .range = 1, .volume = 1, .say_as = "moonwise"};
-    struct media_segment *s = OPEN(WITH(0), "espeak");
-    scene_add(s, "Uno <due> & ")->end = 12;
+    struct pool_test *s = OPEN(WITH(0), "espeak");
+    pool_test_add(s, "Uno <due> & ")->end = 12;
     struct score_item *item = score_add(s->score, SCORE_MARK, 12, 13);
     item->text = "qui & \"là\"";
     item = score_add(s->score, SCORE_BREAK, 13, 14);
     item->seconds = 0.8;
-    item = scene_add(s, "casa ");
+    item = pool_test_add(s, "casa ");
     item->start = 14, item->end = 19, item->style = &slow;
-    item = scene_add(s, "UE ");
+    item = pool_test_add(s, "UE ");
     item->start = 19, item->end = 22, item->style = &spell;
-    item = scene_add(s, "fine.");
+    item = pool_test_add(s, "fine.");
     item->start = 22, item->end = 27, item->style = &strange;
-    const struct result *r = scene_speak_items(s, "it", 0), *plain = scene_speak(s, "it", "casa");
-    scene_run(s);
+    const struct result *r = pool_test_speak_items(s, "it", 0), *plain = pool_test_speak(s, "it", "casa");
+    pool_test_run(s);
     static const char text[] = "Uno <due> & MBcasa UE fine.";
     assert_false(r->failed);
     check_whole(r->u, text);
@@ -155,35 +155,35 @@ static void espeak_follows_the_score(void **state) {
            usually = plain->u->words[0].end - plain->u->words[0].start;
     assert_true(slowly > 1.25 * usually);
     assert_int_equal(r->u->warning_count, 1); /* moonwise */
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void espeak_keeps_the_rate_in_its_bounds(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(0), "espeak");
-    scene_add(s, "una frase di prova");
-    const struct result *fast = scene_speak_items(s, "it", 300);
-    scene_add(s, "una frase di prova");
-    const struct result *usual = scene_speak_items(s, "it", 0);
-    scene_add(s, "una frase di prova");
-    const struct result *wild = scene_speak_items(s, "it", 5000);
-    scene_run(s);
+    struct pool_test *s = OPEN(WITH(0), "espeak");
+    pool_test_add(s, "una frase di prova");
+    const struct result *fast = pool_test_speak_items(s, "it", 300);
+    pool_test_add(s, "una frase di prova");
+    const struct result *usual = pool_test_speak_items(s, "it", 0);
+    pool_test_add(s, "una frase di prova");
+    const struct result *wild = pool_test_speak_items(s, "it", 5000);
+    pool_test_run(s);
     assert_true(fast->u->samples < 0.75 * usual->u->samples);
     assert_int_equal(fast->u->warning_count, 0);
     assert_true(wild->u->samples < fast->u->samples);
     assert_int_equal(wild->u->warning_count, 1); /* the rate; above it the times would be wrong */
     check_whole(wild->u, "una frase di prova");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void espeak_stops_when_cancelled(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(0), "espeak");
+    struct pool_test *s = OPEN(WITH(0), "espeak");
     char *text = mem_alloc(90001);
     for (int i = 0; i < 90000; i += 9)
         memcpy(text + i, "parlare, ", 9);
-    scene_speak(s, "it", text); /* over an hour of speech */
-    scene_speak(s, "it", "breve");
+    pool_test_speak(s, "it", text); /* over an hour of speech */
+    pool_test_speak(s, "it", "breve");
     uv_run(&s->loop, UV_RUN_NOWAIT);
     voice_job_cancel(s->jobs[0]);
     s->count = 1;
@@ -193,7 +193,7 @@ static void espeak_stops_when_cancelled(void **state) {
     sentence_audio_free(s->results[1].u);
     s->count = 0;
     free(text);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Sentences with every phone of the language, numbers, signs and foreign words. */
@@ -211,11 +211,11 @@ static void espeak_names_every_phone(void **state) {
         {"en-gb",
          "Poor boys hear the winding moor, near fair cows; measure, breathe, singing, hurry, button."},
     };
-    struct media_segment *s = OPEN(WITH(0), "espeak");
+    struct pool_test *s = OPEN(WITH(0), "espeak");
     enum { COUNT = sizeof texts / sizeof *texts };
     for (size_t i = 0; i < COUNT; i++)
-        scene_speak(s, texts[i][0], texts[i][1]);
-    scene_run(s);
+        pool_test_speak(s, texts[i][0], texts[i][1]);
+    pool_test_run(s);
     for (size_t i = 0; i < COUNT; i++) {
         const struct sentence_audio *u = s->results[i].u;
         assert_non_null(u);
@@ -231,7 +231,7 @@ static void espeak_names_every_phone(void **state) {
         assert_true(stressed >= 6 && stressed <= u->word_count + 12);
         assert_true(pauses >= 4);
     }
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 int main(void) {

@@ -15,20 +15,20 @@
 static const struct score_style plain = {.rate = 1, .pitch = 1, .range = 1, .volume = 1};
 
 /* Text behind the text before. */
-static struct score_item *add(struct media_segment *s, const char *text) {
+static struct score_item *add(struct pool_test *s, const char *text) {
     size_t at = s->score->item_count ? s->score->items[s->score->item_count - 1].end : 0;
-    struct score_item *item = scene_add(s, text);
+    struct score_item *item = pool_test_add(s, text);
     item->start = at;
     item->end = at + strlen(text);
     return item;
 }
 
 /* The sentence word by word; word `which` has the style. */
-static const struct result *speak(struct media_segment *s, const struct score_style *style, size_t which) {
+static const struct result *speak(struct pool_test *s, const struct score_style *style, size_t which) {
     static const char *const words[] = {"La ", "mia ", "mela ", "rimane ", "là."};
     for (size_t i = 0; i < 5; i++)
         add(s, words[i])->style = i == which ? style : &plain;
-    return scene_speak_items(s, "it+f2", 0);
+    return pool_test_speak_items(s, "it+f2", 0);
 }
 
 /* Fundamental frequency at a place: the lag of the best correlation. */
@@ -87,10 +87,10 @@ static void each_style_is_heard(void **state) {
     fast.rate = 1.6, slow.rate = 0.6, loud.volume = 2, soft.volume = 0.4;
     const struct score_style *const styles[] = {&plain, &strong, &reduced, &high, &low,
                                                 &flat,  &fast,   &slow,    &loud, &soft};
-    struct media_segment *s = OPEN(WITH(0), "espeak");
+    struct pool_test *s = OPEN(WITH(0), "espeak");
     for (size_t i = 0; i < 10; i++)
         speak(s, styles[i], 3);
-    scene_run(s);
+    pool_test_run(s);
     struct heard h[10], before[10];
     for (size_t i = 0; i < 10; i++) {
         assert_int_equal(s->results[i].u->warning_count, 0);
@@ -106,13 +106,13 @@ static void each_style_is_heard(void **state) {
     assert_true(h[5].high - h[5].low < 0.5 * (h[0].high - h[0].low));
     assert_true(h[6].seconds < 0.8 * h[0].seconds && h[7].seconds > 1.3 * h[0].seconds);
     assert_true(h[8].loudness > 1.6 * h[0].loudness && h[9].loudness < 0.55 * h[0].loudness);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Each word may have a style of its own, and the sentence flows on. */
 static void many_styles_make_no_pauses(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(0), "espeak");
+    struct pool_test *s = OPEN(WITH(0), "espeak");
     struct score_style styles[5];
     speak(s, &plain, 0);
     for (size_t i = 0; i < 5; i++) {
@@ -123,8 +123,8 @@ static void many_styles_make_no_pauses(void **state) {
     static const char *const words[] = {"La ", "mia ", "mela ", "rimane ", "là."};
     for (size_t i = 0; i < 5; i++)
         add(s, words[i])->style = &styles[i];
-    scene_speak_items(s, "it+f2", 0);
-    scene_run(s);
+    pool_test_speak_items(s, "it+f2", 0);
+    pool_test_run(s);
     const struct sentence_audio *a = s->results[0].u, *b = s->results[1].u;
     assert_int_equal(b->word_count, 5);
     for (size_t i = 0; i < 5; i++)
@@ -140,7 +140,7 @@ static void many_styles_make_no_pauses(void **state) {
     assert_int_equal(sounds[0], sounds[1]);
     assert_true(silence < b->sample_rate / 10);
     assert_true(b->words[4].end < 1.15 * a->words[4].end);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static const char *phones_of(const struct sentence_audio *u, const struct word *w) {
@@ -169,7 +169,7 @@ static void given_phones_are_spoken(void **state) {
         {"pt-br", "gato", "ˈpɐ̃w", "p'ɐ̃w", 1, 0},           {"tr", "kedi", "ɟyˈzel", "ɟyz'el", 1, 0},
     };
     enum { COUNT = sizeof cases / sizeof *cases };
-    struct media_segment *s = OPEN(WITH(0), "espeak");
+    struct pool_test *s = OPEN(WITH(0), "espeak");
     struct score_style styles[COUNT];
     for (size_t i = 0; i < COUNT; i++) {
         styles[i] = plain;
@@ -177,10 +177,10 @@ static void given_phones_are_spoken(void **state) {
         add(s, "a ");
         add(s, cases[i].text)->style = &styles[i];
         add(s, " [ma] & poi.");
-        scene_speak_items(s, cases[i].voice, 0);
+        pool_test_speak_items(s, cases[i].voice, 0);
     }
-    scene_speak(s, "it", "[[kaza]] gatto");
-    scene_run(s);
+    pool_test_speak(s, "it", "[[kaza]] gatto");
+    pool_test_run(s);
     for (size_t i = 0; i < COUNT; i++) {
         const struct sentence_audio *u = s->results[i].u;
         assert_non_null(u);
@@ -194,26 +194,26 @@ static void given_phones_are_spoken(void **state) {
     }
     /* brackets in a text are no phones */
     assert_string_equal(s->results[COUNT].u->words[s->results[COUNT].u->word_count - 1].text, "gatto");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void extremes_are_bounded(void **state) {
     (void)state;
     static const double factors[] = {0, 1e-9, 0.01, 100, 1e9};
-    struct media_segment *s = OPEN(WITH(0), "espeak");
+    struct pool_test *s = OPEN(WITH(0), "espeak");
     struct score_style styles[5];
     for (size_t i = 0; i < 5; i++) {
         styles[i] = (struct score_style){
             .rate = factors[i], .pitch = factors[i], .range = factors[i], .volume = factors[i]};
         speak(s, &styles[i], 3);
     }
-    scene_run(s);
+    pool_test_run(s);
     for (size_t i = 0; i < 5; i++) {
         assert_false(s->results[i].failed);
         assert_int_equal(s->results[i].u->word_count, 5);
         assert_true(i == 0 || s->results[i].u->warning_count >= 2);
     }
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 int main(void) {

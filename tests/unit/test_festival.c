@@ -12,12 +12,12 @@
 #include <cmocka.h>
 
 /* Without its engine the plugin has no voices, and there is nothing to be tested. */
-static struct media_segment *open_festival(void) {
-    struct media_segment *s = OPEN(WITH(0), "festival", "espeak");
+static struct pool_test *open_festival(void) {
+    struct pool_test *s = OPEN(WITH(0), "festival", "espeak");
     struct error e;
     if (voice_pool_find(s->pool, "festival:lp", NULL, NULL, &e))
         return s;
-    scene_shut(s);
+    pool_test_shut(s);
     skip();
     return NULL;
 }
@@ -59,7 +59,7 @@ static void festival_follows_the_score(void **state) {
                  {"B", NULL, 0.8, NULL},         {"mamma ", &slow, 0, NULL},     {"mamma ", &soft, 0, NULL},
                  {"mamma ", &strong, 0, NULL},   {"UE ", &spell, 0, NULL},       {"fine.", &strange, 0, NULL},
                  {"M", NULL, 0, "fine"}};
-    struct media_segment *s = open_festival();
+    struct pool_test *s = open_festival();
     char text[128] = "";
     for (size_t i = 0; i < sizeof items / sizeof *items; i++) {
         size_t at = strlen(text);
@@ -71,13 +71,13 @@ static void festival_follows_the_score(void **state) {
             item->seconds = items[i].seconds;
             continue;
         }
-        struct score_item *item = scene_add(s, items[i].text);
+        struct score_item *item = pool_test_add(s, items[i].text);
         item->start = at, item->end = strlen(text);
         if (items[i].style)
             item->style = items[i].style;
     }
-    const struct result *r = scene_speak_items(s, "festival:lp", 0);
-    scene_run(s);
+    const struct result *r = pool_test_speak_items(s, "festival:lp", 0);
+    pool_test_run(s);
     assert_false(r->failed);
     check_whole(r->u, text);
     const struct word *first = word_at(r, 0), *casa = word_at(r, 12), *slowly = word_at(r, 18),
@@ -99,32 +99,32 @@ static void festival_follows_the_score(void **state) {
         spelt += r->u->words[i].from >= 36 && r->u->words[i].to <= 38;
     assert_int_equal(spelt, 2);
     assert_int_equal(r->u->warning_count, 1); /* moonwise */
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* The same sentence sounds the same, and a voice's database is not made quieter by being used. */
 static void festival_repeats_itself(void **state) {
     (void)state;
-    struct media_segment *s = open_festival();
-    const struct result *once = scene_speak(s, "festival:lp", "La mamma parla piano."),
-                        *other = scene_speak(s, "festival:pc", "La mamma parla piano."),
-                        *again = scene_speak(s, "festival:lp", "La mamma parla piano.");
-    scene_run(s);
+    struct pool_test *s = open_festival();
+    const struct result *once = pool_test_speak(s, "festival:lp", "La mamma parla piano."),
+                        *other = pool_test_speak(s, "festival:pc", "La mamma parla piano."),
+                        *again = pool_test_speak(s, "festival:lp", "La mamma parla piano.");
+    pool_test_run(s);
     assert_int_equal(once->u->samples, again->u->samples);
     assert_memory_equal(once->u->pcm, again->u->pcm, once->u->samples * sizeof *once->u->pcm);
     assert_int_equal(once->u->phone_count, other->u->phone_count);
     assert_true(loudest(other->u, 0, other->u->samples) > 5000);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void festival_stops_when_cancelled(void **state) {
     (void)state;
-    struct media_segment *s = open_festival();
+    struct pool_test *s = open_festival();
     char *text = mem_alloc(90001);
     for (int i = 0; i < 90000; i += 9)
         memcpy(text + i, "parlare, ", 9);
-    scene_speak(s, "festival:lp", text); /* over an hour of speech */
-    scene_speak(s, "festival:lp", "breve");
+    pool_test_speak(s, "festival:lp", text); /* over an hour of speech */
+    pool_test_speak(s, "festival:lp", "breve");
     uv_run(&s->loop, UV_RUN_NOWAIT);
     voice_job_cancel(s->jobs[0]);
     s->count = 1;
@@ -134,7 +134,7 @@ static void festival_stops_when_cancelled(void **state) {
     sentence_audio_free(s->results[1].u);
     s->count = 0;
     free(text);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 int main(void) {

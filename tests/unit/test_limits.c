@@ -9,51 +9,51 @@
 #include <cmocka.h>
 
 /* The voice goes on after whatever it was. */
-static void speak_and_go_on(struct media_segment *s, const char *text) {
-    scene_speak(s, "plain", text);
-    scene_speak(s, "plain", "uno");
-    scene_run(s);
+static void speak_and_go_on(struct pool_test *s, const char *text) {
+    pool_test_speak(s, "plain", text);
+    pool_test_speak(s, "plain", "uno");
+    pool_test_run(s);
     assert_false(s->results[s->count - 1].failed);
 }
 
 /* The sentence takes 5 s. */
 static void a_voice_at_work_has_more_time(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(.deadline_base = 4), "puppet");
+    struct pool_test *s = OPEN(WITH(.deadline_base = 4), "puppet");
     speak_and_go_on(s, "steady");
     assert_false(s->results[0].failed);
     assert_int_equal(s->results[0].u->samples, 20 * 160);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void but_not_for_ever(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(.deadline_base = 1, .deadline_most = 2), "puppet");
+    struct pool_test *s = OPEN(WITH(.deadline_base = 1, .deadline_most = 2), "puppet");
     speak_and_go_on(s, "drip");
     check_failed(&s->results[0], "voice-timeout");
     assert_string_equal(s->results[0].e.message, "the voice puppet took too long");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void processor_time_is_limited(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(.deadline_base = 100, .processor = 0.01), "puppet");
+    struct pool_test *s = OPEN(WITH(.deadline_base = 100, .processor = 0.01), "puppet");
     speak_and_go_on(s, "spin");
     check_failed(&s->results[0], "voice-crashed");
     assert_string_equal(s->results[0].e.message, "the voice puppet took too much processor time");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Each sentence has its own: what they take together is more than what one may. */
 static void processor_time_is_that_of_one_sentence(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(.deadline_base = 100, .processor = 0.01), "puppet");
+    struct pool_test *s = OPEN(WITH(.deadline_base = 100, .processor = 0.01), "puppet");
     for (int i = 0; i < 6; i++)
-        scene_speak(s, "plain", "work");
-    scene_run(s);
+        pool_test_speak(s, "plain", "work");
+    pool_test_run(s);
     for (int i = 0; i < 6; i++)
         assert_false(s->results[i].failed);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void memory_is_limited(void **state) {
@@ -61,10 +61,10 @@ static void memory_is_limited(void **state) {
 #if defined __SANITIZE_ADDRESS__ /* which itself takes more than any limit */
     skip();
 #endif
-    struct media_segment *s = OPEN(WITH(0), "puppet");
+    struct pool_test *s = OPEN(WITH(0), "puppet");
     speak_and_go_on(s, "hog");
     check_failed(&s->results[0], "voice-crashed");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* The warnings in which the puppet tells what came of its attempts. */
@@ -87,31 +87,31 @@ static void what_was_not_asked_for_is_refused(void **state) {
 #ifndef HAVE_SECCOMP
     skip();
 #endif
-    struct media_segment *s = OPEN(WITH(0), "puppet");
-    scene_speak(s, "plain", "dial");
+    struct pool_test *s = OPEN(WITH(0), "puppet");
+    pool_test_speak(s, "plain", "dial");
     speak_and_go_on(s, "launch");
     check_attempts(&s->results[0], sockets, "Operation not permitted");
     check_attempts(&s->results[1], programs, "Operation not permitted");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void a_sandbox_can_be_forgone(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(.unconfined = true), "puppet");
+    struct pool_test *s = OPEN(WITH(.unconfined = true), "puppet");
     speak_and_go_on(s, "dial");
     assert_string_equal(s->results[0].u->warnings[0], "inet: done");
     assert_string_equal(s->results[0].u->warnings[4], "connect: No such file or directory");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* It starts only where it may open a socket and run a program. */
 static void old_plugins_may_do_what_they_could(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(0), "first");
-    scene_speak(s, "never", "ciao");
-    scene_run(s);
+    struct pool_test *s = OPEN(WITH(0), "first");
+    pool_test_speak(s, "never", "ciao");
+    pool_test_run(s);
     assert_false(s->results[0].failed);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 int main(void) {

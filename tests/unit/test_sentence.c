@@ -16,7 +16,7 @@
 #include <cmocka.h>
 
 struct stage {
-    struct media_segment *segment;
+    struct pool_test *test;
     const struct voice *voices[16];
     char *sounds[16];
     struct voice_selection cast;
@@ -30,9 +30,9 @@ static void begin(struct stage *t) {
 }
 
 static struct score_item *add(struct stage *t, enum score_kind kind, const char *voice, const char *text) {
-    struct score *score = t->segment->score;
+    struct score *score = t->test->score;
     size_t at = 100 * score->item_count;
-    t->voices[score->item_count] = scene_voice(t->segment, voice);
+    t->voices[score->item_count] = pool_test_voice(t->test, voice);
     struct score_item *item = score_add(score, kind, at, at + (text ? strlen(text) : 0));
     item->text = text;
     item->verbatim = true;
@@ -44,7 +44,7 @@ static void on_done(void *ctx, struct sentence_audio *u) {
     assert_false(t->done);
     t->done = true;
     t->u = u;
-    uv_stop(&t->segment->loop);
+    uv_stop(&t->test->loop);
 }
 
 static void on_failed(void *ctx, const struct error *e) {
@@ -52,29 +52,28 @@ static void on_failed(void *ctx, const struct error *e) {
     assert_false(t->done);
     t->done = true;
     t->e = *e;
-    uv_stop(&t->segment->loop);
+    uv_stop(&t->test->loop);
 }
 
 static struct sentence *start(struct stage *t, const char *voice) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
-    score_end_sentence(t->segment->score);
-    t->cast = (struct voice_selection){t->voices, t->sounds, t->segment->score->item_count};
-    const struct voice_request request = {
-        scene_voice(t->segment, voice), t->segment->score, 0, 0, 1, 1, false};
-    return sentence_speak(t->segment->pool, &t->segment->loop, &request, &t->cast, &callbacks, t);
+    score_end_sentence(t->test->score);
+    t->cast = (struct voice_selection){t->voices, t->sounds, t->test->score->item_count};
+    const struct voice_request request = {pool_test_voice(t->test, voice), t->test->score, 0, 0, 1, 1, false};
+    return sentence_speak(t->test->pool, &t->test->loop, &request, &t->cast, &callbacks, t);
 }
 
 static struct sentence_audio *speak(struct stage *t, const char *voice) {
     start(t, voice);
     assert_false(t->done);
-    uv_run(&t->segment->loop, UV_RUN_DEFAULT);
+    uv_run(&t->test->loop, UV_RUN_DEFAULT);
     assert_true(t->done);
     return t->u;
 }
 
 static void end(struct stage *t) {
     sentence_audio_free(t->u);
-    scene_shut(t->segment);
+    pool_test_shut(t->test);
     for (size_t i = 0; i < 16; i++)
         free(t->sounds[i]);
 }
@@ -225,7 +224,7 @@ static void cancelled(void **state) {
     add(&t, SCORE_AUDIO, "puppet:plain", "good.wav");
     add(&t, SCORE_TEXT, "puppet:plain", "slow it is ");
     sentence_cancel(start(&t, "espeak:it"));
-    scene_close_pool(t.segment);
+    pool_test_close_pool(t.segment);
     uv_run(&t.segment->loop, UV_RUN_DEFAULT);
     assert_false(t.done);
     end(&t);

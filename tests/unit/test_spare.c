@@ -27,17 +27,17 @@ static pid_t first_child(void) {
     return child;
 }
 
-static void speak_others(struct media_segment *s) {
+static void speak_others(struct pool_test *s) {
     for (int i = 0; i < OTHERS; i++)
-        scene_speak(s, "plain", "uno due");
+        pool_test_speak(s, "plain", "uno due");
 }
 
-static void check_spoken(const struct media_segment *s) {
+static void check_spoken(const struct pool_test *s) {
     for (size_t i = 0; i < s->count; i++)
         assert_false(s->results[i].failed);
 }
 
-static void run_for(struct media_segment *s, int ms) {
+static void run_for(struct pool_test *s, int ms) {
     for (int i = 0; i < ms; i++) {
         usleep(1000);
         uv_run(&s->loop, UV_RUN_NOWAIT);
@@ -49,64 +49,64 @@ static void run_for(struct media_segment *s, int ms) {
 
 static void a_worker_stopped_in_a_sentence_holds_up_nobody(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(PATIENT, "puppet");
+    struct pool_test *s = OPEN(PATIENT, "puppet");
     pid_t worker = first_child();
-    scene_speak(s, "plain", "brief");
+    pool_test_speak(s, "plain", "brief");
     run_for(s, 100);
     assert_int_equal(s->finished, 0);
     kill(worker, SIGSTOP);
     speak_others(s);
-    scene_run(s);
+    pool_test_run(s);
     check_spoken(s);
     assert_int_equal(s->results[0].u->samples, 4 * 160);
     /* it comes back, and what it says of the sentence that it lost is not taken for another's */
     kill(worker, SIGCONT);
     run_for(s, 50);
     speak_others(s);
-    scene_run(s);
+    pool_test_run(s);
     check_spoken(s);
     assert_int_equal(first_child(), worker);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void so_does_one_that_was_stopped_at_rest(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(PATIENT, "puppet");
+    struct pool_test *s = OPEN(PATIENT, "puppet");
     pid_t worker = first_child();
     kill(worker, SIGSTOP);
     speak_others(s);
-    scene_run(s);
+    pool_test_run(s);
     check_spoken(s);
     kill(worker, SIGKILL);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Its process runs, so the sentence stays its own until its deadline; the others do not wait for that. */
 static void a_hanging_sentence_holds_up_nobody(void **state) {
     (void)state;
-    struct media_segment *s =
+    struct pool_test *s =
         OPEN(WITH(.workers = 1, .spare_workers = 1, .deadline_base = 5, .deadline_most = 1), "puppet");
-    scene_speak(s, "plain", "hang");
+    pool_test_speak(s, "plain", "hang");
     speak_others(s);
-    scene_run(s);
+    pool_test_run(s);
     check_failed(&s->results[0], "voice-timeout");
     assert_int_equal(s->results[0].order, OTHERS + 1);
     for (int i = 1; i <= OTHERS; i++)
         assert_false(s->results[i].failed);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* An idle one is there already: no spare one is needed. */
 static void another_usual_worker_takes_over(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(.workers = 2, .spare_workers = 1, .deadline_base = 1000), "puppet");
+    struct pool_test *s = OPEN(WITH(.workers = 2, .spare_workers = 1, .deadline_base = 1000), "puppet");
     pid_t worker = first_child();
     kill(worker, SIGSTOP);
     speak_others(s);
-    scene_run(s);
+    pool_test_run(s);
     check_spoken(s);
     kill(worker, SIGCONT);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Takes all descriptors that are left. Returns how many, for give_back. */
@@ -127,7 +127,7 @@ static void a_worker_starts_with_the_last_descriptors(void **state) {
     (void)state;
     int fds[256];
     struct rlimit limit, low;
-    struct media_segment *s = OPEN(WITH(0), "puppet");
+    struct pool_test *s = OPEN(WITH(0), "puppet");
     getrlimit(RLIMIT_NOFILE, &limit);
     low = limit;
     low.rlim_cur = 128;
@@ -139,20 +139,20 @@ static void a_worker_starts_with_the_last_descriptors(void **state) {
         assert_true((fds[count++] = open("/dev/null", O_RDONLY | O_CLOEXEC)) >= 0);
         kill(worker, SIGKILL);
         run_for(s, 200);
-        scene_speak(s, "plain", "uno");
-        scene_run(s);
+        pool_test_speak(s, "plain", "uno");
+        pool_test_run(s);
     }
     give_back(fds, count);
     check_spoken(s);
     setrlimit(RLIMIT_NOFILE, &limit);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Not one is to be had, not even those that are kept for this: the sentence waits. */
 static void a_sentence_waits_for_descriptors(void **state) {
     (void)state;
     struct rlimit limit, none;
-    struct media_segment *s = OPEN(WITH(0), "puppet");
+    struct pool_test *s = OPEN(WITH(0), "puppet");
     getrlimit(RLIMIT_NOFILE, &limit);
     pid_t worker = first_child();
     none = limit;
@@ -160,22 +160,22 @@ static void a_sentence_waits_for_descriptors(void **state) {
     setrlimit(RLIMIT_NOFILE, &none);
     kill(worker, SIGKILL);
     run_for(s, 150);
-    scene_speak(s, "plain", "uno");
+    pool_test_speak(s, "plain", "uno");
     run_for(s, 1500); /* more tries than those after which a plugin is given up */
     assert_int_equal(s->finished, 0);
     setrlimit(RLIMIT_NOFILE, &limit);
-    scene_run(s);
+    pool_test_run(s);
     check_spoken(s);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void too_many_voices_are_refused(void **state) {
     (void)state;
     size_t count;
-    struct media_segment *s = OPEN(WITH(0), "crowd", "puppet");
+    struct pool_test *s = OPEN(WITH(0), "crowd", "puppet");
     voice_pool_voices(s->pool, &count);
     assert_int_equal(count, 2);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Frames that no host writes: lengths, types, sentences and times that lie. Whatever becomes of the sentence,
@@ -184,18 +184,18 @@ static void frames_that_lie_cost_a_sentence(void **state) {
     enum { FRAMES = 17 };
     static char texts[FRAMES][32];
     (void)state;
-    struct media_segment *s = OPEN(WITH(.deadline_base = 2, .deadline_most = 1), "puppet");
+    struct pool_test *s = OPEN(WITH(.deadline_base = 2, .deadline_most = 1), "puppet");
     for (int i = 0; i < FRAMES; i++) {
         snprintf(texts[i], sizeof texts[i], "raw %d %d", i, 2 * i + 1);
-        scene_speak(s, "plain", texts[i]);
-        scene_speak(s, "plain", "uno due");
-        scene_run(s);
+        pool_test_speak(s, "plain", texts[i]);
+        pool_test_speak(s, "plain", "uno due");
+        pool_test_run(s);
         assert_false(s->results[2 * i + 1].failed);
         assert_int_equal(s->results[2 * i + 1].u->word_count, 2);
         if (!s->results[2 * i].failed)
             check_whole(s->results[2 * i].u, texts[i]);
     }
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 int main(void) {

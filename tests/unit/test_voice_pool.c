@@ -14,19 +14,19 @@
 static void sentences_come_back_in_order(void **state) {
     (void)state;
     static char texts[50][40];
-    struct media_segment *s = OPEN(WITH(0), "espeak");
+    struct pool_test *s = OPEN(WITH(0), "espeak");
     for (int i = 0; i < 50; i++) {
         snprintf(texts[i], sizeof texts[i], "Frase %d, di cinquanta.", i + 1);
-        scene_speak(s, i % 3 ? "it" : "it+f2", texts[i]);
+        pool_test_speak(s, i % 3 ? "it" : "it+f2", texts[i]);
     }
-    scene_run(s);
+    pool_test_run(s);
     for (unsigned i = 0; i < 50; i++) {
         assert_false(s->results[i].failed);
         assert_int_equal(s->results[i].order, i + 1);
         check_whole(s->results[i].u, texts[i]);
         assert_int_equal(s->results[i].u->word_count, 4);
     }
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Whatever a plugin does, it costs its own sentence; those before and after are spoken. */
@@ -39,13 +39,13 @@ static void a_fault_costs_one_sentence(void **state) {
         {"slow", "voice-timeout"},
     };
     enum { COUNT = sizeof faults / sizeof *faults };
-    struct media_segment *s = OPEN(WITH(.deadline_base = 1.5, .deadline_most = 1), "puppet");
-    scene_speak(s, "plain", "uno");
+    struct pool_test *s = OPEN(WITH(.deadline_base = 1.5, .deadline_most = 1), "puppet");
+    pool_test_speak(s, "plain", "uno");
     for (size_t i = 0; i < COUNT; i++) {
-        scene_speak(s, "plain", faults[i][0]);
-        scene_speak(s, "plain", "uno due");
+        pool_test_speak(s, "plain", faults[i][0]);
+        pool_test_speak(s, "plain", "uno due");
     }
-    scene_run(s);
+    pool_test_run(s);
     for (size_t i = 0; i < 2 * COUNT + 1; i++) {
         const struct result *r = &s->results[i];
         assert_int_equal(r->order, i + 1);
@@ -57,35 +57,35 @@ static void a_fault_costs_one_sentence(void **state) {
         }
     }
     assert_string_equal(s->results[5].e.message, "the voice puppet failed: it does not want to");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* A process that dies between two sentences costs none. */
 static void a_death_at_rest_costs_nothing(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(0), "puppet");
+    struct pool_test *s = OPEN(WITH(0), "puppet");
     for (int i = 0; i < 2; i++) {
-        scene_speak(s, "plain", "late");
-        scene_run(s);
+        pool_test_speak(s, "plain", "late");
+        pool_test_run(s);
         for (int k = 0; k < 60; k++) {
             usleep(1000);
             uv_run(&s->loop, UV_RUN_NOWAIT);
         }
-        scene_speak(s, "plain", "uno");
-        scene_run(s);
+        pool_test_speak(s, "plain", "uno");
+        pool_test_run(s);
     }
     for (int i = 0; i < 4; i++)
         assert_false(s->results[i].failed);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void what_can_be_mended_is_mended(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(0), "puppet");
+    struct pool_test *s = OPEN(WITH(0), "puppet");
     const char *const lies[] = {"backwards", "beyond", "names", "print"};
     for (size_t i = 0; i < 4; i++)
-        scene_speak(s, "plain", lies[i]);
-    scene_run(s);
+        pool_test_speak(s, "plain", lies[i]);
+    pool_test_run(s);
     for (size_t i = 0; i < 4; i++) {
         const struct sentence_audio *u = s->results[i].u;
         assert_non_null(u);
@@ -100,7 +100,7 @@ static void what_can_be_mended_is_mended(void **state) {
         for (size_t k = 0; k < u->word_count; k++)
             assert_true(u->words[k].to <= strlen(lies[i]) && u->words[k].end <= u->samples);
     }
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* A cancelled sentence never calls back, whether it waits, is spoken, or is spoken by a plugin that does not
@@ -109,11 +109,11 @@ static void cancelling_forgets_a_sentence(void **state) {
     (void)state;
     static const char *const first[] = {"slow", "hang"};
     for (size_t i = 0; i < 2; i++) {
-        struct media_segment *s = OPEN(WITH(0), "puppet");
-        const struct result *spoken = scene_speak(s, "plain", first[i]);
-        const struct result *waiting = scene_speak(s, "plain", "due");
-        const struct result *last = scene_speak(s, "plain", "waiting too");
-        const struct result *after = scene_speak(s, "plain", "tre");
+        struct pool_test *s = OPEN(WITH(0), "puppet");
+        const struct result *spoken = pool_test_speak(s, "plain", first[i]);
+        const struct result *waiting = pool_test_speak(s, "plain", "due");
+        const struct result *last = pool_test_speak(s, "plain", "waiting too");
+        const struct result *after = pool_test_speak(s, "plain", "tre");
         for (int k = 0; k < 20; k++) {
             usleep(1000);
             uv_run(&s->loop, UV_RUN_NOWAIT);
@@ -130,7 +130,7 @@ static void cancelling_forgets_a_sentence(void **state) {
         assert_int_equal(after->u->word_count, 1);
         sentence_audio_free(after->u);
         s->count = 0;
-        scene_shut(s);
+        pool_test_shut(s);
     }
 }
 
@@ -138,17 +138,17 @@ static void bad_plugins_are_passed_over(void **state) {
     (void)state;
     struct error e;
     size_t count;
-    struct media_segment *s = OPEN(WITH(0), "puppet", "old", "empty", "refuses", "dies");
+    struct pool_test *s = OPEN(WITH(0), "puppet", "old", "empty", "refuses", "dies");
     const struct voice *voices = voice_pool_voices(s->pool, &count);
     assert_int_equal(count, 2);
     assert_string_equal(voices[0].id, "puppet:plain");
     assert_string_equal(voices[0].plugin, "puppet");
     assert_int_equal(voices[0].rate, 100);
     assert_null(voice_pool_find(s->pool, "never", NULL, NULL, &e));
-    scene_speak(s, "puppet:plain", "ciao");
-    scene_run(s);
+    pool_test_speak(s, "puppet:plain", "ciao");
+    pool_test_run(s);
     assert_false(s->results[0].failed);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* A plugin that kept dying at its start is tried again later. */
@@ -160,7 +160,7 @@ static void a_plugin_may_recover(void **state) {
     close(fd);
     unlink(file);
     snprintf(config, sizeof config, "{\"dies\":{\"file\":\"%s\"}}", file);
-    struct media_segment *s = OPEN(WITH(.retry_after = 0.2, .config = config), "dies");
+    struct pool_test *s = OPEN(WITH(.retry_after = 0.2, .config = config), "dies");
     voice_pool_voices(s->pool, &count);
     assert_int_equal(count, 0);
     fclose(fopen(file, "w"));
@@ -168,18 +168,18 @@ static void a_plugin_may_recover(void **state) {
         uv_run(&s->loop, UV_RUN_ONCE);
         voice_pool_voices(s->pool, &count);
     }
-    scene_speak(s, "never", "ciao");
-    scene_run(s);
+    pool_test_speak(s, "never", "ciao");
+    pool_test_run(s);
     assert_false(s->results[0].failed);
     assert_int_equal(s->results[0].u->samples, 0);
     unlink(file);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void finds_voices(void **state) {
     (void)state;
     struct error e;
-    struct media_segment *s = OPEN(WITH(0), "puppet", "espeak");
+    struct pool_test *s = OPEN(WITH(0), "puppet", "espeak");
     const char *const preferred[] = {"nobody:it", "espeak:it+f2", NULL};
     const struct {
         const char *name, *lang;
@@ -209,37 +209,37 @@ static void finds_voices(void **state) {
     assert_null(voice_pool_find(s->pool, NULL, "i", NULL, &e));
     assert_null(voice_pool_find(s->pool, NULL, "", NULL, &e));
     assert_string_equal(e.field, "lang");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void closing_fails_what_is_queued(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(.workers = 2), "puppet");
+    struct pool_test *s = OPEN(WITH(.workers = 2), "puppet");
     for (int i = 0; i < 5; i++)
-        scene_speak(s, "plain", i < 2 ? "slow" : "uno");
+        pool_test_speak(s, "plain", i < 2 ? "slow" : "uno");
     uv_run(&s->loop, UV_RUN_NOWAIT);
-    scene_close_pool(s);
+    pool_test_close_pool(s);
     assert_int_equal(s->finished, 5);
     for (int i = 0; i < 5; i++)
         check_failed(&s->results[i], "cancelled");
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* Two workers speak at the same time: the quick sentence overtakes the slow one, and a crash stays with its
  * own. */
 static void workers_work_side_by_side(void **state) {
     (void)state;
-    struct media_segment *s = OPEN(WITH(.workers = 2, .deadline_base = 1, .deadline_most = 1), "puppet");
-    scene_speak(s, "plain", "slow");
-    scene_speak(s, "plain", "uno");
-    scene_speak(s, "plain", "crash");
-    scene_speak(s, "plain", "due");
-    scene_run(s);
+    struct pool_test *s = OPEN(WITH(.workers = 2, .deadline_base = 1, .deadline_most = 1), "puppet");
+    pool_test_speak(s, "plain", "slow");
+    pool_test_speak(s, "plain", "uno");
+    pool_test_speak(s, "plain", "crash");
+    pool_test_speak(s, "plain", "due");
+    pool_test_run(s);
     check_failed(&s->results[0], "voice-timeout");
     check_failed(&s->results[2], "voice-crashed");
     assert_false(s->results[1].failed || s->results[3].failed);
     assert_int_equal(s->results[0].order, 4);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 static void what_is_waited_for_comes_first(void **state) {
@@ -247,35 +247,35 @@ static void what_is_waited_for_comes_first(void **state) {
     static const char *const texts[] = {"uno", "due", "tre", "quattro", "cinque", "sei", "sette"};
     /* the first is begun at once; then urgent ones and others by turns */
     static const size_t order[] = {1, 3, 5, 7, 2, 4, 6};
-    struct media_segment *s = OPEN(WITH(.workers = 1), "puppet");
+    struct pool_test *s = OPEN(WITH(.workers = 1), "puppet");
     for (size_t i = 0; i < 7; i++) {
         s->urgent = i > 3;
-        scene_speak(s, "plain", texts[i]);
+        pool_test_speak(s, "plain", texts[i]);
     }
-    scene_run(s);
+    pool_test_run(s);
     for (size_t i = 0; i < 7; i++)
         assert_int_equal(s->results[i].order, order[i]);
-    scene_shut(s);
+    pool_test_shut(s);
 }
 
 /* The next sentence may be asked for, and the pool closed, from inside a callback. */
-static void close_inside(struct media_segment *s) {
+static void close_inside(struct pool_test *s) {
     s->when_finished = NULL;
-    scene_close_pool(s);
+    pool_test_close_pool(s);
 }
 
 static void callbacks_may_close_the_pool(void **state) {
     (void)state;
     static const char *const texts[] = {"uno", "crash", "rates", "fail"};
     for (size_t i = 0; i < 4; i++) {
-        struct media_segment *s = OPEN(WITH(0), "puppet");
-        scene_speak(s, "plain", texts[i]);
-        scene_speak(s, "plain", "due");
+        struct pool_test *s = OPEN(WITH(0), "puppet");
+        pool_test_speak(s, "plain", texts[i]);
+        pool_test_speak(s, "plain", "due");
         s->when_finished = close_inside;
-        scene_run(s);
+        pool_test_run(s);
         assert_int_equal(s->results[0].failed, i > 0);
         check_failed(&s->results[1], "cancelled");
-        scene_shut(s);
+        pool_test_shut(s);
     }
 }
 
