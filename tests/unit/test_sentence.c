@@ -26,7 +26,7 @@ struct stage {
 };
 
 static void begin(struct stage *t) {
-    *t = (struct stage){.segment = OPEN(WITH(0), "puppet", "espeak")};
+    *t = (struct stage){.test = OPEN(WITH(0), "puppet", "espeak")};
 }
 
 static struct score_item *add(struct stage *t, enum score_kind kind, const char *voice, const char *text) {
@@ -97,7 +97,7 @@ static void two_plugins_in_one_sentence(void **state) {
     add(&t, SCORE_TEXT, "puppet:plain", "una due ");
     add(&t, SCORE_MARK, "espeak:it", "here");
     add(&t, SCORE_TEXT, "espeak:it", "e casa tua.");
-    struct score_cue *cue = score_add_cue(t.segment->score, "affect", "joy", 0);
+    struct score_cue *cue = score_add_cue(t.test->score, "affect", "joy", 0);
     cue->first = 1;
     cue->last = 2;
     struct sentence_audio *u = speak(&t, "espeak:it");
@@ -181,8 +181,8 @@ static void sounds_and_their_alternates(void **state) {
     struct stage t;
     begin(&t);
     char good[128], bad[128];
-    snprintf(good, sizeof good, "%s/good.wav", t.segment->folder);
-    snprintf(bad, sizeof bad, "%s/bad.wav", t.segment->folder);
+    snprintf(good, sizeof good, "%s/good.wav", t.test->folder);
+    snprintf(bad, sizeof bad, "%s/bad.wav", t.test->folder);
     write_sound(good, 44100, 2, 0.5);
     FILE *file = fopen(bad, "w");
     fputs("no sound", file);
@@ -217,15 +217,15 @@ static void cancelled(void **state) {
     struct stage t;
     begin(&t);
     char path[128];
-    snprintf(path, sizeof path, "%s/good.wav", t.segment->folder);
+    snprintf(path, sizeof path, "%s/good.wav", t.test->folder);
     write_sound(path, 48000, 2, 20);
     add(&t, SCORE_TEXT, "espeak:it", "Casa mia ");
     t.sounds[1] = strdup(path);
     add(&t, SCORE_AUDIO, "puppet:plain", "good.wav");
     add(&t, SCORE_TEXT, "puppet:plain", "slow it is ");
     sentence_cancel(start(&t, "espeak:it"));
-    pool_test_close_pool(t.segment);
-    uv_run(&t.segment->loop, UV_RUN_DEFAULT);
+    pool_test_close_pool(t.test);
+    uv_run(&t.test->loop, UV_RUN_DEFAULT);
     assert_false(t.done);
     end(&t);
 }
