@@ -3,10 +3,6 @@
 #include <math.h>
 #include <string.h>
 
-double eval_gap(const struct speech_pack *pack, const struct fap_frame *frame) {
-    return -(frame->value[4] + frame->value[5]) * pack->fapu.mns / 1024;
-}
-
 const struct eval_measure eval_measures[EVAL_MEASURES] = {
     {"lips_seen", "lips", "Bilabials closed in a frame", EVAL_SHARE},
     {"lips_held", "held", "Bilabials closed in their middle third", EVAL_SHARE},

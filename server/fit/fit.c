@@ -107,7 +107,7 @@ void fit_run(struct speech_pack *pack, const struct measured_speech *recordings,
     list_others(out, pack);
     task_open(&task);
     for (task.param = 0; task.param < PARAM_COUNT; task.param++)
-        task_fit(&task);
+        task_fit(&task, task_choose);
     task_close(&task);
     close_tracks(tracks, count);
 }

@@ -245,7 +245,7 @@ static void move_others(const struct task *task, const double *x) {
     }
 }
 
-void task_fit(struct task *task) {
+void task_fit(struct task *task, void (*choose)(struct task *task)) {
     struct fit *fit = task->fit;
     int p = task->param;
     size_t frames = 0;
@@ -266,7 +266,7 @@ void task_fit(struct task *task) {
         s->stressed = s->entry->phone->stressed[at];
     }
     fit->unfitted[p] = sqrt(task_error(task, -1, &frames) / (double)frames);
-    task_choose(task);
+    choose(task);
     double *x = mem_alloc(task_unknowns(task) * sizeof *x);
     task_apply(task, x);
     if (isfinite(task->strength)) {

@@ -44,7 +44,7 @@ void task_open(struct task *task);
 void task_close(struct task *task);
 
 /* Fits the parameter from what the pack holds: chooses the strength, then the coefficients. */
-void task_fit(struct task *task);
+void task_fit(struct task *task, void (*choose)(struct task *task));
 
 /* Their unknowns, and the way from x to what the pack then holds. */
 size_t task_unknowns(const struct task *task);

@@ -63,32 +63,6 @@ struct exchange_work *exchange_get_work(struct exchange *x) {
     return x->work.self ? &x->work : NULL;
 }
 
-void exchange_expect_body(struct exchange *x, size_t most, enum error_code too_long) {
-    x->body_most = most;
-    x->body_too_long = too_long;
-}
-
-void exchange_take_body(struct exchange *x, const void *data, size_t size) {
-    struct error e;
-    if (x->answered || !x->body_most)
-        return;
-    if (x->request_body.size + size <= x->body_most) {
-        buf_add(&x->request_body, data, size);
-        return;
-    }
-    exchange_drop_body(x);
-    error_set(&e, x->body_too_long, "a body may have %zu bytes here", x->body_most);
-    exchange_error(x, &e);
-}
-
-const struct buf *exchange_body(const struct exchange *x) {
-    return &x->request_body;
-}
-
-void exchange_drop_body(struct exchange *x) {
-    buf_free(&x->request_body);
-}
-
 bool exchange_done(const struct exchange *x) {
     return x->done;
 }

@@ -23,12 +23,6 @@ struct parts {
     bool keep_alive, complete;
 };
 
-enum http_event http_reader_refuse(struct http_reader *r, enum error_code code, const char *why) {
-    r->at = HTTP_AT_WRONG;
-    error_set(&r->error, code, "%s", why);
-    return HTTP_READ_WRONG;
-}
-
 static enum http_event refuse_at(struct http_reader *r, size_t byte, enum error_code code, const char *why) {
     http_reader_refuse(r, code, why);
     r->error.place = PLACE_BYTE;

@@ -54,6 +54,11 @@ bool http_reader_begun(const struct http_reader *reader);
 enum http_event http_body_feed(struct http_reader *reader, const uint8_t *bytes, size_t size, size_t *used);
 
 /* Fills the error. */
-enum http_event http_reader_refuse(struct http_reader *reader, enum error_code code, const char *why);
+static inline enum http_event http_reader_refuse(struct http_reader *r, enum error_code code,
+                                                 const char *why) {
+    r->at = HTTP_AT_WRONG;
+    error_set(&r->error, code, "%s", why);
+    return HTTP_READ_WRONG;
+}
 
 #endif

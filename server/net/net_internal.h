@@ -174,7 +174,7 @@ int routes_serve(struct exchange *x, const char *path, size_t length, int method
 int speech_ask(struct exchange *x);
 extern const struct members speech_members; /* that it knows */
 
-/* media.c */
+/* media_list.c */
 
 /* A recording of the folder of those. -1 with *e: "unknown-media" when there is no such folder, or as
  * recording_source_in. */

@@ -57,33 +57,6 @@ static bool read_cardinal(const struct normalizer *normalizer, const char *text,
     return true;
 }
 
-bool normalize_ordinal(const struct normalizer *normalizer, const char *text, struct buf *out) {
-    struct number n;
-    size_t used = number_read(normalizer, text, &n);
-    const char *rest = text + used;
-    if (used ? *n.decimals || strlen(rest) > 4 || strpbrk(rest, "0123456789") : !number_roman(text, &n))
-        return false;
-    const json_t *ordinal = json_object_get(normalizer->root, "ordinal");
-    const char *word =
-        json_string_value(json_array_get(json_object_get(ordinal, "words"), strtoul(n.whole, NULL, 10) - 1));
-    if (word && strlen(n.whole) < 4) {
-        buf_printf(out, "%s", word);
-        return true;
-    }
-    const json_t *rules = json_object_get(ordinal, "rules");
-    size_t length = strlen(n.whole);
-    for (size_t i = 0; i < json_array_size(rules); i++) {
-        const json_t *rule = json_array_get(rules, i);
-        const char *ending = json_string_value(json_array_get(rule, 0));
-        if (strlen(ending) > length || strcmp(n.whole + length - strlen(ending), ending) != 0)
-            continue;
-        const char *const values[] = {"n", n.whole, NULL};
-        template_fill(out, json_string_value(json_array_get(rule, 1)), values);
-        return true;
-    }
-    return false;
-}
-
 bool normalize_fraction(const struct normalizer *normalizer, const char *text, struct buf *out) {
     struct number top, bottom;
     size_t used = number_read(normalizer, text, &top);

@@ -119,30 +119,6 @@ const struct normalizer *normalizers_find(const struct normalizers *normalizers,
     return NULL;
 }
 
-const char *normalizer_string(const struct normalizer *normalizer, const char *member, const char *name) {
-    const json_t *object = normalizer ? json_object_get(normalizer->root, member) : NULL;
-    return json_string_value(name ? json_object_get(object, name) : object);
-}
-
-const char *normalizer_form(const json_t *forms, bool one) {
-    return json_string_value(json_array_get(forms, !one));
-}
-
-void template_fill(struct buf *out, const char *template, const char *const *values) {
-    for (const char *s = template; *s;) {
-        size_t length = *s == '{' ? strcspn(s, "}") : 0;
-        const char *const *v = values;
-        while (length && *v && (strlen(*v) != length - 1 || strncmp(*v, s + 1, length - 1) != 0))
-            v += 2;
-        if (length && *v) {
-            buf_add(out, v[1], strlen(v[1]));
-            s += length + (s[length] == '}');
-        } else {
-            buf_add(out, s++, 1);
-        }
-    }
-}
-
 static bool is_space(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }

@@ -131,6 +131,34 @@ void stream_resume_utterance(struct stream *s, uint64_t at) {
     s->played_until = s->spoken_until = at + s->unheard;
 }
 
+void stream_end_utterance(struct stream *s, const char *reason) {
+    struct utterance *t = s->queue;
+    struct metrics *metrics = s->pipeline->metrics;
+    s->queue = t->next;
+    metrics_add(metrics,
+                *reason == 'd'   ? METRIC_UTTERANCES_DONE
+                : *reason == 's' ? METRIC_UTTERANCES_STOPPED
+                                 : METRIC_UTTERANCES_FAILED,
+                1);
+    if (t->sample_rate)
+        metrics_add(metrics, METRIC_SPEECH_SECONDS, (double)t->sent / t->sample_rate);
+    if (s->waiting)
+        s->waiting--;
+    if (t->begun && (*reason == 's' || utterance_is_foreign(t)))
+        stream_cut_face(s);
+    utterance_give(t, &s->sink, s->ctx,
+                   (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});
+    utterance_free(t);
+}
+
+void stream_forget_unheard(struct stream *s) {
+    uint64_t now = uv_now(s->pipeline->loop);
+    if (!s->paused && s->spoken_until > now)
+        stream_go_on_from(s, now);
+    s->spoken_until = 0;
+    s->unheard = 0;
+}
+
 /* Sends what may be sent now, and sees to it that it is called again when more may. */
 static void pump(struct stream *s) {
     for (;;) {

@@ -8,25 +8,6 @@ static void give(const struct utterance *t, struct stream_event event) {
     utterance_give(t, &t->stream->sink, t->stream->ctx, event);
 }
 
-void stream_end_utterance(struct stream *s, const char *reason) {
-    struct utterance *t = s->queue;
-    struct metrics *metrics = s->pipeline->metrics;
-    s->queue = t->next;
-    metrics_add(metrics,
-                *reason == 'd'   ? METRIC_UTTERANCES_DONE
-                : *reason == 's' ? METRIC_UTTERANCES_STOPPED
-                                 : METRIC_UTTERANCES_FAILED,
-                1);
-    if (t->sample_rate)
-        metrics_add(metrics, METRIC_SPEECH_SECONDS, (double)t->sent / t->sample_rate);
-    if (s->waiting)
-        s->waiting--;
-    if (t->begun && (*reason == 's' || utterance_is_foreign(t)))
-        stream_cut_face(s);
-    give(t, (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});
-    utterance_free(t);
-}
-
 static void on_segment(void *ctx, struct media_segment segment) {
     struct utterance *t = ctx;
     utterance_add_segment(t, segment);
@@ -155,14 +136,6 @@ void stream_play(struct stream *s, struct recording_source *source, enum speech_
 
 bool stream_busy(const struct stream *s) {
     return s->queue != NULL;
-}
-
-void stream_forget_unheard(struct stream *s) {
-    uint64_t now = uv_now(s->pipeline->loop);
-    if (!s->paused && s->spoken_until > now)
-        stream_go_on_from(s, now);
-    s->spoken_until = 0;
-    s->unheard = 0;
 }
 
 void stream_stop(struct stream *s) {

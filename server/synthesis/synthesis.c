@@ -90,8 +90,7 @@ static void make_track(struct synthesis *s, struct slot *slot, uint32_t skip) {
     const struct face_options options = {.engine = s->request.engine,
                                          .still = s->request.still,
                                          .blend = s->result.blend,
-                                         .contacts = s->request.contacts ? s->request.contacts
-                                                                         : s->pipeline->default_contacts,
+                                         .contacts = s->request.contacts,
                                          .expressions = s->pipeline->expressions};
     for (size_t i = 0; i < u->warning_count; i++)
         warn(s, u->warnings[i]);

@@ -228,6 +228,8 @@ struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct s
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);
+    if (s->request.contacts == CONTACTS_ENGINE)
+        s->request.contacts = pipeline->default_contacts;
     int result = decode_text(s, e);
     if (!result && !is_settled(s))
         s->wait = voice_pool_wait(pipeline->voices, on_voices, s);

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The body of a request, collected for its receiver. */
+#include "server/net/exchange_internal.h"
+
+void exchange_expect_body(struct exchange *x, size_t most, enum error_code too_long) {
+    x->body_most = most;
+    x->body_too_long = too_long;
+}
+
+void exchange_take_body(struct exchange *x, const void *data, size_t size) {
+    struct error e;
+    if (x->answered || !x->body_most)
+        return;
+    if (x->request_body.size + size <= x->body_most) {
+        buf_add(&x->request_body, data, size);
+        return;
+    }
+    exchange_drop_body(x);
+    error_set(&e, x->body_too_long, "a body may have %zu bytes here", x->body_most);
+    exchange_error(x, &e);
+}
+
+const struct buf *exchange_body(const struct exchange *x) {
+    return &x->request_body;
+}
+
+void exchange_drop_body(struct exchange *x) {
+    buf_free(&x->request_body);
+}
