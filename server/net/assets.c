@@ -136,9 +136,21 @@ static int load_head(struct assets *assets, const char *file, struct error *e) {
     if (!data)
         return error_set(e, "bad-model", "%s: cannot be read", file);
     struct model model = {.asset = add(assets, path, "application/json", file, data, size)};
+    char poster[4096];
+    snprintf(poster, sizeof poster, "%.*s.webp", (int)(strlen(file) - strlen(".json")), file);
+    if ((data = read_file(poster, &size))) {
+        snprintf(path, sizeof path, "/v1/models/%.*s.webp", (int)length, name);
+        model.poster = add(assets, path, "image/webp", poster, data, size);
+    }
     assets->models = mem_grow(assets->models, &assets->model_cap, assets->model_count + 1, sizeof model);
     assets->models[assets->model_count++] = model;
     return model_split(&assets->models[assets->model_count - 1], file, e);
+}
+
+static int by_rank(const void *a, const void *b) {
+    const struct model *one = a, *other = b;
+    return one->rank != other->rank ? (one->rank > other->rank) - (one->rank < other->rank)
+                                    : strcmp(one->name, other->name);
 }
 
 int assets_load(struct assets *assets, const char *web, const char *models, struct error *e) {
@@ -153,6 +165,8 @@ int assets_load(struct assets *assets, const char *web, const char *models, stru
         for (size_t i = 0; i < found.gl_pathc && !failed; i++)
             failed = load_head(assets, found.gl_pathv[i], e);
         globfree(&found);
+        if (!failed && assets->model_count)
+            qsort(assets->models, assets->model_count, sizeof *assets->models, by_rank);
     }
     if (!assets_find(assets, "/"))
         log_warn("no page to serve: '%s' holds no index.html", web);

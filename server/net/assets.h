@@ -20,7 +20,10 @@ struct asset {
 
 /* A head model: its asset, and its parts as the JSON texts that go over the socket. */
 struct model {
-    char *name, *title;
+    char *name, *title, *about; /* about: NULL = nothing is said */
+    double rank;                /* their order: the first is shown to those who ask for none */
+    char *voice;                /* the kind of voice that suits it, as JSON; NULL = any */
+    const struct asset *poster; /* NULL = it has none */
     struct asset *asset;
     struct model_part {
         char *kind, *name; /* "head", "texture" or "part" */
@@ -37,7 +40,7 @@ struct assets {
 };
 
 /* Loads the web folder (flat; may be missing: then there is no page) and models/heads/NAME.json. A FILE.gz
- * beside a file is taken as its compressed form. -1 with *e when a head cannot be read. */
+ * beside a file is taken as its compressed form, a NAME.webp beside a head as its poster. -1 with *e when a head cannot be read. */
 int assets_load(struct assets *assets, const char *web, const char *models, struct error *e);
 void assets_free(struct assets *assets);
 

@@ -18,13 +18,17 @@ export async function paintSkin(spec, scene) {
   const look = recipe.skin;
   const part = parts.find((x) => x.name === 'skin');
   const size = spec.size;
-  const source = await readImage(ctx.assets.data(look.file), 2048);
+  const source = await readImage(ctx.assets.data(look.file), 1024);
   const vertexNormals = normals(part.position, part.index, part.smooth);
   const occluders = Object.entries(look.occlusion.parts).map(([name, weight]) => ({
     part: parts.find((x) => x.name === name),
     weight,
   }));
   const sky = occlusion(part, vertexNormals, occluders, look.occlusion);
+  // Colours of zones and lids are given for a skin of the colour `zoneTone`.
+  const tone = hex(look.tone),
+    reference = hex(look.zoneTone);
+  const alike = (c) => c.map((x, k) => Math.min(255, (x * tone[k]) / reference[k]));
   const zones = look.zones.flatMap((z) =>
     z.points.map((name) => ({
       weight: ellipsoid(
@@ -32,7 +36,7 @@ export async function paintSkin(spec, scene) {
         z.radii,
         z.flat ?? 0,
       ),
-      colour: hex(z.colour),
+      colour: alike(hex(z.colour)),
       strength: z.strength,
     })),
   );
@@ -41,8 +45,8 @@ export async function paintSkin(spec, scene) {
   const [lipT, lipDepth, lipS] = [lips.t, lips.depth, ctx.grid.s].map(onPart);
   const lids = eyeLines(ctx);
   const ear = earZone(ctx.fdp, look.scalp.ears);
-  const tone = hex(look.tone),
-    scalp = hex(look.scalp.colour);
+  const scalp = hex(look.scalp.colour);
+  const lidLook = { ...look.lids, tone: alike(hex(look.lids.tone)), rim: alike(hex(look.lids.rim)) };
   const data = new Float32Array(size * size * 3);
   const done = eachTexel(part, size, (texel, a, b, c, wa, wb, wc) => {
     const at = (list, stride, k) =>
@@ -60,7 +64,7 @@ export async function paintSkin(spec, scene) {
       if (w > 0) colour = mix(colour, z.colour, w * z.strength);
     }
     colour = mottle(colour, q, look);
-    colour = lidPaint(colour, q, lids, look.lids);
+    colour = lidPaint(colour, q, lids, lidLook);
     colour = lipPaint(colour, q, attribute(lipT), attribute(lipDepth), attribute(lipS), look.lips);
     colour = pores(colour, q, look, attribute(lipT));
     const behind =

@@ -1,20 +1,18 @@
 // SPDX-License-Identifier: MIT
 import {
   AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Matrix4,
-  Mesh, NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector3,
+  Mesh, NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2, Vector3,
 } from 'three';
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
-import { eyeNormals, fibres, volumeNormals } from './surfaces.mjs';
+import { eyeNormals, fibres, kindOf, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const MOUTH_OPEN_MM = 9; // from here on the light goes in freely
 const SLICE_MS = 12; // of work at a time, while the page lives on
-
-const THIN = ['lashes', 'brows']; // a few fibres on the skin: they hide nothing
 
 /** Where shadows are taken: speaking, so that there is light between the lips. */
 const SHADOW_POSE = faceValues({
@@ -25,14 +23,6 @@ const SHADOW_POSE = faceValues({
 const LIT_POSE = faceValues({ ...SHADOW_POSE, 19: 800, 20: 800, 21: 150, 22: 150 });
 
 const breath = () => new Promise((resolve) => setTimeout(resolve));
-
-/** What the name of a part says about the way it is drawn. */
-function kindOf(name) {
-  if (/^(hair|lashes|brows)/.test(name)) return 'hair';
-  if (name.startsWith('eye')) return 'eye';
-  if (/^(teeth|tongue)/.test(name)) return 'mouth';
-  return name.startsWith('skin') ? 'skin' : 'other';
-}
 
 /** The head model as things to draw. FAPs go in, and the graphics processor does the rest. */
 export class Head {
@@ -183,6 +173,7 @@ export class Head {
         roughness: { value: look.roughness ?? 0.6 },
         specular: { value: look.specular ?? 0.3 },
         subsurface: { value: look.subsurface ?? 0 },
+        ...(kind === 'skin' ? { moist: { value: new Vector2(...(look.moist ?? [0.58, 0.72])) } } : {}),
         ...(kind === 'eye' ? this.#eyeUniforms(part) : {}),
         cutoff: { value: cutoff },
         opaque: { value: opaque },

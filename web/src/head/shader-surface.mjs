@@ -100,6 +100,9 @@ ${commonGlsl}
 uniform sampler2D map;
 uniform float roughness;
 uniform float specular;
+#if KIND == 1
+uniform vec2 moist; // how red it is where that begins, and where it is all moist
+#endif
 uniform float cutoff;   // discard what is less opaque
 uniform float opaque;   // 1: what is left is opaque
 #if !FINE
@@ -175,7 +178,7 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   float f0 = 0.028, rim = fresnel(max(dot(n, v), 0.0)), rough = roughness;
 #if KIND == 1
   // Lips are moist; the red of the picture says where they are.
-  float lips = smoothstep(0.58, 0.72, (base.r - base.g) / (base.r + 1e-3));
+  float lips = smoothstep(moist.x, moist.y, (base.r - base.g) / (base.r + 1e-3));
   rough = mix(rough, 0.34, lips);
 #endif
   float shine = 0.75 * highlight(n, v, KEY_DIRECTION, rough) + 0.25 * highlight(n, v, KEY_DIRECTION, rough * 0.75);

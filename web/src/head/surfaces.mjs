@@ -1,5 +1,16 @@
 // SPDX-License-Identifier: MIT
 
+/** A few fibres on the skin: they hide nothing. */
+export const THIN = ['lashes', 'brows'];
+
+/** What the name of a part says about the way it is drawn. */
+export function kindOf(name) {
+  if (/^(hair|beard|lashes|brows)/.test(name)) return 'hair';
+  if (name.startsWith('eye')) return 'eye';
+  if (/^(teeth|tongue)/.test(name)) return 'mouth';
+  return name.startsWith('skin') ? 'skin' : 'other';
+}
+
 const VOLUME = 0.65;
 
 /**
@@ -17,7 +28,7 @@ export function volumeNormals({ position }, normals) {
   for (let v = 0; v < out.length; v += 3) {
     const away = center.map((value, k) => position[v + k] - value);
     const distance = Math.hypot(...away) || 1;
-    const n = normals.subarray(v, v + 3);
+    const n = normals.slice(v, v + 3);
     const side = n[0] * away[0] + n[1] * away[1] + n[2] * away[2] < 0 ? -1 : 1; // leaves have no outside
     const mixed = away.map((value, k) => (VOLUME * value) / distance + (1 - VOLUME) * side * n[k]);
     const length = Math.hypot(...mixed) || 1;
@@ -34,7 +45,7 @@ export function fibres({ position, uv, index, smooth, vertices }) {
   const sums = new Float32Array(3 * vertices);
   const place = (v) => (smooth ? smooth[v] : v);
   for (let t = 0; uv && t < index.length; t += 3) {
-    const [a, b, c] = index.subarray(t, t + 3);
+    const [a, b, c] = [index[t], index[t + 1], index[t + 2]];
     const [u1, v1] = [uv[2 * b] - uv[2 * a], uv[2 * b + 1] - uv[2 * a + 1]];
     const [u2, v2] = [uv[2 * c] - uv[2 * a], uv[2 * c + 1] - uv[2 * a + 1]];
     const area = u1 * v2 - u2 * v1;

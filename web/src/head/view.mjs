@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { framed } from './framing.mjs';
 import {
   Mesh, NoBlending, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, WebGLRenderer,
   WebGLRenderTarget,
@@ -23,6 +24,7 @@ export class View {
     this.level = null;
     this.head = null;
     this.target = null;
+    this.frame = null;
     this.copy = new ShaderMaterial({
       uniforms: { picture: { value: null } },
       vertexShader: 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }',
@@ -68,6 +70,16 @@ export class View {
     this.#layOut();
   }
 
+  /** @param {string|null} name `face`, `bust`, `mouth`; null: the portrait that the model asks for */
+  set framing(name) {
+    this.frame = name;
+    this.#frame();
+  }
+
+  get framing() {
+    return this.frame;
+  }
+
   #layOut() {
     if (!this.level) return;
     const { width, height } = this.size;
@@ -84,11 +96,11 @@ export class View {
   /** The portrait that the model asks for; in a narrow picture from farther away, so that it fits. */
   #frame() {
     if (!this.head) return;
-    const { target, distance, fov } = this.head.model.view;
     const aspect = this.size.width / this.size.height;
+    const { target, distance, fov } = framed(this.head.model, this.framing, aspect);
     this.camera.fov = fov;
     this.camera.aspect = aspect;
-    this.camera.position.set(target[0], target[1], target[2] + distance * Math.max(1, 0.78 / aspect));
+    this.camera.position.set(target[0], target[1], target[2] + distance);
     this.camera.lookAt(...target);
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
