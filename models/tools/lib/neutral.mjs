@@ -60,7 +60,8 @@ export function setLids(ctx, side, lids, [above, below]) {
   const turn = (weights, point, y) => {
     const v = ctx.fdpVertex[point] * 3;
     const r = Math.hypot(p[v + 1] - cy, p[v + 2] - cz);
-    const angle = Math.atan2(p[v + 1] - cy, p[v + 2] - cz) - Math.asin(y / r);
+    const angle =
+      (Math.atan2(p[v + 1] - cy, p[v + 2] - cz) - Math.asin(y / r)) / weights[ctx.fdpVertex[point]];
     for (let i = 0; i < weights.length; i++) {
       if (!weights[i]) continue;
       const c = Math.cos(angle * weights[i]),
