@@ -12,6 +12,7 @@ import { shadePoint, toLinear } from './shading.mjs';
 
 const SAMPLES = 2; // for each pixel, in both directions
 const MOUTH_LIGHT = 0.4;
+const FADE = 0.13; // as in web/src/head/view.mjs
 
 /**
  * @param {object} head unpacked (deform.mjs)
@@ -33,6 +34,7 @@ export async function drawHead(head, { width, height, faps = {}, yaw = 0, shadow
   for (const thing of [...first, ...loose.filter((t) => !THIN.includes(t.name))]) drawPart(thing, camera, big, depth, picture, true);
   for (const thing of [...loose.filter((t) => !THIN.includes(t.name)), ...loose.filter((t) => THIN.includes(t.name))])
     drawPart(thing, camera, big, depth, picture, false);
+  fadeOut(picture, big);
   return { data: smaller(picture, width, height), width, height };
 }
 
@@ -188,6 +190,15 @@ function shade(thing, { eye }, v, w, texel, back) {
 function put(picture, at, colour, alpha) {
   for (let k = 0; k < 3; k++) picture[at + k] = colour[k] * alpha + picture[at + k] * (1 - alpha);
   picture[at + 3] = alpha + picture[at + 3] * (1 - alpha);
+}
+
+/** The shoulders vanish towards the lower border. */
+function fadeOut(picture, { width, height }) {
+  const rows = Math.round(height * FADE);
+  for (let y = height - rows; y < height; y++) {
+    const t = (height - y - 0.5) / rows;
+    for (let i = y * width * 4; i < (y + 1) * width * 4; i++) picture[i] *= t * t * (3 - 2 * t);
+  }
 }
 
 function smaller(picture, width, height) {

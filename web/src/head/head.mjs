@@ -48,6 +48,7 @@ export class Head {
       turnPivot: { value: model.turns.map(({ pivot }) => new Vector3(...pivot)) },
       turnAxis: { value: model.turns.map(({ axis }) => new Vector3(...axis).normalize()) },
       headTurn: { value: new Matrix4() },
+      fade: { value: 1e-3 },
       mouthOpen: { value: 0 },
       lipFront: { value: model.fdp['2.2']?.[2] ?? 0 },
     };

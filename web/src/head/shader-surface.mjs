@@ -105,6 +105,7 @@ uniform vec2 moist; // how red it is where that begins, and where it is all mois
 #endif
 uniform float cutoff;   // discard what is less opaque
 uniform float opaque;   // 1: what is left is opaque
+uniform float fade;     // pixels from the lower border on, over which all vanishes
 #if !FINE
 varying vec3 vertexLight;
 #endif
@@ -232,7 +233,7 @@ void main() {
 #if KIND == 3
   color += catchLight(n, v, min(1.0, 0.15 + reach.x * 1.6));
 #endif
-  float alpha = max(base.a, opaque);
+  float alpha = max(base.a, opaque) * smoothstep(0.0, 1.0, gl_FragCoord.y / fade);
   gl_FragColor = vec4(toDisplay(clamp(filmic(color), 0.0, 1.0)) * alpha, alpha);
 }
 `;

@@ -5,8 +5,13 @@ import {
   WebGLRenderTarget,
 } from 'three';
 
+const FADE = 0.13; // of the picture's height, over which the shoulders vanish
+const CLOSE = ['face', 'mouth']; // views that end in the skin
+
 /** A canvas with a head on it: camera, resolution, smoothing of edges. The background stays transparent. */
 export class View {
+  #framing = null;
+
   /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
   constructor(canvas) {
     const context = canvas.getContext('webgl2', {
@@ -24,7 +29,6 @@ export class View {
     this.level = null;
     this.head = null;
     this.target = null;
-    this.frame = null;
     this.copy = new ShaderMaterial({
       uniforms: { picture: { value: null } },
       vertexShader: 'void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }',
@@ -72,12 +76,8 @@ export class View {
 
   /** @param {string|null} name `face`, `bust`, `mouth`; null: the portrait that the model asks for */
   set framing(name) {
-    this.frame = name;
+    this.#framing = name;
     this.#frame();
-  }
-
-  get framing() {
-    return this.frame;
   }
 
   #layOut() {
@@ -97,13 +97,15 @@ export class View {
   #frame() {
     if (!this.head) return;
     const aspect = this.size.width / this.size.height;
-    const { target, distance, fov } = framed(this.head.model, this.framing, aspect);
+    const { target, distance, fov } = framed(this.head.model, this.#framing, aspect);
     this.camera.fov = fov;
     this.camera.aspect = aspect;
     this.camera.position.set(target[0], target[1], target[2] + distance);
     this.camera.lookAt(...target);
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
+    const pixels = this.size.height * this.renderer.getPixelRatio();
+    this.head.uniforms.fade.value = CLOSE.includes(this.#framing) ? 1e-3 : FADE * pixels;
   }
 
   draw() {
