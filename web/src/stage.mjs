@@ -111,7 +111,7 @@ export class Stage {
 
   async #build() {
     const { model, view } = this;
-    const head = await Head.create(model);
+    const head = await Head.create(model, { software: view.software });
     if (this.view !== view || this.model !== model) {
       head.dispose(); // another has come meanwhile, or nobody wants it any more
       return;

@@ -70,7 +70,8 @@ export class View {
   /** @param {typeof import('./quality.mjs').LEVELS[0]} level */
   setLevel(level) {
     this.level = level;
-    this.head?.setQuality(level.fine, Math.min(level.anisotropy, this.renderer.capabilities.getMaxAnisotropy()));
+    const anisotropy = Math.min(level.anisotropy, this.renderer.capabilities.getMaxAnisotropy());
+    this.head?.setQuality(level.fine, anisotropy, level.samples > 0);
     this.#layOut();
   }
 
