@@ -8,7 +8,7 @@ import { FAPS } from './faps.mjs';
 import { view } from './sight.mjs';
 
 const PARTS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'lashes', 'brows'];
-export const MOST_BYTES = 3e6;
+export const MOST_BYTES = 1.2e6;
 
 /** Values that speech and expression really use; the table's extremes are far outside. */
 const TRIAL = { MNS: 300, MW: 150, ENS: 200, ES: 100, IRISD: 300, AU: 20000 };

@@ -5,7 +5,7 @@
  */
 import sharp from 'sharp';
 import { bakeOcclusion } from '../../../web/src/head/occlusion.mjs';
-import { eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/src/head/surfaces.mjs';
+import { CLEAR, eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/src/head/surfaces.mjs';
 import { pose } from './deform.mjs';
 import { normals } from './mesh.mjs';
 import { shadePoint, toLinear } from './shading.mjs';
@@ -75,7 +75,7 @@ function bake(scene) {
     scene.map(({ name, position, index, normal }) => ({
       position: Float32Array.from(position),
       index: Uint16Array.from(index),
-      shades: !THIN.includes(name),
+      shades: !CLEAR.includes(name),
       seen: { position: Float32Array.from(position), normal: Float32Array.from(normal) },
     })),
   );

@@ -7,7 +7,7 @@ import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
 import { SoftwareDeform } from './software-deform.mjs';
-import { eyeNormals, fibres, kindOf, THIN, volumeNormals } from './surfaces.mjs';
+import { CLEAR, eyeNormals, fibres, kindOf, outsideFirst, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
@@ -100,7 +100,8 @@ export class Head {
       if (soft && (kind === 'eye' || kind === 'mouth')) geometry.setAttribute('rest', new BufferAttribute(part.position, 3));
       if (kind === 'hair') geometry.setAttribute('fibre', new BufferAttribute(fibres(part), 3));
       geometry.setAttribute('reach', reach);
-      geometry.setIndex(new BufferAttribute(part.index, 1));
+      const hides = kind === 'hair' && !THIN.includes(part.name);
+      geometry.setIndex(new BufferAttribute(hides ? outsideFirst(part) : part.index, 1));
       if (soft?.acts)
         for (const name of ['position', 'normal']) geometry.attributes[name].setUsage(DynamicDrawUsage);
       this.parts.push({ part, influences, geometry, soft });
@@ -137,7 +138,7 @@ export class Head {
       this.parts.map(({ part }, i) => ({
         position: standing[i].position,
         index: part.index,
-        shades: !THIN.includes(part.name),
+        shades: !CLEAR.includes(part.name),
         seen: lit[i],
       })),
     );
@@ -230,6 +231,8 @@ export class Head {
       if (material.defines.FINE !== Number(fine)) material.needsUpdate = true;
       material.defines.FINE = Number(fine);
     }
+    // Without samples hair is drawn before what it hides; with them its edges mix with what stands.
+    for (const mesh of this.group.children) if (mesh.material.userData.soft) mesh.renderOrder = sampled ? 1 : -1;
     for (const mesh of this.group.children) mesh.visible = (fine && !sampled) || !mesh.userData.fineOnly;
     for (const texture of this.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, fine, anisotropy);
   }

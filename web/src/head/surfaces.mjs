@@ -3,6 +3,9 @@
 /** A few fibres on the skin: they hide nothing. */
 export const THIN = ['lashes', 'brows'];
 
+/** What takes no light from the rest: thin things, and lenses. */
+export const CLEAR = [...THIN, 'glasses'];
+
 /** What the name of a part says about the way it is drawn. */
 export function kindOf(name) {
   if (/^(hair|beard|lashes|brows)/.test(name)) return 'hair';
@@ -12,6 +15,7 @@ export function kindOf(name) {
 }
 
 const VOLUME = 0.65;
+const BACK_MM = 70; // from the eyes to the middle of the skull
 
 /**
  * Hair is made of a few large leaves. Their normals lean towards those of a ball round the head, so that the whole is lit
@@ -64,6 +68,21 @@ export function fibres({ position, uv, index, smooth, vertices }) {
     for (let k = 0; k < 3; k++) out[3 * v + k] = sum[k] / length;
   }
   return out;
+}
+
+/**
+ * The triangles of hair, the outermost first: what lies below need not be coloured.
+ * @param {import('./model.mjs').Part} part @returns {Uint16Array}
+ */
+export function outsideFirst({ position, index }) {
+  const count = index.length / 3;
+  const away = Float32Array.from({ length: count }, (_, t) => {
+    const sum = [0, 0, 0];
+    for (let i = 3 * t; i < 3 * t + 3; i++) for (let k = 0; k < 3; k++) sum[k] += position[3 * index[i] + k] / 3;
+    return Math.hypot(sum[0], sum[1], sum[2] + BACK_MM);
+  });
+  const order = Uint32Array.from({ length: count }, (_, t) => t).sort((a, b) => away[b] - away[a]);
+  return Uint16Array.from({ length: index.length }, (_, i) => index[3 * order[Math.floor(i / 3)] + (i % 3)]);
 }
 
 const CORNEA = 1.5; // it is curved more than the ball it sits on
