@@ -100,6 +100,11 @@ void main() {
 #endif
 #if !FINE
   vertexLight = diffuseLight(n, surfaceLight);
+#if KIND != 3
+  vertexLight = sqrt(vertexLight * tint); // see main() of the fragments
+  float peak = max(vertexLight.r, max(vertexLight.g, vertexLight.b));
+  if (peak > 0.9) vertexLight *= (0.9 + 0.5 * (peak - 0.9)) / peak; // bright skin keeps its colour
+#endif
 #endif
   gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
 }
@@ -221,6 +226,25 @@ vec3 catchLight(vec3 n, vec3 v, float reach) {
 }
 #endif
 
+#if !FINE && KIND != 3
+/**
+ * Colours are stored as about the root of what they are, and shown so: the root of (colour^2 * light) is colour * root of light.
+ * Bright tones are bent towards white.
+ */
+void main() {
+  vec4 texel = texture2D(map, surfaceUv);
+#ifdef HAS_ALPHA
+  if (texel.a < max(cutoff, 0.01)) discard;
+  texel.rgb /= texel.a;
+#endif
+  vec3 color = texel.rgb * vertexLight;
+  vec3 over = clamp(color - 0.8, 0.0, 0.5);
+  color = min(color, 0.8) + over * (1.0 - over);
+  float shown = min(1.0, gl_FragCoord.y / fade);
+  float alpha = max(texel.a, opaque) * shown * shown * (3.0 - 2.0 * shown);
+  gl_FragColor = vec4(min(color, 1.0) * alpha, alpha);
+}
+#else
 void main() {
   vec4 base = albedo();
   vec3 n = normalize(surfaceNormal);
@@ -246,4 +270,5 @@ void main() {
   float alpha = max(base.a, opaque) * smoothstep(0.0, 1.0, gl_FragCoord.y / fade);
   gl_FragColor = vec4(toDisplay(clamp(filmic(color), 0.0, 1.0)) * alpha, alpha);
 }
+#endif
 `;
