@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import {
   AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, FrontSide,
-  Group, Matrix4, Mesh, NearestFilter, NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2, Vector3,
+  Group, Matrix4, Mesh, NearestFilter, NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4,
 } from 'three';
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
@@ -10,6 +10,7 @@ import { SoftwareDeform } from './software-deform.mjs';
 import { CLEAR, eyeNormals, fibres, kindOf, outsideFirst, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
+import { wrinklePlace, wrinklesOf } from './wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const MOUTH_OPEN_MM = 9; // from here on the light goes in freely
@@ -54,6 +55,7 @@ export class Head {
     this.group = new Group();
     this.parts = []; // {part, influences, geometry}
     this.materials = [];
+    this.folds = wrinklePlace(model.fdp, model.fapu);
     this.textures = new Map();
     this.uniforms = {
       slots: { value: this.drive.slotValues },
@@ -62,6 +64,8 @@ export class Head {
       turnAxis: { value: model.turns.map(({ axis }) => new Vector3(...axis).normalize()) },
       headTurn: { value: new Matrix4() },
       fade: { value: 1e-3 },
+      wrinkles: { value: new Vector4() },
+      wrinklePlace: { value: new Vector4(...(this.folds ?? [])) },
       mouthOpen: { value: 0 },
       lipFront: { value: model.fdp['2.2']?.[2] ?? 0 },
     };
@@ -97,7 +101,7 @@ export class Head {
       geometry.setAttribute('normal', new BufferAttribute(soft ? soft.normal : normals, 3));
       const uv = part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices);
       geometry.setAttribute('uv', new BufferAttribute(uv, 2));
-      if (soft && (kind === 'eye' || kind === 'mouth')) geometry.setAttribute('rest', new BufferAttribute(part.position, 3));
+      if (soft && kind !== 'hair') geometry.setAttribute('rest', new BufferAttribute(part.position, 3));
       if (kind === 'hair') geometry.setAttribute('fibre', new BufferAttribute(fibres(part), 3));
       geometry.setAttribute('reach', reach);
       const hides = kind === 'hair' && !THIN.includes(part.name);
@@ -256,6 +260,7 @@ export class Head {
     for (const { soft, geometry } of this.parts)
       if (soft?.acts && soft.update(this.drive))
         for (const name of ['position', 'normal']) geometry.attributes[name].needsUpdate = true;
+    if (this.folds) this.uniforms.wrinkles.value.set(...wrinklesOf(values));
     const mns = this.model.fapu.MNS / 1024;
     const open = mns * (values[3] * 0.5 - values[4] - values[5]);
     this.uniforms.mouthOpen.value = Math.min(1, Math.max(0, open / MOUTH_OPEN_MM));

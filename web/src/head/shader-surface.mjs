@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How the surfaces of a head look. KIND says what is drawn (skin, hair, eye, mouth, other), FINE the quality.
 import { deformGlsl } from './shader-deform.mjs';
+import { wrinkleGlsl } from './wrinkles.mjs';
 import { FILL, GROUND, KEY, RIM, SKY } from './lights.mjs';
 
 export const KINDS = { other: 0, skin: 1, hair: 2, eye: 3, mouth: 4 };
@@ -29,6 +30,9 @@ varying vec3 surfaceFibre;
 uniform vec3 eyeCenter;
 uniform float irisRadius; // as a share of the eyeball's radius
 varying vec3 eyePlace;    // on the unit eyeball, looking along z
+#endif
+#if FINE && KIND == 1
+${wrinkleGlsl}
 #endif
 varying vec4 surfaceLight; // open sky, key, fill and rim light: how much of each reaches it
 
@@ -88,6 +92,9 @@ void main() {
   surfaceUv = uv;
   surfaceNormal = n;
   surfacePosition = p;
+#if FINE && KIND == 1
+  restPlace = rest;
+#endif
   surfaceLight = reach;
 #if KIND == 4
   // What light the lips let in gets lost behind them.
@@ -250,6 +257,11 @@ void main() {
   vec3 n = normalize(surfaceNormal);
 #if defined(TWO_SIDES) && KIND != 2
   if (!gl_FrontFacing) n = -n;
+#endif
+#if FINE && KIND == 1
+  float deep = wrinkle(n);
+  n = normalize(n);
+  base.rgb *= 1.0 - vec3(0.26, 0.36, 0.38) * min(1.0, deep);
 #endif
   vec3 v = normalize(cameraPosition - surfacePosition);
   vec4 reach = surfaceLight;
