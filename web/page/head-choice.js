@@ -24,7 +24,7 @@ function item({ name, title, about, poster }, chosen, choose) {
   if (about) label.title = about;
   label.append(radio);
   if (poster) {
-    const image = new Image();
+    const image = document.createElement('img');
     Object.assign(image, { src: `v1/${poster}`, alt: '', width: 72, height: 94, loading: 'lazy' });
     label.append(image);
   }
@@ -36,7 +36,8 @@ function item({ name, title, about, poster }, chosen, choose) {
 
 /**
  * Fills the choice; with one head there is none.
- * @param {HTMLElement} box @param {object[]} models of `hello` @param {string|null} chosen @param {(name: string) => void} choose
+ * @param {HTMLElement} box @param {object[]} models of `hello` @param {string|null} chosen
+ * @param {(name: string) => void} choose
  */
 export function fillHeads(box, models, chosen, choose) {
   box.hidden = models.length < 2;

@@ -10,7 +10,8 @@ const middle = (a, b) => a.map((value, k) => (value + b[k]) / 2);
 
 /**
  * Where the camera looks, and from how far.
- * @param {{view: {target: number[], distance: number, fov: number}, fdp: Record<string, number[]>, fapu: Record<string, number>}} model
+ * @param {{view: {target: number[], distance: number, fov: number}, fdp: Record<string, number[]>,
+ *   fapu: Record<string, number>}} model
  * @param {string|null} name `mouth` for lip readers, `face`, `bust`; else the portrait that the model asks for
  * @param {number} aspect width by height of the place
  * @returns {{target: number[], distance: number, fov: number}}

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: MIT
 import {
   AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, FrontSide,
-  Group, Matrix4, Mesh, NearestFilter, NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4,
+  Group, Matrix4, Mesh, NearestFilter, NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2,
+  Vector3, Vector4,
 } from 'three';
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
@@ -109,7 +110,8 @@ export class Head {
       if (soft?.acts)
         for (const name of ['position', 'normal']) geometry.attributes[name].setUsage(DynamicDrawUsage);
       this.parts.push({ part, influences, geometry, soft });
-      this.#addMeshes(part, geometry, soft ? { texture: this.white, needs: { SOFTWARE: soft.whole ? 2 : 1 } } : this.#pack(influences, geometry));
+      const packed = soft ? { texture: this.white, needs: { SOFTWARE: soft.whole ? 2 : 1 } } : this.#pack(influences, geometry);
+      this.#addMeshes(part, geometry, packed);
     }
   }
 

@@ -43,7 +43,7 @@ export class SoftwareDeform {
     /** Every vertex goes wholly with the head: one matrix, in the shader, does that. */
     this.whole =
       this.#heads.length === drive.turns.length - first &&
-      this.#heads.every(({ vertices, weights }) => vertices.length === part.vertices && weights.every((weight) => weight === 1));
+      this.#heads.every(({ vertices, weights }) => vertices.length === part.vertices && weights.every((one) => one === 1));
     if (this.whole) this.#heads = [];
   }
 

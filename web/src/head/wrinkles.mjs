@@ -16,7 +16,8 @@ const LIFTED = 260; // cheeks, FAPs 41 and 42
  * @returns {number[]} forehead, between the brows, beside the left eye, beside the right eye
  */
 export function wrinklesOf(values) {
-  const forehead = share(Math.max(mean(values, [31, 33, 35]), mean(values, [32, 34, 36]), 0.8 * mean(values, [31, 32])), RAISED);
+  const raised = Math.max(mean(values, [31, 33, 35]), mean(values, [32, 34, 36]), 0.8 * mean(values, [31, 32]));
+  const forehead = share(raised, RAISED);
   const frown = share(mean(values, [37, 38]) - 0.4 * Math.min(0, mean(values, [31, 32])), SQUEEZED);
   return [forehead, frown, share(values[41] + 0.3 * values[21], LIFTED), share(values[42] + 0.3 * values[22], LIFTED)];
 }
