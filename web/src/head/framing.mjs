@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 
 const FACE_ASPECT = 0.78; // of the portrait: narrower places see it from farther away
-const MOUTH_WIDTHS = 2.6; // in the picture, of the view `mouth`
+const MOUTH_WIDTHS = 2.1; // in the picture, of the view `mouth`
 const FACE_MORE = 1.22; // room round what lies between hair line and chin, in the view `face`
 const BUST_FARTHER = 1.3;
 const HALF_TURN = Math.PI / 180 / 2;
@@ -24,7 +24,7 @@ export function framed({ view, fdp, fapu }, name, aspect) {
   if (name === 'mouth' && upper && lower && fapu.MW) {
     const at = middle(upper, lower);
     const height = MOUTH_WIDTHS * fapu.MW;
-    return { target: [0, at[1] - height * 0.06, at[2]], distance: (height / 2 / tangent) * Math.max(1, 1.3 / aspect), fov };
+    return { target: [0, at[1] - height * 0.06, at[2]], distance: (height / 2 / tangent) * Math.max(1, 1 / aspect), fov };
   }
   if (name === 'face' && chin) {
     const height = -chin[1] * 2 * FACE_MORE;
