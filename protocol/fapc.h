@@ -5,6 +5,7 @@
 #define FACCIA_PROTOCOL_FAPC_H
 
 #include "protocol/fap.h"
+#include "protocol/rangecoder.h"
 #include <stddef.h>
 
 enum {
@@ -36,16 +37,11 @@ enum {
     FAPC_CTX_COUNT = FAPC_CTX_HIGH + 10,
 };
 
-struct fapc_context {
-    uint16_t zero; /* probability of a 0, of 65536 */
-    uint8_t seen;
-};
-
 /* What encoder and decoder have in common: both change it in the same way with every frame. */
 struct fapc_state {
     uint8_t quality;  /* 0..31 */
     uint8_t sequence; /* of the next packet, 0..127 */
-    struct fapc_context contexts[FAPC_CTX_COUNT];
+    struct range_context contexts[FAPC_CTX_COUNT];
     int32_t value[4][FAP_COUNT + 1]; /* of the latest frame and those before it; what a decoder shows */
     int32_t error[FAP_COUNT + 1];    /* of the guesses of the latest frame, in steps */
     int32_t activity[FAP_COUNT + 1]; /* of these errors lately */

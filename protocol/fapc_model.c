@@ -15,9 +15,9 @@ int32_t fapc_step(int n, int quality) {
     return step > 1 ? step : 1;
 }
 
-static void begin_with(struct fapc_context *contexts, const uint16_t *zeros, size_t count) {
+static void begin_with(struct range_context *contexts, const uint16_t *zeros, size_t count) {
     for (size_t i = 0; i < count; i++)
-        contexts[i] = (struct fapc_context){zeros[i], SEEN};
+        contexts[i] = (struct range_context){zeros[i], SEEN};
 }
 
 void fapc_reset(struct fapc_state *s, int quality) {

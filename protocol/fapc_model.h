@@ -3,7 +3,7 @@
 #ifndef FACCIA_PROTOCOL_FAPC_MODEL_H
 #define FACCIA_PROTOCOL_FAPC_MODEL_H
 
-#include "protocol/rangecoder.h"
+#include "protocol/fapc.h"
 
 /* What fapc-prior.json says of a FAP. */
 struct fapc_habit {

@@ -5,7 +5,7 @@ enum { ONE = 65536, LEAST = 64, SEEN_MAX = 60 };
 #define TOP 0x1000000u
 
 /* The less often it was asked, the further a probability goes towards what was seen. */
-static void learn(struct fapc_context *c, int bit) {
+static void learn(struct range_context *c, int bit) {
     uint32_t rate = 10 * ONE / (10 * (uint32_t)c->seen + 16), p = c->zero;
     if (c->seen < SEEN_MAX)
         c->seen++;
@@ -47,7 +47,7 @@ static void put(struct range_encoder *e, uint32_t bound, int bit) {
     }
 }
 
-void range_put(struct range_encoder *e, struct fapc_context *context, int bit) {
+void range_put(struct range_encoder *e, struct range_context *context, int bit) {
     put(e, (e->range >> 16) * context->zero, bit);
     learn(context, bit);
 }
@@ -94,7 +94,7 @@ static int get(struct range_decoder *d, uint32_t bound) {
     return bit;
 }
 
-int range_get(struct range_decoder *d, struct fapc_context *context) {
+int range_get(struct range_decoder *d, struct range_context *context) {
     int bit = get(d, (d->range >> 16) * context->zero);
     learn(context, bit);
     return bit;

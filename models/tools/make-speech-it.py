@@ -16,6 +16,7 @@ phones' articulatory features (models/speech/alphabets/ipa.json), see TONGUE.
 """
 import csv
 import json
+import math
 import pathlib
 import sys
 
@@ -30,6 +31,23 @@ SOURCE = {"LI": "LLO", "LS": "ULO", "AR": "LW", "PI": "LLP", "PS": "ULP", "EM": 
 # 0.43 chin and lower lip go together, as they do in a face. LW is one corner's path: AR counts both. Width and protrusion are
 # enlarged a little because they are what sets /i e/ apart from /o u/ for a lip reader.
 SCALE = {"LI": 0.70, "LS": 0.40, "AR": 2 * 1.3, "PI": 1.3, "PS": 1.3, "EM": 0.43}
+# The 9:16 says nothing of how people share an opening. In articulograph recordings of English speakers the upper lip rises early and
+# then stays: about 2.6 mm in everything that is not closed, whether /s/ or /a/, 1 mm more in the flared /tS S/, half of it in lips
+# that are pushed forward, and only bilabials bring it down. LS therefore follows the whole opening so: RAISED (1 - exp(-opening / 2.5)).
+RAISED, RAISED_BY, UPPER_ROLL = 2.6, 2.5, 0.5 / 1.5
+ROLLED = ["tʃ", "dʒ", "ʃ"]
+LIFT = {"tʃ": 1.35, "dʒ": 1.35, "ʃ": 1.35, "w": 0.5}
+# What each bilabial brings it down by, mm below rest.
+UPPER_CLOSED = {"p": -0.8, "b": -0.6, "m": -0.5}
+
+# The chin's skin follows the teeth only in part: its marker has /s/ as open as /t/. Jaw heights of consonants go down from sibilants over
+# /t d/ and /f v/ to labials, velars and /l/ (Keating, Lindblom, Lubker and Kreiman, J. Phonetics 22, 1994; Lee, Beckman and Jackson,
+# JASA 95, 1994; Mooshammer, Hoole and Geumann, Language and Speech 50, 2007); mm of the lower incisors by articulograph of English
+# speakers, rounded. Sibilants hold the jaw against any neighbour, labials hardly. Close vowels are closer than the chin says.
+JAW = {"p": 3.5, "b": 3.5, "m": 3.5, "t": 2.4, "d": 2.4, "s": 1.3, "z": 1.3, "ts": 1.3, "dz": 1.3, "tʃ": 1.3, "dʒ": 1.3, "ʃ": 1.3,
+       "f": 2.5, "v": 2.5, "ɡ": 4.0, "k": 4.0}
+JAW_OF_CLOSE = {"i": 0.65, "u": 0.8, "y": 0.8}
+
 # Rounding even more: a clearly said /u/ takes a quarter of the width (here 13 mm of 50) and comes 3 mm forward.
 ROUNDING = {"AR": 1.35, "PI": 1.3, "PS": 1.3}
 
@@ -40,6 +58,9 @@ ROLL = 0.25 / 1.5
 # Close vowels are closed a little further than the over-articulating speakers have them: a lip reader tells /i/ from /e/ and /u/ from
 # /o/ by the opening first.
 CLOSE = {"i": 0.82, "u": 0.85, "y": 0.85}
+
+# The markers sit on the skin and hardly tell /o/ from /a/: a factor makes its rounding seen.
+ROUNDED = {"o": {"AR": 1.7, "PI": 1.5, "PS": 1.5}}
 
 VOWEL_CONTEXTS = {"pause": ["pause"], "pbm": ["p", "b", "m"], "fv": ["f"], "tdsz": ["s"], "tʃ": ["tS"], "kgnr": ["g"],
                   "l": ["l"], "w": ["w"]}
@@ -104,6 +125,12 @@ def target(rows, param, phone, beside):
     return T, min(0.9, max(0.1, t))
 
 
+def raised(rows, row, beside, factor=1.0):
+    """LS of an opening."""
+    opening = factor * (target(rows, "LI", row, beside)[0] + target(rows, "LS", row, beside)[0])
+    return RAISED * (1 - math.exp(-max(0, opening) / RAISED_BY))
+
+
 def entry(T, t, **more):
     return {"t": num(t, 3), "T": num(T, 2), **more}
 
@@ -121,11 +148,19 @@ def vowel_table(rows, ipa, row, factor=1.0):
         for context, beside in VOWEL_CONTEXTS.items():
             T, t = target(rows, p, row, beside)
             if p in ("LI", "LS"):
-                push = sum(rows[row, b, "ULP"][0] for b in beside) / len(beside)
-                T *= factor * CLOSE.get(row[0], 1) * (1 - ROLL * min(1.5, max(0, push)))
-            table[p][context] = entry(T, t)
+                push = min(1.5, max(0, sum(rows[row, b, "ULP"][0] for b in beside) / len(beside)))
+                close = factor * CLOSE.get(row[0], 1)
+                if p == "LI":
+                    T *= close * (1 - ROLL * push)
+                else:
+                    T = raised(rows, row, beside, close) * (1 - UPPER_ROLL * push)
+            elif p == "EM":
+                T *= JAW_OF_CLOSE.get(row[0], 1)
+            more = ROUNDED.get(row[0].lower(), {}).get(p, 1)
+            table[p][context] = entry(T * more if T < 0 or p != "AR" else T, t)
         table[p] = squeeze(table[p])
     jaw = sum(target(rows, "EM", row, beside)[0] for beside in VOWEL_CONTEXTS.values()) / len(VOWEL_CONTEXTS)
+    jaw *= JAW_OF_CLOSE.get(row[0], 1)
     for p, T in tongue_of_vowel(ipa, jaw).items():
         table[p] = {"any": entry(T, 0.5)}
     return table
@@ -138,6 +173,12 @@ def consonant_table(rows, ipa, row, **override):
         table[p] = {}
         for v in CONSONANT_CONTEXTS:
             T, t = override[p](v) if p in override else target(rows, p, row, [v])
+            if p not in override and p == "LS":
+                T = raised(rows, row, [v]) * LIFT.get(ipa, 1)
+            elif p not in override and p == "EM":
+                T = JAW.get(ipa, T)
+            elif p not in override and p == "LI" and ipa in ROLLED:
+                T *= 1 - 1.5 * ROLL
             table[p][v] = entry(T, t)
         table[p] = squeeze(table[p])
     for p, T in tongue_of_consonant(ipa).items():
@@ -162,11 +203,8 @@ def bilabial_table(rows, row):
     for p in ("LI", "LS"):
         table[p] = {}
         for v in CONSONANT_CONTEXTS:
-            # The printed pressing beside /a/, changed with the vowel as the markers' pressing changes; the upper lip presses as much
-            # less as it opens less.
-            T = printed["T"] * rows[row, v, "LLO"][0] / at_a
-            if p == "LS":
-                T *= 9 / 16 * SCALE["LS"] / SCALE["LI"]
+            # The printed pressing beside /a/, changed with the vowel as the markers' pressing changes.
+            T = UPPER_CLOSED[row] if p == "LS" else printed["T"] * rows[row, v, "LLO"][0] / at_a
             t = printed["t"] + TOGETHER[v] * (PRINTED["p"]["t"] - printed["t"])
             table[p][v] = entry(T, t, c_bw=num(printed["c_bw"] * RISE[v], 3), c_fw=num(printed["c_fw"] * RISE[v], 3))
     return table
@@ -194,14 +232,16 @@ def group(kind, viseme, context, coefficients):
     return {"kind": kind, "viseme": viseme, "context": context, "coefficients": coefficients}
 
 
-# Vowels resist: they end what comes from beyond them. A rounded vowel reaches far back (small theta_bw), so that rounding is seen
+# Vowels resist: they end what comes from beyond them. Lips and jaw begin to open early and close late and fast: of the openings of
+# articulograph speakers the lower lip's peak lies before the vowel's middle. A rounded vowel reaches far back (small theta_bw), so that rounding is seen
 # before the vowel begins.
-OPEN_VOWEL = shape(1, 1, 8, 1)
+OPEN_VOWEL = shape(1, 1, (4, 14), 1)
 SPREAD = shape(1, 1, 12, 1)
 ROUND = shape(1, 1, (4, 9), 1)
-WEAK = shape(0.2, 0.2, 8, 1)
+WEAK = shape(0.1, 0.1, 8, 1)
+SIBILANT_JAW = shape(1, 1, 12, 1)
 # The tongue of vowels; the tip of consonants that need it is faster than anything else in the mouth.
-TONGUE_OF_VOWELS = (OPEN_VOWEL, SPREAD, shape(1, 1, 10, 1))
+TONGUE_OF_VOWELS = (shape(1, 1, 8, 1), SPREAD, shape(1, 1, 10, 1))
 TIP = (shape(1, 1, 18, 1), shape(1, 1, 15, 1), WEAK)
 BLADE = (shape(1, 1, 16, 1), shape(0.9, 0.9, 14, 1), shape(0.8, 0.8, 12, 1))
 BODY = (shape(0.3, 0.3, 10, 1), shape(0.5, 0.5, 10, 1), shape(1, 1, 14, 1))
@@ -214,18 +254,18 @@ GROUPS = {
     "u": group("vowel", 14, "u", shapes(OPEN_VOWEL, ROUND, tongue=TONGUE_OF_VOWELS)),
     "y": group("vowel", 14, "y", shapes(OPEN_VOWEL, ROUND, tongue=TONGUE_OF_VOWELS)),
     # theta as printed in table 3.2; c comes with the targets.
-    "pbm": group("consonant", 1, "pbm", shapes(shape(1, 1, (8.907, 3.0), 1), WEAK, jaw=shape(0.8, 0.9, 10, 1))),
+    "pbm": group("consonant", 1, "pbm", shapes(shape(1, 1, (8.907, 3.0), 1), WEAK, jaw=shape(0.5, 0.5, 10, 1))),
     # Dominance just under 1; the lower lip draws back whatever the vowels do.
     "fv": group("consonant", 2, "fv", shapes(shape(0.97, 1, 12, 1), shape(0.3, 0.3, 9, 1), shape(0.97, 1, 12, 1), WEAK,
                                              jaw=shape(0.9, 0.9, 12, 1))),
-    "sz": group("consonant", 7, "tdsz", shapes(shape(0.95, 0.9, 15, 1), WEAK, tongue=TIP)),
+    "sz": group("consonant", 7, "tdsz", shapes(shape(0.95, 0.9, 15, 1), WEAK, jaw=SIBILANT_JAW, tongue=TIP)),
     # Close, hold, open: a flat top and steep flanks; dominance below 1.
-    "tsdz": group("consonant", 7, "tdsz", shapes(shape(0.9, 0.9, 1500, 3), WEAK, tongue=TIP)),
+    "tsdz": group("consonant", 7, "tdsz", shapes(shape(0.9, 0.9, 1500, 3), WEAK, jaw=SIBILANT_JAW, tongue=TIP)),
     # /t/ moves like /ts dz/, /d/ like /tS dZ/: see the phones.
     "td": group("consonant", 4, "tdsz", shapes(shape(0.85, 0.8, 15, 1), WEAK, tongue=TIP)),
-    "tʃdʒ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.85, 0.8, 10, 1), tongue=BLADE)),
+    "tʃdʒ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.85, 0.8, 10, 1), jaw=SIBILANT_JAW, tongue=BLADE)),
     "ʎɲ": group("consonant", 8, "kgnr", shapes(shape(0.6, 0.5, 12, 1), shape(0.3, 0.3, 9, 1), tongue=BODY)),
-    "ʃ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.9, 0.9, 8, 1), tongue=BLADE)),
+    "ʃ": group("consonant", 6, "tʃ", shapes(shape(0.9, 0.9, 15, 1), shape(0.9, 0.9, 8, 1), jaw=SIBILANT_JAW, tongue=BLADE)),
     "gk": group("consonant", 5, "kgnr", shapes(shape(0.25, 0.1, 9, 1), shape(0.1, 0.1, 8, 1), tongue=BODY)),
     "lnr": group("consonant", 8, "kgnr", shapes(GLIDE, GLIDE, tongue=TIP)),
     "θð": group("consonant", 3, "tdsz", shapes(shape(0.9, 0.9, 15, 1), WEAK, tongue=TIP)),
@@ -257,21 +297,24 @@ def lips(press, release):
 
 
 def phones(rows):
-    # The lower lip rests against the upper incisors, the upper lip is raised off it so that they show: 2 mm and less are what tells
-    # /f v/ from /p b m/. The markers' 0.5 mm would look closed.
+    # The lower lip rests against the edge of the upper incisors, which is some 2 mm below the line of closed lips (Vig and Brundo 1978);
+    # the upper lip is raised off it so that they show: 3 mm and less are what tells /f v/ from /p b m/. The markers' 0.5 mm would
+    # look closed.
     def fv(v):
-        return {"LI": (0.4, 0.5), "LS": (1.1 if v in "ouy" else 1.5, 0.5)}
+        return {"LI": (1.3, 0.5), "LS": (1.2 if v in "ouy" else 1.6, 0.5)}
     # No figures for /L N/: their opening is like that of /tS/ (chapter 3.4.3.2), their width like that of /n/.
     def palatal(p):
-        return lambda v: target(rows, p, "tS", [v])
+        return lambda v: (raised(rows, "tS", [v]), 0.43) if p == "LS" else target(rows, p, "tS", [v])
     # /j/ is a short unstressed /i/ in every context.
     def like_i(p):
         def get(v):
             T, _ = target(rows, p, "i", ["pause"])
-            return (T * 0.8 if p in ("LI", "LS", "EM") else T), 0.5
+            if p == "LS":
+                return raised(rows, "i", ["pause"], 0.8), 0.5
+            return (T * 0.8 if p in ("LI", "EM") else T), 0.5
         return get
 
-    teeth = {"kind": "teeth", "onset": 0.008, "release": 0.012, "reach": 0.7, "retract": 1.6}
+    teeth = {"kind": "teeth", "onset": 0.008, "release": 0.012, "reach": 1.7, "retract": 1.6}
     plateau = {p: {k: v for k, v in GROUPS["tsdz"]["coefficients"][p].items() if k[:5] == "theta" or k[0] == "c"}
                for p in ("LI", "LS", "EM")}
     fv_over = dict(LI=lambda v: fv(v)["LI"], LS=lambda v: fv(v)["LS"],
@@ -322,12 +365,38 @@ def phones(rows):
         "ɪ": {"sampa": "I", "like": {"i": 0.7, "e": 0.3}},
         "ʊ": {"sampa": "U", "like": {"u": 0.7, "o": 0.3}},
         "ɒ": {"sampa": "Q", "like": {"ɔ": 0.7, "a": 0.3}},
-        "ə": {"sampa": "@", "like": {"e": 0.6, "o": 0.4}, "gain": {"LI": 0.75, "LS": 0.75, "EM": 0.75}},
+        "ə": {"sampa": "@", "like": {"e": 0.6, "o": 0.4}, "gain": {"LI": 0.75, "LS": 0.9, "EM": 0.75},
+              # Its lips are those of its neighbours: rounding reaches through it.
+              "coefficients": {p: {"alpha": 0.1, "k": 0.1} for p in ("AR", "PI", "PS")}},
         "h": {"sampa": "h", "group": "h", "targets": {p: {"any": {"t": 0.5, "T": 0}} for p in PARAMS}},
         "ʔ": {"sampa": "?", "like": "h"},
         "x": {"sampa": "x", "like": "k"},
     }
+    for ipa, phone in out.items():
+        sampa = phone.pop("sampa")
+        out[ipa] = {"sampa": sampa, "source": source(ipa), **phone}
     return out
+
+
+MEASURED = "measured: Italian speakers, ELITE, scaled; the upper lip's share of the opening and the tongue by rule"
+SOURCES = {
+    "p b m": "LI beside /a/ printed: Leone, table 3.2; other contexts, width, protrusion measured: Italian speakers, ELITE; upper lip, jaw, tongue by rule",
+    "f v": "opening and retraction by rule; width and upper protrusion measured: Italian speakers, ELITE",
+    "ɛ ɔ": "by rule: 1.08 times the opening of the closed vowel, which is measured; the rest measured: Italian speakers, ELITE",
+    "ts dz": "by rule: as /t d/ are measured, with the jaw of /s/",
+    "dʒ": "by rule: as /tʃ/ is measured",
+    "ʎ ɲ": "by rule: opening of /tʃ/, width and protrusion of /n/",
+    "j": "by rule: a short unstressed /i/",
+    "ð ʒ ŋ ɱ ɾ ɪ ʊ ɒ ə h ʔ x": "by rule",
+}
+RULED_JAW = "; the jaw by rule, in mm of the teeth"
+
+
+def source(ipa):
+    for phones, text in SOURCES.items():
+        if ipa in phones.split():
+            return text
+    return MEASURED + (RULED_JAW if ipa in JAW or ipa in JAW_OF_CLOSE else "")
 
 
 # None that is also a word which may end a sentence (via, col, don, mar...).
@@ -342,7 +411,9 @@ def pack(rows):
         "name": "italiano",
         "sources": [
             "Targets and their places: ELITE motion capture of Italian speakers, figures as kept in the open Greta agent, scaled "
-            "as models/tools/make-speech-it.py tells.",
+            "as models/tools/make-speech-it.py tells. Each phone's source says what of it was measured.",
+            "How the lips share an opening, jaw heights of consonants and how early openings begin: rounded figures after "
+            "articulograph recordings of English speakers, not of Italian ones.",
             "The tongue: from the phones' articulatory features.",
             "Bilabials beside /a/, viseme groups, findings: E. Leone, LUCIA-WebGL, chapter 3.4 and table 3.2.",
         ],

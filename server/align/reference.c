@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/align/reference.h"
+#include "server/align/reference_worker.h"
 #include "server/base/lang.h"
 #include "server/base/mem.h"
-#include "server/voice/faccia-voice.h"
-#include <dlfcn.h>
+#include <jansson.h>
+#include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -13,44 +14,76 @@
 /* A man and a woman for every language. */
 #define CONFIG "{\"variants\": [\"f2\"]}"
 
+/* What the worker may take, as those of the daemon do: megabytes of address space; seconds to start, and of
+ * silence while it speaks, with so much for each byte; seconds of processor time for a sentence. */
+enum { MEGABYTES = 4096, START_SECONDS = 30, SILENCE_SECONDS = 10, PROCESSOR_SECONDS = 600 };
+#define SILENCE_PER_BYTE 0.05
+
 struct known {
     char *id, *lang;
     bool female;
 };
 
 struct reference {
-    void *library;
-    const struct faccia_voice *api;
-    void *self;
+    struct reference_slot from;
+    bool unconfined;
+    struct reference_worker worker;
     struct known *voices;
     size_t voice_count, voice_cap;
-    struct reference_speech *out; /* of the sentence that is spoken */
-    uint64_t before;              /* samples that it had */
-    size_t text_from;
+    uint32_t job; /* the last sentence */
 };
 
-static void keep_voice(void *ctx, const struct faccia_voice_info *voice) {
-    struct reference *r = ctx;
-    r->voices = mem_grow(r->voices, &r->voice_cap, r->voice_count + 1, sizeof *r->voices);
-    r->voices[r->voice_count++] =
-        (struct known){mem_strdup(voice->id), mem_strdup(voice->lang), !strcmp(voice->gender, "female")};
+/* The voices, once: they are named by those that use the reference. */
+static void keep_voices(struct reference *r, const char *description) {
+    json_t *root = json_loads(description, 0, NULL), *voice;
+    size_t i;
+    json_array_foreach(json_object_get(root, "voices"), i, voice) {
+        const char *id = json_string_value(json_object_get(voice, "id"));
+        const char *lang = json_string_value(json_object_get(voice, "lang"));
+        const char *gender = json_string_value(json_object_get(voice, "gender"));
+        if (!id || !lang || !gender)
+            continue;
+        r->voices = mem_grow(r->voices, &r->voice_cap, r->voice_count + 1, sizeof *r->voices);
+        r->voices[r->voice_count++] =
+            (struct known){mem_strdup(id), mem_strdup(lang), !strcmp(gender, "female")};
+    }
+    json_decref(root);
 }
 
-struct reference *reference_open(const char *path, struct error *e) {
-    struct reference *r = mem_alloc(sizeof *r);
-    char message[200] = "";
-    r->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    r->api = r->library ? dlsym(r->library, FACCIA_VOICE_SYMBOL) : NULL;
-    if (!r->api || r->api->abi != FACCIA_VOICE_ABI) {
-        error_set(e, CODE, "no voice to align to: %.180s is no plugin that can be loaded", path);
-        r->api = NULL;
-    } else if (r->api->open(CONFIG, &r->self, message, sizeof message)) {
-        error_set(e, CODE, "no voice to align to: %s", message);
-        r->self = NULL;
-    } else {
-        r->api->list(r->self, keep_voice, r);
-        return r;
+static int start(struct reference *r, struct error *e) {
+    const struct wire_limits limits = {MEGABYTES, START_SECONDS, !r->unconfined};
+    struct wire_frame frame;
+    struct buf b = {0};
+    if (reference_worker_start(&r->worker, r->from.worker, r->from.path, e))
+        return -1;
+    size_t place = wire_begin(&b, WIRE_OPEN, 0);
+    wire_put_string(&b, CONFIG);
+    wire_put_limits(&b, &limits);
+    wire_end(&b, place);
+    int result = reference_worker_send(&r->worker, &b, e);
+    buf_free(&b);
+    if (result || reference_worker_hear(&r->worker, &frame, START_SECONDS, e))
+        return -1;
+    struct wire_reader reader = wire_read(&frame);
+    const char *text = wire_get_string(&reader);
+    if (text && frame.type == WIRE_HELLO) {
+        if (!r->voice_count)
+            keep_voices(r, text);
+        return 0;
     }
+    error_set(e, CODE, "no voice to align to: %s", text ? text : "its worker sent garbage");
+    reference_worker_stop(&r->worker);
+    return -1;
+}
+
+struct reference *reference_open(const struct reference_slot *from, struct error *e) {
+    struct reference *r = mem_alloc(sizeof *r);
+    const char *sandbox = getenv("FACCIA_SANDBOX");
+    r->from = *from;
+    r->unconfined = sandbox && !strcmp(sandbox, "off");
+    r->worker.fd = -1;
+    if (!start(r, e))
+        return r;
     reference_close(r);
     return NULL;
 }
@@ -58,27 +91,19 @@ struct reference *reference_open(const char *path, struct error *e) {
 void reference_close(struct reference *r) {
     if (!r)
         return;
-    if (r->self)
-        r->api->close(r->self);
+    reference_worker_stop(&r->worker);
     for (size_t i = 0; i < r->voice_count; i++) {
         free(r->voices[i].id);
         free(r->voices[i].lang);
     }
     free(r->voices);
-    free(r); /* the library stays, as engines leave threads and atexit handlers behind */
+    free(r);
 }
 
 struct reference *reference_get(struct reference_slot *slot, struct error *e) {
     if (!slot->reference)
-        slot->reference = reference_open(slot->path, e);
+        slot->reference = reference_open(slot, e);
     return slot->reference;
-}
-
-void reference_path(char *out, size_t cap) {
-    Dl_info info;
-    const char *file = dladdr((void *)(uintptr_t)reference_path, &info) ? info.dli_fname : "",
-               *slash = strrchr(file, '/');
-    snprintf(out, cap, "%.*sespeak.so", slash ? (int)(slash - file) + 1 : 0, file);
 }
 
 const char *reference_voice(const struct reference *r, const char *lang, const char *gender) {
@@ -98,58 +123,89 @@ const char *reference_voice(const struct reference *r, const char *lang, const c
     return best ? best->id : "";
 }
 
-static int on_audio(void *ctx, const int16_t *samples, size_t count, uint32_t rate) {
-    struct reference_speech *s = ((struct reference *)ctx)->out;
+static bool take_audio(struct reference_speech *s, const struct wire_frame *frame) {
+    struct wire_reader r = wire_read(frame);
+    s->rate = wire_get_u32(&r);
+    size_t count = (size_t)(r.end - r.at) / sizeof *s->pcm;
     s->pcm = mem_grow(s->pcm, &s->pcm_cap, s->samples + count, sizeof *s->pcm);
-    memcpy(s->pcm + s->samples, samples, count * sizeof *samples);
+    if (count)
+        memcpy(s->pcm + s->samples, r.at, count * sizeof *s->pcm);
     s->samples += count;
-    s->rate = rate;
-    return 0;
+    return !r.bad && s->rate;
 }
 
-static int on_phone(void *ctx, const struct faccia_phone *phone) {
-    struct reference *r = ctx;
-    struct reference_speech *s = r->out;
-    s->phones = mem_grow(s->phones, &s->phone_cap, s->phone_count + 1, sizeof *s->phones);
-    struct reference_phone *p = &s->phones[s->phone_count++];
-    *p = (struct reference_phone){
-        .stress = (uint8_t)phone->stress, .start = r->before + phone->start, .end = r->before + phone->end};
-    snprintf(p->ipa, sizeof p->ipa, "%s", phone->ipa);
-    return 0;
+/* before: the samples that were there; from: where its text begins. */
+static bool take_events(struct reference_speech *s, const struct wire_frame *frame, uint64_t before,
+                        size_t from) {
+    struct wire_reader r = wire_read(frame);
+    struct wire_event event;
+    while (wire_get_event(&r, &event)) {
+        if (event.kind == WIRE_PHONE) {
+            const struct faccia_phone *phone = &event.phone;
+            s->phones = mem_grow(s->phones, &s->phone_cap, s->phone_count + 1, sizeof *s->phones);
+            struct reference_phone *p = &s->phones[s->phone_count++];
+            *p = (struct reference_phone){
+                .stress = (uint8_t)phone->stress, .start = before + phone->start, .end = before + phone->end};
+            snprintf(p->ipa, sizeof p->ipa, "%s", phone->ipa);
+        } else if (event.kind == WIRE_WORD) {
+            const struct faccia_word *word = &event.word;
+            s->words = mem_grow(s->words, &s->word_cap, s->word_count + 1, sizeof *s->words);
+            s->words[s->word_count++] = (struct reference_word){
+                from + word->offset, from + word->offset + word->bytes, before + word->start};
+        }
+    }
+    return !r.bad;
 }
 
-static int on_word(void *ctx, const struct faccia_word *word) {
-    struct reference *r = ctx;
-    struct reference_speech *s = r->out;
-    s->words = mem_grow(s->words, &s->word_cap, s->word_count + 1, sizeof *s->words);
-    size_t from = r->text_from + word->offset;
-    s->words[s->word_count++] = (struct reference_word){from, from + word->bytes, r->before + word->start};
-    return 0;
+/* 1 = more is to come, 0 = all of it was spoken. */
+static int take(struct reference *r, const struct wire_frame *frame, struct reference_speech *out,
+                uint64_t before, size_t from, struct error *e) {
+    struct wire_reader reader = wire_read(frame);
+    bool good = frame->job == r->job;
+    if (good && frame->type == WIRE_DONE) {
+        uint32_t failed = wire_get_u32(&reader);
+        const char *message = wire_get_string(&reader);
+        return failed ? error_set(e, CODE, "the voice to align to failed: %s", message ? message : "") : 0;
+    }
+    if (good && frame->type == WIRE_AUDIO)
+        good = take_audio(out, frame);
+    else if (good && frame->type == WIRE_EVENTS)
+        good = take_events(out, frame, before, from);
+    else
+        good = false;
+    if (good)
+        return 1;
+    reference_worker_stop(&r->worker);
+    return error_set(e, CODE, "the voice to align to sent garbage");
 }
 
-static int on_mark(void *ctx, const char *name, uint64_t at) {
-    (void)ctx, (void)name, (void)at;
-    return 0;
-}
-
-static int on_warning(void *ctx, const char *message) {
-    (void)ctx, (void)message;
-    return 0;
+static int ask(struct reference *r, const char *voice, const char *text, size_t size, struct error *e) {
+    char *copy = mem_strndup(text, size);
+    const struct faccia_span span = {
+        .kind = FACCIA_SPAN_TEXT, .text = copy, .pitch = 1, .range = 1, .volume = 1};
+    const struct faccia_sentence sentence = {voice, &span, 1};
+    struct buf b = {0};
+    size_t place = wire_begin(&b, WIRE_SPEAK, ++r->job);
+    wire_put_u32(&b, PROCESSOR_SECONDS);
+    wire_put_sentence(&b, &sentence);
+    wire_end(&b, place);
+    int result = reference_worker_send(&r->worker, &b, e);
+    buf_free(&b);
+    free(copy);
+    return result;
 }
 
 int reference_speak(struct reference *r, const char *voice, const char *text, size_t from, size_t to,
                     struct reference_speech *out, struct error *e) {
-    char message[200] = "", *copy = mem_strndup(text + from, to - from);
-    const struct faccia_span span = {
-        .kind = FACCIA_SPAN_TEXT, .text = copy, .pitch = 1, .range = 1, .volume = 1};
-    const struct faccia_sentence sentence = {voice, &span, 1};
-    const struct faccia_sink sink = {sizeof sink, r, on_audio, on_phone, on_word, on_mark, on_warning};
-    r->out = out;
-    r->before = out->samples;
-    r->text_from = from;
-    int result = r->api->speak(r->self, &sentence, &sink, message, sizeof message);
-    free(copy);
-    return result ? error_set(e, CODE, "the voice to align to failed: %s", message) : 0;
+    const uint64_t before = out->samples;
+    const double silence = SILENCE_SECONDS + SILENCE_PER_BYTE * (double)(to - from);
+    struct wire_frame frame;
+    int more = 1;
+    if ((r->worker.fd < 0 && start(r, e)) || ask(r, voice, text + from, to - from, e))
+        return -1;
+    while (more > 0 && !(more = reference_worker_hear(&r->worker, &frame, silence, e)))
+        more = take(r, &frame, out, before, from, e);
+    return more;
 }
 
 void reference_clear(struct reference_speech *s) {

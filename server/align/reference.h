@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Synthetic speech to align recordings to: a voice plugin, loaded into this process, speaks into memory. Its
- * engine may keep its state in globals (espeak-ng does), so one at a time. */
+/* Synthetic speech to align recordings to, spoken into memory by a voice plugin: in a worker process,
+ * confined as every voice is, that is started when it is first needed, and again when it was lost. */
 #ifndef FACCIA_ALIGN_REFERENCE_H
 #define FACCIA_ALIGN_REFERENCE_H
 
@@ -31,21 +31,18 @@ struct reference_speech {
 
 struct reference;
 
-/* Where a reference comes from; loaded when it is first needed. */
+/* Where a reference comes from. All zero is right in a plugin: its worker was given one that starts others
+ * (worker_keeper.h), and the plugin is espeak, beside it. The variable FACCIA_SANDBOX says off, or it
+ * is confined. */
 struct reference_slot {
-    char path[4096]; /* of the plugin */
+    char worker[4096], path[4096]; /* the program faccia-voice; the plugin */
     struct reference *reference;
 };
-struct reference *reference_get(struct reference_slot *slot, struct error *e); /* as reference_open */
+struct reference *reference_get(struct reference_slot *slot, struct error *e); /* opens it, if need be */
 
-/* path: the plugin. NULL with *e ("no-reference"). */
-struct reference *reference_open(const char *path, struct error *e);
+/* NULL with *e ("no-reference"). */
+struct reference *reference_open(const struct reference_slot *from, struct error *e);
 void reference_close(struct reference *reference);
-
-/* The path of the plugin that makes references, espeak, beside the plugin that this
- * is part of.
- */
-void reference_path(char *out, size_t cap);
 
 /* The best voice of that language and gender ("female", "male"), "" when there is none for the language, or
  * none of that gender. Good while the reference is open. */

@@ -27,13 +27,14 @@ static void on_warning(void *ctx, const char *message) {
 
 static int write_segment(struct align *a, uint64_t to) {
     struct sentence_audio *u = aligned_recording_audio(a->reading, a->at, to);
-    const struct face_options options = {.engine = a->request.engine,
-                                         .still = a->request.still,
-                                         .life = a->request.life < 0 ? 1 : a->request.life,
-                                         .seed = a->request.seed < 0 ? 0 : (uint64_t)a->request.seed,
-                                         .begin = (double)a->at / u->sample_rate};
-    struct media_segment segment = {
-        .audio = u, .track = face_track_new(a->pack, u, &options, on_warning, NULL), .start = (int64_t)a->at};
+    const struct face_options options = {
+        .engine = a->request.engine, .contacts = a->request.contacts, .still = a->request.still};
+    struct media_segment segment = {.audio = u,
+                                    .track = face_track_new(a->pack, u, &options, on_warning, NULL),
+                                    .start = (int64_t)a->at,
+                                    .alone = {.life = a->request.life < 0 ? 1 : a->request.life,
+                                              .seed = a->request.seed < 0 ? 0 : (uint64_t)a->request.seed,
+                                              .begin = (double)a->at / u->sample_rate}};
     int result = 0;
     for (struct output *o = a->outputs; o < a->outputs + OUTPUTS && !result; o++) {
         if (!o->path)

@@ -5,12 +5,22 @@
 
 #include "server/base/buf.h"
 #include "server/eval/plot.h"
+#include "server/face/track.h"
 #include <stdio.h>
+
+/* An engine with or without the layer of contacts. */
+struct eval_variant {
+    const char *engine;
+    enum face_contacts contacts; /* on or off */
+    char label[48];              /* its name, and what is not as it has it */
+};
+
+struct eval_variant eval_variant(const char *engine, enum face_contacts contacts);
 
 struct eval_report {
     const char *lang, *voice;
     double fps;
-    const char *engines[STRETCH_ENGINES + 1];
+    struct eval_variant engines[STRETCH_ENGINES];
     size_t engine_count;
     double *rates; /* rising */
     size_t rate_count;

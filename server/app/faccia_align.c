@@ -25,7 +25,8 @@ static const char usage[] =
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "      --gender WORD    of the speaker: female or male; found out when it is not told\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
-    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context or syllable\n"
+    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context, syllable or table\n"
+    "      --contacts HOW   lips that must touch do: on, off, or engine (as the engine has it)\n"
     "      --still          only the lips move\n"
     "      --seed N         another life of the face (0)\n"
     "      --json FILE      phones and words with their times\n"
@@ -82,6 +83,7 @@ static int run(struct align *a, const struct paths *paths) {
     struct error e;
     char text[400];
     int result = -1;
+    snprintf(reference.worker, sizeof reference.worker, "%s", paths->worker);
     snprintf(reference.path, sizeof reference.path, "%s/espeak.so", paths->plugins);
     if ((!a->text || !cli_read(a->text, &script)) && (!a->timing || !read_timing(a, &times))) {
         size_t skip = script.size >= 3 && !memcmp(script.data, "\xEF\xBB\xBF", 3) ? 3 : 0;
@@ -118,11 +120,14 @@ static int run(struct align *a, const struct paths *paths) {
 /* The exit code, or -1 to go on. */
 static int parse(int argc, char **argv, struct align *a) {
     static const struct option options[] = {
-        {"text", 1, NULL, 't'},   {"timing", 1, NULL, 'T'}, {"names", 1, NULL, 'N'},
-        {"lang", 1, NULL, 'l'},   {"gender", 1, NULL, 'g'}, {"fps", 1, NULL, 1},
-        {"engine", 1, NULL, 'e'}, {"still", 0, NULL, 1},    {"seed", 1, NULL, 1},
-        {"json", 1, NULL, 'J'},   {"fap", 1, NULL, 'F'},    {"wav", 1, NULL, 'W'},
-        {"quiet", 0, NULL, 'q'},  {"help", 0, NULL, 'h'},   {0},
+        {"text", 1, NULL, 't'},   {"timing", 1, NULL, 'T'},
+        {"names", 1, NULL, 'N'},  {"lang", 1, NULL, 'l'},
+        {"gender", 1, NULL, 'g'}, {"fps", 1, NULL, 1},
+        {"engine", 1, NULL, 'e'}, {"contacts", 1, NULL, 1},
+        {"still", 0, NULL, 1},    {"seed", 1, NULL, 1},
+        {"json", 1, NULL, 'J'},   {"fap", 1, NULL, 'F'},
+        {"wav", 1, NULL, 'W'},    {"quiet", 0, NULL, 'q'},
+        {"help", 0, NULL, 'h'},   {0},
     };
     struct error e;
     char message[400];

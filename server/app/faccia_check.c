@@ -63,7 +63,7 @@ static void look_for_expressions(const struct check *c, struct score *score) {
 
 static int check(const struct check *c, const char *path) {
     struct buf text = {0}, dump = {0};
-    struct score *score = NULL;
+    struct score *document = NULL, *score = NULL;
     struct error e;
     buf_reserve(&text, 1);
     if (cli_read(path, &text)) {
@@ -71,19 +71,20 @@ static int check(const struct check *c, const char *path) {
         return -1;
     }
     if (!decode(&text, &e))
-        score = markup_read(c->kind, (const char *)text.data, text.size, NULL, &e);
-    if (!score)
+        document = markup_read(c->kind, (const char *)text.data, text.size, NULL, &e);
+    if (!document)
         report(path, "error", &e, &text);
-    if (score && c->score)
-        score_dump(score, &dump);
-    if (score)
-        look_for_expressions(c, score);
+    if (document && c->score)
+        score_dump(document, &dump);
+    if (document)
+        look_for_expressions(c, score = score_script(document));
     for (size_t i = 0; score && i < score->warning_count; i++)
         report(path, "warning", &score->warnings[i], &text);
     if (dump.size)
         fwrite(dump.data, 1, dump.size, stdout);
-    int failed = score ? 0 : -1;
+    int failed = document ? 0 : -1;
     score_free(score);
+    score_free(document);
     buf_free(&dump);
     buf_free(&text);
     return failed;

@@ -70,7 +70,7 @@ static void write_header(const struct life_run *r, size_t count) {
 }
 
 static void live_through(struct life_run *r, const struct sentence_audio *u, double begin, double seconds) {
-    struct face_options options = {.life = r->strength, .seed = (uint64_t)r->seed, .begin = begin};
+    struct placement_options options = {.life = r->strength, .seed = (uint64_t)r->seed, .begin = begin};
     struct face_layer layer = life_layer(&options, u, (struct life_influence){0});
     live(r, &layer, begin, begin + seconds, u != NULL);
     if (layer.free)

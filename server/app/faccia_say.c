@@ -23,10 +23,13 @@ static const char usage[] =
     "      --pitch FACTOR   0.25 to 4 (1)\n"
     "      --volume FACTOR  0.25 to 4 (1)\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
-    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context or syllable\n"
+    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context, syllable or table\n"
     "      --markup KIND    auto, plain, apml, jsml, ssml, emotionml, bml, fml (auto)\n"
     "      --life FACTOR    strength of the signs of life, 0 to 2 (1)\n"
-    "      --blend RULE     how expressions share the mouth with speech: regions or weighted (regions)\n"
+    "      --blend RULE     how expressions share the mouth with speech: auto, regions or weighted (auto)\n"
+    "      --contacts HOW   lips that must touch do, whatever the engine makes: on, off, or engine: off for "
+    "the baselines\n"
+    "                       cohen-massaro and table, on for the others (engine)\n"
     "      --still          only the lips move\n"
     "      --seed N         another life of the face; the same number gives the same face (0)\n"
     "  -f, --file FILE      the text\n"
@@ -173,6 +176,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"ogg", 1, NULL, 'O'},
         {"ndjson", 1, NULL, 'N'},
         {"fapc", 1, NULL, 'B'},
+        {"contacts", 1, NULL, 1},
         {"help", 0, NULL, 'h'},
         {0},
     };

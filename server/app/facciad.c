@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* facciad: the daemon. Puts the stages together on one loop, reads its settings anew on SIGHUP, and stops
  * cleanly when it is told to. */
+#include "server/app/daemon_offer.h"
 #include "server/app/descriptors.h"
 #include "server/app/service.h"
 #include "server/app/settings.h"
@@ -32,9 +33,11 @@ struct daemon {
     struct face_high_level *high_level;
     struct normalizers normalizers;
     struct metrics metrics;
+    struct coder_pool *coders;
     struct codec_load codec_load;
     struct pipeline pipeline;
     struct net *net;
+    struct daemon_offer *offer;
     uv_signal_t signals[SIGNALS];
     uv_timer_t watchdog, ending;
     uint64_t end_by; /* loop time, ms */
@@ -89,7 +92,9 @@ static void on_ready(void *ctx) {
     size_t count;
     voice_pool_voices(d->pipeline.voices, &count);
     if (!count) {
-        log_error("no voice plugin could be started");
+        static const char none[] = "no voice plugin could be started";
+        log_error(none);
+        net_set_unavailable(d->net, none);
         return;
     }
     if (!synthesis_can_speak(&d->pipeline, d->settings.lang)) {
@@ -148,6 +153,7 @@ static void stop(struct daemon *d) {
         net_close(d->net);
     if (d->pipeline.voices)
         voice_pool_close(d->pipeline.voices, NULL, NULL);
+    coder_pool_close(d->coders);
     if (!d->running)
         return;
     for (int i = 0; i < SIGNALS; i++)
@@ -226,14 +232,21 @@ static int start(struct daemon *d, struct error *e) {
                                     .high_level = d->high_level,
                                     .normalizers = &d->normalizers,
                                     .default_lang = s->lang,
+                                    .default_contacts = !strcmp(s->contacts, "on")    ? CONTACTS_ON
+                                                        : !strcmp(s->contacts, "off") ? CONTACTS_OFF
+                                                                                      : CONTACTS_ENGINE,
                                     .sounds = s->audio,
                                     .metrics = &d->metrics,
                                     .codec_load = &d->codec_load,
                                     .long_text = LONG_TEXT_BYTES};
     struct net_options options = net_options_of(d);
-    d->net = net_open(&d->pipeline, &options, e);
+    d->offer = daemon_offer_new(&d->pipeline);
+    const struct offer_source offer = daemon_offer_source(d->offer);
+    d->net = net_open(&d->pipeline, &offer, &options, e);
     if (!d->net)
         return -1;
+    d->pipeline.coders = d->coders = coder_pool_open(&d->loop, 0);
+    codec_load_open(&d->codec_load, &d->loop, d->coders, &d->metrics);
     d->voice_config = s->voices ? json_dumps(s->voices, JSON_COMPACT) : NULL;
     struct voice_pool_options voices = {.worker = s->worker,
                                         .plugin_dir = s->plugins,
@@ -270,7 +283,6 @@ static int run(struct daemon *d) {
     struct error e;
     signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&d->loop);
-    codec_load_open(&d->codec_load, &d->loop, &d->metrics);
     int status = start(d, &e) ? 1 : 0;
     if (status) {
         complain(&e);
@@ -283,6 +295,7 @@ static int run(struct daemon *d) {
         status = 1;
     if (d->net)
         net_free(d->net);
+    daemon_offer_free(d->offer);
     uv_loop_close(&d->loop);
     speech_packs_free(&d->packs);
     expressions_free(d->expressions);

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/fit_read.h"
-#include "server/base/json_place.h"
 #include "server/base/mem.h"
 #include <errno.h>
 #include <math.h>
@@ -8,13 +7,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const phone_columns[] = {"start", "end", "ipa", NULL};
-static const char *const curve_columns[] = {"time", "LI", "LS", "AR", "PI", "PS",
-                                            "EM",   "TH", "TA", "TB", NULL};
-enum { START, END, IPA };
-enum { MAX_WANTED = 12, NO_COLUMN = 1 << 20 };
-_Static_assert(sizeof curve_columns / sizeof *curve_columns == PARAM_COUNT + 2,
-               "the columns are time and the parameters");
+/* The name may have any of these headings. */
+static const char *const phone_columns[] = {"start", "end",     "ipa",   "phone", "label",
+                                            "name",  "arpabet", "sampa", NULL};
+enum { START, END, NAME, NAMES_END = 8 };
+/* After the parameters, markers in mm: _x forward, _z up. The body of the tongue is rather where the rear one
+ * is (with two speakers the packs' TB correlates by .75 with tr and by .54 with tb). */
+static const char *const curve_columns[] = {"time", "t",     "LI",   "LS",   "AR",   "PI",   "PS",
+                                            "EM",   "TH",    "TA",   "TB",   "ll_z", "ul_z", "ll_x",
+                                            "ul_x", "jaw_z", "tt_z", "tt_x", "tb_z", "tr_z", NULL};
+enum { TIME, T, PARAMETERS, MARKERS = PARAMETERS + PARAM_COUNT };
+static const struct {
+    enum speech_param param;
+    double sign;
+} markers[] = {{PARAM_LI, -1}, {PARAM_LS, 1}, {PARAM_PI, 1}, {PARAM_PS, 1}, {PARAM_EM, -1},
+               {PARAM_TH, 1},  {PARAM_TA, 1}, {PARAM_TB, 1}, {PARAM_TB, 1}};
+enum { MARKER_COUNT = sizeof markers / sizeof *markers, MAX_WANTED = 24, NO_COLUMN = 1 << 20 };
+_Static_assert(sizeof curve_columns / sizeof *curve_columns == MARKERS + MARKER_COUNT + 1,
+               "the columns are the time, the parameters and the markers");
 
 /* A table, line by line. */
 struct table {
@@ -101,35 +111,56 @@ static int needs(struct table *t, size_t wanted) {
                                           : 0;
 }
 
+/* Which column tells each parameter: its own, or that of its marker. */
+static size_t find_sources(const struct table *t, size_t source[PARAM_COUNT], double sign[PARAM_COUNT]) {
+    size_t found = 0;
+    for (size_t p = 0; p < PARAM_COUNT; p++) {
+        source[p] = PARAMETERS + p;
+        sign[p] = 1;
+    }
+    for (size_t m = 0; m < MARKER_COUNT; m++)
+        if (t->column[PARAMETERS + markers[m].param] == NO_COLUMN && t->column[MARKERS + m] != NO_COLUMN) {
+            source[markers[m].param] = MARKERS + m;
+            sign[markers[m].param] = markers[m].sign;
+        }
+    for (size_t p = 0; p < PARAM_COUNT; p++)
+        found += t->column[source[p]] != NO_COLUMN;
+    return found;
+}
+
 static int read_frames(struct table *t, struct measured_speech *r) {
-    size_t capacity = 0, any = 0;
-    bool has[PARAM_COUNT];
-    for (int p = 0; p < PARAM_COUNT; p++)
-        any += has[p] = t->column[p + 1] != NO_COLUMN;
-    if (needs(t, 0))
+    size_t capacity = 0, source[PARAM_COUNT], time = t->column[TIME] == NO_COLUMN ? T : TIME;
+    double sign[PARAM_COUNT];
+    if (needs(t, time))
         return -1;
-    if (!any)
-        return error_at_line(t->error, "bad-recording", t->number, 1,
-                             "no column is named LI, LS, AR, PI, PS or EM");
+    if (!find_sources(t, source, sign))
+        return error_at_line(
+            t->error, "bad-recording", t->number, 1,
+            "no column is named LI, LS, AR, PI, PS, EM, TH, TA, TB or like a marker (ll_z, ul_z, "
+            "ll_x, ul_x, jaw_z, tt_z, tt_x, tb_z, tr_z)");
     while (table_next(t)) {
         size_t n = r->frame_count;
         if (n == capacity) {
             capacity = 2 * capacity + 256;
             r->times = mem_resize(r->times, capacity * sizeof(double));
             for (int p = 0; p < PARAM_COUNT; p++)
-                if (has[p])
+                if (t->column[source[p]] != NO_COLUMN)
                     r->curves[p] = mem_resize(r->curves[p], capacity * sizeof(double));
         }
-        if (table_real(t, 0, &r->times[n]))
+        if (table_real(t, time, &r->times[n]))
             return -1;
         if (n && !(r->times[n] > r->times[n - 1]))
             return error_at_line(t->error, "bad-recording", t->number, 1, "time: does not rise");
-        for (int p = 0; p < PARAM_COUNT; p++)
-            if (has[p] && table_real(t, (size_t)p + 1, &r->curves[p][n]))
+        for (int p = 0; p < PARAM_COUNT; p++) {
+            if (!r->curves[p])
+                continue;
+            if (table_real(t, source[p], &r->curves[p][n]))
                 return -1;
+            r->curves[p][n] *= sign[p];
+        }
         r->frame_count++;
     }
-    return 0;
+    return r->frame_count ? 0 : error_at_line(t->error, "bad-recording", t->number, 1, "there are no frames");
 }
 
 int fit_read_curves(const char *path, struct measured_speech *r, struct error *e) {
@@ -140,65 +171,28 @@ int fit_read_curves(const char *path, struct measured_speech *r, struct error *e
     return result;
 }
 
-static int set_ipa(struct recorded_phone *phone, const char *ipa, struct error *e) {
-    bool is_pause = !strcmp(ipa, "_") || !strcmp(ipa, "sil");
-    if (strlen(ipa) >= sizeof phone->ipa)
-        return error_set(e, "bad-recording", "'%.40s' is too long for a phone", ipa);
-    snprintf(phone->ipa, sizeof phone->ipa, "%s", is_pause ? "" : ipa);
-    return 0;
-}
-
 static int read_phone_table(struct table *t, struct measured_speech *r) {
-    if (needs(t, START) || needs(t, END) || needs(t, IPA))
+    size_t name = NAME;
+    while (name + 1 < NAMES_END && t->column[name] == NO_COLUMN)
+        name++;
+    if (needs(t, START) || needs(t, END) || (t->column[name] == NO_COLUMN && needs(t, NAME)))
         return -1;
     while (table_next(t)) {
         struct recorded_phone phone = {0};
         struct error inner;
         if (table_real(t, START, &phone.start) || table_real(t, END, &phone.end))
             return -1;
-        if (set_ipa(&phone, t->field[IPA], &inner) || measured_speech_add(r, &phone, &inner))
+        if (strlen(t->field[name]) >= sizeof phone.ipa)
+            return error_at_line(t->error, "bad-recording", t->number, 1, "'%.40s' is too long for a phone",
+                                 t->field[name]);
+        snprintf(phone.ipa, sizeof phone.ipa, "%s", t->field[name]);
+        if (measured_speech_add(r, &phone, &inner))
             return error_at_line(t->error, "bad-recording", t->number, 1, "%s", inner.message);
     }
     return 0;
 }
 
-static int read_json_phone(const struct json_place *at, struct measured_speech *r) {
-    struct json_place ipa = json_place_key(at, "ipa"), start = json_place_key(at, "start"),
-                      end = json_place_key(at, "end"), stress = json_place_key(at, "stress");
-    struct recorded_phone phone = {0};
-    struct error inner;
-    double level = 0;
-    if (json_place_object(at) || json_place_real(&start, 0, 3600, &phone.start) ||
-        json_place_real(&end, 0, 3600, &phone.end) || (stress.json && json_place_real(&stress, 0, 2, &level)))
-        return -1;
-    if (!json_is_string(ipa.json))
-        return json_place_fail(&ipa, "must be a string");
-    phone.stress = (uint8_t)level;
-    if (set_ipa(&phone, json_string_value(ipa.json), &inner) || measured_speech_add(r, &phone, &inner))
-        return json_place_fail(at, "%s", inner.message);
-    return 0;
-}
-
-static int read_json_phones(const char *path, struct measured_speech *r, struct error *e) {
-    struct json_place root;
-    if (json_place_load(path, &root, e))
-        return -1;
-    struct json_place phones = json_place_key(&root, "phones");
-    int result = json_place_array(&phones);
-    for (size_t i = 0; !result && i < json_array_size(phones.json); i++) {
-        struct json_place phone = json_place_item(&phones, i);
-        result = read_json_phone(&phone, r);
-    }
-    json_decref(root.json);
-    if (result)
-        e->code = "bad-recording";
-    return result;
-}
-
 int fit_read_phones(const char *path, struct measured_speech *r, struct error *e) {
-    size_t length = strlen(path);
-    if (length > 5 && !strcmp(path + length - 5, ".json"))
-        return read_json_phones(path, r, e);
     struct table t;
     int result = table_open(&t, path, phone_columns, e) || read_phone_table(&t, r) ? -1 : 0;
     table_close(&t);

@@ -6,12 +6,14 @@
 
 #include "server/fit/measured_speech.h"
 
-/* CSV with a line of names: "time" (s) and some of speech_params (mm), others being ignored; times rise
- * strictly. 0, or -1 with *e (code "bad-recording", with the line where there is one). */
+/* CSV with a line of names: "time" or "t" (s) and some of speech_params (mm), or of the markers of an
+ * articulograph (mm, x forward, z up): ul and ll on the lips, jaw, tt, tb and tr on the tongue's tip and body, as
+ * ul_x, ul_z and so on. Others are ignored; times rise strictly. 0, or -1 with *e (code "bad-recording", with
+ * the line where there is one). */
 int fit_read_curves(const char *path, struct measured_speech *r, struct error *e);
 
-/* A name that ends with .json: what faccia say --json writes. Else CSV with a line of names: "start", "end"
- * (s) and "ipa", which is empty, "_" or "sil" for a pause. The same errors. */
+/* CSV with a line of names: "start", "end" (s) and "ipa", "phone", "label", "name", "arpabet" or "sampa", as
+ * it is written. The same errors. */
 int fit_read_phones(const char *path, struct measured_speech *r, struct error *e);
 
 #endif

@@ -22,7 +22,8 @@ struct settings {
     double deadline_base, deadline_per_byte; /* s */
     double deadline_most, worker_processor;  /* in multiples of them */
     unsigned worker_megabytes;
-    char *sandbox; /* "on", "off" */
+    char *sandbox;  /* "on", "off" */
+    char *contacts; /* "engine", "on", "off" */
     unsigned cache_megabytes, cache_file_megabytes;
     char *cache_file;
     json_t *voices; /* plugin name -> its own configuration */

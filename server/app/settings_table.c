@@ -23,6 +23,8 @@ const struct setting settings_table[] = {
      "demand tokens signed with a secret of this file (one in each line)"},
     {"speech.lang", "lang", SETTING_STRING, MEMBER(lang), 0, 0, "it", "TAG",
      "language of requests that name none"},
+    {"speech.contacts", "contacts", SETTING_CHOICE, MEMBER(contacts), 0, 0, "engine", "engine|on|off",
+     "whether lips that must touch do so whatever the engine makes, in requests that do not say on or off"},
     {"voices.workers", "workers", SETTING_NUMBER, MEMBER(workers), 1, 64, "1", "N",
      "processes for each voice plugin"},
     {"voices.spare_workers", "spare-workers", SETTING_NUMBER, MEMBER(spare_workers), 0, 64, "1", "N",

@@ -96,6 +96,16 @@ int json_place_real(const struct json_place *at, double min, double max, double 
     return 0;
 }
 
+int json_place_whole(const struct json_place *at, int min, int max, int *out) {
+    double value;
+    if (json_place_real(at, min, max, &value))
+        return -1;
+    if (value != (int)value)
+        return json_place_fail(at, "must be a whole number");
+    *out = (int)value;
+    return 0;
+}
+
 int json_place_text(const struct json_place *at, const char **out) {
     if (expect(at, json_is_string(at->json) && json_string_length(at->json) > 0,
                "a string that is not empty"))
@@ -138,5 +148,5 @@ int json_place_choice(const struct json_place *at, const char *const *names, siz
             return 0;
         }
     }
-    return json_place_fail(at, "\"%s\" is not one of those that there are", text);
+    return json_place_fail(at, "\"%s\" is not known here", text);
 }

@@ -31,6 +31,7 @@ int json_place_array(const struct json_place *at);
 /* An object with no other keys than these; the list ends with NULL. */
 int json_place_keys(const struct json_place *at, const char *const *allowed);
 int json_place_real(const struct json_place *at, double min, double max, double *out);
+int json_place_whole(const struct json_place *at, int min, int max, int *out); /* 3.0 is one, too */
 /* A string that is not empty; *out belongs to the JSON value. */
 int json_place_text(const struct json_place *at, const char **out);
 /* An array of strings, copied; *out ends with NULL; release it with json_texts_free. */

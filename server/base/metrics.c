@@ -19,6 +19,8 @@ static const struct {
                                 "Utterances by how they ended."},
     [METRIC_UTTERANCES_STOPPED] = {"faccia_utterances_total", "{end=\"stopped\"}", "counter", ""},
     [METRIC_UTTERANCES_FAILED] = {"faccia_utterances_total", "{end=\"failed\"}", "counter", ""},
+    [METRIC_SENTENCES_ASKED] = {"faccia_sentences_asked_total", "", "counter",
+                                "Sentences asked of the voices."},
     [METRIC_SENTENCES] = {"faccia_sentences_total", "{result=\"spoken\"}", "counter",
                           "Sentences that came back from the voices."},
     [METRIC_SENTENCES_FAILED] = {"faccia_sentences_total", "{result=\"failed\"}", "counter", ""},

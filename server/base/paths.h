@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Where the program's own files lie: beside it in a build tree, or under its prefix when it is installed. */
+/* Where the program's own files lie: in its build tree; or below the prefix that the program itself lies in,
+ * which may have been moved; or, when it lies elsewhere, below the prefix that it was built for. */
 #ifndef FACCIA_BASE_PATHS_H
 #define FACCIA_BASE_PATHS_H
 

@@ -1,107 +1,73 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/codec/media_encoder.h"
-#include "protocol/fapc.h"
+#include "protocol/compact.h"
 #include "protocol/packed.h"
 #include "server/base/mem.h"
-#include "server/base/near.h"
-#include "server/codec/opus_audio.h"
+#include "server/codec/coder_pool.h"
+#include "server/codec/media_coder.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { KILOBITS_LEAST = 6, KILOBITS_MOST = 64 };
 
 struct encoder {
     struct encoding encoding;
     struct codec_load *codec_load;
-    bool restart;
-    struct fapc_encoder *fapc; /* NULL until there are frames: it is large, and many say nothing */
-    struct compact compact;
-    double since_begin;      /* s of media */
-    struct opus_audio *opus; /* of the utterance */
-    struct chunk utterance;  /* its number and rates */
-    uint32_t packets;        /* of it so far */
-    struct buf events;       /* to be said in the next chunk */
+    struct coder_pool *coders;
+    struct coder_line line;
+    struct media_coder *coder; /* of the line's thread while jobs are pending */
+    encoder_done *done;
+    void *ctx;
+    bool restart, freed;
+    bool sounds;        /* the coder has had sound of the utterance */
+    uint32_t utterance; /* of the last chunk that was none of idling */
+    double since_begin; /* s of media */
+    struct buf events;  /* to be said in the next chunk */
+    struct buf out;     /* of what is coded at once; kept for the next one */
+    unsigned pending;   /* jobs */
 };
 
-struct codec {
-    const char *name;
-    int codec;
+/* A chunk, or the end of an utterance, on its way through another thread. */
+struct job {
+    struct coder_job base; /* first */
+    struct encoder *encoder;
+    void *tag;
+    bool end, heard;
+    struct media_terms terms;
+    struct media_bytes bytes;
+    struct buf out;
+    struct chunk chunk;
+    struct fap_frame frames[]; /* and then its audio */
 };
 
-static const struct codec audio_names[] = {{"none", CHUNK_AUDIO_SILENCE},
-                                           {"pcm_s16le", CHUNK_AUDIO_PCM_S16LE},
-                                           {"pcm", CHUNK_AUDIO_PCM_S16LE},
-                                           {"opus", CHUNK_AUDIO_OPUS},
-                                           {0}},
-                          fap_names[] = {{"none", CHUNK_FAP_NONE},
-                                         {"plain", CHUNK_FAP_PLAIN},
-                                         {"fapc", CHUNK_FAP_FAPC},
-                                         {0}};
-
-const struct encoding encoding_default = {CHUNK_AUDIO_OPUS, CHUNK_FAP_FAPC, 0, false};
-const struct encoding encoding_none = {CHUNK_AUDIO_SILENCE, CHUNK_FAP_NONE, 0, false};
-
-static int find(const struct codec *list, const char *name, const char *field, struct error *e) {
-    struct near near = near_to(name);
-    char text[NEAR_TEXT];
-    for (; list->name; list++) {
-        if (!strcmp(list->name, name))
-            return list->codec;
-        near_try(&near, list->name, list->name);
-    }
-    return error_in_field(e, "unknown-codec", field, "no %s codec '%.80s'%s", field, name,
-                          near_text(&near, text));
-}
-
-int encoding_audio(const char *name, struct error *e) {
-    return find(audio_names, name, "audio", e);
-}
-
-int encoding_fap(const char *name, struct error *e) {
-    return find(fap_names, name, "fap", e);
-}
-
-int encoding_kilobits(const char *number) {
-    char *end;
-    long value = strtol(number, &end, 10);
-    return *number && !*end && value >= KILOBITS_LEAST && value <= KILOBITS_MOST ? (int)value : -1;
-}
-
-int encoding_events(const char *name) {
-    return !strcmp(name, "packed") ? 1 : !strcmp(name, "text") ? 0 : -1;
-}
-
-bool encoding_same(const struct encoding *a, const struct encoding *b) {
-    return a->audio == b->audio && a->fap == b->fap && a->kilobits == b->kilobits && a->packed == b->packed;
-}
-
-bool encoding_possible(const struct encoding *e) {
-    return e->audio != CHUNK_AUDIO_OPUS || e->fap != CHUNK_FAP_PLAIN;
-}
-
-static bool is_compact(const struct encoding *e) {
-    return e->audio == CHUNK_AUDIO_OPUS || e->fap == CHUNK_FAP_FAPC;
-}
-
-bool encoding_packs(const struct encoding *e, enum stream_event_kind kind) {
-    return e->packed && is_compact(e) &&
-           (kind == STREAM_SENTENCE || kind == STREAM_WORD || kind == STREAM_MARK || kind == STREAM_PHONE);
-}
-
-struct encoder *encoder_new(const struct encoding *encoding, struct codec_load *codec_load) {
+struct encoder *encoder_new(const struct encoding *encoding, struct coder_pool *coders,
+                            struct codec_load *codec_load, encoder_done *done, void *ctx) {
     struct encoder *e = mem_alloc(sizeof *e);
-    e->encoding = *encoding;
-    e->codec_load = codec_load;
-    e->restart = true;
+    *e = (struct encoder){.encoding = *encoding,
+                          .codec_load = codec_load,
+                          .coders = coders,
+                          .coder = media_coder_new(encoding),
+                          .done = done,
+                          .ctx = ctx,
+                          .restart = true};
     return e;
+}
+
+static bool leave_out(struct coder_job *job) {
+    (void)job;
+    return true;
 }
 
 void encoder_free(struct encoder *e) {
     if (!e)
         return;
-    opus_audio_free(e->opus);
-    free(e->fapc);
+    if (e->pending && !e->freed)
+        coder_pool_cancel(e->coders, &e->line, leave_out);
+    e->freed = true;
+    if (e->pending)
+        return;
+    media_coder_free(e->coder);
     buf_free(&e->events);
+    buf_free(&e->out);
     free(e);
 }
 
@@ -124,125 +90,127 @@ void encoder_event(struct encoder *e, const struct stream_event *event) {
     e->events.size += packed_write(&packed, buf_reserve(&e->events, PACKED_HEAD_BYTES_MAX + packed.size));
 }
 
-/* Version 1: every chunk by itself. */
-static struct encoded plain_chunk(const struct encoder *e, const struct chunk *chunk,
-                                  const struct fap_frame *frames, struct buf *out) {
-    struct chunk coded = *chunk;
-    if (e->encoding.audio == CHUNK_AUDIO_SILENCE) {
-        coded.audio_codec = CHUNK_AUDIO_SILENCE;
-        coded.audio_bytes = 0;
-    }
-    if (e->encoding.fap == CHUNK_FAP_NONE) {
-        coded.fap_codec = CHUNK_FAP_NONE;
-        coded.frame_count = 0;
-    }
-    size_t cap = CHUNK_HEADER_BYTES + coded.audio_bytes + (size_t)coded.frame_count * CHUNK_FRAME_BYTES_MAX;
-    size_t size = chunk_encode(&coded, frames, buf_reserve(out, cap), cap);
-    out->size += size;
-    return (struct encoded){true, coded.audio_bytes, size - coded.audio_bytes};
-}
-
-/* An utterance that has not been heard of: a new audio coder. */
-static void meet_utterance(struct encoder *e, const struct chunk *chunk) {
-    if (e->opus && chunk->utterance == e->utterance.utterance)
-        return;
-    opus_audio_free(e->opus);
-    e->opus = opus_audio_new(chunk->sample_rate, e->encoding.kilobits * 1000u);
-    e->packets = 0;
-}
-
-static void code_audio(struct encoder *e, const struct chunk *chunk, struct chunk *coded, struct buf *audio) {
-    coded->audio_codec = CHUNK_AUDIO_SILENCE;
-    coded->first_packet = 0;
-    if (chunk->audio_codec == CHUNK_AUDIO_SILENCE || e->encoding.audio == CHUNK_AUDIO_SILENCE)
-        return;
-    if (e->encoding.audio == CHUNK_AUDIO_PCM_S16LE) {
-        coded->audio_codec = CHUNK_AUDIO_PCM_S16LE;
-        buf_add(audio, chunk->audio, chunk->audio_bytes);
-        return;
-    }
-    meet_utterance(e, chunk);
-    coded->audio_codec = CHUNK_AUDIO_OPUS;
-    coded->first_packet = e->packets;
-    if (!e->opus)
-        return;
-    opus_audio_set_level(e->opus, codec_load_now(e->codec_load));
-    e->packets +=
-        opus_audio_add(e->opus, (const int16_t *)(const void *)chunk->audio, chunk->audio_bytes / 2, audio);
-}
-
-/* FAP 1 and 2 say again, for simple decoders, what the others say; those who read this coding read all. */
-static void code_frames(struct encoder *e, const struct fap_frame *frames, struct chunk *coded, bool begin,
-                        struct buf *out) {
-    struct fap_frame low[FAPC_FRAMES_MAX];
-    coded->fap_codec = e->encoding.fap;
-    if (coded->fap_codec == CHUNK_FAP_NONE) {
-        coded->frame_count = 0;
-        return;
-    }
-    if (!e->fapc) {
-        e->fapc = mem_alloc(sizeof *e->fapc);
-        fapc_encoder_init(e->fapc, FAPC_QUALITY);
-    }
-    size_t cap = ((size_t)coded->frame_count + 1) * FAPC_FRAME_BYTES_MAX;
-    for (uint16_t i = 0; i < coded->frame_count; i++) {
-        low[i] = frames[i];
-        low[i].mask[0] &= (uint8_t)~3u;
-    }
-    out->size += fapc_encode(e->fapc, low, coded->frame_count, begin, buf_reserve(out, cap), cap);
-}
-
-static void put_compact(struct encoder *e, struct chunk *coded, bool begin, const struct buf *audio,
-                        const struct buf *faps, struct buf *out) {
-    coded->audio_bytes = (uint32_t)audio->size;
-    coded->events_bytes = (uint32_t)e->events.size;
-    out->size += compact_write(&e->compact, coded, begin, buf_reserve(out, COMPACT_HEADER_BYTES_MAX));
-    if (e->events.size)
-        buf_add(out, e->events.data, e->events.size);
-    e->events.size = 0;
-    buf_add(out, audio->data, audio->size);
-    buf_add(out, faps->data, faps->size);
-}
-
 static bool begins(struct encoder *e, const struct chunk *chunk) {
     bool begin = e->restart || e->since_begin >= ENCODER_BEGIN_SECONDS;
     e->since_begin = (begin ? 0 : e->since_begin) + (double)chunk->samples / chunk->sample_rate;
     e->restart = false;
-    return begin;
+    return begin || !encoding_is_compact(&e->encoding);
 }
 
-struct encoded encoder_chunk(struct encoder *e, const struct chunk *chunk, const struct fap_frame *frames,
-                             struct buf *out) {
-    if (!is_compact(&e->encoding))
-        return plain_chunk(e, chunk, frames, out);
-    struct chunk coded = *chunk;
-    struct buf audio = {0}, faps = {0};
-    bool begin = begins(e, chunk);
-    code_audio(e, chunk, &coded, &audio);
-    code_frames(e, frames, &coded, begin, &faps);
-    put_compact(e, &coded, begin, &audio, &faps, out);
-    if (chunk->utterance) /* the idle face may come in between, in a pause */
-        e->utterance = *chunk;
-    struct encoded result = {begin, audio.size, out->size - audio.size};
-    buf_free(&audio);
-    buf_free(&faps);
-    return result;
+static void tell(struct encoder *e, void *tag, const struct buf *out, bool begin, struct media_bytes bytes) {
+    struct encoded encoded = {out->data, out->size, begin && out->size, bytes.audio, bytes.faps};
+    e->done(e->ctx, tag, &encoded);
 }
 
-void encoder_end(struct encoder *e, bool heard, struct buf *out) {
-    struct buf audio = {0}, faps = {0};
-    if (!e->opus)
+static void work(struct coder_job *base) {
+    struct job *job = (struct job *)base;
+    struct media_coder *coder = job->encoder->coder;
+    if (job->end)
+        media_coder_end(coder, job->heard, &job->terms.events, &job->out);
+    else
+        job->bytes = media_coder_chunk(coder, &job->chunk, job->frames, &job->terms, &job->out);
+}
+
+static void after_work(struct coder_job *base) {
+    struct job *job = (struct job *)base;
+    struct encoder *e = job->encoder;
+    e->pending--;
+    if (e->freed)
+        encoder_free(e);
+    else
+        tell(e, job->tag, &job->out, job->terms.begin, job->bytes);
+    buf_free(&job->terms.events);
+    buf_free(&job->out);
+    free(job);
+}
+
+static void submit(struct encoder *e, struct job *job, void *tag) {
+    job->base.work = work;
+    job->base.done = after_work;
+    job->encoder = e;
+    job->tag = tag;
+    job->terms.events = e->events;
+    e->events = (struct buf){0};
+    e->pending++;
+    coder_pool_submit(e->coders, &e->line, &job->base);
+}
+
+/* What it codes is the stream's, which goes on meanwhile: it is copied. */
+static void code_later(struct encoder *e, const struct chunk *chunk, const struct fap_frame *frames,
+                       bool begin, bool urgent, void *tag) {
+    size_t faces = chunk->frame_count * sizeof *frames;
+    size_t sound = chunk->audio_codec == CHUNK_AUDIO_SILENCE ? 0 : chunk->audio_bytes;
+    struct job *job = mem_resize(NULL, sizeof *job + faces + sound);
+    *job = (struct job){.terms = {.begin = begin, .level = codec_load_now(e->codec_load)}, .chunk = *chunk};
+    memcpy(job->frames, frames, faces);
+    job->base.urgent = urgent; /* somebody waits for an utterance's first sound */
+    if (sound)
+        job->chunk.audio = memcpy((uint8_t *)job->frames + faces, chunk->audio, sound);
+    submit(e, job, tag);
+}
+
+/* Samples and frames as PCM and plain FAPs. Little-endian: see meson.build. */
+static struct chunk chunk_of(const struct media *media) {
+    return (struct chunk){
+        .audio_codec = media->pcm ? CHUNK_AUDIO_PCM_S16LE : CHUNK_AUDIO_SILENCE,
+        .fap_codec = CHUNK_FAP_PLAIN,
+        .utterance = media->utterance,
+        .sample_rate = media->sample_rate,
+        .fps_hundreds = (uint16_t)lround(media->fps * 100),
+        .frame_count = (uint16_t)media->frame_count,
+        .start = media->start,
+        .samples = media->samples,
+        .first_frame = media->first_frame,
+        .audio_bytes = media->pcm ? media->samples * 2 : 0,
+        .audio = (const uint8_t *)media->pcm,
+    };
+}
+
+void encoder_media(struct encoder *e, const struct media *media, void *tag) {
+    const struct chunk plain = chunk_of(media), *chunk = &plain;
+    const struct fap_frame *frames = media->frames;
+    bool opus = e->encoding.audio == CHUNK_AUDIO_OPUS && chunk->audio_codec != CHUNK_AUDIO_SILENCE;
+    bool begin = begins(e, chunk), first = opus && !e->sounds;
+    if (chunk->utterance)
+        e->utterance = chunk->utterance;
+    e->sounds |= opus;
+    if (e->pending || (opus && e->coders)) {
+        code_later(e, chunk, frames, begin, first, tag);
         return;
-    struct chunk coded = e->utterance;
-    coded.start += coded.samples;
-    coded.first_frame += coded.frame_count;
-    coded.samples = coded.frame_count = 0;
-    coded.audio_codec = CHUNK_AUDIO_OPUS;
-    coded.fap_codec = CHUNK_FAP_NONE;
-    coded.first_packet = e->packets;
-    if (heard && opus_audio_end(e->opus, &audio))
-        put_compact(e, &coded, false, &audio, &faps, out);
-    buf_free(&audio);
-    opus_audio_free(e->opus);
-    e->opus = NULL;
+    }
+    struct media_terms terms = {begin, codec_load_now(e->codec_load), e->events};
+    e->out.size = 0;
+    struct media_bytes bytes = media_coder_chunk(e->coder, chunk, frames, &terms, &e->out);
+    e->events.size = 0;
+    tell(e, tag, &e->out, begin, bytes);
+}
+
+/* Of a chunk of the utterance that has been stopped. The one after it is begun with in its place. */
+static bool is_unheard(struct coder_job *base) {
+    struct job *job = (struct job *)base;
+    struct encoder *e = job->encoder;
+    if (job->end || job->chunk.utterance != e->utterance)
+        return false;
+    e->restart |= job->terms.begin;
+    return true;
+}
+
+void encoder_end(struct encoder *e, bool heard, void *tag) {
+    if (e->pending && !heard)
+        coder_pool_cancel(e->coders, &e->line, is_unheard);
+    bool code = e->sounds;
+    e->sounds = false;
+    if (e->pending || (code && heard && e->coders)) {
+        struct job *job = mem_alloc(sizeof *job);
+        job->end = true;
+        job->heard = heard;
+        submit(e, job, tag);
+        return;
+    }
+    e->out.size = 0;
+    if (code)
+        media_coder_end(e->coder, heard, &e->events, &e->out);
+    if (e->out.size)
+        e->events.size = 0;
+    tell(e, tag, &e->out, false, (struct media_bytes){0});
 }

@@ -9,9 +9,9 @@ double eval_gap(const struct speech_pack *pack, const struct fap_frame *frame) {
 
 const struct eval_measure eval_measures[EVAL_MEASURES] = {
     {"lips_seen", "lips", "Bilabials closed in a frame", EVAL_SHARE},
-    {"lips_held", "held", "Bilabials closed throughout", EVAL_SHARE},
+    {"lips_held", "held", "Bilabials closed in their middle third", EVAL_SHARE},
     {"teeth_seen", "teeth", "Labiodentals touching in a frame", EVAL_SHARE},
-    {"teeth_held", "held", "Labiodentals touching throughout", EVAL_SHARE},
+    {"teeth_held", "held", "Labiodentals touching there", EVAL_SHARE},
     {"opening", "open", "Opening of vowels / target", EVAL_RATIO},
     {"opening_error", "err", "Mean error of the opening", EVAL_MM},
     {"rounding", "round", "Narrowing in /o u/ / target", EVAL_RATIO},
@@ -20,7 +20,7 @@ const struct eval_measure eval_measures[EVAL_MEASURES] = {
     {"speed", "speed", "Largest speed of the gap", EVAL_SPEED},
     {"jerk", "jerk", "Largest jerk of the gap", EVAL_JERK},
     {"overlap", "overlap", "Lips passing through each other", EVAL_MM},
-    {"reader", "reader", "Read by a nearest neighbour", EVAL_SHARE},
+    {"reader", "reader", "Shapes told apart (self-trained reader)", EVAL_SHARE},
     {"reader_usual", "usual", "The same, always saying the commonest", EVAL_SHARE},
 };
 

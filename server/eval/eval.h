@@ -29,12 +29,11 @@ struct eval_input {
     double start; /* of the sentence in the speech, s: frame k is shown at k / fps of the speech */
 };
 
-/* Of contacts (contact.h: bilabials' closures, labiodentals at the teeth; neighbours that share one count
- * once). */
+/* Of bilabials and labiodentals, in the phones' own times. */
 struct eval_touch {
     size_t count;
-    size_t seen; /* in touch in at least one frame that viewers see */
-    size_t held; /* in touch from begin to end */
+    size_t seen; /* in touch in at least one frame that is on the screen while the phone sounds */
+    size_t held; /* in touch throughout the phone's middle third */
 };
 
 /* Of something that has targets, mm. Sums over count. */

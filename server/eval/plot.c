@@ -17,15 +17,15 @@ enum {
 };
 
 static void draw_legend(const struct plot *p, struct buf *out) {
-    double x = LEFT;
+    enum { IN_ROW = 5 };
     svg_text(out, LEFT, 24, 16, "start", p->title);
     for (size_t i = 0; i < p->engine_count; i++) {
         struct svg_style style = svg_style(i);
+        double x = LEFT + 208 * (double)(i % IN_ROW), y = 40 + 16 * (double)(i / IN_ROW);
         buf_printf(out,
-                   "<path d=\"M%.1f 40h34\" stroke=\"%s\" stroke-width=\"2.4\" stroke-dasharray=\"%s\"/>\n",
-                   x, style.colour, style.dashes);
-        svg_text(out, x + 40, 44, 12, "start", p->engines[i]);
-        x += 170;
+                   "<path d=\"M%.1f %.0fh34\" stroke=\"%s\" stroke-width=\"2.4\" stroke-dasharray=\"%s\"/>\n",
+                   x, y, style.colour, style.dashes);
+        svg_text(out, x + 40, y + 4, 12, "start", p->engines[i]);
     }
 }
 

@@ -5,7 +5,7 @@
 
 #include "server/eval/eval.h"
 
-enum { STRETCH_WORDS = 6, STRETCH_STEPS = 500, STRETCH_ENGINES = 8 };
+enum { STRETCH_WORDS = 6, STRETCH_STEPS = 500, STRETCH_ENGINES = 16 };
 
 /* Which words: begins zeroed. */
 struct stretch_choice {

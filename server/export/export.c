@@ -39,6 +39,13 @@ uint32_t export_frames_until(const struct export *x, const struct media_segment 
     return frame_from_sample((uint64_t)segment->start + to, segment->audio->sample_rate, x->fps);
 }
 
+void export_frame(struct export *x, const struct media_segment *segment, uint32_t k,
+                  struct fap_frame *frame) {
+    if (!x->face)
+        x->face = media_segment_place(segment, &segment->alone);
+    media_segment_frame(segment, x->face, x->fps, k, frame);
+}
+
 static void fap_header(struct export *x, uint32_t frames) {
     char header[256];
     size_t length = fapfile_write_header("faccia", x->fps, frames, header, sizeof header);
@@ -54,7 +61,7 @@ static void fap_piece(struct export *x, const struct media_segment *segment, uin
     uint32_t end = export_frames_until(x, segment, to);
     for (; x->frames < end; x->frames++) {
         struct fap_frame frame;
-        media_segment_frame(segment, x->fps, x->frames, &frame);
+        export_frame(x, segment, x->frames, &frame);
         size_t room = 2048, length = fapfile_write_frame(&frame, x->frames, buf_reserve(&x->out, room), room);
         if (length >= room)
             fapfile_write_frame(&frame, x->frames, buf_reserve(&x->out, length + 1), length + 1);
@@ -115,6 +122,8 @@ bool export_piece(struct export *x, const struct media_segment *segment) {
     x->samples = (uint32_t)segment->start + to;
     if (to < u->samples)
         return false;
+    face_placement_free(x->face);
+    x->face = NULL;
     x->at = 0;
     x->segments++;
     return true;
@@ -132,6 +141,7 @@ void export_end(struct export *x) {
 void export_free(struct export *x) {
     if (x->format && x->format->free)
         x->format->free(x);
+    face_placement_free(x->face);
     buf_free(&x->out);
     buf_free(&x->words);
     buf_free(&x->marks);

@@ -47,6 +47,7 @@ struct export {
     size_t phones;                         /* in the JSON so far */
     struct buf words, marks, warnings;     /* members of its other lists */
     struct utf16_counter utf16;
+    struct face_placement *face; /* of the segment; NULL: not asked for yet */
 };
 
 /* The formats on offer, ended by a name of NULL. */
@@ -69,6 +70,9 @@ void export_free(struct export *x);
  */
 enum { WAV_HEADER_BYTES = 44 };
 void wav_header(uint8_t out[WAV_HEADER_BYTES], uint32_t sample_rate, uint32_t samples);
+
+/* A frame of the segment, of the speech by itself. */
+void export_frame(struct export *x, const struct media_segment *segment, uint32_t k, struct fap_frame *frame);
 
 /* The frames that there are up to that sample of the segment. */
 uint32_t export_frames_until(const struct export *x, const struct media_segment *segment, uint32_t to);

@@ -33,7 +33,7 @@ void export_fapc_piece(struct export *x, const struct media_segment *segment, ui
     uint32_t end = export_frames_until(x, segment, to);
     for (; x->frames < end; x->frames++) {
         struct fap_frame *frame = &c->frames[c->count++];
-        media_segment_frame(segment, x->fps, x->frames, frame);
+        export_frame(x, segment, x->frames, frame);
         frame->mask[0] &= (uint8_t)~3u;
         if (c->count == c->writer.frames)
             put_packet(x, c);

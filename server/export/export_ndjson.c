@@ -72,7 +72,7 @@ static void put_frame(struct export *x, const struct media_segment *segment, uin
     put(x, line);
     x->out.size -= 2; /* "}\n" */
     buf_printf(&x->out, ",\"faps\":{");
-    media_segment_frame(segment, x->fps, k, &f);
+    export_frame(x, segment, k, &f);
     for (int n = 3; n <= FAP_COUNT; n++)
         if (fap_frame_has(&f, n) && f.value[n]) {
             buf_add(&x->out, text,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Writes an export in other threads, a piece at a time, so that the loop stays free for those who listen
+/* Writes an export in other threads, a piece at a time, so that the loop stays free for live listeners
  * live: coding a sentence's sound takes tens of milliseconds. What is added comes out in that order. */
 #ifndef FACCIA_EXPORT_EXPORT_WORKER_H
 #define FACCIA_EXPORT_EXPORT_WORKER_H

@@ -32,10 +32,10 @@ int expressions_find(const struct expressions *expressions, const char *kind, co
 /* For a name that is not found: those of that kind that come near. */
 struct near expressions_near(const struct expressions *expressions, const char *kind, const char *name);
 
-/* The voice's part: multiplies the styles of the items under each cue by the expression's factors for rate,
+/* The voice's part, into a script: multiplies the styles of the items under each cue by the expression's factors for rate,
  * pitch, range and volume at its intensity, and names the affect in style.emotion. A cue that the file does
  * not know is removed with a warning at its place. */
-void expressions_direct(const struct expressions *expressions, struct score *score);
+void expressions_direct(const struct expressions *expressions, struct score *script);
 
 /* A mixture of affects that somebody sets from outside (an emotion disc) and that holds until it is set anew.
  * It changes smoothly: `ease` seconds from what is shown to what is asked. Times are the life layer's clock.

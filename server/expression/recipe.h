@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* What an entry of the expressions file holds, for those who show it. The file's format is described in
+/* What an entry of the expressions file holds, for what shows it. The file's format is described in
  * models/expressions.md. */
 #ifndef FACCIA_EXPRESSION_RECIPE_H
 #define FACCIA_EXPRESSION_RECIPE_H

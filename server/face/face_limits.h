@@ -3,7 +3,7 @@
 #ifndef FACCIA_FACE_FACE_LIMITS_H
 #define FACCIA_FACE_FACE_LIMITS_H
 
-#include "server/face/track.h"
+#include "protocol/fap.h"
 
 struct speech_fapu;
 

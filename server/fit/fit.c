@@ -2,7 +2,7 @@
 #include "server/fit/fit.h"
 #include "server/base/mem.h"
 #include "server/fit/task.h"
-#include "server/fit/unknowns.h"
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,73 +29,108 @@ static void list_entries(struct fit *fit, const struct phone_segments *g, bool *
     free(contexts);
 }
 
-/* Numbers the parts: recordings that have an entry in common, directly or through others, belong to one. */
-static size_t find_parts(struct track *tracks, size_t count, size_t entries) {
-    size_t parts = 0;
-    for (size_t i = 0; i < count; i++) {
-        tracks[i].part = parts++;
-        for (size_t k = 0; k < i; k++) {
-            bool shared = false;
-            for (size_t e = 0; e < entries; e++)
-                shared |= tracks[i].uses[e] && tracks[k].uses[e];
-            size_t from = tracks[k].part, into = tracks[i].part;
-            for (size_t m = 0; m <= i && shared; m++)
-                if (tracks[m].part == from)
-                    tracks[m].part = into;
-        }
-    }
-    /* from 0 without gaps */
-    size_t used = 0;
-    for (size_t part = 0; part < parts; part++) {
-        bool found = false;
-        for (size_t i = 0; i < count; i++) {
-            if (tracks[i].part == part) {
-                tracks[i].part = used;
-                found = true;
+static bool has_entry(const struct fit *fit, const struct speech_phone *phone, size_t context) {
+    for (size_t i = 0; i < fit->entry_count; i++)
+        if (fit->entries[i].phone == phone && fit->entries[i].context == context)
+            return true;
+    return false;
+}
+
+/* All phones in all contexts but the entries. */
+static void list_others(struct fit *fit, const struct speech_pack *pack) {
+    for (const struct speech_pack *from = pack; from; from = from->base)
+        for (size_t i = 0; i < from->phone_count; i++) {
+            const struct speech_phone *phone = from->phones[i];
+            if (!phone->group || speech_pack_phone(pack, phone->ipa, strlen(phone->ipa)) != phone)
+                continue;
+            size_t contexts = phone->group->vowel ? pack->vowel_context_count : pack->consonant_context_count;
+            for (size_t c = 0; c < contexts; c++) {
+                if (has_entry(fit, phone, c))
+                    continue;
+                fit->others =
+                    mem_grow(fit->others, &fit->other_cap, fit->other_count + 1, sizeof *fit->others);
+                fit->others[fit->other_count++] = (struct fit_entry){phone, c};
             }
         }
-        used += found;
+}
+
+/* So many phones are held out together where there are few recordings. */
+enum { STRETCH = 2 };
+
+/* Whole recordings where there are enough of them, else short stretches. */
+static void fill_folds(struct track *t, size_t number, size_t count, bool rest_known) {
+    const struct measured_speech *r = t->recording;
+    size_t segment = 0, before = 0;
+    t->folds = mem_alloc(r->frame_count + 1);
+    for (size_t n = 0; n < r->frame_count; n++) {
+        while (segment < t->gestures.count && r->times[n] >= t->gestures.items[segment].end)
+            before += t->gestures.items[segment++].phone != NULL;
+        bool speaks = segment < t->gestures.count && t->gestures.items[segment].phone &&
+                      r->times[n] >= t->gestures.items[segment].start;
+        size_t stretch = before / STRETCH % TASK_FOLDS;
+        t->folds[n] = !speaks && !rest_known ? FOLD_NONE
+                                             : (uint8_t)(count >= TASK_FOLDS ? number % TASK_FOLDS : stretch);
     }
-    return used;
+}
+
+/* Tracks with their gestures, and the entries and folds of them. */
+static struct track *open_tracks(const struct speech_pack *pack, const struct measured_speech *recordings,
+                                 size_t count, const struct fit_options *options, struct fit *fit) {
+    struct track *tracks = mem_alloc((count + 1) * sizeof *tracks);
+    for (size_t i = 0; i < count; i++) {
+        tracks[i].recording = &recordings[i];
+        measured_speech_segments(pack, &recordings[i], options->warn, options->ctx, &tracks[i].gestures);
+        list_entries(fit, &tracks[i].gestures, NULL);
+        fill_folds(&tracks[i], i, count, options->rest_known);
+    }
+    for (size_t i = 0; i < count; i++) {
+        tracks[i].uses = mem_alloc(fit->entry_count + 1);
+        list_entries(fit, &tracks[i].gestures, tracks[i].uses);
+    }
+    return tracks;
+}
+
+static void close_tracks(struct track *tracks, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        phone_segments_free(&tracks[i].gestures);
+        free(tracks[i].uses);
+        free(tracks[i].folds);
+    }
+    free(tracks);
 }
 
 void fit_run(struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
              const struct fit_options *options, struct fit *out) {
     *out = (struct fit){0};
-    struct track *tracks = mem_alloc((count + 1) * sizeof *tracks);
-    for (size_t i = 0; i < count; i++) {
-        tracks[i].recording = &recordings[i];
-        measured_speech_segments(pack, &recordings[i], options->warn, options->ctx, &tracks[i].gestures);
-        list_entries(out, &tracks[i].gestures, NULL);
-    }
-    for (size_t i = 0; i < count; i++) {
-        tracks[i].uses = mem_alloc(out->entry_count + 1);
-        list_entries(out, &tracks[i].gestures, tracks[i].uses);
-    }
-    struct task task = {.pack = pack,
-                        .options = options,
-                        .parts = find_parts(tracks, count, out->entry_count),
-                        .fit = out,
-                        .tracks = tracks,
-                        .track_count = count,
-                        .own = mem_alloc((out->entry_count + 1) * sizeof *task.own),
-                        .per_entry = unknowns_count(options->function)};
+    struct track *tracks = open_tracks(pack, recordings, count, options, out);
+    struct task task = {.pack = pack, .options = options, .fit = out, .tracks = tracks, .track_count = count};
+    list_others(out, pack);
+    task_open(&task);
+    for (task.param = 0; task.param < PARAM_COUNT; task.param++)
+        task_fit(&task);
+    task_close(&task);
+    close_tracks(tracks, count);
+}
+
+void fit_errors(const struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
+                const struct fit_options *options, double errors[PARAM_COUNT]) {
+    struct fit_options quiet = *options;
+    struct fit fit = {0};
+    quiet.warn = NULL;
+    struct track *tracks = open_tracks(pack, recordings, count, &quiet, &fit);
+    struct task task = {
+        .pack = pack, .options = &quiet, .fit = &fit, .tracks = tracks, .track_count = count, .held = -1};
     for (task.param = 0; task.param < PARAM_COUNT; task.param++) {
-        for (task.part = 0; task.part < task.parts; task.part++) {
-            task.iterations_before = 0;
-            task_fit(&task);
-        }
-        task_measure(&task);
+        size_t frames;
+        double sum = task_error(&task, -1, &frames);
+        errors[task.param] = frames ? sqrt(sum / (double)frames) : NAN;
     }
-    for (size_t i = 0; i < count; i++) {
-        phone_segments_free(&tracks[i].gestures);
-        free(tracks[i].uses);
-    }
-    free(tracks);
-    free(task.own);
+    close_tracks(tracks, count);
+    fit_free(&fit);
 }
 
 void fit_free(struct fit *fit) {
     free(fit->entries);
+    free(fit->others);
     *fit = (struct fit){0};
 }

@@ -16,36 +16,51 @@ struct fit_entry {
 
 struct fit_step {
     int param;
-    size_t part, parts; /* recordings that share no entry are fitted apart */
+    int fold; /* that is held out while the strength is chosen; -1 = the fit itself */
+    double strength;
     int iteration;
     double error; /* mm, root of the mean square so far */
 };
 
 struct fit_options {
     enum targets_function function;
-    int first, then; /* iterations before and after the look at the values; the thesis: 10, 20 to 30 */
+    int first, then; /* iterations of each trial while the strength is chosen, of the fit itself */
+    double strength; /* 0 = chosen by cross-validation */
+    /* The curves are relative to the mouth at rest, lips closed, which it is in pauses. Otherwise their level
+     * is free, and pauses do not count: people wait and breathe with open mouths. */
+    bool rest_known;
     void (*progress)(void *ctx, const struct fit_step *step); /* may be NULL */
     void (*warn)(void *ctx, const char *message);             /* may be NULL */
     void *ctx;
 };
 
 struct fit {
-    struct fit_entry *entries;
+    struct fit_entry *entries; /* what the recordings contain */
     size_t entry_count, entry_cap;
-    bool fitted[PARAM_COUNT];  /* a curve was there */
-    double error[PARAM_COUNT]; /* mm, mean of |Y - F| */
-    double worst[PARAM_COUNT]; /* mm, the largest */
+    struct fit_entry *others; /* all else, which moves with the speaker, and with its group */
+    size_t other_count, other_cap;
+    bool fitted[PARAM_COUNT];              /* a curve was there */
+    double error[PARAM_COUNT];             /* mm, root of the mean of (Y - F)^2, of the fit to what it saw */
+    double held_out[PARAM_COUNT];          /* of fits with that strength to what they did not see */
+    double unfitted[PARAM_COUNT];          /* of the pack as it was */
+    double held_out_unfitted[PARAM_COUNT]; /* the same with the levels that held_out has */
+    double strength[PARAM_COUNT];          /* infinite: nothing foretold better than the pack as it was */
 };
 
-/* Replaces the coefficients of what the recordings contain in the pack's own tables, stressed and unstressed
- * alike: load a pack for this alone. Parameters that no recording has are left as they are. The recordings
- * are relative to rest and begin at 0 s.
+/* Replaces the coefficients of what the recordings contain, and of what is in the same groups, in the pack's
+ * own tables: load a pack for this alone. Parameters that no recording has are left as they are. The
+ * recordings begin at 0 s.
  *
- * Between the two rounds comes the look at the values that the thesis leaves to a person: what has run to a
- * limit begins anew, and for each phone the other resistance is tried and kept where Z becomes smaller. */
+ * The fit is held to the pack that it starts from: Z has a further sum, of the squares of all moves in units
+ * of what may be expected of them, times a strength. That is chosen by cross-validation over TASK_FOLDS
+ * parts: whole recordings, or stretches where there are fewer recordings. */
 void fit_run(struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
              const struct fit_options *options, struct fit *out);
 void fit_free(struct fit *fit);
+
+/* Root of the mean square of Y - F for each parameter, as the pack is; NAN where there is no curve. */
+void fit_errors(const struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
+                const struct fit_options *options, double errors[PARAM_COUNT]);
 
 struct fit_names {
     const char *tag, *name, *inherits, *source;

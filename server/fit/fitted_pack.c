@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/fit/fit.h"
 #include <math.h>
+#include <string.h>
 
 /* More digits than any fit can know. */
 static json_t *number(double value) {
@@ -25,6 +26,10 @@ static json_t *member(json_t *object, const char *name) {
     return found;
 }
 
+static bool is_changed(const struct coefficients *a, const struct coefficients *b) {
+    return memcmp(a, b, sizeof *a) != 0;
+}
+
 static void add_entry(json_t *phones, const struct speech_pack *pack, const struct fit *fit,
                       const struct fit_entry *entry) {
     const struct speech_phone *phone = entry->phone;
@@ -34,10 +39,16 @@ static void add_entry(json_t *phones, const struct speech_pack *pack, const stru
     json_object_set_new(own, "like",
                         json_string(phone->ipa)); /* the inherited one: group, contact and the rest */
     json_t *targets = member(own, "targets");
-    for (size_t p = 0; p < PARAM_COUNT; p++)
-        if (fit->fitted[p])
-            json_object_set_new(member(targets, speech_params[p]), contexts[entry->context],
-                                coefficients(&phone->plain[entry->context * PARAM_COUNT + p]));
+    for (size_t p = 0; p < PARAM_COUNT; p++) {
+        size_t at = entry->context * PARAM_COUNT + p;
+        if (!fit->fitted[p] || isinf(fit->strength[p]))
+            continue;
+        json_object_set_new(member(targets, speech_params[p]), contexts[entry->context],
+                            coefficients(&phone->plain[at]));
+        if (phone->group->vowel && is_changed(&phone->plain[at], &phone->stressed[at]))
+            json_object_set_new(member(member(own, "stressed"), speech_params[p]), contexts[entry->context],
+                                coefficients(&phone->stressed[at]));
+    }
 }
 
 static json_t *texts(char *const *list) {
@@ -51,6 +62,8 @@ json_t *fit_pack(const struct speech_pack *pack, const struct fit *fit, const st
     json_t *phones = json_object();
     for (size_t i = 0; i < fit->entry_count; i++)
         add_entry(phones, pack, fit, &fit->entries[i]);
+    for (size_t i = 0; i < fit->other_count; i++)
+        add_entry(phones, pack, fit, &fit->others[i]);
     return json_pack("{ss ss ss s[s] so so so}", "tag", names->tag, "name", names->name, "inherits",
                      names->inherits, "sources", names->source, "voices", texts(pack->voices),
                      "abbreviations", texts(pack->abbreviations), "phones", phones);

@@ -71,6 +71,23 @@ static double mean_within(const struct measured_speech *r, const double *curve, 
     return n ? sum / (double)n : 0;
 }
 
+int measured_speech_check(const struct measured_speech *r, struct error *e) {
+    size_t spoken = 0;
+    for (size_t i = 0; i < r->phone_count; i++)
+        spoken += r->phones[i].ipa[0] != '\0';
+    if (!spoken)
+        return error_set(e, "bad-recording", "there are no phones but pauses");
+    if (r->frame_count < LEAST_FRAMES)
+        return error_set(e, "bad-recording", "there are fewer than %d frames", LEAST_FRAMES);
+    /* the pauses before and behind may be longer than the curves */
+    double start = r->phones[0].ipa[0] ? r->phones[0].start : r->phones[0].end,
+           end = last_phone(r)->ipa[0] ? last_phone(r)->end : last_phone(r)->start;
+    if (r->times[0] > start + SHORT_CURVES || r->times[r->frame_count - 1] < end - SHORT_CURVES)
+        return error_set(e, "bad-recording", "the curves do not cover the phones, %.3f to %.3f s", start,
+                         end);
+    return 0;
+}
+
 int measured_speech_subtract_rest(struct measured_speech *r, const struct speech_rest *rest,
                                   struct error *e) {
     if (r->phone_count < 3 || r->phones[0].ipa[0] || last_phone(r)->ipa[0])

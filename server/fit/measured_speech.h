@@ -36,6 +36,9 @@ void measured_speech_free_all(struct measured_speech *list, size_t count);
  * ends before it starts or starts before the last one's end. */
 int measured_speech_add(struct measured_speech *r, const struct recorded_phone *phone, struct error *e);
 
+/* -1 (code "bad-recording") when nothing is spoken, or the curves do not cover what is. */
+int measured_speech_check(const struct measured_speech *r, struct error *e);
+
 /* Makes the curves relative to rest: the mean over those parts of the first and the last pause in which the
  * mouth rests. -1 (code "bad-recording") when it does not begin and end with a pause, or the curves do not
  * cover the phones. */

@@ -2,35 +2,47 @@
 #include "server/fit/unknowns.h"
 #include <math.h>
 
-enum scale { SCALE_FREE, SCALE_EVEN, SCALE_LOGARITHMIC };
+enum scale { SCALE_TARGET, SCALE_EVEN, SCALE_LOGARITHMIC };
 
 #define FIELD(name) offsetof(struct coefficients, name)
 
+/* Spread: of a target in mm, as people differ from each other by a few; of the others in x, half to double of
+ * an extent, a third of the phone for the place of the target. */
 static const struct unknown {
     size_t field, twin; /* twin is set to the same value */
     enum scale scale;
-    double min, max;
+    double min, max, spread;
 } look_ahead[UNKNOWNS_LOOK_AHEAD] =
     {
-        {FIELD(t), FIELD(t), SCALE_EVEN, 0.02, 0.98},
-        {FIELD(T), FIELD(T), SCALE_FREE, -50, 50},
-        {FIELD(alpha), FIELD(alpha), SCALE_EVEN, 0.005, 1},
-        {FIELD(theta_bw), FIELD(theta_bw), SCALE_LOGARITHMIC, 0.1, 2000},
-        {FIELD(theta_fw), FIELD(theta_fw), SCALE_LOGARITHMIC, 0.1, 2000},
-        {FIELD(c_bw), FIELD(c_bw), SCALE_LOGARITHMIC, 0.2, 5},
-        {FIELD(c_fw), FIELD(c_fw), SCALE_LOGARITHMIC, 0.2, 5},
-        {FIELD(p_bw), FIELD(p_bw), SCALE_LOGARITHMIC, 0.2, 5},
-        {FIELD(p_fw), FIELD(p_fw), SCALE_LOGARITHMIC, 0.2, 5},
-        {FIELD(beta_bw), FIELD(beta_bw), SCALE_EVEN, -5, 5},
-        {FIELD(beta_fw), FIELD(beta_fw), SCALE_EVEN, -5, 5},
+        {FIELD(t), FIELD(t), SCALE_EVEN, 0.02, 0.98, 0.7},
+        {FIELD(T), FIELD(T), SCALE_TARGET, 0, 0, 1.5},
+        {FIELD(alpha), FIELD(alpha), SCALE_EVEN, 0.005, 1, 1},
+        {FIELD(theta_bw), FIELD(theta_bw), SCALE_LOGARITHMIC, 1, 100, 0.7},
+        {FIELD(theta_fw), FIELD(theta_fw), SCALE_LOGARITHMIC, 1, 100, 0.7},
+        {FIELD(c_bw), FIELD(c_bw), SCALE_LOGARITHMIC, 0.3, 3, 0.6},
+        {FIELD(c_fw), FIELD(c_fw), SCALE_LOGARITHMIC, 0.3, 3, 0.6},
+        {FIELD(p_bw), FIELD(p_bw), SCALE_LOGARITHMIC, 0.3, 3, 0.4},
+        {FIELD(p_fw), FIELD(p_fw), SCALE_LOGARITHMIC, 0.3, 3, 0.4},
+        {FIELD(beta_bw), FIELD(beta_bw), SCALE_EVEN, -2, 2, 0.3},
+        {FIELD(beta_fw), FIELD(beta_fw), SCALE_EVEN, -2, 2, 0.3},
 },
   original[UNKNOWNS_ORIGINAL] = {
-      {FIELD(t), FIELD(t), SCALE_EVEN, 0.02, 0.98},
-      {FIELD(T), FIELD(T), SCALE_FREE, -50, 50},
-      {FIELD(alpha), FIELD(alpha), SCALE_EVEN, 0.005, 1},
-      {FIELD(theta_bw), FIELD(theta_bw), SCALE_LOGARITHMIC, 0.1, 2000},
-      {FIELD(theta_fw), FIELD(theta_fw), SCALE_LOGARITHMIC, 0.1, 2000},
-      {FIELD(c_bw), FIELD(c_fw), SCALE_LOGARITHMIC, 0.2, 5},
+      {FIELD(t), FIELD(t), SCALE_EVEN, 0.02, 0.98, 0.7},
+      {FIELD(T), FIELD(T), SCALE_TARGET, 0, 0, 1.5},
+      {FIELD(alpha), FIELD(alpha), SCALE_EVEN, 0.005, 1, 1},
+      {FIELD(theta_bw), FIELD(theta_bw), SCALE_LOGARITHMIC, 1, 100, 0.7},
+      {FIELD(theta_fw), FIELD(theta_fw), SCALE_LOGARITHMIC, 1, 100, 0.7},
+      {FIELD(c_bw), FIELD(c_fw), SCALE_LOGARITHMIC, 0.3, 3, 0.6},
+};
+
+/* How far a mouth goes from rest, mm: lips are soft and can be pressed by 3, no jaw sinks by more than 30
+ * (the widest opening of adults is about 50 between the incisors, which speech does not come near). */
+static const struct {
+    double min, max;
+} anatomy[PARAM_COUNT] = {
+    [PARAM_LI] = {-3, 22},  [PARAM_LS] = {-3, 10},  [PARAM_AR] = {-18, 12},
+    [PARAM_PI] = {-7, 9},   [PARAM_PS] = {-5, 9},   [PARAM_EM] = {-1, 30},
+    [PARAM_TH] = {-18, 14}, [PARAM_TA] = {-12, 14}, [PARAM_TB] = {-16, 16},
 };
 
 static const struct unknown *unknowns(enum targets_function function) {
@@ -41,12 +53,14 @@ size_t unknowns_count(enum targets_function function) {
     return function == TARGETS_ORIGINAL ? UNKNOWNS_ORIGINAL : UNKNOWNS_LOOK_AHEAD;
 }
 
+double unknowns_spread(enum targets_function function, size_t unknown) {
+    return unknowns(function)[unknown].spread;
+}
+
 /* A start is never nearer to a limit than this part of the way between both: from there it could not move. */
 #define MARGIN 0.01
 
 static double to_unknown(const struct unknown *u, double value) {
-    if (u->scale == SCALE_FREE)
-        return value;
     double part = u->scale == SCALE_EVEN ? (value - u->min) / (u->max - u->min)
                                          : log(fmax(value, u->min) / u->min) / log(u->max / u->min);
     part = fmin(fmax(part, MARGIN), 1 - MARGIN);
@@ -54,43 +68,20 @@ static double to_unknown(const struct unknown *u, double value) {
 }
 
 static double to_value(const struct unknown *u, double x) {
-    if (u->scale == SCALE_FREE)
-        return fmin(fmax(x, u->min), u->max);
     double part = 1 / (1 + exp(-x));
     return u->scale == SCALE_EVEN ? u->min + part * (u->max - u->min) : u->min * pow(u->max / u->min, part);
 }
 
-void unknowns_of(enum targets_function function, const struct coefficients *c, double *x) {
+struct coefficients unknowns_moved(enum targets_function function, const struct coefficients *base, int p,
+                                   const double *x) {
+    struct coefficients c = *base;
     for (size_t i = 0; i < unknowns_count(function); i++) {
         const struct unknown *u = &unknowns(function)[i];
-        x[i] = to_unknown(u, *(const double *)((const char *)c + u->field));
+        double own = *(const double *)((const char *)base + u->field);
+        double value = u->scale == SCALE_TARGET ? fmin(fmax(own + x[i], anatomy[p].min), anatomy[p].max)
+                                                : to_value(u, to_unknown(u, own) + x[i]);
+        *(double *)((char *)&c + u->field) = value;
+        *(double *)((char *)&c + u->twin) = value;
     }
-}
-
-void unknowns_to(enum targets_function function, const double *x, struct coefficients *c) {
-    for (size_t i = 0; i < unknowns_count(function); i++) {
-        const struct unknown *u = &unknowns(function)[i];
-        double value = to_value(u, x[i]);
-        *(double *)((char *)c + u->field) = value;
-        *(double *)((char *)c + u->twin) = value;
-    }
-}
-
-bool unknowns_at_limit(double x, size_t unknown) {
-    double margin = log((1 - MARGIN) / MARGIN);
-    return look_ahead[unknown].scale != SCALE_FREE && fabs(x) > margin + 1e-9;
-}
-
-struct coefficients unknowns_start(bool strong, bool vowel) {
-    double theta = vowel ? 9 : strong ? 20 : 6;
-    return (struct coefficients){.alpha = strong ? 0.95 : 0.15,
-                                 .k = strong,
-                                 .theta_bw = theta,
-                                 .theta_fw = theta,
-                                 .c_bw = 1,
-                                 .c_fw = 1,
-                                 .p_bw = 1,
-                                 .p_fw = 1,
-                                 .beta_bw = 0.025,
-                                 .beta_fw = 0.025};
+    return c;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Coefficients as unknowns without limits: x, from which the solver may step anywhere, stands for a value
- * inside the limits of a speech pack. */
+/* Coefficients as unknowns without limits: x, from which the solver may step anywhere, is how far a value
+ * lies from the one that the pack has, and stands for a value inside the limits of anatomy and of a speech
+ * pack. */
 #ifndef FACCIA_FIT_UNKNOWNS_H
 #define FACCIA_FIT_UNKNOWNS_H
 
@@ -10,15 +11,21 @@
  * slope. The original function has no shape and one c. */
 enum { UNKNOWNS_LOOK_AHEAD = 11, UNKNOWNS_ORIGINAL = 6, UNKNOWNS_MOST = UNKNOWNS_LOOK_AHEAD };
 
-size_t unknowns_count(enum targets_function function);
-void unknowns_of(enum targets_function function, const struct coefficients *c, double *x);
-/* Sets in *c what is unknown, and leaves the rest. */
-void unknowns_to(enum targets_function function, const double *x, struct coefficients *c);
-/* Has the value run to one of its limits? */
-bool unknowns_at_limit(double x, size_t unknown);
+/* The first ones, t and T, which a phone has of its own in each context; the rest it shares with its group.
+ */
+enum { UNKNOWNS_TARGET = 2, UNKNOWNS_T = 1 };
 
-/* The values to start from (thesis 3.4.3; T and t come from the data): strong segments resist and dominate
- * narrowly, weak ones give way. */
-struct coefficients unknowns_start(bool strong, bool vowel);
+/* All targets of a speaker by a common factor: its logarithm is expected within this. */
+#define UNKNOWNS_GAIN_SPREAD 0.4
+
+size_t unknowns_count(enum targets_function function);
+
+/* The coefficients of parameter p that lie x away from those of the base. x = 0 gives the base itself, as far
+ * as it lies within the limits. */
+struct coefficients unknowns_moved(enum targets_function function, const struct coefficients *base, int p,
+                                   const double *x);
+
+/* How far the unknown may be expected to lie from the pack's: what a move is measured in. */
+double unknowns_spread(enum targets_function function, size_t unknown);
 
 #endif

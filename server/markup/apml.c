@@ -255,6 +255,7 @@ static const struct element elements[] = {
 const struct vocabulary apml_vocabulary = {.root = "apml",
                                            .elements = elements,
                                            .element_count = sizeof elements / sizeof *elements,
+                                           .mark = bml_point,
                                            .open = bml_open,
                                            .finish = bml_finish,
                                            .close = bml_close};

@@ -211,6 +211,7 @@ static const struct element elements[] = {
 #define VOCABULARY(ROOT)                                                                                     \
     {                                                                                                        \
         .root = ROOT, .elements = elements, .element_count = sizeof elements / sizeof *elements,             \
-        .mute = true, .spoken = &ssml_vocabulary, .open = bml_open, .finish = bml_finish, .close = bml_close \
+        .mute = true, .spoken = &ssml_vocabulary, .mark = bml_point, .open = bml_open, .finish = bml_finish, \
+        .close = bml_close                                                                                   \
     }
 const struct vocabulary bml_vocabulary = VOCABULARY("bml"), fml_vocabulary = VOCABULARY("fml");

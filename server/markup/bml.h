@@ -71,7 +71,6 @@ void bml_begin_point(struct markup_reader *r, struct tag *tag); /* the element t
 
 /* A behaviour of that element, with its times; the pointer is good until the next one. */
 struct bml_behaviour *bml_add(struct tag *tag, double usual);
-void bml_show(struct bml_behaviour *behaviour, const char *kind, const char *name, double intensity);
 
 /* bml_behaviour.c: elements that APML has, too. */
 void bml_begin_accent(struct markup_reader *r, struct tag *tag);
@@ -96,6 +95,7 @@ const struct vocabulary *bml_description(const char *type);
 
 /* bml_names.c: what a name means. Written in any case, with "_" or "-". */
 enum { BML_NAME = 64 };
+void bml_show(struct bml_behaviour *behaviour, const char *kind, const char *name, double intensity);
 void bml_plain_name(const char *name, char out[BML_NAME]);
 void bml_show_lexeme(struct bml_behaviour *b, struct markup_reader *r, const char *name); /* of a face */
 bool bml_show_gaze(struct bml_behaviour *b, const char *name); /* false when nobody knows where that is */

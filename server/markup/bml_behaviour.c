@@ -35,11 +35,6 @@ struct bml_behaviour *bml_add(struct tag *tag, double usual) {
     return behaviour;
 }
 
-void bml_show(struct bml_behaviour *b, const char *kind, const char *name, double intensity) {
-    if (b->sign_count < BML_SIGNS)
-        b->signs[b->sign_count++] = (struct bml_sign){kind, name, intensity};
-}
-
 static void missing(struct tag *tag, const char *what) {
     score_warn(tag->r->score, tag->at, "missing-attribute", "<%s> has %s", tag->frame->element->name, what);
 }

@@ -36,6 +36,11 @@ static double cut_strength(char *name) {
     return 1;
 }
 
+void bml_show(struct bml_behaviour *b, const char *kind, const char *name, double intensity) {
+    if (b->sign_count < BML_SIGNS)
+        b->signs[b->sign_count++] = (struct bml_sign){kind, name, intensity};
+}
+
 void bml_show_affect(struct bml_behaviour *b, struct markup_reader *r, const char *name) {
     char plain[BML_NAME];
     bml_plain_name(name, plain);

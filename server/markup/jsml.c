@@ -94,13 +94,14 @@ static void begin_engine(struct markup_reader *r, struct tag *tag) {
                "no data is passed to a speech engine: the text is read instead");
 }
 
-/* The thesis's weight is the emotion's share in the face, 0.2 where the element does not say it. */
+/* The thesis's weight is the emotion's share in the face; where an element does not say it, the face stage
+ * takes 0.2 in a text that is shown by weights. */
 static void begin_emotion(struct markup_reader *r, struct tag *tag) {
     static const char *const affects[][2] = {{"afraid", "fear"},       {"anger", "anger"}, {"angry", "anger"},
                                              {"disgusted", "disgust"}, {"happy", "joy"},   {"sad", "sadness"},
                                              {"surprised", "surprise"}};
     const char *weight = tag_take(tag, "weight"), *affect = NULL;
-    double share = 0.2;
+    double share = -1;
     for (size_t i = 0; i < sizeof affects / sizeof *affects && !affect; i++)
         if (!strcmp(affects[i][0], tag->frame->element->name))
             affect = affects[i][1];

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/markup_reader.h"
-#include "server/markup/bml.h"
 #include "server/markup/white.h"
 #include <string.h>
 #include <strings.h>
@@ -101,8 +100,8 @@ void reader_mark(struct markup_reader *r, size_t at, const char *name) {
     struct piece piece = piece_here(r, SCORE_MARK, at, at);
     piece.name = score_strndup(r->score, name, strlen(name));
     passage_add(&r->passage, piece);
-    if (r->bml)
-        bml_point(r, at, name);
+    if (r->vocabulary->mark)
+        r->vocabulary->mark(r, at, name);
 }
 
 bool reader_capture(struct markup_reader *r, struct frame *frame) {

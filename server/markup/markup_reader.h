@@ -5,7 +5,7 @@
 #define FACCIA_MARKUP_MARKUP_READER_H
 
 #include "server/base/buf.h"
-#include "server/markup/markup.h"
+#include "server/markup/markup_rules.h"
 #include "server/markup/passage.h"
 #include <stdint.h>
 
@@ -46,6 +46,7 @@ struct vocabulary {
     const struct vocabulary *spoken; /* of what else may stand where text is spoken; may be NULL */
     void (*common)(struct markup_reader *r,
                    struct tag *tag); /* attributes that any element may have; may be NULL */
+    void (*mark)(struct markup_reader *r, size_t at, const char *name); /* one is read; may be NULL */
     /* Before the first element; when all text is in the score, and before its cues are put in order; at the
      * end in any case. May be NULL. */
     void (*open)(struct markup_reader *r, size_t root);
@@ -101,6 +102,10 @@ struct markup_reader {
     struct bml *bml; /* sync points and behaviours; NULL = the vocabulary has none */
     size_t audio;    /* depth of the outermost open audio element, 0 = none: no sentence ends in it */
 };
+
+/* The element of that name, with or without a namespace's prefix; NULL = not known. Where text is spoken
+ * (mute = false), those of the vocabulary that may stand there count, too. */
+const struct element *vocabulary_find(const struct vocabulary *vocabulary, bool mute, const char *name);
 
 /* Errors: "bad-xml", "too-deep", "too-many-attributes" (line and column), "text-too-long". */
 int xml_read(struct score *score, const char *text, size_t size, const struct vocabulary *vocabulary,

@@ -9,7 +9,8 @@
 #define FACCIA_MARKUP_PASSAGE_H
 
 #include "server/base/buf.h"
-#include "server/markup/markup.h"
+#include "server/markup/markup_rules.h"
+#include "server/markup/score.h"
 #include <stdint.h>
 
 /* A piece of the input that is one thing. */

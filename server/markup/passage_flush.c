@@ -1,148 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* From a complete passage to the items, sentences and cues of the score. */
 #include "server/base/mem.h"
-#include "server/markup/passage.h"
+#include "server/markup/passage_internal.h"
 #include "server/markup/plain.h"
 #include "server/markup/white.h"
 #include <stdlib.h>
 #include <string.h>
 
-/* A part of a piece that has one style and belongs to one set of words. */
-struct run {
-    size_t piece; /* never falls from run to run */
-    size_t from, to;
-    const struct piece *of;
-    const struct score_style *style;
-};
-
-/* A part of the flat text that no sentence ends in. */
-struct zone {
-    size_t from, to;
-};
-
 /* A sentence of so many items ends at a mark or a break: they may be many without a word. */
 enum { SENTENCE_ITEMS = 1000 };
-
-struct flush {
-    struct passage *p;
-    struct run *runs;
-    size_t run_count, run_cap;
-    size_t *marks; /* that lie inside a word, which ends at marks_until: they go behind it */
-    size_t mark_count, mark_cap, marks_until;
-    size_t cut;
-    struct word styled; /* the last word that has a style of its own, and that */
-    const struct score_style *word_style;
-    struct zone *zones;
-    size_t zone_count, zone_cap, zone;
-    struct run *placed; /* where the new items came from */
-    size_t placed_count, placed_cap, first_item;
-};
-
-static void put_run(struct flush *f, struct run run) {
-    f->runs = mem_grow(f->runs, &f->run_cap, f->run_count + 1, sizeof *f->runs);
-    f->runs[f->run_count++] = run;
-}
-
-static void release_marks(struct flush *f) {
-    for (size_t i = 0; i < f->mark_count; i++) {
-        const struct piece *mark = &f->p->pieces[f->marks[i]];
-        struct run last = f->runs[f->run_count - 1];
-        put_run(f, (struct run){last.piece, last.to, last.to, mark, mark->style});
-    }
-    f->mark_count = 0;
-}
-
-static void add_run(struct flush *f, size_t piece, size_t from, size_t to, const struct score_style *style) {
-    if (f->mark_count && from >= f->marks_until)
-        release_marks(f);
-    put_run(f, (struct run){piece, from, to, &f->p->pieces[piece], style});
-}
-
-/* The style that the innermost element gives to the word around an end of the piece. */
-static const struct score_style *word_style(struct flush *f, size_t piece, struct word word) {
-    const struct passage *p = f->p;
-    if (f->styled.from == word.from && f->styled.to == word.to)
-        return f->word_style;
-    const struct piece *best = &p->pieces[piece];
-    for (size_t i = piece; i-- && p->pieces[i].flat + p->pieces[i].bytes > word.from;)
-        if (p->pieces[i].kind == SCORE_TEXT && p->pieces[i].depth >= best->depth)
-            best = &p->pieces[i];
-    for (size_t i = piece + 1; i < p->piece_count && p->pieces[i].flat < word.to; i++)
-        if (p->pieces[i].kind == SCORE_TEXT && p->pieces[i].depth > best->depth)
-            best = &p->pieces[i];
-    f->styled = word;
-    f->word_style = best->style;
-    return best->style;
-}
-
-static void cut_text(struct flush *f, size_t index) {
-    struct passage *p = f->p;
-    const struct piece *piece = &p->pieces[index];
-    size_t at = piece->flat, end = piece->flat + piece->bytes, head = at, tail = end;
-    const struct score_style *head_style = NULL, *tail_style = NULL;
-    struct word word;
-    if (passage_word(p, 0, at, &word)) {
-        head = word.to < end ? word.to : end;
-        head_style = word_style(f, index, word);
-    }
-    if (passage_word(p, 0, end, &word)) {
-        tail = word.from > at ? word.from : at;
-        tail_style = word_style(f, index, word);
-    }
-    while (at < end) {
-        size_t next = at < head ? head : at < tail ? tail : end;
-        while (f->cut < p->cut_count && p->cuts[f->cut] <= at)
-            f->cut++;
-        if (f->cut < p->cut_count && p->cuts[f->cut] < next)
-            next = p->cuts[f->cut];
-        add_run(f, index, at, next, at < head ? head_style : at >= tail ? tail_style : piece->style);
-        at = next;
-    }
-}
-
-static void warn_word(struct passage *p, size_t at, const char *what) {
-    if (p->warned == at + 1)
-        return;
-    p->warned = at + 1;
-    score_warn(p->score, at, "inside-word", "%s", what);
-}
-
-static void make_runs(struct flush *f) {
-    struct passage *p = f->p;
-    for (size_t i = 0; i < p->piece_count; i++) {
-        const struct piece *piece = &p->pieces[i];
-        struct word word;
-        if (piece->kind == SCORE_TEXT) {
-            cut_text(f, i);
-        } else if (piece->kind == SCORE_MARK && passage_word(p, 0, piece->flat, &word)) {
-            warn_word(p, piece->start, "the mark lies inside a word: it is reported after the word");
-            f->marks = mem_grow(f->marks, &f->mark_cap, f->mark_count + 1, sizeof *f->marks);
-            f->marks[f->mark_count++] = i;
-            f->marks_until = word.to;
-        } else {
-            add_run(f, i, piece->flat, piece->flat, piece->style);
-        }
-    }
-    release_marks(f);
-}
-
-static void make_zones(struct flush *f) {
-    const struct passage *p = f->p;
-    size_t covered = 0;
-    for (size_t i = 0; i < p->piece_count; i++) {
-        const struct piece *piece = &p->pieces[i];
-        size_t to = piece->flat + piece->bytes;
-        if (piece->kind == SCORE_AUDIO)
-            to = piece->until < p->piece_count ? p->pieces[piece->until].flat : p->flat.size;
-        else if (!piece->atomic)
-            continue;
-        if (to <= covered || to <= piece->flat + 1)
-            continue;
-        f->zones = mem_grow(f->zones, &f->zone_cap, f->zone_count + 1, sizeof *f->zones);
-        f->zones[f->zone_count++] = (struct zone){piece->flat, to};
-        covered = to;
-    }
-}
 
 /* The end of the sentence that begins at the place. One that the author marked as such ends only where it is
  * too long. */
@@ -222,6 +88,7 @@ static void make_items(struct flush *f) {
 
 /* Index of the first new item that comes from the piece or a later one, or ends (begins) behind a place. */
 enum where { OF_PIECE, ENDS_AFTER, BEGINS_AT };
+
 static size_t find_item(const struct flush *f, enum where where, size_t key) {
     size_t low = 0, high = f->placed_count;
     while (low < high) {
@@ -259,7 +126,7 @@ static void place_span(struct flush *f, struct span *span) {
         }
     }
     if (inside)
-        warn_word(p, span->at, "this begins or ends inside a word: it holds for the whole word");
+        passage_warn_word(p, span->at, "this begins or ends inside a word: it holds for the whole word");
     if (span->cue != SPAN_STYLE) {
         struct score_cue *cue = &p->score->cues[span->cue];
         if (!span->begun)
@@ -281,8 +148,8 @@ void passage_flush(struct passage *p) {
     if (!p->piece_count && p->span_count == p->open_count)
         return;
     struct flush f = {.p = p, .first_item = p->score->item_count};
-    make_runs(&f);
-    make_zones(&f);
+    passage_make_runs(&f);
+    passage_make_zones(&f);
     make_items(&f);
     place_sounds(&f);
     size_t kept = 0;

@@ -3,7 +3,8 @@
 #ifndef FACCIA_MARKUP_PLAIN_H
 #define FACCIA_MARKUP_PLAIN_H
 
-#include "server/markup/markup.h"
+#include "server/markup/markup_rules.h"
+#include "server/markup/score.h"
 
 int plain_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
                struct error *e);

@@ -53,6 +53,23 @@ void score_free(struct score *score) {
     free(score);
 }
 
+/* mem_grow makes room from there. */
+static void *copy(const void *list, size_t count, size_t size) {
+    return count ? memcpy(mem_resize(NULL, count * size), list, count * size) : NULL;
+}
+
+struct score *score_script(const struct score *document) {
+    struct score *s = score_new();
+    *s = *document;
+    s->blocks = NULL;
+    s->items = copy(s->items, s->item_cap = s->item_count, sizeof *s->items);
+    s->sentences = copy(s->sentences, s->sentence_cap = s->sentence_count, sizeof *s->sentences);
+    s->cues = copy(s->cues, s->cue_cap = s->cue_count, sizeof *s->cues);
+    s->timed = copy(s->timed, s->timed_cap = s->timed_count, sizeof *s->timed);
+    s->warnings = copy(s->warnings, s->warning_cap = s->warning_count, sizeof *s->warnings);
+    return s;
+}
+
 const char *score_strndup(struct score *score, const char *s, size_t n) {
     char *copy = keep(score, n + 1);
     memcpy(copy, s, n);

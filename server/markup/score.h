@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The score: what the markup stage hands to the voice stage. A list of items in reading order, cut into
+/* The score: what the markup stage hands on. It is the document, which no later stage changes; what they find
+ * out (what an expression does to the voice, the words of a date, who can speak what) goes into a script,
+ * which stands beside it and is the score that is spoken. A list of items in reading order, cut into
  * sentences; every item knows which bytes of the input it came from. All strings belong to the score. */
 #ifndef FACCIA_MARKUP_SCORE_H
 #define FACCIA_MARKUP_SCORE_H
@@ -108,6 +110,10 @@ extern const struct score_style score_plain_style;
 
 struct score *score_new(void);
 void score_free(struct score *score);
+
+/* A score beside the document, the same at first, to be changed by those who find out more. Its strings and
+ * styles that are as they were stay the document's, which has to outlive it. */
+struct score *score_script(const struct score *document);
 
 /* Copies that live as long as the score. */
 const char *score_strndup(struct score *score, const char *s, size_t n);

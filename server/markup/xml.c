@@ -9,7 +9,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 struct walk {
     struct markup_reader reader;
@@ -40,27 +39,6 @@ static void fail(struct walk *w, const char *code, const char *message) {
     place_error(w, code, here(w), message);
     w->failed = true;
     XML_StopParser(w->parser, XML_FALSE);
-}
-
-static int compare_name(const void *key, const void *element) {
-    return strcasecmp(key, ((const struct element *)element)->name);
-}
-
-static const struct element *find_in(const struct vocabulary *v, const char *name) {
-    return bsearch(name, v->elements, v->element_count, sizeof *v->elements, compare_name);
-}
-
-/* A prefix is part of the name of vendors' elements; else it stands for a namespace and does not count. */
-static const struct element *find_element(const struct vocabulary *v, const char *name) {
-    const struct element *element = find_in(v, name);
-    const char *colon = element ? NULL : strchr(name, ':');
-    return colon ? find_in(v, colon + 1) : element;
-}
-
-static const struct element *find_inside(const struct frame *outer, const char *name) {
-    const struct element *element = find_element(outer->vocabulary, name);
-    const struct vocabulary *also = outer->mute ? NULL : outer->vocabulary->spoken;
-    return element || !also ? element : find_element(also, name);
 }
 
 static bool same(const char *a, const char *b) {
@@ -130,7 +108,7 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     if (frame->silent)
         return;
     tag_check_references(&tag);
-    frame->element = find_inside(outer, name);
+    frame->element = vocabulary_find(outer->vocabulary, outer->mute, name);
     if (!frame->element) {
         if (!outer->vocabulary->quiet)
             score_warn(r->score, tag.at, "unknown-element",

@@ -11,17 +11,19 @@
 struct net;
 struct channel;
 
-/* One who follows. Owned by whoever lets it in. */
+/* A member of a channel. Its maker owns it. */
 struct follower {
     struct channel *channel;
     struct follower *next, **self;
     struct encoding encoding;    /* how media are wanted */
     bool media;                  /* are wanted at all */
+    bool lines;                  /* instead of JSON */
     bool idle;                   /* also those of idling */
     bool waits;                  /* for media that one can begin with */
     bool lagging;                /* has left out media */
     struct message_queue *queue; /* NULL for one that takes events alone */
-    void (*deliver)(struct follower *follower, struct queued_message *message);
+    /* Messages that leave together, in this order. */
+    void (*deliver)(struct follower *follower, struct queued_message *const *messages, size_t count);
 };
 
 /* A stream of one's own. name is what its messages are marked with. */
@@ -37,6 +39,7 @@ struct stream *channel_stream(const struct channel *channel);
 const char *channel_name(const struct channel *channel);
 bool channel_is_room(const struct channel *channel);
 size_t channel_followers(const struct channel *channel);
+bool channel_pending(const struct channel *channel); /* something that was said is still being coded */
 struct channel *channel_next(const struct channel *channel); /* of the rooms */
 
 /* What f->deliver does must not let anybody in or out. */

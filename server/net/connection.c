@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/connection.h"
 #include "server/base/mem.h"
-#include "server/net/http_session.h"
-#include "server/net/listener.h"
 #include "server/net/net_internal.h"
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
@@ -42,14 +40,12 @@ static void on_bytes(uv_stream_t *stream, ssize_t size, const uv_buf_t *buffer) 
     struct connection *c = stream->data;
     if (size == 0 || (size > 0 && c->finished))
         return;
-    if (size < 0 && (size != UV_EOF || c->finished || c->socket))
+    if (size < 0 && (size != UV_EOF || c->finished || !c->protocol->eof))
         connection_close(c);
     else if (size < 0)
-        http_session_eof(c);
-    else if (c->socket)
-        socket_read(c->socket, buffer->base, (size_t)size);
+        c->protocol->eof(c);
     else
-        http_session_read(c, buffer->base, (size_t)size);
+        c->protocol->read(c, buffer->base, (size_t)size);
 }
 
 /* One buffer serves all: what comes is dealt with before anything else is read. */
@@ -108,11 +104,14 @@ struct connection *connection_open(struct net *net, int fd, const struct sockadd
     count(net, 1);
     int failed = open_stream(c, fd, peer->ss_family == AF_UNIX);
     c->io.handle.data = c;
-    c->http = http_session_new(c);
     if (failed)
         connection_close(c);
-    connection_read(c, true);
     return c;
+}
+
+void connection_use(struct connection *c, const struct connection_protocol *protocol) {
+    c->protocol = protocol;
+    connection_read(c, true);
 }
 
 bool connection_count(struct connection *c, const char *key) {
@@ -127,12 +126,8 @@ bool connection_count(struct connection *c, const char *key) {
 }
 
 static void tell_protocol(struct connection *c) {
-    if (c->closing)
-        return;
-    if (c->socket)
-        socket_go_on(c->socket);
-    else
-        http_session_sent(c);
+    if (!c->closing)
+        c->protocol->sent(c);
 }
 
 static void on_sent(uv_write_t *request, int status) {
@@ -144,23 +139,24 @@ static void on_sent(uv_write_t *request, int status) {
     tell_protocol(c);
 }
 
+size_t connection_try(struct connection *c, const uv_buf_t *buffers, unsigned count) {
+    int sent = c->closing ? UV_ECANCELED : uv_try_write(&c->io.stream, buffers, count);
+    if (sent == UV_EAGAIN)
+        sent = 0;
+    else if (sent < 0)
+        connection_close(c);
+    c->progress = connection_now(c);
+    return sent < 0 ? SIZE_MAX : (size_t)sent;
+}
+
 bool connection_send(struct connection *c, const void *bytes, size_t size) {
-    if (c->closing)
-        return true;
     /* libuv takes the bytes as char * and changes none */
     uv_buf_t buffer = uv_buf_init((char *)(uintptr_t)bytes, (unsigned)size);
-    int sent = uv_try_write(&c->io.stream, &buffer, 1);
-    if (sent < 0 && sent != UV_EAGAIN) {
-        connection_close(c);
+    size_t sent = connection_try(c, &buffer, 1);
+    if (sent >= size)
         return true;
-    }
-    c->progress = connection_now(c);
-    if (sent > 0) {
-        buffer.base += sent;
-        buffer.len -= (size_t)sent;
-    }
-    if (!buffer.len)
-        return true;
+    buffer.base += sent;
+    buffer.len -= sent;
     c->write.data = c;
     if (uv_write(&c->write, &c->io.stream, &buffer, 1, on_sent)) {
         connection_close(c);
@@ -188,11 +184,9 @@ void connection_finish(struct connection *c) {
 
 /* What belongs to it goes with it, or before. */
 static void drop_protocol(struct connection *c) {
-    if (c->socket)
-        socket_close(c->socket);
-    http_session_free(c->http);
-    c->socket = NULL;
-    c->http = NULL;
+    if (c->protocol)
+        c->protocol->free(c);
+    c->protocol = NULL;
 }
 
 static void forget_due(struct connection *c) {
@@ -214,7 +208,7 @@ static void on_closed(uv_handle_t *handle) {
         c->next->self = c->self;
     quota_leave(&net->quota, c->key);
     count(net, -1);
-    listeners_freed(net, c->borrows_reserve);
+    net->descriptor_freed(net, c->borrows_reserve);
     free(c->key);
     free(c->address_key);
     free(c);
@@ -240,8 +234,8 @@ static void on_due(uv_idle_t *idle) {
     for (struct connection *c; (c = net->due);) {
         net->due = c->next_due;
         c->due = false;
-        if (c->http && !c->closing)
-            http_session_go_on(c);
+        if (!c->closing && c->protocol && c->protocol->go_on)
+            c->protocol->go_on(c);
     }
 }
 

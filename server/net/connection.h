@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One TCP connection (or one of a unix socket): it speaks HTTP first, and then perhaps WebSocket. */
+/* One TCP connection (or one of a unix socket). What is spoken over it is a protocol's: HTTP first, and then
+ * perhaps WebSocket. */
 #ifndef FACCIA_NET_CONNECTION_H
 #define FACCIA_NET_CONNECTION_H
 
@@ -9,13 +10,26 @@
 #include <uv.h>
 
 struct net;
+struct connection;
+
+/* What a protocol does. All but read, sent and free may be NULL. */
+struct connection_protocol {
+    void (*read)(struct connection *connection, const char *bytes, size_t size); /* bytes have come */
+    void (*eof)(struct connection *connection);   /* no more will come; NULL: it is closed */
+    void (*sent)(struct connection *connection);  /* all bytes have left */
+    void (*go_on)(struct connection *connection); /* what connection_later is about */
+    void (*look)(struct connection *connection);  /* from time to time */
+    void (*free)(struct connection *connection);  /* it goes with the connection, or before */
+};
 
 struct connection {
     struct net *net;
-    struct connection *next, **self; /* in the net's list */
-    struct connection *next_due;     /* among those that connection_later is about */
-    struct http_session *http;       /* one of these two */
+    struct connection *next, **self;            /* in the net's list */
+    struct connection *next_due;                /* among those that connection_later is about */
+    const struct connection_protocol *protocol; /* NULL = none (any more) */
+    struct http_session *http;                  /* its: one of these two */
     struct socket *socket;
+    const char *name; /* in the log */
     union {
         uv_handle_t handle;
         uv_stream_t stream;
@@ -37,12 +51,19 @@ struct connection {
     bool borrows_reserve; /* lives on a descriptor that is held in reserve */
 };
 
-/* Takes the connection. */
+/* Takes the connection, which is silent until connection_use. */
 struct connection *connection_open(struct net *net, int fd, const struct sockaddr_storage *peer);
+
+/* Speaks that from now on; what was spoken before has been freed. */
+void connection_use(struct connection *connection, const struct connection_protocol *protocol);
 
 /* Sends as much as goes at once. True: all of it. False: the rest leaves later, then the protocol is told;
  * the bytes must stay until then. Not while anything is on its way. */
 bool connection_send(struct connection *connection, const void *bytes, size_t size);
+
+/* Sends what goes at once of several buffers. How many bytes that is; SIZE_MAX, which counts as all, when
+ * nobody is there any more. Not while anything is on its way. */
+size_t connection_try(struct connection *connection, const uv_buf_t *buffers, unsigned count);
 
 /* Bytes that have not left. */
 size_t connection_unsent(const struct connection *connection);
@@ -52,7 +73,7 @@ void connection_read(struct connection *connection, bool on);
 /* Counts it for another one from now on. False, and nothing is changed, when that one has too many. */
 bool connection_count(struct connection *connection, const char *key);
 
-/* Lets HTTP go on, soon: for what is done from within an answer's own making. */
+/* Lets the protocol go on, soon: for what is done from within an answer's own making. */
 void connection_later(struct connection *connection);
 
 /* Says that nothing more comes, and waits, not for long, for the other end to close: what it still sends

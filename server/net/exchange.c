@@ -2,17 +2,18 @@
 /* One HTTP request: how it comes and goes, and its answer's body, as the connection takes it. */
 #include "server/base/mem.h"
 #include "server/net/exchange_internal.h"
-#include "server/net/http_session.h"
 #include <stdlib.h>
 #include <string.h>
 
 enum { KEEPALIVE_MS = 15000 };
 
-struct exchange *exchange_open(struct net *net, const struct http_request *request) {
+struct exchange *exchange_open(struct net *net, const struct http_request *request,
+                               const struct exchange_session *session) {
     struct exchange *x = mem_alloc(sizeof *x);
     x->net = net;
     x->request = request;
     x->connection = request->connection;
+    x->session = session;
     return x;
 }
 
@@ -93,29 +94,6 @@ const char *exchange_query(const struct exchange *x, const char *name, char *val
     return value;
 }
 
-bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result) {
-    struct error e;
-    if (!principal_origin_allowed(x->net, x->request)) {
-        metrics_add(x->net->pipeline->metrics, METRIC_REFUSED_ORIGIN, 1);
-        error_set(&e, "forbidden-origin", "pages from there may not use this server");
-        x->refused = true;
-        *result = exchange_error(x, 403, &e);
-        return false;
-    }
-    if (!right)
-        return true;
-    bool refused = principal_enter(x->net, x->request, &x->principal, &e) ||
-                   principal_may(x->net, &x->principal, right, room, &e) ||
-                   principal_ask(x->net, &x->principal, &e);
-    if (refused)
-        *result = exchange_error(x,
-                                 !strncmp(e.code, "too-many", 8) ? 429
-                                 : !strcmp(e.code, "forbidden")  ? 403
-                                                                 : 401,
-                                 &e);
-    return !refused;
-}
-
 void exchange_add(struct exchange *x, const void *data, size_t size) {
     if (!size || x->complete)
         return;
@@ -157,7 +135,7 @@ void exchange_flush(struct exchange *x) {
     }
     if (x->complete && free_to_send && !x->done) {
         x->done = true;
-        http_session_answered(x->connection);
+        x->session->answered(x->connection);
     }
 }
 

@@ -2,7 +2,6 @@
 /* The answer to an HTTP request: its head, and bodies of known length. */
 #include "server/access/headers.h"
 #include "server/net/exchange_internal.h"
-#include "server/net/http_session.h"
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -38,7 +37,7 @@ static void head_begin(struct head *h, struct exchange *x, unsigned status) {
     h->x = x;
     h->status = status;
     x->answered = true;
-    x->persists = http_session_persists(x->connection);
+    x->persists = x->session->persists(x->connection);
     buf_printf(&x->queue, "HTTP/1.1 %u %s\r\n", status, http_status_str((enum http_status)status));
     head_add(h, "server", "faccia");
     add_date(h);

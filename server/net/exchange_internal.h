@@ -12,6 +12,7 @@ struct exchange {
     struct net *net;
     const struct http_request *request;
     struct connection *connection;
+    const struct exchange_session *session;
     struct exchange_work work;
     struct buf queue;    /* of the answer: what waits */
     struct buf leaving;  /* and what is on its way */

@@ -46,14 +46,14 @@ int hold_keep(struct net *net, const char *room, const struct speech_request *re
     return 0;
 }
 
-void hold_speak(struct net *net, const struct channel *room) {
+void hold_speak(struct net *net, const char *room, struct stream *stream) {
     drop_old(net);
     for (struct held **at = &net->hold.first; *at;) {
-        if (strcmp((*at)->room, channel_name(room))) {
+        if (strcmp((*at)->room, room)) {
             at = &(*at)->next;
             continue;
         }
-        stream_speak(channel_stream(room), &(*at)->request);
+        stream_speak(stream, &(*at)->request);
         drop(&net->hold, at);
     }
 }

@@ -6,8 +6,8 @@
 #include "server/base/error.h"
 #include "server/synthesis/speech_request.h"
 
-struct channel;
 struct net;
+struct stream;
 
 /* Of all rooms together. */
 enum { HOLD_MOST = 100 };
@@ -21,7 +21,7 @@ struct hold {
 int hold_keep(struct net *net, const char *room, const struct speech_request *request, struct error *e);
 
 /* Somebody has come into the room: speaks what was kept for it, in its order. */
-void hold_speak(struct net *net, const struct channel *room);
+void hold_speak(struct net *net, const char *room, struct stream *stream);
 
 void hold_free(struct hold *hold);
 

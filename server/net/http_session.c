@@ -30,14 +30,7 @@ struct http_session {
     bool last;                 /* nothing more will be answered */
 };
 
-struct http_session *http_session_new(struct connection *c) {
-    struct http_session *h = mem_alloc(sizeof *h);
-    h->reader.request.connection = c;
-    h->began = connection_now(c);
-    return h;
-}
-
-void http_session_free(struct http_session *h) {
+static void free_session(struct http_session *h) {
     if (!h)
         return;
     if (h->exchange)
@@ -47,19 +40,26 @@ void http_session_free(struct http_session *h) {
     free(h);
 }
 
-bool http_session_persists(const struct connection *c) {
+static bool persists(const struct connection *c) {
     const struct http_session *h = c->http;
     const struct http_request *r = &h->reader.request;
     bool rest = h->complete || (!r->expects_continue && !r->chunked && r->content_length <= DROP_BYTES);
     return r->keep_alive && rest && !h->last && !c->surplus && !c->crowded && !c->net->draining;
 }
 
+static void answered(struct connection *c) {
+    if (c->http && !c->http->advancing)
+        connection_later(c);
+}
+
+static const struct exchange_session session = {persists, answered};
+
 /* A request that is refused before anybody else hears of it. */
 static void refuse(struct connection *c, unsigned status, const struct error *e) {
     struct http_session *h = c->http;
     h->last = true;
     if (!h->exchange)
-        h->exchange = exchange_open(c->net, &h->reader.request);
+        h->exchange = exchange_open(c->net, &h->reader.request, &session);
     if (exchange_answered(h->exchange))
         connection_close(c);
     else
@@ -81,18 +81,18 @@ static bool utterance_away(struct connection *c) {
 }
 
 static void begin(struct connection *c) {
-    static const char go_on[] = "HTTP/1.1 100 Continue\r\n\r\n";
+    static const char proceed[] = "HTTP/1.1 100 Continue\r\n\r\n";
     struct http_session *h = c->http;
     struct http_request *r = &h->reader.request;
     h->began = h->last_rx = connection_now(c);
     h->body = 0;
     h->complete = false;
-    h->exchange = exchange_open(c->net, r);
+    h->exchange = exchange_open(c->net, r, &session);
     if (utterance_away(c) || websocket_asked(h->exchange))
         return;
     routes_serve(h->exchange, r->path, strlen(r->path), r->method);
     if (r->expects_continue && !exchange_answered(h->exchange) && !c->sending)
-        connection_send(c, go_on, strlen(go_on));
+        connection_send(c, proceed, strlen(proceed));
 }
 
 static void body(struct connection *c) {
@@ -115,12 +115,12 @@ static void end(struct connection *c) {
 /* The present answer has left. */
 static void settle(struct connection *c) {
     struct http_session *h = c->http;
-    bool persists = exchange_persists(h->exchange) && !h->last;
+    bool goes_on = exchange_persists(h->exchange) && !h->last;
     exchange_close(h->exchange);
     h->exchange = NULL;
     h->served = true;
     h->began = h->last_rx = connection_now(c);
-    if (!persists) {
+    if (!goes_on) {
         h->last = true;
         connection_finish(c);
     }
@@ -162,12 +162,12 @@ static size_t advance(struct connection *c, const uint8_t *bytes, size_t size) {
 
 /* What is left after the connection has become a WebSocket is that one's. */
 static void hand_over(struct connection *c, struct http_session *h, const uint8_t *rest, size_t size) {
-    http_session_free(h);
+    free_session(h);
     if (size && !c->closing)
-        socket_read(c->socket, (const char *)rest, size);
+        c->protocol->read(c, (const char *)rest, size);
 }
 
-void http_session_go_on(struct connection *c) {
+static void go_on(struct connection *c) {
     struct http_session *h = c->http;
     struct buf pending = h->pending;
     h->pending = (struct buf){0};
@@ -183,7 +183,7 @@ void http_session_go_on(struct connection *c) {
     buf_free(&pending);
 }
 
-void http_session_read(struct connection *c, const void *bytes, size_t size) {
+static void take_bytes(struct connection *c, const char *bytes, size_t size) {
     struct http_session *h = c->http;
     if (h->last)
         return;
@@ -192,12 +192,12 @@ void http_session_read(struct connection *c, const void *bytes, size_t size) {
     if (h->pending.size || (h->exchange && h->complete)) {
         buf_add(&h->pending, bytes, size);
         if (!h->exchange || exchange_done(h->exchange))
-            http_session_go_on(c);
+            go_on(c);
         else if (h->pending.size >= PENDING_BYTES)
             connection_read(c, false);
         return;
     }
-    size_t used = advance(c, bytes, size);
+    size_t used = advance(c, (const uint8_t *)bytes, size);
     if (!c->http)
         hand_over(c, h, (const uint8_t *)bytes + used, size - used);
     else if (!is_over(c))
@@ -206,24 +206,19 @@ void http_session_read(struct connection *c, const void *bytes, size_t size) {
 
 /* One that has asked, and says that it has nothing to add, is answered; one that just listens is not there
  * any more. */
-void http_session_eof(struct connection *c) {
+static void on_eof(struct connection *c) {
     struct http_session *h = c->http;
     h->eof = true;
     if (!h->exchange || !h->complete || exchange_endless(h->exchange))
         connection_close(c);
 }
 
-void http_session_sent(struct connection *c) {
+static void on_sent(struct connection *c) {
     struct http_session *h = c->http;
     if (h->exchange)
         exchange_sent(h->exchange);
     if (!h->exchange || exchange_done(h->exchange))
-        http_session_go_on(c);
-}
-
-void http_session_answered(struct connection *c) {
-    if (c->http && !c->http->advancing)
-        connection_later(c);
+        go_on(c);
 }
 
 bool http_session_is_idle(const struct connection *c) {
@@ -241,7 +236,7 @@ static bool is_late(const struct connection *c) {
     return now - h->began > (http_session_is_idle(c) ? IDLE_MS : HEAD_MS);
 }
 
-void http_session_look(struct connection *c) {
+static void look(struct connection *c) {
     struct http_session *h = c->http;
     struct error e;
     if (h->exchange)
@@ -255,6 +250,21 @@ void http_session_look(struct connection *c) {
     } else {
         error_set(&e, "request-timeout", "the request has not come in time");
         refuse(c, 408, &e);
-        http_session_go_on(c);
+        go_on(c);
     }
+}
+
+static void drop(struct connection *c) {
+    free_session(c->http);
+    c->http = NULL;
+}
+
+void http_session_open(struct connection *c) {
+    static const struct connection_protocol protocol = {
+        .read = take_bytes, .eof = on_eof, .sent = on_sent, .go_on = go_on, .look = look, .free = drop};
+    struct http_session *h = c->http = mem_alloc(sizeof *h);
+    h->reader.request.connection = c;
+    h->began = connection_now(c);
+    c->name = "an HTTP client";
+    connection_use(c, &protocol);
 }

@@ -16,9 +16,6 @@ void listeners_close(struct net *net);
 /* Where the socket of that number, from 0, listens. False: there is none. */
 bool listeners_address(const struct net *net, size_t number, struct buf *out);
 
-/* A connection is gone: a descriptor, perhaps one of the reserve, is free. */
-void listeners_freed(struct net *net, bool reserve);
-
 /* From time to time. */
 void listeners_look(struct net *net);
 

@@ -80,40 +80,48 @@ json_t *message_models(const struct net *net) {
     return models;
 }
 
+static const struct offer *offer_of(const struct net *net) {
+    return net->offer.now(net->offer.ctx);
+}
+
 json_t *message_expressions(const struct net *net) {
-    const struct expressions *expressions = net->pipeline->expressions;
+    const struct offer *offer = offer_of(net);
     json_t *list = json_array();
-    for (size_t i = 0; i < expressions_count(expressions); i++) {
-        struct expression_info info = expressions_info(expressions, i);
-        json_array_append_new(list, json_pack("{ss ss sf sf sb}", "kind", info.kind, "name", info.name,
-                                              "activation", info.activation, "evaluation", info.evaluation,
-                                              "basic", info.basic));
+    for (size_t i = 0; i < offer->expression_count; i++) {
+        const struct offer_expression *x = &offer->expressions[i];
+        json_array_append_new(list,
+                              json_pack("{ss ss sf sf sb}", "kind", x->kind, "name", x->name, "activation",
+                                        x->activation, "evaluation", x->evaluation, "basic", x->basic));
     }
     return list;
 }
 
-static json_t *affects(const struct expressions *expressions) {
+static json_t *affects(const struct offer *offer) {
     json_t *names = json_array();
-    for (size_t i = 0; i < expressions_count(expressions); i++) {
-        struct expression_info info = expressions_info(expressions, i);
-        if (!strcmp(info.kind, "affect"))
-            json_array_append_new(names, json_string(info.name));
-    }
+    for (size_t i = 0; i < offer->expression_count; i++)
+        if (!strcmp(offer->expressions[i].kind, "affect"))
+            json_array_append_new(names, json_string(offer->expressions[i].name));
     return names;
 }
 
-static json_t *engines_of(const struct speech_pack *pack) {
-    json_t *engines = json_array();
-    for (const char *const *engine = face_engines(); *engine; engine++)
-        if (face_engine_speaks(*engine, pack))
-            json_array_append_new(engines, json_string(*engine));
-    return engines;
+static json_t *strings(const char *const *list) {
+    json_t *array = json_array();
+    for (; *list; list++)
+        json_array_append_new(array, json_string(*list));
+    return array;
+}
+
+/* Those that may be asked for already. */
+static const struct offer_voice *voices_of(const struct net *net, size_t *count) {
+    const struct offer *offer = offer_of(net);
+    *count = net->ready ? offer->voice_count : 0;
+    return net->ready ? offer->voices : NULL;
 }
 
 json_t *message_voices(const struct net *net) {
     json_t *voices = json_array();
-    size_t count = 0;
-    const struct voice *v = net->ready ? voice_pool_voices(net->pipeline->voices, &count) : NULL;
+    size_t count;
+    const struct offer_voice *v = voices_of(net, &count);
     for (size_t i = 0; i < count; i++)
         json_array_append_new(voices,
                               json_pack("{ss ss ss ss ss ss ss si}", "id", v[i].id, "name", v[i].name, "lang",
@@ -123,14 +131,15 @@ json_t *message_voices(const struct net *net) {
 }
 
 json_t *message_health(const struct net *net) {
-    return json_pack("{ss ss si}", "status", net->ready ? "ok" : "starting", "server",
+    const char *status = net->ready ? "ok" : net->unavailable ? "unavailable" : "starting";
+    return json_pack("{ss ss* ss si}", "status", status, "reason", net->unavailable, "server",
                      "faccia/" FACCIA_VERSION, "connections", (int)net->connections);
 }
 
 /* Those that a voice speaks and that share the general pack: found once for each list of voices. */
 static json_t *more_languages(struct net *net) {
-    size_t count = 0;
-    const struct voice *v = net->ready ? voice_pool_voices(net->pipeline->voices, &count) : NULL;
+    size_t count;
+    const struct offer_voice *v = voices_of(net, &count);
     if (net->more_languages && net->languages_of == v)
         return json_incref(net->more_languages);
     json_t *tags = json_array();
@@ -138,8 +147,7 @@ static json_t *more_languages(struct net *net) {
     net->more_languages = tags;
     net->languages_of = v;
     for (size_t i = 0; i < count; i++) {
-        const struct speech_pack *pack = speech_packs_find(net->pipeline->packs, v[i].lang);
-        bool listed = !pack || !speech_pack_is_general(pack);
+        bool listed = !v[i].shares;
         for (size_t k = 0; k < i && !listed; k++)
             listed = !strcmp(v[k].lang, v[i].lang);
         if (!listed)
@@ -149,25 +157,22 @@ static json_t *more_languages(struct net *net) {
 }
 
 json_t *message_hello(struct net *net, const char *stream) {
-    json_t *languages = json_array(), *engines = json_array();
-    const struct speech_packs *packs = net->pipeline->packs;
-    for (size_t i = 0; i < packs->count; i++)
-        if (!speech_pack_is_general(packs->packs[i]))
-            json_array_append_new(languages, json_pack("{ss ss so}", "tag", speech_pack_lang(packs->packs[i]),
-                                                       "name", speech_pack_name(packs->packs[i]), "engines",
-                                                       engines_of(packs->packs[i])));
-    for (const char *const *engine = face_engines(); *engine; engine++)
-        json_array_append_new(engines, json_string(*engine));
+    const struct offer *offer = offer_of(net);
+    json_t *languages = json_array();
+    for (size_t i = 0; i < offer->language_count; i++)
+        json_array_append_new(languages, json_pack("{ss ss so}", "tag", offer->languages[i].tag, "name",
+                                                   offer->languages[i].name, "engines",
+                                                   strings(offer->languages[i].engines)));
     const struct net_options *o = &net->options;
     json_t *hello =
         json_pack("{ss si ss ss si s[sss] s[sss] s[ss] si sb ss}", "type", "hello", "protocol", 1, "server",
                   "faccia/" FACCIA_VERSION, "stream", stream, "fps", 25, "audio", "opus", "pcm_s16le", "none",
                   "fap", "fapc", "plain", "none", "events", "text", "packed", "opus_skip", OPUS_SKIP,
-                  "tokens", o->secrets != NULL, "lang", net->pipeline->default_lang);
+                  "tokens", o->secrets != NULL, "lang", offer->default_lang);
     json_object_set_new(hello, "languages", languages);
     json_object_set_new(hello, "more_languages", more_languages(net));
-    json_object_set_new(hello, "engines", engines);
-    json_object_set_new(hello, "expressions", affects(net->pipeline->expressions));
+    json_object_set_new(hello, "engines", strings(offer->engines));
+    json_object_set_new(hello, "expressions", affects(offer));
     json_object_set_new(hello, "models", message_models(net));
     json_object_set_new(hello, "limits",
                         json_pack("{si si si si si si}", "text_bytes", (int)o->text_bytes, "message_bytes",
@@ -209,9 +214,9 @@ static int set_field(struct speech_request *request, const char *name, const jso
 
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e) {
     const char *name;
-    json_t *value;
-    json_object_foreach((json_t *)object, name, value) {
-        if (set_field(request, name, value, e))
+    for (size_t i = 0; (name = request_field(i)); i++) {
+        const json_t *value = json_object_get(object, name);
+        if (value && set_field(request, name, value, e))
             return -1;
     }
     return 0;

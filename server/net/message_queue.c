@@ -35,8 +35,10 @@ const uint8_t *queued_message_body(const struct queued_message *message) {
 }
 
 void queued_message_release(struct queued_message *message) {
-    if (message && --message->refs == 0)
+    if (message && --message->refs == 0) {
+        queued_message_release(message->line);
         free(message);
+    }
 }
 
 void message_queue_open(struct message_queue *box) {

@@ -10,11 +10,12 @@
 /* One message, as the frame that is sent: what a server sends is not masked, so it is the same for all. */
 struct queued_message {
     unsigned refs;
-    bool media;        /* may be left out for a client that is too slow */
-    const char *event; /* of a text message: its type */
-    uint64_t born;     /* loop time when it was made, ms; of media */
-    size_t size;       /* of the message */
-    uint8_t head;      /* bytes of the frame before it */
+    bool media;                  /* may be left out for a client that is too slow */
+    const char *event;           /* of a text message: its type */
+    struct queued_message *line; /* and the same for those who type, which it owns; or NULL */
+    uint64_t born;               /* loop time when it was made, ms; of media */
+    size_t size;                 /* of the message */
+    uint8_t head;                /* bytes of the frame before it */
     uint8_t bytes[];
 };
 

@@ -31,10 +31,12 @@ static void open_handles(struct net *net) {
     keepalive_begin(net);
 }
 
-struct net *net_open(const struct pipeline *pipeline, const struct net_options *options, struct error *e) {
+struct net *net_open(const struct pipeline *pipeline, const struct offer_source *offer,
+                     const struct net_options *options, struct error *e) {
     struct net *net = mem_alloc(sizeof *net);
     net->options = *options;
     net->pipeline = pipeline;
+    net->offer = *offer;
     net->read_buffer = mem_alloc(NET_READ_BYTES);
     if (listeners_open(net, e) || assets_load(&net->assets, options->web, options->models, e)) {
         net_close(net);
@@ -88,6 +90,11 @@ bool net_address(const struct net *net, size_t number, struct buf *out) {
 
 void net_set_ready(struct net *net) {
     net->ready = true;
+    net->unavailable = NULL;
+}
+
+void net_set_unavailable(struct net *net, const char *reason) {
+    net->unavailable = reason;
 }
 
 static void free_idle(uv_handle_t *idle) {

@@ -5,6 +5,7 @@
 
 #include "server/access/token.h"
 #include "server/base/buf.h"
+#include "server/net/offer.h"
 #include "server/stream/stream.h"
 
 /* Every limit stands beside its default; protocol/README.md tells the clients. */
@@ -45,7 +46,8 @@ struct net;
 
 /* Listens at once. NULL with *e: "bad-field" (host not loopback without remote), "listen" or what assets_load
  * says. */
-struct net *net_open(const struct pipeline *pipeline, const struct net_options *options, struct error *e);
+struct net *net_open(const struct pipeline *pipeline, const struct offer_source *offer,
+                     const struct net_options *options, struct error *e);
 
 /* Appends the address of the socket of that number, from 0, that is listened on, as in "http://[::1]:8080/".
  * False: there is none. */
@@ -53,6 +55,10 @@ bool net_address(const struct net *net, size_t number, struct buf *out);
 
 /* The voices are there: until then /healthz answers 503 and a speak fails with "voice-unavailable". */
 void net_set_ready(struct net *net);
+
+/* No voice has come, and none is waited for: /healthz answers 503 with that reason, a literal, until there is
+ * one after all. */
+void net_set_unavailable(struct net *net, const char *reason);
 
 /* Takes the limits, origins and secrets of options; the rest stays as it is. */
 void net_change(struct net *net, const struct net_options *options);

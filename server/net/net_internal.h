@@ -19,13 +19,16 @@ enum { NET_READ_BYTES = 65536 };
 struct net {
     struct net_options options;
     const struct pipeline *pipeline;
+    struct offer_source offer;
     struct listeners *listeners;
+    void (*descriptor_freed)(struct net *net, bool reserve); /* a connection has gone */
     struct assets assets;
     struct connection *open; /* all connections */
     struct connection *due;  /* see connection_later */
     unsigned connections;
     uint64_t streams; /* numbers given so far */
     bool ready, draining;
+    const char *unavailable; /* why nothing can be spoken, nor soon will be; or NULL */
     struct quota quota;
     struct socket *sockets; /* all that are open */
     uv_timer_t *keepalive;  /* over all connections; NULL: none */
@@ -34,16 +37,24 @@ struct net {
     struct channel *rooms;
     unsigned room_count;
     struct hold hold;
-    struct events *events;            /* those who follow a room over HTTP */
+    struct events *events;            /* clients that follow a room over HTTP */
     unsigned works;                   /* HTTP answers that are being made */
     json_t *more_languages;           /* of hello */
-    const struct voice *languages_of; /* the list from which they were found */
+    const struct offer_voice *languages_of; /* the list from which they were found */
 };
 
 /* event_json.c */
 
 /* Appends the event of that stream as a message. */
 void event_write(struct buf *out, const struct stream_event *event, const char *stream);
+
+/* event_line.c: the same as a line, for people who type. */
+void event_line(struct buf *line, const struct stream_event *event);
+
+/* text_answer.c: any other message as a line; nothing when it is of no use to them. */
+void text_line(const json_t *message, struct buf *line);
+
+/* event_json.c */
 const char *event_name(enum stream_event_kind kind); /* its "type" */
 
 /* message.c: JSON out of the stage's types, and back. */
@@ -78,9 +89,6 @@ int live_express(const json_t *message, struct mood_request *mix, struct error *
 /* The head is the answer to the handshake. */
 void socket_open(struct connection *connection, const struct http_request *request, const struct buf *head,
                  bool plain);
-void socket_close(struct socket *socket);
-void socket_read(struct socket *socket, const char *bytes, size_t size);
-void socket_go_on(struct socket *socket); /* bytes have left */
 bool sockets_busy(const struct net *net);
 void sockets_dismiss(struct net *net, const char *reason); /* closes all, with the reason */
 
@@ -89,7 +97,15 @@ void keepalive_begin(struct net *net);
 void keepalive_end(struct net *net);
 
 /* exchange.c, exchange_answer.c: one HTTP request and its answer. */
-struct exchange *exchange_open(struct net *net, const struct http_request *request);
+
+/* The session that a request came in; both are asked while it is answered. */
+struct exchange_session {
+    bool (*persists)(
+        const struct connection *connection);        /* can it go on after an answer that is given now? */
+    void (*answered)(struct connection *connection); /* all of the answer has left */
+};
+struct exchange *exchange_open(struct net *net, const struct http_request *request,
+                               const struct exchange_session *session);
 void exchange_close(struct exchange *x);
 void exchange_sent(struct exchange *x);           /* bytes have left */
 bool exchange_answered(const struct exchange *x); /* its head has been made */
@@ -125,7 +141,7 @@ const struct error *exchange_warnings(const struct exchange *x, size_t *count);
 
 struct principal *exchange_guest(struct exchange *x); /* once it has been permitted something */
 
-/* Whether he who asks may do that; when not, it has been answered and *result is what to return. */
+/* Whether the client may do that; when not, it has been answered and *result is what to return. */
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);
 
 /* The value of a parameter in the address, or NULL; cut when it is longer than what any good one could be. */
@@ -174,7 +190,7 @@ int room_resume(struct exchange *x); /* POST /v1/resume?room= */
 int room_events(struct exchange *x); /* GET /v1/events?room= */
 void room_events_revoke(struct net *net);
 
-/* revoke.c: the secrets have changed: those who came by one that is gone lose their rights, and are told. */
+/* revoke.c: the secrets have changed: clients whose secret is gone lose their rights, and are told. */
 void rights_revoke(struct net *net);
 
 #endif

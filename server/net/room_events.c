@@ -11,14 +11,16 @@ struct events {
     struct events *next, **self; /* in the net's list */
 };
 
-static void on_delivery(struct follower *f, struct queued_message *message) {
+static void on_delivery(struct follower *f, struct queued_message *const *messages, size_t count) {
     struct events *events = (struct events *)f;
     struct buf text = {0};
-    if (message->media || exchange_unsent(events->x) > exchange_net(events->x)->options.send_bytes)
+    if (exchange_unsent(events->x) > exchange_net(events->x)->options.send_bytes)
         return; /* a client that reads nothing misses something */
-    buf_printf(&text, "event: %s\ndata: ", message->event);
-    buf_add(&text, queued_message_body(message), message->size);
-    buf_add(&text, "\n\n", 2);
+    for (size_t i = 0; i < count; i++) {
+        buf_printf(&text, "event: %s\ndata: ", messages[i]->event);
+        buf_add(&text, queued_message_body(messages[i]), messages[i]->size);
+        buf_add(&text, "\n\n", 2);
+    }
     exchange_add(events->x, text.data, text.size);
     buf_free(&text);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One WebSocket client: how it comes and goes, the room it is in, and what it may have said. */
+/* One WebSocket client: how it comes and goes. */
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/net/socket_internal.h"
 #include <stdlib.h>
@@ -10,67 +11,6 @@ enum { MESSAGE_TIMES = 16 };
 
 /* Clients wait half a minute for the answer to their close. */
 enum { HANG_UP_MS = 25000 };
-
-void socket_enter(struct socket *s, struct channel *channel) {
-    s->follower.idle = false;
-    channel_join(channel, &s->follower);
-}
-
-struct stream *socket_stream(const struct socket *s) {
-    return channel_stream(s->follower.channel);
-}
-
-const char *socket_room(const struct socket *s) {
-    const struct channel *c = s->follower.channel;
-    return channel_is_room(c) ? channel_name(c) : NULL;
-}
-
-int socket_join(struct socket *s, const char *room, struct error *e) {
-    struct error ignored;
-    if (principal_may(s->net, &s->principal, RIGHT_LISTEN, room, e))
-        return -1;
-    struct channel *channel = channel_room(s->net, room, e);
-    if (!channel || channel == s->follower.channel)
-        return channel ? 0 : -1;
-    channel_leave(&s->follower);
-    socket_say(s, json_pack("{ss ss si sb}", "type", "joined", "room", room, "followers",
-                            (int)channel_followers(channel) + 1, "may_speak",
-                            !principal_may(s->net, &s->principal, RIGHT_SPEAK, room, &ignored)));
-    socket_enter(s, channel);
-    return 0;
-}
-
-void socket_leave(struct socket *s) {
-    socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
-    channel_leave(&s->follower);
-    socket_enter(s, channel_new(s->net, s->name));
-}
-
-int socket_set_media(struct socket *s, const struct media_wish *wish, struct error *e) {
-    struct encoding encoding = s->follower.encoding;
-    int codec = 0;
-    if (wish->audio && (codec = encoding_audio(wish->audio, e)) < 0)
-        return -1;
-    if (wish->audio)
-        encoding.audio = (uint8_t)codec;
-    if (wish->fap && (codec = encoding_fap(wish->fap, e)) < 0)
-        return -1;
-    if (wish->fap)
-        encoding.fap = (uint8_t)codec;
-    if (wish->kilobits && (codec = encoding_kilobits(wish->kilobits)) < 0)
-        return error_in_field(e, "bad-field", "kilobits", "must be a number of kilobits a second, 6 to 64");
-    if (wish->kilobits)
-        encoding.kilobits = (uint8_t)codec;
-    int packed = wish->events ? encoding_events(wish->events) : encoding.packed;
-    if (packed < 0)
-        return error_in_field(e, "unknown-codec", "events", "no form of events '%s'", wish->events);
-    encoding.packed = packed;
-    if (!encoding_possible(&encoding))
-        return error_in_field(e, "unknown-codec", "fap",
-                              "plain FAPs do not go with Opus: ask for fapc, or for pcm");
-    channel_want(&s->follower, &encoding);
-    return 0;
-}
 
 static void warn(void *socket, const struct error *e) {
     json_t *warning = message_error(e);
@@ -137,8 +77,69 @@ static void fault(void *ctx, enum websocket_status status, const char *why, uint
     socket_farewell(s, status, why);
 }
 
+void socket_heard(struct socket *s) {
+    s->last_rx = connection_now(s->connection);
+    s->probe = PROBE_NONE;
+}
+
+static void close_socket(struct connection *c) {
+    struct socket *s = c->socket;
+    c->socket = NULL;
+    *s->self = s->next;
+    if (s->next)
+        s->next->self = s->self;
+    channel_leave(&s->follower);
+    socket_forget_long(s);
+    request_free(&s->defaults);
+    buf_free(&s->message);
+    buf_free(&s->unread);
+    websocket_reader_free(&s->reader);
+    message_queue_close(&s->queue);
+    queued_message_release(s->leaving);
+    queued_message_release(s->pong);
+    free(s);
+}
+
+static void read_bytes(struct connection *c, const char *bytes, size_t size) {
+    struct socket *s = c->socket;
+    socket_heard(s);
+    size_t taken = websocket_reader_feed(&s->reader, (const uint8_t *)bytes, size);
+    buf_add(&s->unread, bytes + taken, size - taken);
+}
+
+/* A socket that has been silent is asked whether it is still there (RFC 6455, 5.5.2), and closed when it does
+ * not answer. */
+static void look(struct connection *c) {
+    struct socket *s = c->socket;
+    uint64_t silent = connection_now(s->connection) - s->last_rx;
+    uint64_t ping_ms = (uint64_t)s->net->options.ping_seconds * 1000;
+    if (s->closing)
+        return;
+    if (s->hang_up_by) {
+        socket_heard(s); /* it says nothing more */
+        bool over = !stream_busy(socket_stream(s)) && message_queue_empty(&s->queue);
+        if (over || connection_now(s->connection) >= s->hang_up_by)
+            socket_farewell(s, s->hangs_up, "");
+        return;
+    }
+    if (s->rx_paused || s->reading)
+        socket_heard(s); /* its answers lie unread */
+    else if (s->probe == PROBE_NONE && silent >= ping_ms)
+        socket_ping(s);
+    else if (s->probe != PROBE_NONE && silent >= ping_ms + ping_ms / 3) {
+        log_info("%s does not answer: closed", s->name);
+        connection_close(s->connection);
+    }
+}
+
+static void on_sent(struct connection *c) {
+    socket_go_on(c->socket);
+}
+
 void socket_open(struct connection *c, const struct http_request *request, const struct buf *head,
                  bool plain) {
+    static const struct connection_protocol protocol = {
+        .read = read_bytes, .sent = on_sent, .look = look, .free = close_socket};
     static const struct websocket_ear ear = {piece, ping, pong, closed, fault};
     struct net *net = c->net;
     struct socket *s = mem_alloc(sizeof *s);
@@ -151,6 +152,8 @@ void socket_open(struct connection *c, const struct http_request *request, const
         s->next->self = &s->next;
     net->sockets = s;
     c->socket = s;
+    c->name = s->name;
+    connection_use(c, &protocol);
     s->reader = (struct websocket_reader){
         .ear = &ear, .ctx = s, .most = (uint64_t)MESSAGE_TIMES * net->options.message_bytes};
     message_queue_open(&s->queue);
@@ -159,8 +162,10 @@ void socket_open(struct connection *c, const struct http_request *request, const
     snprintf(s->name, sizeof s->name, "s%llu", (unsigned long long)s->number);
     request_init(&s->defaults);
     s->plain = plain;
+    s->hear = plain ? text_hear : socket_hear_json;
     s->follower = (struct follower){.encoding = s->plain ? encoding_none : encoding_default,
                                     .media = !s->plain,
+                                    .lines = s->plain,
                                     .queue = &s->queue,
                                     .deliver = socket_deliver};
     socket_enter(s, channel_new(net, s->name));
@@ -173,67 +178,15 @@ void socket_open(struct connection *c, const struct http_request *request, const
     read_query(s, request);
 }
 
-void socket_close(struct socket *s) {
-    *s->self = s->next;
-    if (s->next)
-        s->next->self = s->self;
-    channel_leave(&s->follower);
-    request_free(&s->defaults);
-    buf_free(&s->message);
-    websocket_reader_free(&s->reader);
-    message_queue_close(&s->queue);
-    queued_message_release(s->leaving);
-    queued_message_release(s->pong);
-    free(s);
+bool sockets_busy(const struct net *net) {
+    for (const struct socket *s = net->sockets; s; s = s->next)
+        if (s->leaving || !message_queue_empty(&s->queue) || stream_busy(socket_stream(s)) ||
+            channel_pending(s->follower.channel))
+            return true;
+    return false;
 }
 
-void socket_read(struct socket *s, const char *bytes, size_t size) {
-    socket_heard(s);
-    websocket_reader_feed(&s->reader, (const uint8_t *)bytes, size);
-}
-
-/* In a room, others need not hear of it. */
-void socket_refuse(struct socket *s, const char *id, const struct error *e) {
-    if (!socket_room(s)) {
-        stream_refuse(socket_stream(s), id, e);
-        return;
-    }
-    json_t *error = message_error(e), *end = json_pack("{ss ss}", "type", "end", "reason", "failed");
-    if (id) {
-        json_object_set_new(error, "id", json_string(id));
-        json_object_set_new(end, "id", json_string(id));
-    }
-    socket_say(s, error);
-    socket_say(s, end);
-}
-
-int socket_may_direct(struct socket *s, struct error *e) {
-    return principal_may(s->net, &s->principal, RIGHT_SPEAK, socket_room(s), e);
-}
-
-int socket_may_speak(struct socket *s, struct error *e) {
-    if (socket_may_direct(s, e) || principal_ask(s->net, &s->principal, e))
-        return -1;
-    return s->net->draining ? error_set(e, "stopping", "the server is about to stop") : 0;
-}
-
-void socket_speak_request(struct socket *s, const struct speech_request *request) {
-    unsigned limit = s->net->options.text_bytes;
-    struct error e;
-    int refused = socket_may_speak(s, &e);
-    if (!refused && request->text_size > limit)
-        refused = error_in_field(&e, "text-too-long", "text", "a text may have %u bytes", limit);
-    if (refused)
-        socket_refuse(s, request->id, &e);
-    else
-        stream_speak(socket_stream(s), request);
-}
-
-void socket_speak(struct socket *s, const char *text, size_t size) {
-    struct speech_request request;
-    struct error e;
-    request_copy(&request, &s->defaults);
-    request_set(&request, "text", (struct request_value){REQUEST_STRING, text, size, 0}, &e);
-    socket_speak_request(s, &request);
-    request_free(&request);
+void sockets_dismiss(struct net *net, const char *reason) {
+    for (struct socket *s = net->sockets; s; s = s->next)
+        socket_dismiss(s, WEBSOCKET_GOING_AWAY, reason);
 }

@@ -41,7 +41,16 @@ static void choose_media(struct socket *s, const json_t *message) {
     struct media_wish wish = {json_string_value(json_object_get(message, "audio")),
                               json_string_value(json_object_get(message, "fap")),
                               json_string_value(json_object_get(message, "events")), NULL};
+    static const char *const texts[] = {"audio", "fap", "events"};
     struct error e;
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        const json_t *value = json_object_get(message, texts[i]);
+        if (value && !json_is_string(value)) {
+            error_in_field(&e, "bad-field", texts[i], "must be a string");
+            socket_complain(s, &e);
+            return;
+        }
+    }
     if (kilobits) {
         snprintf(number, sizeof number, "%.12g", json_number_value(kilobits));
         wish.kilobits = number;
@@ -89,29 +98,33 @@ void socket_act(struct socket *s, const json_t *message) {
     socket_complain(s, &e);
 }
 
-/* A whole text message. */
-static void hear(struct socket *s, const char *data, size_t size) {
-    size_t blank = 0;
-    if (s->plain) {
-        text_hear(s, data, size);
+static void take(struct socket *s, const json_t *message, const json_error_t *why) {
+    struct error e;
+    if (message) {
+        socket_act(s, message);
         return;
     }
+    message_bad_json(why, &e);
+    socket_complain(s, &e);
+}
+
+void socket_hear_json(struct socket *s, const char *data, size_t size) {
+    size_t blank = 0;
     while (blank < size && strchr(" \t\r\n", data[blank]))
         blank++;
     if (blank == size || data[blank] != '{') {
         socket_speak(s, data, size);
         return;
     }
-    json_error_t why;
-    struct error e;
-    json_t *message = json_loadb(data, size, JSON_ALLOW_NUL, &why);
-    if (message) {
-        socket_act(s, message);
-        json_decref(message);
+    size_t is_long = s->net->pipeline->long_text;
+    if (is_long && size >= is_long) {
+        socket_read_long(s, &s->message, take);
         return;
     }
-    message_bad_json(&why, &e);
-    socket_complain(s, &e);
+    json_error_t why;
+    json_t *message = json_loadb(data, size, JSON_ALLOW_NUL, &why);
+    take(s, message, &why);
+    json_decref(message);
 }
 
 void socket_hear(struct socket *s, bool binary) {
@@ -123,7 +136,7 @@ void socket_hear(struct socket *s, bool binary) {
         error_set(&e, "binary-message", "a client sends no binary messages");
         socket_complain(s, &e);
     } else {
-        hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);
+        s->hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);
     }
     buf_free(&s->message);
     s->too_long = false;

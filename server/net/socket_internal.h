@@ -14,9 +14,12 @@ struct socket {
     struct socket *next, **self; /* in the net's list */
     struct principal principal;
     char name[24];
-    bool plain;                     /* speaks TEXT_PROTOCOL */
-    struct follower follower;       /* of its own stream, or of a room's */
-    struct speech_request defaults; /* from the address */
+    bool plain; /* speaks TEXT_PROTOCOL */
+    void (*hear)(struct socket *socket, const char *data,
+                 size_t size);           /* acts on a text of the sub-protocol */
+    void (*more)(struct socket *socket); /* says what comes once nothing waits to leave; NULL = nothing */
+    struct follower follower;            /* of its own stream, or of a room's */
+    struct speech_request defaults;      /* from the address */
     struct websocket_reader reader;
     struct buf message; /* being received */
     bool too_long;      /* its rest is being dropped */
@@ -25,8 +28,10 @@ struct socket {
     struct queued_message *pong;                      /* the answer to the last ping, while it waits */
     uint64_t last_rx;                                 /* loop time at which it said something last, ms */
     enum { PROBE_NONE, PROBE_DUE, PROBE_SENT } probe; /* the ping that asks whether it is still there */
-    bool rx_paused;           /* nothing is read from a client that takes nothing, until it does */
-    const char *close_reason; /* why the connection is to be closed */
+    bool rx_paused;               /* nothing is read from a client that takes nothing, until it does */
+    struct long_message *reading; /* a message that is read in another thread: what follows waits */
+    struct buf unread;            /* what follows */
+    const char *close_reason;     /* why the connection is to be closed */
     enum websocket_status close_status;
     enum websocket_status hangs_up; /* with which the client has closed, to be answered later */
     uint64_t hang_up_by;            /* loop time at which at the latest, ms; 0: it has not */
@@ -37,12 +42,12 @@ struct socket {
     size_t model_part;
 };
 
-/* socket.c: who he is, where he is, what he may */
+/* socket_speak.c: where it is, what it hears, what it may have said */
 
-/* The stream that he hears: his own, or his room's. */
+/* The stream that it hears: its own, or its room's. */
 struct stream *socket_stream(const struct socket *socket);
 
-/* The room that he is in, or NULL. */
+/* The room that it is in, or NULL. */
 const char *socket_room(const struct socket *socket);
 
 void socket_enter(struct socket *socket, struct channel *channel);
@@ -57,15 +62,15 @@ struct media_wish {
 /* -1 with *e. */
 int socket_set_media(struct socket *socket, const struct media_wish *wish, struct error *e);
 
-/* Speaks a request, or a text with his defaults. */
+/* Speaks a request, or a text with its defaults. */
 void socket_speak_request(struct socket *socket, const struct speech_request *request);
 void socket_speak(struct socket *socket, const char *text, size_t size);
 
-/* Whether he may have the stream do something; or say something more. -1 with *e. */
+/* Whether it may have the stream do something; or say something more. -1 with *e. */
 int socket_may_direct(struct socket *socket, struct error *e);
 int socket_may_speak(struct socket *socket, struct error *e);
 
-/* What he asked to be said is not: its error and its end. */
+/* What it asked to be said is not: its error and its end. */
 void socket_refuse(struct socket *socket, const char *id, const struct error *e);
 
 /* socket_in.c: does what a message asks for. */
@@ -74,23 +79,38 @@ void socket_act(struct socket *socket, const json_t *message);
 /* Acts on a whole message, or says why not. */
 void socket_hear(struct socket *socket, bool binary);
 
-/* Asks whether it is still there. */
-void socket_ping(struct socket *socket);
+/* Acts on a text that is JSON, or speaks one that is not. */
+void socket_hear_json(struct socket *socket, const char *data, size_t size);
+
+/* socket_long.c: reads the message, whose text it takes, in another thread. done is told it, or why it could
+ * not be read. */
+typedef void long_message_done(struct socket *socket, const json_t *message, const json_error_t *why);
+void socket_read_long(struct socket *socket, struct buf *message, long_message_done *done);
+void socket_forget_long(struct socket *socket);
+
+/* socket.c */
 void socket_heard(struct socket *socket); /* it has said something */
-void socket_look(struct socket *socket);  /* keepalive.c */
 
 /* socket_out.c */
 
-/* Sends him the message, and drops it. */
+/* Reads what comes, if nothing speaks against it. */
+void socket_listen(struct socket *socket);
+
+/* Asks whether it is still there. */
+void socket_ping(struct socket *socket);
+
+void socket_go_on(struct socket *socket); /* bytes have left */
+
+/* Sends the message, and drops it. */
 void socket_say(struct socket *socket, json_t *message);
 void socket_say_text(struct socket *socket, const struct buf *text);
 void socket_complain(struct socket *socket, const struct error *e);
 
-/* A follower's deliver: in a room, one who is too slow is moved on to the live edge; on a stream of his own
- * it waits for him. */
-void socket_deliver(struct follower *follower, struct queued_message *message);
+/* A follower's deliver: in a room, a client that is too slow is moved on to the live edge; on
+ * a stream of its own the stream waits for it. */
+void socket_deliver(struct follower *follower, struct queued_message *const *messages, size_t count);
 
-/* Closes the connection when what is on its way to him has left. The reason is a literal. */
+/* Closes the connection when what is on its way has left. The reason is a literal. */
 void socket_dismiss(struct socket *socket, enum websocket_status status, const char *reason);
 
 /* Closes it now: the client has, or has broken the rules. */
@@ -102,9 +122,8 @@ void socket_pong(struct socket *socket, const void *payload, size_t size);
 
 /* socket_model.c: the next part goes out when the one before has left. */
 void socket_send_model(struct socket *socket, const json_t *message);
-void socket_push_model_part(struct socket *socket);
 
-/* control.c: messages that direct what is said, and how the face lives. */
+/* socket_control.c, socket_face.c: messages that direct what is said, and how the face lives. */
 void control_stop(struct socket *socket, const json_t *message);
 void control_pause(struct socket *socket, const json_t *message);
 void control_resume(struct socket *socket, const json_t *message);
@@ -114,10 +133,8 @@ void control_play(struct socket *socket, const json_t *message);
 void control_idle(struct socket *socket, const json_t *message);
 void control_express(struct socket *socket, const json_t *message);
 
-/* text_protocol.c: the sub-protocol for those who type. Appends what a message is as a line; nothing when it
- * is of no use to them. */
+/* text_protocol.c: the sub-protocol for people who type. */
 #define TEXT_PROTOCOL "faccia.text.v1"
-void text_line(const char *json, size_t size, struct buf *line);
 void text_hear(struct socket *socket, const char *data, size_t size);
 
 #endif

@@ -4,7 +4,7 @@
 #include "server/net/socket_internal.h"
 #include <string.h>
 
-void socket_push_model_part(struct socket *s) {
+static void push_part(struct socket *s) {
     const struct model *m = s->model;
     const struct model_part *part = &m->parts[s->model_part];
     struct buf text = {0};
@@ -16,19 +16,26 @@ void socket_push_model_part(struct socket *s) {
     buf_add(&text, part->json, strlen(part->json));
     buf_add(&text, "}", 1);
     if (++s->model_part == m->part_count) /* before it is said: the next one may follow at once */
-        s->model = NULL;
+        s->more = NULL;
     socket_say_text(s, &text);
     buf_free(&text);
 }
 
 void socket_send_model(struct socket *s, const json_t *message) {
-    const char *name = json_string_value(json_object_get(message, "name"));
+    const json_t *wanted = json_object_get(message, "name");
+    const char *name = json_string_value(wanted);
     const struct assets *assets = &s->net->assets;
     struct error e;
+    if (wanted && !name) {
+        error_in_field(&e, "bad-field", "name", "must be a string");
+        socket_complain(s, &e);
+        return;
+    }
     s->model = name ? assets_model(assets, name) : assets->model_count ? &assets->models[0] : NULL;
     s->model_part = 0;
+    s->more = s->model ? push_part : NULL;
     if (s->model) {
-        socket_push_model_part(s);
+        push_part(s);
     } else {
         struct near near = near_to(name ? name : "");
         char text[NEAR_TEXT];

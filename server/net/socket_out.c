@@ -6,6 +6,9 @@
 /* So long a client may take to answer a goodbye. */
 enum { GOODBYE_MS = 2000 };
 
+/* Messages that go to the kernel together. */
+enum { SEND_TOGETHER = 32 };
+
 void socket_dismiss(struct socket *s, enum websocket_status status, const char *reason) {
     if (s->close_reason)
         return;
@@ -24,22 +27,39 @@ void socket_farewell(struct socket *s, enum websocket_status status, const char 
     socket_dismiss(s, status, reason);
 }
 
-/* True: all of it has left. */
-static bool transmit(struct socket *s, struct queued_message *message) {
-    metrics_add(s->net->pipeline->metrics, METRIC_SENT_BYTES, (double)message->size);
-    if (connection_send(s->connection, message->bytes, message->head + message->size))
-        return true;
-    s->leaving = message;
-    message->refs++;
-    return false;
+void socket_listen(struct socket *s) {
+    connection_read(s->connection, !s->rx_paused && !s->reading);
 }
 
-/* At once, when nothing is before it. False: it has to wait. */
-static bool transmit_now(struct socket *s, struct queued_message *message) {
+static void send_rest(struct socket *s, struct queued_message *message, size_t from) {
+    size_t size = message->head + message->size;
+    metrics_add(s->net->pipeline->metrics, METRIC_SENT_BYTES, (double)message->size);
+    if (from >= size || connection_send(s->connection, message->bytes + from, size - from))
+        return;
+    s->leaving = message;
+    message->refs++;
+}
+
+static void transmit(struct socket *s, struct queued_message *message) {
+    send_rest(s, message, 0);
+}
+
+/* At once, when nothing is before them: so many of them. The others have to wait. */
+static size_t transmit_now(struct socket *s, struct queued_message *const *messages, size_t count) {
+    uv_buf_t buffers[SEND_TOGETHER];
+    size_t sent = 0;
     if (!message_queue_empty(&s->queue) || s->close_reason || s->leaving || s->pong)
-        return false;
-    transmit(s, message);
-    return true;
+        return 0;
+    count = count < SEND_TOGETHER ? count : SEND_TOGETHER;
+    for (size_t i = 0; i < count; i++)
+        buffers[i] = uv_buf_init((char *)messages[i]->bytes, messages[i]->head + (unsigned)messages[i]->size);
+    size_t left = connection_try(s->connection, buffers, (unsigned)count);
+    for (; sent < count && left && !s->leaving; sent++) {
+        size_t size = buffers[sent].len, now = left < size ? left : size;
+        send_rest(s, messages[sent], now);
+        left -= now;
+    }
+    return sent;
 }
 
 static void enqueue(struct socket *s, struct queued_message *message) {
@@ -50,7 +70,7 @@ static void enqueue(struct socket *s, struct queued_message *message) {
     socket_go_on(s);
     if (!s->rx_paused && s->queue.unsent > options->send_bytes) {
         s->rx_paused = true;
-        connection_read(s->connection, false);
+        socket_listen(s);
     }
     if (s->queue.unsent > options->send_bytes_max && !s->close_reason) {
         metrics_add(s->net->pipeline->metrics, METRIC_TOO_SLOW, 1);
@@ -71,32 +91,23 @@ void socket_ping(struct socket *s) {
     socket_go_on(s);
 }
 
-/* One who types gets lines. */
-static void push(struct socket *s, struct queued_message *message) {
-    struct buf line = {0};
-    if (!s->plain) {
-        enqueue(s, message);
-        return;
-    }
-    text_line((const char *)queued_message_body(message), message->size, &line);
-    if (line.size) {
-        struct queued_message *said = queued_message_new(WEBSOCKET_TEXT, line.data, line.size);
-        enqueue(s, said);
-        queued_message_release(said);
-    }
-    buf_free(&line);
-}
-
 void socket_say_text(struct socket *s, const struct buf *text) {
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, text->data, text->size);
-    push(s, message);
+    enqueue(s, message);
     queued_message_release(message);
 }
 
+/* People who type get lines. */
 void socket_say(struct socket *s, json_t *object) {
     struct buf text = {0};
-    message_write(&text, object);
-    socket_say_text(s, &text);
+    if (s->plain) {
+        text_line(object, &text);
+        json_decref(object);
+    } else {
+        message_write(&text, object);
+    }
+    if (text.size)
+        socket_say_text(s, &text);
     buf_free(&text);
 }
 
@@ -108,15 +119,20 @@ static struct socket *socket_of(struct follower *f) {
     return (struct socket *)((char *)f - offsetof(struct socket, follower));
 }
 
-void socket_deliver(struct follower *f, struct queued_message *message) {
-    struct socket *s = socket_of(f);
+static void deliver_later(struct socket *s, struct queued_message *message) {
+    struct follower *f = &s->follower;
     const struct net_options *options = &s->net->options;
+    if (s->plain) {
+        if (message->line)
+            enqueue(s, message->line);
+        return;
+    }
     bool full = s->queue.unsent > options->send_bytes ||
                 message_queue_age(&s->queue, message->born) > (uint64_t)options->lag_seconds * 1000;
-    if (!s->plain && transmit_now(s, message))
-        return;
+    if (message->media && f->waits)
+        return; /* one before it has been left out */
     if (!message->media || !full || !channel_is_room(f->channel)) {
-        push(s, message);
+        enqueue(s, message);
         return;
     }
     message_queue_drop_media(&s->queue);
@@ -125,6 +141,12 @@ void socket_deliver(struct follower *f, struct queued_message *message) {
         socket_say(s, json_pack("{ss ss ss}", "type", "warning", "code", "skipped", "message",
                                 "media were left out: they came faster than they were taken"));
     f->lagging = true;
+}
+
+void socket_deliver(struct follower *f, struct queued_message *const *messages, size_t count) {
+    struct socket *s = socket_of(f);
+    for (size_t i = s->plain ? 0 : transmit_now(s, messages, count); i < count; i++)
+        deliver_later(s, messages[i]);
 }
 
 /* The close frame (RFC 6455, 5.5.1), before which nothing waits any more. */
@@ -138,7 +160,7 @@ static void say_goodbye(struct socket *s) {
         WEBSOCKET_CLOSE, payload, s->close_status == WEBSOCKET_NONE ? 0 : STATUS_BYTES + reason);
     s->closing = true;
     message_queue_close(&s->queue);
-    s->model = NULL;
+    s->more = NULL;
     s->connection->end_by = connection_now(s->connection) + GOODBYE_MS;
     if (s->rx_paused)
         connection_read(s->connection, true); /* to hear the client's answer */
@@ -174,7 +196,7 @@ static bool send_next(struct socket *s) {
 static void go_easy(struct socket *s) {
     if (s->rx_paused && s->queue.unsent <= s->net->options.send_bytes) {
         s->rx_paused = false;
-        connection_read(s->connection, true);
+        socket_listen(s);
     }
     if (!message_queue_empty(&s->queue) || s->closing)
         return;
@@ -182,8 +204,8 @@ static void go_easy(struct socket *s) {
         s->follower.lagging = false;
         channel_resume(&s->follower);
     }
-    if (s->model)
-        socket_push_model_part(s);
+    if (s->more)
+        s->more(s);
 }
 
 void socket_go_on(struct socket *s) {
@@ -197,16 +219,4 @@ void socket_go_on(struct socket *s) {
     s->sending = false;
     if (s->closing && s->farewell && !s->leaving)
         connection_finish(s->connection);
-}
-
-bool sockets_busy(const struct net *net) {
-    for (const struct socket *s = net->sockets; s; s = s->next)
-        if (s->leaving || !message_queue_empty(&s->queue) || stream_busy(socket_stream(s)))
-            return true;
-    return false;
-}
-
-void sockets_dismiss(struct net *net, const char *reason) {
-    for (struct socket *s = net->sockets; s; s = s->next)
-        socket_dismiss(s, WEBSOCKET_GOING_AWAY, reason);
 }

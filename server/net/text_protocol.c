@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The sub-protocol for those who type: a line is spoken, /word is a command, and what happens is told in
- * lines. All is turned into the messages of the other protocol, or comes out of them. */
+/* The sub-protocol for people who type: a line is spoken, /word is a command, and what happens is told in
+ * lines. What is typed is turned into the messages of the other protocol. */
 #include "server/base/near.h"
 #include "server/net/socket_internal.h"
 #include <stdlib.h>
@@ -141,55 +141,4 @@ void text_hear(struct socket *s, const char *data, size_t size) {
         hear_line(s, data + at, length);
         at += length + 1;
     }
-}
-
-/* What is told of each message: those of these members that it has. */
-static const struct {
-    const char *type, *members[4];
-} lines[] = {
-    {"hello", {"server", NULL}},
-    {"begin", {"voice", "play", NULL}},
-    {"sentence", {"time", "duration", NULL}},
-    {"word", {"time", "text", NULL}},
-    {"mark", {"time", "name", NULL}},
-    {"phone", {"time", "ipa", NULL}},
-    {"paused", {"time", NULL}},
-    {"resumed", {"time", NULL}},
-    {"jumped", {"time", "mark", NULL}},
-    {"warning", {"code", "field", "message", NULL}},
-    {"error", {"code", "field", "message", NULL}},
-    {"end", {"reason", "duration", NULL}},
-    {"joined", {"room", NULL}},
-    {"left", {"room", NULL}},
-    {"authorized", {"subject", NULL}},
-    {"help", {"text", NULL}},
-};
-
-static void add_value(struct buf *line, const json_t *value) {
-    if (json_is_string(value)) {
-        buf_printf(line, " ");
-        buf_add(line, json_string_value(value), json_string_length(value));
-    } else if (json_is_number(value)) {
-        buf_printf(line, " %.3f", json_number_value(value));
-    }
-}
-
-void text_line(const char *json, size_t size, struct buf *line) {
-    json_t *message = json_loadb(json, size, JSON_ALLOW_NUL, NULL);
-    const char *type = json_string_value(json_object_get(message, "type"));
-    for (size_t i = 0; type && i < sizeof lines / sizeof *lines; i++) {
-        if (strcmp(lines[i].type, type))
-            continue;
-        buf_printf(line, "%s", type);
-        for (const char *const *member = lines[i].members; *member; member++)
-            add_value(line, json_object_get(message, *member));
-        if (json_object_get(message, "line"))
-            buf_printf(line, " (line %d, column %d)",
-                       (int)json_integer_value(json_object_get(message, "line")),
-                       (int)json_integer_value(json_object_get(message, "column")));
-    }
-    json_decref(message);
-    for (size_t i = 0; i < line->size; i++)
-        if (line->data[i] < ' ')
-            line->data[i] = ' ';
 }

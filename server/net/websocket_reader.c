@@ -20,6 +20,8 @@ static ssize_t on_wanted(uint8_t *buffer, size_t size, int flags, void *ctx) {
     struct websocket_frame *f = ctx;
     size_t n = size < f->left ? size : f->left;
     (void)flags;
+    if (!n)
+        return 0;
     memcpy(buffer, f->bytes, n);
     f->bytes += n;
     f->left -= n;
@@ -139,10 +141,12 @@ static void take(struct websocket_reader *r, const struct wslay_frame_iocb *io) 
         control_frame(r, (enum websocket_opcode)io->opcode, f->control, (size_t)io->payload_length);
 }
 
-void websocket_reader_feed(struct websocket_reader *r, const uint8_t *bytes, size_t size) {
+size_t websocket_reader_feed(struct websocket_reader *r, const uint8_t *bytes, size_t size) {
     static const struct wslay_frame_callbacks callbacks = {.recv_callback = on_wanted};
-    if (r->ended)
-        return;
+    if (r->ended || (!size && !r->frame))
+        return size;
+    if (r->held)
+        return 0;
     if (!r->frame) {
         r->frame = mem_alloc(sizeof *r->frame);
         if (wslay_frame_context_init(&r->frame->wslay, &callbacks, r->frame))
@@ -150,7 +154,7 @@ void websocket_reader_feed(struct websocket_reader *r, const uint8_t *bytes, siz
     }
     r->frame->bytes = bytes;
     r->frame->left = size;
-    while (!r->ended) {
+    while (!r->ended && !r->held) {
         struct wslay_frame_iocb io = {0};
         ssize_t n = wslay_frame_recv(r->frame->wslay, &io);
         if (n == WSLAY_ERR_WANT_READ)
@@ -160,8 +164,10 @@ void websocket_reader_feed(struct websocket_reader *r, const uint8_t *bytes, siz
         else
             take(r, &io);
     }
+    size_t left = r->ended ? 0 : r->frame->left;
     if (r->ended || !r->frame->taken)
         websocket_reader_free(r);
+    return size - left;
 }
 
 void websocket_reader_free(struct websocket_reader *r) {

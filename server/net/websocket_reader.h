@@ -49,9 +49,12 @@ struct websocket_reader {
     uint64_t message; /* bytes of it so far */
     bool begun;       /* a message has, and its last frame has not come */
     bool binary, ended;
+    bool held; /* set by those who hear, from within too: nothing is taken until it is not set any more */
 };
 
-void websocket_reader_feed(struct websocket_reader *reader, const uint8_t *bytes, size_t size);
+/* Returns how many of the bytes were taken: all, unless it is held. What was taken and not read then is read
+ * with the next ones, of which there may be none. */
+size_t websocket_reader_feed(struct websocket_reader *reader, const uint8_t *bytes, size_t size);
 void websocket_reader_free(struct websocket_reader *reader);
 
 /* The head of a frame of a server, which is not masked. Returns its size. */

@@ -29,10 +29,10 @@ const struct normalizer *normalizers_find(const struct normalizers *normalizers,
 bool normalizer_words(const struct normalizer *normalizer, const char *way, const char *text,
                       struct buf *out);
 
-/* Rewrites the item, whose voice speaks lang. Letters to be spelled stay as they are: voices know their
+/* Rewrites an item of a script, whose voice speaks lang. Letters to be spelled stay as they are: voices know their
  * names. What is not of the kind that its author says gets a warning ("bad-value"), and stays too, for the
  * voice to try. */
-void normalizers_apply(const struct normalizers *normalizers, struct score *score, size_t item,
+void normalizers_apply(const struct normalizers *normalizers, struct score *script, size_t item,
                        const char *lang);
 
 #endif

@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The face while nobody speaks, as media chunks of silence (utterance 0) on a clock of their own. */
+/* The face while nobody speaks, as media of silence (utterance 0) on a clock of their own. */
 #ifndef FACCIA_STREAM_IDLE_FACE_H
 #define FACCIA_STREAM_IDLE_FACE_H
 
-#include "protocol/chunk.h"
+#include "server/stream/media.h"
 #include "server/synthesis/synthesis.h"
 
 enum {
     IDLE_SAMPLE_RATE = 8000,
     IDLE_CHUNK_MS = 120,
     IDLE_LEAD_MS = 200, /* how far idle media may run ahead of real time */
-    IDLE_FRAMES = 16,   /* most in one chunk */
+    IDLE_FRAMES = 16,   /* most in one piece */
 };
 
 struct idle_options {
@@ -23,8 +23,7 @@ struct idle_options {
 struct idle_face;
 
 /* Begins at `now` (loop time, ms) on the idle clock's 0. The mood may be NULL; it has to outlive the idle. */
-struct idle_face *idle_face_new(const struct pipeline *pipeline, const struct idle_options *options,
-                                const struct mood *mood, uint64_t now);
+struct idle_face *idle_face_new(const struct idle_options *options, const struct mood *mood, uint64_t now);
 void idle_face_free(struct idle_face *idle);
 
 /* Whether it was made with these. */
@@ -33,9 +32,8 @@ bool idle_face_is(const struct idle_face *idle, const struct idle_options *optio
 /* Seconds on the idle clock at that loop time. */
 double idle_face_time(const struct idle_face *idle, uint64_t at);
 
-/* The chunk of IDLE_CHUNK_MS to be seen from the loop time `at` on, when the life layer's clock shows `life`
- * seconds. frames has room for IDLE_FRAMES. The clock begins anew at 0 when a chunk cannot count it. */
-void idle_face_chunk(struct idle_face *idle, uint64_t at, double life, struct chunk *chunk,
-                     struct fap_frame *frames);
+/* IDLE_CHUNK_MS to be seen from the loop time `at` on, when the life layer's clock shows `life` seconds.
+ * media->frames has room for IDLE_FRAMES. The clock begins anew at 0 when a chunk cannot count it. */
+void idle_face_media(struct idle_face *idle, uint64_t at, double life, struct media *media);
 
 #endif

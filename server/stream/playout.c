@@ -23,25 +23,37 @@ double stream_idle_time(const struct stream *s, uint64_t at) {
     return s->idle ? idle_face_time(s->idle, at) : -1;
 }
 
-double stream_place(const struct utterance *utterance) {
-    const struct stream *s = utterance->stream;
-    uint64_t start = later(uv_now(s->pipeline->loop), s->spoken_until);
-    double life = s->played_until ? life_at(s, start) : 0;
-    for (const struct utterance *t = s->queue; t != utterance; t = t->next)
-        if (t->placed)
-            life = t->life_begin + t->length;
-    return life;
+void stream_cut_face(struct stream *s) {
+    face_ease_cut(&s->ease, NULL, uv_now(s->pipeline->loop));
+}
+
+/* Places the face of the segment that is heard next: on the stream's clock, with its life and its mood, or on
+ * the utterance's own. */
+static void place(struct utterance *t) {
+    struct stream *s = t->stream;
+    struct placement_options options = t->segments[0].alone;
+    if (t->synthesis && synthesis_request(t->synthesis)->life < 0)
+        options.life = s->idling.life;
+    if (!utterance_is_apart(t)) {
+        options.seed = s->idling.seed;
+        options.begin += t->life_begin;
+        options.mood = s->mix.mood;
+    } else if (t->synthesis) {
+        if (!t->mood)
+            t->mood = mood_mix_copy(&s->mix);
+        options.mood = t->mood;
+    }
+    t->face = media_segment_place(&t->segments[0], &options);
 }
 
 static void say_begin(struct utterance *t) {
     struct stream *s = t->stream;
     uint64_t start = later(uv_now(s->pipeline->loop), s->spoken_until);
-    if (!t->placed)
-        t->life_begin = stream_place(t);
-    t->placed = true;
     stream_go_on_from(s, start);
-    s->life = t->life_begin;
+    t->life_begin = s->life;
     t->begun = true;
+    if (utterance_is_foreign(t))
+        stream_cut_face(s);
     metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->segments[0].audio->sample_rate;
     struct stream_event begin = {
@@ -60,26 +72,63 @@ static void say_begin(struct utterance *t) {
 static void send_speech(struct utterance *t) {
     struct stream *s = t->stream;
     struct fap_frame frames[CUT_FRAMES];
-    struct chunk chunk;
+    struct media media = {.frames = frames};
+    uint64_t now = uv_now(s->pipeline->loop);
     if (!t->begun)
         say_begin(t);
-    utterance_cut(t, &s->sink, s->ctx, &chunk, frames);
+    if (!t->face)
+        place(t);
+    utterance_cut(t, &s->sink, s->ctx, &media);
+    face_ease_frames(&s->ease, utterance_is_apart(t) ? EASE_NOTHING : EASE_FACE, now, media.fps, frames,
+                     media.frame_count);
+    t->last = s->ease.last;
     /* late media hold the life clock up: it is theirs */
-    s->played_until = later(s->played_until, uv_now(s->pipeline->loop)) +
-                      (uint64_t)chunk.samples * 1000 / chunk.sample_rate;
+    s->played_until = later(s->played_until, now) + (uint64_t)media.samples * 1000 / media.sample_rate;
     s->spoken_until = s->played_until;
-    s->life = t->life_begin + (double)t->sent / chunk.sample_rate;
-    s->sink.media(s->ctx, &chunk, frames);
+    s->life = t->life_begin + (double)t->sent / media.sample_rate;
+    s->sink.media(s->ctx, &media);
     utterance_drop_segment_if_done(t);
 }
 
-static void send_idle(struct stream *s) {
+/* The next piece of idling; towards != NULL: of `whole` pieces the one with number `piece`, that all together
+ * end in that face. */
+static void send_idle(struct stream *s, const struct fap_frame *towards, size_t piece, size_t whole) {
     struct fap_frame frames[IDLE_FRAMES];
-    struct chunk chunk;
-    stream_go_on_from(s, later(s->played_until, uv_now(s->pipeline->loop)));
-    idle_face_chunk(s->idle, s->played_until, s->life, &chunk, frames);
+    struct media media = {.frames = frames};
+    uint64_t now = uv_now(s->pipeline->loop);
+    stream_go_on_from(s, later(s->played_until, now));
+    idle_face_media(s->idle, s->played_until, s->life, &media);
     stream_go_on_from(s, s->played_until + IDLE_CHUNK_MS);
-    s->sink.media(s->ctx, &chunk, frames);
+    face_ease_frames(&s->ease, EASE_ALL, now, media.fps, frames, media.frame_count);
+    if (towards)
+        face_ease_towards(towards, frames, (double)piece / (double)whole, (double)(piece + 1) / (double)whole,
+                          media.frame_count);
+    s->sink.media(s->ctx, &media);
+}
+
+/* Of idling, in which the face comes back to where the utterance was paused: for those who show the frames as
+ * they come. Who shows them by their clock has gone back to the utterance by then. */
+enum { WAY_BACK = 3 };
+
+void stream_resume_utterance(struct stream *s, uint64_t at) {
+    struct utterance *t = s->queue;
+    double sent = (double)t->sent / t->sample_rate, ahead = (double)s->unheard / 1000;
+    if (!s->idle) {
+        /* the clock has stood still, too */
+        s->life = t->life_begin + sent;
+        if (!s->unheard)
+            stream_cut_face(s);
+    } else {
+        for (size_t i = 0; s->unheard && i < WAY_BACK; i++)
+            send_idle(s, &t->last, i, WAY_BACK);
+        stream_go_on_from(s, at);
+        s->life += ahead;
+        t->life_begin = s->life - sent;
+        if (!utterance_is_apart(t))
+            utterance_unplace(t);
+        face_ease_cut(&s->ease, s->unheard ? &t->last : NULL, at);
+    }
+    s->played_until = s->spoken_until = at + s->unheard;
 }
 
 /* Sends what may be sent now, and sees to it that it is called again when more may. */
@@ -109,7 +158,7 @@ static void pump(struct stream *s) {
         if (speaks)
             send_speech(t);
         else
-            send_idle(s);
+            send_idle(s, NULL, 0, 0);
     }
 }
 

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/stream/segment_cut.h"
-#include <math.h>
 
-void segment_cut_chunk(struct segment_cut *cut, const struct media_segment *segment, double fps,
-                       uint32_t samples, struct chunk *chunk, struct fap_frame *frames) {
+void segment_cut_media(struct segment_cut *cut, const struct media_segment *segment,
+                       struct face_placement *face, double fps, uint32_t samples, struct media *media) {
     const struct sentence_audio *u = segment->audio;
     if (samples > u->samples - cut->at)
         samples = u->samples - cut->at;
@@ -11,19 +10,15 @@ void segment_cut_chunk(struct segment_cut *cut, const struct media_segment *segm
     uint32_t first = frame_from_sample(start, u->sample_rate, fps);
     uint32_t end = frame_from_sample(start + samples, u->sample_rate, fps);
     for (uint32_t k = first; k < end; k++)
-        media_segment_frame(segment, fps, k, &frames[k - first]);
-    *chunk = (struct chunk){
-        .audio_codec = u->pcm ? CHUNK_AUDIO_PCM_S16LE : CHUNK_AUDIO_SILENCE,
-        .fap_codec = CHUNK_FAP_PLAIN,
-        .sample_rate = u->sample_rate,
-        .fps_hundreds = (uint16_t)lround(fps * 100),
-        .frame_count = (uint16_t)(end - first),
-        .start = (uint32_t)start,
-        .samples = samples,
-        .first_frame = first,
-        .audio_bytes = u->pcm ? samples * 2 : 0,
-        .audio = u->pcm ? (const uint8_t *)(u->pcm + cut->at) : NULL, /* little-endian: see meson.build */
-    };
+        media_segment_frame(segment, face, fps, k, &media->frames[k - first]);
+    *media = (struct media){.sample_rate = u->sample_rate,
+                            .fps = fps,
+                            .start = (uint32_t)start,
+                            .samples = samples,
+                            .pcm = u->pcm ? u->pcm + cut->at : NULL,
+                            .first_frame = first,
+                            .frame_count = end - first,
+                            .frames = media->frames};
     cut->at += samples;
 }
 

@@ -21,28 +21,10 @@ void stream_end_utterance(struct stream *s, const char *reason) {
         metrics_add(metrics, METRIC_SPEECH_SECONDS, (double)t->sent / t->sample_rate);
     if (s->waiting)
         s->waiting--;
+    if (t->begun && (*reason == 's' || utterance_is_foreign(t)))
+        stream_cut_face(s);
     give(t, (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});
     utterance_free(t);
-}
-
-static void on_face(void *ctx, struct face_options *options) {
-    struct utterance *t = ctx;
-    struct stream *s = t->stream;
-    const struct speech_request *request = synthesis_request(t->synthesis);
-    if (!t->placed)
-        t->life_begin = stream_place(t);
-    t->placed = true;
-    if (request->life < 0)
-        options->life = s->idling.life;
-    options->mood = s->mix.mood;
-    if (request->seed < 0) {
-        options->seed = s->idling.seed;
-        options->begin += t->life_begin;
-        return;
-    }
-    if (!t->mood)
-        t->mood = mood_mix_copy(&s->mix);
-    options->mood = t->mood;
 }
 
 static void on_segment(void *ctx, struct media_segment segment) {
@@ -124,8 +106,6 @@ static void enqueue(struct stream *s, struct utterance *t, enum speech_mode mode
     t->next = *at;
     *at = t;
     s->waiting += s->queue->next != NULL;
-    if (t->next)
-        utterance_unplace(t->next);
     if (t == s->queue)
         utterance_start(t);
 }
@@ -158,7 +138,7 @@ void stream_speak(struct stream *s, const struct speech_request *request) {
         stream_refuse(s, request->id, &e);
         return;
     }
-    synthesis_direct_face(t->synthesis, on_face);
+    synthesis_keep(t->synthesis);
     enqueue(s, t, request->mode);
 }
 
@@ -195,6 +175,13 @@ void stream_stop(struct stream *s) {
         stream_wake(s, 0);
 }
 
+/* Another seed, or more or less of life: for what speaks, too. */
+static void live_otherwise(struct stream *s) {
+    stream_cut_face(s);
+    if (s->queue && s->queue->begun && !utterance_is_apart(s->queue))
+        utterance_unplace(s->queue);
+}
+
 void stream_idle(struct stream *s, const struct idle_options *options) {
     if (options && s->idle && idle_face_is(s->idle, options))
         return;
@@ -202,8 +189,11 @@ void stream_idle(struct stream *s, const struct idle_options *options) {
     s->idle = NULL;
     if (!options)
         return;
+    if (options->life != s->idling.life || options->seed != s->idling.seed ||
+        options->still != s->idling.still)
+        live_otherwise(s);
     s->idling = *options;
-    s->idle = idle_face_new(s->pipeline, options, s->mix.mood, uv_now(s->pipeline->loop));
+    s->idle = idle_face_new(options, s->mix.mood, uv_now(s->pipeline->loop));
     stream_wake(s, 0);
 }
 

@@ -4,10 +4,11 @@
 #ifndef FACCIA_STREAM_STREAM_H
 #define FACCIA_STREAM_STREAM_H
 
-#include "protocol/chunk.h"
 #include "server/stream/idle_face.h"
+#include "server/stream/media.h"
 #include "server/stream/mood_mix.h"
 #include "server/synthesis/recording.h"
+#include "server/synthesis/synthesis.h"
 
 enum {
     STREAM_CHUNK_MS = 200, /* media in one chunk */
@@ -49,7 +50,7 @@ struct stream_event {
 
 struct stream_sink {
     void (*event)(void *ctx, const struct stream_event *event);
-    void (*media)(void *ctx, const struct chunk *chunk, const struct fap_frame *frames);
+    void (*media)(void *ctx, const struct media *media);
     /* May more media come now? While not, the stream waits (and asks again). */
     bool (*ready)(void *ctx);
 };
@@ -73,9 +74,10 @@ void stream_play(struct stream *stream, struct recording_source *source, enum sp
 void stream_refuse(struct stream *stream, const char *id, const struct error *e);
 
 /* Has the face idle while nothing is spoken: silent chunks of utterance 0. options = NULL: no longer. The
- * life layer's clock runs on through idling and utterances, so the face does not jump between them; only an
- * utterance with a seed of its own has a clock of its own. An utterance takes the place of the idle media
- * that lie beyond its beginning. */
+ * life layer's clock runs on through idling, utterances and pauses, so the face does not jump between them;
+ * only an utterance with a seed of its own has a clock of its own. Where one is cut, or a clock changes, the
+ * face goes over (face_ease.h). An utterance takes the place of the idle media that lie beyond its beginning.
+ */
 void stream_idle(struct stream *stream, const struct idle_options *options);
 
 /* Sets the stream's mood, from the next media on, until it is set anew. -1 with *e as mood_set. */
@@ -87,7 +89,7 @@ bool stream_busy(const struct stream *stream);
 void stream_stop(struct stream *stream);
 
 /* No media of utterances leave, and their clock stands still where they are heard now, until stream_resume;
- * whoever hears them halts there, too. Idle media go on meanwhile. What is asked for waits. */
+ * listeners halt there, too. Idle media go on meanwhile. What is asked for waits. */
 void stream_pause(struct stream *stream);
 void stream_resume(struct stream *stream);
 

@@ -29,6 +29,8 @@ void stream_pause(struct stream *s) {
         stream_go_on_from(s, now);
     s->spoken_until = 0;
     s->paused = true;
+    if (s->unheard || (s->queue && s->queue->begun))
+        stream_cut_face(s);
     tell(s, STREAM_PAUSED, NULL);
     stream_wake(s, 0);
 }
@@ -40,8 +42,7 @@ void stream_resume(struct stream *s) {
         return;
     s->paused = false;
     if (t && t->begun) {
-        s->life = t->life_begin + (double)t->sent / t->sample_rate;
-        s->played_until = s->spoken_until = now + s->unheard;
+        stream_resume_utterance(s, now);
     } else if (s->unheard) { /* the end of one that has left whole */
         stream_go_on_from(s, now);
         s->life += (double)s->unheard / 1000;
@@ -52,12 +53,6 @@ void stream_resume(struct stream *s) {
     stream_wake(s, 0);
 }
 
-/* The utterances after the first are made for a beginning that has moved. */
-static void unplace_waiting(struct stream *s) {
-    for (struct utterance *t = s->queue->next; t; t = t->next)
-        utterance_unplace(t);
-}
-
 int stream_rate(struct stream *s, double rate, struct error *e) {
     if (!(rate >= REQUEST_RATE_MIN && rate <= REQUEST_RATE_MAX))
         return error_in_field(e, "bad-field", "rate", "must be a number from %d to %d", REQUEST_RATE_MIN,
@@ -66,10 +61,8 @@ int stream_rate(struct stream *s, double rate, struct error *e) {
         if (!t->synthesis)
             continue;
         synthesis_set_rate(t->synthesis, rate);
-        if (t == s->queue)
+        if (t->started)
             utterance_respeak(t);
-        else if (t->started)
-            utterance_unplace(t);
     }
     return 0;
 }
@@ -89,7 +82,7 @@ int stream_jump(struct stream *s, const char *mark, struct error *e) {
     }
     stream_forget_unheard(s);
     utterance_seek(t, sentence, mark);
-    unplace_waiting(s);
+    stream_cut_face(s);
     tell(s, STREAM_JUMPED, mark);
     return 0;
 }

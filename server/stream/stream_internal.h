@@ -3,6 +3,7 @@
 #ifndef FACCIA_STREAM_STREAM_INTERNAL_H
 #define FACCIA_STREAM_STREAM_INTERNAL_H
 
+#include "server/stream/face_ease.h"
 #include "server/stream/stream.h"
 #include "server/stream/utterance.h"
 
@@ -20,11 +21,12 @@ struct stream {
     struct idle_face *idle; /* NULL: off */
     struct idle_options idling;
     struct mood_mix mix;
+    struct face_ease ease;
     bool paused;
     uint64_t unheard; /* ms of the utterances' media that were sent before the pause and are heard after it */
 };
 
-/* pump.c */
+/* playout.c: it owns the clock, and places what is said on it. */
 
 /* Has the stream look after itself in so many ms. */
 void stream_wake(struct stream *stream, uint64_t ms);
@@ -32,8 +34,11 @@ void stream_wake(struct stream *stream, uint64_t ms);
 /* Media go on from the loop time `at`: what was sent for later is forgotten. */
 void stream_go_on_from(struct stream *stream, uint64_t at);
 
-/* Where on the life clock an utterance begins: when those before it have ended, or now, s. */
-double stream_place(const struct utterance *utterance);
+/* The face of what comes does not follow from that of what was: it goes over to it. */
+void stream_cut_face(struct stream *stream);
+
+/* The utterance that speaks goes on from the loop time `at`, after a pause. */
+void stream_resume_utterance(struct stream *stream, uint64_t at);
 
 /* Where on the idle clock that loop time is; negative: nobody idles. */
 double stream_idle_time(const struct stream *stream, uint64_t at);
@@ -43,7 +48,7 @@ double stream_idle_time(const struct stream *stream, uint64_t at);
 /* What was sent of utterances and has not been heard is forgotten. */
 void stream_forget_unheard(struct stream *stream);
 
-/* Ends the first turn. */
+/* Ends the first utterance. */
 void stream_end_utterance(struct stream *stream, const char *reason);
 
 #endif

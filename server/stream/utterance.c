@@ -33,10 +33,23 @@ void utterance_give(const struct utterance *t, const struct stream_sink *sink, v
 void utterance_add_segment(struct utterance *t, struct media_segment segment) {
     t->segments = mem_grow(t->segments, &t->segment_cap, t->segment_count + 1, sizeof *t->segments);
     t->segments[t->segment_count++] = segment;
-    t->length += (double)(segment.audio->samples - segment.skip) / segment.audio->sample_rate;
+}
+
+bool utterance_is_apart(const struct utterance *t) {
+    return t->recording || synthesis_request(t->synthesis)->seed >= 0;
+}
+
+bool utterance_is_foreign(const struct utterance *t) {
+    return utterance_is_apart(t) || synthesis_request(t->synthesis)->life >= 0;
+}
+
+void utterance_unplace(struct utterance *t) {
+    face_placement_free(t->face);
+    t->face = NULL;
 }
 
 static void drop_segment(struct utterance *t) {
+    utterance_unplace(t);
     media_segment_free(&t->segments[0]);
     t->segment_count--;
     memmove(t->segments, t->segments + 1, t->segment_count * sizeof *t->segments);
@@ -110,16 +123,15 @@ static void say_events(struct utterance *t, const struct stream_sink *sink, void
     }
 }
 
-void utterance_cut(struct utterance *t, const struct stream_sink *sink, void *ctx, struct chunk *chunk,
-                   struct fap_frame *frames) {
+void utterance_cut(struct utterance *t, const struct stream_sink *sink, void *ctx, struct media *media) {
     const struct media_segment *segment = &t->segments[0];
     uint32_t ms = t->sent ? STREAM_CHUNK_MS : STREAM_FIRST_MS;
     uint32_t most = (uint32_t)((uint64_t)segment->audio->sample_rate * ms / 1000);
     if (!t->sentence_said)
         segment_cut_enter(&t->cut, segment);
-    segment_cut_chunk(&t->cut, segment, utterance_fps(t), most, chunk, frames);
-    chunk->utterance = t->number;
-    t->sent += chunk->samples;
+    segment_cut_media(&t->cut, segment, t->face, utterance_fps(t), most, media);
+    media->utterance = t->number;
+    t->sent += media->samples;
     say_events(t, sink, ctx);
 }
 
@@ -131,7 +143,6 @@ uint32_t utterance_heard(const struct utterance *t, uint64_t unheard) {
 void utterance_seek(struct utterance *t, size_t sentence, const char *mark) {
     while (t->segment_count)
         drop_segment(t);
-    t->length = t->sample_rate ? (double)t->sent / t->sample_rate : 0;
     t->finished = false;
     synthesis_seek(t->synthesis, sentence, mark, t->sent, 0);
 }
@@ -151,14 +162,6 @@ void utterance_respeak(struct utterance *t) {
     for (size_t i = held; i < t->segment_count; i++)
         media_segment_free(&t->segments[i]);
     t->segment_count = held;
-    t->length = t->sample_rate ? (double)sample / t->sample_rate : 0;
     t->finished = false;
     synthesis_seek(t->synthesis, next, held ? NULL : synthesis_entry(t->synthesis), sample, held);
-}
-
-void utterance_unplace(struct utterance *t) {
-    if (!t->started || !t->synthesis)
-        return;
-    t->placed = false;
-    utterance_seek(t, 0, NULL);
 }

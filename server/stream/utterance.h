@@ -20,12 +20,13 @@ struct utterance {
     struct segment_cut cut;
     uint64_t asked; /* uv_hrtime of the request */
     bool started, begun, sentence_said;
-    bool finished;              /* no further segment comes */
-    size_t spoken;              /* segments that came */
-    uint32_t sent, sample_rate; /* samples that left */
-    bool placed;                /* life_begin is known */
-    double life_begin, length;  /* its beginning on the life clock; of all segments that came: s */
-    struct mood *mood;          /* of an utterance whose seed gives it a clock of its own; else NULL */
+    bool finished;               /* no further segment comes */
+    size_t spoken;               /* segments that came */
+    uint32_t sent, sample_rate;  /* samples that left */
+    struct face_placement *face; /* of the first segment; NULL: not placed (again) yet */
+    double life_begin;           /* its beginning on the life clock, s; once it has begun */
+    struct fap_frame last;       /* that was given out */
+    struct mood *mood;           /* of an utterance whose seed gives it a clock of its own; else NULL */
     struct utf16_counter utf16;
 };
 
@@ -38,10 +39,18 @@ void utterance_give(const struct utterance *utterance, const struct stream_sink 
 
 void utterance_add_segment(struct utterance *utterance, struct media_segment segment);
 
-/* The next chunk of the first segment; its frames have room for CUT_FRAMES. What begins in it is said first.
+/* Whether its face belongs to no clock but its own: it is the same whenever it is played. */
+bool utterance_is_apart(const struct utterance *utterance);
+
+/* Whether its face does not follow from the idle one, nor that from its: it is apart, or has more or less
+ * life. */
+bool utterance_is_foreign(const struct utterance *utterance);
+
+/* The next media of the first segment; media->frames have room for CUT_FRAMES. What begins in it is said
+ * first.
  */
 void utterance_cut(struct utterance *utterance, const struct stream_sink *sink, void *ctx,
-                   struct chunk *chunk, struct fap_frame *frames);
+                   struct media *media);
 
 /* The sample that is heard at a moment when so many ms of what was sent are still to be heard. */
 uint32_t utterance_heard(const struct utterance *utterance, uint64_t unheard);
@@ -53,7 +62,7 @@ void utterance_seek(struct utterance *utterance, size_t sentence, const char *ma
 /* Has the sentences that are not begun made anew. */
 void utterance_respeak(struct utterance *utterance);
 
-/* Of an utterance that is not begun: it may begin at another time than was thought. */
+/* Its face is placed anew before it is seen again. */
 void utterance_unplace(struct utterance *utterance);
 
 /* Forgets the first segment when it has been cut to its end. */

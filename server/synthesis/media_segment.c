@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/synthesis/synthesis.h"
+#include "server/synthesis/media_segment.h"
 #include <math.h>
 
 void media_segment_free(struct media_segment *segment) {
@@ -8,14 +8,19 @@ void media_segment_free(struct media_segment *segment) {
     *segment = (struct media_segment){0};
 }
 
-void media_segment_frame(const struct media_segment *segment, double fps, uint32_t k,
-                         struct fap_frame *frame) {
-    if (!segment->track) {
+struct face_placement *media_segment_place(const struct media_segment *segment,
+                                           const struct placement_options *options) {
+    return segment->track ? face_placement_new(segment->track, segment->audio, options) : NULL;
+}
+
+void media_segment_frame(const struct media_segment *segment, struct face_placement *placement, double fps,
+                         uint32_t k, struct fap_frame *frame) {
+    if (!placement) {
         size_t last = segment->frame_count - 1;
         *frame = segment->frame_count ? segment->frames[k < last ? k : last] : (struct fap_frame){0};
         return;
     }
-    face_track_sample(segment->track, k / fps - (double)segment->start / segment->audio->sample_rate, frame);
+    face_placement_sample(placement, k / fps - (double)segment->start / segment->audio->sample_rate, frame);
 }
 
 uint32_t frame_from_sample(uint64_t sample, uint32_t sample_rate, double fps) {

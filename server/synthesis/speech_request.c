@@ -7,7 +7,12 @@
 #include <string.h>
 #include <strings.h>
 
-static const char *const blends[] = {[BLEND_REGIONS] = "regions", [BLEND_WEIGHTED] = "weighted", NULL};
+static const char *const blends[] = {[SPEAK_BLEND_AUTO] = "auto",
+                                     [SPEAK_BLEND_REGIONS] = "regions",
+                                     [SPEAK_BLEND_WEIGHTED] = "weighted",
+                                     NULL};
+static const char *const contacts[] = {
+    [CONTACTS_ENGINE] = "engine", [CONTACTS_ON] = "on", [CONTACTS_OFF] = "off", NULL};
 static const char *const genders[] = {
     [GENDER_ANY] = "any", [GENDER_FEMALE] = "female", [GENDER_MALE] = "male", NULL};
 static const char *const modes[] = {
@@ -32,9 +37,10 @@ static const struct field {
     {"pitch", NUMBER, offsetof(struct speech_request, pitch), 0.25, 4, NULL},
     {"volume", NUMBER, offsetof(struct speech_request, volume), 0.25, 4, NULL},
     {"fps", NUMBER, offsetof(struct speech_request, fps), 1, 120, NULL},
-    {"seed", INTEGER, offsetof(struct speech_request, seed), 0, 9007199254740992.0, NULL},
+    {"seed", INTEGER, offsetof(struct speech_request, seed), 0, 9007199254740991.0, NULL},
     {"life", NUMBER, offsetof(struct speech_request, life), 0, 2, NULL},
     {"blend", CHOICE, offsetof(struct speech_request, blend), 0, 0, blends},
+    {"contacts", CHOICE, offsetof(struct speech_request, contacts), 0, 0, contacts},
     {"mode", CHOICE, offsetof(struct speech_request, mode), 0, 0, modes},
     {"phones", FLAG, offsetof(struct speech_request, phones), 0, 1, NULL},
     {"still", FLAG, offsetof(struct speech_request, still), 0, 1, NULL},
@@ -109,7 +115,9 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
 }
 
 /* An enum without negative members is an unsigned int to GCC and Clang. */
-_Static_assert(sizeof(enum face_blend) == sizeof(unsigned) && sizeof(enum speech_mode) == sizeof(unsigned) &&
+_Static_assert(sizeof(enum speech_blend) == sizeof(unsigned) &&
+                   sizeof(enum speech_mode) == sizeof(unsigned) &&
+                   sizeof(enum face_contacts) == sizeof(unsigned) &&
                    sizeof(enum voice_gender) == sizeof(unsigned),
                "choices are set as unsigned");
 

@@ -4,7 +4,7 @@
 #define FACCIA_SYNTHESIS_SPEECH_REQUEST_H
 
 #include "server/base/error.h"
-#include "server/face/track.h"
+#include "server/face/face_options.h"
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -18,6 +18,13 @@ enum speech_mode {
 
 /* Of the voice, where none is named. */
 enum voice_gender { GENDER_ANY, GENDER_FEMALE, GENDER_MALE };
+
+/* How expressions share the mouth with speech. */
+enum speech_blend {
+    SPEAK_BLEND_AUTO, /* as the text asks: by weights where it names one, else by regions */
+    SPEAK_BLEND_REGIONS,
+    SPEAK_BLEND_WEIGHTED,
+};
 
 enum { REQUEST_RATE_MIN = 40, REQUEST_RATE_MAX = 500 }; /* words per minute */
 
@@ -33,7 +40,8 @@ struct speech_request {
     double fps;                  /* 1..120 */
     double seed;                 /* integer, 0..2^53; negative = not given */
     double life;                 /* strength of the signs of life, 0..2; negative = not given */
-    enum face_blend blend;       /* how expressions share the mouth with speech */
+    enum speech_blend blend;
+    enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
     bool still;                  /* only the lips move */
     bool phones;                 /* its phones are events, too */
     enum speech_mode mode;

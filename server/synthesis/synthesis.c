@@ -12,6 +12,7 @@ static void on_done(void *ctx, struct sentence_audio *audio) {
     struct slot *slot = ctx;
     slot->job = NULL;
     slot->audio = audio;
+    metrics_add(slot->synthesis->pipeline->metrics, METRIC_SENTENCES, 1);
     deliver(slot->synthesis);
 }
 
@@ -19,26 +20,40 @@ static void on_failed(void *ctx, const struct error *e) {
     struct slot *slot = ctx;
     slot->job = NULL;
     slot->failure = *e;
+    metrics_add(slot->synthesis->pipeline->metrics, METRIC_SENTENCES_FAILED, 1);
     deliver(slot->synthesis);
 }
 
-static void submit(struct synthesis *s) {
+static void ask_voice(struct synthesis *s, struct slot *slot) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
+    struct voice_request request = {.voice = s->voice,
+                                    .score = s->score,
+                                    .sentence = slot->sentence,
+                                    .rate = s->request.rate,
+                                    .pitch = s->request.pitch,
+                                    .volume = s->request.volume,
+                                    .urgent = slot->sentence == s->released};
+    metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
+    slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->cast, &callbacks, slot);
+}
+
+/* What has been spoken already, or is being spoken, is not asked for again. */
+static void submit(struct synthesis *s) {
     if (!s->started || !s->score)
         return;
-    while (s->submitted < s->score->sentence_count && s->submitted < s->released + WINDOW) {
+    for (; s->submitted < s->score->sentence_count && s->submitted < s->released + WINDOW; s->submitted++) {
         struct slot *slot = &s->slots[s->submitted % WINDOW];
-        *slot = (struct slot){.synthesis = s};
-        struct voice_request request = {.voice = s->voice,
-                                        .score = s->score,
-                                        .sentence = s->submitted,
-                                        .rate = s->request.rate,
-                                        .pitch = s->request.pitch,
-                                        .volume = s->request.volume,
-                                        .urgent = s->submitted == s->released};
-        slot->job =
-            sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->cast, &callbacks, slot);
-        s->submitted++;
+        if (slot->taken)
+            continue;
+        *slot =
+            (struct slot){.synthesis = s, .taken = true, .sentence = s->submitted, .rate = s->request.rate};
+        const struct kept_sentence *kept = kept_speech_find(&s->kept, s->submitted);
+        if (kept) {
+            slot->audio = sentence_audio_share(kept->audio);
+            slot->track = face_track_share(kept->track);
+        } else {
+            ask_voice(s, slot);
+        }
     }
 }
 
@@ -65,29 +80,43 @@ static uint32_t mark_at(const struct sentence_audio *u, const char *name) {
     return 0;
 }
 
-static void play(struct synthesis *s, struct slot *slot) {
+static double second_of(const struct synthesis *s, const struct sentence_audio *u, uint32_t skip) {
+    return ((double)s->samples - skip) / u->sample_rate;
+}
+
+/* From here on neither the audio nor the track changes. */
+static void make_track(struct synthesis *s, struct slot *slot, uint32_t skip) {
     struct sentence_audio *u = slot->audio;
-    uint32_t skip = mark_at(u, s->entry);
-    int64_t start = (int64_t)s->samples - skip;
-    slot->audio = NULL;
+    const struct face_options options = {.engine = s->request.engine,
+                                         .still = s->request.still,
+                                         .blend = s->result.blend,
+                                         .contacts = s->request.contacts ? s->request.contacts
+                                                                         : s->pipeline->default_contacts,
+                                         .expressions = s->pipeline->expressions};
     for (size_t i = 0; i < u->warning_count; i++)
         warn(s, u->warnings[i]);
+    cues_add_timed(u, s->score, second_of(s, u, skip));
+    slot->track = face_track_new(pack_of(s, u), u, &options, warn, s);
+    if (s->keeps && s->result.marks)
+        kept_speech_add(&s->kept, &(struct kept_sentence){slot->sentence, u, slot->track});
+}
+
+static void play(struct synthesis *s, struct slot *slot) {
+    struct sentence_audio *u = slot->audio;
     const struct speech_request *r = &s->request;
-    struct face_options options = {.engine = r->engine,
-                                   .still = r->still,
-                                   .life = r->life < 0 ? 1 : r->life,
-                                   .seed = r->seed < 0 ? 0 : (uint64_t)r->seed,
-                                   .begin = (double)start / u->sample_rate,
-                                   .blend = r->blend,
-                                   .expressions = s->pipeline->expressions};
-    if (s->direct_face && !s->freed)
-        s->direct_face(s->ctx, &options);
-    cues_add_timed(u, s->score, (double)start / u->sample_rate);
+    uint32_t skip = mark_at(u, s->entry);
+    if (!slot->track)
+        make_track(s, slot, skip);
     struct media_segment segment = {.audio = u,
-                                    .track = face_track_new(pack_of(s, u), u, &options, warn, s),
-                                    .start = start,
+                                    .track = slot->track,
+                                    .start = (int64_t)s->samples - skip,
                                     .skip = skip,
-                                    .sentence = s->delivered - 1};
+                                    .sentence = slot->sentence,
+                                    .alone = {.still = r->still,
+                                              .life = r->life < 0 ? 1 : r->life,
+                                              .seed = r->seed < 0 ? 0 : (uint64_t)r->seed,
+                                              .begin = second_of(s, u, skip)}};
+    *slot = (struct slot){0};
     s->sample_rate = u->sample_rate;
     s->samples += u->samples - skip;
     s->spoken++;
@@ -97,11 +126,9 @@ static void play(struct synthesis *s, struct slot *slot) {
         s->callbacks.segment(s->ctx, segment);
 }
 
-/* Why the utterance cannot follow the ones before it, or NULL. */
-static const char *misfit(const struct synthesis *s, const struct sentence_audio *u) {
-    if (u->samples > UINT32_MAX - s->samples)
-        return "the speech is longer than its clock can count";
-    return NULL;
+/* Whether the sentence goes beyond what the utterance's clock can count. */
+static bool is_beyond(const struct synthesis *s, const struct sentence_audio *u) {
+    return u && u->samples > UINT32_MAX - s->samples;
 }
 
 static void warn_of_markup(struct synthesis *s) {
@@ -110,9 +137,16 @@ static void warn_of_markup(struct synthesis *s) {
     s->warned = true;
 }
 
+static void drop_audio(struct slot *slot) {
+    sentence_audio_free(slot->audio);
+    face_track_free(slot->track);
+    slot->audio = NULL;
+    slot->track = NULL;
+}
+
 /* Hands on, in order, what is ready. */
 static void deliver(struct synthesis *s) {
-    if (s->busy)
+    if (s->busy || !s->score || !s->started)
         return;
     s->busy = true;
     warn_of_markup(s);
@@ -121,28 +155,29 @@ static void deliver(struct synthesis *s) {
         if (slot->job)
             break;
         s->delivered++;
-        if (slot->audio && s->sample_rate)
+        if (slot->audio && s->sample_rate && !slot->track)
             sentence_audio_resample(slot->audio, s->sample_rate);
-        const char *unfit = slot->audio ? misfit(s, slot->audio) : NULL;
-        if (unfit) {
-            sentence_audio_free(slot->audio);
-            slot->audio = NULL;
-            error_set(&slot->failure, "voice-failed", "%s", unfit);
+        if (is_beyond(s, slot->audio)) {
+            error_set(&slot->failure, "voice-failed", "the speech is longer than its clock can count");
+            drop_audio(slot);
         }
-        metrics_add(s->pipeline->metrics, slot->audio ? METRIC_SENTENCES : METRIC_SENTENCES_FAILED, 1);
         if (slot->audio) {
             play(s, slot);
         } else {
+            struct error failure = slot->failure;
+            *slot = (struct slot){0};
             s->released++;
-            s->callbacks.problem(s->ctx, &slot->failure, false);
+            s->callbacks.problem(s->ctx, &failure, false);
         }
         free(s->entry);
         s->entry = NULL;
         if (!s->freed)
             submit(s);
     }
-    if (!s->freed && s->delivered == s->score->sentence_count)
+    if (!s->freed && !s->finished && s->delivered == s->score->sentence_count) {
+        s->finished = true;
         s->callbacks.finished(s->ctx, s->spoken);
+    }
     s->busy = false;
     if (s->freed)
         synthesis_free(s);
@@ -170,18 +205,21 @@ void synthesis_go_on(struct synthesis *s) {
         submit(s);
 }
 
-void synthesis_direct_face(struct synthesis *s, void (*face)(void *ctx, struct face_options *options)) {
-    s->direct_face = face;
+void synthesis_keep(struct synthesis *s) {
+    s->keeps = true;
 }
 
-/* What the voices work on, and what waits to be handed on. */
-static void forget_pending(struct synthesis *s) {
-    for (; s->delivered < s->submitted; s->delivered++) {
-        struct slot *slot = &s->slots[s->delivered % WINDOW];
+/* What the voices work on, and what waits to be handed on, but for the sentences from `first` to `last` (not
+ * included) as they are to be spoken now. */
+static void forget_pending(struct synthesis *s, size_t first, size_t last) {
+    for (size_t i = 0; i < WINDOW; i++) {
+        struct slot *slot = &s->slots[i];
+        if (slot->taken && slot->sentence >= first && slot->sentence < last && slot->rate == s->request.rate)
+            continue;
         if (slot->job)
             sentence_cancel(slot->job);
-        sentence_audio_free(slot->audio);
-        *slot = (struct slot){.synthesis = s};
+        drop_audio(slot);
+        *slot = (struct slot){0};
     }
 }
 
@@ -189,13 +227,14 @@ static void forget_pending(struct synthesis *s) {
 struct rest {
     uv_work_t work;
     struct voice_selection *cast;
-    struct score *score;
+    struct score *script, *document;
 };
 
 static void free_rest(uv_work_t *work) {
     struct rest *rest = work->data;
     voice_selection_free(rest->cast);
-    score_free(rest->score);
+    score_free(rest->script);
+    score_free(rest->document);
 }
 
 static void after_rest(uv_work_t *work, int status) {
@@ -206,7 +245,7 @@ static void after_rest(uv_work_t *work, int status) {
 
 static void free_result(struct synthesis *s) {
     struct rest *rest = mem_alloc(sizeof *rest);
-    *rest = (struct rest){.cast = s->cast, .score = s->score};
+    *rest = (struct rest){.cast = s->cast, .script = s->result.score, .document = s->result.document};
     rest->work.data = rest;
     bool is_long = s->pipeline->long_text && s->request.text_size >= s->pipeline->long_text && s->score;
     if (is_long && !uv_queue_work(s->pipeline->loop, &rest->work, free_rest, after_rest))
@@ -218,7 +257,8 @@ static void free_result(struct synthesis *s) {
 void synthesis_free(struct synthesis *s) {
     if (!s)
         return;
-    forget_pending(s);
+    forget_pending(s, 0, 0);
+    kept_speech_clear(&s->kept);
     voice_wait_end(s->wait);
     s->wait = NULL;
     s->freed = true;
@@ -237,73 +277,25 @@ void synthesis_free(struct synthesis *s) {
 void synthesis_release(struct synthesis *s) {
     s->released++;
     submit(s);
+    if (s->keeps)
+        deliver(s);
 }
 
 void synthesis_seek(struct synthesis *s, size_t sentence, const char *mark, uint32_t sample, size_t held) {
     char *entry = mark ? mem_strdup(mark) : NULL;
-    forget_pending(s);
+    forget_pending(s, sentence, sentence - held + WINDOW);
     free(s->entry);
     s->entry = entry;
     s->submitted = s->delivered = sentence;
     s->released = sentence - held;
     s->samples = sample;
+    s->finished = false;
     submit(s);
+    deliver(s);
 }
 
 void synthesis_set_rate(struct synthesis *s, double rate) {
+    if (rate != s->request.rate)
+        kept_speech_clear(&s->kept);
     s->request.rate = rate;
-}
-
-bool synthesis_is_read(const struct synthesis *s) {
-    return s->score;
-}
-
-bool synthesis_find_mark(const struct synthesis *s, const char *name, size_t *sentence) {
-    for (size_t i = 0; i < synthesis_sentences(s); i++) {
-        const struct score_sentence *in = &s->score->sentences[i];
-        for (size_t k = in->first; k < in->first + in->count; k++)
-            if (s->score->items[k].kind == SCORE_MARK && !strcmp(s->score->items[k].text, name)) {
-                *sentence = i;
-                return true;
-            }
-    }
-    return false;
-}
-
-void synthesis_near_marks(const struct synthesis *s, struct near *near) {
-    for (size_t i = 0; s->score && i < s->score->item_count; i++)
-        if (s->score->items[i].kind == SCORE_MARK)
-            near_try(near, s->score->items[i].text, s->score->items[i].text);
-}
-
-size_t synthesis_sentences(const struct synthesis *s) {
-    return s->score ? s->score->sentence_count : 0;
-}
-
-size_t synthesis_next(const struct synthesis *s) {
-    return s->delivered;
-}
-
-const char *synthesis_entry(const struct synthesis *s) {
-    return s->entry;
-}
-
-const struct voice *synthesis_voice(const struct synthesis *s) {
-    return s->voice;
-}
-
-const char *synthesis_lang(const struct synthesis *s) {
-    return speech_pack_is_general(s->pack) ? s->voice->lang : speech_pack_lang(s->pack);
-}
-
-const char *synthesis_engine(const struct synthesis *s) {
-    return s->request.engine ? s->request.engine : face_engines()[0];
-}
-
-const char *synthesis_markup(const struct synthesis *s) {
-    return s->markup->name;
-}
-
-const struct speech_request *synthesis_request(const struct synthesis *s) {
-    return &s->request;
 }

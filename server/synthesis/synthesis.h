@@ -10,8 +10,8 @@
 #include "server/codec/codec_load.h"
 #include "server/face/high_level.h"
 #include "server/face/packs/speech_packs.h"
-#include "server/face/track.h"
 #include "server/normalize/normalizers.h"
+#include "server/synthesis/media_segment.h"
 #include "server/synthesis/speech_request.h"
 #include "server/voice/voice_pool.h"
 
@@ -24,35 +24,17 @@ struct pipeline {
     const struct face_high_level *high_level; /* NULL = FAP 1 and 2 of recordings move nothing */
     const struct normalizers *normalizers;    /* NULL = say-as is left to the voices */
     const char *default_lang;
-    const char *sounds;            /* folder of sound files that texts may name; NULL = none */
-    struct metrics *metrics;       /* NULL = nobody counts */
-    struct codec_load *codec_load; /* of the sound; NULL = the best */
+    enum face_contacts default_contacts; /* of requests that say "engine" */
+    const char *sounds;                  /* folder of sound files that texts may name; NULL = none */
+    struct metrics *metrics;             /* NULL = nobody counts */
+    struct codec_load *codec_load;       /* of the sound; NULL = the best */
+    struct coder_pool *coders;           /* that code it; NULL = it is coded on the loop */
     /* Texts of so many bytes and more are read in another thread, so that the loop is free; 0 = none. */
     size_t long_text;
 };
 
 /* Whether there is a pack for that language, or, of those that share the general one, a voice. */
 bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang);
-
-/* One spoken sentence, or a piece of a recording. The receiver of a segment owns it. */
-struct media_segment {
-    struct sentence_audio *audio;
-    struct face_track *track; /* NULL: the face is in frames */
-    int64_t start; /* its first sample, counted from the speech's beginning; below 0 when `skip` hides that */
-    uint32_t skip; /* samples at its beginning that are not to be heard */
-    size_t sentence;                /* which one it is, from 0 */
-    const struct fap_frame *frames; /* of the whole recording, borrowed; the last one stays */
-    size_t frame_count;
-};
-
-void media_segment_free(struct media_segment *segment);
-
-/* The frame with number k of the speech, k / fps seconds from its beginning. */
-void media_segment_frame(const struct media_segment *segment, double fps, uint32_t k,
-                         struct fap_frame *frame);
-
-/* The first frame that does not lie before that sample of the speech. */
-uint32_t frame_from_sample(uint64_t sample, uint32_t sample_rate, double fps);
 
 struct synthesis;
 
@@ -76,10 +58,9 @@ struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct s
  */
 void synthesis_start(struct synthesis *synthesis);
 
-/* Before the start: `face` is asked before a segment's face is made. It may change how that is to be, so that
- * it goes on from the face before (seed, begin, life) and shows a mood. */
-void synthesis_direct_face(struct synthesis *synthesis,
-                           void (*face)(void *ctx, struct face_options *options));
+/* Before the start: what has been handed on of a text with marks is kept, as far as it is short, so that
+ * synthesis_seek may come back to it and nothing is spoken twice. */
+void synthesis_keep(struct synthesis *synthesis);
 void synthesis_free(struct synthesis *synthesis);
 
 /* One segment has been used up: another may come. */
@@ -87,8 +68,9 @@ void synthesis_release(struct synthesis *synthesis);
 
 /* Goes on elsewhere: the segments that come next are those from `sentence` on, the first of them from its
  * mark of that name on (NULL: from its beginning), and its first sample to be heard is `sample` of the
- * speech. What was not handed on is forgotten; `held` segments that were, and have not been released, remain
- * to be released. */
+ * speech. What has been spoken already and is needed there is not spoken again: what waits to be handed on,
+ * and what is kept. `held` segments that were handed on, and have not been released, remain to be released.
+ */
 void synthesis_seek(struct synthesis *synthesis, size_t sentence, const char *mark, uint32_t sample,
                     size_t held);
 

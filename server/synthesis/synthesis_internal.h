@@ -4,6 +4,7 @@
 #define FACCIA_SYNTHESIS_SYNTHESIS_INTERNAL_H
 
 #include "server/markup/markup.h"
+#include "server/synthesis/kept_speech.h"
 #include "server/synthesis/select_voices.h"
 #include "server/synthesis/synthesis.h"
 #include "server/voice/sentence.h"
@@ -14,16 +15,23 @@ enum { WINDOW = 3 };
 
 struct slot {
     struct synthesis *synthesis;
+    bool taken; /* by that sentence, spoken at that rate */
+    size_t sentence;
+    double rate;
     struct sentence *job;         /* set while the voice works on it */
     struct sentence_audio *audio; /* set when it is ready */
+    struct face_track *track;     /* of one that was kept */
     struct error failure;
 };
 
 /* What reading a text gives. */
 struct reading_result {
-    struct score *score; /* NULL: error says why */
+    struct score *document; /* what the text says; NULL: error says why */
+    struct score *score;    /* its script: what is spoken */
     struct voice_selection *cast;
+    enum face_blend blend; /* what the request and the text ask for */
     struct error error;
+    bool marks; /* it has some */
 };
 
 /* While `reading`, the text and what reading it gives belong to the other thread. */
@@ -31,7 +39,7 @@ struct synthesis {
     const struct pipeline *pipeline;
     struct speech_request request;
     const struct markup_kind *markup;
-    struct score *score; /* NULL until the text has been read */
+    const struct score *score; /* the script; NULL until the text has been read */
     uv_work_t work;
     struct voice_list voices; /* for the other thread */
     struct reading_result result;
@@ -43,13 +51,15 @@ struct synthesis {
     struct voice_selection *cast;
     struct synthesis_callbacks callbacks;
     void *ctx;
-    void (*direct_face)(void *ctx, struct face_options *options);
+    bool keeps;
+    struct kept_speech kept;
     struct slot slots[WINDOW];
     size_t submitted, delivered,
         released;  /* sentences; released <= delivered <= submitted <= released + WINDOW */
     size_t spoken; /* segments that came */
     uint32_t samples, sample_rate;
     char *entry;      /* the mark at which the next sentence is entered, or NULL */
+    bool finished;    /* that has been said */
     bool warned;      /* of what the markup stage did not act on */
     bool busy, freed; /* inside a callback; to be freed after it */
 };

@@ -121,6 +121,22 @@ static int decode_text(struct synthesis *s, struct error *e) {
     return 0;
 }
 
+/* Weights belong to the weighted rule: a text that names one is shown by it, unless the request wants the
+ * other one. */
+static enum face_blend blend_of(enum speech_blend asked, struct score *score) {
+    bool weighted = false;
+    for (size_t i = 0; i < score->cue_count; i++) {
+        if (score->cues[i].weight < 0)
+            continue;
+        weighted = true;
+        if (asked == SPEAK_BLEND_REGIONS)
+            score_warn(score, score->cues[i].at, "ignored",
+                       "the weight is not acted on: the request wants blend regions");
+    }
+    return asked == SPEAK_BLEND_WEIGHTED || (asked == SPEAK_BLEND_AUTO && weighted) ? BLEND_WEIGHTED
+                                                                                    : BLEND_REGIONS;
+}
+
 /* In any thread: what is reached from here does not change while texts are read. */
 static void read_text(struct synthesis *s) {
     const struct pipeline *pipeline = s->pipeline;
@@ -130,13 +146,17 @@ static void read_text(struct synthesis *s) {
                                  .sentence_bytes =
                                      s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
                                  .given_up = &s->given_up};
-    r->score = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
-    if (r->score && markup_given_up(&rules)) { /* much to free, which is better done here */
-        score_free(r->score);
-        r->score = NULL;
+    r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
+    if (r->document && markup_given_up(&rules)) { /* much to free, which is better done here */
+        score_free(r->document);
+        r->document = NULL;
     }
-    if (!r->score)
+    if (!r->document)
         return;
+    r->score = score_script(r->document);
+    for (size_t i = 0; i < r->score->item_count; i++)
+        r->marks |= r->score->items[i].kind == SCORE_MARK;
+    r->blend = blend_of(s->request.blend, r->score);
     if (pipeline->expressions)
         expressions_direct(pipeline->expressions, r->score);
     r->cast = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);

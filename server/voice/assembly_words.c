@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/voice/assembly_internal.h"
+#include "server/voice/assembly_said.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>

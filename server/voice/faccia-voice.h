@@ -1,12 +1,31 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The voice plugin interface.
+/* SPDX-License-Identifier: MIT */
+/* The voice plugin interface of faccia, a talking head (facciad).
  *
  * A voice plugin is a shared object that exports one symbol, `faccia_voice`, a const struct faccia_voice. It
  * runs in a worker process (faccia-voice), one plugin in each, so it may crash, leak or hang without hurting
  * the daemon. All functions are called from one thread, except cancel. Only the host's thread may call the
  * sink, and only during speak.
  *
- * Texts are UTF-8. Times are samples of the sentence's own audio, counted from its first sample. */
+ * Texts are UTF-8. Times are samples of the sentence's own audio, counted from its first sample.
+ *
+ * This header is all that a voice needs: it includes nothing of faccia's, stands alone in C11 and in C++17,
+ * and its licence asks nothing of the plugin's. With pkg-config:
+ *
+ *   cc -shared -fPIC $(pkg-config --cflags faccia-voice) hum.c -o hum.so
+ *   cp hum.so $(pkg-config --variable=plugindir faccia-voice)    # or: facciad --plugins FOLDER
+ *
+ * Compatibility. The interface has one version, FACCIA_VOICE_ABI, a number, which a plugin puts into its
+ * table (abi) by being built with this header. A host of version N loads plugins of the versions
+ * FACCIA_VOICE_ABI_OLDEST to N, built by any compiler, and refuses newer ones with a sentence that names both
+ * versions. From one version to the next things are only added:
+ * - bits of capabilities. Those that have no name here are 0, as they will mean something one day;
+ * - values of enumerations that go from the host to the plugin: what a plugin does not know it passes over;
+ * - functions at the end of struct faccia_voice and struct faccia_sink, whose size members say how much of
+ *   them is there: a plugin may use a function of the sink if sink->size reaches beyond it.
+ *
+ * The other structures stay as they are: they stand in arrays, or one side makes them for the other. Should
+ * one have to change, or something go away, FACCIA_VOICE_ABI_OLDEST rises, and the plugin is to be built
+ * again; sources keep compiling where all that they use is still there. */
 #ifndef FACCIA_VOICE_H
 #define FACCIA_VOICE_H
 
@@ -15,6 +34,9 @@
 
 #ifdef __cplusplus
 extern "C" {
+#define FACCIA_VOICE_EXPORT extern "C" __attribute__((visibility("default")))
+#else
+#define FACCIA_VOICE_EXPORT extern __attribute__((visibility("default")))
 #endif
 
 /* Version 2 added FACCIA_VOICE_NETWORK and FACCIA_VOICE_PROGRAMS, version 3 FACCIA_VOICE_FILES. Plugins of an
@@ -33,12 +55,12 @@ enum {
     FACCIA_VOICE_VOLUME = 1u << 5,
     FACCIA_VOICE_PHONEMES = 1u << 6, /* speaks IPA given in a span */
     FACCIA_VOICE_EMOTION = 1u << 7,
-    FACCIA_VOICE_UNTIMED = 1u << 8, /* may deliver audio without phones or words: whoever wants their times
-                                       has to find them in the audio */
-    FACCIA_VOICE_FRESH = 1u << 9, /* the same sentence may sound otherwise another time: it is not to be kept
-                                     for when it is asked for again */
-    FACCIA_VOICE_SLOW = 1u << 12, /* takes about as long as the sound lasts: long sentences come cut at
-                                     commas, so that the first part is heard early */
+    FACCIA_VOICE_UNTIMED = 1u << 8, /* may deliver audio without phones or words: a caller that wants their
+                                       times has to find them in the audio */
+    FACCIA_VOICE_FRESH = 1u << 9,   /* the same sentence may sound otherwise another time: it is not to be
+                                       kept for when it is asked for again */
+    FACCIA_VOICE_SLOW = 1u << 12,   /* takes about as long as the sound lasts: long sentences come cut at
+                                       commas, so that the first part is heard early */
     /* What a plugin needs. It is refused (EPERM, EACCES) what it does not name, from before it is loaded:
      * these bits are read from the file, so the table must be a constant that no initialiser fills in. */
     FACCIA_VOICE_NETWORK = 1u << 10,  /* it, or a program that it starts, opens sockets */
@@ -50,8 +72,8 @@ enum {
  * a plugin may read what it names with this, once, outside of any function: absolute paths, and between two
  * of them "\0". They are read from the file, too. */
 #define FACCIA_VOICE_READS(PATHS)                                                                            \
-    extern const char faccia_voice_reads[sizeof(PATHS)];                                                     \
-    __attribute__((visibility("default"))) const char faccia_voice_reads[sizeof(PATHS)] = PATHS
+    FACCIA_VOICE_EXPORT const char faccia_voice_reads[sizeof(PATHS)];                                        \
+    const char faccia_voice_reads[sizeof(PATHS)] = PATHS
 
 /* One voice. id is unique inside the plugin: the world sees "PLUGIN:ID". */
 struct faccia_voice_info {
@@ -123,17 +145,17 @@ struct faccia_voice {
     const char *licence; /* SPDX expression */
     uint32_t capabilities;
 
-    /* Start the engine. config is the plugin's part of the configuration, a JSON object as text, never NULL.
-     * Returns 0 and *self; 1 with a sentence in message (cap bytes) when there is nothing to run here,
-     * because its engine is not installed or nothing is configured; -1 with a sentence in message when it
-     * failed. */
+    /* Start the engine. config is the plugin's part of the configuration, a JSON object as text, never
+     * NULL. Returns 0 and *self; 1 with a sentence in message (cap bytes) when there is nothing to run
+     * here, because its engine is not installed or nothing is configured; -1 with a sentence in message
+     * when it failed. */
     int (*open)(const char *config, void **self, char *message, size_t cap);
 
     /* Calls each for every voice. */
     void (*list)(void *self, void (*each)(void *ctx, const struct faccia_voice_info *voice), void *ctx);
 
-    /* Speak one sentence into the sink. Returns 0 when all of it was spoken or the sink said stop, -1 with a
-     * sentence in message when the engine failed. */
+    /* Speak one sentence into the sink. Returns 0 when all of it was spoken or the sink said stop, -1
+     * with a sentence in message when the engine failed. */
     int (*speak)(void *self, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
                  char *message, size_t cap);
 
@@ -142,6 +164,11 @@ struct faccia_voice {
 
     void (*close)(void *self);
 };
+
+/* The table that a plugin defines: const struct faccia_voice faccia_voice = {...}; its initialiser must be a
+ * constant. It is all that a plugin should export: build with -fvisibility=hidden, and link static libraries
+ * with -Wl,--exclude-libs,ALL. */
+FACCIA_VOICE_EXPORT const struct faccia_voice faccia_voice;
 
 #define FACCIA_VOICE_SYMBOL "faccia_voice"
 #define FACCIA_VOICE_READS_SYMBOL "faccia_voice_reads"

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/plugin_allowed.h"
 #include "server/base/mem.h"
+#include "server/base/paths.h"
 #include <jansson.h>
+#include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -77,6 +79,15 @@ int allowed_read(struct allowed *allowed, const char *config, char *message, siz
     allowed->config = rest ? rest : mem_strdup("{}");
     json_decref(root);
     return result;
+}
+
+void allowed_add_packs(struct allowed *allowed) {
+    struct paths paths;
+    char folder[PATH_MAX];
+    paths_find(&paths);
+    if (*paths.models && (size_t)snprintf(folder, sizeof folder, "%s/speech", paths.models) < sizeof folder)
+        add(allowed, mem_strdup(folder), false);
+    paths_free(&paths);
 }
 
 void allowed_free(struct allowed *allowed) {

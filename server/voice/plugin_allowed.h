@@ -17,6 +17,10 @@ struct allowed {
  * members "may_read" and "may_write", lists of further paths, are taken out. -1 with a sentence in message.
  */
 int allowed_read(struct allowed *allowed, const char *config, char *message, size_t cap);
+
+/* The language packs may be read, wherever they are installed. */
+void allowed_add_packs(struct allowed *allowed);
+
 void allowed_free(struct allowed *allowed);
 
 #endif

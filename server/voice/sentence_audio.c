@@ -4,8 +4,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+struct sentence_audio *sentence_audio_share(struct sentence_audio *u) {
+    atomic_fetch_add(&u->shared, 1);
+    return u;
+}
+
 void sentence_audio_free(struct sentence_audio *u) {
-    if (!u)
+    if (!u || atomic_fetch_sub(&u->shared, 1) > 0)
         return;
     for (size_t i = 0; i < u->mark_count; i++)
         free(u->marks[i].name);

@@ -3,6 +3,7 @@
 #ifndef FACCIA_VOICE_SENTENCE_AUDIO_H
 #define FACCIA_VOICE_SENTENCE_AUDIO_H
 
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -41,6 +42,7 @@ struct cue {
 };
 
 struct sentence_audio {
+    atomic_uint shared;   /* further owners */
     uint32_t sample_rate; /* Hz */
     int16_t *pcm;         /* mono */
     uint32_t samples;
@@ -59,6 +61,8 @@ struct sentence_audio {
     size_t from, to; /* the sentence's bytes of the input */
 };
 
+/* One more owner, in any thread. Each calls sentence_audio_free, and none changes it any more. */
+struct sentence_audio *sentence_audio_share(struct sentence_audio *u);
 void sentence_audio_free(struct sentence_audio *u);
 
 /* Adds a copy of the warning, unless it is there already. */

@@ -2,26 +2,15 @@
 #include "server/voice/voice_cache_disk.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/voice/voice_cache_database.h"
 #include "server/voice/voice_cache_file.h"
-#include <sqlite3.h>
 #include <stdbool.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <time.h>
-#include <unistd.h>
 
 /* Values that may wait to be written. */
-enum { WAITING_MAX = 64, BUSY_MS = 1000 };
-
-/* The schema's number; a file of another is begun anew. */
-#define SCHEMA 1
-#define SCHEMA_TEXT "1"
-
-#define TEXT_OF(number) #number
-#define TEXT(number) TEXT_OF(number)
-#define CACHE_ID_TEXT TEXT(CACHE_FILE_ID)
+enum { WAITING_MAX = 64 };
 
 struct write {
     struct write *next;
@@ -31,8 +20,7 @@ struct write {
 
 struct cache_disk {
     uv_loop_t *loop;
-    sqlite3 *reader, *writer; /* each used by one thread at a time */
-    sqlite3_stmt *get;
+    struct cache_database db;
     uint64_t room;
     struct write *waiting;
     unsigned waiting_count;
@@ -40,105 +28,12 @@ struct cache_disk {
     struct write *writing; /* in the thread pool */
     int result;            /* of the last write */
     char *file;
-    dev_t device; /* which file it is: another one in its place is not touched */
-    ino_t number;
     bool damaged; /* seen so; it is begun anew when nobody writes */
     bool complained, closing;
 };
 
-static int run(sqlite3 *db, const char *sql) {
-    return sqlite3_exec(db, sql, NULL, NULL, NULL);
-}
-
-static int schema_of(sqlite3 *db) {
-    sqlite3_stmt *statement = NULL;
-    int number = -1;
-    if (sqlite3_prepare_v2(db, "PRAGMA user_version", -1, &statement, NULL) == SQLITE_OK &&
-        sqlite3_step(statement) == SQLITE_ROW)
-        number = sqlite3_column_int(statement, 0);
-    sqlite3_finalize(statement);
-    return number;
-}
-
-/* The first thing written is whose file it is, at once: write-ahead logging begins after it. A crash loses
- * the last sentences at most, and a reader never waits for a writer. A sentence is some 100 kB: large pages
- * are read faster. The log is emptied at 4 MB, as by default. */
-static int prepare(sqlite3 *db) {
-    sqlite3_busy_timeout(db, BUSY_MS);
-    int number = schema_of(db);
-    if (number != 0 && number != SCHEMA)
-        return SQLITE_CORRUPT;
-    return run(db, "PRAGMA page_size=16384; PRAGMA application_id=" CACHE_ID_TEXT ";"
-                   "PRAGMA wal_autocheckpoint=250; PRAGMA journal_mode=WAL; PRAGMA synchronous=NORMAL;"
-                   "CREATE TABLE IF NOT EXISTS sentence (key BLOB PRIMARY KEY, value BLOB NOT NULL, "
-                   "bytes INTEGER NOT NULL, used INTEGER NOT NULL) WITHOUT ROWID;"
-                   "CREATE INDEX IF NOT EXISTS sentence_used ON sentence (used, bytes);"
-                   "PRAGMA user_version=" SCHEMA_TEXT ";");
-}
-
-static int open_both(struct cache_disk *disk) {
-    struct stat info;
-    cache_file_prepare(disk->file);
-    int result = sqlite3_open(disk->file, &disk->writer);
-    if (!stat(disk->file, &info)) {
-        disk->device = info.st_dev;
-        disk->number = info.st_ino;
-    }
-    if (result == SQLITE_OK)
-        result = prepare(disk->writer);
-    if (result == SQLITE_OK)
-        result = sqlite3_open_v2(disk->file, &disk->reader, SQLITE_OPEN_READONLY, NULL);
-    if (result == SQLITE_OK)
-        result = sqlite3_prepare_v2(disk->reader, "SELECT value FROM sentence WHERE key = ?", -1, &disk->get,
-                                    NULL);
-    return result;
-}
-
-static void close_both(struct cache_disk *disk) {
-    sqlite3_finalize(disk->get);
-    sqlite3_close(disk->reader);
-    sqlite3_close(disk->writer);
-    disk->get = NULL;
-    disk->reader = disk->writer = NULL;
-}
-
-static void remove_file(const char *file) {
-    char path[4096];
-    for (size_t i = 0; i < sizeof cache_file_ends / sizeof *cache_file_ends; i++) {
-        snprintf(path, sizeof path, "%s%s", file, cache_file_ends[i]);
-        unlink(path);
-    }
-}
-
-/* Nobody has put another file in its place. */
-static bool is_same(const struct cache_disk *disk) {
-    struct stat info;
-    struct error e;
-    if (stat(disk->file, &info))
-        return true; /* it is gone */
-    return (info.st_dev == disk->device && info.st_ino == disk->number) || !cache_file_check(disk->file, &e);
-}
-
-static bool is_damage(int result) {
-    return result == SQLITE_CORRUPT || result == SQLITE_NOTADB;
-}
-
-/* While nobody writes. */
-static int begin_anew(struct cache_disk *disk) {
-    close_both(disk);
-    disk->damaged = false;
-    if (!is_same(disk)) {
-        log_warn("there is another file in the place of the cache %s; nothing more is kept on disk",
-                 disk->file);
-        return SQLITE_CANTOPEN;
-    }
-    log_warn("the cache %s is damaged or of another version; it is begun anew", disk->file);
-    remove_file(disk->file);
-    return open_both(disk);
-}
-
 static void destroy(struct cache_disk *disk) {
-    close_both(disk);
+    cache_database_close(&disk->db);
     free(disk->file);
     free(disk);
 }
@@ -151,9 +46,8 @@ struct cache_disk *cache_disk_open(uv_loop_t *loop, const char *file, uint64_t b
     }
     struct cache_disk *disk = mem_alloc(sizeof *disk);
     *disk = (struct cache_disk){.loop = loop, .room = bytes, .file = mem_strdup(file)};
-    int result = open_both(disk);
-    if (is_damage(result))
-        result = begin_anew(disk);
+    disk->db.file = disk->file;
+    int result = cache_database_open(&disk->db);
     if (result != SQLITE_OK) {
         log_warn("no cache on disk: %s: %s", file, sqlite3_errstr(result));
         destroy(disk);
@@ -161,6 +55,12 @@ struct cache_disk *cache_disk_open(uv_loop_t *loop, const char *file, uint64_t b
     }
     disk->work.data = disk;
     return disk;
+}
+
+/* While nobody writes. */
+static void mend(struct cache_disk *disk) {
+    disk->damaged = false;
+    cache_database_begin_anew(&disk->db);
 }
 
 static void free_write(struct write *w) {
@@ -178,7 +78,7 @@ static sqlite3_int64 now_ms(void) {
 /* Runs a statement of the writer's with key, value, bytes and time as ?1 to ?4, as far as it has them. */
 static int do_write(struct cache_disk *disk, const char *sql, const struct write *w) {
     sqlite3_stmt *statement = NULL;
-    int result = sqlite3_prepare_v2(disk->writer, sql, -1, &statement, NULL);
+    int result = sqlite3_prepare_v2(disk->db.writer, sql, -1, &statement, NULL);
     if (result != SQLITE_OK)
         return result;
     sqlite3_bind_blob64(statement, 1, w->key.data, w->key.size, SQLITE_STATIC);
@@ -192,7 +92,7 @@ static int do_write(struct cache_disk *disk, const char *sql, const struct write
 }
 
 static int write_one(struct cache_disk *disk, const struct write *w) {
-    if (!disk->writer)
+    if (!disk->db.writer)
         return SQLITE_CANTOPEN;
     if (w->touch)
         return do_write(disk, "UPDATE sentence SET used = ?4 WHERE key = ?1", w);
@@ -217,7 +117,7 @@ static void next_write(struct cache_disk *disk);
 
 static void on_written(uv_work_t *work, int status) {
     struct cache_disk *disk = work->data;
-    disk->damaged |= is_damage(disk->result);
+    disk->damaged |= cache_database_is_damage(disk->result);
     if (!status && disk->result != SQLITE_OK && !disk->complained && !disk->damaged) {
         log_warn("the cache on disk takes no more: %s", sqlite3_errstr(disk->result));
         disk->complained = true;
@@ -225,7 +125,7 @@ static void on_written(uv_work_t *work, int status) {
     free_write(disk->writing);
     disk->writing = NULL;
     if (disk->damaged)
-        begin_anew(disk);
+        mend(disk);
     next_write(disk);
 }
 
@@ -291,17 +191,17 @@ bool cache_disk_get(struct cache_disk *disk, const struct buf *key, struct buf *
         buf_add(value, unwritten->value.data, unwritten->value.size);
         return true;
     }
-    if (!disk->get)
+    if (!disk->db.get)
         return false;
-    sqlite3_bind_blob64(disk->get, 1, key->data, key->size, SQLITE_STATIC);
-    int result = sqlite3_step(disk->get);
+    sqlite3_bind_blob64(disk->db.get, 1, key->data, key->size, SQLITE_STATIC);
+    int result = sqlite3_step(disk->db.get);
     bool found = result == SQLITE_ROW;
-    disk->damaged |= is_damage(result);
+    disk->damaged |= cache_database_is_damage(result);
     if (found)
-        buf_add(value, sqlite3_column_blob(disk->get, 0), (size_t)sqlite3_column_bytes(disk->get, 0));
-    sqlite3_reset(disk->get);
+        buf_add(value, sqlite3_column_blob(disk->db.get, 0), (size_t)sqlite3_column_bytes(disk->db.get, 0));
+    sqlite3_reset(disk->db.get);
     if (disk->damaged && !disk->writing)
-        begin_anew(disk);
+        mend(disk);
     else if (found)
         queue(disk, key, NULL);
     return found;

@@ -13,7 +13,7 @@
 /* Each is looked for among all, and a plugin that means harm must not keep the daemon busy with that. */
 enum { PLUGIN_VOICES_MAX = 10000 };
 
-/* What the catalog allocated: strings and outgrown lists, all kept for those who still point at them. */
+/* What the catalog allocated: strings and outgrown lists, all kept, as voices still point at them. */
 struct catalog_block {
     struct catalog_block *next;
     void *data;

@@ -104,7 +104,7 @@ struct voice_pool {
     struct metrics *metrics;
     void (*ready)(void *ctx);
     void *ready_ctx;
-    bool is_ready;
+    bool is_ready, speaks; /* speaks: there was a voice when `ready` was called last */
     uv_timer_t start; /* so long is waited for plugins that are slow to start */
     struct voice_wait *waits;
     struct reserve reserve;
@@ -114,24 +114,24 @@ struct voice_pool {
     void *closed_ctx;
 };
 
-/* pool.c */
+/* voice_pool.c */
 uint32_t pool_number(struct voice_pool *pool);    /* of a sentence on the wire; never 0 */
 void pool_handle_closed(struct voice_pool *pool); /* one of open_handles */
 void pool_soon(struct voice_pool *pool);          /* what may not happen inside of a call */
 
-/* pool_start.c */
+/* voice_pool_start.c */
 void pool_start_open(struct voice_pool *pool, double seconds);
 void pool_start_close(struct voice_pool *pool);
 void pool_plugin_known(struct plugin *plugin); /* after known was set */
 void pool_call_waits(struct voice_pool *pool); /* those that are due */
 
-/* pool_plugins.c */
+/* voice_pool_plugins.c */
 int plugins_find(struct voice_pool *pool, const struct voice_pool_options *options, struct error *e);
 void plugins_log_absent(const struct voice_pool *pool);
 void plugins_free(struct voice_pool *pool);
 void plugins_tell_gaps(struct voice_pool *pool, const char *description); /* what a worker's HELLO says */
 
-/* pool_queue.c */
+/* voice_pool_queue.c */
 void job_push(struct job_queue *queue, struct voice_job *job); /* at its end */
 void job_take_out(struct voice_job *job);                      /* of its queue */
 void job_wait(struct voice_job *job);                          /* for a worker, which may be idle */
@@ -146,7 +146,7 @@ void pool_fail_waiting(struct plugin *plugin); /* when no worker of it will come
 /* Ends all of them; why follows "the voice NAME". */
 void queue_fail(struct job_queue *queue, const char *code, const char *why);
 
-/* pool_cache.c */
+/* voice_pool_cache.c */
 
 /* What the worker said about the sentence: kept for the cache, if there is one. */
 void pool_job_said(struct voice_job *job, const struct wire_frame *frame);
@@ -155,24 +155,39 @@ bool job_look_up(struct voice_job *job);     /* true: the cache has it, and job_
 void job_recall(struct voice_job *job);
 
 /* worker.c */
+enum { WORKER_RETIRE_MS = 10000 }; /* after which a spare one with nothing to do goes */
 void worker_open(struct worker *worker, struct plugin *plugin);
-void worker_close(struct worker *worker);                    /* the job fails with "cancelled" */
+void worker_close(struct worker *worker);  /* the job fails with "cancelled" */
+void worker_start(struct worker *worker);  /* a spare one that is off */
+void worker_retire(struct worker *worker); /* a spare one that is idle */
+
+void worker_set_state(struct worker *worker, enum worker_state state,
+                      uint64_t ms); /* on_time after ms; 0 = never */
+uint32_t worker_processor_seconds(const struct voice_pool *pool, uint64_t ms); /* for what may take ms */
+void worker_greeted(struct worker *worker,
+                    const struct wire_frame *frame); /* the first that its process says */
+void worker_end_job(struct worker *worker, struct sentence_audio *u, const struct error *e);
+
+/* The process is lost; why follows "the voice NAME". That costs the sentence that it spoke, if any, and
+ * another process is started: at once if this one was of any use. */
+void worker_lose(struct worker *worker, const char *code, const char *why, bool hopeless);
+
+/* worker_sentence.c */
+void worker_said(void *worker, const struct wire_frame *frame);
 void worker_wake(struct worker *worker);                     /* speaks the next sentence if it is idle */
 void worker_cancel(struct worker *worker);                   /* the sentence that it speaks */
-void worker_start(struct worker *worker);                    /* a spare one that is off */
-void worker_retire(struct worker *worker);                   /* a spare one that is idle */
 struct voice_job *worker_give_up_job(struct worker *worker); /* so that another one can speak it */
 
-/* spare.c */
+/* voice_pool_spare.c */
 void spare_watch(struct worker *worker); /* it begins to speak */
 void spare_heard(struct worker *worker); /* anything from it */
 bool spare_is_stuck(const struct worker *worker);
 void spare_call(struct plugin *plugin); /* somebody else is to speak */
 void spare_rescue(
-    struct plugin *plugin); /* somebody else can: sentences of those who fell silent wait again */
+    struct plugin *plugin); /* another worker can: sentences of workers that fell silent wait again */
 bool spare_may_go(const struct plugin *plugin);
 
-/* catalog.c */
+/* voice_catalog.c */
 struct voice_list catalog_list(const struct catalog *catalog);
 int catalog_add(struct catalog *catalog, const char *plugin, const char *description, struct error *e);
 void catalog_free(struct catalog *catalog);

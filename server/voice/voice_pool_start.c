@@ -18,9 +18,11 @@ struct voice_wait {
 };
 
 static void become_ready(struct voice_pool *pool) {
-    if (pool->is_ready || pool->closing)
+    bool speaks = catalog_list(&pool->catalog).count;
+    if ((pool->is_ready && pool->speaks >= speaks) || pool->closing)
         return;
     pool->is_ready = true;
+    pool->speaks = speaks;
     uv_timer_stop(&pool->start);
     plugins_log_absent(pool);
     if (pool->ready)

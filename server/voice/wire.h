@@ -29,6 +29,9 @@ enum wire_type {
 /* The descriptor on which a worker finds its socket. */
 enum { WIRE_FD = 3 };
 
+/* The descriptor on which a plugin that aligns finds the keeper of another worker (worker_keeper.h). */
+enum { WIRE_KEEPER_FD = 4 };
+
 /* While a sentence is worked on, ms. */
 enum { WIRE_ALIVE_MS = 100 };
 

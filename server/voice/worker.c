@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One seat for a worker process: starts it, gives it sentences, watches the clock, starts it anew when it is
- * lost. */
+/* One seat for a worker process: starts it, watches the clock, starts it anew when it is lost. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/voice/voice_pool_internal.h"
@@ -9,14 +8,11 @@
 #include <string.h>
 
 enum {
-    SLOW_PATIENCE = 4, /* times the deadline, for voices that say that they are slow */
-    START_MS = 30000,  /* to say hello: a neural voice loads its weights */
-    STOP_MS = 300,     /* to stop speaking when told to */
-    REST_MS = 100,     /* before the second start in a row; doubled for each further one */
-    STARTS = 5,        /* in a row, before the plugin is given up for a while */
-    SHORT_MS = 100,    /* before the next try to start, when the system has no room for a process */
+    START_MS = 30000, /* to say hello: a neural voice loads its weights */
+    REST_MS = 100,    /* before the second start in a row; doubled for each further one */
+    STARTS = 5,       /* in a row, before the plugin is given up for a while */
+    SHORT_MS = 100,   /* before the next try to start, when the system has no room for a process */
     SHORT_LOG_MS = 1000,
-    RETIRE_MS = 10000, /* for which a spare one has had nothing to do */
     PROCESSOR_SECONDS_MAX = 1 << 30,
 };
 
@@ -24,7 +20,7 @@ static void start(struct worker *w);
 
 static void on_time(uv_timer_t *timer);
 
-static void set_state(struct worker *w, enum worker_state state, uint64_t ms) {
+void worker_set_state(struct worker *w, enum worker_state state, uint64_t ms) {
     w->state = state;
     if (ms)
         uv_timer_start(&w->timer, on_time, ms, 0);
@@ -33,7 +29,7 @@ static void set_state(struct worker *w, enum worker_state state, uint64_t ms) {
 }
 
 /* Ends the sentence that is spoken. */
-static void end_job(struct worker *w, struct sentence_audio *u, const struct error *e) {
+void worker_end_job(struct worker *w, struct sentence_audio *u, const struct error *e) {
     struct voice_job *job = w->job;
     w->job = NULL;
     if (job)
@@ -48,7 +44,7 @@ static void give_up(struct worker *w, const char *why) {
         log_error("the voice %s does not start: %s; it will be tried again every %.0f s", plugin->name, why,
                   plugin->pool->retry_after);
     w->given_up = true;
-    set_state(w, WORKER_RESTING, (uint64_t)(plugin->pool->retry_after * 1000) + 1);
+    worker_set_state(w, WORKER_RESTING, (uint64_t)(plugin->pool->retry_after * 1000) + 1);
     if (plugin_runs(plugin))
         return;
     plugin->known = true;
@@ -58,7 +54,7 @@ static void give_up(struct worker *w, const char *why) {
 
 static void turn_off(struct worker *w, uint64_t rest_ms) {
     w->not_before = uv_now(w->plugin->pool->loop) + rest_ms;
-    set_state(w, WORKER_OFF, 0);
+    worker_set_state(w, WORKER_OFF, 0);
 }
 
 /* A start that came to nothing: the next one comes later, and much later after several. */
@@ -69,12 +65,12 @@ static void rest(struct worker *w, const char *why, bool hopeless) {
     else if (hopeless || w->failed_starts >= STARTS || w->given_up)
         give_up(w, why);
     else
-        set_state(w, WORKER_RESTING, (uint64_t)REST_MS << (w->failed_starts - 1));
+        worker_set_state(w, WORKER_RESTING, (uint64_t)REST_MS << (w->failed_starts - 1));
 }
 
 /* The process is lost; why follows "the voice NAME". That costs the sentence that it spoke, if any, and
  * another process is started: at once if this one was of any use. */
-static void lose(struct worker *w, const char *code, const char *why, bool hopeless) {
+void worker_lose(struct worker *w, const char *code, const char *why, bool hopeless) {
     struct plugin *plugin = w->plugin;
     enum worker_state state = w->state;
     struct error e;
@@ -93,23 +89,23 @@ static void lose(struct worker *w, const char *code, const char *why, bool hopel
         turn_off(w, 0);
     else
         start(w);
-    end_job(w, NULL, &e);
+    worker_end_job(w, NULL, &e);
 }
 
 static void on_time(uv_timer_t *timer) {
     struct worker *w = timer->data;
     switch (w->state) {
     case WORKER_STARTING:
-        lose(w, "voice-failed", "does not answer", false);
+        worker_lose(w, "voice-failed", "does not answer", false);
         break;
     case WORKER_SPEAKING:
-        lose(w, "voice-timeout", "took too long", false);
+        worker_lose(w, "voice-timeout", "took too long", false);
         break;
     case WORKER_STOPPING:
-        lose(w, "voice-timeout", "did not stop", false);
+        worker_lose(w, "voice-timeout", "did not stop", false);
         break;
     case WORKER_LOST:
-        lose(w, "voice-timeout", "did not come back", false);
+        worker_lose(w, "voice-timeout", "did not come back", false);
         break;
     case WORKER_RESTING:
         start(w);
@@ -127,7 +123,7 @@ static void hello(struct worker *w, const char *description) {
     struct error e;
     if (!plugin->listed || w->given_up) {
         if (catalog_add(&plugin->pool->catalog, plugin->name, description, &e) < 0) {
-            lose(w, "voice-failed", e.message, true);
+            worker_lose(w, "voice-failed", e.message, true);
             return;
         }
     }
@@ -135,101 +131,26 @@ static void hello(struct worker *w, const char *description) {
     if (w->given_up)
         log_info("the voice %s has started after all", plugin->name);
     w->given_up = false;
-    set_state(w, WORKER_IDLE, 0);
+    worker_set_state(w, WORKER_IDLE, 0);
     plugin->known = plugin->listed = true;
     pool_plugin_known(plugin);
     worker_wake(w);
 }
 
-/* All has been said about the sentence. */
-static void done(struct worker *w, struct wire_reader *r) {
-    struct voice_job *job = w->job;
-    uint32_t failed = wire_get_u32(r);
-    const char *message = wire_get_string(r);
-    struct error e;
-    if (r->bad) {
-        lose(w, "voice-failed", "sent garbage", false);
-        return;
-    }
-    struct sentence_audio *u = NULL;
-    w->failed_starts = 0;
-    if (job->cancelled)
-        failed = 0;
-    else if (failed)
-        error_set(&e, "voice-failed", "the voice %s failed: %s", w->plugin->name,
-                  message && *message ? message : "it does not say why");
-    else {
-        u = assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate);
-        pool_job_spoken(job);
-    }
-    set_state(w, WORKER_IDLE, 0);
-    end_job(w, u, failed ? &e : NULL);
-    worker_wake(w);
-}
-
 /* The first thing a process says. */
-static void greeted(struct worker *w, const struct wire_frame *frame) {
+void worker_greeted(struct worker *w, const struct wire_frame *frame) {
     struct wire_reader r = wire_read(frame);
     const char *text = wire_get_string(&r);
     w->absent = text && frame->type == WIRE_ABSENT;
     if (text && frame->type == WIRE_HELLO)
         hello(w, text);
     else
-        lose(w, "voice-failed", text && (w->absent || frame->type == WIRE_FAILED) ? text : "sent garbage",
-             true);
-}
-
-/* It speaks: until it has been silent for too long, or spoken for too long. */
-static void be_patient(struct worker *w) {
-    uint64_t now = uv_now(w->plugin->pool->loop), left = w->end > now ? w->end - now : 1;
-    set_state(w, WORKER_SPEAKING, left < w->patience ? left : w->patience);
-}
-
-/* What it says of a sentence that another one speaks counts for nothing, but it can be used again. */
-static void came_back(struct worker *w, const struct wire_frame *frame) {
-    if (frame->type != WIRE_DONE)
-        return;
-    log_info("the voice %s: the worker that fell silent has come back", w->plugin->name);
-    set_state(w, WORKER_IDLE, 0);
-    worker_wake(w);
-}
-
-static void said(void *ctx, const struct wire_frame *frame) {
-    struct worker *w = ctx;
-    struct wire_reader r = wire_read(frame);
-    struct error e;
-    int result = 0;
-    if (w->state == WORKER_STARTING) {
-        greeted(w, frame);
-        return;
-    }
-    spare_heard(w);
-    if (frame->type == WIRE_ALIVE && (w->job || w->state == WORKER_LOST))
-        return;
-    if (w->state == WORKER_LOST && frame->job == w->dropped) {
-        came_back(w, frame);
-        return;
-    }
-    bool expected = w->job && frame->job == w->job->number;
-    if (expected && frame->type == WIRE_DONE)
-        done(w, &r);
-    else if (expected && frame->type == WIRE_AUDIO)
-        result = w->job->cancelled ? 0 : assembly_audio(w->job->assembly, frame, &e);
-    else if (expected && frame->type == WIRE_EVENTS)
-        result = w->job->cancelled ? 0 : assembly_events(w->job->assembly, frame, &e);
-    else
-        result = error_set(&e, "voice-failed", "sent garbage");
-    if (!result && w->job && (frame->type == WIRE_AUDIO || frame->type == WIRE_EVENTS)) {
-        pool_job_said(w->job, frame);
-        if (w->state == WORKER_SPEAKING)
-            be_patient(w);
-    }
-    if (result < 0)
-        lose(w, e.code, e.message, false);
+        worker_lose(w, "voice-failed",
+                    text && (w->absent || frame->type == WIRE_FAILED) ? text : "sent garbage", true);
 }
 
 static void died(void *ctx, const char *how) {
-    lose(ctx, "voice-crashed", how, false);
+    worker_lose(ctx, "voice-crashed", how, false);
 }
 
 static void gone(void *ctx) {
@@ -238,7 +159,7 @@ static void gone(void *ctx) {
 }
 
 /* For something that should be done after so many ms. */
-static uint32_t processor_seconds(const struct voice_pool *pool, uint64_t ms) {
+uint32_t worker_processor_seconds(const struct voice_pool *pool, uint64_t ms) {
     double seconds = pool->processor * (double)ms / 1000;
     return seconds < PROCESSOR_SECONDS_MAX ? (uint32_t)seconds : PROCESSOR_SECONDS_MAX;
 }
@@ -251,12 +172,12 @@ static void wait_for_room(struct worker *w, const char *why) {
         log_warn("the voice %s has to wait: %s", w->plugin->name, why);
         pool->short_logged = now;
     }
-    set_state(w, WORKER_RESTING, SHORT_MS);
+    worker_set_state(w, WORKER_RESTING, SHORT_MS);
 }
 
 /* With the reserve, when there is nothing else. */
 static struct process *launch(struct worker *w, struct error *e) {
-    static const struct process_callbacks callbacks = {said, died, gone};
+    static const struct process_callbacks callbacks = {worker_said, died, gone};
     struct voice_pool *pool = w->plugin->pool;
     struct process *process = NULL;
     reserve_fill(&pool->reserve);
@@ -275,16 +196,17 @@ static struct process *launch(struct worker *w, struct error *e) {
 static void start(struct worker *w) {
     struct plugin *plugin = w->plugin;
     struct voice_pool *pool = plugin->pool;
-    const struct wire_limits limits = {pool->megabytes, processor_seconds(pool, START_MS), !pool->unconfined};
+    const struct wire_limits limits = {pool->megabytes, worker_processor_seconds(pool, START_MS),
+                                       !pool->unconfined};
     struct error e;
-    set_state(w, WORKER_STARTING, START_MS);
+    worker_set_state(w, WORKER_STARTING, START_MS);
     w->process = launch(w, &e);
     if (!w->process && !strcmp(e.code, PROCESS_NO_ROOM)) {
         wait_for_room(w, e.message);
         return;
     }
     if (!w->process) {
-        lose(w, e.code, e.message, false);
+        worker_lose(w, e.code, e.message, false);
         return;
     }
     struct buf b = {0};
@@ -315,7 +237,7 @@ void worker_start(struct worker *w) {
 
 void worker_retire(struct worker *w) {
     if (!spare_may_go(w->plugin)) {
-        set_state(w, WORKER_IDLE, RETIRE_MS);
+        worker_set_state(w, WORKER_IDLE, WORKER_RETIRE_MS);
         return;
     }
     process_stop(w->process, true);
@@ -337,66 +259,5 @@ void worker_close(struct worker *w) {
         process_stop(w->process, idle);
     w->process = NULL;
     error_set(&e, "cancelled", "the voice %s is shut down", w->plugin->name);
-    end_job(w, NULL, &e);
-}
-
-void worker_wake(struct worker *w) {
-    struct voice_pool *pool = w->plugin->pool;
-    if (w->state != WORKER_IDLE || pool->closing)
-        return;
-    spare_rescue(w->plugin);
-    struct voice_job *job = pool_next_job(w->plugin);
-    if (!job) {
-        if (w->spare && !uv_is_active((uv_handle_t *)&w->timer))
-            set_state(w, WORKER_IDLE, RETIRE_MS);
-        return;
-    }
-    double seconds = pool->deadline_base + pool->deadline_per_byte * (double)job->plan.text_bytes;
-    if (job->voice->capabilities & FACCIA_VOICE_SLOW)
-        seconds *= SLOW_PATIENCE;
-    w->patience = (uint64_t)(seconds * 1000) + 1;
-    w->end = uv_now(pool->loop) + (uint64_t)((double)w->patience * pool->deadline_most);
-    const struct faccia_sentence sentence = {job->voice->id + strlen(w->plugin->name) + 1, job->plan.spans,
-                                             job->plan.span_count};
-    struct buf b = {0};
-    size_t place = wire_begin(&b, WIRE_SPEAK, job->number);
-    wire_put_u32(&b, processor_seconds(pool, w->patience));
-    wire_put_sentence(&b, &sentence);
-    wire_end(&b, place);
-    job->worker = w;
-    job->assembly = assembly_new(&job->plan);
-    w->job = job;
-    be_patient(w);
-    spare_watch(w);
-    process_send(w->process, &b);
-    buf_free(&b);
-}
-
-static void tell_to_stop(struct worker *w) {
-    struct buf b = {0};
-    size_t place = wire_begin(&b, WIRE_CANCEL, w->job->number);
-    wire_end(&b, place);
-    process_send(w->process, &b);
-    buf_free(&b);
-}
-
-void worker_cancel(struct worker *w) {
-    set_state(w, WORKER_STOPPING, STOP_MS);
-    tell_to_stop(w);
-}
-
-/* Its own deadline stays: by then it is back, or another process takes its place. */
-struct voice_job *worker_give_up_job(struct worker *w) {
-    struct voice_job *job = w->job;
-    struct voice_pool *pool = w->plugin->pool;
-    tell_to_stop(w);
-    w->dropped = job->number;
-    w->state = WORKER_LOST;
-    w->job = NULL;
-    assembly_free(job->assembly);
-    job->assembly = NULL;
-    job->spoken.size = 0;
-    job->worker = NULL;
-    job->number = pool_number(pool); /* what the first one still says of it has another */
-    return job;
+    worker_end_job(w, NULL, &e);
 }

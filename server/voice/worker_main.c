@@ -6,6 +6,7 @@
 #include "server/voice/plugin_loader.h"
 #include "server/voice/sandbox.h"
 #include "server/voice/worker_io.h"
+#include "server/voice/worker_keeper.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <signal.h>
@@ -131,10 +132,14 @@ static int load(struct loaded_plugin *host, const char *plugin, const struct all
                 char *message, size_t cap) {
     struct needs needs;
     needs_read(&needs, plugin);
+    if (needs.capabilities & WORKER_KEEPER_WANTED)
+        worker_keeper_start(plugin);
     const struct sandbox sandbox = {plugin, &needs, allowed->paths, allowed->count, getppid()};
     host->gaps = (struct sandbox_gaps){0};
     if (confined)
         sandbox_enter(&sandbox, &host->gaps);
+    else
+        setenv("FACCIA_SANDBOX", "off", 1); /* for a second voice, too */
     int result = loaded_plugin_load(host, plugin, confined ? needs.capabilities : UINT32_MAX, message, cap);
     needs_free(&needs);
     return result;
@@ -147,6 +152,7 @@ static int run(const struct opening *opening, const char *plugin) {
     limit_memory(opening->limits.megabytes);
     limit_processor(opening->limits.seconds);
     int result = allowed_read(&allowed, opening->config, message, sizeof message);
+    allowed_add_packs(&allowed);
     if (!result)
         result = load(&host, plugin, &allowed, opening->limits.sandbox, message, sizeof message);
     struct worker_io *m = worker_io_open(WIRE_FD);

@@ -44,15 +44,18 @@ static void on_finished(void *ctx, size_t spoken) {
 
 static long run(const struct bench *b, const struct speech_pack *pack, double fps, const char *engine) {
     long sum = 0; /* so that nothing is optimised away */
-    struct face_options options = {.seed = 1, .life = 1, .engine = engine};
+    struct face_options options = {.engine = engine};
+    const struct placement_options place = {.seed = 1, .life = 1};
     for (size_t i = 0; i < b->count; i++) {
         const struct sentence_audio *u = b->utterances[i];
         struct face_track *track = face_track_new(pack, u, &options, NULL, NULL);
+        struct face_placement *face = face_placement_new(track, u, &place);
         struct fap_frame frame;
         for (long k = 0; k < fps * u->samples / u->sample_rate; k++) {
-            face_track_sample(track, (double)k / fps, &frame);
+            face_placement_sample(face, (double)k / fps, &frame);
             sum += frame.value[3];
         }
+        face_placement_free(face);
         face_track_free(track);
     }
     return sum;

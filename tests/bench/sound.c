@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Speech through the daemon's Opus coder and back, for sound.mjs. Usage: sound RATE BITRATE < PCM > PCM: 16
- * bit, mono; what comes out is at 48 kHz and in step with what went in. The number of coded bytes, lengths
- * included, goes to standard error. */
+/* Speech through the daemon's Opus coder and back, for sound.mjs. Usage: sound RATE BITRATE [LEVEL] < PCM >
+ * PCM: 16 bit, mono; what comes out is at 48 kHz and in step with what went in. The number of coded bytes, lengths
+ * included, and the ms of CPU that coding took go to standard error. LEVEL: one of codec_load.h's. */
 #include "server/codec/opus_audio.h"
 #include <opus/opus.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <time.h>
 
 int main(int argc, char **argv) {
     struct buf pcm = {0}, packets = {0};
     int16_t heard[OPUS_PACKET_SAMPLES];
     int error;
-    if (argc != 3)
+    if (argc < 3)
         return 2;
     for (size_t got = 1; got; pcm.size += got)
         got = fread(buf_reserve(&pcm, 65536), 1, 65536, stdin);
@@ -19,8 +20,11 @@ int main(int argc, char **argv) {
     OpusDecoder *decoder = opus_decoder_create(OPUS_RATE, 1, &error);
     if (!o || !decoder)
         return 1;
+    opus_audio_set_level(o, argc > 3 ? (unsigned)atoi(argv[3]) : 0);
+    clock_t from = clock();
     opus_audio_add(o, (const int16_t *)(const void *)pcm.data, pcm.size / 2, &packets);
     opus_audio_end(o, &packets);
+    double took = (double)(clock() - from) / CLOCKS_PER_SEC;
     size_t skip = opus_audio_skip(o);
     for (const uint8_t *at = packets.data; at < packets.data + packets.size;) {
         int size = *at++;
@@ -33,7 +37,7 @@ int main(int argc, char **argv) {
         skip = 0;
         at += size;
     }
-    fprintf(stderr, "%zu\n", packets.size);
+    fprintf(stderr, "%zu %.1f\n", packets.size, took * 1000);
     opus_decoder_destroy(decoder);
     opus_audio_free(o);
     buf_free(&pcm);

@@ -7,6 +7,7 @@ import { likeness } from './likeness.mjs';
 import { needProgram } from './need.mjs';
 import { sentence, varied } from './text.mjs';
 
+const LEVELS = 5;
 const RATES = [8000, 10000, 12000, 14000, 16000, 20000, 24000, 32000, 64000];
 const text = `${sentence} ${varied(500, 3)}`;
 
@@ -51,10 +52,13 @@ for (const id of wanted) {
   for (const decibels of [50, 40, 30, 20]) show(`noise ${decibels} dB below`, noisy(original, decibels));
   for (const hertz of [8000, 6000, 4000, 3000])
     if (hertz < rate / 2) show(`nothing above ${hertz} Hz`, samples(sox(pcm, rate, 48000, 'sinc', `-${hertz}`)));
-  for (const bitrate of RATES) {
-    const coded = spawnSync(program, [String(rate), String(bitrate)], { input: pcm, maxBuffer: 1 << 28 });
+  const code = (name, ...args) => {
+    const coded = spawnSync(program, [rate, ...args].map(String), { input: pcm, maxBuffer: 1 << 28 });
     if (coded.status) throw new Error(String(coded.stderr));
-    show(`Opus at ${bitrate / 1000} kbit/s`, samples(coded.stdout), `${((Number(coded.stderr) * 8) / seconds / 1000).toFixed(1)} kbit`);
-  }
+    const [bytes, ms] = String(coded.stderr).split(' ').map(Number);
+    show(`${name}, ${(ms / seconds).toFixed(1)} ms/s`, samples(coded.stdout), `${((bytes * 8) / seconds / 1000).toFixed(1)} kbit`);
+  };
+  for (const bitrate of RATES) code(`Opus at ${bitrate / 1000} kbit/s`, bitrate);
+  for (let level = 0; level < LEVELS; level++) code(`level ${level} of codec_load.h`, 0, level);
 }
 await daemon.stop();

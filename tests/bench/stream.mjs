@@ -29,7 +29,7 @@ const ask = (format, fps = 25) => fetch(`${daemon.url}/v1/speech?lang=it&format=
 /** Bytes of a frame's header on a socket, of the server (RFC 6455, 5.2). */
 const framing = (size) => (size < 126 ? 2 : size < 65536 ? 4 : 10);
 
-/** All that one who asks for that hears, as bytes, and for how long. */
+/** All that a client which asks for that hears, as bytes, and for how long. */
 async function hear(query) {
   const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?lang=it${query}`, { perMessageDeflate: false });
   const sum = { chunks: 0, audio: 0, fap: 0, heads: 0, framing: 0, texts: 0, duration: 0 };

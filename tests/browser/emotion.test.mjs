@@ -151,7 +151,7 @@ test('from idling to speech and back the face as drawn takes no jump', async () 
   await page.waitForTimeout(600);
   await record(page);
   await page.evaluate(() => document.querySelector('talking-head').speak('Mamma mia.', { lang: 'it' }));
-  await page.waitForTimeout(800);
+  await page.waitForFunction(() => window.log.some((l) => l.running) && !window.log.at(-1).running, null, { timeout: 60000 });
   const log = await page.evaluate(() => ((window.logging = false), window.log));
   const edges = log.slice(1).map((l, i) => [log[i], l]).filter(([a, b]) => a.running !== b.running);
   assert.equal(edges.length, 2);
@@ -238,7 +238,7 @@ test('captions of marked-up text show its words, are readable, and can be switch
   assert.equal(await page.locator('talking-head .captions').isVisible(), false);
 });
 
-test('who asks for less motion sees the emotions on a face that is still otherwise', async () => {
+test('with less motion the emotions show on a face that is still otherwise', async () => {
   const other = await browser.newPage({ reducedMotion: 'reduce' });
   await other.goto(`${daemon.url}/emotion.html`);
   await other.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });

@@ -124,7 +124,7 @@ test('a WebSocket at another address is refused', async () => {
   })));
 });
 
-/** Raw bytes to the port; resolves when the daemon closes or after a while. */
+/** Raw bytes to the port; resolves when the daemon closes. */
 function raw(bytes) {
   return new Promise((resolve) => {
     const socket = net.connect(daemon.port, '127.0.0.1');
@@ -132,7 +132,6 @@ function raw(bytes) {
     socket.on('data', (data) => (heard += data.toString('latin1')));
     socket.on('close', () => resolve(heard)).on('error', () => resolve(heard));
     socket.write(bytes);
-    setTimeout(() => socket.destroy(), 500);
   });
 }
 
@@ -164,6 +163,6 @@ test('a client that vanishes while it is spoken to costs nothing', async () => {
     if (i % 3) await stream.until(() => stream.chunks.length > 0);
     stream.socket.terminate();
   }
-  await new Promise((resolve) => setTimeout(resolve, 300));
+  await daemon.left(2);
   assert.equal((await (await daemon.get('/healthz')).json()).status, 'ok');
 });

@@ -95,7 +95,7 @@ const wrong = [
   [['--fps', '0', 'a'], 2, /--fps: must be a number/],
   [['--rate', 'fast', 'a'], 2, /--rate/],
   [['--life', '3', 'a'], 2, /--life: must be a number from 0 to 2/],
-  [['--blend', 'some', 'a'], 2, /--blend: must be one of regions, weighted/],
+  [['--blend', 'some', 'a'], 2, /--blend: must be one of auto, regions, weighted/],
   [['--markup', 'xyz', 'a'], 2, /markup: no markup 'xyz'/],
   [['--markup', 'ssml', '<speak>\n<p>a</speak>'], 1, /2:\d+: /],
   [['--nothing'], 2, /Try 'faccia say --help'/],

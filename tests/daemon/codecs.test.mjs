@@ -73,7 +73,7 @@ test('as many bits of Opus as somebody asks for', async () => {
   await stream.close();
 });
 
-test('one who comes late can read what he gets', async () => {
+test('a late listener can read what it gets', async () => {
   const first = await daemon.stream(`${DEFAULT}&room=late`);
   first.send({ type: 'speak', id: 's', lang: 'it', text });
   await first.until(() => first.chunks.length > 15);

@@ -51,6 +51,27 @@ test('recordings become a pack that loads and speaks', () => {
   assert.ok(JSON.parse(said.stdout).phones.length > 8);
 });
 
+test('a TextGrid with X-SAMPA, markers for columns, and a recording to test on, in one command', () => {
+  const [one, two] = ['apa', 'ala'].map((word, i) => recordWord(word, i + 20));
+  for (const file of [one, two]) {
+    const name = file.slice(0, -4);
+    const lines = fs.readFileSync(file, 'utf8').trim().split('\n').slice(1).map((line) => line.split(',').map(Number));
+    fs.writeFileSync(file, 't,ll_z,jaw_z\n' + lines.map(([t, low, jaw]) => [t, 30 - low, 10 - jaw].join(',')).join('\n'));
+    const rows = fs.readFileSync(`${name}.phones.csv`, 'utf8').trim().split('\n').slice(1).map((line) => line.split(','));
+    fs.rmSync(`${name}.phones.csv`);
+    fs.rmSync(`${name}.json`, { force: true });
+    const end = rows.at(-1)[1];
+    fs.writeFileSync(`${name}.TextGrid`, `File type = "ooTextFile"\nObject class = "TextGrid"\n\n0\n${end}\n<exists>\n1\n"IntervalTier"\n"phones"\n0\n${end}\n${rows.length}\n` +
+      rows.map(([from, to, ipa]) => `${from}\n${to}\n"${{ _: '', tʃ: 'tS' }[ipa] ?? ipa}"`).join('\n') + '\n');
+  }
+  const { status, stdout, stderr } = faccia(['fit', '--first', '2', '--then', '3', '--test', two, one]);
+  assert.equal(status, 0, stderr);
+  assert.match(stderr, /^LI: unfitted [\d.]+ mm, fitted [\d.]+; held out: unfitted [\d.]+, fitted [\d.]+; strength /m);
+  assert.match(stderr, /^EM, test recordings: unfitted [\d.]+ mm, fitted [\d.]+ mm$/m);
+  const targets = Object.values(JSON.parse(stdout).phones).flatMap((phone) => Object.values(phone.targets ?? {})).flatMap((contexts) => Object.values(contexts));
+  for (const { T } of targets) assert.ok(T >= -3 && T <= 30, `${T} mm is no mouth's`);
+});
+
 test('what is wrong with a recording is named', () => {
   const bad = path.join(folder, 'bad.csv');
   fs.writeFileSync(bad, 'time,LI\n0,0\n0.01,x\n');
@@ -58,6 +79,7 @@ test('what is wrong with a recording is named', () => {
   const { status, stderr } = faccia(['fit', bad]);
   assert.equal(status, 1);
   assert.match(stderr, /bad/);
+  assert.equal(faccia(['fit', '--strength', '0', bad]).status, 2);
   assert.equal(faccia(['fit']).status, 2);
   assert.equal(faccia(['fit', '--help']).status, 0);
   assert.equal(faccia(['fit', path.join(folder, 'nowhere.csv')]).status, 1);

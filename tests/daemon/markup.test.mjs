@@ -57,6 +57,30 @@ test('a stream sends warnings with line and column before the first sentence', a
   assert.deepEqual(messages.filter((m) => m.type === 'word').map((m) => m.text), ['Uno', 'due']);
 });
 
+test('a document that names a weight is shown by weights', async () => {
+  const faps = async (weight, query = '') => {
+    const text = `<SENT>Bugün <HAPPY${weight}>çok güzel</HAPPY> bir gün.</SENT>`;
+    const response = await daemon.get(`/v1/speech?format=fap&lang=tr&life=0&${query}`, { method: 'POST', body: text, headers: { 'content-type': 'application/jsml+xml' } });
+    return parseFap(await response.text()).frames;
+  };
+  const weights = [' WEIGHT="0.02"', ' WEIGHT="0.2"', ' WEIGHT="0.9"'];
+  /* brows and cheeks over the frames: they are the emotion's alone */
+  const raised = (frames) => frames.reduce((sum, f) => sum + Math.abs(f[31]) + Math.abs(f[41]), 0);
+  const [little, some, much] = await Promise.all(weights.map(async (w) => raised(await faps(w))));
+  assert.ok(little < 0.3 * some && some < 0.7 * much, `${little} ${some} ${much}`);
+  assert.deepEqual(await faps(weights[1]), await faps(weights[1], 'blend=weighted'));
+  assert.deepEqual(await faps(weights[0], 'blend=regions'), await faps(weights[2], 'blend=regions'));
+  assert.deepEqual(await faps(''), await faps('', 'blend=regions'), 'without a weight by regions');
+});
+
+test('a weight that is not acted on is warned of, with its place', async () => {
+  const text = '<SENT>Bugün\n <HAPPY WEIGHT="0.9">çok güzel</HAPPY> bir <SAD>gün</SAD>.</SENT>';
+  const places = async (blend) => (await speak({ lang: 'tr', markup: 'jsml', text, blend })).messages.filter((m) => m.type === 'warning').map(({ code, line, column }) => [code, line, column]);
+  assert.deepEqual(await places('regions'), [['ignored', 2, 2]]);
+  assert.deepEqual(await places('weighted'), []);
+  assert.deepEqual(await places('auto'), []);
+});
+
 test('a document may be typed as it is', async () => {
   const { messages, end } = await speak('<SENT><SURPRISED>merhaba</SURPRISED>, benim adım erdem</SENT>');
   assert.equal(end.reason, 'done');

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Events inside the media chunks, for those who ask for them so: the same as in text, in a tenth of the bytes.
+// Events inside the media chunks, for clients that ask for them so: the same as in text, in a tenth of the bytes.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';

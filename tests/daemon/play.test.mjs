@@ -158,7 +158,7 @@ test('the folder is listed, by the names that can be played', async () => {
   assert.equal(await head.text(), '');
 });
 
-test('who asks for the list and does not stay for it costs nothing', async () => {
+test('a client that asks for the list and leaves costs nothing', async () => {
   const { hostname, port } = new URL(daemon.url);
   const gone = Array.from({ length: 200 }, () => new Promise((resolve) => {
     const socket = net.connect(Number(port), hostname, () => socket.write('GET /v1/media HTTP/1.1\r\nHost: localhost\r\n\r\n', () => socket.resetAndDestroy()));

@@ -92,6 +92,49 @@ test('a close in the text protocol is answered when all has been said', async ()
   await once(silent, 'close');
 });
 
+test('those who type are told all that happens, in lines, also when they come later', async () => {
+  const { default: WebSocket } = await import('ws');
+  const open = async (query) => {
+    const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?${query}`, ['faccia.text.v1']);
+    const lines = [];
+    socket.on('message', (data) => lines.push(String(data)));
+    await once(socket, 'open');
+    const until = async (pattern, least = 1) => {
+      while (lines.filter((line) => pattern.test(line)).length < least) await once(socket, 'message');
+      return lines.find((line) => pattern.test(line));
+    };
+    return { send: (line) => socket.send(line), lines, until, close: () => socket.close() };
+  };
+  const first = await open('lang=it&room=righe&markup=ssml&phones=1');
+  first.send('<speak>La mamma <mark name="qui"/> parla piano, e <nonsense/> il papà la ascolta volentieri tutta la sera.</speak>');
+  await first.until(/^word [\d.]+ mamma$/);
+  const second = await open('lang=it&room=righe');
+  await second.until(/^begin \S+$/);
+  await second.until(/^sentence 0\.000 [\d.]+$/);
+  await second.until(/^word [\d.]+ mamma$/);
+  second.send('/pause');
+  await first.until(/^paused [\d.]+$/);
+  second.send('/jump qui');
+  await first.until(/^jumped [\d.]+ qui$/);
+  second.send('/resume');
+  await first.until(/^resumed [\d.]+$/);
+  await second.until(/^word [\d.]+ papà$/);
+  await first.until(/^phone [\d.]+ m$/);
+  await first.until(/^mark [\d.]+ qui$/);
+  await first.until(/^warning \S+ .* \(line 1, column \d+\)$/);
+  await second.until(/^end done [\d.]+$/);
+  second.send('/lang xx');
+  second.send('Sì.');
+  assert.match(await second.until(/^error /), /^error unknown-language lang /);
+  second.send('/fly');
+  await second.until(/^error unknown-command /);
+  second.send('/leave');
+  await second.until(/^left righe$/);
+  for (const line of [...first.lines, ...second.lines]) assert.doesNotMatch(line, /[{}\n]|undefined|null/, line);
+  first.close();
+  second.close();
+});
+
 test('the files that curl wrote are what they are called', () => {
   const bytes = (name) => fs.readFileSync(path.join(folder, name));
   assert.equal(bytes('mamma.wav').toString('latin1', 0, 4), 'RIFF');

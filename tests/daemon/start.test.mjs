@@ -72,6 +72,29 @@ test('a voice that does not come is waited for no longer than the setting says',
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
+test('when no voice comes at all, health says so, until one does', async () => {
+  fs.rmSync(gate, { force: true });
+  const lonely = path.join(folder, 'lonely');
+  fs.mkdirSync(lonely);
+  fs.symlinkSync(path.join(build, 'tests/plugins/sleepy.so'), path.join(lonely, 'early.so'));
+  fs.symlinkSync(path.join(build, 'tests/plugins/refuses.so'), path.join(lonely, 'refuses.so'));
+  const daemon = await start('--plugins', lonely, '--voice-start', '2');
+  const health = async () => {
+    const answer = await daemon.get('/healthz');
+    return [answer.status, await answer.json()];
+  };
+  assert.equal((await health())[1].status, 'starting');
+  await daemon.logged(/no voice plugin could be started/);
+  const [status, said] = await health();
+  assert.deepEqual([status, said.status, said.reason], [503, 'unavailable', 'no voice plugin could be started']);
+  assert.doesNotMatch(daemon.log, /ready: /);
+  wakeUp();
+  await daemon.logged(/ready: 1 voices/);
+  assert.deepEqual([(await health())[0], (await health())[1].status, (await health())[1].reason], [200, 'ok', undefined]);
+  assert.equal((await post(daemon, 'lang=fr')).status, 200);
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
 test('a client that waits may go, and the daemon may be stopped meanwhile', async () => {
   fs.rmSync(gate, { force: true });
   const daemon = await start();

@@ -131,7 +131,7 @@ test('SIGHUP: who came by a secret that is gone loses all rights, and others non
   await alone.wait({ type: 'end', id: 'cut', reason: 'stopped' });
   await lost.end;
   assert.match(lost.text, /event: error\ndata: .*"revoked-token"/);
-  // what is said in the room comes to those who may hear it
+  // what is said in the room comes to members with the right to listen
   other.send({ type: 'speak', id: 'still', lang: 'it', text: 'Ci siamo ancora.' });
   await other.wait({ type: 'end', id: 'still', reason: 'done' });
   assert.ok(!inRoom.messages.some((m) => m.id === 'still'));
@@ -150,7 +150,7 @@ test('SIGHUP: who came by a secret that is gone loses all rights, and others non
   assert.equal((await own.stop()).code, 0);
 });
 
-test('SIGHUP: a daemon that wants tokens from now on asks those who are there, too', async () => {
+test('SIGHUP: a daemon that wants tokens from now on asks clients that are there already, too', async () => {
   const config = path.join(folder, 'config.json');
   fs.writeFileSync(config, '{}');
   const own = await Daemon.start(['--config', config]);

@@ -4,7 +4,7 @@
  * cues. */
 #include "server/base/mem.h"
 #include "server/face/packs/speech_packs.h"
-#include "server/face/track.h"
+#include "server/face/placement.h"
 #include "tests/fuzz/fuzz.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -64,10 +64,10 @@ static void add_cue(struct sentence_audio *u, struct fuzz_input *in) {
     c->began_before = c->intensity > 0.5, c->goes_on = c->weight > 0.5;
 }
 
-static void sample(struct face_track *track, double end) {
+static void sample(struct face_placement *face, double end) {
     for (int i = -2; i < FRAMES_MAX; i++) {
         struct fap_frame frame;
-        face_track_sample(track, end * i / FRAMES_MAX, &frame);
+        face_placement_sample(face, end * i / FRAMES_MAX, &frame);
         for (int n = 3; n <= FAP_COUNT; n++)
             FUZZ_CHECK(!fap_frame_has(&frame, n) || fap_clamp(n, frame.value[n]) == frame.value[n]);
     }
@@ -81,10 +81,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     uint8_t choice = fuzz_u8(&in);
     struct face_options options = {.engine = face_engines()[choice & 3],
                                    .still = choice & 4,
-                                   .life = part(&in) * 2,
-                                   .seed = choice,
                                    .blend = choice & 8 ? BLEND_WEIGHTED : BLEND_REGIONS,
                                    .expressions = expressions()};
+    const struct placement_options place = {.life = part(&in) * 2, .seed = choice};
     u->sample_rate = choice & 16 ? 192000 : RATE;
     u->phones = mem_alloc(EVENTS_MAX * sizeof *u->phones);
     u->words = mem_alloc(EVENTS_MAX * sizeof *u->words);
@@ -101,8 +100,11 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     for (size_t i = 0; i < u->word_count; i++)
         u->words[i].end = u->words[i].end < u->samples ? u->words[i].end : u->samples;
     struct face_track *track = face_track_new(pack, u, &options, NULL, NULL);
-    sample(track, (double)u->samples / u->sample_rate + 0.2);
+    struct face_placement *face = face_placement_new(track, u, &place);
+    double end = (double)u->samples / u->sample_rate + 0.2;
     face_track_free(track);
-    sentence_audio_free(u);
+    sentence_audio_free(u); /* it may be: the placement shares the track, and has done with the sound */
+    sample(face, end);
+    face_placement_free(face);
     return 0;
 }

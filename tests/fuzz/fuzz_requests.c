@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What clients ask for. Byte 0: whether the rest is a message, the words of a query (NAME=VALUE, a line
- * each), or a message of ours for those who type. */
+ * each), or a message of ours for people who type. */
+#include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include "server/net/net_internal.h"
 #include "server/net/socket_internal.h"
 #include "server/synthesis/speech_request.h"
@@ -13,7 +15,7 @@ static void check_request(const struct speech_request *r) {
     FUZZ_CHECK(r->rate == 0 || (r->rate >= REQUEST_RATE_MIN && r->rate <= REQUEST_RATE_MAX));
     FUZZ_CHECK(r->pitch >= 0.25 && r->pitch <= 4 && r->volume >= 0.25 && r->volume <= 4);
     FUZZ_CHECK(r->fps >= 1 && r->fps <= 120 && r->life <= 2 && r->seed <= 9007199254740992.0);
-    FUZZ_CHECK(r->blend <= BLEND_WEIGHTED && r->mode <= SPEAK_INTERRUPT);
+    FUZZ_CHECK(r->blend <= SPEAK_BLEND_WEIGHTED && r->mode <= SPEAK_INTERRUPT);
     FUZZ_CHECK(!r->id || strlen(r->id) <= 64);
 }
 
@@ -72,12 +74,24 @@ static void take_words(struct fuzz_input *in) {
     request_free(&request);
 }
 
-static void read_line(const char *text, size_t size) {
+static void write_line(const struct stream_event *event) {
     struct buf line = {0};
-    text_line(text, size, &line);
+    event_line(&line, event);
     for (size_t i = 0; i < line.size; i++)
         FUZZ_CHECK(line.data[i] >= ' ');
+    FUZZ_CHECK(utf8_check((const char *)line.data, line.size) == line.size);
     buf_free(&line);
+}
+
+/* Whatever a text says, what is told of it to those who type is one line. */
+static void write_lines(const char *text, size_t size) {
+    struct error e;
+    char *string = mem_strndup(text, size);
+    write_line(&(struct stream_event){.kind = STREAM_WORD, .sample_rate = 16000, .end = size, .text = text});
+    write_line(&(struct stream_event){.kind = STREAM_MARK, .text = string});
+    error_in_field(&e, "bad-field", string, "%s", string);
+    write_line(&(struct stream_event){.kind = STREAM_WARNING, .error = &e});
+    free(string);
 }
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
@@ -92,7 +106,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     if (json_is_object(message))
         take_message(message);
     if (kind)
-        read_line(text, size);
+        write_lines(text, size);
     json_decref(message);
     free(text);
     return 0;

@@ -4,7 +4,7 @@
 #include "server/base/mem.h"
 #include "server/expression/expressions.h"
 #include "server/face/packs/speech_packs.h"
-#include "server/face/track.h"
+#include "server/face/placement.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
 #include "server/voice/cue_times.h"
@@ -62,17 +62,19 @@ static void show(const struct sentence_audio *u, const char *lang, uint8_t choic
     const struct stage *s = stage();
     const struct speech_pack *pack = speech_packs_find(&s->packs, lang);
     struct face_options options = {.engine = face_engines()[choice & 3],
-                                   .life = choice & 4 ? 1 : 0,
                                    .blend = choice & 8 ? BLEND_WEIGHTED : BLEND_REGIONS,
                                    .expressions = s->expressions};
     struct face_track *track = face_track_new(pack, u, &options, NULL, NULL);
+    struct face_placement *face =
+        face_placement_new(track, u, &(struct placement_options){.life = choice & 4 ? 1 : 0});
     double end = (double)u->samples / RATE + 0.3;
     for (int i = 0; i < FRAMES_MAX; i++) {
         struct fap_frame frame;
-        face_track_sample(track, end * i / FRAMES_MAX, &frame);
+        face_placement_sample(face, end * i / FRAMES_MAX, &frame);
         for (int n = 3; n <= FAP_COUNT; n++)
             FUZZ_CHECK(!fap_frame_has(&frame, n) || fap_clamp(n, frame.value[n]) == frame.value[n]);
     }
+    face_placement_free(face);
     face_track_free(track);
 }
 

@@ -92,6 +92,8 @@ const parts = {
   reading: () => ['12', '-1.234,5', '1/2', '3 1/2', '1.5.2024', '2024-05-01', '12:30:15', '7pm', '2h3m4s', 'PT2H', '€ 3,50', '$1,000.99', '5 kg', '3.5 km/h', 'anna@example.it', 'https://a.example/b?c=d', 'XIV', '+39 06 123', 'MCMXC']
     .flatMap((t, i) => [0, 1, 2, 3].map((lang) => joined(lang, (i * 3 + lang) % 20, t))),
   models: () => [joined(0, read('tests/fuzz/head.json')), ...Array.from({ length: 9 }, (_, i) => joined(1, u16(i * 5), i, u16(2), 1, 'a'))],
+  people: () => Object.values(timesFiles).concat('start,end,ipa\n0,0.1,_\n0.1,0.3,a\n0.3,0.5,p\n', '0.1 100 SIL\n0.3 100 AA1\n0.5 100 P\n').flatMap((times) =>
+    ['time,LI,LS\n0,0,0\n0.1,1,1\n0.2,5,2\n0.5,1,1\n', 't;ul_z;ll_z;jaw_z;tt_x\n0;1;2;3;4\n0.25;2;-3;3;4\n0.5;1;2;3;4\n'].map((curves) => `${curves}---\n${times}`)),
   sound: () => [0, 1, 2, 3].flatMap((who) => [joined(who, tone(16000, 400)), joined(who, tone(44100, 300, 2))]),
   recording: () => Object.entries({ textgrid: 0, lab: 1, htk: 2, offsets: 3, json: 4 }).map(([format, ending]) =>
     joined(ending, sized('{"name": "Anna", "lang": "it", "gender": "female", "names": {"a": "a", "tS": "t͡ʃ"}}'), sized('Uno due. Tre, quattro!'), sized(timesFiles[format]), tone(16000, 8000))),

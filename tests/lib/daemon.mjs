@@ -19,6 +19,17 @@ const running = new Set();
 const kill = () => running.forEach((child) => child.kill('SIGKILL'));
 if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 5000).unref());
 
+/** Waits until the condition, asked again and again, gives something true: for what nobody announces. */
+export async function eventually(condition, what = String(condition), milliseconds = 60000) {
+  const deadline = Date.now() + milliseconds;
+  for (;;) {
+    const value = await condition();
+    if (value) return value;
+    if (Date.now() > deadline) throw new Error(`waited in vain for ${what}`);
+    await new Promise((resolve) => setTimeout(resolve, 20));
+  }
+}
+
 export class Daemon {
   /**
    * @param {string[]} options of facciad; env: further variables; program: another one that becomes it;
@@ -41,12 +52,12 @@ export class Daemon {
     const line = await daemon.logged(/listening on http:\/\/(?:\[[^\]]*\]|[^:[]*):(\d+)\//);
     daemon.port = Number(line[1]);
     daemon.url = `http://127.0.0.1:${daemon.port}`;
-    if (voices) await daemon.logged(/ready: |no voice plugin could be started/);
+    if (voices) await daemon.logged(/ready: |no voice plugin could be started/, 60000); // a voice is waited for up to 30 s
     return daemon;
   }
 
   /** Waits until the log matches; fails when the daemon ends first. */
-  async logged(pattern, milliseconds = 20000) {
+  async logged(pattern, milliseconds = 60000) {
     const deadline = Date.now() + milliseconds;
     for (;;) {
       const match = this.log.match(pattern);
@@ -67,6 +78,11 @@ export class Daemon {
     // A test that has just waited for a program, synchronously, first hears which of its connections were closed meanwhile.
     await new Promise((resolve) => setTimeout(resolve));
     return fetch(this.url + address, options);
+  }
+
+  /** Waits until no more than so many connections are open: this question's own is one of them. */
+  async left(most) {
+    await eventually(async () => (await (await this.get('/healthz')).json()).connections <= most, `no more than ${most} connections`);
   }
 
   /** Media as they are, unless the query says how. */
@@ -103,13 +119,13 @@ export class Stream {
   }
 
   /** The first message, from index `from` on, that holds all members of the pattern (or satisfies it). */
-  async wait(pattern, { from = 0, milliseconds = 20000 } = {}) {
+  async wait(pattern, { from = 0, milliseconds = 60000 } = {}) {
     const fits = typeof pattern === 'function' ? pattern : (message) => contains(message, pattern);
     return this.until(() => this.messages.slice(from).find(fits), milliseconds, JSON.stringify(pattern) ?? String(pattern));
   }
 
   /** Waits until the condition gives something true. */
-  until(condition, milliseconds = 20000, what = String(condition)) {
+  until(condition, milliseconds = 60000, what = String(condition)) {
     return new Promise((resolve, reject) => {
       const timer = setTimeout(() => {
         this.waiters.delete(check);

@@ -24,22 +24,13 @@ function faccia(file, ...args) {
 
 test('the file is as the schema says', () => assert.ok(validate(read('expressions.json')), JSON.stringify(validate.errors?.slice(0, 3))));
 
-const broken = [
-  ['an unknown key', (f) => (f.affect.joy.colour = 'red'), /affect\.joy\.colour/],
-  ['a key before the one before it', (f) => (f.performative.greet.gesture.keys[1].at = 'soon'), /performative\.greet\.gesture\.keys\[1\]\.at/],
-  ['a weight above 1', (f) => (f.affect.hate.mix.anger = 3), /affect\.hate\.mix\.anger/],
-  ['an unknown kind', (f) => (f.weather = {}), /weather/],
-  ['a basic emotion that is none', (f) => (f.affect.joy.basic = 'boredom'), /affect\.joy\.basic/],
-];
-for (const [what, change, place] of broken)
-  test(`${what}: schema and reader both name the place`, () => {
-    const file = read('expressions.json');
-    change(file);
-    assert.equal(validate(file), false);
-    const { status, stderr } = faccia(file);
-    assert.equal(status, 1);
-    assert.match(stderr, place);
-  });
+test('what is broken is named with its place by the program (tests/corpus has all kinds)', () => {
+  const file = read('expressions.json');
+  file.performative.greet.gesture.keys[1].at = 'soon';
+  const { status, stderr } = faccia(file);
+  assert.equal(status, 1);
+  assert.match(stderr, /performative\.greet\.gesture\.keys\[1\]\.at/);
+});
 
 test('a new expression is a new entry', () => {
   const file = read('expressions.json');

@@ -9,6 +9,8 @@ import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
 import zlib from 'node:zlib';
 import * as check from '../../models/tools/lib/check.mjs';
+import { mouthFigures } from '../../models/tools/lib/anatomy.mjs';
+import { crossings } from '../../models/tools/lib/crossing.mjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { violations } from '../lib/schema.mjs';
 
@@ -25,9 +27,38 @@ const checks = [
   ['moves a lip as one when both contours get the same value', check.checkLipsMoveAsOne],
   ['has closed lips on the neutral face', check.checkNeutral],
   ['has lids that close', check.checkEyelids],
+  ['bites as people do', check.checkBite],
+  ['shows its incisors at rest as its sex and age want', check.checkTeethShown],
+  ['has teeth as wide as the mouth wants', check.checkArch],
+  ['has its tongue behind the teeth', check.checkTongue],
   ['does on the left what it does on the right', check.checkSymmetry],
 ];
 for (const [name, run] of checks) test(name, () => assert.deepEqual(run(head), []));
+
+test('teeth show by sex and age, where the recipe says nothing', () => {
+  const shown = (name) => {
+    const { upperShown, lowerShown } = mouthFigures({ shape: { [`macrodetails/${name}`]: 1 } });
+    return [upperShown, lowerShown];
+  };
+  const [girl, woman, oldWoman, man, oldMan] = ['female-child', 'female-young', 'female-old', 'male-young', 'male-old'].map((name) => shown(`asian-${name}`));
+  assert.deepEqual(girl, [4.5, 0.5]);
+  assert.ok(woman[0] > 3.4 && woman[0] < 4 && woman[1] === 0.5, woman.join());
+  assert.deepEqual(oldWoman, [1.3, 2.2]);
+  assert.ok(man[0] > 1.9 && man[0] < 2.5 && man[1] < 1.3, man.join());
+  assert.deepEqual(oldMan, [0.6, 3.1]);
+  assert.equal(mouthFigures({ shape: {}, mouth: { sex: 'male', age: 30 } }).upperShown, 1.9);
+  assert.equal(mouthFigures({ shape: {}, mouth: { upperShown: 2.7 } }).upperShown, 2.7);
+});
+
+test('a misplaced tooth or tongue is found', () => {
+  const moved = (name, axis, mm) => ({
+    ...head,
+    parts: head.parts.map((p) => (p.name === name ? { ...p, position: p.position.map((x, i) => (i % 3 === axis ? x + mm : x)) } : p)),
+  });
+  assert.ok(check.checkTeethShown(moved('teeth_upper', 1, 4)).length);
+  assert.ok(check.checkBite(moved('teeth_lower', 2, -6)).length);
+  assert.ok(check.checkTongue({ ...head, fdp: { ...head.fdp, 6.1: head.fdp['2.2'] } }).length);
+});
 
 test('keeps to the schema', () => assert.equal(violations('head-model', json), null));
 
@@ -56,25 +87,11 @@ test('stays out of its own way: no tooth comes through the skin when she speaks'
     58: -600,
   };
   const moved = pose(head, skin, a);
-  const chin = nearest(skin, head.fdp['2.10']),
-    lip = nearest(skin, head.fdp['8.2']);
-  const teeth = pose(
-    head,
-    head.parts.find((p) => p.name === 'teeth_lower'),
-    a,
-  );
-  let front = -Infinity;
-  for (let i = 0; i < teeth.length; i += 3)
-    if (Math.abs(teeth[i]) < 6 && teeth[i + 1] > moved[chin * 3 + 1]) front = Math.max(front, teeth[i + 2]);
-  for (const [name, v] of [
-    ['chin', chin],
-    ['lower lip', lip],
-  ]) {
-    assert.ok(
-      moved[v * 3 + 2] > front + 1,
-      `${name} at ${moved[v * 3 + 2].toFixed(1)} mm, teeth at ${front.toFixed(1)} mm`,
-    );
-  }
+  const teeth = head.parts.find((p) => p.name === 'teeth_lower');
+  const low = { position: pose(head, teeth, a), index: teeth.index };
+  const before = (x, y) => Math.abs(x) < 30 && y > head.fdp['2.1'][1] - 15;
+  const { count, deepest } = crossings({ position: moved, index: skin.index }, low, 1.2, before);
+  assert.equal(count, 0, `${count} edges, ${deepest.toFixed(1)} mm deep`);
 });
 
 test('is built the same every time', () => {
@@ -115,13 +132,3 @@ test('a recipe with a mistake is refused with a reason', () => {
     fs.rmSync(folder, { recursive: true });
   }
 });
-
-function nearest(part, place) {
-  let best = 0,
-    least = Infinity;
-  for (let v = 0; v < part.position.length / 3; v++) {
-    const d = Math.hypot(...place.map((x, k) => x - part.position[v * 3 + k]));
-    if (d < least) [best, least] = [v, d];
-  }
-  return best;
-}

@@ -22,8 +22,9 @@ static void liar_close(void *self) {
     (void)self;
 }
 
-extern struct faccia_voice faccia_voice;
-__attribute__((visibility("default"))) struct faccia_voice faccia_voice = {
+/* The header would have a constant. */
+extern struct faccia_voice table __asm__("faccia_voice");
+__attribute__((visibility("default"))) struct faccia_voice table = {
     .abi = FACCIA_VOICE_ABI,
     .size = sizeof(struct faccia_voice),
     .name = "liar",
@@ -36,5 +37,5 @@ __attribute__((visibility("default"))) struct faccia_voice faccia_voice = {
 };
 
 __attribute__((constructor)) static void lie(void) {
-    faccia_voice.capabilities = FACCIA_VOICE_PROGRAMS;
+    table.capabilities = FACCIA_VOICE_PROGRAMS;
 }

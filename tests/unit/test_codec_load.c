@@ -63,9 +63,19 @@ static void nobody_counts(void **state) {
     assert_int_equal(codec_load_now(NULL), CODEC_LOAD_BEST);
 }
 
+/* What counts is how busy those that code are; the loop only where it shares processors with them. */
+static void busy(void **state) {
+    (void)state;
+    assert_true(fabs(codec_load_busy(0.5, 0.3, 2) - 0.3) < 1e-9);
+    assert_true(fabs(codec_load_busy(0.9, 0.3, 2) - 0.9) < 1e-9);
+    assert_true(fabs(codec_load_busy(0.9, 0.1, 8) - 0.1) < 1e-9);
+    assert_true(fabs(codec_load_busy(0.9, 0.95, 2) - 0.95) < 1e-9);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(order), cmocka_unit_test(rests),         cmocka_unit_test(few_are_heard_best),
+        cmocka_unit_test(order), cmocka_unit_test(busy),
+        cmocka_unit_test(rests), cmocka_unit_test(few_are_heard_best),
         cmocka_unit_test(calm),  cmocka_unit_test(nobody_counts),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -3,6 +3,7 @@
 #include "server/face/engines/engine.h"
 #include "server/face/engines/morph.h"
 #include "server/face/packs/context_table.h"
+#include "server/face/track.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -276,7 +277,8 @@ static void reaches_its_keys_in_the_middle_of_phones(void **state) {
         assert_true(!ipa || items[i].phone);
     }
     struct phone_segments g = {items, count, count, 1.2};
-    struct face_layer layer = engine_context.layer(pack, NULL, &g);
+    struct speech_cursor cursor = {0};
+    struct speech_layer layer = engine_context.layer(pack, NULL, &g);
     const double *last = NULL;
     double last_at = 0;
     for (size_t i = 0; i < count - 1; i++) {
@@ -288,9 +290,9 @@ static void reaches_its_keys_in_the_middle_of_phones(void **state) {
         assert_non_null(row);
         double key = (items[i].start + items[i].end) / 2;
         NEAR(key, rows[i].key, 5e-5);
-        layer.add(layer.self, key, faps);
+        layer.add(layer.self, key, &cursor, faps);
         if (last)
-            layer.add(layer.self, last_at + 0.25 * (key - last_at), middle);
+            layer.add(layer.self, last_at + 0.25 * (key - last_at), &cursor, middle);
         for (int n = 3; n <= FAP_COUNT; n++) {
             NEAR(faps[n], row[n], 1e-6);
             if (last)

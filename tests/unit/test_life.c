@@ -18,7 +18,7 @@ enum { FPS = 100, EYE_YAW = 23, EYE_PITCH = 25, PITCH = 48, YAW = 49, ROLL = 50 
 #define DEGREE 1745.33
 
 static struct face_layer alive(uint64_t seed, double strength, double begin, const struct sentence_audio *u) {
-    struct face_options options = {.life = strength, .seed = seed, .begin = begin};
+    struct placement_options options = {.life = strength, .seed = seed, .begin = begin};
     return life_layer(&options, u, (struct life_influence){0});
 }
 
@@ -375,7 +375,7 @@ static void slow_and_seldom(void *ctx, double t, struct liveliness *out) {
 
 static void is_influenced(void **state) {
     (void)state;
-    struct face_options options = {.life = 1};
+    struct placement_options options = {.life = 1};
     struct liveliness neutral = {1, 1, 1}, sad = {0.5, 1.6, 0.5}, wild = {2, 1, 1}, none = {0, 1, 0};
     struct liveliness *all[] = {&neutral, &sad, &wild, &none};
     struct life_statistics s[4];

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/markup/markup.h"
 #include "server/markup/plain.h"
 #include <setjmp.h>
 #include <stdarg.h>

@@ -122,7 +122,7 @@ static void never_jumps(void **state) {
     mood_free(mood);
 }
 
-/* Frames are made a little ahead of or behind the clock of who asks. */
+/* Frames are made a little ahead of or behind the clock of the caller. */
 static void remembers_a_little(void **state) {
     struct mood *mood = mood_new(*state);
     for (int i = 0; i < 10; i++)

@@ -2,6 +2,7 @@
 /* The documents of tests/documents, damaged at random in ways that can be repeated, through every reader:
  * each gives a sound score or an error with its place. */
 #include "server/base/buf.h"
+#include "server/markup/markup.h"
 #include "server/markup/markup_reader.h"
 #include "server/markup/score_dump.h"
 #include <dirent.h>

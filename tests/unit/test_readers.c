@@ -3,6 +3,7 @@
 #include "server/base/buf.h"
 #include "server/base/lines.h"
 #include "server/markup/affects.h"
+#include "server/markup/markup.h"
 #include "server/markup/markup_prosody.h"
 #include "server/markup/sayas.h"
 #include "server/voice/sampa.h"

@@ -340,6 +340,7 @@ static void names_the_place_of_an_error(void **state) {
     check_broken(w, "fapu/MNS", "0", "fapu.MNS");
     check_broken(w, "rest/reach", "\"soon\"", "rest.reach");
     check_broken(w, "undershoot/AR", "-1", "undershoot.AR");
+    check_broken(w, "trough", "1.5", "trough");
     check_broken(w, "contexts/vowels", "[]", "contexts.vowels");
     check_broken(w, "groups/pbm/viseme", "15", "groups.pbm.viseme");
     check_broken(w, "groups/pbm/context", "\"a\"", "groups.pbm.context");
@@ -361,6 +362,7 @@ static void names_the_place_of_an_error(void **state) {
     check_broken(w, "phones/ɪ/like", "{\"i\": 0.7, \"p\": 0.3}", "phones.ɪ.like");
     check_broken(w, "phones/θ", "{\"sampa\": \"T\", \"like\": \"ð\"}", "phones.θ");
     check_broken(w, "phones/ð/like", "\"ð\"", "phones.ð.like");
+    check_broken(w, "phones/ð/source", "7", "phones.ð.source");
     check_broken(w, "phones/ð/gain", "{\"LI\": 1e9}", "phones.ð.gain.LI");
     check_broken(w, "phones/ai", "{\"sampa\": \"ai\", \"parts\": []}", "phones.ai.parts");
     check_broken(w, "phones/ai", "{\"sampa\": \"ai\", \"parts\": [{\"phone\": \"a\"}]}",
@@ -386,7 +388,7 @@ static void refuses_what_is_no_pack(void **state) {
     assert_int_equal(e.place, PLACE_LINE);
     check_text(w, "it.json", "[]", &e);
     check_text(w, "heir.json",
-               "{\"tag\": \"x\", \"name\": \"x\", \"inherits\": \"heir\", \"sources\": [], \"voices\": [],"
+               "{\"tag\": \"it-x-a\", \"name\": \"x\", \"inherits\": \"heir\", \"sources\": [], \"voices\": [],"
                " \"abbreviations\": [], \"phones\": {}}",
                &e);
     assert_string_equal(e.field, "inherits");
@@ -399,7 +401,7 @@ static void describes_phones_by_others(void **state) {
     char file[256];
     snprintf(file, sizeof file, "%s/it.json", w->folder);
     copy(PACKS "it.json", file);
-    static const char heir[] = "{\"tag\": \"x\", \"name\": \"x\", \"inherits\": \"it\", \"sources\": [], "
+    static const char heir[] = "{\"tag\": \"it-x-a\", \"name\": \"x\", \"inherits\": \"it\", \"sources\": [], "
                                "\"voices\": [], \"abbreviations\": [],"
                                " \"phones\": {\"ʌ\": {\"sampa\": \"V\", \"like\": {\"a\": 0.75, \"e\": "
                                "0.25}, \"gain\": {\"LI\": 2}, \"shift\": {\"AR\": 1}},"

@@ -3,6 +3,7 @@
 #include "server/base/mem.h"
 #include "server/face/engines/engine.h"
 #include "server/face/packs/spelling.h"
+#include "server/face/track.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -293,10 +294,11 @@ static const double *row(const struct spelling *s, const char *name) {
     return NULL;
 }
 
-static void check_face(struct face_layer *layer, double t, const double *from, const double *to,
+static void check_face(struct speech_layer *layer, double t, const double *from, const double *to,
                        double part) {
     double faps[FAP_COUNT + 1] = {0};
-    layer->add(layer->self, t, faps);
+    struct speech_cursor cursor = {0};
+    layer->add(layer->self, t, &cursor, faps);
     for (int n = 3; n <= FAP_COUNT; n++)
         NEAR(faps[n], (1 - part) * from[n] + part * to[n], 0.02);
 }
@@ -306,7 +308,7 @@ static void goes_straight_from_shape_to_shape(void **state) {
     const struct spelling *s = pack->letters;
     struct sentence_audio u = words_alone("benim 0.3 0.578 adım 0.6 0.813", 1.5);
     struct phone_segments g = {.end = 1.5};
-    struct face_layer layer = engine_syllable.layer(pack, &u, &g);
+    struct speech_layer layer = engine_syllable.layer(pack, &u, &g);
     const double *none = row(s, "neutral"), *b = row(s, "bpe"), *e = row(s, "e"), *n = row(s, "ne"),
                  *m = row(s, "me"), *a = row(s, "a");
     check_face(&layer, 0.1, none, none, 0);
@@ -338,7 +340,7 @@ static void phones_come_first(void **state) {
             i % 8 ? speech_pack_phone(pack, phones[i - 1], strlen(phones[i - 1])) : NULL;
         g.items[g.count++] = (struct phone_segment){phone, start, end, 0, 1};
     }
-    struct face_layer layer = engine_syllable.layer(pack, &u, &g);
+    struct speech_layer layer = engine_syllable.layer(pack, &u, &g);
     for (size_t i = 0; i < 7; i++) {
         const double *own = row(pack->letters, shapes[i]);
         check_face(&layer, 0.2 + 0.1 * (double)i, own, own, 0);
@@ -362,7 +364,7 @@ static void ends_syllables_at_words(void **state) {
             g.items[g.count++] = (struct phone_segment){speech_pack_phone(pack, phones[i], 1),
                                                         0.1 * (double)i, 0.1 * (double)(i + 1), 0, 1};
         }
-        struct face_layer layer = engine_syllable.layer(pack, &u, &g);
+        struct speech_layer layer = engine_syllable.layer(pack, &u, &g);
         const double *t = row(pack->letters, words == 1 ? "szto" : "ta");
         check_face(&layer, 0.1, t, t, 0);
         layer.free(layer.self);

@@ -34,6 +34,28 @@ static void fault(void *ctx, enum websocket_status status, const char *why, uint
 
 static const struct websocket_ear ear = {piece, ping, pong, closed, fault};
 
+/* One that has its reader hold after each message. */
+struct held {
+    struct websocket_reader reader;
+    struct buf out;
+};
+
+static void hold_piece(void *ctx, const uint8_t *bytes, size_t size, bool binary, bool last) {
+    struct held *held = ctx;
+    piece(&held->out, bytes, size, binary, last);
+    held->reader.held = last;
+}
+
+static void hold_ping(void *ctx, const uint8_t *bytes, size_t size) {
+    ping(&((struct held *)ctx)->out, bytes, size);
+}
+
+static void hold_close(void *ctx, enum websocket_status status) {
+    closed(&((struct held *)ctx)->out, status);
+}
+
+static const struct websocket_ear holding_ear = {hold_piece, hold_ping, pong, hold_close, fault};
+
 /* A control frame may be told between the pieces of a message, so the bytes are compared, not the calls. */
 static void read_all(const uint8_t *bytes, size_t size, size_t step, struct buf *out) {
     struct websocket_reader reader = {.ear = &ear, .ctx = out, .most = 1000};
@@ -75,6 +97,38 @@ static void test_frames(void **state) {
         read_all(bytes.data, bytes.size, step, &out);
         assert_string_equal((char *)out.data, "hello.a<p>*b.xyz!closed 1000");
         buf_free(&out);
+    }
+    buf_free(&bytes);
+}
+
+/* Held after each message: what follows waits, and nothing of it is lost or told twice. */
+static void test_holding(void **state) {
+    static const char *const heard[] = {"hello.", "hello.a<p>b.", "hello.a<p>b.xyz!",
+                                        "hello.a<p>b.xyz!closed 1000"};
+    struct buf bytes = {0};
+    (void)state;
+    add_frame(&bytes, 0x81, "hello");
+    add_frame(&bytes, 0x01, "a");
+    add_frame(&bytes, 0x89, "p");
+    add_frame(&bytes, 0x80, "b");
+    add_frame(&bytes, 0x82, "xyz");
+    add_frame(&bytes, 0x88, "\x03\xe8");
+    for (size_t first = 1; first <= bytes.size; first++) {
+        struct held held = {0};
+        held.reader = (struct websocket_reader){.ear = &holding_ear, .ctx = &held, .most = 1000};
+        size_t at = websocket_reader_feed(&held.reader, bytes.data, first);
+        for (size_t i = 0; i < sizeof heard / sizeof *heard; i++) {
+            at += websocket_reader_feed(&held.reader, bytes.data + at, bytes.size - at);
+            buf_add(&held.out, "", 1);
+            assert_string_equal((char *)held.out.data, heard[i]);
+            held.out.size--;
+            assert_true(held.reader.held || held.reader.ended);
+            assert_int_equal(websocket_reader_feed(&held.reader, bytes.data + at, bytes.size - at),
+                             held.reader.ended ? bytes.size - at : 0);
+            held.reader.held = false;
+        }
+        buf_free(&held.out);
+        websocket_reader_free(&held.reader);
     }
     buf_free(&bytes);
 }
@@ -131,7 +185,8 @@ static void test_utf8(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_frames), cmocka_unit_test(test_memory),
-                                       cmocka_unit_test(test_heads), cmocka_unit_test(test_utf8)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_frames), cmocka_unit_test(test_holding),
+                                       cmocka_unit_test(test_memory), cmocka_unit_test(test_heads),
+                                       cmocka_unit_test(test_utf8)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

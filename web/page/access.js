@@ -16,7 +16,7 @@ export function takeFromAddress() {
 }
 
 export class Access {
-  #waiting = []; // those who want to know when there is a token that is accepted
+  #waiting = []; // called when a token has been accepted
 
   /**
    * @param {HTMLFormElement} form with a field `token` and an element of the class `why`, hidden

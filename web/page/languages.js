@@ -8,7 +8,7 @@ export const primary = (tag) => tag.split('-')[0].toLowerCase();
 
 /**
  * The language of a page's words. @param {readonly string[]} wanted the browser's, best first
- * @param {string[]} known those that there are words in @returns {string}
+ * @param {string[]} known the languages that there are words in @returns {string}
  */
 export function pageLanguage(wanted, known) {
   return wanted.map(primary).find((tag) => known.includes(tag)) ?? 'en';

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 
-const MOST = 8; // browsers have 8 (phones) or 16 for a page, and take the oldest away from those who want more
+const MOST = 8; // browsers have 8 (phones) or 16 for a page, and take the oldest away from a page that wants more
 
 /**
  * Who may have a context of the graphics processor: the faces that can be seen, up to a number, and others while there are

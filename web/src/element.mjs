@@ -17,7 +17,7 @@ import { Stage } from './stage.mjs';
 import { parts, styles } from './template.mjs';
 import { Turns } from './turns.mjs';
 
-const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String };
+const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String };
 const LINK_ATTRIBUTES = ['src', 'room', 'token'];
 const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden page, no WebGL), or slowly
 const MOVE_MS = 100; // so long it may be out of the page without being given up: frameworks move elements

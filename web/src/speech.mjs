@@ -184,7 +184,10 @@ export class Speech {
 
   /** Somebody has directed the stream: oneself, or another in the same room. */
   #direct(message, utterance) {
-    if (message.type === 'jumped' && utterance?.item) this.#forgetUnheard();
+    if (message.type === 'jumped' && utterance?.item) {
+      this.#forgetUnheard();
+      utterance.jump();
+    }
     if (message.type !== 'jumped') this.#hold(message.type === 'paused');
     this.emit(message.type, utterance ? this.#detail(utterance, message) : message);
   }

@@ -17,6 +17,7 @@ export interface SpeakOptions {
   markup?: string;
   life?: number;
   blend?: string;
+  contacts?: 'engine' | 'on' | 'off';
   fps?: number;
   still?: boolean;
   seed?: number;
@@ -80,6 +81,7 @@ export class TalkingHead extends HTMLElement {
   voice: string | null;
   markup: string | null;
   blend: string | null;
+  contacts: string | null;
   label: string | null;
   rate: number | null;
   life: number | null;

@@ -31,6 +31,11 @@ export class Utterance {
     this.resampler = null; // from the first sound on, whose rate may be the codec's
   }
 
+  /** It goes on elsewhere: what comes does not follow from what was, so that the face goes over to it (face-mixer.mjs). */
+  jump() {
+    this.track = new FaceTrack(this.track.fps);
+  }
+
   /**
    * Takes a chunk in. @param {import('../../protocol/chunk.mjs').Chunk} chunk; with `audioRate` and `audioStart` where the
    *   sound runs on a clock of its own

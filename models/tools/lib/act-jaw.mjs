@@ -7,6 +7,14 @@
 import { along } from './actions.mjs';
 import { ellipsoid } from './zones.mjs';
 
+/** So that the tongue's tip goes along by 0.8 of the chin's way: TIP_PER_JAW of server/face/engines/fapmap.c. */
+const TONGUE_SHARE = 0.82;
+
+function teethWeight({ teeth, fdp }, pivot) {
+  const arm = (z) => z - pivot[2];
+  return Math.min(1, arm(fdp['2.1'][2]) / arm(teeth.front));
+}
+
 export function jawActions(actions, ctx, grid, tuning) {
   const { p, fdp, fapu, topology } = ctx;
   const pivot = ctx.point(tuning.condyle);
@@ -14,9 +22,11 @@ export function jawActions(actions, ctx, grid, tuning) {
   const { whole, weights } = jawWeights(ctx, grid, pivot, tuning);
   const isTongue = ctx.inGroup('helper-tongue');
   const isTeeth = ctx.inGroup('helper-lower-teeth');
-  const share = (v, skin = weights) => (isTeeth[v] ? 1 : isTongue[v] ? tongueShare(v) : skin[v]);
+  const share = (v, skin = weights) => (isTeeth[v] ? teethShare : isTongue[v] ? tongueShare(v) : skin[v]);
+  // The edge of the lower incisors goes down by what FAP 3 says of the chin: it lies farther before the condyles.
+  const teethShare = teethWeight(ctx, pivot);
   const root = ctx.fdp['6.2'][2] - tuning.tongueRoot;
-  const tongueShare = (v) => Math.min(1, Math.max(0.2, (p[v * 3 + 2] - root) / tuning.tongueRoot + 0.2));
+  const tongueShare = (v) => Math.min(TONGUE_SHARE, Math.max(0.2, (p[v * 3 + 2] - root) / tuning.tongueRoot + 0.2));
 
   // The condyle glides forward while it turns, so the chin goes down more than back.
   const glide = tuning.glide;
@@ -41,7 +51,7 @@ export function jawActions(actions, ctx, grid, tuning) {
     axis: [1, 0, 0],
     radians: low / tuning.reference,
     at: (v) => share(v),
-    rigid: { teeth_lower: 1 },
+    rigid: { teeth_lower: teethShare },
   });
   actions.plainMove(3, 'both', (v) => along(share(v) * glide, [0, 0, 1]));
 

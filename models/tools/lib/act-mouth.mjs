@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Lips and corners: FAPs 4 to 13, 16, 17 and 51 to 60. */
 import { along } from './actions.mjs';
-import { cardinalBasis, raisedCosine, smoothstep } from './zones.mjs';
+import { cardinalBasis, plateau, raisedCosine, smoothstep } from './zones.mjs';
 
 /** Feature points along a lip: right corner, half-way, middle, half-way, left corner. */
 const NODES = [-1, -0.5, 0, 0.5, 1];
@@ -26,8 +26,18 @@ const CORNERS = [
   [7, 54, 13, 60, CORNER_R, -1],
 ];
 
+/** Of a pressed lip, mm for each mm of its outer contour: the red goes back and towards the other lip. */
+const ROLL = { back: 1.1, up: 0.35 };
+/**
+ * Of rounded lips, in front of the teeth: pushed ones hang lower (mm for a mm); so do those whose corners are drawn together, and the
+ * wet inside of the upper lip comes down behind its border (mm for a mm of each corner). Both lips go down, so the opening stays.
+ */
+const ROUNDING = { hang: 0.75, draw: 0.12, curtain: 0.3 };
+
 /** @param {object} tuning the recipe's `faps.mouth` */
 export function mouthActions(actions, ctx, grid, tuning) {
+  const roll = { ...ROLL, ...tuning.roll },
+    rounding = { ...ROUNDING, ...tuning.rounding };
   const basis = cardinalBasis(NODES, tuning.cornerSteepness);
   const isLower = (v) => grid.lower[v] > 0.5;
   const isUpper = (v) => grid.lower[v] < 0.5;
@@ -46,6 +56,12 @@ export function mouthActions(actions, ctx, grid, tuning) {
       sign,
       (v) => mine(v) && along(grid.outer[v] * basis(node, grid.s[v]), [0, up, forward.outer * up]),
     );
+    // Towards the other lip the outer contour makes the lip thin: its red rolls in.
+    if (sign === 'positive')
+      actions.plainMove(outer, sign, (v) => {
+        const red = mine(v) && !grid.inMouth[v] ? 4 * grid.inner[v] * grid.outer[v] : 0;
+        return red && along(red * basis(node, grid.s[v]), [0, up * roll.up, -roll.back]);
+      });
   };
   for (const [inner, outer, node] of UPPER) {
     lipPoint(inner, outer, node, isUpper, -1, 'positive', tuning.upperDown);
@@ -89,6 +105,20 @@ export function mouthActions(actions, ctx, grid, tuning) {
   };
   push(16, isLower, -tuning.pushEvert);
   push(17, isUpper, tuning.pushEvert);
+  const middle = (v) => (grid.inner[v] + grid.outer[v]) * plateau(Math.abs(grid.s[v]), 0.4, tuning.pushWidth);
+  for (const [fap, mine] of [
+    [16, isLower],
+    [17, isUpper],
+  ])
+    actions.plainMove(fap, 'positive', (v) => mine(v) && along(middle(v) * rounding.hang, [0, -1, 0]));
+  for (const fap of [6, 7]) {
+    actions.plainMove(fap, 'negative', (v) => along(middle(v) * rounding.draw, [0, 1, 0])); // times a value below 0
+    actions.plainMove(fap, 'negative', (v) => {
+      // Half of the way into the mouth, where nothing is tied to the border any more.
+      const w = isUpper(v) && grid.inMouth[v] ? 4 * grid.inner[v] * (1 - grid.inner[v]) : 0;
+      return w && along(w * rounding.curtain * plateau(Math.abs(grid.s[v]), 0.4, 1), [0, 1, -0.2]);
+    });
+  }
 }
 
 /**

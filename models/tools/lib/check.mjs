@@ -7,7 +7,9 @@ import { pose, unitLength } from './deform.mjs';
 import { FAPS } from './faps.mjs';
 import { view } from './sight.mjs';
 
-const PARTS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'lashes', 'brows'];
+export * from './check-mouth.mjs';
+
+const PARTS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows'];
 export const MOST_BYTES = 1.2e6;
 
 /** Values that speech and expression really use; the table's extremes are far outside. */

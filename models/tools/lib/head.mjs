@@ -6,6 +6,9 @@ import { faceActions } from './act-face.mjs';
 import { headTurns } from './act-head.mjs';
 import { jawActions } from './act-jaw.mjs';
 import { mouthActions } from './act-mouth.mjs';
+import { mouthFigures, placeTeeth, placeTongue } from './anatomy.mjs';
+import { cutCavity } from './cavity.mjs';
+import { makeTeeth } from './teeth.mjs';
 import { tongueActions } from './act-tongue.mjs';
 import { readBase } from './assets.mjs';
 import { layOut } from './atlas.mjs';
@@ -22,12 +25,21 @@ import { buildShape, targetInMm } from './shape.mjs';
 import { makeTextures } from './textures.mjs';
 
 /** The parts that every head has; all others are proxies, too: clothes, a beard, glasses. */
-const ALWAYS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'lashes', 'brows'];
+const ALWAYS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows'];
 
 /** Displacements below this (mm for one mm of the FAP) are left out. */
 const LEAST_MOVE = 2e-3;
 
-export async function buildHead(assets, recipe) {
+/** The inside of the mouth, where the recipe says nothing else about it. */
+const CAVITY = { follows: true, material: 'mouth' };
+const CAVITY_LOOK = { color: [0.4, 0.15, 0.13], roughness: 0.4, specular: 0.3, alpha: 'opaque', double_sided: false, subsurface: 0.3 };
+
+export async function buildHead(assets, given) {
+  const recipe = {
+    ...given,
+    parts: { mouth: CAVITY, ...given.parts },
+    materials: { mouth: CAVITY_LOOK, ...given.materials },
+  };
   const base = readBase(assets);
   const topology = readTopology(base);
   const { p, eyes } = buildShape(assets, base, recipe);
@@ -44,6 +56,10 @@ export async function buildHead(assets, recipe) {
   ctx.fdp['3.6'] = [eyes.r[0], eyes.r[1], eyes.r[2] + eyeSpec.radius + eyeSpec.bulge];
   ctx.fapu = measureUnits(ctx.fdp);
   ctx.grid = gridOf(ctx, recipe);
+  ctx.figures = mouthFigures(recipe);
+  ctx.teeth = placeTeeth(ctx, ctx.figures);
+  placeTongue(ctx, ctx.fdpVertex['6.1'], ctx.teeth);
+  Object.assign(ctx.fdp, tongueLandmarks(ctx, recipe));
 
   const actions = new Actions(ctx);
   jawActions(actions, ctx, ctx.grid, recipe.faps.jaw);
@@ -56,6 +72,8 @@ export async function buildHead(assets, recipe) {
   const parts = makeParts(ctx, recipe, eyeSpec);
   parts[0] = refine(parts[0], skinDetail(ctx, parts[0], recipe.parts.skin));
   layOut(parts[0], recipe.skin.atlas);
+  const [whole] = parts;
+  parts.splice(0, 1, ...cutCavity(ctx, whole));
   const hair = parts.findIndex((part) => part.name === 'hair');
   parts[hair] = refine(parts[hair], longEdges(parts[hair], recipe.parts.hair.longestEdge));
   for (const part of parts) {
@@ -63,12 +81,13 @@ export async function buildHead(assets, recipe) {
     applyHeadTurns(part, head);
     part.material = recipe.parts[part.name].material;
   }
-  const textures = await makeTextures({ ctx, recipe, parts, eyeSpec });
+  const textures = await makeTextures({ ctx, recipe, parts: [whole, ...parts.slice(1)], eyeSpec });
   const materials = Object.fromEntries(Object.entries(recipe.materials).filter(([, m]) => m));
   return packHead({
     recipe,
     fapu: ctx.fapu,
     fdp: ctx.fdp,
+    figures: ctx.figures,
     turns: [...actions.turns, ...head.turns],
     textures,
     materials,
@@ -95,6 +114,11 @@ function makeContext(assets, base, topology, p, eyes) {
       return flags.get(name);
     },
   };
+}
+
+function tongueLandmarks({ base, topology, p }, recipe) {
+  const { fdp } = readLandmarks(base, topology, p, recipe);
+  return Object.fromEntries(['6.1', '6.2', '6.3', '6.4'].map((name) => [name, fdp[name]]));
 }
 
 function gridOf(ctx, recipe) {
@@ -128,8 +152,6 @@ function eyeGeometry(eyes, radius) {
 
 function makeParts(ctx, recipe, eyeSpec) {
   const spec = recipe.parts;
-  const isUpper = ctx.inGroup('helper-upper-teeth');
-  const upperFace = (f, refs) => isUpper[refs[f.v[0]][0][0]];
   const others = Object.keys(spec).filter((name) => !ALWAYS.includes(name));
   const worn = others.map((name) => proxyPart(ctx, name, spec[name]));
   const clothes = worn.find((part) => part.name === 'clothes');
@@ -137,8 +159,7 @@ function makeParts(ctx, recipe, eyeSpec) {
     skinPart(ctx, spec.skin, clothes?.proxy.hides),
     eyePart('eye_l', ctx.eyes.l, eyeSpec, { thrust: 27, dilate: 29 }),
     eyePart('eye_r', ctx.eyes.r, eyeSpec, { thrust: 28, dilate: 30 }),
-    proxyPart(ctx, 'teeth_upper', spec.teeth_upper, upperFace),
-    proxyPart(ctx, 'teeth_lower', spec.teeth_lower, (f, refs) => !upperFace(f, refs)),
+    ...makeTeeth(ctx, ctx.figures, ctx.teeth),
     proxyPart(ctx, 'tongue', spec.tongue),
     proxyPart(ctx, 'hair', spec.hair),
     proxyPart(ctx, 'brows', spec.brows),

@@ -2,7 +2,7 @@
 /** Writing a head in the format of protocol/head-model.md. */
 import { encode, encodeDeltas, encodePositions, round } from './codec.mjs';
 
-export function packHead({ recipe, fapu, fdp, turns, textures, materials, parts }) {
+export function packHead({ recipe, fapu, fdp, figures, turns, textures, materials, parts }) {
   const place = (p) => p.map((x) => round(x, 1e3));
   return {
     format: 'faccia-head',
@@ -16,6 +16,9 @@ export function packHead({ recipe, fapu, fdp, turns, textures, materials, parts 
     ...(recipe.rank === undefined ? {} : { rank: recipe.rank }),
     fapu: Object.fromEntries(Object.entries(fapu).map(([k, x]) => [k, round(x, 1e4)])),
     fdp: Object.fromEntries(Object.entries(fdp).map(([k, p]) => [k, place(p)])),
+    mouth: Object.fromEntries(
+      ['upperShown', 'lowerShown', 'overbite', 'overjet'].map((k) => [k, round(figures[k], 1e2)]),
+    ),
     view: recipe.view,
     turns: turns.map(({ name, fap, pivot, axis, radians }) => ({
       name,

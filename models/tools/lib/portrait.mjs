@@ -5,13 +5,14 @@
  */
 import sharp from 'sharp';
 import { bakeOcclusion } from '../../../web/src/head/occlusion.mjs';
+import { mouthLight, openingOf } from '../../../web/src/head/mouth-light.mjs';
 import { CLEAR, eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/src/head/surfaces.mjs';
 import { pose } from './deform.mjs';
 import { normals } from './mesh.mjs';
 import { shadePoint, toLinear } from './shading.mjs';
 
 const SAMPLES = 2; // for each pixel, in both directions
-const MOUTH_LIGHT = 0.4;
+const WHITE = [255, 255, 255, 255]; // of what has no texture
 const FADE = 0.13; // as in web/src/head/view.mjs
 
 /**
@@ -66,8 +67,16 @@ function makePart(head, part, faps, textures) {
     n = eyeNormals(at, turn.pivot, thing.iris);
   }
   thing.normal = n;
-  thing.reach = new Float32Array((position.length / 3) * 4).fill(kind === 'mouth' ? MOUTH_LIGHT : 1);
+  thing.reach = new Float32Array((position.length / 3) * 4).fill(1);
+  if (kind === 'mouth') lightMouth(thing, head, part, faps);
   return thing;
+}
+
+function lightMouth({ reach }, head, part, faps) {
+  const position = pose(head, part, { ...faps, 48: 0, 49: 0, 50: 0 }); // as the head stands upright
+  const opening = openingOf(head, Float32Array.from({ length: 69 }, (_, fap) => faps[fap] ?? 0));
+  for (let v = 0; v < position.length / 3; v++)
+    reach.set(mouthLight(head, opening, [0, 1, 2].map((k) => position[v * 3 + k])), v * 4);
 }
 
 function bake(scene) {
@@ -150,7 +159,7 @@ function drawPart(thing, camera, { width, height }, depth, picture, solid) {
         if (z > depth[i] + (solid ? 0 : 0.01)) continue;
         const w = [wa, wb, wc],
           v = [a, b, c];
-        const texel = sample(thing.texture, mixed(thing.uv, v, w, 2, 0), mixed(thing.uv, v, w, 2, 1));
+        const texel = thing.texture ? sample(thing.texture, mixed(thing.uv, v, w, 2, 0), mixed(thing.uv, v, w, 2, 1)) : WHITE;
         const alpha = opaque ? 1 : texel[3] / 255;
         if (solid ? alpha < 0.5 : alpha < 0.02) continue;
         if (solid) depth[i] = z;

@@ -7,11 +7,13 @@ import { normals } from './mesh.mjs';
 import { eyeSky, paintEye } from './paint-eye.mjs';
 import { paintHair } from './paint-hair.mjs';
 import { paintSkin } from './paint-skin.mjs';
+import { paintTeeth } from './paint-teeth.mjs';
 
 const PAINTERS = {
   eye: paintBothEyes,
   skin: paintSkin,
   asset: paintAsset,
+  teeth: ({ size }, { ctx }) => paintTeeth(size, ctx.figures),
 };
 
 /** @param {{ctx: object, recipe: object, parts: object[], eyeSpec: object}} scene */

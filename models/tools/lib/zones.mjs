@@ -103,3 +103,7 @@ export function nearestOnLine(points, values, q, closed = false) {
   const next = values[(at + 1) % n];
   return { distance: Math.sqrt(least), value: values[at].map((x, k) => x + share * (next[k] - x)) };
 }
+
+export function clamp(x, low, high) {
+  return Math.min(high, Math.max(low, x));
+}

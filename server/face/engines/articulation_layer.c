@@ -4,17 +4,21 @@
 #include "server/face/engines/fapmap.h"
 #include <stdlib.h>
 
+_Static_assert((int)PARAM_COUNT <= (int)SPEECH_CURSORS, "a cursor for each curve");
+
 struct mouth {
     struct speech_fapu fapu;
     struct curve curves[PARAM_COUNT];
-    struct curve_cursor cursors[PARAM_COUNT];
 };
 
-static void add(void *self, double t, double faps[FAP_COUNT + 1]) {
-    struct mouth *mouth = self;
+static void add(const void *self, double t, struct speech_cursor *cursor, double faps[FAP_COUNT + 1]) {
+    const struct mouth *mouth = self;
     double mm[PARAM_COUNT];
-    for (int p = 0; p < PARAM_COUNT; p++)
-        mm[p] = curve_at(&mouth->curves[p], t, &mouth->cursors[p]);
+    for (int p = 0; p < PARAM_COUNT; p++) {
+        struct curve_cursor at = {.next = cursor->at[p]};
+        mm[p] = curve_at(&mouth->curves[p], t, &at);
+        cursor->at[p] = at.next;
+    }
     fapmap_add(&mouth->fapu, mm, faps);
 }
 
@@ -29,10 +33,10 @@ bool articulation_speaks(const struct speech_pack *pack) {
     return pack != NULL;
 }
 
-struct face_layer articulation_layer(const struct speech_pack *pack, const struct phone_segments *g,
-                                     enum targets_function function) {
+struct speech_layer articulation_layer(const struct speech_pack *pack, const struct phone_segments *g,
+                                       enum targets_function function) {
     struct mouth *mouth = mem_alloc(sizeof *mouth);
     mouth->fapu = pack->fapu;
     targets_curves(pack, g, function, mouth->curves);
-    return (struct face_layer){add, articulation_free, mouth};
+    return (struct speech_layer){add, articulation_free, mouth};
 }

@@ -4,12 +4,12 @@
 #define FACCIA_FACE_ENGINES_ARTICULATION_LAYER_H
 
 #include "server/face/engines/targets.h"
-#include "server/face/track.h"
+#include "server/face/face_layer.h"
 
 /* Any pack will do. */
 bool articulation_speaks(const struct speech_pack *pack);
 
-struct face_layer articulation_layer(const struct speech_pack *pack, const struct phone_segments *g,
-                                     enum targets_function function);
+struct speech_layer articulation_layer(const struct speech_pack *pack, const struct phone_segments *g,
+                                       enum targets_function function);
 
 #endif

@@ -108,10 +108,9 @@ static double original_reach(double theta, double c) {
     return fmin(reach, ORIGINAL_REACH);
 }
 
-void curve_link_original(struct curve *curve) {
+void curve_link_unconfined(struct curve *curve) {
     for (size_t i = 0; i < curve->count; i++) {
         struct curve_segment *s = &curve->segments[i];
-        s->c.c_bw = s->c.c_fw = (s->c.c_bw + s->c.c_fw) / 2;
         s->h_bw = s->h_fw = INFINITY; /* then R = S = 1 */
         s->from = s->at - original_reach(s->c.theta_bw, s->c.c_bw);
         s->to = s->at + original_reach(s->c.theta_fw, s->c.c_fw);
@@ -122,6 +121,14 @@ void curve_link_original(struct curve *curve) {
             s->to = fmax(s->to, s[1].at);
     }
     fill_ranges(curve, ORIGINAL_SEARCH);
+}
+
+void curve_link_original(struct curve *curve) {
+    for (size_t i = 0; i < curve->count; i++) {
+        struct coefficients *c = &curve->segments[i].c;
+        c->c_bw = c->c_fw = (c->c_bw + c->c_fw) / 2;
+    }
+    curve_link_unconfined(curve);
 }
 
 static size_t seek(const struct curve *curve, double t, size_t next) {

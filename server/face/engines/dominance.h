@@ -53,6 +53,9 @@ void curve_link(struct curve *curve);
 #define ORIGINAL_REACH 4.0
 void curve_link_original(struct curve *curve);
 
+/* The same with both c: no gesture is confined. */
+void curve_link_unconfined(struct curve *curve);
+
 /* F(t), (3.16). Before the first target and after the last one: that target. */
 double curve_at(const struct curve *curve, double t, struct curve_cursor *cursor);
 

@@ -3,9 +3,11 @@
 #include <string.h>
 
 /* The first is the default. */
-static const struct face_engine *const engines[] = {&engine_dominance, &engine_cohen_massaro, &engine_context,
-                                                    &engine_syllable};
-static const char *const names[] = {"dominance", "cohen-massaro", "context", "syllable", NULL};
+static const struct face_engine *const engines[] = {
+    &engine_dominance, &engine_cohen_massaro, &engine_context,           &engine_syllable,
+    &engine_table,     &engine_without_shape, &engine_without_resistance};
+static const char *const names[] = {"dominance", "cohen-massaro", "context", "syllable", "table", NULL};
+static const char *const ablations[] = {"dominance-no-shape", "dominance-no-resistance", NULL};
 
 const struct face_engine *engine_find(const char *name) {
     for (size_t i = 0; i < sizeof engines / sizeof *engines; i++)
@@ -14,11 +16,14 @@ const struct face_engine *engine_find(const char *name) {
     return NULL;
 }
 
-bool face_engine_speaks(const char *name, const struct speech_pack *pack) {
-    const struct face_engine *engine = engine_find(name);
-    return engine && engine->speaks(pack);
+bool engine_has_contacts(const struct face_engine *engine, enum face_contacts contacts) {
+    return contacts == CONTACTS_ENGINE ? engine->contacts : contacts == CONTACTS_ON;
 }
 
-const char *const *face_engines(void) {
+const char *const *engine_ablations(void) {
+    return ablations;
+}
+
+const char *const *engine_names(void) {
     return names;
 }

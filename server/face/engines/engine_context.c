@@ -24,8 +24,8 @@ static void add_pause(struct morph *morph, const struct phone_segment *g, const 
     }
 }
 
-static struct face_layer layer(const struct speech_pack *pack, const struct sentence_audio *u,
-                               struct phone_segments *g) {
+static struct speech_layer layer(const struct speech_pack *pack, const struct sentence_audio *u,
+                                 struct phone_segments *g) {
     (void)u;
     const struct context_table *table = pack->visemes;
     const double *rest = table->shapes.items[table->silence].faps;

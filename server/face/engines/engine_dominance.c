@@ -3,8 +3,8 @@
 #include "server/face/engines/articulation_layer.h"
 #include "server/face/engines/engine.h"
 
-static struct face_layer layer(const struct speech_pack *pack, const struct sentence_audio *u,
-                               struct phone_segments *g) {
+static struct speech_layer layer(const struct speech_pack *pack, const struct sentence_audio *u,
+                                 struct phone_segments *g) {
     (void)u;
     return articulation_layer(pack, g, TARGETS_LOOK_AHEAD);
 }

@@ -48,8 +48,8 @@ static void add_word(struct morph *morph, const struct spelling *spelling, const
     free(letters);
 }
 
-static struct face_layer layer(const struct speech_pack *pack, const struct sentence_audio *u,
-                               struct phone_segments *g) {
+static struct speech_layer layer(const struct speech_pack *pack, const struct sentence_audio *u,
+                                 struct phone_segments *g) {
     const struct spelling *spelling = pack->letters;
     const double *neutral = spelling->shapes.items[spelling->neutral].faps;
     if (!has_phones(g) && u->word_count) {

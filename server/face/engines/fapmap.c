@@ -2,10 +2,10 @@
 #include "server/face/engines/fapmap.h"
 #include <math.h>
 
-/* Opening half-way between middle and corner, as a part of the opening in the middle: a parabola gives 3/4; a
- * narrow mouth is round, so that its sides close earlier. */
-#define SIDE_OPENING 0.75
-#define SIDE_PER_MM 0.02
+/* Opening half-way between middle and corner, as a part of the opening in the middle: a parabola gives 3/4,
+ * and a lower lip hangs a little fuller; a narrow mouth is round, so that its sides close earlier. */
+#define SIDE_OPENING 0.8
+#define SIDE_PER_MM 0.03
 #define SIDE_MIN 0.55
 
 /* Secondary motion, mm per mm. */
@@ -25,6 +25,9 @@
 #define BODY_PER_JAW 0.5
 #define TIP_FLOOR (-1.0)
 #define BODY_FLOOR (-2.0)
+
+/* Pressed lips get thin: their outer contours come so much nearer, mm per mm of the press. */
+#define THIN_PER_PRESS 5.0
 
 /* How two lips share the way to each other. */
 #define LOWER_SHARE 0.7
@@ -79,14 +82,27 @@ void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], do
     faps[42] += LIFT_PER_SPREAD * positive(spread) * ens;
 }
 
+void fapmap_open(const struct speech_fapu *fapu, double gap, double weight, double faps[FAP_COUNT + 1]) {
+    double mns = 1024 / fapu->mns;
+    for (int i = 0; i < PAIRS; i++) {
+        double wanted = gap * mns * (i == MIDDLE ? 1 : SIDE_OPENING);
+        double move = weight * positive(wanted + faps[pairs[i].upper] + faps[pairs[i].lower]);
+        faps[pairs[i].lower] -= LOWER_SHARE * move;
+        faps[pairs[i].lower_outer] -= LOWER_SHARE * move;
+        faps[pairs[i].upper] -= (1 - LOWER_SHARE) * move;
+        faps[pairs[i].upper_outer] -= (1 - LOWER_SHARE) * move;
+    }
+}
+
 static void close_lips(const struct contact_demand *d, double mns, double faps[FAP_COUNT + 1]) {
     for (int i = 0; i < PAIRS; i++) {
         double missing = d->rule->press * mns - (faps[pairs[i].upper] + faps[pairs[i].lower]);
         double move = d->weight * positive(missing);
+        double thin = d->weight * THIN_PER_PRESS * d->rule->press * mns;
         faps[pairs[i].lower] += LOWER_SHARE * move;
-        faps[pairs[i].lower_outer] += LOWER_SHARE * move;
+        faps[pairs[i].lower_outer] += LOWER_SHARE * (move + thin);
         faps[pairs[i].upper] += (1 - LOWER_SHARE) * move;
-        faps[pairs[i].upper_outer] += (1 - LOWER_SHARE) * move;
+        faps[pairs[i].upper_outer] += (1 - LOWER_SHARE) * (move + thin);
     }
 }
 
@@ -117,4 +133,19 @@ void fapmap_part_lips(const struct speech_fapu *fapu, double faps[FAP_COUNT + 1]
         faps[pairs[i].upper] -= excess / 2;
         faps[pairs[i].lower] -= excess / 2;
     }
+}
+
+void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, double mm[PARAM_COUNT]) {
+    double mns = fapu->mns / 1024, mw = fapu->mw / 1024;
+    const int32_t *v = frame->value;
+    double jaw = v[3] * mns;
+    mm[PARAM_LS] = -v[4] * mns;
+    mm[PARAM_LI] = -v[5] * mns;
+    mm[PARAM_AR] = (v[6] + v[7]) * mw;
+    mm[PARAM_PI] = v[16] * mns;
+    mm[PARAM_PS] = v[17] * mns;
+    mm[PARAM_EM] = jaw;
+    mm[PARAM_TH] = v[44] * mns - TIP_PER_JAW * jaw;
+    mm[PARAM_TA] = v[45] * mw;
+    mm[PARAM_TB] = v[46] * mns - BODY_PER_JAW * jaw;
 }

@@ -20,6 +20,13 @@
  */
 void fapmap_add(const struct speech_fapu *fapu, const double mm[PARAM_COUNT], double faps[FAP_COUNT + 1]);
 
+/* What the parameters are in a frame of which fapmap_add and fapmap_touch made all, mm. */
+void fapmap_read(const struct speech_fapu *fapu, const struct fap_frame *frame, double mm[PARAM_COUNT]);
+
+/* As far as weight (0 none .. 1) demands it, opens the lips by at least that gap in the middle, mm, and less
+ * towards the corners. To be done before fapmap_touch. */
+void fapmap_open(const struct speech_fapu *fapu, double gap, double weight, double faps[FAP_COUNT + 1]);
+
 /* Obeys the contacts' demands: closes the lips, brings the lower lip to the upper teeth. */
 void fapmap_touch(const struct speech_fapu *fapu, const struct contact_demand demand[CONTACT_TEETH + 1],
                   double faps[FAP_COUNT + 1]);

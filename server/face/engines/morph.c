@@ -3,11 +3,6 @@
 #include "server/base/mem.h"
 #include <stdlib.h>
 
-struct morphing {
-    struct morph morph;
-    size_t next; /* the first key that comes later than the last instant */
-};
-
 double morph_weight(enum morph_ease ease, double t) {
     return ease == MORPH_SMOOTH ? t * t * (3 - 2 * t) : t;
 }
@@ -39,27 +34,28 @@ static size_t seek(const struct morph *morph, double t, size_t next) {
     return next;
 }
 
-static void add(void *self, double t, double faps[FAP_COUNT + 1]) {
-    struct morphing *m = self;
-    if (!m->morph.count)
+/* cursor->at[0]: the first key that comes later than the last instant */
+static void add(const void *self, double t, struct speech_cursor *cursor, double faps[FAP_COUNT + 1]) {
+    const struct morph *m = self;
+    if (!m->count)
         return;
-    size_t next = m->next = seek(&m->morph, t, m->next);
-    const struct morph_key *to = &m->morph.keys[next < m->morph.count ? next : m->morph.count - 1],
-                           *from = next ? &m->morph.keys[next - 1] : to;
-    double weight = to == from ? 0 : morph_weight(m->morph.ease, (t - from->at) / (to->at - from->at));
+    size_t next = cursor->at[0] = seek(m, t, cursor->at[0]);
+    const struct morph_key *to = &m->keys[next < m->count ? next : m->count - 1],
+                           *from = next ? &m->keys[next - 1] : to;
+    double weight = to == from ? 0 : morph_weight(m->ease, (t - from->at) / (to->at - from->at));
     for (int n = 3; n <= FAP_COUNT; n++)
         faps[n] += from->faps[n] + weight * (to->faps[n] - from->faps[n]);
 }
 
 static void morphing_free(void *self) {
-    struct morphing *m = self;
-    free(m->morph.keys);
+    struct morph *m = self;
+    free(m->keys);
     free(m);
 }
 
-struct face_layer morph_layer(struct morph *morph) {
-    struct morphing *m = mem_alloc(sizeof *m);
-    m->morph = *morph;
+struct speech_layer morph_layer(struct morph *morph) {
+    struct morph *m = mem_alloc(sizeof *m);
+    *m = *morph;
     *morph = (struct morph){0};
-    return (struct face_layer){add, morphing_free, m};
+    return (struct speech_layer){add, morphing_free, m};
 }

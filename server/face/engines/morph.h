@@ -3,7 +3,7 @@
 #ifndef FACCIA_FACE_ENGINES_MORPH_H
 #define FACCIA_FACE_ENGINES_MORPH_H
 
-#include "server/face/track.h"
+#include "server/face/face_layer.h"
 
 /* MORPH_SMOOTH: the cubic Hermite curve that stands still at both keys. */
 enum morph_ease { MORPH_LINEAR, MORPH_SMOOTH };
@@ -25,6 +25,6 @@ double morph_weight(enum morph_ease ease, double t);
 void morph_add(struct morph *morph, double at, const double *faps);
 
 /* The layer takes over the keys. Before the first and after the last one their poses hold. */
-struct face_layer morph_layer(struct morph *morph);
+struct speech_layer morph_layer(struct morph *morph);
 
 #endif

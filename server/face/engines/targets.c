@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/targets.h"
 #include "server/base/mem.h"
+#include "server/face/engines/original.h"
+#include "server/face/engines/rounding.h"
 #include <math.h>
 #include <stdlib.h>
 
-/* The packs' extents were found beside the resistance, which ends gestures; without it they would reach over
- * half a sentence and nothing would ever close. Times this they are where Cohen and Massaro have theirs,
- * about 0.03 per ms.
- */
-#define ORIGINAL_EXTENT 3.0
+/* A target holds its place against its neighbours when alpha k is at least this. */
+#define HOLDS 0.5
 
 enum { NO_CONTEXT = SPEECH_MAX_CONTEXTS };
 
@@ -19,8 +18,9 @@ struct raw_target {
     double at;
     struct coefficients c;
     enum target_kind kind;
-    double reached; /* how much of the way from the neighbours it gets */
-    double leaves;  /* where its neighbours' ways begin: its target, or touching where that lies beyond */
+    double length;   /* s that it lasts */
+    double constant; /* s: undershoot, 0 = none */
+    double leaves;   /* where its neighbours' ways begin: its target, or touching where that lies beyond */
 };
 
 struct raw_list {
@@ -91,30 +91,29 @@ static struct coefficients of_phone(const struct phone_segment *g, const struct 
     return between(&phone->plain[before], &phone->plain[after], 0.5);
 }
 
-static void add(struct raw_list *list, double at, const struct coefficients *c, enum target_kind kind,
-                double reached, double leaves) {
-    if (c->alpha <= 0)
+static void add(struct raw_list *list, const struct raw_target *target) {
+    if (target->c.alpha <= 0)
         return;
     list->items = mem_grow(list->items, &list->cap, list->count + 1, sizeof *list->items);
-    list->items[list->count++] = (struct raw_target){at, *c, kind, reached, leaves};
+    list->items[list->count++] = *target;
 }
 
-static void add_rest(struct raw_list *list, double at, const struct speech_rest *rest, int p,
-                     double reached) {
-    add(list, at, &rest->coefficients[p], TARGET_REST, reached, 0);
+static void add_rest(struct raw_list *list, double at, const struct speech_rest *rest, int p, double length,
+                     double constant) {
+    add(list, &(struct raw_target){at, rest->coefficients[p], TARGET_REST, length, constant, 0});
 }
 
 static void add_pause(struct raw_list *list, const struct phone_segment *g, const struct speech_rest *rest,
                       int p, bool first, bool last) {
     double length = g->end - g->start, needed = rest->reach + rest->leave;
     if (length < needed && !first && !last) {
-        add_rest(list, g->start + length * rest->reach / needed, rest, p, covered(length, rest->partial));
+        add_rest(list, g->start + length * rest->reach / needed, rest, p, length, rest->partial);
         return;
     }
     if (!first)
-        add_rest(list, g->start + fmin(rest->reach, length), rest, p, 1);
+        add_rest(list, g->start + fmin(rest->reach, length), rest, p, length, 0);
     if (!last)
-        add_rest(list, g->end - fmin(rest->leave, length), rest, p, 1);
+        add_rest(list, g->end - fmin(rest->leave, length), rest, p, length, 0);
 }
 
 /* Lips that are pressed together begin to open from where they touch. */
@@ -122,19 +121,49 @@ static bool is_pressed(const struct phone_segment *g, int p) {
     return g->phone->contact.kind == CONTACT_LIPS && (p == PARAM_LI || p == PARAM_LS);
 }
 
-static void add_phone(struct raw_list *list, const struct phone_segment *g,
-                      const struct target_contexts *contexts, double undershoot, int p) {
-    struct coefficients c = of_phone(g, contexts, p);
-    double length = g->end - g->start, at = g->start + c.t * length; /* (3.19) */
+static void add_phone(struct raw_list *list, const struct phone_segment *g, const struct coefficients *c,
+                      double undershoot, int p) {
+    double length = g->end - g->start, at = g->start + c->t * length; /* (3.19) */
     if (is_vowel(g))
-        add(list, at, &c, TARGET_VOWEL, covered(length, undershoot), c.T);
+        add(list, &(struct raw_target){at, *c, TARGET_VOWEL, length, undershoot, c->T});
     else
-        add(list, at, &c, TARGET_CONSONANT, 1, is_pressed(g, p) ? fmax(0, c.T) : c.T);
+        add(list, &(struct raw_target){at, *c, TARGET_CONSONANT, length, 0,
+                                       is_pressed(g, p) ? fmax(0, c->T) : c->T});
 }
 
-/* Mean target of the neighbours that the target is measured against, weighted by their dominance: a vowel's
- * consonants and pauses, a pause's phones. Without any, its own. */
-static double origin(const struct raw_list *list, size_t i) {
+/* The next target on one side that holds its place against a vowel: vowels and what glides are passed over.
+ * NULL when there is none. */
+static const struct raw_target *holding(const struct raw_list *list, size_t i, int side) {
+    for (size_t k = i; side < 0 ? k-- > 0 : ++k < list->count;) {
+        const struct raw_target *target = &list->items[k];
+        if (target->kind != TARGET_VOWEL && target->c.alpha * target->c.k >= HOLDS)
+            return target;
+    }
+    return NULL;
+}
+
+/* How far a vowel gets from the targets that hold on both sides of it to its own. Lips and jaw are carried
+ * through all that glides, and have the time between the holding targets for the way there and back; the
+ * tongue has a target in nearly every phone, and only the vowel's own time. */
+static double reached(const struct raw_list *list, size_t i, int p, double *from) {
+    const struct raw_target *self = &list->items[i];
+    double sum = 0, weights = 0, distance = 0;
+    int sides = 0;
+    for (int side = -1; side <= 1; side += 2) {
+        const struct raw_target *other = holding(list, i, side);
+        if (!other)
+            continue;
+        sum += other->c.alpha * other->leaves;
+        weights += other->c.alpha;
+        distance += fabs(other->at - self->at);
+        sides++;
+    }
+    *from = weights > 0 ? sum / weights : self->c.T;
+    return covered(p < PARAM_TH && sides ? distance / sides : self->length, self->constant);
+}
+
+/* Where a pause comes from: its neighbours' mean. */
+static double pause_from(const struct raw_list *list, size_t i) {
     const struct raw_target *self = &list->items[i];
     double sum = 0, weights = 0;
     for (int side = -1; side <= 1; side += 2) {
@@ -149,21 +178,35 @@ static double origin(const struct raw_list *list, size_t i) {
     return weights > 0 ? sum / weights : self->c.T;
 }
 
-static void to_curve(const struct raw_list *list, enum targets_function function, struct curve *curve) {
+static double shown(const struct raw_list *list, size_t i, int p) {
+    const struct raw_target *self = &list->items[i];
+    double from, part;
+    if (self->constant <= 0)
+        return self->c.T;
+    if (self->kind == TARGET_VOWEL) {
+        part = reached(list, i, p, &from);
+    } else {
+        from = pause_from(list, i);
+        part = covered(self->length, self->constant);
+    }
+    return from + part * (self->c.T - from);
+}
+
+static void to_curve(const struct raw_list *list, enum targets_function function, int p,
+                     struct curve *curve) {
     for (size_t i = 0; i < list->count; i++) {
         struct raw_target target = list->items[i];
-        if (target.reached < 1) {
-            double from = origin(list, i);
-            target.c.T = from + target.reached * (target.c.T - from);
-        }
-        if (function == TARGETS_ORIGINAL) {
-            target.c.theta_bw *= ORIGINAL_EXTENT;
-            target.c.theta_fw *= ORIGINAL_EXTENT;
-        }
+        target.c.T = shown(list, i, p);
+        if (function == TARGETS_ORIGINAL)
+            target.c = original_coefficients(&target.c, p);
+        if (function == TARGETS_NO_SHAPE)
+            target.c.beta_bw = target.c.beta_fw = 0;
         curve_add(curve, target.at, &target.c);
     }
     if (function == TARGETS_ORIGINAL)
         curve_link_original(curve);
+    else if (function == TARGETS_NO_RESISTANCE)
+        curve_link_unconfined(curve);
     else
         curve_link(curve);
 }
@@ -172,17 +215,24 @@ static void make_curve(const struct speech_pack *pack, const struct phone_segmen
                        const struct target_contexts *contexts, enum targets_function function, int p,
                        struct raw_list *list, struct curve *curve) {
     double undershoot = function == TARGETS_ORIGINAL ? 0 : pack->undershoot[p];
+    struct coefficients *c = mem_alloc((g->count + 1) * sizeof *c);
+    for (size_t i = 0; i < g->count; i++)
+        if (g->items[i].phone)
+            c[i] = of_phone(&g->items[i], &contexts[i], p);
+    if (pack->trough >= 0)
+        rounding_trough(g, (enum speech_param)p, pack->trough, c);
     list->count = 0;
-    add_rest(list, 0, &pack->rest, p, 1);
+    add_rest(list, 0, &pack->rest, p, 0, 0);
     for (size_t i = 0; i < g->count; i++) {
         if (g->items[i].phone)
-            add_phone(list, &g->items[i], &contexts[i], undershoot, p);
+            add_phone(list, &g->items[i], &c[i], undershoot, p);
         else
             add_pause(list, &g->items[i], &pack->rest, p, i == 0, i + 1 == g->count);
     }
-    add_rest(list, g->end, &pack->rest, p, 1);
+    add_rest(list, g->end, &pack->rest, p, 0, 0);
+    free(c);
     *curve = (struct curve){0};
-    to_curve(list, function, curve);
+    to_curve(list, function, p, curve);
 }
 
 void targets_curve(const struct speech_pack *pack, const struct phone_segments *g,

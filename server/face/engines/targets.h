@@ -7,8 +7,10 @@
 #include "server/face/engines/dominance.h"
 #include "server/face/engines/phone_segments.h"
 
-/* Which function makes the curve of the targets: the one of LUCIA, or the one that it came from (3.2). */
-enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL };
+/* Which function makes the curve of the targets: the one of LUCIA, or the one that it came from (3.2). The others are
+ * LUCIA's with a part left out, to see what that part does: the shape, S = 1; or the resistance, R = 1, which takes the
+ * shape with it, since that is measured in the resistance's reach. */
+enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL, TARGETS_NO_SHAPE, TARGETS_NO_RESISTANCE };
 
 /* The rules:
  * - A consonant between two vowels has the mean of the coefficients that it has in the two symmetric contexts
@@ -17,11 +19,13 @@ enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL };
  * - A vowel has the coefficients for the consonant that follows it, and stands between its unstressed and its
  * stressed form.
  * - Target instants by (3.19).
- * - Undershoot: a vowel that lasts d seconds reaches the part 1 - exp(-(d / u)^1.5) of the way from its
- * consonants' targets to its own, u being the pack's "undershoot" (after Lindblom, JASA 35, 1963: vowels
- * shrink with their duration). Without it a vowel that resists like the consonants would open fully at any
- * speech rate. The original function undershoots by itself, since nothing stops a gesture: it gets the
- * targets as they are.
+ * - Undershoot: a vowel gets the part 1 - exp(-(d / u)^1.5) of the way from its consonants' targets to its
+ * own, u being the pack's "undershoot" (after Lindblom, JASA 35, 1963: vowels shrink with their duration).
+ * For lips and jaw d is the mean time to the nearest targets before and after that hold (alpha k of 0.5 and
+ * more): through glides the mouth goes on opening, and people open a 60 ms /ae/ of "planks" by 18 mm. For the
+ * tongue d is the vowel's length. Without undershoot a vowel that resists like the consonants would open
+ * fully at any speech rate. The original function undershoots by itself, since nothing stops a gesture: it
+ * gets the targets as they are.
  * - A pause brings the mouth to rest, completely when it is long enough; the mouth is at rest at time 0 and
  * at the end. */
 void targets_curves(const struct speech_pack *pack, const struct phone_segments *g,

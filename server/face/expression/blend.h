@@ -4,7 +4,7 @@
 #define FACCIA_FACE_EXPRESSION_BLEND_H
 
 #include "server/expression/recipe.h"
-#include "server/face/track.h"
+#include "server/face/face_options.h"
 
 /* What is to be blended at an instant. To be used in this order: blend_speech, blend_add and
  * blend_add_weighted for all there is, blend_join. */

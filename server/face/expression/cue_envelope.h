@@ -4,7 +4,8 @@
 #define FACCIA_FACE_EXPRESSION_CUE_ENVELOPE_H
 
 #include "server/expression/recipe.h"
-#include "server/face/track.h"
+#include "server/face/face_options.h"
+#include "server/voice/sentence_audio.h"
 
 /* However an author sets onset and offset, an expression rises and falls in no less than this, s. So at
  * intensity i, of one expression, a FAP moves at most 1.5 i / CUE_FASTEST of its value in the recipe in a

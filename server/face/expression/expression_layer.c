@@ -1,70 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/expression/expression_layer.h"
-#include "server/base/mem.h"
 #include "server/face/expression/blend.h"
 #include <math.h>
-#include <stdlib.h>
 
 /* By the weighted rule a mood shows as it does on a face that does not speak: rho times this is 1. */
 #define MOOD_WEIGHT (1 / 3.0)
 
-/* Of more expressions at a time than any author means, those that came last count. Each gives way to those
- * after it: thousands of them over one word would take longer than the frame lasts. */
-enum { SHOWS_AT_ONCE = 64 };
-
-/* An expression at an instant. */
-struct seen {
-    const struct expression *expression;
-    double level;                    /* 0..1, intensity included */
-    double omega;                    /* in the weighted rule */
-    const struct cue_envelope *show; /* NULL: of the mood */
-};
-
-struct expression_layer {
-    enum face_blend rule;
-    double begin; /* of the sentence on the clock of the mood, s */
-    const struct mood *mood;
-    struct cue_envelopes shows;
-    struct activity activity;
-    size_t cursor, activity_cursor;
-    /* what look() saw */
-    double at; /* NAN: nothing yet */
-    struct seen *seen;
-    size_t seen_count;
-};
-
-struct expression_layer *expression_layer_new(const struct sentence_audio *u, const struct phone_segments *g,
-                                              const struct face_options *options) {
-    if (!options->expressions && !options->mood)
-        return NULL;
-    struct expression_layer *x = mem_alloc(sizeof *x);
-    x->rule = options->blend;
-    x->begin = options->begin;
-    x->mood = options->mood;
+void expression_layer_begin(struct expression_layer *x, const struct sentence_expression *sentence,
+                            const struct mood *mood, double begin) {
+    static const struct sentence_expression nothing;
+    x->sentence = sentence ? sentence : &nothing;
+    x->mood = mood;
+    x->begin = begin;
     x->at = NAN;
-    if (u && options->expressions)
-        cue_envelopes_from(u, options->expressions, options->blend, &x->shows);
-    if (g)
-        activity_from(g, &x->activity);
-    x->seen = mem_alloc((AFFECTS_MAX + x->shows.count) * sizeof *x->seen);
-    return x;
+    x->cursor = x->activity_cursor = x->seen_count = 0;
 }
 
-void expression_layer_free(struct expression_layer *x) {
-    if (!x)
-        return;
-    cue_envelopes_free(&x->shows);
-    activity_free(&x->activity);
-    free(x->seen);
-    free(x);
-}
-
-static bool is_affect(const struct seen *seen) {
+static bool is_affect(const struct seen_expression *seen) {
     return !seen->show || seen->show->is_affect;
 }
 
-static bool is_weighted(const struct expression_layer *x, const struct seen *seen) {
-    return x->rule == BLEND_WEIGHTED && is_affect(seen);
+static bool is_weighted(const struct expression_layer *x, const struct seen_expression *seen) {
+    return x->sentence->rule == BLEND_WEIGHTED && is_affect(seen);
 }
 
 /* Whether the two stand side by side: over the same words they are a mixture; and by the weighted rule two
@@ -76,7 +33,7 @@ static bool is_beside(const struct cue_envelope *old, const struct cue_envelope 
 /* An emotion that comes drives out those before it. */
 static void give_way(struct expression_layer *x, const struct cue_envelope *to, double level) {
     for (size_t i = 0; i < x->seen_count; i++) {
-        struct seen *old = &x->seen[i];
+        struct seen_expression *old = &x->seen[i];
         if (!is_affect(old) || (old->show && is_beside(old->show, to)))
             continue;
         old->level *= 1 - level;
@@ -88,8 +45,8 @@ static void look_at_show(struct expression_layer *x, const struct cue_envelope *
     double level = cue_envelope_level(show, t);
     size_t key;
     double on;
-    struct seen seen = {show->expression, level * show->intensity, level * show->intensity * show->weight,
-                        show};
+    struct seen_expression seen = {show->expression, level * show->intensity,
+                                   level * show->intensity * show->weight, show};
     if (level <= 0 && !cue_envelope_gesture(show, t, &key, &on))
         return;
     if (is_affect(&seen))
@@ -105,10 +62,10 @@ static void look(struct expression_layer *x, double t) {
         struct mood_part parts[AFFECTS_MAX];
         size_t count = mood_at(x->mood, x->begin + t, parts);
         for (size_t i = 0; i < count; i++)
-            x->seen[x->seen_count++] = (struct seen){parts[i].expression, parts[i].intensity,
-                                                     MOOD_WEIGHT * parts[i].intensity, NULL};
+            x->seen[x->seen_count++] = (struct seen_expression){parts[i].expression, parts[i].intensity,
+                                                                MOOD_WEIGHT * parts[i].intensity, NULL};
     }
-    const struct cue_envelopes *shows = &x->shows;
+    const struct cue_envelopes *shows = &x->sentence->envelopes;
     while (x->cursor > 0 && shows->latest[x->cursor - 1] > t)
         x->cursor--;
     while (x->cursor < shows->count && shows->latest[x->cursor] <= t)
@@ -117,11 +74,11 @@ static void look(struct expression_layer *x, double t) {
     for (; end < shows->count && shows->items[end].first <= t; end++)
         now += shows->items[end].last > t;
     for (size_t i = x->cursor; i < end; i++)
-        if (shows->items[i].last > t && now-- <= SHOWS_AT_ONCE)
+        if (shows->items[i].last > t && now-- <= EXPRESSIONS_AT_ONCE)
             look_at_show(x, &shows->items[i], t);
 }
 
-static void add_gesture(const struct seen *seen, double t, struct blend *blend) {
+static void add_gesture(const struct seen_expression *seen, double t, struct blend *blend) {
     const struct expression *e = seen->expression;
     size_t key;
     double on;
@@ -139,9 +96,9 @@ void expression_layer_blend(struct expression_layer *x, double t,
     *basic = (struct fap_expression){0};
     if (!x->seen_count)
         return;
-    struct blend blend = {.rule = x->rule, .face = faps};
+    struct blend blend = {.rule = x->sentence->rule, .face = faps};
     double articulation = 1, omega = 0;
-    blend.activity = activity_at(&x->activity, t, &x->activity_cursor);
+    blend.activity = activity_at(&x->sentence->activity, t, &x->activity_cursor);
     blend.contact = fmax(demand[CONTACT_LIPS].weight, demand[CONTACT_TEETH].weight);
     for (size_t i = 0; i < x->seen_count; i++) {
         articulation *= 1 + (x->seen[i].expression->articulation - 1) * x->seen[i].level;
@@ -149,7 +106,7 @@ void expression_layer_blend(struct expression_layer *x, double t,
     }
     blend_speech(&blend, articulation, omega);
     for (size_t i = 0; i < x->seen_count; i++) {
-        const struct seen *seen = &x->seen[i];
+        const struct seen_expression *seen = &x->seen[i];
         const struct expression *e = seen->expression;
         double shown = seen->level;
         if (is_weighted(x, seen)) {
@@ -181,5 +138,5 @@ static void liveliness_at(void *ctx, double t, struct liveliness *out) {
 }
 
 struct life_influence expression_layer_influence(struct expression_layer *x) {
-    return x ? (struct life_influence){liveliness_at, x} : (struct life_influence){0};
+    return (struct life_influence){liveliness_at, x};
 }

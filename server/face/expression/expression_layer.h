@@ -3,24 +3,45 @@
 #ifndef FACCIA_FACE_EXPRESSION_EXPRESSION_LAYER_H
 #define FACCIA_FACE_EXPRESSION_EXPRESSION_LAYER_H
 
+#include "server/expression/recipe.h"
 #include "server/face/engines/contact.h"
-#include "server/face/expression/activity.h"
-#include "server/face/expression/cue_envelope.h"
+#include "server/face/expression/sentence_expression.h"
 #include "server/face/life/life.h"
 
-struct expression_layer;
+/* Of more expressions at a time than any author means, those that came last count. Each gives way to those
+ * after it: thousands of them over one word would take longer than the frame lasts. */
+enum { EXPRESSIONS_AT_ONCE = 64 };
 
-/* u and g = NULL: nobody speaks. NULL when there is nothing to express with. */
-struct expression_layer *expression_layer_new(const struct sentence_audio *u, const struct phone_segments *g,
-                                              const struct face_options *options);
-void expression_layer_free(struct expression_layer *express);
+/* An expression at an instant. */
+struct seen_expression {
+    const struct expression *expression;
+    double level;                    /* 0..1, intensity included */
+    double omega;                    /* in the weighted rule */
+    const struct cue_envelope *show; /* NULL: of the mood */
+};
+
+/* One placement's view of the expressions. */
+struct expression_layer {
+    const struct sentence_expression *sentence;
+    double begin; /* of the sentence on the clock of the mood, s */
+    const struct mood *mood;
+    size_t cursor, activity_cursor;
+    /* what was seen last */
+    double at; /* NAN: nothing yet */
+    size_t seen_count;
+    struct seen_expression seen[AFFECTS_MAX + EXPRESSIONS_AT_ONCE];
+};
+
+/* sentence = NULL: nobody speaks. mood may be NULL, and may change. All is borrowed. */
+void expression_layer_begin(struct expression_layer *layer, const struct sentence_expression *sentence,
+                            const struct mood *mood, double begin);
 
 /* Blends the expressions at t into faps, which hold the speech and nothing else, and says in *basic what a
  * decoder that knows FAP 2 alone is to show. demand: the contacts at t. */
-void expression_layer_blend(struct expression_layer *express, double t,
+void expression_layer_blend(struct expression_layer *layer, double t,
                             const struct contact_demand demand[CONTACT_TEETH + 1], double faps[FAP_COUNT + 1],
                             struct fap_expression *basic);
 
-struct life_influence expression_layer_influence(struct expression_layer *express);
+struct life_influence expression_layer_influence(struct expression_layer *layer);
 
 #endif

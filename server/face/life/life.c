@@ -217,7 +217,7 @@ static void prepare_speech(struct life *life, const struct sentence_audio *u) {
     prosody_free(&prosody);
 }
 
-struct face_layer life_layer(const struct face_options *options, const struct sentence_audio *u,
+struct face_layer life_layer(const struct placement_options *options, const struct sentence_audio *u,
                              struct life_influence influence) {
     if (!(options->life > 0))
         return (struct face_layer){add_nothing, NULL, NULL};

@@ -17,7 +17,9 @@
 #ifndef FACCIA_FACE_LIFE_LIFE_H
 #define FACCIA_FACE_LIFE_LIFE_H
 
-#include "server/face/track.h"
+#include "server/face/face_layer.h"
+#include "server/face/face_options.h"
+#include "server/voice/sentence_audio.h"
 
 /* How the expressions change life at a time of the sentence; may be NULL. */
 struct life_influence {
@@ -29,7 +31,7 @@ struct life_influence {
  * second fades in from the neutral face. options->life scales how far the head, the eyes (up to 1; a quarter
  * of it beyond), brows and breath move, and how often she blinks (up to 1; half of it beyond); 0 is no life
  * at all. */
-struct face_layer life_layer(const struct face_options *options, const struct sentence_audio *u,
+struct face_layer life_layer(const struct placement_options *options, const struct sentence_audio *u,
                              struct life_influence influence);
 
 #endif

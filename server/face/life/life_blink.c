@@ -96,7 +96,7 @@ void blinks_of_block(struct blinks *blinks, uint64_t seed, int64_t block, const 
             twin->twin = true;
             twin->mark = mark; /* comes and goes with the first one */
         }
-        double spare = dice_between(&d, last, at); /* for those who blink more than others */
+        double spare = dice_between(&d, last, at); /* some blink more than others */
         if (at - last > 2 * INTERVAL_SHORTEST)
             add(blinks, &d, life_clip(spare, last + INTERVAL_SHORTEST, at - INTERVAL_SHORTEST))->mark += 1;
         last = at;

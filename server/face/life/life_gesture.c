@@ -91,7 +91,7 @@ static void nod(struct gesture_curves *out, const struct accent *a, struct dice 
 }
 
 /* Postures from..to, each held until the next one is taken. */
-static void hold(struct gesture_curves *out, struct dice *d, double from, double to, double end) {
+static void keep_turned(struct gesture_curves *out, struct dice *d, double from, double to, double end) {
     while (from < to) {
         double length = fmin(to - from, PHRASE_SECONDS * dice_between(d, 0.6, 1));
         struct gesture_curve *g = add(out, end, fmax(0, from - PHRASE_RISE / 2), PHRASE_RISE,
@@ -151,7 +151,7 @@ void life_gestures_of(const struct prosody *p, uint64_t seed, struct life_gestur
         const struct phrase *phrase = &p->phrases[i];
         double next = i + 1 < p->phrase_count ? phrase[1].from : phrase->to;
         breathe(&out->quick, &d, i ? phrase[-1].to : 0, phrase->from, p->end);
-        hold(&out->slow, &d, phrase->from, fmin(next, p->end - PHRASE_FALL), p->end);
+        keep_turned(&out->slow, &d, phrase->from, fmin(next, p->end - PHRASE_FALL), p->end);
         for (size_t k = phrase->first; k < phrase->first + phrase->count; k++) {
             /* its own dice, so that no accent changes with what the others do */
             struct dice own = dice_of(seed, DICE_NODS, p->name + (int64_t)k);

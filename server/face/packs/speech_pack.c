@@ -35,6 +35,35 @@ static int read_name(const struct json_place *root, const char *key, char **out)
     return 0;
 }
 
+/* BCP 47: a language of two or three letters, and what narrows it down. */
+static int read_tag(const struct json_place *root, char **out) {
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyz", all[] =
+                                                                    "abcdefghijklmnopqrstuvwxyz"
+                                                                    "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+    struct json_place at = json_place_key(root, "tag");
+    if (read_name(root, "tag", out))
+        return -1;
+    size_t size = strspn(*out, letters), part = 1;
+    bool good = size == 2 || size == 3;
+    for (const char *rest = *out + size; good && *rest; rest += 1 + part)
+        good = *rest == '-' && (part = strspn(rest + 1, all)) > 0;
+    return good ? 0 : json_place_fail(&at, "must be a language tag, such as pt-BR");
+}
+
+/* PLUGIN:VOICE. */
+static int read_voices(const struct json_place *root, char ***out) {
+    struct json_place at = json_place_key(root, "voices");
+    if (json_place_texts(&at, out))
+        return -1;
+    for (size_t i = 0; (*out)[i]; i++) {
+        const char *colon = strchr((*out)[i], ':');
+        struct json_place item = json_place_item(&at, i);
+        if (!colon || colon == (*out)[i] || !colon[1])
+            return json_place_fail(&item, "must be the id of a voice, such as espeak:it");
+    }
+    return 0;
+}
+
 static int read_sources(const struct json_place *root) {
     char **sources;
     if (read_texts(root, "sources", &sources))
@@ -130,6 +159,10 @@ static int read_foundations(struct speech_pack *pack, const struct json_place *r
                : 0;
 }
 
+static int read_trough(const struct json_place *at, double *trough) {
+    return at->json ? json_place_real(at, 0, 1, trough) : 0;
+}
+
 static int inherit(struct speech_pack *pack, const struct json_place *at, const char *path, int depth) {
     const char *name;
     if (json_place_text(at, &name))
@@ -149,6 +182,7 @@ static int inherit(struct speech_pack *pack, const struct json_place *at, const 
     pack->fapu = base->fapu;
     pack->rest = base->rest;
     memcpy(pack->undershoot, base->undershoot, sizeof pack->undershoot);
+    pack->trough = base->trough;
     pack->vowel_contexts = base->vowel_contexts;
     pack->vowel_context_count = base->vowel_context_count;
     pack->consonant_contexts = base->consonant_contexts;
@@ -186,20 +220,22 @@ static bool load_letters(struct speech_pack *pack, const char *file, struct erro
 }
 
 static int read_pack(struct speech_pack *pack, const struct json_place *root, const char *path, int depth) {
-    static const char *const base_keys[] = {"tag",      "name",   "sources", "voices",  "abbreviations",
-                                            "alphabet", "fapu",   "rest",    "groups",  "undershoot",
-                                            "contexts", "phones", "visemes", "letters", NULL};
+    static const char *const base_keys[] = {
+        "tag",    "name",       "sources",  "voices", "abbreviations", "alphabet", "fapu",   "rest",
+        "groups", "undershoot", "contexts", "phones", "visemes",       "letters",  "trough", NULL};
     static const char *const heir_keys[] = {"tag",     "name",          "inherits", "sources",
                                             "voices",  "abbreviations", "groups",   "phones",
-                                            "visemes", "letters",       NULL};
+                                            "visemes", "letters",       "trough",   NULL};
     struct json_place inherits = json_place_key(root, "inherits"), groups = json_place_key(root, "groups"),
                       phones = json_place_key(root, "phones"), visemes = json_place_key(root, "visemes"),
-                      letters = json_place_key(root, "letters");
-    if (json_place_keys(root, inherits.json ? heir_keys : base_keys) || read_name(root, "tag", &pack->lang) ||
+                      letters = json_place_key(root, "letters"), trough = json_place_key(root, "trough");
+    pack->trough = -1;
+    if (json_place_keys(root, inherits.json ? heir_keys : base_keys) || read_tag(root, &pack->lang) ||
         read_name(root, "name", &pack->name) || read_sources(root) ||
-        read_texts(root, "voices", &pack->voices) ||
+        read_voices(root, &pack->voices) ||
         read_texts(root, "abbreviations", &pack->abbreviations) ||
-        (inherits.json ? inherit(pack, &inherits, path, depth) : read_foundations(pack, root, path)))
+        (inherits.json ? inherit(pack, &inherits, path, depth) : read_foundations(pack, root, path)) ||
+        read_trough(&trough, &pack->trough))
         return -1;
     if ((groups.json || !inherits.json) && speech_read_groups(pack, &groups))
         return -1;

@@ -98,6 +98,7 @@ struct speech_pack {
     struct speech_fapu fapu;
     struct speech_rest rest;
     double undershoot[PARAM_COUNT]; /* s, see targets.h; 0 = none */
+    double trough;                  /* rounding.h: 0..1, negative = consonants have their own targets */
     char **vowel_contexts;     /* kinds of phones that may follow a vowel; the first stands for a pause */
     char **consonant_contexts; /* kinds of vowels beside a consonant */
     size_t vowel_context_count, consonant_context_count;

@@ -26,10 +26,6 @@ void speech_phone_free(struct speech_phone *phone) {
     free(phone);
 }
 
-static size_t context_count(const struct speech_pack *pack, bool vowel) {
-    return vowel ? pack->vowel_context_count : pack->consonant_context_count;
-}
-
 /* The phone that another one names: of this file, else of the pack that it inherits from. */
 static const struct speech_phone *named(struct reader *r, const struct json_place *at, const char *name,
                                         const char *self) {
@@ -98,7 +94,7 @@ static int read_like(struct reader *r, const struct json_place *at, struct speec
     phone->group = models[heaviest]->group;
     phone->viseme = models[heaviest]->viseme;
     phone->contact = models[heaviest]->contact;
-    *count = context_count(r->pack, phone->group->vowel) * PARAM_COUNT;
+    *count = speech_context_count(r->pack, phone->group->vowel) * PARAM_COUNT;
     phone->plain = mem_alloc(*count * sizeof *phone->plain);
     phone->stressed = mem_alloc(*count * sizeof *phone->stressed);
     for (size_t i = 0; i < n; i++)
@@ -130,149 +126,37 @@ static int read_parts(struct reader *r, const struct json_place *at, struct spee
     return 0;
 }
 
-static int read_contact(const struct json_place *at, struct contact_rule *contact) {
-    static const char *const kinds[] = {"none", "lips", "teeth", NULL};
-    static const char *const keys[3][6] = {{"kind", NULL},
-                                           {"kind", "onset", "release", "press", NULL},
-                                           {"kind", "onset", "release", "reach", "retract", NULL}};
-    struct json_place kind = json_place_key(at, "kind"), onset = json_place_key(at, "onset"),
-                      release = json_place_key(at, "release"), press = json_place_key(at, "press"),
-                      reach = json_place_key(at, "reach"), retract = json_place_key(at, "retract");
-    size_t k;
-    if (json_place_object(at) || json_place_choice(&kind, kinds, &k) || json_place_keys(at, keys[k]))
-        return -1;
-    *contact = (struct contact_rule){.kind = (enum contact_kind)k};
-    if (k == CONTACT_NONE)
-        return 0;
-    if (json_place_real(&onset, 0, 0.1, &contact->onset) ||
-        json_place_real(&release, 0, 0.1, &contact->release))
-        return -1;
-    if (k == CONTACT_LIPS)
-        return json_place_real(&press, 0.02, 1, &contact->press);
-    return json_place_real(&reach, 0, 5, &contact->reach) ||
-                   json_place_real(&retract, 0, 5, &contact->retract)
-               ? -1
-               : 0;
-}
-
-/* "gain" multiplies and "shift" moves every target of the parameters that it names. */
-static int change_targets(const struct json_place *at, struct speech_phone *phone, size_t count,
-                          bool is_gain) {
-    if (!at->json)
-        return 0;
-    if (json_place_keys(at, speech_params))
-        return -1;
-    for (size_t p = 0; p < PARAM_COUNT; p++) {
-        struct json_place child = json_place_key(at, speech_params[p]);
-        double x;
-        if (!child.json)
-            continue;
-        if (json_place_real(&child, -20, 20, &x))
-            return -1;
-        for (size_t i = p; i < count; i += PARAM_COUNT) {
-            phone->plain[i].T = is_gain ? phone->plain[i].T * x : phone->plain[i].T + x;
-            phone->stressed[i].T = is_gain ? phone->stressed[i].T * x : phone->stressed[i].T + x;
-        }
-    }
-    return 0;
-}
-
-static void apply_parameters(struct coefficients *table, size_t count,
-                             const struct coefficients own[PARAM_COUNT]) {
-    for (size_t i = 0; i < count; i++) {
-        struct coefficients c = own[i % PARAM_COUNT];
-        c.t = table[i].t;
-        c.T = table[i].T;
-        table[i] = c;
-    }
-}
-
-/* "coefficients" of the phone: those it names replace the table's, in every context. */
-static int read_own_coefficients(const struct json_place *at, struct speech_phone *phone, size_t count) {
-    for (size_t i = 0; i < count && at->json; i += PARAM_COUNT)
-        if (speech_read_parameters(at, phone->plain + i) || speech_read_parameters(at, phone->stressed + i))
-            return -1;
-    return 0;
-}
-
-static int read_tables(struct reader *r, const struct json_place *at, struct speech_phone *phone,
-                       size_t count, bool is_like) {
-    struct json_place targets = json_place_key(at, "targets"), stressed = json_place_key(at, "stressed"),
-                      coefficients = json_place_key(at, "coefficients"), gain = json_place_key(at, "gain"),
-                      shift = json_place_key(at, "shift");
-    char *const *contexts = phone->group->vowel ? r->pack->vowel_contexts : r->pack->consonant_contexts;
-    if (read_own_coefficients(&coefficients, phone, count) || change_targets(&gain, phone, count, true) ||
-        change_targets(&shift, phone, count, false))
-        return -1;
-    bool seen[SPEECH_MAX_CONTEXTS * PARAM_COUNT] = {false};
-    if (targets.json || !is_like) {
-        if (speech_read_targets(&targets, contexts, phone->plain, seen))
-            return -1;
-        for (size_t i = 0; i < count && !is_like; i++) {
-            struct json_place parameter = json_place_key(&targets, speech_params[i % PARAM_COUNT]);
-            if (!seen[i])
-                return json_place_fail(&parameter, "has no target in the context \"%s\"",
-                                       contexts[i / PARAM_COUNT]);
-        }
-        for (size_t i = 0; i < count; i++)
-            if (seen[i])
-                phone->stressed[i] = phone->plain[i];
-    }
-    if (!stressed.json)
-        return 0;
-    return phone->group->vowel ? speech_read_targets(&stressed, contexts, phone->stressed, NULL)
-                               : json_place_fail(&stressed, "is for vowels only");
-}
-
-static int read_group_of(struct reader *r, const struct json_place *at, struct speech_phone *phone,
-                         size_t *count) {
-    const char *name;
-    if (json_place_text(at, &name))
-        return -1;
-    const struct speech_group *group = speech_find_group(r->pack, name);
-    if (!group)
-        return json_place_fail(at, "there is no group \"%s\"", name);
-    if (phone->group && phone->group->vowel != group->vowel)
-        return json_place_fail(at, "is a group of another kind");
-    phone->group = group;
-    phone->viseme = group->viseme;
-    *count = context_count(r->pack, group->vowel) * PARAM_COUNT;
-    if (!phone->plain) {
-        phone->plain = mem_alloc(*count * sizeof *phone->plain);
-        phone->stressed = mem_alloc(*count * sizeof *phone->stressed);
-    }
-    apply_parameters(phone->plain, *count, group->coefficients);
-    apply_parameters(phone->stressed, *count, group->coefficients);
-    return 0;
-}
-
 static int fill_phone(struct reader *r, const struct json_place *at, struct speech_phone *phone) {
-    static const char *const keys[] = {"sampa", "like",    "group",    "viseme",       "contact", "gain",
-                                       "shift", "targets", "stressed", "coefficients", "parts",   NULL};
-    static const char *const part_keys[] = {"sampa", "parts", NULL};
+    static const char *const keys[] = {"sampa", "like",   "group",   "viseme",   "contact",
+                                       "gain",  "shift",  "targets", "stressed", "coefficients",
+                                       "parts", "source", NULL};
+    static const char *const part_keys[] = {"sampa", "parts", "source", NULL};
     struct json_place sampa = json_place_key(at, "sampa"), like = json_place_key(at, "like"),
                       group = json_place_key(at, "group"), viseme = json_place_key(at, "viseme"),
-                      contact = json_place_key(at, "contact"), parts = json_place_key(at, "parts");
+                      contact = json_place_key(at, "contact"), parts = json_place_key(at, "parts"),
+                      source = json_place_key(at, "source");
     const char *text;
-    double number;
+    int number;
     size_t count = 0;
     if (json_place_keys(at, parts.json ? part_keys : keys) || json_place_text(&sampa, &text))
         return -1;
     phone->sampa = mem_strdup(text);
+    if (source.json && json_place_text(&source, &text))
+        return -1;
     if (parts.json)
         return read_parts(r, &parts, phone);
     if (like.json && read_like(r, &like, phone, &count))
         return -1;
-    if ((group.json || !like.json) && read_group_of(r, &group, phone, &count))
+    if ((group.json || !like.json) && speech_read_group_of(r->pack, &group, phone, &count))
         return -1;
     if (viseme.json) {
-        if (json_place_real(&viseme, 0, 14, &number))
+        if (json_place_whole(&viseme, 0, 14, &number))
             return -1;
         phone->viseme = (uint8_t)number;
     }
-    if (contact.json && read_contact(&contact, &phone->contact))
+    if (contact.json && speech_read_contact(&contact, &phone->contact))
         return -1;
-    return read_tables(r, at, phone, count, like.json != NULL);
+    return speech_read_tables(r->pack, at, phone, count, like.json != NULL);
 }
 
 static size_t feature_letter(const struct alphabet *alphabet, const char *ipa) {

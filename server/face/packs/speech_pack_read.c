@@ -104,9 +104,9 @@ static int read_group(const struct speech_pack *pack, const struct json_place *a
                       context = json_place_key(at, "context"),
                       coefficients = json_place_key(at, "coefficients");
     size_t is_vowel;
-    double number;
+    int number;
     if (json_place_keys(at, keys) || json_place_choice(&kind, kinds, &is_vowel) ||
-        json_place_real(&viseme, 0, 14, &number))
+        json_place_whole(&viseme, 0, 14, &number))
         return -1;
     g->vowel = is_vowel;
     g->viseme = (uint8_t)number;

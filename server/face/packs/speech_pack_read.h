@@ -20,6 +20,20 @@ const struct speech_group *speech_find_group(const struct speech_pack *pack, con
 int speech_read_phones(struct speech_pack *pack, const struct json_place *at);
 void speech_phone_free(struct speech_phone *phone);
 
+/* Of the tables of a vowel or a consonant. */
+size_t speech_context_count(const struct speech_pack *pack, bool vowel);
+
+int speech_read_contact(const struct json_place *at, struct contact_rule *contact);
+
+/* The group that is named there, its coefficients in the phone's tables, which have count entries. */
+int speech_read_group_of(const struct speech_pack *pack, const struct json_place *at,
+                         struct speech_phone *phone, size_t *count);
+
+/* What the phone says of its own tables: coefficients, gain, shift, targets. is_like: they are filled
+ * already. */
+int speech_read_tables(const struct speech_pack *pack, const struct json_place *at,
+                       struct speech_phone *phone, size_t count, bool is_like);
+
 /* {"LI": {"a": {"t": ..., "T": ...}, "any": {...}}, ...} into table[context * PARAM_COUNT + param]; notes in
  * seen (may be NULL) which entries were given. */
 int speech_read_targets(const struct json_place *at, char *const *contexts, struct coefficients *table,

@@ -36,8 +36,6 @@ int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, const cha
     const struct sound_source source = sound_in_memory(&memory, sound->rate);
     const struct long_alignment_options options = {voice->lang, voice->gender, stop, true};
     struct error e;
-    if (!*aligner->slot.path)
-        reference_path(aligner->slot.path, sizeof aligner->slot.path);
     struct reference *reference = reference_get(&aligner->slot, &e);
     struct long_alignment *chapter =
         reference ? long_alignment_open(&source, reference, text, strlen(text), &options, &e) : NULL;

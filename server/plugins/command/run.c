@@ -88,7 +88,7 @@ static bool start(struct child *child, const struct cm_run *run) {
     child->in = pipes[0][1], child->out = pipes[1][0], child->complaints = pipes[2][0];
     if (child->pid < 0)
         return false;
-    setpgid(child->pid, child->pid); /* whoever is first */
+    setpgid(child->pid, child->pid); /* the child does it, too: either may come first */
     fcntl(child->in, F_SETFL, O_NONBLOCK);
     return true;
 }

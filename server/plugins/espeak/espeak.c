@@ -2,13 +2,14 @@
 /* The espeak-ng voice plugin. libespeak-ng keeps its state in globals, and so must its callbacks' owner; the
  * host runs one instance in a process. */
 #include "server/base/mem.h"
-#include "server/plugins/espeak/espeak_text.h"
+#include "server/plugins/common/espeak_text.h"
+#include "server/plugins/common/espeak_voices.h"
+#include "server/plugins/common/espeak_words.h"
+#include "server/plugins/espeak/espeak_config.h"
+#include "server/plugins/espeak/espeak_inner.h"
 #include "server/plugins/espeak/espeak_timing.h"
-#include "server/plugins/espeak/espeak_voices.h"
-#include "server/plugins/espeak/espeak_words.h"
 #include "server/voice/faccia-voice.h"
 #include <espeak-ng/speak_lib.h>
-#include <jansson.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -155,26 +156,6 @@ static void speak_silence(struct espeak *self, const struct faccia_span *spans, 
     }
 }
 
-/* The spans that the engine is given: without what ends in a break before the first text, or begins with one
- * after the last. */
-static struct faccia_sentence inner_part(const struct faccia_sentence *sentence) {
-    const struct faccia_span *spans = sentence->spans;
-    size_t begin = 0, end = 0, text = 0, last = 0;
-    while (text < sentence->span_count && spans[text].kind != FACCIA_SPAN_TEXT)
-        text++;
-    for (size_t i = 0; i < sentence->span_count; i++) {
-        if (spans[i].kind == FACCIA_SPAN_BREAK && i < text)
-            begin = i + 1;
-        if (spans[i].kind == FACCIA_SPAN_TEXT)
-            last = i;
-    }
-    if (text == sentence->span_count)
-        return (struct faccia_sentence){sentence->voice, spans + text, 0};
-    for (end = last + 1; end < sentence->span_count && spans[end].kind != FACCIA_SPAN_BREAK;)
-        end++;
-    return (struct faccia_sentence){sentence->voice, spans + begin, end - begin};
-}
-
 /* Once for a voice; what the engine said meanwhile is forgotten. */
 static void learn_phones(struct espeak *self) {
     if (!es_ipa_learn(&self->ipa, self->sentence, self))
@@ -206,7 +187,7 @@ static int es_speak(void *ctx, const struct faccia_sentence *sentence, const str
                     char *message, size_t cap) {
     struct espeak *self = ctx;
     const struct es_voice *voice = es_voices_find(&self->voices, sentence->voice);
-    const struct faccia_sentence inner = inner_part(sentence);
+    const struct faccia_sentence inner = es_inner_part(sentence);
     size_t first = (size_t)(inner.spans - sentence->spans), rest = first + inner.span_count;
     espeak_ERROR result = EE_OK;
     if (!voice) {
@@ -253,22 +234,6 @@ static void es_list(void *ctx, void (*each)(void *ctx, const struct faccia_voice
     }
 }
 
-/* "variants": names of espeak-ng's voice variants that are offered for every language. */
-static void load_voices(struct espeak *self, const char *config) {
-    static const char *const usual[] = {"f2"};
-    json_t *root = json_loads(config, 0, NULL), *variants = json_object_get(root, "variants"), *variant;
-    size_t count = json_array_size(variants), i;
-    const char **names = mem_alloc(count * sizeof *names);
-    json_array_foreach(variants, i, variant) names[i] =
-        json_is_string(variant) ? json_string_value(variant) : "";
-    if (json_is_array(variants))
-        es_voices_load(&self->voices, names, count);
-    else
-        es_voices_load(&self->voices, usual, sizeof usual / sizeof *usual);
-    free(names);
-    json_decref(root);
-}
-
 static void es_close(void *ctx) {
     struct espeak *self = ctx;
     espeak_Terminate();
@@ -293,7 +258,7 @@ static int es_open(const char *config, void **out, char *message, size_t cap) {
     struct espeak *self = mem_alloc(sizeof *self);
     self->sample_rate = (uint32_t)rate;
     self->nowhere = fopen("/dev/null", "w");
-    load_voices(self, config);
+    es_config_voices(&self->voices, config);
     if (!self->voices.count || !self->nowhere) {
         snprintf(message, cap, self->nowhere ? "espeak-ng has no voices" : "/dev/null cannot be opened");
         es_close(self);

@@ -5,7 +5,7 @@
 #ifndef FACCIA_PLUGINS_ESPEAK_ESPEAK_TIMING_H
 #define FACCIA_PLUGINS_ESPEAK_ESPEAK_TIMING_H
 
-#include "server/plugins/espeak/espeak_align.h"
+#include "server/plugins/common/espeak_align.h"
 #include "server/plugins/espeak/espeak_signal.h"
 
 /* A list of phones whose starts are the events' times, and whose ends are yet to be found. */

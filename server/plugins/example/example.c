@@ -1,8 +1,10 @@
-/* SPDX-License-Identifier: GPL-3.0-or-later */
-/* An example of a voice plugin: hums an "a" for each word. Build it as a shared object with the top of the
- * source tree in the include path, and put it into the plugins' folder: cc -shared -fPIC -I. -o
- * build/server/plugins/example.so server/plugins/example/example.c -lm */
-#include "server/voice/faccia-voice.h"
+/* SPDX-License-Identifier: MIT */
+/* An example of a voice plugin, to begin your own with: hums an "a" for each word.
+ *
+ *   cc -shared -fPIC -fvisibility=hidden $(pkg-config --cflags faccia-voice) example.c -o example.so -lm
+ *   cp example.so $(pkg-config --variable=plugindir faccia-voice)
+ */
+#include <faccia-voice.h>
 #include <math.h>
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -23,8 +25,7 @@ static int ex_open(const char *config, void **self, char *message, size_t cap) {
 
 static void ex_list(void *self, void (*each)(void *ctx, const struct faccia_voice_info *voice), void *ctx) {
     (void)self;
-    each(ctx, &(struct faccia_voice_info){"hum", "Humming", "it", "neutral", "formant", "GPL-3.0-or-later",
-                                          RATE, 240});
+    each(ctx, &(struct faccia_voice_info){"hum", "Humming", "it", "neutral", "formant", "MIT", RATE, 240});
 }
 
 static int ex_speak(void *ctx, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
@@ -60,12 +61,12 @@ static void ex_close(void *self) {
     free(self);
 }
 
-__attribute__((visibility("default"))) const struct faccia_voice faccia_voice = {
+const struct faccia_voice faccia_voice = {
     FACCIA_VOICE_ABI,
     sizeof(struct faccia_voice),
     "example",
     "1",
-    "GPL-3.0-or-later",
+    "MIT",
     FACCIA_VOICE_STREAMS, /* it needs neither the network nor programs, and gets neither */
     ex_open,
     ex_list,

@@ -4,7 +4,7 @@
 #ifndef FACCIA_PLUGINS_KOKORO_KOKORO_READER_H
 #define FACCIA_PLUGINS_KOKORO_KOKORO_READER_H
 
-#include "server/plugins/espeak/espeak_voices.h"
+#include "server/plugins/common/espeak_voices.h"
 #include "server/plugins/kokoro/kokoro_tokens.h"
 #include "server/voice/faccia-voice.h"
 

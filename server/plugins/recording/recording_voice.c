@@ -5,6 +5,7 @@
 #include "server/plugins/recording/folder.h"
 #include "server/plugins/recording/match.h"
 #include "server/voice/faccia-voice.h"
+#include "server/voice/worker_keeper.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -256,7 +257,6 @@ static int configure(struct recordings *self, const json_t *config, char *messag
 static int re_open(const char *text, void **out, char *message, size_t cap) {
     struct recordings *self = mem_alloc(sizeof *self);
     json_t *config = json_loads(text, 0, NULL);
-    reference_path(self->reference.path, sizeof self->reference.path);
     int result = configure(self, config, message, cap);
     json_decref(config);
     *out = self;
@@ -271,7 +271,7 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .name = "recording",
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
-    .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_FRESH | FACCIA_VOICE_FILES,
+    .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_FRESH | FACCIA_VOICE_FILES | WORKER_KEEPER_WANTED,
     .open = re_open,
     .list = re_list,
     .speak = re_speak,

@@ -7,6 +7,7 @@ import {
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
+import { mouthUniforms, openingOf } from './mouth-light.mjs';
 import { SoftwareDeform } from './software-deform.mjs';
 import { CLEAR, eyeNormals, fibres, kindOf, outsideFirst, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
@@ -14,7 +15,6 @@ import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
 import { wrinklePlace, wrinklesOf } from './wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
-const MOUTH_OPEN_MM = 9; // from here on the light goes in freely
 const SLICE_MS = 12; // of work at a time, while the page lives on
 
 /** Where shadows are taken: speaking, so that there is light between the lips. */
@@ -67,8 +67,7 @@ export class Head {
       fade: { value: 1e-3 },
       wrinkles: { value: new Vector4() },
       wrinklePlace: { value: new Vector4(...(this.folds ?? [])) },
-      mouthOpen: { value: 0 },
-      lipFront: { value: model.fdp['2.2']?.[2] ?? 0 },
+      ...mouthUniforms(model),
     };
   }
 
@@ -263,9 +262,7 @@ export class Head {
       if (soft?.acts && soft.update(this.drive))
         for (const name of ['position', 'normal']) geometry.attributes[name].needsUpdate = true;
     if (this.folds) this.uniforms.wrinkles.value.set(...wrinklesOf(values));
-    const mns = this.model.fapu.MNS / 1024;
-    const open = mns * (values[3] * 0.5 - values[4] - values[5]);
-    this.uniforms.mouthOpen.value = Math.min(1, Math.max(0, open / MOUTH_OPEN_MM));
+    this.uniforms.opening.value = openingOf(this.model, values);
   }
 
   get triangles() {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // How the surfaces of a head look. KIND says what is drawn (skin, hair, eye, mouth, other), FINE the quality.
 import { deformGlsl } from './shader-deform.mjs';
+import { mouthLightGlsl } from './mouth-light.mjs';
 import { wrinkleGlsl } from './wrinkles.mjs';
 import { FILL, GROUND, KEY, RIM, SKY } from './lights.mjs';
 
@@ -60,7 +61,11 @@ vec3 diffuseLight(vec3 n, vec4 reach) {
   vec3 ambientReach = vec3(max(reach.x, 0.12)); // hair lets some through
   vec3 keyReach = vec3(reach.y);
 #endif
+#if KIND == 4
+  vec3 light = mix(GROUND, SKY, 0.5) * ambientReach; // from all the flesh around
+#else
   vec3 light = mix(GROUND, SKY, 0.5 + 0.5 * n.y) * ambientReach;
+#endif
   light += KEY_COLOR * wrapped(dot(n, KEY_DIRECTION)) * keyReach;
   light += FILL_COLOR * wrapped(dot(n, FILL_DIRECTION)) * reach.z;
   light += RIM_COLOR * wrapped(dot(n, RIM_DIRECTION)) * reach.w;
@@ -80,8 +85,9 @@ attribute vec3 rest;
 #if KIND == 2
 attribute vec3 fibre;
 #endif
-uniform float mouthOpen; // 0..1
-uniform float lipFront; // z of the lips
+#if KIND == 4
+${mouthLightGlsl}
+#endif
 #if !FINE
 varying vec3 vertexLight;
 #endif
@@ -97,9 +103,7 @@ void main() {
 #endif
   surfaceLight = reach;
 #if KIND == 4
-  // What light the lips let in gets lost behind them.
-  float depth = max(0.0, lipFront - rest.z - 4.0);
-  surfaceLight = vec4(exp(-depth / mix(4.0, 8.5, mouthOpen)) * mix(0.45, 1.1, mouthOpen));
+  surfaceLight = mouthLight(transpose(mat3(headTurn)) * (p - headTurn[3].xyz)); // as the head stands upright
 #elif KIND == 3
   eyePlace = normalize(rest - eyeCenter);
 #elif KIND == 2

@@ -10,7 +10,7 @@ export const CLEAR = [...THIN, 'glasses'];
 export function kindOf(name) {
   if (/^(hair|beard|lashes|brows)/.test(name)) return 'hair';
   if (name.startsWith('eye')) return 'eye';
-  if (/^(teeth|tongue)/.test(name)) return 'mouth';
+  if (/^(teeth|tongue|mouth)/.test(name)) return 'mouth';
   return name.startsWith('skin') ? 'skin' : 'other';
 }
 

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * Cuts the inside of the mouth off the skin, as a part `mouth` of its own: it is lit by what the lips let in,
+ * and not by the lamps.
+ */
+import { lipParameter } from './paint-lips.mjs';
+
+/** mm behind the line where the lips touch. */
+const BEHIND_LIPS = 9;
+
+/** @returns {object[]} the skin and the mouth */
+export function cutCavity(ctx, skin) {
+  const { depth } = lipParameter(ctx);
+  const inside = skin.refs.map(
+    (refs) => refs.reduce((sum, [v, w]) => sum + w * (ctx.grid.inMouth[v] ? depth[v] : 0), 0) > BEHIND_LIPS,
+  );
+  const pick = (name, wanted) => {
+    const index = [];
+    for (let t = 0; t < skin.index.length; t += 3) {
+      const three = skin.index.slice(t, t + 3);
+      if (Array.from(three).every((v) => inside[v]) === wanted) index.push(...three);
+    }
+    return subset(skin, name, index);
+  };
+  return [pick('skin', false), pick('mouth', true)];
+}
+
+/** The vertices that the triangles use. */
+function subset(part, name, index) {
+  const number = new Map();
+  for (const v of index) if (!number.has(v)) number.set(v, number.size);
+  const old = [...number.keys()];
+  const first = new Map();
+  const smooth = part.smooth
+    ? old.map((v, i) => {
+        const key = part.smooth[v];
+        if (!first.has(key)) first.set(key, i);
+        return first.get(key);
+      })
+    : null;
+  const pairs = (values) => old.flatMap((v) => [values[v * 2], values[v * 2 + 1]]);
+  return {
+    ...part,
+    name,
+    refs: old.map((v) => part.refs[v]),
+    position: Float64Array.from(old.flatMap((v) => [0, 1, 2].map((k) => part.position[v * 3 + k]))),
+    uv: pairs(part.uv),
+    ...(part.sourceUv ? { sourceUv: pairs(part.sourceUv) } : {}),
+    index: index.map((v) => number.get(v)),
+    smooth: smooth?.some((f, v) => f !== v) ? smooth : null,
+    moves: [],
+    turns: [],
+  };
+}

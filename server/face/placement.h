@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A placement: a face track as it is played once, on a life clock, with the life and the mood of whoever
+ * plays it; or the face while nobody speaks. What is played again, later or by another is placed anew, and
+ * nothing is made twice but this. */
+#ifndef FACCIA_FACE_PLACEMENT_H
+#define FACCIA_FACE_PLACEMENT_H
+
+#include "server/face/face_layer.h"
+#include "server/face/track.h"
+
+struct face_placement;
+
+/* The track is shared; u is the sentence that it was made of, which may be freed afterwards. Track and u =
+ * NULL: nobody speaks, without an end, and times are on the life clock. */
+struct face_placement *face_placement_new(struct face_track *track, const struct sentence_audio *u,
+                                          const struct placement_options *options);
+void face_placement_free(struct face_placement *placement);
+
+/* Adds a layer; the placement owns it. */
+void face_placement_add(struct face_placement *placement, struct face_layer layer);
+
+/* The face at t seconds (any t: before 0 and after the end it is at rest), clamped to the FAP ranges, rounded
+ * to FAP units. Cheapest when t does not go backwards. Cost does not depend on the sentence's length. */
+void face_placement_sample(struct face_placement *placement, double t, struct fap_frame *frame);
+
+#endif

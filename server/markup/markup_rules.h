@@ -1,0 +1,24 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a reader of texts is told by its caller. */
+#ifndef FACCIA_MARKUP_MARKUP_RULES_H
+#define FACCIA_MARKUP_MARKUP_RULES_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stddef.h>
+
+/* How a language cuts its sentences. */
+struct markup_rules {
+    const char *const *abbreviations; /* NULL-terminated, lower case, without the final dot; may be NULL */
+    const char *lang; /* BCP 47, of the request: a style that means the same leaves it open; may be NULL */
+    size_t sentence_bytes; /* a sentence that is longer is cut at a comma, semicolon or colon; 0 = where it is
+                              longer than any sentence may be (plain.h) */
+    const atomic_bool *given_up; /* when it becomes true, from any thread, reading ends soon, with the error
+                                    "cancelled"; may be NULL */
+};
+
+static inline bool markup_given_up(const struct markup_rules *rules) {
+    return rules && rules->given_up && atomic_load_explicit(rules->given_up, memory_order_relaxed);
+}
+
+#endif

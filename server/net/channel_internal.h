@@ -1,0 +1,57 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of channels share. */
+#ifndef FACCIA_NET_CHANNEL_INTERNAL_H
+#define FACCIA_NET_CHANNEL_INTERNAL_H
+
+#include "server/net/catch_up.h"
+#include "server/net/channel.h"
+
+/* Those who want their media in the same way. */
+struct variant {
+    struct variant *next;
+    struct encoding encoding;
+    struct encoder *encoder;
+    struct channel *channel;
+    unsigned followers;
+    unsigned coding; /* messages that the encoder owes */
+};
+
+/* One thing that a channel says: an event, or media of a variant. */
+struct channel_item {
+    struct channel_item *next;
+    struct queued_message *message; /* NULL: it is not known yet, or there is none */
+    bool ready;                     /* it is known */
+    bool media;
+    enum stream_event_kind kind; /* of an event */
+    struct variant *variant;     /* of media, until they are ready */
+    struct encoding encoding;    /* for whom media are */
+    bool begin, idle;            /* of media: one can begin with them; they are those of idling */
+};
+
+struct channel {
+    struct net *net;
+    char *name;
+    bool room;
+    void (*gone)(struct channel *channel); /* before it is freed; may be NULL */
+    struct channel *next, **self;          /* of the rooms */
+    struct stream *stream;
+    struct follower *followers;
+    size_t follower_count;
+    struct variant *variants;
+    struct channel_item *first, **last; /* what is said next */
+    struct catch_up catch_up;
+};
+
+/* channel_say.c */
+
+/* What the stream says goes to those who follow. */
+extern const struct stream_sink channel_sink;
+
+/* An encoder's answer. */
+void channel_coded(void *variant, void *item, const struct encoded *encoded);
+
+/* What the variant owes will not come. */
+void channel_forget_variant(struct channel *channel, struct variant *variant);
+void channel_forget_all(struct channel *channel);
+
+#endif

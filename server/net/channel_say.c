@@ -1,0 +1,194 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What a channel says, in its order, while some of it is still being coded in other threads. What begins in a
+ * chunk leaves together with it. */
+#include "server/base/mem.h"
+#include "server/net/channel_internal.h"
+#include "server/net/net_internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    EVENT_BYTES = 384, /* most events have fewer */
+    BATCH = 32,        /* messages that leave together */
+    CODING_MOST = 3,   /* chunks of a variant that are being coded: those of the lead, at a beginning */
+};
+
+static struct channel_item *add(struct channel *c) {
+    struct channel_item *item = mem_alloc(sizeof *item);
+    *c->last = item;
+    c->last = &item->next;
+    return item;
+}
+
+static struct channel_item *take_first(struct channel *c) {
+    struct channel_item *item = c->first;
+    c->first = item->next;
+    if (!c->first)
+        c->last = &c->first;
+    return item;
+}
+
+static void item_free(struct channel_item *item) {
+    queued_message_release(item->message);
+    free(item);
+}
+
+static bool wants_text(const struct follower *f, enum stream_event_kind kind) {
+    return !f->media || !encoding_packs(&f->encoding, kind);
+}
+
+static bool wants(struct follower *f, const struct channel_item *item) {
+    if (!item->message)
+        return false;
+    if (!item->media)
+        return wants_text(f, item->kind);
+    if (!f->media || !encoding_same(&f->encoding, &item->encoding) || (item->idle && !f->idle))
+        return false;
+    f->waits &= !item->begin;
+    return !f->waits;
+}
+
+static void give(struct channel *c, struct channel_item **items, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (!items[i]->media)
+            catch_up_event(&c->catch_up, items[i]->kind, items[i]->message);
+    for (struct follower *f = c->followers; f; f = f->next) {
+        struct queued_message *messages[BATCH];
+        size_t wanted = 0;
+        for (size_t i = 0; i < count; i++)
+            if (wants(f, items[i]))
+                messages[wanted++] = items[i]->message;
+        if (wanted)
+            f->deliver(f, messages, wanted);
+    }
+}
+
+/* All that nothing before it holds up. */
+static void say(struct channel *c) {
+    while (c->first && c->first->ready) {
+        struct channel_item *items[BATCH];
+        size_t count = 0;
+        while (c->first && c->first->ready && count < BATCH)
+            items[count++] = take_first(c);
+        give(c, items, count);
+        while (count)
+            item_free(items[--count]);
+    }
+}
+
+void channel_coded(void *ctx, void *tag, const struct encoded *encoded) {
+    struct variant *v = ctx;
+    struct channel_item *item = tag;
+    struct metrics *metrics = v->channel->net->pipeline->metrics;
+    metrics_add(metrics, METRIC_AUDIO_BYTES, (double)encoded->audio_bytes);
+    metrics_add(metrics, METRIC_FAP_BYTES, (double)encoded->fap_bytes);
+    v->coding--;
+    item->variant = NULL;
+    item->ready = true;
+    item->begin = encoded->begin;
+    if (encoded->size) {
+        item->message = queued_message_new(WEBSOCKET_BINARY, encoded->data, encoded->size);
+        item->message->born = uv_now(v->channel->net->pipeline->loop);
+    }
+    say(v->channel);
+}
+
+static struct channel_item *add_media(struct channel *c, struct variant *v, bool idle) {
+    struct channel_item *item = add(c);
+    item->media = true;
+    item->variant = v;
+    item->encoding = v->encoding;
+    item->idle = idle;
+    v->coding++;
+    return item;
+}
+
+void channel_forget_variant(struct channel *c, struct variant *v) {
+    for (struct channel_item *item = c->first; item; item = item->next)
+        if (item->variant == v) {
+            item->variant = NULL;
+            item->ready = true;
+        }
+    say(c);
+}
+
+void channel_forget_all(struct channel *c) {
+    while (c->first)
+        item_free(take_first(c));
+}
+
+/* A client that comes later to a room may want lines, too. */
+static bool is_typed(const struct channel *c) {
+    bool lines = c->room;
+    for (const struct follower *f = c->followers; f && !lines; f = f->next)
+        lines = f->lines;
+    return lines;
+}
+
+static struct queued_message *line_of(const struct stream_event *event) {
+    struct buf line = {0};
+    event_line(&line, event);
+    struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, line.data, line.size);
+    buf_free(&line);
+    return message;
+}
+
+/* A client that comes later to a room is told as text, too. */
+static bool is_text(const struct channel *c, enum stream_event_kind kind) {
+    bool text = c->room;
+    for (const struct follower *f = c->followers; f && !text; f = f->next)
+        text = wants_text(f, kind);
+    return text;
+}
+
+static void add_event(struct channel *c, const struct stream_event *event) {
+    struct buf text = {0};
+    buf_reserve(&text, EVENT_BYTES);
+    event_write(&text, event, c->name);
+    struct channel_item *item = add(c);
+    item->kind = event->kind;
+    item->ready = true;
+    item->message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
+    item->message->event = event_name(event->kind);
+    item->message->line = is_typed(c) ? line_of(event) : NULL;
+    buf_free(&text);
+}
+
+/* What begins in a chunk: the chunk follows at once. */
+static bool is_of_chunk(enum stream_event_kind kind) {
+    return kind == STREAM_BEGIN || kind == STREAM_SENTENCE || kind == STREAM_WORD || kind == STREAM_MARK ||
+           kind == STREAM_PHONE;
+}
+
+static void on_event(void *ctx, const struct stream_event *event) {
+    struct channel *c = ctx;
+    for (struct variant *v = c->variants; v && event->kind == STREAM_END; v = v->next)
+        encoder_end(v->encoder, !strcmp(event->reason, "done"), add_media(c, v, false));
+    for (struct variant *v = c->variants; v; v = v->next)
+        if (encoding_packs(&v->encoding, event->kind))
+            encoder_event(v->encoder, event);
+    if (is_text(c, event->kind))
+        add_event(c, event);
+    if (!is_of_chunk(event->kind))
+        say(c);
+}
+
+static void on_media(void *ctx, const struct media *media) {
+    struct channel *c = ctx;
+    metrics_add(c->net->pipeline->metrics, METRIC_CHUNKS, 1);
+    for (struct variant *v = c->variants; v; v = v->next)
+        encoder_media(v->encoder, media, add_media(c, v, !media->utterance));
+    say(c);
+}
+
+/* A stream of one's own waits for its listener; a room waits for nobody. Both wait for the coders. */
+static bool on_ready(void *ctx) {
+    const struct channel *c = ctx;
+    const struct follower *f = c->followers;
+    for (const struct variant *v = c->variants; v; v = v->next)
+        if (v->coding >= CODING_MOST)
+            return false;
+    return c->room || !f || !f->queue || f->queue->unsent < c->net->options.send_bytes;
+}
+
+const struct stream_sink channel_sink = {on_event, on_media, on_ready};

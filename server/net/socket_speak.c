@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Where a WebSocket client is, what it hears, and what it may have said. */
+#include "server/net/socket_internal.h"
+#include <string.h>
+
+void socket_enter(struct socket *s, struct channel *channel) {
+    s->follower.idle = false;
+    channel_join(channel, &s->follower);
+}
+
+struct stream *socket_stream(const struct socket *s) {
+    return channel_stream(s->follower.channel);
+}
+
+const char *socket_room(const struct socket *s) {
+    const struct channel *c = s->follower.channel;
+    return channel_is_room(c) ? channel_name(c) : NULL;
+}
+
+int socket_join(struct socket *s, const char *room, struct error *e) {
+    struct error ignored;
+    if (principal_may(s->net, &s->principal, RIGHT_LISTEN, room, e))
+        return -1;
+    struct channel *channel = channel_room(s->net, room, e);
+    if (!channel || channel == s->follower.channel)
+        return channel ? 0 : -1;
+    channel_leave(&s->follower);
+    socket_say(s, json_pack("{ss ss si sb}", "type", "joined", "room", room, "followers",
+                            (int)channel_followers(channel) + 1, "may_speak",
+                            !principal_may(s->net, &s->principal, RIGHT_SPEAK, room, &ignored)));
+    socket_enter(s, channel);
+    return 0;
+}
+
+void socket_leave(struct socket *s) {
+    socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
+    channel_leave(&s->follower);
+    socket_enter(s, channel_new(s->net, s->name));
+}
+
+int socket_set_media(struct socket *s, const struct media_wish *wish, struct error *e) {
+    struct encoding encoding = s->follower.encoding;
+    int codec = 0;
+    if (wish->audio && (codec = encoding_audio(wish->audio, e)) < 0)
+        return -1;
+    if (wish->audio)
+        encoding.audio = (uint8_t)codec;
+    if (wish->fap && (codec = encoding_fap(wish->fap, e)) < 0)
+        return -1;
+    if (wish->fap)
+        encoding.fap = (uint8_t)codec;
+    if (wish->kilobits && (codec = encoding_kilobits(wish->kilobits)) < 0)
+        return error_in_field(e, "bad-field", "kilobits", "must be a number of kilobits a second, 6 to 64");
+    if (wish->kilobits)
+        encoding.kilobits = (uint8_t)codec;
+    int packed = wish->events ? encoding_events(wish->events) : encoding.packed;
+    if (packed < 0)
+        return error_in_field(e, "unknown-codec", "events", "no form of events '%s'", wish->events);
+    encoding.packed = packed;
+    if (!encoding_possible(&encoding))
+        return error_in_field(e, "unknown-codec", "fap",
+                              "plain FAPs do not go with Opus: ask for fapc, or for pcm");
+    channel_want(&s->follower, &encoding);
+    return 0;
+}
+
+/* In a room, others need not hear of it. */
+void socket_refuse(struct socket *s, const char *id, const struct error *e) {
+    if (!socket_room(s)) {
+        stream_refuse(socket_stream(s), id, e);
+        return;
+    }
+    json_t *error = message_error(e), *end = json_pack("{ss ss}", "type", "end", "reason", "failed");
+    if (id) {
+        json_object_set_new(error, "id", json_string(id));
+        json_object_set_new(end, "id", json_string(id));
+    }
+    socket_say(s, error);
+    socket_say(s, end);
+}
+
+int socket_may_direct(struct socket *s, struct error *e) {
+    return principal_may(s->net, &s->principal, RIGHT_SPEAK, socket_room(s), e);
+}
+
+int socket_may_speak(struct socket *s, struct error *e) {
+    if (socket_may_direct(s, e) || principal_ask(s->net, &s->principal, e))
+        return -1;
+    return s->net->draining ? error_set(e, "stopping", "the server is about to stop") : 0;
+}
+
+void socket_speak_request(struct socket *s, const struct speech_request *request) {
+    unsigned limit = s->net->options.text_bytes;
+    struct error e;
+    int refused = socket_may_speak(s, &e);
+    if (!refused && request->text_size > limit)
+        refused = error_in_field(&e, "text-too-long", "text", "a text may have %u bytes", limit);
+    if (refused)
+        socket_refuse(s, request->id, &e);
+    else
+        stream_speak(socket_stream(s), request);
+}
+
+void socket_speak(struct socket *s, const char *text, size_t size) {
+    struct speech_request request;
+    struct error e;
+    request_copy(&request, &s->defaults);
+    request_set(&request, "text", (struct request_value){REQUEST_STRING, text, size, 0}, &e);
+    socket_speak_request(s, &request);
+    request_free(&request);
+}

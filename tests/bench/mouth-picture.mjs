@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Draws web/mouth.png, the twelve mouths of the README, as the program speaks them: FACCIA_BUILD=build node tests/bench/mouth-picture.mjs [MODEL] [OUT]
+import fs from 'node:fs';
+import { createRequire } from 'node:module';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { PNG } from 'pngjs';
+import { launch } from '../lib/browser.mjs';
+import { headPage } from '../lib/head-page.mjs';
+import { soundPoses } from '../lib/mouth-poses.mjs';
+import { label } from '../lib/sheet.mjs';
+
+const root = fileURLToPath(new URL('../../', import.meta.url));
+const [model = 'mara', out = path.join(root, 'web/mouth.png')] = process.argv.slice(2);
+const [it, en] = [soundPoses('it'), soundPoses('en')];
+const mouths = [
+  ['p b m', it.p], ['f v', it.f], ['th', en['θ']], ['t d n', it.n], ['l', it.l], ['s z', it.s],
+  ['sh', it['ʃ']], ['i', it.i], ['e', it.e], ['a', it.a], ['o', it.o], ['u', it.u],
+];
+const [WIDTH, HEIGHT, COLUMNS] = [300, 200, 4];
+
+const browser = await launch();
+const page = await headPage(browser);
+const head = JSON.parse(fs.readFileSync(path.join(root, `build/models/heads/${model}.json`)));
+await page.load('head', head);
+const tiles = [];
+for (const [name, faps] of mouths) {
+  const camera = { target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2] - 8], distance: 520, fov: 5.6, width: WIDTH, height: HEIGHT, level: 'high' };
+  const tile = PNG.sync.read(await page.shot('head', faps, camera));
+  // What is behind the head is as on the page.
+  for (let i = 0; i < tile.data.length; i += 4) {
+    for (let k = 0; k < 3; k++) tile.data[i + k] += ((255 - tile.data[i + 3]) * 200) / 255;
+    tile.data[i + 3] = 255;
+  }
+  tiles.push(label(tile, name));
+}
+await browser.close();
+const { width, height } = tiles[0];
+const sheet = new PNG({ width: width * COLUMNS, height: height * Math.ceil(tiles.length / COLUMNS) });
+tiles.forEach((tile, i) => PNG.bitblt(tile, sheet, 0, 0, width, height, (i % COLUMNS) * width, Math.floor(i / COLUMNS) * height));
+const sharp = createRequire(path.join(root, 'models/package.json'))('sharp');
+await sharp(PNG.sync.write(sheet)).png({ palette: true, quality: 85, effort: 10 }).toFile(out);

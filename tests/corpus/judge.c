@@ -1,0 +1,123 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the readers say of files: on each line of standard input a kind and a path, on each line of standard
+ * output "ok", or code, place and message with tabs between them. */
+#include "server/base/mem.h"
+#include "server/expression/recipe.h"
+#include "server/face/packs/context_table.h"
+#include "server/face/packs/speech_packs.h"
+#include "server/face/packs/spelling.h"
+#include "server/net/models.h"
+#include "server/normalize/normalizers.h"
+#include <libgen.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static struct speech_packs packs;
+
+static const struct speech_pack *whole(const char *lang) {
+    struct error e;
+    if (!packs.count && speech_packs_load(&packs, SOURCE_ROOT "/models/speech", &e)) {
+        fprintf(stderr, "judge: %s\n", e.message);
+        exit(2);
+    }
+    return speech_packs_find(&packs, lang);
+}
+
+static bool pack(const char *path, struct error *e) {
+    struct speech_pack *loaded = speech_pack_load(path, e);
+    speech_pack_free(loaded);
+    return loaded;
+}
+
+static bool alphabets(const char *path, struct error *e) {
+    struct alphabet *loaded = alphabet_load(path, e);
+    alphabet_free(loaded);
+    return loaded;
+}
+
+static bool visemes(const char *path, struct error *e) {
+    struct context_table *loaded = context_table_load(path, whole("pt-BR"), e);
+    context_table_free(loaded);
+    return loaded;
+}
+
+static bool letters(const char *path, struct error *e) {
+    struct spelling *loaded = spelling_load(path, whole("tr"), e);
+    spelling_free(loaded);
+    return loaded;
+}
+
+static bool expressions(const char *path, struct error *e) {
+    struct expressions *loaded = expressions_load(path, e);
+    if (loaded)
+        expressions_free(loaded);
+    return loaded;
+}
+
+/* All files of the folder that it lies in. */
+static bool normalization(const char *path, struct error *e) {
+    struct normalizers loaded;
+    char *copy = mem_strdup(path);
+    bool good = !normalizers_load(&loaded, dirname(copy), e);
+    free(copy);
+    normalizers_free(&loaded);
+    return good;
+}
+
+/* As the daemon serves it under the name of the file. */
+static bool head(const char *path, struct error *e) {
+    char name[300], *copy = mem_strdup(path), *base = basename(copy);
+    snprintf(name, sizeof name, "/v1/models/%.*s", (int)strcspn(base, "."), base);
+    struct asset asset = {.path = name};
+    struct model model = {.asset = &asset};
+    FILE *file = fopen(path, "rb");
+    asset.data = mem_alloc(1 << 24);
+    asset.size = file ? fread(asset.data, 1, 1 << 24, file) : 0;
+    bool good = !model_split(&model, base, e);
+    model_free(&model);
+    free(asset.data);
+    free(copy);
+    if (file)
+        fclose(file);
+    return good;
+}
+
+static const struct kind {
+    const char *name;
+    bool (*read)(const char *path, struct error *e);
+} kinds[] = {{"pack", pack},       {"alphabets", alphabets},     {"visemes", visemes},
+             {"letters", letters}, {"expressions", expressions}, {"normalization", normalization},
+             {"head", head}};
+
+static bool judge(const struct kind *kind, const char *path) {
+    struct error e = {0};
+    char place[64] = "";
+    bool good = kind->read(path, &e);
+    if (e.place == PLACE_LINE)
+        snprintf(place, sizeof place, "%zu:%zu", e.line, e.column);
+    if (good)
+        puts("ok");
+    else
+        printf("%s\t%s\t%s\n", e.code ? e.code : "", e.place == PLACE_FIELD ? e.field : place, e.message);
+    return !fflush(stdout);
+}
+
+int main(void) {
+    char line[5000];
+    while (fgets(line, sizeof line, stdin)) {
+        char *path = strchr(line, ' ');
+        size_t i = 0, count = sizeof kinds / sizeof *kinds;
+        line[strcspn(line, "\n")] = '\0';
+        if (path)
+            *path++ = '\0';
+        while (i < count && strcmp(kinds[i].name, line) != 0)
+            i++;
+        if (!path || i == count || !judge(&kinds[i], path)) {
+            fprintf(stderr, "judge: not a kind and a path: %s\n", line);
+            return 2;
+        }
+    }
+    speech_packs_free(&packs);
+    return 0;
+}

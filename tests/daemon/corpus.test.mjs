@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The schema of the client's messages and the daemon that reads them see the same broken messages (tests/corpus/client), and refuse
+// the same; and agree on each message that is damaged in one place.
+import assert from 'node:assert/strict';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { damages, edited } from '../lib/damage.mjs';
+import { Daemon, root } from '../lib/daemon.mjs';
+import { agrees, corpus, schema } from '../lib/verdicts.mjs';
+
+const refused = schema('protocol/schema/client.json');
+
+/** Right ones, of each kind. */
+const messages = [
+  { type: 'speak', text: 'Uno.', id: 'a', lang: 'it', voice: 'espeak:it', engine: 'dominance', markup: 'plain', life: 1, blend: 'regions', rate: 120, pitch: 1, volume: 1, fps: 25, still: false, seed: 1, mode: 'replace', phones: true },
+  { type: 'stop' },
+  { type: 'pause' },
+  { type: 'resume' },
+  { type: 'rate', rate: 120 },
+  { type: 'idle', on: true, life: 1, seed: 2 },
+  { type: 'express', mix: [{ name: 'joy', intensity: 0.5 }], ease: 0.5 },
+  { type: 'media', audio: 'none', fap: 'none', kilobits: 16 },
+  { type: 'join', room: 'hall' },
+  { type: 'leave' },
+  { type: 'model', name: 'mara' },
+  { type: 'play', name: 'all-faps', id: 'p', mode: 'queue' },
+  { type: 'jump', mark: 'qui' },
+  { type: 'authorize', token: 'x' },
+  { type: 'ping', id: 'x' },
+];
+
+/** What only the daemon can know, by the code that it answers with. */
+const readerOnly = {
+  'unknown-voice': 'hello names the voices',
+  'unknown-language': 'hello names the languages',
+  'unknown-engine': 'hello names the engines',
+  'unknown-expression': 'hello names the expressions',
+  'unknown-model': 'hello names the models',
+  'unknown-codec': 'hello names the codings',
+  'not-speaking': 'it depends on what has been said before',
+  'unknown-media': 'what lies in the folder',
+  'unknown-mark': 'the marks stand in the text',
+};
+
+/** What the daemon takes although the schema advises against it. */
+const lenient = [[/^(speak|play|idle)$/, (edit) => Object.values(edit.set ?? {})[0] === null, 'null is taken as left out: protocol/README.md']];
+
+let daemon, stream, number = 0;
+before(async () => {
+  daemon = await Daemon.start(['--media', path.join(root, 'protocol/vectors/fap')]);
+  stream = await daemon.stream();
+});
+after(() => daemon.stop());
+
+/** What the daemon answers before it comes to the next message: an error, or undefined. */
+async function answer(message) {
+  const from = stream.messages.length, id = `next-${++number}`;
+  stream.send({ type: 'stop' });
+  stream.send(message);
+  stream.send({ type: 'ping', id });
+  const pong = await stream.wait({ type: 'pong', id }, { from });
+  return stream.messages.slice(from, stream.messages.indexOf(pong)).find((m) => m.type === 'error');
+}
+
+test('what is broken in the corpus is refused by the schema and by the daemon, at the same place', async () => {
+  for (const entry of corpus('client')) {
+    const error = await answer(entry.message), places = refused(entry.message), what = `${entry.name}: ${JSON.stringify(error)}; the schema: ${places}`;
+    assert.ok(error?.code && error.message, what);
+    if (entry.place) assert.equal(error.field, entry.place, what);
+    assert.equal(entry.readerOnly, 'why' in entry, what);
+    if (entry.readerOnly) assert.deepEqual(places, [], what);
+    else assert.ok(agrees(places, error.field ?? ''), what);
+  }
+});
+
+for (const message of messages)
+  test(`${message.type}: schema and daemon agree wherever it is damaged`, async () => {
+    const right = await answer(message);
+    assert.deepEqual(refused(message), []);
+    assert.ok(!right || right.code in readerOnly, JSON.stringify(right));
+    const wrong = [];
+    for (const edit of damages(message)) {
+      const damaged = edited(message, edit);
+      if (typeof damaged !== 'object' || Array.isArray(damaged) || !damaged) continue; // what is no JSON object is a text to be spoken
+      const error = await answer(damaged), places = refused(damaged);
+      const what = `${JSON.stringify(edit)}: daemon ${JSON.stringify(error)}, schema ${JSON.stringify(places)}`;
+      const known = error ? error.code in readerOnly : lenient.some(([type, of]) => type.test(message.type) && of(edit));
+      if (Boolean(error) !== Boolean(places.length) && !known) wrong.push(what);
+    }
+    assert.deepEqual(wrong, []);
+  });

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A sample of tests/bench/mouth.mjs: every contact is made and every vowel opens, in each language, fast, neutral and in anger, by both blends.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { Daemon } from '../lib/daemon.mjs';
+import { parseFap } from '../lib/fapfile.mjs';
+import { SHORT, addMouth, readMouth } from '../lib/mouth.mjs';
+import { sentences } from '../lib/sentences.mjs';
+
+let daemon;
+before(async () => (daemon = await Daemon.start()));
+after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+
+const post = (query, body) => daemon.get(`/v1/speech?${query}`, { method: 'POST', body, headers: { 'content-type': 'application/ssml+xml' } });
+const voiced = (text, emotion) => `<speak>${emotion ? `<emotion><category name="${emotion}"/>${text}</emotion>` : text}</speak>`;
+
+async function look(text, lang, engine, blend, contacts = 'engine') {
+  const query = `lang=${lang}&rate=320&fps=120&engine=${engine}&blend=${blend}&contacts=${contacts}`;
+  const [json, fap] = await Promise.all([post(`${query}&format=json`, text).then((r) => r.json()), post(`${query}&format=fap`, text).then((r) => r.text())]);
+  return readMouth(json.phones, parseFap(fap));
+}
+
+for (const [lang, engine] of [['it', 'dominance'], ['pt-BR', 'dominance'], ['pt-BR', 'context'], ['tr', 'dominance'], ['tr', 'syllable'], ['en', 'dominance']])
+  test(`${lang}, ${engine}: lips close and vowels open at 320 words a minute`, async () => {
+    const words = sentences[lang].slice(0, 4).join('\n');
+    const sum = {};
+    for (const [emotion, blend] of [[null, 'regions'], ['anger', 'regions'], ['anger', 'weighted']]) {
+      const part = await look(voiced(words, emotion), lang, engine, blend);
+      assert.deepEqual(part.misses, []);
+      addMouth(sum, part);
+    }
+    assert.ok(sum.lips >= 15 && sum.open >= 15, `${sum.lips} ${sum.open}`);
+    const shut = sum.gaps.filter(({ mm, seconds }) => seconds >= SHORT && mm < 3);
+    assert.deepEqual(shut, []);
+  });
+
+test('without the layer of contacts they do not', async () => {
+  const part = await look(voiced(sentences.it.slice(0, 4).join('\n'), 'anger'), 'it', 'dominance', 'weighted', 'off');
+  assert.ok(part.misses.length > 0 || part.gaps.some(({ mm }) => mm < 3));
+});

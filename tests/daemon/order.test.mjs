@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Sound is coded beside the loop: what is said still comes in its order, to each as he wants it, and nothing after the end.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { CompactReader, isCompact } from '../../protocol/compact.mjs';
+import { decodeChunk } from '../../protocol/chunk.mjs';
+import { Daemon } from '../lib/daemon.mjs';
+
+let daemon;
+before(async () => (daemon = await Daemon.start(['--cache', '0'])));
+after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+
+const text = 'Uno, due e tre. Quattro, cinque, sei e sette. Otto!';
+
+/** All that comes, in its order: events, and chunks as {chunk}. */
+async function listen(query) {
+  const stream = await daemon.stream(`?lang=it&${query}`);
+  const [heard, reader] = [[], new CompactReader()];
+  stream.socket.on('message', (data, binary) => heard.push(binary ? { chunk: isCompact(data) ? reader.decode(data) : decodeChunk(data) } : JSON.parse(data)));
+  return { stream, heard };
+}
+
+/** Of one utterance, told in full. */
+function check(heard, utterance) {
+  const of = heard.filter((m) => (m.chunk ?? m).utterance === utterance);
+  assert.equal(of[0].type, 'begin');
+  assert.equal(of.at(-1).type, 'end');
+  let [until, words] = [0, 0];
+  for (const m of of) {
+    if (m.chunk) {
+      assert.equal(m.chunk.start, until);
+      until = m.chunk.start + m.chunk.samples;
+    } else if (m.type === 'word' || m.type === 'sentence') {
+      assert.ok(m.sample >= until, `${m.type} at ${m.sample} comes after the media until ${until}`);
+      words += m.type === 'word';
+    }
+  }
+  return { words, until, end: of.at(-1) };
+}
+
+test('events come before the media in which they begin, the end after all', async () => {
+  const ways = ['audio=opus&fap=fapc', 'audio=opus&fap=fapc&kilobits=12', 'audio=pcm&fap=plain', 'audio=pcm&fap=fapc', 'audio=none&fap=fapc'];
+  await Promise.all(ways.flatMap((way) => ['', '&room=hall']
+    .map(async (room) => {
+      const { stream, heard } = await listen(way + room);
+      if (room) await stream.wait({ type: 'joined' });
+      if (!room || way === ways[0]) stream.send({ type: 'speak', id: 'it', text });
+      await stream.wait({ type: 'end' });
+      const begun = heard.find((m) => m.type === 'begin');
+      // one that came into the room when it spoke already has heard the beginning told again
+      if (room && way !== ways[0]) return;
+      const { words, until, end } = check(heard, begun.utterance);
+      assert.equal(words, 10);
+      assert.equal(end.reason, 'done');
+      assert.ok(Math.abs(until / begun.rate - end.duration) < 1e-4);
+    })));
+});
+
+test('stopped again and again: each has its end, and nothing after it', async () => {
+  const { stream, heard } = await listen('audio=opus&fap=fapc');
+  for (let i = 1; i <= 12; i++) {
+    stream.send({ type: 'speak', id: String(i), text });
+    if (i % 3) await stream.wait({ type: 'begin', id: String(i) });
+    stream.send({ type: 'stop' });
+    assert.equal((await stream.wait({ type: 'end', id: String(i) })).reason, 'stopped');
+  }
+  stream.send({ type: 'speak', id: 'last', text });
+  assert.equal((await stream.wait({ type: 'end', id: 'last' })).reason, 'done');
+  for (let i = 1; i <= 12; i++) {
+    const end = heard.findIndex((m) => m.type === 'end' && m.id === String(i));
+    assert.ok(!heard.slice(end).some((m) => m.chunk?.utterance === i));
+  }
+  assert.equal(check(heard, 13).words, 10);
+});

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A head in a real Chromium without a daemon: drawn as the element draws it, from near and from the side, or with each part in one flat
+// colour, so that a picture says what is seen of which part.
+import { createRequire } from 'node:module';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const web = fileURLToPath(new URL('../../web/', import.meta.url));
+
+// Runs in the page. The parts' colours come in `paint`: [name's beginning, red, green, blue], 0 to 255.
+const script = `
+import { View } from './src/head/view.mjs';
+import { Head } from './src/head/head.mjs';
+import { readModel } from './src/head/model.mjs';
+import { LEVELS } from './src/head/quality.mjs';
+import { Vector3 } from 'three';
+const canvas = document.querySelector('canvas');
+const view = new View(canvas);
+const heads = new Map();
+window.load = async (name, json, paint) => {
+  const head = await Head.create(readModel(json));
+  heads.set(name, head);
+  if (!paint) return;
+  for (const mesh of head.group.children) {
+    const part = head.parts.find(({ geometry }) => geometry === mesh.geometry).part;
+    const color = paint.find(([start]) => part.name.startsWith(start));
+    mesh.userData.hidden = !color;
+    if (!color) continue;
+    mesh.material.uniforms.flat_color = { value: new Vector3(...color.slice(1).map((x) => x / 255)) };
+    mesh.material.fragmentShader = 'uniform vec3 flat_color; void main() { gl_FragColor = vec4(flat_color, 1.0); }';
+    mesh.material.needsUpdate = true;
+  }
+};
+window.shot = (name, values, { yaw = 0, pitch = 0, target = [0, -22, 0], distance = 620, fov = 26, width, height, level = 'high' }) => {
+  const head = heads.get(name);
+  if (view.head !== head) { if (view.head) { view.scene.clear(); view.head = null; } view.show(head); }
+  view.level = LEVELS.find((one) => one.name === level);
+  view.resize(width, height);
+  view.setLevel(view.level);
+  for (const mesh of head.group.children) if (mesh.userData.hidden) mesh.visible = false;
+  view.camera.fov = fov;
+  view.camera.aspect = width / height;
+  view.camera.position.set(target[0] + distance * Math.sin(yaw) * Math.cos(pitch), target[1] + distance * Math.sin(pitch), target[2] + distance * Math.cos(yaw) * Math.cos(pitch));
+  view.camera.lookAt(...target);
+  view.camera.updateProjectionMatrix();
+  view.camera.updateMatrixWorld();
+  head.setFaps(Float32Array.from(values));
+  view.draw();
+  return canvas.toDataURL('image/png').slice(22);
+};
+`;
+
+/**
+ * @param {import('playwright-core').Browser} browser
+ * @returns a page with load(name, head, paint) and shot(name, faps, camera): a PNG's bytes
+ */
+export async function headPage(browser) {
+  const { build } = createRequire(path.join(web, 'package.json'))('esbuild');
+  const bundle = await build({ stdin: { contents: script, resolveDir: web }, bundle: true, format: 'esm', write: false });
+  const page = await browser.newPage({ viewport: { width: 800, height: 800 } });
+  page.problems = [];
+  page.on('pageerror', (error) => page.problems.push(String(error)));
+  page.on('console', (message) => message.type() === 'error' && page.problems.push(message.text()));
+  await page.setContent('<!doctype html><body style="margin:0;background:#c8ccd0"><canvas></canvas>');
+  await page.addScriptTag({ type: 'module', content: bundle.outputFiles[0].text });
+  await page.waitForFunction(() => window.shot);
+  return {
+    page,
+    load: (name, head, paint) => page.evaluate(([n, h, p]) => window.load(n, h, p), [name, head, paint]),
+    shot: async (name, faps, camera) => {
+      const values = Array.from({ length: 69 }, (_, n) => faps[n] ?? 0);
+      return Buffer.from(await page.evaluate(([n, v, c]) => window.shot(n, v, c), [name, values, camera]), 'base64');
+    },
+  };
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The mouth's shapes as the program really makes them: the middle of a sound, in a language, with an expression or without.
+import { execFileSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { build } from './daemon.mjs';
+import { parseFap } from './fapfile.mjs';
+
+const faccia = (...args) => execFileSync(path.join(build, 'server/app/faccia'), args, { stdio: ['ignore', 'pipe', 'ignore'] }).toString();
+
+/** For each language a text, and the sounds of it that are looked at: one of every group that lips can tell apart. */
+export const LANGUAGES = {
+  it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n']],
+  'pt-BR': ['A pata fala. O sapo come uva. Chuva, dia, lua, gente.', ['p', 'f', 'v', 's', 't', 'u', 'i', 'ʃ', 'a', 'l']],
+  tr: ['Baba fakat susuyor. İki şişe kapı açık, üzüm var, lale, çocuk.', ['b', 'f', 's', 't', 'u', 'i', 'ʃ', 'a', 'l']],
+  en: ['The path of my father. She saw two boats, a cake, and a lazy fish in the pool.', ['p', 'f', 's', 't', 'ʃ', 'θ', 'l', 'm']],
+};
+
+const ROUND = /^[uoɔʊyøœwɯ]/;
+
+/** @returns {Object<string, number[]>} FAPs by sound: the longest of its kind is the clearest */
+export function soundPoses(lang, emotion) {
+  const [text, wanted] = LANGUAGES[lang];
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'mouth-'));
+  try {
+    const [fap, json] = ['a.fap', 'a.json'].map((name) => path.join(folder, name));
+    const marked = emotion ? `<speak xml:lang="${lang}"><emotion><category name="${emotion}"/>${text}</emotion></speak>` : text;
+    faccia('say', '--lang', lang, '--fps', '100', ...(emotion ? [] : ['--still']), '--fap', fap, '--json', json, marked);
+    const { phones } = JSON.parse(fs.readFileSync(json));
+    const { fps, frames } = parseFap(fs.readFileSync(fap, 'utf8'));
+    const out = {};
+    for (const ipa of wanted) {
+      const named = phones.filter((p) => p.ipa.startsWith(ipa) && !(ipa === 't' && p.ipa.startsWith('tʃ')));
+      // Beside a rounded vowel a consonant has its lips.
+      const plain = named.filter((p) => ![-1, 1].some((d) => ROUND.test(phones[phones.indexOf(p) + d]?.ipa)));
+      const own = plain.length ? plain : named;
+      const phone = own.sort((a, b) => b.end - b.start - a.end + a.start)[0];
+      if (!phone) throw new Error(`${lang}: no /${ipa}/ among ${phones.map((p) => p.ipa).join(' ')}`);
+      out[ipa] = withoutHead(frames[Math.round(((phone.start + phone.end) / 2) * fps)]);
+    }
+    return out;
+  } finally {
+    fs.rmSync(folder, { recursive: true });
+  }
+}
+
+/** An expression, whole: FAPs. */
+export const expressionPose = (what) => withoutHead(parseFap(faccia('expressions', '--fap', what)).frames[0]);
+
+/** The head straight: its turns move everything alike. */
+function withoutHead(frame) {
+  const out = Array.from(frame);
+  for (const n of [48, 49, 50]) out[n] = 0;
+  return out;
+}

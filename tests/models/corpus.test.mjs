@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every schema and its reader see the same broken files (tests/corpus), and refuse the same; and agree on each document that is damaged
+// in one place.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { damages, edited } from '../lib/damage.mjs';
+import { build, root } from '../lib/daemon.mjs';
+import { agrees, corpus, json, schema } from '../lib/verdicts.mjs';
+
+const kinds = {
+  pack: { schema: 'models/speech/schema/pack.json', files: ['models/speech/it.json', 'models/speech/tr.json', 'models/speech/und.json'] },
+  visemes: { schema: 'models/speech/schema/visemes.json', files: ['models/speech/visemes/pt.json'] },
+  letters: { schema: 'models/speech/schema/letters.json', files: ['models/speech/letters/tr.json'] },
+  alphabets: { schema: 'models/speech/schema/alphabets.json', files: ['models/speech/alphabets/ipa.json'] },
+  expressions: { schema: 'models/expressions.schema.json', files: ['models/expressions.json'] },
+};
+
+/** What only the reader can know: what it says then, and why. */
+const readerOnly = [
+  [/^there is no (group|phone|shape|affect|context) /, 'names of things that stand elsewhere in the file'],
+  [/^"[^"]*": /, 'another file'],
+  [/is not one of those that there are/, 'names that the file itself defines'],
+  [/has no target in the context/, 'the contexts stand elsewhere in the file'],
+  [/none of them shows the pack's phone/, "the pack's phones stand in another file"],
+  [/must have \d+ items, one for each class/, 'the classes stand elsewhere in the file'],
+  [/must be made of the letters/, 'the letters stand elsewhere in the file'],
+  [/^the name '.*' is there twice/, 'names must differ in all of a kind'],
+  [/must be at least [\d.]+ after the one before/, 'an order of numbers'],
+  [/^must be a number from -\d+ to \d+$/, 'the ranges of FAPs stand in protocol/fap-table.json', 'expressions'],
+  [/^is (missing|not a known key)$/, "a grid's rows are the file's own groups", 'visemes', /^grid\./],
+];
+
+/** At most so many damages of a file, taken evenly from all. */
+const MOST = 200;
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-corpus-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+
+/** What the readers say of documents: {ok} or {code, place, message} for each. */
+function judged(kind, documents) {
+  const paths = documents.map((document, i) => {
+    const own = path.join(folder, `${kind}-${i}`);
+    fs.rmSync(own, { recursive: true, force: true });
+    fs.mkdirSync(own);
+    for (const beside of ['und.json', 'it.json', 'alphabets', 'visemes', 'letters']) fs.symlinkSync(path.join(root, 'models/speech', beside), path.join(own, beside));
+    fs.writeFileSync(path.join(own, 'file.json'), JSON.stringify(document));
+    return path.join(own, 'file.json');
+  });
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'tests/corpus/judge'), { input: paths.map((file) => `${kind} ${file}\n`).join(''), encoding: 'utf8', maxBuffer: 1 << 28 });
+  assert.equal(status, 0, stderr);
+  const lines = stdout.split('\n').slice(0, -1);
+  assert.equal(lines.length, documents.length);
+  return lines.map((line) => {
+    const [code, at, message] = line.split('\t');
+    return line === 'ok' ? { ok: true } : { ok: false, code, place: at, message };
+  });
+}
+
+for (const [kind, { schema: file, files }] of Object.entries(kinds)) {
+  const refused = schema(file);
+
+  test(`${kind}: what is broken in the corpus is refused by schema and reader, at the same place`, () => {
+    const entries = corpus(kind), documents = entries.map((entry) => edited(json(entry.of), entry)), verdicts = judged(kind, documents);
+    assert.ok(entries.length >= 3);
+    entries.forEach((entry, i) => {
+      const places = refused(documents[i]), verdict = verdicts[i], what = `${kind}/${entry.name}: ${JSON.stringify(verdict)}; the schema: ${places}`;
+      assert.equal(verdict.ok, false, what);
+      assert.ok(verdict.code && verdict.message, what);
+      assert.equal(verdict.place, entry.place, what);
+      assert.equal(entry.readerOnly, 'why' in entry, `${what}: a reason, and the name .reader.json`);
+      if (entry.readerOnly) assert.deepEqual(places, [], what);
+      else assert.ok(agrees(places, verdict.place), what);
+    });
+  });
+
+  for (const of of files)
+    test(`${of}: schema and reader agree wherever it is damaged`, () => {
+      const document = json(of), all = [...damages(document)], edits = all.filter((_, i) => i % Math.ceil(all.length / MOST) === 0);
+      const documents = [document, ...edits.map((edit) => edited(document, edit))], verdicts = judged(kind, documents);
+      assert.deepEqual([refused(document), verdicts[0]], [[], { ok: true }]);
+      assert.ok(edits.length > 100);
+      const wrong = [];
+      edits.forEach((edit, i) => {
+        const places = refused(documents[i + 1]), verdict = verdicts[i + 1], what = `${JSON.stringify(edit)}: reader ${JSON.stringify(verdict)}, schema ${JSON.stringify(places)}`;
+        if (verdict.ok !== !places.length) {
+          const known = !verdict.ok && readerOnly.some(([message, , only, at]) => message.test(verdict.message) && (!only || only === kind) && (!at || at.test(verdict.place)));
+          if (!known) wrong.push(what);
+        } else if (!verdict.ok && !agrees(places, verdict.place) && !readerOnly.some(([message]) => message.test(verdict.message))) wrong.push(`another place: ${what}`);
+      });
+      assert.deepEqual(wrong, []);
+    });
+}
