@@ -51,26 +51,29 @@ export async function paintSkin(spec, scene) {
   const done = eachTexel(part, size, (texel, a, b, c, wa, wb, wc) => {
     const at = (list, stride, k) =>
       wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
-    const q = [0, 1, 2].map((k) => at(part.position, 3, k));
+    const q = [at(part.position, 3, 0), at(part.position, 3, 1), at(part.position, 3, 2)];
     const attribute = (list) => wa * list[a] + wb * list[b] + wc * list[c];
     const light = Math.min(1, Math.max(0, wa * sky[a] + wb * sky[b] + wc * sky[c]) / look.occlusion.open);
-    let colour = mix(
-      tone,
-      sampled(source, at(part.sourceUv, 2, 0), at(part.sourceUv, 2, 1)),
-      look.fromPackage,
-    );
-    for (const z of zones) {
-      const w = z.weight(q[0], q[1], q[2]);
-      if (w > 0) colour = mix(colour, z.colour, w * z.strength);
-    }
-    colour = mottle(colour, q, look);
-    colour = lidPaint(colour, q, lids, lidLook);
-    colour = lipPaint(colour, q, attribute(lipT), attribute(lipDepth), attribute(lipS), look.lips);
-    colour = pores(colour, q, look, attribute(lipT));
     const behind =
       q[1] - look.scalp.slope * q[2] - look.scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
-    const hairy = smoothstep(-look.scalp.soft, look.scalp.soft, behind) * (1 - ear(q));
-    colour = mix(colour, scalp, hairy);
+    const hairy = behind > -look.scalp.soft ? smoothstep(-look.scalp.soft, look.scalp.soft, behind) * (1 - ear(q)) : 0;
+    const bare = () => {
+      let colour = mix(
+        tone,
+        sampled(source, at(part.sourceUv, 2, 0), at(part.sourceUv, 2, 1)),
+        look.fromPackage,
+      );
+      for (const z of zones) {
+        const w = z.weight(q[0], q[1], q[2]);
+        if (w > 0) colour = mix(colour, z.colour, w * z.strength);
+      }
+      colour = mottle(colour, q, look);
+      colour = lidPaint(colour, q, lids, lidLook);
+      const t = attribute(lipT);
+      colour = lipPaint(colour, q, t, attribute(lipDepth), attribute(lipS), look.lips);
+      return pores(colour, q, look, t);
+    };
+    const colour = hairy === 1 ? scalp : mix(bare(), scalp, hairy);
     data.set(shade(colour, light, look.occlusion), texel * 3);
   });
   dilate(data, done, size, 12);
@@ -127,9 +130,7 @@ function sampled(image, u, v) {
     fx = x - i,
     fy = y - j;
   const at = (dx, dy, k) => data[((j + dy) * size + i + dx) * 4 + k];
-  return [0, 1, 2].map(
-    (k) =>
-      (at(0, 0, k) * (1 - fx) + at(1, 0, k) * fx) * (1 - fy) +
-      (at(0, 1, k) * (1 - fx) + at(1, 1, k) * fx) * fy,
-  );
+  const channel = (k) =>
+    (at(0, 0, k) * (1 - fx) + at(1, 0, k) * fx) * (1 - fy) + (at(0, 1, k) * (1 - fx) + at(1, 1, k) * fx) * fy;
+  return [channel(0), channel(1), channel(2)];
 }

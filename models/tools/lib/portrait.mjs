@@ -32,7 +32,9 @@ export async function drawHead(head, { width, height, faps = {}, yaw = 0, shadow
   for (const thing of scene) thing.screen = project(thing.position, camera);
   const first = scene.filter((t) => t.alpha === 'opaque'),
     loose = scene.filter((t) => t.alpha !== 'opaque');
-  for (const thing of [...first, ...loose.filter((t) => !THIN.includes(t.name))]) drawPart(thing, camera, big, depth, picture, true);
+  const solid = [...first, ...loose.filter((t) => !THIN.includes(t.name))];
+  for (const thing of solid) drawPart(thing, camera, big, depth, null, true); // so that only what is seen is shaded
+  for (const thing of solid) drawPart(thing, camera, big, depth, picture, true);
   for (const thing of [...loose.filter((t) => !THIN.includes(t.name)), ...loose.filter((t) => THIN.includes(t.name))])
     drawPart(thing, camera, big, depth, picture, false);
   fadeOut(picture, big);
@@ -135,7 +137,7 @@ function sample({ pixels, width, height }, u, v) {
   return out;
 }
 
-/** `solid`: what is opaque, with depth; else the soft rest of it, over what stands. */
+/** `solid`: what is opaque, with depth; else the soft rest of it, over what stands. Without a picture only the depth. */
 function drawPart(thing, camera, { width, height }, depth, picture, solid) {
   const { screen: s, index, look } = thing;
   const opaque = thing.alpha === 'opaque';
@@ -154,16 +156,20 @@ function drawPart(thing, camera, { width, height }, depth, picture, solid) {
         const wc = ((bx - ax) * (y + 0.5 - ay) - (by - ay) * (x + 0.5 - ax)) / area;
         const wa = 1 - wb - wc;
         if (wa < 0 || wb < 0 || wc < 0) continue;
-        const z = wa * s[a * 3 + 2] + wb * s[b * 3 + 2] + wc * s[c * 3 + 2];
+        const z = Math.fround(wa * s[a * 3 + 2] + wb * s[b * 3 + 2] + wc * s[c * 3 + 2]); // as `depth` keeps it
         const i = y * width + x;
         if (z > depth[i] + (solid ? 0 : 0.01)) continue;
         const w = [wa, wb, wc],
           v = [a, b, c];
+        if (opaque && !picture) {
+          depth[i] = z;
+          continue;
+        }
         const texel = thing.texture ? sample(thing.texture, mixed(thing.uv, v, w, 2, 0), mixed(thing.uv, v, w, 2, 1)) : WHITE;
         const alpha = opaque ? 1 : texel[3] / 255;
         if (solid ? alpha < 0.5 : alpha < 0.02) continue;
         if (solid) depth[i] = z;
-        put(picture, i * 4, shade(thing, camera, v, w, texel, area > 0), solid ? 1 : alpha);
+        if (picture) put(picture, i * 4, shade(thing, camera, v, w, texel, area > 0), solid ? 1 : alpha);
       }
   }
 }
