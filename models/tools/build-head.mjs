@@ -1,8 +1,8 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Builds a head: build-head.mjs RECIPE.json OUTPUT.json [--modules DIR]. Writes OUTPUT.json and
- * OUTPUT.json.gz.
+ * Builds a head: build-head.mjs RECIPE.json OUTPUT.json [--modules DIR] [--draft]. Writes OUTPUT.json, OUTPUT.json.gz and the
+ * poster, OUTPUT.webp. A draft has textures of a quarter of the size, for trying things out.
  */
 import fs from 'node:fs';
 import path from 'node:path';
@@ -10,14 +10,23 @@ import zlib from 'node:zlib';
 import { fileURLToPath } from 'node:url';
 import { openAssets } from './lib/assets.mjs';
 import { buildHead } from './lib/head.mjs';
+import { drawPoster } from './lib/poster.mjs';
+import { readRecipe } from './lib/recipe.mjs';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const [recipeFile, outFile, ...rest] = process.argv.slice(2);
-if (!recipeFile || !outFile || (rest.length && rest[0] !== '--modules')) {
-  console.error('usage: build-head.mjs RECIPE.json OUTPUT.json [--modules DIR]');
+const options = {};
+while (rest.length) {
+  const name = rest.shift();
+  if (name === '--draft') options.draft = true;
+  else if (name === '--modules' && rest.length) options.modules = rest.shift();
+  else options.wrong = true;
+}
+if (!recipeFile || !outFile || options.wrong) {
+  console.error('usage: build-head.mjs RECIPE.json OUTPUT.json [--modules DIR] [--draft]');
   process.exit(2);
 }
-const modules = rest[1] ?? path.join(here, '..');
+const modules = options.modules ?? path.join(here, '..');
 try {
   await build();
 } catch (error) {
@@ -26,7 +35,8 @@ try {
 }
 
 async function build() {
-  const recipe = JSON.parse(fs.readFileSync(recipeFile, 'utf8'));
+  const recipe = readRecipe(recipeFile);
+  if (options.draft) for (const texture of Object.values(recipe.textures)) texture.size /= 4;
   const head = await buildHead(openAssets(modules), recipe);
   const text = Buffer.from(JSON.stringify(head));
   const packed = zlib.gzipSync(text, { level: 9, memLevel: 9 });
@@ -35,5 +45,7 @@ async function build() {
   fs.mkdirSync(path.dirname(outFile), { recursive: true });
   fs.writeFileSync(outFile, text);
   fs.writeFileSync(`${outFile}.gz`, packed);
-  console.log(`${path.basename(outFile)}: ${text.length} bytes, ${packed.length} compressed`);
+  const poster = await drawPoster(head, !options.draft);
+  fs.writeFileSync(outFile.replace(/(\.json)?$/, '.webp'), poster);
+  console.log(`${path.basename(outFile)}: ${text.length} bytes, ${packed.length} compressed, poster ${poster.length}`);
 }

@@ -110,7 +110,8 @@ static int decode(const char *data, size_t size, struct buf *out, struct error *
             bad = (size_t)(nul - data);
         if (bad < size)
             return error_at_byte(e, TIMES_CODE, bad, "the file is neither UTF-8 nor UTF-16");
-        buf_add(out, data + skip, size - skip);
+        if (size)
+            buf_add(out, data + skip, size - skip);
     }
     buf_add(out, "", 1);
     return 0;

@@ -1,29 +1,34 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia voices, faccia models. */
 #include "server/app/cli.h"
+#include "server/base/mem.h"
 #include <getopt.h>
 #include <glob.h>
 #include <jansson.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
 
-/* Both lists take --json and --help; voices takes --lang too. The exit code, or -1 to go on. */
-static int parse(int argc, char **argv, const char *usage, const char **lang, bool *json) {
+/* Both lists take --json and --help; voices takes --lang and --model, too. The exit code, or -1 to go on. */
+static int parse(int argc, char **argv, const char *usage, const char **lang, const char **model,
+                 bool *json) {
     static const struct option options[] = {
-        {"json", 0, NULL, 'j'}, {"help", 0, NULL, 'h'}, {"lang", 1, NULL, 'l'}, {0}};
+        {"json", 0, NULL, 'j'}, {"help", 0, NULL, 'h'}, {"lang", 1, NULL, 'l'}, {"model", 1, NULL, 'm'}, {0}};
     for (int c; (c = getopt_long(argc, argv, "hl:", options, NULL)) != -1;) {
         if (c == 'h') {
             fputs(usage, stdout);
             return EXIT_DONE;
         }
-        if (c == '?' || (c == 'l' && !lang)) {
+        if (c == '?' || (c == 'l' && !lang) || (c == 'm' && !model)) {
             fputs(usage, stderr);
             return EXIT_USAGE;
         }
         if (c == 'l')
             *lang = optarg;
+        else if (c == 'm')
+            *model = optarg;
         else
             *json = true;
     }
@@ -47,21 +52,39 @@ static int print_json(json_t *list, const char *name) {
     return EXIT_DONE;
 }
 
+/* The gender of the voices that suit a head, to be freed: "" when all do, NULL when there is no such head. */
+static char *gender_of(const char *models, const char *model) {
+    char file[4096];
+    json_error_t why;
+    snprintf(file, sizeof file, "%s/heads/%s.json", models, model);
+    json_t *head = strchr(model, '/') ? NULL : json_load_file(file, 0, &why);
+    const char *gender = json_string_value(json_object_get(json_object_get(head, "voice"), "gender"));
+    char *copy = head ? mem_strdup(gender ? gender : "") : NULL;
+    json_decref(head);
+    if (!head)
+        cli_complain("no head model '%s'", model);
+    return copy;
+}
+
 int voices_main(int argc, char **argv, const struct settings *settings) {
-    static const char usage[] = "Usage: faccia voices [--lang TAG] [--json]\n"
-                                "Lists the voices: id, language, gender, quality, name.\n";
-    const char *lang = NULL;
+    static const char usage[] = "Usage: faccia voices [--lang TAG] [--model NAME] [--json]\n"
+                                "Lists the voices: id, language, gender, quality, name.\n"
+                                "With a model those that suit that head.\n";
+    const char *lang = NULL, *model = NULL;
     bool json = false;
-    int status = parse(argc, argv, usage, &lang, &json);
+    int status = parse(argc, argv, usage, &lang, &model, &json);
     struct cli cli;
     if (status >= 0)
         return status;
+    char *gender = model ? gender_of(settings->models, model) : NULL;
+    if (model && !gender)
+        return EXIT_FAILED;
     status = cli_open(&cli, settings) ? EXIT_FAILED : EXIT_DONE;
     size_t count = 0;
     const struct voice *v = status ? NULL : voice_pool_voices(cli.stages.pipeline.voices, &count);
     json_t *list = json_array();
     for (size_t i = 0; i < count; i++) {
-        if (lang && !matches(v[i].lang, lang))
+        if ((lang && !matches(v[i].lang, lang)) || (gender && *gender && strcmp(v[i].gender, gender)))
             continue;
         if (json)
             json_array_append_new(list,
@@ -76,13 +99,14 @@ int voices_main(int argc, char **argv, const struct settings *settings) {
     else
         json_decref(list);
     cli_close(&cli);
+    free(gender);
     return status;
 }
 
 int models_main(int argc, char **argv, const struct settings *settings) {
     static const char usage[] = "Usage: faccia models [--json]\nLists the head models: name, bytes, title.\n";
     bool json = false;
-    int status = parse(argc, argv, usage, NULL, &json);
+    int status = parse(argc, argv, usage, NULL, NULL, &json);
     if (status >= 0)
         return status;
     char pattern[4096];

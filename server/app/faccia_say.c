@@ -18,6 +18,7 @@ static const char usage[] =
     "\n"
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "  -v, --voice ID       a voice that 'faccia voices' lists\n"
+    "      --gender WORD    female or male: of the voice, where none is named\n"
     "  -r, --rate WPM       words per minute, 40 to 500\n"
     "      --pitch FACTOR   0.25 to 4 (1)\n"
     "      --volume FACTOR  0.25 to 4 (1)\n"
@@ -158,6 +159,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"voice", 1, NULL, 'v'},
         {"rate", 1, NULL, 'r'},
         {"pitch", 1, NULL, 1},
+        {"gender", 1, NULL, 1},
         {"volume", 1, NULL, 1},
         {"fps", 1, NULL, 1},
         {"engine", 1, NULL, 'e'},

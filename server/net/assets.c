@@ -126,6 +126,16 @@ static void add_documents(struct assets *assets) {
     }
 }
 
+/* The picture that lies beside a head, under the head's address; NULL = none. */
+static const struct asset *add_poster(struct assets *assets, const char *head, const char *address) {
+    char file[4096], path[512];
+    size_t size;
+    snprintf(file, sizeof file, "%.*s.webp", (int)(strlen(head) - strlen(".json")), head);
+    uint8_t *data = read_file(file, &size);
+    snprintf(path, sizeof path, "%s.webp", address);
+    return data ? add(assets, path, "image/webp", file, data, size) : NULL;
+}
+
 static int load_head(struct assets *assets, const char *file, struct error *e) {
     const char *name = strrchr(file, '/') + 1;
     size_t size, length = strcspn(name, ".");
@@ -136,8 +146,18 @@ static int load_head(struct assets *assets, const char *file, struct error *e) {
         return error_set(e, ERROR_BAD_MODEL, "%s: cannot be read", file);
     struct model model = {.asset = add(assets, path, "application/json", file, data, size)};
     assets->models = mem_grow(assets->models, &assets->model_cap, assets->model_count + 1, sizeof model);
-    assets->models[assets->model_count++] = model;
-    return model_split(&assets->models[assets->model_count - 1], strrchr(path, '/') + 1, data, size, file, e);
+    struct model *kept = &assets->models[assets->model_count++];
+    *kept = model;
+    if (model_split(kept, strrchr(path, '/') + 1, data, size, file, e))
+        return -1;
+    kept->poster = add_poster(assets, file, path);
+    return 0;
+}
+
+static int by_rank(const void *a, const void *b) {
+    const struct model *one = a, *other = b;
+    return one->rank != other->rank ? (one->rank > other->rank) - (one->rank < other->rank)
+                                    : strcmp(one->name, other->name);
 }
 
 int assets_load(struct assets *assets, const char *web, const char *models, struct error *e) {
@@ -152,6 +172,8 @@ int assets_load(struct assets *assets, const char *web, const char *models, stru
         for (size_t i = 0; i < found.gl_pathc && !failed; i++)
             failed = load_head(assets, found.gl_pathv[i], e);
         globfree(&found);
+        if (!failed && assets->model_count)
+            qsort(assets->models, assets->model_count, sizeof *assets->models, by_rank);
     }
     if (!assets_find(assets, "/"))
         log_warn("no page to serve: '%s' holds no index.html", web);

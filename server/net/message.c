@@ -69,8 +69,13 @@ json_t *message_models(const struct net *net) {
     json_t *models = json_array();
     for (size_t i = 0; i < net->assets.model_count; i++) {
         const struct model *m = &net->assets.models[i];
-        json_array_append_new(models, json_pack("{ss ss ss sI}", "name", m->name, "title", m->title, "hash",
-                                                m->asset->hash, "bytes", (json_int_t)m->asset->size));
+        json_t *model = json_pack("{ss ss ss sI ss*}", "name", m->name, "title", m->title, "hash",
+                                  m->asset->hash, "bytes", (json_int_t)m->asset->size, "about", m->about);
+        if (m->voice)
+            json_object_set_new(model, "voice", json_loads(m->voice, 0, NULL));
+        if (m->poster)
+            json_object_set_new(model, "poster", json_string(m->poster->path + strlen("/v1/")));
+        json_array_append_new(models, model);
     }
     return models;
 }

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { RANK_LAST = 1000000 };
+
 static void add_part(struct model *m, const char *kind, const char *name, const json_t *value) {
     struct model_part *p = &m->parts[m->part_count++];
     p->kind = mem_strdup(kind);
@@ -28,6 +30,11 @@ int model_split(struct model *m, const char *wanted, const void *text, size_t si
     }
     m->name = mem_strdup(name);
     m->title = mem_strdup(title ? title : name);
+    const char *about = json_string_value(json_object_get(head, "about"));
+    m->about = about ? mem_strdup(about) : NULL;
+    const json_t *rank = json_object_get(head, "rank"), *voice = json_object_get(head, "voice");
+    m->rank = json_is_number(rank) ? json_number_value(rank) : RANK_LAST;
+    m->voice = json_is_object(voice) ? json_dumps(voice, JSON_COMPACT) : NULL;
     m->parts = mem_alloc((1 + json_object_size(textures) + json_array_size(parts)) * sizeof *m->parts);
     json_incref(parts);
     json_incref(textures);
@@ -57,5 +64,7 @@ void model_free(struct model *m) {
     free(m->parts);
     free(m->name);
     free(m->title);
+    free(m->about);
+    free(m->voice);
     *m = (struct model){0};
 }

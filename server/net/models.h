@@ -8,9 +8,12 @@
 
 struct asset;
 
-/* Its asset, and its parts as the JSON texts that go over the socket. */
+/* A head model: its asset, and its parts as the JSON texts that go over the socket. */
 struct model {
-    char *name, *title;
+    char *name, *title, *about; /* about: NULL = nothing is said */
+    double rank;                /* their order: the first is shown where none is asked for */
+    char *voice;                /* the kind of voice that suits it, as JSON; NULL = any */
+    const struct asset *poster; /* NULL = it has none */
     struct asset *asset;
     struct model_part {
         char *kind, *name; /* "head", "texture" or "part" */

@@ -110,3 +110,11 @@ struct voice_selection *select_voices(struct score *score, const struct voice *v
     }
     return cast;
 }
+
+const struct voice *select_voice_of_gender(const struct voice_pool *pool, const struct speech_packs *packs,
+                                           const char *lang, const char *gender, const char *plugin) {
+    struct selecting c = {.packs = packs};
+    c.voices.voices = voice_pool_voices(pool, &c.voices.count);
+    const struct voice *voice = by_language(&c, lang, gender, plugin);
+    return voice && has_gender(voice, gender) ? voice : NULL;
+}

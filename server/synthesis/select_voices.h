@@ -17,4 +17,8 @@ struct voice_selection *select_voices(struct score *script, const struct voice *
                                       struct voice_list voices, const struct speech_packs *packs,
                                       const char *sounds);
 
+/* The best voice for a language of that gender, as above; NULL when there is none of that gender. */
+const struct voice *select_voice_of_gender(const struct voice_pool *pool, const struct speech_packs *packs,
+                                           const char *lang, const char *gender, const char *plugin);
+
 #endif

@@ -13,6 +13,8 @@ static const char *const blends[] = {[SPEAK_BLEND_AUTO] = "auto",
                                      NULL};
 static const char *const contacts[] = {
     [CONTACTS_ENGINE] = "engine", [CONTACTS_ON] = "on", [CONTACTS_OFF] = "off", NULL};
+static const char *const genders[] = {
+    [GENDER_ANY] = "any", [GENDER_FEMALE] = "female", [GENDER_MALE] = "male", NULL};
 static const char *const modes[] = {
     [SPEAK_QUEUE] = "queue", [SPEAK_REPLACE] = "replace", [SPEAK_INTERRUPT] = "interrupt", NULL};
 
@@ -28,6 +30,7 @@ static const struct field {
     {"id", STRING, offsetof(struct speech_request, id), 0, 64, NULL},
     {"lang", STRING, offsetof(struct speech_request, lang), 1, 35, NULL},
     {"voice", STRING, offsetof(struct speech_request, voice), 1, 128, NULL},
+    {"gender", CHOICE, offsetof(struct speech_request, gender), 0, 0, genders},
     {"engine", STRING, offsetof(struct speech_request, engine), 1, 64, NULL},
     {"markup", STRING, offsetof(struct speech_request, markup), 1, 64, NULL},
     {"rate", NUMBER, offsetof(struct speech_request, rate), REQUEST_RATE_MIN, REQUEST_RATE_MAX, NULL},
@@ -115,7 +118,8 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
 /* An enum without negative members is an unsigned int to GCC and Clang. */
 _Static_assert(sizeof(enum speech_blend) == sizeof(unsigned) &&
                    sizeof(enum speech_mode) == sizeof(unsigned) &&
-                   sizeof(enum face_contacts) == sizeof(unsigned),
+                   sizeof(enum face_contacts) == sizeof(unsigned) &&
+                   sizeof(enum voice_gender) == sizeof(unsigned),
                "choices are set as unsigned");
 
 static int set_choice(unsigned *choice, const struct field *f, const struct request_value *v,
@@ -130,6 +134,10 @@ static int set_choice(unsigned *choice, const struct field *f, const struct requ
         snprintf(all + strlen(all), sizeof all - strlen(all), "%s%s", i ? ", " : "", f->words[i]);
     }
     return error_in_field(e, ERROR_BAD_FIELD, f->name, "must be one of %s", all);
+}
+
+const char *request_gender(const struct speech_request *request) {
+    return request->gender == GENDER_ANY ? NULL : genders[request->gender];
 }
 
 const char *request_field(size_t i) {

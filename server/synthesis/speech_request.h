@@ -16,6 +16,9 @@ enum speech_mode {
     SPEAK_INTERRUPT, /* now: what speaks is cut, what waits comes afterwards */
 };
 
+/* Of the voice, where none is named. */
+enum voice_gender { GENDER_ANY, GENDER_FEMALE, GENDER_MALE };
+
 /* How expressions share the mouth with speech. */
 enum speech_blend {
     SPEAK_BLEND_AUTO, /* as the text asks: by weights where it names one, else by regions */
@@ -30,6 +33,7 @@ struct speech_request {
     size_t text_size;
     char *id;                    /* the client's own name for it; NULL = none; at most 64 bytes */
     char *lang, *voice, *engine; /* NULL = the default */
+    enum voice_gender gender;    /* of the voice, when none is named */
     char *markup;                /* NULL = plain */
     double rate;                 /* words per minute, 40..500; 0 = the voice's own */
     double pitch, volume;        /* factors, 0.25..4 */
@@ -60,6 +64,9 @@ struct request_value {
     size_t size;
     double number; /* NUMBER, BOOL */
 };
+
+/* "female", "male"; NULL = any. */
+const char *request_gender(const struct speech_request *request);
 
 /* The name of the i-th field; NULL: there are no more. */
 const char *request_field(size_t i);

@@ -2,6 +2,7 @@
 /* From a request to a score with its voices: what can be said of it before anything is spoken. */
 #include "server/base/mem.h"
 #include "server/base/near.h"
+#include "server/synthesis/select_voices.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -62,6 +63,13 @@ static int choose_voice(struct synthesis *s, struct error *e) {
     s->voice = voice_pool_find(s->pipeline->voices, s->request.voice, lang, speech_pack_voices(s->pack), e);
     if (!s->voice)
         return -1;
+    const char *gender = request_gender(&s->request);
+    if (gender && !s->request.voice && strcmp(s->voice->gender, gender)) {
+        const struct voice *other =
+            select_voice_of_gender(s->pipeline->voices, packs, lang, gender, s->voice->plugin);
+        if (other)
+            s->voice = other;
+    }
     /* the phones are the voice's, so the lips follow its language where there is a pack for it */
     const struct speech_pack *own = speech_packs_find(packs, s->voice->lang);
     if (own)

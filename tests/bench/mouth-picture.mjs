@@ -29,7 +29,7 @@ for (const [name, faps] of mouths) {
   const tile = PNG.sync.read(await page.shot('head', faps, camera));
   // What is behind the head is as on the page.
   for (let i = 0; i < tile.data.length; i += 4) {
-    for (let k = 0; k < 3; k++) tile.data[i + k] += ((255 - tile.data[i + 3]) * 200) / 255;
+    for (let k = 0; k < 3; k++) tile.data[i + k] = Math.min(255, tile.data[i + k] + ((255 - tile.data[i + 3]) * 200) / 255);
     tile.data[i + 3] = 255;
   }
   tiles.push(label(tile, name));

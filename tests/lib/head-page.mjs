@@ -37,6 +37,7 @@ window.shot = (name, values, { yaw = 0, pitch = 0, target = [0, -22, 0], distanc
   view.level = LEVELS.find((one) => one.name === level);
   view.resize(width, height);
   view.setLevel(view.level);
+  head.uniforms.fade.value = 1e-3; // nothing fades: the picture may end in the face
   for (const mesh of head.group.children) if (mesh.userData.hidden) mesh.visible = false;
   view.camera.fov = fov;
   view.camera.aspect = width / height;

@@ -8,7 +8,7 @@ export const words = {
     room: 'Stanza', roomHint: 'Ciò che si dice in una stanza è visto e udito da tutti quelli che vi sono.', copyLink: 'Copia il link',
     linkCopied: 'Il link è stato copiato.', linkHere: 'Il link',
     transcript: 'Trascrizione', transcriptHint: 'Qui resta ciò che è stato detto. Premere una frase per riascoltarla.', copyText: 'Copia il testo', save: 'Scarica', clear: 'Svuota',
-    male: 'uomo', female: 'donna',
+    who: 'Chi parla', male: 'uomo', female: 'donna',
   },
   pt: {
     title: 'Uma cabeça que fala', loading: 'Carregando a cabeça…', text: 'Texto a dizer', lang: 'Idioma do texto', voice: 'Voz', automatic: 'Automática',
@@ -17,7 +17,7 @@ export const words = {
     room: 'Sala', roomHint: 'O que se diz em uma sala é visto e ouvido por todos os que estão nela.', copyLink: 'Copiar o link',
     linkCopied: 'O link foi copiado.', linkHere: 'O link',
     transcript: 'Transcrição', transcriptHint: 'Aqui fica o que foi dito. Pressione uma frase para ouvi-la de novo.', copyText: 'Copiar o texto', save: 'Baixar', clear: 'Limpar',
-    male: 'homem', female: 'mulher',
+    who: 'Quem fala', male: 'homem', female: 'mulher',
   },
   tr: {
     title: 'Konuşan bir baş', loading: 'Baş yükleniyor…', text: 'Söylenecek metin', lang: 'Metnin dili', voice: 'Ses', automatic: 'Otomatik',
@@ -26,7 +26,7 @@ export const words = {
     room: 'Oda', roomHint: 'Bir odada söylenen, odadaki herkesçe görülür ve duyulur.', copyLink: 'Bağlantıyı kopyala',
     linkCopied: 'Bağlantı kopyalandı.', linkHere: 'Bağlantı',
     transcript: 'Döküm', transcriptHint: 'Söylenenler burada kalır. Yeniden duymak için bir cümleye basın.', copyText: 'Metni kopyala', save: 'İndir', clear: 'Temizle',
-    male: 'erkek', female: 'kadın',
+    who: 'Kim konuşsun', male: 'erkek', female: 'kadın',
   },
   en: {
     title: 'A head that speaks', loading: 'Loading the head…', text: 'Text to speak', lang: 'Language of the text', voice: 'Voice', automatic: 'Automatic',
@@ -35,7 +35,7 @@ export const words = {
     room: 'Room', roomHint: 'What is said in a room is seen and heard by all who are in it.', copyLink: 'Copy the link',
     linkCopied: 'The link was copied.', linkHere: 'The link',
     transcript: 'Transcript', transcriptHint: 'What was said stays here. Press a sentence to hear it again.', copyText: 'Copy the text', save: 'Download', clear: 'Clear',
-    male: 'man', female: 'woman',
+    who: 'Who speaks', male: 'man', female: 'woman',
   },
 };
 

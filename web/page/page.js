@@ -2,6 +2,7 @@
 // The first page: speaks what is typed, or what a link holds.
 import { copy } from './copy.js';
 import { Frame } from './frame.js';
+import { fillHeads, keptHead } from './head-choice.js';
 import { FIRST, fill, primary, spokenLanguage } from './languages.js';
 import { makeLink, readLink } from './link.js';
 import { samples, words } from './page-words.js';
@@ -128,6 +129,11 @@ document.addEventListener('keydown', (event) => {
 // What the head tells
 
 head.addEventListener('hello', ({ detail }) => {
+  const kept = keptHead(detail.models);
+  if (kept && head.model === null) head.model = kept;
+  fillHeads($('head-box'), detail.models, head.model, (name) => {
+    head.model = name;
+  });
   offer([...detail.languages.map(({ tag }) => tag), ...(detail.more_languages ?? [])], detail.lang);
 });
 head.addEventListener('progress', ({ detail }) => {

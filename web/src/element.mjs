@@ -9,6 +9,7 @@ import { Demuxer } from './demuxer.mjs';
 import { Link } from './link.mjs';
 import { IdleController } from './idle-controller.mjs';
 import { Player } from './audio/player.mjs';
+import { Poster } from './poster.mjs';
 import { Visibility } from './visibility.mjs';
 import { addProperties, upgradeProperties } from './properties.mjs';
 import { Speech } from './speech.mjs';
@@ -17,7 +18,7 @@ import { parts, styles } from './template.mjs';
 import { Turns } from './turns.mjs';
 
 const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String };
-const LINK_ATTRIBUTES = ['src', 'model', 'room', 'token'];
+const LINK_ATTRIBUTES = ['src', 'room', 'token'];
 const TICK_MS = 40; // words are heard also while nothing is drawn (a hidden page, no WebGL), or slowly
 const MOVE_MS = 100; // so long it may be out of the page without being given up: frameworks move elements
 
@@ -26,7 +27,7 @@ const turns = new Turns(); // of all heads in the page
 /** `<talking-head>`: see web/README.md. Where there is no page (on a server) it can be imported, but not made. */
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
-    ...LINK_ATTRIBUTES, 'quality', 'captions', 'still', 'life', 'expression', 'lang', 'label', 'rate', 'polite',
+    ...LINK_ATTRIBUTES, 'model', 'poster', 'view', 'quality', 'captions', 'still', 'life', 'expression', 'lang', 'label', 'rate', 'polite',
   ];
 
   #opened = false;
@@ -37,7 +38,9 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #title = '';
   #drawn = { seconds: null, at: 0 };
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
+  #hello = null; // what the server has said of itself
   #controls;
+  #poster;
   #captionView;
   #stage;
   #mixer = new FaceMixer();
@@ -86,11 +89,13 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       sound: () => this.#player.open(),
       captions: () => (this.captions = !this.captions),
     });
+    this.#poster = new Poster(root.querySelector('.poster'), root.querySelector('.stage'));
     this.#captionView = new CaptionView(root.querySelector('.captions'));
     this.#stage = new Stage(this.#controls.canvas, {
       hear: (now) => this.#hear(now),
       frame: (now, ahead) => this.#frame(now, ahead),
       trouble: (what) => this.#pictureTrouble(what),
+      drawn: (on) => (this.#poster.drawn = on),
     });
     upgradeProperties(this);
   }
@@ -119,6 +124,9 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     }
     if (!this.#opened || before === value) return;
     if (LINK_ATTRIBUTES.includes(name)) this.#connectSoon();
+    if (name === 'model' && this.#link.state === 'open') this.#openModel();
+    if (name === 'model' || name === 'poster') this.#choosePoster();
+    if (name === 'view') this.#stage.framing = value;
     if (name === 'quality') this.#stage.quality = value ?? 'auto';
     if (name === 'captions') this.#showCaptions();
     if (name === 'still') this.#motionChanged();
@@ -139,6 +147,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     for (const [name, type] of Object.entries(SPEAK_ATTRIBUTES))
       if (this.hasAttribute(name)) defaults[name] = type(this.getAttribute(name));
     if (this.#mixer.still) defaults.still = true;
+    if (!defaults.voice && !options.voice) Object.assign(defaults, this.#voiceKind);
     const promise = this.#speech.speak(text, { ...defaults, ...options });
     this.#stage.wake();
     return promise;
@@ -267,6 +276,8 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#reducedMotion.addEventListener('change', this.#motionChanged);
     addEventListener('online', this.#online);
     this.#stage.quality = this.quality ?? 'auto';
+    this.#stage.framing = this.view;
+    this.#choosePoster();
     this.#stage.open();
     this.#motionChanged();
     this.#translate();
@@ -345,7 +356,9 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       this.#enter();
       this.#speech.linked();
       this.#liveliness.linked();
-      this.#openModel(hello);
+      this.#hello = hello;
+      this.#openModel();
+      this.#choosePoster();
       canDecode().then((can) => can || this.#wantPlainSound());
     } else {
       this.#demuxer.reset();
@@ -355,7 +368,31 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#stage.wake();
   }
 
-  #openModel(hello) {
+  /** What is known of the head that is asked for. */
+  get #model() {
+    const { model } = this;
+    const { models = [] } = this.#hello ?? {};
+    return (model === null ? models[0] : models.find(({ name }) => name === model)) ?? (model === null ? {} : { name: model });
+  }
+
+  /** The kind of voice that suits the head, where none is named. */
+  get #voiceKind() {
+    const { gender, pitch } = this.#model.voice ?? {};
+    return { ...(gender ? { gender } : {}), ...(pitch ? { pitch } : {}) };
+  }
+
+  #choosePoster() {
+    let stream = null;
+    try {
+      stream = this.#link.address;
+    } catch {
+      // says the link
+    }
+    this.#poster.choose(this.poster, stream, this.#model);
+  }
+
+  #openModel() {
+    const hello = this.#hello;
     if (this.model === null && !hello.models?.length) {
       this.#controls.say('model', 'noModel');
       this.#fail('noModel');

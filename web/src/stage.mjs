@@ -20,7 +20,8 @@ export class Stage {
    * @param {HTMLCanvasElement} canvas
    * @param {object} ports hear(now) -> whether the page beside the canvas changes with the picture that follows;
    *   frame(now, ahead) -> {values, more, calm}: what to show `ahead` milliseconds later, when the picture is on the
-   *   display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | 'tooMany' | null)
+   *   display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | 'tooMany' | null);
+   *   drawn(on): whether there is a head on the canvas
    */
   constructor(canvas, ports) {
     this.canvas = canvas;
@@ -34,6 +35,7 @@ export class Stage {
     this.frames = 0;
     this.interval = 0; // of the frames that follow each other, smoothed
     this.view = null;
+    this.framed = null;
     this.model = null;
     this.opened = false;
     this.visible = false;
@@ -78,6 +80,7 @@ export class Stage {
     this.#heed(this.canvas);
     this.governor = new Governor(this.wish, this.view.software);
     this.view.setLevel(this.governor.level);
+    this.view.framing = this.framed;
     this.observer.observe(this.canvas);
     this.#resize();
     if (this.model) this.#build().catch((error) => console.error('talking-head:', error));
@@ -88,6 +91,7 @@ export class Stage {
     cancelAnimationFrame(this.request);
     this.request = 0;
     this.observer.disconnect();
+    if (this.view?.head) this.ports.drawn?.(false);
     this.view?.dispose();
     this.view = null;
   }
@@ -107,12 +111,13 @@ export class Stage {
 
   async #build() {
     const { model, view } = this;
-    const head = await Head.create(model);
+    const head = await Head.create(model, { software: view.software });
     if (this.view !== view || this.model !== model) {
       head.dispose(); // another has come meanwhile, or nobody wants it any more
       return;
     }
     view.show(head);
+    this.ports.drawn?.(true);
     this.wake();
   }
 
@@ -144,6 +149,13 @@ export class Stage {
     this.wish = wish;
     this.governor.wish(wish);
     this.view?.setLevel(this.governor.level);
+    this.wake();
+  }
+
+  /** @param {string|null} name of a view: see View */
+  set framing(name) {
+    this.framed = name;
+    if (this.view) this.view.framing = name;
     this.wake();
   }
 

@@ -9,6 +9,7 @@ export interface SpeakOptions {
   mode?: 'queue' | 'replace' | 'interrupt';
   lang?: string;
   voice?: string;
+  gender?: 'any' | 'female' | 'male';
   rate?: number;
   pitch?: number;
   volume?: number;
@@ -72,6 +73,8 @@ type AllEvents = Omit<HTMLElementEventMap, keyof TalkingHeadEventMap> & TalkingH
 export class TalkingHead extends HTMLElement {
   src: string | null;
   model: string | null;
+  poster: string | null;
+  view: 'face' | 'bust' | 'mouth' | null;
   quality: 'auto' | 'high' | 'low' | null;
   room: string | null;
   token: string | null;

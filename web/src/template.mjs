@@ -7,10 +7,12 @@ export const styles = `
   :host([hidden]), [hidden] { display: none !important; }
   .stage { position: relative; flex: 1; min-block-size: 0; }
   canvas { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; display: block; }
+  .poster { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; object-fit: contain; }
   .message { position: absolute; inset: 0; margin: auto; inline-size: fit-content; block-size: fit-content;
     max-inline-size: 90%; max-block-size: 100%; overflow: auto; box-sizing: border-box; padding: 0.75em 1em; border-radius: 0.5em;
     text-align: center; overflow-wrap: anywhere;
     background: #1c1c1eee; color: #fff; }
+  .posing .message { inset-block-start: auto; inset-block-end: 0.75em; margin-block: 0; }
   button { font: inherit; cursor: pointer; border: 2px solid #fff; background: #1c1c1eee; color: #fff;
     border-radius: 2em; min-block-size: 2.75em; min-inline-size: 2.75em; padding: 0 1em; }
   button:focus-visible { outline: 3px solid #4c9dff; outline-offset: 2px; }
@@ -40,6 +42,7 @@ export function parts() {
   const line = ['said', 'word', 'rest'].map((name) => make('span', { class: name, part: name }));
   return [
     make('div', { class: 'stage', part: 'stage' }, [
+      make('img', { class: 'poster', part: 'poster', alt: '', hidden: '' }),
       make('canvas', { part: 'canvas', role: 'img' }),
       make('p', { class: 'message', part: 'message', role: 'status', hidden: '' }),
       make('button', { class: 'switch', part: 'captions-button', type: 'button' }, ['CC']),

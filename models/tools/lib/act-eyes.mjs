@@ -14,8 +14,7 @@ const SIDES = {
 };
 
 /**
- * Weights of both lids of one eye over the base vertices, and the angle that closes the eye at the feature
- * points.
+ * Weights of both lids of one eye over the base vertices, and the angle that closes the eye where the weight is 1.
  */
 export function lidWeights(ctx, side, tuning) {
   const { p, topology } = ctx;
@@ -37,7 +36,7 @@ export function lidWeights(ctx, side, tuning) {
   };
   const top = line(true),
     bottom = line(false);
-  const [upperPoint, lowerPoint] = SIDES[side].point.map((name) => ring.indexOf(ctx.fdpVertex[name]));
+  const upperPoint = ring.indexOf(ctx.fdpVertex[SIDES[side].point[0]]);
   // Beside the feature points a little more than meeting, because the margins' corners do not face each other
   // there.
   const middle = p[ring[upperPoint] * 3];
@@ -46,6 +45,9 @@ export function lidWeights(ctx, side, tuning) {
       Math.max(0, top(p[v * 3]) - bottom(p[v * 3])) +
       tuning.overlap * (1 - Math.exp(-(((p[v * 3] - middle) / 3) ** 2))),
   );
+  // Weights end at 1, so an angle belongs to where the lids are farthest apart, which need not be at the feature points.
+  const widest = (want) => Math.max(...gap.filter((_, c) => upper[c] === want));
+  const angle = { upper: widest(true), lower: widest(false) };
   const points = ring.map((v) => [p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]);
   const values = ring.map((_, c) => [gap[c], upper[c] ? 1 : 0]);
   const inside = new Set(loops.slice(EYE_MARGIN, EYE_MARGIN + 4).flat());
@@ -62,10 +64,10 @@ export function lidWeights(ctx, side, tuning) {
     const isUpper = lash ? lashes[1][v] : near.value[1] > 0.5;
     const reach = isUpper ? tuning.upperReach : tuning.lowerReach;
     const fade = lash || inside.has(v) ? 1 : plateau(near.distance, tuning.rigid, reach);
-    const all = gap[isUpper ? upperPoint : lowerPoint];
-    weights[isUpper ? 'upper' : 'lower'][v] = Math.min(1, (fade * near.value[0]) / all);
+    const lid = isUpper ? 'upper' : 'lower';
+    weights[lid][v] = Math.min(1, (fade * near.value[0]) / angle[lid]);
   }
-  return { ...weights, angle: { upper: gap[upperPoint], lower: gap[lowerPoint] }, centre };
+  return { ...weights, angle, centre };
 }
 
 export function eyeActions(actions, ctx, tuning) {

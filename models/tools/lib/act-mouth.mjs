@@ -32,7 +32,7 @@ const ROLL = { back: 1.1, up: 0.35 };
  * Of rounded lips, in front of the teeth: pushed ones hang lower (mm for a mm); so do those whose corners are drawn together, and the
  * wet inside of the upper lip comes down behind its border (mm for a mm of each corner). Both lips go down, so the opening stays.
  */
-const ROUNDING = { hang: 0.75, draw: 0.12, curtain: 0.3 };
+const ROUNDING = { hang: 0.9, hangLower: 0.5, draw: 0.12, curtain: 0.3 };
 
 /** @param {object} tuning the recipe's `faps.mouth` */
 export function mouthActions(actions, ctx, grid, tuning) {
@@ -106,11 +106,11 @@ export function mouthActions(actions, ctx, grid, tuning) {
   push(16, isLower, -tuning.pushEvert);
   push(17, isUpper, tuning.pushEvert);
   const middle = (v) => (grid.inner[v] + grid.outer[v]) * plateau(Math.abs(grid.s[v]), 0.4, tuning.pushWidth);
-  for (const [fap, mine] of [
-    [16, isLower],
-    [17, isUpper],
+  for (const [fap, mine, hang] of [
+    [16, isLower, rounding.hangLower],
+    [17, isUpper, rounding.hang],
   ])
-    actions.plainMove(fap, 'positive', (v) => mine(v) && along(middle(v) * rounding.hang, [0, -1, 0]));
+    actions.plainMove(fap, 'positive', (v) => mine(v) && along(middle(v) * hang, [0, -1, 0]));
   for (const fap of [6, 7]) {
     actions.plainMove(fap, 'negative', (v) => along(middle(v) * rounding.draw, [0, 1, 0])); // times a value below 0
     actions.plainMove(fap, 'negative', (v) => {

@@ -8,19 +8,35 @@
 /**
  * @param {{uv: number[], index: number[]}} part its `uv` is replaced, the old one kept as `sourceUv`
  * @param {{at: number[], box: number[], turn: boolean}[]} layout for each island the texture coordinate `at`
- *   that lies in its old rectangle, its new rectangle `box` (x, y, width, height), whether it is turned by a
+ *   that lies in its old rectangle (or the `area`, u0, u1, v0, v1, that small islands lie in, where clothes cut one up), its new rectangle `box` (x, y, width, height), whether it is turned by a
  *   quarter, and optionally a `focus` (place `at`, `width`, `gain`, each for x and y, in shares of the
  *   rectangle) that gets more room than the rest
  */
 export function layOut(part, layout) {
   part.sourceUv = part.uv;
   const uv = part.uv.slice();
+  const range = (vertices) => {
+    const box = [Infinity, -Infinity, Infinity, -Infinity];
+    for (const v of vertices)
+      for (const k of [0, 1]) {
+        box[2 * k] = Math.min(box[2 * k], part.uv[v * 2 + k]);
+        box[2 * k + 1] = Math.max(box[2 * k + 1], part.uv[v * 2 + k]);
+      }
+    return box;
+  };
+  const inside = ([u, v], [u0, u1, v0, v1]) => u >= u0 && u <= u1 && v >= v0 && v <= v1;
+  const places = new Map();
   for (const island of islands(part)) {
-    const us = island.map((v) => part.uv[v * 2]),
-      vs = island.map((v) => part.uv[v * 2 + 1]);
-    const [u0, u1, v0, v1] = [Math.min(...us), Math.max(...us), Math.min(...vs), Math.max(...vs)];
-    const target = layout.find(({ at }) => at[0] >= u0 && at[0] <= u1 && at[1] >= v0 && at[1] <= v1);
+    const box = range(island);
+    const [u0, u1, v0, v1] = box;
+    const target =
+      layout.find(({ at }) => inside(at, box)) ??
+      layout.find(({ area }) => area && inside([(u0 + u1) / 2, (v0 + v1) / 2], area));
     if (!target) throw new Error(`the atlas has no place for the island u ${u0}..${u1}, v ${v0}..${v1}`);
+    places.set(target, (places.get(target) ?? []).concat(island));
+  }
+  for (const [target, island] of places) {
+    const [u0, u1, v0, v1] = range(island);
     const [x, y, w, h] = target.box;
     const stretch = [0, 1].map((k) => (target.focus ? focused(target.focus, k) : (t) => t));
     for (const v of island) {

@@ -4,21 +4,28 @@
  * and not by the lamps.
  */
 import { lipParameter } from './paint-lips.mjs';
+import { smoothstep } from './zones.mjs';
 
-/** mm behind the line where the lips touch. */
-const BEHIND_LIPS = 9;
+/** mm behind the line where the lips touch: in the middle, and towards the corners, where one sees into the cheeks. */
+const BEHIND_LIPS = { middle: 9, corner: 2 };
 
 /** @returns {object[]} the skin and the mouth */
 export function cutCavity(ctx, skin) {
   const { depth } = lipParameter(ctx);
-  const inside = skin.refs.map(
-    (refs) => refs.reduce((sum, [v, w]) => sum + w * (ctx.grid.inMouth[v] ? depth[v] : 0), 0) > BEHIND_LIPS,
-  );
+  const { inMouth, s } = ctx.grid;
+  const sum = (refs, of) => refs.reduce((all, [v, w]) => all + w * of(v), 0);
+  // How much deeper than that border each vertex is.
+  const deeper = skin.refs.map((refs) => {
+    const corner = smoothstep(0.45, 0.85, Math.abs(sum(refs, (v) => s[v])));
+    const border = BEHIND_LIPS.middle + (BEHIND_LIPS.corner - BEHIND_LIPS.middle) * corner;
+    return sum(refs, (v) => (inMouth[v] ? depth[v] : 0)) - border;
+  });
   const pick = (name, wanted) => {
     const index = [];
     for (let t = 0; t < skin.index.length; t += 3) {
       const three = skin.index.slice(t, t + 3);
-      if (Array.from(three).every((v) => inside[v]) === wanted) index.push(...three);
+      const inside = three.reduce((all, v) => all + deeper[v], 0) > 0;
+      if (inside === wanted) index.push(...three);
     }
     return subset(skin, name, index);
   };

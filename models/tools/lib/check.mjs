@@ -10,7 +10,7 @@ import { view } from './sight.mjs';
 export * from './check-mouth.mjs';
 
 const PARTS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows'];
-export const MOST_BYTES = 3e6;
+export const MOST_BYTES = 1.2e6;
 
 /** Values that speech and expression really use; the table's extremes are far outside. */
 const TRIAL = { MNS: 300, MW: 150, ENS: 200, ES: 100, IRISD: 300, AU: 20000 };

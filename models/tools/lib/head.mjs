@@ -24,6 +24,9 @@ import { longEdges, refine, skinDetail } from './refine.mjs';
 import { buildShape, targetInMm } from './shape.mjs';
 import { makeTextures } from './textures.mjs';
 
+/** The parts that every head has; all others are proxies, too: clothes, a beard, glasses. */
+const ALWAYS = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows'];
+
 /** Displacements below this (mm for one mm of the FAP) are left out. */
 const LEAST_MOVE = 2e-3;
 
@@ -46,7 +49,7 @@ export async function buildHead(assets, given) {
   closeLips(p, topology, ctx.grid, recipe.faps.mouth.tuck);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
   for (const side of ['l', 'r'])
-    setLids(ctx, side, lidWeights(ctx, side, recipe.faps.lids), recipe.eyes.opening / 2);
+    setLids(ctx, side, lidWeights(ctx, side, recipe.faps.lids), recipe.eyes.opening);
   Object.assign(ctx, readLandmarks(base, topology, p, recipe));
   const eyeSpec = eyeGeometry(recipe.eyes, eyes.radius - recipe.eyes.inset);
   ctx.fdp['3.5'] = [eyes.l[0], eyes.l[1], eyes.l[2] + eyeSpec.radius + eyeSpec.bulge];
@@ -149,9 +152,11 @@ function eyeGeometry(eyes, radius) {
 
 function makeParts(ctx, recipe, eyeSpec) {
   const spec = recipe.parts;
-  const clothes = spec.clothes ? [proxyPart(ctx, 'clothes', spec.clothes)] : [];
+  const others = Object.keys(spec).filter((name) => !ALWAYS.includes(name));
+  const worn = others.map((name) => proxyPart(ctx, name, spec[name]));
+  const clothes = worn.find((part) => part.name === 'clothes');
   return [
-    skinPart(ctx, spec.skin, clothes[0]?.proxy.hides),
+    skinPart(ctx, spec.skin, clothes?.proxy.hides),
     eyePart('eye_l', ctx.eyes.l, eyeSpec, { thrust: 27, dilate: 29 }),
     eyePart('eye_r', ctx.eyes.r, eyeSpec, { thrust: 28, dilate: 30 }),
     ...makeTeeth(ctx, ctx.figures, ctx.teeth),
@@ -159,6 +164,6 @@ function makeParts(ctx, recipe, eyeSpec) {
     proxyPart(ctx, 'hair', spec.hair),
     proxyPart(ctx, 'brows', spec.brows),
     proxyPart(ctx, 'lashes', spec.lashes),
-    ...clothes,
+    ...worn,
   ];
 }

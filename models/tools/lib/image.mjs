@@ -15,7 +15,9 @@ export async function readImage(file, size) {
 
 export function writeImage({ size, data }, quality) {
   const channels = data.length / (size * size);
-  const bytes = Buffer.from(Uint8ClampedArray.from(data, Math.round).buffer);
+  const rounded = new Uint8ClampedArray(data.length); // it rounds by itself
+  for (let i = 0; i < data.length; i++) rounded[i] = data[i];
+  const bytes = Buffer.from(rounded.buffer);
   return sharp(bytes, { raw: { width: size, height: size, channels } })
     .webp({ quality, alphaQuality: 95, effort: 4, smartSubsample: true })
     .toBuffer();
@@ -54,34 +56,20 @@ export function bleed(image, passes) {
   }
   const mean = sum.slice(0, 3).map((x) => x / sum[3]);
   for (let i = 0; i < known.length; i++) if (!known[i]) data.set(mean, i * 4);
-  for (let pass = 0; pass < passes; pass++) {
-    const was = Uint8Array.from(known);
-    for (let y = 0; y < size; y++) {
-      for (let x = 0; x < size; x++) {
-        const i = y * size + x;
-        if (was[i]) continue;
-        const c = [0, 0, 0];
-        let n = 0;
-        for (const [dx, dy] of [
-          [1, 0],
-          [-1, 0],
-          [0, 1],
-          [0, -1],
-        ]) {
-          const u = x + dx,
-            v = y + dy;
-          if (u < 0 || v < 0 || u >= size || v >= size || !was[v * size + u]) continue;
-          for (let k = 0; k < 3; k++) c[k] += data[(v * size + u) * 4 + k];
-          n++;
-        }
-        if (!n) continue;
-        data.set(
-          c.map((v) => v / n),
-          i * 4,
-        );
-        known[i] = 1;
+  let ring = [];
+  for (let i = 0; i < known.length; i++) if (known[i]) ring.push(i);
+  for (let pass = 0; pass < passes && ring.length; pass++) {
+    const next = [];
+    for (const i of ring) {
+      const x = i % size;
+      for (const j of [x + 1 < size ? i + 1 : -1, x ? i - 1 : -1, i + size, i - size]) {
+        if (j < 0 || j >= known.length || known[j]) continue;
+        known[j] = 1;
+        for (let k = 0; k < 3; k++) data[j * 4 + k] = data[i * 4 + k];
+        next.push(j);
       }
     }
+    ring = next;
   }
 }
 

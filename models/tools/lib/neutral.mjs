@@ -52,16 +52,16 @@ export function lidMargin(loops, p) {
 }
 
 /**
- * Turns both lids of an eye until the middles of their margins stand at the iris's upper and lower border
- * (`half` above and below the eye's axis).
+ * Turns both lids of an eye until the middles of their margins stand `above` and `below` the eye's axis (mm).
  */
-export function setLids(ctx, side, lids, half) {
+export function setLids(ctx, side, lids, [above, below]) {
   const { p } = ctx;
   const [, cy, cz] = lids.centre;
   const turn = (weights, point, y) => {
     const v = ctx.fdpVertex[point] * 3;
     const r = Math.hypot(p[v + 1] - cy, p[v + 2] - cz);
-    const angle = Math.atan2(p[v + 1] - cy, p[v + 2] - cz) - Math.asin(y / r);
+    const angle =
+      (Math.atan2(p[v + 1] - cy, p[v + 2] - cz) - Math.asin(y / r)) / weights[ctx.fdpVertex[point]];
     for (let i = 0; i < weights.length; i++) {
       if (!weights[i]) continue;
       const c = Math.cos(angle * weights[i]),
@@ -72,6 +72,6 @@ export function setLids(ctx, side, lids, half) {
       p[i * 3 + 2] = cz + dy * s + dz * c;
     }
   };
-  turn(lids.upper, side === 'l' ? '3.1' : '3.2', half);
-  turn(lids.lower, side === 'l' ? '3.3' : '3.4', -half);
+  turn(lids.upper, side === 'l' ? '3.1' : '3.2', above);
+  turn(lids.lower, side === 'l' ? '3.3' : '3.4', -below);
 }

@@ -13,18 +13,26 @@ export function noise(x, y, z = 0) {
   const ix = Math.floor(x),
     iy = Math.floor(y),
     iz = Math.floor(z);
-  const fade = (t) => t * t * (3 - 2 * t);
   const u = fade(x - ix),
     v = fade(y - iy),
     w = fade(z - iz);
-  let sum = 0;
-  for (let c = 0; c < 8; c++) {
-    const a = c & 1,
-      b = (c >> 1) & 1,
-      d = c >> 2;
-    sum += hash(ix + a, iy + b, iz + d) * (a ? u : 1 - u) * (b ? v : 1 - v) * (d ? w : 1 - w);
-  }
+  const a = 1 - u,
+    b = 1 - v,
+    c = 1 - w;
+  // Written out: it is asked some ten times for each texel of a skin.
+  let sum = hash(ix, iy, iz) * a * b * c;
+  sum += hash(ix + 1, iy, iz) * u * b * c;
+  sum += hash(ix, iy + 1, iz) * a * v * c;
+  sum += hash(ix + 1, iy + 1, iz) * u * v * c;
+  sum += hash(ix, iy, iz + 1) * a * b * w;
+  sum += hash(ix + 1, iy, iz + 1) * u * b * w;
+  sum += hash(ix, iy + 1, iz + 1) * a * v * w;
+  sum += hash(ix + 1, iy + 1, iz + 1) * u * v * w;
   return sum * 2 - 1;
+}
+
+function fade(t) {
+  return t * t * (3 - 2 * t);
 }
 
 /** Several octaves, each half as large and half as strong. */

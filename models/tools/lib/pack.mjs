@@ -11,6 +11,9 @@ export function packHead({ recipe, fapu, fdp, figures, turns, textures, material
     title: recipe.title,
     licence: recipe.licence,
     credits: recipe.credits,
+    ...(recipe.about ? { about: recipe.about } : {}),
+    ...(recipe.voice ? { voice: recipe.voice } : {}),
+    ...(recipe.rank === undefined ? {} : { rank: recipe.rank }),
     fapu: Object.fromEntries(Object.entries(fapu).map(([k, x]) => [k, round(x, 1e4)])),
     fdp: Object.fromEntries(Object.entries(fdp).map(([k, p]) => [k, place(p)])),
     mouth: Object.fromEntries(

@@ -64,36 +64,32 @@ function smear(size, flow, look) {
         noise(x / (look.grain * 3) + 70, y / (look.grain * 3)) * 0.7;
     }
   const out = new Float32Array(size * size);
+  const steps = Math.round(look.length / 2); // of 3 texels
   for (let y = 0; y < size; y++) {
     for (let x = 0; x < size; x++) {
-      let sum = grain[y * size + x],
+      const from = y * size + x;
+      let sum = grain[from],
         n = 1;
-      for (const sign of [1, -1]) {
-        let px = x,
-          py = y,
-          dx = 0,
-          dy = 0;
-        for (let k = 0; k < look.length; k++) {
-          const i =
-            Math.min(size - 1, Math.max(0, Math.round(py))) * size +
-            Math.min(size - 1, Math.max(0, Math.round(px)));
-          let fx = flow[i * 2],
-            fy = flow[i * 2 + 1];
-          const along = k ? fx * dx + fy * dy : sign;
-          if (along < 0) {
-            fx = -fx;
-            fy = -fy;
-          }
-          px += fx * 1.5;
-          py += fy * 1.5;
-          dx = fx;
-          dy = fy;
+      for (let sign = -1; sign <= 1; sign += 2) {
+        let px = x + 0.5,
+          py = y + 0.5,
+          dx = flow[from * 2] * sign,
+          dy = flow[from * 2 + 1] * sign;
+        for (let k = 0; k < steps; k++) {
+          px += dx * 3;
+          py += dy * 3;
           if (px < 0 || py < 0 || px >= size || py >= size) break;
-          sum += grain[Math.floor(py) * size + Math.floor(px)];
+          const i = (py | 0) * size + (px | 0);
+          sum += grain[i];
           n++;
+          const fx = flow[i * 2],
+            fy = flow[i * 2 + 1];
+          const along = fx * dx + fy * dy < 0 ? -1 : 1;
+          dx = fx * along;
+          dy = fy * along;
         }
       }
-      out[y * size + x] = (sum / n) * Math.sqrt(n) * 0.45;
+      out[from] = (sum / n) * Math.sqrt(n) * 0.6;
     }
   }
   return out;

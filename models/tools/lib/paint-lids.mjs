@@ -31,10 +31,10 @@ export function lidPaint(colour, q, lids, look) {
     const upper = near.value[0];
     const inside =
       near.distance < 6 && nearestOnLine(eye.rim, eye.upper, q, true).distance < near.distance * 0.8;
-    let c = mix(colour, hex(look.tone), look.toneStrength * smoothstep(look.toneReach, 0.5, near.distance));
+    let c = mix(colour, look.tone, look.toneStrength * smoothstep(look.toneReach, 0.5, near.distance));
     const line = upper > 0.5 ? look.upperLine : look.lowerLine;
     c = mix(c, hex(look.lineColour), line * smoothstep(look.lineWidth, 0.1, near.distance));
-    if (inside || far < eye.radius + 0.5) c = mix(c, hex(look.rim), look.rimStrength);
+    if (inside || far < eye.radius + 0.5) c = mix(c, look.rim, look.rimStrength);
     return c;
   }
   return colour;

@@ -18,13 +18,17 @@ export async function paintSkin(spec, scene) {
   const look = recipe.skin;
   const part = parts.find((x) => x.name === 'skin');
   const size = spec.size;
-  const source = await readImage(ctx.assets.data(look.file), 2048);
+  const source = await readImage(ctx.assets.data(look.file), 1024);
   const vertexNormals = normals(part.position, part.index, part.smooth);
   const occluders = Object.entries(look.occlusion.parts).map(([name, weight]) => ({
     part: parts.find((x) => x.name === name),
     weight,
   }));
   const sky = occlusion(part, vertexNormals, occluders, look.occlusion);
+  // Colours of zones and lids are given for a skin of the colour `zoneTone`.
+  const tone = hex(look.tone),
+    reference = hex(look.zoneTone);
+  const alike = (c) => c.map((x, k) => Math.min(255, (x * tone[k]) / reference[k]));
   const zones = look.zones.flatMap((z) =>
     z.points.map((name) => ({
       weight: ellipsoid(
@@ -32,7 +36,7 @@ export async function paintSkin(spec, scene) {
         z.radii,
         z.flat ?? 0,
       ),
-      colour: hex(z.colour),
+      colour: alike(hex(z.colour)),
       strength: z.strength,
     })),
   );
@@ -41,32 +45,35 @@ export async function paintSkin(spec, scene) {
   const [lipT, lipDepth, lipS] = [lips.t, lips.depth, ctx.grid.s].map(onPart);
   const lids = eyeLines(ctx);
   const ear = earZone(ctx.fdp, look.scalp.ears);
-  const tone = hex(look.tone),
-    scalp = hex(look.scalp.colour);
+  const scalp = hex(look.scalp.colour);
+  const lidLook = { ...look.lids, tone: alike(hex(look.lids.tone)), rim: alike(hex(look.lids.rim)) };
   const data = new Float32Array(size * size * 3);
   const done = eachTexel(part, size, (texel, a, b, c, wa, wb, wc) => {
     const at = (list, stride, k) =>
       wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
-    const q = [0, 1, 2].map((k) => at(part.position, 3, k));
+    const q = [at(part.position, 3, 0), at(part.position, 3, 1), at(part.position, 3, 2)];
     const attribute = (list) => wa * list[a] + wb * list[b] + wc * list[c];
     const light = Math.min(1, Math.max(0, wa * sky[a] + wb * sky[b] + wc * sky[c]) / look.occlusion.open);
-    let colour = mix(
-      tone,
-      sampled(source, at(part.sourceUv, 2, 0), at(part.sourceUv, 2, 1)),
-      look.fromPackage,
-    );
-    for (const z of zones) {
-      const w = z.weight(q[0], q[1], q[2]);
-      if (w > 0) colour = mix(colour, z.colour, w * z.strength);
-    }
-    colour = mottle(colour, q, look);
-    colour = lidPaint(colour, q, lids, look.lids);
-    colour = lipPaint(colour, q, attribute(lipT), attribute(lipDepth), attribute(lipS), look.lips);
-    colour = pores(colour, q, look, attribute(lipT));
     const behind =
       q[1] - look.scalp.slope * q[2] - look.scalp.level + 4 * noise(q[0] / 5, q[1] / 5, q[2] / 5);
-    const hairy = smoothstep(-look.scalp.soft, look.scalp.soft, behind) * (1 - ear(q));
-    colour = mix(colour, scalp, hairy);
+    const hairy = behind > -look.scalp.soft ? smoothstep(-look.scalp.soft, look.scalp.soft, behind) * (1 - ear(q)) : 0;
+    const bare = () => {
+      let colour = mix(
+        tone,
+        sampled(source, at(part.sourceUv, 2, 0), at(part.sourceUv, 2, 1)),
+        look.fromPackage,
+      );
+      for (const z of zones) {
+        const w = z.weight(q[0], q[1], q[2]);
+        if (w > 0) colour = mix(colour, z.colour, w * z.strength);
+      }
+      colour = mottle(colour, q, look);
+      colour = lidPaint(colour, q, lids, lidLook);
+      const t = attribute(lipT);
+      colour = lipPaint(colour, q, t, attribute(lipDepth), attribute(lipS), look.lips);
+      return pores(colour, q, look, t);
+    };
+    const colour = hairy === 1 ? scalp : mix(bare(), scalp, hairy);
     data.set(shade(colour, light, look.occlusion), texel * 3);
   });
   dilate(data, done, size, 12);
@@ -123,9 +130,7 @@ function sampled(image, u, v) {
     fx = x - i,
     fy = y - j;
   const at = (dx, dy, k) => data[((j + dy) * size + i + dx) * 4 + k];
-  return [0, 1, 2].map(
-    (k) =>
-      (at(0, 0, k) * (1 - fx) + at(1, 0, k) * fx) * (1 - fy) +
-      (at(0, 1, k) * (1 - fx) + at(1, 1, k) * fx) * fy,
-  );
+  const channel = (k) =>
+    (at(0, 0, k) * (1 - fx) + at(1, 0, k) * fx) * (1 - fy) + (at(0, 1, k) * (1 - fx) + at(1, 1, k) * fx) * fy;
+  return [channel(0), channel(1), channel(2)];
 }

@@ -1,20 +1,21 @@
 // SPDX-License-Identifier: MIT
 import {
-  AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Matrix4,
-  Mesh, NearestFilter, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector3,
+  AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, FrontSide,
+  Group, Matrix4, Mesh, NearestFilter, NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2,
+  Vector3, Vector4,
 } from 'three';
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
-import { mouthUniforms, setMouthLight } from './mouth-light.mjs';
-import { eyeNormals, fibres, volumeNormals } from './surfaces.mjs';
+import { mouthUniforms, openingOf } from './mouth-light.mjs';
+import { SoftwareDeform } from './software-deform.mjs';
+import { CLEAR, eyeNormals, fibres, kindOf, outsideFirst, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
+import { wrinklePlace, wrinklesOf } from './wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const SLICE_MS = 12; // of work at a time, while the page lives on
-
-const THIN = ['lashes', 'brows']; // a few fibres on the skin: they hide nothing
 
 /** Where shadows are taken: speaking, so that there is light between the lips. */
 const SHADOW_POSE = faceValues({
@@ -24,21 +25,25 @@ const SHADOW_POSE = faceValues({
 /** Where the light on them is asked for: the same, with the lids down, since what is folded away would stay dark. */
 const LIT_POSE = faceValues({ ...SHADOW_POSE, 19: 800, 20: 800, 21: 150, 22: 150 });
 
-const breath = () => new Promise((resolve) => setTimeout(resolve));
-
-/** What the name of a part says about the way it is drawn. */
-function kindOf(name) {
-  if (/^(hair|lashes|brows)/.test(name)) return 'hair';
-  if (name.startsWith('eye')) return 'eye';
-  if (/^(teeth|tongue|mouth)/.test(name)) return 'mouth';
-  return name.startsWith('skin') ? 'skin' : 'other';
+/** Colours come multiplied by alpha. */
+function blended(material) {
+  material.blending = CustomBlending;
+  material.blendEquation = AddEquation;
+  material.blendSrc = material.blendSrcAlpha = OneFactor;
+  material.blendDst = material.blendDstAlpha = OneMinusSrcAlphaFactor;
 }
+
+const breath = () => new Promise((resolve) => setTimeout(resolve));
 
 /** The head model as things to draw. FAPs go in, and the graphics processor does the rest. */
 export class Head {
-  /** @param {ReturnType<import('./model.mjs').readModel>} model */
-  static async create(model) {
+  /**
+   * @param {ReturnType<import('./model.mjs').readModel>} model
+   * @param {{software?: boolean}} [options] software: there is no graphics processor, so the vertices are moved here
+   */
+  static async create(model, { software = false } = {}) {
     const head = new Head(model);
+    head.software = software;
     await head.#loadTextures();
     await head.#build();
     await head.#shade();
@@ -51,6 +56,7 @@ export class Head {
     this.group = new Group();
     this.parts = []; // {part, influences, geometry}
     this.materials = [];
+    this.folds = wrinklePlace(model.fdp, model.fapu);
     this.textures = new Map();
     this.uniforms = {
       slots: { value: this.drive.slotValues },
@@ -58,6 +64,9 @@ export class Head {
       turnPivot: { value: model.turns.map(({ pivot }) => new Vector3(...pivot)) },
       turnAxis: { value: model.turns.map(({ axis }) => new Vector3(...axis).normalize()) },
       headTurn: { value: new Matrix4() },
+      fade: { value: 1e-3 },
+      wrinkles: { value: new Vector4() },
+      wrinklePlace: { value: new Vector4(...(this.folds ?? [])) },
       ...mouthUniforms(model),
     };
   }
@@ -84,19 +93,24 @@ export class Head {
     this.drive.slotValues = this.uniforms.slots.value = new Float32Array(Math.max(1, this.drive.slots.length));
     for (const { part, influences } of built) {
       const geometry = new BufferGeometry();
-      const packed = packInfluences(influences, this.drive);
+      const normals = this.#normals(part, influences.normals);
+      const soft = this.software ? new SoftwareDeform(part, influences, normals, this.drive) : null;
       const reach = new BufferAttribute(new Uint8Array(4 * part.vertices).fill(255), 4, true);
-      geometry.setAttribute('position', new BufferAttribute(part.position, 3));
+      geometry.setAttribute('position', new BufferAttribute(soft ? soft.position : part.position, 3));
       const kind = kindOf(part.name);
-      geometry.setAttribute('normal', new BufferAttribute(this.#normals(part, influences.normals), 3));
+      geometry.setAttribute('normal', new BufferAttribute(soft ? soft.normal : normals, 3));
       const uv = part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices);
       geometry.setAttribute('uv', new BufferAttribute(uv, 2));
+      if (soft && kind !== 'hair') geometry.setAttribute('rest', new BufferAttribute(part.position, 3));
       if (kind === 'hair') geometry.setAttribute('fibre', new BufferAttribute(fibres(part), 3));
-      geometry.setAttribute('influence', new BufferAttribute(packed.vertices, 4));
       geometry.setAttribute('reach', reach);
-      geometry.setIndex(new BufferAttribute(part.index, 1));
-      this.parts.push({ part, influences, geometry });
-      this.#addMeshes(part, geometry, { texture: this.#influenceTexture(packed), needs: packed.needs });
+      const hides = kind === 'hair' && !THIN.includes(part.name);
+      geometry.setIndex(new BufferAttribute(hides ? outsideFirst(part) : part.index, 1));
+      if (soft?.acts)
+        for (const name of ['position', 'normal']) geometry.attributes[name].setUsage(DynamicDrawUsage);
+      this.parts.push({ part, influences, geometry, soft });
+      const packed = soft ? { texture: this.white, needs: { SOFTWARE: soft.whole ? 2 : 1 } } : this.#pack(influences, geometry);
+      this.#addMeshes(part, geometry, packed);
     }
   }
 
@@ -129,7 +143,7 @@ export class Head {
       this.parts.map(({ part }, i) => ({
         position: standing[i].position,
         index: part.index,
-        shades: !THIN.includes(part.name),
+        shades: !CLEAR.includes(part.name),
         seen: lit[i],
       })),
     );
@@ -141,6 +155,12 @@ export class Head {
       result = bake.next();
       if (result.done) result.value.forEach((reach, i) => this.parts[i].geometry.attributes.reach.array.set(reach));
     }
+  }
+
+  #pack(influences, geometry) {
+    const packed = packInfluences(influences, this.drive);
+    geometry.setAttribute('influence', new BufferAttribute(packed.vertices, 4));
+    return { texture: this.#influenceTexture(packed), needs: packed.needs };
   }
 
   #influenceTexture({ data, width, height }) {
@@ -163,12 +183,12 @@ export class Head {
     };
     if (look.alpha === 'blend' && THIN.includes(part.name)) add(3, { cutoff: 0.02, opaque: 0 });
     else if (look.alpha === 'blend' || look.alpha === 'cutout') {
-      add(1, { cutoff: 0.5, opaque: 1 });
+      add(1, { cutoff: 0.5, opaque: 1, soft: true });
       add(2, { cutoff: 0.05, opaque: 0, fineOnly: true }); // the soft edges of what the first pass has drawn
     } else add(0, { cutoff: 0, opaque: 1 });
   }
 
-  #material(part, look, kind, influences, { cutoff, opaque }) {
+  #material(part, look, kind, influences, { cutoff, opaque, soft }) {
     const material = new ShaderMaterial({
       vertexShader: vertexGlsl,
       fragmentShader: fragmentGlsl,
@@ -182,6 +202,7 @@ export class Head {
         roughness: { value: look.roughness ?? 0.6 },
         specular: { value: look.specular ?? 0.3 },
         subsurface: { value: look.subsurface ?? 0 },
+        ...(kind === 'skin' ? { moist: { value: new Vector2(...(look.moist ?? [0.58, 0.72])) } } : {}),
         ...(kind === 'eye' ? this.#eyeUniforms(part) : {}),
         cutoff: { value: cutoff },
         opaque: { value: opaque },
@@ -198,23 +219,37 @@ export class Head {
     });
     if (!opaque) {
       material.transparent = true;
-      material.blending = CustomBlending;
-      material.blendEquation = AddEquation;
-      material.blendSrc = material.blendSrcAlpha = OneFactor;
-      material.blendDst = material.blendDstAlpha = OneMinusSrcAlphaFactor;
+      blended(material);
     }
+    material.userData.soft = soft;
     this.materials.push(material);
     return material;
   }
 
-  /** @param {boolean} fine @param {number} anisotropy of the textures */
-  setQuality(fine, anisotropy) {
+  /**
+   * @param {boolean} fine @param {number} anisotropy of the textures
+   * @param {boolean} sampled whether there are several samples for each pixel: then they make the edges of hair soft
+   */
+  setQuality(fine, anisotropy, sampled) {
     for (const material of this.materials) {
+      if (material.userData.soft) this.#soften(material, sampled);
       if (material.defines.FINE !== Number(fine)) material.needsUpdate = true;
       material.defines.FINE = Number(fine);
     }
-    for (const mesh of this.group.children) mesh.visible = fine || !mesh.userData.fineOnly;
+    // Without samples hair is drawn before what it hides; with them its edges mix with what stands.
+    for (const mesh of this.group.children) if (mesh.material.userData.soft) mesh.renderOrder = sampled ? 1 : -1;
+    for (const mesh of this.group.children) mesh.visible = (fine && !sampled) || !mesh.userData.fineOnly;
     for (const texture of this.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, fine, anisotropy);
+  }
+
+  /** Hair: with several samples alpha says how many of them it covers, so that one pass does. */
+  #soften(material, sampled) {
+    if (material.alphaToCoverage !== sampled) material.needsUpdate = true;
+    material.alphaToCoverage = sampled;
+    material.uniforms.cutoff.value = sampled ? 0.15 : 0.5;
+    material.uniforms.opaque.value = sampled ? 0 : 1;
+    if (sampled) blended(material);
+    else material.blending = NoBlending;
   }
 
   /** @param {Float32Array} values by FAP number */
@@ -223,7 +258,11 @@ export class Head {
     const origin = new Vector3(...this.drive.withHead([0, 0, 0]));
     const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
     this.uniforms.headTurn.value.makeBasis(...axes).setPosition(origin);
-    setMouthLight(this.uniforms, this.model, values);
+    for (const { soft, geometry } of this.parts)
+      if (soft?.acts && soft.update(this.drive))
+        for (const name of ['position', 'normal']) geometry.attributes[name].needsUpdate = true;
+    if (this.folds) this.uniforms.wrinkles.value.set(...wrinklesOf(values));
+    this.uniforms.opening.value = openingOf(this.model, values);
   }
 
   get triangles() {

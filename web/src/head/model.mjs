@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 
+import { shared } from './shared.mjs';
+
 export class ModelError extends Error {}
 
 /** @returns {Uint8Array} */
@@ -25,26 +27,31 @@ function vectors({ data, scale = 1, offset = [0, 0, 0] }) {
  * @typedef {{name: string, fap: number, pivot: number[], axis: number[], radians: number}} Turn
  */
 
+/** Vertex numbers. */
+const list = (base64) => shared('list', base64, () => as(Uint16Array, base64));
+
 /** @returns {Part} */
 function part(json, turnNumbers) {
-  const uv = json.uv ? Float32Array.from(as(Uint16Array, json.uv.data), (value) => value / 65535) : null;
+  const uv = json.uv
+    ? shared('uv', json.uv.data, () => Float32Array.from(as(Uint16Array, json.uv.data), (value) => value / 65535))
+    : null;
   return {
     name: json.name,
     material: json.material,
     vertices: json.vertices,
     position: vectors(json.position),
     uv,
-    index: as(Uint16Array, json.index.data),
-    smooth: json.smooth ? as(Uint16Array, json.smooth.data) : null,
+    index: list(json.index.data),
+    smooth: json.smooth ? list(json.smooth.data) : null,
     moves: (json.moves ?? []).map((move) => ({
       fap: move.fap,
       sign: move.sign ?? 'both',
-      vertices: as(Uint16Array, move.vertices),
+      vertices: list(move.vertices),
       deltas: vectors(move.deltas),
     })),
     turns: (json.turns ?? []).map((turn) => ({
       turn: turnNumbers.get(turn.turn),
-      vertices: turn.vertices ? as(Uint16Array, turn.vertices) : null,
+      vertices: turn.vertices ? list(turn.vertices) : null,
       weights: turn.weights ? Float32Array.from(bytes(turn.weights), (value) => value / 255) : null,
       weight: turn.weight ?? 1,
     })),
@@ -83,7 +90,8 @@ export function readModel(json) {
   };
 }
 
-/** The image of a texture. @returns {Promise<ImageBitmap>} */
+/** The image of a texture, for all heads that have it. @returns {Promise<ImageBitmap>} */
 export function decodeTexture(texture, options) {
-  return createImageBitmap(new Blob([bytes(texture.data)], { type: texture.type }), options);
+  const decode = () => createImageBitmap(new Blob([bytes(texture.data)], { type: texture.type }), options);
+  return shared(`image ${Object.values(options ?? {}).join()}`, texture.data, decode);
 }

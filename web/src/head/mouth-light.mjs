@@ -1,22 +1,45 @@
 // SPDX-License-Identifier: MIT
 // The light inside of the mouth: what comes in between the lips, less with the distance behind them and in their own shadow.
-import { Vector4 } from 'three';
 
 /** The lips as they stand, in mm: height of the opening's upper and lower border, half of its width, how far it is forward. */
 export const mouthUniforms = (model) => ({
-  opening: { value: new Vector4() },
+  opening: { value: [0, 0, 1, 0] },
   lipFront: { value: model.fdp['2.2']?.[2] ?? 0 },
   lipLine: { value: ((model.fdp['2.2']?.[1] ?? 0) + (model.fdp['2.3']?.[1] ?? 0)) / 2 },
 });
 
-/** @param {ReturnType<mouthUniforms>} uniforms @param {Float32Array} values by FAP number */
-export function setMouthLight(uniforms, { fapu, fdp }, values) {
+/** The lips of a model as `opening` has them. @param {Float32Array} values by FAP number */
+export function openingOf({ fapu, fdp }, values) {
   const mns = fapu.MNS / 1024;
   const up = -mns * Math.min(values[4], (values[8] + values[9]) / 2);
   const down = -mns * Math.min(values[5], (values[10] + values[11]) / 2);
   const width = (fdp['2.4']?.[0] ?? fapu.MW * 0.43) + ((values[6] + values[7]) / 2) * (fapu.MW / 1024);
   const forward = mns * Math.max(0, (values[16] + values[17]) / 2);
-  uniforms.opening.value.set(up, down, width, forward);
+  return [up, down, width, forward];
+}
+
+/**
+ * What mouthLightGlsl does, for pictures that are drawn without it.
+ * @param {object} model @param {number[]} opening from openingOf @param {number[]} place of the upright head
+ * @returns {number[]} the share of the light that reaches it: ambient, key, fill, rim
+ */
+export function mouthLight(model, [up, down, width, forward], [x, y, z]) {
+  const { lipFront, lipLine } = mouthUniforms(model);
+  const part = 1 - Math.min(1, Math.abs(x / width)) ** 2;
+  const gap = Math.max(0, up + down);
+  const depth = Math.max(1, lipFront.value + forward - z);
+  const window = 1.4 * gap * width;
+  const reach = window / (window + 1.6 * depth * depth);
+  const under = lipLine.value + part * up - y;
+  const above = y - lipLine.value + part * down;
+  const shadow = step(-3, 1 + 0.16 * depth, under) * (0.35 + 0.65 * step(0, 0.6, part));
+  const lamps = 0.8 * reach * reach * (0.3 + 0.7 * shadow) * (0.45 + 0.55 * step(-4, 1.5, above));
+  return [0.22 + 0.85 * reach * (0.4 + 0.6 * shadow), lamps, 0.9 * lamps, 0];
+}
+
+function step(from, to, x) {
+  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
+  return t * t * (3 - 2 * t);
 }
 
 export const mouthLightGlsl = /* glsl */ `

@@ -5,6 +5,17 @@
 import { WHOLE_HEAD } from './influences.mjs';
 
 export const deformGlsl = /* glsl */ `
+#ifdef SOFTWARE
+// The vertices come as they are to stand: see software-deform.mjs. 2: but for the turns of the head.
+uniform mat4 headTurn;
+void deform(inout vec3 p, inout vec3 n) {
+#if SOFTWARE == 2
+  p = (headTurn * vec4(p, 1.0)).xyz;
+  n = mat3(headTurn) * n;
+#endif
+  n = normalize(n);
+}
+#else
 attribute vec4 influence;
 uniform highp sampler2D influences;
 uniform float slots[SLOTS];
@@ -69,4 +80,5 @@ void deform(inout vec3 p, inout vec3 n) {
 #endif
   n = normalize(n);
 }
+#endif
 `;

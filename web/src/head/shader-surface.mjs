@@ -2,6 +2,7 @@
 // How the surfaces of a head look. KIND says what is drawn (skin, hair, eye, mouth, other), FINE the quality.
 import { deformGlsl } from './shader-deform.mjs';
 import { mouthLightGlsl } from './mouth-light.mjs';
+import { wrinkleGlsl } from './wrinkles.mjs';
 import { FILL, GROUND, KEY, RIM, SKY } from './lights.mjs';
 
 export const KINDS = { other: 0, skin: 1, hair: 2, eye: 3, mouth: 4 };
@@ -31,6 +32,9 @@ uniform vec3 eyeCenter;
 uniform float irisRadius; // as a share of the eyeball's radius
 varying vec3 eyePlace;    // on the unit eyeball, looking along z
 #endif
+#if FINE && KIND == 1
+${wrinkleGlsl}
+#endif
 varying vec4 surfaceLight; // open sky, key, fill and rim light: how much of each reaches it
 
 /** Light that goes round the edge of what it falls on, the red of it farthest when there is flesh below. */
@@ -46,8 +50,13 @@ vec3 wrapped(float cosine) {
 
 vec3 diffuseLight(vec3 n, vec4 reach) {
 #if KIND == 1 || KIND == 4
+#if FINE
   vec3 ambientReach = pow(vec3(reach.x), vec3(0.8, 1.0, 1.05)); // what is lost in a crease comes back reddish
   vec3 keyReach = pow(vec3(reach.y), vec3(0.75, 1.0, 1.05));
+#else
+  vec3 ambientReach = vec3(mix(reach.x, sqrt(reach.x), 0.4), reach.x, reach.x); // much the same, and cheaper
+  vec3 keyReach = vec3(mix(reach.y, sqrt(reach.y), 0.5), reach.y, reach.y);
+#endif
 #else
   vec3 ambientReach = vec3(max(reach.x, 0.12)); // hair lets some through
   vec3 keyReach = vec3(reach.y);
@@ -68,6 +77,11 @@ export const vertexGlsl = /* glsl */ `
 ${deformGlsl}
 ${commonGlsl}
 attribute vec4 reach;
+#ifdef SOFTWARE
+attribute vec3 rest;
+#else
+#define rest position
+#endif
 #if KIND == 2
 attribute vec3 fibre;
 #endif
@@ -84,16 +98,24 @@ void main() {
   surfaceUv = uv;
   surfaceNormal = n;
   surfacePosition = p;
+#if FINE && KIND == 1
+  restPlace = rest;
+#endif
   surfaceLight = reach;
 #if KIND == 4
   surfaceLight = mouthLight(transpose(mat3(headTurn)) * (p - headTurn[3].xyz)); // as the head stands upright
 #elif KIND == 3
-  eyePlace = normalize(position - eyeCenter);
+  eyePlace = normalize(rest - eyeCenter);
 #elif KIND == 2
   surfaceFibre = mat3(headTurn) * fibre;
 #endif
 #if !FINE
   vertexLight = diffuseLight(n, surfaceLight);
+#if KIND != 3
+  vertexLight = sqrt(vertexLight * tint); // see main() of the fragments
+  float peak = max(vertexLight.r, max(vertexLight.g, vertexLight.b));
+  if (peak > 0.9) vertexLight *= (0.9 + 0.5 * (peak - 0.9)) / peak; // bright skin keeps its colour
+#endif
 #endif
   gl_Position = projectionMatrix * viewMatrix * vec4(p, 1.0);
 }
@@ -104,8 +126,12 @@ ${commonGlsl}
 uniform sampler2D map;
 uniform float roughness;
 uniform float specular;
+#if KIND == 1
+uniform vec2 moist; // how red it is where that begins, and where it is all moist
+#endif
 uniform float cutoff;   // discard what is less opaque
 uniform float opaque;   // 1: what is left is opaque
+uniform float fade;     // pixels from the lower border on, over which all vanishes
 #if !FINE
 varying vec3 vertexLight;
 #endif
@@ -179,7 +205,7 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   float f0 = 0.028, rim = fresnel(max(dot(n, v), 0.0)), rough = roughness;
 #if KIND == 1
   // Lips are moist; the red of the picture says where they are.
-  float lips = smoothstep(0.58, 0.72, (base.r - base.g) / (base.r + 1e-3));
+  float lips = smoothstep(moist.x, moist.y, (base.r - base.g) / (base.r + 1e-3));
   rough = mix(rough, 0.34, lips);
 #endif
   float shine = 0.75 * highlight(n, v, KEY_DIRECTION, rough) + 0.25 * highlight(n, v, KEY_DIRECTION, rough * 0.75);
@@ -211,11 +237,35 @@ vec3 catchLight(vec3 n, vec3 v, float reach) {
 }
 #endif
 
+#if !FINE && KIND != 3
+/**
+ * Colours are stored as about the root of what they are, and shown so: the root of (colour^2 * light) is colour * root of light.
+ * Bright tones are bent towards white.
+ */
+void main() {
+  vec4 texel = texture2D(map, surfaceUv);
+#ifdef HAS_ALPHA
+  if (texel.a < max(cutoff, 0.01)) discard;
+  texel.rgb /= texel.a;
+#endif
+  vec3 color = texel.rgb * vertexLight;
+  vec3 over = clamp(color - 0.8, 0.0, 0.5);
+  color = min(color, 0.8) + over * (1.0 - over);
+  float shown = min(1.0, gl_FragCoord.y / fade);
+  float alpha = max(texel.a, opaque) * shown * shown * (3.0 - 2.0 * shown);
+  gl_FragColor = vec4(min(color, 1.0) * alpha, alpha);
+}
+#else
 void main() {
   vec4 base = albedo();
   vec3 n = normalize(surfaceNormal);
 #if defined(TWO_SIDES) && KIND != 2
   if (!gl_FrontFacing) n = -n;
+#endif
+#if FINE && KIND == 1
+  float deep = wrinkle(n);
+  n = normalize(n);
+  base.rgb *= 1.0 - vec3(0.26, 0.36, 0.38) * min(1.0, deep);
 #endif
   vec3 v = normalize(cameraPosition - surfacePosition);
   vec4 reach = surfaceLight;
@@ -233,7 +283,8 @@ void main() {
 #if KIND == 3
   color += catchLight(n, v, min(1.0, 0.15 + reach.x * 1.6));
 #endif
-  float alpha = max(base.a, opaque);
+  float alpha = max(base.a, opaque) * smoothstep(0.0, 1.0, gl_FragCoord.y / fade);
   gl_FragColor = vec4(toDisplay(clamp(filmic(color), 0.0, 1.0)) * alpha, alpha);
 }
+#endif
 `;

@@ -1,6 +1,21 @@
 // SPDX-License-Identifier: MIT
 
+/** A few fibres on the skin: they hide nothing. */
+export const THIN = ['lashes', 'brows'];
+
+/** What takes no light from the rest: thin things, and lenses. */
+export const CLEAR = [...THIN, 'glasses'];
+
+/** What the name of a part says about the way it is drawn. */
+export function kindOf(name) {
+  if (/^(hair|beard|lashes|brows)/.test(name)) return 'hair';
+  if (name.startsWith('eye')) return 'eye';
+  if (/^(teeth|tongue|mouth)/.test(name)) return 'mouth';
+  return name.startsWith('skin') ? 'skin' : 'other';
+}
+
 const VOLUME = 0.65;
+const BACK_MM = 70; // from the eyes to the middle of the skull
 
 /**
  * Hair is made of a few large leaves. Their normals lean towards those of a ball round the head, so that the whole is lit
@@ -17,7 +32,7 @@ export function volumeNormals({ position }, normals) {
   for (let v = 0; v < out.length; v += 3) {
     const away = center.map((value, k) => position[v + k] - value);
     const distance = Math.hypot(...away) || 1;
-    const n = normals.subarray(v, v + 3);
+    const n = normals.slice(v, v + 3);
     const side = n[0] * away[0] + n[1] * away[1] + n[2] * away[2] < 0 ? -1 : 1; // leaves have no outside
     const mixed = away.map((value, k) => (VOLUME * value) / distance + (1 - VOLUME) * side * n[k]);
     const length = Math.hypot(...mixed) || 1;
@@ -34,7 +49,7 @@ export function fibres({ position, uv, index, smooth, vertices }) {
   const sums = new Float32Array(3 * vertices);
   const place = (v) => (smooth ? smooth[v] : v);
   for (let t = 0; uv && t < index.length; t += 3) {
-    const [a, b, c] = index.subarray(t, t + 3);
+    const [a, b, c] = [index[t], index[t + 1], index[t + 2]];
     const [u1, v1] = [uv[2 * b] - uv[2 * a], uv[2 * b + 1] - uv[2 * a + 1]];
     const [u2, v2] = [uv[2 * c] - uv[2 * a], uv[2 * c + 1] - uv[2 * a + 1]];
     const area = u1 * v2 - u2 * v1;
@@ -53,6 +68,21 @@ export function fibres({ position, uv, index, smooth, vertices }) {
     for (let k = 0; k < 3; k++) out[3 * v + k] = sum[k] / length;
   }
   return out;
+}
+
+/**
+ * The triangles of hair, the outermost first: what lies below need not be coloured.
+ * @param {import('./model.mjs').Part} part @returns {Uint16Array}
+ */
+export function outsideFirst({ position, index }) {
+  const count = index.length / 3;
+  const away = Float32Array.from({ length: count }, (_, t) => {
+    const sum = [0, 0, 0];
+    for (let i = 3 * t; i < 3 * t + 3; i++) for (let k = 0; k < 3; k++) sum[k] += position[3 * index[i] + k] / 3;
+    return Math.hypot(sum[0], sum[1], sum[2] + BACK_MM);
+  });
+  const order = Uint32Array.from({ length: count }, (_, t) => t).sort((a, b) => away[b] - away[a]);
+  return Uint16Array.from({ length: index.length }, (_, i) => index[3 * order[Math.floor(i / 3)] + (i % 3)]);
 }
 
 const CORNEA = 1.5; // it is curved more than the ball it sits on

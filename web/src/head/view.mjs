@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: MIT
+import { framed } from './framing.mjs';
 import {
   Mesh, NoBlending, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, WebGLRenderer,
   WebGLRenderTarget,
 } from 'three';
 
+const FADE = 0.13; // of the picture's height, over which the shoulders vanish
+const CLOSE = ['face', 'mouth']; // views that end in the skin
+
 /** A canvas with a head on it: camera, resolution, smoothing of edges. The background stays transparent. */
 export class View {
+  #framing = null;
+
   /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
   constructor(canvas) {
     const context = canvas.getContext('webgl2', {
@@ -64,8 +70,15 @@ export class View {
   /** @param {typeof import('./quality.mjs').LEVELS[0]} level */
   setLevel(level) {
     this.level = level;
-    this.head?.setQuality(level.fine, Math.min(level.anisotropy, this.renderer.capabilities.getMaxAnisotropy()));
+    const anisotropy = Math.min(level.anisotropy, this.renderer.capabilities.getMaxAnisotropy());
+    this.head?.setQuality(level.fine, anisotropy, level.samples > 0);
     this.#layOut();
+  }
+
+  /** @param {string|null} name `face`, `bust`, `mouth`; null: the portrait that the model asks for */
+  set framing(name) {
+    this.#framing = name;
+    this.#frame();
   }
 
   #layOut() {
@@ -84,14 +97,16 @@ export class View {
   /** The portrait that the model asks for; in a narrow picture from farther away, so that it fits. */
   #frame() {
     if (!this.head) return;
-    const { target, distance, fov } = this.head.model.view;
     const aspect = this.size.width / this.size.height;
+    const { target, distance, fov } = framed(this.head.model, this.#framing, aspect);
     this.camera.fov = fov;
     this.camera.aspect = aspect;
-    this.camera.position.set(target[0], target[1], target[2] + distance * Math.max(1, 0.78 / aspect));
+    this.camera.position.set(target[0], target[1], target[2] + distance);
     this.camera.lookAt(...target);
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
+    const pixels = this.size.height * this.renderer.getPixelRatio();
+    this.head.uniforms.fade.value = CLOSE.includes(this.#framing) ? 1e-3 : FADE * pixels;
   }
 
   draw() {

@@ -1,0 +1,234 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * A picture of a head, drawn without a graphics processor: posters, and previews of recipes. It draws as the client does at its
+ * best, so that nothing jumps when the client's own picture takes the place of the poster.
+ */
+import sharp from 'sharp';
+import { bakeOcclusion } from '../../../web/src/head/occlusion.mjs';
+import { mouthLight, openingOf } from '../../../web/src/head/mouth-light.mjs';
+import { CLEAR, eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/src/head/surfaces.mjs';
+import { pose } from './deform.mjs';
+import { normals } from './mesh.mjs';
+import { shadePoint, toLinear } from './shading.mjs';
+
+const SAMPLES = 2; // for each pixel, in both directions
+const WHITE = [255, 255, 255, 255]; // of what has no texture
+const FADE = 0.13; // as in web/src/head/view.mjs
+
+/**
+ * @param {object} head unpacked (deform.mjs)
+ * @param {{width: number, height: number, faps?: object, yaw?: number, shadows?: boolean,
+ *   view?: {target: number[], distance: number, fov: number}}} options yaw in degrees
+ * @returns {Promise<{data: Uint8ClampedArray, width: number, height: number}>} RGBA
+ */
+export async function drawHead(head, { width, height, faps = {}, yaw = 0, shadows = true, view = head.view }) {
+  const textures = await readTextures(head);
+  const scene = head.parts.map((part) => makePart(head, part, faps, textures));
+  if (shadows) bake(scene);
+  const big = { width: width * SAMPLES, height: height * SAMPLES };
+  const camera = cameraOf(view, yaw, big);
+  const depth = new Float32Array(big.width * big.height).fill(Infinity);
+  const picture = new Float32Array(big.width * big.height * 4);
+  for (const thing of scene) thing.screen = project(thing.position, camera);
+  const first = scene.filter((t) => t.alpha === 'opaque'),
+    loose = scene.filter((t) => t.alpha !== 'opaque');
+  const solid = [...first, ...loose.filter((t) => !THIN.includes(t.name))];
+  for (const thing of solid) drawPart(thing, camera, big, depth, null, true); // so that only what is seen is shaded
+  for (const thing of solid) drawPart(thing, camera, big, depth, picture, true);
+  for (const thing of [...loose.filter((t) => !THIN.includes(t.name)), ...loose.filter((t) => THIN.includes(t.name))])
+    drawPart(thing, camera, big, depth, picture, false);
+  fadeOut(picture, big);
+  return { data: smaller(picture, width, height), width, height };
+}
+
+async function readTextures(head) {
+  const out = {};
+  for (const [name, { data }] of Object.entries(head.textures)) {
+    const { data: pixels, info } = await sharp(Buffer.from(data, 'base64')).ensureAlpha().raw().toBuffer({ resolveWithObject: true });
+    out[name] = { pixels, width: info.width, height: info.height };
+  }
+  return out;
+}
+
+function makePart(head, part, faps, textures) {
+  const kind = kindOf(part.name);
+  const look = head.materials[part.material];
+  const position = pose(head, part, faps);
+  const at = { ...part, position };
+  let n = normals(position, part.index, part.smooth);
+  const thing = { name: part.name, kind, look, position, index: part.index, uv: part.uv, alpha: look.alpha, texture: textures[look.texture] };
+  if (kind === 'hair') {
+    thing.fibre = fibres(at);
+    if (!THIN.includes(part.name)) n = volumeNormals(at, n);
+  }
+  if (kind === 'eye') {
+    const turn = head.turns.find((t) => t.name === part.turns[0].turn);
+    const radius = Math.hypot(...turn.pivot.map((x, k) => part.position[k] - x));
+    thing.centre = turn.pivot;
+    thing.iris = head.fapu.IRISD / 2 / radius;
+    n = eyeNormals(at, turn.pivot, thing.iris);
+  }
+  thing.normal = n;
+  thing.reach = new Float32Array((position.length / 3) * 4).fill(1);
+  if (kind === 'mouth') lightMouth(thing, head, part, faps);
+  return thing;
+}
+
+function lightMouth({ reach }, head, part, faps) {
+  const position = pose(head, part, { ...faps, 48: 0, 49: 0, 50: 0 }); // as the head stands upright
+  const opening = openingOf(head, Float32Array.from({ length: 69 }, (_, fap) => faps[fap] ?? 0));
+  for (let v = 0; v < position.length / 3; v++)
+    reach.set(mouthLight(head, opening, [0, 1, 2].map((k) => position[v * 3 + k])), v * 4);
+}
+
+function bake(scene) {
+  const run = bakeOcclusion(
+    scene.map(({ name, position, index, normal }) => ({
+      position: Float32Array.from(position),
+      index: Uint16Array.from(index),
+      shades: !CLEAR.includes(name),
+      seen: { position: Float32Array.from(position), normal: Float32Array.from(normal) },
+    })),
+  );
+  let result = run.next();
+  while (!result.done) result = run.next();
+  result.value.forEach((reach, i) => {
+    if (scene[i].kind !== 'mouth') scene[i].reach = Float32Array.from(reach, (x) => x / 255);
+  });
+}
+
+function cameraOf({ target, distance, fov }, yaw, { width, height }) {
+  const turn = (yaw * Math.PI) / 180;
+  const far = distance * Math.max(1, 0.78 / (width / height));
+  const focal = height / 2 / Math.tan((fov * Math.PI) / 360);
+  return {
+    focal, target, cos: Math.cos(turn), sin: Math.sin(turn), far, width, height,
+    eye: [target[0] - Math.sin(turn) * far, target[1], target[2] + Math.cos(turn) * far],
+  };
+}
+
+/** Column, row, depth for each vertex. */
+function project(position, { focal, target, cos, sin, far, width, height }) {
+  const out = new Float32Array(position.length);
+  for (let i = 0; i < position.length; i += 3) {
+    const x = position[i] - target[0],
+      z = position[i + 2] - target[2];
+    const depth = far - (z * cos - x * sin);
+    out[i] = width / 2 + ((x * cos + z * sin) * focal) / depth;
+    out[i + 1] = height / 2 - ((position[i + 1] - target[1]) * focal) / depth;
+    out[i + 2] = depth;
+  }
+  return out;
+}
+
+function sample({ pixels, width, height }, u, v) {
+  const x = Math.min(width - 1.001, Math.max(0, u * width - 0.5)),
+    y = Math.min(height - 1.001, Math.max(0, (1 - v) * height - 0.5));
+  const i = Math.floor(x),
+    j = Math.floor(y),
+    fx = x - i,
+    fy = y - j;
+  const at = (j * width + i) * 4;
+  const out = [0, 0, 0, 0];
+  for (let k = 0; k < 4; k++)
+    out[k] =
+      (pixels[at + k] * (1 - fx) + pixels[at + 4 + k] * fx) * (1 - fy) +
+      (pixels[at + width * 4 + k] * (1 - fx) + pixels[at + width * 4 + 4 + k] * fx) * fy;
+  return out;
+}
+
+/** `solid`: what is opaque, with depth; else the soft rest of it, over what stands. Without a picture only the depth. */
+function drawPart(thing, camera, { width, height }, depth, picture, solid) {
+  const { screen: s, index, look } = thing;
+  const opaque = thing.alpha === 'opaque';
+  for (let t = 0; t < index.length; t += 3) {
+    const [a, b, c] = [index[t], index[t + 1], index[t + 2]];
+    const [ax, ay, bx, by, cx, cy] = [s[a * 3], s[a * 3 + 1], s[b * 3], s[b * 3 + 1], s[c * 3], s[c * 3 + 1]];
+    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+    if (!area || (area > 0 && !look.double_sided)) continue;
+    const x0 = Math.max(0, Math.ceil(Math.min(ax, bx, cx) - 0.5)),
+      x1 = Math.min(width - 1, Math.floor(Math.max(ax, bx, cx) - 0.5));
+    const y0 = Math.max(0, Math.ceil(Math.min(ay, by, cy) - 0.5)),
+      y1 = Math.min(height - 1, Math.floor(Math.max(ay, by, cy) - 0.5));
+    for (let y = y0; y <= y1; y++)
+      for (let x = x0; x <= x1; x++) {
+        const wb = ((x + 0.5 - ax) * (cy - ay) - (y + 0.5 - ay) * (cx - ax)) / area;
+        const wc = ((bx - ax) * (y + 0.5 - ay) - (by - ay) * (x + 0.5 - ax)) / area;
+        const wa = 1 - wb - wc;
+        if (wa < 0 || wb < 0 || wc < 0) continue;
+        const z = Math.fround(wa * s[a * 3 + 2] + wb * s[b * 3 + 2] + wc * s[c * 3 + 2]); // as `depth` keeps it
+        const i = y * width + x;
+        if (z > depth[i] + (solid ? 0 : 0.01)) continue;
+        const w = [wa, wb, wc],
+          v = [a, b, c];
+        if (opaque && !picture) {
+          depth[i] = z;
+          continue;
+        }
+        const texel = thing.texture ? sample(thing.texture, mixed(thing.uv, v, w, 2, 0), mixed(thing.uv, v, w, 2, 1)) : WHITE;
+        const alpha = opaque ? 1 : texel[3] / 255;
+        if (solid ? alpha < 0.5 : alpha < 0.02) continue;
+        if (solid) depth[i] = z;
+        if (picture) put(picture, i * 4, shade(thing, camera, v, w, texel, area > 0), solid ? 1 : alpha);
+      }
+  }
+}
+
+function mixed(list, [a, b, c], [wa, wb, wc], stride, k) {
+  return wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
+}
+
+function three(list, v, w) {
+  return [mixed(list, v, w, 3, 0), mixed(list, v, w, 3, 1), mixed(list, v, w, 3, 2)];
+}
+
+function unit(q) {
+  const l = Math.hypot(...q) || 1;
+  return q.map((x) => x / l);
+}
+
+function shade(thing, { eye }, v, w, texel, back) {
+  let n = unit(three(thing.normal, v, w));
+  if (back && thing.kind !== 'hair') n = n.map((x) => -x);
+  const q = three(thing.position, v, w);
+  return shadePoint(thing.kind, thing.look, {
+    base: [toLinear(texel[0]), toLinear(texel[1]), toLinear(texel[2])],
+    n,
+    v: unit(eye.map((x, k) => x - q[k])),
+    reach: [0, 1, 2, 3].map((k) => mixed(thing.reach, v, w, 4, k)),
+    fibre: thing.fibre && unit(three(thing.fibre, v, w)),
+    place: thing.centre && unit(q.map((x, k) => x - thing.centre[k])),
+    iris: thing.iris,
+  });
+}
+
+function put(picture, at, colour, alpha) {
+  for (let k = 0; k < 3; k++) picture[at + k] = colour[k] * alpha + picture[at + k] * (1 - alpha);
+  picture[at + 3] = alpha + picture[at + 3] * (1 - alpha);
+}
+
+/** The shoulders vanish towards the lower border. */
+function fadeOut(picture, { width, height }) {
+  const rows = Math.round(height * FADE);
+  for (let y = height - rows; y < height; y++) {
+    const t = (height - y - 0.5) / rows;
+    for (let i = y * width * 4; i < (y + 1) * width * 4; i++) picture[i] *= t * t * (3 - 2 * t);
+  }
+}
+
+function smaller(picture, width, height) {
+  const out = new Uint8ClampedArray(width * height * 4);
+  for (let y = 0; y < height; y++)
+    for (let x = 0; x < width; x++) {
+      const sum = [0, 0, 0, 0];
+      for (let j = 0; j < SAMPLES; j++)
+        for (let i = 0; i < SAMPLES; i++) {
+          const at = ((y * SAMPLES + j) * width * SAMPLES + x * SAMPLES + i) * 4;
+          for (let k = 0; k < 4; k++) sum[k] += picture[at + k];
+        }
+      const at = (y * width + x) * 4;
+      for (let k = 0; k < 3; k++) out[at + k] = (255 * sum[k]) / (sum[3] || 1);
+      out[at + 3] = (255 * sum[3]) / SAMPLES / SAMPLES;
+    }
+  return out;
+}

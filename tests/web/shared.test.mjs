@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: MIT
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { fingerprint, shared } from '../../web/src/head/shared.mjs';
+import { outsideFirst } from '../../web/src/head/surfaces.mjs';
+
+test('what is the same is made once, what is not is not', () => {
+  let made = 0;
+  const make = () => ({ number: made++ });
+  const one = shared('list', 'AAAA', make);
+  assert.equal(shared('list', 'AAAA', make), one);
+  assert.notEqual(shared('list', 'AAAB', make), one);
+  assert.notEqual(shared('uv', 'AAAA', make), one, 'another kind of thing is made of it');
+  assert.equal(made, 3);
+});
+
+test('fingerprints of texts that differ in little differ', () => {
+  const texts = Array.from({ length: 20000 }, (_, i) => `AAAA${i.toString(36).padStart(4, '0')}AAAA`);
+  assert.equal(new Set(texts.map(fingerprint)).size, texts.length);
+});
+
+test('the outermost triangles of hair come first, and none is lost', () => {
+  const ring = (r) => [r, 0, -70, 0, r, -70, 0, 0, r - 70];
+  const part = { position: Float32Array.from([...ring(80), ...ring(120), ...ring(100)]), index: Uint16Array.of(0, 1, 2, 3, 4, 5, 6, 7, 8) };
+  assert.deepEqual([...outsideFirst(part)], [3, 4, 5, 6, 7, 8, 0, 1, 2]);
+});
