@@ -24,7 +24,7 @@ export function readMouth(phones, { fps, frames }) {
       out.closed += closed;
       if (!closed) out.misses.push(phone);
     } else if (labiodentals.includes(letter)) {
-      const met = within.some((f) => f[5] * MNS >= -0.72 && f[16] * MNS <= -1.58);
+      const met = within.some((f) => f[5] * MNS >= -1.72 && f[16] * MNS <= -1.58);
       out.teeth++;
       out.met += met;
       if (!met) out.misses.push(phone);
