@@ -32,7 +32,7 @@ const ROLL = { back: 1.1, up: 0.35 };
  * Of rounded lips, in front of the teeth: pushed ones hang lower (mm for a mm); so do those whose corners are drawn together, and the
  * wet inside of the upper lip comes down behind its border (mm for a mm of each corner). Both lips go down, so the opening stays.
  */
-const ROUNDING = { hang: 0.9, hangLower: 0.5, draw: 0.12, curtain: 0.3 };
+const ROUNDING = { hang: 1, hangLower: 0.4, draw: 0.12, curtain: 0.3 };
 
 /** @param {object} tuning the recipe's `faps.mouth` */
 export function mouthActions(actions, ctx, grid, tuning) {

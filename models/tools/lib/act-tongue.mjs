@@ -15,7 +15,7 @@ export function tongueActions(actions, ctx, tuning) {
   );
   actions.move(45, 'both', (v, x, y, z) => mine[v] && along(behind(z, tuning.thrustReach), [0, 0, 1]));
   // Going forward it comes between the teeth, below the edge of the upper ones.
-  actions.plainMove(45, 'positive', (v, x, y, z) => mine[v] && along(behind(z, tuning.raiseReach), [0, -(tuning.thrustDown ?? 0.4), 0]));
+  actions.plainMove(45, 'positive', (v, x, y, z) => mine[v] && along(behind(z, tuning.raiseReach), [0, -(tuning.thrustDown ?? 0.2), 0]));
   const body = ellipsoid(ctx.fdp['6.2'], tuning.bodyRadii, 0.1);
   actions.move(46, 'both', (v, x, y, z) => mine[v] && along(body(x, y, z), [0, 1, 0]));
   // Rolling: both borders turn up about the middle line; mm for one radian is the distance from that line.
