@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A placement: a face track as it is played once, on a life clock, with the life and the mood of whoever
- * plays it; or the face while nobody speaks. What is played again, later or by another is placed anew, and
+/* A placement: a face track as it is played once, on a life clock, with a life and a mood
+ * of its own; or the face while nobody speaks. What is played again, later or by another is placed anew, and
  * nothing is made twice but this. */
 #ifndef FACCIA_FACE_PLACEMENT_H
 #define FACCIA_FACE_PLACEMENT_H

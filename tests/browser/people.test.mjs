@@ -82,7 +82,7 @@ test('the views show more or less of it', async () => {
   await page.close();
 });
 
-test('without WebGL there is a picture of the one who speaks', async () => {
+test('without WebGL there is a picture of the speaker', async () => {
   const blind = await launch({ webgl: false });
   try {
     const plain = await blind.newPage();

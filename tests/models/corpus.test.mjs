@@ -23,7 +23,7 @@ const kinds = {
 const readerOnly = [
   [/^there is no (group|phone|shape|affect|context) /, 'names of things that stand elsewhere in the file'],
   [/^"[^"]*": /, 'another file'],
-  [/is not one of those that there are/, 'names that the file itself defines'],
+  [/is not known here/, 'names that the file itself defines'],
   [/has no target in the context/, 'the contexts stand elsewhere in the file'],
   [/none of them shows the pack's phone/, "the pack's phones stand in another file"],
   [/must have \d+ items, one for each class/, 'the classes stand elsewhere in the file'],
