@@ -36,7 +36,7 @@ test('what is said comes to its end; a tap is asked for once, with a device or w
     body: `<!doctype html><meta charset="utf-8"><script type="module" src="${daemon.url}/talking-head.js"></script>
       <talking-head lang="it" src="${stream}/v1/stream"></talking-head><script type="module" src="page.js"></script>`,
     headers: {
-      'content-security-policy': `default-src 'none'; script-src 'self' ${daemon.url}; style-src 'self'; connect-src ${daemon.url} ${stream}; require-trusted-types-for 'script'; trusted-types 'none'`,
+      'content-security-policy': `default-src 'none'; script-src 'self' ${daemon.url}; style-src 'self'; connect-src ${daemon.url} ${stream}; img-src ${daemon.url}; require-trusted-types-for 'script'; trusted-types 'none'`,
     },
   };
   await firefox.open(server.url);
