@@ -42,6 +42,8 @@ need_modules "$root/tests"
 
 # The daemon is tested with the sanitizers built in; the browser, which needs speed, with the ordinary build.
 build "$root/build/sanitized" -Db_sanitize=address,undefined -Db_lundef=false -Dwerror=true -Dc_args=-Wno-format-truncation
+# Nobody runs the benchmarks here, but they must go on building.
+ninja -C "$root/build/sanitized" --quiet benchmarks || die "the benchmarks cannot be built"
 case " $* " in *' fuzz '*)
     need_packages clang libclang-rt-14-dev
     . "$root/tests/fuzz/setup.sh"

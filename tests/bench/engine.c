@@ -65,11 +65,16 @@ int main(int argc, char **argv) {
     static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct bench b = {0};
     struct speech_request request;
+    struct paths paths;
+    struct settings settings;
+    struct settings_request rest;
     struct error e;
     if (argc < 4 || argc > 5)
         return 2;
     FILE *file = fopen(argv[1], "rb");
-    if (!file || cli_open(&b.cli))
+    paths_find(&paths);
+    if (!file || settings_read(&settings, &rest, PROGRAM_COMMANDS, 1, argv, &paths, &e) ||
+        cli_open(&b.cli, &settings))
         return 1;
     struct buf text = {0};
     for (size_t got = 1; got; text.size += got)
@@ -79,13 +84,13 @@ int main(int argc, char **argv) {
     request_set(&request, "text", (struct request_value){REQUEST_STRING, (char *)text.data, text.size, 0},
                 &e);
     request_set(&request, "lang", (struct request_value){REQUEST_WORD, argv[2], strlen(argv[2]), 0}, &e);
-    b.synthesis = synthesis_open(&b.cli.pipeline, &request, &callbacks, &b, &e);
+    b.synthesis = synthesis_open(&b.cli.stages.pipeline, &request, &callbacks, &b, &e);
     if (!b.synthesis)
         return 1;
     synthesis_start(b.synthesis);
     while (!b.finished && uv_run(&b.cli.loop, UV_RUN_ONCE))
         ;
-    const struct speech_pack *pack = speech_packs_find(&b.cli.packs, argv[2]);
+    const struct speech_pack *pack = speech_packs_find(&b.cli.stages.packs, argv[2]);
     double fps = atof(argv[3]);
     printf("{\"seconds\":%.1f,\"fps\":%g,\"cpu\":[", b.seconds, fps);
     for (int i = 0; i < 5; i++) {

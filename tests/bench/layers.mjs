@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the layers of the face cost beside each other: layers.c. Usage: node tests/bench/layers.mjs
 import { execFileSync } from 'node:child_process';
+import path from 'node:path';
 import { root } from '../lib/daemon.mjs';
 import { needProgram } from './need.mjs';
 
-execFileSync(needProgram('layers'), [], { cwd: root, stdio: 'inherit' });
+execFileSync(needProgram('layers'), [path.join(root, 'models'), '60'], { stdio: 'inherit' });
