@@ -32,9 +32,15 @@ static void sort_cues(struct score *score) {
         qsort(score->cues, score->cue_count, sizeof *score->cues, compare_cues);
 }
 
-/* The sentence of an item; that of the last item for those behind it. */
-static size_t sentence_of(const struct score *score, size_t item) {
-    size_t low = 0, high = score->sentence_count;
+static bool is_in_or_behind(const struct score *score, size_t sentence, size_t item) {
+    return sentence < score->sentence_count && score->sentences[sentence].first <= item;
+}
+
+/* The sentence of an item, looked for from one that is not behind it; the last one for items behind that. */
+static size_t sentence_of(const struct score *score, size_t from, size_t item) {
+    if (!is_in_or_behind(score, from + 1, item))
+        return from;
+    size_t low = from + 1, high = score->sentence_count;
     while (high - low > 1) {
         size_t middle = (low + high) / 2;
         if (score->sentences[middle].first <= item)
@@ -51,18 +57,18 @@ static void limit_cues(struct score *score) {
            kept = 0;
     for (size_t i = 0; i < score->cue_count; i++) {
         struct score_cue *cue = &score->cues[i];
-        size_t first = sentence_of(score, cue->first),
-               last = cue->last > cue->first ? sentence_of(score, cue->last - 1) : first;
-        for (; sentence < first; sentence++)
-            active -= ended[sentence];
+        while (is_in_or_behind(score, sentence + 1, cue->first))
+            active -= ended[sentence++];
         if (active == SCORE_CUES) {
             score_warn(score, cue->at, ERROR_IGNORED, "more than %d things at once: this is left out",
                        SCORE_CUES);
             continue;
         }
         active++;
-        ended[last]++;
-        score->cues[kept++] = *cue;
+        ended[cue->last > cue->first ? sentence_of(score, sentence, cue->last - 1) : sentence]++;
+        if (kept != i)
+            score->cues[kept] = *cue;
+        kept++;
     }
     score->cue_count = kept;
     free(ended);
