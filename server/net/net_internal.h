@@ -139,7 +139,7 @@ struct net *exchange_net(const struct exchange *x);
 void exchange_warn(void *exchange, const struct error *e);
 const struct error *exchange_warnings(const struct exchange *x, size_t *count);
 
-struct principal *exchange_guest(struct exchange *x); /* once it has been permitted something */
+struct principal *exchange_principal(struct exchange *x); /* once it has been permitted something */
 
 /* Whether the client may do that; when not, it has been answered and *result is what to return. */
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);

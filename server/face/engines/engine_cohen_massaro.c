@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The baseline: the function of Cohen and Massaro (1993) as it was, with the same targets and coefficients.
- * No gesture is confined by its neighbours and nothing looks after the closures, so fast speech loses them.
+ * No segment is confined by its neighbours and nothing looks after the closures, so fast speech loses them.
  */
 #include "server/face/engines/articulation_layer.h"
 #include "server/face/engines/engine.h"

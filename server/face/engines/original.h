@@ -5,9 +5,10 @@
 
 #include "server/face/packs/speech_pack_content.h"
 
-/* The packs' extents and degrees were found beside the resistance, which ends gestures; without it they would reach over
- * half a sentence and nothing would ever close. Here they are multiplied, for each parameter, by the two factors with
- * which the original function comes nearest to the way through the same targets: tests/bench/baseline.c finds them. */
+/* The packs' extents and degrees were found beside the resistance, which ends segments; without it they would
+ * reach over half a sentence and nothing would ever close. Here they are multiplied, for each parameter, by
+ * the two factors with which the original function comes nearest to the way through the same targets:
+ * tests/bench/baseline.c finds them. */
 struct coefficients original_coefficients(const struct coefficients *c, int param);
 
 #endif
