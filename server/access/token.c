@@ -89,7 +89,7 @@ static int read_claims(const json_t *claims, long now, struct token *token, stru
     if (token->expires <= now)
         return error_set(e, ERROR_EXPIRED_TOKEN, "the token has expired");
     if (from > now + LEEWAY_SECONDS || made > now + LEEWAY_SECONDS)
-        return error_set(e, ERROR_EARLY_TOKEN, "the token is not good yet");
+        return error_set(e, ERROR_EARLY_TOKEN, "the token is not valid yet");
     return 0;
 }
 

@@ -34,7 +34,7 @@ static bool has(enum program program, const struct setting *setting) {
     return program == PROGRAM_DAEMON || setting->program == FOR_BOTH;
 }
 
-static int read_environment(struct settings *s, enum program program, struct error *e) {
+static int from_environment(struct settings *s, enum program program, struct error *e) {
     char name[64];
     for (size_t i = 0; i < settings_count; i++) {
         if (!has(program, &settings_table[i]))
@@ -109,7 +109,7 @@ int settings_read(struct settings *s, struct settings_request *request, enum pro
         return 0;
     if (request->file && *request->file && settings_from_file(s, program, request->file, e))
         return -1;
-    if (read_environment(s, program, e))
+    if (from_environment(s, program, e))
         return -1;
     return read_options(s, request, program, argc, argv, false, e);
 }

@@ -80,7 +80,7 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     if (w->failed || (w->prefix && !r->depth && !XML_GetCurrentByteIndex(w->parser)))
         return;
     if (markup_given_up(r->rules)) {
-        fail(w, ERROR_CANCELLED, "nobody waits for it");
+        fail(w, ERROR_CANCELLED, "it was cancelled");
         return;
     }
     if (r->depth == READER_DEPTH) {

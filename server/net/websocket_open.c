@@ -31,7 +31,7 @@ static int check_place(struct exchange *x) {
     struct net *net = x->net;
     const struct http_request *r = x->request;
     if (r->method != HTTP_GET || !r->minor)
-        return refuse(x, ERROR_BAD_HANDSHAKE, "a WebSocket is asked for by GET of HTTP/1.1");
+        return refuse(x, ERROR_BAD_HANDSHAKE, "a WebSocket is opened by a GET of HTTP/1.1");
     struct error e;
     if (principal_check_host(net, r, &e)) {
         exchange_error(x, &e);
