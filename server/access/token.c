@@ -85,7 +85,7 @@ static int read_claims(const json_t *claims, long now, struct token *token, stru
         copy_date(&made, claims, "iat", false, e))
         return -1;
     if (rights_parse(rights, &token->rights, e))
-        return error_set(e, ERROR_BAD_TOKEN, "the token names rights that there are not");
+        return error_set(e, ERROR_BAD_TOKEN, "the token names unknown rights");
     if (token->expires <= now)
         return error_set(e, ERROR_EXPIRED_TOKEN, "the token has expired");
     if (from > now + LEEWAY_SECONDS || made > now + LEEWAY_SECONDS)

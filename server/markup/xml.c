@@ -258,7 +258,7 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
              const struct markup_rules *rules, struct error *e) {
     struct prolog prolog;
     if (size > READER_BYTES)
-        return error_set(e, ERROR_TEXT_TOO_LONG, "a document may have %d bytes", READER_BYTES);
+        return error_set(e, ERROR_TEXT_TOO_LONG, "a document may have at most %d bytes", READER_BYTES);
     if (prolog_read(text, size, &prolog, e))
         return -1;
     if (prolog.entities)

@@ -108,7 +108,7 @@ static enum http_event refuse_syntax(struct http_reader *r, const http_parser *p
         return refuse_at(r, byte, ERROR_BAD_LENGTH, "the body's length must be given once, in digits");
     case HPE_INVALID_TRANSFER_ENCODING:
         return http_reader_refuse(r, ERROR_UNKNOWN_CODING,
-                                  "a body may be chunked, and coded in no other way");
+                                  "the only transfer coding that is supported is chunked");
     default:
         return parts->too_many ? http_reader_refuse(r, ERROR_HEADERS_TOO_LARGE, "there are too many headers")
                                : refuse_at(r, byte, ERROR_BAD_REQUEST, "this is no HTTP request");
@@ -139,7 +139,7 @@ static enum http_event check_body(struct http_reader *r) {
         return http_reader_refuse(r, ERROR_BAD_LENGTH, "the body's length must be given once");
     if (coding && (strcasecmp(coding, "chunked") || http_header_count(q, "transfer-encoding") > 1))
         return http_reader_refuse(r, ERROR_UNKNOWN_CODING,
-                                  "a body may be chunked, and coded in no other way");
+                                  "the only transfer coding that is supported is chunked");
     if (length && (!*length || length[strspn(length, "0123456789")] || strlen(length) > 15))
         return http_reader_refuse(r, ERROR_BAD_LENGTH, "the body's length must be given in digits");
     q->chunked = coding != NULL;
@@ -153,7 +153,8 @@ static enum http_event check_expectation(struct http_reader *r) {
     if (!expectation || !q->minor)
         return HTTP_READ_HEAD;
     if (strcasecmp(expectation, "100-continue") || http_header_count(q, "expect") > 1)
-        return http_reader_refuse(r, ERROR_UNKNOWN_EXPECTATION, "only 100-continue can be expected here");
+        return http_reader_refuse(r, ERROR_UNKNOWN_EXPECTATION,
+                                  "the only expectation that is supported is 100-continue");
     q->expects_continue = q->chunked || q->content_length;
     return HTTP_READ_HEAD;
 }

@@ -54,7 +54,8 @@ static int check_handshake(struct exchange *x) {
     const struct http_request *r = x->request;
     const char *version = http_header(r, "sec-websocket-version");
     if (!version || strcmp(version, "13") || http_header_count(r, "sec-websocket-version") > 1)
-        return refuse(x, ERROR_UPGRADE_REQUIRED, "version 13 of the WebSocket protocol is spoken here");
+        return refuse(x, ERROR_UPGRADE_REQUIRED,
+                      "version 13 of the WebSocket protocol is the one that is supported");
     if (!is_key(http_header(r, "sec-websocket-key")) || http_header_count(r, "sec-websocket-key") > 1)
         return refuse(x, ERROR_BAD_HANDSHAKE, "Sec-WebSocket-Key must be 16 bytes in base64, once");
     if (r->chunked || r->content_length)
