@@ -41,7 +41,7 @@ after(async () => {
   assert.equal((await daemon.stop()).code, 0);
 });
 
-/** A second of a film, and a fourth mode that shows it, as somebody would add the films of a real speaker. */
+/** Sixty pictures of a film, and a fourth mode that shows it, as somebody would add the films of a real speaker. */
 async function addFilm() {
   const film = await page.evaluate(async () => {
     const canvas = document.createElement('canvas');
@@ -49,12 +49,13 @@ async function addFilm() {
     const recorder = new MediaRecorder(canvas.captureStream(25), { mimeType: 'video/webm' });
     const parts = [];
     recorder.ondataavailable = (event) => parts.push(event.data);
-    const timer = setInterval(() => context.fillRect(Math.random() * 200, 0, 20, 99), 40);
     recorder.start();
-    await new Promise((resolve) => setTimeout(resolve, 1000));
+    for (let i = 0; i < 60; i++) {
+      context.fillRect(Math.random() * 200, 0, 20, 99);
+      await new Promise(requestAnimationFrame);
+    }
     recorder.stop();
     await new Promise((resolve) => (recorder.onstop = resolve));
-    clearInterval(timer);
     return Array.from(new Uint8Array(await new Blob(parts).arrayBuffer()));
   });
   fs.writeFileSync(path.join(kit, 'film.webm'), Buffer.from(film));
@@ -90,7 +91,7 @@ const watch = () => page.evaluate(async ([upper, lower]) => {
     if (performance.now() - since > 90000) throw new Error('the word has neither ended nor been interrupted');
     const values = face.debug().fapValues;
     gaps.push(-(values[upper] + values[lower]));
-    await new Promise((resolve) => setTimeout(resolve, 15));
+    await new Promise(requestAnimationFrame);
   }
   return { gaps, seen: !face.classList.contains('away'), filmed: !video.classList.contains('away') && video.currentTime > 0 };
 }, [UPPER, LOWER]);

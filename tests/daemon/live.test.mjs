@@ -15,7 +15,6 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 const idle = (stream) => stream.chunks.filter((c) => c.utterance === 0);
 /** Waits for so many seconds of the idle clock. */
 const idled = (stream, seconds) => stream.until(() => idle(stream).some((c) => (c.start + c.samples) / c.sampleRate >= seconds));
-const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
 test('idle media are silent chunks of utterance 0, without a gap, little ahead of time', async () => {
   const stream = await daemon.stream();
