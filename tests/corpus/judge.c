@@ -55,14 +55,10 @@ static bool expressions(const char *path, struct error *e) {
     return loaded;
 }
 
-/* All files of the folder that it lies in. */
 static bool normalization(const char *path, struct error *e) {
-    struct normalizers loaded;
-    char *copy = mem_strdup(path);
-    bool good = !normalizers_load(&loaded, dirname(copy), e);
-    free(copy);
-    normalizers_free(&loaded);
-    return good;
+    json_t *loaded = normalizer_read(path, e);
+    json_decref(loaded);
+    return loaded;
 }
 
 /* As the daemon serves it under the name of the file. */

@@ -17,6 +17,7 @@ const kinds = {
   letters: { schema: 'models/speech/schema/letters.json', files: ['models/speech/letters/tr.json'] },
   alphabets: { schema: 'models/speech/schema/alphabets.json', files: ['models/speech/alphabets/ipa.json'] },
   expressions: { schema: 'models/expressions.schema.json', files: ['models/expressions.json'] },
+  normalization: { schema: 'models/normalization.schema.json', files: ['models/normalization/it.json', 'models/normalization/tr.json'] },
 };
 
 /** What only the reader can know: what it says then, and why. */
