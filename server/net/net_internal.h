@@ -48,10 +48,10 @@ struct net {
 /* Appends the event of that stream as a message. */
 void event_write(struct buf *out, const struct stream_event *event, const char *stream);
 
-/* event_line.c: the same as a line, for people who type. */
+/* text_lines.c: the same as a line, for people who type. */
 void event_line(struct buf *line, const struct stream_event *event);
 
-/* text_answer.c: any other message as a line; nothing when it is of no use to them. */
+/* Any other message as a line; nothing when it is of no use to them. */
 void text_line(const json_t *message, struct buf *line);
 
 /* event_json.c */

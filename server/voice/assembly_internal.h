@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Inside of the assembly: what a worker has said of a sentence so far, and the steps that mend it into a
  * sentence's audio. */
-#ifndef FACCIA_VOICE_ASSEMBLY_SAID_H
-#define FACCIA_VOICE_ASSEMBLY_SAID_H
+#ifndef FACCIA_VOICE_ASSEMBLY_INTERNAL_H
+#define FACCIA_VOICE_ASSEMBLY_INTERNAL_H
 
 #include "server/voice/assembly.h"
 
