@@ -1,7 +1,11 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Checks a built head: check-head.mjs HEAD.json. Prints what is wrong; exit code 1 when anything is. */
+/**
+ * Checks a built head: check-head.mjs HEAD.json. Prints what is wrong; exit code 1 when anything is. First the client's own reader sees it,
+ * then it is checked as a face.
+ */
 import fs from 'node:fs';
+import { readModel } from '../../web/src/head/model.mjs';
 import * as check from './lib/check.mjs';
 import { unpack } from './lib/deform.mjs';
 
@@ -10,7 +14,14 @@ if (!file) {
   console.error('usage: check-head.mjs HEAD.json');
   process.exit(2);
 }
-const head = unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
+const json = JSON.parse(fs.readFileSync(file, 'utf8'));
+try {
+  readModel(json);
+} catch (error) {
+  console.log(error.message);
+  process.exit(1);
+}
+const head = unpack(json);
 const problems = Object.entries(check)
   .filter(([name]) => name.startsWith('check'))
   .flatMap(([, run]) => run(head));

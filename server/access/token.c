@@ -85,11 +85,11 @@ static int read_claims(const json_t *claims, long now, struct token *token, stru
         copy_date(&made, claims, "iat", false, e))
         return -1;
     if (rights_parse(rights, &token->rights, e))
-        return error_set(e, ERROR_BAD_TOKEN, "the token names rights that there are not");
+        return error_set(e, ERROR_BAD_TOKEN, "the token names unknown rights");
     if (token->expires <= now)
         return error_set(e, ERROR_EXPIRED_TOKEN, "the token has expired");
     if (from > now + LEEWAY_SECONDS || made > now + LEEWAY_SECONDS)
-        return error_set(e, ERROR_EARLY_TOKEN, "the token is not good yet");
+        return error_set(e, ERROR_EARLY_TOKEN, "the token is not valid yet");
     return 0;
 }
 

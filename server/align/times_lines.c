@@ -108,13 +108,22 @@ int times_read_json(struct times_reader *r) {
         r->line = why.line > 0 ? (size_t)why.line : 1;
         return times_fail(r, why.text, "");
     }
-    json_array_foreach(json_object_get(root, "phones"), i, item) {
+    json_t *words = json_object_get(root, "words");
+    if (!json_is_array(json_object_get(root, "phones")))
+        result = error_in_field(r->e, TIMES_CODE, "phones", "must be a list");
+    else if (words && !json_is_array(words))
+        result = error_in_field(r->e, TIMES_CODE, "words", "must be a list");
+    json_array_foreach(result ? NULL : json_object_get(root, "phones"), i, item) {
         const char *ipa = NULL, *name = NULL;
         double start, end;
         int stress = 0;
         if (json_unpack_ex(item, &why, 0, "{s?s s?s s:F s:F s?i}", "ipa", &ipa, "name", &name, "start",
                            &start, "end", &end, "stress", &stress)) {
             result = fail_item(r, "phones", i, why.text);
+            break;
+        }
+        if (stress < 0 || stress > 2) {
+            result = fail_item(r, "phones", i, "stress must be 0, 1 or 2");
             break;
         }
         if (!times_add_phone(r, name ? name : ipa ? ipa : "", start, end, (uint32_t)stress)) {
@@ -125,7 +134,7 @@ int times_read_json(struct times_reader *r) {
         if (ipa)
             snprintf(p->ipa, sizeof p->ipa, "%s", ipa);
     }
-    json_array_foreach(json_object_get(root, "words"), i, item) {
+    json_array_foreach(words, i, item) {
         const char *text;
         double start, end;
         if (result)

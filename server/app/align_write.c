@@ -5,7 +5,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Scenes end in a pause of so many seconds once they have so many, or at any phone when they have too many.
+/* Segments end in a pause of so many seconds once they have so many, or at any phone when they have too many.
  */
 #define SCENE_PAUSE 0.15
 #define SCENE_LEAST 3.0

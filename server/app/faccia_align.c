@@ -19,7 +19,7 @@ static const char usage[] =
     "standard output.\n"
     "\n"
     "  -t, --text FILE      what is said, plain text, UTF-8\n"
-    "      --timing FILE    times of the phones: Festival or HTK .lab, .mlf, Praat TextGrid, our JSON, byte "
+    "      --timing FILE    times of the phones: Festival or HTK .lab, .mlf, Praat TextGrid, faccia's JSON, byte "
     "offsets\n"
     "      --names FILE     JSON object: the timing's names of phones in IPA\n"
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"

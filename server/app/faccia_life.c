@@ -17,11 +17,11 @@ static const char usage[] =
     "did: blinks, saccades, where it looked, how the head moved. Only the life of the face is counted.\n"
     "\n"
     "      --seconds N      without a text: how long, 1 to 86400 (600)\n"
-    "      --seed N         another life; the same number gives the same (0)\n"
+    "      --seed N         another life; the same number gives the same life (0)\n"
     "      --strength X     0 to 2; 1 is as people are (1)\n"
     "  -l, --lang TAG       language of the text, any that a voice speaks (it)\n"
     "  -f, --file FILE      the text\n"
-    "      --fps N          frames per second that are counted and written, 25 to 1000 (100)\n"
+    "      --fps N          frames per second, 25 to 1000 (100)\n"
     "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";

@@ -19,7 +19,7 @@ static const char usage[] = "Usage: faccia play [OPTION]... FILE.fap [SOUND]\n"
                             "      --wav FILE       the sound, mono 16 bit\n"
                             "      --ogg FILE       the sound as Opus in Ogg\n"
                             "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
-                            "      --fapc FILE       the same at a few kilobits a second\n"
+                            "      --fapc FILE      the same at a few kilobits a second\n"
                             "  -h, --help           print this and exit\n"
                             "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
 

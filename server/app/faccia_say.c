@@ -36,7 +36,7 @@ static const char usage[] =
     "      --audio DIR      sound files that the text may name (SSML's audio); default $FACCIA_AUDIO\n"
     "      --wav FILE       the sound, mono 16 bit\n"
     "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
-    "      --fapc FILE       the same at a few kilobits a second\n"
+    "      --fapc FILE      the same at a few kilobits a second\n"
     "      --ogg FILE       the sound as Opus in Ogg\n"
     "      --ndjson FILE    a line for each event and each frame\n"
     "      --json FILE      phones, words and marks with their times\n"

@@ -249,6 +249,8 @@ static int answer(const struct settings *settings, const struct settings_request
         settings_help(PROGRAM_DAEMON, &text);
     } else if (request->version)
         buf_printf(&text, "facciad " FACCIA_VERSION "\n");
+    else if (request->schema)
+        settings_schema(&text);
     else if (request->print)
         settings_print(settings, &text);
     else

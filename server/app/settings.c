@@ -34,7 +34,7 @@ static bool has(enum program program, const struct setting *setting) {
     return program == PROGRAM_DAEMON || setting->program == FOR_BOTH;
 }
 
-static int read_environment(struct settings *s, enum program program, struct error *e) {
+static int from_environment(struct settings *s, enum program program, struct error *e) {
     char name[64];
     for (size_t i = 0; i < settings_count; i++) {
         if (!has(program, &settings_table[i]))
@@ -46,7 +46,7 @@ static int read_environment(struct settings *s, enum program program, struct err
     return 0;
 }
 
-enum { OPTION_HELP = 1000, OPTION_VERSION, OPTION_PRINT, OPTION_CONFIG };
+enum { OPTION_HELP = 1000, OPTION_VERSION, OPTION_PRINT, OPTION_SCHEMA, OPTION_CONFIG };
 
 static const char *name_of(enum program program) {
     return program == PROGRAM_DAEMON ? "facciad" : "faccia";
@@ -54,14 +54,16 @@ static const char *name_of(enum program program) {
 
 static int read_options(struct settings *s, struct settings_request *request, enum program program, int argc,
                         char **argv, bool only_request, struct error *e) {
-    struct option options[SETTINGS_MAX + 5] = {
+    struct option options[SETTINGS_MAX + 6] = {
         {"help", 0, NULL, OPTION_HELP},
         {"version", 0, NULL, OPTION_VERSION},
         {"config", 1, NULL, OPTION_CONFIG},
     };
     size_t count = 3;
-    if (program == PROGRAM_DAEMON)
+    if (program == PROGRAM_DAEMON) {
         options[count++] = (struct option){"print-config", 0, NULL, OPTION_PRINT};
+        options[count++] = (struct option){"print-schema", 0, NULL, OPTION_SCHEMA};
+    }
     for (size_t i = 0; i < settings_count; i++) {
         const struct setting *setting = &settings_table[i];
         if (has(program, setting))
@@ -78,6 +80,8 @@ static int read_options(struct settings *s, struct settings_request *request, en
             request->version = true;
         else if (c == OPTION_PRINT)
             request->print = true;
+        else if (c == OPTION_SCHEMA)
+            request->schema = true;
         else if (c == OPTION_CONFIG)
             request->file = optarg;
         else if (c == '?')
@@ -109,7 +113,7 @@ int settings_read(struct settings *s, struct settings_request *request, enum pro
         return 0;
     if (request->file && *request->file && settings_from_file(s, program, request->file, e))
         return -1;
-    if (read_environment(s, program, e))
+    if (from_environment(s, program, e))
         return -1;
     return read_options(s, request, program, argc, argv, false, e);
 }
@@ -154,7 +158,8 @@ void settings_help(enum program program, struct buf *out) {
     buf_printf(out, "      --config FILE            settings as JSON; the members stand in brackets below\n");
     if (program == PROGRAM_DAEMON)
         buf_printf(out,
-                   "      --print-config           print the settings in force as such a file, and exit\n");
+                   "      --print-config           print the settings in force as such a file, and exit\n"
+                   "      --print-schema           print the JSON Schema of such a file, and exit\n");
     buf_printf(out, "  -h, --help                   print this and exit\n"
                     "      --version                print the version and exit\n\n");
     for (size_t i = 0; i < settings_count; i++) {

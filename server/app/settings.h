@@ -29,7 +29,7 @@ enum program { PROGRAM_DAEMON, PROGRAM_COMMANDS /* has those of the settings tha
 
 /* What the command line asks for besides settings. */
 struct settings_request {
-    bool help, version, print;
+    bool help, version, print, schema;
     const char *file; /* --config; NULL = none */
     int rest;         /* the first argument that is no option */
 };
@@ -50,6 +50,9 @@ enum log_format settings_log_format(const struct settings *settings);
 
 /* As a configuration file that says all. */
 void settings_print(const struct settings *settings, struct buf *out);
+
+/* The JSON Schema of such a file. */
+void settings_schema(struct buf *out);
 
 /* The options with their defaults, one in each line, and how else they can be given. */
 void settings_help(enum program program, struct buf *out);

@@ -15,7 +15,7 @@
     X(MISSING_FIELD, "missing-field", 400, "is missing") \
     X(BAD_FIELD, "bad-field", 400, "has the wrong type, or is out of range") \
     X(UNKNOWN_MEMBER, "unknown-member", 0, "there is no such member") \
-    X(BINARY_MESSAGE, "binary-message", 400, "a client sends no binary messages") \
+    X(BINARY_MESSAGE, "binary-message", 400, "binary messages are not accepted") \
     X(UNKNOWN_COMMAND, "unknown-command", 400, "there is no such command") \
     X(MESSAGE_TOO_LONG, "message-too-long", 413, "the message is too long") \
     X(TEXT_TOO_LONG, "text-too-long", 413, "the text is too long") \
@@ -49,7 +49,7 @@
     X(BAD_XML, "bad-xml", 400, "this is not well-formed XML") \
     X(TOO_DEEP, "too-deep", 400, "too many elements lie in each other") \
     X(TOO_MANY_ATTRIBUTES, "too-many-attributes", 400, "an element has too many attributes") \
-    X(UNKNOWN_ENCODING, "unknown-encoding", 400, "the stated encoding is not read here") \
+    X(UNKNOWN_ENCODING, "unknown-encoding", 400, "the stated encoding is not supported") \
     X(BAD_ENCODING, "bad-encoding", 400, "the document is not in the encoding that it states") \
     X(UNKNOWN_ELEMENT, "unknown-element", 0, "there is no such element") \
     X(UNKNOWN_ATTRIBUTE, "unknown-attribute", 0, "there is no such attribute") \
@@ -64,39 +64,39 @@
     X(VOICE_CRASHED, "voice-crashed", 500, "the voice crashed") \
     X(VOICE_TIMEOUT, "voice-timeout", 500, "the voice took too long") \
     X(VOICE_UNAVAILABLE, "voice-unavailable", 503, "no voice is there") \
-    X(VOICE_WARNING, "voice-warning", 0, "the voice does this otherwise") \
+    X(VOICE_WARNING, "voice-warning", 0, "the voice does this differently") \
     X(NO_SOUND, "no-sound", 0, "there is no such sound") \
-    X(CANCELLED, "cancelled", 500, "nobody waits for it") \
+    X(CANCELLED, "cancelled", 500, "it was cancelled") \
     /* access */ \
     X(TOKEN_NEEDED, "token-needed", 401, "this server wants a token") \
     X(BAD_TOKEN, "bad-token", 401, "the token is not one of this server's") \
     X(EXPIRED_TOKEN, "expired-token", 401, "the token has expired") \
-    X(EARLY_TOKEN, "early-token", 401, "the token is not good yet") \
+    X(EARLY_TOKEN, "early-token", 401, "the token is not valid yet") \
     X(REVOKED_TOKEN, "revoked-token", 401, "the token's secret is not one of this server's any more") \
     X(FORBIDDEN, "forbidden", 403, "the token does not give the right to do that") \
     X(FORBIDDEN_ORIGIN, "forbidden-origin", 403, "pages from there may not use this server") \
-    X(UNKNOWN_HOST, "unknown-host", 421, "this server has no such name") \
+    X(UNKNOWN_HOST, "unknown-host", 421, "this server is not known by that name") \
     /* HTTP and the WebSocket's opening */ \
     X(NOT_FOUND, "not-found", 404, "nothing is at this address") \
     X(METHOD_NOT_ALLOWED, "method-not-allowed", 405, "this address does not take that method") \
     X(UNSUPPORTED_MEDIA_TYPE, "unsupported-media-type", 415, "bodies of that type are not taken") \
     X(UPGRADE_REQUIRED, "upgrade-required", 426, "this is the address of the WebSocket") \
     X(BAD_REQUEST, "bad-request", 400, "this is no HTTP request") \
-    X(BAD_HEADER, "bad-header", 400, "the headers cannot be like that") \
+    X(BAD_HEADER, "bad-header", 400, "a header is malformed") \
     X(BAD_HOST, "bad-host", 400, "there must be one header Host") \
-    X(BAD_LENGTH, "bad-length", 400, "the body's length must be told once, and in digits") \
-    X(BAD_CHUNK, "bad-chunk", 400, "the body is not in chunks as RFC 9112, 7.1 has them") \
-    X(BAD_TARGET, "bad-target", 400, "an address cannot be like that") \
+    X(BAD_LENGTH, "bad-length", 400, "the body's length must be given once, in digits") \
+    X(BAD_CHUNK, "bad-chunk", 400, "the body is not chunked as RFC 9112, 7.1 says") \
+    X(BAD_TARGET, "bad-target", 400, "the address is malformed") \
     X(BAD_ESCAPE, "bad-escape", 400, "two hexadecimal digits must follow a %") \
     X(BAD_FORM, "bad-form", 400, "the body is no form with a file 'fap'") \
     X(REQUEST_TIMEOUT, "request-timeout", 408, "the request has not come in time") \
     X(URI_TOO_LONG, "uri-too-long", 414, "the address is too long") \
     X(HEADERS_TOO_LARGE, "headers-too-large", 431, "the headers are too large") \
-    X(UNKNOWN_METHOD, "unknown-method", 501, "no such method is known here") \
-    X(UNKNOWN_CODING, "unknown-coding", 501, "a body may be chunked, and nothing else") \
-    X(UNKNOWN_VERSION, "unknown-version", 505, "HTTP/1.1 is spoken here") \
-    X(UNKNOWN_EXPECTATION, "unknown-expectation", 417, "only 100-continue can be expected here") \
-    X(BAD_HANDSHAKE, "bad-handshake", 400, "a WebSocket is asked for by GET of HTTP/1.1") \
+    X(UNKNOWN_METHOD, "unknown-method", 501, "this method is not supported") \
+    X(UNKNOWN_CODING, "unknown-coding", 501, "the only transfer coding that is supported is chunked") \
+    X(UNKNOWN_VERSION, "unknown-version", 505, "only HTTP/1.1 is supported") \
+    X(UNKNOWN_EXPECTATION, "unknown-expectation", 417, "the only expectation that is supported is 100-continue") \
+    X(BAD_HANDSHAKE, "bad-handshake", 400, "a WebSocket is opened by a GET of HTTP/1.1") \
     X(UNKNOWN_PROTOCOL, "unknown-protocol", 400, "there is no such sub-protocol") \
     /* files: a code for each kind */ \
     X(BAD_SPEECH_PACK, "bad-speech-pack", 0, "this is no speech pack") \

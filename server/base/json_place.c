@@ -156,3 +156,16 @@ int json_place_choice(const struct json_place *at, const char *const *names, siz
     }
     return json_place_fail(at, "\"%s\" is not known here", text);
 }
+
+int json_place_tag(const struct json_place *at, const char **out) {
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyz", all[] =
+                                                                    "abcdefghijklmnopqrstuvwxyz"
+                                                                    "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789";
+    if (json_place_text(at, out))
+        return -1;
+    size_t size = strspn(*out, letters), part = 1;
+    bool good = size == 2 || size == 3;
+    for (const char *rest = *out + size; good && *rest; rest += 1 + part)
+        good = *rest == '-' && (part = strspn(rest + 1, all)) > 0;
+    return good ? 0 : json_place_fail(at, "must be a language tag, such as pt-BR");
+}

@@ -39,6 +39,8 @@ int json_place_real(const struct json_place *at, double min, double max, double 
 int json_place_whole(const struct json_place *at, int min, int max, int *out); /* 3.0 is one, too */
 /* A string that is not empty; *out belongs to the JSON value. */
 int json_place_text(const struct json_place *at, const char **out);
+/* BCP 47: a language of two or three letters, and what narrows it down. As json_place_text. */
+int json_place_tag(const struct json_place *at, const char **out);
 /* An array of strings, copied; *out ends with NULL; release it with json_texts_free. */
 int json_place_texts(const struct json_place *at, char ***out);
 void json_texts_free(char **texts);

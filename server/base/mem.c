@@ -3,6 +3,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/prctl.h>
 
 static void *checked(void *p, size_t size) {
     if (!p && size) {
@@ -39,4 +40,17 @@ void *mem_grow(void *p, size_t *cap, size_t need, size_t element) {
         wanted = need;
     *cap = wanted;
     return mem_resize(p, wanted * element);
+}
+
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+static void open_again(void) {
+    prctl(PR_SET_DUMPABLE, 1, 0, 0, 0);
+}
+#endif
+
+void private_memory(void) {
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+    atexit(open_again);
+#endif
+    prctl(PR_SET_DUMPABLE, 0, 0, 0, 0);
 }

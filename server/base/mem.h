@@ -15,4 +15,10 @@ char *mem_strndup(const char *s, size_t n);
  */
 void *mem_grow(void *p, size_t *cap, size_t need, size_t element);
 
+/* Keeps other processes of the same user out of this one's memory: from now on nobody without rights of the
+ * administrator reads or writes /proc/PID/mem, /proc/PID/environ and the like, or traces this process; it
+ * leaves no core dump either. For programs that it starts, that is over. Under a sanitizer the process opens
+ * itself again when it exits: the leak detector looks into it. */
+void private_memory(void);
+
 #endif

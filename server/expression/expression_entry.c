@@ -117,7 +117,7 @@ int entry_read(const struct json_place *at, struct expression *x) {
     x->mouth = (struct mouth_share){0.3, 0.7};
     x->articulation = 1;
     x->voice = (struct voice_factors){1, 1, 1, 1};
-    x->life = (struct liveliness){1, 1, 1};
+    x->life = (struct life_factors){1, 1, 1};
     const struct number curve[] = {
         {"attack", SECONDS_MIN, SECONDS_MAX, &x->curve.attack}, {"hold", 0, SECONDS_MAX, &x->curve.hold},
         {"settle", SECONDS_MIN, SECONDS_MAX, &x->curve.settle}, {"sustain", 0, 1, &x->curve.sustain},

@@ -36,7 +36,7 @@ struct mouth_share {
 };
 
 /* How the expressions at a moment change the signs of life; all 1 when neutral. */
-struct liveliness {
+struct life_factors {
     double blink_rate, blink_length; /* factors */
     double motion;                   /* factor of head motion */
 };
@@ -63,7 +63,7 @@ struct expression {
     struct mouth_share mouth;
     double articulation; /* factor of the speech's movements */
     struct voice_factors voice;
-    struct liveliness life;
+    struct life_factors life;
     enum gesture_anchor anchor;
     struct gesture_key *keys;
     size_t key_count;

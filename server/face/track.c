@@ -9,24 +9,24 @@ struct face_track *face_track_new(const struct speech_pack *pack, const struct s
                                   const struct face_options *options,
                                   void (*warn)(void *ctx, const char *message), void *ctx) {
     struct face_track *track = mem_alloc(sizeof *track);
-    struct phone_segments gestures;
-    phone_segments_from(pack, u, warn, ctx, &gestures);
+    struct phone_segments segments;
+    phone_segments_from(pack, u, warn, ctx, &segments);
     const struct face_engine *engine = engine_find(options->engine);
     atomic_init(&track->owners, 1);
     track->fapu = pack->fapu;
-    track->end = gestures.end;
+    track->end = segments.end;
     if (!engine || !engine->speaks(pack))
         engine = engine_find(NULL);
-    track->speech = engine->layer(pack, u, &gestures);
+    track->speech = engine->layer(pack, u, &segments);
     if (engine_has_contacts(engine, options->contacts)) {
-        contacts_from(&gestures, &track->contacts);
-        openings_from(&gestures, &track->contacts, &track->openings);
+        contacts_from(&segments, &track->contacts);
+        openings_from(&segments, &track->contacts, &track->openings);
     }
-    visemes_from(&gestures, &track->visemes);
+    visemes_from(&segments, &track->visemes);
     track->still = options->still;
     if (!options->still)
-        sentence_expression_from(u, &gestures, options, &track->expression);
-    phone_segments_free(&gestures);
+        sentence_expression_from(u, &segments, options, &track->expression);
+    phone_segments_free(&segments);
     return track;
 }
 

@@ -133,7 +133,7 @@ void bml_begin_gaze(struct markup_reader *r, struct tag *tag) {
                  to          ? "offsetdirection"
                  : direction ? "direction"
                              : "target",
-                 ERROR_IGNORED, "nobody knows where '%.40s' is", where);
+                 ERROR_IGNORED, "the place '%.40s' is not known", where);
     }
 }
 
@@ -231,7 +231,7 @@ void bml_end_reference(struct markup_reader *r, struct frame *frame) {
     else if ((n != 4 || strncasecmp(text, "gaze", 4) != 0) && strncasecmp(name, "look_", 5) != 0)
         bml_show_lexeme(b, r, name);
     else if (!bml_show_gaze(b, name))
-        score_warn(r->score, frame->inside, ERROR_IGNORED, "nobody knows where '%.40s' is", name);
+        score_warn(r->score, frame->inside, ERROR_IGNORED, "the place '%.40s' is not known", name);
 }
 
 void bml_end_intensity(struct markup_reader *r, struct frame *frame) {

@@ -49,7 +49,7 @@ struct score_cue *reader_cue(struct markup_reader *r, struct frame *frame, size_
     struct score_cue *cue = add_cue(r, at, kind, name);
     size_t depth = (size_t)(frame - r->frames);
     if (!passage_open(&r->passage, r->score->cue_count - 1, at, depth))
-        score_warn(r->score, at, ERROR_IGNORED, "too many things at once: this holds for no text");
+        score_warn(r->score, at, ERROR_IGNORED, "too many things at once: this is not acted on");
     return cue;
 }
 

@@ -164,7 +164,7 @@ int plain_read(struct score *score, const char *text, size_t size, const struct 
     size_t at = skip_space((struct cursor){text, size, 0}, &blank_line);
     while (at < size) {
         if (markup_given_up(rules))
-            return error_set(e, ERROR_CANCELLED, "nobody waits for it");
+            return error_set(e, ERROR_CANCELLED, "it was cancelled");
         size_t length = plain_sentence(text + at, size - at, rules), end = at + length;
         while (end > at && strchr(" \t\r\n\v\f", text[end - 1]))
             end--;

@@ -80,7 +80,7 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
     if (w->failed || (w->prefix && !r->depth && !XML_GetCurrentByteIndex(w->parser)))
         return;
     if (markup_given_up(r->rules)) {
-        fail(w, ERROR_CANCELLED, "nobody waits for it");
+        fail(w, ERROR_CANCELLED, "it was cancelled");
         return;
     }
     if (r->depth == READER_DEPTH) {
@@ -258,7 +258,7 @@ int xml_read(struct score *score, const char *text, size_t size, const struct vo
              const struct markup_rules *rules, struct error *e) {
     struct prolog prolog;
     if (size > READER_BYTES)
-        return error_set(e, ERROR_TEXT_TOO_LONG, "a document may have %d bytes", READER_BYTES);
+        return error_set(e, ERROR_TEXT_TOO_LONG, "a document may have at most %d bytes", READER_BYTES);
     if (prolog_read(text, size, &prolog, e))
         return -1;
     if (prolog.entities)

@@ -37,7 +37,7 @@ const struct http_request *exchange_request(const struct exchange *x) {
     return x->request;
 }
 
-struct principal *exchange_guest(struct exchange *x) {
+struct principal *exchange_principal(struct exchange *x) {
     return &x->principal;
 }
 

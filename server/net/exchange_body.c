@@ -16,7 +16,7 @@ void exchange_take_body(struct exchange *x, const void *data, size_t size) {
         return;
     }
     exchange_drop_body(x);
-    error_set(&e, x->body_too_long, "a body may have %zu bytes here", x->body_most);
+    error_set(&e, x->body_too_long, "the body may have at most %zu bytes", x->body_most);
     exchange_error(x, &e);
 }
 

@@ -12,7 +12,7 @@ enum {
 };
 
 static enum http_event bad_chunk(struct http_reader *r) {
-    return http_reader_refuse(r, ERROR_BAD_CHUNK, "the body is not in chunks as RFC 9112, 7.1 has them");
+    return http_reader_refuse(r, ERROR_BAD_CHUNK, "the body is not chunked as RFC 9112, 7.1 says");
 }
 
 static enum http_event give(struct http_reader *r, const uint8_t *bytes, size_t size, size_t *used) {

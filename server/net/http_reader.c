@@ -99,16 +99,16 @@ static enum http_event refuse_syntax(struct http_reader *r, const http_parser *p
             if (!isupper((unsigned char)head[i]) && head[i] != '-')
                 word = 0;
         if (word && head[word] == ' ')
-            return http_reader_refuse(r, ERROR_UNKNOWN_METHOD, "no such method is known here");
+            return http_reader_refuse(r, ERROR_UNKNOWN_METHOD, "this method is not supported");
         return refuse_at(r, byte, ERROR_BAD_REQUEST, "this is no HTTP request");
     case HPE_INVALID_VERSION:
-        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "HTTP/1.1 is spoken here");
+        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "only HTTP/1.1 is supported");
     case HPE_INVALID_CONTENT_LENGTH:
     case HPE_UNEXPECTED_CONTENT_LENGTH:
-        return refuse_at(r, byte, ERROR_BAD_LENGTH, "the body's length must be told once, and in digits");
+        return refuse_at(r, byte, ERROR_BAD_LENGTH, "the body's length must be given once, in digits");
     case HPE_INVALID_TRANSFER_ENCODING:
         return http_reader_refuse(r, ERROR_UNKNOWN_CODING,
-                                  "a body may be chunked, and coded in no other way");
+                                  "the only transfer coding that is supported is chunked");
     default:
         return parts->too_many ? http_reader_refuse(r, ERROR_HEADERS_TOO_LARGE, "there are too many headers")
                                : refuse_at(r, byte, ERROR_BAD_REQUEST, "this is no HTTP request");
@@ -136,12 +136,12 @@ static enum http_event check_body(struct http_reader *r) {
     struct http_request *q = &r->request;
     const char *coding = http_header(q, "transfer-encoding"), *length = http_header(q, "content-length");
     if ((coding && length) || http_header_count(q, "content-length") > 1 || (coding && !q->minor))
-        return http_reader_refuse(r, ERROR_BAD_LENGTH, "the body's length must be told once");
+        return http_reader_refuse(r, ERROR_BAD_LENGTH, "the body's length must be given once");
     if (coding && (strcasecmp(coding, "chunked") || http_header_count(q, "transfer-encoding") > 1))
         return http_reader_refuse(r, ERROR_UNKNOWN_CODING,
-                                  "a body may be chunked, and coded in no other way");
+                                  "the only transfer coding that is supported is chunked");
     if (length && (!*length || length[strspn(length, "0123456789")] || strlen(length) > 15))
-        return http_reader_refuse(r, ERROR_BAD_LENGTH, "the body's length must be told in digits");
+        return http_reader_refuse(r, ERROR_BAD_LENGTH, "the body's length must be given in digits");
     q->chunked = coding != NULL;
     q->content_length = length ? strtoull(length, NULL, 10) : 0;
     return HTTP_READ_HEAD;
@@ -153,7 +153,8 @@ static enum http_event check_expectation(struct http_reader *r) {
     if (!expectation || !q->minor)
         return HTTP_READ_HEAD;
     if (strcasecmp(expectation, "100-continue") || http_header_count(q, "expect") > 1)
-        return http_reader_refuse(r, ERROR_UNKNOWN_EXPECTATION, "only 100-continue can be expected here");
+        return http_reader_refuse(r, ERROR_UNKNOWN_EXPECTATION,
+                                  "the only expectation that is supported is 100-continue");
     q->expects_continue = q->chunked || q->content_length;
     return HTTP_READ_HEAD;
 }
@@ -209,7 +210,7 @@ static enum http_event parse_head(struct http_reader *r) {
     buf_add(&q->head, "", 1);
     const char *head = (const char *)q->head.data;
     if (!strncmp(head, "PRI * HTTP/2.0\r\n", 16))
-        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "HTTP/1.1 is spoken here");
+        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "only HTTP/1.1 is supported");
     http_parser_init(&parser, HTTP_REQUEST);
     parser.data = &parts;
     size_t byte = http_parser_execute(&parser, &settings, head, size);
@@ -218,7 +219,7 @@ static enum http_event parse_head(struct http_reader *r) {
     if (parts.target != head + strcspn(head, " ") + 1)
         return refuse_at(r, strcspn(head, " ") + 1, ERROR_BAD_REQUEST, "this is no HTTP request");
     if (parser.http_major != 1)
-        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "HTTP/1.1 is spoken here");
+        return http_reader_refuse(r, ERROR_UNKNOWN_VERSION, "only HTTP/1.1 is supported");
     if (parts.folded)
         return http_reader_refuse(r, ERROR_BAD_HEADER, "a header must stand in one line");
     q->method = (enum http_method)parser.method;

@@ -119,7 +119,7 @@ int http_request_target(struct http_request *r, const char *target, size_t size,
     char *text = (char *)r->target.data, *at = text;
     size_t bad = strcspn(text, others), length;
     if (bad < size || (*text != '/' && strcmp(text, "*")))
-        return error_at_byte(e, ERROR_BAD_TARGET, bad < size ? bad : 0, "an address cannot be like that");
+        return error_at_byte(e, ERROR_BAD_TARGET, bad < size ? bad : 0, "the address is malformed");
     r->path = text;
     if (!(at = decode(at, text, "?", false, &length, e)))
         return -1;

@@ -48,10 +48,10 @@ struct net {
 /* Appends the event of that stream as a message. */
 void event_write(struct buf *out, const struct stream_event *event, const char *stream);
 
-/* event_line.c: the same as a line, for people who type. */
+/* text_lines.c: the same as a line, for people who type. */
 void event_line(struct buf *line, const struct stream_event *event);
 
-/* text_answer.c: any other message as a line; nothing when it is of no use to them. */
+/* Any other message as a line; nothing when it is of no use to them. */
 void text_line(const json_t *message, struct buf *line);
 
 /* event_json.c */
@@ -139,7 +139,7 @@ struct net *exchange_net(const struct exchange *x);
 void exchange_warn(void *exchange, const struct error *e);
 const struct error *exchange_warnings(const struct exchange *x, size_t *count);
 
-struct principal *exchange_guest(struct exchange *x); /* once it has been permitted something */
+struct principal *exchange_principal(struct exchange *x); /* once it has been permitted something */
 
 /* Whether the client may do that; when not, it has been answered and *result is what to return. */
 bool exchange_permits(struct exchange *x, enum right right, const char *room, int *result);

@@ -83,7 +83,7 @@ int post_text_request(struct post_text *p, struct speech_request *request, struc
     if (!p->json)
         request_set(request, "text", text, e);
     if (request->text_size > limit)
-        return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have %u bytes", limit);
+        return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %u bytes", limit);
     return 0;
 }
 

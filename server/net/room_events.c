@@ -55,7 +55,7 @@ void room_events_revoke(struct net *net) {
     struct error e;
     error_plain(&e, ERROR_REVOKED_TOKEN);
     for (struct events *events = net->events; events; events = events->next) {
-        if (!events->follower.channel || !principal_revoke(net, exchange_guest(events->x)))
+        if (!events->follower.channel || !principal_revoke(net, exchange_principal(events->x)))
             continue;
         channel_leave(&events->follower);
         tell(events, "error", message_error(&e));

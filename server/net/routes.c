@@ -16,7 +16,7 @@ static json_t *expressions(const struct net *net) {
 
 /* With a token for one room, that one. */
 static int rooms(struct exchange *x) {
-    const char *only = exchange_guest(x)->token.room;
+    const char *only = exchange_principal(x)->token.room;
     return exchange_json(x, 200, json_pack("{so}", "rooms", message_rooms(exchange_net(x), only)));
 }
 

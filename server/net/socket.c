@@ -71,7 +71,8 @@ static void fault(void *ctx, enum websocket_status status, const char *why, uint
         error_at_byte(&e, ERROR_BAD_UTF8, (size_t)byte, "a text must be UTF-8");
         socket_complain(s, &e);
     } else if (status == WEBSOCKET_TOO_LARGE && !s->closing) {
-        error_set(&e, ERROR_MESSAGE_TOO_LONG, "a message may have %u bytes", s->net->options.message_bytes);
+        error_set(&e, ERROR_MESSAGE_TOO_LONG, "a message may have at most %u bytes",
+                  s->net->options.message_bytes);
         socket_complain(s, &e);
     }
     socket_farewell(s, status, why);

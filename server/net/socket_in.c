@@ -130,10 +130,11 @@ void socket_hear_json(struct socket *s, const char *data, size_t size) {
 void socket_hear(struct socket *s, bool binary) {
     struct error e;
     if (s->too_long) {
-        error_set(&e, ERROR_MESSAGE_TOO_LONG, "a message may have %u bytes", s->net->options.message_bytes);
+        error_set(&e, ERROR_MESSAGE_TOO_LONG, "a message may have at most %u bytes",
+                  s->net->options.message_bytes);
         socket_complain(s, &e);
     } else if (binary) {
-        error_set(&e, ERROR_BINARY_MESSAGE, "a client sends no binary messages");
+        error_set(&e, ERROR_BINARY_MESSAGE, "binary messages are not accepted");
         socket_complain(s, &e);
     } else {
         s->hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);

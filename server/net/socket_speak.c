@@ -95,7 +95,7 @@ void socket_speak_request(struct socket *s, const struct speech_request *request
     struct error e;
     int refused = socket_may_speak(s, &e);
     if (!refused && request->text_size > limit)
-        refused = error_in_field(&e, ERROR_TEXT_TOO_LONG, "text", "a text may have %u bytes", limit);
+        refused = error_in_field(&e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %u bytes", limit);
     if (refused)
         socket_refuse(s, request->id, &e);
     else

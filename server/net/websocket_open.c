@@ -31,7 +31,7 @@ static int check_place(struct exchange *x) {
     struct net *net = x->net;
     const struct http_request *r = x->request;
     if (r->method != HTTP_GET || !r->minor)
-        return refuse(x, ERROR_BAD_HANDSHAKE, "a WebSocket is asked for by GET of HTTP/1.1");
+        return refuse(x, ERROR_BAD_HANDSHAKE, "a WebSocket is opened by a GET of HTTP/1.1");
     struct error e;
     if (principal_check_host(net, r, &e)) {
         exchange_error(x, &e);
@@ -54,7 +54,8 @@ static int check_handshake(struct exchange *x) {
     const struct http_request *r = x->request;
     const char *version = http_header(r, "sec-websocket-version");
     if (!version || strcmp(version, "13") || http_header_count(r, "sec-websocket-version") > 1)
-        return refuse(x, ERROR_UPGRADE_REQUIRED, "version 13 of the WebSocket protocol is spoken here");
+        return refuse(x, ERROR_UPGRADE_REQUIRED,
+                      "version 13 of the WebSocket protocol is the one that is supported");
     if (!is_key(http_header(r, "sec-websocket-key")) || http_header_count(r, "sec-websocket-key") > 1)
         return refuse(x, ERROR_BAD_HANDSHAKE, "Sec-WebSocket-Key must be 16 bytes in base64, once");
     if (r->chunked || r->content_length)

@@ -8,69 +8,12 @@
 #include <string.h>
 #include <strings.h>
 
-static bool are_strings(const json_t *array, size_t count) {
-    for (size_t i = 0; i < json_array_size(array); i++)
-        if (!json_is_string(json_array_get(array, i)))
-            return false;
-    return json_is_array(array) && (!count || json_array_size(array) == count);
-}
-
-/* Every member of the object is a string, or an array of `count` strings. */
-static bool are_all(const json_t *object, size_t count) {
-    const char *name;
-    json_t *value;
-    json_object_foreach((json_t *)object, name, value) {
-        if (count ? !are_strings(value, count) : !json_is_string(value))
-            return false;
-    }
-    return json_is_object(object);
-}
-
-/* What is wrong with the file, or NULL. */
-static const char *fault(const json_t *root) {
-    const json_t *ordinal = json_object_get(root, "ordinal"), *rules = json_object_get(ordinal, "rules");
-    const json_t *currencies = json_object_get(root, "currencies");
-    const char *name, *point = json_string_value(json_object_get(root, "decimal")),
-                      *groups = json_string_value(json_object_get(root, "thousands"));
-    json_t *value;
-    if (!json_is_string(json_object_get(root, "tag")))
-        return "tag must be a string";
-    if (!point || strlen(point) != 1 || !groups || strlen(groups) != 1)
-        return "decimal and thousands must be one character each";
-    if (!are_strings(json_object_get(root, "months"), 12))
-        return "months must be twelve strings";
-    if (!are_strings(json_object_get(ordinal, "words"), 0) || !json_is_array(rules))
-        return "ordinal must have words and rules";
-    for (size_t i = 0; i < json_array_size(rules); i++)
-        if (!are_strings(json_array_get(rules, i), 2))
-            return "a rule of ordinal must be an ending and a template";
-    static const char *const words[] = {"plus", "order", "fraction", "and"};
-    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
-        if (!json_is_string(json_object_get(root, words[i])))
-            return "plus, order, fraction and and must be strings";
-    if (!are_all(json_object_get(root, "date"), 0) || !are_all(json_object_get(root, "time"), 0) ||
-        !are_all(json_object_get(root, "net"), 0))
-        return "date, time and net must hold strings";
-    if (!are_all(json_object_get(root, "parts"), 2) || !are_all(json_object_get(root, "duration"), 2) ||
-        !are_all(json_object_get(root, "units"), 2))
-        return "parts, duration and units must hold pairs of strings";
-    json_object_foreach((json_t *)currencies, name, value) {
-        if (!are_strings(json_object_get(value, "signs"), 0) ||
-            !are_strings(json_object_get(value, "name"), 2) ||
-            !are_strings(json_object_get(value, "cent"), 2))
-            return "a currency must have signs, name and cent";
-    }
-    return json_is_object(currencies) ? NULL : "currencies must be an object";
-}
-
 static int load(struct normalizers *normalizers, const char *path, struct error *e) {
-    json_error_t why;
-    json_t *root = json_load_file(path, JSON_REJECT_DUPLICATES, &why);
-    const char *wrong = root ? fault(root) : why.text;
-    if (wrong) {
-        error_set(e, ERROR_BAD_NORMALIZATION, "%s: %s", path, wrong);
-        json_decref(root);
-        return -1;
+    struct error inner = {0};
+    json_t *root = normalizer_read(path, &inner);
+    if (!root) {
+        char text[320];
+        return error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));
     }
     normalizers->list =
         mem_grow(normalizers->list, &normalizers->cap, normalizers->count + 1, sizeof *normalizers->list);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* How a text says that it is to be read (say-as) becomes words, before any voice sees it: dates, times, sums
- * of money, addresses of the net... Each language is a file of models/normalizer. */
+ * of money, addresses of the net... Each language is a file of models/normalization. */
 #ifndef FACCIA_NORMALIZE_NORMALIZERS_H
 #define FACCIA_NORMALIZE_NORMALIZERS_H
 
@@ -20,6 +20,9 @@ struct normalizers {
 int normalizers_load(struct normalizers *normalizers, const char *folder, struct error *e);
 void normalizers_free(struct normalizers *normalizers);
 
+/* One such file, to be released with json_decref. NULL with *e, whose field is the place in it. */
+json_t *normalizer_read(const char *path, struct error *e);
+
 /* For a BCP 47 tag: the same language, whatever its region; else NULL. */
 const struct normalizer *normalizers_find(const struct normalizers *normalizers, const char *lang);
 
@@ -29,9 +32,9 @@ const struct normalizer *normalizers_find(const struct normalizers *normalizers,
 bool normalizer_words(const struct normalizer *normalizer, const char *way, const char *text,
                       struct buf *out);
 
-/* Rewrites an item of a script, whose voice speaks lang. Letters to be spelled stay as they are: voices know their
- * names. What is not of the kind that its author says gets a warning ("bad-value"), and stays too, for the
- * voice to try. */
+/* Rewrites an item of a script, whose voice speaks lang. Letters to be spelled stay as they are: voices know
+ * their names. What is not of the kind that its author says gets a warning ("bad-value"), and stays too, for
+ * the voice to try. */
 void normalizers_apply(const struct normalizers *normalizers, struct score *script, size_t item,
                        const char *lang);
 

@@ -81,7 +81,7 @@ static int read_fap(struct recording *r) {
         return error_set(&r->error, ERROR_UNKNOWN_MEDIA, "'%s' cannot be read: %s", source->name,
                          strerror(errno));
     if (source->fap.size > source->fap_bytes_max)
-        return error_set(&r->error, ERROR_MEDIA_TOO_LARGE, "a .fap file may have %zu bytes",
+        return error_set(&r->error, ERROR_MEDIA_TOO_LARGE, "a .fap file may have at most %zu bytes",
                          source->fap_bytes_max);
     return 0;
 }

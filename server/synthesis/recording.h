@@ -46,7 +46,7 @@ void recording_list(const char *folder, void (*each)(void *ctx, const char *name
 
 struct recording;
 
-/* high: shows what FAP 1 and 2 mean; NULL = nothing does. Takes what the source holds. Scenes and problems
+/* high: shows what FAP 1 and 2 mean; NULL = nothing does. Takes what the source holds. Segments and problems
  * come as those of a speech: "unknown-media", "bad-fap" (with its line), "bad-sound", "media-too-large". */
 struct recording *recording_open(uv_loop_t *loop, const struct face_high_level *high,
                                  struct recording_source *source, const struct synthesis_callbacks *callbacks,

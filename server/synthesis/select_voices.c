@@ -90,25 +90,25 @@ struct voice_selection *select_voices(struct score *score, const struct voice *v
     const struct selecting c = {score, voice, voices, packs};
     const struct score_style *last = NULL;
     const struct voice *chosen = NULL; /* for the last style */
-    struct voice_selection *cast = voice_selection_new(score->item_count);
+    struct voice_selection *selection = voice_selection_new(score->item_count);
     for (size_t i = 0; i < score->item_count; i++) {
         const struct score_item *item = &score->items[i];
         const struct score_style *style = item->style;
-        cast->voices[i] = voice;
+        selection->voices[i] = voice;
         if (item->kind == SCORE_AUDIO) {
             struct error e;
-            cast->sounds[i] = sound_find(sounds, item->text ? item->text : "", &e);
-            if (!cast->sounds[i])
+            selection->sounds[i] = sound_find(sounds, item->text ? item->text : "", &e);
+            if (!selection->sounds[i])
                 score_warn(score, item->start, e.code, "%s", e.message);
         }
         if (item->kind != SCORE_TEXT || (!style->voice && !style->lang && !style->gender))
             continue;
         bool same = last && (last == style || (last->voice == style->voice && last->lang == style->lang &&
                                                last->gender == style->gender));
-        cast->voices[i] = chosen = same ? chosen : choose(&c, item);
+        selection->voices[i] = chosen = same ? chosen : choose(&c, item);
         last = style;
     }
-    return cast;
+    return selection;
 }
 
 const struct voice *select_voice_of_gender(const struct voice_pool *pool, const struct speech_packs *packs,

@@ -34,7 +34,7 @@ static void ask_voice(struct synthesis *s, struct slot *slot) {
                                     .volume = s->request.volume,
                                     .urgent = slot->sentence == s->released};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
-    slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->cast, &callbacks, slot);
+    slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }
 
 /* What has been spoken already, or is being spoken, is not asked for again. */
@@ -225,13 +225,13 @@ static void forget_pending(struct synthesis *s, size_t first, size_t last) {
 /* What a long text was read into takes long to free, too. */
 struct rest {
     uv_work_t work;
-    struct voice_selection *cast;
+    struct voice_selection *chosen;
     struct score *script, *document;
 };
 
 static void free_rest(uv_work_t *work) {
     struct rest *rest = work->data;
-    voice_selection_free(rest->cast);
+    voice_selection_free(rest->chosen);
     score_free(rest->script);
     score_free(rest->document);
 }
@@ -244,7 +244,7 @@ static void after_rest(uv_work_t *work, int status) {
 
 static void free_result(struct synthesis *s) {
     struct rest *rest = mem_alloc(sizeof *rest);
-    *rest = (struct rest){.cast = s->cast, .script = s->result.score, .document = s->result.document};
+    *rest = (struct rest){.chosen = s->chosen, .script = s->result.score, .document = s->result.document};
     rest->work.data = rest;
     bool is_long = s->pipeline->long_text && s->request.text_size >= s->pipeline->long_text && s->score;
     if (is_long && !uv_queue_work(s->pipeline->loop, &rest->work, free_rest, after_rest))

@@ -28,7 +28,7 @@ struct slot {
 struct reading_result {
     struct score *document; /* what the text says; NULL: error says why */
     struct score *score;    /* its script: what is spoken */
-    struct voice_selection *cast;
+    struct voice_selection *chosen;
     enum face_blend blend; /* what the request and the text ask for */
     struct error error;
     bool marks; /* it has some */
@@ -48,7 +48,7 @@ struct synthesis {
     atomic_bool given_up; /* read by the other thread */
     const struct speech_pack *pack;
     const struct voice *voice;
-    struct voice_selection *cast;
+    struct voice_selection *chosen;
     struct synthesis_callbacks callbacks;
     void *ctx;
     bool keeps;

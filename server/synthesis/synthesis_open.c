@@ -161,14 +161,14 @@ static void read_text(struct synthesis *s) {
     r->blend = blend_of(s->request.blend, r->score);
     if (pipeline->expressions)
         expressions_direct(pipeline->expressions, r->score);
-    r->cast = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
+    r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
     for (size_t i = 0; i < r->score->item_count && pipeline->normalizers; i++)
-        normalizers_apply(pipeline->normalizers, r->score, i, r->cast->voices[i]->lang);
+        normalizers_apply(pipeline->normalizers, r->score, i, r->chosen->voices[i]->lang);
 }
 
 static void take_result(struct synthesis *s) {
     s->score = s->result.score;
-    s->cast = s->result.cast;
+    s->chosen = s->result.chosen;
     voice_pool_let_go(s->pipeline->voices);
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/voice/assembly_said.h"
+#include "server/voice/assembly_internal.h"
 #include "server/voice/cue_times.h"
 #include <stdarg.h>
 #include <stdio.h>

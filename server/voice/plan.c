@@ -38,7 +38,7 @@ static void begin_text(struct plan *plan, const struct score_style *style,
                        const struct plan_prosody *prosody) {
     struct faccia_span *span = add_span(plan, FACCIA_SPAN_TEXT);
     plan->last_bytes = plan->last_cap = 0;
-    span->lang = prosody->cast ? NULL : copy(style->lang);
+    span->lang = prosody->chosen ? NULL : copy(style->lang);
     span->phones = copy(style->phonemes);
     span->say_as = copy(style->say_as);
     span->emotion = prosody->plays ? copy(style->emotion.name) : NULL;

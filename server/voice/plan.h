@@ -43,7 +43,7 @@ struct plan_prosody {
     double rate;          /* words per minute, 0 = the voice's own */
     double own_rate;      /* the voice's own words per minute */
     double pitch, volume; /* factors */
-    bool cast;            /* the voice was chosen for the styles' languages: they are not passed on */
+    bool chosen;          /* the voice was chosen for the styles' languages: they are not passed on */
     bool plays;           /* the voice plays emotions: they are passed on */
 };
 

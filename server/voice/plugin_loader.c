@@ -31,43 +31,43 @@ static const char *complaint(const struct faccia_voice *api, char *out, size_t c
     return NULL;
 }
 
-int loaded_plugin_load(struct loaded_plugin *host, const char *path, uint32_t capabilities, char *message,
+int loaded_plugin_load(struct loaded_plugin *loaded, const char *path, uint32_t capabilities, char *message,
                        size_t cap) {
     enum { NEEDS = FACCIA_VOICE_NETWORK | FACCIA_VOICE_PROGRAMS | FACCIA_VOICE_FILES };
     char why[160];
-    host->path = path;
-    host->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
-    if (!host->library) {
+    loaded->path = path;
+    loaded->library = dlopen(path, RTLD_NOW | RTLD_LOCAL);
+    if (!loaded->library) {
         const char *error = dlerror();
         snprintf(message, cap, "%s", error ? error : path);
         return -1;
     }
-    host->api = dlsym(host->library, FACCIA_VOICE_SYMBOL);
-    if (!host->api)
+    loaded->api = dlsym(loaded->library, FACCIA_VOICE_SYMBOL);
+    if (!loaded->api)
         return fail(message, cap, path, "no voice plugin: it does not export \"" FACCIA_VOICE_SYMBOL "\"");
-    const char *bad = complaint(host->api, why, sizeof why);
+    const char *bad = complaint(loaded->api, why, sizeof why);
     if (bad)
         return fail(message, cap, path, bad);
-    host->capabilities = needs_stated(host->api->abi, host->api->capabilities);
-    if (host->capabilities & NEEDS & ~capabilities)
+    loaded->capabilities = needs_stated(loaded->api->abi, loaded->api->capabilities);
+    if (loaded->capabilities & NEEDS & ~capabilities)
         return fail(message, cap, path,
                     "the plugin's table is not what its file says: it must be a constant");
     return 0;
 }
 
-int loaded_plugin_open(struct loaded_plugin *host, const char *config, char *message, size_t cap) {
+int loaded_plugin_open(struct loaded_plugin *loaded, const char *config, char *message, size_t cap) {
     *message = '\0';
-    int result = host->api->open(config, &host->self, message, cap);
+    int result = loaded->api->open(config, &loaded->self, message, cap);
     message[cap - 1] = '\0';
     if (result && !*message)
-        return fail(message, cap, host->path, "the plugin did not start");
+        return fail(message, cap, loaded->path, "the plugin did not start");
     return result > 0 ? 1 : result ? -1 : 0;
 }
 
-void loaded_plugin_close(struct loaded_plugin *host) {
-    host->api->close(host->self);
+void loaded_plugin_close(struct loaded_plugin *loaded) {
+    loaded->api->close(loaded->self);
     /* the library stays: the process is about to end, and a leak report can still name it */
-    *host = (struct loaded_plugin){0};
+    *loaded = (struct loaded_plugin){0};
 }
 
 static json_t *text(const char *s) {
@@ -85,14 +85,14 @@ static void add_voice(void *ctx, const struct faccia_voice_info *voice) {
                                          "rate", (json_int_t)voice->rate));
 }
 
-char *loaded_plugin_describe(const struct loaded_plugin *host) {
+char *loaded_plugin_describe(const struct loaded_plugin *loaded) {
     json_t *voices = json_array();
-    host->api->list(host->self, add_voice, voices);
-    json_t *root =
-        json_pack("{so so so sI so s{so so so}}", "name", text(host->api->name), "version",
-                  text(host->api->version), "licence", text(host->api->licence), "capabilities",
-                  (json_int_t)host->capabilities, "voices", voices, "gaps", "spaces", text(host->gaps.spaces),
-                  "files", text(host->gaps.files), "calls", text(host->gaps.calls));
+    loaded->api->list(loaded->self, add_voice, voices);
+    json_t *root = json_pack("{so so so sI so s{so so so}}", "name", text(loaded->api->name), "version",
+                             text(loaded->api->version), "licence", text(loaded->api->licence),
+                             "capabilities", (json_int_t)loaded->capabilities, "voices", voices, "gaps",
+                             "spaces", text(loaded->gaps.spaces), "files", text(loaded->gaps.files), "calls",
+                             text(loaded->gaps.calls));
     char *dump = json_dumps(root, JSON_COMPACT);
     json_decref(root);
     return dump ? dump : mem_strdup("{}");

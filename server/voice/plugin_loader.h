@@ -17,17 +17,17 @@ struct loaded_plugin {
 
 /* Loads the shared object, whose initialisers run, and looks at its table, which may need no more than those
  * capabilities. -1 with a sentence for people in message. */
-int loaded_plugin_load(struct loaded_plugin *host, const char *path, uint32_t capabilities, char *message,
+int loaded_plugin_load(struct loaded_plugin *loaded, const char *path, uint32_t capabilities, char *message,
                        size_t cap);
 
 /* Opens the plugin. With a sentence for people in message: 1 when it has nothing to run here, -1 when it
  * failed. */
-int loaded_plugin_open(struct loaded_plugin *host, const char *config, char *message, size_t cap);
-void loaded_plugin_close(struct loaded_plugin *host);
+int loaded_plugin_open(struct loaded_plugin *loaded, const char *config, char *message, size_t cap);
+void loaded_plugin_close(struct loaded_plugin *loaded);
 
 /* The plugin and its voices as JSON:
  * {"name","version","licence","capabilities","voices":[{"id","name","lang","gender","quality",
  * "licence","sample_rate","rate"}],"gaps":{"spaces","files","calls"}}. The caller frees it. */
-char *loaded_plugin_describe(const struct loaded_plugin *host);
+char *loaded_plugin_describe(const struct loaded_plugin *loaded);
 
 #endif

@@ -13,10 +13,6 @@ enum { SANDBOX_WATCHED = 1 };
 enum { SANDBOX_WATCHED = 0 };
 #endif
 
-/* sandbox_spaces.c */
-int sandbox_spaces(uint32_t capabilities, char *why, size_t cap);
-void sandbox_drop_rights(void);
-
 /* sandbox_files.c */
 int sandbox_files(const struct sandbox *sandbox, char *why, size_t cap);
 

@@ -103,7 +103,7 @@ static void speak(struct sentence *s, struct sentence_part *part) {
             voice = s->selection->voices[i];
     struct plan_prosody prosody = voice_request_prosody(&s->request, voice);
     struct plan plan;
-    prosody.cast = true;
+    prosody.chosen = true;
     plan_items(&plan, s->request.score, what->first, what->count, &prosody);
     if (text_follows(s, part))
         plan_go_on(&plan);

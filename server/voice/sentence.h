@@ -9,11 +9,11 @@
 struct sentence;
 
 /* request->voice is the one for what has no voice of its own, and its sample rate is that of what is joined.
- * The score and the cast must outlive the sentence. Exactly one callback follows, later, unless it is
+ * The score and the selection must outlive the sentence. Exactly one callback follows, later, unless it is
  * cancelled. */
 struct sentence *sentence_speak(struct voice_pool *pool, uv_loop_t *loop, const struct voice_request *request,
-                                const struct voice_selection *cast, const struct voice_callbacks *callbacks,
-                                void *ctx);
+                                const struct voice_selection *selection,
+                                const struct voice_callbacks *callbacks, void *ctx);
 
 /* Forgets the sentence: no callback will come. */
 void sentence_cancel(struct sentence *sentence);

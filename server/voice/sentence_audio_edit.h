@@ -21,4 +21,17 @@ void sentence_audio_append(struct sentence_audio *a, struct sentence_audio *b);
  * where no phones are known), and no sounding phone. from == to: there is no sound. */
 void sentence_audio_bounds(const struct sentence_audio *u, uint32_t *from, uint32_t *to);
 
+struct join_piece {
+    struct sentence_audio *u; /* the join takes it over */
+    bool speech;              /* silence at its ends goes, where it meets another piece */
+    bool pauses;              /* but a pause is due after it: some of it stays */
+};
+
+/* What stays of the silence at each side of a joint, ms: in the flow of words, and where a pause is due. */
+enum { JOIN_GAP_MS = 15, JOIN_PAUSE_MS = 180 };
+
+/* Joins what several voices said into one sentence's audio, as if one breath had said it: at least one piece.
+ * Its language is that of the longest speech; cues, and its place in the input, are the caller's. */
+struct sentence_audio *join(struct join_piece *pieces, size_t count, uint32_t sample_rate);
+
 #endif

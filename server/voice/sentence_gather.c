@@ -4,7 +4,6 @@
 #include "server/voice/assembly.h"
 #include "server/voice/cue_times.h"
 #include "server/voice/sentence_audio_edit.h"
-#include "server/voice/sentence_audio_join.h"
 #include "server/voice/sentence_part.h"
 #include <math.h>
 #include <stdio.h>

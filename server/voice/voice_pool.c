@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The pool's public face: it is opened, speaks and is closed. */
 #include "server/base/mem.h"
-#include "server/base/private_memory.h"
 #include "server/voice/voice_cache_file.h"
 #include "server/voice/voice_pool_internal.h"
 #include <signal.h>

@@ -4,25 +4,25 @@
 #include <stdlib.h>
 
 struct voice_selection *voice_selection_new(size_t count) {
-    struct voice_selection *cast = mem_alloc(sizeof *cast);
-    cast->voices = mem_alloc(count * sizeof *cast->voices);
-    cast->sounds = mem_alloc(count * sizeof *cast->sounds);
-    cast->count = count;
-    return cast;
+    struct voice_selection *selection = mem_alloc(sizeof *selection);
+    selection->voices = mem_alloc(count * sizeof *selection->voices);
+    selection->sounds = mem_alloc(count * sizeof *selection->sounds);
+    selection->count = count;
+    return selection;
 }
 
-void voice_selection_free(struct voice_selection *cast) {
-    if (!cast)
+void voice_selection_free(struct voice_selection *selection) {
+    if (!selection)
         return;
-    for (size_t i = 0; i < cast->count; i++)
-        free(cast->sounds[i]);
-    free(cast->sounds);
-    free(cast->voices);
-    free(cast);
+    for (size_t i = 0; i < selection->count; i++)
+        free(selection->sounds[i]);
+    free(selection->sounds);
+    free(selection->voices);
+    free(selection);
 }
 
 struct cutter {
-    const struct voice_selection *cast;
+    const struct voice_selection *selection;
     const struct score *score;
     struct part *parts;
     size_t count, cap;
@@ -40,7 +40,7 @@ static enum score_kind kind(const struct cutter *c, size_t item) {
 }
 
 static bool is_sound(const struct cutter *c, size_t item) {
-    return kind(c, item) == SCORE_AUDIO && c->cast->sounds[item];
+    return kind(c, item) == SCORE_AUDIO && c->selection->sounds[item];
 }
 
 static bool is_text(const struct cutter *c, size_t item) {
@@ -68,7 +68,8 @@ static void cut_texts(struct cutter *c, size_t first, size_t end, size_t instead
         while (begin > first && kind(c, begin - 1) != SCORE_BREAK)
             begin--;
         add_silence(c, first, begin, instead_of);
-        for (size_t i = text; i < end && (!is_text(c, i) || c->cast->voices[i] == c->cast->voices[text]); i++)
+        for (size_t i = text;
+             i < end && (!is_text(c, i) || c->selection->voices[i] == c->selection->voices[text]); i++)
             if (is_text(c, i))
                 last = i;
         add(c, PART_TEXT, begin, last + 1 - begin, instead_of);
@@ -93,16 +94,16 @@ static void cut(struct cutter *c, size_t first, size_t end, size_t instead_of) {
     cut_texts(c, texts, end, instead_of);
 }
 
-struct part *voice_selection_parts(const struct voice_selection *cast, const struct score *score,
+struct part *voice_selection_parts(const struct voice_selection *selection, const struct score *score,
                                    size_t sentence, size_t *count) {
     const struct score_sentence *s = &score->sentences[sentence];
-    struct cutter c = {.cast = cast, .score = score};
+    struct cutter c = {.selection = selection, .score = score};
     size_t end = s->first + s->count, texts = 0;
     bool simple = true;
     const struct voice *voice = NULL;
     for (size_t i = s->first; i < end && simple; i++) {
-        simple = !is_sound(&c, i) && (!is_text(&c, i) || !texts++ || cast->voices[i] == voice);
-        voice = is_text(&c, i) ? cast->voices[i] : voice;
+        simple = !is_sound(&c, i) && (!is_text(&c, i) || !texts++ || selection->voices[i] == voice);
+        voice = is_text(&c, i) ? selection->voices[i] : voice;
     }
     if (simple)
         add(&c, PART_TEXT, s->first, s->count, SIZE_MAX);

@@ -13,7 +13,7 @@ struct voice_selection {
 };
 
 struct voice_selection *voice_selection_new(size_t count);
-void voice_selection_free(struct voice_selection *cast);
+void voice_selection_free(struct voice_selection *selection);
 
 /* A part of a sentence that one voice speaks, or a sound, or silence. */
 struct part {
@@ -23,7 +23,7 @@ struct part {
 };
 
 /* Cuts a sentence into parts, in order. The caller frees them. */
-struct part *voice_selection_parts(const struct voice_selection *cast, const struct score *score,
+struct part *voice_selection_parts(const struct voice_selection *selection, const struct score *score,
                                    size_t sentence, size_t *count);
 
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/worker_keeper.h"
 #include "server/base/log.h"
-#include "server/base/private_memory.h"
+#include "server/base/mem.h"
 #include "server/voice/wire.h"
 #include <fcntl.h>
 #include <limits.h>

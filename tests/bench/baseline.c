@@ -7,7 +7,7 @@
  * (theta) and on the degrees (c) with which the curve of the original function comes nearest to the way
  * through all targets that hold (alpha 0.5 and more), each reached where it belongs, with half a cosine
  * between them; at the rate of the files, at half and at double that. What it prints goes into
- * server/face/engines/original.c. */
+ * server/face/engines/targets.c. */
 #include "server/align/times.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"

@@ -100,8 +100,8 @@ export async function probe(page) {
     const source = `registerProcessor('clicks', class extends AudioWorkletProcessor {
       process([[samples]]) {
         if (samples) for (let i = 0; i < samples.length; i++)
-          if (Math.abs(samples[i]) > 0.2 && !(currentFrame + i < this.deaf)) {
-            this.deaf = currentFrame + i + sampleRate / 2;
+          if (Math.abs(samples[i]) > 0.2 && !(currentFrame + i < this.mutedUntil)) {
+            this.mutedUntil = currentFrame + i + sampleRate / 2;
             this.port.postMessage(currentFrame + i);
           }
         return true;

@@ -32,6 +32,23 @@ const drawn = (n, least, most) =>
     [n, least, most],
     { timeout: 20000 },
   );
+/** Waits for so many pictures. */
+const frames = (count, on = page) =>
+  on.evaluate(async (n) => {
+    for (let i = 0; i < n; i++) await new Promise(requestAnimationFrame);
+  }, count);
+/** Waits until the mouth and the brows stay as they are: an expression has come to its end. The rest of the face lives on. */
+const settled = (on = page) =>
+  on.evaluate(async () => {
+    const face = document.querySelector('talking-head');
+    const look = () => [4, 5, 12, 13, 31, 32].map((n) => face.faps[n] ?? 0);
+    for (let before = look(), same = 0; same < 15; ) {
+      await new Promise(requestAnimationFrame);
+      const now = look();
+      same = now.every((value, i) => Math.abs(value - before[i]) < 3) ? same + 1 : 0;
+      before = now;
+    }
+  });
 const shot = async (name) => {
   const png = await page.locator('talking-head canvas').screenshot();
   await page.screenshot({ path: path.join(artefacts, `emotion-${name}.png`), fullPage: true });
@@ -75,7 +92,7 @@ test('the mood is seen at once on the idling face', async () => {
   const neutral = await shot('neutral');
   await page.fill('#intensity', '100');
   await drawn(12, 150, 1200);
-  await page.waitForTimeout(500);
+  await settled();
   const joy = await shot('joy');
   // the mouth's part of the picture
   const { width, height } = neutral;
@@ -83,7 +100,7 @@ test('the mood is seen at once on the idling face', async () => {
   assert.ok(difference(neutral, joy, mouth, 40).count > 150, `${difference(neutral, joy, mouth, 40).count} pixels`);
   await page.selectOption('#affect', 'anger');
   await drawn(31, -1200, -60);
-  await page.waitForTimeout(500);
+  await settled();
   await shot('anger');
 });
 
@@ -148,7 +165,7 @@ test('the values of the face are shown while she speaks in that mood', async () 
 test('from idling to speech and back the face as drawn takes no jump', async () => {
   await page.focus('#thumb');
   await page.keyboard.press('Home');
-  await page.waitForTimeout(600);
+  await settled();
   await record(page);
   await page.evaluate(() => document.querySelector('talking-head').speak('Mamma mia.', { lang: 'it' }));
   await page.waitForFunction(() => window.log.some((l) => l.running) && !window.log.at(-1).running, null, { timeout: 60000 });
@@ -170,7 +187,7 @@ test('she idles only while she is seen and not to keep still', async () => {
   };
   const rests = async () => {
     await page.waitForFunction(() => !Object.keys(document.querySelector('talking-head').faps).length, null, { timeout: 20000 });
-    await page.waitForTimeout(300);
+    await frames(20);
     assert.equal(await faps(), '{}');
   };
   const change = (act) => page.evaluate(`{ const head = document.querySelector('talking-head'); ${act} }`);
@@ -245,9 +262,9 @@ test('with less motion the emotions show on a face that is still otherwise', asy
   await other.waitForSelector('#affects g');
   await other.selectOption('#affect', 'joy');
   await other.waitForFunction(() => document.querySelector('talking-head').faps[12] > 80, null, { timeout: 20000 });
-  await other.waitForTimeout(500);
+  await settled(other);
   const { 48: pitch = 0, 49: yaw = 0 } = await other.evaluate(() => document.querySelector('talking-head').faps);
-  await other.waitForTimeout(500);
+  await frames(30, other);
   const now = await other.evaluate(() => document.querySelector('talking-head').faps);
   // 1e-5 rad; a living head turns by hundreds of them in half a second, what is left of a transition does not
   const turned = [(now[48] ?? 0) - pitch, (now[49] ?? 0) - yaw];
@@ -257,7 +274,7 @@ test('with less motion the emotions show on a face that is still otherwise', asy
 
 test('it fits a phone', async () => {
   await page.setViewportSize({ width: 360, height: 740 });
-  await page.waitForTimeout(300);
+  await frames(3);
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
   await shot('phone');
   assert.deepEqual(page.problems, []);

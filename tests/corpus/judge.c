@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the readers say of files: on each line of standard input a kind and a path, on each line of standard
  * output "ok", or code, place and message with tabs between them. */
+#include "server/align/times.h"
+#include "server/app/settings_internal.h"
 #include "server/base/mem.h"
 #include "server/expression/expressions.h"
 #include "server/face/packs/context_table.h"
@@ -8,6 +10,7 @@
 #include "server/face/packs/spelling.h"
 #include "server/net/models.h"
 #include "server/normalize/normalizers.h"
+#include "server/plugins/command/command_config.h"
 #include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -55,13 +58,59 @@ static bool expressions(const char *path, struct error *e) {
     return loaded;
 }
 
-/* All files of the folder that it lies in. */
 static bool normalization(const char *path, struct error *e) {
-    struct normalizers loaded;
-    char *copy = mem_strdup(path);
-    bool good = !normalizers_load(&loaded, dirname(copy), e);
-    free(copy);
-    normalizers_free(&loaded);
+    json_t *loaded = normalizer_read(path, e);
+    json_decref(loaded);
+    return loaded;
+}
+
+/* All of a file, with a NUL behind it; size is without that. */
+static char *content(const char *path, size_t *size) {
+    enum { MOST = 1 << 24 };
+    FILE *file = fopen(path, "rb");
+    char *text = mem_alloc(MOST);
+    *size = file ? fread(text, 1, MOST - 1, file) : 0;
+    if (file)
+        fclose(file);
+    return text;
+}
+
+static bool timed(const char *path, struct error *e) {
+    struct times_options options = {.format = TIMES_JSON};
+    struct times times;
+    size_t size;
+    char *text = content(path, &size);
+    bool good = !times_read(&times, &options, text, size, e);
+    times_free(&times);
+    free(text);
+    return good;
+}
+
+/* As the daemon reads the file of --config. */
+static bool settings(const char *path, struct error *e) {
+    struct settings read = {0};
+    bool good = !settings_from_file(&read, PROGRAM_DAEMON, path, e);
+    settings_free(&read);
+    if (e->place == PLACE_FIELD && !strcmp(e->field, "--config"))
+        e->place = PLACE_NONE;
+    return good;
+}
+
+/* The part of the plugin "command"; none at all is right, too. */
+static bool voices(const char *path, struct error *e) {
+    struct cm_voices read;
+    char message[256] = "", *text;
+    size_t size;
+    bool good = cm_config_read(&read, text = content(path, &size), message, sizeof message) >= 0;
+    char *what = strstr(message, ": ");
+    if (!good && what) {
+        *what = '\0';
+        error_in_field(e, ERROR_BAD_VOICE_CONFIG, message, "%s", what + 2);
+    } else if (!good) {
+        error_set(e, ERROR_BAD_VOICE_CONFIG, "%s", message);
+    }
+    cm_config_free(&read);
+    free(text);
     return good;
 }
 
@@ -70,24 +119,28 @@ static bool head(const char *path, struct error *e) {
     char name[300], *copy = mem_strdup(path), *base = basename(copy);
     snprintf(name, sizeof name, "%.*s", (int)strcspn(base, "."), base);
     struct model model = {0};
-    FILE *file = fopen(path, "rb");
-    char *text = mem_alloc(1 << 24);
-    size_t size = file ? fread(text, 1, 1 << 24, file) : 0;
+    size_t size;
+    char *text = content(path, &size);
     bool good = !model_split(&model, name, text, size, base, e);
     model_free(&model);
     free(text);
     free(copy);
-    if (file)
-        fclose(file);
     return good;
 }
 
 static const struct kind {
     const char *name;
     bool (*read)(const char *path, struct error *e);
-} kinds[] = {{"pack", pack},       {"alphabets", alphabets},     {"visemes", visemes},
-             {"letters", letters}, {"expressions", expressions}, {"normalization", normalization},
-             {"head", head}};
+} kinds[] = {{"pack", pack},
+             {"alphabets", alphabets},
+             {"visemes", visemes},
+             {"letters", letters},
+             {"expressions", expressions},
+             {"normalization", normalization},
+             {"head", head},
+             {"timed", timed},
+             {"settings", settings},
+             {"voices", voices}};
 
 static bool judge(const struct kind *kind, const char *path) {
     struct error e = {0};

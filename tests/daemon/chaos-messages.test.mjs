@@ -99,7 +99,7 @@ async function watchHealth(daemon, until, statuses) {
     });
     assert.ok(!response || statuses.includes(response.status), `healthz answers ${response?.status}`);
     await response?.arrayBuffer();
-    await sleep(200);
+    await sleep(200); // it is asked now and then
   }
 }
 

@@ -199,8 +199,7 @@ test('a Festival that was killed while idle is not missed, and a stop reaches it
   const [another] = festivals(daemon.process.pid);
   assert.notEqual(another.pid, festival.pid);
   process.kill(another.pid, 'SIGSTOP'); // it will not answer
-  speak('c', 'La terza frase.');
-  await new Promise((resolve) => setTimeout(resolve, 200));
+  await daemon.asks(() => speak('c', 'La terza frase.'));
   stream.send({ type: 'stop' });
   await stream.wait({ type: 'end', id: 'c', reason: 'stopped' });
   speak('d', 'La quarta frase.');

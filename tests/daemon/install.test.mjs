@@ -44,7 +44,7 @@ test('everything lies where Debian expects it', () => {
   // what is built for the tests, or with sources of the host, is not for installation
   const all = fs.readdirSync(installed, { recursive: true, encoding: 'utf8' });
   assert.deepEqual(all.filter((name) => /\.(a|c\.o|h)$/.test(name)), [path.join(options.includedir, 'faccia-voice.h')]);
-  assert.deepEqual(all.filter((name) => name.endsWith('.so')).map((name) => path.basename(name, '.so')).filter((name) => !['command', 'espeak', 'festival', 'kokoro', 'recording'].includes(name)), []);
+  assert.deepEqual(all.filter((name) => name.endsWith('.so')).map((name) => path.basename(name, '.so')).filter((name) => !['command', 'espeak', 'festival', 'kokoro', 'libonnxruntime', 'recording'].includes(name)), []);
 });
 
 /** Speaks with what is installed below the folder, and looks at which files it opens meanwhile. */
@@ -96,6 +96,15 @@ test('so does one that was moved, and its faccia', async () => {
   // alignment has a worker speak, too
   const aligned = JSON.parse(faccia('align', path.join(folder, 'say.wav'), '--text', write('say.txt', 'La mamma parla piano.'), '--quiet'));
   assert.deepEqual(aligned.words.map(({ text }) => text), ['La', 'mamma', 'parla', 'piano']);
+});
+
+const kokoro = fs.existsSync(path.join(ordinary, 'server/plugins/kokoro.so'));
+test('Kokoro has its weights beside it', { skip: kokoro ? false : 'Kokoro is not installed: sh server/run.sh --with kokoro' }, async () => {
+  const beside = within('libdir', 'faccia/plugins/kokoro');
+  assert.ok(fs.existsSync(path.join(beside, '.faccia-lock')));
+  assert.ok(!fs.existsSync(path.join(beside, 'expo-sherpa-onnx')), 'headers are for the build');
+  const said = run(within('bindir', 'faccia'), ['say', '-l', 'it', '-v', 'kokoro:if_sara', '--json', '-', 'Ciao.'], { env: plain, cwd: folder });
+  assert.ok(JSON.parse(said).phones.length > 3);
 });
 
 const write = (name, text) => {

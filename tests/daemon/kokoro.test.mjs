@@ -139,8 +139,7 @@ test('a stop reaches the model, and the next sentence is spoken', options, async
   const speak = (id, text) => stream.send({ type: 'speak', lang: 'it', voice: 'kokoro:if_sara', id, text });
   speak('a', 'Una frase.');
   assert.equal((await stream.wait({ type: 'end', id: 'a' }, { milliseconds: 60000 })).reason, 'done');
-  speak('b', 'Una volpe affamata vide dei grappoli d’uva che pendevano da un alto pergolato e pensò di prenderli senza fatica.');
-  await new Promise((resolve) => setTimeout(resolve, 500));
+  await daemon.asks(() => speak('b', 'Una volpe affamata vide dei grappoli d’uva che pendevano da un alto pergolato e pensò di prenderli senza fatica.'));
   stream.send({ type: 'stop' });
   await stream.wait({ type: 'end', id: 'b', reason: 'stopped' });
   speak('c', 'Un’altra frase.');

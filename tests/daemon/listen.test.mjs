@@ -98,7 +98,7 @@ import os, socket, sys
 kind, address, program = sys.argv[1], sys.argv[2], sys.argv[3:]
 s = socket.socket(getattr(socket, kind))
 s.bind(address if kind == 'AF_UNIX' else (address, 0))
-if os.environ.get('DEAF') is None:
+if os.environ.get('NO_LISTEN') is None:
     s.listen()
 os.dup2(s.fileno(), 3)
 os.set_inheritable(3, True)
@@ -127,9 +127,9 @@ test('a socket that is passed obeys the same rule', async () => {
   assert.match(open.log(), /listening on http:\/\/0\.0\.0\.0:\d+\//);
   open.child.kill('SIGTERM');
   assert.deepEqual(await open.ended, [0, null]);
-  const deaf = await passed('AF_INET', '127.0.0.1', [], { DEAF: '1' });
-  assert.deepEqual(await deaf.ended, [1, null]);
-  assert.match(deaf.log(), /no socket that listens/);
+  const silent = await passed('AF_INET', '127.0.0.1', [], { NO_LISTEN: '1' });
+  assert.deepEqual(await silent.ended, [1, null]);
+  assert.match(silent.log(), /no socket that listens/);
 });
 
 test('a unix socket that is passed is of this machine', async () => {

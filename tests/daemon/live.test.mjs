@@ -15,7 +15,6 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 const idle = (stream) => stream.chunks.filter((c) => c.utterance === 0);
 /** Waits for so many seconds of the idle clock. */
 const idled = (stream, seconds) => stream.until(() => idle(stream).some((c) => (c.start + c.samples) / c.sampleRate >= seconds));
-const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
 test('idle media are silent chunks of utterance 0, without a gap, little ahead of time', async () => {
   const stream = await daemon.stream();
@@ -92,7 +91,7 @@ test('life 0 and still keep her from moving', async () => {
 });
 
 /** Idles, speaks, idles; `during` may do something in each part. */
-async function scene(speak, during = () => {}) {
+async function listened(speak, during = () => {}) {
   const stream = await daemon.stream();
   stream.send({ type: 'idle', on: true, seed: 3 });
   await idled(stream, 1.5);
@@ -115,7 +114,7 @@ const handOver = (a, b) => a.utterance !== b.utterance;
 const quietly = (a, b) => !a.utterance && !b.utterance;
 
 test('from idling to speech and back nothing jumps', async () => {
-  const { frames, begin, end, chunks } = await scene({});
+  const { frames, begin, end, chunks } = await listened({});
   assert.ok(largestStep(frames, HEAD, handOver).step < 200, JSON.stringify(largestStep(frames, HEAD, handOver)));
   for (const faps of [BROWS, MOUTH, CHEEKS]) assert.ok(largestStep(frames, faps, handOver).step < 40, JSON.stringify(largestStep(frames, faps, handOver)));
   // no frame is missing, neither before nor after
@@ -136,13 +135,13 @@ test('an utterance with a seed of its own is the same whatever was before', asyn
     await stream.close();
     return face(stream.chunks);
   };
-  const [same, other, { chunks }] = await Promise.all([alone(11), alone(12), scene({ seed: 11 })]);
+  const [same, other, { chunks }] = await Promise.all([alone(11), alone(12), listened({ seed: 11 })]);
   const difference = (a, b) => a.slice(0, b.length).reduce((sum, frame, i) => sum + frame.reduce((s, v, n) => s + Math.abs(v - b[i][n]), 0), 0);
   assert.ok(difference(same, other) > 3 * difference(same, face(chunks)), `${difference(same, other)}, ${difference(same, face(chunks))}`);
 });
 
 test('the mood is on the face while she idles and while she speaks, and comes and goes smoothly', async () => {
-  const { frames, begin } = await scene({}, (stream, part) => {
+  const { frames, begin } = await listened({}, (stream, part) => {
     if (part === 'idle') stream.send({ type: 'express', mix: [{ name: 'joy', intensity: 1 }], ease: 0.4 });
     if (part === 'speech') stream.send({ type: 'express', mix: [{ name: 'sadness', intensity: 1 }], ease: 0.4 });
     if (part === 'after') stream.send({ type: 'express', mix: [], ease: 0.4 });

@@ -57,7 +57,7 @@ test('a close behind a long message is answered after it; a client may go meanwh
   goes.send(long({ id: 1 }));
   closes.send(long({ id: 1 }));
   closes.socket.close(1000);
-  setTimeout(() => goes.socket.terminate(), 30);
+  setTimeout(() => goes.socket.terminate(), 30); // nothing tells how far it has been read: at any moment
   assert.equal((await closes.closed).code, 1000);
   assert.ok(closes.messages.some((m) => m.type === 'pong'));
   await goes.closed;
@@ -68,7 +68,7 @@ test('a daemon stops while a long message is read', async () => {
   const own = await Daemon.start(['--max-message', '20000000']);
   const stream = await own.stream();
   stream.send(long({ id: 1 }));
-  await new Promise((resolve) => setTimeout(resolve, 50));
+  await new Promise((resolve) => setTimeout(resolve, 50)); // nothing tells how far it has been read: at any moment
   assert.deepEqual(await own.stop(), { code: 0, signal: null });
 });
 

@@ -13,10 +13,7 @@ after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null 
 const pause = (milliseconds) => new Promise((resolve) => setTimeout(resolve, milliseconds));
 
 /** Sentences that the voices were asked for so far. */
-async function asked() {
-  const report = await (await daemon.get('/metrics')).text();
-  return Number(/^faccia_sentences_asked_total (\d+)$/m.exec(report)[1]);
-}
+const asked = () => daemon.metric('faccia_sentences_asked_total');
 
 /** What the voices were asked for while something was done. */
 async function askedBy(act) {
@@ -37,7 +34,9 @@ test('jumps back and forth, and pauses, are played from what was spoken', async 
     stream.send({ type: 'speak', id: 'a', lang: 'it', markup: 'ssml', text });
     await spokenSo(stream, 'a', 2);
     stream.send({ type: 'pause' });
-    await pause(300);
+    await stream.wait({ type: 'paused' });
+    const heard = stream.chunks.length;
+    await stream.until(() => stream.chunks.slice(heard).some(({ utterance }) => utterance === 0)); // it idles meanwhile
     stream.send({ type: 'resume' });
     stream.send({ type: 'jump', mark: 'tre' });
     await spokenSo(stream, 'a', 3);

@@ -130,7 +130,7 @@ test('listeners that are cut off cost the others nothing', async (t) => {
     await speaker.until(() => speaker.chunks.length > chunks); // so that they are written to
     daemon.process.kill('SIGSTOP'); // when it goes on, it writes before it hears that they are gone
     for (const stream of crowd) stream.socket._socket.resetAndDestroy();
-    await new Promise((resolve) => setTimeout(resolve, 200));
+    await Promise.all(crowd.map(({ closed }) => closed));
     daemon.process.kill('SIGCONT');
   }
   await left(daemon);

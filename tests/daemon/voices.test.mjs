@@ -74,8 +74,7 @@ test('times that lie are mended', async () => {
 
 test('a stop reaches a voice at work', async () => {
   const stream = await daemon.stream();
-  stream.send({ type: 'speak', voice: 'puppet:plain', lang: 'it', id: 's', text: 'slow' });
-  await new Promise((resolve) => setTimeout(resolve, 200));
+  await daemon.asks(() => stream.send({ type: 'speak', voice: 'puppet:plain', lang: 'it', id: 's', text: 'slow' }));
   stream.send({ type: 'stop' });
   await stream.wait({ type: 'end', id: 's', reason: 'stopped' });
   stream.send({ type: 'speak', voice: 'puppet:plain', lang: 'it', id: 't', text: 'Ora va bene.' });

@@ -83,7 +83,7 @@ static void speak(const struct score *score, size_t sentence, const char *lang, 
                                          .own_rate = choice & 32 ? 160 : 0,
                                          .pitch = 1,
                                          .volume = 1,
-                                         .cast = choice & 64,
+                                         .chosen = choice & 64,
                                          .plays = choice & 128};
     struct plan plan;
     plan_make(&plan, score, sentence, &prosody);

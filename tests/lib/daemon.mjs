@@ -74,6 +74,19 @@ export class Daemon {
     return this.exited;
   }
 
+  /** The value of a metric, with its label if it has one. */
+  async metric(name) {
+    const report = await (await this.get('/metrics')).text();
+    return Number(report.split('\n').find((line) => line.startsWith(`${name} `)).slice(name.length));
+  }
+
+  /** Does what asks a voice for a sentence, and waits until it has been asked. */
+  async asks(act, sentences = 1) {
+    const before = await this.metric('faccia_sentences_asked_total');
+    act();
+    while ((await this.metric('faccia_sentences_asked_total')) < before + sentences) await new Promise((resolve) => setTimeout(resolve, 10));
+  }
+
   async get(address, options) {
     // A test that has just waited for a program, synchronously, first hears which of its connections were closed meanwhile.
     await new Promise((resolve) => setTimeout(resolve));

@@ -15,9 +15,9 @@ const steps = (error) => {
   return [...error.instancePath.split('/').slice(1).map((step) => step.replaceAll('~1', '/').replaceAll('~0', '~')), ...(inner === undefined ? [] : [inner])];
 };
 
-/** A function that gives the places of a document that the schema refuses; none when it takes the document. */
-export function schema(file) {
-  const check = new Ajv({ strict: false, allErrors: true }).compile(json(file));
+/** A function that gives the places of a document that the schema (or its file) refuses; none when it takes the document. */
+export function schema(from) {
+  const check = new Ajv({ strict: false, allErrors: true }).compile(typeof from === 'string' ? json(from) : from);
   return (document) => (check(document) ? [] : [...new Set(check.errors.map((error) => place(steps(error))))]);
 }
 

@@ -11,13 +11,13 @@
 
 #include <cmocka.h>
 
-enum { RATE = 16000, FRAMES = 400, SCENES = 4 };
+enum { RATE = 16000, FRAMES = 400, SEGMENTS = 4 };
 
 static const char text[] = "Uno due. Tre.";
 static const struct export_source source = {text, "it", "a:voice", "dominance", "plain", NULL, 25, 0};
 
 /* Several pieces, less than one, nothing, just two. */
-static const uint32_t lengths[SCENES] = {3 * RATE + 123, 77, 0, RATE / 2};
+static const uint32_t lengths[SEGMENTS] = {3 * RATE + 123, 77, 0, RATE / 2};
 
 static struct media_segment make(const struct fap_frame *frames, size_t which) {
     struct sentence_audio *u = mem_alloc(sizeof *u);
@@ -90,7 +90,7 @@ static void finish(struct receiver *r) {
 static void fill(struct receiver *r, const struct fap_frame *frames) {
     struct error warning;
     error_set(&warning, ERROR_VOICE_WARNING, "of no weight");
-    for (size_t i = 0; i < SCENES; i++) {
+    for (size_t i = 0; i < SEGMENTS; i++) {
         export_worker_add(r->worker, make(frames, i));
         if (i == 1)
             export_worker_warn(r->worker, &warning);
@@ -103,7 +103,7 @@ static void expected(const struct export_format *format, const struct fap_frame 
     struct error warning;
     error_set(&warning, ERROR_VOICE_WARNING, "of no weight");
     export_begin(&x, format, &source);
-    for (size_t i = 0; i < SCENES; i++) {
+    for (size_t i = 0; i < SEGMENTS; i++) {
         struct media_segment segment = make(frames, i);
         export_segment(&x, &segment);
         media_segment_free(&segment);
@@ -126,7 +126,7 @@ static void writes_what_one_stroke_would(void **state) {
         uv_run(&r.loop, UV_RUN_DEFAULT);
         expected(format, frames, &all);
         assert_true(r.done);
-        assert_int_equal(r.segments, SCENES);
+        assert_int_equal(r.segments, SEGMENTS);
         assert_true(all.size > 100);
         assert_int_equal(r.got.size, all.size);
         assert_memory_equal(r.got.data, all.data, all.size);
@@ -148,7 +148,7 @@ static void waits_for_a_slow_receiver(void **state) {
         assert_int_equal(r.calls, calls);
         export_worker_go_on(r.worker);
     }
-    assert_true(r.calls > SCENES + 2);
+    assert_true(r.calls > SEGMENTS + 2);
     finish(&r);
     free(frames);
 }
@@ -187,11 +187,11 @@ static void pieces_leave_out_nothing(void **state) {
         phones += strstr(line, "\"phone\"") != NULL;
         count += strstr(line, "\"frame\":") != NULL;
     }
-    assert_int_equal(words, 2 * SCENES);
-    assert_int_equal(marks, SCENES);
-    assert_int_equal(phones, SCENES);
+    assert_int_equal(words, 2 * SEGMENTS);
+    assert_int_equal(marks, SEGMENTS);
+    assert_int_equal(phones, SEGMENTS);
     uint32_t samples = 0;
-    for (size_t i = 0; i < SCENES; i++)
+    for (size_t i = 0; i < SEGMENTS; i++)
         samples += lengths[i];
     assert_int_equal(count, frame_from_sample(samples, RATE, 25));
     buf_free(&all);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Kokoro plugin's parts without engines: the change to the model, tokens, pieces, times. */
 #include "server/base/mem.h"
+#include "server/plugins/kokoro/kokoro_data.h"
 #include "server/plugins/kokoro/kokoro_onnx.h"
 #include "server/plugins/kokoro/kokoro_pieces.h"
 #include "server/plugins/kokoro/kokoro_timing.h"
@@ -8,8 +9,10 @@
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include <cmocka.h>
 
@@ -325,8 +328,24 @@ static void survives_wrong_durations(void **state) {
     free(items.list);
 }
 
+/* An installed plugin has them beside it; what the settings name comes first, what it was built with last. */
+static void finds_its_data(void **state) {
+    (void)state;
+    char folder[] = "/tmp/faccia-kokoro-XXXXXX", lock[64];
+    assert_non_null(mkdtemp(folder));
+    snprintf(lock, sizeof lock, "%s/.faccia-lock", folder);
+    assert_string_equal(ko_data_choose(NULL, folder, "built"), "built");
+    fclose(fopen(lock, "w"));
+    assert_true(ko_data_complete(folder));
+    assert_string_equal(ko_data_choose(NULL, folder, "built"), folder);
+    assert_string_equal(ko_data_choose("stated", folder, "built"), "stated");
+    assert_int_equal(unlink(lock) || rmdir(folder), 0);
+    assert_string_equal(ko_data_choose(NULL, folder, "built"), "built");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(finds_its_data),
         cmocka_unit_test(exposes_a_tensor),
         cmocka_unit_test(leaves_other_models_alone),
         cmocka_unit_test(writes_phones),

@@ -368,16 +368,16 @@ static void no_two_faces_are_the_same(void **state) {
     assert_in_range(left_brow, 10, 30);
 }
 
-static void slow_and_seldom(void *ctx, double t, struct liveliness *out) {
+static void slow_and_seldom(void *ctx, double t, struct life_factors *out) {
     (void)t;
-    *out = *(const struct liveliness *)ctx;
+    *out = *(const struct life_factors *)ctx;
 }
 
 static void is_influenced(void **state) {
     (void)state;
     struct placement_options options = {.life = 1};
-    struct liveliness neutral = {1, 1, 1}, sad = {0.5, 1.6, 0.5}, wild = {2, 1, 1}, none = {0, 1, 0};
-    struct liveliness *all[] = {&neutral, &sad, &wild, &none};
+    struct life_factors neutral = {1, 1, 1}, sad = {0.5, 1.6, 0.5}, wild = {2, 1, 1}, none = {0, 1, 0};
+    struct life_factors *all[] = {&neutral, &sad, &wild, &none};
     struct life_statistics s[4];
     for (int i = 0; i < 4; i++) {
         struct face_layer layer =

@@ -51,7 +51,7 @@ static void styles_become_spans(void **state) {
     assert_null(plan.spans[1].emotion);
     assert_string_equal(plan.spans[2].lang, "en");
     plan_free(&plan);
-    prosody.plays = prosody.cast = true;
+    prosody.plays = prosody.chosen = true;
     plan_make(&plan, score, 0, &prosody);
     assert_int_equal(plan.span_count, 4);
     assert_string_equal(plan.spans[2].emotion, "joy");

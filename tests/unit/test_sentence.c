@@ -19,7 +19,7 @@ struct stage {
     struct pool_test *test;
     const struct voice *voices[16];
     char *sounds[16];
-    struct voice_selection cast;
+    struct voice_selection selection;
     struct sentence_audio *u;
     struct error e;
     bool done;
@@ -58,9 +58,9 @@ static void on_failed(void *ctx, const struct error *e) {
 static struct sentence *start(struct stage *t, const char *voice) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
     score_end_sentence(t->test->score);
-    t->cast = (struct voice_selection){t->voices, t->sounds, t->test->score->item_count};
+    t->selection = (struct voice_selection){t->voices, t->sounds, t->test->score->item_count};
     const struct voice_request request = {pool_test_voice(t->test, voice), t->test->score, 0, 0, 1, 1, false};
-    return sentence_speak(t->test->pool, &t->test->loop, &request, &t->cast, &callbacks, t);
+    return sentence_speak(t->test->pool, &t->test->loop, &request, &t->selection, &callbacks, t);
 }
 
 static struct sentence_audio *speak(struct stage *t, const char *voice) {

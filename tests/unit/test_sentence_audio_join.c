@@ -3,7 +3,6 @@
  * left. */
 #include "server/base/mem.h"
 #include "server/voice/sentence_audio_edit.h"
-#include "server/voice/sentence_audio_join.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>

@@ -28,16 +28,16 @@ static char *parts_of(const char *items) {
         score_add(score, kind, 0, 0)->text = "text";
     }
     score_end_sentence(score);
-    struct voice_selection *cast = voice_selection_new(score->item_count);
+    struct voice_selection *selection = voice_selection_new(score->item_count);
     size_t i = 0, count;
     for (const char *c = items; *c; c++) {
         if (*c >= '0' && *c <= '9')
             continue;
-        cast->voices[i] = &voices[*c == 'b'];
-        cast->sounds[i] = *c == 'S' ? strdup("file") : NULL;
+        selection->voices[i] = &voices[*c == 'b'];
+        selection->sounds[i] = *c == 'S' ? strdup("file") : NULL;
         i++;
     }
-    struct part *parts = voice_selection_parts(cast, score, 0, &count);
+    struct part *parts = voice_selection_parts(selection, score, 0, &count);
     *out = '\0';
     for (i = 0; i < count; i++) {
         size_t used = strlen(out);
@@ -49,7 +49,7 @@ static char *parts_of(const char *items) {
             snprintf(out + used, sizeof out - used, " for %zu", parts[i].instead_of);
     }
     free(parts);
-    voice_selection_free(cast);
+    voice_selection_free(selection);
     score_free(score);
     return out;
 }

@@ -84,7 +84,7 @@ static void fill_ranges(struct curve *curve, size_t reach) {
     }
 }
 
-/* No gesture reaches further than DOMINANCE_REACH segments, but R has a short tail beyond that. */
+/* No segment reaches further than DOMINANCE_REACH segments, but R has a short tail beyond that. */
 enum { SEARCH = 2 * DOMINANCE_REACH };
 
 void curve_link(struct curve *curve) {
@@ -98,7 +98,7 @@ void curve_link(struct curve *curve) {
     fill_ranges(curve, SEARCH);
 }
 
-/* Below this a gesture is not felt. */
+/* Below this a segment is not felt. */
 #define ORIGINAL_LEAST 1e-4
 /* As many segments as fast speech has in ORIGINAL_REACH. */
 enum { ORIGINAL_SEARCH = 100 };

@@ -6,10 +6,10 @@
 
 #include "server/face/packs/speech_pack_content.h"
 
-/* Resistance from which a segment stops the gestures of its neighbours. */
+/* Resistance from which a segment stops the segments of its neighbours. */
 #define DOMINANCE_RESISTANT 0.97
 
-/* No gesture reaches across more segments than this, resistant or not: it bounds the cost of one instant. */
+/* No segment reaches across more segments than this, resistant or not: it bounds the cost of one instant. */
 enum { DOMINANCE_REACH = 8 };
 
 /* tau = time from the target instant, s. */
@@ -48,12 +48,12 @@ void curve_add(struct curve *curve, double at, const struct coefficients *c);
 void curve_link(struct curve *curve);
 
 /* Instead of curve_link: makes F(t) the original function (3.2) of Cohen and Massaro, where S = R = 1 and one
- * c, here the mean of both, serves before and after the target. No gesture is felt for more than
+ * c, here the mean of both, serves before and after the target. No segment is felt for more than
  * ORIGINAL_REACH s: it bounds the cost of one instant. */
 #define ORIGINAL_REACH 4.0
 void curve_link_original(struct curve *curve);
 
-/* The same with both c: no gesture is confined. */
+/* The same with both c: no segment is confined. */
 void curve_link_unconfined(struct curve *curve);
 
 /* F(t), (3.16). Before the first target and after the last one: that target. */

@@ -15,7 +15,7 @@ struct face_engine {
     /* Whether the pack has what the engine needs. */
     bool (*speaks)(const struct speech_pack *pack);
     /* Only for a pack that it speaks. The pack outlives the layer, the rest does not. An engine that makes
-     * out gestures where the voice gave no phones puts them in g, for the closures and FAP 1. */
+     * out segments where the voice gave no phones puts them in g, for the closures and FAP 1. */
     struct speech_layer (*layer)(const struct speech_pack *pack, const struct sentence_audio *u,
                                  struct phone_segments *g);
 };

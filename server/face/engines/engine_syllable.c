@@ -20,7 +20,7 @@ static bool has_phones(const struct phone_segments *g) {
     return false;
 }
 
-/* The gestures from i on that are one word: up to a pause or where the voice says that the next word begins.
+/* The segments from i on that are one word: up to a pause or where the voice says that the next word begins.
  */
 static size_t word_length(const struct sentence_audio *u, const struct phone_segments *g, size_t i,
                           size_t *word) {

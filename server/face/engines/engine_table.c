@@ -3,7 +3,6 @@
  * and half a cosine from one to the next. No context, no dominance, no look-ahead: what a better engine adds
  * has to be seen beside this. The targets are those of the pack, each the mean over the phone's contexts. */
 #include "server/base/mem.h"
-#include "server/face/engines/articulation_layer.h"
 #include "server/face/engines/engine.h"
 #include "server/face/engines/fapmap.h"
 #include <math.h>
@@ -96,4 +95,8 @@ static struct speech_layer layer(const struct speech_pack *pack, const struct se
     return (struct speech_layer){table_add, table_free, table};
 }
 
-const struct face_engine engine_table = {"table", false, articulation_speaks, layer};
+static bool speaks(const struct speech_pack *pack) {
+    return pack != NULL;
+}
+
+const struct face_engine engine_table = {"table", false, speaks, layer};

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* From gestures to the curves of the articulatory parameters: targets in context (Leone,
+/* From segments to the curves of the articulatory parameters: targets in context (Leone,
  * "LUCIA-WebGL", 3.17-3.19). */
 #ifndef FACCIA_FACE_ENGINES_TARGETS_H
 #define FACCIA_FACE_ENGINES_TARGETS_H
@@ -7,9 +7,9 @@
 #include "server/face/engines/dominance.h"
 #include "server/face/engines/phone_segments.h"
 
-/* Which function makes the curve of the targets: the one of LUCIA, or the one that it came from (3.2). The others are
- * LUCIA's with a part left out, to see what that part does: the shape, S = 1; or the resistance, R = 1, which takes the
- * shape with it, since that is measured in the resistance's reach. */
+/* Which function makes the curve of the targets: the one of LUCIA, or the one that it came from (3.2). The
+ * others are LUCIA's with a part left out, to see what that part does: the shape, S = 1; or the resistance, R
+ * = 1, which takes the shape with it, since that is measured in the resistance's reach. */
 enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL, TARGETS_NO_SHAPE, TARGETS_NO_RESISTANCE };
 
 /* The rules:
@@ -24,7 +24,7 @@ enum targets_function { TARGETS_LOOK_AHEAD, TARGETS_ORIGINAL, TARGETS_NO_SHAPE, 
  * For lips and jaw d is the mean time to the nearest targets before and after that hold (alpha k of 0.5 and
  * more): through glides the mouth goes on opening, and people open a 60 ms /ae/ of "planks" by 18 mm. For the
  * tongue d is the vowel's length. Without undershoot a vowel that resists like the consonants would open
- * fully at any speech rate. The original function undershoots by itself, since nothing stops a gesture: it
+ * fully at any speech rate. The original function undershoots by itself, since nothing stops a segment: it
  * gets the targets as they are.
  * - A pause brings the mouth to rest, completely when it is long enough; the mouth is at rest at time 0 and
  * at the end. */
@@ -35,7 +35,7 @@ void targets_curves(const struct speech_pack *pack, const struct phone_segments 
 void targets_curve(const struct speech_pack *pack, const struct phone_segments *g,
                    enum targets_function function, int param, struct curve *curve);
 
-/* The contexts of each gesture, as indices into a phone's tables: for a consonant those of its two vowels,
+/* The contexts of each segment, as indices into a phone's tables: for a consonant those of its two vowels,
  * for a vowel twice that of what follows. To be freed. */
 struct target_contexts {
     size_t before, after;

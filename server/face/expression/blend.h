@@ -10,7 +10,7 @@
  * blend_add_weighted for all there is, blend_join. */
 struct blend {
     enum face_blend rule;
-    double activity;             /* of speech, 0..1: activity.h */
+    double activity;             /* of speech, 0..1: sentence_expression.h */
     double contact;              /* demand of the strongest contact, 0..1 */
     double *face;                /* FAPs: the speech, to which the rest is added */
     double mouth[FAP_COUNT + 1]; /* the expressions' part in it, until they are joined */

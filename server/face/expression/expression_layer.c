@@ -123,13 +123,13 @@ void expression_layer_blend(struct expression_layer *x, double t,
     *basic = blend_basics(shares);
 }
 
-static void liveliness_at(void *ctx, double t, struct liveliness *out) {
+static void factors_at(void *ctx, double t, struct life_factors *out) {
     struct expression_layer *x = ctx;
-    *out = (struct liveliness){1, 1, 1};
+    *out = (struct life_factors){1, 1, 1};
     if (x->at != t)
         look(x, t);
     for (size_t i = 0; i < x->seen_count; i++) {
-        const struct liveliness *life = &x->seen[i].expression->life;
+        const struct life_factors *life = &x->seen[i].expression->life;
         double level = x->seen[i].level;
         out->blink_rate *= 1 + (life->blink_rate - 1) * level;
         out->blink_length *= 1 + (life->blink_length - 1) * level;
@@ -138,5 +138,5 @@ static void liveliness_at(void *ctx, double t, struct liveliness *out) {
 }
 
 struct life_influence expression_layer_influence(struct expression_layer *x) {
-    return (struct life_influence){liveliness_at, x};
+    return (struct life_influence){factors_at, x};
 }

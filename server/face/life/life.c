@@ -85,8 +85,8 @@ static struct window *window_at(struct life *life, double clock) {
     return &life->now;
 }
 
-static struct liveliness liveliness_at(const struct life *life, double clock) {
-    struct liveliness l = {1, 1, 1};
+static struct life_factors factors_at(const struct life *life, double clock) {
+    struct life_factors l = {1, 1, 1};
     if (life->influence.at)
         life->influence.at(life->influence.ctx, clock - life->begin, &l);
     return l;
@@ -94,7 +94,7 @@ static struct liveliness liveliness_at(const struct life *life, double clock) {
 
 static struct blink_factors decide(const void *ctx, double clock) {
     const struct life *life = ctx;
-    struct liveliness l = liveliness_at(life, clock);
+    struct life_factors l = factors_at(life, clock);
     double often = life->strength < 1 ? life->strength : (1 + life->strength) / 2;
     return (struct blink_factors){often * l.blink_rate, l.blink_length};
 }
@@ -165,7 +165,7 @@ static void add(void *self, double t, double faps[FAP_COUNT + 1]) {
     if (rest < 1)
         life_gestures_at(&life->gestures, t, gestures);
 
-    double motion = strength * liveliness_at(life, clock).motion,
+    double motion = strength * factors_at(life, clock).motion,
            breath = rest > 0 ? rest * breath_at(&life->breath, clock) : 0;
     double swaying = 1 + SWAY_SPEAKING * (1 - rest);
     double pitch = motion * (at[HEAD_PITCH] + (double)gestures[GESTURE_PITCH] + BREATH_PITCH * breath +

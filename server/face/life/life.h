@@ -24,7 +24,7 @@
 
 /* How the expressions change life at a time of the sentence; may be NULL. */
 struct life_influence {
-    void (*at)(void *ctx, double t, struct liveliness *out);
+    void (*at)(void *ctx, double t, struct life_factors *out);
     void *ctx;
 };
 

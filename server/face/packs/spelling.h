@@ -60,7 +60,7 @@ void spelling_syllables(struct spelled *letters, size_t count);
 /* The index of a letter's shape. */
 size_t spelling_shape(const struct spelling *spelling, const struct spelled *letter);
 
-/* For voices that tell only when words begin: the gestures of the words' letters, with durations from the
+/* For voices that tell only when words begin: the segments of the words' letters, with durations from the
  * table. A word begins when the voice says so, whatever became of the one before. Its letters fill the time
  * to the word's end where the voice knows it, else they follow the pace of the whole sentence and at the
  * latest end where the next word begins; what is left over is a pause. */

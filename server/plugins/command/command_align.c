@@ -37,15 +37,15 @@ int cm_align(struct cm_aligner *aligner, const struct cm_sound *sound, const cha
     const struct long_alignment_options options = {voice->lang, voice->gender, stop, true};
     struct error e;
     struct reference *reference = reference_get(&aligner->slot, &e);
-    struct long_alignment *chapter =
+    struct long_alignment *alignment =
         reference ? long_alignment_open(&source, reference, text, strlen(text), &options, &e) : NULL;
     struct long_alignment_piece piece;
-    int found = chapter ? 1 : -1;
-    while (found > 0 && (found = long_alignment_next(chapter, &piece, &e)) > 0) {
+    int found = alignment ? 1 : -1;
+    while (found > 0 && (found = long_alignment_next(alignment, &piece, &e)) > 0) {
         take(times, &piece, text);
         long_alignment_piece_free(&piece);
     }
-    long_alignment_free(chapter);
+    long_alignment_free(alignment);
     if (found < 0)
         snprintf(message, cap, "the mouth stays closed: %s", e.message);
     return found;

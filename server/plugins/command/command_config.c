@@ -18,7 +18,7 @@ struct check {
 };
 
 static int wrong(const struct check *c, const char *field, const char *what) {
-    snprintf(c->message, c->cap, "voices[%zu].%s: %s", c->voice, field, what);
+    snprintf(c->message, c->cap, "voices[%zu]%s%s: %s", c->voice, *field ? "." : "", field, what);
     return -1;
 }
 
@@ -116,6 +116,10 @@ static int read_times(struct cm_timing *timing, const json_t *setting, const cha
     if (i == TIMES_OFFSETS)
         return -1;
     timing->options.format = (enum times_format)i;
+    *field = ".tier";
+    *what = "wanted is a text";
+    if (json_object_get(setting, "tier") && !timing->options.tier)
+        return -1;
     *field = ".argv";
     *what = "wanted is a list of texts, the program and its arguments";
     if (timing->argv && !json_array_size(timing->argv))
@@ -172,6 +176,10 @@ int cm_config_read(struct cm_voices *voices, const char *config, char *message, 
     const char *key;
     json_t *value;
     *voices = (struct cm_voices){.root = json_loads(config, 0, &why)};
+    if (!json_is_object(voices->root)) {
+        snprintf(message, cap, "wanted is an object");
+        return -1;
+    }
     json_object_foreach(voices->root, key, value) {
         if (strcmp(key, "voices") != 0) {
             snprintf(message, cap, "%s: there is no such setting", key);

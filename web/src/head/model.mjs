@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-
+import { checkModel, ModelError } from './model-check.mjs';
 import { shared } from './shared.mjs';
 
-export class ModelError extends Error {}
+export { ModelError };
 
 /** @returns {Uint8Array} */
 function bytes(base64) {
@@ -58,6 +58,25 @@ function part(json, turnNumbers) {
   };
 }
 
+/** What no schema can say: that the arrays of a part fit each other. @param {Part} part */
+function checkCounts({ vertices, position, uv, index, smooth, moves, turns }, i) {
+  const wrong = (where, what) => {
+    throw new ModelError(`parts[${i}].${where}`, what);
+  };
+  const past = (numbers) => numbers?.some((vertex) => vertex >= vertices);
+  if (position.length !== 3 * vertices) wrong('position', `must have ${vertices} vertices`);
+  if (uv && uv.length !== 2 * vertices) wrong('uv', `must have ${vertices} vertices`);
+  if (index.length % 3 || past(index)) wrong('index', 'must be triangles of the vertices');
+  if (smooth && (smooth.length !== vertices || past(smooth))) wrong('smooth', 'must name a vertex for each');
+  moves.forEach((move, k) => {
+    if (past(move.vertices) || move.deltas.length !== 3 * move.vertices.length) wrong(`moves[${k}]`, 'vertices and deltas do not fit');
+  });
+  turns.forEach((turn, k) => {
+    if (turn.turn === undefined) wrong(`turns[${k}].turn`, 'there is no such turn');
+    if (past(turn.vertices) || turn.vertices?.length !== turn.weights?.length) wrong(`turns[${k}]`, 'vertices and weights do not fit');
+  });
+}
+
 /** Those that turn the whole head come last, pitch before yaw before roll. */
 export const HEAD_FAPS = [48, 49, 50];
 
@@ -65,16 +84,15 @@ export const HEAD_FAPS = [48, 49, 50];
  * Unpacks a head model. Its turns are put in the order in which they are applied: `headTurns` says how many of them, at
  * the end, turn the head.
  * @param {object} json see protocol/head-model.md
+ * @throws {ModelError} with the place of what is wrong
  */
 export function readModel(json) {
-  if (json?.format !== 'faccia-head' || json.version !== 1) throw new ModelError('not a head model of version 1');
+  checkModel(json);
   const order = (turn) => HEAD_FAPS.indexOf(turn.fap) + 1;
   const turns = [...(json.turns ?? [])].sort((a, b) => order(a) - order(b));
   const numbers = new Map(turns.map((turn, i) => [turn.name, i]));
   const parts = json.parts.map((one) => part(one, numbers));
-  for (const { name, turns: used, vertices, position } of parts)
-    if (used.some((turn) => turn.turn === undefined) || position.length !== 3 * vertices)
-      throw new ModelError(`part ${name} is damaged`);
+  parts.forEach(checkCounts);
   return {
     name: json.name,
     title: json.title ?? json.name,
