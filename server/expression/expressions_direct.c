@@ -12,7 +12,7 @@
 static const struct voice_factors lowest = {0.6, 0.6, 0.3, 0.4}, highest = {1.6, 1.7, 2.5, 1.8};
 
 /* What the cues over some items do to the voice. */
-struct part {
+struct voice_change {
     struct voice_factors voice;
     const char *emotion; /* of the last affect, which is the innermost; NULL = none */
     double intensity;
@@ -24,31 +24,31 @@ static double factor(double at_full, double intensity) {
     return 1 + (at_full - 1) * intensity;
 }
 
-static struct part part_of(const struct expression *x, const struct score_cue *cue, size_t order) {
+static struct voice_change change_of(const struct expression *x, const struct score_cue *cue, size_t order) {
     double i = fmin(1, fmax(0, cue->intensity));
     bool is_affect = !strcmp(x->kind, "affect");
-    return (struct part){.voice = {.rate = factor(x->voice.rate, i),
-                                   .pitch = factor(x->voice.pitch, i),
-                                   .range = factor(x->voice.range, i),
-                                   .volume = factor(x->voice.volume, i)},
-                         .emotion = is_affect ? x->name : NULL,
-                         .intensity = i,
-                         .order = is_affect ? order : 0,
-                         .changes = true};
+    return (struct voice_change){.voice = {.rate = factor(x->voice.rate, i),
+                                           .pitch = factor(x->voice.pitch, i),
+                                           .range = factor(x->voice.range, i),
+                                           .volume = factor(x->voice.volume, i)},
+                                 .emotion = is_affect ? x->name : NULL,
+                                 .intensity = i,
+                                 .order = is_affect ? order : 0,
+                                 .changes = true};
 }
 
-static void apply(const struct part *more, struct part *part) {
+static void apply(const struct voice_change *more, struct voice_change *change) {
     if (!more->changes)
         return;
-    part->voice.rate *= more->voice.rate;
-    part->voice.pitch *= more->voice.pitch;
-    part->voice.range *= more->voice.range;
-    part->voice.volume *= more->voice.volume;
-    part->changes = true;
-    if (more->order > part->order) {
-        part->emotion = more->emotion;
-        part->intensity = more->intensity;
-        part->order = more->order;
+    change->voice.rate *= more->voice.rate;
+    change->voice.pitch *= more->voice.pitch;
+    change->voice.range *= more->voice.range;
+    change->voice.volume *= more->voice.volume;
+    change->changes = true;
+    if (more->order > change->order) {
+        change->emotion = more->emotion;
+        change->intensity = more->intensity;
+        change->order = more->order;
     }
 }
 
@@ -56,32 +56,32 @@ static double bounded(double value, double min, double max) {
     return fmin(max, fmax(min, value));
 }
 
-static void style_item(struct score *score, struct score_item *item, const struct part *part) {
+static void style_item(struct score *score, struct score_item *item, const struct voice_change *change) {
     struct score_style style = *item->style;
-    style.rate *= bounded(part->voice.rate, lowest.rate, highest.rate);
-    style.pitch *= bounded(part->voice.pitch, lowest.pitch, highest.pitch);
-    style.range *= bounded(part->voice.range, lowest.range, highest.range);
-    style.volume *= bounded(part->voice.volume, lowest.volume, highest.volume);
-    if (part->emotion)
-        style.emotion = (struct score_emotion){score_strndup(score, part->emotion, strlen(part->emotion)),
-                                               part->intensity};
+    style.rate *= bounded(change->voice.rate, lowest.rate, highest.rate);
+    style.pitch *= bounded(change->voice.pitch, lowest.pitch, highest.pitch);
+    style.range *= bounded(change->voice.range, lowest.range, highest.range);
+    style.volume *= bounded(change->voice.volume, lowest.volume, highest.volume);
+    if (change->emotion)
+        style.emotion = (struct score_emotion){score_strndup(score, change->emotion, strlen(change->emotion)),
+                                               change->intensity};
     item->style = score_keep_style(score, &style);
 }
 
 /* A cue over many items is written on the few nodes of a binary tree that stand for them all, so that cues
  * over each other cost no more than their number: node i stands for what 2i and 2i + 1 do, and count + i for
  * item i. */
-static void apply_to_items(struct part *tree, size_t count, size_t first, size_t last,
-                           const struct part *part) {
+static void apply_to_items(struct voice_change *tree, size_t count, size_t first, size_t last,
+                           const struct voice_change *change) {
     for (size_t a = first + count, b = last + count; a < b; a /= 2, b /= 2) {
         if (a % 2)
-            apply(part, &tree[a++]);
+            apply(change, &tree[a++]);
         if (b % 2)
-            apply(part, &tree[--b]);
+            apply(change, &tree[--b]);
     }
 }
 
-static void hand_down(struct part *tree, size_t count) {
+static void hand_down(struct voice_change *tree, size_t count) {
     for (size_t i = 1; i < count; i++) {
         apply(&tree[i], &tree[2 * i]);
         apply(&tree[i], &tree[2 * i + 1]);
@@ -102,7 +102,7 @@ static int find(const struct expressions *expressions, struct score *score, cons
 
 void expressions_direct(const struct expressions *expressions, struct score *score) {
     size_t kept = 0, count = score->item_count;
-    struct part *tree = mem_alloc((2 * count + 1) * sizeof *tree);
+    struct voice_change *tree = mem_alloc((2 * count + 1) * sizeof *tree);
     for (size_t i = 0; i < 2 * count; i++)
         tree[i].voice = (struct voice_factors){1, 1, 1, 1};
     for (size_t c = 0; c < score->cue_count; c++) {
@@ -110,9 +110,9 @@ void expressions_direct(const struct expressions *expressions, struct score *sco
         int found = find(expressions, score, cue);
         if (found < 0)
             continue;
-        struct part part = part_of(expressions_at(expressions, (size_t)found), cue, c + 1);
+        struct voice_change change = change_of(expressions_at(expressions, (size_t)found), cue, c + 1);
         if (cue->first < count)
-            apply_to_items(tree, count, cue->first, cue->last < count ? cue->last : count, &part);
+            apply_to_items(tree, count, cue->first, cue->last < count ? cue->last : count, &change);
         score->cues[kept++] = *cue;
     }
     score->cue_count = kept;

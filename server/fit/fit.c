@@ -15,7 +15,7 @@ static size_t find_entry(struct fit *fit, const struct speech_phone *phone, size
     return fit->entry_count++;
 }
 
-/* Calls find_entry for all that the gestures contain, and notes it where there is a list. */
+/* Calls find_entry for all that the segments contain, and notes it where there is a list. */
 static void list_entries(struct fit *fit, const struct phone_segments *g, bool *uses) {
     struct target_contexts *contexts = targets_contexts(g);
     for (size_t i = 0; i < g->count; i++) {
@@ -58,41 +58,41 @@ static void list_others(struct fit *fit, const struct speech_pack *pack) {
 enum { STRETCH = 2 };
 
 /* Whole recordings where there are enough of them, else short stretches. */
-static void fill_folds(struct track *t, size_t number, size_t count, bool rest_known) {
+static void fill_folds(struct fit_track *t, size_t number, size_t count, bool rest_known) {
     const struct measured_speech *r = t->recording;
     size_t segment = 0, before = 0;
     t->folds = mem_alloc(r->frame_count + 1);
     for (size_t n = 0; n < r->frame_count; n++) {
-        while (segment < t->gestures.count && r->times[n] >= t->gestures.items[segment].end)
-            before += t->gestures.items[segment++].phone != NULL;
-        bool speaks = segment < t->gestures.count && t->gestures.items[segment].phone &&
-                      r->times[n] >= t->gestures.items[segment].start;
+        while (segment < t->segments.count && r->times[n] >= t->segments.items[segment].end)
+            before += t->segments.items[segment++].phone != NULL;
+        bool speaks = segment < t->segments.count && t->segments.items[segment].phone &&
+                      r->times[n] >= t->segments.items[segment].start;
         size_t stretch = before / STRETCH % TASK_FOLDS;
         t->folds[n] = !speaks && !rest_known ? FOLD_NONE
                                              : (uint8_t)(count >= TASK_FOLDS ? number % TASK_FOLDS : stretch);
     }
 }
 
-/* Tracks with their gestures, and the entries and folds of them. */
-static struct track *open_tracks(const struct speech_pack *pack, const struct measured_speech *recordings,
-                                 size_t count, const struct fit_options *options, struct fit *fit) {
-    struct track *tracks = mem_alloc((count + 1) * sizeof *tracks);
+/* Tracks with their segments, and the entries and folds of them. */
+static struct fit_track *open_tracks(const struct speech_pack *pack, const struct measured_speech *recordings,
+                                     size_t count, const struct fit_options *options, struct fit *fit) {
+    struct fit_track *tracks = mem_alloc((count + 1) * sizeof *tracks);
     for (size_t i = 0; i < count; i++) {
         tracks[i].recording = &recordings[i];
-        measured_speech_segments(pack, &recordings[i], options->warn, options->ctx, &tracks[i].gestures);
-        list_entries(fit, &tracks[i].gestures, NULL);
+        measured_speech_segments(pack, &recordings[i], options->warn, options->ctx, &tracks[i].segments);
+        list_entries(fit, &tracks[i].segments, NULL);
         fill_folds(&tracks[i], i, count, options->rest_known);
     }
     for (size_t i = 0; i < count; i++) {
         tracks[i].uses = mem_alloc(fit->entry_count + 1);
-        list_entries(fit, &tracks[i].gestures, tracks[i].uses);
+        list_entries(fit, &tracks[i].segments, tracks[i].uses);
     }
     return tracks;
 }
 
-static void close_tracks(struct track *tracks, size_t count) {
+static void close_tracks(struct fit_track *tracks, size_t count) {
     for (size_t i = 0; i < count; i++) {
-        phone_segments_free(&tracks[i].gestures);
+        phone_segments_free(&tracks[i].segments);
         free(tracks[i].uses);
         free(tracks[i].folds);
     }
@@ -102,7 +102,7 @@ static void close_tracks(struct track *tracks, size_t count) {
 void fit_run(struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
              const struct fit_options *options, struct fit *out) {
     *out = (struct fit){0};
-    struct track *tracks = open_tracks(pack, recordings, count, options, out);
+    struct fit_track *tracks = open_tracks(pack, recordings, count, options, out);
     struct task task = {.pack = pack, .options = options, .fit = out, .tracks = tracks, .track_count = count};
     list_others(out, pack);
     task_open(&task);
@@ -117,7 +117,7 @@ void fit_errors(const struct speech_pack *pack, const struct measured_speech *re
     struct fit_options quiet = *options;
     struct fit fit = {0};
     quiet.warn = NULL;
-    struct track *tracks = open_tracks(pack, recordings, count, &quiet, &fit);
+    struct fit_track *tracks = open_tracks(pack, recordings, count, &quiet, &fit);
     struct task task = {
         .pack = pack, .options = &quiet, .fit = &fit, .tracks = tracks, .track_count = count, .held = -1};
     for (task.param = 0; task.param < PARAM_COUNT; task.param++) {

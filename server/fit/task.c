@@ -58,22 +58,22 @@ void task_apply(const struct task *task, const double *x) {
         set_slot(task, i, x);
 }
 
-static bool takes_part(const struct task *task, const struct track *t) {
+static bool takes_part(const struct task *task, const struct fit_track *t) {
     return t->recording->curves[task->param] != NULL;
 }
 
-static bool counts(const struct task *task, const struct track *t, size_t frame) {
+static bool counts(const struct task *task, const struct fit_track *t, size_t frame) {
     return t->folds[frame] != FOLD_NONE && t->folds[frame] != task->held;
 }
 
 /* F - Y at every frame that counts, 0 at the others. Where the markers' place at rest is not known, their
  * level is free: it is taken from the frames that count, or from all when none does. */
-static double compare(const struct task *task, const struct track *t, double *out) {
+static double compare(const struct task *task, const struct fit_track *t, double *out) {
     struct curve curve;
     struct curve_cursor cursor = {0};
     double level = 0, whole = 0;
     size_t n = 0, frames = t->recording->frame_count, all = 0;
-    targets_curve(task->pack, &t->gestures, task->options->function, task->param, &curve);
+    targets_curve(task->pack, &t->segments, task->options->function, task->param, &curve);
     for (size_t i = 0; i < frames; i++) {
         out[i] = curve_at(&curve, t->recording->times[i], &cursor) - t->recording->curves[task->param][i];
         if (t->folds[i] == FOLD_NONE)
@@ -92,7 +92,7 @@ static double compare(const struct task *task, const struct track *t, double *ou
     return level;
 }
 
-static void drop_held(const struct task *task, const struct track *t, double *out) {
+static void drop_held(const struct task *task, const struct fit_track *t, double *out) {
     for (size_t i = 0; i < t->recording->frame_count; i++)
         if (!counts(task, t, i))
             out[i] = 0;
@@ -101,7 +101,7 @@ static void drop_held(const struct task *task, const struct track *t, double *ou
 static void residual(void *ctx, const double *x, double *out) {
     const struct task *task = ctx;
     task_apply(task, x);
-    for (const struct track *t = task->tracks; t < task->tracks + task->track_count; t++) {
+    for (const struct fit_track *t = task->tracks; t < task->tracks + task->track_count; t++) {
         if (!takes_part(task, t))
             continue;
         compare(task, t, out);
@@ -118,7 +118,7 @@ static bool is_in(const struct task *task, size_t entry, size_t block) {
 }
 
 /* Does the track use an entry of that block? */
-static bool is_felt(const struct task *task, const struct track *t, size_t block) {
+static bool is_felt(const struct task *task, const struct fit_track *t, size_t block) {
     for (size_t i = 0; i < task->fit->entry_count; i++)
         if (t->uses[i] && is_in(task, i, block))
             return true;
@@ -133,7 +133,7 @@ static void move_block(const struct task *task, size_t block, const double *x) {
 
 static void slopes(const struct task *task, size_t block, const double *at_x, double *at_y, double *out,
                    size_t stride) {
-    for (const struct track *t = task->tracks; t < task->tracks + task->track_count; t++) {
+    for (const struct fit_track *t = task->tracks; t < task->tracks + task->track_count; t++) {
         if (!takes_part(task, t))
             continue;
         size_t frames = t->recording->frame_count;
@@ -188,7 +188,7 @@ void task_improve(struct task *task, double *x, int iterations) {
 double task_error(const struct task *task, int fold, size_t *frames) {
     double sum = 0;
     *frames = 0;
-    for (const struct track *t = task->tracks; t < task->tracks + task->track_count; t++) {
+    for (const struct fit_track *t = task->tracks; t < task->tracks + task->track_count; t++) {
         if (!takes_part(task, t))
             continue;
         double *difference = mem_alloc((t->recording->frame_count + 1) * sizeof *difference);
@@ -250,7 +250,7 @@ void task_fit(struct task *task, void (*choose)(struct task *task)) {
     int p = task->param;
     size_t frames = 0;
     task->frames = 0;
-    for (const struct track *t = task->tracks; t < task->tracks + task->track_count; t++)
+    for (const struct fit_track *t = task->tracks; t < task->tracks + task->track_count; t++)
         if (takes_part(task, t)) {
             task->frames += t->recording->frame_count;
             for (size_t n = 0; n < t->recording->frame_count; n++)

@@ -8,9 +8,9 @@
 enum { TASK_FOLDS = 5, FOLD_NONE = 255 };
 
 /* A recording in the parameter that is being fitted. */
-struct track {
+struct fit_track {
     const struct measured_speech *recording;
-    struct phone_segments gestures;
+    struct phone_segments segments;
     bool *uses;     /* by entry */
     uint8_t *folds; /* by frame: which part of the data it belongs to, or FOLD_NONE: it does not count */
 };
@@ -30,7 +30,7 @@ struct task {
     const struct fit_options *options;
     int param;
     struct fit *fit;
-    struct track *tracks;
+    struct fit_track *tracks;
     size_t track_count;
     struct task_slot *slots; /* by entry */
     const struct speech_group **groups;

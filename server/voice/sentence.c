@@ -96,7 +96,7 @@ static bool text_follows(const struct sentence *s, const struct sentence_part *p
 
 static void speak(struct sentence *s, struct sentence_part *part) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
-    const struct part *what = &part->what;
+    const struct voice_part *what = &part->what;
     const struct voice *voice = s->request.voice;
     for (size_t i = what->first + what->count; i-- > what->first;)
         if (sentence_item(s, i)->kind == SCORE_TEXT)
@@ -176,7 +176,7 @@ struct sentence *sentence_speak(struct voice_pool *pool, uv_loop_t *loop, const 
                                 const struct voice_selection *selection,
                                 const struct voice_callbacks *callbacks, void *ctx) {
     struct sentence *s = mem_alloc(sizeof *s);
-    struct part *found = voice_selection_parts(selection, request->score, request->sentence, &s->count);
+    struct voice_part *found = voice_selection_parts(selection, request->score, request->sentence, &s->count);
     s->pool = pool;
     s->loop = loop;
     s->request = *request;

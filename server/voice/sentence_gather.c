@@ -15,7 +15,7 @@ static bool is_stop(char c) {
 }
 
 /* Does the first text after the part begin with a stop? */
-static bool stop_follows(const struct sentence *s, const struct part *part) {
+static bool stop_follows(const struct sentence *s, const struct voice_part *part) {
     const struct score_sentence *whole = &s->request.score->sentences[s->request.sentence];
     for (size_t i = part->first + part->count; i < whole->first + whole->count; i++) {
         const char *text = sentence_item(s, i)->kind == SCORE_TEXT ? sentence_item(s, i)->text : "";
@@ -27,7 +27,7 @@ static bool stop_follows(const struct sentence *s, const struct part *part) {
 }
 
 /* Is a pause due after the last text of the part? */
-static bool ends_with_pause(const struct sentence *s, const struct part *part) {
+static bool ends_with_pause(const struct sentence *s, const struct voice_part *part) {
     for (size_t i = part->first + part->count; i-- > part->first;) {
         const char *text = sentence_item(s, i)->kind == SCORE_TEXT ? sentence_item(s, i)->text : NULL;
         size_t end = text ? strlen(text) : 0;
@@ -40,14 +40,14 @@ static bool ends_with_pause(const struct sentence *s, const struct part *part) {
 }
 
 /* The marks of a part that has no voice stand at its beginning. */
-static void add_marks(const struct sentence *s, const struct part *part, struct sentence_audio *u) {
+static void add_marks(const struct sentence *s, const struct voice_part *part, struct sentence_audio *u) {
     u->marks = mem_alloc(part->count * sizeof *u->marks);
     for (size_t i = part->first; i < part->first + part->count; i++)
         if (sentence_item(s, i)->kind == SCORE_MARK)
             u->marks[u->mark_count++] = (struct mark){.name = mem_strdup(sentence_item(s, i)->text)};
 }
 
-struct sentence_audio *sentence_silence(struct sentence *s, const struct part *part) {
+struct sentence_audio *sentence_silence(struct sentence *s, const struct voice_part *part) {
     struct sentence_audio *u = mem_alloc(sizeof *u);
     double seconds = 0;
     for (size_t i = part->first; i < part->first + part->count; i++)

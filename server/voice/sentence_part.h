@@ -11,7 +11,7 @@ struct sound_task;
 /* A part of the sentence on its way. */
 struct sentence_part {
     struct sentence *sentence;
-    struct part what;
+    struct voice_part what;
     bool wanted, started, failed; /* failed: a sound that cannot be played */
     struct voice_job *job;
     struct sound_task *task;
@@ -37,7 +37,7 @@ static inline const struct score_item *sentence_item(const struct sentence *s, s
 }
 
 /* sentence_gather.c */
-struct sentence_audio *sentence_silence(struct sentence *s, const struct part *part);
+struct sentence_audio *sentence_silence(struct sentence *s, const struct voice_part *part);
 struct sentence_audio *sentence_gather(struct sentence *s); /* all parts' sound, joined; takes theirs */
 
 #endif

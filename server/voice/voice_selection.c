@@ -24,14 +24,14 @@ void voice_selection_free(struct voice_selection *selection) {
 struct cutter {
     const struct voice_selection *selection;
     const struct score *score;
-    struct part *parts;
+    struct voice_part *parts;
     size_t count, cap;
 };
 
-static struct part *add(struct cutter *c, int kind, size_t first, size_t count, size_t instead_of) {
+static struct voice_part *add(struct cutter *c, int kind, size_t first, size_t count, size_t instead_of) {
     c->parts = mem_grow(c->parts, &c->cap, c->count + 1, sizeof *c->parts);
-    struct part *part = &c->parts[c->count++];
-    *part = (struct part){.kind = kind, .first = first, .count = count, .instead_of = instead_of};
+    struct voice_part *part = &c->parts[c->count++];
+    *part = (struct voice_part){.kind = kind, .first = first, .count = count, .instead_of = instead_of};
     return part;
 }
 
@@ -94,8 +94,8 @@ static void cut(struct cutter *c, size_t first, size_t end, size_t instead_of) {
     cut_texts(c, texts, end, instead_of);
 }
 
-struct part *voice_selection_parts(const struct voice_selection *selection, const struct score *score,
-                                   size_t sentence, size_t *count) {
+struct voice_part *voice_selection_parts(const struct voice_selection *selection, const struct score *score,
+                                         size_t sentence, size_t *count) {
     const struct score_sentence *s = &score->sentences[sentence];
     struct cutter c = {.selection = selection, .score = score};
     size_t end = s->first + s->count, texts = 0;

@@ -16,14 +16,14 @@ struct voice_selection *voice_selection_new(size_t count);
 void voice_selection_free(struct voice_selection *selection);
 
 /* A part of a sentence that one voice speaks, or a sound, or silence. */
-struct part {
+struct voice_part {
     enum { PART_TEXT, PART_SOUND, PART_SILENCE } kind;
     size_t first, count; /* items; of a sound or a silence: it and the marks around */
     size_t instead_of; /* this part is spoken when that part, a sound, cannot be played; SIZE_MAX = always */
 };
 
 /* Cuts a sentence into parts, in order. The caller frees them. */
-struct part *voice_selection_parts(const struct voice_selection *selection, const struct score *score,
-                                   size_t sentence, size_t *count);
+struct voice_part *voice_selection_parts(const struct voice_selection *selection, const struct score *score,
+                                         size_t sentence, size_t *count);
 
 #endif

@@ -37,7 +37,7 @@ static char *parts_of(const char *items) {
         selection->sounds[i] = *c == 'S' ? strdup("file") : NULL;
         i++;
     }
-    struct part *parts = voice_selection_parts(selection, score, 0, &count);
+    struct voice_part *parts = voice_selection_parts(selection, score, 0, &count);
     *out = '\0';
     for (i = 0; i < count; i++) {
         size_t used = strlen(out);

@@ -6,14 +6,14 @@
 #include <string.h>
 
 /* Phones may be described by others of the same file, in any order: each is read when it is first needed. */
-struct reader {
+struct phone_reader {
     struct speech_pack *pack;
     const struct json_place *at; /* the object "phones" */
     struct speech_phone **read;  /* by order in the file; NULL until it is read */
     bool *busy;
 };
 
-static const struct speech_phone *read_phone(struct reader *r, const char *name);
+static const struct speech_phone *read_phone(struct phone_reader *r, const char *name);
 
 void speech_phone_free(struct speech_phone *phone) {
     if (!phone)
@@ -27,7 +27,7 @@ void speech_phone_free(struct speech_phone *phone) {
 }
 
 /* The phone that another one names: of this file, else of the pack that it inherits from. */
-static const struct speech_phone *named(struct reader *r, const struct json_place *at, const char *name,
+static const struct speech_phone *named(struct phone_reader *r, const struct json_place *at, const char *name,
                                         const char *self) {
     if (strcmp(name, self) != 0 && json_object_get(r->at->json, name))
         return read_phone(r, name);
@@ -60,7 +60,7 @@ static int mix_in(struct speech_phone *phone, const struct json_place *at, const
 
 /* "like": "e" or {"i": 0.6, "e": 0.4}: the weighted mean of other phones. Group and contact are those of the
  * heaviest. */
-static int read_like(struct reader *r, const struct json_place *at, struct speech_phone *phone,
+static int read_like(struct phone_reader *r, const struct json_place *at, struct speech_phone *phone,
                      size_t *count) {
     const struct speech_phone *models[8];
     double weights[8], sum = 0;
@@ -103,7 +103,7 @@ static int read_like(struct reader *r, const struct json_place *at, struct speec
     return 0;
 }
 
-static int read_parts(struct reader *r, const struct json_place *at, struct speech_phone *phone) {
+static int read_parts(struct phone_reader *r, const struct json_place *at, struct speech_phone *phone) {
     static const char *const keys[] = {"phone", "share", NULL};
     if (json_place_array(at))
         return -1;
@@ -126,7 +126,7 @@ static int read_parts(struct reader *r, const struct json_place *at, struct spee
     return 0;
 }
 
-static int fill_phone(struct reader *r, const struct json_place *at, struct speech_phone *phone) {
+static int fill_phone(struct phone_reader *r, const struct json_place *at, struct speech_phone *phone) {
     static const char *const keys[] = {"sampa", "like",   "group",   "viseme",   "contact",
                                        "gain",  "shift",  "targets", "stressed", "coefficients",
                                        "parts", "source", NULL};
@@ -166,7 +166,7 @@ static size_t feature_letter(const struct alphabet *alphabet, const char *ipa) {
     return l ? (size_t)(l - alphabet->letters) + 1 : 0;
 }
 
-static const struct speech_phone *read_phone(struct reader *r, const char *name) {
+static const struct speech_phone *read_phone(struct phone_reader *r, const char *name) {
     struct json_place at = json_place_key(r->at, name);
     size_t order = 0;
     for (void *it = json_object_iter(r->at->json); strcmp(json_object_iter_key(it), name) != 0;
@@ -197,7 +197,7 @@ int speech_read_phones(struct speech_pack *pack, const struct json_place *at) {
     if (json_place_object(at))
         return -1;
     size_t n = json_object_size(at->json);
-    struct reader r = {pack, at, mem_alloc((n + 1) * sizeof(struct speech_phone *)), mem_alloc(n + 1)};
+    struct phone_reader r = {pack, at, mem_alloc((n + 1) * sizeof(struct speech_phone *)), mem_alloc(n + 1)};
     const char *key;
     json_t *value;
     int result = 0;

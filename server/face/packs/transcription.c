@@ -14,7 +14,7 @@ const struct transcription_sound transcription_wav = {44, 16000, 2};
 
 enum { LINE_BYTES = 128 };
 
-struct reader {
+struct transcription_reader {
     const struct transcription_sound *sound;
     const struct speech_pack *pack;
     struct sentence_audio *u;
@@ -24,11 +24,11 @@ struct reader {
     struct error *e;
 };
 
-static int fail(struct reader *r, const char *what, const char *name) {
+static int fail(struct transcription_reader *r, const char *what, const char *name) {
     return error_at_line(r->e, CODE, r->line, 1, "%s%s", what, name);
 }
 
-static int read_number(struct reader *r, char **at, unsigned long *out) {
+static int read_number(struct transcription_reader *r, char **at, unsigned long *out) {
     char *end;
     errno = 0;
     *at += strspn(*at, " \t");
@@ -39,7 +39,7 @@ static int read_number(struct reader *r, char **at, unsigned long *out) {
     return 0;
 }
 
-static int read_time(struct reader *r, unsigned long offset, uint32_t *at) {
+static int read_time(struct transcription_reader *r, unsigned long offset, uint32_t *at) {
     if (offset < r->sound->header || (offset - r->sound->header) / r->sound->frame > UINT32_MAX)
         return fail(r, "the offset is not inside the sound", "");
     *at = (uint32_t)((offset - r->sound->header) / r->sound->frame);
@@ -49,7 +49,7 @@ static int read_time(struct reader *r, unsigned long offset, uint32_t *at) {
 }
 
 /* The phone of a symbol; a pause for "##". */
-static int read_symbol(struct reader *r, const char *symbol, struct phone *p) {
+static int read_symbol(struct transcription_reader *r, const char *symbol, struct phone *p) {
     if (!strcmp(symbol, "##")) {
         strcpy(p->sampa, "_");
         return 0;
@@ -68,7 +68,7 @@ static int read_symbol(struct reader *r, const char *symbol, struct phone *p) {
 }
 
 /* Phones touch and cover the sound from its first sample on: what comes before the first one is a pause. */
-static void add(struct reader *r, const struct phone *p, uint32_t start) {
+static void add(struct transcription_reader *r, const struct phone *p, uint32_t start) {
     struct sentence_audio *u = r->u;
     if (!u->phone_count && start && *p->ipa)
         add(r, &(struct phone){.sampa = "_"}, 0);
@@ -80,7 +80,7 @@ static void add(struct reader *r, const struct phone *p, uint32_t start) {
     u->phone_count++;
 }
 
-static int read_line(struct reader *r, char *line) {
+static int read_line(struct transcription_reader *r, char *line) {
     line[strcspn(line, "\r")] = '\0';
     if (!line[strspn(line, " \t")])
         return 0;
@@ -114,7 +114,7 @@ static int read_line(struct reader *r, char *line) {
     return 0;
 }
 
-static int read_lines(struct reader *r, const char *text, size_t size) {
+static int read_lines(struct transcription_reader *r, const char *text, size_t size) {
     for (size_t i = 0; i < size;) {
         const char *newline = memchr(text + i, '\n', size - i);
         size_t n = newline ? (size_t)(newline - (text + i)) : size - i;
@@ -139,7 +139,7 @@ struct sentence_audio *transcription_read(const char *text, size_t size,
                   pack->lang);
         return NULL;
     }
-    struct reader r = {.sound = sound, .pack = pack, .u = mem_alloc(sizeof *r.u), .e = e};
+    struct transcription_reader r = {.sound = sound, .pack = pack, .u = mem_alloc(sizeof *r.u), .e = e};
     r.u->sample_rate = sound->rate;
     snprintf(r.u->lang, sizeof r.u->lang, "%s", pack->lang);
     if (!read_lines(&r, text, size))

@@ -8,13 +8,13 @@
 
 enum { IPA_BYTES = 20 };
 
-struct token {
+struct ipa_symbol {
     char ipa[IPA_BYTES];
     uint8_t stress;
 };
 
-struct text_words {
-    struct token *list;
+struct ipa_symbols {
+    struct ipa_symbol *list;
     size_t count, cap;
 };
 
@@ -62,12 +62,12 @@ static void clean(char ipa[IPA_BYTES]) {
 
 /* Adds s[0..size) without its stress mark. A sound that espeak-ng wrote twice ("ss") is a long one; the name
  * of a language between parentheses is no sound. */
-static void add_token(struct text_words *tokens, const char *s, size_t size) {
+static void add_symbol(struct ipa_symbols *symbols, const char *s, size_t size) {
     if (size && *s == '(')
         return;
-    tokens->list = mem_grow(tokens->list, &tokens->cap, tokens->count + 1, sizeof *tokens->list);
-    struct token *t = &tokens->list[tokens->count++];
-    *t = (struct token){0};
+    symbols->list = mem_grow(symbols->list, &symbols->cap, symbols->count + 1, sizeof *symbols->list);
+    struct ipa_symbol *t = &symbols->list[symbols->count++];
+    *t = (struct ipa_symbol){0};
     while (size >= 2 && (!memcmp(s, PRIMARY, 2) || !memcmp(s, SECONDARY, 2))) {
         t->stress = memcmp(s, PRIMARY, 2) ? 1 : 2;
         s += 2;
@@ -85,11 +85,11 @@ static void add_token(struct text_words *tokens, const char *s, size_t size) {
     clean(t->ipa);
 }
 
-static void split(struct text_words *tokens, const char *transcription) {
+static void split(struct ipa_symbols *symbols, const char *transcription) {
     static const char separators[] = {ES_SEPARATOR, ' ', '\n', '\0'};
     for (const char *s = transcription; *s;) {
         size_t size = strcspn(s, separators);
-        add_token(tokens, s, size);
+        add_symbol(symbols, s, size);
         s += size + (s[size] != '\0');
     }
 }
@@ -109,8 +109,8 @@ static void learn(struct es_names *names, const struct es_phone *p) {
     names->count++;
 }
 
-/* How badly a phone and a token fit. */
-static unsigned misfit(const struct es_phone *p, const struct token *t, const struct es_names *names) {
+/* How badly a phone and a symbol fit. */
+static unsigned misfit(const struct es_phone *p, const struct ipa_symbol *t, const struct es_names *names) {
     if (p->pause)
         return *t->ipa ? 4 : 0;
     const char *known = known_name(names, p->symbol);
@@ -123,11 +123,11 @@ static unsigned skip_phone(const struct es_phone *p) {
     return p->pause ? 1 : 3;
 }
 
-static unsigned skip_token(const struct token *t) {
+static unsigned skip_symbol(const struct ipa_symbol *t) {
     return *t->ipa ? 3 : 1;
 }
 
-static void assign(struct es_phone *p, const struct token *t, struct es_names *names) {
+static void assign(struct es_phone *p, const struct ipa_symbol *t, struct es_names *names) {
     if (p->pause)
         return;
     memcpy(p->ipa, t->ipa, sizeof p->ipa);
@@ -135,7 +135,7 @@ static void assign(struct es_phone *p, const struct token *t, struct es_names *n
     learn(names, p);
 }
 
-/* A phone without a token: its name as it was elsewhere, or the letters of its mnemonic. */
+/* A phone without a symbol: its name as it was elsewhere, or the letters of its mnemonic. */
 static void assign_alone(struct es_phone *p, const struct es_names *names) {
     if (p->pause)
         return;
@@ -149,12 +149,12 @@ static void assign_alone(struct es_phone *p, const struct es_names *names) {
         p->ipa[kept] = '\0';
 }
 
-/* The common case: one token for each phone, and then pauses. */
-static bool is_parallel(const struct es_phone *phones, size_t count, const struct text_words *tokens) {
-    if (tokens->count > count)
+/* The common case: one symbol for each phone, and then pauses. */
+static bool is_parallel(const struct es_phone *phones, size_t count, const struct ipa_symbols *symbols) {
+    if (symbols->count > count)
         return false;
     for (size_t i = 0; i < count; i++)
-        if (i < tokens->count ? phones[i].pause && *tokens->list[i].ipa : !phones[i].pause)
+        if (i < symbols->count ? phones[i].pause && *symbols->list[i].ipa : !phones[i].pause)
             return false;
     return true;
 }
@@ -162,10 +162,10 @@ static bool is_parallel(const struct es_phone *phones, size_t count, const struc
 enum step { BOTH, PHONE, TOKEN };
 
 /* Cheapest alignment by dynamic programming. steps[i * width + k] is the last step on the way to i phones and
- * k tokens. */
-static void find_steps(const struct es_phone *phones, size_t count, const struct text_words *tokens,
+ * k symbols. */
+static void find_steps(const struct es_phone *phones, size_t count, const struct ipa_symbols *symbols,
                        const struct es_names *names, uint8_t *steps) {
-    size_t width = tokens->count + 1;
+    size_t width = symbols->count + 1;
     unsigned *cost = mem_alloc(2 * width * sizeof *cost);
     for (size_t i = 0; i <= count; i++) {
         unsigned *row = cost + (i % 2) * width;
@@ -173,13 +173,13 @@ static void find_steps(const struct es_phone *phones, size_t count, const struct
         for (size_t k = 0; k < width; k++) {
             unsigned best = i || k ? UINT32_MAX : 0, c;
             uint8_t step = BOTH;
-            if (i && k && (c = above[k - 1] + misfit(&phones[i - 1], &tokens->list[k - 1], names)) < best)
+            if (i && k && (c = above[k - 1] + misfit(&phones[i - 1], &symbols->list[k - 1], names)) < best)
                 best = c;
             if (i && (c = above[k] + skip_phone(&phones[i - 1])) < best) {
                 best = c;
                 step = PHONE;
             }
-            if (k && (c = row[k - 1] + skip_token(&tokens->list[k - 1])) < best) {
+            if (k && (c = row[k - 1] + skip_symbol(&symbols->list[k - 1])) < best) {
                 best = c;
                 step = TOKEN;
             }
@@ -190,15 +190,15 @@ static void find_steps(const struct es_phone *phones, size_t count, const struct
     free(cost);
 }
 
-static void align_slowly(struct es_phone *phones, size_t count, const struct text_words *tokens,
+static void align_slowly(struct es_phone *phones, size_t count, const struct ipa_symbols *symbols,
                          struct es_names *names) {
-    size_t width = tokens->count + 1, i = count, k = tokens->count;
+    size_t width = symbols->count + 1, i = count, k = symbols->count;
     uint8_t *steps = mem_alloc((count + 1) * width);
-    find_steps(phones, count, tokens, names, steps);
+    find_steps(phones, count, symbols, names, steps);
     while (i || k) {
         uint8_t step = steps[i * width + k];
         if (step == BOTH)
-            assign(&phones[i - 1], &tokens->list[k - 1], names);
+            assign(&phones[i - 1], &symbols->list[k - 1], names);
         else if (step == PHONE)
             assign_alone(&phones[i - 1], names);
         i -= step != TOKEN;
@@ -208,12 +208,12 @@ static void align_slowly(struct es_phone *phones, size_t count, const struct tex
 }
 
 void es_align(struct es_phone *phones, size_t count, const char *transcription, struct es_names *names) {
-    struct text_words tokens = {0};
-    split(&tokens, transcription);
-    if (is_parallel(phones, count, &tokens))
-        for (size_t i = 0; i < tokens.count; i++)
-            assign(&phones[i], &tokens.list[i], names);
+    struct ipa_symbols symbols = {0};
+    split(&symbols, transcription);
+    if (is_parallel(phones, count, &symbols))
+        for (size_t i = 0; i < symbols.count; i++)
+            assign(&phones[i], &symbols.list[i], names);
     else
-        align_slowly(phones, count, &tokens, names);
-    free(tokens.list);
+        align_slowly(phones, count, &symbols, names);
+    free(symbols.list);
 }

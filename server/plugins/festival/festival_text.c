@@ -10,7 +10,7 @@
 
 static const char opening[] = "\"'`({[";
 
-struct reader {
+struct fe_reader {
     struct fe_tokens *out;
     const struct fe_language *language;
     uint32_t span;
@@ -33,7 +33,7 @@ static bool is_space(uint32_t c) {
 }
 
 /* The word that was read becomes a token. */
-static void end_word(struct reader *r) {
+static void end_word(struct fe_reader *r) {
     if (!r->used)
         return;
     struct fe_tokens *out = r->out;
@@ -44,7 +44,7 @@ static void end_word(struct reader *r) {
 }
 
 /* One character of the word that stands at text[at..at + bytes). */
-static void add_letter(struct reader *r, char c, size_t at, size_t bytes) {
+static void add_letter(struct fe_reader *r, char c, size_t at, size_t bytes) {
     if (r->used == FE_WORD_BYTES - 1 || (r->spell && r->used))
         end_word(r);
     if (!r->used)
@@ -55,7 +55,7 @@ static void add_letter(struct reader *r, char c, size_t at, size_t bytes) {
 }
 
 /* It is the last word's, even after a space (a dash), unless it opens the next one. */
-static void add_punctuation(struct reader *r, char c) {
+static void add_punctuation(struct fe_reader *r, char c) {
     const char s[2] = {c, '\0'};
     end_word(r);
     if (r->spaced && strchr(opening, c))
@@ -65,7 +65,7 @@ static void add_punctuation(struct reader *r, char c) {
 }
 
 /* An accent that follows its vowel as a character of its own (Unicode's form D): grave 0x300, acute 0x301. */
-static void add_accent(struct reader *r, uint32_t accent, size_t at, size_t length) {
+static void add_accent(struct fe_reader *r, uint32_t accent, size_t at, size_t length) {
     static const char vowels[] = "aeiouAEIOU";
     static const unsigned char grave[] = {0xE0, 0xE8, 0xEC, 0xF2, 0xF9, 0xC0, 0xC8, 0xCC, 0xD2, 0xD9};
     char *last = r->used ? &r->token.word[r->used - 1] : NULL;
@@ -78,7 +78,7 @@ static void add_accent(struct reader *r, uint32_t accent, size_t at, size_t leng
 }
 
 /* Words that stand for one character of the text. */
-static void add_words(struct reader *r, const char *words, size_t at, size_t bytes);
+static void add_words(struct fe_reader *r, const char *words, size_t at, size_t bytes);
 
 static void add_unread(struct fe_tokens *out, const char *s, size_t length) {
     char c[5] = "";
@@ -88,7 +88,7 @@ static void add_unread(struct fe_tokens *out, const char *s, size_t length) {
 }
 
 /* Is the ASCII character at that place part of a word? */
-static bool joins(const struct reader *r, const char *at) {
+static bool joins(const struct fe_reader *r, const char *at) {
     unsigned char before = at > r->text ? (unsigned char)at[-1] : ' ', after = (unsigned char)at[1];
     if (*at == '\'') /* l'amica, po' */
         return r->used || after >= 0x80 || isalpha(after);
@@ -97,7 +97,7 @@ static bool joins(const struct reader *r, const char *at) {
     return strchr(".,:", *at) && r->used && isdigit(before) && isdigit(after) && !r->spell;
 }
 
-static void add_ascii(struct reader *r, const char *at, size_t place, size_t bytes, bool whole) {
+static void add_ascii(struct fe_reader *r, const char *at, size_t place, size_t bytes, bool whole) {
     if (isalnum((unsigned char)*at) || (whole && joins(r, at)))
         add_letter(r, *at, place, bytes);
     else if (strchr("\"'`.,:;!?(){}[]", *at))
@@ -107,7 +107,7 @@ static void add_ascii(struct reader *r, const char *at, size_t place, size_t byt
 }
 
 /* A character that Festival is not to see as it is: near ones in ASCII (the C library's transliteration). */
-static void add_foreign(struct reader *r, const char *s, size_t length, size_t place) {
+static void add_foreign(struct fe_reader *r, const char *s, size_t length, size_t place) {
     char ascii[16] = "", *in = (char *)s, *out = ascii;
     size_t in_left = length, out_left = sizeof ascii - 1;
     iconv_t converter = iconv_open("ASCII//TRANSLIT", "UTF-8");
@@ -125,7 +125,7 @@ static void add_foreign(struct reader *r, const char *s, size_t length, size_t p
         add_ascii(r, c, place, length, false);
 }
 
-static void add_character(struct reader *r, size_t at, uint32_t c, size_t length) {
+static void add_character(struct fe_reader *r, size_t at, uint32_t c, size_t length) {
     const char *s = r->text + at;
     char key[5] = "";
     memcpy(key, s, length);
@@ -159,7 +159,7 @@ static void add_character(struct reader *r, size_t at, uint32_t c, size_t length
     }
 }
 
-static void add_words(struct reader *r, const char *words, size_t at, size_t bytes) {
+static void add_words(struct fe_reader *r, const char *words, size_t at, size_t bytes) {
     uint32_t c = 0;
     for (size_t length; *words && (length = utf8_next(words, strlen(words), &c)) > 0; words += length) {
         char key[5] = "";
@@ -174,7 +174,7 @@ static void add_words(struct reader *r, const char *words, size_t at, size_t byt
 
 void fe_tokens_add(struct fe_tokens *tokens, const struct fe_language *language, uint32_t span,
                    const char *text, bool spell) {
-    struct reader r = {
+    struct fe_reader r = {
         .out = tokens, .language = language, .span = span, .text = text, .spell = spell, .spaced = true};
     size_t size = strlen(text), length;
     r.token.span = span;
