@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
+#include "server/face/lead_in.h"
 #include "server/synthesis/synthesis_internal.h"
 #include "server/voice/cue_times.h"
 #include "server/voice/sentence_audio_edit.h"
@@ -73,13 +74,6 @@ static const struct speech_pack *pack_of(const struct synthesis *s, const struct
     return own && face_engine_speaks(synthesis_engine(s), own) ? own : s->pack;
 }
 
-static uint32_t mark_at(const struct sentence_audio *u, const char *name) {
-    for (size_t i = 0; name && i < u->mark_count; i++)
-        if (!strcmp(u->marks[i].name, name))
-            return u->marks[i].at < u->samples ? u->marks[i].at : u->samples;
-    return 0;
-}
-
 static double second_of(const struct synthesis *s, const struct sentence_audio *u, uint32_t skip) {
     return ((double)s->samples - skip) / u->sample_rate;
 }
@@ -103,7 +97,7 @@ static void make_track(struct synthesis *s, struct slot *slot, uint32_t skip) {
 static void play(struct synthesis *s, struct slot *slot) {
     struct sentence_audio *u = slot->audio;
     const struct speech_request *r = &s->request;
-    uint32_t skip = mark_at(u, s->entry);
+    uint32_t skip = sentence_audio_mark(u, s->entry);
     if (!slot->track)
         make_track(s, slot, skip);
     struct media_segment segment = {.audio = u,
@@ -143,6 +137,12 @@ static void drop_audio(struct slot *slot) {
     slot->track = NULL;
 }
 
+static void prepare(const struct synthesis *s, struct sentence_audio *u) {
+    if (s->sample_rate)
+        sentence_audio_resample(u, s->sample_rate);
+    sentence_audio_lead_in(u, lead_in_missing(pack_of(s, u), u));
+}
+
 /* Hands on, in order, what is ready. */
 static void deliver(struct synthesis *s) {
     if (s->busy || !s->score || !s->started)
@@ -154,8 +154,8 @@ static void deliver(struct synthesis *s) {
         if (slot->job)
             break;
         s->delivered++;
-        if (slot->audio && s->sample_rate && !slot->track)
-            sentence_audio_resample(slot->audio, s->sample_rate);
+        if (slot->audio && !slot->track)
+            prepare(s, slot->audio);
         if (is_beyond(s, slot->audio)) {
             error_set(&slot->failure, ERROR_VOICE_FAILED, "the speech is longer than its clock can count");
             drop_audio(slot);

@@ -38,3 +38,10 @@ void sentence_audio_warn(struct sentence_audio *u, const char *message) {
     u->warnings = mem_resize(u->warnings, (u->warning_count + 1) * sizeof *u->warnings);
     u->warnings[u->warning_count++] = mem_strdup(message);
 }
+
+uint32_t sentence_audio_mark(const struct sentence_audio *u, const char *name) {
+    for (size_t i = 0; name && i < u->mark_count; i++)
+        if (!strcmp(u->marks[i].name, name))
+            return u->marks[i].at < u->samples ? u->marks[i].at : u->samples;
+    return 0;
+}

@@ -65,6 +65,9 @@ struct sentence_audio {
 struct sentence_audio *sentence_audio_share(struct sentence_audio *u);
 void sentence_audio_free(struct sentence_audio *u);
 
+/* Where the mark of that name lies, sample; 0 when there is none, or name is NULL. */
+uint32_t sentence_audio_mark(const struct sentence_audio *u, const char *name);
+
 /* Adds a copy of the warning, unless it is there already. */
 void sentence_audio_warn(struct sentence_audio *u, const char *message);
 

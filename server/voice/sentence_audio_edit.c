@@ -139,6 +139,45 @@ void sentence_audio_append(struct sentence_audio *a, struct sentence_audio *b) {
     sentence_audio_free(b);
 }
 
+static void lead_in_phones(struct sentence_audio *u, uint32_t samples) {
+    for (size_t i = 0; i < u->phone_count; i++) {
+        u->phones[i].start += samples;
+        u->phones[i].end += samples;
+    }
+    if (u->phone_count && is_pause(&u->phones[0])) {
+        u->phones[0].start = 0;
+        return;
+    }
+    u->phones = extend(u->phones, u->phone_count, 1, sizeof *u->phones);
+    memmove(u->phones + 1, u->phones, u->phone_count++ * sizeof *u->phones);
+    u->phones[0] = (struct phone){.sampa = "_", .end = samples};
+}
+
+static void delay(uint32_t *at, uint32_t samples) {
+    *at += *at ? samples : 0;
+}
+
+void sentence_audio_lead_in(struct sentence_audio *u, uint32_t samples) {
+    if (!samples)
+        return;
+    u->pcm = extend(u->pcm, u->samples, samples, sizeof *u->pcm);
+    memmove(u->pcm + samples, u->pcm, u->samples * sizeof *u->pcm);
+    memset(u->pcm, 0, samples * sizeof *u->pcm);
+    u->samples += samples;
+    lead_in_phones(u, samples);
+    for (size_t i = 0; i < u->word_count; i++) {
+        u->words[i].start += samples;
+        u->words[i].end += samples;
+    }
+    for (size_t i = 0; i < u->mark_count; i++)
+        delay(&u->marks[i].at, samples);
+    for (size_t i = 0; i < u->cue_count; i++) {
+        struct cue *cue = &u->cues[i];
+        cue->start += cue->began_before ? 0 : samples;
+        cue->end += samples;
+    }
+}
+
 static bool has_sound(const struct sentence_audio *u) {
     for (size_t i = 0; i < u->phone_count; i++)
         if (!is_pause(&u->phones[i]))

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Changes to finished sentences' audio: another sample rate, a part of one, several as one. Cues are not
- * touched: they are timed last. */
+ * touched, since they are timed last; but where silence comes before all, they move with their words. */
 #ifndef FACCIA_VOICE_SENTENCE_AUDIO_EDIT_H
 #define FACCIA_VOICE_SENTENCE_AUDIO_EDIT_H
 
@@ -16,6 +16,10 @@ void sentence_audio_cut(struct sentence_audio *u, uint32_t from, uint32_t to);
 
 /* Puts b, which has the same rate, behind a, and frees b. */
 void sentence_audio_append(struct sentence_audio *a, struct sentence_audio *b);
+
+/* Puts that much silence, a pause, before the sentence. What lies at its very beginning, a mark or a cue that
+ * goes on from before, stays there. */
+void sentence_audio_lead_in(struct sentence_audio *u, uint32_t samples);
 
 /* Where the sound begins and ends. Before and after it is nothing loud (18 dB below the loudest sample, 46 dB
  * where no phones are known), and no sounding phone. from == to: there is no sound. */

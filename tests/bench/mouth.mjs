@@ -1,49 +1,71 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contacts and openings of 25 sentences a language, at four rates, neutral and in five emotions, by both blends, with all engines of the
-// language. Usage: [RATES=320] node tests/bench/mouth.mjs [LANG]...
-import { execFileSync } from 'node:child_process';
-import fs from 'node:fs';
-import os from 'node:os';
+// language. Usage: node tests/bench/mouth.mjs [--pixels [--all]] [--contacts on|off|engine] [--rates 80,320] [--list] [LANG]...
+// In mm, from the FAPs at 50 frames a second; with --pixels as drawn at 25, while the sounds are heard: of three sentences, neutral and in
+// two emotions at 320 words a minute, or of --all. --list names what fails.
 import path from 'node:path';
+import { parseArgs } from 'node:util';
+import { launch } from '../lib/browser.mjs';
 import { build } from '../lib/daemon.mjs';
-import { parseFap } from '../lib/fapfile.mjs';
+import { mouthPixels, readPixels } from '../lib/mouth-pixels.mjs';
+import { spoken, voiced } from '../lib/mouth-poses.mjs';
 import { SHORT, addMouth, readMouth } from '../lib/mouth.mjs';
 import { sentences } from '../lib/sentences.mjs';
 
-const FPS = 50;
-const engines = { it: ['dominance', 'cohen-massaro', 'table'], 'pt-BR': ['dominance', 'context'], tr: ['dominance', 'syllable'], en: ['dominance', 'cohen-massaro', 'table'] };
-const emotions = [null, 'anger', 'happiness', 'sadness', 'surprise', 'disgust'];
-const rates = (process.env.RATES ?? '80,160,240,320').split(',');
-const env = { ...process.env, FACCIA_MODELS: path.join(build, 'models'), FACCIA_PLUGINS: path.join(build, 'server/plugins'), FACCIA_WORKER: path.join(build, 'server/voice/faccia-voice') };
-const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
-const [fap, json] = ['a.fap', 'a.json'].map((name) => path.join(folder, name));
+const { values: wanted, positionals } = parseArgs({
+  allowPositionals: true,
+  options: { pixels: { type: 'boolean' }, all: { type: 'boolean' }, contacts: { type: 'string', default: 'on' }, rates: { type: 'string' }, list: { type: 'boolean' } },
+});
+const few = wanted.pixels && !wanted.all;
+const rates = (wanted.rates ?? (few ? '320' : '80,160,240,320')).split(',');
+const emotions = few ? [null, 'anger', 'happiness'] : [null, 'anger', 'happiness', 'sadness', 'surprise', 'disgust'];
+const blends = few ? ['regions'] : ['regions', 'weighted'];
+const own = { 'pt-BR': ['context'], tr: ['syllable'] };
+for (const [name, at] of [['MODELS', 'models'], ['PLUGINS', 'server/plugins'], ['WORKER', 'server/voice/faccia-voice']]) process.env[`FACCIA_${name}`] ??= path.join(build, at);
+const browser = wanted.pixels ? await launch() : undefined;
+const screen = browser && (await mouthPixels(browser));
 
-function speak(lang, engine, rate, emotion, blend) {
-  const words = sentences[lang].join('\n');
-  const text = `<speak>${emotion ? `<emotion><category name="${emotion}"/>${words}</emotion>` : words}</speak>`;
-  const say = () => execFileSync(path.join(build, 'server/app/faccia'), ['say', '--lang', lang, '--engine', engine, '--rate', rate, '--blend', blend, '--markup', 'ssml', '--fps', FPS, '--fap', fap, '--json', json, '-'], { env, input: text, stdio: ['pipe', 'pipe', 'pipe'] });
+async function speak(lang, engine, rate, emotion, blend) {
+  const text = voiced(sentences[lang].slice(0, few ? 3 : undefined).join('\n'), emotion);
+  const args = ['--lang', lang, '--engine', engine, '--rate', rate, '--blend', blend, '--contacts', wanted.contacts, '--markup', 'ssml', '--fps', screen ? 25 : 50];
+  let track;
   try {
-    say();
-  } catch (e) {
-    console.log(`again: ${e.stderr}`); // a voice may be too slow to start on a busy machine
-    say();
+    track = spoken(text, ...args);
+  } catch {
+    track = spoken(text, ...args); // a voice may be too slow to start on a busy machine
   }
-  return readMouth(JSON.parse(fs.readFileSync(json)).phones, parseFap(fs.readFileSync(fap, 'utf8')));
+  return screen ? readPixels(screen.look, track.phones, track) : readMouth(track.phones, track);
 }
 
-const langs = process.argv.length > 2 ? process.argv.slice(2) : Object.keys(sentences);
-for (const lang of langs) {
-  for (const engine of engines[lang]) {
+const percent = (part, all) => (part === all ? '100' : ((100 * part) / all).toFixed(1));
+const langs = positionals.length ? positionals : Object.keys(sentences);
+console.log(`contacts ${wanted.contacts}, ${screen ? 'as drawn at 25 frames a second' : 'in mm at 50 frames a second'}; each cell: % of lips closed, of lip at teeth; ` +
+  `open vowels below 3 mm, the median opening\n\n| | sounds | ${rates.join(' | ')} |\n|---|---|${rates.map(() => '---|').join('')}`);
+const short = {};
+for (const lang of langs)
+  for (const engine of ['dominance', ...(own[lang] ?? []), 'cohen-massaro', 'table']) {
+    const cells = [];
+    let count;
     for (const rate of rates) {
-      for (const blend of ['regions', 'weighted']) {
-        const sum = emotions.reduce((all, emotion) => addMouth(all, speak(lang, engine, rate, emotion, blend)), {});
-        const gaps = sum.gaps.toSorted((a, b) => a.mm - b.mm);
-        const long = gaps.filter((g) => g.seconds >= SHORT);
-        const below = (mm) => gaps.filter((g) => g.mm < mm).length;
-        console.log(`${lang} ${engine} ${rate} ${blend}: lips ${sum.closed}/${sum.lips}, teeth ${sum.met}/${sum.teeth}; open vowels ${sum.open}: median ${gaps[gaps.length >> 1].mm.toFixed(1)} mm, ` +
-          `below 1 mm ${below(1)}, below 3 mm ${below(3)}; of ${SHORT * 1000} ms and more ${long.length}: least ${long[0].mm.toFixed(1)} mm`);
+      let sum = {};
+      for (const blend of blends) for (const emotion of emotions) sum = addMouth(sum, await speak(lang, engine, rate, emotion, blend));
+      const gaps = sum.gaps.map(({ mm }) => mm).sort((a, b) => a - b);
+      const below = sum.gaps.filter(({ mm }) => mm < 3);
+      cells.push(`${percent(sum.closed, sum.lips)}, ${percent(sum.met, sum.teeth)}; ${below.length}, ${gaps[gaps.length >> 1].toFixed(1)} mm`);
+      count = `${sum.lips}, ${sum.teeth}, ${sum.open}`;
+      const rest = (short[rate] ??= { all: 0, brief: 0, least: Infinity });
+      rest.all += below.length;
+      for (const { seconds, mm } of below) {
+        rest.brief += seconds < SHORT;
+        if (seconds >= SHORT) rest.least = Math.min(rest.least, mm);
       }
+      if (!wanted.list) continue;
+      for (const { phone, mm } of below) console.error(`${lang} ${engine} ${rate}: /${phone.ipa}/ of ${Math.round(1000 * (phone.end - phone.start))} ms at ${phone.start.toFixed(2)}: ${mm.toFixed(1)} mm`);
+      for (const miss of sum.misses) console.error(`${lang} ${engine} ${rate}: missed`, miss);
     }
+    console.log(`| ${lang} ${engine} | ${count} | ${cells.join(' | ')} |`);
   }
-}
-fs.rmSync(folder, { recursive: true });
+for (const [rate, { all, brief, least }] of Object.entries(short))
+  console.log(`\n${rate} words a minute: ${all} open vowels below 3 mm, ${brief} of them under ${SHORT * 1000} ms${all > brief ? `; the least of the others ${least.toFixed(1)} mm` : ''}`);
+await screen?.close();
+await browser?.close();

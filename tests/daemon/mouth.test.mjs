@@ -4,7 +4,8 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
-import { SHORT, addMouth, readMouth } from '../lib/mouth.mjs';
+import { SHORT, addMouth, isClosed, readMouth, shownWithin } from '../lib/mouth.mjs';
+import { voiced } from '../lib/mouth-poses.mjs';
 import { sentences } from '../lib/sentences.mjs';
 
 let daemon;
@@ -12,7 +13,6 @@ before(async () => (daemon = await Daemon.start()));
 after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
 
 const post = (query, body) => daemon.get(`/v1/speech?${query}`, { method: 'POST', body, headers: { 'content-type': 'application/ssml+xml' } });
-const voiced = (text, emotion) => `<speak>${emotion ? `<emotion><category name="${emotion}"/>${text}</emotion>` : text}</speak>`;
 
 async function look(text, lang, engine, blend, contacts = 'engine') {
   const query = `lang=${lang}&rate=320&fps=120&engine=${engine}&blend=${blend}&contacts=${contacts}`;
@@ -38,3 +38,30 @@ test('without the layer of contacts they do not', async () => {
   const part = await look(voiced(sentences.it.slice(0, 4).join('\n'), 'anger'), 'it', 'dominance', 'weighted', 'off');
   assert.ok(part.misses.length > 0 || part.gaps.some(({ mm }) => mm < 3));
 });
+
+// Sentences that begin with the lips: what is before the first sound must be enough for them, whatever the face does then.
+const BEGINNINGS = {
+  it: 'Bene. Poi parte. Ma no! Beppe beve.', 'pt-BR': 'Bom dia. Pode vir. Meu pai! Bebe logo.',
+  tr: 'Baba geldi. Bu ne? Pek iyi! Mavi boya.', en: 'But why? Put it down. My map! Bob, be quick.',
+};
+const EMOTIONS = [null, 'anger', 'happiness', 'sadness', 'surprise', 'disgust'];
+
+for (const [lang, own] of [['it', []], ['pt-BR', ['context']], ['tr', ['syllable']], ['en', []]])
+  test(`${lang}: a sentence that begins with the lips shows them closed while that is heard, in every expression, engine and blend`, async () => {
+    const query = `lang=${lang}&rate=320&contacts=on`;
+    const { phones } = await post(`${query}&format=json`, voiced(BEGINNINGS[lang])).then((r) => r.json());
+    const first = phones.filter((phone, i) => 'pbm'.includes(phone.ipa[0]) && phone.ipa && (i === 0 || !phones[i - 1].ipa));
+    assert.equal(first.length, 4, JSON.stringify(phones));
+    const open = [];
+    for (const engine of ['dominance', 'cohen-massaro', 'table', ...own])
+      for (const blend of ['regions', 'weighted'])
+        await Promise.all(EMOTIONS.map(async (emotion) => {
+          const fap = await post(`${query}&fps=25&engine=${engine}&blend=${blend}&format=fap`, voiced(BEGINNINGS[lang], emotion)).then((r) => r.text());
+          const { fps, frames } = parseFap(fap);
+          for (const phone of first) {
+            const shown = shownWithin(phone, fps);
+            if (!frames.slice(shown.first, shown.end).some(isClosed)) open.push(`${engine}, ${blend}, ${emotion}: /${phone.ipa}/ at ${phone.start}`);
+          }
+        }));
+    assert.deepEqual(open, []);
+  });

@@ -31,7 +31,7 @@ window.load = async (name, json, paint) => {
     mesh.material.needsUpdate = true;
   }
 };
-window.shot = (name, values, { yaw = 0, pitch = 0, target = [0, -22, 0], distance = 620, fov = 26, width, height, level = 'high' }) => {
+const pose = (name, { yaw = 0, pitch = 0, target = [0, -22, 0], distance = 620, fov = 26, width, height, level = 'high' }) => {
   const head = heads.get(name);
   if (view.head !== head) { if (view.head) { view.scene.clear(); view.head = null; } view.show(head); }
   view.level = LEVELS.find((one) => one.name === level);
@@ -45,15 +45,50 @@ window.shot = (name, values, { yaw = 0, pitch = 0, target = [0, -22, 0], distanc
   view.camera.lookAt(...target);
   view.camera.updateProjectionMatrix();
   view.camera.updateMatrixWorld();
-  head.setFaps(Float32Array.from(values));
-  view.draw();
+  return (values) => {
+    head.setFaps(Float32Array.from(values));
+    view.draw();
+  };
+};
+window.shot = (name, values, camera) => {
+  pose(name, camera)(values);
   return canvas.toDataURL('image/png').slice(22);
+};
+window.columns = (name, frames, camera, colours, half) => {
+  const draw = pose(name, camera);
+  const gl = canvas.getContext('webgl2');
+  const { width, height } = canvas;
+  const pixels = new Uint8Array(4 * width * height);
+  const partAt = (i) => (pixels[i + 3] ? colours.findIndex((colour) => colour.every((x, k) => Math.abs(x - pixels[i + k]) < 40)) : -1);
+  return frames.map((values) => {
+    draw(values);
+    gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    const areas = colours.map(() => 0);
+    for (let i = 0; i < pixels.length; i += 4) {
+      const part = partAt(i);
+      if (part >= 0) areas[part]++;
+    }
+    const columns = [];
+    for (let x = Math.round(width / 2) - half; x < Math.round(width / 2) + half; x++) {
+      const runs = [];
+      for (let y = height - 1; y >= 0; y--) { // from the top: the rows come from below
+        const part = partAt(4 * (y * width + x));
+        if (runs.length && runs.at(-1)[0] === part) runs.at(-1)[1]++;
+        else runs.push([part, 1]);
+      }
+      columns.push(runs);
+    }
+    return { areas, columns };
+  });
 };
 `;
 
+const whole = (faps) => Array.from({ length: 69 }, (_, n) => faps[n] ?? 0);
+
 /**
  * @param {import('playwright-core').Browser} browser
- * @returns a page with load(name, head, paint) and shot(name, faps, camera): a PNG's bytes
+ * @returns a page with load(name, head, paint), shot(name, faps, camera): a PNG's bytes, and columns(name, frames, camera, colours, half): for
+ * each frame the pixels of each colour in the picture, and the 2 x half columns in its middle from above: runs of [which colour, how many]
  */
 export async function headPage(browser) {
   const { build } = createRequire(path.join(web, 'package.json'))('esbuild');
@@ -68,9 +103,7 @@ export async function headPage(browser) {
   return {
     page,
     load: (name, head, paint) => page.evaluate(([n, h, p]) => window.load(n, h, p), [name, head, paint]),
-    shot: async (name, faps, camera) => {
-      const values = Array.from({ length: 69 }, (_, n) => faps[n] ?? 0);
-      return Buffer.from(await page.evaluate(([n, v, c]) => window.shot(n, v, c), [name, values, camera]), 'base64');
-    },
+    shot: async (name, faps, camera) => Buffer.from(await page.evaluate(([n, v, c]) => window.shot(n, v, c), [name, whole(faps), camera]), 'base64'),
+    columns: (name, frames, camera, colours, half) => page.evaluate((all) => window.columns(...all), [name, frames.map(whole), camera, colours, half]),
   };
 }

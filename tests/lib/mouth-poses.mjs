@@ -19,37 +19,43 @@ export const LANGUAGES = {
 
 const ROUND = /^[uoɔʊyøœwɯ]/;
 
-/** @returns {Object<string, number[]>} FAPs by sound: the longest of its kind is the clearest */
-export function soundPoses(lang, emotion) {
-  const [text, wanted] = LANGUAGES[lang];
+/** What `faccia say` makes of a text: its phones, the frames a second and the frames. */
+export function spoken(text, ...args) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'mouth-'));
   try {
     const [fap, json] = ['a.fap', 'a.json'].map((name) => path.join(folder, name));
-    const marked = emotion ? `<speak xml:lang="${lang}"><emotion><category name="${emotion}"/>${text}</emotion></speak>` : text;
-    faccia('say', '--lang', lang, '--fps', '100', ...(emotion ? [] : ['--still']), '--fap', fap, '--json', json, marked);
-    const { phones } = JSON.parse(fs.readFileSync(json));
-    const { fps, frames } = parseFap(fs.readFileSync(fap, 'utf8'));
-    const out = {};
-    for (const ipa of wanted) {
-      const named = phones.filter((p) => p.ipa.startsWith(ipa) && !(ipa === 't' && p.ipa.startsWith('tʃ')));
-      // Beside a rounded vowel a consonant has its lips.
-      const plain = named.filter((p) => ![-1, 1].some((d) => ROUND.test(phones[phones.indexOf(p) + d]?.ipa)));
-      const own = plain.length ? plain : named;
-      const phone = own.sort((a, b) => b.end - b.start - a.end + a.start)[0];
-      if (!phone) throw new Error(`${lang}: no /${ipa}/ among ${phones.map((p) => p.ipa).join(' ')}`);
-      out[ipa] = withoutHead(frames[Math.round(((phone.start + phone.end) / 2) * fps)]);
-    }
-    return out;
+    faccia('say', ...args.map(String), '--fap', fap, '--json', json, text);
+    return { phones: JSON.parse(fs.readFileSync(json)).phones, ...parseFap(fs.readFileSync(fap, 'utf8')) };
   } finally {
     fs.rmSync(folder, { recursive: true });
   }
+}
+
+/** With an emotion over all of it, or plain. */
+export const voiced = (text, emotion) => `<speak>${emotion ? `<emotion><category name="${emotion}"/>${text}</emotion>` : text}</speak>`;
+
+/** @returns {Object<string, number[]>} FAPs by sound: the longest of its kind is the clearest */
+export function soundPoses(lang, emotion) {
+  const [text, wanted] = LANGUAGES[lang];
+  const { phones, fps, frames } = spoken(emotion ? voiced(text, emotion) : text, '--lang', lang, '--fps', 100, ...(emotion ? [] : ['--still']));
+  const out = {};
+  for (const ipa of wanted) {
+    const named = phones.filter((p) => p.ipa.startsWith(ipa) && !(ipa === 't' && p.ipa.startsWith('tʃ')));
+    // Beside a rounded vowel a consonant has its lips.
+    const plain = named.filter((p) => ![-1, 1].some((d) => ROUND.test(phones[phones.indexOf(p) + d]?.ipa)));
+    const own = plain.length ? plain : named;
+    const phone = own.sort((a, b) => b.end - b.start - a.end + a.start)[0];
+    if (!phone) throw new Error(`${lang}: no /${ipa}/ among ${phones.map((p) => p.ipa).join(' ')}`);
+    out[ipa] = withoutHead(frames[Math.round(((phone.start + phone.end) / 2) * fps)]);
+  }
+  return out;
 }
 
 /** An expression, whole: FAPs. */
 export const expressionPose = (what) => withoutHead(parseFap(faccia('expressions', '--fap', what)).frames[0]);
 
 /** The head straight: its turns move everything alike. */
-function withoutHead(frame) {
+export function withoutHead(frame) {
   const out = Array.from(frame);
   for (const n of [48, 49, 50]) out[n] = 0;
   return out;

@@ -160,6 +160,30 @@ static void no_layer_closes_a_vowel(void **state) {
     }
 }
 
+/* A short vowel between two short closures opens for a frame of 50 a second: they go into what is on their
+ * other sides.
+ */
+static void closures_leave_vowels_their_time(void **state) {
+    struct sentence_audio *u = utter("_.100 'a.080 s.060 p.025 'a.045 p.025 s.060 'a.080 _.100", 1);
+    struct face_track *track = track_of(*state, u);
+    const struct phone *vowel = &u->phones[4];
+    double open = 0, closed[2] = {0};
+    for (double t = 0.0005; t < (double)u->samples / RATE; t += 0.001) {
+        struct fap_frame f;
+        face_track_sample(track, t, &f);
+        bool after = t > (double)(vowel->start + vowel->end) / 2 / RATE;
+        const struct phone *p = after ? vowel + 1 : vowel - 1;
+        bool beside = t > (double)p->start / RATE - 0.04 && t < (double)p->end / RATE + 0.04;
+        bool inside = t > (double)vowel->start / RATE && t < (double)vowel->end / RATE;
+        open += inside && -top_and_bottom(&f, 4, 5) * 21 / 1024.0 > 3 ? 0.001 : 0;
+        closed[after] += beside && is_closed(&f) ? 0.001 : 0;
+    }
+    assert_true(open > 0.02);
+    assert_true(closed[0] > 0.04 && closed[1] > 0.04);
+    face_track_free(track);
+    done(u);
+}
+
 /* A closure that has no time before the audio, or after it, is shown within it. */
 static void closes_at_the_edges(void **state) {
     static const char *const edges[] = {"b.015 'a.100 _.200", "_.007 b.015 'a.060 _.200",
@@ -549,6 +573,7 @@ int main(void) {
         cmocka_unit_test(shows_closures_that_last_no_time),
         cmocka_unit_test(no_layer_opens_a_closure),
         cmocka_unit_test(no_layer_closes_a_vowel),
+        cmocka_unit_test(closures_leave_vowels_their_time),
         cmocka_unit_test(closes_at_the_edges),
         cmocka_unit_test(brings_the_lip_to_the_teeth),
         cmocka_unit_test(lips_never_pass_through_each_other),

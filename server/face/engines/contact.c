@@ -12,92 +12,185 @@
 #define MAX_RAMP 0.07
 #define MIN_RAMP 0.01
 
+/* What the vowel between two contacts is left where they can give way, s: a frame of 25 a second, and the
+ * ways of the lips to it and from it. */
+#define VOWEL_ROOM 0.055
+/* What of it is none of the lips' ways. */
+#define VOWEL_OPEN 0.025
+
+/* Contacts give way to the vowels between them, each to those beside it as they have become: so often. */
+enum { ROUNDS = 4 };
+
+/* A contact of which only the length is settled. */
+struct draft {
+    const struct contact_rule *rule;
+    size_t first, last; /* its segments */
+    double begin, end;  /* s, of its own */
+    double extra;       /* s that it lasts longer */
+    double before;      /* s of that come before begin */
+    double least, most; /* bounds of `before` */
+};
+
+struct drafts {
+    const struct phone_segments *g;
+    struct draft *items;
+    size_t count, cap;
+};
+
 static enum contact_kind kind_of(const struct phone_segment *g) {
     return g->phone ? g->phone->contact.kind : CONTACT_NONE;
 }
 
+static bool is_vowel(const struct phone_segment *g) {
+    return g->phone && g->phone->group->vowel;
+}
+
+static const struct phone_segment *beside(const struct phone_segments *g, size_t i, bool before) {
+    return before ? (i ? &g->items[i - 1] : NULL) : i + 1 < g->count ? &g->items[i + 1] : NULL;
+}
+
 /* The instant up to which a contact may be felt on one side: that part of the neighbour, or none of it when
- * it has a contact itself. */
+ * it has a contact itself. A pause at the edge of the sentence is nobody else's. */
 static double limit(const struct phone_segments *g, size_t i, bool before, double part) {
-    if (before ? i == 0 : i + 1 == g->count)
+    const struct phone_segment *n = beside(g, i, before);
+    if (!n)
         return before ? g->items[i].start - MAX_RAMP : g->items[i].end + MAX_RAMP;
-    const struct phone_segment *n = &g->items[before ? i - 1 : i + 1];
+    double length = n->end - n->start, reach = part * length;
     if (kind_of(n))
-        return before ? n->end : n->start;
-    if (!n->phone)
-        return before ? fmax(n->end - MAX_RAMP, (n->start + n->end) / 2)
-                      : fmin(n->start + MAX_RAMP, (n->start + n->end) / 2);
-    return before ? n->end - part * (n->end - n->start) : n->start + part * (n->end - n->start);
+        reach = 0;
+    else if (!n->phone)
+        reach = fmin(MAX_RAMP, (before ? i == 1 : i + 2 == g->count) ? length : length / 2);
+    return before ? n->end - reach : n->start + reach;
 }
 
 static double gives(const struct phone_segments *g, size_t i, bool before) {
-    size_t neighbour = before ? i - 1 : i + 1;
-    bool vowel = (before ? i > 0 : neighbour < g->count) && g->items[neighbour].phone &&
-                 g->items[neighbour].phone->group->vowel;
-    return limit(g, i, before, vowel ? VOWEL_GIVES : 0.5);
+    const struct phone_segment *n = beside(g, i, before);
+    return limit(g, i, before, n && is_vowel(n) ? VOWEL_GIVES : 0.5);
 }
 
-static void stretch(struct contact *c, double earliest, double latest) {
-    double missing = CONTACT_MIN_SECONDS - (c->end - c->begin);
-    if (missing <= 0)
-        return;
-    double before = fmax(STRETCH_BEFORE * missing, missing - fmax(0, latest - c->end));
-    /* Where the neighbours are too short to give way by half, the contact goes before. */
-    earliest = fmin(earliest, c->begin - CONTACT_MIN_SECONDS / 2);
-    latest = fmax(latest, c->end + CONTACT_MIN_SECONDS / 2);
-    double begin = fmax(earliest, c->begin - before);
-    double end = fmin(latest, fmax(c->end, begin + CONTACT_MIN_SECONDS));
-    c->begin = fmin(c->begin, fmax(earliest, end - CONTACT_MIN_SECONDS));
-    c->end = end;
+static double clamp(double x, double least, double most) {
+    return fmax(least, fmin(most, x));
 }
 
-/* What would lie before the sentence's audio or after its end is shown within it: the face speaks only there.
- */
-static void keep_inside(struct contact *c, double end) {
-    if (c->begin < 0) {
-        c->end = fmin(end, c->end - c->begin);
-        c->begin = 0;
+static double begin_of(const struct draft *d) {
+    return d->begin - d->before;
+}
+
+static double end_of(const struct draft *d) {
+    return d->end + d->extra - d->before;
+}
+
+/* What a contact that is too short by itself takes of its neighbours. Where they are too short to give way by
+ * half, it takes half of CONTACT_MIN_SECONDS all the same. It ends with its sound, so that the frame that
+ * shows it is there while it is heard; and within the audio, since the face speaks only there. */
+static void stretch(const struct phone_segments *g, struct draft *d) {
+    d->extra = fmax(0, CONTACT_MIN_SECONDS - (d->end - d->begin));
+    double half = CONTACT_MIN_SECONDS / 2, left = fmax(half, d->begin - gives(g, d->first, true)),
+           right = fmax(half, gives(g, d->last, false) - d->end);
+    const struct phone_segment *previous = beside(g, d->first, true), *next = beside(g, d->last, false);
+    d->most = fmin(d->extra, previous && kind_of(previous) ? left : d->begin);
+    d->least = fmax(0, d->extra - (next && kind_of(next) ? right : g->end - d->end));
+    d->least = fmax(d->least, fmin(d->most, d->extra - (g->items[d->last].end - d->end)));
+    d->most = fmax(d->least, d->most);
+    double before = fmin(left, fmax(STRETCH_BEFORE * d->extra, d->extra - right));
+    d->before = clamp(before, d->least, d->most);
+}
+
+/* The vowel nearest to contact k on one side, unless another contact lies between. */
+static const struct phone_segment *vowel_beside(const struct drafts *all, size_t k, bool before) {
+    const struct phone_segment *n;
+    for (size_t i = before ? all->items[k].first : all->items[k].last;
+         (n = beside(all->g, i, before)) && !kind_of(n); i = before ? i - 1 : i + 1)
+        if (is_vowel(n))
+            return n;
+    return NULL;
+}
+
+/* Where the time of the vowel before contact k begins, or of the one after it ends. */
+static double room_edge(const struct drafts *all, size_t k, const struct phone_segment *vowel, bool before) {
+    if (before)
+        return fmax(vowel->start - MIN_RAMP, k ? end_of(&all->items[k - 1]) : 0);
+    return fmin(vowel->end + MIN_RAMP, k + 1 < all->count ? begin_of(&all->items[k + 1]) : all->g->end);
+}
+
+/* Moves what contact k takes of its neighbours so that the vowels beside it keep their room, or lack it
+ * alike. */
+static void give_way(struct drafts *all, size_t k) {
+    struct draft *d = &all->items[k];
+    const struct phone_segment *left = vowel_beside(all, k, true), *right = vowel_beside(all, k, false);
+    double least = -INFINITY, most = INFINITY;
+    if (left) {
+        double begin = fmin(room_edge(all, k, left, true) + VOWEL_ROOM, left->end + MIN_RAMP);
+        most = d->begin - begin;
     }
-    if (c->end > end) {
-        c->begin = fmax(0, c->begin - (c->end - end));
-        c->end = end;
+    if (right) {
+        double end = fmax(room_edge(all, k, right, false) - VOWEL_ROOM, right->start - MIN_RAMP);
+        least = d->end + d->extra - end;
     }
+    double before = least > most ? (least + most) / 2 : clamp(d->before, least, most);
+    d->before = clamp(before, d->least, d->most);
 }
 
-static double ramp(double room) {
-    return fmin(MAX_RAMP, fmax(MIN_RAMP, room));
+/* How long the lips' way to contact k or from it takes. */
+static double ramp(const struct drafts *all, size_t k, bool before) {
+    const struct draft *d = &all->items[k];
+    size_t i = before ? d->first : d->last;
+    const struct phone_segment *n = beside(all->g, i, before);
+    double side = before ? 1 : -1, edge = before ? begin_of(d) : end_of(d);
+    double way = side * (edge - limit(all->g, i, before, 0.5));
+    if (n && is_vowel(n)) {
+        double other = room_edge(all, k, n, before), room = side * (edge - other);
+        bool shared = before ? other > n->start - MIN_RAMP : other < n->end + MIN_RAMP;
+        way = fmin(way, (room - VOWEL_OPEN) / (shared ? 2 : 1));
+    }
+    return clamp(way, MIN_RAMP, MAX_RAMP);
 }
 
 /* The time of one phone's contact. */
-static struct contact own(const struct phone_segment *item) {
+static struct draft own(const struct phone_segments *g, size_t i) {
+    const struct phone_segment *item = &g->items[i];
     const struct contact_rule *rule = &item->phone->contact;
     double length = (item->end - item->start) / item->phones;
-    return (struct contact){.rule = rule,
-                            .begin = item->start + fmin(rule->onset, CONTACT_MAX_ONSET * length),
-                            .end = item->end - fmin(rule->release, CONTACT_MAX_RELEASE * length)};
+    return (struct draft){.rule = rule,
+                          .first = i,
+                          .last = i,
+                          .begin = item->start + fmin(rule->onset, CONTACT_MAX_ONSET * length),
+                          .end = item->end - fmin(rule->release, CONTACT_MAX_RELEASE * length)};
 }
 
-void contacts_from(const struct phone_segments *g, struct contacts *out) {
-    *out = (struct contacts){0};
+static void draft_all(struct drafts *all) {
+    const struct phone_segments *g = all->g;
     for (size_t i = 0; i < g->count; i++) {
         if (!kind_of(&g->items[i]))
             continue;
-        size_t last = i;
-        struct contact c = own(&g->items[i]);
-        while (last + 1 < g->count && kind_of(&g->items[last + 1]) == c.rule->kind) { /* one for all */
-            struct contact next = own(&g->items[++last]);
-            c.end = next.end;
-            if (next.rule->press > c.rule->press)
-                c.rule = next.rule;
+        struct draft d = own(g, i);
+        while (d.last + 1 < g->count && kind_of(&g->items[d.last + 1]) == d.rule->kind) { /* one for all */
+            struct draft next = own(g, ++d.last);
+            d.end = next.end;
+            if (next.rule->press > d.rule->press)
+                d.rule = next.rule;
         }
-        stretch(&c, gives(g, i, true), gives(g, last, false));
-        keep_inside(&c, g->end);
-        c.ramp_in = ramp(c.begin - limit(g, i, true, 0.5));
-        c.ramp_out = ramp(limit(g, last, false, 0.5) - c.end);
-        out->items = mem_grow(out->items, &out->cap, out->count + 1, sizeof *out->items);
-        out->items[out->count++] = c;
-        i = last;
+        stretch(g, &d);
+        all->items = mem_grow(all->items, &all->cap, all->count + 1, sizeof *all->items);
+        all->items[all->count++] = d;
+        i = d.last;
     }
+}
+
+void contacts_from(const struct phone_segments *g, struct contacts *out) {
+    struct drafts all = {.g = g};
+    draft_all(&all);
+    for (int round = 0; round < ROUNDS; round++)
+        for (size_t k = 0; k < all.count; k++)
+            give_way(&all, k);
+    *out = (struct contacts){.items = mem_alloc((all.count + 1) * sizeof *out->items), .count = all.count};
+    for (size_t k = 0; k < all.count; k++)
+        out->items[k] = (struct contact){.rule = all.items[k].rule,
+                                         .begin = begin_of(&all.items[k]),
+                                         .end = end_of(&all.items[k]),
+                                         .ramp_in = ramp(&all, k, true),
+                                         .ramp_out = ramp(&all, k, false)};
+    free(all.items);
 }
 
 void contacts_free(struct contacts *contacts) {

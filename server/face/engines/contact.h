@@ -24,7 +24,7 @@ struct contact {
 
 struct contacts {
     struct contact *items; /* in order of time */
-    size_t count, cap;
+    size_t count;
 };
 
 /* One kind's demand at an instant. */
@@ -33,6 +33,9 @@ struct contact_demand {
     double weight;                   /* 0 none .. 1 in touch */
 };
 
+/* Stretched contacts share their neighbours so that a vowel between two of them is left the time to open in,
+ * as far as that time is there: they reach into the consonants and pauses on their other sides instead. Each
+ * ends with its sound, but where the audio begins with it. */
 void contacts_from(const struct phone_segments *g, struct contacts *out);
 void contacts_free(struct contacts *contacts);
 

@@ -26,12 +26,16 @@ static void room_of(const struct phone_segment *g, double audio_end, const struc
     double middle = (g->start + g->end) / 2;
     while (*next < contacts->count && contacts->items[*next].begin + contacts->items[*next].end < 2 * middle)
         ++*next;
-    *earliest = fmax(0, g->start - MAX_RAMP);
-    *latest = fmin(audio_end, g->end + MAX_RAMP);
+    *earliest = fmax(MIN_RAMP, g->start - MAX_RAMP);
+    *latest = fmin(audio_end - MIN_RAMP, g->end + MAX_RAMP);
     if (*next)
         *earliest = fmax(*earliest, contacts->items[*next - 1].end);
     if (*next < contacts->count)
         *latest = fmin(*latest, contacts->items[*next].begin);
+}
+
+static double ramp(double room) {
+    return fmin(MAX_RAMP, fmax(MIN_RAMP, room));
 }
 
 void openings_from(const struct phone_segments *g, const struct contacts *contacts, struct openings *out) {
@@ -44,15 +48,16 @@ void openings_from(const struct phone_segments *g, const struct contacts *contac
         double length = item->end - item->start, own = own_opening(item), earliest, latest;
         room_of(item, g->end, contacts, &next, &earliest, &latest);
         double middle = fmin(fmax((item->start + item->end) / 2, earliest), latest);
-        if (own <= 0 || latest - earliest < 2 * MIN_RAMP)
+        if (own <= 0 || latest <= earliest)
             continue;
         double half = fmax(MIDDLE * length, MIN_SECONDS) / 2;
+        /* Beside a contact the lips' way is the contact's. */
         struct opening o = {
-            .begin = fmin(middle, fmax(middle - half, earliest + MIN_RAMP)),
-            .end = fmax(middle, fmin(middle + half, latest - MIN_RAMP)),
+            .begin = fmax(middle - half, earliest),
+            .end = fmin(middle + half, latest),
             .gap = own * (OPENING_SHORT + (OPENING_FULL - OPENING_SHORT) * fmin(1, length / OPENING_LONG))};
-        o.ramp_in = fmin(MAX_RAMP, fmax(MIN_RAMP, o.begin - earliest));
-        o.ramp_out = fmin(MAX_RAMP, fmax(MIN_RAMP, latest - o.end));
+        o.ramp_in = ramp(o.begin - earliest);
+        o.ramp_out = ramp(latest - o.end);
         out->items = mem_grow(out->items, &out->cap, out->count + 1, sizeof *out->items);
         out->items[out->count++] = o;
     }

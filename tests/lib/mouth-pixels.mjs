@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is seen of the lips' contacts and openings: frames drawn with each part of the head in one flat colour, and counted.
+import fs from 'node:fs';
+import path from 'node:path';
+import { build } from './daemon.mjs';
+import { headPage } from './head-page.mjs';
+import { withoutHead } from './mouth-poses.mjs';
+import { kindOf, shownWithin } from './mouth.mjs';
+
+const COLOURS = { skin: [0, 0, 255], teeth_upper: [255, 255, 0], teeth_lower: [0, 255, 0], tongue: [255, 0, 0], mouth: [0, 0, 0] };
+const [SKIN, UPPER] = [0, 1];
+const [WIDTH, HEIGHT] = [260, 200];
+const SPAN = 65; // mm that the picture is wide
+const MM = SPAN / WIDTH;
+const HALF = Math.round(4 / MM); // of the columns that are looked at: the middle 8 mm of the mouth
+
+/** Of the opening, mm², where it counts as closed: less is a seam of single pixels. */
+const CLOSED = 1;
+/** The part of the columns in which the lip has to be at the teeth. */
+const MET = 0.9;
+
+/** @returns {Promise<{look: function(number[][]): Promise<object[]>, close: function}>} look: for each frame mm² of the opening, its height in
+ * the middle in mm, and whether the lower lip is at the edge of the upper teeth (or over it) */
+export async function mouthPixels(browser, model = 'mara') {
+  const page = await headPage(browser);
+  const head = JSON.parse(fs.readFileSync(path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), `heads/${model}.json`)));
+  await page.load('flat', head, Object.entries(COLOURS).map(([name, colour]) => [name, ...colour]));
+  const camera = {
+    target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2]], distance: 600, fov: (2 * Math.atan((SPAN * HEIGHT) / WIDTH / 2 / 600) * 180) / Math.PI,
+    width: WIDTH, height: HEIGHT, level: 'fine',
+  };
+  return {
+    look: async (frames) => (await page.columns('flat', frames.map(withoutHead), camera, Object.values(COLOURS), HALF)).map(read),
+    close: () => page.page.close(),
+  };
+}
+
+function read({ areas, columns }) {
+  const inside = (runs) => runs.filter(([part]) => part > SKIN);
+  const heights = columns.map((runs) => inside(runs).reduce((sum, [, pixels]) => sum + pixels, 0)).sort((a, b) => a - b);
+  const met = columns.filter((runs) => inside(runs).every(([part]) => part === UPPER)).length;
+  return { area: areas.slice(1).reduce((a, b) => a + b) * MM * MM, height: heights[heights.length >> 1] * MM, met: met >= MET * columns.length };
+}
+
+/**
+ * Counts over the phones of a .fap that is shown frame by frame.
+ * @param {function(number[][]): Promise<object[]>} look
+ */
+export async function readPixels(look, phones, { fps, frames }) {
+  const sounds = phones.filter((phone) => phone.end > phone.start && kindOf(phone)).map((phone) => ({ phone, kind: kindOf(phone), shown: shownWithin(phone, fps) }));
+  const numbers = [...new Set(sounds.flatMap(({ shown }) => Array.from({ length: shown.end - shown.first }, (_, i) => Math.min(shown.first + i, frames.length - 1))))];
+  const seen = new Map();
+  for (let i = 0; i < numbers.length; i += 50) {
+    const part = numbers.slice(i, i + 50);
+    for (const [k, result] of (await look(part.map((n) => frames[n]))).entries()) seen.set(part[k], result);
+  }
+  const out = { lips: 0, closed: 0, teeth: 0, met: 0, open: 0, gaps: [], misses: [] };
+  for (const { phone, kind, shown } of sounds) {
+    const during = Array.from({ length: shown.end - shown.first }, (_, i) => seen.get(Math.min(shown.first + i, frames.length - 1)));
+    const [best] = during.map(({ area }) => area).sort((a, b) => a - b);
+    if (kind === 'lips') {
+      out.lips++;
+      out.closed += best < CLOSED;
+      if (best >= CLOSED) out.misses.push({ ...phone, area: best });
+    } else if (kind === 'teeth') {
+      const met = during.some((frame) => frame.met);
+      out.teeth++;
+      out.met += met;
+      if (!met) out.misses.push(phone);
+    } else {
+      out.open++;
+      out.gaps.push({ phone, seconds: phone.end - phone.start, mm: Math.max(...during.map(({ height }) => height)) });
+    }
+  }
+  return out;
+}
