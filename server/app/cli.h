@@ -46,6 +46,7 @@ int cli_try_engine(const struct cli *cli, const struct speech_request *request, 
 int say_main(int argc, char **argv, const struct settings *settings);
 int play_main(int argc, char **argv, const struct settings *settings);
 int voices_main(int argc, char **argv, const struct settings *settings);
+int head_main(int argc, char **argv, const struct settings *settings);
 int models_main(int argc, char **argv, const struct settings *settings);
 int eval_main(int argc, char **argv, const struct settings *settings);
 int stimuli_main(int argc, char **argv, const struct settings *settings);

@@ -20,11 +20,16 @@ static const char usage[] = "Usage: faccia play [OPTION]... FILE.fap [SOUND]\n"
                             "      --ogg FILE       the sound as Opus in Ogg\n"
                             "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
                             "      --fapc FILE      the same at a few kilobits a second\n"
+                            "      --arkit FILE     the face as weights of ARKit's 52 shapes, in the columns "
+                            "of Live Link Face (CSV)\n"
+                            "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
+                            "      --visemes FILE   the 15 visemes of FAP 1, frame by frame (lines of JSON)\n"
                             "  -h, --help           print this and exit\n"
                             "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
 
-enum { OUTPUTS = 5 };
-static const char *const names[OUTPUTS] = {"ndjson", "wav", "ogg", "fap", "fapc"};
+enum { OUTPUTS = 8 };
+static const char *const names[OUTPUTS] = {"ndjson", "wav",   "ogg",          "fap",
+                                           "fapc",   "arkit", "arkit-ndjson", "visemes"};
 
 struct play {
     struct recording *recording;
@@ -134,13 +139,11 @@ static int run(struct play *p, const struct settings *settings, const char *fap,
 }
 
 int play_main(int argc, char **argv, const struct settings *settings) {
-    static const struct option options[] = {{"ndjson", 1, NULL, 0},
-                                            {"wav", 1, NULL, 1},
-                                            {"ogg", 1, NULL, 2},
-                                            {"fap", 1, NULL, 3},
-                                            {"fapc", 1, NULL, 4},
-                                            {"help", 0, NULL, 'h'},
-                                            {0}};
+    static const struct option options[] = {{"ndjson", 1, NULL, 0},       {"wav", 1, NULL, 1},
+                                            {"ogg", 1, NULL, 2},          {"fap", 1, NULL, 3},
+                                            {"fapc", 1, NULL, 4},         {"arkit", 1, NULL, 5},
+                                            {"arkit-ndjson", 1, NULL, 6}, {"visemes", 1, NULL, 7},
+                                            {"help", 0, NULL, 'h'},       {0}};
     struct play p = {0};
     for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
         if (c == 'h') {

@@ -40,6 +40,10 @@ static const char usage[] =
     "      --ogg FILE       the sound as Opus in Ogg\n"
     "      --ndjson FILE    a line for each event and each frame\n"
     "      --json FILE      phones, words and marks with their times\n"
+    "      --arkit FILE     the face as weights of ARKit's 52 shapes, in the columns of Live Link Face "
+    "(CSV)\n"
+    "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
+    "      --visemes FILE   visemes with their times, and the 15 weights of each frame (lines of JSON)\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 spoken, 1 failed, 2 wrong usage.\n";
 
@@ -50,7 +54,8 @@ struct output {
     struct export export;
 };
 
-enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, OUTPUTS };
+enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, ARKIT, ARKIT_NDJSON, VISEMES, OUTPUTS };
+enum { OUTPUT_OPTION = 256 }; /* of the first of them */
 
 struct say {
     struct cli cli;
@@ -121,7 +126,8 @@ static void on_finished(void *ctx, size_t spoken) {
 
 static int open_outputs(struct say *s) {
     const struct export_source source = export_source_of(s->synthesis);
-    static const char *const names[OUTPUTS] = {"wav", "fap", "json", "ogg", "ndjson", "fapc"};
+    static const char *const names[OUTPUTS] = {"wav",  "fap",   "json",         "ogg",    "ndjson",
+                                               "fapc", "arkit", "arkit-ndjson", "visemes"};
     int standard = 0;
     bool asked = false;
     for (int i = 0; i < OUTPUTS; i++)
@@ -169,13 +175,16 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"life", 1, NULL, 1},
         {"blend", 1, NULL, 1},
         {"file", 1, NULL, 'f'},
-        {"wav", 1, NULL, 'W'},
-        {"fap", 1, NULL, 'F'},
-        {"json", 1, NULL, 'J'},
+        {"wav", 1, NULL, OUTPUT_OPTION + WAV},
+        {"fap", 1, NULL, OUTPUT_OPTION + FAP},
+        {"json", 1, NULL, OUTPUT_OPTION + JSON},
         {"audio", 1, NULL, 'A'},
-        {"ogg", 1, NULL, 'O'},
-        {"ndjson", 1, NULL, 'N'},
-        {"fapc", 1, NULL, 'B'},
+        {"ogg", 1, NULL, OUTPUT_OPTION + OGG},
+        {"ndjson", 1, NULL, OUTPUT_OPTION + NDJSON},
+        {"fapc", 1, NULL, OUTPUT_OPTION + FAPC},
+        {"arkit", 1, NULL, OUTPUT_OPTION + ARKIT},
+        {"arkit-ndjson", 1, NULL, OUTPUT_OPTION + ARKIT_NDJSON},
+        {"visemes", 1, NULL, OUTPUT_OPTION + VISEMES},
         {"contacts", 1, NULL, 1},
         {"help", 0, NULL, 'h'},
         {0},
@@ -186,30 +195,16 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
     for (int c, at; (at = -1, c = getopt_long(argc, argv, "l:v:r:e:f:h", options, &at)) != -1;) {
         for (int i = 0; at < 0 && options[i].name; i++)
             at = options[i].val == c ? i : -1;
+        if (c >= OUTPUT_OPTION) {
+            s->outputs[c - OUTPUT_OPTION].path = optarg;
+            continue;
+        }
         switch (c) {
         case 'f':
             path = optarg;
             break;
-        case 'W':
-            s->outputs[WAV].path = optarg;
-            break;
-        case 'F':
-            s->outputs[FAP].path = optarg;
-            break;
-        case 'J':
-            s->outputs[JSON].path = optarg;
-            break;
         case 'A':
             s->sounds = optarg;
-            break;
-        case 'O':
-            s->outputs[OGG].path = optarg;
-            break;
-        case 'N':
-            s->outputs[NDJSON].path = optarg;
-            break;
-        case 'B':
-            s->outputs[FAPC].path = optarg;
             break;
         case 'h':
             fputs(usage, stdout);

@@ -75,14 +75,21 @@ static void fap_end(struct export *x) {
         fap_header(x, x->frames);
 }
 
+#define NDJSON "application/x-ndjson", true, export_ndjson_piece, export_ndjson_end, export_ndjson_warning
+
 const struct export_format export_formats[] = {
-    {"wav", "audio/wav", true, wav_piece, wav_end, NULL, NULL},
-    {"ogg", "audio/ogg", true, export_ogg_piece, export_ogg_end, NULL, export_ogg_free},
-    {"fap", "text/plain; charset=utf-8", false, fap_piece, fap_end, NULL, NULL},
-    {"fapc", "application/octet-stream", true, export_fapc_piece, export_fapc_end, NULL, export_fapc_free},
-    {"json", "application/json", true, export_json_piece, export_json_end, export_json_warning, NULL},
-    {"ndjson", "application/x-ndjson", true, export_ndjson_piece, export_ndjson_end, export_ndjson_warning,
-     NULL},
+    {"wav", "audio/wav", true, wav_piece, wav_end, NULL, NULL, NULL, false},
+    {"ogg", "audio/ogg", true, export_ogg_piece, export_ogg_end, NULL, export_ogg_free, NULL, false},
+    {"fap", "text/plain; charset=utf-8", false, fap_piece, fap_end, NULL, NULL, NULL, false},
+    {"fapc", "application/octet-stream", true, export_fapc_piece, export_fapc_end, NULL, export_fapc_free,
+     NULL, false},
+    {"json", "application/json", true, export_json_piece, export_json_end, export_json_warning, NULL, NULL,
+     false},
+    {"ndjson", NDJSON, NULL, export_ndjson_faps, false},
+    {"arkit", "text/csv; charset=utf-8", true, export_arkit_piece, export_arkit_end, NULL, export_arkit_free,
+     NULL, false},
+    {"arkit-ndjson", NDJSON, export_arkit_free, export_arkit_weights, false},
+    {"visemes", NDJSON, NULL, export_viseme_weights, true},
     {0},
 };
 

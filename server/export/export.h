@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A speech, or a recording, written down whole: as sound (WAV, Opus in Ogg), as face animation (.fap, .fapc),
- * as its timing (JSON, of speech only), or as all that happens in it (NDJSON). For files and HTTP answers. */
+ * as curves for other engines (ARKit, visemes), as its timing (JSON, of speech only), or as all that happens
+ * in it (NDJSON). For files and HTTP answers. */
 #ifndef FACCIA_EXPORT_EXPORT_H
 #define FACCIA_EXPORT_EXPORT_H
 
@@ -66,6 +67,18 @@ void export_json_warning(struct export *x, const struct error *e);
 void export_ndjson_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_ndjson_end(struct export *x);
 void export_ndjson_warning(struct export *x, const struct error *e);
+
+void export_ndjson_faps(struct export *x, const struct fap_frame *frame);
+
+/* The columns of Live Link Face, a row for each frame; the same weights, and visemes, as members of an
+ * NDJSON. */
+void export_arkit_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_arkit_end(struct export *x);
+void export_arkit_free(struct export *x);
+void export_arkit_weights(struct export *x, const struct fap_frame *frame);
+void export_viseme_weights(struct export *x, const struct fap_frame *frame);
+/* "PP": a viseme of FAP 1, 0..14, by the name that avatars have for it. */
+extern const char *const export_viseme_names[];
 
 void export_ogg_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_ogg_end(struct export *x);

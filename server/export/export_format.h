@@ -8,6 +8,7 @@
 #include <stdint.h>
 
 struct export;
+struct fap_frame;
 struct media_segment;
 
 struct export_format {
@@ -20,6 +21,9 @@ struct export_format {
     void (*end)(struct export *x);
     void (*warning)(struct export *x, const struct error *e); /* NULL: nobody is told */
     void (*free)(struct export *x);                           /* of its coder; NULL: it has none */
+    /* Of the NDJSON: a frame's member, with a comma before it; the sounds of a speech are visemes. */
+    void (*member)(struct export *x, const struct fap_frame *frame);
+    bool visemes;
 };
 
 /* The formats on offer, ended by a name of NULL. */

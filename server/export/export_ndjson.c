@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The NDJSON export: a line for each event and each frame, in the order of their times, as they are made. The
- * events are those of the stream; a frame has the FAPs that are not 0. */
+ * events are those of the stream; a frame has the FAPs that are not 0, or what another format makes of them.
+ */
 #include "server/base/mem.h"
 #include "server/export/export.h"
+#include "server/face/engines/viseme.h"
 #include <jansson.h>
 #include <math.h>
 #include <stdio.h>
@@ -26,7 +28,7 @@ static double seconds(uint64_t samples, uint32_t rate) {
 /* What stands at a time of a segment. */
 struct item {
     uint64_t sample; /* of the speech */
-    enum { SENTENCE, WORD, PHONE, MARK, FRAME } kind;
+    enum { SENTENCE, WORD, PHONE, VISEME, MARK, FRAME } kind;
     size_t index;
 };
 
@@ -62,24 +64,41 @@ static json_t *span(struct export *x, const char *type, const struct item *item,
                      (json_int_t)utf16_offset(&x->utf16, text, to));
 }
 
-/* Its FAPs are written by hand: they are most of the answer. */
-static void put_frame(struct export *x, const struct media_segment *segment, uint32_t k) {
-    struct fap_frame f;
+/* Written by hand: they are most of the answer. */
+void export_ndjson_faps(struct export *x, const struct fap_frame *frame) {
     const char *comma = "";
     char text[24]; /* of one parameter */
+    buf_printf(&x->out, ",\"faps\":{");
+    for (int n = 3; n <= FAP_COUNT; n++)
+        if (fap_frame_has(frame, n) && frame->value[n]) {
+            buf_add(&x->out, text,
+                    (size_t)snprintf(text, sizeof text, "%s\"%d\":%d", comma, n, (int)frame->value[n]));
+            comma = ",";
+        }
+    buf_printf(&x->out, "}");
+}
+
+static void put_frame(struct export *x, const struct media_segment *segment, uint32_t k) {
+    struct fap_frame f;
     json_t *line =
         json_pack("{ss si sf}", "type", "frame", "frame", (int)k, "time", round(k / x->fps * 1e6) / 1e6);
     put(x, line);
     x->out.size -= 2; /* "}\n" */
-    buf_printf(&x->out, ",\"faps\":{");
     export_frame(x, segment, k, &f);
-    for (int n = 3; n <= FAP_COUNT; n++)
-        if (fap_frame_has(&f, n) && f.value[n]) {
-            buf_add(&x->out, text,
-                    (size_t)snprintf(text, sizeof text, "%s\"%d\":%d", comma, n, (int)f.value[n]));
-            comma = ",";
-        }
-    buf_printf(&x->out, "}}\n");
+    x->format->member(x, &f);
+    buf_printf(&x->out, "}\n");
+}
+
+static const struct viseme_key *visemes_of(const struct export *x, const struct media_segment *segment,
+                                           size_t *count) {
+    *count = 0;
+    return x->format->visemes && segment->track ? face_track_visemes(segment->track, count) : NULL;
+}
+
+static void put_viseme(struct export *x, const struct viseme_key *key, double time) {
+    put(x, json_pack("{ss sf sf ss si ss}", "type", "viseme", "time", time, "duration",
+                     round((key->to - key->from) * 1e6) / 1e6, "viseme", export_viseme_names[key->viseme],
+                     "id", key->id, "ipa", key->ipa));
 }
 
 static void put_item(struct export *x, const struct media_segment *segment, const struct item *item) {
@@ -102,6 +121,11 @@ static void put_item(struct export *x, const struct media_segment *segment, cons
                          seconds(p->end - p->start, x->sample_rate), "ipa", p->ipa));
         break;
     }
+    case VISEME: {
+        size_t count;
+        put_viseme(x, &visemes_of(x, segment, &count)[item->index], time);
+        break;
+    }
     case MARK:
         put(x, json_pack("{ss sf ss}", "type", "mark", "time", time, "name", u->marks[item->index].name));
         break;
@@ -120,16 +144,21 @@ void export_ndjson_piece(struct export *x, const struct media_segment *segment, 
     const struct sentence_audio *u = segment->audio;
     uint64_t start = (uint64_t)segment->start;
     uint32_t end = export_frames_until(x, segment, to), first = x->frames;
+    size_t keys;
+    const struct viseme_key *key = visemes_of(x, segment, &keys);
     if (!x->segments && !x->at)
         put_begin(x, u->sample_rate);
-    size_t count = 0, most = 1 + u->word_count + u->phone_count + u->mark_count + (end - first);
+    size_t count = 0, most = 1 + u->word_count + u->phone_count + keys + u->mark_count + (end - first);
     struct item *items = mem_alloc(most * sizeof *items);
     if (!x->source.play && !x->at)
         items[count++] = (struct item){start, SENTENCE, 0};
     for (size_t i = 0; i < u->word_count; i++)
         if (is_in(x, u, u->words[i].start, to))
             items[count++] = (struct item){start + u->words[i].start, WORD, i};
-    for (size_t i = 0; i < u->phone_count; i++)
+    for (size_t i = 0; i < keys; i++)
+        if (key[i].to > key[i].from && is_in(x, u, (uint32_t)(key[i].from * u->sample_rate), to))
+            items[count++] = (struct item){start + (uint64_t)(key[i].from * u->sample_rate), VISEME, i};
+    for (size_t i = 0; i < u->phone_count && !x->format->visemes; i++)
         if (is_in(x, u, u->phones[i].start, to))
             items[count++] = (struct item){start + u->phones[i].start, PHONE, i};
     for (size_t i = 0; i < u->mark_count; i++)

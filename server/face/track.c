@@ -48,6 +48,11 @@ void face_track_free(struct face_track *track) {
     free(track);
 }
 
+const struct viseme_key *face_track_visemes(const struct face_track *track, size_t *count) {
+    *count = track->visemes.count;
+    return track->visemes.keys;
+}
+
 bool face_engine_speaks(const char *name, const struct speech_pack *pack) {
     const struct face_engine *engine = engine_find(name);
     return engine && engine->speaks(pack);

@@ -27,6 +27,10 @@ void face_track_free(struct face_track *track);
  * for many frames). */
 void face_track_sample(const struct face_track *track, double t, struct fap_frame *frame);
 
+/* What FAP 1 shows, sound by sound, in order; the first and the last are no sounds. They are the track's. */
+struct viseme_key;
+const struct viseme_key *face_track_visemes(const struct face_track *track, size_t *count);
+
 /* The engines that face_options.engine may name, NULL-terminated. */
 const char *const *face_engines(void);
 

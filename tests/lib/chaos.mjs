@@ -125,7 +125,7 @@ export function webSocketFrames(c, text) {
 
 const upgradeHeaders = (c) => `Connection: ${c.of(['Upgrade', 'keep-alive, Upgrade'])}\r\nUpgrade: websocket\r\nSec-WebSocket-Version: ${c.one(20) ? c.of(['8', '0', '14', '']) : 13}\r\n`
   + `Sec-WebSocket-Key: ${c.one(20) ? c.of(['', 'x', 'dGhlIHNhbXBsZSBub25jZQ', 'a'.repeat(500)]) : 'dGhlIHNhbXBsZSBub25jZQ=='}\r\n`;
-const query = (c) => (c.one(2) ? '' : `?${Array.from({ length: 1 + c.below(4) }, () => c.of(['room=hall', 'lang=it', 'audio=pcm', 'fap=plain', 'rate=fast', `token=${c.token ?? 'y'}`, 'token=' + 'x'.repeat(c.below(700)), 'room', '=', '%', '%zz=%00', 'x=%ff', 'text=%3Cspeak%3E', 'format=' + c.of(['wav', 'ogg', 'fap', 'fapc', 'json', 'ndjson', 'gif']), 'still=1', 'fps=120', 'id=a', 'name=all', 'mode=replace', `room=${c.of(['b', 'x'.repeat(70)])}`, '&&', 'a=b=c', '#'])).join('&')}`);
+const query = (c) => (c.one(2) ? '' : `?${Array.from({ length: 1 + c.below(4) }, () => c.of(['room=hall', 'lang=it', 'audio=pcm', 'fap=plain', 'rate=fast', `token=${c.token ?? 'y'}`, 'token=' + 'x'.repeat(c.below(700)), 'room', '=', '%', '%zz=%00', 'x=%ff', 'text=%3Cspeak%3E', 'format=' + c.of(['wav', 'ogg', 'fap', 'fapc', 'json', 'ndjson', 'arkit', 'arkit-ndjson', 'visemes', 'gif']), 'still=1', 'fps=120', 'id=a', 'name=all', 'mode=replace', `room=${c.of(['b', 'x'.repeat(70)])}`, '&&', 'a=b=c', '#'])).join('&')}`);
 
 /** The beginning of a WebSocket, mostly a right one. */
 export function upgradeRequest(c) {

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/engines/viseme.h"
 #include "server/base/mem.h"
+#include "server/face/packs/viseme_id.h"
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
 /* How far into a pause the mouth still comes from or already goes to its neighbour, s. */
@@ -16,9 +18,11 @@ void visemes_from(const struct phone_segments *g, struct visemes *out) {
     for (size_t i = 0; i < g->count; i++) {
         const struct phone_segment *item = &g->items[i];
         double middle = (item->start + item->end) / 2;
-        struct viseme_key key = {.begin = middle, .end = middle};
+        struct viseme_key key = {.begin = middle, .end = middle, .from = item->start, .to = item->end};
+        key.id = viseme_id_of(item->phone);
         if (item->phone) {
             key.viseme = item->phone->viseme;
+            snprintf(key.ipa, sizeof key.ipa, "%s", item->phone->ipa);
         } else {
             key.begin = fmin(middle, item->start + PAUSE_EDGE);
             key.end = fmax(middle, item->end - PAUSE_EDGE);

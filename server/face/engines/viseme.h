@@ -9,7 +9,10 @@
 struct viseme_key {
     double begin,
         end; /* s: shown alone from begin to end; blended with the next one from there to that one's begin */
-    uint8_t viseme; /* 0 none, 1..14 */
+    uint8_t viseme;             /* 0 none, 1..14 */
+    uint8_t id;                 /* viseme_id.h */
+    double from, to;            /* s, of the sound itself; the same when there is none */
+    char ipa[PHONE_NAME_BYTES]; /* its name in the pack; "" = a pause */
 };
 
 struct visemes {

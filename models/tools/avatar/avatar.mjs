@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * A head as an avatar for others: a GLB with ARKit's 52 shapes and the 15 visemes as morph targets, bones, and the expressions of
+ * VRM 1.0. A target is the head at the FAPs of its definition, less the head at rest.
+ */
+import sharp from 'sharp';
+import { pose } from '../lib/deform.mjs';
+import { Glb } from './glb.mjs';
+import { ARKIT, VISEMES } from './shapes.mjs';
+import { EYE_HEIGHT, JOINTS, bonesOf, skinOf } from './skeleton.mjs';
+import { vrm } from './vrm.mjs';
+
+/** Shorter shifts are none: m, and parts of a normal. */
+const LEAST_SHIFT = 2e-6,
+  LEAST_TURN = 4e-3;
+
+export const TARGETS = { ...ARKIT, ...VISEMES };
+
+/** @param {object} head unpacked @returns {Promise<Buffer>} the GLB */
+export async function makeAvatar(head) {
+  const glb = new Glb();
+  const { json } = glb;
+  json.asset = { version: '2.0', generator: 'faccia', copyright: `${head.licence}. ${head.credits.join('; ')}` };
+  json.extensionsUsed = ['VRMC_vrm'];
+  json.extras = { name: head.name, title: head.title, about: head.about, licence: head.licence, credits: head.credits };
+  const bones = addBones(glb, head);
+  await addMaterials(glb, head);
+  addSkin(glb, bones);
+  json.meshes = [];
+  const meshes = head.parts.map((part) => addPart(glb, head, part));
+  json.scene = 0;
+  json.scenes = [{ name: head.title, nodes: [bones.nodes.hips, ...meshes.map(({ node }) => node)] }];
+  const top = bones.list.find(({ name }) => name === 'head').at;
+  json.extensions = { VRMC_vrm: vrm(head, bones.nodes, meshes, [0, EYE_HEIGHT - top[1], -top[2]].map((x) => Math.round(x * 1e6) / 1e6)) };
+  return glb.finish();
+}
+
+function addBones({ json }, head) {
+  const list = bonesOf(head);
+  const nodes = Object.fromEntries(list.map(({ name }, i) => [name, i]));
+  json.nodes = list.map(({ name, parent, at }) => {
+    const from = parent ? list[nodes[parent]].at : [0, 0, 0];
+    const children = list.flatMap((bone, i) => (bone.parent === name ? [i] : []));
+    return { name, translation: at.map((x, k) => Math.round((x - from[k]) * 1e6) / 1e6, from), ...(children.length ? { children } : {}) };
+  });
+  // where rounding has left them
+  for (const bone of list) bone.at = json.nodes[nodes[bone.name]].translation.map((x, k) => x + (bone.parent ? list[nodes[bone.parent]].at[k] : 0));
+  return { list, nodes };
+}
+
+function addSkin(glb, bones) {
+  const matrices = JOINTS.flatMap((name) => {
+    const [x, y, z] = bones.list[bones.nodes[name]].at;
+    return [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, -x, -y, -z, 1];
+  });
+  glb.json.skins = [{ joints: JOINTS.map((name) => bones.nodes[name]), inverseBindMatrices: glb.floats(Float32Array.from(matrices), 'MAT4', 16) }];
+}
+
+const ALPHA = { opaque: 'OPAQUE', cutout: 'MASK', blend: 'BLEND' };
+
+async function addMaterials(glb, head) {
+  const { json } = glb;
+  Object.assign(json, { materials: [], textures: [], images: [], samplers: [{ magFilter: 9729, minFilter: 9987 }] });
+  for (const [name, look] of Object.entries(head.materials)) {
+    const texture = look.texture === undefined ? {} : { baseColorTexture: { index: await addTexture(glb, head.textures[look.texture], look) } };
+    json.materials.push({
+      name,
+      pbrMetallicRoughness: { baseColorFactor: [...look.color, 1], metallicFactor: 0, roughnessFactor: look.roughness, ...texture },
+      alphaMode: ALPHA[look.alpha],
+      doubleSided: look.double_sided,
+    });
+  }
+}
+
+/** As every reader of glTF can show it: JPEG, or PNG where it is seen through. */
+async function addTexture(glb, { data }, { texture: name, alpha }) {
+  const { json } = glb;
+  const known = json.images.findIndex((image) => image.name === name);
+  if (known >= 0) return known;
+  const image = sharp(Buffer.from(data, 'base64'));
+  const opaque = alpha === 'opaque';
+  const bytes = await (opaque ? image.flatten().jpeg({ quality: 90 }) : image.png({ compressionLevel: 9 })).toBuffer();
+  json.images.push({ name, mimeType: opaque ? 'image/jpeg' : 'image/png', bufferView: glb.view(bytes) });
+  json.textures.push({ sampler: 0, source: json.images.length - 1 });
+  return json.textures.length - 1;
+}
+
+const metres = (mm, lift) => Float32Array.from(mm, (x, i) => x / 1000 + (i % 3 === 1 ? lift : 0));
+
+function addPart(glb, head, part) {
+  const { json } = glb;
+  const rest = pose(head, part, {});
+  const normals = normalsOf(part, rest);
+  const { joints, weights } = skinOf(head, part);
+  const uv = Float32Array.from(part.uv, (x, i) => (i % 2 ? 1 - x : x));
+  const moved = movedBy(head, part);
+  // the skin has them all, so that nobody looks for one in vain; the others what moves them
+  const targets = Object.keys(TARGETS).filter((name) => part.name === 'skin' || moved(TARGETS[name]));
+  const primitive = {
+    attributes: {
+      POSITION: glb.floats(metres(rest, EYE_HEIGHT), 'VEC3', 3, true),
+      NORMAL: glb.floats(Float32Array.from(normals), 'VEC3', 3),
+      TEXCOORD_0: glb.floats(uv, 'VEC2', 2),
+      JOINTS_0: glb.bytes4(joints, false),
+      WEIGHTS_0: glb.bytes4(weights, true),
+    },
+    indices: glb.indices(part.index),
+    material: json.materials.findIndex(({ name }) => name === part.material),
+    ...(targets.length ? { targets: targets.map((name) => addTarget(glb, head, part, TARGETS[name], rest, normals)) } : {}),
+  };
+  json.meshes.push({
+    name: part.name,
+    primitives: [primitive],
+    ...(targets.length ? { weights: targets.map(() => 0), extras: { targetNames: targets } } : {}),
+  });
+  json.nodes.push({ name: part.name, mesh: json.meshes.length - 1, skin: 0 });
+  return { node: json.nodes.length - 1, targets, moving: new Set(targets.filter((name) => moved(TARGETS[name]))) };
+}
+
+/** Whether some FAPs move the part. */
+function movedBy(head, part) {
+  const faps = new Set([...part.moves.map(({ fap }) => fap), ...part.turns.map(({ turn }) => head.turns.find(({ name }) => name === turn).fap)]);
+  return (target) => Object.keys(target).some((fap) => faps.has(Number(fap)));
+}
+
+function addTarget(glb, head, part, faps, rest, normals) {
+  const posed = pose(head, part, faps);
+  const turned = normalsOf(part, posed);
+  return {
+    POSITION: glb.sparse(posed.map((x, i) => (x - rest[i]) / 1000), LEAST_SHIFT, true),
+    NORMAL: glb.sparse(turned.map((x, i) => x - normals[i]), LEAST_TURN, false),
+  };
+}
+
+/** By area, over seams. @returns {Float64Array} */
+export function normalsOf({ index, smooth }, position) {
+  const sums = new Float64Array(position.length);
+  const place = (v) => (smooth ? smooth[v] : v);
+  for (let t = 0; t < index.length; t += 3) {
+    const corners = [index[t], index[t + 1], index[t + 2]];
+    const [a, b, c] = corners.map((v) => position.subarray(3 * v, 3 * v + 3));
+    const u = [b[0] - a[0], b[1] - a[1], b[2] - a[2]],
+      w = [c[0] - a[0], c[1] - a[1], c[2] - a[2]];
+    const n = [u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]];
+    for (const v of corners) for (let k = 0; k < 3; k++) sums[3 * place(v) + k] += n[k];
+  }
+  const out = new Float64Array(position.length);
+  for (let v = 0; v < position.length / 3; v++) {
+    const sum = sums.subarray(3 * place(v), 3 * place(v) + 3);
+    const length = Math.hypot(...sum);
+    for (let k = 0; k < 3; k++) out[3 * v + k] = length ? sum[k] / length : k === 2 ? 1 : 0;
+  }
+  return out;
+}

@@ -1,0 +1,75 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* faccia head: what is done with heads. `export` hands out the avatars that lie beside them, made while
+ * building by models/tools/avatar/export-head.mjs. */
+#include "server/app/cli.h"
+#include "server/app/cli_file.h"
+#include <errno.h>
+#include <getopt.h>
+#include <stdio.h>
+#include <string.h>
+
+static const char usage[] = "Usage: faccia head export NAME [--glb FILE] [--vrm FILE]\n"
+                            "Writes a head that 'faccia models' lists as an avatar for other programs, in "
+                            "the public domain (CC0): ARKit's "
+                            "52 shapes and 15\n"
+                            "visemes as morph targets, bones, the expressions of VRM 1.0. Both options write "
+                            "the same: a VRM is a GLB.\n"
+                            "\n"
+                            "      --glb FILE       the avatar (standard output when nothing is named)\n"
+                            "      --vrm FILE       under the name that VRM's programs look for\n"
+                            "  -h, --help           print this and exit\n"
+                            "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
+
+static int copy(FILE *avatar, const char *path) {
+    struct cli_file file = {0};
+    char block[65536];
+    bool well = true;
+    if (cli_create(&file, path))
+        return EXIT_FAILED;
+    rewind(avatar);
+    for (size_t got; well && (got = fread(block, 1, sizeof block, avatar)) > 0;)
+        well = fwrite(block, 1, got, file.file) == got;
+    if (!well)
+        cli_complain("%s: %s", path, strerror(errno));
+    return cli_finish(&file, well && !ferror(avatar)) ? EXIT_FAILED : EXIT_DONE;
+}
+
+static int write_avatar(const struct settings *settings, const char *name, const char *const paths[2]) {
+    char file[4096];
+    int status = EXIT_DONE;
+    snprintf(file, sizeof file, "%s/heads/%s.glb", settings->models, name);
+    FILE *avatar = strchr(name, '/') ? NULL : fopen(file, "rb");
+    if (!avatar) {
+        cli_complain("no head model '%s', or no avatar beside it (%s/heads)", name, settings->models);
+        return EXIT_FAILED;
+    }
+    for (int i = 0; i < 2 && !status; i++)
+        if (paths[i])
+            status = copy(avatar, paths[i]);
+    fclose(avatar);
+    return status;
+}
+
+int head_main(int argc, char **argv, const struct settings *settings) {
+    static const struct option options[] = {
+        {"glb", 1, NULL, 0}, {"vrm", 1, NULL, 1}, {"help", 0, NULL, 'h'}, {0}};
+    const char *paths[2] = {NULL, NULL};
+    for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
+        if (c == 'h') {
+            fputs(usage, stdout);
+            return EXIT_DONE;
+        }
+        if (c == '?') {
+            fputs("Try 'faccia head --help'.\n", stderr);
+            return EXIT_USAGE;
+        }
+        paths[c] = optarg;
+    }
+    if (argc - optind != 2 || strcmp(argv[optind], "export")) {
+        cli_complain("'export' is wanted, and the name of one head: 'faccia head --help' tells more");
+        return EXIT_USAGE;
+    }
+    if (!paths[0] && !paths[1])
+        paths[0] = "-";
+    return write_avatar(settings, argv[optind + 1], paths);
+}

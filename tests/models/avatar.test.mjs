@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Heads as avatars for others: valid glTF, ARKit's 52 shapes and 15 visemes that do what the head does at their FAPs, VRM 1.0, CC0.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+import validator from 'gltf-validator';
+import { pose, unpack } from '../../models/tools/lib/deform.mjs';
+import { readGlb } from '../lib/glb.mjs';
+
+const root = fileURLToPath(new URL('../../', import.meta.url));
+const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');
+const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
+const heads = fs.readdirSync(path.join(models, 'heads')).filter((file) => file.endsWith('.json')).map((file) => path.basename(file, '.json'));
+const file = (name, kind) => path.join(models, 'heads', `${name}.${kind}`);
+const shapes = (name) => JSON.parse(fs.readFileSync(path.join(root, `models/shapes/${name}.json`)));
+const arkit = Object.fromEntries(Object.entries(shapes('arkit').shapes).map(([name, { faps }]) => [name, faps]));
+const visemes = Object.fromEntries(Object.entries(shapes('visemes').visemes).map(([name, { faps }]) => [`viseme_${name}`, faps]));
+const targets = { ...arkit, ...visemes };
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-avatar-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+
+test('there are eight', () => assert.equal(heads.length, 8));
+
+for (const name of heads)
+  test(`${name} is valid, whole, and everybody's`, async () => {
+    const bytes = fs.readFileSync(file(name, 'glb'));
+    const { issues, info } = await validator.validateBytes(new Uint8Array(bytes), { maxIssues: 1000 });
+    assert.deepEqual(issues.messages.filter(({ severity }) => severity < 2), []);
+    // VRM's extension the validator does not know: it is looked at below; a body of bones is empty
+    assert.deepEqual([...new Set(issues.messages.map(({ code }) => code))].filter((code) => !['UNSUPPORTED_EXTENSION', 'UNUSED_OBJECT', 'NODE_EMPTY', 'IMAGE_NPOT_DIMENSIONS'].includes(code)), []);
+    assert.ok(info.hasMorphTargets && info.hasSkins && info.hasTextures);
+    assert.ok(bytes.length < 12e6, `${bytes.length} bytes`);
+    const { json } = readGlb(bytes);
+    const head = JSON.parse(fs.readFileSync(file(name, 'json')));
+    assert.equal(json.asset.copyright, `CC0-1.0. ${head.credits.join('; ')}`);
+    assert.deepEqual(json.extras.credits, head.credits);
+    const skin = json.meshes.find((mesh) => mesh.name === 'skin');
+    assert.deepEqual(skin.extras.targetNames, Object.keys(targets));
+    assert.deepEqual(json.meshes.map((mesh) => mesh.name), head.parts.map((part) => part.name));
+    assert.deepEqual(json.meshes.find((mesh) => mesh.name === 'tongue').extras.targetNames.filter((target) => target === 'tongueOut'), ['tongueOut']);
+    for (const { mimeType } of json.images) assert.match(mimeType, /^image\/(png|jpeg)$/);
+  });
+
+test('a target is what the head does at the FAPs of its definition', () => {
+  for (const name of ['mara', 'bruno']) {
+    const { json, numbers } = readGlb(fs.readFileSync(file(name, 'glb')));
+    const head = unpack(JSON.parse(fs.readFileSync(file(name, 'json'))));
+    let most = 0;
+    for (const [i, part] of head.parts.entries()) {
+      const [{ targets: morphs = [], attributes }] = json.meshes[i].primitives;
+      const names = json.meshes[i].extras?.targetNames ?? [];
+      const rest = numbers(attributes.POSITION);
+      assert.equal(rest.length, part.position.length);
+      for (const [target, faps] of Object.entries(targets)) {
+        const posed = pose(head, part, faps);
+        const at = names.indexOf(target);
+        const deltas = at < 0 ? new Float32Array(rest.length) : numbers(morphs[at].POSITION);
+        let worst = 0;
+        for (let v = 0; v < posed.length; v++) worst = Math.max(worst, Math.abs(deltas[v] * 1000 - (posed[v] - part.position[v])));
+        assert.ok(worst < 0.003, `${name}, ${part.name}, ${target}: ${worst} mm`);
+        most = Math.max(most, ...deltas);
+      }
+    }
+    assert.ok(most > 0.005, 'something moves');
+  }
+});
+
+test('it is an avatar of VRM 1.0', () => {
+  const { json } = readGlb(fs.readFileSync(file('mara', 'glb')));
+  const { meta, humanoid, expressions, lookAt, specVersion } = json.extensions.VRMC_vrm;
+  assert.equal(specVersion, '1.0');
+  assert.equal(meta.licenseUrl, 'https://vrm.dev/licenses/1.0/');
+  assert.match(meta.otherLicenseUrl, /publicdomain\/zero/);
+  const bones = ['hips', 'spine', 'head', ...['left', 'right'].flatMap((side) => ['UpperArm', 'LowerArm', 'Hand', 'UpperLeg', 'LowerLeg', 'Foot'].map((bone) => side + bone))];
+  for (const bone of bones) assert.equal(json.nodes[humanoid.humanBones[bone].node].name, bone);
+  assert.equal(new Set(Object.values(humanoid.humanBones).map(({ node }) => node)).size, Object.keys(humanoid.humanBones).length);
+  assert.equal(lookAt.type, 'bone');
+  for (const preset of ['aa', 'ih', 'ou', 'ee', 'oh', 'blink', 'blinkLeft', 'blinkRight', 'lookUp', 'lookDown', 'lookLeft', 'lookRight', 'happy', 'angry', 'sad', 'relaxed', 'surprised', 'neutral']) {
+    const { morphTargetBinds } = expressions.preset[preset];
+    assert.ok(morphTargetBinds.length || preset === 'neutral', preset);
+    for (const { node, index, weight } of morphTargetBinds) {
+      const { extras } = json.meshes[json.nodes[node].mesh];
+      assert.ok(extras.targetNames[index] && weight > 0 && weight <= 1, preset);
+    }
+  }
+  assert.deepEqual(Object.keys(expressions.custom), Object.keys(arkit));
+  const shown = (preset) => new Set(expressions.preset[preset].morphTargetBinds.map(({ node, index }) => json.meshes[json.nodes[node].mesh].extras.targetNames[index]));
+  assert.ok(shown('happy').has('mouthSmileLeft') && shown('sad').has('mouthFrownRight') && shown('angry').has('browDownLeft'));
+  assert.deepEqual([...shown('aa')], ['viseme_aa']);
+});
+
+test('faccia head export writes it, and says what there is not', () => {
+  const faccia = (...args) => spawnSync(path.join(build, 'server/app/faccia'), ['--models', models, 'head', ...args]);
+  const [glb, vrm] = ['mara.glb', 'mara.vrm'].map((name) => path.join(folder, name));
+  const { status, stderr } = faccia('export', 'mara', '--glb', glb, '--vrm', vrm);
+  assert.equal(status, 0, String(stderr));
+  const bytes = fs.readFileSync(file('mara', 'glb'));
+  assert.ok(fs.readFileSync(glb).equals(bytes) && fs.readFileSync(vrm).equals(bytes));
+  assert.equal(spawnSync('sh', ['-c', '"$0" --models "$1" head export mara | cmp - "$1/heads/mara.glb"', path.join(build, 'server/app/faccia'), models]).status, 0);
+  for (const [args, code, what] of [
+    [['export', 'nobody'], 1, /no head model 'nobody'/],
+    [['export', '../speech/it'], 1, /no head model/],
+    [['export'], 2, /the name of one head/],
+    [['import', 'mara'], 2, /'export' is wanted/],
+    [['export', 'mara', '--glb', path.join(folder, 'no/where.glb')], 1, /No such file/],
+  ]) {
+    const said = faccia(...args);
+    assert.equal(said.status, code, args.join(' '));
+    assert.match(String(said.stderr), what);
+  }
+});
