@@ -21,7 +21,7 @@ const QUIET = 0.1; // of a processor, taken by other programs: what they take, d
 /** Has the page note, for each picture: which speech it belongs to, and what the sound's clocks say. */
 const note = (page) => page.evaluate(() => {
   const element = document.querySelector('talking-head');
-  const { stage, player } = element;
+  const { stage, player } = element.debugParts();
   const { frame } = stage.ports;
   window.drawn = [];
   window.reports = new Map(); // where the speech stands at frames of the sound

@@ -177,6 +177,11 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     };
   }
 
+  /** What draws and what plays, for measurements that have to see each picture. */
+  debugParts() {
+    return { stage: this.#presentation.stage, player: this.#player };
+  }
+
   #emit(type, detail) {
     this.dispatchEvent(new CustomEvent(type, { detail }));
   }
