@@ -11,7 +11,7 @@ export function edited(document, { set = {}, remove = [] }) {
   for (const [pointer, value] of Object.entries(set)) {
     const path = parts(pointer), last = path.at(-1);
     if (!path.length) out = value;
-    else if (last === '-') holder(path).push(value);
+    else if (last === '-' && Array.isArray(holder(path))) holder(path).push(value);
     else holder(path)[last] = value;
   }
   for (const pointer of remove) {

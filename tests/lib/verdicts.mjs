@@ -23,7 +23,7 @@ export function schema(from) {
 
 /** Do they mean the same? One may say it of what the other's place lies in; the readers cut places off after 63 bytes. */
 export function agrees(places, at) {
-  const reader = at.replace(/\.(\d+)(?=\.|$)/g, '[$1]'); // messages have mix.0.name
+  const reader = at.replace(/\.(\d+)(?=[.[]|$)/g, '[$1]'); // messages have mix.0.name
   const within = (inner, outer) => (outer === '' && places.length === 1) || inner === outer || (inner.startsWith(outer) && /[.[]/.test(inner[outer.length]));
   const cut = (text) => Buffer.from(text).subarray(0, 63).toString();
   return places.some((one) => within(reader, one) || within(one, reader) || cut(one).startsWith(reader));

@@ -26,7 +26,7 @@ const KINDS = {
   fap: ['the number of a FAP, 3 to 68', within(3, 68)],
   vertices: ['a number of vertices', within(3, 65535)],
   vector: ['three numbers', (value) => Array.isArray(value) && value.length === 3 && value.every(isNumber)],
-  base64: ['base64', (value) => typeof value === 'string' && /^[A-Za-z0-9+/]*={0,2}$/.test(value)],
+  base64: ['base64', (value) => typeof value === 'string' && value.length % 4 === 0 && /^[A-Za-z0-9+/]*={0,2}$/.test(value)],
   sign: ['both, positive or negative', (value) => ['both', 'positive', 'negative'].includes(value)],
   alpha: ['opaque, cutout or blend', (value) => ['opaque', 'cutout', 'blend'].includes(value)],
   image: ['the type of an image', (value) => typeof value === 'string' && value.startsWith('image/')],
@@ -62,7 +62,7 @@ function checkPart(part, place) {
   });
   each(part.turns, `${place}.turns`, (turn, at) => {
     members(turn, at, { turn: 'text', 'vertices?': 'base64', 'weights?': 'base64', 'weight?': 'share' });
-    if (Boolean(turn.vertices) !== Boolean(turn.weights)) throw new ModelError(at, 'vertices and their weights belong together');
+    if ((turn.vertices === undefined) !== (turn.weights === undefined)) throw new ModelError(at, 'vertices and their weights belong together');
     if (turn.weights !== undefined && turn.weight !== undefined) throw new ModelError(at, 'there must be weights or a weight');
   });
 }
