@@ -24,7 +24,10 @@ test('closures are closed in the picture, and vowels open', async () => {
   const { lips, teeth, open, gaps, misses } = await seen('on');
   assert.ok(lips >= 5 && open >= 8, `${lips} ${teeth} ${open}`);
   assert.deepEqual(misses, []);
-  assert.deepEqual(gaps.filter(({ mm }) => mm < 1.5), []);
+  // Shorter vowels may lie between two frames.
+  const long = gaps.filter(({ seconds }) => seconds > 0.045);
+  assert.ok(long.length >= 3, `${long.length}`);
+  assert.deepEqual(long.filter(({ mm }) => mm < 1.5), []);
 });
 
 test('without the layer of contacts they are not', async () => {

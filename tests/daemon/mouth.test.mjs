@@ -49,19 +49,20 @@ const EMOTIONS = [null, 'anger', 'happiness', 'sadness', 'surprise', 'disgust'];
 for (const [lang, own] of [['it', []], ['pt-BR', ['context']], ['tr', ['syllable']], ['en', []]])
   test(`${lang}: a sentence that begins with the lips shows them closed while that is heard, in every expression, engine and blend`, async () => {
     const query = `lang=${lang}&rate=320&contacts=on`;
-    const { phones } = await post(`${query}&format=json`, voiced(BEGINNINGS[lang])).then((r) => r.json());
-    const first = phones.filter((phone, i) => 'pbm'.includes(phone.ipa[0]) && phone.ipa && (i === 0 || !phones[i - 1].ipa));
-    assert.equal(first.length, 4, JSON.stringify(phones));
     const open = [];
-    for (const engine of ['dominance', 'cohen-massaro', 'table', ...own])
-      for (const blend of ['regions', 'weighted'])
-        await Promise.all(EMOTIONS.map(async (emotion) => {
-          const fap = await post(`${query}&fps=25&engine=${engine}&blend=${blend}&format=fap`, voiced(BEGINNINGS[lang], emotion)).then((r) => r.text());
-          const { fps, frames } = parseFap(fap);
-          for (const phone of first) {
-            const shown = shownWithin(phone, fps);
-            if (!frames.slice(shown.first, shown.end).some(isClosed)) open.push(`${engine}, ${blend}, ${emotion}: /${phone.ipa}/ at ${phone.start}`);
-          }
-        }));
+    for (const emotion of EMOTIONS) { // which has a voice of its own, too
+      const text = voiced(BEGINNINGS[lang], emotion);
+      const { phones } = await post(`${query}&format=json`, text).then((r) => r.json());
+      const first = phones.filter((phone, i) => 'pbm'.includes(phone.ipa[0]) && phone.ipa && (i === 0 || !phones[i - 1].ipa));
+      assert.ok(first.length >= 4, JSON.stringify(phones));
+      await Promise.all(['dominance', 'cohen-massaro', 'table', ...own].flatMap((engine) => ['regions', 'weighted'].map(async (blend) => {
+        const fap = await post(`${query}&fps=25&engine=${engine}&blend=${blend}&format=fap`, text).then((r) => r.text());
+        const { fps, frames } = parseFap(fap);
+        for (const phone of first) {
+          const shown = shownWithin(phone, fps);
+          if (!frames.slice(shown.first, shown.end).some(isClosed)) open.push(`${engine}, ${blend}, ${emotion}: /${phone.ipa}/ at ${phone.start}`);
+        }
+      })));
+    }
     assert.deepEqual(open, []);
   });
