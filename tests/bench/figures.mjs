@@ -28,6 +28,20 @@ export const cpuSeconds = (pid) => processes().filter((p) => p.pid === pid || p.
 export const cpuOf = (pid) => fs.readdirSync(`/proc/${pid}/task`)
   .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'latin1').split(' ')[0]) / 1e9, 0);
 
+/** CPU seconds that all have used that this process has started, and those that they have started, but for some, by the scheduler's own account. */
+export function descendantSeconds(except = []) {
+  const all = new Map(processes().map((p) => [p.pid, p]));
+  const ours = (pid) => all.has(pid) && !except.includes(pid) && (all.get(pid).parent === process.pid || ours(all.get(pid).parent));
+  let sum = 0;
+  for (const pid of all.keys())
+    try {
+      if (ours(pid)) sum += cpuOf(pid);
+    } catch {
+      // it has ended meanwhile
+    }
+  return sum;
+}
+
 /** The processes that a process has started and that still run. */
 export const childrenOf = (pid) => processes().filter((p) => p.parent === pid).map((p) => p.pid);
 

@@ -1,40 +1,106 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Frames per second of the page in headless Chromium with software rendering, while she speaks, at low and at full quality, next
-// to an empty page that only counts its frames, in one run. Usage: node tests/bench/fps.mjs
-import { Daemon } from '../lib/daemon.mjs';
+// Pictures a second in headless Chromium with software rendering at 640 x 480, and the processor time that each takes (of all the browser's
+// processes): the page while she speaks, in `low`, `high` and `auto`, beside a head of the kind that others draw (reference-head.mjs), and an
+// empty page that only counts its frames; in turns, so that what else the machine does falls on all. With --before also the page as
+// another folder has it (a build/web of an older commit).
+// Usage: node tests/bench/fps.mjs [--seconds 8] [--turns 3] [--before FOLDER] [--model mara]
+import fs from 'node:fs';
+import path from 'node:path';
+import { parseArgs } from 'node:util';
 import { launch, openPage } from '../lib/browser.mjs';
+import { build, Daemon, root } from '../lib/daemon.mjs';
+import { descendantSeconds, median } from './figures.mjs';
+import { watchOthers } from './others.mjs';
+import { bundle } from './page-script.mjs';
 import { prose } from './text.mjs';
 
-const SECONDS = 8;
+const { values: options } = parseArgs({
+  options: { seconds: { type: 'string', default: '8' }, turns: { type: 'string', default: '3' }, before: { type: 'string' }, model: { type: 'string', default: 'mara' } },
+});
+const seconds = Number(options.seconds);
+const models = path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads');
+const json = JSON.parse(fs.readFileSync(path.join(models, `${options.model}.json`)));
 const daemon = await Daemon.start();
+const daemons = [daemon.process.pid];
+let before;
+if (options.before) {
+  before = await Daemon.start([], { FACCIA_WEB: path.resolve(options.before) });
+  daemons.push(before.process.pid);
+}
 const browser = await launch();
+const spent = () => descendantSeconds(daemons);
 
-/** Frames that a page draws in a while, by a counter that it keeps. */
+/** Frames that a page draws in a while, by a counter that it keeps, and what each costs. */
 async function rate(page, counter) {
   await new Promise((resolve) => setTimeout(resolve, 2000));
-  const before = await page.evaluate(counter);
-  const started = performance.now();
-  await new Promise((resolve) => setTimeout(resolve, SECONDS * 1000));
-  return ((await page.evaluate(counter)) - before) / ((performance.now() - started) / 1000);
+  const [first, cpu, started] = [await page.evaluate(counter), spent(), performance.now()];
+  await new Promise((resolve) => setTimeout(resolve, seconds * 1000));
+  const frames = (await page.evaluate(counter)) - first;
+  return { fps: frames / ((performance.now() - started) / 1000), cost: ((spent() - cpu) * 1000) / frames };
 }
 
-const empty = await browser.newPage();
-await empty.evaluate(() => {
-  window.frames_ = 0;
-  const tick = () => (window.frames_++, requestAnimationFrame(tick));
-  tick();
-});
-const display = await rate(empty, () => window.frames_);
-await empty.close();
-
-for (const quality of ['low', 'high']) {
-  const page = await openPage(browser, daemon.url, { quality });
-  await page.evaluate(() => Object.assign(document.querySelector('talking-head').style, { width: '640px', height: '480px', position: 'fixed', inset: 0, maxWidth: 'none' }));
-  await page.evaluate((text) => void document.querySelector('talking-head').speak(text, { lang: 'it' }), prose(SECONDS + 6));
-  const fps = await rate(page, () => document.querySelector('talking-head').debug().frames);
-  const { triangles } = await page.evaluate(() => document.querySelector('talking-head').debug());
-  console.log(`${quality}: ${fps.toFixed(1)} frames a second, ${triangles} triangles, 640 x 480; an empty page: ${display.toFixed(1)} (ratio ${(fps / display).toFixed(2)})`);
+async function empty() {
+  const page = await browser.newPage();
+  await page.evaluate(() => {
+    window.frames_ = 0;
+    const tick = () => (window.frames_++, requestAnimationFrame(tick));
+    tick();
+  });
+  const found = await rate(page, () => window.frames_);
   await page.close();
+  return found;
+}
+
+const script = await bundle(`
+import { reference } from '${path.join(root, 'tests/bench/reference-head.mjs')}';
+import { decodeTexture, readModel } from './src/head/model.mjs';
+window.begin = async (json) => {
+  const head = await reference(document.querySelector('canvas'), readModel(json), decodeTexture);
+  window.frames_ = 0;
+  const tick = (now) => (window.frames_++, head.draw(now / 1000), requestAnimationFrame(tick));
+  requestAnimationFrame(tick);
+  return head.triangles;
+};`);
+async function other() {
+  const page = await browser.newPage({ viewport: { width: 1000, height: 800 } });
+  await page.setContent('<!doctype html><body style="margin:0"><canvas width=640 height=480 style="width:640px;height:480px"></canvas>');
+  await page.addScriptTag({ type: 'module', content: script });
+  await page.waitForFunction(() => window.begin);
+  const triangles = await page.evaluate((model) => window.begin(model), json);
+  const found = await rate(page, () => window.frames_);
+  await page.close();
+  return { ...found, triangles };
+}
+
+async function ours(quality, { url }) {
+  const page = await openPage(browser, url, { quality });
+  await page.evaluate(() => Object.assign(document.querySelector('talking-head').style, { width: '640px', height: '480px', position: 'fixed', inset: 0, maxWidth: 'none' }));
+  await page.evaluate((text) => void document.querySelector('talking-head').speak(text, { lang: 'it' }), prose(seconds + 8));
+  const found = await rate(page, () => document.querySelector('talking-head').debug().frames);
+  const { triangles, level } = await page.evaluate(() => document.querySelector('talking-head').debug());
+  await page.close();
+  return { ...found, triangles, level };
+}
+
+const kinds = [
+  ['an empty page', empty],
+  ['reference', other],
+  ...['low', 'high', 'auto'].map((quality) => [quality, () => ours(quality, daemon)]),
+  ...(before ? ['low', 'high'].map((quality) => [`${quality}, before`, () => ours(quality, before)]) : []),
+];
+const found = new Map(kinds.map(([name]) => [name, []]));
+const stop = watchOthers();
+const begun = Number(process.hrtime.bigint()) / 1e6;
+for (let turn = 0; turn < Number(options.turns); turn++) for (const [name, measure] of kinds) found.get(name).push(await measure());
+const others = stop()(begun, Number(process.hrtime.bigint()) / 1e6);
+const of = (name, what) => median(found.get(name).map((one) => one[what]));
+console.log(`640 x 480, ${options.turns} turns of ${seconds} s, ${options.model}; other programs took ${others.toFixed(2)} processors`);
+console.log('| | pictures a second | beside the reference | processor, ms a picture | beside the reference | triangles |\n|---|---|---|---|---|---|');
+for (const [name, list] of found) {
+  const [fps, cost] = [of(name, 'fps'), of(name, 'cost')];
+  const { triangles = '', level } = list.at(-1);
+  console.log(`| ${name}${level && level !== name ? ` (${level})` : ''} | ${fps.toFixed(1)} | ${(fps / of('reference', 'fps')).toFixed(1)} | ${cost.toFixed(1)} | ${(cost / of('reference', 'cost')).toFixed(2)} | ${triangles} |`);
 }
 await browser.close();
 await daemon.stop();
+await before?.stop();

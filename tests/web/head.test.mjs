@@ -254,6 +254,24 @@ test('very slow frames are not waited for, and without a graphics processor it b
   assert.equal(new Governor('high', true).level.fine, true);
 });
 
+test('below low it goes only where pictures come sooner for it', () => {
+  const lost = new Governor('auto', true);
+  feed(lost, 60, 25);
+  assert.equal(lost.level.name, 'lowest');
+  feed(lost, 58, 25);
+  assert.equal(lost.level.name, 'low', 'nothing was gained');
+  assert.equal(feed(lost, 60, 500), 0, 'and it is not tried again');
+  const won = new Governor('auto', true);
+  feed(won, 60, 25);
+  assert.equal(feed(won, 40, 500), 0);
+  assert.equal(won.level.name, 'lowest');
+  const far = new Governor('auto');
+  feed(far, 200, 10);
+  assert.equal(far.index, 2);
+  feed(far, 200, 10);
+  assert.equal(far.level.name, 'low', 'what low takes is seen first');
+});
+
 test('a chosen quality is left alone', () => {
   for (const wish of ['low', 'high']) {
     const governor = new Governor(wish);

@@ -74,6 +74,16 @@ test('what goes wholly with the head is left to one matrix', () => {
   assert.equal(soft.update(drive.set(faceValues({ 49: 30000 }))), false);
 });
 
+test('it turns with the head here when its material asks for that', () => {
+  const { drive, one, influences } = setUp({ turns: [{ turn: 'yaw', weight: 1 }, { turn: 'pitch', weight: 1 }] });
+  const soft = new SoftwareDeform(one, influences, influences.normals, drive, false);
+  assert.equal(soft.whole, false);
+  drive.set(faceValues({ 48: 20000, 49: 30000 }));
+  assert.equal(soft.update(drive), true);
+  const { position } = deform(one, influences, drive);
+  soft.position.forEach((value, i) => assert.ok(Math.abs(value - position[i]) < 1e-3, `${value}, ${position[i]}`));
+});
+
 test('the views: the mouth is in the middle of its own, the bust shows more than the portrait', () => {
   const model = {
     view: { target: [0, -20, 0], distance: 600, fov: 26 }, fapu: { MW: 50 },

@@ -10,6 +10,7 @@ const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden p
 const AHEAD_MOST_MS = 300; // for longer nothing is foreseen
 const LAPSE_MS = 250; // from a picture to the next: beyond, they do not follow each other
 const CALM_MS = 30; // between pictures of a face that only idles: saves the battery
+const DISSOLVE_MS = 240; // from one quality to the next
 
 /**
  * The canvas: draws the head when something has changed, at the display's rate while something moves, and finds the
@@ -119,6 +120,7 @@ export class Stage {
     view.show(head);
     this.ports.drawn?.(true);
     this.wake();
+    if (view.software) await head.slim();
   }
 
   #replaceCanvas() {
@@ -148,7 +150,7 @@ export class Stage {
   set quality(wish) {
     this.wish = wish;
     this.governor.wish(wish);
-    this.view?.setLevel(this.governor.level);
+    this.#level();
     this.wake();
   }
 
@@ -188,7 +190,7 @@ export class Stage {
     else {
       const taken = this.calm ? interval - CALM_MS / 2 : interval;
       this.interval = this.interval ? this.interval + 0.1 * (taken - this.interval) : taken;
-      if (this.governor.frame(taken)) this.view.setLevel(this.governor.level);
+      if (this.governor.frame(taken)) this.#level();
     }
     const begun = performance.now();
     const beside = this.ports.hear(begun);
@@ -199,6 +201,23 @@ export class Stage {
     this.following = more;
     this.calm = Boolean(calm);
     if (more) this.wake();
+  }
+
+  /** Goes over to the quality that is chosen: the picture as it was lies on top, and fades. */
+  #level() {
+    const { view, canvas } = this;
+    const { level } = this.governor;
+    if (!view || view.level === level) return;
+    if (view.head && !this.lost && canvas.isConnected) {
+      const veil = document.createElement('canvas');
+      Object.assign(veil, { width: canvas.width, height: canvas.height, ariaHidden: 'true' });
+      view.draw(); // it is kept until this task ends
+      veil.getContext('2d').drawImage(canvas, 0, 0);
+      canvas.after(veil);
+      const gone = () => veil.remove();
+      veil.animate([{ opacity: 1 }, { opacity: 0 }], { duration: DISSOLVE_MS, easing: 'ease-in-out' }).finished.then(gone, gone);
+    }
+    view.setLevel(level);
   }
 
   #paint() {

@@ -1,15 +1,15 @@
 // SPDX-License-Identifier: MIT
 import {
-  AddEquation, BufferAttribute, BufferGeometry, CustomBlending, DataTexture, DoubleSide, DynamicDrawUsage, FloatType, FrontSide,
-  Group, Matrix4, Mesh, NearestFilter, NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2,
-  Vector3, Vector4,
+  AddEquation, BufferAttribute, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Matrix4, Mesh, NearestFilter,
+  NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4,
 } from 'three';
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
 import { mouthUniforms, openingOf } from './mouth-light.mjs';
-import { SoftwareDeform } from './software-deform.mjs';
-import { CLEAR, eyeNormals, fibres, kindOf, outsideFirst, THIN, volumeNormals } from './surfaces.mjs';
+import { lean } from './lean.mjs';
+import { Shape } from './shape.mjs';
+import { CLEAR, eyeNormals, kindOf, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
 import { wrinklePlace, wrinklesOf } from './wrinkles.mjs';
@@ -35,8 +35,33 @@ function blended(material) {
 
 const breath = () => new Promise((resolve) => setTimeout(resolve));
 
+/** Goes through a generator a slice at a time. @returns {Promise<any>} what it returns */
+async function sliced(work) {
+  for (let result = { done: false }, start = performance.now(); ; result = work.next()) {
+    if (result.done) return result.value;
+    if (performance.now() - start < SLICE_MS) continue;
+    await breath();
+    start = performance.now();
+  }
+}
+
+/** Poses that fewer triangles have to be right in: at rest, open with the lids down, and with all that bends the skin most. */
+const LEAN_POSES = [
+  faceValues({}),
+  LIT_POSE,
+  faceValues({ 4: 150, 5: 150, 6: -150, 7: -150, 16: 250, 17: 250, 31: 200, 32: 200, 33: 200, 34: 200, 35: 150, 36: 150, 44: 300 }),
+  faceValues({ 6: 200, 7: 200, 12: 200, 13: 200, 37: 150, 38: 150, 41: 200, 42: 200, 19: 300, 20: 300, 59: 200, 60: 200 }),
+];
+const LEAN_MM = [0.3, 0.42]; // what a vertex may be off by,
+const LEAN_SHARE = 0.55; // when that is no more of a point of the picture;
+/** and how many mm a change of its normal, of the share of light and of the place on the texture are worth. */
+const WORTH = { normal: 2.5, reach: 2, texture: 100 };
+const WORTH_INSIDE = { normal: 0.8, reach: 0, texture: 30 }; // of the mouth, where all is small and in the shade
+
 /** The head model as things to draw. FAPs go in, and the graphics processor does the rest. */
 export class Head {
+  #fewer = 0; // which of the shapes is drawn
+
   /**
    * @param {ReturnType<import('./model.mjs').readModel>} model
    * @param {{software?: boolean}} [options] software: there is no graphics processor, so the vertices are moved here
@@ -54,7 +79,8 @@ export class Head {
     this.model = model;
     this.drive = new Drive(model);
     this.group = new Group();
-    this.parts = []; // {part, influences, geometry}
+    this.parts = []; // {part, influences, geometry, shapes: the whole one, and with fewer triangles; shape: the one that is drawn}
+    this.faps = faceValues({});
     this.materials = [];
     this.folds = wrinklePlace(model.fdp, model.fapu);
     this.textures = new Map();
@@ -92,25 +118,60 @@ export class Head {
     // Reading the influences may have made new slots.
     this.drive.slotValues = this.uniforms.slots.value = new Float32Array(Math.max(1, this.drive.slots.length));
     for (const { part, influences } of built) {
-      const geometry = new BufferGeometry();
-      const normals = this.#normals(part, influences.normals);
-      const soft = this.software ? new SoftwareDeform(part, influences, normals, this.drive) : null;
-      const reach = new BufferAttribute(new Uint8Array(4 * part.vertices).fill(255), 4, true);
-      geometry.setAttribute('position', new BufferAttribute(soft ? soft.position : part.position, 3));
-      const kind = kindOf(part.name);
-      geometry.setAttribute('normal', new BufferAttribute(soft ? soft.normal : normals, 3));
-      const uv = part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices);
-      geometry.setAttribute('uv', new BufferAttribute(uv, 2));
-      if (soft && kind !== 'hair') geometry.setAttribute('rest', new BufferAttribute(part.position, 3));
-      if (kind === 'hair') geometry.setAttribute('fibre', new BufferAttribute(fibres(part), 3));
-      geometry.setAttribute('reach', reach);
-      const hides = kind === 'hair' && !THIN.includes(part.name);
-      geometry.setIndex(new BufferAttribute(hides ? outsideFirst(part) : part.index, 1));
-      if (soft?.acts)
-        for (const name of ['position', 'normal']) geometry.attributes[name].setUsage(DynamicDrawUsage);
-      this.parts.push({ part, influences, geometry, soft });
+      const shape = new Shape(part, influences, { normals: this.#normals(part, influences.normals) }, this.software ? this.drive : null);
+      const { geometry, soft } = shape;
+      this.parts.push({ part, influences, geometry, shape, shapes: [shape] });
       const packed = soft ? { texture: this.white, needs: { SOFTWARE: soft.whole ? 2 : 1 } } : this.#pack(influences, geometry);
       this.#addMeshes(part, geometry, packed);
+    }
+  }
+
+  /**
+   * Makes shapes of fewer triangles, for pictures whose points are so large that nobody sees which are missing.
+   * Where there is no graphics processor, triangles are what takes the time.
+   */
+  async slim() {
+    for (const one of this.parts) {
+      const [whole] = one.shapes;
+      const fewer = await sliced(lean(one.part, await this.#features(one), LEAN_MM));
+      one.shapes = [one.part.index, ...fewer].map((triangles) => whole.with(triangles, this.drive));
+      this.#choose();
+      whole.dispose();
+    }
+  }
+
+  /** What may not change when triangles go: see lean.mjs. */
+  async #features({ part, influences, geometry }) {
+    const places = [];
+    for (const pose of LEAN_POSES) {
+      places.push(deform(part, influences, this.drive.set(pose)).position);
+      this.drive.set(this.faps);
+      await breath();
+    }
+    const { normal, uv, reach } = geometry.attributes;
+    const block = ({ array, itemSize }, from, count, scale) => {
+      const out = new Float32Array(3 * part.vertices);
+      for (let v = 0; v < part.vertices; v++) for (let k = 0; k < count; k++) out[3 * v + k] = scale * array[itemSize * v + from + k];
+      return out;
+    };
+    const worth = kindOf(part.name) === 'mouth' ? WORTH_INSIDE : WORTH;
+    const light = [[0, 2], [2, 2]].map(([from, count]) => block(reach, from, count, worth.reach / 255));
+    return { blocks: [...places, block(normal, 0, 3, worth.normal), ...light, block(uv, 0, 2, worth.texture)], places: places.length };
+  }
+
+  /** @param {number} mm how large a point of the picture is where the face is */
+  set point(mm) {
+    this.#fewer = LEAN_MM.filter((one) => one <= LEAN_SHARE * mm).length;
+    this.#choose();
+  }
+
+  #choose() {
+    for (const one of this.parts) {
+      const shape = one.shapes[Math.min(this.#fewer, one.shapes.length - 1)];
+      if (shape === one.shape) continue;
+      for (const mesh of this.group.children) if (mesh.geometry === one.shape.geometry) mesh.geometry = shape.geometry;
+      one.shape = shape;
+      shape.update(this.drive);
     }
   }
 
@@ -147,14 +208,8 @@ export class Head {
         seen: lit[i],
       })),
     );
-    for (let result = { done: false }, start = 0; !result.done; ) {
-      if (performance.now() - start > SLICE_MS) {
-        await breath();
-        start = performance.now();
-      }
-      result = bake.next();
-      if (result.done) result.value.forEach((reach, i) => this.parts[i].geometry.attributes.reach.array.set(reach));
-    }
+    const reaches = await sliced(bake);
+    reaches.forEach((reach, i) => this.parts[i].geometry.attributes.reach.array.set(reach));
   }
 
   #pack(influences, geometry) {
@@ -254,23 +309,22 @@ export class Head {
 
   /** @param {Float32Array} values by FAP number */
   setFaps(values) {
+    this.faps = values;
     this.drive.set(values);
     const origin = new Vector3(...this.drive.withHead([0, 0, 0]));
     const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
     this.uniforms.headTurn.value.makeBasis(...axes).setPosition(origin);
-    for (const { soft, geometry } of this.parts)
-      if (soft?.acts && soft.update(this.drive))
-        for (const name of ['position', 'normal']) geometry.attributes[name].needsUpdate = true;
+    for (const { shape } of this.parts) shape.update(this.drive);
     if (this.folds) this.uniforms.wrinkles.value.set(...wrinklesOf(values));
     this.uniforms.opening.value = openingOf(this.model, values);
   }
 
   get triangles() {
-    return this.model.parts.reduce((sum, { index }) => sum + index.length / 3, 0);
+    return this.parts.reduce((sum, { shape }) => sum + shape.part.index.length / 3, 0);
   }
 
   dispose() {
-    for (const { geometry } of this.parts) geometry.dispose();
+    for (const { shapes } of this.parts) for (const shape of shapes) shape.dispose();
     for (const material of this.materials) material.dispose();
     for (const texture of this.textures.values()) texture.dispose();
     this.white.dispose();

@@ -22,6 +22,7 @@ const VERY_SLOW_MS = 1000 / 14; // two steps
 const QUICK_MS = 1000 / 50; // below, for a while: one step up
 const QUICK_WINDOWS = 15;
 const PATIENCE_FACTOR = 4; // after a step up that had to be taken back
+const GAIN = 0.85; // of the time between pictures: a blurred picture that does not come sooner than this is for nothing
 
 /** Chooses the level by itself from the times between frames, measured while frames follow each other. */
 export class Governor {
@@ -39,6 +40,8 @@ export class Governor {
     this.quick = 0;
     this.patience = QUICK_WINDOWS;
     this.raised = false;
+    this.last = LEVELS.length - 1; // the lowest that is worth it
+    this.slow = 0; // median at `low`, before it was left for less
     this.skip = 3; // frames that pay for the change of the level itself
   }
 
@@ -72,11 +75,20 @@ export class Governor {
   }
 
   #judge(median) {
+    const before = this.slow;
+    this.slow = 0;
+    if (before && median > GAIN * before) {
+      this.last = FIXED.low; // points are not what takes the time
+      return this.#step(-1);
+    }
     if (median > SLOW_MS) {
       if (this.raised) this.patience *= PATIENCE_FACTOR;
       this.raised = false;
       this.quick = 0;
-      return this.#step(median > VERY_SLOW_MS ? 2 : 1);
+      const low = this.index === FIXED.low;
+      const changed = this.#step(median > VERY_SLOW_MS ? 2 : 1);
+      if (low && changed) this.slow = median;
+      return changed;
     }
     this.quick = median < QUICK_MS ? this.quick + 1 : 0;
     if (this.quick < this.patience || this.index === 0) return false;
@@ -86,7 +98,8 @@ export class Governor {
   }
 
   #step(by) {
-    const index = Math.min(LEVELS.length - 1, Math.max(0, this.index + by));
+    const most = this.index < FIXED.low ? FIXED.low : this.last; // what `low` takes is seen before it is left
+    const index = Math.min(most, Math.max(0, this.index + by));
     if (index === this.index) return false;
     this.index = index;
     this.skip = 3;

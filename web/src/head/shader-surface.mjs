@@ -22,20 +22,29 @@ const commonGlsl = /* glsl */ `
 ${lightsGlsl}
 uniform vec3 tint;
 uniform float subsurface;
-varying vec2 surfaceUv;
-varying vec3 surfaceNormal;
-varying vec3 surfacePosition;
-#if KIND == 2
-varying vec3 surfaceFibre;
+// With samples the middle of a point may lie outside a thin triangle, where what is interpolated is anything: black specks.
+#if FINE
+#define WITHIN centroid
+#else
+#define WITHIN
+#endif
+WITHIN varying vec2 surfaceUv;
+#if FINE || KIND == 3
+#define FULL 1
+WITHIN varying vec3 surfaceNormal;
+WITHIN varying vec3 surfacePosition;
+WITHIN varying vec4 surfaceLight; // open sky, key, fill and rim light: how much of each reaches it
+#endif
+#if KIND == 2 && FINE
+WITHIN varying vec3 surfaceFibre;
 #elif KIND == 3
 uniform vec3 eyeCenter;
 uniform float irisRadius; // as a share of the eyeball's radius
-varying vec3 eyePlace;    // on the unit eyeball, looking along z
+WITHIN varying vec3 eyePlace; // on the unit eyeball, looking along z
 #endif
 #if FINE && KIND == 1
 ${wrinkleGlsl}
 #endif
-varying vec4 surfaceLight; // open sky, key, fill and rim light: how much of each reaches it
 
 /** Light that goes round the edge of what it falls on, the red of it farthest when there is flesh below. */
 vec3 wrapped(float cosine) {
@@ -95,22 +104,25 @@ varying vec3 vertexLight;
 void main() {
   vec3 p = position, n = normal;
   deform(p, n);
-  surfaceUv = uv;
-  surfaceNormal = n;
-  surfacePosition = p;
-#if FINE && KIND == 1
-  restPlace = rest;
-#endif
-  surfaceLight = reach;
+  vec4 light = reach;
 #if KIND == 4
-  surfaceLight = mouthLight(transpose(mat3(headTurn)) * (p - headTurn[3].xyz)); // as the head stands upright
+  light = mouthLight(transpose(mat3(headTurn)) * (p - headTurn[3].xyz)); // as the head stands upright
 #elif KIND == 3
   eyePlace = normalize(rest - eyeCenter);
-#elif KIND == 2
+#endif
+  surfaceUv = uv;
+#ifdef FULL
+  surfaceNormal = n;
+  surfacePosition = p;
+  surfaceLight = light;
+#endif
+#if FINE && KIND == 1
+  restPlace = rest;
+#elif FINE && KIND == 2
   surfaceFibre = mat3(headTurn) * fibre;
 #endif
 #if !FINE
-  vertexLight = diffuseLight(n, surfaceLight);
+  vertexLight = diffuseLight(n, light);
 #if KIND != 3
   vertexLight = sqrt(vertexLight * tint); // see main() of the fragments
   float peak = max(vertexLight.r, max(vertexLight.g, vertexLight.b));
@@ -188,7 +200,7 @@ vec4 albedo() {
   return vec4(texel.rgb * tint, texel.a);
 }
 
-#if KIND != 3
+#if FINE && KIND != 3
 vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   vec3 color;
 #if KIND == 2
@@ -218,7 +230,7 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
 #endif
   return color;
 }
-#else
+#elif KIND == 3
 /** The iris lies behind a lens: it glows opposite the lamp, and darkens at its border. */
 vec3 iris(vec3 color) {
   float distance = length(eyePlace.xy) / irisRadius;

@@ -14,8 +14,9 @@ export class SoftwareDeform {
   /**
    * @param {import('./model.mjs').Part} part @param {ReturnType<import('./influences.mjs').influencesOf>} influences
    * @param {Float32Array} normals as drawn @param {import('./influences.mjs').Drive} drive
+   * @param {boolean} [whole] false: the turns of the head are made here, even if every vertex makes them wholly
    */
-  constructor(part, { moves, turns }, normals, drive) {
+  constructor(part, { moves, turns }, normals, drive, whole = true) {
     this.rest = { position: part.position, normal: normals };
     this.position = part.position.slice();
     this.normal = normals.slice();
@@ -42,6 +43,7 @@ export class SoftwareDeform {
     this.#heads.sort((a, b) => a.turn - b.turn);
     /** Every vertex goes wholly with the head: one matrix, in the shader, does that. */
     this.whole =
+      whole &&
       this.#heads.length === drive.turns.length - first &&
       this.#heads.every(({ vertices, weights }) => vertices.length === part.vertices && weights.every((one) => one === 1));
     if (this.whole) this.#heads = [];

@@ -70,19 +70,24 @@ export function fibres({ position, uv, index, smooth, vertices }) {
   return out;
 }
 
+const CLUSTER = 48; // triangles that stay together
+
 /**
- * The triangles of hair, the outermost first: what lies below need not be coloured.
- * @param {import('./model.mjs').Part} part @returns {Uint16Array}
+ * The triangles of hair, the outermost first: what lies below need not be coloured. Neighbours stay together, so that their
+ * vertices are shaded once.
+ * @param {import('./model.mjs').Part} part @param {Uint16Array} index its triangles, neighbours after each other
+ * @returns {Uint16Array}
  */
-export function outsideFirst({ position, index }) {
-  const count = index.length / 3;
-  const away = Float32Array.from({ length: count }, (_, t) => {
+export function outsideFirst({ position }, index) {
+  const clusters = [];
+  for (let start = 0; start < index.length; start += 3 * CLUSTER) {
+    const corners = index.subarray(start, start + 3 * CLUSTER);
     const sum = [0, 0, 0];
-    for (let i = 3 * t; i < 3 * t + 3; i++) for (let k = 0; k < 3; k++) sum[k] += position[3 * index[i] + k] / 3;
-    return Math.hypot(sum[0], sum[1], sum[2] + BACK_MM);
-  });
-  const order = Uint32Array.from({ length: count }, (_, t) => t).sort((a, b) => away[b] - away[a]);
-  return Uint16Array.from({ length: index.length }, (_, i) => index[3 * order[Math.floor(i / 3)] + (i % 3)]);
+    for (const v of corners) for (let k = 0; k < 3; k++) sum[k] += position[3 * v + k] / corners.length;
+    clusters.push({ corners, away: Math.hypot(sum[0], sum[1], sum[2] + BACK_MM) });
+  }
+  clusters.sort((a, b) => b.away - a.away);
+  return Uint16Array.from(clusters.flatMap(({ corners }) => [...corners]));
 }
 
 const CORNEA = 1.5; // it is curved more than the ball it sits on

@@ -106,6 +106,7 @@ export class View {
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
     const pixels = this.size.height * this.renderer.getPixelRatio();
+    this.head.point = (2 * distance * Math.tan((fov / 2) * (Math.PI / 180))) / pixels;
     this.head.uniforms.fade.value = CLOSE.includes(this.#framing) ? 1e-3 : FADE * pixels;
   }
 

@@ -37,7 +37,7 @@ export function wrinklePlace(fdp, fapu) {
 export const wrinkleGlsl = /* glsl */ `
 uniform vec4 wrinkles;      // how deep: wrinklesOf
 uniform vec4 wrinklePlace;  // where: wrinklePlace
-varying vec3 restPlace;
+WITHIN varying vec3 restPlace; // see shader-surface.mjs
 
 /** A crease each unit of x, and where it slopes: depth, slope. */
 vec2 crease(float x) {

@@ -1,0 +1,160 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where the time of a picture goes, in headless Chromium with software rendering, 640 x 480: the head is drawn over and over, whole, then with
+// something left out, in turn, so that what else the machine does falls on all. For each picture: processor time of all the browser's
+// processes, and time by the clock. Pictures are waited for (one point is read back), and none is put on the display: that is fps.mjs.
+// Usage: node tests/bench/frame.mjs [--level low] [--web FOLDER] [--model mara] [--rounds 5] [--frames 12] [--only WORD]
+import fs from 'node:fs';
+import path from 'node:path';
+import { parseArgs } from 'node:util';
+import { launch } from '../lib/browser.mjs';
+import { build as built, root } from '../lib/daemon.mjs';
+import { descendantSeconds, median } from './figures.mjs';
+import { bundle } from './page-script.mjs';
+
+const { values: options } = parseArgs({
+  options: {
+    level: { type: 'string', default: 'low' }, web: { type: 'string', default: path.join(root, 'web') }, model: { type: 'string', default: 'mara' },
+    rounds: { type: 'string', default: '5' }, frames: { type: 'string', default: '12' }, only: { type: 'string', default: '' },
+  },
+});
+const models = path.join(process.env.FACCIA_MODELS ?? path.join(built, 'models'), 'heads');
+const json = JSON.parse(fs.readFileSync(path.join(models, `${options.model}.json`)));
+const frames = Number(options.frames);
+const setUps_ = { 'x hair last': 1, 'x hair front': 1, 'x hair noalpha': 1, 'x no fade': 1, 'x flat vertex': 1, 'x nearest': 1, 'x nomip': 1 };
+
+const script = `
+import { View } from './src/head/view.mjs';
+import { Head } from './src/head/head.mjs';
+import { decodeTexture, readModel } from './src/head/model.mjs';
+import { LEVELS } from './src/head/quality.mjs';
+import { setTextureQuality } from './src/head/textures.mjs';
+import { reference } from '${path.join(root, 'tests/bench/reference-head.mjs')}';
+
+const [own, other] = document.querySelectorAll('canvas');
+window.begin = async (json, level) => {
+  const before = performance.now();
+  const model = readModel(json);
+  const head = await Head.create(model, { software: true });
+  window.built = performance.now() - before;
+  await head.slim?.();
+  window.slimmed = performance.now() - before - window.built;
+  const view = new View(own);
+  view.resize(640, 480);
+  view.setLevel(LEVELS.find(({ name }) => name === level));
+  view.show(head);
+  Object.assign(window, { view, head, model });
+  window.reference = await reference(other, readModel(json), decodeTexture);
+};
+/** A face that speaks, turns its head a little and blinks. */
+const pose = (t) => {
+  const values = new Float32Array(69);
+  [3, 4, 5, 6, 7, 8, 9, 10, 11, 14, 15, 16, 17, 44, 51, 52, 55, 56, 57, 58].forEach((n, i) => (values[n] = 150 * Math.sin(t * (4 + 0.3 * i) + n)));
+  values[3] = 300 + 200 * Math.sin(5 * t);
+  values[19] = values[20] = 200 + 200 * Math.sin(t);
+  values[31] = values[32] = 100 * Math.sin(t);
+  values[48] = 3000 * Math.sin(t); values[49] = 4000 * Math.sin(0.7 * t); values[50] = 1500 * Math.sin(0.9 * t);
+  return values;
+};
+const point = new Uint8Array(4);
+const wait = (gl) => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, point);
+const partOf = (mesh) => head.parts.find((one) => (one.shape ?? one).geometry === mesh.geometry).part.name;
+window.parts = () => [...new Set(head.group.children.filter((mesh) => mesh.visible).map(partOf))];
+
+let flat = false;
+function paintFlat() {
+  for (const { material } of head.group.children) {
+    material.userData.before = material.fragmentShader;
+    material.fragmentShader = 'void main() { gl_FragColor = vec4(0.5, 0.4, 0.3, 1.0); }';
+    material.needsUpdate = true;
+  }
+  return () => { for (const { material } of head.group.children) { material.fragmentShader = material.userData.before; material.needsUpdate = true; } };
+}
+function hide(test) {
+  const hidden = head.group.children.filter((mesh) => mesh.visible && test(mesh));
+  for (const mesh of hidden) mesh.visible = false;
+  return () => { for (const mesh of hidden) mesh.visible = true; };
+}
+function sized(width, height) {
+  view.resize(width, height);
+  return () => view.resize(640, 480);
+}
+/** Without four samples for each point. */
+function unsampled() {
+  const { level } = view;
+  view.setLevel({ ...level, samples: 0 });
+  return () => view.setLevel(level);
+}
+/** Textures as cheap as they can be. */
+function plainTextures() {
+  for (const texture of head.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, false, 1);
+  return () => view.setLevel(view.level);
+}
+const undo = () => {};
+const setUps = {
+  'whole': () => undo,
+  'reference': () => undo,
+  'JavaScript alone': () => undo,
+  'the same pose': () => undo,
+  'nothing drawn': () => hide(() => true),
+  'flat colour': paintFlat,
+  'a quarter of the pixels': () => sized(320, 240),
+  'hardly a pixel': () => sized(32, 24),
+  'x hair last': () => { const m = head.group.children.filter((c) => partOf(c).startsWith('hair')); const b = m.map((c) => c.renderOrder); m.forEach((c) => (c.renderOrder = 1)); return () => m.forEach((c, i) => (c.renderOrder = b[i])); },
+  'x hair front': () => { const m = head.group.children.filter((c) => partOf(c).startsWith('hair')); m.forEach((c) => (c.material.side = 0, c.material.needsUpdate = true)); return () => m.forEach((c) => (c.material.side = 2, c.material.needsUpdate = true)); },
+  'x hair noalpha': () => { const m = head.group.children.filter((c) => partOf(c).startsWith('hair')); const d = m.map((c) => c.material.defines); m.forEach((c) => { c.material.defines = { ...c.material.defines }; delete c.material.defines.HAS_ALPHA; c.material.needsUpdate = true; }); return () => m.forEach((c, i) => { c.material.defines = d[i]; c.material.needsUpdate = true; }); },
+  'x no fade': () => { const m = head.group.children.map((c) => c.material); const b = m.map((c) => c.fragmentShader); m.forEach((c) => { c.fragmentShader = c.fragmentShader.replace('gl_FragCoord.y / fade', '1.0'); c.needsUpdate = true; }); return () => m.forEach((c, i) => { c.fragmentShader = b[i]; c.needsUpdate = true; }); },
+  'x flat vertex': () => { const m = head.group.children.map((c) => c.material); const b = m.map((c) => c.vertexShader); m.forEach((c) => { c.vertexShader = c.vertexShader.replace('vertexLight = diffuseLight(n, surfaceLight);', 'vertexLight = vec3(0.5) + 0.1 * n;'); c.needsUpdate = true; }); return () => m.forEach((c, i) => { c.vertexShader = b[i]; c.needsUpdate = true; }); },
+  'x nearest': () => { for (const t of head.textures.values()) if (!t.isDataTexture) { t.magFilter = 1003; t.minFilter = 1004; t.needsUpdate = true; } return () => { for (const t of head.textures.values()) if (!t.isDataTexture) { t.magFilter = 1006; t.minFilter = 1007; t.needsUpdate = true; } }; },
+  'x nomip': () => { for (const t of head.textures.values()) if (!t.isDataTexture) { t.minFilter = 1006; t.needsUpdate = true; } return () => { for (const t of head.textures.values()) if (!t.isDataTexture) { t.minFilter = 1007; t.needsUpdate = true; } }; },
+  'one sample': unsampled,
+  'plain textures': plainTextures,
+};
+let time = 0;
+window.run = (name, frames) => {
+  const restore = name.startsWith('without ') ? hide((mesh) => partOf(mesh) === name.slice(8))
+    : name.startsWith('only ') ? hide((mesh) => partOf(mesh) !== name.slice(5)) : setUps[name]();
+  const gl = name === 'reference' ? window.reference.gl : view.renderer.getContext();
+  const step = () => {
+    time += 1 / 30;
+    if (name === 'reference') return window.reference.draw(time);
+    if (name !== 'the same pose') head.setFaps(pose(time));
+    if (name !== 'JavaScript alone') view.draw();
+  };
+  for (let i = 0; i < 3; i++) { step(); wait(gl); }
+  window.go = () => {
+    const begun = performance.now();
+    for (let i = 0; i < frames; i++) { step(); wait(gl); }
+    const taken = performance.now() - begun;
+    restore();
+    return taken / frames;
+  };
+};
+`;
+const browser = await launch();
+const page = await browser.newPage({ viewport: { width: 800, height: 600 } });
+page.on('pageerror', (error) => console.error(error));
+page.on('console', (message) => message.type() === 'error' && console.error(message.text()));
+await page.setContent('<!doctype html><body style="margin:0"><canvas width=640 height=480></canvas><canvas width=640 height=480></canvas>');
+await page.addScriptTag({ type: 'module', content: await bundle(script, options.web) });
+await page.waitForFunction(() => window.begin);
+await page.evaluate(([model, level]) => window.begin(model, level), [json, options.level]);
+const parts = await page.evaluate(() => window.parts());
+const names = ['whole', 'reference', 'JavaScript alone', 'the same pose', 'nothing drawn', 'flat colour', 'a quarter of the pixels', 'hardly a pixel', ...Object.keys(setUps_).filter((n) => n.startsWith('x ')), 'plain textures', ...(options.level.startsWith('high') ? ['one sample'] : []),
+  ...parts.map((part) => `without ${part}`), ...parts.map((part) => `only ${part}`)].filter((name) => name === 'whole' || name.includes(options.only));
+const found = new Map(names.map((name) => [name, { cpu: [], clock: [] }]));
+for (let round = 0; round < Number(options.rounds); round++)
+  for (const name of names) {
+    await page.evaluate(([what, count]) => window.run(what, count), [name, frames]);
+    const before = descendantSeconds();
+    const clock = await page.evaluate(() => window.go());
+    const one = found.get(name);
+    one.clock.push(clock);
+    one.cpu.push(((descendantSeconds() - before) * 1000) / frames);
+  }
+const whole = median(found.get('whole').cpu);
+console.log(`${options.model}, ${options.level}: made in ${(await page.evaluate(() => window.built)).toFixed(0)} ms, fewer triangles in ${(await page.evaluate(() => window.slimmed)).toFixed(0)} ms; ${await page.evaluate(() => window.head.triangles)} triangles, ` +
+  `${await page.evaluate(() => window.view.renderer.info.render.triangles)} drawn; the reference: ${await page.evaluate(() => window.reference.triangles)}`);
+console.log('| | processor, ms | of the whole | clock, ms (least) |\n|---|---|---|---|');
+for (const [name, { cpu, clock }] of found)
+  console.log(`| ${name} | ${median(cpu).toFixed(1)} | ${((100 * median(cpu)) / whole).toFixed(0)} % | ${median(clock).toFixed(1)} (${Math.min(...clock).toFixed(1)}) |`);
+await browser.close();

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: MIT
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage } from 'three';
+import { neighboursFirst, renumbered } from './lean.mjs';
+import { SoftwareDeform } from './software-deform.mjs';
+import { fibres, kindOf, outsideFirst, THIN } from './surfaces.mjs';
+
+/** The values of some vertices, one after the other. */
+function gather(values, each, kept) {
+  const out = new values.constructor(each * kept.length);
+  kept.forEach((v, i) => {
+    for (let k = 0; k < each; k++) out[each * i + k] = values[each * v + k];
+  });
+  return out;
+}
+
+const hides = ({ name }) => kindOf(name) === 'hair' && !THIN.includes(name);
+
+/** A part as it is drawn: its geometry, and what moves it where there is no graphics processor. */
+export class Shape {
+  /**
+   * @param {import('./model.mjs').Part} part @param {ReturnType<import('./influences.mjs').influencesOf>} influences
+   * @param {{normals: Float32Array, fibre?: Float32Array, reach?: Uint8Array}} look of each vertex: its normal as drawn, the
+   *   direction of hair, how much light reaches it
+   * @param {import('./influences.mjs').Drive|null} drive null: the graphics processor moves it
+   * @param {boolean} [whole] of software-deform.mjs
+   */
+  constructor(part, influences, { normals, fibre, reach }, drive, whole) {
+    Object.assign(this, { part, influences });
+    const hair = kindOf(part.name) === 'hair';
+    const soft = (this.soft = drive && new SoftwareDeform(part, influences, normals, drive, whole));
+    const geometry = (this.geometry = new BufferGeometry());
+    const set = (name, values, each, whole) => geometry.setAttribute(name, new BufferAttribute(values, each, whole));
+    set('position', soft ? soft.position : part.position, 3);
+    set('normal', soft ? soft.normal : normals, 3);
+    set('uv', part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices), 2);
+    if (soft && !hair) set('rest', part.position, 3);
+    if (hair) set('fibre', fibre ?? fibres(part), 3);
+    set('reach', reach ?? new Uint8Array(4 * part.vertices).fill(255), 4, true);
+    geometry.setIndex(new BufferAttribute(hides(part) && !drive ? outsideFirst(part, part.index) : part.index, 1));
+    if (soft?.acts) for (const name of ['position', 'normal']) geometry.attributes[name].setUsage(DynamicDrawUsage);
+  }
+
+  /** Moves it, where there is no graphics processor to do it. @param {import('./influences.mjs').Drive} drive with the FAPs set */
+  update(drive) {
+    if (!this.soft?.acts || !this.soft.update(drive)) return;
+    for (const name of ['position', 'normal']) this.geometry.attributes[name].needsUpdate = true;
+  }
+
+  /**
+   * The same with these triangles only, in the order in which they are drawn fastest.
+   * @param {Uint16Array} triangles of its vertices @param {import('./influences.mjs').Drive} drive @returns {Shape}
+   */
+  with(triangles, drive) {
+    const { part, influences, geometry } = this;
+    const ordered = neighboursFirst(triangles, part.vertices);
+    const { index, kept } = renumbered(hides(part) ? outsideFirst(part, ordered) : ordered);
+    const pick = (list) => Array.from(kept, (v) => list[v]);
+    const fewer = {
+      ...part, index, vertices: kept.length, smooth: null,
+      position: gather(part.position, 3, kept),
+      uv: part.uv && gather(part.uv, 2, kept),
+    };
+    const { rest } = this.soft;
+    return new Shape(
+      fewer,
+      { normals: gather(influences.normals, 3, kept), moves: pick(influences.moves), turns: pick(influences.turns) },
+      {
+        normals: gather(rest.normal, 3, kept),
+        fibre: geometry.attributes.fibre && gather(geometry.attributes.fibre.array, 3, kept),
+        reach: gather(geometry.attributes.reach.array, 4, kept),
+      },
+      drive,
+      this.soft.whole,
+    );
+  }
+
+  dispose() {
+    this.geometry.dispose();
+  }
+}
