@@ -2,6 +2,7 @@
 /* faccia say: a text through all stages into files. */
 #include "server/app/cli.h"
 #include "server/app/cli_file.h"
+#include "server/app/osc_play.h"
 #include "server/base/buf.h"
 #include "server/export/export.h"
 #include <errno.h>
@@ -44,6 +45,7 @@ static const char usage[] =
     "(CSV)\n"
     "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
     "      --visemes FILE   visemes with their times, and the 15 weights of each frame (lines of JSON)\n"
+    "      --osc HOST:PORT  the face, as it goes on, to a puppet of the VMC protocol\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 spoken, 1 failed, 2 wrong usage.\n";
 
@@ -61,7 +63,8 @@ struct say {
     struct cli cli;
     struct synthesis *synthesis;
     struct output outputs[OUTPUTS];
-    const char *sounds;
+    const char *sounds, *puppet; /* NULL = none */
+    struct osc_play *osc;
     bool failed, finished, spoken;
 };
 
@@ -86,6 +89,8 @@ static void on_segment(void *ctx, struct media_segment segment) {
         if (o->export.format->streams)
             flush(s, o);
     }
+    if (s->osc)
+        osc_play_add(s->osc, &segment);
     media_segment_free(&segment);
     synthesis_release(s->synthesis);
 }
@@ -114,6 +119,8 @@ static void on_finished(void *ctx, size_t spoken) {
     s->finished = true;
     s->failed |= !spoken;
     s->spoken = spoken;
+    if (s->osc)
+        osc_play_end(s->osc);
     for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
         if (!o->path)
             continue;
@@ -132,7 +139,9 @@ static int open_outputs(struct say *s) {
     bool asked = false;
     for (int i = 0; i < OUTPUTS; i++)
         asked |= s->outputs[i].path != NULL;
-    if (!asked)
+    if (s->puppet && !(s->osc = osc_play_open(&s->cli.loop, s->puppet, &source)))
+        return EXIT_USAGE;
+    if (!asked && !s->puppet)
         s->outputs[JSON].path = "-";
     for (int i = 0; i < OUTPUTS; i++) {
         struct output *o = &s->outputs[i];
@@ -185,6 +194,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"arkit", 1, NULL, OUTPUT_OPTION + ARKIT},
         {"arkit-ndjson", 1, NULL, OUTPUT_OPTION + ARKIT_NDJSON},
         {"visemes", 1, NULL, OUTPUT_OPTION + VISEMES},
+        {"osc", 1, NULL, 'P'},
         {"contacts", 1, NULL, 1},
         {"help", 0, NULL, 'h'},
         {0},
@@ -205,6 +215,9 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
             break;
         case 'A':
             s->sounds = optarg;
+            break;
+        case 'P':
+            s->puppet = optarg;
             break;
         case 'h':
             fputs(usage, stdout);
@@ -245,10 +258,11 @@ static int speak(struct say *s, const struct speech_request *request) {
     int status = open_outputs(s);
     if (!status) {
         synthesis_start(s->synthesis);
-        while (!s->finished && uv_run(&s->cli.loop, UV_RUN_ONCE))
+        while ((!s->finished || (s->osc && osc_play_busy(s->osc))) && uv_run(&s->cli.loop, UV_RUN_ONCE))
             ;
     }
     close_outputs(s);
+    osc_play_free(s->osc);
     synthesis_free(s->synthesis);
     return status ? status : s->failed ? EXIT_FAILED : EXIT_DONE;
 }

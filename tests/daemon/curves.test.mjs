@@ -2,7 +2,9 @@
 // Curves for other engines: ARKit's shapes and visemes. What the weights mean is asked of the definitions that they are made from
 // (models/shapes/arkit.json): the lips and lids that they make are those of the FAPs.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
+import { spawn, spawnSync } from 'node:child_process';
+import dgram from 'node:dgram';
+import { once } from 'node:events';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
@@ -107,6 +109,44 @@ test('over HTTP the same, by GET and by POST', async () => {
   assert.equal(lines(live.text).at(-1).type, 'end');
 });
 
+test('visemes: sounds with their times, weights that add up', async () => {
+  const { type, text } = await get(`lang=it&still=1&format=visemes&text=${encodeURIComponent('La mamma parla, e Piero fischia.')}`);
+  assert.equal(type, 'application/x-ndjson');
+  const all = lines(text);
+  const sounds = all.filter(({ type: kind }) => kind === 'viseme');
+  assert.ok(!all.some(({ type: kind }) => kind === 'phone'));
+  for (const { viseme, id, ipa, duration } of sounds) {
+    assert.ok(VISEMES.includes(viseme) && duration > 0);
+    if (ipa) assert.ok(ids[id].phones.includes(ipa), `${ipa}: ${id}`);
+    else assert.deepEqual([viseme, id], ['sil', 0]);
+  }
+  sounds.slice(1).forEach((sound, i) => assert.ok(Math.abs(sound.time - sounds[i].time - sounds[i].duration) < 2e-3, 'they touch'));
+  const of = (wanted) => sounds.filter(({ ipa }) => ipa === wanted).map(({ viseme, id }) => `${viseme} ${id}`);
+  assert.deepEqual(of('m'), ['PP 21', 'PP 21']); // the long one is one
+  assert.deepEqual(of('p'), ['PP 21', 'PP 21']);
+  assert.deepEqual(of('f'), ['FF 18']);
+  const said = frames(text);
+  for (const { visemes } of said) {
+    const weights = Object.values(visemes);
+    assert.ok(weights.length <= 2 && Object.keys(visemes).every((name) => VISEMES.includes(name)));
+    assert.ok(Math.abs(weights.reduce((sum, w) => sum + w, 0) - 1) < 1e-3);
+  }
+  // in the middle of a sound its viseme is what shows most
+  for (const { time, duration, viseme } of sounds.filter(({ ipa, duration: length }) => ipa && length > 0.05)) {
+    const frame = said[Math.round((time + duration / 2) * 25)];
+    if (frame && Math.abs(frame.time - time - duration / 2) < 0.01) assert.ok((frame.visemes[viseme] ?? 0) > 0.5, JSON.stringify([time, viseme, frame]));
+  }
+});
+
+test('a format that there is not is told, with what is near', async () => {
+  const response = await daemon.get('/v1/speech?text=a&lang=it&format=arkti');
+  assert.equal(response.status, 400);
+  const { code, message } = await response.json();
+  assert.equal(code, 'unknown-format');
+  assert.match(message, /arkit/);
+});
+
+// What follows waits for programs, and asks the daemon for nothing.
 const gapErrors = {};
 for (const lang of ['it', 'en', 'tr', 'pt-BR'])
   for (const rate of [160, 320])
@@ -157,35 +197,6 @@ test('lids that meet are a blink of 1, and eyes look where they looked', () => {
   assert.ok(met > 10 && awake > 500, `${met}, ${awake}`);
 });
 
-test('visemes: sounds with their times, weights that add up', async () => {
-  const { type, text } = await get(`lang=it&still=1&format=visemes&text=${encodeURIComponent('La mamma parla, e Piero fischia.')}`);
-  assert.equal(type, 'application/x-ndjson');
-  const all = lines(text);
-  const sounds = all.filter(({ type: kind }) => kind === 'viseme');
-  assert.ok(!all.some(({ type: kind }) => kind === 'phone'));
-  for (const { viseme, id, ipa, duration } of sounds) {
-    assert.ok(VISEMES.includes(viseme) && duration > 0);
-    if (ipa) assert.ok(ids[id].phones.includes(ipa), `${ipa}: ${id}`);
-    else assert.deepEqual([viseme, id], ['sil', 0]);
-  }
-  sounds.slice(1).forEach((sound, i) => assert.ok(Math.abs(sound.time - sounds[i].time - sounds[i].duration) < 2e-3, 'they touch'));
-  const of = (wanted) => sounds.filter(({ ipa }) => ipa === wanted).map(({ viseme, id }) => `${viseme} ${id}`);
-  assert.deepEqual(of('m'), ['PP 21', 'PP 21']); // the long one is one
-  assert.deepEqual(of('p'), ['PP 21', 'PP 21']);
-  assert.deepEqual(of('f'), ['FF 18']);
-  const said = frames(text);
-  for (const { visemes } of said) {
-    const weights = Object.values(visemes);
-    assert.ok(weights.length <= 2 && Object.keys(visemes).every((name) => VISEMES.includes(name)));
-    assert.ok(Math.abs(weights.reduce((sum, w) => sum + w, 0) - 1) < 1e-3);
-  }
-  // in the middle of a sound its viseme is what shows most
-  for (const { time, duration, viseme } of sounds.filter(({ ipa, duration: length }) => ipa && length > 0.05)) {
-    const frame = said[Math.round((time + duration / 2) * 25)];
-    if (frame && Math.abs(frame.time - time - duration / 2) < 0.01) assert.ok((frame.visemes[viseme] ?? 0) > 0.5, JSON.stringify([time, viseme, frame]));
-  }
-});
-
 test('a recording has both, too', () => {
   const mask = ['1', '0', '1', ...Array(65).fill('0')].join(' ');
   fs.writeFileSync(file('r.fap'), `2.1 r 25 2\n${mask}\n0 1 10 21 0 500\n${mask}\n1 14 14 63 0 0\n`);
@@ -196,10 +207,80 @@ test('a recording has both, too', () => {
   assert.ok(frames(arkit)[0].arkit.jawOpen > 0.3);
 });
 
-test('a format that there is not is told, with what is near', async () => {
-  const response = await daemon.get('/v1/speech?text=a&lang=it&format=arkti');
-  assert.equal(response.status, 400);
-  const { code, message } = await response.json();
-  assert.equal(code, 'unknown-format');
-  assert.match(message, /arkit/);
+/** The messages of an OSC bundle, as [address, ...values]. */
+function readBundle(bytes) {
+  const text = (at) => bytes.toString('latin1', at, bytes.indexOf(0, at));
+  const after = (at) => at + 4 * Math.floor(text(at).length / 4 + 1);
+  assert.equal(text(0), '#bundle');
+  const messages = [];
+  for (let at = 16; at < bytes.length; at += 4 + bytes.readUInt32BE(at)) {
+    assert.equal(bytes.readUInt32BE(at) % 4, 0);
+    const types = after(at + 4);
+    let place = after(types);
+    const message = [text(at + 4)];
+    for (const type of text(types).slice(1)) {
+      message.push(type === 's' ? text(place) : bytes.readFloatBE(place));
+      place = type === 's' ? after(place) : place + 4;
+    }
+    assert.equal(place, at + 4 + bytes.readUInt32BE(at), 'nothing is left over');
+    messages.push(message);
+  }
+  return messages;
+}
+
+test('a puppet gets the same weights by OSC, each when its time has come', async () => {
+  const socket = dgram.createSocket('udp4');
+  socket.bind(0, '127.0.0.1');
+  await once(socket, 'listening');
+  const packets = [];
+  socket.on('message', (bytes) => packets.push(bytes));
+  const { port } = socket.address();
+  const child = spawn(path.join(build, 'server/app/faccia'), ['say', '-l', 'it', '--still', '--osc', `127.0.0.1:${port}`, '--arkit-ndjson', file('osc'), 'La mamma parla piano, e poi se ne va.'],
+    { stdio: ['ignore', 'ignore', 'inherit'] });
+  const begun = performance.now();
+  const [status] = await once(child, 'close');
+  const taken = (performance.now() - begun) / 1000;
+  assert.equal(status, 0);
+  // what was sent before it ended is there by now, or on its way
+  const fence = dgram.createSocket('udp4');
+  fence.send('end', port, '127.0.0.1');
+  for (; String(packets.at(-1)) !== 'end'; ) await once(socket, 'message');
+  fence.close();
+  socket.close();
+  packets.pop();
+  const sent = [];
+  let frame = {};
+  for (const bytes of packets) {
+    assert.ok(bytes.length <= 1400, `${bytes.length} bytes`);
+    for (const [address, name, weight] of readBundle(bytes)) {
+      if (address === '/VMC/Ext/Blend/Apply') {
+        sent.push(frame);
+        frame = {};
+      } else {
+        assert.equal(address, '/VMC/Ext/Blend/Val');
+        frame[name] = weight;
+      }
+    }
+  }
+  assert.deepEqual(frame, {}, 'the last frame is applied');
+  const written = fs.readFileSync(file('osc'), 'utf8');
+  const wanted = frames(written).map(({ arkit }) => Object.fromEntries(Object.keys(shapes).map((name) => [name, arkit[name] ?? 0])));
+  const same = (a, b) => Object.keys(shapes).every((name) => Math.abs(a[name] - b[name]) < 1e-4);
+  // a machine that is held up leaves out frames, never their order, and not the last
+  let at = 0;
+  for (const one of sent) {
+    assert.deepEqual(Object.keys(one), Object.keys(shapes));
+    while (at < wanted.length && !same(one, wanted[at])) at++;
+    assert.ok(at < wanted.length, 'every frame is one of the speech, in its order');
+  }
+  assert.ok(same(sent.at(-1), wanted.at(-1)) && sent.length > 1);
+  assert.ok(taken > lines(written).at(-1).duration - 0.1, `${taken} s: not before its time`);
+});
+
+test('an address that is none is told', () => {
+  for (const target of ['nowhere', ':1', 'localhost:', 'no such host:1', '127.0.0.1:port']) {
+    const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['say', '-l', 'it', '--osc', target, 'a'], { encoding: 'utf8' });
+    assert.equal(status, 2, target);
+    assert.match(stderr, /--osc: no address like/);
+  }
 });
