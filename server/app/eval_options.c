@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/eval_options.h"
 #include "server/app/cli.h"
-#include <getopt.h>
+#include "server/app/cli_options.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -68,14 +68,21 @@ static int compare(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-static int read_rates(struct eval_options *o, const char *list) {
+/* What the options fill. */
+struct parse {
+    struct eval_options *o;
+    bool contacts; /* were named */
+};
+
+static int read_rates(void *ctx, const char *name, const char *list) {
+    struct eval_options *o = ((struct parse *)ctx)->o;
     size_t kept = 0;
     for (o->rate_count = 0;; list++) {
         char *end;
         double rate = strtod(list, &end);
         if (end == list || (*end && *end != ',') || !(rate >= 40 && rate <= 500) ||
             o->rate_count == EVAL_RATES) {
-            cli_complain("--rates: must be up to %d numbers from 40 to 500 with commas between them",
+            cli_complain("--%s: must be up to %d numbers from 40 to 500 with commas between them", name,
                          EVAL_RATES);
             return EXIT_USAGE;
         }
@@ -92,7 +99,8 @@ static int read_rates(struct eval_options *o, const char *list) {
     return -1;
 }
 
-static int add_engine(struct eval_options *o, const char *name) {
+static int add_engine(void *ctx, const char *option, const char *name) {
+    struct eval_options *o = ((struct parse *)ctx)->o;
     const char *const *lists[] = {face_engines(), face_engine_ablations()};
     const char *found = NULL;
     for (int i = 0; i < 2; i++)
@@ -100,23 +108,26 @@ static int add_engine(struct eval_options *o, const char *name) {
             if (!strcmp(*engine, name))
                 found = *engine;
     if (!found) {
-        cli_complain("engine: no engine '%s'", name);
+        cli_complain("%s: no engine '%s'", option, name);
         return EXIT_USAGE;
     }
     for (size_t i = 0; i < o->engine_count; i++)
         if (o->engines[i] == found)
             return -1;
     if (o->engine_count == STRETCH_ENGINES / 2) {
-        cli_complain("--engine: at most %d", STRETCH_ENGINES / 2);
+        cli_complain("--%s: at most %d", option, STRETCH_ENGINES / 2);
         return EXIT_USAGE;
     }
     o->engines[o->engine_count++] = found;
     return -1;
 }
 
-static int read_contacts(struct eval_options *o, const char *word) {
+static int read_contacts(void *ctx, const char *option, const char *word) {
+    struct parse *parse = ctx;
+    struct eval_options *o = parse->o;
     static const char *const words[] = {
         [CONTACTS_ENGINE] = "engine", [CONTACTS_ON] = "on", [CONTACTS_OFF] = "off"};
+    parse->contacts = true;
     o->both = !strcmp(word, "both");
     for (int i = 0; !o->both && i < 3; i++)
         if (!strcmp(word, words[i])) {
@@ -125,39 +136,34 @@ static int read_contacts(struct eval_options *o, const char *word) {
         }
     if (o->both)
         return -1;
-    cli_complain("--contacts: must be one of engine, on, off, both");
+    cli_complain("--%s: must be one of engine, on, off, both", option);
     return EXIT_USAGE;
 }
 
-static int read_shift(struct eval_options *o, const char *text) {
-    char *end;
-    double ms = strtod(text, &end);
-    if (end == text || *end || !(ms >= -60 && ms <= 60)) {
-        cli_complain("--shift: must be a number from -60 to 60");
+static int add_recording(void *ctx, const char *name, const char *path) {
+    struct eval_options *o = ((struct parse *)ctx)->o;
+    if (o->people == EVAL_PEOPLE) {
+        cli_complain("--%s: at most %d", name, EVAL_PEOPLE);
         return EXIT_USAGE;
     }
-    o->shift = ms / 1000;
+    o->curves[o->people++] = path;
     return -1;
 }
 
-/* A file of the person that --recording named last. */
-static int add_person_file(struct eval_options *o, int c, const char *path) {
-    if (c == 'R' && o->people == EVAL_PEOPLE) {
-        cli_complain("--recording: at most %d", EVAL_PEOPLE);
-        return EXIT_USAGE;
-    }
-    if (c == 'R')
-        o->curves[o->people++] = path;
+/* A further file of the person that --recording named last. */
+static int add_person_file(void *ctx, const char *name, const char *path) {
+    struct eval_options *o = ((struct parse *)ctx)->o;
     if (!o->people) {
         cli_complain("--recording comes before its --phones, --other and --other-phones");
         return EXIT_USAGE;
     }
-    const char **slot = c == 'P'   ? &o->phones[o->people - 1]
-                        : c == 'O' ? &o->other_curves[o->people - 1]
-                        : c == 'Q' ? &o->other_phones[o->people - 1]
-                                   : NULL;
-    if (slot)
-        *slot = path;
+    size_t last = o->people - 1;
+    if (!strcmp(name, "phones"))
+        o->phones[last] = path;
+    else if (!strcmp(name, "other"))
+        o->other_curves[last] = path;
+    else
+        o->other_phones[last] = path;
     return -1;
 }
 
@@ -194,7 +200,8 @@ void eval_options_variants(const struct eval_options *o, const char *engine, str
         list[(*count)++] = eval_variant(engine, own ? CONTACTS_OFF : CONTACTS_ON);
 }
 
-static int set_field(struct eval_options *o, const char *field, const char *word) {
+static int set_field(void *ctx, const char *field, const char *word) {
+    struct eval_options *o = ((struct parse *)ctx)->o;
     struct request_value value = {REQUEST_WORD, word, strlen(word), 0};
     struct error e;
     char message[400];
@@ -205,77 +212,34 @@ static int set_field(struct eval_options *o, const char *field, const char *word
 }
 
 int eval_options_parse(int argc, char **argv, struct eval_options *o, struct buf *text) {
-    static const struct option options[] = {
-        {"lang", 1, NULL, 'l'},
-        {"voice", 1, NULL, 'v'},
-        {"engine", 1, NULL, 'e'},
-        {"rates", 1, NULL, 'r'},
-        {"fps", 1, NULL, 'p'},
-        {"file", 1, NULL, 'f'},
-        {"json", 1, NULL, 'J'},
-        {"svg", 1, NULL, 'S'},
-        {"contacts", 1, NULL, 'C'},
-        {"ablation", 0, NULL, 'A'},
-        {"recording", 1, NULL, 'R'},
-        {"phones", 1, NULL, 'P'},
-        {"other", 1, NULL, 'O'},
-        {"shift", 1, NULL, 'T'},
-        {"other-phones", 1, NULL, 'Q'},
-        {"help", 0, NULL, 'h'},
+    const char *path = NULL;
+    double shift = 0;
+    struct parse parse = {o, false};
+    const struct cli_option options[] = {
+        {"lang", 'l', CLI_CALL, NULL, 0, 0, set_field},
+        {"voice", 'v', CLI_CALL, NULL, 0, 0, set_field},
+        {"fps", 0, CLI_CALL, NULL, 0, 0, set_field},
+        {"engine", 'e', CLI_CALL, NULL, 0, 0, add_engine},
+        {"contacts", 0, CLI_CALL, NULL, 0, 0, read_contacts},
+        {"ablation", 0, CLI_FLAG, &o->ablation, 0, 0, NULL},
+        {"rates", 'r', CLI_CALL, NULL, 0, 0, read_rates},
+        {"file", 'f', CLI_TEXT, &path, 0, 0, NULL},
+        {"recording", 0, CLI_CALL, NULL, 0, 0, add_recording},
+        {"phones", 0, CLI_CALL, NULL, 0, 0, add_person_file},
+        {"other", 0, CLI_CALL, NULL, 0, 0, add_person_file},
+        {"other-phones", 0, CLI_CALL, NULL, 0, 0, add_person_file},
+        {"shift", 0, CLI_NUMBER, &shift, -60, 60, NULL},
+        {"json", 0, CLI_TEXT, &o->json_path, 0, 0, NULL},
+        {"svg", 0, CLI_TEXT, &o->svg_path, 0, 0, NULL},
         {0},
     };
-    const char *path = NULL;
-    bool contacts = false;
-    int status = read_rates(o, "80,120,160,200,240,280,320");
-    for (int c; status < 0 && (c = getopt_long(argc, argv, "l:v:e:r:f:h", options, NULL)) != -1;) {
-        switch (c) {
-        case 'l':
-        case 'v':
-        case 'p':
-            status = set_field(o, c == 'l' ? "lang" : c == 'v' ? "voice" : "fps", optarg);
-            break;
-        case 'e':
-            status = add_engine(o, optarg);
-            break;
-        case 'r':
-            status = read_rates(o, optarg);
-            break;
-        case 'C':
-            status = read_contacts(o, optarg);
-            contacts = true;
-            break;
-        case 'T':
-            status = read_shift(o, optarg);
-            break;
-        case 'R':
-        case 'P':
-        case 'O':
-        case 'Q':
-            status = add_person_file(o, c, optarg);
-            break;
-        case 'A':
-            o->ablation = true;
-            break;
-        case 'f':
-            path = optarg;
-            break;
-        case 'J':
-            o->json_path = optarg;
-            break;
-        case 'S':
-            o->svg_path = optarg;
-            break;
-        case 'h':
-            fputs(usage, stdout);
-            return EXIT_DONE;
-        default:
-            fputs("Try 'faccia eval --help'.\n", stderr);
-            return EXIT_USAGE;
-        }
-    }
+    int status = read_rates(&parse, "rates", "80,120,160,200,240,280,320");
+    if (status < 0)
+        status = cli_options(argc, argv, usage, options, &parse);
     if (status < 0)
         status = check(o);
-    if (!contacts)
+    o->shift = shift / 1000;
+    if (!parse.contacts)
         o->both = !o->engine_count;
     if (status >= 0 || o->people)
         return status;

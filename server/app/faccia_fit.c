@@ -99,11 +99,12 @@ static int read_recordings(struct fitting *f, char **paths, int count, const str
 
 static void on_progress(void *ctx, const struct fit_step *step) {
     const struct fitting *f = ctx;
-    char what[48] = "the fit itself";
+    char what[80] = "the fit itself";
     if (!f->show_progress && (step->fold >= 0 || step->iteration % 10))
         return;
     if (step->fold >= 0)
-        snprintf(what, sizeof what, "strength %g, part %d held out", step->strength, step->fold + 1);
+        snprintf(what, sizeof what, "%s, strength %g, part %d held out", fit_level_names[step->level],
+                 step->strength, step->fold + 1);
     fprintf(stderr, "%s%s, %s, iteration %d: %.3f mm%s", f->show_progress ? "\r" : "",
             speech_params[step->param], what, step->iteration, step->error,
             f->show_progress ? "\033[K" : "\n");
@@ -129,21 +130,29 @@ static void print_errors(const struct fit *fit, const char *function) {
     for (int p = 0; p < PARAM_COUNT; p++) {
         if (!fit->fitted[p])
             continue;
-        fprintf(stderr,
-                "%s%s: unfitted %.3f mm, fitted %.3f; held out: unfitted %.3f, fitted %.3f; strength ",
+        fprintf(stderr, "%s%s: unfitted %.3f mm, fitted %.3f; held out: unfitted %.3f, fitted %.3f; ",
                 speech_params[p], function, fit->unfitted[p], fit->error[p], fit->held_out_unfitted[p],
                 fit->held_out[p]);
-        fprintf(stderr,
-                isinf(fit->strength[p]) ? "infinite: nothing foretells better than the base\n" : "%g mm\n",
-                fit->strength[p]);
+        if (fit->level[p] == FIT_SCALE)
+            fputs("kept as it was: held-out gain below one standard error", stderr);
+        else
+            fprintf(stderr, "strength %g mm, %s", fit->strength[p], fit_level_names[fit->level[p]]);
+        fprintf(stderr, "; the speaker's scale %.2f\n", fit->scale[p]);
     }
 }
 
-static void print_tests(const double before[PARAM_COUNT], const double after[PARAM_COUNT]) {
+/* Of the test recordings. */
+struct test_errors {
+    double error[PARAM_COUNT], shape[PARAM_COUNT];
+};
+
+static void print_tests(const struct test_errors *before, const struct test_errors *after) {
     for (int p = 0; p < PARAM_COUNT; p++)
-        if (!isnan(before[p]))
-            fprintf(stderr, "%s, test recordings: unfitted %.3f mm, fitted %.3f mm\n", speech_params[p],
-                    before[p], after[p]);
+        if (!isnan(before->error[p]))
+            fprintf(stderr,
+                    "%s, test recordings: unfitted %.3f mm, fitted %.3f mm; each at its own scale: "
+                    "unfitted %.3f mm, fitted %.3f mm\n",
+                    speech_params[p], before->error[p], after->error[p], before->shape[p], after->shape[p]);
 }
 
 static int write_pack(const struct fitting *f, const struct speech_pack *pack, const struct fit *fit) {
@@ -168,18 +177,19 @@ static int write_pack(const struct fitting *f, const struct speech_pack *pack, c
 /* Fits, and says how well. */
 static void fit_pack_of(struct fitting *f, struct speech_pack *pack, enum targets_function function,
                         struct fit *fit) {
-    struct fit_options options = {function,        f->choices.first, f->choices.then, f->choices.strength,
-                                  f->choices.rest, on_progress,      on_warning,      f};
-    double before[PARAM_COUNT], after[PARAM_COUNT];
+    const struct fit_choices *c = &f->choices;
+    struct fit_options options = {function,    c->first,   c->then, c->strength, c->own, c->rest,
+                                  on_progress, on_warning, f};
+    struct test_errors before, after;
     if (function == TARGETS_ORIGINAL)
         options.warn = NULL; /* said already */
-    fit_errors(pack, f->tests, f->choices.test_count, &options, before);
+    fit_errors(pack, f->tests, c->test_count, &options, before.error, before.shape);
     fit_run(pack, f->recordings, f->count, &options, fit);
-    fit_errors(pack, f->tests, f->choices.test_count, &options, after);
+    fit_errors(pack, f->tests, c->test_count, &options, after.error, after.shape);
     if (f->show_progress)
         fputs("\r\033[K", stderr);
     print_errors(fit, function == TARGETS_ORIGINAL ? ", Cohen-Massaro" : "");
-    print_tests(before, after);
+    print_tests(&before, &after);
 }
 
 static int fit_all(struct fitting *f, const char *models, char **paths, int count) {

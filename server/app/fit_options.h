@@ -12,7 +12,7 @@ struct fit_choices {
     const char *base, *tag, *name, *output; /* NULL = not said */
     int first, then;
     double strength; /* 0 = to be found */
-    bool compare, rest;
+    bool compare, rest, own;
     const char *tests[FIT_TESTS];
     size_t test_count;
 };

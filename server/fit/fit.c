@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/fit/fit.h"
 #include "server/base/mem.h"
-#include "server/fit/task.h"
+#include "server/fit/folds.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+
+const char *const fit_level_names[FIT_LEVELS] = {"scale", "all vowels, all consonants", "groups",
+                                                 "groups and phones"};
 
 static size_t find_entry(struct fit *fit, const struct speech_phone *phone, size_t context) {
     for (size_t i = 0; i < fit->entry_count; i++)
@@ -54,25 +57,6 @@ static void list_others(struct fit *fit, const struct speech_pack *pack) {
         }
 }
 
-/* So many phones are held out together where there are few recordings. */
-enum { STRETCH = 2 };
-
-/* Whole recordings where there are enough of them, else short stretches. */
-static void fill_folds(struct fit_track *t, size_t number, size_t count, bool rest_known) {
-    const struct measured_speech *r = t->recording;
-    size_t segment = 0, before = 0;
-    t->folds = mem_alloc(r->frame_count + 1);
-    for (size_t n = 0; n < r->frame_count; n++) {
-        while (segment < t->segments.count && r->times[n] >= t->segments.items[segment].end)
-            before += t->segments.items[segment++].phone != NULL;
-        bool speaks = segment < t->segments.count && t->segments.items[segment].phone &&
-                      r->times[n] >= t->segments.items[segment].start;
-        size_t stretch = before / STRETCH % TASK_FOLDS;
-        t->folds[n] = !speaks && !rest_known ? FOLD_NONE
-                                             : (uint8_t)(count >= TASK_FOLDS ? number % TASK_FOLDS : stretch);
-    }
-}
-
 /* Tracks with their segments, and the entries and folds of them. */
 static struct fit_track *open_tracks(const struct speech_pack *pack, const struct measured_speech *recordings,
                                      size_t count, const struct fit_options *options, struct fit *fit) {
@@ -81,8 +65,8 @@ static struct fit_track *open_tracks(const struct speech_pack *pack, const struc
         tracks[i].recording = &recordings[i];
         measured_speech_segments(pack, &recordings[i], options->warn, options->ctx, &tracks[i].segments);
         list_entries(fit, &tracks[i].segments, NULL);
-        fill_folds(&tracks[i], i, count, options->rest_known);
     }
+    folds_make(tracks, count, options->rest_known);
     for (size_t i = 0; i < count; i++) {
         tracks[i].uses = mem_alloc(fit->entry_count + 1);
         list_entries(fit, &tracks[i].segments, tracks[i].uses);
@@ -113,7 +97,8 @@ void fit_run(struct speech_pack *pack, const struct measured_speech *recordings,
 }
 
 void fit_errors(const struct speech_pack *pack, const struct measured_speech *recordings, size_t count,
-                const struct fit_options *options, double errors[PARAM_COUNT]) {
+                const struct fit_options *options, double errors[PARAM_COUNT],
+                double shape_errors[PARAM_COUNT]) {
     struct fit_options quiet = *options;
     struct fit fit = {0};
     quiet.warn = NULL;
@@ -124,6 +109,8 @@ void fit_errors(const struct speech_pack *pack, const struct measured_speech *re
         size_t frames;
         double sum = task_error(&task, -1, &frames);
         errors[task.param] = frames ? sqrt(sum / (double)frames) : NAN;
+        sum = task_shape_error(&task, &frames);
+        shape_errors[task.param] = frames ? sqrt(sum / (double)frames) : NAN;
     }
     close_tracks(tracks, count);
     fit_free(&fit);

@@ -34,6 +34,11 @@ static void add_entry(json_t *phones, const struct speech_pack *pack, const stru
                       const struct fit_entry *entry) {
     const struct speech_phone *phone = entry->phone;
     char *const *contexts = phone->group->vowel ? pack->vowel_contexts : pack->consonant_contexts;
+    bool changed = false;
+    for (size_t p = 0; p < PARAM_COUNT; p++)
+        changed |= fit->fitted[p] && !fit->kept[p];
+    if (!changed)
+        return;
     json_t *own = member(phones, phone->ipa);
     json_object_set_new(own, "sampa", json_string(phone->sampa));
     json_object_set_new(own, "like",
@@ -41,7 +46,7 @@ static void add_entry(json_t *phones, const struct speech_pack *pack, const stru
     json_t *targets = member(own, "targets");
     for (size_t p = 0; p < PARAM_COUNT; p++) {
         size_t at = entry->context * PARAM_COUNT + p;
-        if (!fit->fitted[p] || isinf(fit->strength[p]))
+        if (!fit->fitted[p] || fit->kept[p])
             continue;
         json_object_set_new(member(targets, speech_params[p]), contexts[entry->context],
                             coefficients(&phone->plain[at]));

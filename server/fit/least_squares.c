@@ -28,6 +28,8 @@ double least_squares_run(const struct least_squares *problem, double *x, int ite
     gsl_error_handler_t *handler = gsl_set_error_handler_off();
     gsl_multifit_nlinear_parameters how = gsl_multifit_nlinear_default_parameters();
     how.trs = gsl_multifit_nlinear_trs_subspace2D;
+    /* The pulls keep the normal equations from being singular. */
+    how.solver = gsl_multifit_nlinear_solver_cholesky;
     gsl_multifit_nlinear_workspace *w =
         gsl_multifit_nlinear_alloc(gsl_multifit_nlinear_trust, &how, problem->residuals, problem->unknowns);
     gsl_multifit_nlinear_fdf fdf = {.f = residual,

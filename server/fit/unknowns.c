@@ -72,14 +72,27 @@ static double to_value(const struct unknown *u, double x) {
     return u->scale == SCALE_EVEN ? u->min + part * (u->max - u->min) : u->min * pow(u->max / u->min, part);
 }
 
+double unknowns_limited(int p, double T) {
+    return fmin(fmax(T, anatomy[p].min), anatomy[p].max);
+}
+
+/* The way that x makes of the start within the limits, made from the value itself: it may lie on a limit, or
+ * beyond. */
+static double moved(const struct unknown *u, double own, double x) {
+    double start = to_unknown(u, own), from = to_value(u, start), to = to_value(u, start + x);
+    double value = u->scale == SCALE_EVEN ? own + to - from : own * to / from;
+    return fmin(fmax(value, fmin(own, u->min)), fmax(own, u->max));
+}
+
 struct coefficients unknowns_moved(enum targets_function function, const struct coefficients *base, int p,
                                    const double *x) {
     struct coefficients c = *base;
-    for (size_t i = 0; i < unknowns_count(function); i++) {
+    for (size_t i = 0; i < unknowns_count(function) && base->alpha > 0; i++) {
         const struct unknown *u = &unknowns(function)[i];
         double own = *(const double *)((const char *)base + u->field);
-        double value = u->scale == SCALE_TARGET ? fmin(fmax(own + x[i], anatomy[p].min), anatomy[p].max)
-                                                : to_value(u, to_unknown(u, own) + x[i]);
+        if (x[i] == 0)
+            continue;
+        double value = u->scale == SCALE_TARGET ? unknowns_limited(p, own + x[i]) : moved(u, own, x[i]);
         *(double *)((char *)&c + u->field) = value;
         *(double *)((char *)&c + u->twin) = value;
     }

@@ -15,15 +15,15 @@ enum { UNKNOWNS_LOOK_AHEAD = 11, UNKNOWNS_ORIGINAL = 6, UNKNOWNS_MOST = UNKNOWNS
  */
 enum { UNKNOWNS_TARGET = 2, UNKNOWNS_T = 1 };
 
-/* All targets of a speaker by a common factor: its logarithm is expected within this. */
-#define UNKNOWNS_GAIN_SPREAD 0.4
-
 size_t unknowns_count(enum targets_function function);
 
-/* The coefficients of parameter p that lie x away from those of the base. x = 0 gives the base itself, as far
- * as it lies within the limits. */
+/* The coefficients of parameter p that lie x away from those of the base. x = 0 gives the base itself, as
+ * does a base without dominance: the curve glides past it, by rule. */
 struct coefficients unknowns_moved(enum targets_function function, const struct coefficients *base, int p,
                                    const double *x);
+
+/* The target, mm, as near to it as anatomy allows. */
+double unknowns_limited(int p, double T);
 
 /* How far the unknown may be expected to lie from the pack's: what a move is measured in. */
 double unknowns_spread(enum targets_function function, size_t unknown);

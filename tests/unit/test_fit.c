@@ -152,10 +152,12 @@ static void finds_a_speaker(void **state) {
     struct measured_speech *seen = record(speaker, NOISE, &count), *clean = record(speaker, 0, &clean_count);
     assert_int_equal(count, WORDS * RATES);
     assert_int_equal(clean_count, WORDS * RATES);
-    struct fit_options options = {.function = TARGETS_LOOK_AHEAD, .first = 2, .then = 8, .rest_known = true};
+    struct fit_options options = {
+        .function = TARGETS_LOOK_AHEAD, .first = 1, .then = 6, .rest_known = true, .own = true};
     struct fit fit, original;
     fit_run(plain, seen, count, &options, &fit);
-    assert_true(fit.strength[PARAM_LI] <= 1.2); /* much was seen: it need not be held firmly */
+    print_message("# %s, %g mm\n", fit_level_names[fit.level[PARAM_LI]], fit.strength[PARAM_LI]);
+    assert_int_equal(fit.level[PARAM_LI], FIT_PHONES); /* much was seen */
     options.function = TARGETS_ORIGINAL;
     options.strength = fit.strength[PARAM_LI];
     options.first = 1;
@@ -189,8 +191,12 @@ static void writes_a_pack(void **state) {
     struct speech_pack *pack = load_italian(), *italian = load_italian();
     uint64_t seed = 3;
     struct measured_speech r = speak(pack, words[0], 1, NOISE, &seed);
-    struct fit_options options = {
-        .function = TARGETS_LOOK_AHEAD, .first = 1, .then = 3, .rest_known = true, .strength = 0.3};
+    struct fit_options options = {.function = TARGETS_LOOK_AHEAD,
+                                  .first = 1,
+                                  .then = 3,
+                                  .rest_known = true,
+                                  .strength = 0.3,
+                                  .own = true};
     struct fit fit;
     size_t count;
     struct measured_speech *mean = measured_speech_average_all(&r, 1, &count);
@@ -237,6 +243,137 @@ static void writes_a_pack(void **state) {
     speech_pack_free(italian);
 }
 
+/* "ˈ" before a stressed vowel, "_" a pause. */
+static const char *const sentences[] = {
+    "_ l a b ˈa r k a s ˈi v ɔ l s e v ˈɛ r s o i l m ˈa r e p j ˈa t o _",
+    "_ d u e s k ˈa t o l e r ˈo s e s ˈo p r a l a p ˈa ŋ k a _",
+    "_ f ˈi n o a s ˈɛ r a m a r tʃ ˈɛ l o d ˈɔ r m e s u l p r ˈa t o _",
+    "_ n o n v ˈɛ d o n e b ˈi a d o p o l a tʃ ˈe n a _",
+};
+enum { SENTENCES = sizeof sentences / sizeof *sentences };
+
+/* A sentence at an ordinary rate, by a speaker who moves as far as that scale says and waits with open lips.
+ * What disturbs it changes slowly, as what is wrong with a model does. */
+static struct measured_speech say(const struct speech_pack *pack, const char *sentence, double scale,
+                                  double noise, uint64_t *seed) {
+    struct measured_speech r = {.repetitions = 1};
+    struct error e;
+    double at = 0;
+    while (*sentence) {
+        struct recorded_phone phone = {.start = at};
+        size_t length = strcspn(sentence, " ");
+        const char *name = sentence;
+        sentence += length + (sentence[length] == ' ');
+        if (!strncmp(name, "ˈ", strlen("ˈ"))) {
+            phone.stress = 2;
+            name += strlen("ˈ");
+            length -= strlen("ˈ");
+        }
+        if (*name != '_')
+            snprintf(phone.ipa, sizeof phone.ipa, "%.*s", (int)length, name);
+        phone.end = at += *name == '_' ? 0.3 : (phone.stress ? 0.12 : 0.075) * between(seed, 0.8, 1.2);
+        assert_int_equal(measured_speech_add(&r, &phone, &e), 0);
+    }
+    r.frame_count = (size_t)(at * RECORDING_FPS) + 1;
+    r.times = mem_alloc(r.frame_count * sizeof *r.times);
+    for (size_t n = 0; n < r.frame_count; n++)
+        r.times[n] = (double)n / RECORDING_FPS;
+    struct phone_segments g;
+    measured_speech_segments(pack, &r, NULL, NULL, &g);
+    static const enum speech_param said[] = {PARAM_LI, PARAM_PS, PARAM_EM};
+    for (size_t i = 0; i < sizeof said / sizeof *said; i++) {
+        struct curve curve;
+        struct curve_cursor cursor = {0};
+        double off = 0;
+        targets_curve(pack, &g, TARGETS_LOOK_AHEAD, said[i], &curve);
+        r.curves[said[i]] = mem_alloc(r.frame_count * sizeof(double));
+        for (size_t n = 0; n < r.frame_count; n++) {
+            off = 0.9 * off + noise * sqrt(1 - 0.9 * 0.9) * normal(seed);
+            r.curves[said[i]][n] = 7 + scale * curve_at(&curve, r.times[n], &cursor) + off;
+        }
+        curve_free(&curve);
+    }
+    phone_segments_free(&g);
+    return r;
+}
+
+/* The gain of PARAM_LI's vowels and where PARAM_EM's consonants are: what this speaker does differently. The
+ * upper lip's protrusion is as in the pack. */
+static void change_habits(struct speech_pack *pack, double gain, double shift) {
+    for (size_t i = 0; i < pack->phone_count; i++) {
+        const struct speech_phone *phone = pack->phones[i];
+        size_t contexts =
+            phone->group ? (phone->group->vowel ? pack->vowel_context_count : pack->consonant_context_count)
+                         : 0;
+        for (size_t k = 0; k < contexts; k++) {
+            struct coefficients *at[] = {&phone->plain[k * PARAM_COUNT], &phone->stressed[k * PARAM_COUNT]};
+            for (int form = 0; form < 2; form++) {
+                if (phone->group->vowel)
+                    at[form][PARAM_LI].T *= gain;
+                else
+                    at[form][PARAM_EM].T += shift;
+                if (phone->group->vowel)
+                    at[form][PARAM_EM].t = fmax(0.1, at[form][PARAM_EM].t - 0.15);
+            }
+        }
+    }
+}
+
+/* One sentence is fitted, the others are foretold, of this speaker and of one with the same habits and a
+ * smaller mouth: what was changed is found, what was not stays, and nothing gets worse. For this speaker
+ * alone (own) they are foretold in mm, too. */
+static void learns_from_one_sentence(void **state) {
+    (void)state;
+    static const struct {
+        double gain, shift;
+        bool own;
+        uint64_t seed;
+    } habits[] = {{1, 0, false, 1}, {1.5, 1.5, false, 2}, {0.6, -1.2, true, 3}};
+    for (size_t h = 0; h < sizeof habits / sizeof *habits; h++) {
+        struct speech_pack *speaker = load_italian(), *pack = load_italian();
+        struct measured_speech heard, others[2 * SENTENCES];
+        uint64_t seed = habits[h].seed;
+        struct fit_options options = {
+            .function = TARGETS_LOOK_AHEAD, .first = 2, .then = 5, .own = habits[h].own};
+        double before[PARAM_COUNT], after[PARAM_COUNT], shape_before[PARAM_COUNT], shape_after[PARAM_COUNT];
+        struct fit fit;
+        size_t count = 0;
+        change_habits(speaker, habits[h].gain, habits[h].shift);
+        heard = say(speaker, sentences[0], 1.3, 0.4, &seed);
+        for (size_t i = 1; i < SENTENCES; i++) {
+            others[count++] = say(speaker, sentences[i], 1.3, 0, &seed);
+            if (!habits[h].own)
+                others[count++] = say(speaker, sentences[i], 0.8, 0, &seed);
+        }
+        fit_errors(pack, others, count, &options, before, shape_before);
+        fit_run(pack, &heard, 1, &options, &fit);
+        fit_errors(pack, others, count, &options, after, shape_after);
+        for (int p = 0; p < PARAM_COUNT; p++) {
+            if (!fit.fitted[p])
+                continue;
+            print_message("# gain %g, shift %g, %s: other sentences %.3f -> %.3f mm, shape %.3f -> %.3f, "
+                          "scale %.2f, %s at %g mm\n",
+                          habits[h].gain, habits[h].shift, speech_params[p], before[p], after[p],
+                          shape_before[p], shape_after[p], fit.scale[p], fit_level_names[fit.level[p]],
+                          fit.strength[p]);
+            assert_true(after[p] <= 1.02 * before[p] + 0.02);
+            assert_true(shape_after[p] <= 1.02 * shape_before[p] + 0.02);
+            assert_int_equal(fit.kept[p], fit.level[p] == FIT_SCALE && !habits[h].own);
+        }
+        assert_int_equal(fit.level[PARAM_PS], FIT_SCALE);
+        assert_true(fabs(fit.scale[PARAM_PS] / 1.3 - 1) < 0.2);
+        assert_true(shape_after[PARAM_EM] < 0.75 * shape_before[PARAM_EM]);
+        if (habits[h].own)
+            assert_true(after[PARAM_EM] < 0.6 * before[PARAM_EM]);
+        fit_free(&fit);
+        measured_speech_free(&heard);
+        for (size_t i = 0; i < count; i++)
+            measured_speech_free(&others[i]);
+        speech_pack_free(speaker);
+        speech_pack_free(pack);
+    }
+}
+
 static void names_what_is_wrong(void **state) {
     (void)state;
     struct error e;
@@ -256,6 +393,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(finds_a_speaker),
         cmocka_unit_test(writes_a_pack),
+        cmocka_unit_test(learns_from_one_sentence),
         cmocka_unit_test(names_what_is_wrong),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -2,6 +2,7 @@
 #include "server/face/packs/shape.h"
 #include "server/base/mem.h"
 #include "server/face/engines/fapmap.h"
+#include "server/face/packs/speech_pack_read.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -51,23 +52,6 @@ static void mean_targets(const struct speech_phone *phone, unsigned set, double 
         mm[p] /= (double)counted;
 }
 
-static int change(const struct json_place *at, bool is_gain, double mm[PARAM_COUNT]) {
-    if (!at->json)
-        return 0;
-    if (json_place_keys(at, speech_params))
-        return -1;
-    for (size_t p = 0; p < PARAM_COUNT; p++) {
-        struct json_place child = json_place_key(at, speech_params[p]);
-        double x;
-        if (!child.json)
-            continue;
-        if (json_place_real(&child, -20, 20, &x))
-            return -1;
-        mm[p] = is_gain ? mm[p] * x : mm[p] + x;
-    }
-    return 0;
-}
-
 static void to_faps(const struct speech_pack *pack, const struct speech_phone *phone,
                     const double mm[PARAM_COUNT], double faps[FAP_COUNT + 1]) {
     struct contact_demand demand[CONTACT_TEETH + 1] = {0};
@@ -97,21 +81,21 @@ static int read_shape(const struct json_place *at, const struct speech_pack *pac
     if (!json_object_size(at->json))
         return 0;
     struct json_place name = json_place_key(at, "phone"), beside = json_place_key(at, "beside"),
-                      stressed = json_place_key(at, "stress"), gain = json_place_key(at, "gain"),
-                      shift = json_place_key(at, "shift");
+                      stressed = json_place_key(at, "stress");
     const struct speech_phone *phone = read_phone(&name, pack);
     if (!phone)
         return -1;
     bool vowel = speech_phone_is_vowel(phone);
     unsigned set;
     double stress = 0, mm[PARAM_COUNT] = {0};
+    struct target_change changes[PARAM_COUNT];
     if (read_beside(&beside, vowel ? pack->vowel_contexts : pack->consonant_contexts,
                     vowel ? pack->vowel_context_count : pack->consonant_context_count, &set) ||
-        (stressed.json && json_place_real(&stressed, 0, 1, &stress)))
+        (stressed.json && json_place_real(&stressed, 0, 1, &stress)) || speech_read_changes(at, changes))
         return -1;
     mean_targets(phone, set, stress, mm);
-    if (change(&gain, true, mm) || change(&shift, false, mm))
-        return -1;
+    for (size_t p = 0; p < PARAM_COUNT; p++)
+        mm[p] = changes[p].gain * mm[p] + changes[p].shift;
     to_faps(pack, phone, mm, faps);
     return 0;
 }

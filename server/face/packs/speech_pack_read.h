@@ -14,6 +14,12 @@ int speech_read_coefficients(const struct json_place *at, bool with_target, stru
  */
 int speech_read_parameters(const struct json_place *at, struct coefficients out[PARAM_COUNT]);
 
+/* What "gain" and "shift" beside at's other keys make of the targets of each parameter: gain T + shift. */
+struct target_change {
+    double gain, shift;
+};
+int speech_read_changes(const struct json_place *at, struct target_change out[PARAM_COUNT]);
+
 int speech_read_groups(struct speech_pack *pack, const struct json_place *at);
 const struct speech_group *speech_find_group(const struct speech_pack *pack, const char *name);
 

@@ -32,24 +32,30 @@ int speech_read_contact(const struct json_place *at, struct contact_rule *contac
                : 0;
 }
 
-/* "gain" multiplies and "shift" moves every target of the parameters that it names. */
-static int change_targets(const struct json_place *at, struct speech_phone *phone, size_t count,
-                          bool is_gain) {
-    if (!at->json)
-        return 0;
-    if (json_place_keys(at, speech_params))
-        return -1;
-    for (size_t p = 0; p < PARAM_COUNT; p++) {
-        struct json_place child = json_place_key(at, speech_params[p]);
-        double x;
-        if (!child.json)
-            continue;
-        if (json_place_real(&child, -20, 20, &x))
+int speech_read_changes(const struct json_place *at, struct target_change out[PARAM_COUNT]) {
+    for (size_t p = 0; p < PARAM_COUNT; p++)
+        out[p] = (struct target_change){1, 0};
+    for (int is_gain = 0; is_gain < 2; is_gain++) {
+        struct json_place change = json_place_key(at, is_gain ? "gain" : "shift");
+        if (change.json && json_place_keys(&change, speech_params))
             return -1;
-        for (size_t i = p; i < count; i += PARAM_COUNT) {
-            phone->plain[i].T = is_gain ? phone->plain[i].T * x : phone->plain[i].T + x;
-            phone->stressed[i].T = is_gain ? phone->stressed[i].T * x : phone->stressed[i].T + x;
+        for (size_t p = 0; change.json && p < PARAM_COUNT; p++) {
+            struct json_place child = json_place_key(&change, speech_params[p]);
+            if (child.json && json_place_real(&child, -20, 20, is_gain ? &out[p].gain : &out[p].shift))
+                return -1;
         }
+    }
+    return 0;
+}
+
+static int change_targets(const struct json_place *at, struct speech_phone *phone, size_t count) {
+    struct target_change changes[PARAM_COUNT];
+    if (speech_read_changes(at, changes))
+        return -1;
+    for (size_t i = 0; i < count; i++) {
+        const struct target_change *change = &changes[i % PARAM_COUNT];
+        phone->plain[i].T = change->gain * phone->plain[i].T + change->shift;
+        phone->stressed[i].T = change->gain * phone->stressed[i].T + change->shift;
     }
     return 0;
 }
@@ -75,11 +81,9 @@ static int read_own_coefficients(const struct json_place *at, struct speech_phon
 int speech_read_tables(const struct speech_pack *pack, const struct json_place *at,
                        struct speech_phone *phone, size_t count, bool is_like) {
     struct json_place targets = json_place_key(at, "targets"), stressed = json_place_key(at, "stressed"),
-                      coefficients = json_place_key(at, "coefficients"), gain = json_place_key(at, "gain"),
-                      shift = json_place_key(at, "shift");
+                      coefficients = json_place_key(at, "coefficients");
     char *const *contexts = phone->group->vowel ? pack->vowel_contexts : pack->consonant_contexts;
-    if (read_own_coefficients(&coefficients, phone, count) || change_targets(&gain, phone, count, true) ||
-        change_targets(&shift, phone, count, false))
+    if (read_own_coefficients(&coefficients, phone, count) || change_targets(at, phone, count))
         return -1;
     bool seen[SPEECH_MAX_CONTEXTS * PARAM_COUNT] = {false};
     if (targets.json || !is_like) {
