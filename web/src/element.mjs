@@ -8,6 +8,7 @@ import { ModelSource } from './head/source.mjs';
 import { Demuxer } from './demuxer.mjs';
 import { Link } from './link.mjs';
 import { IdleController } from './idle-controller.mjs';
+import { Orbit } from './orbit.mjs';
 import { Player } from './audio/player.mjs';
 import { Poster } from './poster.mjs';
 import { Visibility } from './visibility.mjs';
@@ -27,7 +28,7 @@ const turns = new Turns(); // of all heads in the page
 /** `<talking-head>`: see web/README.md. Where there is no page (on a server) it can be imported, but not made. */
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
-    ...LINK_ATTRIBUTES, 'model', 'poster', 'view', 'quality', 'captions', 'still', 'life', 'expression', 'lang', 'label', 'rate', 'polite',
+    ...LINK_ATTRIBUTES, 'model', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label', 'rate', 'polite',
   ];
 
   #opened = false;
@@ -42,6 +43,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #controls;
   #poster;
   #captionView;
+  #orbit;
   #stage;
   #mixer = new FaceMixer();
   #liveliness = new IdleController((message) => this.#link.send(message));
@@ -91,11 +93,12 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     });
     this.#poster = new Poster(root.querySelector('.poster'), root.querySelector('.stage'));
     this.#captionView = new CaptionView(root.querySelector('.captions'));
+    this.#orbit = new Orbit(root.querySelector('.stage'), this.#controls.turn, { moved: () => this.#stage?.wake() });
     this.#stage = new Stage(this.#controls.canvas, {
       hear: (now) => this.#hear(now),
       frame: (now, ahead) => this.#frame(now, ahead),
       trouble: (what) => this.#pictureTrouble(what),
-      drawn: (on) => (this.#poster.drawn = on),
+      drawn: (on) => (this.#poster.drawn = this.#orbit.drawn = on),
     });
     upgradeProperties(this);
   }
@@ -129,7 +132,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     if (name === 'view') this.#stage.framing = value;
     if (name === 'quality') this.#stage.quality = value ?? 'auto';
     if (name === 'captions') this.#showCaptions();
-    if (name === 'still') this.#motionChanged();
+    if (name === 'still' || name === 'turn') this.#motionChanged();
     if (name === 'life') this.#idle();
     if (name === 'expression') this.#express();
     if (name === 'rate' && this.rate) this.#speech.setRate(this.rate);
@@ -221,6 +224,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       frameTime: this.#drawn.seconds, // what the face that was drawn last belongs to; null: to nothing that is spoken
       frameAge: now - this.#drawn.at, // milliseconds since it came on the display; negative: it is still on its way there
       fapValues: Array.from(this.#mixer.values),
+      turned: this.#orbit.turned,
     };
   }
 
@@ -232,6 +236,8 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   #motionChanged = () => {
     this.#mixer.still = this.still ?? this.#reducedMotion.matches;
+    this.#orbit.on = this.turn ?? !this.#mixer.still;
+    this.#orbit.soft = !this.#reducedMotion.matches;
     this.#idle();
     this.#stage.wake();
   };
@@ -453,9 +459,11 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     const changed = this.#mixer.update(now, heard, idle);
     this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
     const changing = this.#mixer.changing(now);
+    const turning = this.#orbit.update(now / 1000);
     const speaks = this.#speech.busy || changing;
     const held = this.#mixer.pose && !changing; // whatever is heard
-    return { values: this.#mixer.values, more: changed || (!held && (speaks || idle)), calm: !speaks };
+    const more = changed || turning || (!held && (speaks || idle));
+    return { values: this.#mixer.values, turned: this.#orbit.turned, more, calm: !speaks && !turning };
   }
 }
 
