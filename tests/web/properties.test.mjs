@@ -41,19 +41,19 @@ test('texts and numbers are mirrored; nothing takes the attribute away', () => {
 
 test('switches take what templates have for yes and no', () => {
   const head = new Head();
-  assert.deepEqual([head.captions, head.polite, head.still], [true, true, null]);
+  assert.deepEqual([head.captions, head.polite, head.still, head.turn], [true, true, null, null]);
   for (const no of [false, 'off', 'false', 'OFF']) {
-    Object.assign(head, { captions: no, polite: no, still: no });
-    assert.deepEqual([head.captions, head.polite, head.still], [false, false, false], String(no));
+    Object.assign(head, { captions: no, polite: no, still: no, turn: no });
+    assert.deepEqual([head.captions, head.polite, head.still, head.turn], [false, false, false, false], String(no));
   }
   for (const yes of [true, 'on', '', 'true']) {
-    Object.assign(head, { captions: yes, polite: yes, still: yes });
-    assert.deepEqual([head.captions, head.polite, head.still], [true, true, true], String(yes));
+    Object.assign(head, { captions: yes, polite: yes, still: yes, turn: yes });
+    assert.deepEqual([head.captions, head.polite, head.still, head.turn], [true, true, true, true], String(yes));
   }
   head.setAttribute('captions', 'false');
   assert.equal(head.captions, false);
-  Object.assign(head, { captions: undefined, polite: null, still: null });
-  assert.deepEqual([head.captions, head.polite, head.still], [true, true, null]);
+  Object.assign(head, { captions: undefined, polite: null, still: null, turn: null });
+  assert.deepEqual([head.captions, head.polite, head.still, head.turn], [true, true, null, null]);
 });
 
 test('the expression may be an object', () => {

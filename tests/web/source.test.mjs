@@ -35,6 +35,12 @@ test('a model comes by HTTP, beside the stream, and only once', async (t) => {
   assert.ok(done.progress.length && done.progress.every(({ ratio }) => ratio > 0 && ratio <= 1));
 });
 
+test('by its hash, where the server tells it: so caches keep it for good', async (t) => {
+  const { models, done } = source(t, json());
+  await models.open(stream, { models: [{ name: 'mara', hash: 'abc12' }] }, null);
+  assert.deepEqual(done.fetched, ['http://example.org/x/v1/models/mara?v=abc12']);
+});
+
 test('where HTTP is closed it comes through the stream, in parts', async (t) => {
   const { models, done } = source(t, new TypeError('no way'));
   await models.open(stream, hello, 'mara');

@@ -18,6 +18,7 @@ const made: TalkingHead = document.createElement('talking-head');
 head.rate = 180;
 head.captions = 'off';
 head.still = null;
+head.turn = false;
 const mood: Expression = { joy: 0.6 };
 head.expression = mood;
 head.express('joy 0.4, surprise 0.2', { ease: 1 });

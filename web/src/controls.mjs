@@ -3,7 +3,7 @@ import { strings } from './strings.mjs';
 
 const TOPICS = ['link', 'model', 'picture']; // what a message can be about; the first that has one is shown
 
-/** What stands around the face: a message over it and two buttons, in the language of the element. */
+/** What stands around the face: a message over it, two buttons and a slider, in the language of the element. */
 export class Controls {
   #lang = 'en';
   #said = new Map(); // topic -> {what, values}
@@ -15,6 +15,7 @@ export class Controls {
     this.message = $('.message');
     this.sound = $('.sound');
     this.captions = $('.switch');
+    this.turn = $('.turn');
     this.sound.addEventListener('click', () => ports.sound());
     this.captions.addEventListener('click', () => ports.captions());
   }
@@ -37,6 +38,7 @@ export class Controls {
     this.sound.querySelector('span').textContent = this.text('sound');
     this.captions.setAttribute('aria-label', `CC: ${this.text('captions')}`); // with what is written on it
     this.captions.title = this.text('captions');
+    this.turn.setAttribute('aria-label', this.text('turn'));
     this.#show();
   }
 

@@ -19,7 +19,7 @@ const turns = new Turns(); // of all heads in the page
 /** `<talking-head>`: see web/README.md. Where there is no page (on a server) it can be imported, but not made. */
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
-    ...LINK_ATTRIBUTES, 'model', 'poster', 'view', 'quality', 'captions', 'still', 'life', 'expression', 'lang', 'label', 'rate', 'polite',
+    ...LINK_ATTRIBUTES, 'model', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label', 'rate', 'polite',
   ];
 
   #opened = false;
@@ -93,7 +93,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     if (name === 'view') this.#presentation.stage.framing = value;
     if (name === 'quality') this.#presentation.stage.quality = value ?? 'auto';
     if (name === 'captions') this.#showCaptions();
-    if (name === 'still') this.#presentation.motionChanged();
+    if (name === 'still' || name === 'turn') this.#presentation.motionChanged();
     if (name === 'life') this.#presentation.idleChanged();
     if (name === 'expression') this.#express();
     if (name === 'rate' && this.rate) this.#speech.setRate(this.rate);

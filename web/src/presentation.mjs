@@ -2,6 +2,7 @@
 import { CaptionView } from './caption-view.mjs';
 import { FaceMixer, faceValues } from './face-mixer.mjs';
 import { IdleController } from './idle-controller.mjs';
+import { Orbit } from './orbit.mjs';
 import { Stage } from './stage.mjs';
 import { Visibility } from './visibility.mjs';
 
@@ -15,7 +16,7 @@ export class Presentation {
   #reducedMotion = matchMedia('(prefers-reduced-motion: reduce)');
 
   /**
-   * @param {HTMLElement} element whose still and life say how it moves
+   * @param {HTMLElement} element whose still, turn and life say how it moves
    * @param {ShadowRoot} root of the template
    * @param {object} parts controls, poster and speech of the element
    * @param {object} ports send(message) to the server; trouble(name): see Stage
@@ -26,11 +27,12 @@ export class Presentation {
     this.idle = new IdleController(send);
     this.visibility = new Visibility(element, () => this.#visibilityChanged());
     this.captions = new CaptionView(root.querySelector('.captions'));
+    this.orbit = new Orbit(root.querySelector('.stage'), controls.turn, { moved: () => this.stage?.wake() });
     this.stage = new Stage(controls.canvas, {
       hear: (now) => this.#hear(now),
       frame: (now, ahead) => this.#frame(now, ahead),
       trouble,
-      drawn: (on) => (poster.drawn = on),
+      drawn: (on) => (poster.drawn = this.orbit.drawn = on),
     });
   }
 
@@ -70,6 +72,8 @@ export class Presentation {
   /** What the page or the reader wishes of its motion may have changed. */
   motionChanged = () => {
     this.#mixer.still = this.element.still ?? this.#reducedMotion.matches;
+    this.orbit.on = this.element.turn ?? !this.#mixer.still;
+    this.orbit.soft = !this.#reducedMotion.matches;
     this.idleChanged();
     this.wake();
   };
@@ -110,6 +114,7 @@ export class Presentation {
       frameTime: this.#drawn.seconds, // what the face that was drawn last belongs to; null: to nothing that is spoken
       frameAge: now - this.#drawn.at, // milliseconds since it came on the display; negative: it is still on its way there
       fapValues: Array.from(this.#mixer.values),
+      turned: this.orbit.turned,
     };
   }
 
@@ -139,8 +144,10 @@ export class Presentation {
     const changed = this.#mixer.update(now, heard, idle);
     this.#drawn = { seconds: heard?.seconds ?? null, at: now + ahead };
     const changing = this.#mixer.changing(now);
+    const turning = this.orbit.update(now / 1000);
     const speaks = this.speech.busy || changing;
     const held = this.#mixer.pose && !changing; // whatever is heard
-    return { values: this.#mixer.values, more: changed || (!held && (speaks || idle)), calm: !speaks };
+    const more = changed || turning || (!held && (speaks || idle));
+    return { values: this.#mixer.values, turned: this.orbit.turned, more, calm: !speaks && !turning };
   }
 }

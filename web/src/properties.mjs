@@ -51,6 +51,7 @@ const PROPERTIES = {
   captionColours: string('caption-colours'),
   polite: onOff('polite', true),
   still: onOff('still', null),
+  turn: onOff('turn', null),
   expression: {
     get() {
       return readMix(this.getAttribute('expression') ?? '');

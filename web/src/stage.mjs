@@ -20,7 +20,7 @@ export class Stage {
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {object} ports hear(now) -> whether the page beside the canvas changes with the picture that follows;
-   *   frame(now, ahead) -> {values, more, calm}: what to show `ahead` milliseconds later, when the picture is on the
+   *   frame(now, ahead) -> {values, turned, more, calm}: what to show, from where, `ahead` milliseconds later, when the picture is on the
    *   display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | 'tooMany' | null);
    *   drawn(on): whether there is a head on the canvas
    */
@@ -194,8 +194,9 @@ export class Stage {
     }
     const begun = performance.now();
     const beside = this.ports.hear(begun);
-    const { values, more, calm } = this.ports.frame(begun, Math.min(AHEAD_MOST_MS, this.pacer.ahead(begun, beside)));
+    const { values, turned, more, calm } = this.ports.frame(begun, Math.min(AHEAD_MOST_MS, this.pacer.ahead(begun, beside)));
     this.view.head?.setFaps(values);
+    this.view.turned = turned;
     this.#paint();
     this.pacer.drawn(begun, beside);
     this.following = more;

@@ -93,6 +93,8 @@ export class TalkingHead extends HTMLElement {
   set polite(on: boolean | string | null | undefined);
   get still(): boolean | null;
   set still(on: boolean | string | null | undefined);
+  get turn(): boolean | null;
+  set turn(on: boolean | string | null | undefined);
   get expression(): { name: string; intensity: number }[];
   set expression(mix: Expression | undefined);
   readonly faps: Record<number, number>;

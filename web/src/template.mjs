@@ -12,6 +12,11 @@ export const styles = `
     max-inline-size: 90%; max-block-size: 100%; overflow: auto; box-sizing: border-box; padding: 0.75em 1em; border-radius: 0.5em;
     text-align: center; overflow-wrap: anywhere;
     background: #1c1c1eee; color: #fff; }
+  .turnable { touch-action: pan-y pinch-zoom; user-select: none; -webkit-user-select: none; cursor: grab; }
+  .turnable:active { cursor: grabbing; }
+  .turn { position: absolute; inset-inline: 20%; inset-block-end: 0.5em; inline-size: 60%; block-size: 2.75em; margin: 0; opacity: 0;
+    pointer-events: none; }
+  .turn:focus-visible { opacity: 1; outline: 3px solid #4c9dff; outline-offset: 2px; }
   .posing .message { inset-block-start: auto; inset-block-end: 0.75em; margin-block: 0; }
   button { font: inherit; cursor: pointer; border: 2px solid #fff; background: #1c1c1eee; color: #fff;
     border-radius: 2em; min-block-size: 2.75em; min-inline-size: 2.75em; padding: 0 1em; }
@@ -45,6 +50,7 @@ export function parts() {
       make('img', { class: 'poster', part: 'poster', alt: '', hidden: '' }),
       make('canvas', { part: 'canvas', role: 'img' }),
       make('p', { class: 'message', part: 'message', role: 'status', hidden: '' }),
+      make('input', { class: 'turn', part: 'turn', type: 'range' }),
       make('button', { class: 'switch', part: 'captions-button', type: 'button' }, ['CC']),
       make('button', { class: 'sound', part: 'sound-button', type: 'button', hidden: '' }, [waves, ' ', make('span')]),
     ]),

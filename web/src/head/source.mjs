@@ -36,11 +36,12 @@ export class ModelSource {
     this.#asked = false;
     this.#aborter = new AbortController();
     const { signal } = this.#aborter;
-    const size = hello.models?.find((model) => model.name === name)?.bytes;
+    const { bytes: size, hash } = hello.models?.find((model) => model.name === name) ?? {};
+    const version = hash ? `?v=${hash}` : ''; // an address whose answer never changes: caches need not ask again
     const progress = (loaded, total) => this.ports.progress({ loaded, total, ratio: total ? loaded / total : null });
     let json;
     try {
-      json = await fetchModel(`${httpBase(stream)}models/${encodeURIComponent(name)}`, size, progress, signal);
+      json = await fetchModel(`${httpBase(stream)}models/${encodeURIComponent(name)}${version}`, size, progress, signal);
     } catch {
       if (signal.aborted) return;
       this.#asked = true;

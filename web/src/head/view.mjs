@@ -11,6 +11,7 @@ const CLOSE = ['face', 'mouth']; // views that end in the skin
 /** A canvas with a head on it: camera, resolution, smoothing of edges. The background stays transparent. */
 export class View {
   #framing = null;
+  #turned = { yaw: 0, pitch: 0 };
 
   /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
   constructor(canvas) {
@@ -81,6 +82,13 @@ export class View {
     this.#frame();
   }
 
+  /** @param {{yaw: number, pitch: number}} degrees that the head is turned to the right of the picture, and down */
+  set turned({ yaw, pitch }) {
+    if (yaw === this.#turned.yaw && pitch === this.#turned.pitch) return;
+    this.#turned = { yaw, pitch };
+    this.#frame();
+  }
+
   #layOut() {
     if (!this.level) return;
     const { width, height } = this.size;
@@ -101,7 +109,9 @@ export class View {
     const { target, distance, fov } = framed(this.head.model, this.#framing, aspect);
     this.camera.fov = fov;
     this.camera.aspect = aspect;
-    this.camera.position.set(target[0], target[1], target[2] + distance);
+    const [yaw, pitch] = [-this.#turned.yaw, this.#turned.pitch].map((degrees) => (degrees * Math.PI) / 180);
+    const level = distance * Math.cos(pitch);
+    this.camera.position.set(target[0] + level * Math.sin(yaw), target[1] + distance * Math.sin(pitch), target[2] + level * Math.cos(yaw));
     this.camera.lookAt(...target);
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
