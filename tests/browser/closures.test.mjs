@@ -24,10 +24,8 @@ test('closures are closed in the picture, and vowels open', async () => {
   const { lips, teeth, open, gaps, misses } = await seen('on');
   assert.ok(lips >= 5 && open >= 8, `${lips} ${teeth} ${open}`);
   assert.deepEqual(misses, []);
-  // Shorter vowels may lie between two frames.
-  const long = gaps.filter(({ seconds }) => seconds > 0.045);
-  assert.ok(long.length >= 3, `${long.length}`);
-  assert.deepEqual(long.filter(({ mm }) => mm < 1.5), []);
+  // A vowel of 26 ms may lie between two frames.
+  assert.ok(gaps.filter(({ mm }) => mm > 2).length >= 0.7 * open, `${gaps.map(({ mm }) => mm)}`);
 });
 
 test('without the layer of contacts they are not', async () => {
