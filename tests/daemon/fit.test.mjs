@@ -66,7 +66,10 @@ test('one sentence of somebody who opens vowels more and whose jaw is lower in c
   assert.ok(Object.keys(fitted.phones).length > 20, 'what was not recorded goes with what was');
   const said = faccia(['say', '--lang', fitted.tag, 'Ana sala la sala.'], { FACCIA_MODELS: models });
   assert.equal(said.status, 0, said.stderr);
+  assert.equal(JSON.parse(said.stdout).lang, fitted.tag, 'the voice speaks Italian, the lips are that speaker\'s');
   assert.ok(JSON.parse(said.stdout).phones.length > 8);
+  for (const lang of ['it', 'it-CH'])
+    assert.equal(JSON.parse(faccia(['say', '--lang', lang, 'Ana.'], { FACCIA_MODELS: models }).stdout).lang, 'it', 'who does not ask for it does not get it');
 });
 
 test('somebody who speaks as the pack does: nothing is changed, and it is said', () => {
