@@ -37,14 +37,27 @@ struct table {
     struct error *error;
 };
 
+/* "A" as CSV quotes it, with "" for a quote in it. A quote at the start alone is X-SAMPA's mark of stress. */
+static void unquote(char **field) {
+    size_t length = strlen(*field);
+    if (length < 2 || **field != '"' || (*field)[length - 1] != '"')
+        return;
+    (*field)[length - 1] = '\0';
+    char *to = ++*field;
+    for (const char *from = to; (*to++ = *from); from++)
+        from += from[0] == '"' && from[1] == '"';
+}
+
 /* Cuts off the first field: without blanks and quotes around it. */
 static char *next_field(char **rest) {
     char *field = *rest, *end = field + strcspn(field, ",;\t\r\n");
     *rest = *end && strchr(",;\t", *end) ? end + 1 : NULL;
-    while (end > field && strchr(" \"", end[-1]))
+    while (end > field && end[-1] == ' ')
         end--;
     *end = '\0';
-    return field + strspn(field, " \"");
+    field += strspn(field, " ");
+    unquote(&field);
+    return field;
 }
 
 /* The next line that is not empty. */

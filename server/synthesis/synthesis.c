@@ -68,7 +68,7 @@ static void warn(void *ctx, const char *message) {
 
 /* The lips follow the language of the voice where there is a pack for it that the engine speaks. */
 static const struct speech_pack *pack_of(const struct synthesis *s, const struct sentence_audio *u) {
-    const struct speech_pack *own = speech_packs_find(s->pipeline->packs, u->lang);
+    const struct speech_pack *own = speech_packs_spoken(s->pipeline->packs, s->pack, u->lang);
     if (u->mixed)
         own = speech_packs_cover(s->pipeline->packs, own ? own : s->pack, u);
     return own && face_engine_speaks(synthesis_engine(s), own) ? own : s->pack;

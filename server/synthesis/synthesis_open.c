@@ -71,7 +71,7 @@ static int choose_voice(struct synthesis *s, struct error *e) {
             s->voice = other;
     }
     /* the phones are the voice's, so the lips follow its language where there is a pack for it */
-    const struct speech_pack *own = speech_packs_find(packs, s->voice->lang);
+    const struct speech_pack *own = speech_packs_spoken(packs, s->pack, s->voice->lang);
     if (own)
         s->pack = own;
     return 0;

@@ -6,6 +6,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
+import { isDeepStrictEqual } from 'node:util';
 import { build, root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
@@ -44,11 +45,11 @@ const recordWord = (word, seed) => record(word, `${word}.`, seed);
 
 const SENTENCES = ['La barca scivolò sul mare piatto e calmo.', 'Due gatti dormono sopra la sedia.', 'Non vedono che nebbia dopo la cena.', 'Sul prato fiorisce una rosa gialla.'];
 
-test('one sentence of somebody who opens vowels more and consonants less: the others are foretold better, at any scale', () => {
-  const vowels = ['a', 'e', 'ɛ', 'i', 'o', 'ɔ', 'u'];
+test('one sentence of somebody who opens vowels more and whose jaw is lower in consonants: the others are foretold better, at any scale', () => {
+  const { groups, phones } = JSON.parse(fs.readFileSync(path.join(root, 'models/speech/it.json')));
   const pack = { tag: 'it-x-true', name: 'vero', inherits: 'it', sources: ['test'], voices: ['espeak:it'], abbreviations: [], phones: {} };
-  for (const ipa of vowels) pack.phones[ipa] = { sampa: { ɛ: 'E', ɔ: 'O' }[ipa] ?? ipa, like: ipa, gain: { LI: 1.5 } };
-  for (const ipa of ['t', 'd', 's', 'k', 'ɡ', 'l', 'n', 'r', 'p', 'b', 'm', 'v']) pack.phones[ipa] = { sampa: { ɡ: 'g' }[ipa] ?? ipa, like: ipa, shift: { EM: -1.5 } };
+  for (const [ipa, { sampa, group }] of Object.entries(phones))
+    if (group) pack.phones[ipa] = { sampa, like: ipa, ...(groups[group].kind === 'vowel' ? { gain: { LI: 1.5 } } : { shift: { EM: 2 } }) };
   fs.writeFileSync(path.join(models, 'speech/it-x-true.json'), JSON.stringify(pack));
   const [first, ...others] = SENTENCES.map((text, i) => record(`s${i}`, text, i + 3, { lang: 'it-x-true', scale: i % 2 ? 0.8 : 1.25 }));
   const file = path.join(models, 'speech/it-x-fitted.json');
@@ -59,13 +60,16 @@ test('one sentence of somebody who opens vowels more and consonants less: the ot
   for (const [line, , before, after, shapeBefore, shapeAfter] of tests) {
     assert.ok(Number(after) <= 1.02 * before && Number(shapeAfter) <= 1.02 * shapeBefore, line);
   }
-  assert.ok(tests[1][5] < 0.8 * tests[1][4], `the jaw's habit was learnt: ${tests[1][0]}`);
+  assert.ok(tests[1][5] < 0.92 * tests[1][4], `the jaw's habit was learnt: ${tests[1][0]}`);
   const fitted = JSON.parse(fs.readFileSync(file));
   assert.equal(fitted.inherits, 'it');
   assert.ok(Object.keys(fitted.phones).length > 20, 'what was not recorded goes with what was');
   const said = faccia(['say', '--lang', fitted.tag, 'Ana sala la sala.'], { FACCIA_MODELS: models });
   assert.equal(said.status, 0, said.stderr);
+  assert.equal(JSON.parse(said.stdout).lang, fitted.tag, 'the voice speaks Italian, the lips are that speaker\'s');
   assert.ok(JSON.parse(said.stdout).phones.length > 8);
+  for (const lang of ['it', 'it-CH'])
+    assert.equal(JSON.parse(faccia(['say', '--lang', lang, 'Ana.'], { FACCIA_MODELS: models }).stdout).lang, 'it', 'who does not ask for it does not get it');
 });
 
 test('somebody who speaks as the pack does: nothing is changed, and it is said', () => {
@@ -111,7 +115,7 @@ test('curves and phones in every form that is read, in one command: the same pac
     return fit(at(`${stem}.csv`));
   });
   assert.ok(packs[0]['ɑ'].targets.LI && packs[0].p.targets.EM);
-  for (const [i, pack] of packs.entries()) assert.deepEqual(pack, packs[0], Object.keys(forms)[i]);
+  for (const [i, pack] of packs.entries()) assert.ok(isDeepStrictEqual(pack, packs[0]), Object.keys(forms)[i]);
 
   // an articulograph's own file through the converter: lower lip and jaw as sensors 1 and 2, 250 Hz
   const sensors = Array.from({ length: 225 }, (_, i) => {

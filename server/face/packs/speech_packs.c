@@ -44,6 +44,11 @@ void speech_packs_free(struct speech_packs *packs) {
     *packs = (struct speech_packs){0};
 }
 
+/* BCP 47: "-x-" and what follows is private use. */
+static bool is_private(const char *tag) {
+    return strstr(tag, "-x-") != NULL;
+}
+
 const struct speech_pack *speech_packs_find(const struct speech_packs *packs, const char *lang) {
     lang = lang_usual(lang);
     size_t primary = strcspn(lang, "-_");
@@ -52,12 +57,21 @@ const struct speech_pack *speech_packs_find(const struct speech_packs *packs, co
         const char *tag = speech_pack_lang(packs->packs[i]);
         if (!strcasecmp(tag, lang))
             return packs->packs[i];
-        if (!same_language && strcspn(tag, "-") == primary && !strncasecmp(tag, lang, primary))
+        if (!same_language && !is_private(tag) && strcspn(tag, "-") == primary &&
+            !strncasecmp(tag, lang, primary))
             same_language = packs->packs[i];
         if (speech_pack_is_general(packs->packs[i]))
             general = packs->packs[i];
     }
     return same_language ? same_language : general;
+}
+
+const struct speech_pack *speech_packs_spoken(const struct speech_packs *packs,
+                                              const struct speech_pack *asked, const char *lang) {
+    const char *usual = lang_usual(lang), *tag = speech_pack_lang(asked);
+    size_t primary = strcspn(usual, "-_");
+    return strcspn(tag, "-") == primary && !strncasecmp(tag, usual, primary) ? asked
+                                                                             : speech_packs_find(packs, lang);
 }
 
 bool speech_pack_is_general(const struct speech_pack *pack) {

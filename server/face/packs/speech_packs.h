@@ -20,8 +20,14 @@ void speech_packs_free(struct speech_packs *packs);
 #define SPEECH_PACK_GENERAL "und"
 
 /* The pack for a BCP 47 tag, compared without regard to case: the same tag, else the same language ("it-CH"
- * and "pt" find "it" and "pt-BR"), else the general pack, else NULL. */
+ * and "pt" find "it" and "pt-BR", but never somebody's own pack, "it-x-anna"), else the general pack, else
+ * NULL. */
 const struct speech_pack *speech_packs_find(const struct speech_packs *packs, const char *lang);
+
+/* The pack for what a voice of that language says when `asked` was asked for: asked itself where it is of that
+ * language, so that any voice of it can have somebody's own pack; else that of the voice. */
+const struct speech_pack *speech_packs_spoken(const struct speech_packs *packs,
+                                              const struct speech_pack *asked, const char *lang);
 
 /* Whether it is the one for languages that have none. */
 bool speech_pack_is_general(const struct speech_pack *pack);
