@@ -85,7 +85,7 @@ function unsampled() {
 }
 /** Textures as cheap as they can be. */
 function plainTextures() {
-  for (const texture of head.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, false, 1);
+  for (const texture of head.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, false, false, 1);
   return () => view.setLevel(view.level);
 }
 const undo = () => {};

@@ -61,6 +61,7 @@ const WORTH_INSIDE = { normal: 0.8, reach: 0, texture: 30 }; // of the mouth, wh
 /** The head model as things to draw. FAPs go in, and the graphics processor does the rest. */
 export class Head {
   #fewer = 0; // which of the shapes is drawn
+  #sampled = false; // then it is the whole one: between larger triangles single samples let through what is behind
 
   /**
    * @param {ReturnType<import('./model.mjs').readModel>} model
@@ -167,7 +168,7 @@ export class Head {
 
   #choose() {
     for (const one of this.parts) {
-      const shape = one.shapes[Math.min(this.#fewer, one.shapes.length - 1)];
+      const shape = one.shapes[this.#sampled ? 0 : Math.min(this.#fewer, one.shapes.length - 1)];
       if (shape === one.shape) continue;
       for (const mesh of this.group.children) if (mesh.geometry === one.shape.geometry) mesh.geometry = shape.geometry;
       one.shape = shape;
@@ -270,6 +271,7 @@ export class Head {
         TURNS: Math.max(1, this.model.turns.length),
         ...(look.alpha === 'blend' || look.alpha === 'cutout' ? { HAS_ALPHA: 1 } : {}),
         ...(look.double_sided ? { TWO_SIDES: 1 } : {}),
+        ...(this.software ? { STORED: 1 } : {}),
       },
     });
     if (!opaque) {
@@ -286,6 +288,8 @@ export class Head {
    * @param {boolean} sampled whether there are several samples for each pixel: then they make the edges of hair soft
    */
   setQuality(fine, anisotropy, sampled) {
+    this.#sampled = sampled;
+    this.#choose();
     for (const material of this.materials) {
       if (material.userData.soft) this.#soften(material, sampled);
       if (material.defines.FINE !== Number(fine)) material.needsUpdate = true;
@@ -294,7 +298,7 @@ export class Head {
     // Without samples hair is drawn before what it hides; with them its edges mix with what stands.
     for (const mesh of this.group.children) if (mesh.material.userData.soft) mesh.renderOrder = sampled ? 1 : -1;
     for (const mesh of this.group.children) mesh.visible = (fine && !sampled) || !mesh.userData.fineOnly;
-    for (const texture of this.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, fine, anisotropy);
+    for (const texture of this.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, fine && !this.software, fine, anisotropy);
   }
 
   /** Hair: with several samples alpha says how many of them it covers, so that one pass does. */

@@ -6,7 +6,6 @@
 const STEPS = [0.1, 0.35, 1]; // of the tolerance: what costs least goes first
 const PASSES = 4; // of each step
 const LEAST_PART = 300; // triangles: below there is nothing to win
-const THIN = 0.2 ** 2; // see thinness()
 const FLIPPED = 0.2; // cosine between the normals of a triangle before and after
 
 /**
@@ -141,15 +140,6 @@ function normalOf(places, a, b, c, out) {
   out[2] = ux * vy - uy * vx;
 }
 
-/** How high a triangle is, as a share of its longest side, squared: little for a splinter. */
-function thinness(places, a, b, c) {
-  const side = (p, q) => (places[3 * p] - places[3 * q]) ** 2 + (places[3 * p + 1] - places[3 * q + 1]) ** 2 + (places[3 * p + 2] - places[3 * q + 2]) ** 2;
-  const [ab, bc, ca] = [side(a, b), side(b, c), side(c, a)];
-  const longest = Math.max(ab, bc, ca);
-  const area = 4 * ab * bc - (ab + bc - ca) ** 2; // the square of four times it
-  return area / 4 / (longest * longest || 1);
-}
-
 /** How much it takes to make one vertex into another. */
 class Cost {
   #part = [0, 0, 0];
@@ -217,7 +207,6 @@ class Cost {
     for (const t of round[u]) {
       const [x, y, z] = this.#become(t, u, v);
       if (x === y || y === z || x === z) continue;
-      if (thinness(this.blocks[0], x, y, z) < Math.min(THIN, thinness(this.blocks[0], index[t], index[t + 1], index[t + 2]))) return true;
       for (const places of this.places) {
         normalOf(places, index[t], index[t + 1], index[t + 2], before);
         normalOf(places, x, y, z, after);

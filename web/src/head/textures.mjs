@@ -19,13 +19,15 @@ export async function loadTexture(json, transparent) {
 }
 
 /**
- * Fine: colours are linear when sampled (but where they are multiplied by alpha: then the shader has to do it), and all
- * filters are on. Else: as they are stored, and as cheap as can be.
+ * @param {Texture} texture
+ * @param {boolean} linear whether its colours are linear when sampled, but where they are multiplied by alpha; else they come
+ *   as they are stored, and the shader makes them linear: without a graphics processor once is cheaper than for each texel
+ * @param {boolean} fine whether it goes over smoothly from one size to the next @param {number} anisotropy
  */
-export function setTextureQuality(texture, fine, anisotropy) {
-  const colorSpace = fine && !texture.userData.transparent ? SRGBColorSpace : NoColorSpace;
+export function setTextureQuality(texture, linear, fine, anisotropy) {
+  const colorSpace = linear && !texture.userData.transparent ? SRGBColorSpace : NoColorSpace;
   const minFilter = fine ? LinearMipmapLinearFilter : LinearMipmapNearestFilter;
-  if (texture.version && texture.colorSpace === colorSpace && texture.anisotropy === anisotropy) return;
+  if (texture.version && texture.colorSpace === colorSpace && texture.minFilter === minFilter && texture.anisotropy === anisotropy) return;
   texture.dispose(); // its format on the graphics processor changes
   Object.assign(texture, { colorSpace, minFilter, anisotropy, needsUpdate: true });
 }

@@ -6,6 +6,7 @@ import {
 } from 'three';
 
 const FADE = 0.13; // of the picture's height, over which the shoulders vanish
+const SOFTWARE_ANISOTROPY = 2; // each more is a texture read more, and faces look at the viewer
 const CLOSE = ['face', 'mouth']; // views that end in the skin
 
 /** A canvas with a head on it: camera, resolution, smoothing of edges. The background stays transparent. */
@@ -71,7 +72,8 @@ export class View {
   /** @param {typeof import('./quality.mjs').LEVELS[0]} level */
   setLevel(level) {
     this.level = level;
-    const anisotropy = Math.min(level.anisotropy, this.renderer.capabilities.getMaxAnisotropy());
+    const most = this.software ? SOFTWARE_ANISOTROPY : this.renderer.capabilities.getMaxAnisotropy();
+    const anisotropy = Math.min(level.anisotropy, most);
     this.head?.setQuality(level.fine, anisotropy, level.samples > 0);
     this.#layOut();
   }
