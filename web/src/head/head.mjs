@@ -7,12 +7,13 @@ import {
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
+import { grainTexture } from './grain.mjs';
 import { mouthUniforms, openingOf } from './mouth-light.mjs';
 import { SoftwareDeform } from './software-deform.mjs';
 import { CLEAR, eyeNormals, fibres, kindOf, outsideFirst, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
-import { wrinklePlace, wrinklesOf } from './wrinkles.mjs';
+import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from './wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const SLICE_MS = 12; // of work at a time, while the page lives on
@@ -56,7 +57,8 @@ export class Head {
     this.group = new Group();
     this.parts = []; // {part, influences, geometry}
     this.materials = [];
-    this.folds = wrinklePlace(model.fdp, model.fapu);
+    const creases = wrinklePlace(model.fdp, model.fapu);
+    this.creased = Boolean(creases);
     this.textures = new Map();
     this.uniforms = {
       slots: { value: this.drive.slotValues },
@@ -66,7 +68,9 @@ export class Head {
       headTurn: { value: new Matrix4() },
       fade: { value: 1e-3 },
       wrinkles: { value: new Vector4() },
-      wrinklePlace: { value: new Vector4(...(this.folds ?? [])) },
+      wrinklePlace: { value: new Vector4(...(creases ?? [])) },
+      folds: { value: new Vector3() },
+      foldPlace: { value: new Vector4(...(foldPlace(model.fdp) ?? [0, 0, 0, 1])) },
       ...mouthUniforms(model),
     };
   }
@@ -81,6 +85,7 @@ export class Head {
       }),
     );
     this.white = whiteTexture();
+    this.grain = grainTexture();
   }
 
   async #build() {
@@ -130,6 +135,10 @@ export class Head {
   #eyeUniforms(part) {
     const [center, iris] = this.#eye(part);
     return { eyeCenter: { value: new Vector3(...center) }, irisRadius: { value: iris } };
+  }
+
+  #skinUniforms({ moist = [0.58, 0.72], relief = 1 }) {
+    return { moist: { value: new Vector2(...moist) }, grain: { value: this.grain }, relief: { value: relief } };
   }
 
   /** How much light reaches each vertex. */
@@ -202,7 +211,7 @@ export class Head {
         roughness: { value: look.roughness ?? 0.6 },
         specular: { value: look.specular ?? 0.3 },
         subsurface: { value: look.subsurface ?? 0 },
-        ...(kind === 'skin' ? { moist: { value: new Vector2(...(look.moist ?? [0.58, 0.72])) } } : {}),
+        ...(kind === 'skin' ? this.#skinUniforms(look) : {}),
         ...(kind === 'eye' ? this.#eyeUniforms(part) : {}),
         cutoff: { value: cutoff },
         opaque: { value: opaque },
@@ -261,7 +270,8 @@ export class Head {
     for (const { soft, geometry } of this.parts)
       if (soft?.acts && soft.update(this.drive))
         for (const name of ['position', 'normal']) geometry.attributes[name].needsUpdate = true;
-    if (this.folds) this.uniforms.wrinkles.value.set(...wrinklesOf(values));
+    if (this.creased) this.uniforms.wrinkles.value.set(...wrinklesOf(values));
+    if (this.creased) this.uniforms.folds.value.set(...foldsOf(values));
     this.uniforms.opening.value = openingOf(this.model, values);
   }
 
@@ -274,5 +284,6 @@ export class Head {
     for (const material of this.materials) material.dispose();
     for (const texture of this.textures.values()) texture.dispose();
     this.white.dispose();
+    this.grain.dispose();
   }
 }
