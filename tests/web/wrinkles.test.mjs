@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { faceValues } from '../../web/src/face-mixer.mjs';
-import { wrinklePlace, wrinklesOf } from '../../web/src/head/wrinkles.mjs';
+import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from '../../web/src/head/wrinkles.mjs';
 
 const at = (faps) => wrinklesOf(faceValues(faps));
 
@@ -24,4 +24,22 @@ test('they lie where the feature points are; without those there are none', () =
   const fdp = { '4.1': [10, 22, 30], '4.5': [52, 24, 10], '3.5': [31, 0, 13] };
   assert.deepEqual(wrinklePlace(fdp, { ES: 60, IRISD: 9 }), [22, 10, 31 + 0.27 * 60, 0]);
   assert.equal(wrinklePlace({}, { ES: 60 }), null);
+});
+
+test('joy and disgust fold the skin between nose and mouth, each side by itself; speech hardly does', () => {
+  const folds = (faps) => foldsOf(faceValues(faps));
+  assert.deepEqual(folds({}), [0, 0, 0]);
+  const joy = folds({ 12: 360, 13: 360, 6: 150, 7: 150, 41: 230, 42: 230, 8: -290, 9: -290 });
+  assert.ok(joy[0] === 1 && joy[1] === 1 && joy[2] === 0, `${joy}`);
+  const disgust = folds({ 41: 200, 42: 200, 63: 140, 8: -260, 9: -130 });
+  assert.ok(disgust[0] > 0.7 && disgust[2] === 1, `${disgust}`);
+  const crooked = folds({ 12: 360, 41: 230 });
+  assert.ok(crooked[0] > 0.8 && crooked[1] === 0, `${crooked}`);
+  const spread = folds({ 6: 120, 7: 120, 8: -150, 9: -150 }); // as /i/ is
+  assert.ok(spread[0] < 0.2, `${spread}`);
+});
+
+test('folds lie beside nose and mouth', () => {
+  assert.deepEqual(foldPlace({ '9.1': [13, -30, 27], '8.3': [23, -60, 18] }), [16.5, -24, 30, -59]);
+  assert.equal(foldPlace({}), null);
 });

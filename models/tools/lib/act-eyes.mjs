@@ -102,3 +102,26 @@ export function eyeActions(actions, ctx, tuning) {
     });
   }
 }
+
+const DOWN = { upper: 0.8, lower: -0.15 }; // shares of what closes the eye; the lower lid turns the other way
+
+/** Where the vertices of the skin are when the lids are nearly closed. @returns {Float64Array} mm */
+export function closedLids(ctx, part, tuning) {
+  const out = Float64Array.from(part.position);
+  for (const side of ['l', 'r']) {
+    const lids = lidWeights(ctx, side, tuning);
+    const [, cy, cz] = lids.centre;
+    part.refs.forEach((refs, i) => {
+      const angle = ['upper', 'lower'].reduce(
+        (sum, lid) => sum + DOWN[lid] * lids.angle[lid] * refs.reduce((all, [v, w]) => all + w * lids[lid][v], 0),
+        0,
+      );
+      if (!angle) return;
+      const [c, s] = [Math.cos(angle), Math.sin(angle)];
+      const [y, z] = [out[i * 3 + 1] - cy, out[i * 3 + 2] - cz];
+      out[i * 3 + 1] = cy + y * c - z * s;
+      out[i * 3 + 2] = cz + y * s + z * c;
+    });
+  }
+  return out;
+}

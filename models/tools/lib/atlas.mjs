@@ -77,3 +77,68 @@ function islands({ uv, index }) {
   parent.forEach((_, i) => (out.get(find(i)) ?? out.set(find(i), []).get(find(i))).push(i));
   return [...out.values()];
 }
+
+/**
+ * A new layout for a texture that is painted on the surface: all islands at one scale in millimetres, in shelves, as large as they
+ * fit. What is cut off takes no room.
+ * @param {{uv: number[], index: number[], position: ArrayLike<number>}} part its `uv` is replaced
+ */
+export function packIslands(part) {
+  const used = new Set(part.index);
+  const flat = islands(part)
+    .map((island) => island.filter((v) => used.has(v)))
+    .filter((island) => island.length)
+    .map((island) => flatten(part, island))
+    .sort((a, b) => b.height - a.height);
+  let side = Math.sqrt(flat.reduce((sum, { width, height }) => sum + width * height, 0));
+  while (!shelved(flat, side)) side *= 1.04;
+  const uv = part.uv.slice();
+  for (const { island, place, x, y } of flat)
+    island.forEach((v, i) => {
+      uv[v * 2] = (x + place[i][0]) / side;
+      uv[v * 2 + 1] = (y + place[i][1]) / side;
+    });
+  part.uv = uv;
+}
+
+const GUTTER = 4; // mm
+
+/** An island in mm, as its texture coordinates have it. */
+function flatten({ uv, index, position: p }, island) {
+  const mine = new Set(island);
+  let surface = 0,
+    picture = 0;
+  for (let t = 0; t < index.length; t += 3) {
+    if (!mine.has(index[t])) continue;
+    const [a, b, c] = [index[t], index[t + 1], index[t + 2]];
+    const d = (list, stride, from, to) => Array.from({ length: stride }, (_, k) => list[to * stride + k] - list[from * stride + k]);
+    const [e, f] = [d(p, 3, a, b), d(p, 3, a, c)];
+    surface += Math.hypot(e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]);
+    const [g, h] = [d(uv, 2, a, b), d(uv, 2, a, c)];
+    picture += Math.abs(g[0] * h[1] - g[1] * h[0]);
+  }
+  const scale = Math.sqrt(surface / (picture || 1));
+  const [left, low] = [0, 1].map((k) => Math.min(...island.map((v) => uv[v * 2 + k])));
+  const place = island.map((v) => [(uv[v * 2] - left) * scale + GUTTER, (uv[v * 2 + 1] - low) * scale + GUTTER]);
+  const [width, height] = [0, 1].map((k) => Math.max(...place.map((q) => q[k])) + GUTTER);
+  return { island, place, width, height, x: 0, y: 0 };
+}
+
+/** Puts the islands, the highest first, side by side on shelves. @returns {boolean} whether a square of that side holds them */
+function shelved(flat, side) {
+  let x = 0,
+    y = 0,
+    shelf = 0;
+  for (const one of flat) {
+    if (x && x + one.width > side) {
+      x = 0;
+      y += shelf;
+      shelf = 0;
+    }
+    if (x + one.width > side || y + one.height > side) return false;
+    Object.assign(one, { x, y });
+    x += one.width;
+    shelf = Math.max(shelf, one.height);
+  }
+  return true;
+}

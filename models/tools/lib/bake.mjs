@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Working on a surface texel by texel, and ambient occlusion. */
+import { DepthMap } from './depth.mjs';
+
+const REACH = 260; // mm: the whole head
 
 /**
  * Calls `fn(texel, a, b, c, wa, wb, wc)` for every texel that a triangle of the part covers in its texture; a
@@ -92,7 +95,11 @@ export function occlusion(part, normals, occluders, { directions, resolution, bi
       turn = d * Math.PI * (3 - Math.sqrt(5));
     const r = Math.sqrt(1 - z * z);
     const dir = [r * Math.cos(turn), z, r * Math.sin(turn)];
-    const maps = occluders.map(({ part: o, weight }) => ({ depth: depthMap(o, dir, resolution), weight }));
+    const maps = occluders.map(({ part: o, weight }) => {
+      const depth = new DepthMap(dir, { resolution, reach: REACH });
+      depth.draw(o);
+      return { depth, weight };
+    });
     for (let v = 0; v < n; v++) {
       const nx = normals[v * 3],
         ny = normals[v * 3 + 1],
@@ -102,61 +109,10 @@ export function occlusion(part, normals, occluders, { directions, resolution, bi
       const q = [0, 1, 2].map((k) => part.position[v * 3 + k] + normals[v * 3 + k] * bias);
       let light = 1;
       for (const m of maps)
-        if (m.depth.hides(q, bias * (0.5 + 0.7 / Math.max(cos, 0.3)))) light *= 1 - m.weight;
+        if (m.depth.hides(...q, bias * (0.5 + 0.7 / Math.max(cos, 0.3)))) light *= 1 - m.weight;
       seen[v] += cos * light;
       total[v] += cos;
     }
   }
   return seen.map((x, v) => (total[v] ? x / total[v] : 1));
-}
-
-function depthMap(part, dir, resolution) {
-  const up = Math.abs(dir[1]) > 0.9 ? [1, 0, 0] : [0, 1, 0];
-  const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-  const unit = (a) => a.map((x) => x / Math.hypot(...a));
-  const right = unit(cross(up, dir));
-  const top = cross(dir, right);
-  const reach = 260,
-    scale = resolution / (2 * reach);
-  const project = (q) => [
-    (q[0] * right[0] + q[1] * right[1] + q[2] * right[2] + reach) * scale,
-    (q[0] * top[0] + q[1] * top[1] + q[2] * top[2] + reach) * scale,
-    q[0] * dir[0] + q[1] * dir[1] + q[2] * dir[2],
-  ];
-  const depth = new Float32Array(resolution * resolution).fill(-Infinity);
-  const p = part.position;
-  const points = [];
-  for (let v = 0; v < p.length / 3; v++) points.push(project([p[v * 3], p[v * 3 + 1], p[v * 3 + 2]]));
-  for (let t = 0; t < part.index.length; t += 3)
-    fillDepth(depth, resolution, points[part.index[t]], points[part.index[t + 1]], points[part.index[t + 2]]);
-  return {
-    hides(q, slack) {
-      const [x, y, z] = project(q);
-      const i = Math.floor(x),
-        j = Math.floor(y);
-      return i >= 0 && j >= 0 && i < resolution && j < resolution && depth[j * resolution + i] > z + slack;
-    },
-  };
-}
-
-function fillDepth(depth, resolution, a, b, c) {
-  const area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
-  if (Math.abs(area) < 1e-9) return;
-  const x0 = Math.max(0, Math.floor(Math.min(a[0], b[0], c[0]))),
-    x1 = Math.min(resolution - 1, Math.floor(Math.max(a[0], b[0], c[0])));
-  const y0 = Math.max(0, Math.floor(Math.min(a[1], b[1], c[1]))),
-    y1 = Math.min(resolution - 1, Math.floor(Math.max(a[1], b[1], c[1])));
-  for (let y = y0; y <= y1; y++) {
-    for (let x = x0; x <= x1; x++) {
-      const px = x + 0.5,
-        py = y + 0.5;
-      const wa = ((b[0] - px) * (c[1] - py) - (b[1] - py) * (c[0] - px)) / area;
-      const wb = ((c[0] - px) * (a[1] - py) - (c[1] - py) * (a[0] - px)) / area;
-      const wc = 1 - wa - wb;
-      if (wa < 0 || wb < 0 || wc < 0) continue;
-      const z = wa * a[2] + wb * b[2] + wc * c[2];
-      const i = y * resolution + x;
-      if (z > depth[i]) depth[i] = z;
-    }
-  }
 }

@@ -11,7 +11,7 @@ import { cutCavity } from './cavity.mjs';
 import { makeTeeth } from './teeth.mjs';
 import { tongueActions } from './act-tongue.mjs';
 import { readBase } from './assets.mjs';
-import { layOut } from './atlas.mjs';
+import { layOut, packIslands } from './atlas.mjs';
 import { eyePart } from './eye.mjs';
 import { readTopology } from './hm08.mjs';
 import { measureUnits, pointOf, readLandmarks } from './landmarks.mjs';
@@ -20,7 +20,7 @@ import { mouthGrid } from './mouth-grid.mjs';
 import { closeLips, setLids } from './neutral.mjs';
 import { packHead } from './pack.mjs';
 import { applyActions, applyHeadTurns, proxyPart, skinPart } from './parts.mjs';
-import { longEdges, refine, skinDetail } from './refine.mjs';
+import { refine, rounded, skinDetail } from './refine.mjs';
 import { buildShape, targetInMm } from './shape.mjs';
 import { makeTextures } from './textures.mjs';
 
@@ -74,8 +74,11 @@ export async function buildHead(assets, given) {
   layOut(parts[0], recipe.skin.atlas);
   const [whole] = parts;
   parts.splice(0, 1, ...cutCavity(ctx, whole));
-  const hair = parts.findIndex((part) => part.name === 'hair');
-  parts[hair] = refine(parts[hair], longEdges(parts[hair], recipe.parts.hair.longestEdge));
+  parts.forEach(({ name }, i) => {
+    const { longestEdge, material } = recipe.parts[name];
+    if (longestEdge && name !== 'skin') parts[i] = rounded(parts[i], longestEdge);
+    if (recipe.textures[recipe.materials[material]?.texture]?.paint === 'cloth') packIslands(parts[i]);
+  });
   for (const part of parts) {
     if (recipe.parts[part.name].follows) applyActions(part, actions, LEAST_MOVE);
     applyHeadTurns(part, head);

@@ -44,12 +44,12 @@ export function recolour(image, stops) {
  * Carries the colour of opaque texels into the transparent ones beside them, so that filtering shows no dark
  * fringe.
  */
-export function bleed(image, passes) {
+export function bleed(image, passes, opaque = 100) {
   const { size, data } = image;
   const known = new Uint8Array(size * size);
   const sum = [0, 0, 0, 0];
   for (let i = 0; i < known.length; i++) {
-    if (data[i * 4 + 3] < 100) continue;
+    if (data[i * 4 + 3] < opaque) continue;
     known[i] = 1;
     for (let k = 0; k < 3; k++) sum[k] += data[i * 4 + k];
     sum[3]++;

@@ -4,14 +4,20 @@
  * in it, zones of colour round feature points, lips, lid margins, brows' underpainting, mottling, pores and
  * freckles, and ambient occlusion.
  */
+import { closedLids } from './act-eyes.mjs';
+import { opacities } from './asset-image.mjs';
 import { dilate, eachTexel, occlusion } from './bake.mjs';
 import { hex, mix } from './color.mjs';
 import { readImage } from './image.mjs';
+import { paintedShadow } from './lamp-shadow.mjs';
 import { normals } from './mesh.mjs';
+import { distanceTo } from './near-hair.mjs';
 import { fractal, noise } from './noise.mjs';
 import { eyeLines, lidPaint } from './paint-lids.mjs';
 import { lipPaint, lipParameter } from './paint-lips.mjs';
 import { ellipsoid, smoothstep } from './zones.mjs';
+
+const MOST_LIGHT = 1.1; // times what the client sees: where its own shadow is too wide
 
 export async function paintSkin(spec, scene) {
   const { ctx, recipe, parts } = scene;
@@ -19,12 +25,16 @@ export async function paintSkin(spec, scene) {
   const part = parts.find((x) => x.name === 'skin');
   const size = spec.size;
   const source = await readImage(ctx.assets.data(look.file), 1024);
-  const vertexNormals = normals(part.position, part.index, part.smooth);
+  // Light is asked for with the lids down: what is folded away would be painted dark, and come out when she blinks.
+  const seen = closedLids(ctx, part, recipe.faps.lids);
+  const vertexNormals = normals(seen, part.index, part.smooth);
+  const opaque = await opacities(scene);
+  const shadow = paintedShadow(parts, seen, vertexNormals, ({ name }) => opaque.get(name), recipe.materials.skin, size / 2);
   const occluders = Object.entries(look.occlusion.parts).map(([name, weight]) => ({
     part: parts.find((x) => x.name === name),
     weight,
   }));
-  const sky = occlusion(part, vertexNormals, occluders, look.occlusion);
+  const sky = occlusion({ position: seen }, vertexNormals, occluders, look.occlusion);
   // Colours of zones and lids are given for a skin of the colour `zoneTone`.
   const tone = hex(look.tone),
     reference = hex(look.zoneTone);
@@ -44,6 +54,7 @@ export async function paintSkin(spec, scene) {
   const lips = lipParameter(ctx);
   const [lipT, lipDepth, lipS] = [lips.t, lips.depth, ctx.grid.s].map(onPart);
   const lids = eyeLines(ctx);
+  const grown = hairRoots(look, parts, opaque);
   const ear = earZone(ctx.fdp, look.scalp.ears);
   const scalp = hex(look.scalp.colour);
   const lidLook = { ...look.lids, tone: alike(hex(look.lids.tone)), rim: alike(hex(look.lids.rim)) };
@@ -71,13 +82,59 @@ export async function paintSkin(spec, scene) {
       colour = lidPaint(colour, q, lids, lidLook);
       const t = attribute(lipT);
       colour = lipPaint(colour, q, t, attribute(lipDepth), attribute(lipS), look.lips);
-      return pores(colour, q, look, t);
+      return grown(pores(colour, q, look, t), q, behind, t);
     };
     const colour = hairy === 1 ? scalp : mix(bare(), scalp, hairy);
-    data.set(shade(colour, light, look.occlusion), texel * 3);
+    data.set(shade(darkened(colour, between(shadow, size / 2, texel, size), look.lampShadow), light, look.occlusion), texel * 3);
   });
   dilate(data, done, size, 12);
   return { size, data };
+}
+
+/**
+ * Short hairs where hair and beard begin, so that neither has a hard border.
+ * @returns {(colour: number[], q: number[], behind: number, lip: number) => number[]} behind: mm behind the line where the scalp
+ *   begins; lip: 1 on the outer contour of the lips
+ */
+function hairRoots({ roots, scalp }, parts, opaque) {
+  const fields = Object.entries(roots)
+    .map(([name, root]) => ({ ...root, part: parts.find((one) => one.name === name) }))
+    .filter(({ part }) => part)
+    .map((root) => ({
+      ...root,
+      colour: hex(root.colour ?? scalp.colour),
+      far: distanceTo(root.part, opaque.get(root.part.name), root.reach * 1.6),
+    }));
+  return (colour, q, behind, lip) => {
+    let out = colour;
+    for (const { far, reach, strength, colour: hair, before } of fields) {
+      const mm = far(...q);
+      if (mm > reach * 1.6) continue;
+      const stroke = noise(q[0] / 0.7, q[1] / 3.5, q[2] / 3.5) * 0.6 + noise(q[0] / 3, q[1] / 5, q[2] / 5) * 0.4;
+      const place = before === undefined ? 1 : smoothstep(before, before + 18, behind);
+      const share = strength * place * smoothstep(1.1, 1.3, lip) * smoothstep(reach, 0.2 * reach, mm + 0.45 * reach * stroke);
+      out = mix(out, hair, share);
+    }
+    return out;
+  };
+}
+
+/** A texel of a picture of half the size. */
+function between(picture, half, texel, size) {
+  const x = Math.min(half - 1.001, Math.max(0, (texel % size) / 2 - 0.25)),
+    y = Math.min(half - 1.001, Math.max(0, Math.floor(texel / size) / 2 - 0.25));
+  const i = Math.floor(x),
+    j = Math.floor(y),
+    fx = x - i,
+    fy = y - j;
+  const at = (j * half + i) * 3;
+  const row = (from, k) => picture[from + k] * (1 - fx) + picture[from + 3 + k] * fx;
+  return [0, 1, 2].map((k) => row(at, k) * (1 - fy) + row(at + half * 3, k) * fy);
+}
+
+/** Less light of the lamp, as a share of `strength`; colours are on the display's scale. */
+function darkened(c, factor, strength) {
+  return c.map((x, k) => x * (1 + strength * (Math.min(MOST_LIGHT, factor[k]) ** (1 / 2.2) - 1)));
 }
 
 /** 1 on the ears, between the top and the lobe of each. */

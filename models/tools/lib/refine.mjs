@@ -52,6 +52,18 @@ export function refine(part, split) {
   return { ...part, position: Float64Array.from(position), uv, refs, index, smooth: seams ? smooth : null };
 }
 
+const MOST_ROUNDS = 3;
+
+/** Refined until no edge is longer than that, in mm: a round thing of few faces is to look round. */
+export function rounded(part, longest) {
+  for (let round = 0; round < MOST_ROUNDS; round++) {
+    const finer = refine(part, longEdges(part, longest));
+    if (finer.index.length === part.index.length) break;
+    part = finer;
+  }
+  return part;
+}
+
 /** Edges of more than that length in mm. */
 export function longEdges({ position: p }, length) {
   return (a, b) =>

@@ -25,12 +25,13 @@ function wrapped(kind, subsurface, cosine, k) {
   return (light * light) / (0.6 + 0.4 * light);
 }
 
-function diffuse(kind, subsurface, n, reach) {
+/** Light that falls on a point, of each colour. */
+export function diffuse(kind, subsurface, n, reach) {
   const fleshy = kind === 'skin' || kind === 'mouth';
   const up = 0.5 + 0.5 * n[1];
   const [key, fill, rim] = [KEY, FILL, RIM].map(({ direction }) => dot(n, direction));
   return [0, 1, 2].map((k) => {
-    const ambient = fleshy ? reach[0] ** [0.8, 1, 1.05][k] : Math.max(reach[0], 0.12);
+    const ambient = fleshy ? reach[0] ** [0.8, 1, 1.05][k] : Math.max(reach[0], kind === 'eye' ? 0.12 : 0.3);
     const keyed = fleshy ? reach[1] ** [0.75, 1, 1.05][k] : reach[1];
     return (
       (GROUND[k] + (SKY[k] - GROUND[k]) * up) * ambient +

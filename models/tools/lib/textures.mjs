@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** The textures of a head, as WebP: painted, or the package's with new colours. */
-import path from 'node:path';
+import { readAsset } from './asset-image.mjs';
 import { occlusion } from './bake.mjs';
-import { bleed, readImage, recolour, writeImage } from './image.mjs';
+import { bleed, recolour, writeImage } from './image.mjs';
 import { normals } from './mesh.mjs';
+import { paintCloth } from './paint-cloth.mjs';
 import { eyeSky, paintEye } from './paint-eye.mjs';
 import { paintHair } from './paint-hair.mjs';
 import { paintSkin } from './paint-skin.mjs';
@@ -13,6 +14,7 @@ const PAINTERS = {
   eye: paintBothEyes,
   skin: paintSkin,
   asset: paintAsset,
+  cloth: paintCloth,
   teeth: ({ size }, { ctx }) => paintTeeth(size, ctx.figures),
 };
 
@@ -41,25 +43,10 @@ function paintBothEyes({ size }, { recipe, parts, eyeSpec }) {
   return { size, data: paintEye(size, eyeSpec, recipe.eyes.look, eyeSky(eyeSpec, sky)) };
 }
 
-async function paintAsset(spec, { ctx, parts }) {
-  const image = await readImage(assetFile(ctx, spec, parts), spec.size);
+async function paintAsset(spec, scene) {
+  const image = await readAsset(spec, scene);
   if (spec.ramp) recolour(image, spec.ramp);
   if (spec.strands) paintHair(image, spec.strands);
-  if (spec.alpha) sharpenAlpha(image, spec.alpha);
   bleed(image, spec.size / 32);
   return image;
-}
-
-/**
- * Alpha between `low` and `high` (0..1) becomes the whole range: thin strands survive the cut at one half.
- */
-function sharpenAlpha({ data }, [low, high]) {
-  for (let i = 3; i < data.length; i += 4)
-    data[i] = Math.min(255, Math.max(0, ((data[i] / 255 - low) / (high - low)) * 255));
-}
-
-function assetFile(ctx, spec, parts) {
-  if (spec.file) return ctx.assets.data(spec.file);
-  const { proxy } = parts.find((part) => part.material === spec.material);
-  return path.join(proxy.folder, proxy.texture);
 }

@@ -6,13 +6,14 @@ import {
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
+import { grainTexture } from './grain.mjs';
 import { mouthUniforms, openingOf } from './mouth-light.mjs';
 import { lean } from './lean.mjs';
 import { Shape } from './shape.mjs';
 import { CLEAR, eyeNormals, kindOf, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
-import { wrinklePlace, wrinklesOf } from './wrinkles.mjs';
+import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from './wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const SLICE_MS = 12; // of work at a time, while the page lives on
@@ -83,7 +84,8 @@ export class Head {
     this.parts = []; // {part, influences, geometry, shapes: the whole one, and with fewer triangles; shape: the one that is drawn}
     this.faps = faceValues({});
     this.materials = [];
-    this.folds = wrinklePlace(model.fdp, model.fapu);
+    const creases = wrinklePlace(model.fdp, model.fapu);
+    this.creased = Boolean(creases);
     this.textures = new Map();
     this.uniforms = {
       slots: { value: this.drive.slotValues },
@@ -93,7 +95,9 @@ export class Head {
       headTurn: { value: new Matrix4() },
       fade: { value: 1e-3 },
       wrinkles: { value: new Vector4() },
-      wrinklePlace: { value: new Vector4(...(this.folds ?? [])) },
+      wrinklePlace: { value: new Vector4(...(creases ?? [])) },
+      folds: { value: new Vector3() },
+      foldPlace: { value: new Vector4(...(foldPlace(model.fdp) ?? [0, 0, 0, 1])) },
       ...mouthUniforms(model),
     };
   }
@@ -108,6 +112,7 @@ export class Head {
       }),
     );
     this.white = whiteTexture();
+    this.grain = grainTexture();
   }
 
   async #build() {
@@ -194,6 +199,10 @@ export class Head {
     return { eyeCenter: { value: new Vector3(...center) }, irisRadius: { value: iris } };
   }
 
+  #skinUniforms({ moist = [0.58, 0.72], relief = 1 }) {
+    return { moist: { value: new Vector2(...moist) }, grain: { value: this.grain }, relief: { value: relief } };
+  }
+
   /** How much light reaches each vertex. */
   async #shade() {
     const posed = (pose) => {
@@ -258,7 +267,7 @@ export class Head {
         roughness: { value: look.roughness ?? 0.6 },
         specular: { value: look.specular ?? 0.3 },
         subsurface: { value: look.subsurface ?? 0 },
-        ...(kind === 'skin' ? { moist: { value: new Vector2(...(look.moist ?? [0.58, 0.72])) } } : {}),
+        ...(kind === 'skin' ? this.#skinUniforms(look) : {}),
         ...(kind === 'eye' ? this.#eyeUniforms(part) : {}),
         cutoff: { value: cutoff },
         opaque: { value: opaque },
@@ -319,7 +328,8 @@ export class Head {
     const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
     this.uniforms.headTurn.value.makeBasis(...axes).setPosition(origin);
     for (const { shape } of this.parts) shape.update(this.drive);
-    if (this.folds) this.uniforms.wrinkles.value.set(...wrinklesOf(values));
+    if (this.creased) this.uniforms.wrinkles.value.set(...wrinklesOf(values));
+    if (this.creased) this.uniforms.folds.value.set(...foldsOf(values));
     this.uniforms.opening.value = openingOf(this.model, values);
   }
 
@@ -332,5 +342,6 @@ export class Head {
     for (const material of this.materials) material.dispose();
     for (const texture of this.textures.values()) texture.dispose();
     this.white.dispose();
+    this.grain.dispose();
   }
 }

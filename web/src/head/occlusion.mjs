@@ -6,6 +6,7 @@ const BIAS_MM = 2.5; // surfaces do not shade themselves
 const SKY_DIRECTIONS = 40;
 const LAMP_DIRECTIONS = 9; // of each lamp, which has a size
 const LAMP_RADIUS = 0.2; // radians
+const LEAST_SKY = 0.12; // some light gets everywhere: no skin is black under hair
 
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
@@ -123,7 +124,7 @@ export function* bakeOcclusion(parts) {
     const reach = new Uint8Array((4 * position.length) / 3).fill(255);
     for (let v = 0; v < position.length / 3; v++)
       for (let l = 0; l < lights.length; l++)
-        reach[4 * v + l] = Math.round((255 * sums[i][l][v]) / (weights[i][l][v] || 1));
+        reach[4 * v + l] = Math.round(255 * Math.max(lights[l].sky ? LEAST_SKY : 0, sums[i][l][v] / (weights[i][l][v] || 1)));
     return reach;
   });
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // How the surfaces of a head look. KIND says what is drawn (skin, hair, eye, mouth, other), FINE the quality.
+import { grainGlsl } from './grain.mjs';
 import { deformGlsl } from './shader-deform.mjs';
 import { mouthLightGlsl } from './mouth-light.mjs';
 import { wrinkleGlsl } from './wrinkles.mjs';
@@ -67,7 +68,11 @@ vec3 diffuseLight(vec3 n, vec4 reach) {
   vec3 keyReach = vec3(mix(reach.y, sqrt(reach.y), 0.5), reach.y, reach.y);
 #endif
 #else
-  vec3 ambientReach = vec3(max(reach.x, 0.12)); // hair lets some through
+#if KIND == 3
+  vec3 ambientReach = vec3(max(reach.x, 0.12));
+#else
+  vec3 ambientReach = vec3(max(reach.x, 0.3)); // hair and cloth let light through: they are not black inside
+#endif
   vec3 keyReach = vec3(reach.y);
 #endif
 #if KIND == 4
@@ -135,6 +140,9 @@ void main() {
 
 export const fragmentGlsl = /* glsl */ `
 ${commonGlsl}
+#if FINE && KIND == 1
+${grainGlsl}
+#endif
 uniform sampler2D map;
 uniform float roughness;
 uniform float specular;
@@ -201,6 +209,13 @@ vec4 albedo() {
   return vec4(texel.rgb * tint, texel.a);
 }
 
+#if KIND == 1
+/** Lips: the red of the picture says where they are. */
+float lipsOf(vec4 base) {
+  return smoothstep(moist.x, moist.y, (base.r - base.g) / (base.r + 1e-3));
+}
+#endif
+
 #if FINE && KIND != 3
 vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   vec3 color;
@@ -217,9 +232,7 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
 #else
   float f0 = 0.028, rim = fresnel(max(dot(n, v), 0.0)), rough = roughness;
 #if KIND == 1
-  // Lips are moist; the red of the picture says where they are.
-  float lips = smoothstep(moist.x, moist.y, (base.r - base.g) / (base.r + 1e-3));
-  rough = mix(rough, 0.34, lips);
+  rough = mix(rough, 0.34, lipsOf(base)); // lips are moist
 #endif
   float shine = 0.75 * highlight(n, v, KEY_DIRECTION, rough) + 0.25 * highlight(n, v, KEY_DIRECTION, rough * 0.75);
   color = KEY_COLOR * shine * (f0 + rim * 0.4) * reach.y;
@@ -277,8 +290,9 @@ void main() {
 #endif
 #if FINE && KIND == 1
   float deep = wrinkle(n);
+  float pores = grained(n, restPlace, 1.0 - 0.7 * lipsOf(base));
   n = normalize(n);
-  base.rgb *= 1.0 - vec3(0.26, 0.36, 0.38) * min(1.0, deep);
+  base.rgb *= (1.0 - vec3(0.26, 0.36, 0.38) * min(1.0, deep)) * (1.0 - vec3(0.1, 0.16, 0.18) * pores);
 #endif
   vec3 v = normalize(cameraPosition - surfacePosition);
   vec4 reach = surfaceLight;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Creases that come and go with the face: over the brows, between them, beside the eyes. They are drawn by the shader where the
-// feature points say, on any head, so that no picture of them has to be loaded.
+// Creases that come and go with the face: over the brows, between them, beside the eyes, on the nose, from there to the mouth.
+// They are drawn by the shader where the feature points say, on any head, so that no picture of them has to be loaded.
 
 const share = (value, whole) => Math.min(1, Math.max(0, value / whole));
 const mean = (values, numbers) => numbers.reduce((sum, n) => sum + values[n], 0) / numbers.length;
@@ -9,6 +9,9 @@ const mean = (values, numbers) => numbers.reduce((sum, n) => sum + values[n], 0)
 const RAISED = 260; // brows, FAPs 31 to 36
 const SQUEEZED = 150; // brows, FAPs 37 and 38
 const LIFTED = 260; // cheeks, FAPs 41 and 42
+const DRAWN = 240; // cheeks and lips together, see foldsOf
+const STILL = 50; // of that: what speech does to the lips folds nothing
+const WRINKLED = 130; // nose, FAP 63
 
 /**
  * How deep the creases are, 0..1.
@@ -20,6 +23,30 @@ export function wrinklesOf(values) {
   const forehead = share(raised, RAISED);
   const frown = share(mean(values, [37, 38]) - 0.4 * Math.min(0, mean(values, [31, 32])), SQUEEZED);
   return [forehead, frown, share(values[41] + 0.3 * values[21], LIFTED), share(values[42] + 0.3 * values[22], LIFTED)];
+}
+
+/**
+ * How deep the folds of cheeks and nose are, 0..1: what draws the corners of the mouth up and out, or the upper lip towards the
+ * nose, makes them.
+ * @param {ArrayLike<number>} values by FAP number
+ * @returns {number[]} from nose to mouth on the left, on the right, across the nose
+ */
+export function foldsOf(values) {
+  const over = (fap) => Math.max(0, values[fap]);
+  const up = over(63);
+  const side = (cheek, corner, stretch, lip) =>
+    share(0.6 * values[cheek] + 0.5 * over(corner) + 0.3 * over(stretch) + 0.3 * Math.max(0, -values[lip]) + 0.4 * up - STILL, DRAWN);
+  return [side(41, 12, 6, 8), side(42, 13, 7, 9), share(up, WRINKLED)];
+}
+
+/**
+ * Where those lie.
+ * @param {Record<string, number[]>} fdp
+ * @returns {number[]|null} x and y of the upper and the lower end, on the left; null: nothing is known of the head
+ */
+export function foldPlace(fdp) {
+  const [wing, corner] = [fdp['9.1'], fdp['8.3']];
+  return wing && corner ? [Math.abs(wing[0]) + 3.5, wing[1] + 6, Math.abs(corner[0]) + 7, corner[1] + 1] : null;
 }
 
 /**
@@ -37,6 +64,8 @@ export function wrinklePlace(fdp, fapu) {
 export const wrinkleGlsl = /* glsl */ `
 uniform vec4 wrinkles;      // how deep: wrinklesOf
 uniform vec4 wrinklePlace;  // where: wrinklePlace
+uniform vec3 folds;         // how deep: foldsOf
+uniform vec4 foldPlace;     // where: foldPlace
 WITHIN varying vec3 restPlace; // see shader-surface.mjs
 
 /** A crease each unit of x, and where it slopes: depth, slope. */
@@ -67,6 +96,19 @@ float wrinkle(inout vec3 n) {
   at = (q.x > 0.0 ? wrinkles.z : wrinkles.w) * smoothstep(2.0, 5.0, far) * (1.0 - smoothstep(10.0, 18.0, far)) * (1.0 - smoothstep(0.5, 0.85, abs(turn)));
   fold = crease(turn / 0.38 + 0.12 * sin(far * 0.6)) * at;
   n.y += 0.14 * fold.y / max(far * 0.38, 2.0);
-  return deep + fold.x;
+  deep += fold.x;
+  // From the nose to the mouth: a line under a cheek that stands out beside it.
+  float down = (foldPlace.y - q.y) / (foldPlace.y - foldPlace.w);
+  float beside = side - mix(foldPlace.x, foldPlace.z, down) - 9.0 * down * (1.0 - down);
+  at = (q.x > 0.0 ? folds.x : folds.y) * front * smoothstep(-0.05, 0.25, down) * (1.0 - smoothstep(0.75, 1.15, down));
+  float valley = exp(-beside * beside / 2.6), cheek = exp(-(beside - 4.5) * (beside - 4.5) / 22.0);
+  n.x += sign(q.x) * at * (0.09 * (beside - 4.5) * cheek - 0.42 * beside * valley);
+  deep += at * 0.8 * valley;
+  // Across the nose, beside its bridge.
+  at = folds.z * front * smoothstep(3.0, 6.0, side) * (1.0 - smoothstep(11.0, 16.0, side)) * smoothstep(foldPlace.y - 2.0, foldPlace.y + 6.0, q.y)
+    * (1.0 - smoothstep(-6.0, 0.0, q.y));
+  fold = crease((q.y - 0.7 * side) / 5.5) * at;
+  n.y += 0.22 * fold.y / 5.5;
+  return deep + 0.7 * fold.x;
 }
 `;

@@ -1,0 +1,84 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** What is nearest, seen from a direction: heights along it, as a picture. */
+
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const unit = (a) => a.map((x) => x / Math.hypot(...a));
+
+export class DepthMap {
+  /** @param {number[]} dir unit vector @param {{resolution: number, reach: number, centre?: number[]}} size reach: mm from the middle to the border */
+  constructor(dir, { resolution, reach, centre = [0, 0, 0] }) {
+    this.dir = dir;
+    this.right = unit(cross(Math.abs(dir[1]) > 0.9 ? [1, 0, 0] : [0, 1, 0], dir));
+    this.top = cross(dir, this.right);
+    this.resolution = resolution;
+    this.reach = reach;
+    this.centre = centre;
+    this.scale = resolution / (2 * reach);
+    this.depth = new Float32Array(resolution * resolution).fill(-Infinity);
+  }
+
+  #along(axis, x, y, z) {
+    const c = this.centre;
+    return (x - c[0]) * axis[0] + (y - c[1]) * axis[1] + (z - c[2]) * axis[2];
+  }
+
+  /** @param {object} part @param {(u: number, v: number) => boolean} [opaque] what of its texture is there */
+  draw({ position: p, index, uv }, opaque) {
+    const n = p.length / 3;
+    const [x, y, z] = [this.right, this.top, this.dir].map((axis, k) =>
+      Float64Array.from({ length: n }, (_, v) => {
+        const far = this.#along(axis, p[v * 3], p[v * 3 + 1], p[v * 3 + 2]);
+        return k === 2 ? far : (far + this.reach) * this.scale;
+      }),
+    );
+    for (let t = 0; t < index.length; t += 3) this.#fill(x, y, z, [index[t], index[t + 1], index[t + 2]], uv, opaque);
+  }
+
+  #fill(x, y, z, [a, b, c], uv, opaque) {
+    const { resolution, depth } = this;
+    const area = (x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a]);
+    if (Math.abs(area) < 1e-9) return;
+    const x0 = Math.max(0, Math.floor(Math.min(x[a], x[b], x[c]))),
+      x1 = Math.min(resolution - 1, Math.floor(Math.max(x[a], x[b], x[c])));
+    const y0 = Math.max(0, Math.floor(Math.min(y[a], y[b], y[c]))),
+      y1 = Math.min(resolution - 1, Math.floor(Math.max(y[a], y[b], y[c])));
+    for (let j = y0; j <= y1; j++)
+      for (let i = x0; i <= x1; i++) {
+        const px = i + 0.5,
+          py = j + 0.5;
+        const wa = ((x[b] - px) * (y[c] - py) - (y[b] - py) * (x[c] - px)) / area;
+        const wb = ((x[c] - px) * (y[a] - py) - (y[c] - py) * (x[a] - px)) / area;
+        const wc = 1 - wa - wb;
+        if (wa < 0 || wb < 0 || wc < 0) continue;
+        const far = wa * z[a] + wb * z[b] + wc * z[c];
+        if (far <= depth[j * resolution + i]) continue;
+        if (opaque && !opaque(wa * uv[a * 2] + wb * uv[b * 2] + wc * uv[c * 2], wa * uv[a * 2 + 1] + wb * uv[b * 2 + 1] + wc * uv[c * 2 + 1])) continue;
+        depth[j * resolution + i] = far;
+      }
+  }
+
+  /** Whether something stands before that place, nearer by more than `slack` mm. */
+  hides(x, y, z, slack) {
+    const i = Math.floor((this.#along(this.right, x, y, z) + this.reach) * this.scale),
+      j = Math.floor((this.#along(this.top, x, y, z) + this.reach) * this.scale);
+    const { resolution: n } = this;
+    return i >= 0 && j >= 0 && i < n && j < n && this.depth[j * n + i] > this.#along(this.dir, x, y, z) + slack;
+  }
+
+  /** The share of the light from there that reaches a place: 0..1, by the four points round it. */
+  reaches(x, y, z, slack) {
+    const u = (this.#along(this.right, x, y, z) + this.reach) * this.scale - 0.5,
+      v = (this.#along(this.top, x, y, z) + this.reach) * this.scale - 0.5;
+    const i = Math.floor(u),
+      j = Math.floor(v);
+    const { resolution: n, depth } = this;
+    if (i < 0 || j < 0 || i >= n - 1 || j >= n - 1) return 1;
+    const limit = this.#along(this.dir, x, y, z) + slack;
+    const fx = u - i,
+      fy = v - j,
+      at = j * n + i;
+    const low = (depth[at] > limit ? 0 : 1 - fx) + (depth[at + 1] > limit ? 0 : fx);
+    const high = (depth[at + n] > limit ? 0 : 1 - fx) + (depth[at + n + 1] > limit ? 0 : fx);
+    return low * (1 - fy) + high * fy;
+  }
+}

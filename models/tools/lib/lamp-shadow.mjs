@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * The shadows that nose, lips, chin, brows, hair, collar and glasses throw on the skin at rest. Clients know how much light reaches
+ * each vertex, which is too coarse for them; here they are found for every texel, and painted as far as the client will not see them.
+ */
+import { bakeOcclusion } from '../../../web/src/head/occlusion.mjs';
+import { KEY } from '../../../web/src/head/lights.mjs';
+import { CLEAR } from '../../../web/src/head/surfaces.mjs';
+import { dilate, eachTexel } from './bake.mjs';
+import { DepthMap } from './depth.mjs';
+import { normals } from './mesh.mjs';
+import { diffuse } from './shading.mjs';
+
+const PLACE = { resolution: 1024, reach: 175, centre: [0, -35, 30] }; // head and neck
+const RAYS = 14;
+const LAMP_RADIUS = 0.1; // radians; the client's lamp is wider, so its shadows are softer still
+const LIFT = 0.8; // mm along the normal,
+const SLACK = 0.5; // and along the ray: surfaces do not shade themselves
+const SOFT = [0.75, 1, 1.05]; // red goes on into the shadow, as in the client's diffuseLight
+const LEAST = 0.05; // of light: what is dark anyway stays as it is painted
+const INSIDE = /^(eye|teeth|tongue|mouth|lashes|brows)/;
+
+/** Directions to the lamp, spread over its disc. */
+function rays() {
+  const [x, y, z] = KEY.direction;
+  const l = Math.hypot(x, z);
+  const right = [z / l, 0, -x / l],
+    top = [(-x * y) / l, l, (-z * y) / l];
+  return Array.from({ length: RAYS }, (_, i) => {
+    const r = LAMP_RADIUS * Math.sqrt((i + 0.5) / RAYS),
+      turn = i * Math.PI * (3 - Math.sqrt(5));
+    const d = KEY.direction.map((v, k) => v + r * (Math.cos(turn) * right[k] + Math.sin(turn) * top[k]));
+    return d.map((v) => v / Math.hypot(...d));
+  });
+}
+
+/**
+ * @param {{part: object, opaque?: (u: number, v: number) => boolean}[]} casters
+ * @returns {(x: number, y: number, z: number) => number} share of the lamp that reaches a place a little above the surface
+ */
+function lampReach(casters) {
+  const maps = rays().map((dir) => {
+    const map = new DepthMap(dir, PLACE);
+    for (const { part, opaque } of casters) map.draw(part, opaque);
+    return map;
+  });
+  return (x, y, z) => {
+    let sum = 0;
+    for (const map of maps) sum += map.reaches(x, y, z, SLACK);
+    return sum / RAYS;
+  };
+}
+
+/** For each vertex of the skin what the client will find: open sky, key, fill, rim, 0..1. */
+function clientReach(parts, skin, seen, seenNormals) {
+  const run = bakeOcclusion(
+    parts.map((part) => {
+      const own = part === skin;
+      const position = Float32Array.from(part.position);
+      const normal = own ? seenNormals : normals(part.position, part.index, part.smooth);
+      return {
+        position, index: Uint16Array.from(part.index), shades: !CLEAR.includes(part.name),
+        seen: { position: own ? Float32Array.from(seen) : position, normal: Float32Array.from(normal) },
+      };
+    }),
+  );
+  let result = run.next();
+  while (!result.done) result = run.next();
+  return result.value[parts.indexOf(skin)];
+}
+
+/**
+ * @param {object[]} parts the first is the skin @param {Float64Array} seen where its vertices stand with the lids down: that is how they
+ *   are asked for light @param {Float64Array} seenNormals @param {(part: object) => ((u: number, v: number) => boolean)|undefined} opaqueOf
+ * @param {object} material of the skin @param {number} size of the picture
+ * @returns {Float32Array} size x size x 3: by how much the linear colour is to be multiplied
+ */
+export function paintedShadow(parts, seen, seenNormals, opaqueOf, { subsurface }, size) {
+  const [skin] = parts;
+  const reaches = lampReach(parts.filter(({ name }) => !INSIDE.test(name)).map((part) => ({ part, opaque: opaqueOf(part) })));
+  const client = clientReach(parts, skin, seen, seenNormals);
+  // What falls on each vertex without the lamp, and from the lamp where nothing is in its way.
+  const other = new Float32Array(seen.length),
+    lamp = new Float32Array(seen.length);
+  for (let v = 0; v < seen.length; v += 3) {
+    const n = seenNormals.subarray(v, v + 3);
+    const [sky, , fill, rim] = client.subarray((v / 3) * 4, (v / 3) * 4 + 4);
+    other.set(diffuse('skin', subsurface, n, [sky / 255, 0, fill / 255, rim / 255]), v);
+    lamp.set(diffuse('skin', subsurface, n, [0, 1, 0, 0]), v);
+  }
+  const out = new Float32Array(size * size * 3).fill(1);
+  const done = eachTexel(skin, size, (texel, a, b, c, wa, wb, wc) => {
+    const at = (list, stride, k) => wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
+    if (at(lamp, 3, 0) < 0.02) return;
+    const known = at(client, 4, 1) / 255;
+    const key = reaches(...[0, 1, 2].map((k) => at(seen, 3, k) + LIFT * at(seenNormals, 3, k)));
+    for (let k = 0; k < 3; k++) {
+      const [rest, light] = [at(other, 3, k), at(lamp, 3, k)];
+      out[texel * 3 + k] = (LEAST + rest + light * key ** SOFT[k]) / (LEAST + rest + light * known ** SOFT[k]);
+    }
+  });
+  dilate(out, done, size, 4);
+  return out;
+}
