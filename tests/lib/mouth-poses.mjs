@@ -11,10 +11,10 @@ const faccia = (...args) => execFileSync(path.join(build, 'server/app/faccia'), 
 
 /** For each language a text, and the sounds of it that are looked at: one of every group that lips can tell apart. */
 export const LANGUAGES = {
-  it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n']],
-  'pt-BR': ['A pata fala. O sapo come uva. Chuva, dia, lua, gente.', ['p', 'f', 'v', 's', 't', 'u', 'i', 'ʃ', 'a', 'l']],
-  tr: ['Baba fakat susuyor. İki şişe kapı açık, üzüm var, lale, çocuk.', ['b', 'f', 's', 't', 'u', 'i', 'ʃ', 'a', 'l']],
-  en: ['The path of my father. She saw two boats, a cake, and a lazy fish in the pool.', ['p', 'f', 's', 't', 'ʃ', 'θ', 'l', 'm']],
+  it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana. Ara.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'r']],
+  'pt-BR': ['A pata fala. O sapo come uva. Chuva, dia, lua, gente. Pé, cara, avó.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
+  tr: ['Baba fakat susuyor. İki şişe kapı açık, üzüm var, lale, çocuk. Ara, öğle, ekmek, kız, o.', ['b', 'f', 's', 't', 'u', 'o', 'y', 'ø', 'ɯ', 'i', 'ɛ', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
+  en: ['The path of my father. She saw two boats, a cake, and a lazy fish in the pool. Cheese.', ['p', 'f', 's', 't', 'ʃ', 'tʃ', 'θ', 'l', 'm', 'n', 'k', 'i', 'u', 'o', 'æ']],
 };
 
 const ROUND = /^[uoɔʊyøœwɯ]/;
@@ -22,24 +22,30 @@ const ROUND = /^[uoɔʊyøœwɯ]/;
 /** @returns {Object<string, number[]>} FAPs by sound: the longest of its kind is the clearest */
 export function soundPoses(lang, emotion) {
   const [text, wanted] = LANGUAGES[lang];
+  const marked = emotion ? `<speak xml:lang="${lang}"><emotion><category name="${emotion}"/>${text}</emotion></speak>` : text;
+  const { phones, fps, frames } = said(marked, ['--lang', lang, ...(emotion ? [] : ['--still'])]);
+  const out = {};
+  for (const ipa of wanted) {
+    const named = phones.filter((p) => p.ipa.startsWith(ipa) && !(ipa === 't' && p.ipa.startsWith('tʃ')));
+    // Beside a rounded vowel a consonant has its lips.
+    const plain = named.filter((p) => ![-1, 1].some((d) => ROUND.test(phones[phones.indexOf(p) + d]?.ipa)));
+    const own = plain.length ? plain : named;
+    const phone = own.sort((a, b) => b.end - b.start - a.end + a.start)[0];
+    if (!phone) throw new Error(`${lang}: no /${ipa}/ among ${phones.map((p) => p.ipa).join(' ')}`);
+    out[ipa] = frames[Math.round(((phone.start + phone.end) / 2) * fps)];
+  }
+  return out;
+}
+
+/** A text as it is spoken: phones with their times, and the face, 100 frames a second, its head straight. */
+export function said(text, options) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'mouth-'));
   try {
     const [fap, json] = ['a.fap', 'a.json'].map((name) => path.join(folder, name));
-    const marked = emotion ? `<speak xml:lang="${lang}"><emotion><category name="${emotion}"/>${text}</emotion></speak>` : text;
-    faccia('say', '--lang', lang, '--fps', '100', ...(emotion ? [] : ['--still']), '--fap', fap, '--json', json, marked);
+    faccia('say', '--fps', '100', ...options, '--fap', fap, '--json', json, text);
     const { phones } = JSON.parse(fs.readFileSync(json));
     const { fps, frames } = parseFap(fs.readFileSync(fap, 'utf8'));
-    const out = {};
-    for (const ipa of wanted) {
-      const named = phones.filter((p) => p.ipa.startsWith(ipa) && !(ipa === 't' && p.ipa.startsWith('tʃ')));
-      // Beside a rounded vowel a consonant has its lips.
-      const plain = named.filter((p) => ![-1, 1].some((d) => ROUND.test(phones[phones.indexOf(p) + d]?.ipa)));
-      const own = plain.length ? plain : named;
-      const phone = own.sort((a, b) => b.end - b.start - a.end + a.start)[0];
-      if (!phone) throw new Error(`${lang}: no /${ipa}/ among ${phones.map((p) => p.ipa).join(' ')}`);
-      out[ipa] = withoutHead(frames[Math.round(((phone.start + phone.end) / 2) * fps)]);
-    }
-    return out;
+    return { phones, fps, frames: frames.map(withoutHead) };
   } finally {
     fs.rmSync(folder, { recursive: true });
   }
