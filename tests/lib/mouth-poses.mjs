@@ -11,9 +11,9 @@ const faccia = (...args) => execFileSync(path.join(build, 'server/app/faccia'), 
 
 /** For each language a text, and the sounds of it that are looked at: one of every group that lips can tell apart. */
 export const LANGUAGES = {
-  it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana. Ara.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'r']],
-  'pt-BR': ['A pata fala. O sapo come uva. Chuva, dia, lua, gente. Pé, cara, avó.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
-  tr: ['Baba fakat susuyor. İki şişe kapı açık, üzüm var, lale, çocuk. Ara, öğle, ekmek, kız, o.', ['b', 'f', 's', 't', 'u', 'o', 'y', 'ø', 'ɯ', 'i', 'ɛ', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
+  it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana. Ara.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
+  'pt-BR': ['A pata fala. O sapo come uva. Chuva, dia, lua, gente. Pé, cara, avó, Ana.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
+  tr: ['Baba fakat susuyor. İki şişe kapı açık, üzüm var, lale, çocuk. Ara, öğle, ekmek, kız, o, ana.', ['b', 'f', 's', 't', 'u', 'o', 'y', 'ø', 'ɯ', 'i', 'ɛ', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
   en: ['The path of my father. She saw two boats, a cake, and a lazy fish in the pool. Cheese.', ['p', 'f', 's', 't', 'ʃ', 'tʃ', 'θ', 'l', 'm', 'n', 'k', 'i', 'u', 'o', 'æ']],
 };
 

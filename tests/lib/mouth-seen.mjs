@@ -46,7 +46,7 @@ export async function seen(page, loaded, head, name, faps, yaw) {
   };
 }
 
-/** [what, least, most]: shares of the opening; area in mm², height and width in mm. */
+/** [what, least, most]: shares of the opening; area and white in mm², height and width in mm, flat: width by height. */
 export const MUST = [
   { of: ['p', 'b', 'm'], why: 'the lips are closed: nothing is seen between them', must: [['area', 0, 2]] },
   { of: ['f', 'v'], why: 'the lower lip is at the edge of the upper incisors, which show above it, and nothing else does',
@@ -57,7 +57,7 @@ export const MUST = [
   { of: ['e', 'ɛ', 'ɯ'], why: 'as /i/, wider open: upper teeth over the tongue', must: [['upper', 0.3, 0.9], ['tongue', 0.05, 0.6]] },
   { of: ['a', 'æ'], why: 'the edge of the upper teeth under the upper lip, the tongue flat in the floor, the lower teeth behind the lip or just seen',
     must: [['area', 120, 700], ['upper', 0.2, 0.75], ['tongue', 0.15, 0.75], ['lower', 0, 0.12]] },
-  { of: ['u', 'o', 'y', 'ø'], why: 'pushed lips hide the teeth: less than half of a small opening', must: [['upper', 0, 0.46], ['lower', 0, 0.05]] },
+  { of: ['u', 'o', 'y', 'ø'], why: 'pushed lips hide the teeth: a small opening, and little in it is white', must: [['area', 1, 130], ['white', 0, 55]] },
   { of: ['l', 'n', 't', 'ɾ', 'r'], why: 'the tip of the tongue is behind the upper incisors: seen under them as far as the lips are open',
     must: [['upper', 0.3, 1], ['dark', 0, 0.25]] },
   { of: ['k'], why: 'the back of the tongue does the work, out of sight: teeth, and no hole', must: [['upper', 0.2, 1], ['dark', 0, 0.35]] },
@@ -68,9 +68,16 @@ export const MUST = [
     must: [['height', 9, 40], ['upper', 0, 0.6], ['lower', 0, 0.15]] },
 ];
 
-/** @param {string} name of a sound or an emotion @returns {string[]} what is not as it must be */
-export function misses(name, found) {
-  const all = { ...found, flat: found.width / found.height, teeth: found.upper + found.lower };
+/**
+ * With age the upper teeth show less and the lower ones more (Vig and Brundo 1978), until in older people the lower ones are seen where the
+ * upper ones were: there the two count as one.
+ * @param {string} name of a sound or an emotion @param {{upperShown: number, lowerShown: number}} figures of the head, mm at rest
+ * @returns {string[]} what is not as it must be
+ */
+export function misses(name, found, { upperShown, lowerShown }) {
+  const { width, height, area, upper, lower } = found;
+  const older = lowerShown > upperShown;
+  const all = { ...found, flat: width / height, teeth: upper + lower, white: area * (upper + lower), ...(older ? { upper: upper + lower, lower: 0 } : {}) };
   return MUST.filter(({ of }) => of.includes(name)).flatMap(({ why, must }) =>
     must
       .filter(([what, least, most]) => !(all[what] >= least && all[what] <= most))

@@ -8,11 +8,11 @@ import { pose } from '../../models/tools/lib/deform.mjs';
 const sharp = createRequire(new URL('../../models/package.json', import.meta.url))('sharp');
 
 /**
- * [one, other, mm]: teeth go hardly into each other. The tongue is pressed against them (its sides against the molars at /s/, its tip
+ * [one, other, mm]: teeth go hardly into each other (anger thrusts the lower ones against the upper ones). The tongue is pressed against them (its sides against the molars at /s/, its tip
  * between the incisors at /θ/), the inside of the lips even more: /f/ lays it on the incisors. Through the lips comes nothing.
  */
 const AT_THE_MOUTH = [
-  ['teeth_upper', 'teeth_lower', 0.8],
+  ['teeth_upper', 'teeth_lower', 1.2],
   ['teeth_upper', 'skin', 1.2],
   ['teeth_lower', 'skin', 1.2],
   ['teeth_upper', 'mouth', 2.5],

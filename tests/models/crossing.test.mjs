@@ -30,7 +30,7 @@ for (const name of names)
     const sweep = await Sweep.of(head);
     const mouths = apart(poses.mouths, MOUTH_FAPS, apartBy(name), head);
     const eyes = apart(poses.eyes, EYE_FAPS, apartBy(name), head);
-    assert.ok(mouths.length > 80 && eyes.length > 20, `${mouths.length} mouths, ${eyes.length} pairs of eyes`);
+    assert.ok(mouths.length > 50 && eyes.length > 20, `${mouths.length} mouths, ${eyes.length} pairs of eyes`);
     const found = [...mouths.map((one) => [one, sweep.mouth(one.faps)]), ...eyes.map((one) => [one, sweep.eyes(one.faps)])];
     const wrong = found.flatMap(([{ what }, list]) => list.map(({ pair, count, mm, at }) => `${what}: ${pair}, ${count} edges, ${mm.toFixed(1)} mm, at ${at.map((x) => x.toFixed(0))}`));
     assert.deepEqual(wrong, []);
