@@ -11,10 +11,10 @@ const faccia = (...args) => execFileSync(path.join(build, 'server/app/faccia'), 
 
 /** For each language a text, and the sounds of it that are looked at: one of every group that lips can tell apart. */
 export const LANGUAGES = {
-  it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n']],
-  'pt-BR': ['A pata fala. O sapo come uva. Chuva, dia, lua, gente.', ['p', 'f', 'v', 's', 't', 'u', 'i', 'ʃ', 'a', 'l']],
-  tr: ['Baba fakat susuyor. İki şişe kapı açık, üzüm var, lale, çocuk.', ['b', 'f', 's', 't', 'u', 'i', 'ʃ', 'a', 'l']],
-  en: ['The path of my father. She saw two boats, a cake, and a lazy fish in the pool.', ['p', 'f', 's', 't', 'ʃ', 'θ', 'l', 'm']],
+  it: ['Apa, afa, sasso, ata, acqua. Vino, ufo, aula, bocca, piedi, cena, sciame, lana. Ara.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
+  'pt-BR': ['A pata fala. O sapo come uva. Chuva, dia, lua, gente. Pé, cara, avó, Ana.', ['p', 'f', 'v', 's', 't', 'u', 'o', 'i', 'e', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
+  tr: ['Baba fakat susuyor. İki şişe kapı açık, üzüm var, lale, çocuk. Ara, öğle, ekmek, kız, o, ana.', ['b', 'f', 's', 't', 'u', 'o', 'y', 'ø', 'ɯ', 'i', 'ɛ', 'tʃ', 'ʃ', 'a', 'l', 'n', 'k', 'ɾ']],
+  en: ['The path of my father. She saw two boats, a cake, and a lazy fish in the pool. Cheese.', ['p', 'f', 's', 't', 'ʃ', 'tʃ', 'θ', 'l', 'm', 'n', 'k', 'i', 'u', 'o', 'æ']],
 };
 
 const ROUND = /^[uoɔʊyøœwɯ]/;
@@ -29,6 +29,12 @@ export function spoken(text, ...args) {
   } finally {
     fs.rmSync(folder, { recursive: true });
   }
+}
+
+/** The same with 100 frames a second and the head straight. */
+export function said(text, options) {
+  const { phones, fps, frames } = spoken(text, '--fps', 100, ...options);
+  return { phones, fps, frames: frames.map(withoutHead) };
 }
 
 /** With an emotion over all of it, or plain. */

@@ -7,6 +7,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { test } from 'node:test';
 import { fileURLToPath } from 'node:url';
+import { mouthFigures } from '../../models/tools/lib/anatomy.mjs';
 import { merge, readRecipe } from '../../models/tools/lib/recipe.mjs';
 import { violations } from '../lib/schema.mjs';
 
@@ -24,6 +25,12 @@ test('there are eight people at least, and Mara is the first', () => {
   for (const { name, about, voice } of ranked) {
     assert.ok(about, `${name}: no word on who it is`);
     assert.match(voice.gender, /^(female|male)$/, name);
+  }
+  for (const part of ['beard', 'glasses']) assert.ok(ranked.some(({ parts }) => parts.some(({ name }) => name === part)), `nobody has ${part}`);
+  const figures = names.map((name) => mouthFigures(readRecipe(path.join(recipes, `${name}.json`))));
+  for (const male of [0, 1]) {
+    const ages = figures.filter((one) => Math.round(one.male) === male).map(({ age }) => age);
+    assert.ok(Math.max(...ages) > 60 && Math.min(...ages) < 40, `${male ? 'men' : 'women'} of ${ages}`);
   }
 });
 

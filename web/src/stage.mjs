@@ -20,8 +20,8 @@ export class Stage {
   /**
    * @param {HTMLCanvasElement} canvas
    * @param {object} ports hear(now) -> whether the page beside the canvas changes with the picture that follows;
-   *   frame(now, ahead) -> {values, turned, more, calm}: what to show, from where, `ahead` milliseconds later, when the picture is on the
-   *   display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | 'tooMany' | null);
+   *   frame(now, ahead) -> {values, turned, more, calm}: what to show, from where, `ahead` milliseconds later, when the
+   *   picture is on the display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | 'tooMany' | null);
    *   drawn(on): whether there is a head on the canvas
    */
   constructor(canvas, ports) {

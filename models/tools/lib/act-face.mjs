@@ -32,7 +32,7 @@ export function faceActions(actions, ctx, tuning) {
   }
 }
 
-/** 0 on the lids, 1 from some mm outside: the cheeks must not push the lids through the eyeballs. */
+/** 0 on the lids, 1 from some mm outside: cheeks and brows must not push the lids through the eyeballs. */
 function spared({ eyes }, x, y, z) {
   const far = Math.min(
     ...['l', 'r'].map((side) => Math.hypot(x - eyes[side][0], y - eyes[side][1], z - eyes[side][2])),
@@ -59,7 +59,7 @@ function browActions(actions, ctx, outside, tuning) {
           : plateau(line - y, tuning.flat, tuning.below);
       const inward = plateau(xs[0] - ax, 0, tuning.inward);
       const outward = plateau(ax - xs[2], 0, tuning.outward);
-      return vertical * inward * outward * plateau(-z, 0, 30);
+      return vertical * inward * outward * plateau(-z, 0, 30) * spared(ctx, x, y, z);
     };
     BROWS.forEach(([, left, right], i) => {
       actions.move(

@@ -19,7 +19,7 @@ export function writeImage({ size, data }, quality) {
   for (let i = 0; i < data.length; i++) rounded[i] = data[i];
   const bytes = Buffer.from(rounded.buffer);
   return sharp(bytes, { raw: { width: size, height: size, channels } })
-    .webp({ quality, alphaQuality: 95, effort: 4, smartSubsample: true })
+    .webp({ quality, alphaQuality: 70, effort: 4, smartSubsample: true })
     .toBuffer();
 }
 

@@ -113,7 +113,8 @@ export class View {
     this.camera.aspect = aspect;
     const [yaw, pitch] = [-this.#turned.yaw, this.#turned.pitch].map((degrees) => (degrees * Math.PI) / 180);
     const level = distance * Math.cos(pitch);
-    this.camera.position.set(target[0] + level * Math.sin(yaw), target[1] + distance * Math.sin(pitch), target[2] + level * Math.cos(yaw));
+    const from = [level * Math.sin(yaw), distance * Math.sin(pitch), level * Math.cos(yaw)];
+    this.camera.position.set(...from.map((value, k) => value + target[k]));
     this.camera.lookAt(...target);
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();

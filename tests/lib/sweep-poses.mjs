@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every sound of every language in every expression, as the program makes them: the poses in which no mesh may go through another.
+import { unitLength } from '../../models/tools/lib/deform.mjs';
+import { expressionPose, LANGUAGES, said } from './mouth-poses.mjs';
+import { sentences } from './sentences.mjs';
+
+export const BASIC = ['joy', 'sadness', 'anger', 'fear', 'disgust', 'surprise'];
+
+const EYEBALL_MM = 12; // a gaze is told apart by how far the pupil goes
+
+/** Syllables: each consonant of a language between the vowels it has, as it is spelled. English is not spelled as it is spoken. */
+const SYLLABLES = {
+  it: ['p b m f v t d s z c ch sc g gh gl gn l n r qu', 'a e i o u'],
+  'pt-BR': ['p b m f v t d s z ç ch j l lh n nh r rr c g qu', 'a e i o u é ó ã'],
+  tr: ['p b m f v t d s z c ç g ğ h j k l n r ş y', 'a e ı i o ö u ü'],
+  en: ['p b m f v t d s z th sh ch j w l n r k g ng h y', 'a ee oo o er ow'],
+};
+const MORE = { en: ' The thin father thinks this thing there. A vision of pleasure. Bird, boat, boy, now, near, fair, tour.' };
+
+/** The engines of a language besides `dominance`. */
+const ENGINES = { it: ['dominance'], 'pt-BR': ['dominance', 'context'], tr: ['dominance', 'syllable'], en: ['dominance'] };
+
+const AT_ONCE = 5; // words: an expression is at its strongest for about a second
+
+/** Pieces of text of about a second each; in both orders, since expressions need time to come and some soon settle. */
+function pieces(lang, once) {
+  const [consonants, vowels] = SYLLABLES[lang].map((list) => list.split(' '));
+  const words = consonants.flatMap((c) => vowels.map((v) => `${v}${c}${v}`));
+  const groups = (once ? [words] : [words, [...words].reverse()]).flatMap((list) =>
+    Array.from({ length: Math.ceil(list.length / AT_ONCE) }, (_, i) => `${list.slice(i * AT_ONCE, (i + 1) * AT_ONCE).join(' ')}.`),
+  );
+  return [...groups, LANGUAGES[lang][0] + (MORE[lang] ?? '')];
+}
+
+/**
+ * The middle of each sound, and the face every tenth of a second besides (blinks and glances have no sound).
+ * @param {(string|null)[]} expressions affects; null: none
+ * @param {{blends?: string[], prose?: boolean, once?: boolean}} [options] prose: sentences of the language as well; once: each syllable in one order
+ * @returns {{mouths: Pose[], eyes: Pose[]}} Pose: {what, faps}
+ */
+export function sweepPoses(expressions, { blends = ['auto'], prose = false, once = false } = {}) {
+  const [mouths, eyes] = [[], []];
+  for (const lang of Object.keys(ENGINES)) {
+    const texts = [...pieces(lang, once), ...(prose ? sentences[lang] : [])];
+    for (const engine of ENGINES[lang])
+      for (const expression of expressions)
+        for (const blend of expression ? blends : blends.slice(0, 1)) {
+          const felt = expression ? texts.map((text) => `<emotion><category name="${expression}"/>${text}</emotion>`) : texts;
+          const { phones, fps, frames } = said(`<speak xml:lang="${lang}">${felt.join(' ')}</speak>`, ['--lang', lang, '--engine', engine, '--blend', blend]);
+          const name = `${lang}, ${engine}${blend === 'auto' ? '' : `, ${blend}`}${expression ? `, ${expression}` : ''}`;
+          for (const { ipa, start, end } of phones)
+            if (ipa) mouths.push({ what: `/${ipa}/ ${name}`, faps: frames[Math.min(frames.length - 1, Math.round(((start + end) / 2) * fps))] });
+          for (let i = 0; i < frames.length; i += fps / 10) eyes.push({ what: `${(i / fps).toFixed(1)} s ${name}`, faps: frames[i] });
+        }
+  }
+  for (const expression of expressions)
+    if (expression) {
+      const faps = expressionPose(`${expression}=1`);
+      const closed = faps.map((value, n) => (n === 19 || n === 20 ? 1024 - faps[n + 2] : value)); // the program has lids meet, no more
+      mouths.push({ what: `${expression} alone`, faps });
+      eyes.push({ what: `${expression} alone`, faps }, { what: `${expression}, eyes closed`, faps: closed });
+    }
+  return { mouths, eyes };
+}
+
+/**
+ * Of poses those that differ from each other by more than `mm` in one of the FAPs: of the others there is one that is as good.
+ * @param {Pose[]} poses @param {number[]} faps that count @param head whose face the millimetres are of
+ */
+export function apart(poses, faps, mm, head) {
+  const unit = faps.map((n) => (unitLength(head, n) * (unitLength(head, n) < 1e-4 ? EYEBALL_MM : 1)) / mm);
+  const cells = new Map(); // by the coarsest three, so that few are compared
+  const kept = [];
+  for (const pose of poses) {
+    const place = faps.map((n, i) => pose.faps[n] * unit[i]);
+    const cell = place.slice(0, 3).map(Math.floor);
+    const near = [];
+    for (const dx of [-1, 0, 1]) for (const dy of [-1, 0, 1]) for (const dz of [-1, 0, 1]) near.push(...(cells.get(`${cell[0] + dx},${cell[1] + dy},${cell[2] + dz}`) ?? []));
+    if (near.some((other) => other.every((x, i) => Math.abs(x - place[i]) <= 1))) continue;
+    kept.push(pose);
+    const key = cell.join();
+    (cells.get(key) ?? cells.set(key, []).get(key)).push(place);
+  }
+  return kept;
+}
