@@ -38,17 +38,20 @@ int votes_read(struct votes *votes, const char *text, size_t size, struct error 
     int got = csv_header(&csv, names, columns, e);
     while (!got && (got = csv_next(&csv, e)) > 0) {
         struct vote like = {0};
-        double correct;
+        double correct = 0;
+        bool interrupted = columns[CORRECT] < csv.count && !*csv_field(&csv, columns[CORRECT]);
         got = read_name(&csv, columns[LISTENER], "listener", like.listener, e) ||
                       read_name(&csv, columns[MODE], "mode", like.mode, e) ||
                       csv_number(&csv, columns[SNR], "snr", -SNR_LIMIT, SNR_LIMIT, &like.snr, e) ||
-                      csv_number(&csv, columns[CORRECT], "correct", 0, 1, &correct, e)
+                      (!interrupted && csv_number(&csv, columns[CORRECT], "correct", 0, 1, &correct, e))
                   ? -1
                   : 0;
         if (!got && correct != 0 && correct != 1)
             got = error_at_line(e, ERROR_BAD_RESULTS, csv.line, 1, "correct must be 0 or 1");
         if (got)
             break;
+        if (interrupted)
+            continue;
         struct vote *vote = find_vote(votes, &like);
         vote->answers++;
         vote->right += correct == 1;

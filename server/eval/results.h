@@ -37,8 +37,8 @@ struct votes {
     size_t count, cap;
 };
 
-/* Adds a file with the columns listener, mode, snr, correct (1 or 0), one line for each answer. -1 with *e
- * ("bad-results"). */
+/* Adds a file with the columns listener, mode, snr, correct (1 or 0; empty where the word was not presented
+ * whole: it is not counted), one line for each answer. -1 with *e ("bad-results"). */
 int votes_read(struct votes *votes, const char *text, size_t size, struct error *e);
 void votes_free(struct votes *votes);
 

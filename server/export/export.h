@@ -6,22 +6,8 @@
 
 #include "server/base/buf.h"
 #include "server/base/utf8.h"
+#include "server/export/export_format.h"
 #include "server/synthesis/synthesis.h"
-
-struct export;
-
-/* One format. */
-struct export_format {
-    const char *name; /* "wav" */
-    const char *content_type;
-    /* Its bytes can leave while the speech is made; otherwise only all at the end. */
-    bool streams;
-    /* The samples of a segment up to `to` (of its own); those before x->at have been written. */
-    void (*piece)(struct export *x, const struct media_segment *segment, uint32_t to);
-    void (*end)(struct export *x);
-    void (*warning)(struct export *x, const struct error *e); /* NULL: nobody is told */
-    void (*free)(struct export *x);                           /* of its coder; NULL: it has none */
-};
 
 /* What is written down about where the segments come from. Borrowed. */
 struct export_source {
@@ -49,10 +35,6 @@ struct export {
     struct utf16_counter utf16;
     struct face_placement *face; /* of the segment; NULL: not asked for yet */
 };
-
-/* The formats on offer, ended by a name of NULL. */
-extern const struct export_format export_formats[];
-const struct export_format *export_by_name(const char *name);
 
 /* The fps of a recording may be set later, before its first segment. */
 void export_begin(struct export *x, const struct export_format *format, const struct export_source *source);

@@ -8,6 +8,7 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { launch } from '../lib/browser.mjs';
 import { artefacts, build, Daemon, root } from '../lib/daemon.mjs';
+import { servePages } from '../lib/page-server.mjs';
 
 const UPPER = 4;
 const LOWER = 5;
@@ -32,6 +33,7 @@ before(async () => {
   page = await browser.newPage({ viewport: { width: 800, height: 500 }, acceptDownloads: true });
   page.problems = [];
   page.on('pageerror', (error) => page.problems.push(String(error)));
+  await addFilm();
 });
 after(async () => {
   await browser?.close();
@@ -56,22 +58,36 @@ async function addFilm() {
     return Array.from(new Uint8Array(await new Blob(parts).arrayBuffer()));
   });
   fs.writeFileSync(path.join(kit, 'film.webm'), Buffer.from(film));
-  const place = /(<script type="application\/json" id="data">)(.*?)(<\/script>)/s;
-  const html = fs.readFileSync(path.join(kit, 'index.html'), 'utf8');
-  const data = JSON.parse(html.match(place)[2]);
-  data.modes.push({ name: 'film', kind: 'video' });
-  for (const trial of data.trials.filter(({ mode }) => mode === 'audio')) data.trials.push({ ...trial, mode: 'film', video: 'film.webm' });
-  fs.writeFileSync(path.join(kit, 'index.html'), html.replace(place, (_, open, old, close) => open + JSON.stringify(data) + close));
+  changeData((data) => {
+    data.modes.push({ name: 'film', kind: 'video' });
+    for (const trial of data.trials.filter(({ mode }) => mode === 'audio')) data.trials.push({ ...trial, mode: 'film', video: 'film.webm' });
+  });
 }
 
-/** Watches the lips' gap in FAP units while a word is heard, until it can be confirmed. */
+/** Changes the data in the kit's page, and gives the page. */
+function changeData(change) {
+  const place = /(<script type="application\/json" id="data">)(.*?)(<\/script>)/s;
+  const file = path.join(kit, 'index.html');
+  const html = fs.readFileSync(file, 'utf8').replace(place, (_, open, json, close) => {
+    const data = JSON.parse(json);
+    change(data);
+    return open + JSON.stringify(data) + close;
+  });
+  fs.writeFileSync(file, html);
+  return html;
+}
+
+/** Watches the lips' gap in FAP units while a word is heard, until it can be confirmed. A word takes some two seconds. */
 const watch = () => page.evaluate(async ([upper, lower]) => {
   const face = document.querySelector('talking-head');
   const button = document.querySelector('#answer button');
   const gaps = [];
   const video = document.querySelector('video');
   document.querySelector('#answer input[value="papa"]').click();
+  const since = performance.now();
   while (button.disabled) {
+    if (document.querySelector('#test').hidden) throw new Error(`interrupted: ${document.querySelector('#pause p').textContent}`);
+    if (performance.now() - since > 90000) throw new Error('the word has neither ended nor been interrupted');
     const values = face.debug().fapValues;
     gaps.push(-(values[upper] + values[lower]));
     await new Promise((resolve) => setTimeout(resolve, 15));
@@ -80,7 +96,6 @@ const watch = () => page.evaluate(async ([upper, lower]) => {
 }, [UPPER, LOWER]);
 
 test('a listener goes through all blocks, and the answers are analysed', async () => {
-  await addFilm();
   await page.goto(`file://${kit}/index.html?quality=low`);
   await page.fill('[name="listener"]', 'Anna, 1');
   await page.click('#welcome button');
@@ -123,4 +138,46 @@ test('a listener goes through all blocks, and the answers are analysed', async (
   const { status, stdout } = faccia('anova', '--csv', file, '--csv', path.join(folder, 'other.csv'));
   assert.equal(status, 0);
   assert.match(stdout, /-12 {2}all +3 {4}4 /);
+});
+
+test('a sound or a film that does not go on interrupts a word; it comes again, and is left out at last', async () => {
+  const html = changeData((data) => {
+    data.modes = data.modes.filter(({ kind }) => kind === 'audio' || kind === 'video'); // no face: nothing to wait for
+  });
+  const media = (name, type, cut) => ({ body: fs.readFileSync(path.join(kit, name)), type, cut, headers: { 'cache-control': 'no-store' } });
+  const [papa, lala] = ['papa', 'lala'].map((name) => `/wav/${fs.readdirSync(path.join(kit, 'wav')).find((file) => file.startsWith(name))}`);
+  const files = { '/': html, [lala]: media(lala, 'audio/wav'), [papa]: media(papa, 'audio/wav', 30000), '/film.webm': media('film.webm', 'video/webm', 200) };
+  const server = await servePages(files);
+  const visitor = await browser.newPage({ acceptDownloads: true });
+  const told = [];
+  try {
+    await visitor.goto(`${server.url}/?patience=3`);
+    await visitor.fill('[name="listener"]', 'Anna');
+    await visitor.click('#welcome button');
+    for (let state; state !== 'done'; ) {
+      state = await visitor.waitForFunction(() => {
+        if (!document.querySelector('#test').hidden) document.querySelector('#answer input[value="papa"]').click();
+        return ['pause', 'done'].find((id) => !document.getElementById(id).hidden) ?? (document.querySelector('#answer button').disabled ? null : 'heard');
+      }, null, { timeout: 60000 }).then((handle) => handle.jsonValue());
+      const text = await visitor.textContent('#pause p');
+      if (state === 'pause' && text.includes('O som ou o filme parou')) {
+        told.push(text.match(/\((\S+): /)[1]);
+        if (told.length === 1) await visitor.screenshot({ path: path.join(artefacts, 'stimuli-interrupted.png') });
+        if (text.includes('film.webm')) delete files['/film.webm'].cut;
+        if (told.filter((name) => papa.endsWith(name)).length === 3) delete files[papa].cut;
+      }
+      if (state === 'pause') await visitor.click('#pause button');
+      if (state === 'heard') await visitor.click('#answer button');
+    }
+    const [download] = await Promise.all([visitor.waitForEvent('download'), visitor.click('#done button')]);
+    const file = path.join(folder, 'interrupted.csv');
+    await download.saveAs(file);
+    const rows = fs.readFileSync(file, 'utf8').trim().split('\r\n').slice(1).map((row) => row.split(','));
+    assert.ok(told.includes('film.webm') && told.includes(papa.slice(1)), `${told}`);
+    assert.deepEqual(rows.filter((row) => row[6] === 'interrupted').map((row) => row.slice(5).join()), ['papa,interrupted,,']);
+    assert.deepEqual(rows.filter((row) => row[6] === 'papa').map((row) => row[5]).sort(), ['lala', 'lala', 'papa']);
+  } finally {
+    await visitor.close();
+    await server.close();
+  }
 });

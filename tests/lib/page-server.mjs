@@ -4,15 +4,17 @@ import http from 'node:http';
 import { once } from 'node:events';
 
 /**
- * @param {Record<string, string | {body: string, type?: string, headers?: object}>} files by path; a text is a page
+ * @param {Record<string, string | {body: string | Buffer, type?: string, headers?: object, cut?: number}>} files by path; a text is a page; cut: so many
+ *   bytes are sent, and no more come
  * @returns {Promise<{port: number, url: string, files: object, close: () => Promise<void>}>}
  */
 export async function servePages(files) {
   const server = http.createServer((request, response) => {
     const file = files[new URL(request.url, 'http://here').pathname];
-    const { body, type = 'text/html; charset=utf-8', headers = {} } = typeof file === 'string' ? { body: file } : (file ?? {});
-    response.writeHead(file === undefined ? 404 : 200, { 'content-type': type, ...headers });
-    response.end(body);
+    const { body, type = 'text/html; charset=utf-8', headers = {}, cut } = typeof file === 'string' ? { body: file } : (file ?? {});
+    response.writeHead(file === undefined ? 404 : 200, { 'content-type': type, ...(cut === undefined ? {} : { 'content-length': body.length }), ...headers });
+    if (cut === undefined) response.end(body);
+    else response.write(body.subarray(0, cut));
   });
   server.listen(0, '127.0.0.1');
   await once(server, 'listening');

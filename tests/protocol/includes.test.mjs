@@ -28,6 +28,9 @@ const BELOW = {
 };
 BELOW.app = Object.keys(BELOW);
 
+/** What a room does not even reach through the headers of others: the network sees blocks, commands and what is on offer. */
+const HIDDEN = { net: ['face', 'voice', 'normalize'] };
+
 /** One state machine in several files: a worker asks the queue for a sentence, the queue wakes a worker. */
 const MACHINE = /^server\/voice\/(voice_pool\w*|worker|worker_sentence)\.c$/;
 
@@ -56,6 +59,10 @@ export function broken(files) {
       else if (from !== to && !BELOW[from].includes(to)) lines.push(`stage: ${name} (${from}) includes ${file}`);
     }
 
+  for (const { name } of files)
+    for (const [file, from] of reached(name, includes, known))
+      if (from !== name && HIDDEN[stageOf(name)]?.includes(stageOf(file))) lines.push(`hidden: ${name} reaches ${file} through ${from}`);
+
   const headers = new Map();
   for (const { name } of files) headers.set(name, includes.get(name).filter((file) => known.has(file)));
   for (const circle of circles(headers)) lines.push(`circle of includes: ${circle.join(', ')}`);
@@ -83,6 +90,19 @@ export function broken(files) {
       if (length > 300 && !isTable(file)) lines.push(`length: ${file.name} has ${length} lines`);
     }
   return [...new Set(lines)];
+}
+
+/** All that a file includes, itself or through others, and the file through which. */
+function reached(name, includes, known) {
+  const found = new Map();
+  const queue = [name];
+  for (const from of queue)
+    for (const file of includes.get(from))
+      if (known.has(file) && !found.has(file)) {
+        found.set(file, from);
+        queue.push(file);
+      }
+  return found;
 }
 
 const KEYWORDS = new Set(['if', 'for', 'while', 'switch', 'return', 'sizeof', 'defined', 'struct', 'enum']);
@@ -152,6 +172,7 @@ for (const [what, files, expected] of [
   ['a circle of calls', [file('server/base/a.c', 'int a(void) {\n    return b();\n}'), file('server/base/b.c', 'int b(void) {\n    return a();\n}')], /^circle of calls: server\/base\/a\.c, server\/base\/b\.c$/],
   ['no circle: one unit', [file('server/base/a.h', ''), file('server/base/a.c', '#include "server/base/a.h"\n#include "a_internal.h"'), file('server/base/a_internal.h', '#include "server/base/a.h"')], null],
   ['the order', [file('server/net/a.c', '#include "server/face/b.h"'), file('server/face/b.h', '')], /^stage: server\/net\/a\.c \(net\) includes server\/face\/b\.h$/],
+  ['what is hidden', [file('server/net/a.c', '#include "server/stream/b.h"'), file('server/stream/b.h', '#include "server/face/c.h"'), file('server/face/c.h', '')], /^hidden: server\/net\/a\.c reaches server\/face\/c\.h through server\/stream\/b\.h$/],
   ['a name', [file('server/net/a.c', ''), file('server/face/a.h', '')], /^name: a in server\/net, server\/face$/],
   ['a length', [file('server/net/a.c', 'int x;\n'.repeat(301))], /^length: server\/net\/a\.c has 301 lines$/],
   ['a table', [file('server/net/a_table.c', '    {"x", 1},\n'.repeat(301))], null],

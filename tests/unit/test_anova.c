@@ -93,7 +93,7 @@ static void answers(void **state) {
     (void)state;
     static const char first[] = "\xef\xbb\xbflistener,mode,snr,item,correct\r\n"
                                 "ann,audio,-24,papa,1\r\nann,audio,-24,pipi,0\r\nann,face,-24,papa,1\r\n\r\n"
-                                "ann,audio,-12,papa,1\r\n";
+                                "ann,face,-24,pipi,\r\nann,audio,-12,papa,1\r\nann,face,-12,papa,\r\n";
     static const char second[] =
         "correct,snr,mode,listener\n0,-24,audio,\"bo, \"\"b\"\"\"\n1,-24,face,\"bo, \"\"b\"\"\"";
     struct votes votes = {0};
@@ -110,6 +110,10 @@ static void answers(void **state) {
     assert_true(r.cells[2].group.mean == 1 && r.cells[2].group.variance == 0);
     votes_free(&votes);
     results_free(&r);
+
+    static const char short_line[] = "listener,mode,snr,correct\nann,face,-24";
+    assert_int_equal(votes_read(&(struct votes){0}, short_line, sizeof short_line - 1, &e), -1);
+    assert_string_equal(e.message, "correct must be a number from 0 to 1, not ''");
 }
 
 static void bad_csv(void **state) {
