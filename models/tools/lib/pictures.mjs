@@ -63,7 +63,7 @@ export async function makePictures(head, poses, tell = () => {}) {
 
   async function eyeRegion(name, lid, [upper, lower]) {
     const [[x, y]] = at({}, [lid]);
-    const box = boxed(x - 0.36 * fapu.ES, y - 0.2 * fapu.ES, x + 0.36 * fapu.ES, y + 0.36 * fapu.ES);
+    const box = boxed(x - 0.36 * fapu.ES, y - 0.28 * fapu.ES, x + 0.36 * fapu.ES, y + 0.32 * fapu.ES);
     const pictures = [];
     for (const shut of LIDS) {
       const faps = shut ? { [upper]: Math.round(shut * LID_UPPER), [lower]: Math.round(shut * LID_LOWER) } : {};

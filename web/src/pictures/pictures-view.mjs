@@ -24,6 +24,7 @@ export class PicturesView {
 
   /** @param {Pictures} pictures */
   show(pictures) {
+    this.head?.dispose();
     this.head = pictures;
   }
 
