@@ -136,7 +136,17 @@ static const struct asset *add_poster(struct assets *assets, const char *head, c
     return data ? add(assets, path, "image/webp", file, data, size) : NULL;
 }
 
-static int load_head(struct assets *assets, const char *file, struct error *e) {
+/* The pictures of a head, which lie in a folder beside those of the heads; NULL = none. */
+static const struct asset *add_pictures(struct assets *assets, const char *models, const char *head) {
+    char file[4096], path[512];
+    size_t size;
+    snprintf(file, sizeof file, "%s/pictures/%s.json", models, head);
+    uint8_t *data = read_file(file, &size);
+    snprintf(path, sizeof path, "/v1/pictures/%s", head);
+    return data ? add(assets, path, "application/json", file, data, size) : NULL;
+}
+
+static int load_head(struct assets *assets, const char *models, const char *file, struct error *e) {
     const char *name = strrchr(file, '/') + 1;
     size_t size, length = strcspn(name, ".");
     char path[256];
@@ -151,6 +161,7 @@ static int load_head(struct assets *assets, const char *file, struct error *e) {
     if (model_split(kept, strrchr(path, '/') + 1, data, size, file, e))
         return -1;
     kept->poster = add_poster(assets, file, path);
+    kept->pictures = add_pictures(assets, models, kept->name);
     return 0;
 }
 
@@ -170,7 +181,7 @@ int assets_load(struct assets *assets, const char *web, const char *models, stru
     snprintf(pattern, sizeof pattern, "%s/heads/*.json", models);
     if (!glob(pattern, 0, NULL, &found)) {
         for (size_t i = 0; i < found.gl_pathc && !failed; i++)
-            failed = load_head(assets, found.gl_pathv[i], e);
+            failed = load_head(assets, models, found.gl_pathv[i], e);
         globfree(&found);
         if (!failed && assets->model_count)
             qsort(assets->models, assets->model_count, sizeof *assets->models, by_rank);

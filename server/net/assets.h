@@ -27,8 +27,8 @@ struct assets {
 };
 
 /* Loads the web folder (flat; may be missing: then there is no page) and models/heads/NAME.json. A FILE.gz
- * beside a file is taken as its compressed form, a NAME.webp beside a head as its poster. -1 with *e when a
- * head cannot be read. */
+ * beside a file is taken as its compressed form, a NAME.webp beside a head as its poster,
+ * models/pictures/NAME.json as its pictures. -1 with *e when a head cannot be read. */
 int assets_load(struct assets *assets, const char *web, const char *models, struct error *e);
 void assets_free(struct assets *assets);
 

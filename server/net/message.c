@@ -75,6 +75,8 @@ json_t *message_models(const struct net *net) {
             json_object_set_new(model, "voice", json_loads(m->voice, 0, NULL));
         if (m->poster)
             json_object_set_new(model, "poster", json_string(m->poster->path + strlen("/v1/")));
+        if (m->pictures)
+            json_object_set_new(model, "pictures", json_string(m->pictures->path + strlen("/v1/")));
         json_array_append_new(models, model);
     }
     return models;

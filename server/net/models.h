@@ -10,10 +10,11 @@ struct asset;
 
 /* A head model: its asset, and its parts as the JSON texts that go over the socket. */
 struct model {
-    char *name, *title, *about; /* about: NULL = nothing is said */
-    double rank;                /* their order: the first is shown where none is asked for */
-    char *voice;                /* the kind of voice that suits it, as JSON; NULL = any */
-    const struct asset *poster; /* NULL = it has none */
+    char *name, *title, *about;   /* about: NULL = nothing is said */
+    double rank;                  /* their order: the first is shown where none is asked for */
+    char *voice;                  /* the kind of voice that suits it, as JSON; NULL = any */
+    const struct asset *poster;   /* NULL = it has none */
+    const struct asset *pictures; /* a set of them in its place; NULL = there is none */
     struct asset *asset;
     struct model_part {
         char *kind, *name; /* "head", "texture" or "part" */

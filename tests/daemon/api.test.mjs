@@ -11,7 +11,7 @@ const read = (name) => fs.readFileSync(path.join(root, name), 'utf8');
 const load = (name) => JSON.parse(read(`protocol/${name}`));
 const [openapi, asyncapi] = [load('openapi.json'), load('asyncapi.json')];
 const ajv = new Ajv({ strict: false });
-for (const name of ['client', 'server', 'head-model', 'timed']) ajv.addSchema(load(`schema/${name}.json`), `schema/${name}.json`);
+for (const name of ['client', 'server', 'head-model', 'timed', 'pictures']) ajv.addSchema(load(`schema/${name}.json`), `schema/${name}.json`);
 ajv.addSchema(openapi, 'openapi.json');
 
 let daemon;
@@ -57,7 +57,7 @@ test('the routes of the daemon are the paths of the document', async () => {
 });
 
 test('the documents are served as they are, with all that they refer to', async () => {
-  for (const name of ['openapi.json', 'asyncapi.json', 'schema/client.json', 'schema/server.json', 'schema/head-model.json', 'schema/timed.json']) {
+  for (const name of ['openapi.json', 'asyncapi.json', 'schema/client.json', 'schema/server.json', 'schema/head-model.json', 'schema/timed.json', 'schema/pictures.json']) {
     const response = await daemon.get(`/v1/${name}`);
     assert.equal(response.status, 200, name);
     assert.equal(response.headers.get('content-type'), 'application/json');

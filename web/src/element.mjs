@@ -89,10 +89,10 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     }
     if (!this.#opened || before === value) return;
     if (LINK_ATTRIBUTES.includes(name)) this.#session.connectSoon();
-    if (name === 'model') this.#session.modelChanged();
     if (name === 'poster') this.#session.choosePoster();
     if (name === 'view') this.#presentation.stage.framing = value;
     if (name === 'quality') this.#presentation.stage.quality = value ?? 'auto';
+    if (name === 'model' || name === 'quality') this.#session.modelChanged();
     if (name === 'captions') this.#showCaptions();
     if (name === 'still' || name === 'turn') this.#presentation.motionChanged();
     if (name === 'life') this.#presentation.idleChanged();

@@ -3,6 +3,7 @@ import { canDecode } from './audio/opus.mjs';
 import { Demuxer } from './demuxer.mjs';
 import { ModelSource } from './head/source.mjs';
 import { Link } from './link.mjs';
+import { wantsPictures } from './pictures/choice.mjs';
 
 /** What goes on between a head and its server: the link, what comes through it, and the model that is asked for. */
 export class Session {
@@ -80,7 +81,7 @@ export class Session {
     });
   }
 
-  /** Another model is wanted. */
+  /** Another model is wanted, or the same in another way. */
   modelChanged() {
     if (this.state === 'open') this.#openModel();
     this.choosePoster();
@@ -159,11 +160,11 @@ export class Session {
   }
 
   #openModel() {
-    const { model } = this.element;
+    const { model, quality } = this.element;
     if (model === null && !this.#hello.models?.length) {
       this.controls.say('model', 'noModel');
       this.ports.fail('noModel');
-    } else this.#models.open(this.#link.address, this.#hello, model);
+    } else this.#models.open(this.#link.address, this.#hello, model, wantsPictures(quality));
   }
 
   #message(message) {

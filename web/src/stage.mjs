@@ -5,6 +5,9 @@ import { readModel } from './head/model.mjs';
 import { Governor } from './head/quality.mjs';
 import { View } from './head/view.mjs';
 import { FramePacer } from './frame-pacer.mjs';
+import { wantsPictures } from './pictures/choice.mjs';
+import { Pictures, PicturesView } from './pictures/pictures-view.mjs';
+import { isPictures, readPictures } from './pictures/set.mjs';
 
 const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden page
 const AHEAD_MOST_MS = 300; // for longer nothing is foreseen
@@ -14,7 +17,7 @@ const DISSOLVE_MS = 240; // from one quality to the next
 
 /**
  * The canvas: draws the head when something has changed, at the display's rate while something moves, and finds the
- * quality that the machine can afford. Without WebGL it does nothing, and says so.
+ * quality that the machine can afford. Without WebGL it draws pictures, or, where there are none, nothing, and says so.
  */
 export class Stage {
   /**
@@ -70,7 +73,7 @@ export class Stage {
     if (this.used) this.#replaceCanvas();
     this.used = true;
     try {
-      this.view = new View(this.canvas);
+      this.view = this.#pictures ? new PicturesView(this.canvas) : new View(this.canvas);
     } catch (error) {
       console.warn('talking-head:', error.message);
       this.ports.trouble('noWebgl');
@@ -104,15 +107,24 @@ export class Stage {
 
   /** @param {object} json the head model @returns {Promise<object>} the model as read */
   async show(json) {
-    this.model = readModel(json);
+    const before = this.#pictures;
+    this.model = isPictures(json) ? readPictures(json) : readModel(json);
     const { model } = this;
-    if (this.view) await this.#build();
+    if (this.view && before !== this.#pictures) {
+      this.leave(); // a canvas draws the one or the other
+      this.enter();
+    } else if (this.view) await this.#build();
     return model;
+  }
+
+  /** Whether it draws pictures: what has come, or else is wanted. */
+  get #pictures() {
+    return this.model ? isPictures(this.model) : wantsPictures(this.wish);
   }
 
   async #build() {
     const { model, view } = this;
-    const head = await Head.create(model, { software: view.software });
+    const head = await (isPictures(model) ? Pictures.create(model) : Head.create(model, { software: view.software }));
     if (this.view !== view || this.model !== model) {
       head.dispose(); // another has come meanwhile, or nobody wants it any more
       return;
@@ -146,7 +158,7 @@ export class Stage {
     });
   }
 
-  /** @param {'auto'|'high'|'low'} wish */
+  /** @param {'auto'|'high'|'low'|'pictures'} wish */
   set quality(wish) {
     this.wish = wish;
     this.governor.wish(wish);
@@ -231,9 +243,9 @@ export class Stage {
     return {
       fps: this.interval ? 1000 / this.interval : 0,
       frames: this.frames,
-      level: this.governor.level.name,
+      level: this.view?.name ?? this.governor.level.name,
       triangles: this.view?.head?.triangles ?? 0,
-      drawCalls: this.view?.renderer.info.render.calls ?? 0,
+      drawCalls: this.view?.renderer?.info.render.calls ?? 0,
     };
   }
 }

@@ -75,7 +75,7 @@ export class TalkingHead extends HTMLElement {
   model: string | null;
   poster: string | null;
   view: 'face' | 'bust' | 'mouth' | null;
-  quality: 'auto' | 'high' | 'low' | null;
+  quality: 'auto' | 'high' | 'low' | 'pictures' | null;
   room: string | null;
   token: string | null;
   voice: string | null;

@@ -17,16 +17,19 @@ const FADE = 0.13; // as in web/src/head/view.mjs
 
 /**
  * @param {object} head unpacked (deform.mjs)
- * @param {{width: number, height: number, faps?: object, yaw?: number, shadows?: boolean,
- *   view?: {target: number[], distance: number, fov: number}}} options yaw in degrees
+ * @param {{width: number, height: number, faps?: object, yaw?: number, shadows?: boolean|Float32Array[],
+ *   view?: {target: number[], distance: number, fov: number}, crop?: {x: number, y: number, width: number, height: number}}} options
+ *   yaw in degrees; shadows: or those of another pose (shadowsOf); crop: only that piece of the picture is drawn
  * @returns {Promise<{data: Uint8ClampedArray, width: number, height: number}>} RGBA
  */
-export async function drawHead(head, { width, height, faps = {}, yaw = 0, shadows = true, view = head.view }) {
-  const textures = await readTextures(head);
+export async function drawHead(head, { faps = {}, yaw = 0, shadows = true, view = head.view, crop, ...whole }) {
+  const textures = await texturesOf(head);
   const scene = head.parts.map((part) => makePart(head, part, faps, textures));
-  if (shadows) bake(scene);
+  if (Array.isArray(shadows)) cast(scene, shadows);
+  else if (shadows) cast(scene, bake(scene));
+  const { width, height } = crop ?? whole;
   const big = { width: width * SAMPLES, height: height * SAMPLES };
-  const camera = cameraOf(view, yaw, big);
+  const camera = cameraOf(view, yaw, { width: whole.width * SAMPLES, height: whole.height * SAMPLES }, crop ?? { x: 0, y: 0 });
   const depth = new Float32Array(big.width * big.height).fill(Infinity);
   const picture = new Float32Array(big.width * big.height * 4);
   for (const thing of scene) thing.screen = project(thing.position, camera);
@@ -37,8 +40,31 @@ export async function drawHead(head, { width, height, faps = {}, yaw = 0, shadow
   for (const thing of solid) drawPart(thing, camera, big, depth, picture, true);
   for (const thing of [...loose.filter((t) => !THIN.includes(t.name)), ...loose.filter((t) => THIN.includes(t.name))])
     drawPart(thing, camera, big, depth, picture, false);
-  fadeOut(picture, big);
+  if (!crop) fadeOut(picture, big);
   return { data: smaller(picture, width, height), width, height };
+}
+
+/** The light that reaches each vertex in a pose, for pictures of others. @returns {Promise<Float32Array[]>} by part */
+export async function shadowsOf(head, faps) {
+  const textures = await texturesOf(head);
+  return bake(head.parts.map((part) => makePart(head, part, faps, textures)));
+}
+
+/**
+ * Where points of the head (mm) are seen in its neutral portrait.
+ * @param {object} head @param {{width: number, height: number}} size @param {number[][]} points
+ * @returns {number[][]} column, row, and depth in mm
+ */
+export function seenAt(head, size, points) {
+  const flat = project(Float32Array.from(points.flat()), cameraOf(head.view, 0, size, { x: 0, y: 0 }));
+  return points.map((_, i) => [flat[3 * i], flat[3 * i + 1], flat[3 * i + 2]]);
+}
+
+const decoded = new WeakMap(); // head -> its textures: a set of pictures asks for them often
+
+function texturesOf(head) {
+  if (!decoded.has(head)) decoded.set(head, readTextures(head));
+  return decoded.get(head);
 }
 
 async function readTextures(head) {
@@ -92,30 +118,36 @@ function bake(scene) {
   );
   let result = run.next();
   while (!result.done) result = run.next();
-  result.value.forEach((reach, i) => {
-    if (scene[i].kind !== 'mouth') scene[i].reach = Float32Array.from(reach, (x) => x / 255);
+  return result.value.map((reach) => Float32Array.from(reach, (x) => x / 255));
+}
+
+/** The mouth has its own light. */
+function cast(scene, shadows) {
+  shadows.forEach((reach, i) => {
+    if (scene[i].kind !== 'mouth') scene[i].reach = reach;
   });
 }
 
-function cameraOf({ target, distance, fov }, yaw, { width, height }) {
+function cameraOf({ target, distance, fov }, yaw, { width, height }, { x, y }) {
   const turn = (yaw * Math.PI) / 180;
   const far = distance * Math.max(1, 0.78 / (width / height));
   const focal = height / 2 / Math.tan((fov * Math.PI) / 360);
   return {
-    focal, target, cos: Math.cos(turn), sin: Math.sin(turn), far, width, height,
+    focal, target, cos: Math.cos(turn), sin: Math.sin(turn), far,
+    middle: [width / 2 - x * SAMPLES, height / 2 - y * SAMPLES],
     eye: [target[0] - Math.sin(turn) * far, target[1], target[2] + Math.cos(turn) * far],
   };
 }
 
 /** Column, row, depth for each vertex. */
-function project(position, { focal, target, cos, sin, far, width, height }) {
+function project(position, { focal, target, cos, sin, far, middle }) {
   const out = new Float32Array(position.length);
   for (let i = 0; i < position.length; i += 3) {
     const x = position[i] - target[0],
       z = position[i + 2] - target[2];
     const depth = far - (z * cos - x * sin);
-    out[i] = width / 2 + ((x * cos + z * sin) * focal) / depth;
-    out[i + 1] = height / 2 - ((position[i + 1] - target[1]) * focal) / depth;
+    out[i] = middle[0] + ((x * cos + z * sin) * focal) / depth;
+    out[i + 1] = middle[1] - ((position[i + 1] - target[1]) * focal) / depth;
     out[i + 2] = depth;
   }
   return out;

@@ -8,7 +8,7 @@ import { fetchModel, httpBase, ModelAssembler } from './loader.mjs';
 export class ModelSource {
   #assembler = new ModelAssembler();
   #aborter = null;
-  #name = null; // of the model that is here or on its way
+  #address = null; // of the model that is here or on its way
   #asked = false; // for it to come through the stream, with which it is lost
 
   /** @param {object} ports ask(message): through the stream; progress({loaded, total, ratio}); show(json): the model is here */
@@ -20,7 +20,7 @@ export class ModelSource {
   close() {
     this.#aborter?.abort();
     this.#assembler = new ModelAssembler();
-    this.#name = null;
+    this.#address = null;
   }
 
   /**
@@ -28,20 +28,25 @@ export class ModelSource {
    * @param {string} stream its address
    * @param {object} hello the server's
    * @param {string|null} wish the name of a model; null: the server's first
+   * @param {boolean} [pictures] whether its pictures take its place, where it has some
    */
-  async open(stream, hello, wish) {
+  async open(stream, hello, wish, pictures = false) {
     const name = wish ?? hello.models?.[0]?.name;
-    if (!name || (name === this.#name && !this.#asked)) return;
-    this.#name = name;
+    const known = hello.models?.find((model) => model.name === name);
+    const drawn = !(pictures && known?.pictures);
+    const version = known?.hash ? `?v=${known.hash}` : ''; // an address whose answer never changes: caches need not ask again
+    const address = drawn ? `models/${encodeURIComponent(name)}${version}` : known.pictures;
+    if (!name || (address === this.#address && !this.#asked)) return;
+    this.#aborter?.abort(); // what is on its way is wanted no more
+    this.#address = address;
     this.#asked = false;
     this.#aborter = new AbortController();
     const { signal } = this.#aborter;
-    const { bytes: size, hash } = hello.models?.find((model) => model.name === name) ?? {};
-    const version = hash ? `?v=${hash}` : ''; // an address whose answer never changes: caches need not ask again
+    const size = drawn ? known?.bytes : undefined;
     const progress = (loaded, total) => this.ports.progress({ loaded, total, ratio: total ? loaded / total : null });
     let json;
     try {
-      json = await fetchModel(`${httpBase(stream)}models/${encodeURIComponent(name)}${version}`, size, progress, signal);
+      json = await fetchModel(httpBase(stream) + address, size, progress, signal);
     } catch {
       if (signal.aborted) return;
       this.#asked = true;
