@@ -65,7 +65,7 @@ int head_main(int argc, char **argv, const struct settings *settings) {
         }
         paths[c] = optarg;
     }
-    if (argc - optind != 2 || strcmp(argv[optind], "export")) {
+    if (argc - optind != 2 || strcmp(argv[optind], "export") != 0) {
         cli_complain("'export' is wanted, and the name of one head: 'faccia head --help' tells more");
         return EXIT_USAGE;
     }

@@ -42,7 +42,7 @@ static int find(const char *target, struct sockaddr_storage *out) {
     bool bracketed = target[0] == '[' && colon && colon > target && colon[-1] == ']';
     if (!colon || colon == target || !colon[1])
         return -1;
-    char *host = mem_strndup(target + bracketed, (size_t)(colon - target) - 2 * bracketed);
+    char *host = mem_strndup(target + bracketed, (size_t)(colon - target) - (bracketed ? 2 : 0));
     struct addrinfo hints = {.ai_socktype = SOCK_DGRAM, .ai_flags = AI_NUMERICSERV}, *found = NULL;
     int result = getaddrinfo(host, colon + 1, &hints, &found);
     free(host);
@@ -95,7 +95,8 @@ static void wait_for_next(struct osc_play *p) {
 /* What is late is left out, but for the last. */
 static void on_time(uv_timer_t *timer) {
     struct osc_play *p = timer->data;
-    double late = (double)(uv_hrtime() / 1000 - p->start) / 1e6 * p->fps - (double)p->shown;
+    uint64_t now = uv_hrtime() / 1000;
+    double late = (double)(now - p->start) / 1e6 * p->fps - (double)p->shown;
     uint64_t skip = late > 1 ? (uint64_t)late : 0, most = waiting(p) - 1;
     skip = skip < most ? skip : most;
     double weights[ARKIT_SHAPES];

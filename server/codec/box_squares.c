@@ -49,8 +49,8 @@ static void solve_free(struct box_squares *s, const double *right, const size_t 
 /* Goes towards what the free ones would be, as far as the box lets; what stops it is held there. Whether it
  * got there. */
 static bool go(struct box_squares *s, const double *right) {
-    size_t free[BOX_SQUARES_MAX], n = 0, stop = 0;
-    double wanted[BOX_SQUARES_MAX], way = 1;
+    size_t free[BOX_SQUARES_MAX] = {0}, n = 0, stop = 0;
+    double wanted[BOX_SQUARES_MAX] = {0}, way = 1;
     for (size_t i = 0; i < s->count; i++)
         if (!s->at[i])
             free[n++] = i;

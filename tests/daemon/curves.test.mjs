@@ -147,10 +147,9 @@ test('a format that there is not is told, with what is near', async () => {
 });
 
 // What follows waits for programs, and asks the daemon for nothing.
-const gapErrors = {};
 for (const lang of ['it', 'en', 'tr', 'pt-BR'])
   for (const rate of [160, 320])
-    test(`lips that touch touch, ${lang} at ${rate} words a minute`, () => {
+    test(`lips that touch touch, ${lang} at ${rate} words a minute`, (t) => {
       const [fap, ndjson] = faccia(['say', '-l', lang, '--rate', String(rate), '--still', '-'], ['fap', 'arkit-ndjson'], sentences[lang].join(' '));
       const said = parseFap(fap).frames;
       const weighed = frames(ndjson);
@@ -169,11 +168,11 @@ for (const lang of ['it', 'en', 'tr', 'pt-BR'])
           assert.ok(pairs[0].is > 0.5 * pairs[0].was, `frame ${k}: open by ${pairs[0].was} mm, shown by ${pairs[0].is}`);
         }
       });
-      gapErrors[`${lang} ${rate}`] = { ...counts, rms: Math.sqrt(counts.squares / counts.open) };
+      const rms = Math.sqrt(counts.squares / counts.open);
+      t.diagnostic(`${counts.closed} frames closed; ${counts.open} open, off by ${rms.toFixed(2)} mm`);
       assert.ok(counts.closed > 100 && counts.open > 200, JSON.stringify(counts));
-      assert.ok(gapErrors[`${lang} ${rate}`].rms < 0.5, JSON.stringify(gapErrors));
+      assert.ok(rms < 0.5, `${rms} mm`);
     });
-after(() => console.log(gapErrors));
 
 test('lids that meet are a blink of 1, and eyes look where they looked', () => {
   const [fap, ndjson] = faccia(['say', '-l', 'it', '--fps', '100', '--seed', '5', '-'], ['fap', 'arkit-ndjson'], `${sentences.it.slice(0, 8).join(' ')}`);
