@@ -236,6 +236,9 @@ def group(kind, viseme, context, coefficients):
 # articulograph speakers the lower lip's peak lies before the vowel's middle. A rounded vowel reaches far back (small theta_bw), so that rounding is seen
 # before the vowel begins.
 OPEN_VOWEL = shape(1, 1, (4, 14), 1)
+# The lower lip looks ahead: on its way to a vowel it aims lower than the vowel's own target, by up to this part of it at the sound that holds
+# before. Without it people's lower lips are ahead of the curve (correlation .77 with two articulograph speakers, .79 with it).
+LOOKING_AHEAD = shape(1, 1, (4, 14), 1, beta=(0.4, 0.025))
 SPREAD = shape(1, 1, 12, 1)
 ROUND = shape(1, 1, (4, 9), 1)
 WEAK = shape(0.1, 0.1, 8, 1)
@@ -247,12 +250,12 @@ BLADE = (shape(1, 1, 16, 1), shape(0.9, 0.9, 14, 1), shape(0.8, 0.8, 12, 1))
 BODY = (shape(0.3, 0.3, 10, 1), shape(0.5, 0.5, 10, 1), shape(1, 1, 14, 1))
 
 GROUPS = {
-    "a": group("vowel", 10, "a", shapes(OPEN_VOWEL, SPREAD, tongue=TONGUE_OF_VOWELS)),
-    "e": group("vowel", 11, "e", shapes(OPEN_VOWEL, SPREAD, tongue=TONGUE_OF_VOWELS)),
-    "i": group("vowel", 12, "i", shapes(OPEN_VOWEL, SPREAD, tongue=TONGUE_OF_VOWELS)),
-    "o": group("vowel", 13, "o", shapes(OPEN_VOWEL, ROUND, tongue=TONGUE_OF_VOWELS)),
-    "u": group("vowel", 14, "u", shapes(OPEN_VOWEL, ROUND, tongue=TONGUE_OF_VOWELS)),
-    "y": group("vowel", 14, "y", shapes(OPEN_VOWEL, ROUND, tongue=TONGUE_OF_VOWELS)),
+    "a": group("vowel", 10, "a", shapes(LOOKING_AHEAD, SPREAD, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
+    "e": group("vowel", 11, "e", shapes(LOOKING_AHEAD, SPREAD, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
+    "i": group("vowel", 12, "i", shapes(LOOKING_AHEAD, SPREAD, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
+    "o": group("vowel", 13, "o", shapes(LOOKING_AHEAD, ROUND, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
+    "u": group("vowel", 14, "u", shapes(LOOKING_AHEAD, ROUND, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
+    "y": group("vowel", 14, "y", shapes(LOOKING_AHEAD, ROUND, upper=OPEN_VOWEL, jaw=OPEN_VOWEL, tongue=TONGUE_OF_VOWELS)),
     # theta as printed in table 3.2; c comes with the targets.
     "pbm": group("consonant", 1, "pbm", shapes(shape(1, 1, (8.907, 3.0), 1), WEAK, jaw=shape(0.5, 0.5, 10, 1))),
     # Dominance just under 1; the lower lip draws back whatever the vowels do.
