@@ -144,8 +144,12 @@ test('without WebGL there is a picture of the speaker', async () => {
     assert.match(await poster.getAttribute('src'), /\/v1\/models\/mara\.webp$/);
     assert.ok((await poster.evaluate((image) => image.naturalWidth)) > 200);
     assert.ok(await plain.locator('talking-head .message').isVisible(), 'it is said that it cannot move');
-    await plain.evaluate(() => void document.querySelector('talking-head').speak('Buongiorno a tutti.', { lang: 'it' }));
-    await plain.waitForFunction(() => /Buongiorno/.test(document.querySelector('talking-head').shadowRoot.querySelector('.captions').textContent), null, { timeout: 120000 });
+    await plain.evaluate(() => new Promise((resolve) => {
+      const head = document.querySelector('talking-head');
+      const captions = head.shadowRoot.querySelector('.captions');
+      new MutationObserver(() => /Buongiorno/.test(captions.textContent) && resolve()).observe(captions, { childList: true, characterData: true, subtree: true });
+      head.speak('Buongiorno a tutti.', { lang: 'it' });
+    }));
     assert.ok(await poster.isVisible(), 'and what is said is read under it');
     await plain.evaluate(() => { document.querySelector('talking-head').model = 'bruno'; });
     await plain.waitForFunction(() => /bruno\.webp$/.test(document.querySelector('talking-head').shadowRoot.querySelector('.poster').src));
