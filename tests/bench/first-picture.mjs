@@ -4,11 +4,15 @@
 // beside it. FACCIA_BUILD=build node tests/bench/first-picture.mjs [TURNS]; another build: with its FACCIA_BUILD, FACCIA_MODELS, FACCIA_WEB.
 import { Daemon } from '../lib/daemon.mjs';
 import { launch } from '../lib/browser.mjs';
+import { servePages } from '../lib/page-server.mjs';
 
 const turns = Number(process.argv[2] ?? 3);
 const daemon = await Daemon.start();
 const browser = await launch();
 const { models } = await (await daemon.get('/v1/models')).json();
+const body = (name) => `<!doctype html><link rel="icon" href="data:,"><script type="module" src="${daemon.url}/talking-head.js"></script>
+  <talking-head src="${daemon.url.replace('http', 'ws')}/v1/stream" model="${name}" quality="low" captions="off"></talking-head>`;
+const pages = await servePages(Object.fromEntries(models.map(({ name }) => [`/${name}`, body(name)])));
 const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
 
 /** Notes when the element first shows a picture, and when it first draws. */
@@ -28,20 +32,18 @@ async function once(name) {
   const context = await browser.newContext({ viewport: { width: 700, height: 600 } });
   const page = await context.newPage();
   await page.addInitScript(watch);
-  await page.route('**/probe.html', (route) =>
-    route.fulfill({
-      contentType: 'text/html',
-      body: `<!doctype html><link rel="icon" href="data:,"><script type="module" src="/talking-head.js"></script><talking-head model="${name}" quality="low" captions="off"></talking-head>`,
-    }),
-  );
-  await page.goto(`${daemon.url}/probe.html`);
+  await page.goto(`${pages.url}/${name}`);
   await page.waitForFunction(() => window.times.drawn, null, { timeout: 120000 });
-  const result = await page.evaluate(() => ({
-    ...window.times,
-    bytes: performance.getEntriesByType('resource').filter(({ name }) => name.includes('/v1/models/')).map(({ name, encodedBodySize }) => [name.split('/').pop(), encodedBodySize]),
-  }));
+  const times = await page.evaluate(() => window.times);
   await context.close();
-  return { ...result, bytes: Object.fromEntries(result.bytes) };
+  return times;
+}
+
+/** Bytes of an answer as it goes over the line. */
+async function bytes(address) {
+  const answer = await daemon.get(address, { headers: { 'accept-encoding': 'gzip' } });
+  await answer.arrayBuffer();
+  return answer.ok ? `${(Number(answer.headers.get('content-length')) / 1000).toFixed(0)}` : 'none';
 }
 
 async function empty() {
@@ -62,10 +64,10 @@ for (const { name, title } of models) {
     runs.push(await once(name));
     nothing.push(await empty());
   }
-  const kB = (bytes) => (bytes ? (bytes / 1000).toFixed(0) : 'none');
   const posters = runs.map(({ poster }) => poster).filter(Boolean);
-  console.log(`| ${title} | ${kB(runs[0].bytes[name])} | ${kB(runs[0].bytes[`${name}.webp`])} | ${posters.length ? median(posters).toFixed(0) : 'none'} | ${median(runs.map(({ drawn }) => drawn)).toFixed(0)} |`);
+  console.log(`| ${title} | ${await bytes(`/v1/models/${name}`)} | ${await bytes(`/v1/models/${name}.webp`)} | ${posters.length ? median(posters).toFixed(0) : 'none'} | ${median(runs.map(({ drawn }) => drawn)).toFixed(0)} |`);
 }
 console.log(`\nThe median of ${turns}; an answer of a few bytes of the same server: ${median(nothing).toFixed(0)} ms.`);
 await browser.close();
+await pages.close();
 await daemon.stop();

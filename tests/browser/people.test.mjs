@@ -62,6 +62,58 @@ test('the head that was chosen speaks with a voice that suits it', async () => {
   }
 });
 
+test('the page speaks with a voice that suits who was chosen on it', async () => {
+  const { voices } = await (await daemon.get('/v1/voices')).json();
+  for (const [i, { name, title, voice }] of models.entries()) {
+    if (!['bruno', 'rosa'].includes(name)) continue;
+    await page.locator('#head-box input').nth(i).check({ force: true });
+    await ready(title);
+    await page.fill('#text', 'Ciao.');
+    const begun = page.evaluate(() => new Promise((resolve) => document.querySelector('talking-head').addEventListener('begin', ({ detail }) => resolve(detail.voice), { once: true })));
+    await page.click('#speak');
+    const id = await begun;
+    assert.equal(voices.find((one) => one.id === id).gender, voice.gender, `${name}: ${id}`);
+  }
+});
+
+test('until the head has come its picture stands in its place', async () => {
+  const slow = await browser.newPage({ viewport: { width: 700, height: 600 }, locale: 'it-IT' });
+  let release;
+  const held = new Promise((resolve) => (release = resolve));
+  await slow.route('**/v1/models/mara?v=*', async (route) => {
+    await held;
+    await route.continue();
+  });
+  await slow.goto(daemon.url);
+  const poster = slow.locator('talking-head .poster');
+  await poster.waitFor({ state: 'visible' });
+  const stage = slow.locator('talking-head .stage');
+  const [box, own] = [await stage.boundingBox(), await poster.boundingBox()];
+  assert.ok(Math.abs(own.x + own.width / 2 - box.x - box.width / 2) < 1 && Math.abs(own.height - box.height) < 1, 'where the head will be');
+  const bar = await slow.locator('#loading').boundingBox();
+  assert.ok(bar.y > box.y + 0.7 * box.height, 'that it is being loaded is said below the face');
+  await slow.evaluate(() => document.querySelector('#loading').remove());
+  const shot = async (name) => PNG.sync.read(await stage.screenshot({ path: path.join(artefacts, `instead-${name}.png`) }));
+  const before = await shot('poster');
+  await slow.evaluate(() => document.querySelector('talking-head').pose({}));
+  release();
+  await poster.waitFor({ state: 'hidden', timeout: 120000 });
+  const after = await shot('head');
+  const [one, other] = [outline(before), outline(after)];
+  for (const side of Object.keys(one)) assert.ok(Math.abs(one[side] - other[side]) < 0.03 * box.height, `${side}: ${one[side]}, ${other[side]}`);
+  await slow.close();
+});
+
+/** The box of what is not background, in the upper two thirds: hair and face. */
+function outline(png) {
+  const box = { left: png.width, right: 0, top: png.height };
+  const apart = (x, y) => [0, 1, 2].some((k) => Math.abs(png.data[4 * (y * png.width + x) + k] - png.data[4 * (y * png.width + 2) + k]) > 60);
+  for (let y = 0; y < (png.height * 2) / 3; y++)
+    for (let x = 0; x < png.width * 0.8; x++) // beside the button
+      if (apart(x, y)) Object.assign(box, { left: Math.min(box.left, x), right: Math.max(box.right, x), top: Math.min(box.top, y) });
+  return box;
+}
+
 test('the views show more or less of it', async () => {
   const covered = {};
   for (const view of ['bust', 'face', 'mouth']) {
@@ -92,6 +144,13 @@ test('without WebGL there is a picture of the speaker', async () => {
     assert.match(await poster.getAttribute('src'), /\/v1\/models\/mara\.webp$/);
     assert.ok((await poster.evaluate((image) => image.naturalWidth)) > 200);
     assert.ok(await plain.locator('talking-head .message').isVisible(), 'it is said that it cannot move');
+    await plain.evaluate(() => new Promise((resolve) => {
+      const head = document.querySelector('talking-head');
+      const captions = head.shadowRoot.querySelector('.captions');
+      new MutationObserver(() => /Buongiorno/.test(captions.textContent) && resolve()).observe(captions, { childList: true, characterData: true, subtree: true });
+      head.speak('Buongiorno a tutti.', { lang: 'it' });
+    }));
+    assert.ok(await poster.isVisible(), 'and what is said is read under it');
     await plain.evaluate(() => { document.querySelector('talking-head').model = 'bruno'; });
     await plain.waitForFunction(() => /bruno\.webp$/.test(document.querySelector('talking-head').shadowRoot.querySelector('.poster').src));
     await plain.evaluate(() => { document.querySelector('talking-head').poster = 'off'; });

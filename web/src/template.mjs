@@ -7,7 +7,8 @@ export const styles = `
   :host([hidden]), [hidden] { display: none !important; }
   .stage { position: relative; flex: 1; min-block-size: 0; }
   canvas { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; display: block; }
-  .poster { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; object-fit: contain; }
+  .poster { position: absolute; inset: 0; margin-inline: auto; max-inline-size: 100%; block-size: 100%; object-fit: contain;
+    mask-image: linear-gradient(90deg, transparent, #000 12%, #000 88%, transparent); }
   .message { position: absolute; inset: 0; margin: auto; inline-size: fit-content; block-size: fit-content;
     max-inline-size: 90%; max-block-size: 100%; overflow: auto; box-sizing: border-box; padding: 0.75em 1em; border-radius: 0.5em;
     text-align: center; overflow-wrap: anywhere;
