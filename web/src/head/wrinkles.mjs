@@ -34,8 +34,8 @@ export function wrinklesOf(values) {
 export function foldsOf(values) {
   const over = (fap) => Math.max(0, values[fap]);
   const up = over(63);
-  const side = (cheek, corner, stretch, lip) =>
-    share(0.6 * values[cheek] + 0.5 * over(corner) + 0.3 * over(stretch) + 0.3 * Math.max(0, -values[lip]) + 0.4 * up - STILL, DRAWN);
+  const lips = (corner, stretch, upper) => 0.5 * over(corner) + 0.3 * over(stretch) + 0.3 * Math.max(0, -values[upper]);
+  const side = (cheek, ...of) => share(0.6 * values[cheek] + lips(...of) + 0.4 * up - STILL, DRAWN);
   return [side(41, 12, 6, 8), side(42, 13, 7, 9), share(up, WRINKLED)];
 }
 
