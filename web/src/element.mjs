@@ -10,7 +10,9 @@ import { Speech } from './speech.mjs';
 import { parts, styles } from './template.mjs';
 import { Turns } from './turns.mjs';
 
-const SPEAK_ATTRIBUTES = { lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String };
+const SPEAK_ATTRIBUTES = {
+  lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String,
+};
 const LINK_ATTRIBUTES = ['src', 'room', 'token'];
 const MOVE_MS = 100; // so long it may be out of the page without being given up: frameworks move elements
 

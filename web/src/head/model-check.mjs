@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Whether a head model is what protocol/schema/head-model.json says, as far as the page depends on it. What is left out may be left out.
+// Whether a head model is what protocol/schema/head-model.json says, as far as the page depends on it. What is missing may be
+// missing.
 
 export class ModelError extends Error {
   /** @param {string} place in the model, such as "parts[0].position.scale" @param {string} what is wrong there */
@@ -53,7 +54,10 @@ const each = (list, place, check) => list?.forEach((one, i) => check(one, `${pla
 const every = (object, place, check) => Object.entries(object ?? {}).forEach(([name, one]) => check(one, `${place}.${name}`, name));
 
 function checkPart(part, place) {
-  members(part, place, { name: 'text', material: 'text', vertices: 'vertices', position: 'object', 'uv?': 'object', index: 'object', 'smooth?': 'object', 'moves?': 'list', 'turns?': 'list' });
+  members(part, place, {
+    name: 'text', material: 'text', vertices: 'vertices', position: 'object', 'uv?': 'object', index: 'object', 'smooth?': 'object',
+    'moves?': 'list', 'turns?': 'list',
+  });
   members(part.position, `${place}.position`, { data: 'base64', scale: 'positive', offset: 'vector' });
   for (const name of ['uv', 'index', 'smooth']) if (part[name]) members(part[name], `${place}.${name}`, { data: 'base64' });
   each(part.moves, `${place}.moves`, (move, at) => {
@@ -69,7 +73,10 @@ function checkPart(part, place) {
 
 /** @throws {ModelError} with the place of what is wrong */
 export function checkModel(json) {
-  members(json, '', { format: 'text', version: 'number', name: 'text', 'title?': 'text', 'credits?': 'list', fapu: 'object', 'fdp?': 'object', 'view?': 'object', 'turns?': 'list', 'textures?': 'object', 'materials?': 'object', parts: 'list' });
+  members(json, '', {
+    format: 'text', version: 'number', name: 'text', 'title?': 'text', 'credits?': 'list', fapu: 'object', 'fdp?': 'object',
+    'view?': 'object', 'turns?': 'list', 'textures?': 'object', 'materials?': 'object', parts: 'list',
+  });
   if (json.format !== 'faccia-head') throw new ModelError('format', 'this is no head model');
   if (json.version !== 1) throw new ModelError('version', 'only version 1 is known');
   if (!json.parts.length) throw new ModelError('parts', 'there are none');
@@ -79,8 +86,14 @@ export function checkModel(json) {
     members(json.fdp, 'fdp', { [name]: 'vector' });
   });
   if (json.view) members(json.view, 'view', { 'target?': 'vector', 'distance?': 'positive', 'fov?': 'angle' });
-  each(json.turns, 'turns', (turn, at) => members(turn, at, { name: 'text', fap: 'fap', pivot: 'vector', axis: 'vector', radians: 'number' }));
+  each(json.turns, 'turns', (turn, at) =>
+    members(turn, at, { name: 'text', fap: 'fap', pivot: 'vector', axis: 'vector', radians: 'number' }),
+  );
   every(json.textures, 'textures', (texture, at) => members(texture, at, { type: 'image', data: 'base64' }));
-  every(json.materials, 'materials', (material, at) => members(material, at, { 'texture?': 'text', 'color?': 'vector', 'roughness?': 'share', 'specular?': 'share', 'alpha?': 'alpha', 'subsurface?': 'share' }));
+  every(json.materials, 'materials', (material, at) =>
+    members(material, at, {
+      'texture?': 'text', 'color?': 'vector', 'roughness?': 'share', 'specular?': 'share', 'alpha?': 'alpha', 'subsurface?': 'share',
+    }),
+  );
   each(json.parts, 'parts', checkPart);
 }
