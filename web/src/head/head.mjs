@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import {
-  AddEquation, BufferAttribute, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Matrix4, Mesh, NearestFilter,
-  NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4,
+  AddEquation, BufferAttribute, CustomBlending, DataTexture, DoubleSide, FloatType, FrontSide, Group, Matrix4, Mesh,
+  NearestFilter, NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4,
 } from 'three';
 import { faceValues } from '../face-mixer.mjs';
 import { deform } from './deform.mjs';
@@ -50,7 +50,9 @@ async function sliced(work) {
 const LEAN_POSES = [
   faceValues({}),
   LIT_POSE,
-  faceValues({ 4: 150, 5: 150, 6: -150, 7: -150, 16: 250, 17: 250, 31: 200, 32: 200, 33: 200, 34: 200, 35: 150, 36: 150, 44: 300 }),
+  faceValues({
+    4: 150, 5: 150, 6: -150, 7: -150, 16: 250, 17: 250, 31: 200, 32: 200, 33: 200, 34: 200, 35: 150, 36: 150, 44: 300,
+  }),
   faceValues({ 6: 200, 7: 200, 12: 200, 13: 200, 37: 150, 38: 150, 41: 200, 42: 200, 19: 300, 20: 300, 59: 200, 60: 200 }),
 ];
 const LEAN_MM = [0.3, 0.42]; // what a vertex may be off by,
@@ -81,7 +83,7 @@ export class Head {
     this.model = model;
     this.drive = new Drive(model);
     this.group = new Group();
-    this.parts = []; // {part, influences, geometry, shapes: the whole one, and with fewer triangles; shape: the one that is drawn}
+    this.parts = []; // {part, influences, geometry, shapes: the whole one, then with fewer triangles; shape: the one drawn}
     this.faps = faceValues({});
     this.materials = [];
     const creases = wrinklePlace(model.fdp, model.fapu);
@@ -124,7 +126,8 @@ export class Head {
     // Reading the influences may have made new slots.
     this.drive.slotValues = this.uniforms.slots.value = new Float32Array(Math.max(1, this.drive.slots.length));
     for (const { part, influences } of built) {
-      const shape = new Shape(part, influences, { normals: this.#normals(part, influences.normals) }, this.software ? this.drive : null);
+      const look = { normals: this.#normals(part, influences.normals) };
+      const shape = new Shape(part, influences, look, this.software ? this.drive : null);
       const { geometry, soft } = shape;
       this.parts.push({ part, influences, geometry, shape, shapes: [shape] });
       const packed = soft ? { texture: this.white, needs: { SOFTWARE: soft.whole ? 2 : 1 } } : this.#pack(influences, geometry);
@@ -138,6 +141,7 @@ export class Head {
    */
   async slim() {
     for (const one of this.parts) {
+      if (this.gone) return;
       const [whole] = one.shapes;
       const fewer = await sliced(lean(one.part, await this.#features(one), LEAN_MM));
       one.shapes = [one.part.index, ...fewer].map((triangles) => whole.with(triangles, this.drive));
@@ -157,12 +161,14 @@ export class Head {
     const { normal, uv, reach } = geometry.attributes;
     const block = ({ array, itemSize }, from, count, scale) => {
       const out = new Float32Array(3 * part.vertices);
-      for (let v = 0; v < part.vertices; v++) for (let k = 0; k < count; k++) out[3 * v + k] = scale * array[itemSize * v + from + k];
+      for (let v = 0; v < part.vertices; v++)
+        for (let k = 0; k < count; k++) out[3 * v + k] = scale * array[itemSize * v + from + k];
       return out;
     };
     const worth = kindOf(part.name) === 'mouth' ? WORTH_INSIDE : WORTH;
     const light = [[0, 2], [2, 2]].map(([from, count]) => block(reach, from, count, worth.reach / 255));
-    return { blocks: [...places, block(normal, 0, 3, worth.normal), ...light, block(uv, 0, 2, worth.texture)], places: places.length };
+    const blocks = [...places, block(normal, 0, 3, worth.normal), ...light, block(uv, 0, 2, worth.texture)];
+    return { blocks, places: places.length };
   }
 
   /** @param {number} mm how large a point of the picture is where the face is */
@@ -307,7 +313,9 @@ export class Head {
     // Without samples hair is drawn before what it hides; with them its edges mix with what stands.
     for (const mesh of this.group.children) if (mesh.material.userData.soft) mesh.renderOrder = sampled ? 1 : -1;
     for (const mesh of this.group.children) mesh.visible = (fine && !sampled) || !mesh.userData.fineOnly;
-    for (const texture of this.textures.values()) if (!texture.isDataTexture) setTextureQuality(texture, fine && !this.software, fine, anisotropy);
+    const linear = fine && !this.software;
+    for (const texture of this.textures.values())
+      if (!texture.isDataTexture) setTextureQuality(texture, linear, fine, anisotropy);
   }
 
   /** Hair: with several samples alpha says how many of them it covers, so that one pass does. */
@@ -338,6 +346,7 @@ export class Head {
   }
 
   dispose() {
+    this.gone = true;
     for (const { shapes } of this.parts) for (const shape of shapes) shape.dispose();
     for (const material of this.materials) material.dispose();
     for (const texture of this.textures.values()) texture.dispose();

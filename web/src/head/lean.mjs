@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// Fewer triangles where the picture's points are too large to show the difference. Vertices are taken away one by one, each into a
-// neighbour, as long as what is drawn instead stays near what was there: in place, in every pose that is asked for, in
-// light, in its normal and on the texture. What is left keeps its vertices, and with them all that moves them.
+// Fewer triangles where the picture's points are too large to show the difference. Vertices are taken away one by one, each
+// into a neighbour, as long as what is drawn instead stays near what was there: in place, in every pose that is asked for,
+// in light, in its normal and on the texture. What is left keeps its vertices, and with them all that moves them.
 
 const STEPS = [0.1, 0.35, 1]; // of the tolerance: what costs least goes first
 const PASSES = 4; // of each step
@@ -57,7 +57,8 @@ class Mesh {
   joins(v) {
     const { index, counted, turn } = this; // of u's neighbours
     const both = new Set();
-    for (const t of this.round[v]) for (let i = t; i < t + 3; i++) if (index[i] !== v && counted[index[i]] === turn) both.add(index[i]);
+    for (const t of this.round[v])
+      for (let i = t; i < t + 3; i++) if (index[i] !== v && counted[index[i]] === turn) both.add(index[i]);
     return both.size === this.common[v];
   }
 
@@ -66,7 +67,7 @@ class Mesh {
     return this.round[u].flatMap((t) => this.gone.get(t) ?? []);
   }
 
-  /** Makes `u` into `v`. @param {(p: number) => number} home the triangle, of those that are left, for a vertex that has gone */
+  /** Makes `u` into `v`. @param {(p: number) => number} home of a vertex that has gone: a triangle of those that are left */
   collapse(u, v, home) {
     const lost = [...this.lost(u), u];
     const homes = lost.map(home);
@@ -153,7 +154,7 @@ class Cost {
   }
 
   /**
-   * The square of the largest error when `u` becomes `v`, of `u` and all that has gone before; Infinity when it is `most` or more.
+   * The square of the largest error when `u` becomes `v`, of `u` and all that has gone before; Infinity from `most` on.
    * @param {number[]} lost `mesh.lost(u)` @param {number} other the other way along an outline, or -1
    */
   of(u, v, lost, other, most) {

@@ -40,7 +40,7 @@ export class Shape {
     if (soft?.acts) for (const name of ['position', 'normal']) geometry.attributes[name].setUsage(DynamicDrawUsage);
   }
 
-  /** Moves it, where there is no graphics processor to do it. @param {import('./influences.mjs').Drive} drive with the FAPs set */
+  /** Moves it, where no graphics processor does. @param {import('./influences.mjs').Drive} drive with the FAPs set */
   update(drive) {
     if (!this.soft?.acts || !this.soft.update(drive)) return;
     for (const name of ['position', 'normal']) this.geometry.attributes[name].needsUpdate = true;

@@ -27,9 +27,10 @@ export async function loadTexture(json, transparent) {
 export function setTextureQuality(texture, linear, fine, anisotropy) {
   const colorSpace = linear && !texture.userData.transparent ? SRGBColorSpace : NoColorSpace;
   const minFilter = fine ? LinearMipmapLinearFilter : LinearMipmapNearestFilter;
-  if (texture.version && texture.colorSpace === colorSpace && texture.minFilter === minFilter && texture.anisotropy === anisotropy) return;
+  const wanted = { colorSpace, minFilter, anisotropy };
+  if (texture.version && Object.entries(wanted).every(([key, value]) => texture[key] === value)) return;
   texture.dispose(); // its format on the graphics processor changes
-  Object.assign(texture, { colorSpace, minFilter, anisotropy, needsUpdate: true });
+  Object.assign(texture, wanted, { needsUpdate: true });
 }
 
 /** For materials without a texture. */
