@@ -11,5 +11,8 @@ function hasWebgl() {
   return webgl;
 }
 
-/** Whether pictures are to be shown, where there are some: when they are asked for, or a head cannot be drawn. @param {string|null} quality */
+/**
+ * Whether pictures are to be shown, where there are some: when they are asked for, or a head cannot be drawn.
+ * @param {string|null} quality the attribute
+ */
 export const wantsPictures = (quality) => quality === 'pictures' || !hasWebgl();

@@ -8,10 +8,14 @@ import { displacements, openingOf, spaceOf } from './space.mjs';
 const CELL = 8; // pixels: the warp is computed at the corners of such cells, and goes straight between
 const ONE = 256; // of the fractions that colours are mixed by
 const LOW = 0x00ff00ff; // two of a pixel's four bytes, with room for products
+const COLOUR = 0x00ffffff; // without alpha
+const FINE_BITS = 14; // of a column's and row's fraction
+const FINE = 1 << FINE_BITS;
+const STILL = 1 / 16; // pixels: less is not seen
 
 /**
- * A region of the face: its two nearest pictures, warped so that their anchors lie where the FAPs want them, and dissolved into each other.
- * What it makes has the mask as its alpha.
+ * A region of the face: its two nearest pictures, warped so that their anchors lie where the FAPs want them, and dissolved into
+ * each other. What it makes has the mask as its alpha.
  */
 export class Region {
   #shown = null; // the place that `output` shows, as text
@@ -40,6 +44,7 @@ export class Region {
       };
     });
     this.mask = maskOf(region);
+    this.alpha = Uint32Array.from(this.mask, (share) => (Math.round(255 * share) << 24) >>> 0);
     this.rows = rowsOf(this.mask, width, height);
     this.output = new Uint32Array(width * height);
     this.columns = Math.ceil((width - 1) / CELL) + 1;
@@ -61,7 +66,7 @@ export class Region {
     return true;
   }
 
-  /** Fills the grid with how far, from each of its corners, the two pictures are fetched. @returns {boolean} whether they are at all */
+  /** Fills the grid with how far from its corners the two pictures are fetched. @returns {boolean} whether they are at all */
   #warp(moved, a, b) {
     const [one, other] = [this.pictures[a.index], this.pictures[b.index]];
     if (!one.anchors || !other.anchors) return false;
@@ -81,46 +86,49 @@ export class Region {
   }
 
   #dissolve(first, second, share, warped) {
-    const { output, rows, mask, width, height, grid, columns } = this;
-    const two = share > 0;
+    const { output, rows, alpha, width, height } = this;
+    const run = new Int32Array(8);
     for (let y = 0; y < height; y++) {
-      const [begin, end] = [rows[2 * y], rows[2 * y + 1]];
-      const line = Math.floor(y / CELL) * columns;
-      const down = (y % CELL) / CELL;
-      for (let x = begin; x < end; ) {
-        const cell = Math.floor(x / CELL);
-        const last = Math.min(end, (cell + 1) * CELL);
-        const i = 4 * (line + cell);
-        const below = i + (y + CELL > height - 1 && (y % CELL) === 0 ? 0 : 4 * columns);
-        const right = cell + 1 < columns ? 4 : 0;
-        const across = (x - cell * CELL) / CELL;
-        let [ax, ay, bx, by, dax, day, dbx, dby] = [0, 0, 0, 0, 0, 0, 0, 0];
-        if (warped) {
-          const edge = (k) => grid[i + k] + down * (grid[below + k] - grid[i + k]);
-          const far = (k) => grid[i + right + k] + down * (grid[below + right + k] - grid[i + right + k]);
-          dax = (far(0) - edge(0)) / CELL;
-          day = (far(1) - edge(1)) / CELL;
-          ax = edge(0) + across * CELL * dax;
-          ay = edge(1) + across * CELL * day;
-          if (two) {
-            dbx = (far(2) - edge(2)) / CELL;
-            dby = (far(3) - edge(3)) / CELL;
-            bx = edge(2) + across * CELL * dbx;
-            by = edge(3) + across * CELL * dby;
-          }
+      const end = rows[2 * y + 1];
+      for (let x = rows[2 * y]; x < end; ) {
+        const last = Math.min(end, (Math.floor(x / CELL) + 1) * CELL);
+        const at = y * width + x;
+        const count = last - x;
+        if (!warped || !this.#run(x, y, run)) plain(output, alpha, first, second, at, count, share);
+        else {
+          fetched(output, first, run, 0, at, count, width, height);
+          if (share) fetched(output, second, run, 4, at, count, width, height, share);
+          for (let i = at; i < at + count; i++) output[i] = (output[i] & COLOUR) | alpha[i];
         }
-        for (; x < last; x++) {
-          const at = y * width + x;
-          let colour = warped ? fetch(first, x + ax, y + ay, width, height) : first[at];
-          if (two) colour = mixed(colour, warped ? fetch(second, x + bx, y + by, width, height) : second[at], share);
-          output[at] = (colour & 0xffffff) | ((255 * mask[at] + 0.5) << 24);
-          ax += dax;
-          ay += day;
-          bx += dbx;
-          by += dby;
-        }
+        x = last;
       }
     }
+  }
+
+  /**
+   * Where a run of pixels within a cell is fetched from, in fractions of FINE: column, row, and how they go on, for either
+   * picture.
+   * @returns {boolean} whether it is elsewhere at all
+   */
+  #run(x, y, run) {
+    const { grid, columns } = this;
+    const column = Math.floor(x / CELL);
+    const down = (y % CELL) / CELL;
+    const i = 4 * (Math.floor(y / CELL) * columns + column);
+    const below = y % CELL ? i + 4 * columns : i; // at the last row there may be none
+    const right = column + 1 < columns ? 4 : 0;
+    const across = x - column * CELL;
+    let moved = false;
+    for (let k = 0; k < 4; k++) {
+      const begin = grid[i + k] + down * (grid[below + k] - grid[i + k]);
+      const end = grid[i + right + k] + down * (grid[below + right + k] - grid[i + right + k]);
+      const step = (end - begin) / CELL;
+      const place = 4 * (k >> 1) + (k & 1);
+      run[place] = ((k & 1 ? y : x) + begin + across * step) * FINE;
+      run[place + 2] = (step + (k & 1 ? 0 : 1)) * FINE;
+      moved ||= Math.abs(begin) > STILL || Math.abs(end) > STILL;
+    }
+    return moved;
   }
 }
 
@@ -132,16 +140,27 @@ function mixed(a, b, share) {
   return ((even >>> 8) & LOW) | (odd & ~LOW);
 }
 
-/** A pixel between four; beyond the border, that of the border. */
-function fetch(source, x, y, width, height) {
-  x = x < 0 ? 0 : x > width - 1.01 ? width - 1.01 : x;
-  y = y < 0 ? 0 : y > height - 1.01 ? height - 1.01 : y;
-  const column = x | 0;
-  const row = y | 0;
-  const across = ((x - column) * ONE) | 0;
-  const at = row * width + column;
-  const upper = mixed(source[at], source[at + 1], across);
-  return mixed(upper, mixed(source[at + width], source[at + width + 1], across), ((y - row) * ONE) | 0);
+/** Pixels where they are. */
+function plain(output, alpha, first, second, at, count, share) {
+  for (let i = at; i < at + count; i++)
+    output[i] = ((share ? mixed(first[i], second[i], share) : first[i]) & COLOUR) | alpha[i];
+}
+
+/** A run of pixels, each between four; beyond the border, those of the border. With a share, into what stands there. */
+function fetched(output, source, run, k, at, count, width, height, share = 0) {
+  let [x, y] = [run[k], run[k + 1]];
+  const [stepX, stepY] = [run[k + 2], run[k + 3]];
+  const [mostX, mostY] = [(width - 1) * FINE - 1, (height - 1) * FINE - 1];
+  for (let i = at; i < at + count; i++, x += stepX, y += stepY) {
+    const u = x < 0 ? 0 : x > mostX ? mostX : x;
+    const v = y < 0 ? 0 : y > mostY ? mostY : y;
+    const place = Math.imul(v >> FINE_BITS, width) + (u >> FINE_BITS);
+    const across = (u & (FINE - 1)) >> (FINE_BITS - 8);
+    const down = (v & (FINE - 1)) >> (FINE_BITS - 8);
+    const upper = mixed(source[place], source[place + 1], across);
+    const colour = mixed(upper, mixed(source[place + width], source[place + width + 1], across), down);
+    output[i] = share ? mixed(output[i], colour, share) : colour;
+  }
 }
 
 /** Where each row of a mask begins and ends. */

@@ -2,7 +2,8 @@
 
 /**
  * A warp that takes points P to points Q and what lies between along with them: multiquadrics with an affine part,
- * sqrt(d² + r²) for each point, r its distance to the nearest other one (Costa 2009, section 3.5.2, after Ruprecht and Müller 1995).
+ * sqrt(d² + r²) for each point, r its distance to the nearest other one (Costa 2009, section 3.5.2, after Ruprecht and Müller
+ * 1995).
  * @param {number[][]} from P, at least three that are not on one line
  * @param {number[][][]} to lists of Q: the same system is solved for all of them
  * @returns {(x: number, y: number, out: Float64Array) => void} writes x and y for each list
@@ -10,7 +11,8 @@
 export function multiquadric(from, to) {
   const count = from.length;
   const size = count + 3;
-  const radii = from.map((p, i) => Math.min(...from.filter((_, j) => j !== i).map((q) => Math.hypot(p[0] - q[0], p[1] - q[1]))) ** 2);
+  const apart = (p, q) => (p[0] - q[0]) ** 2 + (p[1] - q[1]) ** 2;
+  const radii = from.map((p, i) => Math.min(...from.filter((_, j) => j !== i).map((q) => apart(p, q)))); // squared
   const rows = Array.from({ length: size }, (_, i) => {
     const row = new Float64Array(size + 2 * to.length);
     if (i < count) {
@@ -32,7 +34,10 @@ export function multiquadric(from, to) {
   };
 }
 
-/** Gauss and Jordan with pivots: the rows hold the matrix and, beside it, the right sides. @returns {Float64Array[]} the solutions, by row */
+/**
+ * Gauss and Jordan with pivots: the rows hold the matrix and, beside it, the right sides.
+ * @returns {Float64Array[]} the solutions, by row
+ */
 function solve(rows, size) {
   for (let c = 0; c < size; c++) {
     let best = c;

@@ -9,8 +9,9 @@ const smooth = (x) => {
 };
 
 /**
- * The two nearest pictures with their weights, which are those of Franke and Little (1980): the inverse of the distance, less that of the
- * third, so that a picture begins and ends with nothing while others take its place, and one that is met is shown as it is.
+ * The two nearest pictures with their weights, which are those of Franke and Little (1980): the inverse of the distance, less
+ * that of the third, so that a picture begins and ends with nothing while others take its place, and one that is met is shown
+ * as it is.
  * Where lips are closed only pictures of closed lips count.
  * @param {number[]} at a place in the space of the pictures
  * @param {{at: number[], opening: number|null}[]} pictures opening: FAP units, null where nothing opens

@@ -6,8 +6,8 @@ const SWAY = 0.5; // of what a turn of the head would move the face: the shoulde
 const AU = 1e-5; // radians
 
 /**
- * A canvas with a set of pictures on it, without a graphics processor: the same as View, for a face of photographs. The base is drawn whole,
- * and over it the regions that have something else to show; the head's turns move it all a little.
+ * A canvas with a set of pictures on it, without a graphics processor: the same as View, for a face of photographs. The base
+ * is drawn once, and over it the regions that change; the head's turns move the canvas itself, which costs the page nothing.
  */
 export class PicturesView {
   name = 'pictures'; // in place of a level of quality
@@ -19,6 +19,7 @@ export class PicturesView {
     this.canvas = canvas;
     this.context = canvas.getContext('2d');
     this.head = null;
+    this.size = { width: 1, height: 1 };
     canvas.style.objectFit = 'contain';
   }
 
@@ -26,20 +27,40 @@ export class PicturesView {
   show(pictures) {
     this.head?.dispose();
     this.head = pictures;
+    this.shown = null;
   }
 
-  resize() {} // the page's own layout does it
+  /** In CSS pixels. */
+  resize(width, height) {
+    this.size = { width, height };
+  }
 
   setLevel() {} // there is one
 
   draw() {
-    const { canvas, context, head, framing } = this;
+    const { canvas, context, head } = this;
     if (!head) return;
-    const { x, y, width, height } = framing === 'mouth' ? head.mouth : head.whole;
-    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
-    context.setTransform(1, 0, 0, 1, -x, -y);
-    context.clearRect(x, y, width, height);
-    head.draw(context);
+    const shown = this.framing === 'mouth' ? head.mouth : head.whole;
+    if (this.shown !== shown) {
+      this.shown = shown;
+      Object.assign(canvas, { width: shown.width, height: shown.height });
+      context.translate(-shown.x, -shown.y);
+      head.begin(context);
+    } else head.draw(context);
+    const transform = shown === head.whole ? this.#turned() : '';
+    if (canvas.style.transform !== transform) canvas.style.transform = transform;
+  }
+
+  /** What the head's turns do to the canvas, as it lies in its place. */
+  #turned() {
+    const { width, height } = this.head.whole;
+    const scale = Math.min(this.size.width / width, this.size.height / height);
+    const [x, y, roll] = this.head.turned;
+    if (!x && !y && !roll) return '';
+    const [px, py] = this.head.pivot;
+    const from = (value, middle) => `calc(50% + ${((value - middle) * scale).toFixed(1)}px)`;
+    this.canvas.style.transformOrigin = `${from(px, width / 2)} ${from(py, height / 2)}`;
+    return `translate(${(x * scale).toFixed(2)}px, ${(y * scale).toFixed(2)}px) rotate(${(-roll).toFixed(4)}rad)`;
   }
 
   /** What is asked for is drawn. */
@@ -49,7 +70,7 @@ export class PicturesView {
 
   dispose() {
     this.head?.dispose();
-    this.canvas.style.objectFit = '';
+    Object.assign(this.canvas.style, { objectFit: '', transform: '', transformOrigin: '' });
   }
 }
 
@@ -80,28 +101,42 @@ export class Pictures {
       const canvas = document.createElement('canvas');
       Object.assign(canvas, { width: region.width, height: region.height });
       const context = canvas.getContext('2d');
-      return { region, canvas, context, pixels: new ImageData(new Uint8ClampedArray(region.output.buffer), region.width) };
+      const pixels = context.createImageData(region.width, region.height);
+      region.output = new Uint32Array(pixels.data.buffer);
+      return { region, canvas, context, pixels };
     });
-    this.turns = [0, 0, 0];
+    this.turned = [0, 0, 0]; // to the right and down, in its pixels, and about its pivot
+    this.changed = false;
     this.setFaps(new Float32Array(69));
   }
 
   /** @param {ArrayLike<number>} faps by number */
   setFaps(faps) {
-    for (const { region, context, pixels } of this.layers) if (region.update(faps)) context.putImageData(pixels, 0, 0);
-    this.turns = [48, 49, 50].map((number) => faps[number] * AU);
+    for (const { region, context, pixels } of this.layers) {
+      if (!region.update(faps)) continue;
+      context.putImageData(pixels, 0, 0);
+      this.changed = true;
+    }
+    const [pitch, yaw, roll] = [48, 49, 50].map((number) => faps[number] * AU);
+    this.turned = [SWAY * this.reach * Math.sin(yaw), SWAY * this.reach * Math.sin(pitch), roll];
   }
 
-  /** @param {CanvasRenderingContext2D} context */
-  draw(context) {
-    const [pitch, yaw, roll] = this.turns;
-    const [x, y] = this.pivot;
-    if (pitch || yaw || roll) {
-      context.translate(x + SWAY * this.reach * Math.sin(yaw), y + SWAY * this.reach * Math.sin(pitch));
-      context.rotate(-roll);
-      context.translate(-x, -y);
-    }
+  /** All of it. @param {CanvasRenderingContext2D} context */
+  begin(context) {
     context.drawImage(this.base, 0, 0);
+    this.changed = true;
+    this.draw(context);
+  }
+
+  /** What has changed. @param {CanvasRenderingContext2D} context */
+  draw(context) {
+    if (!this.changed) return;
+    this.changed = false;
+    for (const { region } of this.layers) {
+      const { x, y, width, height } = region;
+      context.clearRect(x, y, width, height);
+      context.drawImage(this.base, x, y, width, height, x, y, width, height);
+    }
     for (const { region, canvas } of this.layers) context.drawImage(canvas, region.x, region.y);
   }
 

@@ -9,7 +9,10 @@ const MOST_PIXELS = 1 << 25; // of a sheet
 export const isPictures = (json) => json?.format === 'faccia-pictures';
 
 const positive = (...values) => values.every((value) => Number.isFinite(value) && value > 0);
-const points = (list, count) => Array.isArray(list) && (count === undefined ? list.length > 2 : list.length === count) && list.every((p) => p.length === 2 && p.every(Number.isFinite));
+const points = (list, count = null) =>
+  Array.isArray(list) &&
+  (count === null ? list.length > 2 : list.length === count) &&
+  list.every((point) => point.length === 2 && point.every(Number.isFinite));
 
 /**
  * Checks a set of pictures.

@@ -9,8 +9,8 @@ const clamp = (x) => Math.min(1, Math.max(0, x));
 export const openingOf = (faps) => -(faps[4] + faps[5]);
 
 /**
- * The mouth: opening, its corners, the outer contour, jaw, protrusion, and, as far as it is seen, the tongue. Lengths in FAP units of MNS;
- * what shows more counts more.
+ * The mouth: opening, its corners, the outer contour, jaw, protrusion, and, as far as it is seen, the tongue. Lengths in FAP
+ * units of MNS; what shows more counts more.
  */
 function mouth(f) {
   const opening = Math.max(0, openingOf(f));
@@ -40,7 +40,8 @@ export const spaceOf = (region) => SPACES[region];
 export const isRegion = (name) => Object.hasOwn(SPACES, name);
 
 /**
- * How far the five anchors of a mouth (corners, right and left of the face, middle of the upper and of the lower lip, chin) go from rest.
+ * How far the five anchors of a mouth (corners, right and left of the face, middle of the upper and of the lower lip, chin) go
+ * from rest.
  * @param {ArrayLike<number>} f FAPs by number @param {{MNS: number, MW: number}} fapu in pixels
  * @returns {number[][]} columns to the right, rows down
  */
