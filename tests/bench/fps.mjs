@@ -17,6 +17,7 @@ import { prose } from './text.mjs';
 const { values: options } = parseArgs({
   options: { seconds: { type: 'string', default: '8' }, turns: { type: 'string', default: '3' }, before: { type: 'string' }, model: { type: 'string', default: 'mara' } },
 });
+const SETTLED_MS = 5000; // until shaders are compiled and heads have few triangles
 const seconds = Number(options.seconds);
 const models = path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads');
 const json = JSON.parse(fs.readFileSync(path.join(models, `${options.model}.json`)));
@@ -32,7 +33,7 @@ const spent = () => descendantSeconds(daemons);
 
 /** Frames that a page draws in a while, by a counter that it keeps, and what each costs. */
 async function rate(page, counter) {
-  await new Promise((resolve) => setTimeout(resolve, 2000));
+  await new Promise((resolve) => setTimeout(resolve, SETTLED_MS));
   const [first, cpu, started] = [await page.evaluate(counter), spent(), performance.now()];
   await new Promise((resolve) => setTimeout(resolve, seconds * 1000));
   const frames = (await page.evaluate(counter)) - first;
@@ -75,7 +76,7 @@ async function other() {
 async function ours(quality, { url }) {
   const page = await openPage(browser, url, { quality });
   await page.evaluate(() => Object.assign(document.querySelector('talking-head').style, { width: '640px', height: '480px', position: 'fixed', inset: 0, maxWidth: 'none' }));
-  await page.evaluate((text) => void document.querySelector('talking-head').speak(text, { lang: 'it' }), prose(seconds + 8));
+  await page.evaluate((text) => void document.querySelector('talking-head').speak(text, { lang: 'it' }), prose(seconds + 12));
   const found = await rate(page, () => document.querySelector('talking-head').debug().frames);
   const { triangles, level } = await page.evaluate(() => document.querySelector('talking-head').debug());
   await page.close();

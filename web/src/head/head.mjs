@@ -64,7 +64,7 @@ const WORTH_INSIDE = { normal: 0.8, reach: 0, texture: 30 }; // of the mouth, wh
 /** The head model as things to draw. FAPs go in, and the graphics processor does the rest. */
 export class Head {
   #fewer = 0; // which of the shapes is drawn
-  #sampled = false; // then it is the whole one: between larger triangles single samples let through what is behind
+  #sampled = false; // then it is the whole one: with fewer triangles single samples are dark, here and there
 
   /**
    * @param {ReturnType<import('./model.mjs').readModel>} model

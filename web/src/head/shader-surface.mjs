@@ -23,7 +23,7 @@ const commonGlsl = /* glsl */ `
 ${lightsGlsl}
 uniform vec3 tint;
 uniform float subsurface;
-// With samples the middle of a point may lie outside a thin triangle, where what is interpolated is anything: black specks.
+// With samples the middle of a point may lie outside a thin triangle, where what is interpolated is anything.
 #if FINE
 #define WITHIN centroid
 #else
