@@ -43,7 +43,7 @@ async function open({ scripts = [`${daemon.url}/talking-head.js`] } = {}) {
     const { getContext } = HTMLCanvasElement.prototype;
     HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
       const context = getContext.call(this, kind, ...rest);
-      if (kind === 'webgl2' && context) window.pictures.push(context);
+      if (kind === 'webgl2' && context && this.isConnected) window.pictures.push(context); // not the one that asks what there is
       return context;
     };
   });

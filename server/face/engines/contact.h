@@ -7,9 +7,9 @@
 
 #include "server/face/engines/phone_segments.h"
 
-/* In short phones onset and release shrink to these parts of the phone. */
+/* In short phones onset and release shrink to these parts of the phone: its middle third is always held. */
 #define CONTACT_MAX_ONSET 0.2
-#define CONTACT_MAX_RELEASE 0.45
+#define CONTACT_MAX_RELEASE 0.33
 
 /* A contact lasts at least this long, s, so that one frame of 25 a second always falls into it. The stretch
  * stays below what viewers notice: p b m may lead the sound by 40 ms and lag by 60 ms (Leone, "LUCIA-WebGL",
