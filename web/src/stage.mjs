@@ -95,9 +95,10 @@ export class Stage {
     cancelAnimationFrame(this.request);
     this.request = 0;
     this.observer.disconnect();
-    if (this.view?.head) this.ports.drawn?.(false);
-    this.view?.dispose();
-    this.view = null;
+    const { view } = this;
+    this.view = null; // first: whoever is told may want another picture
+    if (view?.head) this.ports.drawn?.(false);
+    view?.dispose();
   }
 
   /** There is no context for it. */
