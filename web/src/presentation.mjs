@@ -32,7 +32,10 @@ export class Presentation {
       hear: (now) => this.#hear(now),
       frame: (now, ahead) => this.#frame(now, ahead),
       trouble,
-      drawn: (on) => (poster.drawn = this.orbit.drawn = on),
+      drawn: (on, turns) => {
+        poster.drawn = on;
+        this.orbit.drawn = on && turns;
+      },
     });
   }
 

@@ -25,7 +25,7 @@ export class Stage {
    * @param {object} ports hear(now) -> whether the page beside the canvas changes with the picture that follows;
    *   frame(now, ahead) -> {values, turned, more, calm}: what to show, from where, `ahead` milliseconds later, when the
    *   picture is on the display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | 'tooMany' | null);
-   *   drawn(on): whether there is a head on the canvas
+   *   drawn(on, turns): whether there is a face on the canvas, and whether it can be seen from the side
    */
   constructor(canvas, ports) {
     this.canvas = canvas;
@@ -131,7 +131,7 @@ export class Stage {
       return;
     }
     view.show(head);
-    this.ports.drawn?.(true);
+    this.ports.drawn?.(true, !isPictures(model));
     this.wake();
     if (view.software) await head.slim();
   }
