@@ -126,24 +126,28 @@ static void add_documents(struct assets *assets) {
     }
 }
 
-/* The picture that lies beside a head, under the head's address; NULL = none. */
-static const struct asset *add_poster(struct assets *assets, const char *head, const char *address) {
-    char file[4096], path[512];
+/* What a head has in a file of its own; NULL = it has none. */
+static const struct asset *add_extra(struct assets *assets, const char *path, const char *type,
+                                     const char *file) {
     size_t size;
-    snprintf(file, sizeof file, "%.*s.webp", (int)(strlen(head) - strlen(".json")), head);
     uint8_t *data = read_file(file, &size);
-    snprintf(path, sizeof path, "%s.webp", address);
-    return data ? add(assets, path, "image/webp", file, data, size) : NULL;
+    return data ? add(assets, path, type, file, data, size) : NULL;
 }
 
-/* The pictures of a head, which lie in a folder beside those of the heads; NULL = none. */
+/* The picture that lies beside a head, under the head's address. */
+static const struct asset *add_poster(struct assets *assets, const char *head, const char *address) {
+    char file[4096], path[512];
+    snprintf(file, sizeof file, "%.*s.webp", (int)(strlen(head) - strlen(".json")), head);
+    snprintf(path, sizeof path, "%s.webp", address);
+    return add_extra(assets, path, "image/webp", file);
+}
+
+/* The pictures of a head, which lie in a folder beside those of the heads. */
 static const struct asset *add_pictures(struct assets *assets, const char *models, const char *head) {
     char file[4096], path[512];
-    size_t size;
     snprintf(file, sizeof file, "%s/pictures/%s.json", models, head);
-    uint8_t *data = read_file(file, &size);
     snprintf(path, sizeof path, "/v1/pictures/%s", head);
-    return data ? add(assets, path, "application/json", file, data, size) : NULL;
+    return add_extra(assets, path, "application/json", file);
 }
 
 static int load_head(struct assets *assets, const char *models, const char *file, struct error *e) {

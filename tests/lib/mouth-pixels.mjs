@@ -5,12 +5,11 @@ import path from 'node:path';
 import { build } from './daemon.mjs';
 import { headPage } from './head-page.mjs';
 import { withoutHead } from './mouth-poses.mjs';
+import { COLOURS, mouthCamera, paint, SPAN } from './mouth-seen.mjs';
 import { kindOf, shownWithin } from './mouth.mjs';
 
-const COLOURS = { skin: [0, 0, 255], teeth_upper: [255, 255, 0], teeth_lower: [0, 255, 0], tongue: [255, 0, 0], mouth: [0, 0, 0] };
 const [SKIN, UPPER] = [0, 1];
 const [WIDTH, HEIGHT] = [260, 200];
-const SPAN = 65; // mm that the picture is wide
 const MM = SPAN / WIDTH;
 const HALF = Math.round(4 / MM); // of the columns that are looked at: the middle 8 mm of the mouth
 
@@ -24,11 +23,8 @@ const MET = 0.9;
 export async function mouthPixels(browser, model = 'mara') {
   const page = await headPage(browser);
   const head = JSON.parse(fs.readFileSync(path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), `heads/${model}.json`)));
-  await page.load('flat', head, Object.entries(COLOURS).map(([name, colour]) => [name, ...colour]));
-  const camera = {
-    target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2]], distance: 600, fov: (2 * Math.atan((SPAN * HEIGHT) / WIDTH / 2 / 600) * 180) / Math.PI,
-    width: WIDTH, height: HEIGHT, level: 'fine',
-  };
+  await page.load('flat', head, paint);
+  const camera = mouthCamera(head, 0, [WIDTH, HEIGHT]);
   return {
     look: async (frames) => (await page.columns('flat', frames.map(withoutHead), camera, Object.values(COLOURS), HALF)).map(read),
     close: () => page.page.close(),

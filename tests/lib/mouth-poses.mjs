@@ -43,7 +43,7 @@ export const voiced = (text, emotion) => `<speak>${emotion ? `<emotion><category
 /** @returns {Object<string, number[]>} FAPs by sound: the longest of its kind is the clearest */
 export function soundPoses(lang, emotion) {
   const [text, wanted] = LANGUAGES[lang];
-  const { phones, fps, frames } = spoken(emotion ? voiced(text, emotion) : text, '--lang', lang, '--fps', 100, ...(emotion ? [] : ['--still']));
+  const { phones, fps, frames } = said(emotion ? voiced(text, emotion) : text, ['--lang', lang, ...(emotion ? [] : ['--still'])]);
   const out = {};
   for (const ipa of wanted) {
     const named = phones.filter((p) => p.ipa.startsWith(ipa) && !(ipa === 't' && p.ipa.startsWith('tʃ')));
@@ -52,7 +52,7 @@ export function soundPoses(lang, emotion) {
     const own = plain.length ? plain : named;
     const phone = own.sort((a, b) => b.end - b.start - a.end + a.start)[0];
     if (!phone) throw new Error(`${lang}: no /${ipa}/ among ${phones.map((p) => p.ipa).join(' ')}`);
-    out[ipa] = withoutHead(frames[Math.round(((phone.start + phone.end) / 2) * fps)]);
+    out[ipa] = frames[Math.round(((phone.start + phone.end) / 2) * fps)];
   }
   return out;
 }

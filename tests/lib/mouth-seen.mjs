@@ -7,14 +7,14 @@ import { artefacts } from './daemon.mjs';
 
 export const COLOURS = { skin: [0, 0, 255], teeth_upper: [255, 255, 0], teeth_lower: [0, 255, 0], tongue: [255, 0, 0], mouth: [0, 0, 0] };
 const [WIDTH, HEIGHT] = [360, 260];
-const SPAN = 65; // mm that the picture is wide
+export const SPAN = 65; // mm that the picture is wide
 
 /** For load() of a head page: each part in its colour. */
 export const paint = Object.entries(COLOURS).map(([name, colour]) => [name, ...colour]);
 
-export const mouthCamera = (head, yaw = 0) => ({
-  yaw, target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2]], distance: 600, fov: (2 * Math.atan((SPAN * HEIGHT) / WIDTH / 2 / 600) * 180) / Math.PI,
-  width: WIDTH, height: HEIGHT, level: 'fine',
+export const mouthCamera = (head, yaw = 0, [width, height] = [WIDTH, HEIGHT]) => ({
+  yaw, target: [0, head.fdp['2.2'][1] - 4, head.fdp['2.2'][2]], distance: 600, fov: (2 * Math.atan((SPAN * height) / width / 2 / 600) * 180) / Math.PI,
+  width, height, level: 'fine',
 });
 
 /**

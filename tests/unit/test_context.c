@@ -4,6 +4,7 @@
 #include "server/face/engines/morph.h"
 #include "server/face/packs/context_table.h"
 #include "server/face/track.h"
+#include "tests/unit/pack_fixture.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -22,14 +23,7 @@
 enum { CONSONANTS = 9, KINDS = 13 };
 
 static int load(void **state) {
-    struct error e = {0};
-    *state = speech_pack_load(PACKS "pt-BR.json", &e);
-    return *state ? 0 : -1;
-}
-
-static int unload(void **state) {
-    speech_pack_free(*state);
-    return 0;
+    return pack_load(state, "pt-BR");
 }
 
 static const struct context_table *table_of(void **state) {
@@ -408,5 +402,5 @@ int main(void) {
         cmocka_unit_test(refuses_languages_without_a_table),
         cmocka_unit_test(names_the_place_of_an_error),
     };
-    return cmocka_run_group_tests(tests, load, unload);
+    return cmocka_run_group_tests(tests, load, pack_unload);
 }

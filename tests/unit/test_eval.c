@@ -5,6 +5,7 @@
 #include "server/eval/plot.h"
 #include "server/face/engines/contact.h"
 #include "server/face/track.h"
+#include "tests/unit/pack_fixture.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -35,14 +36,7 @@ enum {
 };
 
 static int load(void **state) {
-    struct error e = {0};
-    *state = speech_pack_load(SOURCE_ROOT "/models/speech/it.json", &e);
-    return *state ? 0 : -1;
-}
-
-static int unload(void **state) {
-    speech_pack_free(*state);
-    return 0;
+    return pack_load(state, "it");
 }
 
 /* A face given by mm of the modelled speaker as functions of time. */
@@ -314,15 +308,15 @@ static void picture(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(closures, load, unload),
-        cmocka_unit_test_setup_teardown(teeth, load, unload),
-        cmocka_unit_test_setup_teardown(vowels, load, unload),
-        cmocka_unit_test_setup_teardown(motion, load, unload),
+        cmocka_unit_test_setup_teardown(closures, load, pack_unload),
+        cmocka_unit_test_setup_teardown(teeth, load, pack_unload),
+        cmocka_unit_test_setup_teardown(vowels, load, pack_unload),
+        cmocka_unit_test_setup_teardown(motion, load, pack_unload),
         cmocka_unit_test(reader),
         cmocka_unit_test(lip_reader_scales),
         cmocka_unit_test(halves),
-        cmocka_unit_test_setup_teardown(default_engine, load, unload),
-        cmocka_unit_test_setup_teardown(picture, load, unload),
+        cmocka_unit_test_setup_teardown(default_engine, load, pack_unload),
+        cmocka_unit_test_setup_teardown(picture, load, pack_unload),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

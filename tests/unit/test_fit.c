@@ -78,6 +78,14 @@ static void change_speaker(struct speech_pack *pack, uint64_t seed) {
     }
 }
 
+/* The times of the frames of a recording that lasts so many seconds. */
+static void fill_times(struct measured_speech *r, double seconds) {
+    r->frame_count = (size_t)(seconds * RECORDING_FPS) + 1;
+    r->times = mem_alloc(r->frame_count * sizeof *r->times);
+    for (size_t n = 0; n < r->frame_count; n++)
+        r->times[n] = (double)n / RECORDING_FPS;
+}
+
 static struct measured_speech speak(const struct speech_pack *pack, const char *const *word, double speed,
                                     double noise, uint64_t *seed) {
     static const double lengths[] = {0.4, 0.17, 0.12, 0.19, 0.42};
@@ -91,10 +99,7 @@ static struct measured_speech speak(const struct speech_pack *pack, const char *
         phone.end = at += lengths[i] / (i > 0 && i < 4 ? speed : 1);
         assert_int_equal(measured_speech_add(&r, &phone, &e), 0);
     }
-    r.frame_count = (size_t)(at * RECORDING_FPS) + 1;
-    r.times = mem_alloc(r.frame_count * sizeof *r.times);
-    for (size_t n = 0; n < r.frame_count; n++)
-        r.times[n] = (double)n / RECORDING_FPS;
+    fill_times(&r, at);
     struct phone_segments g;
     measured_speech_segments(pack, &r, NULL, NULL, &g);
     for (size_t i = 0; i < RECORDED; i++) {
@@ -274,10 +279,7 @@ static struct measured_speech say(const struct speech_pack *pack, const char *se
         phone.end = at += *name == '_' ? 0.3 : (phone.stress ? 0.12 : 0.075) * between(seed, 0.8, 1.2);
         assert_int_equal(measured_speech_add(&r, &phone, &e), 0);
     }
-    r.frame_count = (size_t)(at * RECORDING_FPS) + 1;
-    r.times = mem_alloc(r.frame_count * sizeof *r.times);
-    for (size_t n = 0; n < r.frame_count; n++)
-        r.times[n] = (double)n / RECORDING_FPS;
+    fill_times(&r, at);
     struct phone_segments g;
     measured_speech_segments(pack, &r, NULL, NULL, &g);
     static const enum speech_param said[] = {PARAM_LI, PARAM_PS, PARAM_EM};

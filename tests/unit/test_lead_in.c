@@ -3,6 +3,7 @@
 #include "server/face/lead_in.h"
 #include "server/face/track.h"
 #include "server/voice/sentence_audio_edit.h"
+#include "tests/unit/pack_fixture.h"
 #include "tests/unit/utter.h"
 #include <setjmp.h>
 #include <stdarg.h>
@@ -13,14 +14,7 @@
 enum { RATE = UTTER_RATE };
 
 static int load(void **state) {
-    struct error e = {0};
-    *state = speech_pack_load(SOURCE_ROOT "/models/speech/it.json", &e);
-    return *state ? 0 : -1;
-}
-
-static int unload(void **state) {
-    speech_pack_free(*state);
-    return 0;
+    return pack_load(state, "it");
 }
 
 static struct sentence_audio *spoken(const char *text) {
@@ -127,5 +121,5 @@ int main(void) {
         cmocka_unit_test(moves_what_is_heard),
         cmocka_unit_test(gives_lips_their_time),
     };
-    return cmocka_run_group_tests(tests, load, unload);
+    return cmocka_run_group_tests(tests, load, pack_unload);
 }

@@ -4,6 +4,7 @@
 #include "server/face/engines/engine.h"
 #include "server/face/packs/spelling.h"
 #include "server/face/track.h"
+#include "tests/unit/pack_fixture.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,14 +22,7 @@
 enum { RATE = 16000 };
 
 static int load(void **state) {
-    struct error e = {0};
-    *state = speech_pack_load(PACKS "tr.json", &e);
-    return *state ? 0 : -1;
-}
-
-static int unload(void **state) {
-    speech_pack_free(*state);
-    return 0;
+    return pack_load(state, "tr");
 }
 
 static const struct spelling *spelling_in(void **state) {
@@ -458,5 +452,5 @@ int main(void) {
         cmocka_unit_test(refuses_languages_without_letters),
         cmocka_unit_test(names_the_place_of_an_error),
     };
-    return cmocka_run_group_tests(tests, load, unload);
+    return cmocka_run_group_tests(tests, load, pack_unload);
 }

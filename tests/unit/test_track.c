@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/face/placement.h"
+#include "tests/unit/pack_fixture.h"
 #include "tests/unit/utter.h"
 #include <math.h>
 #include <setjmp.h>
@@ -15,14 +16,7 @@
 enum { RATE = UTTER_RATE, PRESS_LIMIT = 16 }; /* press: FAPMAP_MAX_PRESS in FAP units, rounded up */
 
 static int load(void **state) {
-    struct error e = {0};
-    *state = speech_pack_load(SOURCE_ROOT "/models/speech/it.json", &e);
-    return *state ? 0 : -1;
-}
-
-static int unload(void **state) {
-    speech_pack_free(*state);
-    return 0;
+    return pack_load(state, "it");
 }
 
 static void count_warning(void *ctx, const char *message) {
@@ -593,5 +587,5 @@ int main(void) {
         cmocka_unit_test(the_baseline_loses_closures_at_speed),
         cmocka_unit_test(names_its_engines),
     };
-    return cmocka_run_group_tests(tests, load, unload);
+    return cmocka_run_group_tests(tests, load, pack_unload);
 }

@@ -2,6 +2,7 @@
 #include "server/face/engines/phone_segments.h"
 #include "server/face/packs/context_table.h"
 #include "server/face/packs/transcription.h"
+#include "tests/unit/pack_fixture.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -21,14 +22,7 @@ static const char sample[] =
     "37: 86682 aa\n38: 89546 ##\n39: 95270\n";
 
 static int load(void **state) {
-    struct error e = {0};
-    *state = speech_pack_load(PACKS "pt-BR.json", &e);
-    return *state ? 0 : -1;
-}
-
-static int unload(void **state) {
-    speech_pack_free(*state);
-    return 0;
+    return pack_load(state, "pt-BR");
 }
 
 static void refuse_warnings(void *ctx, const char *message) {
@@ -149,5 +143,5 @@ int main(void) {
         cmocka_unit_test(counts_in_any_sound),
         cmocka_unit_test(names_the_line_of_an_error),
     };
-    return cmocka_run_group_tests(tests, load, unload);
+    return cmocka_run_group_tests(tests, load, pack_unload);
 }

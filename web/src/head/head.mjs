@@ -336,8 +336,10 @@ export class Head {
     const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
     this.uniforms.headTurn.value.makeBasis(...axes).setPosition(origin);
     for (const { shape } of this.parts) shape.update(this.drive);
-    if (this.creased) this.uniforms.wrinkles.value.set(...wrinklesOf(values));
-    if (this.creased) this.uniforms.folds.value.set(...foldsOf(values));
+    if (this.creased) {
+      this.uniforms.wrinkles.value.set(...wrinklesOf(values));
+      this.uniforms.folds.value.set(...foldsOf(values));
+    }
     this.uniforms.opening.value = openingOf(this.model, values);
   }
 

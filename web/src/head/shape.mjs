@@ -29,7 +29,7 @@ export class Shape {
     const hair = kindOf(part.name) === 'hair';
     const soft = (this.soft = drive && new SoftwareDeform(part, influences, normals, drive, whole));
     const geometry = (this.geometry = new BufferGeometry());
-    const set = (name, values, each, whole) => geometry.setAttribute(name, new BufferAttribute(values, each, whole));
+    const set = (name, values, each, shares) => geometry.setAttribute(name, new BufferAttribute(values, each, shares));
     set('position', soft ? soft.position : part.position, 3);
     set('normal', soft ? soft.normal : normals, 3);
     set('uv', part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices), 2);
