@@ -8,13 +8,11 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
 import { errors } from '../lib/boundaries.mjs';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { build, Daemon, ordinary } from '../lib/daemon.mjs';
 import { checkOrder, largestStep, phones, say, words } from '../lib/speech.mjs';
 import { austen, manzoni } from '../lib/texts.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
-// What takes minutes with the sanitizers is done with the ordinary build, which lies around the models.
-const ordinary = process.env.FACCIA_MODELS ? path.dirname(process.env.FACCIA_MODELS) : build;
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const file = (name) => path.join(folder, name);
@@ -142,11 +140,14 @@ test('people who read: vowels are louder than stops, pauses are silent, all is c
 
 test('the wrong transcript is named with its place and time; one that goes wrong later, too', () => {
   const italian = recorded('festival:pc', 'it', manzoni);
-  const wrong = align(italian.path, austen, { lang: 'en' });
+  const wrong = align(italian.path, austen, { lang: 'en', from: ordinary });
   assert.equal(wrong.status, 1);
   assert.match(wrong.stderr, /transcript\.txt:1:\d+: the words are not those of the recording, at 0:\d\d\.\d of the recording/);
+  const small = align(recorded('festival:pc', 'it', short).path, austen.slice(0, 120), { lang: 'en' });
+  assert.equal(small.status, 1);
+  assert.match(small.stderr, /transcript\.txt:1:\d+: /);
   const [first] = manzoni.split('\n');
-  const half = align(italian.path, `${first}\n\n${manzoni.split('\n')[0].split(' ').reverse().join(' ')}\n${austen}`);
+  const half = align(italian.path, `${first}\n\n${manzoni.split('\n')[0].split(' ').reverse().join(' ')}\n${austen}`, { from: ordinary });
   assert.equal(half.status, 1);
   assert.match(half.stderr, /transcript\.txt:[3-6]:\d+: .* at 0:[2-5]\d/);
 });
@@ -154,10 +155,10 @@ test('the wrong transcript is named with its place and time; one that goes wrong
 test('a text that goes on after the recording, and a recording that goes on after the text', () => {
   const truth = recorded('festival:pc', 'it', manzoni);
   const part = wav('part.wav', truth.pcm.subarray(0, 20 * truth.rate), truth.rate);
-  const more = align(part, manzoni);
+  const more = align(part, manzoni, { from: ordinary });
   assert.equal(more.status, 1);
   assert.match(more.stderr, /transcript\.txt:\d+:\d+: (the recording ends before the text|the words are not those)/);
-  const less = aligned(truth.path, `${manzoni.slice(0, manzoni.indexOf('vien,'))}vien.`);
+  const less = aligned(truth.path, `${manzoni.slice(0, manzoni.indexOf('vien,'))}vien.`, { from: ordinary });
   assert.match(less.stderr, /the recording goes on for \d+ s after its text/);
 });
 
@@ -284,7 +285,7 @@ test('a folder of recordings: voices, sentences, the whole text, what is not in 
   assert.match(voices, /recording:promessi +it +neutral +recorded +promessi/);
   assert.doesNotMatch(voices, /untold/);
   // the whole text is the whole sound
-  const whole = say(['-v', 'recording:promessi'], manzoni, env);
+  const whole = say(['-v', 'recording:promessi'], manzoni, env, ordinary);
   assert.equal(whole.status, 0, whole.stderr);
   assert.equal(whole.stderr, '');
   checkOrder(whole);

@@ -9,7 +9,7 @@ import path from 'node:path';
 import { after, test } from 'node:test';
 import { Worker } from 'node:worker_threads';
 import { errors } from '../lib/boundaries.mjs';
-import { build, root } from '../lib/daemon.mjs';
+import { build, ordinary, root } from '../lib/daemon.mjs';
 import { checkOrder, loudest, phones, say, words } from '../lib/speech.mjs';
 import { austen, manzoni } from '../lib/texts.mjs';
 
@@ -225,7 +225,8 @@ for (const [voice, lang, gender, text] of [['lp', 'it', 'female', manzoni], ['pc
     const told = { ...unknown, id: 'told', times: { format: 'lab', names },
       argv: [...unknown.argv, '-eval', '(set! after_synth_hooks (list (lambda (utt) (utt.save.segs utt "{times}"))))'] };
     const env = configured(JSON.stringify({ command: { voices: [unknown, told] } }));
-    const [known, found] = ['told', 'unknown'].map((id) => speaks(env, lang, id, plain(text)));
+    const [known, found] = ['told', 'unknown'].map((id) => say(['-l', lang, '-v', `command:${id}`], plain(text), env, ordinary)); // a minute with the sanitizers
+    for (const { status, stderr } of [known, found]) assert.deepEqual([status, stderr], [0, '']);
     const e = errors(known.json.phones, found.json.phones);
     if (process.env.FACCIA_SHOW) console.log(voice, e);
     assert.ok(e.pairs > 0.7 * e.phones && e.median <= 20 && e.within50 >= 0.9, JSON.stringify(e));

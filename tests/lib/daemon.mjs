@@ -11,6 +11,8 @@ import { CompactReader, isCompact } from '../../protocol/compact.mjs';
 
 export const root = path.resolve(fileURLToPath(import.meta.url), '../../..');
 export const build = process.env.FACCIA_BUILD ?? path.join(root, 'build');
+/** The ordinary build, which lies around the models, for what takes minutes with the sanitizers. */
+export const ordinary = process.env.FACCIA_MODELS ? path.dirname(process.env.FACCIA_MODELS) : build;
 export const artefacts = process.env.FACCIA_ARTEFACTS ?? path.join(root, 'build', 'test-artefacts');
 
 // A test that failed before it stopped its daemon must not wait for it for ever; those that end in hooks of

@@ -8,11 +8,11 @@ import path from 'node:path';
 import { build } from './daemon.mjs';
 
 /** Runs `faccia say`. Gives {status, stderr, json, pcm, rate}; json and what follows only when it succeeded. */
-export function say(args, text, env = {}) {
+export function say(args, text, env = {}, from = build) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   const file = (name) => path.join(folder, name);
   try {
-    const { status, stderr } = spawnSync(path.join(build, 'server/app/faccia'),
+    const { status, stderr } = spawnSync(path.join(from, 'server/app/faccia'),
       ['say', '--still', '--wav', file('wav'), '--json', file('json'), ...args, '-'],
       { input: text, env: { ...process.env, ...env } });
     const result = { status, stderr: String(stderr) };
