@@ -5,7 +5,7 @@
 
 #include "server/net/catch_up.h"
 #include "server/net/channel.h"
-#include "server/net/notices.h"
+#include "server/net/notice_board.h"
 
 /* Those who want their media in the same way. */
 struct variant {
@@ -42,7 +42,7 @@ struct channel {
     struct variant *variants;
     struct channel_item *first, **last; /* what is said next */
     struct catch_up catch_up;
-    struct notices notices;
+    struct notice_board notices;
 };
 
 /* channel_say.c */

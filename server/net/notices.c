@@ -54,80 +54,70 @@ static struct queued_message *message_of(const json_t *object, const char *event
     return message;
 }
 
-/* Takes the reference. */
-static void replace(struct queued_message **place, struct queued_message *message) {
-    queued_message_release(*place);
-    *place = message;
-}
-
-static void withdraw(struct notices *n) {
-    replace(&n->choices, NULL);
-    json_decref(n->offered);
-    n->offered = NULL;
+/* Tells all who follow. @return the message, whose reference is the caller's */
+static struct queued_message *tell_all(struct channel *c, const json_t *told, const char *event) {
+    struct queued_message *message = message_of(told, event);
+    channel_notice(c, message);
+    return message;
 }
 
 int notice_choices(struct channel *c, const json_t *message, struct error *e) {
     json_t *choices = json_object_get(message, "choices"), *told = begin(c, "choices");
-    if (take_text(message, "id", ID_BYTES, told, e) ||
-        take_text(message, "question", NOTICE_TEXT_BYTES, told, e) || check_choices(choices, e)) {
-        json_decref(told);
-        return -1;
-    }
-    json_object_set_new(told, "choices", json_deep_copy(choices));
-    struct queued_message *all = message_of(told, "choices");
-    channel_notice(c, all);
-    withdraw(&c->notices);
-    if (!json_array_size(choices)) {
+    int failed = take_text(message, "id", ID_BYTES, told, e) ||
+                 take_text(message, "question", NOTICE_TEXT_BYTES, told, e) || check_choices(choices, e);
+    if (!failed) {
+        json_object_set_new(told, "choices", json_deep_copy(choices));
+        struct queued_message *all = tell_all(c, told, "choices");
+        bool any = json_array_size(choices);
+        notice_board_choices(&c->notices, any ? all : NULL, any ? told : NULL);
         queued_message_release(all);
-        json_decref(told);
-        return 0;
     }
-    replace(&c->notices.choices, all);
-    c->notices.offered = told;
-    return 0;
+    json_decref(told);
+    return failed ? -1 : 0;
 }
 
 /* The id must be that of the choices that stand there: others may have come while somebody chose. */
-static bool is_offered(const struct notices *n, const json_t *message) {
+static bool is_offered(const json_t *offered, const json_t *message) {
     const char *asked = json_string_value(json_object_get(message, "id"));
-    const char *id = json_string_value(json_object_get(n->offered, "id"));
-    return n->offered && (!asked || !strcmp(asked, id ? id : ""));
+    const char *id = json_string_value(json_object_get(offered, "id"));
+    return offered && (!asked || !strcmp(asked, id ? id : ""));
+}
+
+/* The choice's place in the list, or -1 with *e. */
+static json_int_t chosen_of(const json_t *offered, const json_t *message, struct error *e) {
+    const json_t *choice = json_object_get(message, "choice");
+    size_t count = json_array_size(json_object_get(offered, "choices"));
+    json_int_t at = json_integer_value(choice);
+    if (!is_offered(offered, message))
+        return error_plain(e, ERROR_NO_CHOICES);
+    if (!json_is_integer(choice) || at < 0 || (size_t)at >= count)
+        return error_in_field(e, choice ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choice",
+                              "must be a number from 0 to %zu", count - 1);
+    return at;
 }
 
 int notice_choose(struct channel *c, const json_t *message, const char *by, struct error *e) {
-    const json_t *choice = json_object_get(message, "choice");
-    struct notices *n = &c->notices;
+    const json_t *offered = c->notices.offered;
     json_t *told = begin(c, "chosen");
-    if (take_text(message, "id", ID_BYTES, told, e)) {
-        json_decref(told);
-        return -1;
+    json_int_t at = take_text(message, "id", ID_BYTES, told, e) ? -1 : chosen_of(offered, message, e);
+    if (at >= 0) {
+        if (json_object_get(offered, "id"))
+            json_object_set(told, "id", json_object_get(offered, "id"));
+        json_object_set_new(told, "choice", json_integer(at));
+        json_object_set(told, "text", json_array_get(json_object_get(offered, "choices"), (size_t)at));
+        json_object_set_new(told, "by", json_string(by));
+        queued_message_release(tell_all(c, told, "chosen"));
+        notice_board_choices(&c->notices, NULL, NULL);
     }
-    json_int_t at = json_integer_value(choice);
-    json_t *choices = json_object_get(n->offered, "choices");
-    bool offered = is_offered(n, message);
-    if (!offered || !json_is_integer(choice) || at < 0 || (size_t)at >= json_array_size(choices)) {
-        json_decref(told);
-        return !offered ? error_plain(e, ERROR_NO_CHOICES)
-                        : error_in_field(e, choice ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choice",
-                                         "must be a number from 0 to %zu", json_array_size(choices) - 1);
-    }
-    if (json_object_get(n->offered, "id"))
-        json_object_set(told, "id", json_object_get(n->offered, "id"));
-    json_object_set_new(told, "choice", json_integer(at));
-    json_object_set(told, "text", json_array_get(choices, (size_t)at));
-    json_object_set_new(told, "by", json_string(by));
-    struct queued_message *all = message_of(told, "chosen");
-    channel_notice(c, all);
-    queued_message_release(all);
     json_decref(told);
-    withdraw(n);
-    return 0;
+    return at < 0 ? -1 : 0;
 }
 
 int notice_state(struct channel *c, const json_t *message, struct error *e) {
     static const char *const states[] = {"idle", "listening", "thinking", "muted"};
     const json_t *value = json_object_get(message, "state");
     const char *state = json_string_value(value);
+    struct mood_request mix;
     size_t i = 0;
     while (i < sizeof states / sizeof *states && (!state || strcmp(states[i], state)))
         i++;
@@ -135,29 +125,15 @@ int notice_state(struct channel *c, const json_t *message, struct error *e) {
         return error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "state",
                               "must be idle, listening, thinking, or muted");
     json_t *told = begin(c, "state");
-    struct mood_request mix;
     json_object_set_new(told, "state", json_string(states[i]));
     int failed = take_text(message, "text", NOTICE_TEXT_BYTES, told, e) ||
                  (json_object_get(message, "mix") &&
                   (live_express(message, &mix, e) || stream_express(c->stream, &mix, e)));
     if (!failed) {
-        struct queued_message *all = message_of(told, "state");
-        channel_notice(c, all);
-        replace(&c->notices.state, all);
+        struct queued_message *all = tell_all(c, told, "state");
+        notice_board_state(&c->notices, all);
+        queued_message_release(all);
     }
     json_decref(told);
     return failed ? -1 : 0;
-}
-
-void notices_tell(const struct notices *n, void (*tell)(void *ctx, struct queued_message *message),
-                  void *ctx) {
-    if (n->state)
-        tell(ctx, n->state);
-    if (n->choices)
-        tell(ctx, n->choices);
-}
-
-void notices_free(struct notices *n) {
-    withdraw(n);
-    replace(&n->state, NULL);
 }

@@ -5,18 +5,11 @@
 #define FACCIA_NET_NOTICES_H
 
 #include "server/base/error.h"
-#include "server/net/message_queue.h"
 #include <jansson.h>
 
 enum { NOTICE_CHOICES = 8, NOTICE_CHOICE_BYTES = 200, NOTICE_TEXT_BYTES = 1000 };
 
 struct channel;
-
-/* Zeroed: nothing stands there. */
-struct notices {
-    json_t *offered;                        /* the choices, as they were told; NULL: none */
-    struct queued_message *choices, *state; /* the last that was told; NULL: none */
-};
 
 /* What a `choices`, a `choose` and a `state` message ask for: told to all who follow. by: who chose. -1 with
  * *e. */
@@ -24,9 +17,5 @@ int notice_choices(struct channel *channel, const json_t *message, struct error 
 int notice_choose(struct channel *channel, const json_t *message, const char *by, struct error *e);
 /* A `mix` of the state is the mood that goes with it, as that of `express`. */
 int notice_state(struct channel *channel, const json_t *message, struct error *e);
-
-void notices_tell(const struct notices *notices, void (*tell)(void *ctx, struct queued_message *message),
-                  void *ctx);
-void notices_free(struct notices *notices);
 
 #endif
