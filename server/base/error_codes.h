@@ -32,6 +32,7 @@
     X(UNKNOWN_ROOM, "unknown-room", 404, "nobody is in that room") \
     X(UNKNOWN_MARK, "unknown-mark", 400, "there is no such mark") \
     X(NOT_SPEAKING, "not-speaking", 400, "nothing is spoken") \
+    X(NO_CHOICES, "no-choices", 400, "there is nothing to choose from, or something else by now") \
     /* limits */ \
     X(QUEUE_FULL, "queue-full", 503, "too many utterances wait already") \
     X(TOO_MANY_ROOMS, "too-many-rooms", 503, "there are too many rooms already") \

@@ -28,6 +28,7 @@ static void free_channel(struct channel *c) {
     stream_free(c->stream);
     channel_forget_all(c);
     catch_up_free(&c->catch_up);
+    notice_board_free(&c->notices);
     for (struct variant *v = c->variants, *next; v; v = next) {
         next = v->next;
         encoder_free(v->encoder);
@@ -80,6 +81,7 @@ void channel_join(struct channel *c, struct follower *f) {
     if (f->media)
         add_variant(c, &f->encoding);
     catch_up_tell(&c->catch_up, tell, f);
+    notice_board_tell(&c->notices, tell, f);
     if (c->room && c->follower_count == 1)
         hold_speak(c->net, c->name, c->stream);
 }

@@ -5,6 +5,7 @@
 
 #include "server/net/catch_up.h"
 #include "server/net/channel.h"
+#include "server/net/notice_board.h"
 
 /* Those who want their media in the same way. */
 struct variant {
@@ -22,6 +23,7 @@ struct channel_item {
     struct queued_message *message; /* NULL: it is not known yet, or there is none */
     bool ready;                     /* it is known */
     bool media;
+    bool notice;                 /* no event of the stream */
     enum stream_event_kind kind; /* of an event */
     struct variant *variant;     /* of media, until they are ready */
     struct encoding encoding;    /* for whom media are */
@@ -40,6 +42,7 @@ struct channel {
     struct variant *variants;
     struct channel_item *first, **last; /* what is said next */
     struct catch_up catch_up;
+    struct notice_board notices;
 };
 
 /* channel_say.c */
@@ -49,6 +52,9 @@ extern const struct stream_sink channel_sink;
 
 /* An encoder's answer. */
 void channel_coded(void *variant, void *item, const struct encoded *encoded);
+
+/* Tells all who follow, after what has been said. */
+void channel_notice(struct channel *channel, struct queued_message *message);
 
 /* What the variant owes will not come. */
 void channel_forget_variant(struct channel *channel, struct variant *variant);

@@ -41,7 +41,7 @@ static bool wants(struct follower *f, const struct channel_item *item) {
     if (!item->message)
         return false;
     if (!item->media)
-        return wants_text(f, item->kind);
+        return item->notice || wants_text(f, item->kind);
     if (!f->media || !encoding_same(&f->encoding, &item->encoding) || (item->idle && !f->idle))
         return false;
     f->waits &= !item->begin;
@@ -50,7 +50,7 @@ static bool wants(struct follower *f, const struct channel_item *item) {
 
 static void give(struct channel *c, struct channel_item **items, size_t count) {
     for (size_t i = 0; i < count; i++)
-        if (!items[i]->media)
+        if (!items[i]->media && !items[i]->notice)
             catch_up_event(&c->catch_up, items[i]->kind, items[i]->message);
     for (struct follower *f = c->followers; f; f = f->next) {
         struct queued_message *messages[BATCH];
@@ -152,6 +152,14 @@ static void add_event(struct channel *c, const struct stream_event *event) {
     item->message->event = event_name(event->kind);
     item->message->line = is_typed(c) ? line_of(event) : NULL;
     buf_free(&text);
+}
+
+void channel_notice(struct channel *c, struct queued_message *message) {
+    struct channel_item *item = add(c);
+    item->notice = item->ready = true;
+    item->message = message;
+    message->refs++;
+    say(c);
 }
 
 /* What begins in a chunk: the chunk follows at once. */

@@ -63,6 +63,8 @@ static const struct route {
     {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
     {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
     {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
+    {"/v1/choices", NULL, room_choices, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
+    {"/v1/state", NULL, room_state, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
     {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_play},
     {"/v1/stream", NULL, NULL, NULL, 0, SCOPE_ALL, NULL},
     {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE, SCOPE_ALL, &none},

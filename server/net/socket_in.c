@@ -73,11 +73,12 @@ void socket_act(struct socket *s, const json_t *message) {
     static const struct {
         const char *type;
         void (*act)(struct socket *s, const json_t *message);
-    } types[] = {{"speak", speak_json},        {"stop", control_stop},   {"pause", control_pause},
-                 {"resume", control_resume},   {"rate", control_rate},   {"jump", control_jump},
-                 {"play", control_play},       {"idle", control_idle},   {"express", control_express},
-                 {"model", socket_send_model}, {"media", choose_media},  {"join", join_room},
-                 {"leave", leave_room},        {"authorize", authorise}, {"ping", pong}};
+    } types[] = {{"speak", speak_json},        {"stop", control_stop},    {"pause", control_pause},
+                 {"resume", control_resume},   {"rate", control_rate},    {"jump", control_jump},
+                 {"play", control_play},       {"idle", control_idle},    {"express", control_express},
+                 {"model", socket_send_model}, {"media", choose_media},   {"join", join_room},
+                 {"leave", leave_room},        {"authorize", authorise},  {"ping", pong},
+                 {"choices", notice_offer},    {"choose", notice_answer}, {"state", notice_show}};
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {

@@ -133,6 +133,11 @@ void control_play(struct socket *socket, const json_t *message);
 void control_idle(struct socket *socket, const json_t *message);
 void control_express(struct socket *socket, const json_t *message);
 
+/* socket_notice.c: what stands beside what is said */
+void notice_offer(struct socket *socket, const json_t *message);
+void notice_answer(struct socket *socket, const json_t *message);
+void notice_show(struct socket *socket, const json_t *message);
+
 /* text_protocol.c: the sub-protocol for people who type. */
 #define TEXT_PROTOCOL "faccia.text.v1"
 void text_hear(struct socket *socket, const char *data, size_t size);

@@ -80,6 +80,9 @@ static const struct {
     {"joined", {"room", NULL}},
     {"left", {"room", NULL}},
     {"authorized", {"subject", NULL}},
+    {"choices", {"id", "question", NULL}},
+    {"chosen", {"id", "text", NULL}},
+    {"state", {"state", "text", NULL}},
     {"help", {"text", NULL}},
 };
 

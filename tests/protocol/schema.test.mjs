@@ -14,7 +14,7 @@ const messages = (sign) =>
     [...text.matchAll(new RegExp(`^${sign} (\\{.*\\})$`, 'gm'))].map((match) => JSON.parse(match[1])),
   );
 
-for (const name of ['client', 'server', 'head-model', 'timed', 'pictures'])
+for (const name of ['client', 'server', 'head-model', 'timed', 'pictures', 'scene'])
   test(`${name} is a strict schema of draft 2020-12`, () => {
     const schema = JSON.parse(read(`schema/${name}.json`));
     const ajv = new Ajv({ strict: true, strictTypes: false, strictRequired: false });
@@ -27,7 +27,7 @@ test('the examples of the client are valid', () => {
   assert.ok(sent.length >= 4);
   for (const message of sent) {
     const wrong = violations('client', message);
-    const refused = message.type === 'dance' || message.room === 'no spaces' || message.name === '../secret';
+    const refused = message.type === 'dance' || message.room === 'no spaces' || message.name === '../secret' || message.choices?.includes(7);
     assert.equal(wrong === null, !refused, `${JSON.stringify(message)}: ${wrong}`);
   }
 });
@@ -43,6 +43,9 @@ const whole = {
   joined: { room: 'x', followers: 1, may_speak: true },
   left: { room: 'x' },
   authorized: { subject: 'x' },
+  choices: { stream: 's', choices: ['x'] },
+  chosen: { stream: 's', choice: 0, text: 'x', by: 'x' },
+  state: { stream: 's', state: 'idle' },
   begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance', markup: 'plain', idle: 0 },
   sentence: {
     stream: 's',
@@ -90,6 +93,9 @@ const refused = {
   server: [
     { type: 'end', stream: 's1', utterance: 1, reason: 'bored', duration: 1 },
     { type: 'pong', extra: 1 },
+    { ...whole.chosen, type: 'chosen', choice: -1 },
+    { ...whole.state, type: 'state', state: 'asleep' },
+    { ...whole.choices, type: 'choices', choices: [1] },
     { ...whole.word, type: 'word', text: undefined },
     { ...whole.word, type: 'word', time: -1 },
     { ...whole.begin, type: 'begin', utterance: 0 },

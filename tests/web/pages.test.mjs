@@ -6,15 +6,20 @@ import test from 'node:test';
 import { words as emotionWords } from '../../web/page/emotion-words.js';
 import { errorWords } from '../../web/page/error-words.js';
 import { makeLink, readLink } from '../../web/page/link.js';
+import { words as operatorWords } from '../../web/page/operator-words.js';
 import { words as pageWords } from '../../web/page/page-words.js';
 import { placeIn, placeOf } from '../../web/page/problem.js';
+import { isWithin, readHours, readWish } from '../../web/page/room-wish.js';
+import { words as roomWords } from '../../web/page/room-words.js';
+import { readCsv, readScene, writeCsv } from '../../web/page/scene.js';
 import { sharedWords } from '../../web/page/shared-words.js';
 import { voicesOf } from '../../web/page/voice-choice.js';
 import { words as voicesWords } from '../../web/page/voices-words.js';
 
 const folder = new URL('../../web/page/', import.meta.url);
 const html = (name) => fs.readFileSync(new URL(`${name}.html`, folder), 'utf8');
-const tables = { index: pageWords, emotion: emotionWords, voices: voicesWords };
+const framed = { index: pageWords, emotion: emotionWords, voices: voicesWords };
+const tables = { ...framed, operator: operatorWords, room: roomWords };
 
 test('every word is there in every language', () => {
   for (const words of [...Object.values(tables), sharedWords, errorWords])
@@ -22,9 +27,10 @@ test('every word is there in every language', () => {
 });
 
 test('the pages ask for no word that is not there, and share their frame', () => {
-  const frames = Object.keys(tables).map((name) => {
+  const frames = Object.keys(tables).flatMap((name) => {
     for (const [, word] of html(name).matchAll(/data-(?:text|label)="(\w+)"/g))
       assert.equal(typeof (tables[name].en[word] ?? sharedWords.en[word]), 'string', `${name}: ${word}`);
+    if (!framed[name]) return [];
     const frame = html(name).match(/<a class="skip"[^]*?<main>|<footer>[^]*<\/footer>/g);
     return frame.join('').replace(/ aria-current="page"/, '');
   });
@@ -81,4 +87,39 @@ test('the voices of a language: its own, then those of its varieties', () => {
   assert.deepEqual(ids('en'), ['en v2', 'en-GB v0 v3']);
   assert.deepEqual(ids('pt-BR'), ['pt v4']);
   assert.deepEqual(ids('tr'), []);
+});
+
+test('a room’s page: its hours of sleep, what its address asks for', () => {
+  assert.deepEqual(readHours('22-7'), [1320, 420]);
+  assert.deepEqual(readHours('13:30-14:05'), [810, 845]);
+  for (const wrong of [null, '', 'night', '25-7', '1-2-3', '22:5-7']) assert.equal(readHours(wrong), null, wrong);
+  assert.deepEqual([1319, 1320, 1439, 0, 419, 420].map((minute) => isWithin([1320, 420], minute)), [false, true, true, true, true, false]);
+  assert.deepEqual([809, 810, 844, 845].map((minute) => isWithin([810, 845], minute)), [false, true, true, false]);
+  const wish = readWish('http://h/room.html?room=cucina&clock&sleep=22-7&lang=it');
+  assert.deepEqual(wish, { room: 'cucina', lang: 'it', head: null, view: 'face', clock: true, sleep: [1320, 420] });
+  assert.equal(readWish('http://h/room.html?clock=0').clock, false);
+});
+
+test('a scene goes through its table and comes back; what is wrong has its place', () => {
+  const scene = {
+    title: '', lines: [
+      { id: 'a', text: 'Ciao, "cara"\ncome va?', variants: ['Salve'], mood: 'joy 0.5', choices: [{ text: 'Bene', next: 'b' }, { text: 'Male' }], next: 'b' },
+      { id: 'b', text: 'Ah.', variants: [], mood: '', choices: [] },
+    ],
+  };
+  assert.deepEqual(readScene(scene), scene);
+  assert.deepEqual(readCsv(writeCsv(scene)), scene);
+  assert.deepEqual(readCsv('\uFEFFtext\r\nUno\r\n\r\n"Due, tre"\r\n').lines.map(({ id, text }) => [id, text]), [['1', 'Uno'], ['2', 'Due, tre']]);
+  const wrong = (change) => {
+    const copy = structuredClone(scene);
+    change(copy.lines);
+    return () => readScene(copy);
+  };
+  assert.throws(wrong((lines) => (lines[1].id = 'a')), { place: 'lines.1.id' });
+  assert.throws(wrong((lines) => (lines[0].next = 'z')), { place: 'lines.0.next' });
+  assert.throws(wrong((lines) => (lines[0].choices[1].next = 'z')), { place: 'lines.0.choices.1.next' });
+  assert.throws(wrong((lines) => (lines[1].text = ' ')), { place: 'lines.1.text' });
+  assert.throws(wrong((lines) => (lines[0].variants = 'x')), { place: 'lines.0.variants' });
+  for (const none of [null, 7, {}, { lines: 1 }]) assert.throws(() => readScene(none), { place: 'lines' });
+  assert.throws(() => readCsv('words\nCiao\n'), { place: '1' });
 });

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { applyStyles } from './stylesheet.mjs';
 import { Controls } from './controls.mjs';
+import { readMix } from './expression.mjs';
 import { Player } from './audio/player.mjs';
 import { Poster } from './poster.mjs';
 import { Presentation } from './presentation.mjs';
@@ -161,6 +162,30 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
    */
   express(mix, options) {
     this.#presentation.express(mix, options);
+  }
+
+  /**
+   * Offers answers to whoever is in the room; `chosen` tells which it was. None: what was offered is withdrawn.
+   * @param {string[]} choices up to 8 @param {{id?: string, question?: string}} [options]
+   * @returns {boolean} whether it could be sent
+   */
+  offer(choices, options = {}) {
+    return this.#session.send({ ...options, type: 'choices', choices });
+  }
+
+  /** Answers. @param {number} choice its place in what was offered @param {string} [id] of that @returns {boolean} as `offer` */
+  choose(choice, id) {
+    return this.#session.send({ type: 'choose', choice, ...(id === undefined ? {} : { id }) });
+  }
+
+  /**
+   * Shows in the room what the assistant is doing.
+   * @param {'idle'|'listening'|'thinking'|'muted'} state
+   * @param {{text?: string, mix?: object, ease?: number}} [options] text: what it has heard, say; mix, ease: its mood, as `express`
+   * @returns {boolean} as `offer`
+   */
+  tell(state, { mix, ...options } = {}) {
+    return this.#session.send({ ...options, type: 'state', state, ...(mix === undefined ? {} : { mix: readMix(mix) }) });
   }
 
   /** The face as it was drawn last: the FAPs that are not 0, by number. @returns {Record<number, number>} */

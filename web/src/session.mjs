@@ -5,6 +5,9 @@ import { ModelSource } from './head/source.mjs';
 import { Link } from './link.mjs';
 import { wantsPictures } from './pictures/choice.mjs';
 
+/** What the page is told as it comes. */
+const TOLD = ['hello', 'joined', 'authorized', 'choices', 'chosen', 'state'];
+
 /** What goes on between a head and its server: the link, what comes through it, and the model that is asked for. */
 export class Session {
   #opened = false;
@@ -171,7 +174,7 @@ export class Session {
     if (message.type === 'model') this.#models.take(message);
     else {
       this.speech.hear(message);
-      if (['hello', 'joined', 'authorized'].includes(message.type)) this.ports.emit(message.type, message);
+      if (TOLD.includes(message.type)) this.ports.emit(message.type, message);
       this.presentation.wake();
     }
   }

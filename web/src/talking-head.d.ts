@@ -4,6 +4,9 @@
 /** A mixture of affects: by name, as a list, or as text ("joy 0.6, surprise 0.2"). */
 export type Expression = Record<string, number> | { name: string; intensity?: number }[] | string | null;
 
+/** What the assistant behind the face is doing. */
+export type AssistantState = 'idle' | 'listening' | 'thinking' | 'muted';
+
 export interface SpeakOptions {
   id?: string;
   mode?: 'queue' | 'replace' | 'interrupt';
@@ -54,6 +57,9 @@ export interface TalkingHeadEventMap {
   hello: CustomEvent<Message>;
   joined: CustomEvent<Message>;
   authorized: CustomEvent<Message>;
+  choices: CustomEvent<{ type: 'choices'; stream: string; id?: string; question?: string; choices: string[] }>;
+  chosen: CustomEvent<{ type: 'chosen'; stream: string; id?: string; choice: number; text: string; by: string }>;
+  state: CustomEvent<{ type: 'state'; stream: string; state: AssistantState; text?: string }>;
   begin: CustomEvent<Message>;
   sentence: CustomEvent<TimedMessage>;
   word: CustomEvent<TimedMessage>;
@@ -106,6 +112,9 @@ export class TalkingHead extends HTMLElement {
   jump(mark: string): void;
   pose(faps: Record<number, number> | null, options?: { ease?: boolean }): void;
   express(mix: Expression, options?: { ease?: number }): void;
+  offer(choices: string[], options?: { id?: string; question?: string }): boolean;
+  choose(choice: number, id?: string): boolean;
+  tell(state: AssistantState, options?: { text?: string; mix?: Expression; ease?: number }): boolean;
 
   addEventListener<K extends keyof AllEvents>(
     type: K,

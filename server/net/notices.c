@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/notices.h"
+#include "server/net/channel_internal.h"
+#include "server/net/net_internal.h"
+#include <stdio.h>
+#include <string.h>
+
+enum { ID_BYTES = 64 };
+
+/* Passes over a member that is not there. */
+static int take_text(const json_t *message, const char *name, size_t most, json_t *into, struct error *e) {
+    json_t *value = json_object_get(message, name);
+    size_t length = json_string_length(value);
+    if (!value || json_is_null(value))
+        return 0;
+    if (!json_is_string(value) || length > most || strlen(json_string_value(value)) != length)
+        return error_in_field(e, ERROR_BAD_FIELD, name, "must be a string of at most %zu bytes", most);
+    json_object_set(into, name, value);
+    return 0;
+}
+
+static int check_choices(const json_t *choices, struct error *e) {
+    size_t count = json_array_size(choices);
+    if (!json_is_array(choices) || count > NOTICE_CHOICES)
+        return error_in_field(e, choices ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choices",
+                              "must be a list of up to %d texts; an empty one withdraws them",
+                              NOTICE_CHOICES);
+    for (size_t i = 0; i < count; i++) {
+        const json_t *text = json_array_get(choices, i);
+        size_t length = json_string_length(text);
+        char field[32];
+        snprintf(field, sizeof field, "choices.%zu", i);
+        if (!length || length > NOTICE_CHOICE_BYTES || strlen(json_string_value(text)) != length)
+            return error_in_field(e, ERROR_BAD_FIELD, field, "must be a text of 1 to %d bytes",
+                                  NOTICE_CHOICE_BYTES);
+    }
+    return 0;
+}
+
+/* The message so far, to which its members are added. */
+static json_t *begin(const struct channel *c, const char *type) {
+    return json_pack("{ss ss}", "type", type, "stream", c->name);
+}
+
+static struct queued_message *message_of(const json_t *object, const char *event) {
+    struct buf text = {0}, line = {0};
+    message_write(&text, json_incref((json_t *)object));
+    text_line(object, &line);
+    struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
+    message->event = event;
+    message->line = queued_message_new(WEBSOCKET_TEXT, line.data, line.size);
+    buf_free(&text);
+    buf_free(&line);
+    return message;
+}
+
+/* Tells all who follow. @return the message, whose reference is the caller's */
+static struct queued_message *tell_all(struct channel *c, const json_t *told, const char *event) {
+    struct queued_message *message = message_of(told, event);
+    channel_notice(c, message);
+    return message;
+}
+
+int notice_choices(struct channel *c, const json_t *message, struct error *e) {
+    json_t *choices = json_object_get(message, "choices"), *told = begin(c, "choices");
+    int failed = take_text(message, "id", ID_BYTES, told, e) ||
+                 take_text(message, "question", NOTICE_TEXT_BYTES, told, e) || check_choices(choices, e);
+    if (!failed) {
+        json_object_set_new(told, "choices", json_deep_copy(choices));
+        struct queued_message *all = tell_all(c, told, "choices");
+        bool any = json_array_size(choices);
+        notice_board_choices(&c->notices, any ? all : NULL, any ? told : NULL);
+        queued_message_release(all);
+    }
+    json_decref(told);
+    return failed ? -1 : 0;
+}
+
+/* The id must be that of the choices that stand there: others may have come while somebody chose. */
+static bool is_offered(const json_t *offered, const json_t *message) {
+    const char *asked = json_string_value(json_object_get(message, "id"));
+    const char *id = json_string_value(json_object_get(offered, "id"));
+    return offered && (!asked || !strcmp(asked, id ? id : ""));
+}
+
+/* The choice's place in the list, or -1 with *e. */
+static json_int_t chosen_of(const json_t *offered, const json_t *message, struct error *e) {
+    const json_t *choice = json_object_get(message, "choice");
+    size_t count = json_array_size(json_object_get(offered, "choices"));
+    json_int_t at = json_integer_value(choice);
+    if (!is_offered(offered, message))
+        return error_plain(e, ERROR_NO_CHOICES);
+    if (!json_is_integer(choice) || at < 0 || (size_t)at >= count)
+        return error_in_field(e, choice ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "choice",
+                              "must be a number from 0 to %zu", count - 1);
+    return at;
+}
+
+int notice_choose(struct channel *c, const json_t *message, const char *by, struct error *e) {
+    const json_t *offered = c->notices.offered;
+    json_t *told = begin(c, "chosen");
+    json_int_t at = take_text(message, "id", ID_BYTES, told, e) ? -1 : chosen_of(offered, message, e);
+    if (at >= 0) {
+        if (json_object_get(offered, "id"))
+            json_object_set(told, "id", json_object_get(offered, "id"));
+        json_object_set_new(told, "choice", json_integer(at));
+        json_object_set(told, "text", json_array_get(json_object_get(offered, "choices"), (size_t)at));
+        json_object_set_new(told, "by", json_string(by));
+        queued_message_release(tell_all(c, told, "chosen"));
+        notice_board_choices(&c->notices, NULL, NULL);
+    }
+    json_decref(told);
+    return at < 0 ? -1 : 0;
+}
+
+int notice_state(struct channel *c, const json_t *message, struct error *e) {
+    static const char *const states[] = {"idle", "listening", "thinking", "muted"};
+    const json_t *value = json_object_get(message, "state");
+    const char *state = json_string_value(value);
+    struct mood_request mix;
+    size_t i = 0;
+    while (i < sizeof states / sizeof *states && (!state || strcmp(states[i], state)))
+        i++;
+    if (i == sizeof states / sizeof *states)
+        return error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "state",
+                              "must be idle, listening, thinking, or muted");
+    json_t *told = begin(c, "state");
+    json_object_set_new(told, "state", json_string(states[i]));
+    int failed = take_text(message, "text", NOTICE_TEXT_BYTES, told, e) ||
+                 (json_object_get(message, "mix") &&
+                  (live_express(message, &mix, e) || stream_express(c->stream, &mix, e)));
+    if (!failed) {
+        struct queued_message *all = tell_all(c, told, "state");
+        notice_board_state(&c->notices, all);
+        queued_message_release(all);
+    }
+    json_decref(told);
+    return failed ? -1 : 0;
+}

@@ -1,0 +1,146 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Choices and states: who is told, who may, what is refused.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import WebSocket from 'ws';
+import { Daemon, eventually } from '../lib/daemon.mjs';
+import { bearer, sign } from '../lib/tokens.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-notices-'));
+const secret = 'a secret that is long enough for the daemon';
+const secrets = path.join(folder, 'secrets');
+let daemon, guarded;
+before(async () => {
+  fs.writeFileSync(secrets, `${secret}\n`, { mode: 0o600 });
+  [daemon, guarded] = await Promise.all([Daemon.start(), Daemon.start(['--token-file', secrets])]);
+});
+after(async () => {
+  for (const each of [daemon, guarded]) assert.deepEqual(await each.stop(), { code: 0, signal: null });
+  fs.rmSync(folder, { recursive: true });
+});
+
+const enter = async (room, { from = daemon, query = '', options = {} } = {}) => {
+  const stream = await from.stream(`?room=${room}${query}`, options);
+  await stream.wait({ type: 'joined', room });
+  return stream;
+};
+const offer = { type: 'choices', id: 'q', question: 'Ha fame?', choices: ['Sì', 'No', 'Più tardi'] };
+const post = (address, body, from = daemon, options = {}) => from.get(address, { method: 'POST', body, ...options });
+
+test('all in the room are told, who comes later too, until somebody has chosen', async () => {
+  const operator = await enter('a'), packed = await enter('a', { query: '&events=packed' }), elsewhere = await enter('b');
+  operator.send(offer);
+  operator.send({ type: 'state', state: 'listening', text: 'mmh' });
+  for (const stream of [operator, packed]) {
+    const { arrived, ...told } = await stream.wait({ type: 'choices' });
+    assert.deepEqual(told, { ...offer, stream: 'a' });
+    await stream.wait({ type: 'state', state: 'listening', text: 'mmh', stream: 'a' });
+  }
+  const late = await enter('a');
+  await late.wait({ type: 'choices', id: 'q' });
+  await late.wait({ type: 'state', state: 'listening' });
+  late.send({ type: 'choose', id: 'old', choice: 0 });
+  await late.wait({ type: 'error', code: 'no-choices' });
+  late.send({ type: 'choose', id: 'q', choice: 3 });
+  await late.wait({ type: 'error', code: 'bad-field', field: 'choice' });
+  late.send({ type: 'choose', id: 'q', choice: 2 });
+  packed.send({ type: 'choose', id: 'q', choice: 0 }); // at the same time
+  for (const stream of [operator, packed, late]) await stream.wait({ type: 'chosen', id: 'q', stream: 'a' });
+  for (const stream of [operator, late]) assert.equal(stream.messages.filter((m) => m.type === 'chosen').length, 1, 'once');
+  const last = await enter('a');
+  last.send({ type: 'ping', id: 'p' });
+  await last.wait({ type: 'pong' });
+  assert.ok(!last.messages.some((m) => m.type === 'choices'), 'they are gone');
+  assert.ok(!elsewhere.messages.some((m) => ['choices', 'chosen', 'state'].includes(m.type)));
+  operator.send(offer);
+  operator.send({ type: 'choices', choices: [] });
+  await late.wait({ type: 'choices', choices: [] });
+  operator.send({ type: 'choose', choice: 0 });
+  await operator.wait({ type: 'error', code: 'no-choices' });
+  for (const stream of [operator, packed, late, last, elsewhere]) await stream.close();
+});
+
+test('a state brings its mood, is told while she speaks, and on a stream of one’s own', async () => {
+  const stream = await daemon.stream();
+  stream.send({ type: 'speak', id: 's', lang: 'it', text: 'Una frase che dura un poco, perché qualcosa accada intanto.' });
+  await stream.wait({ type: 'word', id: 's' });
+  stream.send({ type: 'state', state: 'thinking', mix: [{ name: 'joy', intensity: 1 }], ease: 0 });
+  await stream.wait({ type: 'state', state: 'thinking' });
+  await stream.wait({ type: 'end', id: 's', reason: 'done' });
+  stream.send({ type: 'state', state: 'idle', mix: [{ name: 'joyy' }] });
+  await stream.wait({ type: 'error', code: 'unknown-expression', field: 'mix.0.name' });
+  assert.equal(stream.messages.filter((m) => m.type === 'state').length, 1, 'what is wrong is not told');
+  await stream.close();
+});
+
+test('what is wrong has its place, and changes nothing', async () => {
+  const stream = await enter('c');
+  stream.send(offer);
+  await stream.wait({ type: 'choices' });
+  for (const [message, field] of [
+    [{ ...offer, choices: Array(9).fill('x') }, 'choices'],
+    [{ ...offer, choices: 'x' }, 'choices'],
+    [{ ...offer, choices: ['a', ''] }, 'choices.1'],
+    [{ ...offer, choices: ['a\u0000'] }, 'choices.0'],
+    [{ ...offer, choices: ['x'.repeat(201)] }, 'choices.0'],
+    [{ ...offer, id: 'x'.repeat(65) }, 'id'],
+    [{ ...offer, question: 7 }, 'question'],
+    [{ type: 'choose', choice: 1.5 }, 'choice'],
+    [{ type: 'choose', choice: -1 }, 'choice'],
+    [{ type: 'choose', choice: 0, id: ['q'] }, 'id'],
+    [{ type: 'state', state: 'asleep' }, 'state'],
+    [{ type: 'state', state: 'idle', text: 'x'.repeat(1001) }, 'text'],
+  ]) {
+    const from = stream.messages.length;
+    stream.send(message);
+    await stream.wait({ type: 'error', code: 'bad-field', field }, { from });
+  }
+  stream.send({ type: 'choices' });
+  await stream.wait({ type: 'error', code: 'missing-field', field: 'choices' });
+  stream.send({ type: 'choose', id: 'q', choice: 1 });
+  await stream.wait({ type: 'chosen', choice: 1, text: 'No' });
+  await stream.close();
+});
+
+test('over HTTP, and as lines', async () => {
+  const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?room=d`, ['faccia.text.v1']), lines = [];
+  socket.on('message', (line) => lines.push(String(line)));
+  const line = (pattern) => eventually(() => lines.some((each) => pattern.test(each)), String(pattern));
+  await line(/^joined d/);
+  const answer = await post('/v1/choices?room=d', JSON.stringify(offer));
+  assert.equal(answer.status, 202);
+  assert.deepEqual(await answer.json(), { type: 'accepted', room: 'd', listeners: 1 });
+  await line(/^choices q Ha fame\?/);
+  assert.equal((await post('/v1/state?room=d', '{"state":"muted"}')).status, 202);
+  await line(/^state muted/);
+  for (const [address, body, status, code] of [
+    ['/v1/choices?room=nobody', JSON.stringify(offer), 404, 'unknown-room'],
+    ['/v1/choices', JSON.stringify(offer), 400, 'missing-field'],
+    ['/v1/choices?room=d', '', 400, 'bad-json'],
+    ['/v1/choices?room=d', '[1]', 400, 'missing-field'],
+    ['/v1/state?room=d', '{"state":', 400, 'bad-json'],
+    ['/v1/state?room=d', `{"state":"idle","text":"${'x'.repeat(300000)}"}`, 413, 'message-too-long'],
+  ]) {
+    const refused = await post(address, body);
+    assert.deepEqual([refused.status, (await refused.json()).code], [status, code], `${address} ${body.slice(0, 20)}`);
+  }
+  socket.close();
+});
+
+test('who may listen may choose; who may speak may offer', async () => {
+  const right = (rights, sub) => ({ from: guarded, options: bearer(sign({ secret, claims: { sub, room: 'e', rights } })) });
+  const operator = await enter('e', right('listen speak', 'operator')), listener = await enter('e', right('listen', 'nonna'));
+  listener.send(offer);
+  await listener.wait({ type: 'error', code: 'forbidden' });
+  listener.send({ type: 'state', state: 'muted' });
+  await listener.wait({ type: 'error', code: 'forbidden' }, { from: listener.messages.length });
+  assert.equal((await post('/v1/state?room=e', '{"state":"muted"}', guarded, right('listen', 'x').options)).status, 403);
+  operator.send(offer);
+  await listener.wait({ type: 'choices' });
+  listener.send({ type: 'choose', choice: 0 });
+  await operator.wait({ type: 'chosen', by: 'nonna', text: 'Sì' });
+  for (const stream of [operator, listener]) await stream.close();
+});
