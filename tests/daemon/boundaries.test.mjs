@@ -43,5 +43,5 @@ test('a broken table is refused with its place', () => {
   assert.equal(status, 1, stderr);
   assert.match(stderr, /boundaries\.json: voices\.espeak:it\[0\]\.ms: must be a number from -60 to 60 \(bad-boundaries\)/);
   table('{"sounds": {},\n "voices": }');
-  assert.match(say().stderr, /boundaries\.json:2:\d+: .*\(bad-boundaries\)/);
+  assert.match(say().stderr, /boundaries\.json: 2:\d+: .*\(bad-boundaries\)/);
 });
