@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
-#include "server/voice/boundary_rule.h"
 #include "server/voice/boundary_table.h"
+#include "server/voice/boundary_table_internal.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>

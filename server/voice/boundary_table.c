@@ -2,7 +2,7 @@
 #include "server/voice/boundary_table.h"
 #include "server/base/json_place.h"
 #include "server/base/mem.h"
-#include "server/voice/boundary_rule.h"
+#include "server/voice/boundary_table_internal.h"
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>

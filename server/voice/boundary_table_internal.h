@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What the table says of a voice, as the correction goes by it. */
-#ifndef FACCIA_VOICE_BOUNDARY_RULE_H
-#define FACCIA_VOICE_BOUNDARY_RULE_H
+#ifndef FACCIA_VOICE_BOUNDARY_TABLE_INTERNAL_H
+#define FACCIA_VOICE_BOUNDARY_TABLE_INTERNAL_H
 
 #include <stddef.h>
 
