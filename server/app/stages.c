@@ -10,12 +10,21 @@ static const char *in_models(const struct settings *settings, const char *name, 
 }
 
 /* With the file, where the reader does not say it. */
+static int fail_in(const char *path, const struct error *inner, struct error *e) {
+    char text[320];
+    return error_set(e, inner->code, "%s: %s", path, error_text(inner, text, sizeof text));
+}
+
 static int load_expressions(struct stages *s, const char *path, struct error *e) {
     struct error inner = {0};
-    char text[320];
     s->expressions = expressions_load(path, &inner);
-    return s->expressions ? 0
-                          : error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));
+    return s->expressions ? 0 : fail_in(path, &inner, e);
+}
+
+static int load_boundaries(struct stages *s, const char *path, struct error *e) {
+    struct error inner = {0};
+    s->boundaries = boundary_table_load(path, &inner);
+    return s->boundaries ? 0 : fail_in(path, &inner, e);
 }
 
 int stages_load(struct stages *s, const struct settings *settings, unsigned wanted, uv_loop_t *loop,
@@ -34,6 +43,8 @@ int stages_load(struct stages *s, const struct settings *settings, unsigned want
     if (wanted & STAGES_NORMALIZATION &&
         normalizers_load(&s->normalizers, in_models(settings, "normalization", path), e))
         return -1;
+    if (wanted & STAGES_BOUNDARIES && load_boundaries(s, in_models(settings, "boundaries.json", path), e))
+        return -1;
     if (s->expressions && s->packs.count)
         s->high_level =
             face_high_level_new(speech_packs_find(&s->packs, SPEECH_PACK_GENERAL), s->expressions);
@@ -45,7 +56,9 @@ int stages_load(struct stages *s, const struct settings *settings, unsigned want
 
 int stages_start_voices(struct stages *s, const struct voice_pool_options *voices, void (*ready)(void *ctx),
                         void *ctx, struct error *e) {
-    s->pipeline.voices = voice_pool_open(s->pipeline.loop, voices, ready, ctx, e);
+    struct voice_pool_options options = *voices;
+    options.boundaries = s->boundaries;
+    s->pipeline.voices = voice_pool_open(s->pipeline.loop, &options, ready, ctx, e);
     return s->pipeline.voices ? 0 : -1;
 }
 
@@ -59,5 +72,6 @@ void stages_free(struct stages *s) {
     expressions_free(s->expressions);
     face_high_level_free(s->high_level);
     normalizers_free(&s->normalizers);
+    boundary_table_free(s->boundaries);
     *s = (struct stages){0};
 }

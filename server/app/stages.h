@@ -12,7 +12,8 @@ enum {
     STAGES_SPEECH = 1u << 0,        /* speech packs */
     STAGES_EXPRESSIONS = 1u << 1,   /* with the packs: what FAP 1 and 2 mean, too */
     STAGES_NORMALIZATION = 1u << 2, /* words for digits, dates and sums */
-    STAGES_ALL = STAGES_SPEECH | STAGES_EXPRESSIONS | STAGES_NORMALIZATION,
+    STAGES_BOUNDARIES = 1u << 3,    /* where voices' phones are heard */
+    STAGES_ALL = STAGES_SPEECH | STAGES_EXPRESSIONS | STAGES_NORMALIZATION | STAGES_BOUNDARIES,
 };
 
 struct stages {
@@ -20,6 +21,7 @@ struct stages {
     struct expressions *expressions;
     struct face_high_level *high_level;
     struct normalizers normalizers;
+    struct boundary_table *boundaries;
     struct pipeline pipeline; /* all of that; what else it has is for the caller to fill in */
 };
 
@@ -28,7 +30,7 @@ int stages_load(struct stages *stages, const struct settings *settings, unsigned
                 struct error *e);
 
 /* Starts the voices, which the pipeline has from then on: voices is a copy of the settings' section, with
- * what no setting says. ready as voice_pool_open has it. -1 with *e. */
+ * what no setting says but their boundaries. ready as voice_pool_open has it. -1 with *e. */
 int stages_start_voices(struct stages *stages, const struct voice_pool_options *voices,
                         void (*ready)(void *ctx), void *ctx, struct error *e);
 

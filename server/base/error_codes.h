@@ -104,6 +104,7 @@
     X(BAD_ALPHABET, "bad-alphabet", 0, "this is no alphabet of phones") \
     X(BAD_SHAPE_TABLE, "bad-shape-table", 0, "this is no table of mouth shapes") \
     X(BAD_EXPRESSIONS, "bad-expressions", 0, "this is no library of expressions") \
+    X(BAD_BOUNDARIES, "bad-boundaries", 0, "this is no table of the boundaries between phones") \
     X(BAD_NORMALIZATION, "bad-normalization", 0, "this is no file of words for normalisation") \
     X(BAD_MODEL, "bad-model", 0, "this is no head model") \
     X(BAD_FAP, "bad-fap", 400, "this is no .fap file") \

@@ -109,7 +109,8 @@ int assembly_events(struct assembly *a, const struct wire_frame *frame, struct e
     return r.bad ? error_set(e, ERROR_VOICE_FAILED, "sent a broken event") : 0;
 }
 
-struct sentence_audio *assembly_finish(struct assembly *a, const char *lang, uint32_t sample_rate) {
+struct sentence_audio *assembly_finish(struct assembly *a, const char *lang, uint32_t sample_rate,
+                                       const struct voice_boundaries *boundaries) {
     struct sentence_audio *u = a->u;
     if (!u->sample_rate)
         u->sample_rate = sample_rate;
@@ -119,6 +120,7 @@ struct sentence_audio *assembly_finish(struct assembly *a, const char *lang, uin
     assembly_tidy_phones(a);
     assembly_tidy_words(a);
     assembly_tidy_marks(a);
+    boundaries_correct(boundaries, u);
     cue_times_set(u, a->plan);
     a->u = NULL;
     return u;

@@ -6,6 +6,7 @@
 #define FACCIA_VOICE_ASSEMBLY_H
 
 #include "server/base/error.h"
+#include "server/voice/boundary_table.h"
 #include "server/voice/plan.h"
 #include "server/voice/sentence_audio.h"
 #include "server/voice/wire.h"
@@ -34,8 +35,9 @@ int assembly_audio(struct assembly *a, const struct wire_frame *frame, struct er
 int assembly_events(struct assembly *a, const struct wire_frame *frame, struct error *e);
 
 /* the sentence's audio, when all has been said, which may be nothing: then it has no samples. lang and
- * sample_rate are the voice's; the rate counts where there was no audio. Once only; free the assembly after.
- */
-struct sentence_audio *assembly_finish(struct assembly *a, const char *lang, uint32_t sample_rate);
+ * sample_rate are the voice's; the rate counts where there was no audio. boundaries is what is known of where
+ * the voice's phones are heard, or NULL. Once only; free the assembly after. */
+struct sentence_audio *assembly_finish(struct assembly *a, const char *lang, uint32_t sample_rate,
+                                       const struct voice_boundaries *boundaries);
 
 #endif

@@ -48,6 +48,7 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
     pool->unconfined = options->unconfined;
     pool->metrics = options->metrics;
     pool->retry_after = options->retry_after > 0 ? options->retry_after : 60;
+    pool->boundaries = options->own_boundaries ? NULL : options->boundaries;
     pool->quiet = options->quiet;
     pool->ready = ready;
     pool->ready_ctx = ctx;

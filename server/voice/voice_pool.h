@@ -7,6 +7,7 @@
 #include "server/base/error.h"
 #include "server/base/metrics.h"
 #include "server/markup/score.h"
+#include "server/voice/boundary_table.h"
 #include "server/voice/plan.h"
 #include "server/voice/sentence_audio.h"
 #include "server/voice/voice_cache.h"
@@ -34,7 +35,11 @@ struct voice_pool_options {
     double start_seconds; /* plugins that take longer to start are not waited for, default 30 */
     double retry_after;   /* a plugin that does not start is tried again after so many seconds, default 60 */
     const char *config;   /* JSON object: plugin name -> its own configuration object; NULL = {} */
-    bool quiet;           /* plugins that have nothing to run here are not named in the log */
+    /* Where the voices' phones are heard; borrowed; NULL: where the voices say. own_boundaries not 0: that is
+     * not asked (a setting). */
+    const struct boundary_table *boundaries;
+    unsigned own_boundaries;
+    bool quiet;                 /* plugins that have nothing to run here are not named in the log */
     struct cache_options cache; /* what is kept of finished sentences; all 0 = nothing */
     struct metrics *metrics;    /* NULL = nobody counts */
 };

@@ -38,7 +38,7 @@ void job_recall(struct voice_job *job) {
         at += used;
     }
     if (at == end) {
-        pool_job_end(job, assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate), NULL);
+        pool_job_end(job, pool_job_finish(job), NULL);
         return;
     }
     assembly_free(job->assembly);

@@ -97,10 +97,11 @@ struct voice_pool {
     size_t plugin_count;
     struct catalog catalog;
     uint32_t last_job;
-    struct job_queue refused;  /* sentences that cannot be spoken and wait for the callback, */
-    struct job_queue known;    /* sentences that were found in the cache and wait for theirs, */
-    uv_timer_t soon;           /* which may not come inside voice_pool_speak */
-    struct voice_cache *cache; /* NULL = none */
+    struct job_queue refused;                /* sentences that cannot be spoken and wait for the callback, */
+    struct job_queue known;                  /* sentences that were found in the cache and wait for theirs, */
+    uv_timer_t soon;                         /* which may not come inside voice_pool_speak */
+    struct voice_cache *cache;               /* NULL = none */
+    const struct boundary_table *boundaries; /* NULL = phones lie where the voices say */
     struct metrics *metrics;
     void (*ready)(void *ctx);
     void *ready_ctx;
@@ -136,7 +137,8 @@ void job_push(struct job_queue *queue, struct voice_job *job); /* at its end */
 void job_take_out(struct voice_job *job);                      /* of its queue */
 void job_wait(struct voice_job *job);                          /* for a worker, which may be idle */
 void job_free(struct voice_job *job);
-bool plugin_runs(const struct plugin *plugin); /* a worker of it may yet come */
+bool plugin_runs(const struct plugin *plugin);                 /* a worker of it may yet come */
+struct sentence_audio *pool_job_finish(struct voice_job *job); /* what its assembly makes of it */
 void pool_job_end(struct voice_job *job, struct sentence_audio *u,
                   const struct error *e); /* calls back, frees the job */
 struct voice_job *

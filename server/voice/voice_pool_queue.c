@@ -45,6 +45,12 @@ void job_free(struct voice_job *job) {
     free(job);
 }
 
+struct sentence_audio *pool_job_finish(struct voice_job *job) {
+    const struct voice *voice = job->voice;
+    return assembly_finish(job->assembly, voice->lang, voice->sample_rate,
+                           boundary_table_find(job->plugin->pool->boundaries, voice->id));
+}
+
 void pool_job_end(struct voice_job *job, struct sentence_audio *u, const struct error *e) {
     const struct voice_callbacks callbacks = job->callbacks;
     void *ctx = job->ctx;

@@ -28,7 +28,7 @@ static void done(struct worker *w, struct wire_reader *r) {
         error_set(&e, ERROR_VOICE_FAILED, "the voice %s failed: %s", w->plugin->name,
                   message && *message ? message : "it does not say why");
     else {
-        u = assembly_finish(job->assembly, job->voice->lang, job->voice->sample_rate);
+        u = pool_job_finish(job);
         pool_job_spoken(job);
     }
     worker_set_state(w, WORKER_IDLE, 0);

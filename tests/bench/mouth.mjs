@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contacts and openings of 25 sentences a language, at four rates, neutral and in five emotions, by both blends, with all engines of the
-// language. Usage: node tests/bench/mouth.mjs [--pixels [--all]] [--contacts on|off|engine] [--rates 80,320] [--list] [LANG]...
-// In mm, from the FAPs at 50 frames a second; with --pixels as drawn at 25, while the sounds are heard: of three sentences, neutral and in
+// language. Usage: node tests/bench/mouth.mjs [--pixels [--sentences 3 | --all]] [--contacts on|off|engine] [--rates 80,320] [--list] [LANG]...
+// In mm, from the FAPs at 50 frames a second; with --pixels as drawn at 25, while the sounds are heard: of the first --sentences (3), neutral and in
 // two emotions at 320 words a minute, or of --all. --list names what fails.
 import path from 'node:path';
 import { parseArgs } from 'node:util';
@@ -14,7 +14,7 @@ import { sentences } from '../lib/sentences.mjs';
 
 const { values: wanted, positionals } = parseArgs({
   allowPositionals: true,
-  options: { pixels: { type: 'boolean' }, all: { type: 'boolean' }, contacts: { type: 'string', default: 'on' }, rates: { type: 'string' }, list: { type: 'boolean' } },
+  options: { pixels: { type: 'boolean' }, all: { type: 'boolean' }, contacts: { type: 'string', default: 'on' }, rates: { type: 'string' }, sentences: { type: 'string', default: '3' }, list: { type: 'boolean' } },
 });
 const few = wanted.pixels && !wanted.all;
 const rates = (wanted.rates ?? (few ? '320' : '80,160,240,320')).split(',');
@@ -26,7 +26,7 @@ const browser = wanted.pixels ? await launch() : undefined;
 const screen = browser && (await mouthPixels(browser));
 
 async function speak(lang, engine, rate, emotion, blend) {
-  const text = voiced(sentences[lang].slice(0, few ? 3 : undefined).join('\n'), emotion);
+  const text = voiced(sentences[lang].slice(0, few ? Number(wanted.sentences) : undefined).join('\n'), emotion);
   const args = ['--lang', lang, '--engine', engine, '--rate', rate, '--blend', blend, '--contacts', wanted.contacts, '--markup', 'ssml', '--fps', screen ? 25 : 50];
   let track;
   try {

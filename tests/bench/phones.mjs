@@ -1,32 +1,49 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// How the phones' times of the voices lie beside what is heard: the median of a boundary's time less that of its event in the spectrum, ms
-// (positive: the phone's time is late), and how far half of them lie from that. Usage: node tests/bench/phones.mjs [VOICE]...
+// How the phones' times of the voices lie beside what is heard, and the table that moves them there (models/boundaries.md).
+// Usage: node tests/bench/phones.mjs [--write FILE] [VOICE]...
+// By voice and event: the median of a boundary's time less that of its event in the spectrum, ms (positive: the boundary is late), ± how far half
+// of them lie from it; the mean of all without their signs (how many), as the voice says; below it, where a correction is worth while, what is left
+// where it was not learned: what every other sentence says moves those between, and the reverse. --write FILE: the table of what is learned from all, as far as it holds on the other halves; of voices
+// that are not named the file keeps what it has.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
-import { build } from '../lib/daemon.mjs';
+import { parseArgs } from 'node:util';
+import { build, root } from '../lib/daemon.mjs';
 import { sentences } from '../lib/sentences.mjs';
 import { median } from './figures.mjs';
 
+const { values: wanted, positionals } = parseArgs({ allowPositionals: true, options: { write: { type: 'string' } } });
 const VOICES = ['espeak:it', 'espeak:it+f2', 'espeak:pt-br', 'espeak:tr', 'espeak:en-us', 'festival:lp', 'festival:pc', 'festival:slt', 'festival:kal'];
-const SHOWN = 0.06; // s: an event farther from its boundary is another's
+const LANG = { it: 'it', lp: 'it', pc: 'it', slt: 'en', kal: 'en', 'pt-br': 'pt-BR', tr: 'tr', 'en-us': 'en' };
 const STEP = 0.001; // s
+const NEAR = 0.06; // s: an event farther from its boundary is another's
+const LEAST = 6, ENOUGH = 8; // ms, boundaries: what is smaller, or told by fewer, is left as it is,
+const WORTH = 0.9; // and what leaves more than this of the error where it was not learned
 
-const FRICATIVES = /^[sʃfθ]/u, STOPS = /^(?!tʃ|ts)[ptkc]/u, NASALS = /^[mnɲŋ]/u, VOWELS = /^[aeiouyɐɑæʌɛɔəɪʊøœɯɨɜ]/u;
+// The letters that end or begin a phone; the same names stand in the table.
+const { sounds } = JSON.parse(fs.readFileSync(path.join(root, 'models/boundaries.json')));
 
-// What is looked for at a boundary: the sounds before and after it, the band that tells, Hz, and whether it rises or falls there.
+// What is looked for at a boundary: the sounds before and after it, the band that tells, Hz, and whether it rises or falls there. `lead`, s: so long
+// before the boundary, since the packs let the lips go before a stop's end (contact.release of /p/ and /b/). `seen`: shown beside the others, and
+// nothing is moved by it.
 const EVENTS = {
-  'hiss begins': [VOWELS, FRICATIVES, [3500, 7500], 1],
-  'hiss ends': [FRICATIVES, VOWELS, [3500, 7500], -1],
-  'voice after hiss': [FRICATIVES, VOWELS, [100, 900], 1],
-  'closure': [VOWELS, STOPS, [100, 3500], -1],
-  'voice after stop': [STOPS, VOWELS, [100, 900], 1],
-  'nasal begins': [VOWELS, NASALS, [900, 3000], -1],
-  'nasal ends': [NASALS, VOWELS, [900, 3000], 1],
+  'hiss begins': { before: 'vowel', after: 'sibilant', band: [3500, 7500], sign: 1 },
+  'f begins': { before: 'vowel', after: 'f', band: [3500, 7500], sign: 1 },
+  'hiss ends': { before: 'hiss', after: 'vowel', band: [3500, 7500], sign: -1 },
+  'voice after hiss': { before: 'hiss', after: 'vowel', band: [100, 900], sign: 1, seen: true },
+  'closure': { before: 'vowel', after: 'voiceless stop', band: [100, 3500], sign: -1 },
+  'voiced closure': { before: 'vowel', after: 'voiced stop', band: [900, 3500], sign: -1 },
+  'nasal begins': { before: 'vowel', after: 'nasal', band: [900, 3000], sign: -1 },
+  'nasal ends': { before: 'nasal', after: 'vowel', band: [900, 3000], sign: 1 },
+  'p lets go': { before: 'p', after: 'vowel', band: [200, 7500], sign: 1, lead: 0.03 },
+  'b lets go': { before: 'b', after: 'vowel', band: [900, 7500], sign: 1, lead: 0.012 },
 };
-// A stop's burst lies within it, not at its end: how long before the end is shown apart.
-const BURST = [STOPS, VOWELS, [1500, 7500], 1];
+
+/** The first letter of a phone, or its last, without marks of length and the like. */
+const letter = (ipa, last) => [...ipa.normalize('NFC').replace(/[\u02b0-\u036f\u1dc0-\u1dff]/gu, '')].at(last ? -1 : 0);
+const fits = ({ before, after }, [a, b]) => a.ipa && b.ipa && sounds[before].includes(letter(a.ipa, true)) && sounds[after].includes(letter(b.ipa, false));
 
 /** A band's energy in dB, a value each STEP: two poles on either side, squared, smoothed over 4 ms. */
 function band(pcm, rate, [low, high]) {
@@ -49,50 +66,104 @@ function band(pcm, rate, [low, high]) {
   });
 }
 
-/** Where the band changes most within 10 ms, between the two times, s; undefined when it hardly does. */
-function steepest(levels, from, to, sign) {
+/**
+ * Where the band changes most within 10 ms, between the two times, s; undefined when it hardly does. `first`: where it does so first and
+ * is loud enough to be heard beside the vowel: a burst may be weaker than that.
+ */
+function steepest(levels, from, to, sign, first) {
   const side = 5;
   let best = 6, at; // dB at least
+  const audible = first ? Math.max(...levels.subarray(Math.round(from / STEP), Math.round((to + NEAR) / STEP))) - 40 : -Infinity;
   for (let k = Math.max(side, Math.round(from / STEP)); k <= Math.min(levels.length - 1 - side, Math.round(to / STEP)); k++) {
+    if (first && at !== undefined && k * STEP > at + 0.006) break;
     const change = sign * (levels[k + side] - levels[k - side]);
-    if (change > best) [best, at] = [change, k * STEP];
+    if (change > best && levels[k + side] > audible) [best, at] = [change, k * STEP];
   }
   return at;
 }
 
-function measure(voice, lang) {
-  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'phones-'));
-  const [wav, json] = ['a.wav', 'a.json'].map((name) => path.join(folder, name));
-  execFileSync(path.join(build, 'server/app/faccia'), ['say', '--voice', voice, '--lang', lang, '--wav', wav, '--json', json, sentences[lang].join('\n')], { stdio: ['ignore', 'ignore', 'inherit'] });
-  const bytes = fs.readFileSync(wav);
-  const { phones } = JSON.parse(fs.readFileSync(json));
-  fs.rmSync(folder, { recursive: true });
-  const rate = bytes.readUInt32LE(24);
-  const pcm = Float64Array.from({ length: (bytes.length - 44) >> 1 }, (_, i) => bytes.readInt16LE(44 + 2 * i));
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'phones-'));
+process.on('exit', () => fs.rmSync(folder, { recursive: true }));
+
+/** What a voice says of every other sentence, from `half` on: its phones, and its sound. */
+function say(voice, lang, half, table) {
+  const [wav, json, models] = ['a.wav', 'a.json', 'models'].map((name) => path.join(folder, name));
+  fs.rmSync(models, { recursive: true, force: true });
+  fs.mkdirSync(models);
+  for (const name of ['speech', 'normalization', 'expressions.json']) fs.symlinkSync(path.join(root, 'models', name), path.join(models, name));
+  if (table) fs.writeFileSync(path.join(models, 'boundaries.json'), JSON.stringify({ sounds, voices: { [voice]: table } }));
+  const text = sentences[lang].filter((_, i) => i % 2 === half).join('\n');
+  execFileSync(path.join(build, 'server/app/faccia'), ['say', '--voice', voice, '--lang', lang, '--wav', wav, '--json', json, text],
+    { stdio: ['ignore', 'ignore', 'inherit'], env: { ...process.env, FACCIA_MODELS: models } });
+  const bytes = fs.readFileSync(wav), rate = bytes.readUInt32LE(24);
+  return { phones: JSON.parse(fs.readFileSync(json)).phones, rate, pcm: Float64Array.from({ length: (bytes.length - 44) >> 1 }, (_, i) => bytes.readInt16LE(44 + 2 * i)) };
+}
+
+/** By event: the numbers of the phones that begin there, and when the event is heard. */
+function heard({ phones, rate, pcm }) {
   const levels = new Map();
   const levelsOf = (hz) => levels.get(String(hz)) ?? levels.set(String(hz), band(pcm, rate, hz)).get(String(hz));
-  const out = {};
-  for (const [name, event] of [...Object.entries(EVENTS), ['burst before end', BURST]]) {
+  return Object.fromEntries(Object.entries(EVENTS).map(([name, event]) => {
     const found = [];
     for (let i = 1; i < phones.length; i++) {
       const [before, after] = [phones[i - 1], phones[i]];
-      if (!event[0].test(before.ipa) || !event[1].test(after.ipa) || /ː/.test(before.ipa + after.ipa)) continue;
-      const from = event === BURST ? before.start + 0.005 : Math.max((before.start + before.end) / 2, after.start - SHOWN);
-      const to = event === BURST ? after.start + 0.02 : Math.min((after.start + after.end) / 2, after.start + SHOWN);
-      const at = steepest(levelsOf(event[2]), from, to, event[3]);
-      if (at !== undefined) found.push(1000 * (after.start - at));
+      if (!fits(event, [before, after]) || /ː/.test(before.ipa + after.ipa)) continue;
+      // A burst lies within the stop; other events are sought as far as the middles of the two sounds.
+      const from = event.lead ? before.start + (before.end - before.start) / 4 : Math.max((before.start + before.end) / 2, after.start - NEAR);
+      const to = event.lead ? after.start + 0.01 : Math.min((after.start + after.end) / 2, after.start + NEAR);
+      const at = steepest(levelsOf(event.band), from, to, event.sign, event.lead);
+      if (at !== undefined) found.push({ i, at: at + (event.lead ?? 0) });
     }
-    if (found.length < 5) continue;
-    const middle = median(found);
-    out[name] = `${middle.toFixed(0)} ±${median(found.map((x) => Math.abs(x - middle))).toFixed(0)} (${found.length})`;
-  }
-  return out;
+    return [name, found];
+  }));
 }
 
-const LANG = { it: 'it', lp: 'it', pc: 'it', slt: 'en', kal: 'en', 'pt-br': 'pt-BR', tr: 'tr', 'en-us': 'en' };
-const names = [...Object.keys(EVENTS), 'burst before end'];
+const off = (phones, found) => found.map(({ i, at }) => 1000 * (phones[i].start - at));
+const told = (values) => {
+  const middle = median(values);
+  return `${middle.toFixed(0)} ±${median(values.map((x) => Math.abs(x - middle))).toFixed(0)}`;
+};
+const mean = (values) => values.reduce((sum, x) => sum + Math.abs(x), 0) / values.length;
+
+/** What is to be added to the boundaries of each event, by what was heard. */
+function learned(events, names) {
+  return names.map((name) => ({ before: EVENTS[name].before, after: EVENTS[name].after, ms: -Math.round(median(events[name])) }));
+}
+
+function measure(voice, lang) {
+  const halves = [0, 1].map((half) => {
+    const own = say(voice, lang, half), events = heard(own);
+    return { half, events, values: Object.fromEntries(Object.entries(events).map(([name, found]) => [name, off(own.phones, found)])) };
+  });
+  const all = Object.fromEntries(Object.keys(EVENTS).map((name) => [name, halves.flatMap(({ values }) => values[name])]));
+  const candidates = Object.keys(EVENTS).filter((name) => !EVENTS[name].seen && all[name].length >= ENOUGH && halves.every(({ values }) => values[name].length));
+  /** Each half as it is after what was learned of the other one alone. */
+  const crossed = (names) => {
+    const moved = halves.map(({ half, events }, k) => {
+      const { phones } = say(voice, lang, half, learned(halves[1 - k].values, names));
+      return Object.fromEntries(Object.entries(events).map(([name, found]) => [name, off(phones, found)]));
+    });
+    return Object.fromEntries(Object.keys(EVENTS).map((name) => [name, moved.flatMap((values) => values[name])]));
+  };
+  const tried = crossed(candidates.filter((name) => Math.abs(median(all[name])) >= LEAST));
+  const good = candidates.filter((name) => Math.abs(median(all[name])) >= LEAST && mean(tried[name]) < WORTH * mean(all[name]));
+  return { table: learned(all, good), good, all, unseen: crossed(good) };
+}
+
+const shown = (row, moved) => (row.length < 5 ? '' : `${told(row)}; ${mean(row).toFixed(0)}${moved ? '' : ` (${row.length})`}`);
+const names = Object.keys(EVENTS);
 console.log(`| voice | ${names.join(' | ')} |\n|---|${names.map(() => '---|').join('')}`);
-for (const voice of process.argv.length > 2 ? process.argv.slice(2) : VOICES) {
-  const row = measure(voice, LANG[voice.split(':')[1].split('+')[0]] ?? 'en');
-  console.log(`| ${voice} | ${names.map((name) => row[name] ?? '').join(' | ')} |`);
+const tables = {};
+for (const voice of positionals.length ? positionals : VOICES) {
+  const { table, good, all, unseen } = measure(voice, LANG[voice.split(':')[1].split('+')[0]] ?? 'en');
+  console.log(`| ${voice} | ${names.map((name) => shown(all[name])).join(' | ')} |`);
+  if (good.length) console.log(`| moved | ${names.map((name) => (good.includes(name) || EVENTS[name].seen ? shown(unseen[name], true) : '')).join(' | ')} |`);
+  tables[voice] = table.length ? table : undefined;
+}
+if (wanted.write) {
+  const old = JSON.parse(fs.readFileSync(wanted.write)).voices;
+  const voices = Object.fromEntries(Object.entries({ ...old, ...tables }).filter(([, table]) => table).sort(([a], [b]) => (a < b ? -1 : 1)));
+  const rows = Object.entries(voices).map(([voice, rules]) => `  ${JSON.stringify(voice)}: [\n${rules.map((rule) => `   { "before": ${JSON.stringify(rule.before)}, "after": ${JSON.stringify(rule.after)}, "ms": ${rule.ms} }`).join(',\n')}\n  ]`);
+  const letters = Object.entries(sounds).map(([name, all]) => `  ${JSON.stringify(name)}: ${JSON.stringify(all)}`);
+  fs.writeFileSync(wanted.write, `{\n "sounds": {\n${letters.join(',\n')}\n },\n "voices": {\n${rows.join(',\n')}\n }\n}\n`);
 }

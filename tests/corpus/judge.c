@@ -11,6 +11,7 @@
 #include "server/net/models.h"
 #include "server/normalize/normalizers.h"
 #include "server/plugins/command/command_config.h"
+#include "server/voice/boundary_table.h"
 #include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -61,6 +62,12 @@ static bool expressions(const char *path, struct error *e) {
 static bool normalization(const char *path, struct error *e) {
     json_t *loaded = normalizer_read(path, e);
     json_decref(loaded);
+    return loaded;
+}
+
+static bool boundaries(const char *path, struct error *e) {
+    struct boundary_table *loaded = boundary_table_load(path, e);
+    boundary_table_free(loaded);
     return loaded;
 }
 
@@ -137,6 +144,7 @@ static const struct kind {
              {"letters", letters},
              {"expressions", expressions},
              {"normalization", normalization},
+             {"boundaries", boundaries},
              {"head", head},
              {"timed", timed},
              {"settings", settings},

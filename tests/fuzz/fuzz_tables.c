@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The expressions and the normalizers of a language: byte 0 says which file, the rest edits it (json_edit.c).
- * What loads is used. */
+/* The expressions, the normalizers of a language, and the voices' boundaries: byte 0 says which file, the
+ * rest edits it (json_edit.c). What loads is used. */
 #include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
+#include "server/voice/boundary_table.h"
 #include "tests/fuzz/fuzz.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static const char *const files[] = {"models/expressions.json", "models/expressions.json",
+static const char *const files[] = {"models/expressions.json",      "models/expressions.json",
                                     "models/normalization/it.json", "models/normalization/en.json",
-                                    "models/normalization/tr.json"};
+                                    "models/normalization/tr.json", "models/boundaries.json"};
 enum { FILES = sizeof files / sizeof *files };
 
 static const json_t *base(size_t which) {
@@ -90,14 +91,40 @@ static void load_reading(const json_t *json) {
     remove(path);
 }
 
+static void load_boundaries(const json_t *json) {
+    enum { PHONES = 5, LENGTH = 400 };
+    static const char *const said[PHONES] = {"b", "aɪ", "tʃ", "ɐ̃", ""};
+    char path[FUZZ_PATH];
+    struct error e = {0};
+    fuzz_write_json("boundaries", json, path);
+    struct boundary_table *table = boundary_table_load(path, &e);
+    FUZZ_CHECK(table || e.code);
+    struct phone phones[PHONES] = {0};
+    struct sentence_audio u = {
+        .sample_rate = 8000, .samples = PHONES * LENGTH, .phones = phones, .phone_count = PHONES};
+    for (uint32_t i = 0; i < PHONES; i++) {
+        strcpy(phones[i].ipa, said[i]);
+        phones[i].start = i * LENGTH;
+        phones[i].end = phones[i].start + LENGTH;
+    }
+    boundaries_correct(boundary_table_find(table, "festival:lp"), &u);
+    for (size_t i = 0; i < PHONES; i++)
+        FUZZ_CHECK(phones[i].end - phones[i].start >= LENGTH / 3 && phones[i].end <= u.samples &&
+                   phones[i].start == (i ? phones[i - 1].end : 0));
+    boundary_table_free(table);
+    remove(path);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct fuzz_input in = fuzz_input(data, size);
     size_t which = fuzz_below(&in, FILES);
     json_t *edited = fuzz_edit_json(base(which), &in);
     if (which < 2)
         load_expressions(edited);
-    else
+    else if (which + 1 < FILES)
         load_reading(edited);
+    else
+        load_boundaries(edited);
     json_decref(edited);
     return 0;
 }

@@ -95,7 +95,7 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     }
     FUZZ_CHECK(!failed || e.code);
     if (!failed) {
-        struct sentence_audio *u = assembly_finish(a, "it", 22050);
+        struct sentence_audio *u = assembly_finish(a, "it", 22050, NULL);
         check_utterance(u);
         sentence_audio_free(u);
     }

@@ -22,6 +22,7 @@ const kinds = {
   alphabets: { schema: 'models/speech/schema/alphabets.json', files: ['models/speech/alphabets/ipa.json'] },
   expressions: { schema: 'models/expressions.schema.json', files: ['models/expressions.json'] },
   normalization: { schema: 'models/normalization.schema.json', files: ['models/normalization/it.json', 'models/normalization/tr.json'] },
+  boundaries: { schema: 'models/boundaries.schema.json', files: ['models/boundaries.json'] },
   settings: { schema: JSON.parse(facciad('--print-schema')), files: ['tests/corpus/documents/settings.json'] },
   voices: { schema: 'server/plugins/command/voices.schema.json', files: ['tests/corpus/documents/voices.json'], only: /^(?!.*\/times\/unheard-of)/ },
   timed: { schema: 'protocol/schema/timed.json', files: ['tests/corpus/documents/timed.json'], only: /^\/(phones|words)(\/\d+(\/(ipa|name|start|end|stress|text))?)?$/ },
@@ -29,7 +30,7 @@ const kinds = {
 
 /** What only the reader can know: what it says then, and why. */
 const readerOnly = [
-  [/^there is no (group|phone|shape|affect|context) /, 'names of things that stand elsewhere in the file'],
+  [/^there is no (group|phone|shape|affect|context|sound) /, 'names of things that stand elsewhere in the file'],
   [/^"[^"]*": /, 'another file'],
   [/is not known here/, 'names that the file itself defines'],
   [/has no target in the context/, 'the contexts stand elsewhere in the file'],

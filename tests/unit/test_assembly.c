@@ -83,7 +83,7 @@ static void mark(struct media_segment *s, const char *name, uint64_t at) {
 }
 
 static void finish(struct media_segment *s) {
-    s->u = assembly_finish(s->assembly, "it", RATE);
+    s->u = assembly_finish(s->assembly, "it", RATE, NULL);
     uint32_t at = 0;
     for (size_t i = 0; i < s->u->phone_count; i++) {
         assert_int_equal(s->u->phones[i].start, at);

@@ -62,7 +62,7 @@ static struct sentence_audio *speak(struct score *score, size_t sentence) {
                       said = {WIRE_EVENTS, 1, events.data, events.size};
     assert_int_equal(assembly_audio(a, &sound, &e), 0);
     assert_int_equal(assembly_events(a, &said, &e), 0);
-    struct sentence_audio *u = assembly_finish(a, "it", RATE);
+    struct sentence_audio *u = assembly_finish(a, "it", RATE, NULL);
     assembly_free(a);
     plan_free(&plan);
     buf_free(&audio);
