@@ -2,7 +2,8 @@
 // Where the time of a picture goes, in headless Chromium with software rendering, 640 x 480: the head is drawn over and over, whole, then with
 // something left out, in turn, so that what else the machine does falls on all. For each picture: processor time of all the browser's
 // processes, and time by the clock. Pictures are waited for (one point is read back), and none is put on the display: that is fps.mjs.
-// Usage: node tests/bench/frame.mjs [--level low] [--web FOLDER] [--model mara] [--rounds 5] [--frames 12] [--only WORD]
+// With --before also as the client of another folder draws it (the web/ of an older commit, with its protocol/ beside it), in the same turns.
+// Usage: node tests/bench/frame.mjs [--level low] [--web FOLDER] [--before FOLDER] [--model mara] [--rounds 5] [--frames 12] [--only WORD]
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
@@ -14,7 +15,7 @@ import { bundle } from './page-script.mjs';
 const { values: options } = parseArgs({
   options: {
     level: { type: 'string', default: 'low' }, web: { type: 'string', default: path.join(root, 'web') }, model: { type: 'string', default: 'mara' },
-    rounds: { type: 'string', default: '5' }, frames: { type: 'string', default: '12' }, only: { type: 'string', default: '' },
+    rounds: { type: 'string', default: '5' }, frames: { type: 'string', default: '12' }, before: { type: 'string' }, only: { type: 'string', default: '' },
   },
 });
 const models = path.join(process.env.FACCIA_MODELS ?? path.join(built, 'models'), 'heads');
@@ -35,12 +36,14 @@ window.begin = async (json, level) => {
   const model = readModel(json);
   const head = await Head.create(model, { software: true });
   window.built = performance.now() - before;
-  await head.slim?.();
-  window.slimmed = performance.now() - before - window.built;
   const view = new View(own);
   view.resize(640, 480);
   view.setLevel(LEVELS.find(({ name }) => name === level));
   view.show(head);
+  const shown = performance.now();
+  await head.slim?.();
+  await head.looking;
+  window.slimmed = performance.now() - shown;
   Object.assign(window, { view, head, model });
   window.reference = await reference(other, readModel(json), decodeTexture);
 };
@@ -99,6 +102,10 @@ const setUps = {
   'a quarter of the pixels': () => sized(320, 240),
   'hardly a pixel': () => sized(32, 24),
   'one sample': unsampled,
+  'all of it': () => {
+    head.seenFrom = () => { for (const { shape } of head.parts) shape.show(false, true); };
+    return () => delete head.seenFrom;
+  },
   'plain textures': plainTextures,
 };
 let time = 0;
@@ -123,22 +130,28 @@ window.run = (name, frames) => {
 };
 `;
 const browser = await launch();
-const page = await browser.newPage({ viewport: { width: 800, height: 600 } });
-page.on('pageerror', (error) => console.error(error));
-page.on('console', (message) => message.type() === 'error' && console.error(message.text()));
-await page.setContent('<!doctype html><body style="margin:0"><canvas width=640 height=480></canvas><canvas width=640 height=480></canvas>');
-await page.addScriptTag({ type: 'module', content: await bundle(script, options.web) });
-await page.waitForFunction(() => window.begin);
-await page.evaluate(([model, level]) => window.begin(model, level), [json, options.level]);
+async function open(web) {
+  const page = await browser.newPage({ viewport: { width: 800, height: 600 } });
+  page.on('pageerror', (error) => console.error(error));
+  page.on('console', (message) => message.type() === 'error' && console.error(message.text()));
+  await page.setContent('<!doctype html><body style="margin:0"><canvas width=640 height=480></canvas><canvas width=640 height=480></canvas>');
+  await page.addScriptTag({ type: 'module', content: await bundle(script, web) });
+  await page.waitForFunction(() => window.begin);
+  await page.evaluate(([model, level]) => window.begin(model, level), [json, options.level]);
+  return page;
+}
+const page = await open(options.web);
+const older = options.before && (await open(path.resolve(options.before)));
 const parts = await page.evaluate(() => window.parts());
-const names = ['whole', 'reference', 'JavaScript alone', 'the same pose', 'nothing drawn', 'flat colour', 'a quarter of the pixels', 'hardly a pixel', 'plain textures', ...(options.level.startsWith('high') ? ['one sample'] : []),
-  ...parts.map((part) => `without ${part}`), ...parts.map((part) => `only ${part}`)].filter((name) => name === 'whole' || name.includes(options.only));
+const names = ['whole', ...(older ? ['before'] : []), 'all of it', 'reference', 'JavaScript alone', 'the same pose', 'nothing drawn', 'flat colour', 'a quarter of the pixels', 'hardly a pixel', 'plain textures', ...(options.level.startsWith('high') ? ['one sample'] : []),
+  ...parts.map((part) => `without ${part}`), ...parts.map((part) => `only ${part}`)].filter((name) => ['whole', 'before'].includes(name) || name.includes(options.only));
 const found = new Map(names.map((name) => [name, { cpu: [], clock: [] }]));
 for (let round = 0; round < Number(options.rounds); round++)
   for (const name of names) {
-    await page.evaluate(([what, count]) => window.run(what, count), [name, frames]);
+    const where = name === 'before' ? older : page;
+    await where.evaluate(([what, count]) => window.run(what, count), [name === 'before' ? 'whole' : name, frames]);
     const before = descendantSeconds();
-    const clock = await page.evaluate(() => window.go());
+    const clock = await where.evaluate(() => window.go());
     const one = found.get(name);
     one.clock.push(clock);
     one.cpu.push(((descendantSeconds() - before) * 1000) / frames);

@@ -10,12 +10,15 @@ import { grainTexture } from './grain.mjs';
 import { mouthUniforms, openingOf } from './mouth-light.mjs';
 import { lean } from './lean.mjs';
 import { Shape } from './shape.mjs';
+import { alphaOf, shut, sight, within } from './sight.mjs';
 import { CLEAR, eyeNormals, kindOf, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
 import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from './wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
+const WHOLE = /^(eye|brows|lashes|glasses)/; // they turn by themselves, or hide nothing: all of them is drawn
+const INSIDE = /^(teeth|tongue)/; // nothing is seen of these when the lips meet
 const SLICE_MS = 12; // of work at a time, while the page lives on
 
 /** Where shadows are taken: speaking, so that there is light between the lips. */
@@ -36,10 +39,14 @@ function blended(material) {
 
 const breath = () => new Promise((resolve) => setTimeout(resolve));
 
-/** Goes through a generator a slice at a time. @returns {Promise<any>} what it returns */
-async function sliced(work) {
+/**
+ * Goes through a generator a slice at a time.
+ * @param {() => boolean} [over] whether nobody wants it any more @returns {Promise<any>} what it returns; null: it is over
+ */
+async function sliced(work, over) {
   for (let result = { done: false }, start = performance.now(); ; result = work.next()) {
     if (result.done) return result.value;
+    if (over?.()) return null;
     if (performance.now() - start < SLICE_MS) continue;
     await breath();
     start = performance.now();
@@ -64,6 +71,7 @@ const WORTH_INSIDE = { normal: 0.8, reach: 0, texture: 30 }; // of the mouth, wh
 /** The head model as things to draw. FAPs go in, and the graphics processor does the rest. */
 export class Head {
   #fewer = 0; // which of the shapes is drawn
+  #looked = null; // for each number of triangles, a promise: see #look
   #sampled = false; // then it is the whole one: with fewer triangles single samples are dark, here and there
 
   /**
@@ -148,6 +156,44 @@ export class Head {
       this.#choose();
       whole.dispose();
     }
+    this.#looked = [];
+    this.#choose();
+  }
+
+  /** Finds out which triangles of the shapes that are drawn can be seen from the front. */
+  async #look() {
+    const level = this.#level;
+    const shapes = this.parts.map((one) => one.shapes[level]);
+    const parts = shapes.map((shape) => this.#asked(shape));
+    const posed = (pose) => {
+      this.drive.set(pose);
+      const head = this.#headTurn();
+      const positions = shapes.map((shape) => shape.placed(this.drive, head));
+      this.drive.set(this.faps);
+      for (const shape of shapes) shape.soft.update(this.drive);
+      return { positions, turn: (direction) => new Vector3(...direction).transformDirection(head).toArray() };
+    };
+    const seen = await sliced(sight(parts, posed), () => this.gone);
+    shapes.forEach((shape, i) => seen && parts[i].asked && shape.sort(seen[i]));
+    return true;
+  }
+
+  /** What is asked of a part: see sight.mjs. @param {Shape} shape */
+  #asked({ part, geometry, influences }) {
+    const { texture, alpha, double_sided } = this.model.materials[part.material] ?? {};
+    const asked = !WHOLE.test(part.name);
+    const clear = asked && texture && (alpha === 'blend' || alpha === 'cutout');
+    const free = (v) => influences.moves[v].length || influences.turns[v].some(({ turn }) => turn < this.drive.firstHeadTurn);
+    return {
+      asked,
+      index: part.index,
+      vertices: part.vertices,
+      uv: geometry.attributes.uv.array,
+      double: Boolean(double_sided),
+      hides: !CLEAR.includes(part.name),
+      alpha: clear ? alphaOf(this.textures.get(texture).image) : null,
+      free: kindOf(part.name) === 'skin' ? Uint8Array.from({ length: part.vertices }, (_, v) => (free(v) ? 1 : 0)) : null,
+    };
   }
 
   /** What may not change when triangles go: see lean.mjs. */
@@ -177,9 +223,19 @@ export class Head {
     this.#choose();
   }
 
+  get #level() {
+    return this.#sampled ? 0 : this.#fewer;
+  }
+
+  /** Until only what can be seen is drawn; undefined before it is asked. */
+  get looking() {
+    return this.#looked?.[this.#level];
+  }
+
   #choose() {
+    if (this.#looked) this.#looked[this.#level] ??= this.#look();
     for (const one of this.parts) {
-      const shape = one.shapes[this.#sampled ? 0 : Math.min(this.#fewer, one.shapes.length - 1)];
+      const shape = one.shapes[Math.min(this.#level, one.shapes.length - 1)];
       if (shape === one.shape) continue;
       for (const mesh of this.group.children) if (mesh.geometry === one.shape.geometry) mesh.geometry = shape.geometry;
       one.shape = shape;
@@ -332,9 +388,7 @@ export class Head {
   setFaps(values) {
     this.faps = values;
     this.drive.set(values);
-    const origin = new Vector3(...this.drive.withHead([0, 0, 0]));
-    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
-    this.uniforms.headTurn.value.makeBasis(...axes).setPosition(origin);
+    this.uniforms.headTurn.value.copy(this.#headTurn());
     for (const { shape } of this.parts) shape.update(this.drive);
     if (this.creased) {
       this.uniforms.wrinkles.value.set(...wrinklesOf(values));
@@ -343,8 +397,25 @@ export class Head {
     this.uniforms.opening.value = openingOf(this.model, values);
   }
 
+  /** How the head is turned. */
+  #headTurn() {
+    const origin = new Vector3(...this.drive.withHead([0, 0, 0]));
+    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
+    return new Matrix4().makeBasis(...axes).setPosition(origin);
+  }
+
+  /** It is about to be drawn. @param {Vector3} eye from where, a direction */
+  seenFrom(eye) {
+    const turned = eye.clone().transformDirection(this.uniforms.headTurn.value.clone().invert());
+    const front = within(this.faps, turned.toArray());
+    const inside = front && !shut(this.faps);
+    for (const { shape } of this.parts) shape.show(front, inside || !INSIDE.test(shape.part.name));
+  }
+
+  /** How many are drawn. */
   get triangles() {
-    return this.parts.reduce((sum, { shape }) => sum + shape.part.index.length / 3, 0);
+    const drawn = ({ shape: { part, geometry } }) => Math.min(part.index.length, geometry.drawRange.count) / 3;
+    return this.parts.reduce((sum, one) => sum + drawn(one), 0);
   }
 
   dispose() {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { FILL, KEY, RIM } from './lights.mjs';
+import { scan } from './raster.mjs';
 
 const SIZE = 192; // of a depth picture, in both directions
 const BIAS_MM = 2.5; // surfaces do not shade themselves
@@ -13,7 +14,7 @@ const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const unit = (v) => v.map((value) => value / Math.hypot(...v));
 
 /** Two directions at right angles to `d` and each other. */
-function across(d) {
+export function across(d) {
   const u = unit(cross(Math.abs(d[1]) < 0.9 ? [0, 1, 0] : [1, 0, 0], d));
   return [u, cross(d, u)];
 }
@@ -52,24 +53,13 @@ class DepthPicture {
   }
 
   draw(points, index) {
+    const { depth } = this;
+    const nearest = (at, height) => {
+      if (height > depth[at]) depth[at] = height;
+    };
     for (let t = 0; t < index.length; t += 3) {
       const [a, b, c] = [3 * index[t], 3 * index[t + 1], 3 * index[t + 2]];
-      const [ax, ay, bx, by, cx, cy] = [points[a], points[a + 1], points[b], points[b + 1], points[c], points[c + 1]];
-      const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
-      if (!area) continue;
-      const left = Math.max(0, Math.ceil(Math.min(ax, bx, cx) - 0.5));
-      const right = Math.min(SIZE - 1, Math.floor(Math.max(ax, bx, cx) - 0.5));
-      const low = Math.max(0, Math.ceil(Math.min(ay, by, cy) - 0.5));
-      const high = Math.min(SIZE - 1, Math.floor(Math.max(ay, by, cy) - 0.5));
-      for (let y = low; y <= high; y++)
-        for (let x = left; x <= right; x++) {
-          const [px, py] = [x + 0.5, y + 0.5];
-          const wb = ((px - ax) * (cy - ay) - (py - ay) * (cx - ax)) / area;
-          const wc = ((bx - ax) * (py - ay) - (by - ay) * (px - ax)) / area;
-          if (wb < 0 || wc < 0 || wb + wc > 1) continue;
-          const depth = points[a + 2] + wb * (points[b + 2] - points[a + 2]) + wc * (points[c + 2] - points[a + 2]);
-          if (depth > this.depth[y * SIZE + x]) this.depth[y * SIZE + x] = depth;
-        }
+      scan(points, a, b, c, SIZE, SIZE, nearest);
     }
   }
 

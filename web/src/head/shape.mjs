@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage } from 'three';
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Vector3 } from 'three';
 import { neighboursFirst, renumbered } from './lean.mjs';
 import { SoftwareDeform } from './software-deform.mjs';
 import { fibres, kindOf, outsideFirst, THIN } from './surfaces.mjs';
@@ -25,7 +25,7 @@ export class Shape {
    * @param {boolean} [whole] of software-deform.mjs
    */
   constructor(part, influences, { normals, fibre, reach }, drive, whole) {
-    Object.assign(this, { part, influences });
+    Object.assign(this, { part, influences, front: Infinity });
     const hair = kindOf(part.name) === 'hair';
     const soft = (this.soft = drive && new SoftwareDeform(part, influences, normals, drive, whole));
     const geometry = (this.geometry = new BufferGeometry());
@@ -44,6 +44,36 @@ export class Shape {
   update(drive) {
     if (!this.soft?.acts || !this.soft.update(drive)) return;
     for (const name of ['position', 'normal']) this.geometry.attributes[name].needsUpdate = true;
+  }
+
+  /**
+   * Where its vertices are in a pose.
+   * @param {import('./influences.mjs').Drive} drive with that set @param {import('three').Matrix4} head how it turns the head
+   */
+  placed(drive, head) {
+    if (!this.soft) return this.part.position;
+    this.soft.update(drive);
+    const position = this.soft.position.slice();
+    if (!this.soft.whole) return position;
+    const p = new Vector3();
+    for (let i = 0; i < position.length; i += 3) p.fromArray(position, i).applyMatrix4(head).toArray(position, i);
+    return position;
+  }
+
+  /** @param {Uint8Array} seen not 0 for triangles that can be seen from the front: they come first from now on */
+  sort(seen) {
+    const { index } = this.part;
+    const [front, rest] = [1, 0].map((kind) => index.filter((_, i) => Number(seen[(i - (i % 3)) / 3] > 0) === kind));
+    index.set(front);
+    index.set(rest, front.length);
+    this.front = front.length;
+    this.geometry.index.needsUpdate = true;
+  }
+
+  /** @param {boolean} front whether it is seen from there @param {boolean} any whether anything of it is seen, then */
+  show(front, any) {
+    const sorted = this.front < Infinity;
+    this.geometry.setDrawRange(0, front && sorted ? Number(any) * this.front : Infinity);
   }
 
   /**

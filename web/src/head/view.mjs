@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { framed } from './framing.mjs';
 import {
-  Mesh, NoBlending, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, WebGLRenderer,
+  Mesh, NoBlending, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, Vector3, WebGLRenderer,
   WebGLRenderTarget,
 } from 'three';
 
@@ -13,6 +13,7 @@ const CLOSE = ['face', 'mouth']; // views that end in the skin
 export class View {
   #framing = null;
   #turned = { yaw: 0, pitch: 0 };
+  #eye = new Vector3(); // from where the head is seen, a direction
 
   /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
   constructor(canvas) {
@@ -125,6 +126,7 @@ export class View {
 
   draw() {
     if (!this.head) return;
+    this.head.seenFrom(this.camera.getWorldDirection(this.#eye).negate());
     this.renderer.setRenderTarget(this.target);
     this.renderer.render(this.scene, this.camera);
     if (!this.target) return;

@@ -81,34 +81,47 @@ float wrinkle(inout vec3 n) {
   float side = abs(q.x);
   float above = q.y - wrinklePlace.x;
   float front = smoothstep(-5.0, 10.0, q.z);
+  // Most of the skin has no crease, and a branch costs less than its sines.
+  float deep = 0.0;
   float at = wrinkles.x * front * smoothstep(7.0, 15.0, above) * (1.0 - smoothstep(26.0, 40.0, above)) * (1.0 - smoothstep(20.0, 40.0, side));
-  vec2 fold = crease(above / 7.0 + 0.3 * sin(q.x * 0.08 + 1.3) + 0.08 * sin(q.x * 0.31)) * at;
-  n.y += 0.30 * fold.y / 7.0;
-  float deep = fold.x;
+  if (at > 0.0) {
+    vec2 fold = crease(above / 7.0 + 0.3 * sin(q.x * 0.08 + 1.3) + 0.08 * sin(q.x * 0.31)) * at;
+    n.y += 0.30 * fold.y / 7.0;
+    deep = fold.x;
+  }
   float gap = wrinklePlace.y;
   at = wrinkles.y * front * smoothstep(-9.0, -1.0, above) * (1.0 - smoothstep(7.0, 16.0, above)) * (1.0 - smoothstep(0.45 * gap, 0.95 * gap, side));
-  fold = crease((side - 0.42 * gap) / (1.5 * gap)) * at;
-  n.x += 0.5 * sign(q.x) * fold.y / (1.5 * gap);
-  deep += 1.2 * fold.x;
+  if (at > 0.0) {
+    vec2 fold = crease((side - 0.42 * gap) / (1.5 * gap)) * at;
+    n.x += 0.5 * sign(q.x) * fold.y / (1.5 * gap);
+    deep += 1.2 * fold.x;
+  }
   vec2 corner = vec2(side - wrinklePlace.z, q.y - wrinklePlace.w);
   float far = length(corner);
-  float turn = atan(corner.y, corner.x);
-  at = (q.x > 0.0 ? wrinkles.z : wrinkles.w) * smoothstep(2.0, 5.0, far) * (1.0 - smoothstep(10.0, 18.0, far)) * (1.0 - smoothstep(0.5, 0.85, abs(turn)));
-  fold = crease(turn / 0.38 + 0.12 * sin(far * 0.6)) * at;
-  n.y += 0.14 * fold.y / max(far * 0.38, 2.0);
-  deep += fold.x;
+  at = (q.x > 0.0 ? wrinkles.z : wrinkles.w) * smoothstep(2.0, 5.0, far) * (1.0 - smoothstep(10.0, 18.0, far));
+  if (at > 0.0) {
+    float turn = atan(corner.y, corner.x);
+    vec2 fold = crease(turn / 0.38 + 0.12 * sin(far * 0.6)) * at * (1.0 - smoothstep(0.5, 0.85, abs(turn)));
+    n.y += 0.14 * fold.y / max(far * 0.38, 2.0);
+    deep += fold.x;
+  }
   // From the nose to the mouth: a line under a cheek that stands out beside it.
   float down = (foldPlace.y - q.y) / (foldPlace.y - foldPlace.w);
-  float beside = side - mix(foldPlace.x, foldPlace.z, down) - 9.0 * down * (1.0 - down);
   at = (q.x > 0.0 ? folds.x : folds.y) * front * smoothstep(-0.05, 0.25, down) * (1.0 - smoothstep(0.75, 1.15, down));
-  float valley = exp(-beside * beside / 2.6), cheek = exp(-(beside - 4.5) * (beside - 4.5) / 22.0);
-  n.x += sign(q.x) * at * (0.09 * (beside - 4.5) * cheek - 0.42 * beside * valley);
-  deep += at * 0.8 * valley;
+  if (at > 0.0) {
+    float beside = side - mix(foldPlace.x, foldPlace.z, down) - 9.0 * down * (1.0 - down);
+    float valley = exp(-beside * beside / 2.6), cheek = exp(-(beside - 4.5) * (beside - 4.5) / 22.0);
+    n.x += sign(q.x) * at * (0.09 * (beside - 4.5) * cheek - 0.42 * beside * valley);
+    deep += at * 0.8 * valley;
+  }
   // Across the nose, beside its bridge.
   at = folds.z * front * smoothstep(3.0, 6.0, side) * (1.0 - smoothstep(11.0, 16.0, side)) * smoothstep(foldPlace.y - 2.0, foldPlace.y + 6.0, q.y)
     * (1.0 - smoothstep(-6.0, 0.0, q.y));
-  fold = crease((q.y - 0.7 * side) / 5.5) * at;
-  n.y += 0.22 * fold.y / 5.5;
-  return deep + 0.7 * fold.x;
+  if (at > 0.0) {
+    vec2 fold = crease((q.y - 0.7 * side) / 5.5) * at;
+    n.y += 0.22 * fold.y / 5.5;
+    deep += 0.7 * fold.x;
+  }
+  return deep;
 }
 `;

@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What cannot be seen is not drawn where no graphics processor draws: the picture is the same, with far fewer triangles.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { bundle } from '../bench/page-script.mjs';
+import { launch } from '../lib/browser.mjs';
+import { artefacts, root } from '../lib/daemon.mjs';
+
+const models = path.join(process.env.FACCIA_MODELS ?? path.join(root, 'build/models'), 'heads');
+const script = `
+import { View } from './src/head/view.mjs';
+import { Head } from './src/head/head.mjs';
+import { readModel } from './src/head/model.mjs';
+import { LEVELS } from './src/head/quality.mjs';
+const canvas = document.querySelector('canvas');
+const view = new View(canvas);
+view.resize(640, 480);
+window.load = async (json) => {
+  window.head = await Head.create(readModel(json), { software: true });
+  view.show(head);
+  await window.level('low');
+};
+window.level = async (level) => {
+  view.setLevel(LEVELS.find(({ name }) => name === level));
+  if (!head.slimmed) await head.slim();
+  head.slimmed = true;
+  while (!head.looking || !(await head.looking)) await new Promise((resolve) => setTimeout(resolve, 20));
+};
+const drawn = (draw) => {
+  draw();
+  const gl = view.renderer.getContext();
+  const { width, height } = canvas;
+  const pixels = new Uint8Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  return pixels;
+};
+window.compare = (faps, turned) => {
+  const values = new Float32Array(69);
+  for (const [fap, value] of Object.entries(faps)) values[fap] = value;
+  head.setFaps(values);
+  view.turned = turned;
+  const some = drawn(() => view.draw());
+  const triangles = head.triangles;
+  const picture = canvas.toDataURL('image/png').slice(22);
+  const { seenFrom } = head;
+  head.seenFrom = () => { for (const { shape } of head.parts) shape.show(false, true); };
+  const all = drawn(() => view.draw());
+  const whole = canvas.toDataURL('image/png').slice(22);
+  head.seenFrom = seenFrom;
+  let [different, points] = [0, 0];
+  for (let i = 0; i < all.length; i += 4) {
+    if (all[i + 3] > 20) points++;
+    if ([0, 1, 2, 3].some((k) => Math.abs(all[i + k] - some[i + k]) > 24)) different++;
+  }
+  return { different, points, triangles, all: head.parts.reduce((sum, { shape }) => sum + shape.part.index.length / 3, 0), picture, whole };
+};
+`;
+
+let browser, page;
+before(async () => {
+  browser = await launch();
+  page = await browser.newPage();
+  page.problems = [];
+  page.on('pageerror', (error) => page.problems.push(String(error)));
+  await page.setContent('<!doctype html><canvas></canvas>');
+  await page.addScriptTag({ type: 'module', content: await bundle(script) });
+  await page.waitForFunction(() => window.load);
+  fs.mkdirSync(artefacts, { recursive: true });
+});
+after(() => browser?.close());
+
+const OPEN = { 3: 600, 4: -250, 8: -200, 9: -200, 5: -700, 10: -600, 11: -600 };
+const turn = (yaw, pitch, roll) => ({ 48: pitch * 1745, 49: yaw * 1745, 50: roll * 1745 });
+/** [what, FAPs, the view's turn] */
+const FACES = [
+  ['at rest', {}, { yaw: 0, pitch: 0 }],
+  ['speaking, turned', { ...OPEN, ...turn(13, -9, 11) }, { yaw: 0, pitch: 0 }],
+  ['smiling, seen from the left', { 4: -200, 8: -200, 9: -200, 6: 250, 7: 250, 12: 250, 13: 250, 41: 200, 42: 200 }, { yaw: 13, pitch: 0 }],
+  ['blinking, from the right and above', { 19: 900, 20: 900, 31: 200, 32: 200, 37: 100, ...turn(-6, 8, -8) }, { yaw: -7, pitch: 0 }],
+  ['surprised, looking aside', { ...OPEN, 3: 850, 5: -1000, 10: -900, 11: -900, 19: -200, 20: -200, 23: 20000, 24: 20000, 31: 300, 32: 300, ...turn(-13, 0, 0) }, { yaw: 0, pitch: -9 }],
+  ['pressed lips', { 4: 60, 5: 60, 8: 60, 9: 60, 10: 60, 11: 60, ...turn(10, 9, 0) }, { yaw: 0, pitch: 0 }],
+  ['turned far: all of it is drawn', { ...turn(40, 0, 0) }, { yaw: 0, pitch: 0 }, true],
+];
+
+for (const name of ['mara', 'rosa'])
+  test(`${name}: what is left out cannot be seen`, async () => {
+    await page.evaluate((json) => window.load(json), JSON.parse(fs.readFileSync(path.join(models, `${name}.json`))));
+    for (const level of ['low', 'high']) {
+      if (level === 'high') await page.evaluate(() => window.level('high'));
+      for (const [what, faps, turned, whole] of FACES) {
+        const found = await page.evaluate((all) => window.compare(...all), [faps, turned]);
+        const where = `${name}, ${level}, ${what}: ${found.different} of ${found.points} points differ, ${found.triangles} of ${found.all} triangles`;
+        for (const kind of found.different ? ['picture', 'whole'] : [])
+          fs.writeFileSync(path.join(artefacts, `sight-${name}-${level}-${what.split(/[ ,:]/)[0]}-${kind}.png`), Buffer.from(found[kind], 'base64'));
+        assert.ok(found.points > 40000, where);
+        assert.ok(found.different <= (level === 'low' ? 0.00005 : 0.0003) * found.points, where);
+        if (whole) assert.equal(found.triangles, found.all, where);
+        else assert.ok(found.triangles < 0.87 * found.all, where);
+      }
+    }
+    assert.deepEqual(page.problems, []);
+  });
