@@ -63,6 +63,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       emit: (type, detail) => this.#emit(type, detail),
       fail: (name, values) => this.#fail(name, values),
       show: (json) => this.#show(json),
+      calibrate: (calibration) => this.#calibrated(calibration),
     });
     upgradeProperties(this);
   }
@@ -163,6 +164,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#presentation.express(mix, options);
   }
 
+  /**
+   * The head takes the feature points of somebody, and goes on speaking with that face.
+   * @param {import('./talking-head.d.ts').Calibration|null} calibration null: the head as it came
+   * @returns {Promise<void>} when it is drawn so; fails with the `place` of what is wrong, and leaves the face as it was
+   */
+  calibrate(calibration) {
+    return this.#presentation.stage.calibrate(calibration);
+  }
+
   /** The face as it was drawn last: the FAPs that are not 0, by number. @returns {Record<number, number>} */
   get faps() {
     return this.#presentation.faps;
@@ -231,6 +241,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       console.error('talking-head:', error);
       this.#controls.say('model', 'noModel');
       this.#emit('error', { type: 'error', code: 'bad-model', message: String(error.message) });
+    }
+  }
+
+  /** The server says so: for all who are in the room, say. */
+  async #calibrated({ featurePointsCoord, textureCoord, texture }) {
+    try {
+      await this.calibrate(featurePointsCoord && { featurePointsCoord, textureCoord, texture });
+    } catch (error) {
+      this.#emit('error', { type: 'error', code: 'bad-calibration', field: error.place, message: String(error.message) });
     }
   }
 

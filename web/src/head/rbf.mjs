@@ -33,11 +33,13 @@ const local = (reach) => (r) => (r < reach ? (1 - r / reach) ** 4 * (4 * (r / re
 function solve(a, n, b, width) {
   for (let column = 0; column < n; column++) {
     let best = column;
-    for (let row = column + 1; row < n; row++) if (Math.abs(a[row * n + column]) > Math.abs(a[best * n + column])) best = row;
+    for (let row = column + 1; row < n; row++)
+      if (Math.abs(a[row * n + column]) > Math.abs(a[best * n + column])) best = row;
     if (!(Math.abs(a[best * n + column]) > LEAST_PIVOT)) return column;
     if (best !== column) {
       for (let k = 0; k < n; k++) [a[best * n + k], a[column * n + k]] = [a[column * n + k], a[best * n + k]];
-      for (let k = 0; k < width; k++) [b[best * width + k], b[column * width + k]] = [b[column * width + k], b[best * width + k]];
+      for (let k = 0; k < width; k++)
+        [b[best * width + k], b[column * width + k]] = [b[column * width + k], b[best * width + k]];
     }
     for (let row = column + 1; row < n; row++) {
       const factor = a[row * n + column] / a[column * n + column];
@@ -56,7 +58,8 @@ function solve(a, n, b, width) {
 }
 
 function checkPoints(from, to, affine) {
-  if (from.length % 3 || from.length !== to.length) throw new WarpError(-1, 'there must be three numbers for each point, before and after');
+  if (from.length % 3 || from.length !== to.length)
+    throw new WarpError(-1, 'there must be three numbers for each point, before and after');
   const count = from.length / 3;
   if (count > MOST_POINTS) throw new WarpError(-1, `there are ${count} points, more than ${MOST_POINTS}`);
   if (count < (affine ? 4 : 1)) throw new WarpError(-1, `there must be at least ${affine ? 4 : 1} points, not ${count}`);
@@ -100,7 +103,7 @@ export function rbf(from, to, { kernel = 'biharmonic', reach, affine = !reach, s
   const weights = new Float64Array(3 * n);
   for (let i = 0; i < count; i++) {
     for (let j = 0; j < i; j++) {
-      const r = Math.hypot(places[3 * i] - places[3 * j], places[3 * i + 1] - places[3 * j + 1], places[3 * i + 2] - places[3 * j + 2]);
+      const r = Math.hypot(...[0, 1, 2].map((k) => places[3 * i + k] - places[3 * j + k]));
       if (r < LEAST_APART) throw new WarpError(i, `is where point ${j} is`);
       matrix[i * n + j] = matrix[j * n + i] = phi(r);
     }
@@ -111,7 +114,7 @@ export function rbf(from, to, { kernel = 'biharmonic', reach, affine = !reach, s
     for (let k = 0; k < 3; k++) weights[3 * i + k] = to[3 * i + k] - from[3 * i + k];
   }
   if (solve(matrix, n, weights, 3) >= 0)
-    throw new WarpError(-1, affine ? 'the points lie in one plane, or nearly: they say nothing of what is before and behind it' : 'the points are too near each other');
+    throw new WarpError(-1, affine ? 'the points lie in one plane, or nearly' : 'the points are too near each other');
 
   const apply = (points, out = new Float32Array(points.length)) => {
     for (let i = 0; i < points.length; i += 3) {
