@@ -18,8 +18,8 @@ function packPart(part, turns) {
     moves: part.moves.map(({ fap, sign, vertices, deltas }) => ({ fap, sign, vertices: encode('uint16', vertices), deltas: encodeDeltas(deltas) })),
     turns: part.turns.map(({ turn, vertices, weights, weight }) =>
       vertices
-        ? { turn: turns[turn].name, vertices: encode('uint16', vertices), weights: encode('uint8', shares(weights)) }
-        : { turn: turns[turn].name, weight },
+        ? { turn: turns[turn]?.name ?? turn, vertices: encode('uint16', vertices), weights: encode('uint8', shares(weights)) }
+        : { turn: turns[turn]?.name ?? turn, weight },
     ),
   };
 }
