@@ -27,7 +27,7 @@ Makes a head of a GLB, glTF, VRM, OBJ, PLY or VRML97 file; has a head take the f
       --title TITLE   how it is called
       --licence ID    an SPDX expression (import: LicenseRef-unknown)
       --credit TEXT   whom it is owed to; may be given again
-      --unit UNIT     of the file: mm, cm, m, in (guessed where it does not say)
+      --unit UNIT     of the file: mm, cm, dm, m, in (guessed where it does not say)
       --up AXIS       of the file: y or z (y)
   -h, --help          print this and exit
 Exit status: 0 done, 1 failed, 2 wrong usage.
@@ -74,7 +74,7 @@ function tell(json) {
 }
 
 async function importHead(file, values) {
-  if (values.unit && !['mm', 'cm', 'm', 'in'].includes(values.unit)) throw new Usage('--unit must be mm, cm, m or in');
+  if (values.unit && !['mm', 'cm', 'dm', 'm', 'in'].includes(values.unit)) throw new Usage('--unit must be mm, cm, dm, m or in');
   if (values.up && !['y', 'z'].includes(values.up)) throw new Usage('--up must be y or z');
   const points = values.points ? pointsOf(values.points) : null;
   const scene = await readScene(file);

@@ -5,7 +5,8 @@ import { FileError } from './file-error.mjs';
 import { ballOf } from './parts.mjs';
 
 const USUAL_ES = 62; // mm between the pupils of a grown person
-const UNITS = { mm: 1, cm: 10, m: 1000, in: 25.4 };
+const UNITS = { mm: 1, cm: 10, m: 1000, in: 25.4, dm: 100 };
+const USUAL_UNITS = [1, 10, 100, 1000];
 const PUPIL_DEPTH = 12; // mm before the eyeball's centre, where there is no eyeball to measure
 export const NEEDED = ['2.1', '2.2', '2.3', '3.1', '3.2', '3.3', '3.4', '8.3', '8.4', '9.15'];
 
@@ -43,15 +44,15 @@ export function placeHead(scene, points, { unit, up = 'y' }) {
   else if (balls.every(Boolean)) origin = middle(balls.map(({ centre }) => centre));
   else if (inFile['3.5'] && inFile['3.6']) origin = middle([inFile['3.5'], inFile['3.6']]).map((x, k) => x - (k === 2 ? PUPIL_DEPTH / scale : 0));
   else throw new FileError('fdp', 'without meshes of the eyes 3.5 and 3.6 (the pupils) are needed, in the frame of the file');
-  const fit = (p) => Float64Array.from(turn(p), (x, i) => (x - origin[i % 3]) * scale);
+  const shift = (p) => Float64Array.from(p, (x, i) => (x - origin[i % 3]) * scale);
   for (const mesh of scene.meshes) {
-    mesh.position = fit(mesh.position);
+    mesh.position = shift(turn(mesh.position));
     for (const [name, deltas] of Object.entries(mesh.targets)) mesh.targets[name] = Float64Array.from(turn(deltas), (x) => x * scale);
   }
-  const fdp = points.frame === 'file' ? Object.fromEntries(Object.entries(inFile).map(([name, p]) => [name, [...fit(p)]])) : { ...points.fdp };
+  const fdp = points.frame === 'file' ? Object.fromEntries(Object.entries(inFile).map(([name, p]) => [name, [...shift(p)]])) : { ...points.fdp };
   ['3.5', '3.6'].forEach((name, i) => {
     if (fdp[name]) return;
-    const front = balls[i] && fit(balls[i].centre);
+    const front = balls[i] && shift(balls[i].centre);
     fdp[name] = front ? [front[0], front[1], front[2] + balls[i].radius * scale] : fdp[name];
   });
   const missing = [...NEEDED, '3.5', '3.6'].filter((name) => !fdp[name]);
@@ -67,5 +68,5 @@ function guessUnit(balls, fdp) {
   const pair = balls.every(Boolean) ? balls.map(({ centre }) => centre) : [fdp['3.5'], fdp['3.6']];
   if (!pair.every(Boolean)) throw new FileError('', 'the file does not say its unit: --unit mm, cm, m or in');
   const apart = Math.hypot(...pair[0].map((x, k) => x - pair[1][k]));
-  return Object.values(UNITS).reduce((best, one) => (Math.abs(Math.log((one * apart) / USUAL_ES)) < Math.abs(Math.log((best * apart) / USUAL_ES)) ? one : best));
+  return USUAL_UNITS.reduce((best, one) => (Math.abs(Math.log((one * apart) / USUAL_ES)) < Math.abs(Math.log((best * apart) / USUAL_ES)) ? one : best));
 }

@@ -3,8 +3,9 @@
 import { pose, unitLength } from '../lib/deform.mjs';
 import { FAPS } from '../lib/faps.mjs';
 
-const PARTS = { hair: 'she is bald', eye_l: 'no gaze of the left eye', eye_r: 'no gaze of the right eye', teeth_upper: 'no teeth are seen', teeth_lower: 'no teeth are seen', tongue: 'no tongue is seen', mouth: 'the open mouth is hollow', lashes: 'no lashes', brows: 'no brows but those of the texture' };
-PARTS.hair = 'no hair but that of the texture';
+const PARTS = {
+  hair: 'no hair but that of the texture', eye_l: 'no gaze of the left eye', eye_r: 'no gaze of the right eye', teeth_upper: 'no teeth are seen', teeth_lower: 'no teeth are seen', tongue: 'no tongue is seen', mouth: 'the open mouth is hollow', lashes: 'no lashes', brows: 'no brows but those of the texture',
+};
 const TRIAL = { MNS: 300, MW: 150, ENS: 200, ES: 100, IRISD: 300, AU: 20000 };
 const NEAR = 0.25; // mm
 
@@ -24,14 +25,17 @@ function fapReport(head, fap) {
   if (!acts) return [`FAP ${fap} ${name} does nothing`];
   if (!direction || !head.fdp[point]) return [];
   for (const part of head.parts) {
-    for (let v = 0; v < part.position.length / 3; v++) {
-      if (Math.hypot(...head.fdp[point].map((x, k) => x - part.position[3 * v + k])) > NEAR) continue;
-      const value = TRIAL[unit];
-      const moved = pose(head, part, { [fap]: value });
-      const along = [0, 1, 2].reduce((sum, k) => sum + (moved[3 * v + k] - part.position[3 * v + k]) * direction[k], 0);
-      const share = along / (value * unitLength(head, fap));
-      return Math.abs(share - 1) < 0.1 ? [] : [`FAP ${fap} ${name} moves ${point} by ${(100 * share).toFixed(0)} % of what it should`];
+    let [v, least] = [-1, NEAR];
+    for (let i = 0; i < part.position.length / 3; i++) {
+      const away = Math.hypot(...head.fdp[point].map((x, k) => x - part.position[3 * i + k]));
+      if (away < least) [v, least] = [i, away];
     }
+    if (v < 0) continue;
+    const value = TRIAL[unit];
+    const moved = pose(head, part, { [fap]: value });
+    const along = [0, 1, 2].reduce((sum, k) => sum + (moved[3 * v + k] - part.position[3 * v + k]) * direction[k], 0);
+    const share = along / (value * unitLength(head, fap));
+    return Math.abs(share - 1) < 0.1 ? [] : [`FAP ${fap} ${name} moves ${point} by ${(100 * share).toFixed(0)} % of what it should`];
   }
   return [`FAP ${fap} ${name}: there is no vertex at ${point}, so how far it goes is not known`];
 }

@@ -4,6 +4,7 @@ import { at } from './fields.mjs';
 import { ballOf } from './parts.mjs';
 
 const LID_SKIN = 1.75; // radii of the eyeball: farther away is no lid
+const LID_WIDE = 1.5; // radii of the eyeball to each side: there a margin is at the height of the corners
 const LID_FADE = 0.5; // rad above and below the margin in which a lid's share falls to nothing
 const OVERLAP = 0.03; // rad: closed lids close
 const SIDES = [
@@ -36,11 +37,11 @@ function eyeBall(parts, fdp, { eye, pupil }) {
 }
 
 /** Both lids of an eye: shares of a turn over the vertices of a part. */
-function lidShares(part, { centre, radius }, blink, fdp, [upperPoint, lowerPoint], corners) {
+function lidShares(part, { centre, radius }, blink, fdp, [upperPoint, lowerPoint]) {
   const polar = (p) => Math.atan2(p[1] - centre[1], p[2] - centre[2]);
   const margin = (name) => {
     const top = polar(fdp[name]);
-    const half = corners(name) ?? 1.2 * radius;
+    const half = LID_WIDE * radius;
     // the margin: highest over its point, falling to the corner's height at both ends
     return (x) => top * Math.max(0, 1 - ((x - fdp[name][0]) / half) ** 2);
   };
@@ -73,7 +74,7 @@ export function lidsAndEyes(parts, fdp) {
     const ball = eyeBall(parts, fdp, one);
     eyes.push(ball);
     const pivot = ball.centre;
-    const lids = soft.map((part) => lidShares(part, ball, part.targets[one.target], fdp, one.points, () => null));
+    const lids = soft.map((part) => lidShares(part, ball, part.targets[one.target], fdp, one.points));
     for (const lid of ['upper', 'lower']) {
       const most = Math.max(...lids.flatMap((list) => list[lid].reduce((a, b) => Math.max(a, b), 0)));
       if (!(most > 0)) continue;
