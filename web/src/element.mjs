@@ -63,7 +63,6 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       emit: (type, detail) => this.#emit(type, detail),
       fail: (name, values) => this.#fail(name, values),
       show: (json) => this.#show(json),
-      calibrate: (calibration) => this.#calibrated(calibration),
     });
     upgradeProperties(this);
   }
@@ -241,15 +240,6 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       console.error('talking-head:', error);
       this.#controls.say('model', 'noModel');
       this.#emit('error', { type: 'error', code: 'bad-model', message: String(error.message) });
-    }
-  }
-
-  /** The server says so: for all who are in the room, say. */
-  async #calibrated({ featurePointsCoord, textureCoord, texture }) {
-    try {
-      await this.calibrate(featurePointsCoord && { featurePointsCoord, textureCoord, texture });
-    } catch (error) {
-      this.#emit('error', { type: 'error', code: 'bad-calibration', field: error.place, message: String(error.message) });
     }
   }
 

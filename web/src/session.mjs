@@ -169,7 +169,6 @@ export class Session {
 
   #message(message) {
     if (message.type === 'model') this.#models.take(message);
-    else if (message.type === 'calibrate') this.ports.calibrate(message);
     else {
       this.speech.hear(message);
       if (['hello', 'joined', 'authorized'].includes(message.type)) this.ports.emit(message.type, message);
