@@ -17,7 +17,7 @@ static const struct {
     {"fap", fap_main, "look into, convert, code and draw files of face animation"},
     {"voices", voices_main, "list the voices"},
     {"models", models_main, "list the head models"},
-    {"head", head_main, "a head as an avatar for other programs: GLB, VRM"},
+    {"head", head_main, "a head as an avatar for other programs (GLB, VRM); heads of other origin"},
     {"expressions", expressions_main, "list the expressions, or write how they look"},
     {"eval", eval_main, "measure how well the lips can be read, engine by engine"},
     {"stimuli", stimuli_main, "make a listening test: speech in noise, with and without a face"},

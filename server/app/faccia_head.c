@@ -1,24 +1,31 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia head: what is done with heads. `export` hands out the avatars that lie beside them, made while
- * building by models/tools/avatar/export-head.mjs. */
+ * building by models/tools/avatar/export-head.mjs; the rest is done by models/tools/import/faccia-head.mjs,
+ * in Node.js. */
 #include "server/app/cli.h"
 #include "server/app/cli_file.h"
 #include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
 #include <string.h>
+#include <unistd.h>
 
-static const char usage[] = "Usage: faccia head export NAME [--glb FILE] [--vrm FILE]\n"
-                            "Writes a head that 'faccia models' lists as an avatar for other programs, in "
-                            "the public domain (CC0): ARKit's "
-                            "52 shapes and 15\n"
-                            "visemes as morph targets, bones, the expressions of VRM 1.0. Both options write "
-                            "the same: a VRM is a GLB.\n"
-                            "\n"
-                            "      --glb FILE       the avatar (standard output when nothing is named)\n"
-                            "      --vrm FILE       under the name that VRM's programs look for\n"
-                            "  -h, --help           print this and exit\n"
-                            "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
+static const char usage[] =
+    "Usage: faccia head export NAME [--glb FILE] [--vrm FILE]\n"
+    "Writes a head that 'faccia models' lists as an avatar for other programs, in "
+    "the public domain (CC0): ARKit's "
+    "52 shapes and 15\n"
+    "visemes as morph targets, bones, the expressions of VRM 1.0. Both options write "
+    "the same: a VRM is a GLB.\n"
+    "\n"
+    "      --glb FILE       the avatar (standard output when nothing is named)\n"
+    "      --vrm FILE       under the name that VRM's programs look for\n"
+    "  -h, --help           print this and exit\n"
+    "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n"
+    "\n"
+    "faccia head import FILE, calibrate HEAD.json, points HEAD.json, check HEAD.json: "
+    "heads of other origin; needs Node.js\n"
+    "(18 or later). 'faccia head import --help' tells more.\n";
 
 static int copy(FILE *avatar, const char *path) {
     struct cli_file file = {0};
@@ -50,10 +57,41 @@ static int write_avatar(const struct settings *settings, const char *name, const
     return status;
 }
 
+enum { WORDS = 64 };
+
+/* The tool takes the place of the program. */
+static int run_tool(int argc, char **argv, const struct settings *settings) {
+    char tool[4096], node[] = "node";
+    char *words[WORDS + 3] = {node, tool};
+    snprintf(tool, sizeof tool, "%s/tools/import/faccia-head.mjs", settings->models);
+    if (argc - 1 > WORDS) {
+        cli_complain("more than %d words for 'head %s'", WORDS, argv[1]);
+        return EXIT_USAGE;
+    }
+    if (access(tool, R_OK)) {
+        cli_complain("%s: %s; it is made while building, where Node.js is", tool, strerror(errno));
+        return EXIT_FAILED;
+    }
+    memcpy(words + 2, argv + 1, sizeof *argv * (size_t)(argc - 1));
+    execvp(words[0], words);
+    cli_complain("'head %s' needs Node.js, 18 or later: node: %s", argv[1], strerror(errno));
+    return EXIT_FAILED;
+}
+
+static bool is_of_tool(const char *word) {
+    static const char *const tools[] = {"import", "calibrate", "points", "check"};
+    for (size_t i = 0; i < sizeof tools / sizeof *tools; i++)
+        if (!strcmp(word, tools[i]))
+            return true;
+    return false;
+}
+
 int head_main(int argc, char **argv, const struct settings *settings) {
     static const struct option options[] = {
         {"glb", 1, NULL, 0}, {"vrm", 1, NULL, 1}, {"help", 0, NULL, 'h'}, {0}};
     const char *paths[2] = {NULL, NULL};
+    if (argc > 1 && is_of_tool(argv[1]))
+        return run_tool(argc, argv, settings);
     for (int c; (c = getopt_long(argc, argv, "h", options, NULL)) != -1;) {
         if (c == 'h') {
             fputs(usage, stdout);
@@ -66,7 +104,8 @@ int head_main(int argc, char **argv, const struct settings *settings) {
         paths[c] = optarg;
     }
     if (argc - optind != 2 || strcmp(argv[optind], "export") != 0) {
-        cli_complain("'export' is wanted, and the name of one head: 'faccia head --help' tells more");
+        cli_complain("'export' is wanted, and the name of one head; or import, calibrate, points, check: "
+                     "'faccia head --help' tells more");
         return EXIT_USAGE;
     }
     if (!paths[0] && !paths[1])

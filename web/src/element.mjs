@@ -188,6 +188,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     return this.#session.send({ ...options, type: 'state', state, ...(mix === undefined ? {} : { mix: readMix(mix) }) });
   }
 
+  /**
+   * The head takes the feature points of somebody, and goes on speaking with that face.
+   * @param {import('./talking-head.d.ts').Calibration|null} calibration null: the head as it came
+   * @returns {Promise<void>} when it is drawn so; fails with the `place` of what is wrong, and leaves the face as it was
+   */
+  calibrate(calibration) {
+    return this.#presentation.stage.calibrate(calibration);
+  }
+
   /** The face as it was drawn last: the FAPs that are not 0, by number. @returns {Record<number, number>} */
   get faps() {
     return this.#presentation.faps;

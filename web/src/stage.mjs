@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { contexts } from './contexts.mjs';
+import { calibrate } from './head/calibrate.mjs';
+import { checkCalibration } from './head/calibration-check.mjs';
 import { Head } from './head/head.mjs';
 import { readModel } from './head/model.mjs';
 import { Governor } from './head/quality.mjs';
@@ -40,7 +42,9 @@ export class Stage {
     this.interval = 0; // of the frames that follow each other, smoothed
     this.view = null;
     this.framed = null;
-    this.model = null;
+    this.read = null; // the model as it came
+    this.model = null; // as it is drawn
+    this.calibration = null;
     this.opened = false;
     this.visible = false;
     this.used = false; // the canvas has had a context, and cannot have another
@@ -57,7 +61,7 @@ export class Stage {
 
   close() {
     this.opened = false;
-    this.model = null;
+    this.model = this.read = null;
     this.leave();
     contexts.leave(this);
   }
@@ -109,13 +113,47 @@ export class Stage {
   /** @param {object} json the head model @returns {Promise<object>} the model as read */
   async show(json) {
     const before = this.#pictures;
-    this.model = isPictures(json) ? readPictures(json) : readModel(json);
+    this.read = isPictures(json) ? readPictures(json) : readModel(json);
+    const wrong = this.#fit();
     const { model } = this;
     if (this.view && before !== this.#pictures) {
       this.leave(); // a canvas draws the one or the other
       this.enter();
     } else if (this.view) await this.#build();
+    if (wrong) throw wrong;
     return model;
+  }
+
+  /**
+   * The head takes the feature points of somebody: protocol/head-model.md.
+   * @param {object|null} calibration of this head and those that follow; null: they are as they came
+   * @throws {import('./head/model-check.mjs').ModelError} with the field that is wrong; then all stays as it is
+   */
+  async calibrate(calibration) {
+    if (calibration) checkCalibration(calibration);
+    const before = this.calibration;
+    this.calibration = calibration;
+    const wrong = this.read && this.#fit();
+    if (wrong) {
+      this.calibration = before;
+      this.#fit();
+      throw wrong;
+    }
+    if (this.view && this.read) await this.#build();
+  }
+
+  /** What is drawn, from what has come. @returns {Error|null} why the calibration does not fit it */
+  #fit() {
+    const { read } = this;
+    this.model = read;
+    if (isPictures(read)) return null;
+    try {
+      if (read.calibration) this.model = calibrate(read, read.calibration, 'calibration.');
+      if (this.calibration) this.model = calibrate(this.model, this.calibration);
+      return null;
+    } catch (error) {
+      return error;
+    }
   }
 
   /** Whether it draws pictures: what has come, or else is wanted. */

@@ -27,6 +27,13 @@ export interface SpeakOptions {
   phones?: boolean;
 }
 
+/** Feature points by MPEG-4's numbers ("8.4"): mm in the head's axes; places on the texture from 0 to 1. */
+export interface Calibration {
+  featurePointsCoord: Record<string, [number, number, number]>;
+  textureCoord?: Record<string, [number, number]>;
+  texture?: { type: 'image/png' | 'image/jpeg' | 'image/webp'; data: string };
+}
+
 export interface EndMessage {
   type: 'end';
   reason: 'done' | 'stopped' | 'failed';
@@ -110,6 +117,8 @@ export class TalkingHead extends HTMLElement {
   pause(): void;
   resume(): void;
   jump(mark: string): void;
+  /** Rejects with an error whose `place` says what is wrong; the face then stays as it was. */
+  calibrate(calibration: Calibration | null): Promise<void>;
   pose(faps: Record<number, number> | null, options?: { ease?: boolean }): void;
   express(mix: Expression, options?: { ease?: number }): void;
   offer(choices: string[], options?: { id?: string; question?: string }): boolean;

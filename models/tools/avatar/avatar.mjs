@@ -22,7 +22,7 @@ export async function makeAvatar(head) {
   const { json } = glb;
   json.asset = { version: '2.0', generator: 'faccia', copyright: `${head.licence}. ${head.credits.join('; ')}` };
   json.extensionsUsed = ['VRMC_vrm'];
-  json.extras = { name: head.name, title: head.title, about: head.about, licence: head.licence, credits: head.credits };
+  json.extras = { name: head.name, title: head.title, about: head.about, licence: head.licence, credits: head.credits, fdp: head.fdp, origin: [0, EYE_HEIGHT, 0] };
   const bones = addBones(glb, head);
   await addMaterials(glb, head);
   addSkin(glb, bones);

@@ -2,13 +2,10 @@
 // Whether a head model is what protocol/schema/head-model.json says, as far as the page depends on it. What is missing may be
 // missing.
 
-export class ModelError extends Error {
-  /** @param {string} place in the model, such as "parts[0].position.scale" @param {string} what is wrong there */
-  constructor(place, what) {
-    super(place ? `${place}: ${what}` : what);
-    this.place = place;
-  }
-}
+import { checkCalibration } from './calibration-check.mjs';
+import { ModelError } from './model-error.mjs';
+
+export { ModelError };
 
 const FAPU = ['IRISD', 'ES', 'ENS', 'MNS', 'MW'];
 const isObject = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
@@ -75,7 +72,7 @@ function checkPart(part, place) {
 export function checkModel(json) {
   members(json, '', {
     format: 'text', version: 'number', name: 'text', 'title?': 'text', 'credits?': 'list', fapu: 'object', 'fdp?': 'object',
-    'view?': 'object', 'turns?': 'list', 'textures?': 'object', 'materials?': 'object', parts: 'list',
+    'view?': 'object', 'calibration?': 'object', 'turns?': 'list', 'textures?': 'object', 'materials?': 'object', parts: 'list',
   });
   if (json.format !== 'faccia-head') throw new ModelError('format', 'this is no head model');
   if (json.version !== 1) throw new ModelError('version', 'only version 1 is known');
@@ -89,6 +86,7 @@ export function checkModel(json) {
   each(json.turns, 'turns', (turn, at) =>
     members(turn, at, { name: 'text', fap: 'fap', pivot: 'vector', axis: 'vector', radians: 'number' }),
   );
+  if (json.calibration) checkCalibration(json.calibration, 'calibration.');
   every(json.textures, 'textures', (texture, at) => members(texture, at, { type: 'image', data: 'base64' }));
   every(json.materials, 'materials', (material, at) =>
     members(material, at, {

@@ -102,6 +102,7 @@ export function readModel(json) {
     view: { target: [0, -20, 0], distance: 620, fov: 26, ...json.view },
     turns,
     headTurns: turns.filter(order).length,
+    calibration: json.calibration ?? null,
     materials: json.materials ?? {},
     textures: json.textures ?? {},
     parts,

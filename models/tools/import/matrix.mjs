@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Matrices of 4 by 4, column by column, as glTF and VRML have them. */
+import { FileError } from './file-error.mjs';
+
+const ONE = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1];
+
+export function product(a, b) {
+  return ONE.map((_, i) => [0, 1, 2, 3].reduce((sum, k) => sum + a[(i % 4) + 4 * k] * b[k + 4 * Math.floor(i / 4)], 0));
+}
+
+/** From translation, rotation (a quaternion) and scale, or a matrix. */
+export function matrixOf({ matrix, translation = [0, 0, 0], rotation = [0, 0, 0, 1], scale = [1, 1, 1] }, place) {
+  const right = (list, count) => Array.isArray(list) && list.length === count && list.every(Number.isFinite);
+  if (matrix !== undefined) {
+    if (!right(matrix, 16)) throw new FileError(`${place}.matrix`, 'must be 16 numbers');
+    return matrix;
+  }
+  if (!right(translation, 3) || !right(rotation, 4) || !right(scale, 3)) throw new FileError(place, 'translation, rotation and scale must be 3, 4 and 3 numbers');
+  const [x, y, z, w] = rotation;
+  const axes = [
+    [1 - 2 * (y * y + z * z), 2 * (x * y + z * w), 2 * (x * z - y * w)],
+    [2 * (x * y - z * w), 1 - 2 * (x * x + z * z), 2 * (y * z + x * w)],
+    [2 * (x * z + y * w), 2 * (y * z - x * w), 1 - 2 * (x * x + y * y)],
+  ];
+  return [...axes.flatMap((axis, k) => [...axis.map((value) => value * scale[k]), 0]), ...translation, 1];
+}
+
+/** Directions: without the shift. */
+export function linear(m, p) {
+  const out = new Float64Array(p.length);
+  for (let i = 0; i < p.length; i += 3) for (let k = 0; k < 3; k++) out[i + k] = m[k] * p[i] + m[4 + k] * p[i + 1] + m[8 + k] * p[i + 2];
+  return out;
+}
+
+export function apply(m, p) {
+  return linear(m, p).map((value, i) => value + m[12 + (i % 3)]);
+}

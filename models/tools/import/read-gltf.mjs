@@ -1,0 +1,248 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * glTF 2.0 and GLB (Khronos 2021), with KHR_mesh_quantization, EXT_meshopt_compression and EXT_texture_webp. Every count is held against
+ * the bytes that are there before anything is made of it, so that a damaged file is told by the member that is wrong.
+ */
+import { pictureOf, readBeside } from './beside.mjs';
+import { FileError, MOST } from './file-error.mjs';
+import { readPoints } from './points.mjs';
+import { apply, linear, matrixOf, product } from './matrix.mjs';
+
+const TYPES = { 5120: [Int8Array, 1, 127], 5121: [Uint8Array, 1, 255], 5122: [Int16Array, 2, 32767], 5123: [Uint16Array, 2, 65535], 5125: [Uint32Array, 4, 1], 5126: [Float32Array, 4, 1] };
+const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
+const KNOWN = ['KHR_mesh_quantization', 'EXT_meshopt_compression', 'EXT_texture_webp', 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_materials_specular', 'KHR_materials_ior', 'VRMC_vrm', 'VRM'];
+const whole = (value) => Number.isInteger(value) && value >= 0;
+
+function chunksOf(bytes) {
+  if (bytes.length < 20 || bytes.toString('latin1', 0, 4) !== 'glTF') return { text: bytes.toString('utf8'), binary: null };
+  if (bytes.readUInt32LE(4) !== 2) throw new FileError('byte 4', `version ${bytes.readUInt32LE(4)} is not known, only 2 is`);
+  if (bytes.readUInt32LE(8) !== bytes.length) throw new FileError('byte 8', `the file says that it has ${bytes.readUInt32LE(8)} bytes, and has ${bytes.length}`);
+  const found = {};
+  for (let at = 12; at < bytes.length; ) {
+    if (at + 8 > bytes.length) throw new FileError(`byte ${at}`, 'a chunk is cut short');
+    const [size, kind] = [bytes.readUInt32LE(at), bytes.readUInt32LE(at + 4)];
+    if (at + 8 + size > bytes.length) throw new FileError(`byte ${at}`, `a chunk of ${size} bytes goes beyond the end of the file`);
+    found[kind] ??= bytes.subarray(at + 8, at + 8 + size);
+    at += 8 + size;
+  }
+  if (!found[0x4e4f534a]) throw new FileError('byte 12', 'there is no JSON chunk');
+  return { text: found[0x4e4f534a].toString('utf8'), binary: found[0x004e4942] ?? null };
+}
+
+class Gltf {
+  constructor(file, json, binary) {
+    Object.assign(this, { file, json, binary, notes: [], views: [], numbers: 0 });
+  }
+
+  member(list, i, place) {
+    const found = whole(i) ? this.json[list]?.[i] : undefined;
+    if (typeof found !== 'object' || found === null) throw new FileError(place, `there is no ${list}[${i}]`);
+    return found;
+  }
+
+  buffer(i, place) {
+    const { uri, byteLength } = this.member('buffers', i, place);
+    const bytes = typeof uri === 'string' ? readBeside(this.file, uri, `buffers[${i}].uri`) : i === 0 ? this.binary : null;
+    if (!bytes) throw new FileError(`buffers[${i}]`, 'its bytes are missing');
+    if (!whole(byteLength) || byteLength > bytes.length) throw new FileError(`buffers[${i}].byteLength`, `${byteLength} bytes are wanted, ${bytes.length} are there`);
+    return bytes;
+  }
+
+  async prepare() {
+    const { json } = this;
+    const used = (json.bufferViews ?? []).some((view) => view?.extensions?.EXT_meshopt_compression);
+    if (used) {
+      this.meshopt = (await import('../../../web/node_modules/three/examples/jsm/libs/meshopt_decoder.module.js')).MeshoptDecoder;
+      await this.meshopt.ready;
+    }
+    for (const name of json.extensionsRequired ?? [])
+      if (!KNOWN.includes(name)) throw new FileError('extensionsRequired', `${String(name).slice(0, 60)} is not read: save the model without it`);
+  }
+
+  view(i, place) {
+    return (this.views[i] ??= this.readView(i, place));
+  }
+
+  readView(i, place) {
+    const view = this.member('bufferViews', i, place);
+    const at = `bufferViews[${i}]`;
+    const packed = view.extensions?.EXT_meshopt_compression;
+    const { buffer, byteOffset = 0, byteLength } = packed ?? view;
+    const bytes = this.buffer(buffer, at);
+    if (!whole(byteOffset) || !whole(byteLength) || byteOffset + byteLength > bytes.length) throw new FileError(at, `goes beyond its buffer of ${bytes.length} bytes`);
+    const piece = bytes.subarray(byteOffset, byteOffset + byteLength);
+    if (!packed) return piece;
+    const { count, byteStride, mode, filter } = packed;
+    if (!whole(count) || !whole(byteStride) || count * byteStride > 4 * MOST.numbers) throw new FileError(at, `${count} elements of ${byteStride} bytes are too many`);
+    const out = new Uint8Array(count * byteStride);
+    try {
+      this.meshopt.decodeGltfBuffer(out, count, byteStride, piece, mode, filter);
+    } catch (error) {
+      throw new FileError(at, `cannot be unpacked: ${error.message}`);
+    }
+    return Buffer.from(out.buffer);
+  }
+
+  /** @returns {Float64Array|Uint32Array} all numbers of an accessor */
+  accessor(i, width, place, numbers = true) {
+    const accessor = this.member('accessors', i, place);
+    const at = `accessors[${i}]`;
+    const { count, componentType, type, byteOffset = 0, normalized, sparse } = accessor;
+    const [Type, size, full] = TYPES[componentType] ?? [];
+    if (!Type || WIDTHS[type] !== width) throw new FileError(at, `must be ${Object.keys(WIDTHS).find((name) => WIDTHS[name] === width)} of a known type`);
+    if (!whole(count) || !count) throw new FileError(at, 'count must be a whole number above 0');
+    this.numbers += count * width;
+    if (this.numbers > MOST.numbers) throw new FileError(at, `${count} elements are too many for a head`);
+    const out = numbers ? new Float64Array(count * width) : new Uint32Array(count);
+    const value = (data, offset) => new Type(data.buffer.slice(data.byteOffset + offset, data.byteOffset + offset + size))[0];
+    const scaled = (x) => (normalized && Type !== Float32Array ? Math.max(-1, x / full) : x);
+    if (accessor.bufferView !== undefined) {
+      const data = this.view(accessor.bufferView, at);
+      const packed = this.json.bufferViews[accessor.bufferView].extensions?.EXT_meshopt_compression;
+      const stride = (packed ?? this.json.bufferViews[accessor.bufferView]).byteStride ?? width * size;
+      if (!whole(byteOffset) || !whole(stride) || stride < width * size || byteOffset + stride * (count - 1) + width * size > data.length)
+        throw new FileError(at, `${count} elements go beyond the ${data.length} bytes of bufferViews[${accessor.bufferView}]`);
+      const read = new DataView(data.buffer, data.byteOffset, data.length);
+      const get = { 5120: 'getInt8', 5121: 'getUint8', 5122: 'getInt16', 5123: 'getUint16', 5125: 'getUint32', 5126: 'getFloat32' }[componentType];
+      for (let e = 0; e < count; e++) for (let k = 0; k < width; k++) out[e * width + k] = scaled(read[get](byteOffset + stride * e + k * size, true));
+    }
+    if (sparse) this.overwrite(out, sparse, { at, count, width, size, value, scaled });
+    for (let k = 0; k < out.length; k++) if (!Number.isFinite(out[k])) throw new FileError(at, `element ${Math.floor(k / width)} is not a number`);
+    return out;
+  }
+
+  overwrite(out, sparse, { at, count, width, size, value, scaled }) {
+    const where = `${at}.sparse`;
+    const n = sparse.count;
+    const [Index, indexSize] = TYPES[sparse.indices?.componentType] ?? [];
+    if (!whole(n) || n > count || !Index) throw new FileError(where, 'must have a count, indices and values');
+    const places = this.view(sparse.indices.bufferView, `${where}.indices`);
+    const values = this.view(sparse.values?.bufferView, `${where}.values`);
+    const [from, first] = [sparse.indices.byteOffset ?? 0, sparse.values.byteOffset ?? 0];
+    if (from + n * indexSize > places.length || first + n * width * size > values.length) throw new FileError(where, 'goes beyond its bytes');
+    for (let e = 0; e < n; e++) {
+      const start = places.byteOffset + from + e * indexSize;
+      const v = new Index(places.buffer.slice(start, start + indexSize))[0];
+      if (v >= count) throw new FileError(`${where}.indices`, `element ${e} is ${v}, but there are ${count}`);
+      for (let k = 0; k < width; k++) out[v * width + k] = scaled(value(values, first + (e * width + k) * size));
+    }
+  }
+
+  /** Pictures by their texture's number; those that cannot be shown are noted. */
+  picture(i, place) {
+    const texture = this.member('textures', i, place);
+    const source = texture.extensions?.EXT_texture_webp?.source ?? texture.source;
+    if (source === undefined) {
+      this.notes.push(`textures[${i}] has no picture that can be read`);
+      return null;
+    }
+    const image = this.member('images', source, `textures[${i}]`);
+    const at = `images[${source}]`;
+    const bytes = image.bufferView !== undefined ? this.view(image.bufferView, at) : readBeside(this.file, String(image.uri ?? ''), `${at}.uri`);
+    const seen = pictureOf(bytes);
+    if (!seen || !seen.width || bytes.length > MOST.image) {
+      this.notes.push(`${at} is no PNG, JPEG or WebP of at most ${MOST.image} bytes: left out`);
+      return null;
+    }
+    return { ...seen, data: bytes };
+  }
+}
+
+function materialsOf(gltf) {
+  return (gltf.json.materials ?? []).map((material, i) => {
+    const look = material?.pbrMetallicRoughness ?? {};
+    const at = `materials[${i}]`;
+    const color = Array.isArray(look.baseColorFactor) && look.baseColorFactor.length === 4 && look.baseColorFactor.every(Number.isFinite) ? look.baseColorFactor : [1, 1, 1, 1];
+    return {
+      name: String(material?.name ?? `material ${i}`),
+      color: color.slice(0, 3),
+      roughness: Number.isFinite(look.roughnessFactor) ? look.roughnessFactor : 1,
+      alpha: { MASK: 'cutout', BLEND: 'blend' }[material?.alphaMode] ?? 'opaque',
+      double_sided: Boolean(material?.doubleSided),
+      picture: look.baseColorTexture ? gltf.picture(look.baseColorTexture.index, `${at}.pbrMetallicRoughness.baseColorTexture`) : null,
+    };
+  });
+}
+
+function readPrimitive(gltf, mesh, primitive, at, matrix) {
+  if ((primitive.mode ?? 4) !== 4) {
+    gltf.notes.push(`${at} is no list of triangles: left out`);
+    return null;
+  }
+  if (primitive.extensions?.KHR_draco_mesh_compression) throw new FileError(at, 'Draco is not read: save the model without it');
+  const attributes = primitive.attributes ?? {};
+  const raw = gltf.accessor(attributes.POSITION, 3, `${at}.attributes.POSITION`);
+  const count = raw.length / 3;
+  const index = primitive.indices === undefined ? Uint32Array.from({ length: count }, (_, i) => i) : gltf.accessor(primitive.indices, 1, `${at}.indices`, false);
+  if (index.length % 3) throw new FileError(`${at}.indices`, 'there must be three for each triangle');
+  const past = index.findIndex((v) => v >= count);
+  if (past >= 0) throw new FileError(`accessors[${primitive.indices}]`, `element ${past} is vertex ${index[past]}, but there are ${count}`);
+  const uv = attributes.TEXCOORD_0 === undefined ? null : gltf.accessor(attributes.TEXCOORD_0, 2, `${at}.attributes.TEXCOORD_0`).map((x, i) => (i % 2 ? 1 - x : x));
+  if (uv && uv.length !== 2 * count) throw new FileError(`${at}.attributes.TEXCOORD_0`, `must have ${count} elements`);
+  const names = mesh.extras?.targetNames ?? primitive.extras?.targetNames ?? [];
+  const targets = {};
+  (primitive.targets ?? []).forEach((target, i) => {
+    if (target.POSITION === undefined) return;
+    const deltas = gltf.accessor(target.POSITION, 3, `${at}.targets[${i}].POSITION`);
+    if (deltas.length !== raw.length) throw new FileError(`${at}.targets[${i}].POSITION`, `must have ${count} elements`);
+    targets[String(names[i] ?? i)] = linear(matrix, deltas);
+  });
+  return { position: apply(matrix, raw), index, uv, targets };
+}
+
+/** @param {string} file @param {Buffer} bytes */
+export async function readGltf(file, bytes) {
+  const { text, binary } = chunksOf(bytes);
+  let json;
+  try {
+    json = JSON.parse(text);
+  } catch (error) {
+    throw new FileError('JSON', error.message);
+  }
+  if (!String(json?.asset?.version ?? '').startsWith('2')) throw new FileError('asset.version', 'must be 2.0');
+  const gltf = new Gltf(file, json, binary);
+  await gltf.prepare();
+  const materials = materialsOf(gltf);
+  const world = new Map();
+  const meshes = [];
+  const walk = (i, above, place, depth) => {
+    const node = gltf.member('nodes', i, place);
+    if (depth > MOST.depth || world.has(i)) throw new FileError(`nodes[${i}]`, 'stands more than once in the scene');
+    world.set(i, product(above, matrixOf(node, `nodes[${i}]`)));
+    for (const child of node.children ?? []) walk(child, world.get(i), `nodes[${i}].children`, depth + 1);
+  };
+  const scene = json.scenes ? gltf.member('scenes', json.scene ?? 0, 'scene').nodes ?? [] : (json.nodes ?? []).map((_, i) => i).filter((i) => !json.nodes.some((node) => node.children?.includes(i)));
+  for (const i of scene) walk(i, matrixOf({}, ''), 'scenes', 0);
+  for (const [i, matrix] of world) {
+    const node = json.nodes[i];
+    if (node.mesh === undefined) continue;
+    const mesh = gltf.member('meshes', node.mesh, `nodes[${i}].mesh`);
+    const place = node.skin === undefined ? matrix : skinMatrix(gltf, node.skin, world, `nodes[${i}].skin`);
+    (mesh.primitives ?? []).forEach((primitive, k) => {
+      if (meshes.length >= MOST.meshes) throw new FileError(`meshes[${node.mesh}]`, `more than ${MOST.meshes} meshes are no head`);
+      const read = readPrimitive(gltf, mesh, primitive, `meshes[${node.mesh}].primitives[${k}]`, place);
+      if (primitive.material !== undefined) gltf.member('materials', primitive.material, `meshes[${node.mesh}].primitives[${k}].material`);
+      if (read) meshes.push({ name: String(mesh.name ?? node.name ?? `mesh ${node.mesh}`), material: primitive.material ?? -1, ...read });
+    });
+  }
+  if (!meshes.length) throw new FileError('scenes', 'there is no mesh in it');
+  return { meshes, materials, notes: gltf.notes, unit: 1000, copyright: json.asset.copyright, ...ownPoints(json.extras) };
+}
+
+/** A head that was exported here brings its feature points. */
+function ownPoints(extras) {
+  if (!extras?.fdp || !Array.isArray(extras.origin) || !extras.origin.every(Number.isFinite)) return {};
+  const { licence, credits, origin } = extras;
+  const { fdp } = readPoints(JSON.stringify({ fdp: extras.fdp }));
+  const texts = Array.isArray(credits) && credits.every((one) => typeof one === 'string');
+  return { points: { frame: 'head', fdp, origin, parts: {}, influences: [] }, ...(typeof licence === 'string' ? { licence } : {}), ...(texts ? { credits } : {}) };
+}
+
+/** A mesh with bones stands where its bones put it: at rest they all say the same. */
+function skinMatrix(gltf, i, world, place) {
+  const skin = gltf.member('skins', i, place);
+  const joint = world.get(skin.joints?.[0]);
+  if (!joint) throw new FileError(`skins[${i}].joints`, 'its first bone is not in the scene');
+  if (skin.inverseBindMatrices === undefined) return joint;
+  return product(joint, [...gltf.accessor(skin.inverseBindMatrices, 16, `skins[${i}].inverseBindMatrices`).subarray(0, 16)]);
+}

@@ -1,0 +1,102 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Wavefront's OBJ with MTL. Lines are told where they are wrong. */
+import path from 'node:path';
+import { pictureOf, readBeside } from './beside.mjs';
+import { FileError, MOST } from './file-error.mjs';
+
+function numbers(words, count, line) {
+  const values = words.slice(0, count).map(Number);
+  if (values.length < count || !values.every(Number.isFinite)) throw new FileError(`line ${line}`, `must have ${count} numbers`);
+  return values;
+}
+
+function readMtl(file, name, line, notes) {
+  const materials = [];
+  const text = readBeside(file, name, `line ${line}`).toString('utf8');
+  text.split('\n').forEach((row, i) => {
+    const [word, ...rest] = row.trim().split(/\s+/);
+    const at = `${path.basename(name)}, line ${i + 1}`;
+    const one = materials.at(-1);
+    if (word === 'newmtl') materials.push({ name: rest.join(' '), color: [1, 1, 1], roughness: 0.6, alpha: 'opaque', double_sided: false, picture: null });
+    else if (!one) return;
+    else if (word === 'Kd') {
+      const color = rest.slice(0, 3).map(Number);
+      if (color.length < 3 || !color.every(Number.isFinite)) throw new FileError(at, 'Kd must have 3 numbers');
+      one.color = color.map((x) => Math.min(1, Math.max(0, x)));
+    } else if (word === 'd' && Number(rest[0]) < 1) one.alpha = 'blend';
+    else if (word === 'map_Kd') {
+      const bytes = readBeside(file, rest.at(-1) ?? '', at);
+      const seen = pictureOf(bytes);
+      if (seen && bytes.length <= MOST.image) Object.assign(one, { picture: { ...seen, data: bytes }, color: [1, 1, 1] });
+      else notes.push(`${at}: no PNG, JPEG or WebP: left out`);
+    }
+  });
+  return materials;
+}
+
+/** Faces of many corners become triangles; a corner is a vertex by its place and its place on the texture. */
+export function readObj(file, bytes) {
+  const notes = [];
+  const [places, uvs] = [[], []];
+  let materials = [];
+  const meshes = new Map();
+  let [object, material] = ['mesh', ''];
+  let count = 0;
+  const meshOf = () => {
+    const key = `${object}\n${material}`;
+    if (!meshes.has(key)) meshes.set(key, { name: object, materialName: material, position: [], uv: [], index: [], corners: new Map(), places: [], textured: false });
+    return meshes.get(key);
+  };
+  const pick = (text, list, width, line, what) => {
+    const n = Number(text);
+    const i = n < 0 ? list.length / width + n : n - 1;
+    if (!Number.isInteger(n) || i < 0 || i >= list.length / width) throw new FileError(`line ${line}`, `there is no ${what} ${text.slice(0, 20)}`);
+    return i;
+  };
+  bytes.toString('utf8').split('\n').forEach((row, i) => {
+    const line = i + 1;
+    const [word, ...rest] = row.trim().split(/\s+/);
+    if (word === 'v') places.push(...numbers(rest, 3, line));
+    else if (word === 'vt') uvs.push(...numbers(rest, 2, line));
+    else if (word === 'o' || word === 'g') object = rest.join(' ') || 'mesh';
+    else if (word === 'usemtl') material = rest.join(' ');
+    else if (word === 'mtllib') materials = materials.concat(readMtl(file, rest.join(' '), line, notes));
+    else if (word === 'f') {
+      const mesh = meshOf();
+      if (rest.length < 3) throw new FileError(`line ${line}`, 'a face must have three corners or more');
+      const corners = rest.map((corner) => {
+        const [a, b] = corner.split('/');
+        const p = pick(a, places, 3, line, 'vertex');
+        const t = b ? pick(b, uvs, 2, line, 'texture vertex') : -1;
+        const key = `${p}/${t}`;
+        if (!mesh.corners.has(key)) {
+          mesh.corners.set(key, mesh.position.length / 3);
+          mesh.position.push(...places.slice(3 * p, 3 * p + 3));
+          mesh.uv.push(...(t < 0 ? [0, 0] : uvs.slice(2 * t, 2 * t + 2)));
+          mesh.textured ||= t >= 0;
+          mesh.places.push(p);
+        }
+        return mesh.corners.get(key);
+      });
+      for (let k = 2; k < corners.length; k++) mesh.index.push(corners[0], corners[k - 1], corners[k]);
+      count += corners.length;
+      if (count > MOST.numbers / 3) throw new FileError(`line ${line}`, 'more faces than a head has');
+    }
+  });
+  if (!meshes.size) throw new FileError('', 'there are no faces in it');
+  return {
+    meshes: [...meshes.values()].map(({ name, materialName, position, uv, index, textured, places: from }) => ({
+      name,
+      material: materials.findIndex((one) => one.name === materialName),
+      materialName,
+      position: Float64Array.from(position),
+      uv: textured ? Float64Array.from(uv) : null,
+      index: Uint32Array.from(index),
+      targets: {},
+      from,
+    })),
+    materials,
+    notes,
+    unit: null,
+  };
+}

@@ -1,0 +1,112 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Stanford's PLY, as text and binary: one mesh, whose texture (if any) a comment "TextureFile" names. */
+import { pictureOf, readBeside } from './beside.mjs';
+import { FileError, MOST } from './file-error.mjs';
+
+const READ = {
+  char: ['Int8', 1], int8: ['Int8', 1], uchar: ['Uint8', 1], uint8: ['Uint8', 1], short: ['Int16', 2], int16: ['Int16', 2], ushort: ['Uint16', 2],
+  uint16: ['Uint16', 2], int: ['Int32', 4], int32: ['Int32', 4], uint: ['Uint32', 4], uint32: ['Uint32', 4], float: ['Float32', 4], float32: ['Float32', 4],
+  double: ['Float64', 8], float64: ['Float64', 8],
+};
+
+function readHead(bytes) {
+  const end = bytes.indexOf('end_header');
+  if (bytes.toString('latin1', 0, 3) !== 'ply' || end < 0 || end > 65536) throw new FileError('line 1', 'this is no PLY: it must begin with "ply" and have an end_header');
+  const lines = bytes.toString('latin1', 0, end).split(/\r?\n/);
+  const head = { elements: [], texture: null, lines: lines.length, data: bytes.indexOf(10, end) + 1 };
+  lines.forEach((line, i) => {
+    const words = line.trim().split(/\s+/);
+    const at = `line ${i + 1}`;
+    if (words[0] === 'format') head.format = words[1];
+    if (words[0] === 'comment' && words[1] === 'TextureFile') head.texture = { name: words.slice(2).join(' '), at };
+    if (words[0] === 'element') {
+      const count = Number(words[2]);
+      if (!Number.isInteger(count) || count < 0 || count > MOST.numbers / 3) throw new FileError(at, `a head has no ${words[2]} elements`);
+      head.elements.push({ name: words[1], count, properties: [] });
+    }
+    if (words[0] === 'property') {
+      const list = words[1] === 'list';
+      const types = list ? words.slice(2, 4) : [words[1]];
+      if (!head.elements.length || !types.every((type) => READ[type])) throw new FileError(at, `"${line.slice(0, 60)}" is not known`);
+      head.elements.at(-1).properties.push({ name: words.at(-1), list, types });
+    }
+  });
+  if (!['ascii', 'binary_little_endian', 'binary_big_endian'].includes(head.format)) throw new FileError('line 2', 'the format must be ascii, binary_little_endian or binary_big_endian');
+  return head;
+}
+
+/** Gives numbers one after the other, and says where it is. */
+function source(bytes, head) {
+  let at = head.data;
+  if (head.format === 'ascii') {
+    const text = bytes.toString('latin1', at);
+    const words = /\S+|\n/g;
+    let line = head.lines + 1;
+    const next = () => {
+      for (let word; (word = words.exec(text)); ) {
+        if (word[0] !== '\n') return Number(word[0]);
+        line++;
+      }
+      return NaN;
+    };
+    return { next, place: () => `line ${line}` };
+  }
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.length);
+  const little = head.format === 'binary_little_endian';
+  const next = (type) => {
+    const [kind, size] = READ[type];
+    if (at + size > bytes.length) return NaN;
+    at += size;
+    return view[`get${kind}`](at - size, little);
+  };
+  return { next, place: () => `byte ${at}` };
+}
+
+export function readPly(file, bytes) {
+  const head = readHead(bytes);
+  const { next, place } = source(bytes, head);
+  const [position, uv, index, notes] = [[], [], [], []];
+  const number = (type) => {
+    const value = next(type);
+    if (!Number.isFinite(value)) throw new FileError(place(), 'a number is missing, or is none');
+    return value;
+  };
+  for (const { name, count, properties } of head.elements)
+    for (let i = 0; i < count; i++) {
+      const values = {};
+      for (const property of properties) {
+        if (!property.list) values[property.name] = number(property.types[0]);
+        else {
+          const length = number(property.types[0]);
+          if (length > 256 || length < 0) throw new FileError(place(), `a list of ${length} numbers is no face`);
+          values[property.name] = Array.from({ length }, () => number(property.types[1]));
+        }
+      }
+      if (name === 'vertex') {
+        if (![values.x, values.y, values.z].every(Number.isFinite)) throw new FileError(place(), 'a vertex must have x, y and z');
+        position.push(values.x, values.y, values.z);
+        const [s, t] = [values.s ?? values.u ?? values.texture_u, values.t ?? values.v ?? values.texture_v];
+        if (s !== undefined) uv.push(s, t);
+      }
+      const corners = values.vertex_indices ?? values.vertex_index;
+      if (name === 'face' && corners) {
+        const past = corners.find((v) => !Number.isInteger(v) || v < 0 || v >= position.length / 3);
+        if (past !== undefined) throw new FileError(place(), `there is no vertex ${past}`);
+        for (let k = 2; k < corners.length; k++) index.push(corners[0], corners[k - 1], corners[k]);
+      }
+    }
+  if (!index.length) throw new FileError('', 'there are no faces in it');
+  let picture = null;
+  if (head.texture) {
+    const data = readBeside(file, head.texture.name, head.texture.at);
+    const seen = pictureOf(data);
+    if (seen) picture = { ...seen, data };
+    else notes.push(`${head.texture.name} is no PNG, JPEG or WebP: left out`);
+  }
+  return {
+    meshes: [{ name: 'mesh', material: 0, position: Float64Array.from(position), uv: uv.length ? Float64Array.from(uv) : null, index: Uint32Array.from(index), targets: {} }],
+    materials: [{ name: 'mesh', color: picture ? [1, 1, 1] : [0.8, 0.62, 0.54], roughness: 0.6, alpha: 'opaque', double_sided: false, picture }],
+    notes,
+    unit: null,
+  };
+}

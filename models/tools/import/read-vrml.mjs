@@ -1,0 +1,199 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** VRML97 (ISO/IEC 14772-1), as modelling programs write it: the scene's IndexedFaceSets with transforms, materials and textures. */
+import { pictureOf, readBeside } from './beside.mjs';
+import { FileError, MOST } from './file-error.mjs';
+import { apply, matrixOf, product } from './matrix.mjs';
+
+const TOKEN = /#[^\n]*|"(?:[^"\\]|\\.)*"|[[\]{}]|[^\s,[\]{}"#]+|\n/g;
+
+class Reader {
+  constructor(text) {
+    this.text = text;
+    this.line = 1;
+    this.defined = new Map();
+    this.words = this.tokens();
+    this.advance();
+  }
+
+  *tokens() {
+    for (const [word] of this.text.matchAll(TOKEN)) {
+      if (word === '\n') this.line++;
+      else if (word[0] === '"') {
+        yield word;
+        this.line += word.split('\n').length - 1;
+      } else if (word[0] !== '#') yield word;
+    }
+  }
+
+  advance() {
+    const before = this.word;
+    this.word = this.words.next().value;
+    return before;
+  }
+
+  fail(what) {
+    throw new FileError(`line ${this.line}`, what);
+  }
+
+  /** A node, or what USE names. */
+  node(depth) {
+    if (depth > MOST.depth) this.fail('nodes within nodes within nodes: too deep');
+    let name = null;
+    if (this.word === 'USE') {
+      this.advance();
+      const used = this.advance();
+      if (!this.defined.has(used)) this.fail(`USE ${String(used).slice(0, 40)}: there is no such node`);
+      return this.defined.get(used);
+    }
+    if (this.word === 'DEF') {
+      this.advance();
+      name = this.advance();
+    }
+    const node = { type: this.advance(), name, fields: {}, line: this.line };
+    if (this.word !== '{') this.fail(`"{" must follow ${String(node.type).slice(0, 40)}`);
+    this.advance();
+    while (this.word !== '}') {
+      if (this.word === undefined) this.fail(`the file ends within a ${node.type}`);
+      const field = this.advance();
+      if (!/^[A-Za-z_]/.test(field)) this.fail(`"${field.slice(0, 40)}" is no field of a ${node.type}`);
+      if (field === 'ROUTE' || field === 'PROTO') this.fail(`${field} is not read`);
+      node.fields[field] = this.value(depth);
+    }
+    this.advance();
+    if (name) this.defined.set(name, node);
+    return node;
+  }
+
+  value(depth) {
+    if (this.word === '[') {
+      this.advance();
+      const list = [];
+      while (this.word !== ']') {
+        if (this.word === undefined) this.fail('the file ends within a list');
+        list.push(this.item(depth));
+        if (list.length > MOST.numbers) this.fail('a list that is longer than any of a head');
+      }
+      this.advance();
+      return list;
+    }
+    if (!/^[-+.\d]/.test(this.word ?? '')) return this.item(depth);
+    const list = [];
+    while (/^[-+.\d]/.test(this.word ?? '')) list.push(this.item(depth));
+    return list;
+  }
+
+  item(depth) {
+    const { word } = this;
+    if (word === undefined) this.fail('the file ends where a value is wanted');
+    if (/^[-+.\d]/.test(word)) {
+      const number = Number(this.advance());
+      if (!Number.isFinite(number)) this.fail(`"${word.slice(0, 40)}" is no number`);
+      return number;
+    }
+    if (word[0] === '"') return this.advance().slice(1, -1).replace(/\\(.)/g, '$1');
+    if (['TRUE', 'FALSE', 'NULL'].includes(word)) return { TRUE: true, FALSE: false, NULL: null }[this.advance()];
+    if (!/^[A-Za-z_]/.test(word)) this.fail(`"${word.slice(0, 40)}" is no value`);
+    return this.node(depth + 1);
+  }
+}
+
+const listOf = (value) => (Array.isArray(value) ? value : value ? [value] : []);
+
+function turn([x, y, z, angle]) {
+  const length = Math.hypot(x, y, z) || 1;
+  const s = Math.sin(angle / 2) / length;
+  return [x * s, y * s, z * s, Math.cos(angle / 2)];
+}
+
+/** T C R SR S -SR -C (ISO/IEC 14772-1, 6.52). */
+function transformOf({ fields, line }) {
+  const at = `line ${line}`;
+  const { translation, center = [0, 0, 0], rotation = [0, 0, 1, 0], scale, scaleOrientation = [0, 0, 1, 0] } = fields;
+  const back = ([x, y, z, angle]) => [x, y, z, -angle];
+  return [
+    { translation }, { translation: center }, { rotation: turn(rotation) }, { rotation: turn(scaleOrientation) }, { scale },
+    { rotation: turn(back(scaleOrientation)) }, { translation: center.map((x) => -x) },
+  ].map((one) => matrixOf(one, at)).reduce(product);
+}
+
+function facesOf({ fields, line }, matrix, name, material, meshes) {
+  const fail = (what) => {
+    throw new FileError(`line ${line}`, what);
+  };
+  const points = listOf(fields.coord?.fields?.point);
+  if (!points.length || points.length % 3) fail('an IndexedFaceSet without the points of its corners');
+  const texture = listOf(fields.texCoord?.fields?.point);
+  const coordIndex = listOf(fields.coordIndex);
+  const texIndex = listOf(fields.texCoordIndex);
+  const mesh = { name, material, position: [], uv: [], index: [], targets: {}, from: [] };
+  const known = new Map();
+  let face = [];
+  const close = () => {
+    if (face.length && face.length < 3) fail('a face must have three corners or more');
+    const corners = fields.ccw === false ? face.reverse() : face;
+    for (let k = 2; k < corners.length; k++) mesh.index.push(corners[0], corners[k - 1], corners[k]);
+    face = [];
+  };
+  coordIndex.forEach((p, i) => {
+    if (p === -1) return close();
+    if (!Number.isInteger(p) || p < 0 || p >= points.length / 3) fail(`coordIndex ${i} is ${p}, but there are ${points.length / 3} points`);
+    const t = texture.length ? (texIndex[i] ?? p) : -1;
+    if (t >= texture.length / 2) fail(`texCoordIndex ${i} is ${t}, but there are ${texture.length / 2} points`);
+    const key = `${p}/${t}`;
+    if (!known.has(key)) {
+      known.set(key, mesh.position.length / 3);
+      mesh.position.push(points[3 * p], points[3 * p + 1], points[3 * p + 2]);
+      mesh.uv.push(...(t < 0 ? [0, 0] : [texture[2 * t], texture[2 * t + 1]]));
+      mesh.from.push(p);
+    }
+    face.push(known.get(key));
+    return undefined;
+  });
+  close();
+  if (!mesh.index.length) return;
+  meshes.push({ ...mesh, position: apply(matrix, mesh.position), uv: texture.length ? Float64Array.from(mesh.uv) : null, index: Uint32Array.from(mesh.index) });
+}
+
+export function readVrml(file, bytes) {
+  const text = bytes.toString('utf8');
+  if (!/^#VRML V2\.0 utf8/.test(text)) throw new FileError('line 1', 'this is no VRML97: it must begin with "#VRML V2.0 utf8"');
+  const reader = new Reader(text);
+  const roots = [];
+  while (reader.word !== undefined) roots.push(reader.node(0));
+  const [meshes, materials, notes] = [[], [], []];
+  const known = new Map();
+  const materialOf = (appearance) => {
+    if (!appearance?.fields) return -1;
+    if (!known.has(appearance)) {
+      known.set(appearance, materials.length);
+      const { diffuseColor, transparency } = appearance.fields.material?.fields ?? {};
+      const look = { name: appearance.fields.material?.name ?? appearance.name ?? `material ${materials.length}`, color: diffuseColor ?? [0.8, 0.8, 0.8], roughness: 0.6, alpha: listOf(transparency)[0] > 0 ? 'blend' : 'opaque', double_sided: false, picture: null };
+      const url = listOf(appearance.fields.texture?.fields?.url)[0];
+      if (typeof url === 'string') {
+        const data = readBeside(file, url, `line ${appearance.fields.texture.line}`);
+        const seen = pictureOf(data);
+        if (seen) Object.assign(look, { picture: { ...seen, data }, color: [1, 1, 1] });
+        else notes.push(`${url} is no PNG, JPEG or WebP: left out`);
+      }
+      materials.push(look);
+    }
+    return known.get(appearance);
+  };
+  let visited = 0;
+  const walk = (node, matrix, name) => {
+    if (!node?.type) return;
+    if (++visited > 1e5) throw new FileError(`line ${node.line}`, 'more nodes than a head has');
+    const own = node.name ?? name;
+    if (node.type === 'Shape') {
+      const { geometry, appearance } = node.fields;
+      if (geometry?.type === 'IndexedFaceSet') facesOf(geometry, matrix, geometry.name ?? own ?? `mesh ${meshes.length}`, materialOf(appearance), meshes);
+      if (meshes.length > MOST.meshes) throw new FileError(`line ${node.line}`, `more than ${MOST.meshes} meshes are no head`);
+      return;
+    }
+    const inner = node.type === 'Transform' ? product(matrix, transformOf(node)) : matrix;
+    for (const child of listOf(node.fields.children)) walk(child, inner, own);
+  };
+  for (const root of roots) walk(root, matrixOf({}, ''), null);
+  if (!meshes.length) throw new FileError('', 'there is no IndexedFaceSet in it');
+  return { meshes, materials, notes, unit: null };
+}

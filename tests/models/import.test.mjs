@@ -1,0 +1,197 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Heads of other origin, through the program: what comes back of a head that was handed out, what zones do where a file says nothing, and
+// what is said of files that are broken or mean harm.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import test, { after, before } from 'node:test';
+import { ARKIT, VISEMES } from '../../models/tools/avatar/shapes.mjs';
+import { pose, unpack } from '../../models/tools/lib/deform.mjs';
+import { view } from '../../models/tools/lib/sight.mjs';
+import { checkEyelids, checkLipsMoveAsOne, checkNeutral } from '../../models/tools/lib/check.mjs';
+import { readModel } from '../../web/src/head/model.mjs';
+import { writeHeadFiles } from '../lib/head-files.mjs';
+
+const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
+const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-import-'));
+const at = (name) => path.join(folder, name);
+const load = (file) => unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
+const mara = load(path.join(models, 'heads/mara.json'));
+const faccia = (...words) => spawnSync(path.join(build, 'server/app/faccia'), ['--models', models, 'head', ...words], { encoding: 'utf8', cwd: folder });
+
+function imported(out, ...words) {
+  const { status, stdout, stderr } = faccia('import', ...words, '-o', at(out));
+  assert.equal(status, 0, stderr);
+  readModel(JSON.parse(fs.readFileSync(at(out), 'utf8')));
+  return { head: load(at(out)), said: stdout };
+}
+
+before(() => writeHeadFiles(mara, folder));
+after(() => fs.rmSync(folder, { recursive: true }));
+
+/** How far a part of a pose is from the same of another head: most, and root of the mean square, mm. */
+function apart(a, b, name, faps) {
+  const [p, q] = [a, b].map((head) => pose(head, head.parts.find((part) => part.name === name), faps));
+  assert.equal(p.length, q.length);
+  let [most, sum] = [0, 0];
+  for (let v = 0; v < p.length; v += 3) {
+    const d = Math.hypot(p[v] - q[v], p[v + 1] - q[v + 1], p[v + 2] - q[v + 2]);
+    most = Math.max(most, d);
+    sum += d * d;
+  }
+  return { most, mean: Math.sqrt(sum / (p.length / 3)) };
+}
+
+test('a head that was exported as GLB comes back: the same FAPs, the same face', (t) => {
+  const { head, said } = imported('back.json', path.join(models, 'heads/mara.glb'));
+  assert.match(said, /actions from 5\d morph targets/);
+  assert.deepEqual(head.parts.map(({ name }) => name).sort(), mara.parts.map(({ name }) => name).sort());
+  assert.equal(head.licence, mara.licence);
+  assert.ok(head.textures.skin.data.length > 1000);
+  for (const [unit, value] of Object.entries(mara.fapu)) assert.ok(Math.abs(head.fapu[unit] - value) < 0.01, unit);
+  for (const { name } of mara.parts) assert.ok(apart(mara, head, name, {}).most < 0.01, `${name} at rest`);
+  const far = Object.entries({ ...ARKIT, ...VISEMES }).map(([name, faps]) => ({ name, ...apart(mara, head, 'skin', faps) }));
+  const worst = far.reduce((a, b) => (b.most > a.most ? b : a));
+  t.diagnostic(`skin, ${far.length} shapes and visemes: at most ${worst.most.toFixed(2)} mm (${worst.name}), root mean square ${Math.sqrt(far.reduce((sum, { mean }) => sum + mean * mean, 0) / far.length).toFixed(3)} mm`);
+  for (const { name, most, mean } of far) assert.ok(most < 1.5 && mean < 0.35, `${name} ${most} ${mean}`);
+  for (const eye of ['eye_l', 'eye_r']) assert.ok(apart(mara, head, eye, { 23: 30000, 24: 30000, 25: 20000, 26: 20000 }).most < 0.5);
+  assert.deepEqual([...checkNeutral(head), ...checkEyelids(head)], []);
+});
+
+test('OBJ, PLY and VRML97 without targets get zones, which close what closes', (t) => {
+  for (const [file, points, parts, ...more] of [
+    ['head.obj', 'obj-points.json', 11], ['head.ply', 'ply-points.json', 1], ['binary.ply', 'ply-points.json', 1], ['head.wrl', 'wrl-points.json', 11, '--up', 'z'],
+  ]) {
+    const { head, said } = imported('out.json', at(file), '--points', at(points), ...more);
+    assert.match(said, /actions from zones/);
+    assert.equal(head.parts.length, parts, file);
+    assert.ok(head.materials.skin.texture && head.textures.skin.width > 100, file);
+    for (const [unit, value] of Object.entries(mara.fapu)) assert.ok(Math.abs(head.fapu[unit] / value - 1) < 0.02, `${file} ${unit} ${head.fapu[unit]}`);
+    // each FAP of skin moves its point as far as it should
+    const wrong = said.split('\n').filter((line) => /of what it should|there is no vertex/.test(line) && !/tongue|eyelid|eyeball/.test(line));
+    assert.deepEqual(wrong, [], file);
+    if (parts === 1) continue;
+    assert.deepEqual(checkLipsMoveAsOne(head), [], file);
+    const upper = (v) => Object.fromEntries([4, 8, 9, 51, 55, 56].map((fap) => [fap, v]));
+    const lower = (v) => Object.fromEntries([5, 10, 11, 52, 57, 58].map((fap) => [fap, v]));
+    const inside = (faps) => ['teeth_upper', 'teeth_lower', 'tongue'].reduce((sum, name) => sum + view(head, faps, { yaw: 0, pitch: 0 }).count(name), 0);
+    const seen = [{}, { ...upper(-100), ...lower(100) }, { 3: 60 }].map(inside);
+    const lids = file === 'head.obj' ? checkEyelids(head) : [];
+    assert.deepEqual(lids, []);
+    t.diagnostic(`${file}: ${seen.map((count) => (count / 16).toFixed(2))} mm² seen between closed lips, ${inside({ ...upper(-200), ...lower(-200), 3: 300 }) / 16} open`);
+    assert.ok(seen.every((count) => count <= 8), `${file}: ${seen}`);
+    assert.ok(inside({ ...upper(-200), ...lower(-200), 3: 300 }) > 300, file);
+  }
+});
+
+test("Xface's .fdp is written and read, with its weights", () => {
+  fs.copyFileSync(path.join(models, 'heads/mara.json'), at('mara.json'));
+  assert.equal(faccia('points', at('mara.json'), '-o', at('mara.fdp')).status, 0);
+  const text = fs.readFileSync(at('mara.fdp'), 'utf8');
+  assert.match(text, /<fapu IRISD0="8\.8"/);
+  const own = text.replaceAll('mara_skin', 'skin').replace('<source/>', '<source><entity alias="Rest" category="Expression"><bind item="Tongue" pivotX="0" pivotY="0" pivotZ="0" submesh="tongue"/></entity></source>');
+  fs.writeFileSync(at('skin.fdp'), own);
+  const { head, said } = imported('out.json', at('head.obj'), '-p', at('skin.fdp'));
+  assert.match(said, /feature points .* are missing|FAP/);
+  for (const [unit, value] of Object.entries(mara.fapu)) if (unit !== 'ES' && unit !== 'ENS' && unit !== 'IRISD') assert.ok(Math.abs(head.fapu[unit] / value - 1) < 0.02, `${unit} ${head.fapu[unit]}`);
+  assert.ok(head.parts[0].moves.some(({ fap }) => fap === 51));
+  const json = JSON.parse(faccia('points', at('mara.json')).stdout);
+  assert.deepEqual(json.fdp['8.4'], mara.fdp['8.4']);
+});
+
+test('a head takes the points of another by command, and check says what one lacks', () => {
+  const { status, stderr } = faccia('calibrate', at('mara.json'), '--points', path.join(models, 'heads/bruno.json'), '-o', at('taken.json'));
+  assert.equal(status, 0, stderr);
+  const bruno = load(path.join(models, 'heads/bruno.json'));
+  const taken = load(at('taken.json'));
+  assert.ok(Math.abs(taken.fapu.MW - bruno.fapu.MW) < 0.01);
+  assert.match(faccia('check', at('taken.json')).stdout, /66 of 66 FAPs act/);
+  const { said } = imported('bare.json', at('head.ply'), '-p', at('ply-points.json'));
+  assert.match(said, /part tongue is missing: no tongue is seen\n/);
+  assert.match(said, /FAP 44 raise_tongue_tip does nothing\n/);
+});
+
+/** A GLB of its JSON, perhaps changed, and bytes. */
+function glb(json, binary) {
+  const text = Buffer.from(JSON.stringify(json).padEnd(4 * Math.ceil(JSON.stringify(json).length / 4)));
+  const head = Buffer.alloc(20);
+  head.write('glTF');
+  [2, 28 + text.length + binary.length, text.length, 0x4e4f534a].forEach((x, i) => head.writeUInt32LE(x, 4 + 4 * i));
+  const chunk = Buffer.alloc(8);
+  chunk.writeUInt32LE(binary.length, 0);
+  chunk.writeUInt32LE(0x004e4942, 4);
+  return Buffer.concat([head, text, chunk, binary]);
+}
+
+test('broken files and hostile ones are told with their place, and nothing is written', () => {
+  const whole = fs.readFileSync(path.join(models, 'heads/luca.glb'));
+  const size = whole.readUInt32LE(12);
+  const json = JSON.parse(whole.toString('utf8', 20, 20 + size));
+  const binary = whole.subarray(28 + size);
+  const changed = (change) => {
+    const copy = structuredClone(json);
+    const bytes = Buffer.from(binary);
+    change(copy, bytes);
+    return glb(copy, bytes);
+  };
+  const first = json.meshes[0].primitives[0];
+  const place = json.accessors[first.attributes.POSITION];
+  const indices = json.accessors[first.indices];
+  const ply = fs.readFileSync(at('head.ply'), 'utf8');
+  const obj = fs.readFileSync(at('head.obj'), 'utf8');
+  const lines = obj.split('\n');
+  const line = (pattern) => lines.findIndex((one) => pattern.test(one));
+  const withLine = (i, text) => [...lines.slice(0, i), text, ...lines.slice(i + 1)].join('\n');
+  const wrl = fs.readFileSync(at('head.wrl'), 'utf8');
+  fs.writeFileSync(path.join(os.tmpdir(), 'faccia-secret.png'), 'x');
+  const points = (name) => ['--points', at(`${name}-points.json`)];
+  const cases = [
+    ['cut.glb', whole.subarray(0, whole.length - 100), [], /byte 8: the file says/],
+    ['empty.glb', Buffer.alloc(0), [], /JSON/],
+    ['zeros.glb', Buffer.alloc(64), [], /JSON/],
+    ['version.glb', Buffer.concat([whole.subarray(0, 4), Buffer.from([9, 0, 0, 0]), whole.subarray(8)]), [], /byte 4: version 9/],
+    ['count.glb', changed((j) => (j.accessors[first.attributes.POSITION].count = 2e9)), [], /accessors\[\d+\]: 2000000000 elements/],
+    ['past.glb', changed((j) => (j.accessors[first.attributes.POSITION].count += 100000)), [], /accessors\[\d+\]: \d+ elements go beyond/],
+    ['none.glb', changed((j) => (j.meshes[0].primitives[0].attributes.POSITION = 99999)), [], /meshes\[0\]\.primitives\[0\]\.attributes\.POSITION: there is no accessors\[99999\]/],
+    ['nan.glb', changed((j, b) => b.writeFloatLE(NaN, j.bufferViews[place.bufferView].byteOffset + 24)), [], /accessors\[\d+\]: element 2 is not a number/],
+    ['index.glb', changed((j, b) => b.writeUInt16LE(65535, j.bufferViews[indices.bufferView].byteOffset + 6)), [], /accessors\[\d+\]: element 3 is vertex 65535/],
+    ['outside.glb', changed((j) => j.buffers.push({ uri: '../../etc/passwd', byteLength: 3 }) && (j.bufferViews[place.bufferView].buffer = 1)), [], /buffers\[1\]\.uri: /],
+    ['loop.glb', changed((j) => (j.nodes[0].children = [0])), [], /nodes\[0\]: stands more than once/],
+    ['draco.glb', changed((j) => (j.extensionsRequired = ['KHR_draco_mesh_compression'])), [], /extensionsRequired: KHR_draco/],
+    ['text.gltf', '{"asset": {"version": "2.0"}, ', [], /JSON: /],
+    ['short.ply', ply.slice(0, ply.length >> 1), points('ply'), /line \d+: a number is missing/],
+    ['huge.ply', ply.replace(/element vertex \d+/, 'element vertex 4000000000'), points('ply'), /line 4: a head has no 4000000000 elements/],
+    ['corner.ply', ply.replace(/\n3 \d+ /, '\n3 123456 '), points('ply'), /line \d+: there is no vertex 123456/],
+    ['nan.obj', withLine(line(/^v /), 'v 1 nothing 3'), points('obj'), new RegExp(`line ${line(/^v /) + 1}: must have 3 numbers`)],
+    ['corner.obj', withLine(line(/^f /), 'f 1 2 99999999'), points('obj'), new RegExp(`line ${line(/^f /) + 1}: there is no vertex 99999999`)],
+    ['outside.obj', obj.replace('mtllib head.mtl', 'mtllib ../faccia-secret.png'), points('obj'), /line 2: "\.\.\/faccia-secret\.png" leads out/],
+    ['open.wrl', wrl.slice(0, wrl.lastIndexOf('coordIndex')), [...points('wrl'), '--up', 'z'], /line \d+: the file ends within/],
+    ['deep.wrl', `#VRML V2.0 utf8\n${'Group { children [ '.repeat(5000)}`, points('wrl'), /line 2: nodes within nodes/],
+    ['old.wrl', '#VRML V1.0 ascii\n', points('wrl'), /line 1: this is no VRML97/],
+    ['corner.wrl', wrl.replace('coordIndex [ ', 'coordIndex [ 99999999, '), [...points('wrl'), '--up', 'z'], /line \d+: coordIndex 0 is 99999999/],
+    ['head.stl', 'solid', [], /"\.stl" is not read/],
+  ];
+  for (const [name, bytes, words, pattern] of cases) {
+    fs.writeFileSync(at(name), bytes);
+    const { status, stderr } = faccia('import', at(name), ...words, '-o', at('never.json'));
+    assert.equal(status, 1, `${name}: ${stderr}`);
+    assert.match(stderr, pattern, name);
+    assert.ok(!/\n {4}at /.test(stderr), `${name}: ${stderr}`);
+  }
+  for (const [name, text, pattern] of [
+    ['a.json', '{"fdp": {"2.99": [0, 0, 0]}}', /fdp\.2\.99: there is no such/], ['b.json', '{"fdp": {"2.1": [0, 0]}}', /fdp\.2\.1: must be/],
+    ['c.json', '{"fdp": {\n"2.1": }}', /JSON|line 2/], ['d.json', '{"fdp": {"2.1": [0, 0, 0]}}', /are missing/], ['e.fdp', '<xfdp><fdp name="2.1" index="1">\n</xfdp>', /line 2: <\/xfdp> closes nothing/],
+    ['f.fdp', '<xfdp>\n<fdp name="2.1" index="x"/></xfdp>', /line 2: index must be/], ['g.json', JSON.stringify({ fdp: { ...JSON.parse(fs.readFileSync(at('obj-points.json'))).fdp, 2.1: 9999999 } }), /fdp\.2\.1: there is no vertex/],
+  ]) {
+    fs.writeFileSync(at(name), text);
+    const { status, stderr } = faccia('import', at('head.obj'), '-p', at(name), '-o', at('never.json'));
+    assert.equal(status, 1, name);
+    assert.match(stderr, pattern, name);
+  }
+  assert.ok(!fs.readdirSync(folder).some((name) => name.startsWith('never')));
+  assert.equal(faccia('import').status, 2);
+  assert.equal(faccia('import', at('head.obj'), '--unit', 'ell').status, 2);
+});
