@@ -56,7 +56,7 @@ test('a picture becomes a head that speaks, and never leaves the page', async ()
   await page.mouse.up();
   assert.ok((await place())[0] > before[0], 'and so does the pointer');
 
-  await page.selectOption('#hair', 'mara');
+  await page.selectOption('#like', 'mara');
   await page.selectOption('#eyes', 'bruno');
   await page.click('#make');
   await state(page, 'Done');

@@ -3,7 +3,7 @@
 export const words = {
   it: {
     title: 'Il tuo viso', pictures: 'Foto', picturesHint: 'Una foto di fronte, a labbra chiuse; meglio con altre due, mezzo girata da ogni lato. Le foto restano su questo computer.',
-    choose: 'Scegli le foto', camera: 'Fotocamera', take: 'Scatta', cameraOff: 'Spegni la fotocamera', making: 'Creazione', like: 'Simile a', hair: 'Capelli di',
+    choose: 'Scegli le foto', camera: 'Fotocamera', take: 'Scatta', cameraOff: 'Spegni la fotocamera', making: 'Creazione', like: 'Capelli e vestiti di',
     eyes: 'Occhi di', make: 'Crea la testa', save: 'Scarica la testa', text: 'Testo da dire', lang: 'Lingua', speak: 'Parla', stop: 'Ferma',
     nearest: 'La più vicina ({title})', same: 'La stessa', loading: 'Si carica il cercatore di visi…', looking: 'Si cerca il viso…', working: 'Si crea la testa…',
     found: 'Trovato. Controllare i punti: si spostano con il mouse, o sceglierne uno e usare le frecce.', point: 'Punto', up: 'In su', down: 'In giù', leftward: 'A sinistra', rightward: 'A destra', done: 'Fatto, in {seconds} s. Ora può parlare.', parted: 'Le labbra sono aperte: con le labbra chiuse la bocca riesce meglio.',
@@ -18,7 +18,7 @@ export const words = {
   },
   pt: {
     title: 'Seu rosto', pictures: 'Fotos', picturesHint: 'Uma foto de frente, de lábios fechados; melhor com mais duas, meio virada para cada lado. As fotos ficam neste computador.',
-    choose: 'Escolher fotos', camera: 'Câmera', take: 'Tirar foto', cameraOff: 'Desligar a câmera', making: 'Criação', like: 'Parecida com', hair: 'Cabelo de',
+    choose: 'Escolher fotos', camera: 'Câmera', take: 'Tirar foto', cameraOff: 'Desligar a câmera', making: 'Criação', like: 'Cabelo e roupa de',
     eyes: 'Olhos de', make: 'Criar a cabeça', save: 'Baixar a cabeça', text: 'Texto a dizer', lang: 'Idioma', speak: 'Falar', stop: 'Parar',
     nearest: 'A mais próxima ({title})', same: 'A mesma', loading: 'Carregando o localizador de rostos…', looking: 'Procurando o rosto…', working: 'Criando a cabeça…',
     found: 'Encontrado. Confira os pontos: movem-se com o mouse, ou escolha um e use as setas.', point: 'Ponto', up: 'Para cima', down: 'Para baixo', leftward: 'Para a esquerda', rightward: 'Para a direita', done: 'Pronto, em {seconds} s. Agora pode falar.', parted: 'Os lábios estão abertos: com lábios fechados a boca fica melhor.',
@@ -33,7 +33,7 @@ export const words = {
   },
   tr: {
     title: 'Senin yüzün', pictures: 'Fotoğraflar', picturesHint: 'Önden, dudakları kapalı bir fotoğraf; iki yana yarım dönük iki fotoğrafla daha iyi olur. Fotoğraflar bu bilgisayarda kalır.',
-    choose: 'Fotoğraf seç', camera: 'Kamera', take: 'Çek', cameraOff: 'Kamerayı kapat', making: 'Oluşturma', like: 'Benzediği baş', hair: 'Saçlar',
+    choose: 'Fotoğraf seç', camera: 'Kamera', take: 'Çek', cameraOff: 'Kamerayı kapat', making: 'Oluşturma', like: 'Saç ve giysi',
     eyes: 'Gözler', make: 'Başı oluştur', save: 'Başı indir', text: 'Söylenecek metin', lang: 'Dil', speak: 'Konuş', stop: 'Dur',
     nearest: 'En yakını ({title})', same: 'Aynısı', loading: 'Yüz bulucu yükleniyor…', looking: 'Yüz aranıyor…', working: 'Baş oluşturuluyor…',
     found: 'Bulundu. Noktalara bakın: fareyle taşınırlar, ya da birini seçip okları kullanın.', point: 'Nokta', up: 'Yukarı', down: 'Aşağı', leftward: 'Sola', rightward: 'Sağa', done: '{seconds} saniyede hazır. Artık konuşabilir.', parted: 'Dudaklar açık: kapalı dudaklarla ağız daha iyi olur.',
@@ -48,7 +48,7 @@ export const words = {
   },
   en: {
     title: 'Your face', pictures: 'Pictures', picturesHint: 'One picture from the front, lips closed; better with two more, half turned to each side. The pictures stay on this computer.',
-    choose: 'Choose pictures', camera: 'Camera', take: 'Take the picture', cameraOff: 'Camera off', making: 'Making it', like: 'Like', hair: 'Hair of',
+    choose: 'Choose pictures', camera: 'Camera', take: 'Take the picture', cameraOff: 'Camera off', making: 'Making it', like: 'Hair and clothes of',
     eyes: 'Eyes of', make: 'Make the head', save: 'Download the head', text: 'Text to speak', lang: 'Language', speak: 'Speak', stop: 'Stop',
     nearest: 'The nearest ({title})', same: 'The same', loading: 'Loading the finder of faces…', looking: 'Looking for the face…', working: 'Making the head…',
     found: 'Found. Look at the points: they move with the mouse, or choose one and use the arrows.', point: 'Point', up: 'Up', down: 'Down', leftward: 'Leftward', rightward: 'Rightward', done: 'Done, in {seconds} s. Now it can speak.', parted: 'The lips are parted: with closed lips the mouth gets better.',

@@ -70,7 +70,7 @@ function show() {
   const known = models.filter(({ name }) => tools.table[name]);
   const nearest = tools.nearest(boxes[0].view, tools.table).find(({ name }) => known.some((model) => model.name === name))?.name;
   const titleOf = (name) => known.find((model) => model.name === name)?.title ?? '';
-  for (const id of ['like', 'hair', 'eyes']) {
+  for (const id of ['like', 'eyes']) {
     const chosen = $(id).value;
     const first = id === 'like' ? option('', say('nearest', { title: titleOf(nearest) })) : option('', say('same'));
     $(id).replaceChildren(first, ...known.map(({ name, title }) => option(name, title)));
@@ -92,9 +92,8 @@ async function make() {
     const start = performance.now();
     const name = $('like').value || $('like').dataset.nearest;
     const base = await headOf(name);
-    const [hair, eyes] = await Promise.all(['hair', 'eyes'].map((id) => ($(id).value && $(id).value !== name ? headOf($(id).value) : null)));
-    if (hair) hair.model = tools.readModel(hair.json);
-    const result = await tools.makeHead(base.json, base.base, boxes.map(({ view }) => view), tools.textures, { title: say('title'), hair, eyes: eyes?.json });
+    const eyes = $('eyes').value ? await headOf($('eyes').value) : null;
+    const result = await tools.makeHead(base.json, base.base, boxes.map(({ view }) => view), tools.textures, { title: say('title'), eyes: eyes?.json });
     made = result.head;
     await head.showHead(made);
     const seconds = new Intl.NumberFormat(frame.lang, { maximumFractionDigits: 1 }).format((performance.now() - start) / 1000);

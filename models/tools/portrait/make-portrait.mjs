@@ -1,7 +1,7 @@
 #!/usr/bin/env node
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * A head from photographs of a face: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD] [--hair HEAD]
+ * A head from photographs of a face: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD]
  * [--eyes HEAD] [--keep beard,glasses] [--heads FOLDER] [--points FILE]. Says in one line what it did. Exit status: 0 done, 1 failed (with
  * the picture and what is wrong with it), 2 wrong usage. Nothing is written unless all is well.
  */
@@ -9,14 +9,13 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
-import { readModel } from '../../../web/src/head/model.mjs';
 import { makeHead, nearest, inOrder } from '../../../web/src/portrait/portrait.mjs';
 import { PortraitError } from '../../../web/src/portrait/problem.mjs';
 import { openEye } from './eye.mjs';
 import { flat, textures } from './images.mjs';
 
 const built = fileURLToPath(new URL('../../../build/', import.meta.url));
-const usage = `usage: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD] [--hair HEAD] [--eyes HEAD]
+const usage = `usage: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD] [--eyes HEAD]
        [--keep beard,glasses] [--heads FOLDER] [--points FILE]`;
 
 function wrong(text) {
@@ -29,7 +28,7 @@ function options() {
   try {
     return parseArgs({
       allowPositionals: true,
-      options: { out: { ...text, short: 'o' }, name: text, title: text, like: text, hair: text, eyes: text, keep: text, heads: text, points: text },
+      options: { out: { ...text, short: 'o' }, name: text, title: text, like: text, eyes: text, keep: text, heads: text, points: text },
     });
   } catch (error) {
     return wrong(`${error.message}\n${usage}`);
@@ -42,7 +41,7 @@ const name = values.name ?? path.basename(values.out, '.json').toLowerCase();
 if (!/^[a-z0-9_-]+$/.test(name)) wrong(`--name ${name}: small letters, digits, - and _ are wanted`);
 const heads = values.heads ?? path.join(built, 'models/heads');
 const table = JSON.parse(fs.readFileSync(values.points ?? path.join(built, 'web/face-points.json'), 'utf8'));
-for (const option of ['like', 'hair', 'eyes'])
+for (const option of ['like', 'eyes'])
   if (values[option] && !Object.hasOwn(table, values[option])) wrong(`--${option} ${values[option]}: there are ${Object.keys(table).join(', ')}`);
 
 const head = (which) => JSON.parse(fs.readFileSync(path.join(heads, `${which}.json`), 'utf8'));
@@ -63,10 +62,8 @@ try {
   for (const photo of photos) views.push(await look(eye, photo));
   const [front] = inOrder(views, Object.values(table)[0]);
   const like = values.like ?? nearest(front, table)[0].name;
-  const hair = values.hair && values.hair !== like ? { json: head(values.hair), base: table[values.hair] } : null;
-  if (hair) hair.model = readModel(hair.json);
   const made = await makeHead(head(like), table[like], views, textures, {
-    name, title: values.title, keep: values.keep?.split(','), hair, eyes: values.eyes ? head(values.eyes) : null,
+    name, title: values.title, keep: values.keep?.split(','), eyes: values.eyes ? head(values.eyes) : null,
   });
   fs.writeFileSync(`${values.out}.part`, JSON.stringify(made.head));
   fs.renameSync(`${values.out}.part`, values.out);

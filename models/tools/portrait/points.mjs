@@ -4,6 +4,7 @@
  */
 import { align, upright } from '../../../web/src/portrait/align.mjs';
 import { STEADY } from '../../../web/src/portrait/landmarks.mjs';
+import { WORN } from '../../../web/src/portrait/portrait.mjs';
 import { toneOf } from '../../../web/src/portrait/skin.mjs';
 import { seenAt } from '../lib/portrait.mjs';
 
@@ -53,5 +54,6 @@ export async function pointsOf(head, picture, eye) {
   const onto = align(up, first.map((p) => p ?? [0, 0, 0]), STEADY.filter((i) => first[i] && Math.abs(first[i][0]) < 55));
   const seen = up.map(onto.apply);
   const at = landmarks.map((place, i) => placeUnder(skin, screen, place, seen[i][2]));
-  return { at, seen, tone: toneOf(picture, landmarks) };
+  const worn = WORN.filter((word) => head.parts.some(({ name }) => name.startsWith(word)));
+  return { at, seen, tone: toneOf(picture, landmarks), worn };
 }

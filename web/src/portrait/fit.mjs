@@ -4,12 +4,12 @@
 // A base head is known by the landmarks that the same detector finds in its own portrait, and by the places on its skin where they are seen
 // (models/tools/portrait/make-points.mjs). So what the detector always gets wrong is wrong in both and falls out of the difference.
 import { align, upright } from './align.mjs';
-import { BROWS, EYES, LIP_CORNERS, LOWER_LIP, STEADY, UPPER_LIP } from './landmarks.mjs';
+import { EYES, LIP_CORNERS, LOWER_LIP, STEADY, UPPER_LIP } from './landmarks.mjs';
 
 /** How much of a difference in depth is believed: from one picture the detector guesses it. */
 const DEPTH = 0.6;
 /** Lips that are further apart than this share of the mouth's width are parted: such a mouth tells little of the one at rest. */
-const PARTED = 0.06;
+const PARTED = 0.1;
 const PARTED_TRUST = 0.45;
 const SIDE = 0.6; // how much of what a picture from the side says of the depth is believed
 const MOST_DEPTH = 6; // mm
@@ -17,8 +17,8 @@ const TURNED = 0.3; // rad of yaw: beyond it a picture is one of the side
 const MOST_FRONT = 0.42; // rad: what may still be the only picture
 
 /**
- * @typedef {{at: (number[]|null)[], seen: number[][], tone: number[], fdp?: object}} Points of a base head: of each landmark the place
- *   on its skin (mm; null: none), where the detector sees it (mm, laid onto the places), and the colour of its skin (linear)
+ * @typedef {{at: (number[]|null)[], seen: number[][], tone: number[], worn: string[]}} Points of a base head: of each landmark the place
+ *   on its skin (mm; null: none), where the detector sees it (mm, laid onto the places), and the colour of its skin (linear); worn: beard, glasses
  */
 
 /** Landmarks laid onto a base head. @param {number[][]} landmarks @param {Points} base */
@@ -141,5 +141,3 @@ export const lipLine = (points) =>
     const bottom = LOWER_LIP.at(-1)[i];
     return points[top] && points[bottom] ? [points[top].map((x, k) => (x + points[bottom][k]) / 2)] : [];
   });
-
-export const browPoints = Object.values(BROWS).flat();

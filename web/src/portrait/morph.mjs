@@ -3,12 +3,12 @@
 // moves are told in FAPU and the units are measured anew; turns get the angle by which their point moves as far as its unit says.
 import { rbf } from '../head/rbf.mjs';
 import { eyeMoves, lipLine, shapePoints } from './fit.mjs';
-import { packPositions } from './pack.mjs';
 
 const SMOOTH = 0.004; // of the warp: landmarks tremble by half a millimetre
 const STILL = 45; // mm from any landmark: from there on the base keeps its place
 const EYE = [17, 31]; // mm from an eye's middle: up to where it moves as a whole, and from where no more
 const RIGID = ['teeth_upper', 'teeth_lower', 'tongue'];
+const WIDER = [0.9, 1.1]; // the arch of the teeth, with the mouth
 const FAPU = { ES: ['3.5', '3.6'], MW: ['8.3', '8.4'], MNS: ['9.15', '2.2'] };
 
 const step = (t) => (t <= 0 ? 0 : t >= 1 ? 1 : t * t * (3 - 2 * t));
@@ -69,32 +69,14 @@ function withEyes(out, positions, eyes) {
   return out;
 }
 
-/** The affine map that is nearest to what a warp does to some points. */
-function affine(before, after) {
-  const n = before.length / 3;
-  const middle = [0, 1, 2].map((k) => before.reduce((sum, x, i) => (i % 3 === k ? sum + x / n : sum), 0));
-  const a = Array.from({ length: 4 }, () => new Float64Array(7));
-  for (let i = 0; i < before.length; i += 3) {
-    const row = [before[i] - middle[0], before[i + 1] - middle[1], before[i + 2] - middle[2], 1];
-    for (let r = 0; r < 4; r++) {
-      for (let c = 0; c < 4; c++) a[r][c] += row[r] * row[c];
-      for (let k = 0; k < 3; k++) a[r][4 + k] += row[r] * (after[i + k] - before[i + k]);
-    }
-  }
-  for (let c = 0; c < 4; c++) {
-    a[c][c] += 1e-6 * n;
-    for (let r = 0; r < 4; r++) {
-      if (r === c) continue;
-      const f = a[r][c] / a[c][c];
-      for (let k = 0; k < 7; k++) a[r][k] -= f * a[c][k];
-    }
-  }
-  const w = a.map((row, r) => [4, 5, 6].map((k) => row[k] / row[r]));
-  return (positions) =>
-    Float32Array.from(positions, (x, i) => {
-      const [v, k] = [i - (i % 3), i % 3];
-      return x + w[3][k] + [0, 1, 2].reduce((sum, l) => sum + w[l][k] * (positions[v + l] - middle[l]), 0);
-    });
+/** Teeth and tongue keep their form and their place behind the lips; the arch is as wide as the mouth wants it. */
+function behindLips(model, warp) {
+  const place = (name) => [model.fdp[name], [...warp.apply(Float32Array.from(model.fdp[name]))]];
+  const lips = [place('2.2'), place('2.3')];
+  const shift = [0, 1, 2].map((k) => lips.reduce((sum, [was, is]) => sum + (is[k] - was[k]) / 2, 0));
+  const [left, right] = [place('8.3'), place('8.4')];
+  const wide = Math.max(WIDER[0], Math.min(WIDER[1], (left[1][0] - right[1][0]) / (left[0][0] - right[0][0])));
+  return (positions) => Float32Array.from(positions, (x, i) => (i % 3 ? x : x * wide) + shift[i % 3]);
 }
 
 /** The vertex of any part at a place. */
@@ -128,9 +110,8 @@ export function morph(model, base, target) {
   const positions = new Map(model.parts.map((part) => [part, warp.apply(part.position)]));
   const centre = (side) => model.turns.find(({ name }) => name === `eye_${side}_yaw`).pivot;
   const eyes = { l: warp.eyes.find(({ from }) => from[0] > 0), r: warp.eyes.find(({ from }) => from[0] < 0) };
-  const rigid = RIGID.map((name) => model.parts.find((part) => part.name === name)).filter(Boolean);
-  const within = affine(rigid.flatMap((part) => [...part.position]), rigid.flatMap((part) => [...positions.get(part)]));
-  for (const part of rigid) positions.set(part, within(part.position));
+  const within = behindLips(model, warp);
+  for (const part of model.parts) if (RIGID.includes(part.name)) positions.set(part, within(part.position));
   for (const part of model.parts) {
     const eye = /^eye_([lr])/.exec(part.name)?.[1];
     if (eye) positions.set(part, Float32Array.from(part.position, (_, i) => eyeAt(part.position.subarray(i - (i % 3), i - (i % 3) + 3), { ...eyes[eye], roll: 0, ...ball(centre(eye), eyes[eye]) })[i % 3]));
@@ -169,53 +150,4 @@ function turnsOf(model, { warp, eyes, fdp, fapu }) {
     const is = moved({ ...turn, pivot }, fdp['2.1'])[1] / fapu.MNS;
     return { ...turn, pivot, radians: Number(((turn.radians * was) / is).toPrecision(9)) };
   });
-}
-
-const SKULL = { middle: [0, 25, -75], rings: 6, least: -0.25 };
-
-/** Points of the skull's surface, in the same directions on every head: what hair lies on. */
-function skullPoints(position) {
-  const out = [];
-  for (let ring = 0; ring < SKULL.rings; ring++) {
-    const up = SKULL.least + ((1 - SKULL.least) * (ring + 0.5)) / SKULL.rings;
-    const around = Math.max(4, Math.round(14 * Math.sqrt(1 - up * up)));
-    for (let i = 0; i < around; i++) {
-      const turn = (2 * Math.PI * (i + 0.5)) / around;
-      const flat = Math.sqrt(1 - up * up);
-      out.push({ direction: [flat * Math.sin(turn), up, flat * Math.cos(turn)], most: 0.994, far: 0 });
-    }
-  }
-  for (let v = 0; v < position.length; v += 3) {
-    const p = SKULL.middle.map((m, k) => position[v + k] - m);
-    const far = Math.hypot(...p);
-    for (const point of out) {
-      const near = (p[0] * point.direction[0] + p[1] * point.direction[1] + p[2] * point.direction[2]) / far;
-      if (near > point.most) Object.assign(point, { most: near, far });
-    }
-  }
-  return out.map(({ direction, far }) => far && direction.map((d, k) => SKULL.middle[k] + d * far));
-}
-
-/**
- * Another head's hair on a new head: what it lies on, skull and face, goes over into what it shall lie on.
- * @param {object} head the new one (changed) @param {{json: object, model: object, base: object}} from whose hair, with its landmarks
- * @param {{target: (number[]|null)[], skin: Float32Array}} onto places of the new head's landmarks, and its skin
- */
-export function otherHair(head, { json, model, base }, { target, skin }) {
-  const hair = model.parts.find(({ name }) => name === 'hair');
-  const [from, to] = [[], []];
-  const add = (a, b) => {
-    if (!a || !b || from.some((p) => distance(p, a) < 6)) return;
-    from.push(a);
-    to.push(b);
-  };
-  const was = skullPoints(model.parts.find(({ name }) => name === 'skin').position);
-  skullPoints(skin).forEach((p, i) => add(was[i], p));
-  shapePoints(base).forEach((i) => add(base.at[i], target[i]));
-  const positions = rbf(from.flat(), to.flat(), { kernel: 'biharmonic', smooth: 0.01 }).apply(hair.position);
-  const own = json.parts.find(({ name }) => name === 'hair');
-  const material = json.materials[own.material];
-  head.parts = head.parts.map((part) => (part.name === 'hair' ? { ...own, material: 'hair', position: packPositions(positions) } : part));
-  head.materials = { ...head.materials, hair: { ...material, texture: 'hair' } };
-  head.textures = { ...head.textures, hair: json.textures[material.texture] };
 }

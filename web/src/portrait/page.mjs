@@ -2,14 +2,13 @@
 // What a page needs to turn pictures into a head: it is bundled with the finder of faces into portrait.js, beside which the nets lie.
 // Pictures stay in the page: nothing here sends anything.
 import { Human } from '@vladmandic/human';
-import { readModel } from '../head/model.mjs';
 import { detectorSettings, findFace } from './detect.mjs';
 import { base64 } from './pack.mjs';
 import { inOrder, makeHead, nearest } from './portrait.mjs';
 import { PortraitError } from './problem.mjs';
 
 export { HANDLES, withMoved } from './landmarks.mjs';
-export { inOrder, makeHead, nearest, PortraitError, readModel };
+export { inOrder, makeHead, nearest, PortraitError };
 
 const LONGEST = 3000; // pixels: more is not needed for a texture
 const MOST_PIXELS = 100e6;

@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: MIT
 // A head out of pictures of a face, in a page and in Node alike: reading and writing images is the caller's.
 import { readModel } from '../head/model.mjs';
-import { EYES } from './landmarks.mjs';
 import { fitShape, isFront, laid, tooTurned, unlikeness } from './fit.mjs';
-import { morph, otherHair } from './morph.mjs';
+import { morph } from './morph.mjs';
 import { packPositions } from './pack.mjs';
 import { PortraitError } from './problem.mjs';
-import { paintSkin, sample, toneOf } from './skin.mjs';
+import { paintSkin, toneOf } from './skin.mjs';
 
+const WORN_MM = 2; // what a beard or glasses cost there: their roots and shadows stay on the skin
 const TONE_MM = 5; // how many mm of shape a doubling of the skin's brightness is worth in the choice of a base
-const WORN = ['beard', 'glasses']; // what a base has that the face may not
+export const WORN = ['beard', 'glasses']; // what a base has that the face may not
 
+const costOf = ({ mm, tone, worn }) => mm + TONE_MM * tone + WORN_MM * worn;
 const distant = (a, b) => Math.hypot(...a.map((x, k) => Math.log2((x + 0.01) / (b[k] + 0.01))));
 
 /** The front first, then the sides. @throws {PortraitError} @param {import('./fit.mjs').Points} base any */
@@ -22,22 +23,12 @@ export function inOrder(views, base) {
   return [first.view, ...looks.filter((look) => look !== first && !isFront(look)).map(({ view }) => view)];
 }
 
-/** Heads by how near they are to a face, the nearest first. @returns {{name: string, mm: number, tone: number}[]} */
+/** Heads by how near they are to a face, the nearest first. @returns {{name: string, mm: number, tone: number, worn: number}[]} */
 export function nearest({ picture, landmarks }, table) {
   const tone = toneOf(picture, landmarks);
   return Object.entries(table)
-    .map(([name, base]) => ({ name, mm: unlikeness(landmarks, base), tone: distant(tone, base.tone) }))
-    .sort((a, b) => a.mm + TONE_MM * a.tone - b.mm - TONE_MM * b.tone);
-}
-
-/** The colour of the eyes, linear: what lies in the ring of the iris, beside the pupil and clear of the lids. */
-export function irisTone(picture, landmarks) {
-  const colours = Object.values(EYES).flatMap(({ iris }) => {
-    const [middle, ...rim] = iris.map((i) => landmarks[i]);
-    const radius = rim.reduce((sum, p) => sum + Math.hypot(p[0] - middle[0], p[1] - middle[1]), 0) / rim.length;
-    return [-0.35, -0.1, 0.15, 0.4].flatMap((up) => [-0.68, 0.68].map((out) => sample(picture, middle[0] + out * radius, middle[1] + up * radius, [0, 0, 0])));
-  });
-  return [0, 1, 2].map((k) => colours.map((c) => c[k]).sort((a, b) => a - b)[Math.floor(colours.length / 2)]);
+    .map(([name, base]) => ({ name, mm: unlikeness(landmarks, base), tone: distant(tone, base.tone), worn: base.worn.length }))
+    .sort((a, b) => costOf(a) - costOf(b));
 }
 
 /**
@@ -45,8 +36,8 @@ export function irisTone(picture, landmarks) {
  * @param {{picture: {width: number, height: number, data: ArrayLike<number>}, landmarks: number[][]}[]} views upright pictures in RGBA
  * @param {{read: (texture: object) => Promise<object>, write: (image: object) => Promise<object>}} images read: a texture of a head as
  *   RGBA; write: RGBA as a texture
- * @param {{name?: string, title?: string, keep?: string[], hair?: {json: object, base: object}|null, eyes?: object|null, licence?: string}} [options]
- *   keep: of what the base wears (beard, glasses); hair, eyes: heads that they are taken from
+ * @param {{name?: string, title?: string, keep?: string[], eyes?: object|null}} [options]
+ *   keep: of what the base wears (beard, glasses); eyes: the head that they are taken from
  * @returns {Promise<{head: object, parted: boolean, sides: number}>} parted: the lips are, so the mouth is less the face's own
  */
 export async function makeHead(json, base, views, images, options = {}) {
@@ -56,7 +47,7 @@ export async function makeHead(json, base, views, images, options = {}) {
   const part = model.parts.find(({ name }) => name === 'skin');
   const eyes = model.parts.filter(({ name }) => name.startsWith('eye'));
   const texture = json.textures[model.materials[part.material].texture];
-  const skin = paintSkin({ part, texture: await images.read(texture), eyes, base }, ordered, fitted.views);
+  const skin = paintSkin({ part, texture: await images.read(texture), eyes, base, isLid: (turn) => model.turns[turn].name.startsWith('lid') }, ordered, fitted.views);
   const changed = morph(model, base, fitted.target);
   const gone = WORN.filter((name) => !(options.keep ?? []).includes(name));
   const head = {
@@ -64,7 +55,7 @@ export async function makeHead(json, base, views, images, options = {}) {
     name: options.name ?? 'portrait',
     title: options.title ?? options.name ?? 'Portrait',
     about: 'Made from a picture',
-    licence: options.licence ?? 'LicenseRef-portrait',
+    licence: 'LicenseRef-portrait',
     credits: [...json.credits, `Shape and skin: made from ${ordered.length > 1 ? 'pictures' : 'a picture'}, whose rights are those of the person in it and of who took it`],
     fapu: changed.fapu,
     fdp: changed.fdp,
@@ -75,7 +66,6 @@ export async function makeHead(json, base, views, images, options = {}) {
   };
   delete head.rank;
   if (options.eyes) swapEyes(head, options.eyes);
-  if (options.hair) otherHair(head, options.hair, { base, target: fitted.target, skin: changed.positions.get(part) });
   dropUnused(head);
   return { head, parted: fitted.parted, sides: ordered.length - 1 };
 }

@@ -14,8 +14,10 @@ const SLOW = 17; // mm: what is slower counts as light
 const GAIN = [0.5, 2.2];
 const RIM = [1, 17]; // mm inside the oval: where the picture begins, and is whole
 const LASHES = [0.6, 2.6]; // mm from the lids' margins
+const LID = [0.2, 0.7]; // of a lid's turn: what moves so much when it closes is hidden, or shaded, while it is open
 const FACING = [0.2, 0.55]; // cosine towards the picture
-const DARK = [0.3, 0.6]; // of the skin's brightness: hair that hangs into the forehead
+const DARK = [0.5, 0.8]; // of the skin's brightness: hair that hangs into the forehead
+const SHINE = [1.15, 0.35]; // what is brighter than its surroundings by so much shines, and keeps so much of that
 
 const linear = Float32Array.from({ length: 256 }, (_, i) => (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
 const coded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
@@ -96,7 +98,7 @@ function placesIn(landmarks, base, positions, chosen) {
 }
 
 /** How much of each vertex's skin a picture may give, 0 to 1, by where it is on the face. */
-function maskOf(base, positions) {
+function maskOf(base, { position: positions, turns }, isLid) {
   const oval = OVAL.map((i) => base.at[i]).filter(Boolean);
   const eyes = Object.values(EYES).map(({ outer, lower, inner, upper }) => [outer, ...lower, inner, ...[...upper].reverse()].map((i) => base.at[i]).filter(Boolean));
   const mask = new Float32Array(positions.length / 3);
@@ -106,6 +108,7 @@ function maskOf(base, positions) {
     const lids = Math.max(...eyes.map((eye) => inside(eye, x, y)));
     mask[v] = ramp(RIM, inside(oval, x, y)) * ramp(LASHES, -lids);
   }
+  for (const { turn, vertices, weights } of turns) if (vertices && isLid(turn)) vertices.forEach((v, i) => (mask[v] *= 1 - ramp(LID, weights[i])));
   return mask;
 }
 
@@ -152,18 +155,18 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
 }
 
 /**
- * @param {{part: object, texture: object, eyes: object[], base: import('./fit.mjs').Points}} head part: the base's skin (model.mjs); texture:
- *   RGBA; eyes: parts that hide skin behind them
+ * @param {{part: object, texture: object, eyes: object[], base: import('./fit.mjs').Points, isLid: (turn: number) => boolean}} head part: the base's skin (model.mjs); texture:
+ *   RGBA; eyes: parts that hide skin behind them; isLid: whether a turn of the model closes an eye
  * @param {{picture: object, landmarks: number[][]}[]} pictures the first is the front @param {object[]} views laid (fit.mjs)
  * @returns {{width: number, height: number, data: Uint8ClampedArray, tone: {was: number[], is: number[]}}}
  */
-export function paintSkin({ part, texture, eyes, base }, pictures, views) {
+export function paintSkin({ part, texture, eyes, base, isLid }, pictures, views) {
   const { position, uv, index } = part;
   const size = [texture.width, texture.height];
   const own = new Float32Array(position.length);
   for (let v = 0; v < part.vertices; v++) sample(texture, uv[2 * v] * size[0], (1 - uv[2 * v + 1]) * size[1], own.subarray(3 * v, 3 * v + 3));
   const tone = { was: skinTone(base, position, own), is: toneOf(pictures[0].picture, pictures[0].landmarks) };
-  const mask = maskOf(base, position);
+  const mask = maskOf(base, part, isLid);
   const normals = new Normals(part).rest;
   const layers = pictures.map((one, i) => layer(one, views[i], { base, part, normals, mask, tone: { ...tone, is: toneOf(one.picture, one.landmarks) }, look: eyes }));
   const ratio = tone.is.map((x, k) => x / tone.was[k]);
@@ -224,12 +227,14 @@ function paint(layers, { uv, index, size }, data) {
         const at = (y * size[0] + x) * 4;
         let rest = 1;
         const sum = [0, 0, 0];
-        for (const { picture, places, weight, gain } of layers) {
+        for (const { picture, places, weight, gain, slow } of layers) {
           const w = mixed(weight, 1, 0);
           if (w < 0.004) continue;
           rest -= w;
           sample(picture, mixed(places, 2, 0), mixed(places, 2, 1), colour);
-          for (let k = 0; k < 3; k++) sum[k] += w * colour[k] * mixed(gain, 3, k);
+          const bright = luma(colour) / (luma([0, 1, 2].map((k) => mixed(slow, 3, k))) + 1e-4);
+          const dull = bright > SHINE[0] ? (SHINE[0] + (bright - SHINE[0]) * SHINE[1]) / bright : 1;
+          for (let k = 0; k < 3; k++) sum[k] += w * dull * colour[k] * mixed(gain, 3, k);
         }
         if (rest < 1) for (let k = 0; k < 3; k++) data[at + k] = coded(sum[k] + Math.max(0, rest) * linear[data[at + k]]);
       }
