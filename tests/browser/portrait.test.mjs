@@ -39,6 +39,11 @@ test('a picture becomes a head that speaks, and never leaves the page', async ()
   await state(page, 'Found.');
   assert.deepEqual(await violations(page), []);
   await page.screenshot({ path: path.join(artefacts, 'portrait-points.png'), fullPage: true });
+  for (const media of [{ colorScheme: 'dark' }, { forcedColors: 'active' }]) {
+    await page.emulateMedia(media);
+    assert.deepEqual(await violations(page, ['color-contrast']), [], JSON.stringify(media));
+  }
+  await page.emulateMedia({ colorScheme: 'light', forcedColors: 'none' });
 
   const point = page.locator('[data-point="noseTip"]');
   const place = () => point.evaluate(({ style }) => [style.left, style.top].map(parseFloat));
