@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 // Bundles the element and its audio worklet, and copies types, pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
 import { build } from 'esbuild';
-import { copyFileSync, mkdirSync, readdirSync, writeFileSync } from 'node:fs';
+import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { gzipSync } from 'node:zlib';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const [out, depfile] = process.argv.slice(2);
@@ -41,6 +42,24 @@ const fallback = await build({
   metafile: true,
 });
 note(fallback.metafile);
+// What turns pictures into heads: a page asks for it when it is given one. The daemon hands a .gz out as it lies there.
+const portrait = await build({
+  ...common,
+  entryPoints: [path.join(here, 'src/portrait/page.mjs')],
+  outfile: path.join(out, 'portrait.js'),
+  banner: { js: '/* faccia, MIT. Contains @vladmandic/human, MIT, (c) Vladimir Mandic, with TensorFlow.js, Apache-2.0, (c) Google LLC. */' },
+  metafile: true,
+  external: ['fs', 'worker_threads', 'perf_hooks', 'os'],
+});
+note(portrait.metafile);
+const wasm = 'tfjs-backend-wasm-simd.wasm';
+const nets = ['blazeface', 'facemesh', 'iris'].flatMap((net) => [`${net}.json`, `${net}.bin`]);
+for (const [folder, files] of [['@tensorflow/tfjs-backend-wasm/dist', [wasm]], ['@vladmandic/human/models', nets]])
+  for (const file of files) {
+    inputs.add(path.join(here, 'node_modules', folder, file));
+    copyFileSync(path.join(here, 'node_modules', folder, file), path.join(out, file));
+  }
+for (const file of ['portrait.js', wasm]) writeFileSync(path.join(out, `${file}.gz`), gzipSync(readFileSync(path.join(out, file)), { level: 9 }));
 for (const file of readdirSync(path.join(here, 'page'))) {
   inputs.add(path.join(here, 'page', file));
   copyFileSync(path.join(here, 'page', file), path.join(out, file));

@@ -29,6 +29,7 @@ static const char *type_of(const char *path) {
         {".wasm", "application/wasm"},
         {".map", "application/json"},
         {".txt", "text/plain; charset=utf-8"},
+        {".bin", "application/octet-stream"},
     };
     const char *dot = strrchr(path, '.');
     for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)

@@ -7,7 +7,7 @@ import { after, before, test } from 'node:test';
 import { launch, openPage } from '../lib/browser.mjs';
 import { artefacts, Daemon } from '../lib/daemon.mjs';
 
-const PAGES = ['', 'emotion.html', 'voices.html'];
+const PAGES = ['', 'emotion.html', 'voices.html', 'avatar.html'];
 let daemon, browser;
 before(async () => {
   fs.mkdirSync(artefacts, { recursive: true });

@@ -15,7 +15,7 @@ const fetched = async (address, from = daemon, options = {}) => {
   await response.arrayBuffer();
   return response;
 };
-const pages = ['/', '/voices.html', '/emotion.html'];
+const pages = ['/', '/voices.html', '/emotion.html', '/avatar.html'];
 
 test('pages run what comes from here, and nothing that is written into them', async () => {
   for (const page of pages) {

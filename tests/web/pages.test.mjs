@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
+import { words as avatarWords } from '../../web/page/avatar-words.js';
 import { words as emotionWords } from '../../web/page/emotion-words.js';
 import { errorWords } from '../../web/page/error-words.js';
 import { makeLink, readLink } from '../../web/page/link.js';
@@ -18,7 +19,7 @@ import { words as voicesWords } from '../../web/page/voices-words.js';
 
 const folder = new URL('../../web/page/', import.meta.url);
 const html = (name) => fs.readFileSync(new URL(`${name}.html`, folder), 'utf8');
-const framed = { index: pageWords, emotion: emotionWords, voices: voicesWords };
+const framed = { index: pageWords, emotion: emotionWords, voices: voicesWords, avatar: avatarWords };
 const tables = { ...framed, operator: operatorWords, room: roomWords };
 
 test('every word is there in every language', () => {

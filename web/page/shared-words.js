@@ -2,7 +2,7 @@
 /** What all pages say. */
 export const sharedWords = {
   it: {
-    skip: 'Vai al testo', pages: 'Pagine', speakPage: 'Parla', emotionPage: 'Emozioni', voicesPage: 'Voci',
+    skip: 'Vai al testo', pages: 'Pagine', speakPage: 'Parla', emotionPage: 'Emozioni', voicesPage: 'Voci', avatarPage: 'Il tuo viso',
     connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
     face: 'La testa', head: 'Testa: {title}. {credits}', pageLang: 'Lingua di questa pagina', otherLanguages: 'Altre lingue',
     token: 'Codice di accesso', tokenUse: 'Usa il codice', tokenWhy: 'Chi gestisce il server può darvene uno.',
@@ -13,7 +13,7 @@ export const sharedWords = {
     copied: 'Copiato.', selected: 'Selezionato: premere Ctrl + C.', noSound: 'Qui non c’è un dispositivo audio: la testa parla in silenzio, con i sottotitoli.',
   },
   pt: {
-    skip: 'Ir para o texto', pages: 'Páginas', speakPage: 'Falar', emotionPage: 'Emoções', voicesPage: 'Vozes',
+    skip: 'Ir para o texto', pages: 'Páginas', speakPage: 'Falar', emotionPage: 'Emoções', voicesPage: 'Vozes', avatarPage: 'Seu rosto',
     connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
     face: 'A cabeça', head: 'Cabeça: {title}. {credits}', pageLang: 'Idioma desta página', otherLanguages: 'Outros idiomas',
     token: 'Código de acesso', tokenUse: 'Usar o código', tokenWhy: 'Quem administra o servidor pode dar um.',
@@ -24,7 +24,7 @@ export const sharedWords = {
     copied: 'Copiado.', selected: 'Selecionado: pressione Ctrl + C.', noSound: 'Não há dispositivo de som aqui: a cabeça fala em silêncio, com legendas.',
   },
   tr: {
-    skip: 'Metne geç', pages: 'Sayfalar', speakPage: 'Konuş', emotionPage: 'Duygular', voicesPage: 'Sesler',
+    skip: 'Metne geç', pages: 'Sayfalar', speakPage: 'Konuş', emotionPage: 'Duygular', voicesPage: 'Sesler', avatarPage: 'Senin yüzün',
     connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
     face: 'Baş', head: 'Baş: {title}. {credits}', pageLang: 'Bu sayfanın dili', otherLanguages: 'Diğer diller',
     token: 'Erişim kodu', tokenUse: 'Kodu kullan', tokenWhy: 'Sunucunun yöneticisi size bir kod verebilir.',
@@ -35,7 +35,7 @@ export const sharedWords = {
     copied: 'Kopyalandı.', selected: 'Seçildi: Ctrl + C tuşlarına basın.', noSound: 'Burada ses aygıtı yok: baş sessizce, altyazılarla konuşuyor.',
   },
   en: {
-    skip: 'Go to the text', pages: 'Pages', speakPage: 'Speak', emotionPage: 'Emotions', voicesPage: 'Voices',
+    skip: 'Go to the text', pages: 'Pages', speakPage: 'Speak', emotionPage: 'Emotions', voicesPage: 'Voices', avatarPage: 'Your face',
     connecting: 'Connecting…', open: 'Connected', waiting: 'Not connected, trying again', closed: 'Not connected',
     face: 'The head', head: 'Head: {title}. {credits}', pageLang: 'Language of this page', otherLanguages: 'Other languages',
     token: 'Access token', tokenUse: 'Use the token', tokenWhy: 'Whoever runs the server can give you one.',

@@ -121,6 +121,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     return promise;
   }
 
+  /**
+   * Shows a head that the page has, in place of the server's, until the attribute `model` changes.
+   * @param {object} json see protocol/head-model.md @returns {Promise<void>} when it is shown, or could not be (event `error`)
+   */
+  showHead(json) {
+    this.#session.keepModel();
+    return this.#show(json);
+  }
+
   /** Silence at once; what is queued is forgotten. */
   stop() {
     this.#speech.stop();

@@ -12,6 +12,7 @@ const TOLD = ['hello', 'joined', 'authorized', 'choices', 'chosen', 'state'];
 export class Session {
   #opened = false;
   #reconnecting = false;
+  #kept = false; // what is shown is not the server's
   #hello = null; // what the server has said of itself
   #online = () => this.#link.hurry();
 
@@ -84,8 +85,15 @@ export class Session {
     });
   }
 
+  /** The page has brought a model: the server's are not wanted. */
+  keepModel() {
+    this.#kept = true;
+    this.#models.close();
+  }
+
   /** Another model is wanted, or the same in another way. */
   modelChanged() {
+    this.#kept = false;
     if (this.state === 'open') this.#openModel();
     this.choosePoster();
   }
@@ -163,6 +171,7 @@ export class Session {
   }
 
   #openModel() {
+    if (this.#kept) return;
     const { model, quality } = this.element;
     if (model === null && !this.#hello.models?.length) {
       this.controls.say('model', 'noModel');

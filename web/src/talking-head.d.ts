@@ -113,6 +113,7 @@ export class TalkingHead extends HTMLElement {
   readonly faps: Record<number, number>;
 
   speak(text: string, options?: SpeakOptions): Promise<EndMessage>;
+  showHead(json: object): Promise<void>;
   stop(): void;
   pause(): void;
   resume(): void;

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** The detector of faces in Node: the client's own (web/src/portrait/detect.mjs), with its files from the npm package. */
+import { readFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { fileURLToPath } from 'node:url';
+import { detectorSettings, findFace } from '../../../web/src/portrait/detect.mjs';
+
+const web = new URL('../../../web/', import.meta.url);
+const packages = new URL('node_modules/', web); // the pages have the same files
+const folder = (name) => new URL(name, packages).href;
+
+/** The package asks by fetch, which knows no files. Whatever else it asks for is refused: nothing comes from, or goes to, a network. */
+async function fetchFile(address) {
+  const url = String(address.url ?? address);
+  if (!url.startsWith('file:')) throw new Error(`${url}: a detector of faces asks for files only`);
+  const type = url.endsWith('.json') ? 'application/json' : url.endsWith('.wasm') ? 'application/wasm' : 'application/octet-stream';
+  return new Response(await readFile(fileURLToPath(url)), { headers: { 'content-type': type } });
+}
+
+/** @returns {Promise<(picture: object) => Promise<number[][]>>} finds the landmarks in a picture (web/src/portrait/detect.mjs) */
+export async function openEye() {
+  globalThis.fetch = fetchFile;
+  const { Human } = createRequire(web)(fileURLToPath(folder('@vladmandic/human/dist/human.node-wasm.js')));
+  const human = new Human(detectorSettings(folder('@vladmandic/human/models/'), folder('@tensorflow/tfjs-backend-wasm/dist/')));
+  await human.load();
+  return (picture) => findFace(human, picture);
+}

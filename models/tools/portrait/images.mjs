@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Reading pictures of people, and the textures of heads. */
+import sharp from 'sharp';
+import { PortraitError } from '../../../web/src/portrait/problem.mjs';
+
+const MOST_PIXELS = 100e6;
+const LONGEST = 3000; // pixels: more is not needed for a texture
+const QUALITY = 90;
+
+/** RGBA of any file, upright, on grey where it is clear. @throws {PortraitError} @returns {Promise<object>} */
+export async function flat(file) {
+  try {
+    const { data, info } = await sharp(file, { limitInputPixels: MOST_PIXELS, failOn: 'error' })
+      .rotate() // as its camera says
+      .resize({ width: LONGEST, height: LONGEST, fit: 'inside', withoutEnlargement: true })
+      .toColourspace('srgb')
+      .flatten({ background: '#c8ccd0' })
+      .ensureAlpha()
+      .raw({ depth: 'uchar' })
+      .toBuffer({ resolveWithObject: true });
+    return { data, width: info.width, height: info.height };
+  } catch (error) {
+    if (/pixel limit/.test(error.message)) throw new PortraitError('too_large', `the picture has more than ${MOST_PIXELS / 1e6} million pixels`);
+    throw new PortraitError('no_picture', `this is no picture that can be read (${error.message.split('\n')[0]})`);
+  }
+}
+
+export const textures = {
+  async read({ data }) {
+    const { data: pixels, info } = await sharp(Buffer.from(data, 'base64')).ensureAlpha().raw().toBuffer({ resolveWithObject: true });
+    return { data: pixels, width: info.width, height: info.height };
+  },
+  async write({ data, width, height }) {
+    const bytes = await sharp(Buffer.from(data.buffer), { raw: { width, height, channels: 4 } })
+      .removeAlpha()
+      .webp({ quality: QUALITY, effort: 2, smartSubsample: true })
+      .toBuffer();
+    return { type: 'image/webp', width, height, data: bytes.toString('base64') };
+  },
+};

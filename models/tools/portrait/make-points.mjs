@@ -1,0 +1,27 @@
+#!/usr/bin/env node
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * What is known of the faces of built heads for portraits: make-points.mjs OUTPUT.json HEAD.json... The portrait of each (its poster) lies
+ * beside it.
+ */
+import fs from 'node:fs';
+import path from 'node:path';
+import { unpack } from '../lib/deform.mjs';
+import { openEye } from './eye.mjs';
+import { flat } from './images.mjs';
+import { pointsOf } from './points.mjs';
+
+const [out, ...files] = process.argv.slice(2);
+if (!files.length) {
+  console.error('usage: make-points.mjs OUTPUT.json HEAD.json...');
+  process.exit(2);
+}
+const eye = await openEye();
+const short = (p, steps = 100) => p && p.map((x) => Math.round(x * steps) / steps);
+const table = {};
+for (const file of files) {
+  const head = unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
+  const { at, seen, tone, worn } = await pointsOf(head, await flat(file.replace(/\.json$/, '.webp')), eye);
+  table[path.basename(file, '.json')] = { at: at.map((p) => short(p)), seen: seen.map((p) => short(p)), tone: short(tone, 1e4), worn };
+}
+fs.writeFileSync(out, JSON.stringify(table));

@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * The landmarks of a head of ours: where the detector sees them in its own portrait, and the places of the skin that are seen there.
+ */
+import { align, upright } from '../../../web/src/portrait/align.mjs';
+import { STEADY } from '../../../web/src/portrait/landmarks.mjs';
+import { WORN } from '../../../web/src/portrait/portrait.mjs';
+import { toneOf } from '../../../web/src/portrait/skin.mjs';
+import { seenAt } from '../lib/portrait.mjs';
+
+const ASIDE = 5; // pixels: a landmark so near beside the skin is on it
+const DEPTH = 18; // mm: a place that is farther from where the detector guesses it is not the one (seen through the lids, say)
+
+/** The skin under a column and row: the nearest place of all triangles there, or the nearest corner beside. */
+function placeUnder(skin, screen, [u, v], guess) {
+  let [best, depth] = [null, Infinity];
+  const { position: p, index } = skin;
+  for (let t = 0; t < index.length; t += 3) {
+    const corners = [index[t], index[t + 1], index[t + 2]];
+    const [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = corners.map((c) => screen[c]);
+    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+    if (area >= 0) continue; // seen from behind
+    const wa = ((bx - u) * (cy - v) - (by - v) * (cx - u)) / area;
+    const wb = ((cx - u) * (ay - v) - (cy - v) * (ax - u)) / area;
+    const w = [wa, wb, 1 - wa - wb];
+    if (w.some((x) => x < 0)) continue;
+    const far = w[0] * az + w[1] * bz + w[2] * cz;
+    if (far >= depth) continue;
+    depth = far;
+    best = [0, 1, 2].map((k) => corners.reduce((sum, c, i) => sum + w[i] * p[c * 3 + k], 0));
+  }
+  if (best && (guess === null || Math.abs(best[2] - guess) < DEPTH)) return best;
+  let least = ASIDE;
+  best = null;
+  screen.forEach(([x, y], i) => {
+    const far = Math.hypot(x - u, y - v);
+    if (far < least && (guess === null ? p[i * 3 + 2] > -60 : Math.abs(p[i * 3 + 2] - guess) < DEPTH)) [least, best] = [far, [p[i * 3], p[i * 3 + 1], p[i * 3 + 2]]];
+  });
+  return best;
+}
+
+/**
+ * @param {object} head unpacked (lib/deform.mjs) @param {{width: number, height: number, data: Uint8Array}} picture its neutral portrait
+ * @param {(picture: object) => Promise<number[][]>} eye
+ * @returns {Promise<import('../../../web/src/portrait/fit.mjs').Points>}
+ */
+export async function pointsOf(head, picture, eye) {
+  const landmarks = await eye(picture);
+  const skin = head.parts.find(({ name }) => name === 'skin');
+  const corners = Array.from({ length: skin.position.length / 3 }, (_, i) => [...skin.position.slice(3 * i, 3 * i + 3)]);
+  const screen = seenAt(head, picture, corners);
+  const first = landmarks.map((place) => placeUnder(skin, screen, place, null));
+  const up = upright(landmarks);
+  const onto = align(up, first.map((p) => p ?? [0, 0, 0]), STEADY.filter((i) => first[i] && Math.abs(first[i][0]) < 55));
+  const seen = up.map(onto.apply);
+  const at = landmarks.map((place, i) => placeUnder(skin, screen, place, seen[i][2]));
+  const worn = WORN.filter((word) => head.parts.some(({ name }) => name.startsWith(word)));
+  return { at, seen, tone: toneOf(picture, landmarks), worn };
+}

@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Heads from pictures: of a person (NASA's public-domain portrait that Debian's python3-skimage has), and of our own heads, whose
+// landmarks must come back; and pictures that are none.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import { createRequire } from 'node:module';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+import { drawPoster } from '../../models/tools/lib/poster.mjs';
+import { openEye } from '../../models/tools/portrait/eye.mjs';
+import { flat, textures } from '../../models/tools/portrait/images.mjs';
+import { align, upright } from '../../web/src/portrait/align.mjs';
+import { partedLips } from '../../web/src/portrait/fit.mjs';
+import { STEADY, withMoved } from '../../web/src/portrait/landmarks.mjs';
+import { inOrder, makeHead, nearest } from '../../web/src/portrait/portrait.mjs';
+import { violations } from '../lib/schema.mjs';
+
+const sharp = createRequire(new URL('../../models/package.json', import.meta.url))('sharp');
+const tool = (name) => fileURLToPath(new URL(`../../models/tools/${name}`, import.meta.url));
+const built = fileURLToPath(new URL('../../build/', import.meta.url));
+const astronaut = '/usr/lib/python3/dist-packages/skimage/data/astronaut.png';
+const poster = (name) => path.join(built, 'models/heads', `${name}.webp`);
+const table = JSON.parse(fs.readFileSync(path.join(built, 'web/face-points.json'), 'utf8'));
+let folder, eye, person;
+
+before(async () => {
+  folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-portrait-'));
+  eye = await openEye();
+  const picture = await flat(astronaut);
+  person = { picture, landmarks: await eye(picture) };
+});
+after(() => fs.rmSync(folder, { recursive: true, force: true }));
+
+const file = (name) => path.join(folder, name);
+const height = (p) => Math.hypot(p[10][0] - p[152][0], p[10][1] - p[152][1]);
+
+/** How far landmarks are from others, laid onto them: the mean, in per cent of the face's height. */
+function apart(some, others) {
+  const [a, b] = [upright(some), upright(others)];
+  const { apply } = align(b, a, STEADY);
+  const sum = a.reduce((total, p, i) => total + Math.hypot(...apply(b[i]).slice(0, 2).map((x, k) => x - p[k])), 0);
+  return (100 * sum) / a.length / height(some);
+}
+
+test('the tool makes a head of a photograph: a head like any other', () => {
+  const out = file('person.json');
+  const made = spawnSync('node', [tool('portrait/make-portrait.mjs'), astronaut, '-o', out], { encoding: 'utf8' });
+  assert.equal(made.status, 0, made.stderr);
+  assert.match(made.stdout, /like \w+; .*lips are parted/);
+  const checked = spawnSync('node', [tool('check-head.mjs'), out], { encoding: 'utf8' });
+  assert.equal(checked.status, 0, checked.stdout);
+  const head = JSON.parse(fs.readFileSync(out, 'utf8'));
+  assert.equal(violations('head-model', head), null);
+  assert.equal(head.name, 'person');
+  assert.notEqual(head.licence, 'CC0-1.0');
+  assert.match(head.credits.at(-1), /rights/);
+});
+
+test('what is no portrait is told with its file, and nothing is written', async () => {
+  await sharp({ create: { width: 300, height: 300, channels: 3, background: '#68a' } }).png().toFile(file('sky.png'));
+  const failed = spawnSync('node', [tool('portrait/make-portrait.mjs'), file('sky.png'), '-o', file('sky.json')], { encoding: 'utf8' });
+  assert.equal(failed.status, 1);
+  assert.match(failed.stderr, /sky\.png: there is no face to be found in the picture \(no_face\)/);
+  assert.deepEqual(fs.readdirSync(folder).filter((name) => name.startsWith('sky.json')), []);
+  for (const [args, what] of [[[], /usage/], [['x.png', '-o', 'X Y.json'], /--name/], [['x.png', '-o', 'x.json', '--like', 'nobody'], /there are .*mara/]]) {
+    const refused = spawnSync('node', [tool('portrait/make-portrait.mjs'), ...args], { encoding: 'utf8' });
+    assert.equal(refused.status, 2);
+    assert.match(refused.stderr, what);
+  }
+});
+
+test('two faces, a broken file, a cut one, too many pixels, too few: each has its word', async () => {
+  const whole = fs.readFileSync(astronaut);
+  const two = await sharp({ create: { width: 1024, height: 512, channels: 3, background: '#000' } })
+    .composite([{ input: whole, left: 0, top: 0 }, { input: whole, left: 512, top: 0 }]).png().toBuffer();
+  await assert.rejects(async () => eye(await flat(two)), { code: 'several_faces' });
+  await assert.rejects(flat(Buffer.from('GIF89a no picture')), { code: 'no_picture' });
+  await assert.rejects(flat(whole.subarray(0, whole.length / 2)), { code: 'no_picture' });
+  const huge = await sharp({ create: { width: 11000, height: 10000, channels: 3, background: '#fff' } }).png({ compressionLevel: 1 }).toBuffer();
+  await assert.rejects(flat(huge), { code: 'too_large' });
+  await assert.rejects(async () => eye(await flat(await sharp(whole).resize(60).png().toBuffer())), { code: 'too_small' });
+  await assert.rejects(async () => eye(await flat(await sharp(whole).resize(200).png().toBuffer())), { code: /too_small|no_face/ });
+});
+
+test('16 bits, grey, turned by its camera: the same face', async () => {
+  const variants = {
+    '16 bits': sharp(astronaut).toColourspace('rgb16').png(),
+    grey: sharp(astronaut).greyscale().png(),
+    turned: sharp(astronaut).rotate(90).withMetadata({ orientation: 8 }).jpeg({ quality: 95 }),
+  };
+  for (const [name, image] of Object.entries(variants)) {
+    const bytes = await image.toBuffer();
+    if (name === '16 bits') assert.equal((await sharp(bytes).metadata()).depth, 'ushort');
+    const off = apart(person.landmarks, await eye(await flat(bytes)));
+    assert.ok(off < 1, `${name}: ${off.toFixed(2)} %`);
+  }
+});
+
+test('our own heads come back: each is the nearest to itself, and another head with its face has its landmarks', async () => {
+  const views = {};
+  for (const name of ['bruno', 'mara']) {
+    const picture = await flat(poster(name));
+    views[name] = { picture, landmarks: await eye(picture) };
+    assert.equal(nearest(views[name], table).toSorted((a, b) => a.mm - b.mm)[0].name, name);
+  }
+  assert.ok(partedLips(views.mara.landmarks) < partedLips(person.landmarks) / 1.5, 'closed lips are not taken for parted ones');
+  const base = JSON.parse(fs.readFileSync(path.join(built, 'models/heads/mara.json'), 'utf8'));
+  const { head, parted } = await makeHead(base, table.mara, [views.bruno], textures);
+  assert.equal(parted, false);
+  const again = await eye(await flat(await drawPoster(head, false)));
+  const [before, now] = [apart(views.bruno.landmarks, views.mara.landmarks), apart(views.bruno.landmarks, again)];
+  console.log(`Bruno on Mara: landmarks ${before.toFixed(2)} % of the face's height apart, then ${now.toFixed(2)} %`);
+  assert.ok(now < 0.6 * before && now < 1.2, `${now.toFixed(2)} % of ${before.toFixed(2)} %`);
+});
+
+test('pictures are put in order, and one of the side alone is refused', () => {
+  const turn = (points, degrees) => {
+    const [c, s] = [Math.cos((degrees * Math.PI) / 180), Math.sin((degrees * Math.PI) / 180)];
+    const [mx, , mz] = points[168];
+    return points.map(([x, y, z]) => [mx + c * (x - mx) + s * (z - mz), y, mz - s * (x - mx) + c * (z - mz)]);
+  };
+  const [left, right] = [35, -35].map((degrees) => ({ ...person, landmarks: turn(person.landmarks, degrees) }));
+  assert.deepEqual(inOrder([left, person, right], table.mara), [person, left, right]);
+  assert.throws(() => inOrder([left], table.mara), { code: 'turned' });
+});
+
+test('a point that is moved takes its neighbours along, and nobody else', () => {
+  const [x, y] = person.landmarks[152];
+  const moved = withMoved(person.landmarks, new Map([[152, [x + 9, y]]]));
+  assert.deepEqual(moved[152].slice(0, 2), [x + 9, y]);
+  const near = moved[148][0] - person.landmarks[148][0];
+  assert.ok(near > 1 && near < 9, `${near}`);
+  assert.deepEqual(moved[10], person.landmarks[10]);
+});

@@ -1,0 +1,170 @@
+// SPDX-License-Identifier: MIT
+// A head out of pictures of the reader's face. They are read, looked at and used in this page; no request carries them.
+import { words } from './avatar-words.js';
+import { PictureBox } from './avatar-picture.js';
+import { Frame } from './frame.js';
+import { fill, primary, spokenLanguage } from './languages.js';
+
+const $ = (id) => document.getElementById(id);
+const [form, text, lang, state, making] = ['form', 'text', 'lang', 'state', 'making'].map($);
+const frame = new Frame(words);
+const { head, say } = frame;
+let tags = [];
+let models = [];
+let boxes = [];
+let made = null; // the head, when it is
+let stream = null; // of the camera
+let said = null; // what the state says: its name and values
+
+function tell(name, values) {
+  said = name && [name, values];
+  state.textContent = name ? say(name, values) : '';
+}
+
+/** What was asked is done: an error is said, whatever it is. */
+async function doing(act) {
+  try {
+    await act();
+  } catch (error) {
+    tell(error.code && words.en[error.code] ? error.code : 'failed', { message: error.message });
+  }
+}
+
+let tools = null; // the finder of faces, and the points of the server's heads: with the first picture
+async function load() {
+  if (tools) return tools;
+  tell('loading');
+  const module = await import('./portrait.js');
+  const table = await frame.load('face-points.json');
+  if (!table) throw new Error('face-points.json');
+  tools = { ...module, table, find: await module.openEye(new URL('./', import.meta.url).href) };
+  return tools;
+}
+
+async function add(source) {
+  const all = await load();
+  tell('looking');
+  await new Promise((resolve) => setTimeout(resolve)); // so that it can be read
+  const picture = await all.readPicture(source);
+  const view = { picture, landmarks: await all.find(picture) };
+  const box = new PictureBox(view, all, { say, remove: () => remove(box) });
+  boxes.push(box);
+  show();
+  tell('found');
+}
+
+function remove(box) {
+  boxes = boxes.filter((one) => one !== box);
+  show();
+  tell(null);
+  $('files').focus();
+}
+
+const option = (value, label) => Object.assign(document.createElement('option'), { value, textContent: label });
+
+function show() {
+  $('pictures').replaceChildren(...boxes.map(({ item }) => item));
+  boxes.forEach((box, i) => box.translate(i + 1));
+  making.hidden = !boxes.length;
+  if (!boxes.length || !tools) return;
+  const known = models.filter(({ name }) => tools.table[name]);
+  const nearest = tools.nearest(boxes[0].view, tools.table).find(({ name }) => known.some((model) => model.name === name))?.name;
+  const titleOf = (name) => known.find((model) => model.name === name)?.title ?? '';
+  for (const id of ['like', 'eyes']) {
+    const chosen = $(id).value;
+    const first = id === 'like' ? option('', say('nearest', { title: titleOf(nearest) })) : option('', say('same'));
+    $(id).replaceChildren(first, ...known.map(({ name, title }) => option(name, title)));
+    $(id).value = chosen;
+  }
+  $('like').dataset.nearest = nearest;
+}
+
+async function headOf(name) {
+  const json = await frame.access.load(`v1/models/${encodeURIComponent(name)}`);
+  return { json, base: tools.table[name] };
+}
+
+async function make() {
+  tell('working');
+  $('make').disabled = true;
+  try {
+    await new Promise((resolve) => setTimeout(resolve));
+    const start = performance.now();
+    const name = $('like').value || $('like').dataset.nearest;
+    const base = await headOf(name);
+    const eyes = $('eyes').value ? await headOf($('eyes').value) : null;
+    const result = await tools.makeHead(base.json, base.base, boxes.map(({ view }) => view), tools.textures, { title: say('title'), eyes: eyes?.json });
+    made = result.head;
+    await head.showHead(made);
+    const seconds = new Intl.NumberFormat(frame.lang, { maximumFractionDigits: 1 }).format((performance.now() - start) / 1000);
+    tell('done', { seconds });
+    if (result.parted) state.append(` ${say('parted')}`);
+    $('save').disabled = false;
+  } finally {
+    $('make').disabled = false;
+  }
+}
+
+function save() {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(new Blob([JSON.stringify(made)], { type: 'application/json' }));
+  link.download = `${made.name}.json`;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 60000);
+}
+
+async function cameraOn() {
+  try {
+    stream = await navigator.mediaDevices.getUserMedia({ video: { facingMode: 'user', width: { ideal: 1280 } } });
+  } catch {
+    tell('no_camera');
+    return;
+  }
+  $('video').srcObject = stream;
+  $('camera-box').hidden = false;
+  await $('video').play();
+  $('take').focus();
+}
+
+function cameraOff() {
+  stream?.getTracks().forEach((track) => track.stop());
+  stream = null;
+  $('video').srcObject = null;
+  $('camera-box').hidden = true;
+  $('camera').focus();
+}
+
+$('files').addEventListener('change', ({ target }) =>
+  doing(async () => {
+    for (const file of target.files) await add(file);
+    target.value = '';
+  }),
+);
+$('camera').addEventListener('click', () => doing(cameraOn));
+$('take').addEventListener('click', () => doing(() => add($('video'))));
+$('camera-off').addEventListener('click', cameraOff);
+$('make').addEventListener('click', () => doing(make));
+$('save').addEventListener('click', save);
+form.addEventListener('submit', (event) => {
+  event.preventDefault();
+  head.stop();
+  frame.problem.clear();
+  head.speak(text.value, { lang: lang.value });
+});
+$('stop').addEventListener('click', () => head.stop());
+document.addEventListener('keydown', (event) => event.key === 'Escape' && head.stop());
+lang.addEventListener('change', () => (text.lang = lang.value));
+frame.onTranslate(() => {
+  fill(lang, tags, { page: frame.lang, others: say('otherLanguages'), chosen: lang.value });
+  if (Object.values(words).some(({ sample }) => sample === text.value) || !text.value) text.value = say('sample');
+  show();
+  if (said) tell(...said);
+});
+
+await frame.open();
+models = (await frame.load('v1/models'))?.models ?? [];
+const { voices } = (await frame.load('v1/voices')) ?? { voices: [] };
+tags = [...new Set(voices.map((voice) => primary(voice.lang)))];
+fill(lang, tags, { page: frame.lang, others: say('otherLanguages'), chosen: spokenLanguage(navigator.languages.map(primary), tags) });
+text.lang = lang.value;
+show();

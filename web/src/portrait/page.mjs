@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: MIT
+// What a page needs to turn pictures into a head: it is bundled with the finder of faces into portrait.js, beside which the nets lie.
+// Pictures stay in the page: nothing here sends anything.
+import { Human } from '@vladmandic/human';
+import { detectorSettings, findFace } from './detect.mjs';
+import { base64 } from './pack.mjs';
+import { inOrder, makeHead, nearest } from './portrait.mjs';
+import { PortraitError } from './problem.mjs';
+
+export { HANDLES, withMoved } from './landmarks.mjs';
+export { inOrder, makeHead, nearest, PortraitError };
+
+const LONGEST = 3000; // pixels: more is not needed for a texture
+const MOST_PIXELS = 100e6;
+const QUALITY = 0.9;
+
+function canvasOf(width, height) {
+  const canvas = Object.assign(document.createElement('canvas'), { width, height });
+  return { canvas, context: canvas.getContext('2d', { willReadFrequently: true }) };
+}
+
+/**
+ * A picture as RGBA, upright, on grey where it is clear.
+ * @param {Blob|HTMLVideoElement} source @returns {Promise<ImageData>} @throws {PortraitError}
+ */
+export async function readPicture(source) {
+  let image;
+  try {
+    image = await createImageBitmap(source); // upright, as its camera says
+  } catch (error) {
+    throw new PortraitError('no_picture', `this is no picture that can be read (${error.message})`);
+  }
+  if (image.width * image.height > MOST_PIXELS) throw new PortraitError('too_large', `the picture has more than ${MOST_PIXELS / 1e6} million pixels`);
+  const scale = Math.min(1, LONGEST / Math.max(image.width, image.height));
+  const { canvas, context } = canvasOf(Math.max(1, Math.round(image.width * scale)), Math.max(1, Math.round(image.height * scale)));
+  context.fillStyle = '#c8ccd0';
+  context.fillRect(0, 0, canvas.width, canvas.height);
+  context.drawImage(image, 0, 0, canvas.width, canvas.height);
+  image.close();
+  return context.getImageData(0, 0, canvas.width, canvas.height);
+}
+
+/** Textures of heads, by the browser. */
+export const textures = {
+  async read({ type, data }) {
+    const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+    const image = await createImageBitmap(new Blob([bytes], { type }), { colorSpaceConversion: 'none', premultiplyAlpha: 'none' });
+    const { context } = canvasOf(image.width, image.height);
+    context.drawImage(image, 0, 0);
+    return context.getImageData(0, 0, image.width, image.height);
+  },
+  async write({ data, width, height }) {
+    const { canvas, context } = canvasOf(width, height);
+    context.putImageData(new ImageData(data, width, height), 0, 0);
+    const encode = (type) => new Promise((resolve) => canvas.toBlob(resolve, type, QUALITY));
+    let blob = await encode('image/webp');
+    if (blob.type !== 'image/webp') blob = await encode('image/jpeg'); // a browser that writes no WebP would give PNG
+    return { type: blob.type, width, height, data: base64(new Uint8Array(await blob.arrayBuffer())) };
+  },
+};
+
+let human = null;
+
+/** Loads the finder once. @param {string} folder where the nets lie, ends in "/" @returns {Promise<(picture: ImageData) => Promise<number[][]>>} */
+export async function openEye(folder) {
+  human ??= (async () => {
+    const one = new Human(detectorSettings(folder, folder));
+    await one.load();
+    return one;
+  })();
+  try {
+    const ready = await human;
+    return (picture) => findFace(ready, picture);
+  } catch (error) {
+    human = null;
+    throw error;
+  }
+}

@@ -1,0 +1,242 @@
+// SPDX-License-Identifier: MIT
+// The skin of a head from pictures of a face. Each vertex of the base head has its place in a picture by the landmarks (whatever the
+// face in it does, its landmarks are where they are), each texel lies between its vertices. Light is evened: what is slow in the picture's
+// brightness is taken from the base, which is painted without a lamp; what is fast, the face itself, is the picture's. Where no picture
+// sees the skin, and outside the face, is the base's skin in the face's tone.
+import { Normals } from '../head/normals.mjs';
+import { rbf } from '../head/rbf.mjs';
+import { COUNT, EYES, LOWER_LIP, OVAL, SKIN, UPPER_LIP } from './landmarks.mjs';
+import { lipLine } from './fit.mjs';
+import { smoothOver, visible } from './surface.mjs';
+
+const EVEN = 0.8; // how much of the slow changes is the base's
+const SLOW = 17; // mm: what is slower counts as light
+const GAIN = [0.5, 2.2];
+const RIM = [1, 17]; // mm inside the oval: where the picture begins, and is whole
+const LASHES = [0.6, 2.6]; // mm from the lids' margins
+const LID = [0.2, 0.7]; // of a lid's turn: what moves so much when it closes is hidden, or shaded, while it is open
+const FACING = [0.2, 0.55]; // cosine towards the picture
+const DARK = [0.5, 0.8]; // of the skin's brightness: hair that hangs into the forehead
+const SHINE = [1.15, 0.35]; // what is brighter than its surroundings by so much shines, and keeps so much of that
+
+const linear = Float32Array.from({ length: 256 }, (_, i) => (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
+const coded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
+const ramp = ([low, high], x) => {
+  const t = Math.min(1, Math.max(0, (x - low) / (high - low)));
+  return t * t * (3 - 2 * t);
+};
+const luma = (c) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+
+/** Linear colour of a picture between its pixels. */
+export function sample({ width, height, data }, u, v, out) {
+  const x = Math.min(width - 1.001, Math.max(0, u - 0.5));
+  const y = Math.min(height - 1.001, Math.max(0, v - 0.5));
+  const [i, j] = [Math.floor(x), Math.floor(y)];
+  const [fx, fy] = [x - i, y - j];
+  const at = (j * width + i) * 4;
+  for (let k = 0; k < 3; k++)
+    out[k] =
+      (linear[data[at + k]] * (1 - fx) + linear[data[at + 4 + k]] * fx) * (1 - fy) +
+      (linear[data[at + width * 4 + k]] * (1 - fx) + linear[data[at + width * 4 + 4 + k]] * fx) * fy;
+  return out;
+}
+
+const median = (numbers) => [...numbers].sort((a, b) => a - b)[Math.floor(numbers.length / 2)];
+const medians = (colours) => [0, 1, 2].map((k) => median(colours.map((c) => c[k])));
+
+/** The tone of the skin, linear: the middle of what is seen on cheeks and forehead. */
+export function toneOf(picture, landmarks) {
+  const spread = Math.max(1, Math.hypot(landmarks[234][0] - landmarks[454][0], landmarks[234][1] - landmarks[454][1]) / 60);
+  return medians(SKIN.flatMap((i) => [-1, 0, 1].flatMap((a) => [-1, 0, 1].map((b) => sample(picture, landmarks[i][0] + a * spread, landmarks[i][1] + b * spread, [0, 0, 0])))));
+}
+
+/** Distance to the border of a polygon in the plane of the face, positive inside. */
+function inside(polygon, x, y) {
+  let [within, least] = [false, Infinity];
+  polygon.forEach(([ax, ay], i) => {
+    const [bx, by] = polygon[(i + 1) % polygon.length];
+    if (ay > y !== by > y && x < ((bx - ax) * (y - ay)) / (by - ay) + ax) within = !within;
+    const t = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1)));
+    least = Math.min(least, Math.hypot(x - ax - t * (bx - ax), y - ay - t * (by - ay)));
+  });
+  return within ? least : -least;
+}
+
+/** Which lip a place belongs to: below the line where they touch, or above. */
+function lowerLip(base) {
+  const line = lipLine(base.at).sort((a, b) => a[0] - b[0]);
+  const [first, last] = [line[0], line.at(-1)];
+  return (x, y) => {
+    if (x <= first[0] || x >= last[0]) return y < (x <= first[0] ? first : last)[1];
+    const i = line.findIndex((p) => p[0] > x);
+    const [a, b] = [line[i - 1], line[i]];
+    return y < a[1] + ((b[1] - a[1]) * (x - a[0])) / (b[0] - a[0]);
+  };
+}
+
+/** Columns and rows of a picture for places on the base head. */
+function placesIn(landmarks, base, positions, chosen) {
+  const warp = (without) => {
+    const out = new Set(without);
+    const numbers = [];
+    for (let i = 0; i < COUNT - 10; i++) {
+      const at = base.at[i];
+      if (at && !out.has(i) && !numbers.some((j) => Math.hypot(...at.map((x, k) => x - base.at[j][k])) < 0.3)) numbers.push(i);
+    }
+    return rbf(numbers.flatMap((i) => base.at[i]), numbers.flatMap((i) => [landmarks[i][0], landmarks[i][1], 0]), { kernel: 'biharmonic', smooth: 0.002 });
+  };
+  const isLower = lowerLip(base);
+  const warps = [warp(LOWER_LIP.slice(1).flat()), warp(UPPER_LIP.slice(1).flat())];
+  const out = new Float32Array((positions.length / 3) * 2);
+  for (const v of chosen) {
+    const place = positions.subarray(3 * v, 3 * v + 3);
+    const [u, w] = warps[Number(isLower(place[0], place[1]))].at(place);
+    out[2 * v] = u;
+    out[2 * v + 1] = w;
+  }
+  return out;
+}
+
+/** How much of each vertex's skin a picture may give, 0 to 1, by where it is on the face. */
+function maskOf(base, { position: positions, turns }, isLid) {
+  const oval = OVAL.map((i) => base.at[i]).filter(Boolean);
+  const eyes = Object.values(EYES).map(({ outer, lower, inner, upper }) => [outer, ...lower, inner, ...[...upper].reverse()].map((i) => base.at[i]).filter(Boolean));
+  const mask = new Float32Array(positions.length / 3);
+  for (let v = 0; v < mask.length; v++) {
+    const [x, y, z] = positions.subarray(3 * v, 3 * v + 3);
+    if (z < -40) continue;
+    const lids = Math.max(...eyes.map((eye) => inside(eye, x, y)));
+    mask[v] = ramp(RIM, inside(oval, x, y)) * ramp(LASHES, -lids);
+  }
+  for (const { turn, vertices, weights } of turns) if (vertices && isLid(turn)) vertices.forEach((v, i) => (mask[v] *= 1 - ramp(LID, weights[i])));
+  return mask;
+}
+
+/** What changes slowly of colours on the skin: their mean over some mm, each counted by its weight. */
+function slowly(positions, colours, weights, chosen) {
+  const sources = chosen.filter((v, i) => weights[v] > 0.3 && i % 3 === 0);
+  const out = new Float32Array(colours.length);
+  for (const v of chosen) {
+    const sum = [0, 0, 0];
+    let total = 1e-9;
+    for (const s of sources) {
+      const d = (positions[3 * v] - positions[3 * s]) ** 2 + (positions[3 * v + 1] - positions[3 * s + 1]) ** 2 + (positions[3 * v + 2] - positions[3 * s + 2]) ** 2;
+      if (d > 9 * SLOW * SLOW) continue;
+      const w = weights[s] * Math.exp(-d / (2 * SLOW * SLOW));
+      total += w;
+      for (let k = 0; k < 3; k++) sum[k] += w * colours[3 * s + k];
+    }
+    for (let k = 0; k < 3; k++) out[3 * v + k] = sum[k] / total;
+  }
+  return out;
+}
+
+/** A picture as the texture will have it: weights and gains by vertex. */
+function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, look }) {
+  const { position, index } = part;
+  const seen = visible(position, index, look, view.turn);
+  const weight = new Float32Array(mask.length);
+  for (let v = 0; v < weight.length; v++) {
+    const facing = [0, 1, 2].reduce((sum, k) => sum + view.turn[k][2] * normals[3 * v + k], 0);
+    weight[v] = mask[v] && seen[v] ? mask[v] * ramp(FACING, facing) : 0;
+  }
+  const chosen = [...weight.keys()].filter((v) => mask[v] > 0);
+  const places = placesIn(landmarks, base, position, chosen);
+  const colours = new Float32Array(position.length);
+  const bright = luma(tone.is);
+  const top = base.at[9]?.[1] ?? 20;
+  for (const v of chosen) {
+    const c = sample(picture, places[2 * v], places[2 * v + 1], colours.subarray(3 * v, 3 * v + 3));
+    if (position[3 * v + 1] > top) weight[v] *= ramp(DARK, luma(c) / bright);
+  }
+  const soft = smoothOver(part, weight, 5);
+  for (let v = 0; v < weight.length; v++) weight[v] = Math.min(1, 1.15 * ramp([0.35, 0.95], soft[v]));
+  return { picture, places, weight, colours, chosen, slow: slowly(position, colours, weight, chosen) };
+}
+
+/**
+ * @param {{part: object, texture: object, eyes: object[], base: import('./fit.mjs').Points, isLid: (turn: number) => boolean}} head part: the base's skin (model.mjs); texture:
+ *   RGBA; eyes: parts that hide skin behind them; isLid: whether a turn of the model closes an eye
+ * @param {{picture: object, landmarks: number[][]}[]} pictures the first is the front @param {object[]} views laid (fit.mjs)
+ * @returns {{width: number, height: number, data: Uint8ClampedArray, tone: {was: number[], is: number[]}}}
+ */
+export function paintSkin({ part, texture, eyes, base, isLid }, pictures, views) {
+  const { position, uv, index } = part;
+  const size = [texture.width, texture.height];
+  const own = new Float32Array(position.length);
+  for (let v = 0; v < part.vertices; v++) sample(texture, uv[2 * v] * size[0], (1 - uv[2 * v + 1]) * size[1], own.subarray(3 * v, 3 * v + 3));
+  const tone = { was: skinTone(base, position, own), is: toneOf(pictures[0].picture, pictures[0].landmarks) };
+  const mask = maskOf(base, part, isLid);
+  const normals = new Normals(part).rest;
+  const layers = pictures.map((one, i) => layer(one, views[i], { base, part, normals, mask, tone: { ...tone, is: toneOf(one.picture, one.landmarks) }, look: eyes }));
+  const ratio = tone.is.map((x, k) => x / tone.was[k]);
+  const slowOwn = slowly(position, own, mask, layers[0].chosen);
+  for (const one of layers) {
+    one.gain = new Float32Array(position.length);
+    for (const v of one.chosen)
+      for (let k = 0; k < 3; k++) one.gain[3 * v + k] = Math.min(GAIN[1], Math.max(GAIN[0], ((slowOwn[3 * v + k] * ratio[k]) / (one.slow[3 * v + k] + 1e-4)) ** EVEN));
+  }
+  share(layers);
+  const data = new Uint8ClampedArray(texture.data);
+  const table = ratio.map((r) => Uint8ClampedArray.from({ length: 256 }, (_, i) => coded(linear[i] * r)));
+  for (let i = 0; i < data.length; i += 4) for (let k = 0; k < 3; k++) data[i + k] = table[k][data[i + k]];
+  paint(layers, { uv, index, size }, data);
+  return { width: size[0], height: size[1], data, tone };
+}
+
+/** Where several pictures see the skin, the one that looks straight at it wins, softly. */
+function share(layers) {
+  const [{ weight: first }] = layers;
+  for (let v = 0; v < first.length; v++) {
+    const sum = layers.reduce((total, { weight }) => total + weight[v] ** 2, 0);
+    const most = Math.max(...layers.map(({ weight }) => weight[v]));
+    if (sum) for (const one of layers) one.weight[v] = (most * one.weight[v] ** 2) / sum;
+  }
+}
+
+function skinTone(base, position, own) {
+  return medians(
+    SKIN.filter((i) => base.at[i]).map((i) => {
+      let [best, least] = [0, Infinity];
+      for (let v = 0; v < position.length; v += 3) {
+        const far = base.at[i].reduce((sum, x, k) => sum + (x - position[v + k]) ** 2, 0);
+        if (far < least) [least, best] = [far, v];
+      }
+      return [...own.subarray(best, best + 3)];
+    }),
+  );
+}
+
+function paint(layers, { uv, index, size }, data) {
+  const colour = [0, 0, 0];
+  for (let t = 0; t < index.length; t += 3) {
+    const corners = [index[t], index[t + 1], index[t + 2]];
+    if (!layers.some(({ weight }) => corners.some((v) => weight[v] > 0))) continue;
+    const [ax, ay, bx, by, cx, cy] = corners.flatMap((v) => [uv[2 * v] * size[0] - 0.5, (1 - uv[2 * v + 1]) * size[1] - 0.5]);
+    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+    if (Math.abs(area) < 1e-9) continue;
+    const [x0, x1] = [Math.max(0, Math.ceil(Math.min(ax, bx, cx))), Math.min(size[0] - 1, Math.floor(Math.max(ax, bx, cx)))];
+    const [y0, y1] = [Math.max(0, Math.ceil(Math.min(ay, by, cy))), Math.min(size[1] - 1, Math.floor(Math.max(ay, by, cy)))];
+    for (let y = y0; y <= y1; y++)
+      for (let x = x0; x <= x1; x++) {
+        const wa = ((bx - x) * (cy - y) - (by - y) * (cx - x)) / area;
+        const wb = ((cx - x) * (ay - y) - (cy - y) * (ax - x)) / area;
+        const wc = 1 - wa - wb;
+        if (wa < -1e-6 || wb < -1e-6 || wc < -1e-6) continue;
+        const mixed = (list, stride, k) => wa * list[corners[0] * stride + k] + wb * list[corners[1] * stride + k] + wc * list[corners[2] * stride + k];
+        const at = (y * size[0] + x) * 4;
+        let rest = 1;
+        const sum = [0, 0, 0];
+        for (const { picture, places, weight, gain, slow } of layers) {
+          const w = mixed(weight, 1, 0);
+          if (w < 0.004) continue;
+          rest -= w;
+          sample(picture, mixed(places, 2, 0), mixed(places, 2, 1), colour);
+          const bright = luma(colour) / (luma([0, 1, 2].map((k) => mixed(slow, 3, k))) + 1e-4);
+          const dull = bright > SHINE[0] ? (SHINE[0] + (bright - SHINE[0]) * SHINE[1]) / bright : 1;
+          for (let k = 0; k < 3; k++) sum[k] += w * dull * colour[k] * mixed(gain, 3, k);
+        }
+        if (rest < 1) for (let k = 0; k < 3; k++) data[at + k] = coded(sum[k] + Math.max(0, rest) * linear[data[at + k]]);
+      }
+  }
+}
