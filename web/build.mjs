@@ -41,6 +41,14 @@ const fallback = await build({
   metafile: true,
 });
 note(fallback.metafile);
+const avatar = await build({
+  ...common,
+  entryPoints: [path.join(here, 'src/avatar/avatar.mjs')],
+  outfile: path.join(out, 'talking-head-avatar.js'),
+  banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors; meshoptimizer, MIT, (c) Arseny Kapoulkine. */' },
+  metafile: true,
+});
+note(avatar.metafile);
 for (const file of readdirSync(path.join(here, 'page'))) {
   inputs.add(path.join(here, 'page', file));
   copyFileSync(path.join(here, 'page', file), path.join(out, file));

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: MIT
 import { contexts } from './contexts.mjs';
-import { Head } from './head/head.mjs';
+import { engineOf } from './engines.mjs';
 import { readModel } from './head/model.mjs';
 import { Governor } from './head/quality.mjs';
-import { View } from './head/view.mjs';
 import { FramePacer } from './frame-pacer.mjs';
-import { wantsPictures } from './pictures/choice.mjs';
-import { Pictures, PicturesView } from './pictures/pictures-view.mjs';
 import { isPictures, readPictures } from './pictures/set.mjs';
 
 const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden page
@@ -73,7 +70,7 @@ export class Stage {
     if (this.used) this.#replaceCanvas();
     this.used = true;
     try {
-      this.view = this.#pictures ? new PicturesView(this.canvas) : new View(this.canvas);
+      this.view = this.#engine.view(this.canvas);
     } catch (error) {
       console.warn('talking-head:', error.message);
       this.ports.trouble('noWebgl');
@@ -106,32 +103,33 @@ export class Stage {
     this.ports.trouble('tooMany');
   }
 
-  /** @param {object} json the head model @returns {Promise<object>} the model as read */
+  /** @param {object} json the head model, a set of pictures, or an avatar @returns {Promise<object>} the model as read */
   async show(json) {
-    const before = this.#pictures;
-    this.model = isPictures(json) ? readPictures(json) : readModel(json);
+    const before = this.#engine;
+    this.model = json.engine ? json : isPictures(json) ? readPictures(json) : readModel(json);
     const { model } = this;
-    if (this.view && before !== this.#pictures) {
+    if (this.view && before !== this.#engine) {
       this.leave(); // a canvas draws the one or the other
       this.enter();
     } else if (this.view) await this.#build();
     return model;
   }
 
-  /** Whether it draws pictures: what has come, or else is wanted. */
-  get #pictures() {
-    return this.model ? isPictures(this.model) : wantsPictures(this.wish);
+  /** What draws it: what has come, or else is wanted. */
+  get #engine() {
+    return engineOf(this.model, this.wish);
   }
 
   async #build() {
     const { model, view } = this;
-    const head = await (isPictures(model) ? Pictures.create(model) : Head.create(model, { software: view.software }));
+    const engine = this.#engine;
+    const head = await engine.head(model, { software: view.software });
     if (this.view !== view || this.model !== model) {
       head.dispose(); // another has come meanwhile, or nobody wants it any more
       return;
     }
     view.show(head);
-    this.ports.drawn?.(true, !isPictures(model));
+    this.ports.drawn?.(true, engine.turns);
     this.wake();
     if (view.software) await head.slim();
   }

@@ -13,6 +13,7 @@ const CLOSE = ['face', 'mouth']; // views that end in the skin
 export class View {
   #framing = null;
   #turned = { yaw: 0, pitch: 0 };
+  targetOptions = {}; // of what is drawn into before it is shown
 
   /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
   constructor(canvas) {
@@ -99,7 +100,10 @@ export class View {
     this.renderer.setSize(width, height, false);
     this.target?.dispose();
     this.target = this.level.samples
-      ? new WebGLRenderTarget(Math.floor(width * ratio), Math.floor(height * ratio), { samples: this.level.samples })
+      ? new WebGLRenderTarget(Math.floor(width * ratio), Math.floor(height * ratio), {
+          samples: this.level.samples,
+          ...this.targetOptions,
+        })
       : null;
     this.#frame();
   }
