@@ -13,7 +13,7 @@ const PIVOT = [0, -30, -70]; // mm from the eyes: what a head without bones turn
 const LIGHTS = [
   [0xfff4ea, 2.1, [-260, 320, 700]],
   [0xdfeaff, 0.7, [500, 60, 400]],
-  [0xffffff, 0.9, [200, 300, -600]],
+  [0xffffff, 0.45, [200, 300, -600]],
 ];
 
 /** Radians down, to the head's left, to its right shoulder, as the head's FAPs are applied one after the other. */
