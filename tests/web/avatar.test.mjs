@@ -110,6 +110,27 @@ test('points and measures of a mesh are found by what its shapes move', async ()
   assert.deepEqual(Object.values(weights(askew)).map((x) => x.toFixed(6)), Object.values(first).map((x) => x.toFixed(6)), 'whatever came before');
 });
 
+test('an avatar may be of any size, look to any side, and have its lips parted at rest', async () => {
+  const plain = (await modelOf(new Uint8Array(glb()), readMap(null))).head.solver;
+  const solved = (solver) => Array.from(solver.solve(faceValues({ 3: 200, 4: -60, 5: -200, 8: -60, 9: -60, 10: -160, 11: -160 })));
+  const wanted = solved(plain);
+  for (const node of [{ scale: [100, 100, 100] }, { rotation: [0, Math.SQRT1_2, 0, Math.SQRT1_2] }]) {
+    const parts = partsOf(glb());
+    parts.json.nodes.push({ ...node, children: parts.json.scenes[0].nodes });
+    parts.json.scenes[0].nodes = [parts.json.nodes.length - 1];
+    const { head } = await modelOf(new Uint8Array(writeGlb(parts)), readMap(null));
+    assert.ok(head.found.fapu.ES > 50 && head.found.fapu.ES < 65, `${head.found.fapu.ES}`);
+    solved(head.solver).forEach((weight, i) => assert.ok(Math.abs(weight - wanted[i]) < 0.15, `${plain.names[i]} ${weight} ${wanted[i]}`));
+  }
+  const parts = partsOf(glb());
+  const skin = parts.json.meshes.find(({ name }) => name === 'skin');
+  skin.weights[skin.extras.targetNames.indexOf('jawOpen')] = 0.12;
+  const { head } = await modelOf(new Uint8Array(writeGlb(parts)), readMap(null));
+  assert.ok(head.solver.parted > 0.05, 'it is seen');
+  head.setFaps(faceValues({}));
+  assert.ok(Math.max(...head.solver.opened) < 0.1, 'and closed');
+});
+
 test('expressions of VRM 1.0 do where targets have no names', async () => {
   const parts = partsOf(glb());
   for (const mesh of parts.json.meshes) delete mesh.extras;

@@ -109,7 +109,7 @@ export function landmarksOf(world, yaw, bones) {
   const size = eyeMouth > HUMAN[0] && eyeMouth < HUMAN[1] ? 1 : EYE_MOUTH / eyeMouth;
   if (!(eyeMouth > 0)) return null;
   const pairs = sidesOf(slit, rig.middle, width);
-  const points = { chin: [chinOf(rig, opening, mouth)] };
+  const points = { chin: [chinOf(rig, opening, mouth, width)] };
   for (const [letter, { upper, lower }] of Object.entries(pairs)) {
     points[`upper${letter}`] = [upper];
     points[`lower${letter}`] = [lower];
@@ -184,13 +184,13 @@ function cornerOf({ position, meshOf }, { upper, lower }, side, width) {
 }
 
 /** The point of the skin in the middle that goes down farthest as the mouth opens. */
-function chinOf(rig, opening, { lower }) {
+function chinOf(rig, opening, { lower }, width) {
   const { position, meshOf } = rig;
   let [best, least] = [lower, 0.5 * opening[3 * lower + 1]];
   for (let v = 0; v < position.length / 3; v++) {
-    if (meshOf[v] !== meshOf[lower] || Math.abs(position[3 * v] - position[3 * lower]) > 5) continue;
-    const near = position[3 * v + 2] > position[3 * lower + 2] - 25;
-    const outside = position[3 * v + 1] < position[3 * lower + 1] - 8;
+    if (meshOf[v] !== meshOf[lower] || Math.abs(position[3 * v] - position[3 * lower]) > 0.12 * width) continue;
+    const near = position[3 * v + 2] > position[3 * lower + 2] - 0.6 * width;
+    const outside = position[3 * v + 1] < position[3 * lower + 1] - 0.2 * width;
     if (near && outside && opening[3 * v + 1] < least) [best, least] = [v, opening[3 * v + 1]];
   }
   return best;

@@ -11,7 +11,7 @@ const RIDGE = 0.02; // mm^2 for a whole weight: where several answers are as goo
 const GAP_WEIGHT = 5; // of a mm between lips or lids, beside a mm of anything else
 const PRESSED = -0.5; // mm: farther than that lips are not pressed into each other
 const TOUCH = 0.02; // mm
-const TOUCHING = 0.03; // of the mouth's width: no farther apart at rest, two points of lips may be those that touch
+const TOUCHING = 0.018; // of the mouth's width: no farther apart at rest, two points of lips may be those that touch
 const LIDS_MEET = 1024;
 const NEARLY_SHUT = 0.85;
 const PAIRS = [['', 4, 5], ['L', 8, 10], ['R', 9, 11]];
@@ -81,6 +81,7 @@ export class Solver {
       rest: apart(rest, letter, TOUCHING * fapu.MW),
       of: this.columns.map((column) => -this.#row(column, upper) - this.#row(column, lower)),
     }));
+    this.parted = this.#shutAtRest(evened[this.close]);
     this.unit = fapu.MNS / 1024;
     this.blinks = this.lids.map(([, upper, lower, name]) => {
       const control = this.names.includes(name) ? name : 'eyeBlink';
@@ -115,6 +116,15 @@ export class Solver {
       const share = columns[opener][back] / columns[opener][down];
       for (const column of columns) column[back] -= share * column[down];
     }
+  }
+
+  /** Lips that are parted at rest are shut by mouthClose, which is then on always: how far. */
+  #shutAtRest(column) {
+    if (this.close < 0) return 0;
+    const shuts = ({ upper, lower }) => this.#row(column, upper) + this.#row(column, lower);
+    const weight = Math.min(1, Math.max(...this.gaps.map((gap) => (shuts(gap) > 0 ? gap.rest / shuts(gap) : 0))));
+    for (const gap of this.gaps) gap.rest = Math.max(0, gap.rest - weight * shuts(gap));
+    return weight;
   }
 
   /** The normal equations; what does not depend on a frame. */
@@ -154,6 +164,7 @@ export class Solver {
     if (this.close >= 0) {
       weights[this.close] = Math.min(weights[this.close], 1 - weights[this.jaw]);
       weights[this.jaw] += weights[this.close];
+      weights[this.close] = Math.min(1, weights[this.close] + this.parted);
     }
     return weights;
   }
@@ -207,7 +218,10 @@ export class Solver {
   /** How far apart the lips are left, mm: middle, left, right. */
   get opened() {
     const { weights, jaw, close } = this;
-    const unknown = (i) => (i === jaw && close >= 0 ? weights[i] - weights[close] : weights[i]);
+    const unknown = (i) => {
+      if (i === close) return weights[i] - this.parted;
+      return i === jaw && close >= 0 ? weights[i] - weights[close] + this.parted : weights[i];
+    };
     return this.gaps.map(({ of, rest }) => rest + of.reduce((sum, value, i) => sum + value * unknown(i), 0));
   }
 }
