@@ -60,6 +60,14 @@ for (const [folder, files] of [['@tensorflow/tfjs-backend-wasm/dist', [wasm]], [
     copyFileSync(path.join(here, 'node_modules', folder, file), path.join(out, file));
   }
 for (const file of ['portrait.js', wasm]) writeFileSync(path.join(out, `${file}.gz`), gzipSync(readFileSync(path.join(out, file)), { level: 9 }));
+const avatar = await build({
+  ...common,
+  entryPoints: [path.join(here, 'src/avatar/avatar.mjs')],
+  outfile: path.join(out, 'talking-head-avatar.js'),
+  banner: { js: '/* faccia, MIT. Contains three.js, MIT, (c) three.js authors; meshoptimizer, MIT, (c) Arseny Kapoulkine. */' },
+  metafile: true,
+});
+note(avatar.metafile);
 for (const file of readdirSync(path.join(here, 'page'))) {
   inputs.add(path.join(here, 'page', file));
   copyFileSync(path.join(here, 'page', file), path.join(out, file));

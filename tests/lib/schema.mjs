@@ -4,7 +4,7 @@ import Ajv from 'ajv/dist/2020.js';
 
 const ajv = new Ajv({ strict: false });
 const load = (name) => ajv.compile(JSON.parse(fs.readFileSync(new URL(`../../protocol/schema/${name}.json`, import.meta.url))));
-const schemas = { client: load('client'), server: load('server'), 'head-model': load('head-model'), pictures: load('pictures') };
+const schemas = { client: load('client'), server: load('server'), 'head-model': load('head-model'), pictures: load('pictures'), 'avatar-map': load('avatar-map') };
 
 /** What is wrong with the value by the schema of that name: a text, or null. */
 export function violations(name, value) {

@@ -62,5 +62,6 @@ test('they have all attributes, properties and methods that there are', () => {
   const inherited = ['lang', 'constructor', 'connectedCallback', 'disconnectedCallback', 'connectedMoveCallback', 'adoptedCallback', 'attributeChangedCallback', 'debug', 'debugParts'];
   const names = [...TalkingHead.observedAttributes, ...Object.getOwnPropertyNames(TalkingHead.prototype)].filter((name) => !inherited.includes(name));
   assert.ok(names.length > 20);
-  for (const name of names) assert.match(text, new RegExp(`\\b${name}(\\(|:)`), name);
+  const property = (name) => name.replace(/-(.)/g, (_, letter) => letter.toUpperCase());
+  for (const name of names) assert.match(text, new RegExp(`\\b${property(name)}(\\(|:)`), name);
 });

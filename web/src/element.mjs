@@ -15,6 +15,7 @@ const SPEAK_ATTRIBUTES = {
   lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String,
 };
 const LINK_ATTRIBUTES = ['src', 'room', 'token'];
+const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'quality'];
 const MOVE_MS = 100; // so long it may be out of the page without being given up: frameworks move elements
 
 const turns = new Turns(); // of all heads in the page
@@ -22,7 +23,7 @@ const turns = new Turns(); // of all heads in the page
 /** `<talking-head>`: see web/README.md. Where there is no page (on a server) it can be imported, but not made. */
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
-    ...LINK_ATTRIBUTES, 'model', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label',
+    ...LINK_ATTRIBUTES, 'model', 'avatar', 'avatar-map', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label',
     'rate', 'polite',
   ];
 
@@ -95,7 +96,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     if (name === 'poster') this.#session.choosePoster();
     if (name === 'view') this.#presentation.stage.framing = value;
     if (name === 'quality') this.#presentation.stage.quality = value ?? 'auto';
-    if (name === 'model' || name === 'quality') this.#session.modelChanged();
+    if (MODEL_ATTRIBUTES.includes(name)) this.#session.modelChanged();
     if (name === 'captions') this.#showCaptions();
     if (name === 'still' || name === 'turn') this.#presentation.motionChanged();
     if (name === 'life') this.#presentation.idleChanged();

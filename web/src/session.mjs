@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { AvatarSource } from './avatar/source.mjs';
 import { canDecode } from './audio/opus.mjs';
 import { Demuxer } from './demuxer.mjs';
 import { ModelSource } from './head/source.mjs';
@@ -39,6 +40,12 @@ export class Session {
     show: (json) => this.ports.show(json),
   });
 
+  #avatars = new AvatarSource({
+    progress: (detail) => this.ports.emit('progress', detail),
+    show: (model) => this.ports.show(model),
+    fail: (reason, message) => this.#avatarFailed(reason, message),
+  });
+
   /**
    * @param {HTMLElement} element whose src, room, token, model and poster say what is wanted
    * @param {object} parts controls, poster, speech and presentation of the element
@@ -57,12 +64,14 @@ export class Session {
   open() {
     this.#opened = true;
     addEventListener('online', this.#online);
+    this.#openAvatar();
     this.#connect();
   }
 
   close() {
     this.#opened = false;
     removeEventListener('online', this.#online);
+    this.#avatars.close();
     this.#disconnect();
   }
 
@@ -94,6 +103,7 @@ export class Session {
   /** Another model is wanted, or the same in another way. */
   modelChanged() {
     this.#kept = false;
+    this.#openAvatar();
     if (this.state === 'open') this.#openModel();
     this.choosePoster();
   }
@@ -105,7 +115,7 @@ export class Session {
     } catch {
       // says the link
     }
-    this.poster.choose(this.element.poster, stream, this.#model);
+    this.poster.choose(this.element.poster, stream, this.#avatars.there ? {} : this.#model);
   }
 
   /** The kind of voice that suits the head, where none is named: members of speak. */
@@ -170,8 +180,21 @@ export class Session {
     if (room) this.#link.send({ type: 'join', room });
   }
 
+  /** Where one is wanted and can be drawn, it takes the place of the server's head. */
+  #openAvatar() {
+    const { avatar, avatarMap, quality } = this.element;
+    this.#avatars.open(wantsPictures(quality) ? null : avatar, avatarMap);
+    if (this.#avatars.there) this.#models.close();
+  }
+
+  /** The server's head stands in. */
+  #avatarFailed(reason, message) {
+    this.ports.emit('error', { type: 'error', code: 'bad-avatar', reason, message });
+    this.modelChanged();
+  }
+
   #openModel() {
-    if (this.#kept) return;
+    if (this.#kept || this.#avatars.there) return;
     const { model, quality } = this.element;
     if (model === null && !this.#hello.models?.length) {
       this.controls.say('model', 'noModel');

@@ -1,14 +1,11 @@
 // SPDX-License-Identifier: MIT
 import { contexts } from './contexts.mjs';
+import { engineOf } from './engines.mjs';
 import { calibrate } from './head/calibrate.mjs';
 import { checkCalibration } from './head/calibration-check.mjs';
-import { Head } from './head/head.mjs';
 import { readModel } from './head/model.mjs';
 import { Governor } from './head/quality.mjs';
-import { View } from './head/view.mjs';
 import { FramePacer } from './frame-pacer.mjs';
-import { wantsPictures } from './pictures/choice.mjs';
-import { Pictures, PicturesView } from './pictures/pictures-view.mjs';
 import { isPictures, readPictures } from './pictures/set.mjs';
 
 const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden page
@@ -77,7 +74,7 @@ export class Stage {
     if (this.used) this.#replaceCanvas();
     this.used = true;
     try {
-      this.view = this.#pictures ? new PicturesView(this.canvas) : new View(this.canvas);
+      this.view = this.#engine.view(this.canvas);
     } catch (error) {
       console.warn('talking-head:', error.message);
       this.ports.trouble('noWebgl');
@@ -110,13 +107,13 @@ export class Stage {
     this.ports.trouble('tooMany');
   }
 
-  /** @param {object} json the head model @returns {Promise<object>} the model as read */
+  /** @param {object} json the head model, a set of pictures, or an avatar @returns {Promise<object>} the model as read */
   async show(json) {
-    const before = this.#pictures;
-    this.read = isPictures(json) ? readPictures(json) : readModel(json);
+    const before = this.#engine;
+    this.read = json.engine ? json : isPictures(json) ? readPictures(json) : readModel(json);
     const wrong = this.#fit();
     const { model } = this;
-    if (this.view && before !== this.#pictures) {
+    if (this.view && before !== this.#engine) {
       this.leave(); // a canvas draws the one or the other
       this.enter();
     } else if (this.view) await this.#build();
@@ -146,7 +143,7 @@ export class Stage {
   #fit() {
     const { read } = this;
     this.model = read;
-    if (isPictures(read)) return null;
+    if (read.engine || isPictures(read)) return null;
     try {
       if (read.calibration) this.model = calibrate(read, read.calibration, 'calibration.');
       if (this.calibration) this.model = calibrate(this.model, this.calibration);
@@ -156,20 +153,21 @@ export class Stage {
     }
   }
 
-  /** Whether it draws pictures: what has come, or else is wanted. */
-  get #pictures() {
-    return this.model ? isPictures(this.model) : wantsPictures(this.wish);
+  /** What draws it: what has come, or else is wanted. */
+  get #engine() {
+    return engineOf(this.model, this.wish);
   }
 
   async #build() {
     const { model, view } = this;
-    const head = await (isPictures(model) ? Pictures.create(model) : Head.create(model, { software: view.software }));
+    const engine = this.#engine;
+    const head = await engine.head(model, { software: view.software });
     if (this.view !== view || this.model !== model) {
       head.dispose(); // another has come meanwhile, or nobody wants it any more
       return;
     }
     view.show(head);
-    this.ports.drawn?.(true, !isPictures(model));
+    this.ports.drawn?.(true, engine.turns);
     this.wake();
     if (view.software) await head.slim();
   }

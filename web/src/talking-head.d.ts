@@ -76,7 +76,14 @@ export interface TalkingHeadEventMap {
   paused: CustomEvent<Message>;
   resumed: CustomEvent<Message>;
   jumped: CustomEvent<Message>;
-  error: CustomEvent<{ type: 'error'; code: string; message: string; id?: string }>;
+  error: CustomEvent<{
+    type: 'error';
+    code: string;
+    message: string;
+    id?: string;
+    /** Of `bad-avatar`. */
+    reason?: 'missing' | 'too-large' | 'not-glb' | 'damaged' | 'unsupported' | 'no-face' | 'bad-map' | 'no-script';
+  }>;
   warning: CustomEvent<{ type: 'warning'; code: string; message: string; id?: string }>;
   sound: CustomEvent<{ sound: 'on' | 'blocked' | 'none'; reason?: 'autoplay' | 'no-audio' | 'no-device' | 'no-worklet' }>;
 }
@@ -86,6 +93,8 @@ type AllEvents = Omit<HTMLElementEventMap, keyof TalkingHeadEventMap> & TalkingH
 export class TalkingHead extends HTMLElement {
   src: string | null;
   model: string | null;
+  avatar: string | null;
+  avatarMap: string | null;
   poster: string | null;
   view: 'face' | 'bust' | 'mouth' | null;
   quality: 'auto' | 'high' | 'low' | 'pictures' | null;

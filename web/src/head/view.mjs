@@ -14,6 +14,7 @@ export class View {
   #framing = null;
   #turned = { yaw: 0, pitch: 0 };
   #eye = new Vector3(); // from where the head is seen, a direction
+  targetOptions = {}; // of what is drawn into before it is shown
 
   /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
   constructor(canvas) {
@@ -100,7 +101,10 @@ export class View {
     this.renderer.setSize(width, height, false);
     this.target?.dispose();
     this.target = this.level.samples
-      ? new WebGLRenderTarget(Math.floor(width * ratio), Math.floor(height * ratio), { samples: this.level.samples })
+      ? new WebGLRenderTarget(Math.floor(width * ratio), Math.floor(height * ratio), {
+          samples: this.level.samples,
+          ...this.targetOptions,
+        })
       : null;
     this.#frame();
   }

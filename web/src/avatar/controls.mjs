@@ -1,0 +1,131 @@
+// SPDX-License-Identifier: MIT
+// What of an avatar can be moved, and what is meant by it: morph targets by name, expressions of VRM, a mapping file, bones.
+import { ARKIT, boneOf, BONE_NAMES, plainVisemes, presetOf, shapeOf, VISEMES, VOWELS } from './names.mjs';
+import { AvatarProblem } from './problem.mjs';
+
+/**
+ * @typedef {{mesh: import('three').Mesh, index: number, weight: number}} Bind a morph target
+ * @typedef {{name: string, binds: Bind[], bone?: import('three').Object3D}} Control binds at weight 1, or the jaw's bone
+ */
+
+const MOUTH = /^(jaw|mouth)/;
+const LEAST_ARKIT = 8; // of the mouth, beside jawOpen
+const LEAST_VISEMES = 5;
+
+/** Every morph target by its name in the file: `MESH#INDEX` where it has none. @returns {Map<string, Bind[]>} */
+function targetsOf(meshes) {
+  const out = new Map();
+  for (const mesh of meshes) {
+    const count = mesh.geometry.morphAttributes.position?.length ?? 0;
+    const named = new Map(Object.entries(mesh.morphTargetDictionary ?? {}).map(([name, index]) => [index, name]));
+    for (let index = 0; index < count; index++) {
+      const name = named.get(index) && named.get(index) !== String(index) ? named.get(index) : `${mesh.name}#${index}`;
+      out.set(name, [...(out.get(name) ?? []), { mesh, index, weight: 1 }]);
+    }
+  }
+  return out;
+}
+
+/** The expressions of VRM 1.0 and 0, by the shapes that they stand for. @returns {Map<string, Bind[]>} */
+function expressionsOf(json, meshes, associations) {
+  const out = new Map();
+  const places = meshes.map((mesh) => {
+    const own = associations.get(mesh) ?? {};
+    return { mesh, meshes: own.meshes, nodes: own.nodes ?? associations.get(mesh.parent)?.nodes };
+  });
+  const add = (name, binds, kind, percent) => {
+    const shape = typeof name === 'string' ? presetOf(name) : null;
+    if (!shape || out.has(shape) || !Array.isArray(binds)) return;
+    const found = binds.flatMap((bind) =>
+      places
+        .filter((place) => place[kind] === bind?.[kind === 'meshes' ? 'mesh' : 'node'])
+        .filter(({ mesh }) => mesh.morphTargetInfluences?.[bind.index] !== undefined)
+        .map(({ mesh }) => ({ mesh, index: bind.index, weight: Number.isFinite(bind.weight) ? bind.weight / percent : 1 })),
+    );
+    if (found.length) out.set(shape, found);
+  };
+  const { preset = {}, custom = {} } = json.extensions?.VRMC_vrm?.expressions ?? {};
+  for (const [name, { morphTargetBinds } = {}] of Object.entries({ ...custom, ...preset })) add(name, morphTargetBinds, 'nodes', 1);
+  const groups = json.extensions?.VRM?.blendShapeMaster?.blendShapeGroups;
+  for (const { presetName, name, binds } of Array.isArray(groups) ? groups : [])
+    add(presetName && presetName !== 'unknown' ? presetName : name, binds, 'meshes', 100);
+  return out;
+}
+
+/** All shapes that the avatar has, from whatever says so: the mapping file first, then names, then expressions. */
+function shapesOf(targets, expressions, map) {
+  const out = new Map();
+  for (const [shape, weights] of map.shapes) {
+    const binds = Object.entries(weights).flatMap(([name, weight]) => {
+      if (!targets.has(name)) throw new AvatarProblem('bad-map', `avatar-map, shapes.${shape}: the avatar has no morph target "${name}"`);
+      return targets.get(name).map((bind) => ({ ...bind, weight }));
+    });
+    out.set(shape, binds);
+  }
+  if (!map.others) return out;
+  const plain = plainVisemes([...targets.keys()]);
+  const add = (shape, binds) => shape && !map.shapes.has(shape) && out.set(shape, [...(out.get(shape) ?? []), ...binds]);
+  for (const [name, binds] of targets) add(shapeOf(name) ?? plain.get(name), binds);
+  for (const [shape, binds] of expressions) if (!out.has(shape)) out.set(shape, binds);
+  return out;
+}
+
+/** The shapes of the mouth: of one kind, since those of two kinds would do the same twice. */
+function mouthOf(shapes) {
+  const having = (names) => names.filter((name) => shapes.has(name));
+  const arkit = having(ARKIT.filter((name) => MOUTH.test(name)));
+  const visemes = having(VISEMES).filter((name) => name !== 'viseme_sil');
+  if (shapes.has('jawOpen') && arkit.length > LEAST_ARKIT) return arkit;
+  if (visemes.length >= LEAST_VISEMES) return visemes;
+  const vowels = having(VOWELS);
+  if (vowels.length) return [...vowels, ...arkit];
+  return arkit.length || visemes.length ? [...arkit, ...visemes] : having(['mouthOpen', 'mouthSmile']);
+}
+
+/** Which bone is which: the mapping file, VRM, or the names say it. @returns {Record<string, import('three').Object3D>} */
+function bonesOf(gltf, map) {
+  const { json, associations } = gltf.parser;
+  const bones = {};
+  const byNode = new Map();
+  gltf.scene.traverse((object) => {
+    const { nodes } = associations.get(object) ?? {};
+    if (nodes !== undefined) byNode.set(nodes, object);
+  });
+  for (const [name, wanted] of Object.entries(map.bones)) {
+    const node = (json.nodes ?? []).findIndex((one) => one.name === wanted);
+    if (!byNode.has(node)) throw new AvatarProblem('bad-map', `avatar-map, bones.${name}: the avatar has no node "${wanted}"`);
+    bones[name] = byNode.get(node);
+  }
+  const { humanBones } = json.extensions?.VRMC_vrm?.humanoid ?? {};
+  const old = json.extensions?.VRM?.humanoid?.humanBones;
+  const listed = Array.isArray(old) ? Object.fromEntries(old.map(({ bone, node }) => [bone, { node }])) : (humanBones ?? {});
+  for (const name of BONE_NAMES) bones[name] ??= byNode.get(listed[name]?.node);
+  const joints = new Set((json.skins ?? []).flatMap((skin) => skin.joints ?? []));
+  for (const [node, object] of byNode) {
+    const name = boneOf(json.nodes[node].name ?? '');
+    if (name && !bones[name] && (joints.has(node) || (!object.isMesh && object.children.length))) bones[name] = object;
+  }
+  return Object.fromEntries(Object.entries(bones).filter(([, bone]) => bone));
+}
+
+/**
+ * @param {object} gltf as GLTFLoader gives it @param {ReturnType<import('./map.mjs').readMap>} map
+ * @returns {{meshes: import('three').Mesh[], face: Control[], tongue: Control|null, gaze: Map<string, Control>,
+ *   bones: Record<string, import('three').Object3D>}} face: what is solved for; gaze: `eyeLook...`
+ */
+export function controlsOf(gltf, map) {
+  const meshes = [];
+  gltf.scene.traverse((object) => object.isMesh && meshes.push(object));
+  const { json, associations } = gltf.parser;
+  const shapes = shapesOf(targetsOf(meshes), expressionsOf(json, meshes, associations), map);
+  const bones = bonesOf(gltf, map);
+  const control = (name) => ({ name, binds: shapes.get(name) });
+  const lids = shapes.has('eyeBlinkLeft') && shapes.has('eyeBlinkRight') ? [] : ['eyeBlink'];
+  const upper = ARKIT.filter((name) => !MOUTH.test(name) && !/^(eyeLook|tongue)/.test(name));
+  const names = [...mouthOf(shapes), ...[...upper, ...lids].filter((name) => shapes.has(name))];
+  const face = names.map(control);
+  const speaks = names.some((name) => MOUTH.test(name) || /^(viseme|vowel)_/.test(name));
+  if (bones.jaw && !speaks) face.push({ name: 'jawOpen', binds: [], bone: bones.jaw });
+  const gaze = new Map([...shapes.keys()].filter((name) => name.startsWith('eyeLook')).map((name) => [name, control(name)]));
+  return { meshes, face, tongue: shapes.has('tongueOut') ? control('tongueOut') : null, gaze, bones };
+}

@@ -1,0 +1,118 @@
+// SPDX-License-Identifier: MIT
+import { AvatarProblem } from './problem.mjs';
+
+const MAGIC = 0x46546c67; // glTF
+const JSON_CHUNK = 0x4e4f534a;
+const BINARY_CHUNK = 0x004e4942;
+const MOST_NODES = 20000;
+const MOST_NUMBERS = 1 << 28; // in all accessors together
+const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
+
+/** What can be read. An avatar that requires more is refused. */
+const READ = [
+  'EXT_meshopt_compression', 'EXT_texture_webp', 'EXT_texture_avif', 'KHR_mesh_quantization', 'KHR_texture_transform', 'KHR_materials_unlit',
+  'KHR_materials_specular', 'KHR_materials_ior', 'KHR_materials_clearcoat', 'KHR_materials_sheen', 'KHR_materials_transmission',
+  'KHR_materials_volume', 'KHR_materials_emissive_strength', 'KHR_materials_iridescence', 'KHR_materials_anisotropy', 'VRM', 'VRMC_vrm',
+  'VRMC_materials_mtoon', 'VRMC_springBone', 'VRMC_node_constraint', 'VRMC_materials_hdr_emissiveMultiplier',
+];
+
+const DRACO = 'KHR_draco_mesh_compression'; // does not go with shapes, whose vertices it sorts anew
+
+const damaged = (what) => new AvatarProblem('damaged', what);
+
+/**
+ * The parts of a GLB (glTF 2.0, 4.4).
+ * @param {Uint8Array} bytes @returns {{json: object, binary: Uint8Array|null}}
+ */
+export function splitGlb(bytes) {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  if (bytes.length < 20 || view.getUint32(0, true) !== MAGIC) throw new AvatarProblem('not-glb', 'it is no GLB: a .gltf has to be packed into one');
+  if (view.getUint32(4, true) !== 2) throw new AvatarProblem('not-glb', `it is a GLB of version ${view.getUint32(4, true)}, not 2`);
+  const end = view.getUint32(8, true);
+  if (end > bytes.length) throw damaged(`it ends at byte ${bytes.length} of ${end}`);
+  const chunks = new Map();
+  for (let at = 12; at + 8 <= end; ) {
+    const [length, type] = [view.getUint32(at, true), view.getUint32(at + 4, true)];
+    if (at + 8 + length > end) throw damaged(`byte ${at}: a chunk goes beyond the end`);
+    if (!chunks.has(type)) chunks.set(type, bytes.subarray(at + 8, at + 8 + length));
+    at += 8 + length;
+  }
+  let json;
+  try {
+    json = JSON.parse(new TextDecoder().decode(chunks.get(JSON_CHUNK)));
+  } catch (error) {
+    throw damaged(`its JSON cannot be read: ${error.message}`);
+  }
+  if (!json || typeof json !== 'object') throw damaged('its JSON is no object');
+  return { json, binary: chunks.get(BINARY_CHUNK) ?? null };
+}
+
+/** @returns {ArrayBuffer} a GLB of those parts */
+export function joinGlb({ json, binary }) {
+  const text = new TextEncoder().encode(JSON.stringify(json));
+  const round = (length) => (length + 3) & ~3;
+  const [first, second] = [round(text.length), binary ? round(binary.length) : 0];
+  const bytes = new Uint8Array(20 + first + (binary ? 8 + second : 0)).fill(32, 20, 20 + first);
+  const view = new DataView(bytes.buffer);
+  [MAGIC, 2, bytes.length, first, JSON_CHUNK].forEach((value, i) => view.setUint32(4 * i, value, true));
+  bytes.set(text, 20);
+  if (!binary) return bytes.buffer;
+  view.setUint32(20 + first, second, true);
+  view.setUint32(24 + first, BINARY_CHUNK, true);
+  bytes.set(binary, 28 + first);
+  return bytes.buffer;
+}
+
+const list = (value, name) => {
+  if (value === undefined) return [];
+  if (!Array.isArray(value) || value.some((one) => !one || typeof one !== 'object')) throw damaged(`${name} is no list of objects`);
+  return value;
+};
+
+/** That the nodes make trees: a reader would go round in a circle for ever. */
+function checkNodes(nodes) {
+  if (nodes.length > MOST_NODES) throw new AvatarProblem('too-large', `it has ${nodes.length} nodes`);
+  const parents = new Map();
+  nodes.forEach(({ children = [] }, i) => {
+    for (const child of children) {
+      if (!nodes[child] || child === i || parents.has(child)) throw damaged(`nodes[${i}].children: ${child}`);
+      parents.set(child, i);
+    }
+  });
+  const fine = new Set();
+  for (let i = 0; i < nodes.length; i++) {
+    const way = new Set();
+    for (let at = i; at !== undefined && !fine.has(at); at = parents.get(at)) {
+      if (way.has(at)) throw damaged(`nodes[${i}]: it is among its own children`);
+      way.add(at);
+    }
+    way.forEach((at) => fine.add(at));
+  }
+}
+
+/**
+ * Refuses what would cost a reader too much, or reach out of the file; takes out what a face has no use for.
+ * @param {{json: object, binary: Uint8Array|null}} glb @returns {object} its JSON
+ */
+export function checkGlb({ json, binary }) {
+  const names = (value) => (Array.isArray(value) ? value : []);
+  const unread = names(json.extensionsRequired).filter((name) => !READ.includes(name));
+  unread.push(...names(json.extensionsUsed).filter((name) => name === DRACO && !unread.includes(name)));
+  if (unread.length) throw new AvatarProblem('unsupported', `it needs ${unread.join(', ')}, which is not read here`);
+  for (const [i, { uri, byteLength, extensions }] of list(json.buffers, 'buffers').entries()) {
+    if (uri !== undefined) throw new AvatarProblem('unsupported', `buffers[${i}]: it has to be in the file itself`);
+    if (i === 0 && !extensions && !(byteLength <= (binary?.length ?? 0))) throw damaged(`buffers[0]: there are no ${byteLength} bytes`);
+  }
+  for (const [i, { uri }] of list(json.images, 'images').entries())
+    if (uri !== undefined) throw new AvatarProblem('unsupported', `images[${i}]: it has to be in the file itself`);
+  let numbers = 0;
+  for (const [i, { count, type, sparse }] of list(json.accessors, 'accessors').entries()) {
+    if (!Number.isInteger(count) || count < 0 || !WIDTHS[type] || sparse?.count > count) throw damaged(`accessors[${i}]`);
+    numbers += count * WIDTHS[type];
+    if (numbers > MOST_NUMBERS) throw new AvatarProblem('too-large', `accessors[${i}]: more than ${MOST_NUMBERS} numbers`);
+  }
+  list(json.meshes, 'meshes').forEach(({ primitives }, i) => list(primitives, `meshes[${i}].primitives`));
+  checkNodes(list(json.nodes, 'nodes'));
+  const bare = (node) => ({ ...node, camera: undefined, extensions: { ...node.extensions, KHR_lights_punctual: undefined } });
+  return { ...json, animations: undefined, cameras: undefined, nodes: json.nodes?.map(bare) };
+}
