@@ -35,6 +35,11 @@ export interface EndMessage {
   sound?: 'blocked' | 'none';
 }
 
+export interface ReadResult {
+  reason: 'done' | 'stopped' | 'failed';
+  code?: string;
+}
+
 interface Message {
   type: string;
   id?: string;
@@ -63,6 +68,9 @@ export interface TalkingHeadEventMap {
   paused: CustomEvent<Message>;
   resumed: CustomEvent<Message>;
   jumped: CustomEvent<Message>;
+  /** Of `read`: a word of the page is heard. */
+  reading: CustomEvent<{ range: Range; text: string; lang: string; sentence: number; sentences: number }>;
+  read: CustomEvent<ReadResult>;
   error: CustomEvent<{ type: 'error'; code: string; message: string; id?: string }>;
   warning: CustomEvent<{ type: 'warning'; code: string; message: string; id?: string }>;
   sound: CustomEvent<{ sound: 'on' | 'blocked' | 'none'; reason?: 'autoplay' | 'no-audio' | 'no-device' | 'no-worklet' }>;
@@ -72,6 +80,8 @@ type AllEvents = Omit<HTMLElementEventMap, keyof TalkingHeadEventMap> & TalkingH
 
 export class TalkingHead extends HTMLElement {
   src: string | null;
+  /** What is read: an id, or a selector. */
+  for: string | null;
   model: string | null;
   poster: string | null;
   view: 'face' | 'bust' | 'mouth' | null;
@@ -100,6 +110,7 @@ export class TalkingHead extends HTMLElement {
   readonly faps: Record<number, number>;
 
   speak(text: string, options?: SpeakOptions): Promise<EndMessage>;
+  read(from?: Range | StaticRange | Node): Promise<ReadResult>;
   stop(): void;
   pause(): void;
   resume(): void;
