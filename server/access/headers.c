@@ -7,7 +7,7 @@
  * (Content Security Policy, level 3). Its decoder of Opus is WebAssembly. */
 static const char page_policy[] =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; "
-    "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "img-src 'self' data:; media-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
     "require-trusted-types-for 'script'; frame-ancestors";
 
 /* What is no page loads nothing, should a browser take it for one. */

@@ -5,6 +5,7 @@ import fs from 'node:fs';
 import test from 'node:test';
 import { words as emotionWords } from '../../web/page/emotion-words.js';
 import { errorWords } from '../../web/page/error-words.js';
+import { words as libraryWords } from '../../web/page/library-words.js';
 import { makeLink, readLink } from '../../web/page/link.js';
 import { words as pageWords } from '../../web/page/page-words.js';
 import { placeIn, placeOf } from '../../web/page/problem.js';
@@ -15,16 +16,18 @@ import { words as voicesWords } from '../../web/page/voices-words.js';
 const folder = new URL('../../web/page/', import.meta.url);
 const html = (name) => fs.readFileSync(new URL(`${name}.html`, folder), 'utf8');
 const tables = { index: pageWords, emotion: emotionWords, voices: voicesWords };
+const all = { ...tables, library: libraryWords };
 
 test('every word is there in every language', () => {
-  for (const words of [...Object.values(tables), sharedWords, errorWords])
+  for (const words of [...Object.values(all), sharedWords, errorWords])
     for (const lang of ['it', 'pt', 'tr']) assert.deepEqual(Object.keys(words[lang]).sort(), Object.keys(words.en).sort(), lang);
 });
 
 test('the pages ask for no word that is not there, and share their frame', () => {
-  const frames = Object.keys(tables).map((name) => {
+  for (const name of Object.keys(all))
     for (const [, word] of html(name).matchAll(/data-(?:text|label)="(\w+)"/g))
-      assert.equal(typeof (tables[name].en[word] ?? sharedWords.en[word]), 'string', `${name}: ${word}`);
+      assert.equal(typeof (all[name].en[word] ?? sharedWords.en[word]), 'string', `${name}: ${word}`);
+  const frames = Object.keys(tables).map((name) => {
     const frame = html(name).match(/<a class="skip"[^]*?<main>|<footer>[^]*<\/footer>/g);
     return frame.join('').replace(/ aria-current="page"/, '');
   });
@@ -32,7 +35,7 @@ test('the pages ask for no word that is not there, and share their frame', () =>
 });
 
 test('nothing in the pages is inline', () => {
-  for (const name of Object.keys(tables)) assert.doesNotMatch(html(name), /<style|style=|<script(?![^>]*src=)|\son\w+=|data:/);
+  for (const name of Object.keys(all)) assert.doesNotMatch(html(name), /<style|style=|<script(?![^>]*src=)|\son\w+=|data:/);
   for (const name of fs.readdirSync(folder).filter((file) => file.endsWith('.js')))
     assert.doesNotMatch(fs.readFileSync(new URL(name, folder), 'utf8'), /innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b/, name);
 });
