@@ -3,11 +3,13 @@
  * cleanly when it is told to. */
 #include "server/app/daemon_offer.h"
 #include "server/app/descriptors.h"
+#include "server/app/library_place.h"
 #include "server/app/service.h"
 #include "server/app/settings.h"
 #include "server/app/stages.h"
 #include "server/base/log.h"
 #include "server/codec/codec_load.h"
+#include "server/library/library.h"
 #include "server/net/net.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -33,6 +35,7 @@ struct daemon {
     struct metrics metrics;
     struct coder_pool *coders;
     struct codec_load codec_load;
+    struct library *library; /* NULL = none */
     struct net *net;
     struct daemon_offer *offer;
     uv_signal_t signals[SIGNALS];
@@ -50,6 +53,7 @@ static void complain(const struct error *e) {
 static struct net_options net_options_of(const struct daemon *d) {
     struct net_options options = d->settings.net;
     options.models = d->settings.models;
+    options.library = d->library;
     options.listen_fds = d->sockets;
     options.listen_count = d->socket_count;
     options.secrets = d->secrets.count ? &d->secrets : NULL;
@@ -181,6 +185,17 @@ static void watch(struct daemon *d) {
     d->running = true;
 }
 
+static int open_library(struct daemon *d, struct error *e) {
+    const struct settings *s = &d->settings;
+    char *index = s->library ? library_index_place(s, e) : NULL;
+    if (!s->library)
+        return 0;
+    if (index)
+        d->library = library_open(&(struct library_options){s->library, index, s->lang}, e);
+    free(index);
+    return d->library ? 0 : -1;
+}
+
 /* The files first, then the network, so that voices are started only where they can be asked. */
 static int start(struct daemon *d, struct error *e) {
     const struct settings *s = &d->settings;
@@ -192,6 +207,8 @@ static int start(struct daemon *d, struct error *e) {
         return -1;
     if (!speech_packs_find(&d->stages.packs, s->lang))
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
+    if (open_library(d, e))
+        return -1;
     pipeline->metrics = voices.metrics = &d->metrics;
     pipeline->codec_load = &d->codec_load;
     pipeline->long_text = LONG_TEXT_BYTES;
@@ -233,6 +250,7 @@ static int run(struct daemon *d) {
         status = 1;
     if (d->net)
         net_free(d->net);
+    library_close(d->library);
     daemon_offer_free(d->offer);
     uv_loop_close(&d->loop);
     stages_free(&d->stages);
