@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* /v1/library: what is asked of the library is answered in other threads, a few at a time. */
+/* /v1/library, /library and /oembed: what is asked of the library is answered in other threads, a few at a
+ * time. */
 #include "server/base/mem.h"
 #include "server/library/library.h"
+#include "server/net/library_page.h"
 #include "server/net/net_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -18,7 +20,9 @@ struct asking {
     struct net *net;
     struct asking *next; /* of those that wait */
     struct library_question question;
-    char *texts[8]; /* that the question points to */
+    enum library_form form;
+    const char *base, *section; /* see library_page.h */
+    char *texts[10];            /* that the question points to */
     size_t text_count;
     struct buf answer;
     struct error error;
@@ -36,6 +40,8 @@ static void free_asking(struct asking *a) {
 static void in_thread(uv_work_t *work) {
     struct asking *a = work->data;
     a->result = library_answer(a->net->options.library, &a->question, &a->answer, &a->error);
+    if (!a->result && a->form != LIBRARY_AS_JSON)
+        library_page(a->form, a->base, a->section, &a->answer);
 }
 
 static void begin(struct net *net);
@@ -50,7 +56,8 @@ static void after(uv_work_t *work, int status) {
     else if (status || a->result)
         exchange_error(a->x, &a->error);
     else
-        exchange_tagged(a->x, "application/json", a->answer.data, a->answer.size);
+        exchange_tagged(a->x, a->form == LIBRARY_AS_PAGE ? "text/html; charset=utf-8" : "application/json",
+                        a->answer.data, a->answer.size);
     begin(net);
 }
 
@@ -123,6 +130,67 @@ static bool read_path(struct asking *a, const char *path) {
     return true;
 }
 
+/* WORK and, after a slash or a colon, SECTION. False: no work is named. */
+static bool read_place(struct asking *a, const char *place) {
+    struct library_question *q = &a->question;
+    size_t size = strcspn(place, "/:?#&");
+    q->kind = LIBRARY_WORK;
+    q->work = keep(a, place, size);
+    place += size;
+    if (*place == '/' || *place == ':') {
+        size = strcspn(++place, "/:?#&");
+        if (size)
+            a->section = keep(a, place, size);
+    }
+    return *q->work;
+}
+
+/* The address of a page of the library: /library/WORK/SECTION, library.html?at=WORK:SECTION, or
+ * #WORK:SECTION. */
+static bool read_address(struct asking *a, const char *url) {
+    static const char *const before[] = {"/library/", "at=", "library.html#"};
+    for (size_t i = 0; url && i < sizeof before / sizeof *before; i++) {
+        const char *found = strstr(url, before[i]);
+        if (found)
+            return read_place(a, found + strlen(before[i]));
+    }
+    return false;
+}
+
+static bool read_page(struct asking *a, const char *path) {
+    if (*path == '/' && path[1] && !read_place(a, path + 1))
+        return false;
+    if (a->section) {
+        a->question.kind = LIBRARY_SECTION;
+        a->question.section = a->section;
+    }
+    return true;
+}
+
+/* Where its client reaches the daemon, perhaps through a proxy that speaks TLS. */
+static const char *base_of(struct asking *a, const struct http_request *request) {
+    const char *host = http_header(request, "host"), *scheme = http_header(request, "x-forwarded-proto");
+    struct buf base = {0};
+    buf_printf(&base, "http%s://%s", scheme && !strcmp(scheme, "https") ? "s" : "",
+               host ? host : "localhost");
+    const char *kept = keep(a, (const char *)base.data, base.size);
+    buf_free(&base);
+    return kept;
+}
+
+/* False: nothing is at that address. */
+static bool read_request(struct asking *a, const struct http_request *request) {
+    static const char api[] = "/v1/library", page[] = "/library";
+    if (!strncmp(request->path, api, sizeof api - 1))
+        return read_path(a, request->path + sizeof api - 1);
+    a->base = base_of(a, request);
+    a->form = LIBRARY_AS_PAGE;
+    if (!strncmp(request->path, page, sizeof page - 1))
+        return read_page(a, request->path + sizeof page - 1);
+    a->form = LIBRARY_AS_OEMBED;
+    return read_address(a, http_query(request, "url"));
+}
+
 static void ask(struct asking *a) {
     struct asking **end = &a->net->questions;
     while (*end)
@@ -139,7 +207,7 @@ int library_get(struct exchange *x) {
     struct asking *a = mem_alloc(sizeof *a);
     a->net = net;
     a->work.data = a;
-    bool there = net->options.library && read_path(a, request->path + strlen("/v1/library"));
+    bool there = net->options.library && read_request(a, request);
     if (!there || net->questions_waiting >= WAITING_MOST) {
         free_asking(a);
         error_plain(&e, there ? ERROR_TOO_MANY_SEARCHES : ERROR_NOT_FOUND);

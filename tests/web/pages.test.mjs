@@ -8,6 +8,7 @@ import { errorWords } from '../../web/page/error-words.js';
 import { words as libraryWords } from '../../web/page/library-words.js';
 import { makeLink, readLink } from '../../web/page/link.js';
 import { words as pageWords } from '../../web/page/page-words.js';
+import { words as playerWords } from '../../web/page/player-words.js';
 import { placeIn, placeOf } from '../../web/page/problem.js';
 import { sharedWords } from '../../web/page/shared-words.js';
 import { voicesOf } from '../../web/page/voice-choice.js';
@@ -16,7 +17,7 @@ import { words as voicesWords } from '../../web/page/voices-words.js';
 const folder = new URL('../../web/page/', import.meta.url);
 const html = (name) => fs.readFileSync(new URL(`${name}.html`, folder), 'utf8');
 const tables = { index: pageWords, emotion: emotionWords, voices: voicesWords };
-const all = { ...tables, library: libraryWords };
+const all = { ...tables, library: libraryWords, player: playerWords };
 
 test('every word is there in every language', () => {
   for (const words of [...Object.values(all), sharedWords, errorWords])

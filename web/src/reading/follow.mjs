@@ -2,6 +2,7 @@
 // Scrolls along with what is read, and lets go as soon as the reader scrolls away, until what is read is in sight again.
 
 const OWN_MS = 900; // so long a smooth scroll of ours goes on
+const SETTLE_MS = 400; // so long the one goes on in which the reader chose where to begin
 
 export class Follow {
   #on = true;
@@ -16,6 +17,7 @@ export class Follow {
     this.page = root.ownerDocument;
     this.calm = this.page.defaultView.matchMedia('(prefers-reduced-motion: reduce)');
     this.box = scrollerOf(root);
+    this.again();
     for (const type of ['wheel', 'touchmove']) this.page.addEventListener(type, this.#away, { passive: true });
     this.page.addEventListener('scroll', this.#scrolled, { capture: true, passive: true });
   }
@@ -28,6 +30,7 @@ export class Follow {
   /** The reader has chosen where to go on: that is to be seen. */
   again() {
     this.#on = true;
+    this.#own = Math.max(this.#own, performance.now() + SETTLE_MS);
   }
 
   /** @param {Range} range what is read now */
