@@ -9,7 +9,6 @@
 #include "server/app/stages.h"
 #include "server/base/log.h"
 #include "server/codec/codec_load.h"
-#include "server/library/library.h"
 #include "server/net/net.h"
 #include <stdio.h>
 #include <stdlib.h>
@@ -36,6 +35,7 @@ struct daemon {
     struct coder_pool *coders;
     struct codec_load codec_load;
     struct library *library; /* NULL = none */
+    char *voice_config;      /* with the library's recordings; NULL: there are none */
     struct net *net;
     struct daemon_offer *offer;
     uv_signal_t signals[SIGNALS];
@@ -185,17 +185,6 @@ static void watch(struct daemon *d) {
     d->running = true;
 }
 
-static int open_library(struct daemon *d, struct error *e) {
-    const struct settings *s = &d->settings;
-    char *index = s->library ? library_index_place(s, e) : NULL;
-    if (!s->library)
-        return 0;
-    if (index)
-        d->library = library_open(&(struct library_options){s->library, index, s->lang}, e);
-    free(index);
-    return d->library ? 0 : -1;
-}
-
 /* The files first, then the network, so that voices are started only where they can be asked. */
 static int start(struct daemon *d, struct error *e) {
     const struct settings *s = &d->settings;
@@ -207,8 +196,10 @@ static int start(struct daemon *d, struct error *e) {
         return -1;
     if (!speech_packs_find(&d->stages.packs, s->lang))
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
-    if (open_library(d, e))
+    if (library_place_open(s, &d->library, &d->voice_config, e))
         return -1;
+    if (d->voice_config)
+        voices.config = d->voice_config;
     pipeline->metrics = voices.metrics = &d->metrics;
     pipeline->codec_load = &d->codec_load;
     pipeline->long_text = LONG_TEXT_BYTES;
@@ -251,6 +242,7 @@ static int run(struct daemon *d) {
     if (d->net)
         net_free(d->net);
     library_close(d->library);
+    free(d->voice_config);
     daemon_offer_free(d->offer);
     uv_loop_close(&d->loop);
     stages_free(&d->stages);

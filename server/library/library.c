@@ -6,6 +6,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 struct library *library_open(const struct library_options *options, struct error *e) {
     struct index_writer writer;
@@ -21,6 +22,7 @@ struct library *library_open(const struct library_options *options, struct error
     struct library *l = mem_alloc(sizeof *l);
     l->folder = mem_strdup(options->folder);
     l->index = mem_strdup(options->index);
+    l->voices = options->voices ? mem_strdup(options->voices) : NULL;
     l->lang = mem_strdup(options->lang);
     l->indexing = true;
     pthread_mutex_init(&l->mutex, NULL);
@@ -56,6 +58,7 @@ void library_close(struct library *l) {
     free(l->folder);
     free(l->index);
     free(l->lang);
+    free(l->voices);
     free(l);
 }
 
@@ -85,6 +88,22 @@ void library_reader_done(struct library *l, struct index_reader *r) {
     pthread_mutex_unlock(&l->mutex);
     if (!kept)
         close_reader(r);
+}
+
+/* The voice that the work's recording is; NULL: it has none. To be freed. */
+static char *voice_of(const struct library *l, const char *work) {
+    struct buf path = {0};
+    if (!l->voices)
+        return NULL;
+    buf_printf(&path, "%s/%s.txt", l->voices, work);
+    buf_add(&path, "", 1);
+    bool there = !access((char *)path.data, R_OK);
+    path.size = 0;
+    buf_printf(&path, "recording:%s", work);
+    buf_add(&path, "", 1);
+    if (!there)
+        buf_free(&path);
+    return (char *)path.data;
 }
 
 /* Keeps the places of the rest: so many units at the beginning are spaces. */
@@ -127,6 +146,7 @@ int library_passage(struct library *l, const char *id, double from, struct libra
     if (!result) {
         out->text = mem_strndup(text->size ? (char *)text->data : "", text->size);
         out->lang = mem_strdup(found.lang);
+        out->voice = voice_of(l, found.work);
         for (const char *const *m = markups; whole && *m; m++)
             if (!strcmp(*m, found.markup))
                 out->markup = *m;

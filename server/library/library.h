@@ -12,6 +12,7 @@ struct library;
 struct library_options {
     const char *folder; /* of works */
     const char *index;  /* the file of the index */
+    const char *voices; /* the folder of library_voices.h; NULL: nothing has a recording's voice */
     const char *lang;   /* of works that do not tell theirs */
 };
 

@@ -114,14 +114,19 @@ void library_file_name(const char *path, bool with_ending, char out[64]) {
         memcpy(out, "work", 5);
 }
 
-bool library_file_has_sound(const char *path) {
+bool library_file_sound(const char *path, char out[PATH_MAX]) {
     static const char *const endings[] = {".flac", ".wav", ".ogg", ".mp3", NULL};
     const char *dot = strrchr(path, '.');
-    char file[4096];
+    char file[PATH_MAX];
     for (const char *const *ending = endings; dot && *ending; ending++) {
-        snprintf(file, sizeof file, "%.*s%s", (int)(dot - path), path, *ending);
-        if (!access(file, R_OK))
+        bool fits = snprintf(file, sizeof file, "%.*s%s", (int)(dot - path), path, *ending) < PATH_MAX;
+        if (fits && !access(file, R_OK) && realpath(file, out))
             return true;
     }
     return false;
+}
+
+bool library_file_has_sound(const char *path) {
+    char sound[PATH_MAX];
+    return library_file_sound(path, sound);
 }

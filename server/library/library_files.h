@@ -4,6 +4,7 @@
 #define FACCIA_LIBRARY_LIBRARY_FILES_H
 
 #include "server/base/error.h"
+#include <limits.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -32,6 +33,9 @@ bool library_file_hash(const char *path, char out[65]);
 
 /* The path as an id: small letters, figures and hyphens. */
 void library_file_name(const char *path, bool with_ending, char out[64]);
+
+/* The recording of the same name beside it: its absolute path. False: there is none. */
+bool library_file_sound(const char *path, char out[PATH_MAX]);
 
 /* Is there a recording of the same name beside it? */
 bool library_file_has_sound(const char *path);

@@ -18,7 +18,7 @@ struct index_reader {
 };
 
 struct library {
-    char *folder, *index, *lang;
+    char *folder, *index, *voices, *lang;
     pthread_t thread;
     pthread_mutex_t mutex; /* over what follows */
     pthread_cond_t wake;
@@ -42,6 +42,8 @@ json_t *library_section_json(struct index_reader *reader, const char *work, cons
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
                             struct error *e);
 json_t *library_passage_json(struct index_reader *reader, const char *id, struct error *e);
+
+/* library_read.c */
 
 /* A statement, to be finalised; NULL with *e. */
 sqlite3_stmt *library_prepare(struct index_reader *reader, const char *sql, struct error *e);

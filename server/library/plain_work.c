@@ -42,7 +42,8 @@ static void paragraph(struct builder *b, const char *data, size_t from, size_t t
     build_end(b);
 }
 
-int plain_work_read(const char *data, size_t size, struct work_meta *meta, struct builder *b, struct error *e) {
+int plain_work_read(const char *data, size_t size, struct work_meta *meta, struct builder *b,
+                    struct error *e) {
     size_t at = front_matter_read(data, size, meta, b), from = size;
     (void)e;
     meta->format = "text";

@@ -24,7 +24,7 @@ int commonmark_read(const char *data, size_t size, struct work_meta *meta, struc
 /* Paragraphs are parted by empty lines; one of two lines and more, none longer than 60 characters, is verse.
  * The same lines as in Markdown may stand at the beginning. */
 int plain_work_read(const char *data, size_t size, struct work_meta *meta, struct builder *builder,
-               struct error *e);
+                    struct error *e);
 
 /* APML, JSML, SSML. */
 int markup_work_read(const char *data, size_t size, const char *markup, struct work_meta *meta,

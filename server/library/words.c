@@ -43,7 +43,8 @@ static void put_folded(char *out, size_t *length, uint32_t cp) {
         return;
     }
     utf8proc_ssize_t n = utf8proc_decompose_char(
-        (utf8proc_int32_t)cp, parts, 8, UTF8PROC_CASEFOLD | UTF8PROC_COMPAT | UTF8PROC_STRIPMARK, &boundary);
+        (utf8proc_int32_t)cp, parts, 8,
+        UTF8PROC_DECOMPOSE | UTF8PROC_CASEFOLD | UTF8PROC_COMPAT | UTF8PROC_STRIPMARK, &boundary);
     for (utf8proc_ssize_t i = 0; i < n && i < 8; i++)
         put(out, length, (uint32_t)parts[i]);
 }
