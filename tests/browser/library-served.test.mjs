@@ -63,7 +63,7 @@ test('oEmbed: the page names it, it gives a frame with the text', async () => {
   assert.equal(source.replaceAll('&amp;', '&'), `${daemon.url}/library.html?embed&at=mare:1`);
   for (const url of ['library.html?at=mare:2', '/library/mare']) assert.equal((await daemon.get(`/oembed?url=${encodeURIComponent(url)}`)).status, 200, url);
   for (const url of ['', 'https://elsewhere.example/', '/library/nothing/1']) assert.equal((await daemon.get(`/oembed?url=${encodeURIComponent(url)}`)).status, 404, url);
-  for (const place of ['/library/nothing', '/library/mare/9', '/library/mare/x']) assert.equal((await daemon.get(place)).status, 404, place);
+  for (const place of ['/library/nothing', '/library/mare/9']) assert.equal((await daemon.get(place)).status, 404, place);
 });
 
 test('the page: found, opened, read; and again without a network, with sound, until it is removed', async () => {
@@ -75,6 +75,7 @@ test('the page: found, opened, read; and again without a network, with sound, un
   await page.locator('#q').fill('LUNA');
   await page.click('#results a');
   await page.waitForSelector('[id="mare:1:l1"]');
+  await page.waitForFunction(() => !document.querySelector('#keep').hidden); // the worker is there
   await page.evaluate(() => navigator.serviceWorker.ready);
   await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open');
   await page.evaluate(() => void (window.words = []) || document.querySelector('#head').addEventListener('reading', ({ detail }) => window.words.push(detail.text)));

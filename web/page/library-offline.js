@@ -4,6 +4,7 @@ import { rangeIn } from './library-text.js';
 
 const SPEECH = 'faccia-speech';
 const MARK = 'library-word';
+const WORKER = 'library-worker.js';
 
 /** Whether this browser keeps anything for this page. */
 export const canKeep = () => 'serviceWorker' in navigator && 'caches' in globalThis;
@@ -12,7 +13,8 @@ export const canKeep = () => 'serviceWorker' in navigator && 'caches' in globalT
 export async function startWorker() {
   if (!canKeep()) return false;
   try {
-    await navigator.serviceWorker.register('library-worker.js');
+    const trusted = globalThis.trustedTypes?.createPolicy('faccia-worker', { createScriptURL: () => WORKER });
+    await navigator.serviceWorker.register(trusted?.createScriptURL('') ?? WORKER);
     return true;
   } catch {
     return false; // the page is not secure, or the reader does not want it

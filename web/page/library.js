@@ -22,7 +22,8 @@ const { head, say } = frame;
 const passage = $('passage');
 const spoken = new KeptSpeech();
 const state = {
-  section: null, line: null, reading: false, paused: false, pinned: null, timer: 0, voices: [], titles: new Map(), turn: null,
+  section: null, line: null, reading: false, paused: false, pinned: null, timer: 0, voices: [], titles: new Map(),
+  turn: null, going: null,
 };
 
 const load = (address) => frame.load(address);
@@ -97,7 +98,7 @@ async function openSection(work, number) {
 
 /** What the address names: nothing, a section, a passage or a line. */
 async function go() {
-  const id = decodeURIComponent(location.hash.slice(1) || (query.get('at') ?? '')).replace(/:mark$/, '');
+  const id = decodeURIComponent(location.hash.slice(1) || (query.get('at') ?? ''));
   const [work, number] = id.split(':');
   if (['q', 'passage'].includes(work)) return;
   const found = Boolean(number);
@@ -137,7 +138,8 @@ function stop() {
 }
 
 /** Without a network what is kept is heard. */
-async function hearKept(from) {
+async function hearKept() {
+  const from = state.line;
   $('news').textContent = say('noNetwork');
   const all = [...passage.querySelectorAll('[data-passage]')];
   const first = from ? all.findIndex((element) => element.contains(from)) : 0;
@@ -148,17 +150,18 @@ async function hearKept(from) {
   showPlay();
 }
 
+/** @param {Element|Range|null} from where she is to begin */
 async function read(from = state.line) {
   if (!state.section) return;
-  if ($('connection').dataset.state !== 'open' && !navigator.onLine && canKeep()) {
-    await hearKept(from);
+  if (canKeep() && (!navigator.onLine || ['waiting', 'closed'].includes($('connection').dataset.state))) {
+    await hearKept();
     return;
   }
   state.reading = true;
   state.paused = false;
   showPlay();
   const turn = (state.turn = Symbol('reading'));
-  const { reason } = await head.read(from ? range(from) : undefined);
+  const { reason } = await head.read(from instanceof Element ? range(from) : (from ?? undefined));
   if (turn !== state.turn) return;
   if (reason === 'done' && state.pinned) {
     read(state.pinned);
@@ -169,7 +172,7 @@ async function read(from = state.line) {
   if (reason === 'done' && state.section.next && $('sleep').value !== 'section') {
     location.hash = `${state.section.work.id}:${state.section.next}`;
     await new Promise((resolve) => addEventListener('hashchange', resolve, { once: true }));
-    await go();
+    await state.going;
     read(null);
   }
 }
@@ -221,18 +224,8 @@ passage.addEventListener('click', ({ target, clientX, clientY }) => {
   const from = document.createRange();
   from.setStart(place, caret ? caret.offset : document.caretRangeFromPoint(clientX, clientY).startOffset);
   state.line = lineOf(place);
-  readRange(from);
+  read(from);
 });
-
-async function readRange(from) {
-  state.reading = true;
-  showPlay();
-  const turn = (state.turn = Symbol('reading'));
-  await head.read(from);
-  if (turn !== state.turn) return;
-  state.reading = false;
-  showPlay();
-}
 
 // Choices
 
@@ -382,7 +375,7 @@ for (const name of ['size', 'spacing', 'contrast']) $(name).addEventListener('in
 $('link').addEventListener('click', copyLink);
 $('keep').addEventListener('click', keepSection);
 document.addEventListener('keydown', (event) => event.key === 'Escape' && stop());
-addEventListener('hashchange', go);
+addEventListener('hashchange', () => (state.going = go()));
 
 frame.onTranslate(() => {
   fillSleep();
