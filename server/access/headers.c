@@ -13,6 +13,10 @@ static const char page_policy[] =
 /* What is no page loads nothing, should a browser take it for one. */
 static const char other_policy[] = "default-src 'none'; frame-ancestors 'none'";
 
+/* A script may be a worker's, which keeps what it has from here (Service Workers, 4.2: its own policy
+ * counts). */
+static const char script_policy[] = "default-src 'none'; connect-src 'self'; frame-ancestors 'none'";
+
 static void add(struct headers *h, const char *name, const char *value) {
     h->list[h->count].name = name;
     h->list[h->count++].value = value;
@@ -46,6 +50,8 @@ void headers_of(struct headers *h, const char *type, bool shared, char *const *e
     add(h, "cross-origin-resource-policy", shared ? "cross-origin" : "same-origin");
     if (is_page(type))
         add_page(h, embed);
+    else if (!strncmp(type, "text/javascript", 15))
+        add(h, "content-security-policy", script_policy);
     else
         add(h, "content-security-policy", other_policy);
 }
