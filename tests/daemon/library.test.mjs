@@ -136,8 +136,8 @@ test('words are found in any form, without accents, dots and articles', async ()
     ['pescatori', 'mare:1:l3', 'pescatore'],
     ['ISIK', 'kuslar-tr:1:l4', 'ışık'],
     ['pencere', 'kuslar-tr:1:l3', 'pencereyi'],
-    ['história', 'o-farol:1:p1', 'história'],
-    ['historia', 'o-farol:1:p1', 'história'],
+    ['história', 'o-farol:2:h1', 'história'],
+    ['historia', 'o-farol:2:h1', 'história'],
     ['clocks', 'the-clock:1:p1', 'clock'],
   ]) {
     const [found] = await search({ q });
@@ -210,7 +210,7 @@ test('a passage is spoken: in its language, from a place on, over HTTP and on a 
   await client.wait({ type: 'begin', id: 'a', lang: 'it' });
   await client.wait({ type: 'word', id: 'a', text: 'la', utf16_start: 0 });
   client.send({ type: 'speak', id: 'b', passage: 'mare:7' });
-  await client.wait({ type: 'error', id: 'b', field: 'section' });
+  await client.wait({ type: 'error', id: 'b', code: 'unknown-passage', field: 'passage' });
   await client.wait({ type: 'end', id: 'b', reason: 'failed' });
   await client.close();
 });
