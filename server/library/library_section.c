@@ -118,12 +118,19 @@ json_t *library_section_json(struct index_reader *r, const char *work, const cha
     return answer;
 }
 
+/* A letter and a number. */
+static bool is_name(const char *name) {
+    return strchr("hpgln", *name) && name[1] >= '1' && name[1] <= '9' &&
+           name[1 + strspn(name + 1, "0123456789")] == '\0';
+}
+
 /* Splits "work:section" or "work:section:name". */
 static int split(const char *id, struct found_passage *p, struct error *e) {
     const char *first = strchr(id, ':'), *second = first ? strchr(first + 1, ':') : NULL;
     char *end = NULL;
     unsigned long number = first && first[1] >= '0' && first[1] <= '9' ? strtoul(first + 1, &end, 10) : 0;
-    bool well = number && number <= SECTIONS_MAX && (second ? end == second && second[1] : end && !*end) &&
+    bool well = number && number <= SECTIONS_MAX &&
+                (second ? end == second && second[1] && is_name(second + 1) : end && !*end) &&
                 (size_t)(first - id) < sizeof p->work && (!second || strlen(second + 1) < sizeof p->name);
     if (!well)
         return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "there is no passage '%.100s'", id);

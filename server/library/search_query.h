@@ -7,11 +7,12 @@
 #include "server/base/error.h"
 #include "server/library/stems.h"
 
-enum { QUERY_BYTES_MAX = 1000, QUERY_TERMS_MAX = 32, QUERY_STEMS_MAX = 4, QUERY_DEPTH_MAX = 16 };
+enum { QUERY_BYTES_MAX = 1000, QUERY_TERMS_MAX = 32, QUERY_STEMS_MAX = 5, QUERY_DEPTH_MAX = 16 };
 
 struct query_term {
     char word[WORD_BYTES_MAX];
-    char stems[QUERY_STEMS_MAX][WORD_BYTES_MAX]; /* of the languages that are searched; each once */
+    char stems[QUERY_STEMS_MAX][WORD_BYTES_MAX]; /* the word itself, which may be one, and those of the
+                                                    languages that are searched; each once */
     size_t stem_count;
     bool prefix, exact; /* what begins so; what is written so */
 };

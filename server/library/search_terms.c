@@ -25,6 +25,7 @@ static bool same_language(const char *list, const char *tag) {
 void search_term_stems(const struct query_options *options, struct query_term *t, const struct word *word) {
     const char *lang;
     char stem[WORD_BYTES_MAX];
+    memcpy(t->stems[t->stem_count++], t->word, sizeof t->word);
     for (size_t i = 0; (lang = stems_language(i)); i++) {
         bool known =
             !same_language(options->langs, lang) || !stems_of(options->stems, lang, word, stem) || !stem[0];
