@@ -3,7 +3,7 @@
 export const words = {
   it: {
     title: 'Biblioteca', libraryPage: 'Biblioteca', search: 'Cerca nei testi', lang: 'Lingua', allLanguages: 'Tutte', results: 'Risultati', works: 'Opere',
-    moreResults: 'Altri risultati', found: '{n} passi trovati.', nothingFound: 'Nessun passo trovato.', line: 'verso {n}', recording: 'con registrazione',
+    moreResults: 'Altri risultati', found: 'Passi trovati: {n}.', nothingFound: 'Nessun passo trovato.', line: 'verso {n}', recording: 'con registrazione',
     contents: 'Indice', sections: 'Sezioni', previous: 'Sezione precedente', next: 'Sezione seguente', editionPage: 'Pagina {n}',
     read: 'Leggi', pause: 'Pausa', resume: 'Continua', lineBack: 'Indietro di una riga', lineForward: 'Avanti di una riga', repeat: 'Ripeti la riga',
     mouth: 'Solo la bocca', showFace: 'Volto', more: 'Voce, velocità, timer', voice: 'Voce', automatic: 'Automatica', ownVoice: 'Registrazione',
@@ -14,11 +14,11 @@ export const words = {
     offlineHint: 'I testi aperti restano; la voce, se lo si chiede. Senza rete si ode la voce e si vedono le parole, senza il volto.',
     forget: 'Togli {title} ({size})', noLibrary: 'Questo server non ha una biblioteca. Avviarlo con: facciad --library CARTELLA',
     indexing: 'Si leggono le opere: {done} di {of}.', asleep: 'Buonanotte: la lettura è in pausa.', noNetwork: 'Senza rete: si ode ciò che è conservato.',
-    problems: '{n} file non sono stati letti per intero: li elenca faccia library.',
+    problems: 'File non letti per intero: {n}. Li elenca: faccia library.',
   },
   pt: {
     title: 'Biblioteca', libraryPage: 'Biblioteca', search: 'Buscar nos textos', lang: 'Idioma', allLanguages: 'Todos', results: 'Resultados', works: 'Obras',
-    moreResults: 'Mais resultados', found: '{n} passagens encontradas.', nothingFound: 'Nenhuma passagem encontrada.', line: 'verso {n}', recording: 'com gravação',
+    moreResults: 'Mais resultados', found: 'Passagens encontradas: {n}.', nothingFound: 'Nenhuma passagem encontrada.', line: 'verso {n}', recording: 'com gravação',
     contents: 'Sumário', sections: 'Seções', previous: 'Seção anterior', next: 'Próxima seção', editionPage: 'Página {n}',
     read: 'Ler', pause: 'Pausar', resume: 'Continuar', lineBack: 'Voltar uma linha', lineForward: 'Avançar uma linha', repeat: 'Repetir a linha',
     mouth: 'Só a boca', showFace: 'Rosto', more: 'Voz, velocidade, timer', voice: 'Voz', automatic: 'Automática', ownVoice: 'Gravação',
@@ -29,7 +29,7 @@ export const words = {
     offlineHint: 'Os textos abertos ficam; a voz, quando se pede. Sem rede ouve-se a voz e veem-se as palavras, sem o rosto.',
     forget: 'Remover {title} ({size})', noLibrary: 'Este servidor não tem biblioteca. Inicie-o com: facciad --library PASTA',
     indexing: 'Lendo as obras: {done} de {of}.', asleep: 'Boa noite: a leitura está em pausa.', noNetwork: 'Sem rede: ouve-se o que está guardado.',
-    problems: '{n} arquivos não foram lidos por inteiro: veja-os com faccia library.',
+    problems: 'Arquivos não lidos por inteiro: {n}. Veja-os com: faccia library.',
   },
   tr: {
     title: 'Kitaplık', libraryPage: 'Kitaplık', search: 'Metinlerde ara', lang: 'Dil', allLanguages: 'Hepsi', results: 'Sonuçlar', works: 'Eserler',
@@ -48,7 +48,7 @@ export const words = {
   },
   en: {
     title: 'Library', libraryPage: 'Library', search: 'Search the texts', lang: 'Language', allLanguages: 'All', results: 'Results', works: 'Works',
-    moreResults: 'More results', found: '{n} passages found.', nothingFound: 'No passage found.', line: 'line {n}', recording: 'with a recording',
+    moreResults: 'More results', found: 'Passages found: {n}.', nothingFound: 'No passage found.', line: 'line {n}', recording: 'with a recording',
     contents: 'Contents', sections: 'Sections', previous: 'Previous section', next: 'Next section', editionPage: 'Page {n}',
     read: 'Read', pause: 'Pause', resume: 'Go on', lineBack: 'Back by a line', lineForward: 'On by a line', repeat: 'Repeat the line',
     mouth: 'Mouth alone', showFace: 'Face', more: 'Voice, speed, timer', voice: 'Voice', automatic: 'Automatic', ownVoice: 'Recording',
@@ -59,6 +59,6 @@ export const words = {
     offlineHint: 'Texts that were opened stay; speech when asked for. Without a network it is heard and its words are marked, without the face.',
     forget: 'Remove {title} ({size})', noLibrary: 'This server has no library. Start it with: facciad --library FOLDER',
     indexing: 'Works are being read: {done} of {of}.', asleep: 'Good night: reading is paused.', noNetwork: 'No network: what is kept can be heard.',
-    problems: '{n} files were not read whole: faccia library lists them.',
+    problems: 'Files not read whole: {n}. They are listed by: faccia library.',
   },
 };
