@@ -68,6 +68,19 @@ const avatar = await build({
   metafile: true,
 });
 note(avatar.metafile);
+const kit = await build({
+  ...common,
+  stdin: {
+    contents: `export { default as uPlot } from 'uplot'; export { default as FFT } from 'fft.js';
+      export { FapcDecoder } from '../protocol/fapc.mjs';`,
+    resolveDir: here,
+  },
+  outfile: path.join(out, 'player-kit.js'),
+  banner: { js: '/* Contains uPlot, MIT, (c) Leon Sorokin, and fft.js, MIT, (c) Fedor Indutny; of faccia, MIT. */' },
+  metafile: true,
+});
+note(kit.metafile);
+copyFileSync(path.join(here, 'node_modules/uplot/dist/uPlot.min.css'), path.join(out, 'plot.css'));
 for (const file of readdirSync(path.join(here, 'page'))) {
   inputs.add(path.join(here, 'page', file));
   copyFileSync(path.join(here, 'page', file), path.join(out, file));

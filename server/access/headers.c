@@ -7,11 +7,15 @@
  * (Content Security Policy, level 3). Its decoder of Opus is WebAssembly. */
 static const char page_policy[] =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; "
-    "img-src 'self' data:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "img-src 'self' data:; media-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
     "require-trusted-types-for 'script'; frame-ancestors";
 
 /* What is no page loads nothing, should a browser take it for one. */
 static const char other_policy[] = "default-src 'none'; frame-ancestors 'none'";
+
+/* A script may be a worker's, which keeps what it has from here (Service Workers, 4.2: its own policy
+ * counts). */
+static const char script_policy[] = "default-src 'none'; connect-src 'self'; frame-ancestors 'none'";
 
 static void add(struct headers *h, const char *name, const char *value) {
     h->list[h->count].name = name;
@@ -46,6 +50,8 @@ void headers_of(struct headers *h, const char *type, bool shared, char *const *e
     add(h, "cross-origin-resource-policy", shared ? "cross-origin" : "same-origin");
     if (is_page(type))
         add_page(h, embed);
+    else if (!strncmp(type, "text/javascript", 15))
+        add(h, "content-security-policy", script_policy);
     else
         add(h, "content-security-policy", other_policy);
 }

@@ -25,6 +25,7 @@ static const struct {
     {"fit", fit_main, "make a speech pack from recordings of a speaker"},
     {"align", align_main, "times and face of a recording with its text"},
     {"life", life_main, "what the face does of itself, in figures"},
+    {"library", library_main, "read a folder of works and tell what is in it, and what is wrong"},
     {"check", check_main, "tell what in a text with markup would not be acted on"},
     {"token", token_main, "sign a token for a daemon that demands them"},
 };

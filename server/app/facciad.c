@@ -3,6 +3,7 @@
  * cleanly when it is told to. */
 #include "server/app/daemon_offer.h"
 #include "server/app/descriptors.h"
+#include "server/app/library_place.h"
 #include "server/app/service.h"
 #include "server/app/settings.h"
 #include "server/app/stages.h"
@@ -33,6 +34,8 @@ struct daemon {
     struct metrics metrics;
     struct coder_pool *coders;
     struct codec_load codec_load;
+    struct library *library; /* NULL = none */
+    char *voice_config;      /* with the library's recordings; NULL: there are none */
     struct net *net;
     struct daemon_offer *offer;
     uv_signal_t signals[SIGNALS];
@@ -50,6 +53,7 @@ static void complain(const struct error *e) {
 static struct net_options net_options_of(const struct daemon *d) {
     struct net_options options = d->settings.net;
     options.models = d->settings.models;
+    options.library = d->library;
     options.listen_fds = d->sockets;
     options.listen_count = d->socket_count;
     options.secrets = d->secrets.count ? &d->secrets : NULL;
@@ -192,6 +196,10 @@ static int start(struct daemon *d, struct error *e) {
         return -1;
     if (!speech_packs_find(&d->stages.packs, s->lang))
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
+    if (library_place_open(s, &d->library, &d->voice_config, e))
+        return -1;
+    if (d->voice_config)
+        voices.config = d->voice_config;
     pipeline->metrics = voices.metrics = &d->metrics;
     pipeline->codec_load = &d->codec_load;
     pipeline->long_text = LONG_TEXT_BYTES;
@@ -233,6 +241,8 @@ static int run(struct daemon *d) {
         status = 1;
     if (d->net)
         net_free(d->net);
+    library_close(d->library);
+    free(d->voice_config);
     daemon_offer_free(d->offer);
     uv_loop_close(&d->loop);
     stages_free(&d->stages);

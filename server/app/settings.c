@@ -137,6 +137,22 @@ enum log_format settings_log_format(const struct settings *s) {
     return s->log_format ? LOG_JSON : getenv("JOURNAL_STREAM") ? LOG_JOURNAL : LOG_TEXT;
 }
 
+char *settings_cache_folder(void) {
+    static const char *const names[] = {"CACHE_DIRECTORY", "XDG_CACHE_HOME"};
+    const char *home = getenv("HOME");
+    struct buf path = {0};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        const char *folder = getenv(names[i]);
+        if (folder && *folder == '/')
+            return mem_strndup(folder, strcspn(folder, ":"));
+    }
+    if (!home || *home != '/')
+        return NULL;
+    buf_printf(&path, "%s/.cache", home);
+    buf_add(&path, "", 1);
+    return (char *)path.data;
+}
+
 void settings_print(const struct settings *s, struct buf *out) {
     json_t *root = json_object();
     for (size_t i = 0; i < settings_count; i++)

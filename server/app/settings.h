@@ -18,6 +18,8 @@ struct settings {
     struct net_options net;
     struct voice_pool_options voices;
     const char *models, *sounds; /* folders; sounds NULL = none */
+    const char *library;         /* folder of works; NULL = none */
+    const char *index; /* the file of its index; NULL = in the user's or the service's cache folder */
     const char *lang;
     enum face_contacts contacts; /* of requests that say "engine" */
     const char *token_file;      /* NULL = none */
@@ -47,6 +49,10 @@ bool settings_need_restart(const struct settings *old, const struct settings *no
 
 /* How the log is written: as the settings say, and for journald where that reads it. */
 enum log_format settings_log_format(const struct settings *settings);
+
+/* Where programs keep what can be made again: systemd's folder for that, else the user's. To be freed; NULL:
+ * there is none. */
+char *settings_cache_folder(void);
 
 /* As a configuration file that says all. */
 void settings_print(const struct settings *settings, struct buf *out);

@@ -101,6 +101,11 @@ const struct setting settings_table[] = {
      "voice plugins"},
     {"paths.worker", "worker", SETTING_STRING, MEMBER(voices.worker), FOR_BOTH, 0, 0, NULL, "FILE",
      "the program that runs voice plugins"},
+    {"paths.library", "library", SETTING_FOLDER, MEMBER(library), FOR_DAEMON, 0, 0, NULL, "DIR",
+     "works that may be read, searched and heard: TEI, EPUB, Markdown, text, APML, JSML, SSML"},
+    {"paths.library_index", "library-index", SETTING_STRING, MEMBER(index), FOR_DAEMON, 0, 0, NULL, "FILE",
+     "the index of the library, made when it is not there; without it, a file in the cache folder: that of "
+     "systemd, or faccia/ in $XDG_CACHE_HOME or ~/.cache"},
     {"paths.audio", "audio", SETTING_FOLDER, MEMBER(sounds), FOR_BOTH, 0, 0, NULL, "DIR",
      "sound files that texts may name (SSML's audio)"},
 };

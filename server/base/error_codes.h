@@ -27,6 +27,12 @@
     X(UNKNOWN_FORMAT, "unknown-format", 400, "there is no such format") \
     X(UNKNOWN_MARKUP, "unknown-markup", 400, "there is no such markup") \
     X(UNKNOWN_EXPRESSION, "unknown-expression", 400, "there is no such expression") \
+    X(UNKNOWN_WORK, "unknown-work", 404, "there is no such work") \
+    X(UNKNOWN_SECTION, "unknown-section", 404, "there is no such section") \
+    X(UNKNOWN_PASSAGE, "unknown-passage", 404, "there is no such passage") \
+    X(BAD_QUERY, "bad-query", 400, "this cannot be searched for") \
+    X(SEARCH_TOO_LONG, "search-too-long", 503, "the search takes too long: ask for rarer words, or more of them") \
+    X(TOO_MANY_SEARCHES, "too-many-searches", 503, "too many searches wait") \
     X(UNKNOWN_CODEC, "unknown-codec", 400, "there is no such codec") \
     X(UNKNOWN_MEDIA, "unknown-media", 404, "there is no such recording") \
     X(UNKNOWN_ROOM, "unknown-room", 404, "nobody is in that room") \
@@ -118,6 +124,8 @@
     X(BAD_VOICE_LIST, "bad-voice-list", 0, "this is no list of voices") \
     X(BAD_SETTINGS, "bad-settings", 0, "this is no file of settings") \
     X(BAD_SECRETS, "bad-secrets", 0, "this is no file of secrets") \
+    X(BAD_WORK, "bad-work", 0, "this is no work that can be read") \
+    X(BAD_INDEX, "bad-index", 0, "this is no index of a library") \
     X(BAD_CACHE, "bad-cache", 0, "this is no cache of sentences") \
     /* programs */ \
     X(BAD_OPTION, "bad-option", 0, "there is no such option") \

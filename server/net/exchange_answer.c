@@ -120,6 +120,22 @@ int exchange_answer(struct exchange *x, unsigned status, const char *type, const
     return send_known(x, &h, body, size, true);
 }
 
+int exchange_tagged(struct exchange *x, const char *type, const void *body, size_t size) {
+    struct head h;
+    char etag[24];
+    uint64_t hash = 14695981039346656037u; /* FNV-1a */
+    for (size_t i = 0; i < size; i++)
+        hash = (hash ^ ((const uint8_t *)body)[i]) * 1099511628211u;
+    snprintf(etag, sizeof etag, "\"%016llx\"", (unsigned long long)hash);
+    const char *known = http_header(x->request, "if-none-match");
+    bool unchanged = known && strstr(known, etag);
+    head_begin(&h, x, unchanged ? 304 : 200);
+    head_common(&h, x, type);
+    head_add(&h, "etag", etag);
+    head_add(&h, "cache-control", "no-cache");
+    return send_known(x, &h, unchanged ? NULL : body, unchanged ? 0 : size, true);
+}
+
 int exchange_allow(struct exchange *x, unsigned status, const char *methods) {
     struct head h;
     head_begin(&h, x, status);

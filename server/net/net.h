@@ -8,6 +8,8 @@
 #include "server/net/offer.h"
 #include "server/stream/stream.h"
 
+struct library;
+
 /* What the network is told; server/app/settings_table.c has the bounds and defaults of what are settings. */
 struct net_options {
     const char *host;              /* address, name or interface to listen on, "*" = all */
@@ -21,6 +23,7 @@ struct net_options {
     const struct secrets *secrets; /* tokens are demanded; NULL = anybody may do all */
     const char *web, *models;      /* folders */
     const char *media;             /* folder of recordings; NULL = none */
+    struct library *library;       /* NULL = none */
     unsigned text_bytes;           /* longest text of one speak or POST */
     unsigned message_bytes;        /* longest message of a client */
     unsigned play_bytes;           /* of an uploaded recording, or of a .fap file */

@@ -38,6 +38,8 @@ struct net {
     unsigned room_count;
     struct hold hold;
     struct events *events;                  /* clients that follow a room over HTTP */
+    struct asking *questions;               /* of the library, that wait */
+    unsigned questions_waiting, asking;     /* and how many are being answered */
     unsigned works;                         /* HTTP answers that are being made */
     json_t *more_languages;                 /* of hello */
     const struct offer_voice *languages_of; /* the list from which they were found */
@@ -120,6 +122,9 @@ void exchange_look(struct exchange *x); /* from time to time */
 int exchange_answer(struct exchange *x, unsigned status, const char *type, const void *body, size_t size);
 int exchange_json(struct exchange *x, unsigned status, json_t *object); /* drops the object */
 int exchange_error(struct exchange *x, const struct error *e);
+
+/* With an ETag made of the body, which is copied; 304 when the client has it already. */
+int exchange_tagged(struct exchange *x, const char *type, const void *body, size_t size);
 int exchange_allow(struct exchange *x, unsigned status,
                    const char *methods); /* an empty answer that names the methods */
 
@@ -180,6 +185,12 @@ extern const struct members speech_members; /* that it knows */
  * recording_source_in. */
 int media_source(const struct net *net, struct recording_source *source, const char *name, struct error *e);
 int media_get(struct exchange *x); /* GET /v1/media */
+
+/* library_http.c */
+int library_get(struct exchange *x); /* GET /v1/library and below */
+
+/* Puts what a passage says into the request that names one. -1 with *e, a field of the request's. */
+int passage_resolve(const struct net *net, struct speech_request *request, struct error *e);
 
 int play_post(struct exchange *x); /* play_post.c: POST /v1/play?room= */
 

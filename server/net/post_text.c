@@ -53,7 +53,7 @@ static int read_json(struct post_text *p, struct speech_request *request, struct
         return error_set(e, ERROR_BAD_MESSAGE, "the body must be an object with a string 'text'");
     if (request_from_json(request, p->object, e))
         return -1;
-    if (!request->text)
+    if (!request->text && !request->passage)
         return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
     json_t *others = json_copy(p->object);
     json_object_del(others, "text");
@@ -76,12 +76,16 @@ int post_text_request(struct post_text *p, struct speech_request *request, struc
     size_t i = 0;
     while (p->bodiless && i < from->member_count && strcmp(from->members[i].name, "text"))
         i++;
-    if (p->bodiless && i == from->member_count)
+    bool none = p->bodiless && i == from->member_count;
+    if (none && !request->passage)
         return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
-    if (p->bodiless)
+    if (p->bodiless && !none)
         text = (struct request_value){REQUEST_STRING, from->members[i].value, from->members[i].size, 0};
-    if (!p->json)
+    bool bare = request->passage && !p->bodiless && !text.size; /* an empty body beside ?passage= */
+    if (!p->json && !none && !bare)
         request_set(request, "text", text, e);
+    if (passage_resolve(exchange_net(p->x), request, e))
+        return -1;
     if (request->text_size > limit)
         return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %u bytes", limit);
     return 0;

@@ -37,9 +37,12 @@ enum scope {
 
 static const char *const room_members[] = {"room", NULL};
 static const char *const play_members[] = {"room", "name", "id", "mode", NULL};
+static const char *const library_members[] = {"q", "lang", "author", "work", "limit", "after", NULL};
+static const char *const oembed_members[] = {"url", "format", "maxwidth", "maxheight", NULL};
 static const struct members none = {.speech = false}, only_room = {.more = room_members},
                             for_play = {.more = play_members},
-                            for_say = {.speech = true, .more = room_members};
+                            for_say = {.speech = true, .more = room_members},
+                            for_library = {.more = library_members}, for_oembed = {.more = oembed_members};
 
 /* What answers where. A route has a JSON document to get, or something else, or takes a POST. */
 static const struct route {
@@ -50,29 +53,38 @@ static const struct route {
     enum right right;                  /* that is needed; 0 = none */
     enum scope scope;
     const struct members *members; /* of its query; NULL: they are not looked at */
+    bool below;                    /* and whatever is below that address */
 } routes[] = {
-    {"/healthz", message_health, NULL, NULL, 0, SCOPE_ALL, &none},
-    {"/v1/voices", voices, NULL, NULL, 0, SCOPE_ALL, &none},
-    {"/v1/models", models, NULL, NULL, 0, SCOPE_ALL, &none},
-    {"/v1/speech", NULL, speech_ask, speech_ask, RIGHT_SPEAK, SCOPE_ALL, &speech_members},
-    {"/v1/expressions", expressions, NULL, NULL, 0, SCOPE_ALL, &none},
-    {"/v1/rooms", NULL, NULL, rooms, RIGHT_LISTEN, SCOPE_OWN, &none},
-    {"/v1/media", NULL, NULL, media_get, RIGHT_SPEAK, SCOPE_ALL, &none},
-    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN, SCOPE_ROOM, &only_room},
-    {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_say},
-    {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
-    {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
-    {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
-    {"/v1/choices", NULL, room_choices, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
-    {"/v1/state", NULL, room_state, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room},
-    {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_play},
-    {"/v1/stream", NULL, NULL, NULL, 0, SCOPE_ALL, NULL},
-    {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE, SCOPE_ALL, &none},
+    {"/healthz", message_health, NULL, NULL, 0, SCOPE_ALL, &none, false},
+    {"/v1/voices", voices, NULL, NULL, 0, SCOPE_ALL, &none, false},
+    {"/v1/models", models, NULL, NULL, 0, SCOPE_ALL, &none, false},
+    {"/v1/speech", NULL, speech_ask, speech_ask, RIGHT_SPEAK, SCOPE_ALL, &speech_members, false},
+    {"/v1/expressions", expressions, NULL, NULL, 0, SCOPE_ALL, &none, false},
+    {"/v1/rooms", NULL, NULL, rooms, RIGHT_LISTEN, SCOPE_OWN, &none, false},
+    {"/v1/library", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &for_library, true},
+    {"/library", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &none, true},
+    {"/oembed", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &for_oembed, false},
+    {"/v1/media", NULL, NULL, media_get, RIGHT_SPEAK, SCOPE_ALL, &none, false},
+    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN, SCOPE_ROOM, &only_room, false},
+    {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_say, false},
+    {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
+    {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
+    {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
+    {"/v1/choices", NULL, room_choices, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
+    {"/v1/state", NULL, room_state, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
+    {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_play, false},
+    {"/v1/stream", NULL, NULL, NULL, 0, SCOPE_ALL, NULL, false},
+    {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE, SCOPE_ALL, &none, false},
 };
+
+static bool is_below(const char *folder, const char *path) {
+    size_t length = strlen(folder);
+    return !strncmp(folder, path, length) && path[length] == '/';
+}
 
 static const struct route *find(const char *path) {
     for (size_t i = 0; i < sizeof routes / sizeof *routes; i++)
-        if (!strcmp(routes[i].path, path))
+        if (!strcmp(routes[i].path, path) || (routes[i].below && is_below(routes[i].path, path)))
             return &routes[i];
     return NULL;
 }

@@ -63,7 +63,7 @@ struct media_wish {
 int socket_set_media(struct socket *socket, const struct media_wish *wish, struct error *e);
 
 /* Speaks a request, or a text with its defaults. */
-void socket_speak_request(struct socket *socket, const struct speech_request *request);
+void socket_speak_request(struct socket *socket, struct speech_request *request);
 void socket_speak(struct socket *socket, const char *text, size_t size);
 
 /* Whether it may have the stream do something; or say something more. -1 with *e. */

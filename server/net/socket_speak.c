@@ -90,10 +90,10 @@ int socket_may_speak(struct socket *s, struct error *e) {
     return s->net->draining ? error_set(e, ERROR_STOPPING, "the server is about to stop") : 0;
 }
 
-void socket_speak_request(struct socket *s, const struct speech_request *request) {
+void socket_speak_request(struct socket *s, struct speech_request *request) {
     unsigned limit = s->net->options.text_bytes;
     struct error e;
-    int refused = socket_may_speak(s, &e);
+    int refused = socket_may_speak(s, &e) || passage_resolve(s->net, request, &e);
     if (!refused && request->text_size > limit)
         refused = error_in_field(&e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %u bytes", limit);
     if (refused)

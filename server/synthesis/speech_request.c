@@ -27,6 +27,8 @@ static const struct field {
     const char *const *words; /* of a choice: in the order of its enum, NULL-terminated */
 } fields[] = {
     {"text", TEXT, offsetof(struct speech_request, text), 0, 0, NULL},
+    {"passage", STRING, offsetof(struct speech_request, passage), 1, 128, NULL},
+    {"from", INTEGER, offsetof(struct speech_request, from), 0, 100 << 20, NULL},
     {"id", STRING, offsetof(struct speech_request, id), 0, 64, NULL},
     {"lang", STRING, offsetof(struct speech_request, lang), 1, 35, NULL},
     {"voice", STRING, offsetof(struct speech_request, voice), 1, 128, NULL},

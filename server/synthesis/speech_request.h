@@ -31,6 +31,8 @@ enum { REQUEST_RATE_MIN = 40, REQUEST_RATE_MAX = 500 }; /* words per minute */
 struct speech_request {
     char *text; /* as it came: not checked, may hold NUL */
     size_t text_size;
+    char *passage;               /* the id of a passage of the library, to be spoken instead of a text */
+    double from;                 /* UTF-16 units of the passage that are left out */
     char *id;                    /* the client's own name for it; NULL = none; at most 64 bytes */
     char *lang, *voice, *engine; /* NULL = the default */
     enum voice_gender gender;    /* of the voice, when none is named */

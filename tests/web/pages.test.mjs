@@ -6,9 +6,11 @@ import test from 'node:test';
 import { words as avatarWords } from '../../web/page/avatar-words.js';
 import { words as emotionWords } from '../../web/page/emotion-words.js';
 import { errorWords } from '../../web/page/error-words.js';
+import { words as libraryWords } from '../../web/page/library-words.js';
 import { makeLink, readLink } from '../../web/page/link.js';
 import { words as operatorWords } from '../../web/page/operator-words.js';
 import { words as pageWords } from '../../web/page/page-words.js';
+import { words as playerWords } from '../../web/page/player-words.js';
 import { placeIn, placeOf } from '../../web/page/problem.js';
 import { isWithin, readHours, readWish } from '../../web/page/room-wish.js';
 import { words as roomWords } from '../../web/page/room-words.js';
@@ -20,18 +22,18 @@ import { words as voicesWords } from '../../web/page/voices-words.js';
 const folder = new URL('../../web/page/', import.meta.url);
 const html = (name) => fs.readFileSync(new URL(`${name}.html`, folder), 'utf8');
 const framed = { index: pageWords, emotion: emotionWords, voices: voicesWords, avatar: avatarWords };
-const tables = { ...framed, operator: operatorWords, room: roomWords };
+const all = { ...framed, operator: operatorWords, room: roomWords, library: libraryWords, player: playerWords };
 
 test('every word is there in every language', () => {
-  for (const words of [...Object.values(tables), sharedWords, errorWords])
+  for (const words of [...Object.values(all), sharedWords, errorWords])
     for (const lang of ['it', 'pt', 'tr']) assert.deepEqual(Object.keys(words[lang]).sort(), Object.keys(words.en).sort(), lang);
 });
 
 test('the pages ask for no word that is not there, and share their frame', () => {
-  const frames = Object.keys(tables).flatMap((name) => {
+  for (const name of Object.keys(all))
     for (const [, word] of html(name).matchAll(/data-(?:text|label)="(\w+)"/g))
-      assert.equal(typeof (tables[name].en[word] ?? sharedWords.en[word]), 'string', `${name}: ${word}`);
-    if (!framed[name]) return [];
+      assert.equal(typeof (all[name].en[word] ?? sharedWords.en[word]), 'string', `${name}: ${word}`);
+  const frames = Object.keys(framed).map((name) => {
     const frame = html(name).match(/<a class="skip"[^]*?<main>|<footer>[^]*<\/footer>/g);
     return frame.join('').replace(/ aria-current="page"/, '');
   });
@@ -39,7 +41,7 @@ test('the pages ask for no word that is not there, and share their frame', () =>
 });
 
 test('nothing in the pages is inline', () => {
-  for (const name of Object.keys(tables)) assert.doesNotMatch(html(name), /<style|style=|<script(?![^>]*src=)|\son\w+=|data:/);
+  for (const name of Object.keys(all)) assert.doesNotMatch(html(name), /<style|style=|<script(?![^>]*src=)|\son\w+=|data:/);
   for (const name of fs.readdirSync(folder).filter((file) => file.endsWith('.js')))
     assert.doesNotMatch(fs.readFileSync(new URL(name, folder), 'utf8'), /innerHTML|outerHTML|insertAdjacentHTML|document\.write|\beval\b/, name);
 });

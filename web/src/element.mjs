@@ -6,6 +6,7 @@ import { Player } from './audio/player.mjs';
 import { Poster } from './poster.mjs';
 import { Presentation } from './presentation.mjs';
 import { addProperties, upgradeProperties } from './properties.mjs';
+import { Reader } from './reading/reader.mjs';
 import { Session } from './session.mjs';
 import { Speech } from './speech.mjs';
 import { parts, styles } from './template.mjs';
@@ -24,7 +25,7 @@ const turns = new Turns(); // of all heads in the page
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
     ...LINK_ATTRIBUTES, 'model', 'avatar', 'avatar-map', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label',
-    'rate', 'polite',
+    'rate', 'polite', 'for',
   ];
 
   #opened = false;
@@ -42,6 +43,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     idle: (chunk) => this.#presentation.idle.face.take(chunk, performance.now() / 1000),
   });
   #presentation;
+  #reader;
   #session;
 
   constructor() {
@@ -65,6 +67,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       emit: (type, detail) => this.#emit(type, detail),
       fail: (name, values) => this.#fail(name, values),
       show: (json) => this.#show(json),
+    });
+    this.#reader = new Reader(this, {
+      speak: (text, options) => this.speak(text, options),
+      jump: (mark) => this.jump(mark),
+      resume: () => this.#speech.paused && this.resume(),
+      stop: () => this.stop(),
+      running: (id) => this.#speech.running(id),
+      emit: (type, detail) => this.#emit(type, detail),
+      fail: (name, values) => this.#fail(name, values),
     });
     upgradeProperties(this);
   }
@@ -91,6 +102,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       this.#speech.waits = this.polite;
       turns.next();
     }
+    if (name === 'for' && before !== value) this.#reader.close();
     if (!this.#opened || before === value) return;
     if (LINK_ATTRIBUTES.includes(name)) this.#session.connectSoon();
     if (name === 'poster') this.#session.choosePoster();
@@ -129,6 +141,16 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   showHead(json) {
     this.#session.keepModel();
     return this.#show(json);
+  }
+
+  /**
+   * Reads the element of the page aloud that `for` names, and marks its words as they are heard.
+   * @param {Range|StaticRange|Node} [from] where to begin
+   * @returns {Promise<{reason: string, code?: string}>} when the last word was heard, or it was stopped, or it failed
+   */
+  read(from) {
+    this.#player.open(); // while the user's gesture counts
+    return this.#reader.read(from);
   }
 
   /** Silence at once; what is queued is forgotten. */
@@ -292,6 +314,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   #close() {
     this.#opened = false;
+    this.#reader.close();
     this.#speech.stop();
     this.#session.close();
     this.#player.close();

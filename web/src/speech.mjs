@@ -42,6 +42,11 @@ export class Speech {
     return ['open', 'connecting'].includes(this.state());
   }
 
+  /** Whether the server still speaks what the page calls so. */
+  running(id) {
+    return [...this.open].some((utterance) => utterance.options.id === id && utterance.item && !utterance.answer);
+  }
+
   get busy() {
     return this.open.size > 0;
   }
@@ -222,7 +227,8 @@ export class Speech {
   }
 
   #send(utterance) {
-    utterance.sent = this.send({ ...utterance.options, type: 'speak', text: utterance.text, id: utterance.key });
+    const text = utterance.options.passage ? undefined : utterance.text; // the server has it; here it is for the captions
+    utterance.sent = this.send({ ...utterance.options, type: 'speak', text, id: utterance.key });
     if (utterance.sent) clearTimeout(utterance.timer);
   }
 

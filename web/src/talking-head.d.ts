@@ -45,6 +45,11 @@ export interface EndMessage {
   sound?: 'blocked' | 'none';
 }
 
+export interface ReadResult {
+  reason: 'done' | 'stopped' | 'failed';
+  code?: string;
+}
+
 interface Message {
   type: string;
   id?: string;
@@ -84,6 +89,9 @@ export interface TalkingHeadEventMap {
     /** Of `bad-avatar`. */
     reason?: 'missing' | 'too-large' | 'not-glb' | 'damaged' | 'unsupported' | 'no-face' | 'bad-map' | 'no-script';
   }>;
+  /** Of `read`: a word of the page is heard. */
+  reading: CustomEvent<{ range: Range; text: string; lang: string; sentence: number; sentences: number }>;
+  read: CustomEvent<ReadResult>;
   warning: CustomEvent<{ type: 'warning'; code: string; message: string; id?: string }>;
   sound: CustomEvent<{ sound: 'on' | 'blocked' | 'none'; reason?: 'autoplay' | 'no-audio' | 'no-device' | 'no-worklet' }>;
 }
@@ -92,6 +100,8 @@ type AllEvents = Omit<HTMLElementEventMap, keyof TalkingHeadEventMap> & TalkingH
 
 export class TalkingHead extends HTMLElement {
   src: string | null;
+  /** What is read: an id, or a selector. */
+  for: string | null;
   model: string | null;
   avatar: string | null;
   avatarMap: string | null;
@@ -123,6 +133,7 @@ export class TalkingHead extends HTMLElement {
 
   speak(text: string, options?: SpeakOptions): Promise<EndMessage>;
   showHead(json: object): Promise<void>;
+  read(from?: Range | StaticRange | Node): Promise<ReadResult>;
   stop(): void;
   pause(): void;
   resume(): void;

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/library/library_internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum { LIST_USUAL = 200, LIST_MOST = 1000 };
+
+/* A work's columns up to `recording`, in the order of this list. */
+#define WORK_COLUMNS                                                                                         \
+    "name, title, author, lang, date, publisher, licence, source, format, path, hash, sections, passages, "  \
+    "characters, "                                                                                           \
+    "recording"
+
+static json_t *work_of(sqlite3_stmt *s, bool whole) {
+    static const char *const names[] = {"id",      "title",  "author", "lang", "date", "publisher",
+                                        "licence", "source", "format", "file", "hash"};
+    static const char *const counts[] = {"sections", "passages", "characters"};
+    json_t *work = json_object();
+    for (int i = 0; i < 11; i++)
+        if (whole || i < 5 || i > 7)
+            json_object_set_new(work, names[i], library_text(s, i));
+    for (int i = whole; i < 3; i++)
+        json_object_set_new(work, counts[i], json_integer(sqlite3_column_int64(s, 11 + i)));
+    json_object_set_new(work, "recording", json_boolean(sqlite3_column_int(s, 14)));
+    return work;
+}
+
+static json_t *strings(struct index_reader *r, const char *sql, struct error *e) {
+    sqlite3_stmt *s = library_prepare(r, sql, e);
+    json_t *list = s ? json_array() : NULL;
+    while (s && sqlite3_step(s) == SQLITE_ROW)
+        json_array_append_new(list, library_text(s, 0));
+    sqlite3_finalize(s);
+    return list;
+}
+
+static json_t *problems(struct index_reader *r, struct error *e) {
+    sqlite3_stmt *s = library_prepare(
+        r, "SELECT code, path, line, col, message, serious FROM problem ORDER BY path, rowid LIMIT 200", e);
+    json_t *list = s ? json_array() : NULL;
+    while (s && sqlite3_step(s) == SQLITE_ROW) {
+        json_t *problem = json_pack("{so so so sb}", "code", library_text(s, 0), "file", library_text(s, 1),
+                                    "message", library_text(s, 4), "serious", sqlite3_column_int(s, 5));
+        if (sqlite3_column_int64(s, 2)) {
+            json_object_set_new(problem, "line", json_integer(sqlite3_column_int64(s, 2)));
+            json_object_set_new(problem, "column", json_integer(sqlite3_column_int64(s, 3)));
+        }
+        json_array_append_new(list, problem);
+    }
+    sqlite3_finalize(s);
+    return list;
+}
+
+static json_t *list(struct library *l, struct index_reader *r, const struct library_question *q,
+                    struct error *e) {
+    unsigned limit;
+    if (library_number("limit", q->limit, 1, LIST_MOST, LIST_USUAL, &limit, e))
+        return NULL;
+    sqlite3_stmt *s =
+        library_prepare(r, "SELECT " WORK_COLUMNS " FROM work WHERE name > ? ORDER BY name LIMIT ?", e);
+    sqlite3_stmt *sum = s ? library_prepare(r, "SELECT coalesce(sum(characters), 0) FROM work", e) : NULL;
+    json_t *languages = sum ? strings(r, "SELECT DISTINCT lang FROM work ORDER BY lang", e) : NULL;
+    json_t *authors =
+        languages
+            ? strings(r,
+                      "SELECT DISTINCT author FROM work WHERE author IS NOT NULL ORDER BY author LIMIT 1000",
+                      e)
+            : NULL;
+    json_t *told = authors ? problems(r, e) : NULL, *answer = NULL;
+    if (told) {
+        json_t *works = json_array(), *next = NULL;
+        sqlite3_bind_text(s, 1, q->after ? q->after : "", -1, SQLITE_STATIC);
+        sqlite3_bind_int64(s, 2, (int64_t)limit + 1);
+        while (sqlite3_step(s) == SQLITE_ROW)
+            json_array_append_new(works, work_of(s, false));
+        if (json_array_size(works) > limit) {
+            json_array_remove(works, limit);
+            next = json_incref(json_object_get(json_array_get(works, limit - 1), "id"));
+        }
+        sqlite3_step(sum);
+        pthread_mutex_lock(&l->mutex);
+        answer = json_pack("{ss sI sI sO sO sI so sO}", "state", l->indexing ? "indexing" : "ready", "done",
+                           (json_int_t)l->done, "of", (json_int_t)l->of, "languages", languages, "authors",
+                           authors, "characters", (json_int_t)sqlite3_column_int64(sum, 0), "works", works,
+                           "problems", told);
+        pthread_mutex_unlock(&l->mutex);
+        if (next)
+            json_object_set_new(answer, "next", next);
+    }
+    json_decref(languages);
+    json_decref(authors);
+    json_decref(told);
+    sqlite3_finalize(s);
+    sqlite3_finalize(sum);
+    return answer;
+}
+
+static json_t *work(struct index_reader *r, const char *name, struct error *e) {
+    sqlite3_stmt *s = library_prepare(r, "SELECT " WORK_COLUMNS " FROM work WHERE name = ?", e);
+    json_t *answer = NULL;
+    if (s)
+        sqlite3_bind_text(s, 1, name, -1, SQLITE_STATIC);
+    if (s && sqlite3_step(s) == SQLITE_ROW)
+        answer = work_of(s, true);
+    else if (s)
+        error_in_field(e, ERROR_UNKNOWN_WORK, "work", "there is no work '%.80s'", name);
+    sqlite3_finalize(s);
+    s = answer ? library_prepare(
+                     r,
+                     "SELECT number, title, level, passages, characters FROM section WHERE work = ? ORDER "
+                     "BY number",
+                     e)
+               : NULL;
+    if (answer && !s) {
+        json_decref(answer);
+        return NULL;
+    }
+    json_t *sections = json_array();
+    if (s)
+        sqlite3_bind_text(s, 1, name, -1, SQLITE_STATIC);
+    while (s && sqlite3_step(s) == SQLITE_ROW)
+        json_array_append_new(sections,
+                              json_pack("{so sI so sI sI sI sO}", "id",
+                                        json_sprintf("%s:%lld", name, (long long)sqlite3_column_int64(s, 0)),
+                                        "number", (json_int_t)sqlite3_column_int64(s, 0), "title",
+                                        library_text(s, 1), "level", (json_int_t)sqlite3_column_int64(s, 2),
+                                        "passages", (json_int_t)sqlite3_column_int64(s, 3), "characters",
+                                        (json_int_t)sqlite3_column_int64(s, 4), "recording",
+                                        json_object_get(answer, "recording")));
+    sqlite3_finalize(s);
+    if (answer)
+        json_object_set(answer, "sections", sections);
+    json_decref(sections);
+    return answer;
+}
+
+static int append(const char *text, size_t size, void *buf) {
+    buf_add(buf, text, size);
+    return 0;
+}
+
+int library_answer(struct library *l, const struct library_question *q, struct buf *out, struct error *e) {
+    struct index_reader *r = library_reader(l, e);
+    json_t *answer = NULL;
+    if (!r)
+        return -1;
+    sqlite3_exec(r->sql, "BEGIN", NULL, NULL, NULL); /* what is read belongs together */
+    switch (q->kind) {
+    case LIBRARY_LIST:
+        answer = list(l, r, q, e);
+        break;
+    case LIBRARY_WORK:
+        answer = work(r, q->work, e);
+        break;
+    case LIBRARY_SECTION:
+        answer = library_section_json(r, q->work, q->section, e);
+        break;
+    case LIBRARY_PASSAGE:
+        answer = library_passage_json(r, q->passage, e);
+        break;
+    case LIBRARY_SEARCH:
+        answer = library_search_json(r, q, e);
+    }
+    sqlite3_exec(r->sql, "COMMIT", NULL, NULL, NULL);
+    library_reader_done(l, r);
+    if (answer)
+        json_dump_callback(answer, append, out, JSON_COMPACT | JSON_REAL_PRECISION(6));
+    json_decref(answer);
+    return answer ? 0 : -1;
+}

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The files of a folder that may be works. */
+#ifndef FACCIA_LIBRARY_LIBRARY_FILES_H
+#define FACCIA_LIBRARY_LIBRARY_FILES_H
+
+#include "server/base/error.h"
+#include <limits.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+enum { FOLDER_DEPTH_MAX = 16 };
+
+struct library_file {
+    char *path;             /* from the folder on */
+    int64_t size, modified; /* bytes, ns */
+};
+
+struct library_files {
+    struct library_file *list; /* in the order of their paths */
+    size_t count, cap;
+};
+
+/* files begins zeroed. What begins with a dot is passed over. -1 with *e; free it all the same. */
+int library_files_list(struct library_files *files, const char *folder, struct error *e);
+void library_files_free(struct library_files *files);
+bool library_files_has(const struct library_files *files, const char *path);
+
+char *library_file_path(const char *folder, const char *path); /* to be freed */
+
+/* SHA-256 as 64 figures; false: the file cannot be read. */
+bool library_file_hash(const char *path, char out[65]);
+
+/* The path as an id: small letters, figures and hyphens. */
+void library_file_name(const char *path, bool with_ending, char out[64]);
+
+/* The recording of the same name beside it: its absolute path. False: there is none. */
+bool library_file_sound(const char *path, char out[PATH_MAX]);
+
+/* Is there a recording of the same name beside it? */
+bool library_file_has_sound(const char *path);
+
+#endif

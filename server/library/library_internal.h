@@ -1,0 +1,68 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of the library share. */
+#ifndef FACCIA_LIBRARY_LIBRARY_INTERNAL_H
+#define FACCIA_LIBRARY_LIBRARY_INTERNAL_H
+
+#include "server/library/index_internal.h"
+#include "server/library/library.h"
+#include <jansson.h>
+#include <pthread.h>
+#include <stdatomic.h>
+
+enum { READERS_MAX = 8 };
+
+/* A connection for one question at a time. */
+struct index_reader {
+    sqlite3 *sql;
+    struct stems *stems;
+};
+
+struct library {
+    char *folder, *index, *voices, *lang;
+    pthread_t thread;
+    pthread_mutex_t mutex; /* over what follows */
+    pthread_cond_t wake;
+    struct index_reader *idle[READERS_MAX]; /* that nobody uses now */
+    unsigned idle_count;
+    size_t done, of; /* files of this pass */
+    bool indexing, closing;
+    atomic_bool stop;
+};
+
+/* library.c */
+struct index_reader *library_reader(struct library *library, struct error *e);
+void library_reader_done(struct library *library, struct index_reader *reader);
+
+/* library_scan.c: the thread. */
+void *library_scan(void *library);
+
+/* library_answer.c, library_section.c, library_search.c: an answer; NULL with *e. */
+json_t *library_section_json(struct index_reader *reader, const char *work, const char *section,
+                             struct error *e);
+json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
+                            struct error *e);
+json_t *library_passage_json(struct index_reader *reader, const char *id, struct error *e);
+
+/* library_read.c */
+
+/* A statement, to be finalised; NULL with *e. */
+sqlite3_stmt *library_prepare(struct index_reader *reader, const char *sql, struct error *e);
+json_t *library_text(sqlite3_stmt *statement, int column); /* a string, or null */
+
+/* library_section.c: a passage's place and text. */
+struct found_passage {
+    char work[80], name[24]; /* name "": a section */
+    unsigned section;
+    char kind[16], block[16]; /* "line" of a verse block */
+    char lang[36], markup[8];
+    struct buf text, source; /* source: what is spoken, when it is not the text */
+    char n[32];
+};
+int library_find(struct index_reader *reader, const char *id, struct found_passage *out, struct error *e);
+void found_passage_free(struct found_passage *passage);
+
+/* A whole number from min to max; otherwise when there is none. -1 with *e. */
+int library_number(const char *field, const char *text, unsigned min, unsigned max, unsigned otherwise,
+                   unsigned *out, struct error *e);
+
+#endif

@@ -1,0 +1,201 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The library's thread: what has changed in the folder is read anew, as often as it is looked through. */
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/library/library_files.h"
+#include "server/library/library_internal.h"
+#include <errno.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <time.h>
+#include <unistd.h>
+
+enum {
+    LOOK_SECONDS = 3,
+    COMMIT_CHARACTERS = 8 << 20, /* one transaction has so many, or little more */
+    NICE = 10,
+};
+
+struct pass {
+    struct library *library;
+    struct index_writer writer;
+    size_t changed; /* characters since terms were counted */
+};
+
+struct taking {
+    struct pass *pass;
+    const char *path, *name;
+    struct work_meta meta;
+    struct error error;
+    bool failed;
+};
+
+static int on_section(void *ctx, const struct section *section) {
+    struct taking *t = ctx;
+    struct library *l = t->pass->library;
+    t->failed = t->failed || index_add_section(&t->pass->writer, t->name,
+                                               t->meta.lang ? t->meta.lang : l->lang, section, &t->error);
+    return t->failed || atomic_load(&l->stop);
+}
+
+static void on_problem(void *ctx, const struct error *problem, bool serious) {
+    struct taking *t = ctx;
+    t->failed = t->failed || index_add_problem(&t->pass->writer, t->path, problem, serious, &t->error);
+}
+
+static bool name_is_free(struct index_writer *w, const char *name) {
+    sqlite3_stmt *s = NULL;
+    sqlite3_prepare_v2(w->sql, "SELECT 1 FROM work WHERE name = ?", -1, &s, NULL);
+    sqlite3_bind_text(s, 1, name, -1, SQLITE_STATIC);
+    bool is_free = sqlite3_step(s) != SQLITE_ROW;
+    sqlite3_finalize(s);
+    return is_free;
+}
+
+/* The work's id: of two files of one name the second has its ending in it. */
+static void choose_name(struct index_writer *w, const char *path, char name[80]) {
+    char plain[64], whole[64];
+    library_file_name(path, false, plain);
+    library_file_name(path, true, whole);
+    snprintf(name, 80, "%s", plain);
+    if (!name_is_free(w, name))
+        snprintf(name, 80, "%s", whole);
+    for (int i = 2; !name_is_free(w, name); i++)
+        snprintf(name, 80, "%s-%d", whole, i);
+}
+
+/* Reads one file into the index. -1 with *e: the index cannot be written. */
+static int take(struct pass *p, const char *path, struct index_file *file, struct error *e) {
+    struct library *l = p->library;
+    struct taking t = {.pass = p, .path = path, .name = file->work, .meta = {.lang = mem_strdup(l->lang)}};
+    const struct work_sink sink = {&t, on_section, on_problem};
+    struct error why;
+    char *full = library_file_path(l->folder, path);
+    if (index_remove(&p->writer, path, e))
+        t.failed = true;
+    choose_name(&p->writer, path, file->work);
+    int64_t first = p->writer.next;
+    int result = t.failed ? -1 : work_read(full, &t.meta, &sink, &why);
+    bool some = p->writer.next > first;
+    if (!t.failed && result)
+        t.failed = index_add_problem(&p->writer, path, &why, true, &t.error);
+    if (!t.failed && some) {
+        char title[64];
+        library_file_name(path, false, title);
+        work_meta_set(&t.meta.title, title);
+        t.failed = index_add_work(&p->writer, file->work, path, file->hash, &t.meta, first,
+                                  library_file_has_sound(full), &t.error);
+    }
+    if (!some)
+        file->work[0] = '\0';
+    if (!t.failed && !atomic_load(&l->stop))
+        t.failed = index_file_set(&p->writer, path, file, &t.error);
+    if (t.failed)
+        *e = t.error;
+    work_meta_free(&t.meta);
+    free(full);
+    return t.failed ? -1 : 0;
+}
+
+/* Only what has changed in size or time is looked into, and only what is another text is read. */
+static int look(struct pass *p, const struct library_file *f, struct error *e) {
+    struct index_file known;
+    char hash[65];
+    bool there = index_file_get(&p->writer, f->path, &known);
+    if (there && known.size == f->size && known.modified == f->modified)
+        return 0;
+    char *full = library_file_path(p->library->folder, f->path);
+    bool hashed = library_file_hash(full, hash);
+    free(full);
+    bool same = there && hashed && !strcmp(hash, known.hash);
+    known.size = f->size;
+    known.modified = f->modified;
+    snprintf(known.hash, sizeof known.hash, "%s", hashed ? hash : "");
+    if (index_begin(&p->writer, e))
+        return -1;
+    return same ? index_file_set(&p->writer, f->path, &known, e) : take(p, f->path, &known, e);
+}
+
+static int forget_missing(struct pass *p, const struct library_files *files, struct error *e) {
+    sqlite3_stmt *s = NULL;
+    struct buf gone = {0};
+    if (sqlite3_prepare_v2(p->writer.sql, "SELECT path FROM file", -1, &s, NULL) != SQLITE_OK)
+        return error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(p->writer.sql));
+    while (sqlite3_step(s) == SQLITE_ROW) {
+        const char *path = (const char *)sqlite3_column_text(s, 0);
+        if (path && !library_files_has(files, path))
+            buf_add(&gone, path, strlen(path) + 1);
+    }
+    sqlite3_finalize(s);
+    int result = 0;
+    for (size_t at = 0; at < gone.size && !result; at += strlen((char *)gone.data + at) + 1)
+        result = index_remove(&p->writer, (char *)gone.data + at, e);
+    buf_free(&gone);
+    return result;
+}
+
+static void progress(struct library *l, size_t done, size_t of, bool indexing) {
+    pthread_mutex_lock(&l->mutex);
+    l->done = done;
+    l->of = of;
+    l->indexing = indexing;
+    pthread_mutex_unlock(&l->mutex);
+}
+
+static int read_all(struct pass *p, struct error *e) {
+    struct library *l = p->library;
+    struct library_files files = {0};
+    int result = library_files_list(&files, l->folder, e) || forget_missing(p, &files, e);
+    bool was_indexing = l->indexing;
+    for (size_t i = 0; !result && i < files.count && !atomic_load(&l->stop); i++) {
+        progress(l, i, files.count, was_indexing);
+        result = look(p, &files.list[i], e);
+        p->changed += p->writer.open ? 1 : 0;
+        if (!result && p->writer.characters > COMMIT_CHARACTERS)
+            result = index_commit(&p->writer, e);
+    }
+    size_t changes = p->changed;
+    if (atomic_load(&l->stop))
+        index_roll_back(&p->writer);
+    else if (!result)
+        result = index_commit(&p->writer, e);
+    if (!result && changes && !atomic_load(&l->stop)) {
+        progress(l, files.count, files.count,
+                 false); /* all can be found: what is common is of no weight yet */
+        result = index_count_terms(&p->writer, e);
+        p->changed = 0;
+    }
+    if (!result)
+        progress(l, files.count, files.count, false);
+    library_files_free(&files);
+    return result;
+}
+
+static void rest(struct library *l) {
+    struct timespec until;
+    clock_gettime(CLOCK_REALTIME, &until);
+    until.tv_sec += LOOK_SECONDS;
+    pthread_mutex_lock(&l->mutex);
+    while (!l->closing && pthread_cond_timedwait(&l->wake, &l->mutex, &until) != ETIMEDOUT)
+        ;
+    pthread_mutex_unlock(&l->mutex);
+}
+
+void *library_scan(void *library) {
+    struct pass p = {.library = library};
+    struct error e;
+    char text[512];
+    setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), NICE); /* of this thread alone */
+    while (!atomic_load(&p.library->stop)) {
+        if ((!p.writer.sql && index_open(&p.writer, p.library->index, &e)) || read_all(&p, &e)) {
+            log_warn("library: %s", error_text(&e, text, sizeof text));
+            index_close(&p.writer);
+        }
+        rest(p.library);
+    }
+    if (p.writer.sql)
+        index_close(&p.writer);
+    return NULL;
+}

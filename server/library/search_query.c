@@ -1,0 +1,274 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/library/search_query.h"
+#include "server/library/search_terms.h"
+#include <stdlib.h>
+#include <string.h>
+
+struct reading {
+    struct search_query *query;
+    const struct query_options *options;
+    const char *text;
+    size_t size, at;
+    unsigned depth;
+    struct error *e;
+};
+
+/* A part of the query: its FTS5 text, and whether it has a term that is not common. */
+struct node {
+    struct buf text;
+    bool rare, negative;
+};
+
+static int read_any(struct reading *r, struct node *out);
+
+static int bad(struct reading *r, size_t at, const char *what) {
+    return error_at_byte(r->e, ERROR_BAD_QUERY, at, "%s", what);
+}
+
+static bool white(char c) {
+    return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+static void skip_white(struct reading *r) {
+    while (r->at < r->size && white(r->text[r->at]))
+        r->at++;
+}
+
+/* An operator: in capitals, by itself. */
+static bool is_word(const struct reading *r, const char *word) {
+    size_t length = strlen(word), end = r->at + length;
+    return end <= r->size && !memcmp(r->text + r->at, word, length) &&
+           (end == r->size || white(r->text[end]) || r->text[end] == '(');
+}
+
+static struct query_term *new_term(struct reading *r, const struct word *word) {
+    struct search_query *q = r->query;
+    if (q->count == QUERY_TERMS_MAX)
+        return NULL;
+    struct query_term *t = &q->terms[q->count++];
+    *t = (struct query_term){0};
+    memcpy(t->word, word->folded, sizeof t->word);
+    return t;
+}
+
+/* One or more words that follow each other, as they are written. */
+static int add_phrase(struct reading *r, struct node *out, const struct word *words, size_t count,
+                      size_t at) {
+    buf_printf(&out->text, "word : \"");
+    for (size_t i = 0; i < count; i++) {
+        struct query_term *t = new_term(r, &words[i]);
+        if (!t)
+            return bad(r, at, "more than 32 words");
+        t->exact = true;
+        out->rare |= !r->options->common(r->options->ctx, t->word, false);
+        buf_printf(&out->text, "%s%s", i ? " " : "", t->word);
+    }
+    buf_printf(&out->text, "\"");
+    return 0;
+}
+
+static int read_quoted(struct reading *r, struct node *out) {
+    size_t from = r->at++;
+    struct word words[QUERY_TERMS_MAX];
+    const char *end = memchr(r->text + r->at, '"', r->size - r->at);
+    if (!end)
+        return bad(r, from, "the quotation mark is not closed");
+    size_t to = (size_t)(end - r->text),
+           count = search_words(r->text, r->at, to, true, words, QUERY_TERMS_MAX);
+    r->at = to + 1;
+    return count ? add_phrase(r, out, words, count, from) : bad(r, from, "there is no word in the quotation");
+}
+
+static int read_near(struct reading *r, struct node *out) {
+    size_t from = r->at;
+    struct word words[QUERY_TERMS_MAX];
+    r->at += strlen("NEAR(");
+    const char *end = memchr(r->text + r->at, ')', r->size - r->at);
+    if (!end)
+        return bad(r, from, "the parenthesis is not closed");
+    const char *comma = memchr(r->text + r->at, ',', (size_t)(end - r->text) - r->at);
+    size_t to = (size_t)((comma ? comma : end) - r->text);
+    size_t count = search_words(r->text, r->at, to, false, words, QUERY_TERMS_MAX);
+    char *stop = NULL;
+    unsigned long distance = comma ? strtoul(comma + 1, &stop, 10) : 10;
+    while (stop && white(*stop))
+        stop++;
+    if (comma && (stop != end || !distance || distance > 100))
+        return bad(r, to + 1, "behind the comma is a number from 1 to 100");
+    if (count < 2)
+        return bad(r, from, "NEAR is of two words or more");
+    buf_printf(&out->text, "word : NEAR(");
+    for (size_t i = 0; i < count; i++) {
+        struct query_term *t = new_term(r, &words[i]);
+        if (!t)
+            return bad(r, from, "more than 32 words");
+        t->exact = true;
+        out->rare |= !r->options->common(r->options->ctx, t->word, false);
+        buf_printf(&out->text, "\"%s\" ", t->word);
+    }
+    buf_printf(&out->text, ", %lu)", distance);
+    r->at = (size_t)(end - r->text) + 1;
+    return 0;
+}
+
+static int read_word(struct reading *r, struct node *out) {
+    size_t from = r->at;
+    struct word words[QUERY_TERMS_MAX];
+    while (r->at < r->size && !white(r->text[r->at]) && !strchr("\"()", r->text[r->at]))
+        r->at++;
+    size_t count = search_words(r->text, from, r->at, false, words, QUERY_TERMS_MAX);
+    bool prefix = r->text[r->at - 1] == '*';
+    if (!count && prefix)
+        return bad(r, from, "before the asterisk is the beginning of a word");
+    if (count > 1)
+        return add_phrase(r, out, words, count, from);
+    if (!count)
+        return 0;
+    struct query_term *t = new_term(r, &words[0]);
+    if (!t)
+        return bad(r, from, "more than 32 words");
+    t->prefix = prefix;
+    if (prefix) {
+        if (!t->word[1])
+            return bad(r, from, "before an asterisk are two letters or more");
+        buf_printf(&out->text, "word : \"%s\" *", t->word);
+        out->rare = strlen(t->word) > 2;
+        return 0;
+    }
+    search_term_stems(r->options, t, &words[0]);
+    out->rare = !r->options->common(r->options->ctx, t->word, false);
+    buf_printf(&out->text, "(word : \"%s\"", t->word);
+    for (size_t i = 0; i < t->stem_count; i++) {
+        buf_printf(&out->text, " OR stem : \"%s\"", t->stems[i]);
+        out->rare &= !r->options->common(r->options->ctx, t->stems[i], true);
+    }
+    buf_printf(&out->text, ")");
+    return 0;
+}
+
+static int read_one(struct reading *r, struct node *out) {
+    if (r->text[r->at] == '"')
+        return read_quoted(r, out);
+    if (r->size - r->at >= 5 && !memcmp(r->text + r->at, "NEAR(", 5))
+        return read_near(r, out);
+    if (r->text[r->at] != '(')
+        return read_word(r, out);
+    size_t from = r->at++;
+    if (++r->depth > QUERY_DEPTH_MAX)
+        return bad(r, from, "too many parentheses are in each other");
+    if (read_any(r, out))
+        return -1;
+    skip_white(r);
+    if (r->at == r->size || r->text[r->at] != ')')
+        return bad(r, from, "the parenthesis is not closed");
+    r->at++;
+    r->depth--;
+    return 0;
+}
+
+/* Adds what must be, or must not be, there, too. Of common words nothing depends as long as there are others.
+ */
+static void join(struct node *all, struct node *one, bool *any) {
+    bool weighs = one->rare || one->negative || !all->rare;
+    if (*any && one->rare && !all->rare && !one->negative) { /* what came before was common: it falls away */
+        buf_free(&all->text);
+        *any = false;
+    }
+    if (weighs && one->text.size) {
+        if (*any)
+            buf_printf(&all->text, one->negative ? " NOT " : " AND ");
+        buf_add(&all->text, one->text.data, one->text.size);
+        *any = true;
+    }
+    all->rare |= one->rare && !one->negative;
+    buf_free(&one->text);
+}
+
+static int read_all(struct reading *r, struct node *out) {
+    struct node wanted = {0}, unwanted = {0};
+    bool any = false, any_not = false;
+    int result = 0;
+    for (skip_white(r); !result && r->at < r->size && r->text[r->at] != ')' && !is_word(r, "OR");
+         skip_white(r)) {
+        struct node one = {.negative = is_word(r, "NOT")};
+        size_t from = r->at;
+        if (is_word(r, "AND")) {
+            r->at += 3;
+            continue;
+        }
+        if (one.negative) {
+            r->at += 3;
+            skip_white(r);
+            result = r->at == r->size ? bad(r, from, "behind NOT is what must not occur") : 0;
+        }
+        bool negative = one.negative;
+        result = result ? result : read_one(r, &one);
+        if (!result && negative && one.text.size) {
+            buf_printf(&unwanted.text, "%s%.*s", any_not ? " OR " : "", (int)one.text.size,
+                       (char *)one.text.data);
+            any_not = true;
+            buf_free(&one.text);
+        } else if (!result) {
+            join(&wanted, &one, &any);
+        } else {
+            buf_free(&one.text);
+        }
+    }
+    if (!result && any_not && !any)
+        result = bad(r, r->at, "NOT needs something beside it that must occur");
+    if (!result && any) {
+        buf_printf(&out->text, "(%.*s", (int)wanted.text.size, (char *)wanted.text.data);
+        if (any_not)
+            buf_printf(&out->text, " NOT (%.*s)", (int)unwanted.text.size, (char *)unwanted.text.data);
+        buf_printf(&out->text, ")");
+        out->rare = wanted.rare;
+    }
+    buf_free(&wanted.text);
+    buf_free(&unwanted.text);
+    return result;
+}
+
+static int read_any(struct reading *r, struct node *out) {
+    bool first = true;
+    for (out->rare = true;; first = false) {
+        struct node one = {0};
+        size_t from = r->at;
+        if (read_all(r, &one)) {
+            buf_free(&one.text);
+            return -1;
+        }
+        if (!one.text.size && (!first || (r->at < r->size && is_word(r, "OR"))))
+            return bad(r, from, "beside OR there is no word");
+        if (one.text.size)
+            buf_printf(&out->text, "%s%.*s", first ? "(" : " OR ", (int)one.text.size, (char *)one.text.data);
+        out->rare &= one.rare;
+        buf_free(&one.text);
+        if (r->at == r->size || !is_word(r, "OR"))
+            break;
+        r->at += 2;
+    }
+    if (out->text.size)
+        buf_printf(&out->text, ")");
+    return 0;
+}
+
+int search_query_read(struct search_query *q, const char *text, const struct query_options *options,
+                      struct error *e) {
+    struct reading r = {.query = q, .options = options, .text = text, .size = strlen(text), .e = e};
+    struct node all = {0};
+    *q = (struct search_query){0};
+    int result =
+        r.size > QUERY_BYTES_MAX ? bad(&r, QUERY_BYTES_MAX, "more than 1000 bytes") : read_any(&r, &all);
+    if (!result && r.at < r.size)
+        result = bad(&r, r.at, "a parenthesis that was not opened");
+    if (!result && !all.text.size)
+        result = bad(&r, 0, "there is no word in it");
+    buf_add(&all.text, "", 1);
+    q->match = all.text;
+    q->ranked = all.rare;
+    return result;
+}
+
+void search_query_free(struct search_query *q) {
+    buf_free(&q->match);
+}

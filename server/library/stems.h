@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Stems of words, by the Snowball stemmers (M. F. Porter, 2001) of libstemmer. One thread at a time. */
+#ifndef FACCIA_LIBRARY_STEMS_H
+#define FACCIA_LIBRARY_STEMS_H
+
+#include "server/library/words.h"
+
+struct stems;
+
+struct stems *stems_open(void);
+void stems_close(struct stems *stems);
+
+/* The stem of a word of that language (BCP 47), folded; false: the language has none. */
+bool stems_of(struct stems *stems, const char *lang, const struct word *word, char out[WORD_BYTES_MAX]);
+
+/* The languages that have stems, by number from 0; NULL: no more. */
+const char *stems_language(size_t i);
+
+#endif

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/library/words.h"
+#include "server/base/utf8.h"
+#include <stdint.h>
+#include <string.h>
+#include <utf8proc.h>
+
+enum { DOTLESS = 0x131, DOTTED = 0x130 };
+
+static bool is_ascii_word(unsigned char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9');
+}
+
+/* Letters and figures; *mark: what is set on the letter before. */
+static bool is_word(uint32_t cp, bool *mark) {
+    utf8proc_category_t category = utf8proc_category((utf8proc_int32_t)cp);
+    *mark = category >= UTF8PROC_CATEGORY_MN && category <= UTF8PROC_CATEGORY_ME;
+    return *mark || (category >= UTF8PROC_CATEGORY_LU && category <= UTF8PROC_CATEGORY_LO) ||
+           (category >= UTF8PROC_CATEGORY_ND && category <= UTF8PROC_CATEGORY_NO);
+}
+
+/* False: it has no room. */
+static bool put(char *out, size_t *length, uint32_t cp) {
+    char bytes[4];
+    size_t n = utf8_put(cp, bytes);
+    if (*length + n >= WORD_BYTES_MAX)
+        return false;
+    memcpy(out + *length, bytes, n);
+    *length += n;
+    out[*length] = '\0';
+    return true;
+}
+
+static void put_folded(char *out, size_t *length, uint32_t cp) {
+    utf8proc_int32_t parts[8];
+    int boundary = 0;
+    if (cp < 0x80) {
+        put(out, length, cp >= 'A' && cp <= 'Z' ? cp + 32 : cp);
+        return;
+    }
+    if (cp == DOTLESS || cp == DOTTED) {
+        put(out, length, 'i');
+        return;
+    }
+    utf8proc_ssize_t n = utf8proc_decompose_char(
+        (utf8proc_int32_t)cp, parts, 8,
+        UTF8PROC_DECOMPOSE | UTF8PROC_CASEFOLD | UTF8PROC_COMPAT | UTF8PROC_STRIPMARK, &boundary);
+    for (utf8proc_ssize_t i = 0; i < n && i < 8; i++)
+        put(out, length, (uint32_t)parts[i]);
+}
+
+static uint32_t lower_of(uint32_t cp, bool turkish) {
+    if (cp == DOTTED || (turkish && cp == 'I'))
+        return cp == 'I' ? DOTLESS : 'i';
+    if (cp < 0x80)
+        return cp >= 'A' && cp <= 'Z' ? cp + 32 : cp;
+    return (uint32_t)utf8proc_tolower((utf8proc_int32_t)cp);
+}
+
+static size_t next(const char *text, size_t size, size_t at, uint32_t *cp) {
+    size_t n = utf8_next(text + at, size - at, cp);
+    if (!n)
+        *cp = ' ';
+    return n ? n : 1;
+}
+
+bool words_next(const char *text, size_t size, bool turkish, size_t *at, struct word *word) {
+    size_t lower = 0, folded = 0;
+    bool begun = false, mark = false;
+    word->lower[0] = word->folded[0] = '\0';
+    while (*at < size) {
+        unsigned char c = (unsigned char)text[*at];
+        uint32_t cp = c;
+        size_t n = c < 0x80 ? 1 : next(text, size, *at, &cp);
+        bool part = c < 0x80 ? is_ascii_word(c) : is_word(cp, &mark);
+        if (!part && begun)
+            break;
+        if (part && (begun || c < 0x80 || !mark)) {
+            if (!begun)
+                word->from = *at;
+            begun = true;
+            put(word->lower, &lower, lower_of(cp, turkish));
+            if (c < 0x80 || !mark)
+                put_folded(word->folded, &folded, cp);
+        }
+        *at += n;
+    }
+    word->to = *at;
+    return begun;
+}
+
+void words_fold(const char *lower, char out[WORD_BYTES_MAX]) {
+    size_t at = 0, length = 0, size = strlen(lower);
+    out[0] = '\0';
+    while (at < size) {
+        uint32_t cp;
+        bool mark = false;
+        at += next(lower, size, at, &cp);
+        if (is_word(cp, &mark) && !mark)
+            put_folded(out, &length, cp);
+    }
+}
+
+bool words_elided(const char *folded) {
+    static const char *const list[] = {"l",     "un",    "d",    "c",    "s",    "m",    "t",    "v",
+                                       "n",     "gl",    "dell", "nell", "all",  "dall", "sull", "coll",
+                                       "quell", "quest", "bell", "sant", "anch", "ch",   "com",  NULL};
+    for (const char *const *one = list; *one; one++)
+        if (!strcmp(*one, folded))
+            return true;
+    return false;
+}

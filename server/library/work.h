@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A work of literature, whatever its file: sections of blocks. Readers make it section by section with
+ * builder.h; what they cannot make sense of they tell. Texts are UTF-8; places are bytes. */
+#ifndef FACCIA_LIBRARY_WORK_H
+#define FACCIA_LIBRARY_WORK_H
+
+#include "server/base/buf.h"
+#include "server/base/error.h"
+#include <stdbool.h>
+
+enum block_kind {
+    BLOCK_HEAD,
+    BLOCK_PARAGRAPH,
+    BLOCK_VERSE,
+    BLOCK_NOTE,
+    BLOCK_SPEAKER,
+    BLOCK_STAGE,
+    BLOCK_PAGE,
+};
+
+enum mark_kind { MARK_EMPHASIS, MARK_FOREIGN, MARK_NAME, MARK_NOTE, MARK_PAGE };
+
+struct block_mark {
+    enum mark_kind kind;
+    size_t start, end;
+    char *value; /* FOREIGN: the language; NOTE: its name; PAGE: its number; else NULL */
+};
+
+struct block_line {
+    size_t start, end;
+    char *n; /* as the edition has it; NULL: it is counted */
+    bool indent;
+};
+
+struct block {
+    enum block_kind kind;
+    char name[16]; /* in its section: "p2"; "" where it has none */
+    char *lang, *speaker, *n;
+    struct buf text;
+    char *source; /* MARKUP: what is spoken instead of the text */
+    const char *markup;
+    unsigned level; /* of a head, from 1 */
+    bool item;
+    unsigned first_line; /* of the section; from 1 */
+    struct block_mark *marks;
+    size_t mark_count, mark_cap;
+    struct block_line *lines;
+    size_t line_count, line_cap;
+};
+
+struct section {
+    unsigned number, level;
+    char *title;
+    struct block *blocks;
+    size_t count, cap;
+    size_t characters; /* of what can be read */
+    unsigned passages, lines, counts[BLOCK_PAGE + 1];
+};
+
+struct work_meta {
+    char *title, *author, *lang, *date, *publisher, *licence, *source;
+    const char *format;
+};
+
+struct work_sink {
+    void *ctx;
+    int (*section)(void *ctx, const struct section *section); /* not 0: no more is wanted */
+    void (*problem)(void *ctx, const struct error *e, bool serious);
+};
+
+/* What a file may have. */
+enum {
+    WORK_FILE_BYTES_MAX = 64 << 20,     /* of a text, and of one file in an EPUB */
+    WORK_ARCHIVE_BYTES_MAX = 256 << 20, /* of all that is read of an EPUB */
+    WORK_ARCHIVE_FILES_MAX = 10000,
+    WORK_DEPTH_MAX = 256,        /* of elements */
+    SECTION_CHARACTERS = 100000, /* a longer one is continued in another */
+    SECTIONS_MAX = 100000,
+    BLOCK_BYTES_MAX = 1 << 20, /* a longer one is continued in another */
+    NOTE_DEPTH_MAX = 4,
+    PROBLEMS_MAX = 50, /* told of a file */
+};
+
+void work_meta_free(struct work_meta *meta);
+
+/* Sets a text of the meta once: what came first stays. */
+void work_meta_set(char **field, const char *text);
+
+void block_free(struct block *block);
+void section_free(struct section *section);
+
+/* Reads a file of any kind that is known by its ending (and, .xml, by its root): sections go to the sink.
+ * Begins with meta zeroed but for lang, which is that of works that do not tell theirs. -1 with *e: it could
+ * not be read, or not to its end; sections until then were given. */
+int work_read(const char *path, struct work_meta *meta, const struct work_sink *sink, struct error *e);
+
+/* Is it a file of such an ending? */
+bool work_is(const char *path);
+
+#endif

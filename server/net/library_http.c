@@ -1,0 +1,261 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* /v1/library, /library and /oembed: what is asked of the library is answered in other threads, a few at a
+ * time. */
+#include "server/base/mem.h"
+#include "server/library/library.h"
+#include "server/net/library_page.h"
+#include "server/net/net_internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum {
+    ASKING_MOST = 2, /* at once: the threads are for others, too */
+    WAITING_MOST = 256,
+};
+
+/* Belongs to its exchange, and to the thread until it is done. */
+struct asking {
+    uv_work_t work;
+    struct exchange *x; /* NULL: its client is gone */
+    struct net *net;
+    struct asking *next; /* of those that wait */
+    struct library_question question;
+    enum library_form form;
+    const char *base, *section; /* see library_page.h */
+    char *texts[10];            /* that the question points to */
+    size_t text_count;
+    struct buf answer;
+    struct error error;
+    int result;
+    bool running, done;
+};
+
+static void free_asking(struct asking *a) {
+    for (size_t i = 0; i < a->text_count; i++)
+        free(a->texts[i]);
+    buf_free(&a->answer);
+    free(a);
+}
+
+static void in_thread(uv_work_t *work) {
+    struct asking *a = work->data;
+    a->result = library_answer(a->net->options.library, &a->question, &a->answer, &a->error);
+    if (!a->result && a->form != LIBRARY_AS_JSON)
+        library_page(a->form, a->base, a->section, &a->answer);
+}
+
+static void begin(struct net *net);
+
+static void after(uv_work_t *work, int status) {
+    struct asking *a = work->data;
+    struct net *net = a->net;
+    net->asking--;
+    a->done = true;
+    if (!a->x)
+        free_asking(a);
+    else if (status || a->result)
+        exchange_error(a->x, &a->error);
+    else
+        exchange_tagged(a->x, a->form == LIBRARY_AS_PAGE ? "text/html; charset=utf-8" : "application/json",
+                        a->answer.data, a->answer.size);
+    begin(net);
+}
+
+static void begin(struct net *net) {
+    while (net->asking < ASKING_MOST && net->questions) {
+        struct asking *a = net->questions;
+        net->questions = a->next;
+        net->questions_waiting--;
+        net->asking++;
+        a->running = true;
+        uv_queue_work(net->pipeline->loop, &a->work, in_thread, after);
+    }
+}
+
+static void leave(void *self) {
+    struct asking *a = self;
+    a->x = NULL;
+    if (a->running && !a->done)
+        return; /* it comes back by itself */
+    for (struct asking **at = &a->net->questions; !a->running && *at; at = &(*at)->next)
+        if (*at == a) {
+            *at = a->next;
+            a->net->questions_waiting--;
+            break;
+        }
+    free_asking(a);
+}
+
+static const char *keep(struct asking *a, const char *text, size_t size) {
+    a->texts[a->text_count] = mem_strndup(text, size);
+    return a->texts[a->text_count++];
+}
+
+static const char *member(struct asking *a, const struct http_request *request, const char *name) {
+    const char *value = http_query(request, name);
+    return value && *value ? keep(a, value, strlen(value)) : NULL;
+}
+
+/* The part of a path up to the next slash. */
+static const char *part(struct asking *a, const char **path) {
+    size_t size = strcspn(*path, "/");
+    const char *text = keep(a, *path, size);
+    *path += size + ((*path)[size] == '/');
+    return text;
+}
+
+/* False: nothing is at that address. */
+static bool read_path(struct asking *a, const char *path) {
+    struct library_question *q = &a->question;
+    if (!*path) {
+        q->kind = LIBRARY_LIST;
+    } else if (!strcmp(path, "/search")) {
+        q->kind = LIBRARY_SEARCH;
+    } else if (!strncmp(path, "/passages/", 10) && path[10] && !strchr(path + 10, '/')) {
+        q->kind = LIBRARY_PASSAGE;
+        q->passage = keep(a, path + 10, strlen(path + 10));
+    } else if (!strncmp(path, "/works/", 7) && path[7]) {
+        path += 7;
+        q->work = part(a, &path);
+        q->kind = LIBRARY_WORK;
+        if (!strncmp(path, "sections/", 9)) {
+            path += 9;
+            q->kind = LIBRARY_SECTION;
+            q->section = part(a, &path);
+        }
+        return !*path;
+    } else {
+        return false;
+    }
+    return true;
+}
+
+/* WORK and, after a slash or a colon, SECTION. False: no work is named. */
+static bool read_place(struct asking *a, const char *place) {
+    struct library_question *q = &a->question;
+    size_t size = strcspn(place, "/:?#&");
+    q->kind = LIBRARY_WORK;
+    q->work = keep(a, place, size);
+    place += size;
+    if (*place == '/' || *place == ':') {
+        size = strcspn(++place, "/:?#&");
+        if (size)
+            a->section = keep(a, place, size);
+    }
+    return *q->work;
+}
+
+/* The address of a page of the library: /library/WORK/SECTION, library.html?at=WORK:SECTION, or
+ * #WORK:SECTION. */
+static bool read_address(struct asking *a, const char *url) {
+    static const char *const before[] = {"/library/", "at=", "library.html#"};
+    for (size_t i = 0; url && i < sizeof before / sizeof *before; i++) {
+        const char *found = strstr(url, before[i]);
+        if (found)
+            return read_place(a, found + strlen(before[i]));
+    }
+    return false;
+}
+
+static bool read_page(struct asking *a, const char *path) {
+    if (*path == '/' && path[1] && !read_place(a, path + 1))
+        return false;
+    if (a->section) {
+        a->question.kind = LIBRARY_SECTION;
+        a->question.section = a->section;
+    }
+    return true;
+}
+
+/* Where its client reaches the daemon, perhaps through a proxy that speaks TLS. */
+static const char *base_of(struct asking *a, const struct http_request *request) {
+    const char *host = http_header(request, "host"), *scheme = http_header(request, "x-forwarded-proto");
+    struct buf base = {0};
+    buf_printf(&base, "http%s://%s", scheme && !strcmp(scheme, "https") ? "s" : "",
+               host ? host : "localhost");
+    const char *kept = keep(a, (const char *)base.data, base.size);
+    buf_free(&base);
+    return kept;
+}
+
+/* False: nothing is at that address. */
+static bool read_request(struct asking *a, const struct http_request *request) {
+    static const char api[] = "/v1/library", page[] = "/library";
+    if (!strncmp(request->path, api, sizeof api - 1))
+        return read_path(a, request->path + sizeof api - 1);
+    a->base = base_of(a, request);
+    a->form = LIBRARY_AS_PAGE;
+    if (!strncmp(request->path, page, sizeof page - 1))
+        return read_page(a, request->path + sizeof page - 1);
+    a->form = LIBRARY_AS_OEMBED;
+    return read_address(a, http_query(request, "url"));
+}
+
+static void ask(struct asking *a) {
+    struct asking **end = &a->net->questions;
+    while (*end)
+        end = &(*end)->next;
+    *end = a;
+    a->net->questions_waiting++;
+    begin(a->net);
+}
+
+int library_get(struct exchange *x) {
+    const struct http_request *request = exchange_request(x);
+    struct net *net = exchange_net(x);
+    struct error e;
+    struct asking *a = mem_alloc(sizeof *a);
+    a->net = net;
+    a->work.data = a;
+    bool there = net->options.library && read_request(a, request);
+    if (!there || net->questions_waiting >= WAITING_MOST) {
+        free_asking(a);
+        error_plain(&e, there ? ERROR_TOO_MANY_SEARCHES : ERROR_NOT_FOUND);
+        return exchange_error(x, &e);
+    }
+    struct library_question *q = &a->question;
+    if (q->kind == LIBRARY_SEARCH) {
+        q->query = member(a, request, "q");
+        q->lang = member(a, request, "lang");
+        q->author = member(a, request, "author");
+        q->work = member(a, request, "work");
+    }
+    q->limit = member(a, request, "limit");
+    q->after = member(a, request, "after");
+    a->x = x;
+    error_plain(&a->error, ERROR_CANCELLED);
+    exchange_set_work(x, (struct exchange_work){.free = leave, .self = a});
+    ask(a);
+    return 0;
+}
+
+int passage_resolve(const struct net *net, struct speech_request *request, struct error *e) {
+    struct library_passage passage;
+    if (!request->passage)
+        return request->from > 0 ? error_in_field(e, ERROR_BAD_FIELD, "from", "goes with a passage only") : 0;
+    if (request->text)
+        return error_in_field(e, ERROR_BAD_FIELD, "passage", "there is a text already");
+    if (!net->options.library)
+        return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "there is no library here");
+    if (library_passage(net->options.library, request->passage, request->from, &passage, e))
+        return -1;
+    if (request->voice && !strcmp(request->voice, "recording")) {
+        if (!passage.voice) {
+            library_passage_free(&passage);
+            return error_in_field(e, ERROR_UNKNOWN_VOICE, "voice", "there is no recording of it");
+        }
+        free(request->voice);
+        request->voice = mem_strdup(passage.voice);
+    }
+    request->text = passage.text;
+    request->text_size = strlen(passage.text);
+    passage.text = NULL;
+    free(request->markup);
+    request->markup = mem_strdup(passage.markup);
+    if (!request->lang) {
+        request->lang = passage.lang;
+        passage.lang = NULL;
+    }
+    library_passage_free(&passage);
+    return 0;
+}

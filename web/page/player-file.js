@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: MIT
+// FAP files: .fap (text) and .fapc (coded) read, .fap written. No page needed: tests/web reads this.
+export const FAPS = 68;
+const FRAMES_MAX = 500000;
+
+/**
+ * @typedef {{name: string, fps: number, frames: Int32Array[], high: number[][]}} Faps frames: by FAP number, from 3 on; high:
+ *   FAP 1 and 2 as they were
+ */
+
+class FileError extends Error {
+  constructor(message, place) {
+    super(message);
+    Object.assign(this, place, { code: 'bad-fap' });
+  }
+}
+
+/** @param {string} text @returns {Faps} */
+export function readFap(text) {
+  const lines = text.split(/\r?\n/);
+  const header = lines[0].trim().split(/\s+/);
+  const versioned = /^2\.[01]$/.test(header[0]) && header.length === 4;
+  const fps = versioned ? Number(header[2]) : header.length === 2 ? Number(header[0]) : 25;
+  if (!(fps > 0 && fps <= 1000)) throw new FileError('no frame rate', { line: 1, column: 1 });
+  const frames = [];
+  const high = [];
+  let first = header.length <= 4 && header.length !== FAPS ? 1 : 0;
+  for (; first < lines.length; first += 2) {
+    if (!lines[first].trim()) {
+      first--;
+      continue;
+    }
+    const flags = lines[first].trim().split(/\s+/);
+    if (flags.length < FAPS || flags.some((flag) => flag !== '0' && flag !== '1'))
+      throw new FileError('68 flags were expected', { line: first + 1, column: 1 });
+    const values = (lines[first + 1] ?? '').trim().split(/\s+/).map(Number);
+    const previous = frames.at(-1);
+    const frame = previous ? Int32Array.from(previous) : new Int32Array(FAPS + 1);
+    let at = 1; // the frame's number comes first
+    const own = [];
+    flags.slice(0, FAPS).forEach((flag, i) => {
+      if (flag === '0') return;
+      const size = i === 0 ? 4 : i === 1 ? 6 : 1;
+      if (at + size > values.length || values.slice(at, at + size).some((value) => !Number.isInteger(value)))
+        throw new FileError('a value is missing, or no whole number', { line: first + 2, column: 1 });
+      if (i > 1) frame[i + 1] = values[at];
+      else own[i] = values.slice(at, at + size);
+      at += size;
+    });
+    frames.push(frame);
+    high.push(own);
+    if (frames.length > FRAMES_MAX) throw new FileError('too many frames', { line: first + 1, column: 1 });
+  }
+  if (!frames.length) throw new FileError('no frames', { line: 1, column: 1 });
+  return { name: versioned ? header[1] : 'faccia', fps, frames, high };
+}
+
+/** @param {Uint8Array} bytes */
+export const isFapc = (bytes) => String.fromCharCode(...bytes.subarray(0, 4)) === 'FPC1';
+
+/** @param {Uint8Array} bytes @param {Function} FapcDecoder of protocol/fapc.mjs @returns {Faps} */
+export function readFapc(bytes, FapcDecoder) {
+  const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
+  if (bytes.length < 8 || !isFapc(bytes)) throw new FileError('does not begin with FPC1', { byte: 0 });
+  const fps = view.getUint32(4, true) / 100;
+  const decoder = new FapcDecoder();
+  const [frames, high] = [[], []];
+  for (let at = 8; at < bytes.length; ) {
+    if (bytes.length - at < 3) throw new FileError('the file ends within the head of a packet', { byte: at });
+    const [count, size] = [bytes[at], view.getUint16(at + 1, true)];
+    if (!count || count > 64 || at + 3 + size > bytes.length) throw new FileError('a damaged packet', { byte: at });
+    let decoded;
+    try {
+      decoded = decoder.decode(bytes.subarray(at + 3, at + 3 + size), count);
+    } catch (error) {
+      throw new FileError(error.message, { byte: at });
+    }
+    for (const { mask, values, viseme, expression } of decoded) {
+      frames.push(values.map((value, n) => (mask[n] && n > 2 ? value : 0)));
+      high.push([mask[1] ? [...viseme] : undefined, mask[2] ? [...expression] : undefined]);
+    }
+    at += 3 + size;
+  }
+  if (!frames.length || !(fps > 0)) throw new FileError('no frames', { byte: bytes.length });
+  return { name: 'faccia', fps, frames, high };
+}
+
+/** @param {Faps} faps @returns {string} a .fap file, version 2.1; FAPs 1 and 2 as they were read */
+export function writeFap({ name, fps, frames, high }) {
+  const out = [`2.1 ${name.replace(/\s+/g, '_') || 'faccia'} ${fps} ${frames.length}`];
+  frames.forEach((frame, k) => {
+    const own = high[k] ?? [];
+    const flags = Array.from({ length: FAPS }, (_, i) => (i > 1 || own[i] ? 1 : 0));
+    out.push(flags.join(' '), [k, ...(own[0] ?? []), ...(own[1] ?? []), ...frame.slice(3, FAPS + 1)].join(' '));
+  });
+  return `${out.join('\n')}\n`;
+}

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: MIT
+/** What the Face Player says. */
+export const words = {
+  it: {
+    title: 'Face Player', playerPage: 'Face Player', text: 'Testo', lang: 'Lingua', speakIt: 'Fallo dire', files: 'Apri .fap o .fapc, con suono e tempi',
+    plots: 'Onda, spettro, suoni e curve', play: 'Avvia', pause: 'Pausa', frameBack: 'Un fotogramma indietro', frameOn: 'Un fotogramma avanti',
+    loop: 'Ripeti', frame: 'Fotogramma', group: 'Gruppo di FAP', curve: 'Curva da modificare', value: 'Valore a questo fotogramma',
+    editHint: 'Si trascinano i punti della curva; un doppio clic ne aggiunge o ne toglie uno.', setKey: 'Metti il punto', dropKey: 'Togli il punto',
+    smooth: 'Liscia', factor: 'Fattore', scale: 'Scala', mirror: 'Specchia', copyCurve: 'Copia la curva', pasteCurve: 'Incolla', undo: 'Annulla', redo: 'Rifai',
+    save: 'Salva .fap', opened: '{name}: {n} fotogrammi, {fps} al secondo.',
+    groups: ['', '', 'Mascella e labbra interne', 'Occhi', 'Sopracciglia', 'Guance', 'Lingua', 'Testa', 'Labbra esterne', 'Naso', 'Orecchie'],
+  },
+  pt: {
+    title: 'Face Player', playerPage: 'Face Player', text: 'Texto', lang: 'Idioma', speakIt: 'Falar', files: 'Abrir .fap ou .fapc, com som e tempos',
+    plots: 'Onda, espectro, sons e curvas', play: 'Iniciar', pause: 'Pausar', frameBack: 'Um quadro atrás', frameOn: 'Um quadro adiante',
+    loop: 'Repetir', frame: 'Quadro', group: 'Grupo de FAPs', curve: 'Curva a editar', value: 'Valor neste quadro',
+    editHint: 'Arraste os pontos da curva; um clique duplo põe ou tira um.', setKey: 'Pôr o ponto', dropKey: 'Tirar o ponto',
+    smooth: 'Suavizar', factor: 'Fator', scale: 'Escalar', mirror: 'Espelhar', copyCurve: 'Copiar a curva', pasteCurve: 'Colar', undo: 'Desfazer', redo: 'Refazer',
+    save: 'Salvar .fap', opened: '{name}: {n} quadros, {fps} por segundo.',
+    groups: ['', '', 'Mandíbula e lábios internos', 'Olhos', 'Sobrancelhas', 'Bochechas', 'Língua', 'Cabeça', 'Lábios externos', 'Nariz', 'Orelhas'],
+  },
+  tr: {
+    title: 'Face Player', playerPage: 'Face Player', text: 'Metin', lang: 'Dil', speakIt: 'Söylet', files: '.fap ya da .fapc aç, ses ve sürelerle',
+    plots: 'Dalga, tayf, sesler ve eğriler', play: 'Başlat', pause: 'Duraklat', frameBack: 'Bir kare geri', frameOn: 'Bir kare ileri',
+    loop: 'Yinele', frame: 'Kare', group: 'FAP öbeği', curve: 'Düzenlenecek eğri', value: 'Bu karedeki değer',
+    editHint: 'Eğrinin noktaları sürüklenir; çift tıklama bir nokta koyar ya da kaldırır.', setKey: 'Noktayı koy', dropKey: 'Noktayı kaldır',
+    smooth: 'Yumuşat', factor: 'Çarpan', scale: 'Ölçekle', mirror: 'Aynala', copyCurve: 'Eğriyi kopyala', pasteCurve: 'Yapıştır', undo: 'Geri al', redo: 'Yinele',
+    save: '.fap kaydet', opened: '{name}: {n} kare, saniyede {fps}.',
+    groups: ['', '', 'Çene ve iç dudaklar', 'Gözler', 'Kaşlar', 'Yanaklar', 'Dil', 'Baş', 'Dış dudaklar', 'Burun', 'Kulaklar'],
+  },
+  en: {
+    title: 'Face Player', playerPage: 'Face Player', text: 'Text', lang: 'Language', speakIt: 'Have it said', files: 'Open .fap or .fapc, with sound and times',
+    plots: 'Wave, spectrum, sounds and curves', play: 'Play', pause: 'Pause', frameBack: 'One frame back', frameOn: 'One frame on',
+    loop: 'Loop', frame: 'Frame', group: 'Group of FAPs', curve: 'Curve to edit', value: 'Value at this frame',
+    editHint: 'Drag the points of the curve; a double click puts one, or takes one away.', setKey: 'Put the point', dropKey: 'Take the point away',
+    smooth: 'Smooth', factor: 'Factor', scale: 'Scale', mirror: 'Mirror', copyCurve: 'Copy the curve', pasteCurve: 'Paste', undo: 'Undo', redo: 'Redo',
+    save: 'Save .fap', opened: '{name}: {n} frames, {fps} a second.',
+    groups: ['', '', 'Jaw and inner lips', 'Eyes', 'Brows', 'Cheeks', 'Tongue', 'Head', 'Outer lips', 'Nose', 'Ears'],
+  },
+};
+
+export const sample = { it: 'La mamma parla piano.', pt: 'A mamãe fala baixinho.', tr: 'Annem yavaşça konuşuyor.', en: 'My mother speaks softly.' };
