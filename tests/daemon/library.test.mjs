@@ -182,6 +182,17 @@ test('what cannot be searched for is said, and where', async () => {
   assert.equal((await ask('/v1/library/nothing', 404)).code, 'not-found');
 });
 
+test('more searches than can wait are refused, and the next is answered', async () => {
+  const statuses = await Promise.all(Array.from({ length: 500 }, async (_, i) => {
+    const response = await fetch(`${daemon.url}/v1/library/search?q=luna+OR+w${i}`);
+    const answer = await response.json();
+    assert.ok(response.status === 200 || answer.code === 'too-many-searches', JSON.stringify(answer).slice(0, 200));
+    return response.status;
+  }));
+  assert.ok(statuses.includes(200));
+  assert.equal((await search({ q: 'luna' })).length, 2);
+});
+
 test('an answer that is known is not sent again', async () => {
   const first = await fetch(`${daemon.url}/v1/library/works/mare`);
   await first.text();
