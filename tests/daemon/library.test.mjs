@@ -249,7 +249,7 @@ test('killed while it indexes, it goes on where it was', async () => {
   fs.mkdirSync(many);
   for (let i = 0; i < 30; i++) {
     const sentences = sentencesOf(i + 1);
-    fs.writeFileSync(path.join(many, `w${i}.txt`), Array.from({ length: 1500 }, () => sentences.next().value).join('\n\n'));
+    fs.writeFileSync(path.join(many, `w${i}.txt`), Array.from({ length: 800 }, () => sentences.next().value).join('\n\n'));
   }
   const options = ['--library', many, '--library-index', file];
   let killed = 0;
@@ -263,10 +263,10 @@ test('killed while it indexes, it goes on where it was', async () => {
   const last = await Daemon.start(options, {}, { voices: false });
   const all = await eventually(async () => { const now = await (await last.get('/v1/library?limit=100')).json(); return now.state === 'ready' && now; });
   assert.equal(all.works.length, 30);
-  assert.ok(all.works.every(({ passages }) => passages === 1500));
+  assert.ok(all.works.every(({ passages }) => passages === 800));
   assert.equal((await last.stop()).code, 0);
   const said = execFileSync('sqlite3', [file, "INSERT INTO found(found) VALUES ('integrity-check'); PRAGMA integrity_check; SELECT count(*) FROM passage"], { encoding: 'utf8' });
-  assert.deepEqual(said.trim().split('\n'), ['ok', String(30 * 1500)]);
+  assert.deepEqual(said.trim().split('\n'), ['ok', String(30 * 800)]);
 });
 
 test('faccia library tells the same without a daemon', () => {
