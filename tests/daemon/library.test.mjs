@@ -182,6 +182,17 @@ test('what cannot be searched for is said, and where', async () => {
   assert.equal((await ask('/v1/library/nothing', 404)).code, 'not-found');
 });
 
+test('more searches than can wait are refused, and the next is answered', async () => {
+  const statuses = await Promise.all(Array.from({ length: 500 }, async (_, i) => {
+    const response = await fetch(`${daemon.url}/v1/library/search?q=luna+OR+w${i}`);
+    const answer = await response.json();
+    assert.ok(response.status === 200 || answer.code === 'too-many-searches', JSON.stringify(answer).slice(0, 200));
+    return response.status;
+  }));
+  assert.ok(statuses.includes(200));
+  assert.equal((await search({ q: 'luna' })).length, 2);
+});
+
 test('an answer that is known is not sent again', async () => {
   const first = await fetch(`${daemon.url}/v1/library/works/mare`);
   await first.text();
@@ -238,7 +249,7 @@ test('killed while it indexes, it goes on where it was', async () => {
   fs.mkdirSync(many);
   for (let i = 0; i < 30; i++) {
     const sentences = sentencesOf(i + 1);
-    fs.writeFileSync(path.join(many, `w${i}.txt`), Array.from({ length: 1500 }, () => sentences.next().value).join('\n\n'));
+    fs.writeFileSync(path.join(many, `w${i}.txt`), Array.from({ length: 800 }, () => sentences.next().value).join('\n\n'));
   }
   const options = ['--library', many, '--library-index', file];
   let killed = 0;
@@ -252,10 +263,10 @@ test('killed while it indexes, it goes on where it was', async () => {
   const last = await Daemon.start(options, {}, { voices: false });
   const all = await eventually(async () => { const now = await (await last.get('/v1/library?limit=100')).json(); return now.state === 'ready' && now; });
   assert.equal(all.works.length, 30);
-  assert.ok(all.works.every(({ passages }) => passages === 1500));
+  assert.ok(all.works.every(({ passages }) => passages === 800));
   assert.equal((await last.stop()).code, 0);
   const said = execFileSync('sqlite3', [file, "INSERT INTO found(found) VALUES ('integrity-check'); PRAGMA integrity_check; SELECT count(*) FROM passage"], { encoding: 'utf8' });
-  assert.deepEqual(said.trim().split('\n'), ['ok', String(30 * 1500)]);
+  assert.deepEqual(said.trim().split('\n'), ['ok', String(30 * 800)]);
 });
 
 test('faccia library tells the same without a daemon', () => {
