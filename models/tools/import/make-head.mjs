@@ -34,7 +34,7 @@ export async function readScene(file) {
 /** Moves of zones (or of Xface's weights) on the skin, and of what follows it. */
 function zoneMoves(parts, face, influences, notes) {
   const skin = face.skin;
-  const { fields, jaw, whole } = zoneFields(face);
+  const { fields, jaw } = zoneFields(face);
   for (const one of influences) {
     const piece = skin.pieces.find(({ mesh }) => mesh.name === one.mesh) ?? skin.pieces[0];
     const field = xfaceField(skin, piece, face.fdp, one);
@@ -63,7 +63,7 @@ function zoneMoves(parts, face, influences, notes) {
     const shares = follows ? follows.map(([v, share]) => jaw[v] * share) : jaw;
     out.set(part, { moves, turns: [{ turn: 'jaw', ...some(shares) }] });
   }
-  return { byPart: out, whole };
+  return out;
 }
 
 /** Lower teeth and tongue go with the jaw. */
@@ -115,7 +115,7 @@ export function makeHead(scene, points, options) {
   const pivot = jawPivot(fdp, fapu);
   const face = { skin, fdp, fapu, pivot };
   for (const name of Object.keys(fdp)) if (!/^(3\.[56]|6|7|9\.([89]|1[01]))/.test(name)) settle(fdp, name, skin, notes);
-  const { byPart } = zoneMoves(parts, face, points.influences ?? [], notes);
+  const byPart = zoneMoves(parts, face, points.influences ?? [], notes);
   const lids = lidsAndEyes(parts, fdp);
   const head = neck(parts, fdp, fapu);
   const turns = [jawTurn(fdp, fapu, pivot), ...lids.turns, ...head.turns];
