@@ -28,7 +28,13 @@ export async function readScene(file) {
   if (!READERS[kind]) throw new FileError('', `".${kind}" is not read: ${Object.keys(READERS).join(', ')}; other files save as GLB (Blender does)`);
   const { size } = fs.statSync(file);
   if (size > MOST.bytes) throw new FileError('', `${size} bytes are more than ${MOST.bytes}`);
-  return READERS[kind](file, fs.readFileSync(file));
+  try {
+    return await READERS[kind](file, fs.readFileSync(file));
+  } catch (error) {
+    // members of another type than their format has, deep within: the engine says which
+    if (error instanceof TypeError || error instanceof RangeError) throw new FileError('', `is not built as .${kind} files are: ${error.message}`);
+    throw error;
+  }
 }
 
 /** Moves of zones (or of Xface's weights) on the skin, and of what follows it. */
