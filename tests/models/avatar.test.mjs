@@ -105,7 +105,7 @@ test('faccia head export writes it, and says what there is not', () => {
     [['export', 'nobody'], 1, /no head model 'nobody'/],
     [['export', '../speech/it'], 1, /no head model/],
     [['export'], 2, /the name of one head/],
-    [['import', 'mara'], 2, /'export' is wanted/],
+    [['bring', 'mara'], 2, /'export' is wanted/],
     [['export', 'mara', '--glb', path.join(folder, 'no/where.glb')], 1, /No such file/],
   ]) {
     const said = faccia(...args);

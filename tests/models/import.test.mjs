@@ -161,6 +161,8 @@ test('broken files and hostile ones are told with their place, and nothing is wr
     ['outside.glb', changed((j) => j.buffers.push({ uri: '../../etc/passwd', byteLength: 3 }) && (j.bufferViews[place.bufferView].buffer = 1)), [], /buffers\[1\]\.uri: /],
     ['loop.glb', changed((j) => (j.nodes[0].children = [0])), [], /nodes\[0\]: stands more than once/],
     ['draco.glb', changed((j) => (j.extensionsRequired = ['KHR_draco_mesh_compression'])), [], /extensionsRequired: KHR_draco/],
+    ['list.glb', changed((j) => (j.bufferViews = {})), [], /bufferViews: must be a list/],
+    ['deep.glb', changed((j) => (j.meshes[0].primitives = 7)), [], /is not built as \.glb files are|no mesh/],
     ['text.gltf', '{"asset": {"version": "2.0"}, ', [], /JSON: /],
     ['short.ply', ply.slice(0, ply.length >> 1), points('ply'), /line \d+: a number is missing/],
     ['huge.ply', ply.replace(/element vertex \d+/, 'element vertex 4000000000'), points('ply'), /line 4: a head has no 4000000000 elements/],

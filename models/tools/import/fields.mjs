@@ -85,8 +85,7 @@ function upperSide(skin, fdp) {
 
 /**
  * @param {{skin: object, fdp: object, fapu: object, pivot: number[]}} face
- * @returns {{fields: Map<number, Float64Array>, jaw: Float64Array, whole: Float64Array}} mm for a mm of each FAP; shares in the jaw's turn, and in all that
- *   belongs to the jaw
+ * @returns {{fields: Map<number, Float64Array>, jaw: Float64Array}} mm for a mm of each FAP; shares in the jaw's turn
  */
 export function zoneFields({ skin, fdp, fapu, pivot }) {
   const count = skin.position.length / 3;
@@ -117,7 +116,7 @@ export function zoneFields({ skin, fdp, fapu, pivot }) {
   const whole = jawShares({ skin, fdp, fapu, pivot, upper });
   for (const [fap, direction] of [[14, FAPS[14].direction], [15, FAPS[15].direction]])
     fields.set(fap, Float64Array.from(skin.position, (_, i) => whole[Math.floor(i / 3)] * direction[i % 3]));
-  return { fields, whole, jaw: whole.map((x, v) => x * (1 - lip[v])) };
+  return { fields, jaw: whole.map((x, v) => x * (1 - lip[v])) };
 }
 
 /** All below the mouth, fading towards the jaw's angle and down the neck. */

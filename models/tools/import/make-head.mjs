@@ -28,13 +28,19 @@ export async function readScene(file) {
   if (!READERS[kind]) throw new FileError('', `".${kind}" is not read: ${Object.keys(READERS).join(', ')}; other files save as GLB (Blender does)`);
   const { size } = fs.statSync(file);
   if (size > MOST.bytes) throw new FileError('', `${size} bytes are more than ${MOST.bytes}`);
-  return READERS[kind](file, fs.readFileSync(file));
+  try {
+    return await READERS[kind](file, fs.readFileSync(file));
+  } catch (error) {
+    // members of another type than their format has, deep within: the engine says which
+    if (error instanceof TypeError || error instanceof RangeError) throw new FileError('', `is not built as .${kind} files are: ${error.message}`);
+    throw error;
+  }
 }
 
 /** Moves of zones (or of Xface's weights) on the skin, and of what follows it. */
 function zoneMoves(parts, face, influences, notes) {
   const skin = face.skin;
-  const { fields, jaw, whole } = zoneFields(face);
+  const { fields, jaw } = zoneFields(face);
   for (const one of influences) {
     const piece = skin.pieces.find(({ mesh }) => mesh.name === one.mesh) ?? skin.pieces[0];
     const field = xfaceField(skin, piece, face.fdp, one);
@@ -63,7 +69,7 @@ function zoneMoves(parts, face, influences, notes) {
     const shares = follows ? follows.map(([v, share]) => jaw[v] * share) : jaw;
     out.set(part, { moves, turns: [{ turn: 'jaw', ...some(shares) }] });
   }
-  return { byPart: out, whole };
+  return out;
 }
 
 /** Lower teeth and tongue go with the jaw. */
@@ -115,7 +121,7 @@ export function makeHead(scene, points, options) {
   const pivot = jawPivot(fdp, fapu);
   const face = { skin, fdp, fapu, pivot };
   for (const name of Object.keys(fdp)) if (!/^(3\.[56]|6|7|9\.([89]|1[01]))/.test(name)) settle(fdp, name, skin, notes);
-  const { byPart } = zoneMoves(parts, face, points.influences ?? [], notes);
+  const byPart = zoneMoves(parts, face, points.influences ?? [], notes);
   const lids = lidsAndEyes(parts, fdp);
   const head = neck(parts, fdp, fapu);
   const turns = [jawTurn(fdp, fapu, pivot), ...lids.turns, ...head.turns];

@@ -8,7 +8,7 @@ const USUAL_ES = 62; // mm between the pupils of a grown person
 const UNITS = { mm: 1, cm: 10, m: 1000, in: 25.4, dm: 100 };
 const USUAL_UNITS = [1, 10, 100, 1000];
 const PUPIL_DEPTH = 12; // mm before the eyeball's centre, where there is no eyeball to measure
-export const NEEDED = ['2.1', '2.2', '2.3', '3.1', '3.2', '3.3', '3.4', '8.3', '8.4', '9.15'];
+const NEEDED = ['2.1', '2.2', '2.3', '3.1', '3.2', '3.3', '3.4', '8.3', '8.4', '9.15'];
 
 const swap = (p) => p.map((_, i) => (i % 3 === 0 ? p[i] : i % 3 === 1 ? p[i + 1] : -p[i - 1])); // z up, the face to -y
 

@@ -11,6 +11,7 @@ import { apply, linear, matrixOf, product } from './matrix.mjs';
 const TYPES = { 5120: [Int8Array, 1, 127], 5121: [Uint8Array, 1, 255], 5122: [Int16Array, 2, 32767], 5123: [Uint16Array, 2, 65535], 5125: [Uint32Array, 4, 1], 5126: [Float32Array, 4, 1] };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
 const KNOWN = ['KHR_mesh_quantization', 'EXT_meshopt_compression', 'EXT_texture_webp', 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_materials_specular', 'KHR_materials_ior', 'VRMC_vrm', 'VRM'];
+const LISTS = ['accessors', 'bufferViews', 'buffers', 'extensionsRequired', 'images', 'materials', 'meshes', 'nodes', 'scenes', 'skins', 'textures'];
 const whole = (value) => Number.isInteger(value) && value >= 0;
 
 function chunksOf(bytes) {
@@ -200,6 +201,7 @@ export async function readGltf(file, bytes) {
     throw new FileError('JSON', error.message);
   }
   if (!String(json?.asset?.version ?? '').startsWith('2')) throw new FileError('asset.version', 'must be 2.0');
+  for (const name of LISTS) if (json[name] !== undefined && !Array.isArray(json[name])) throw new FileError(name, 'must be a list');
   const gltf = new Gltf(file, json, binary);
   await gltf.prepare();
   const materials = materialsOf(gltf);
