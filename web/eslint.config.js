@@ -2,7 +2,7 @@
 const browser = Object.fromEntries(
   `AbortController AbortSignal DOMPoint navigator IntersectionObserver AudioWorkletNode Blob CustomEvent HTMLElement MutationObserver Option ResizeObserver
    TextDecoder URL URLSearchParams WebSocket getComputedStyle history localStorage sessionStorage
-  addEventListener atob cancelAnimationFrame clearInterval clearTimeout console createImageBitmap customElements document
+  ImageData addEventListener atob btoa cancelAnimationFrame clearInterval clearTimeout console createImageBitmap customElements document
   fetch globalThis matchMedia location performance queueMicrotask removeEventListener requestAnimationFrame setInterval setTimeout`
     .split(/\s+/)
     .map((name) => [name, 'readonly']),

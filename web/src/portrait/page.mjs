@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
-// What a page needs to turn pictures into a head: it is bundled with the finder of faces into portrait.js, beside which the nets lie.
+// What a page needs to turn pictures into a head: it is bundled with the finder of faces into portrait.js, beside which the
+// nets lie.
 // Pictures stay in the page: nothing here sends anything.
 import { Human } from '@vladmandic/human';
 import { detectorSettings, findFace } from './detect.mjs';
@@ -32,7 +33,8 @@ export async function readPicture(source) {
   }
   if (image.width * image.height > MOST_PIXELS) throw new PortraitError('too_large', `the picture has more than ${MOST_PIXELS / 1e6} million pixels`);
   const scale = Math.min(1, LONGEST / Math.max(image.width, image.height));
-  const { canvas, context } = canvasOf(Math.max(1, Math.round(image.width * scale)), Math.max(1, Math.round(image.height * scale)));
+  const { canvas, context } = canvasOf(Math.max(1, Math.round(image.width * scale)),
+    Math.max(1, Math.round(image.height * scale)));
   context.fillStyle = '#c8ccd0';
   context.fillRect(0, 0, canvas.width, canvas.height);
   context.drawImage(image, 0, 0, canvas.width, canvas.height);
@@ -61,7 +63,10 @@ export const textures = {
 
 let human = null;
 
-/** Loads the finder once. @param {string} folder where the nets lie, ends in "/" @returns {Promise<(picture: ImageData) => Promise<number[][]>>} */
+/**
+ * Loads the finder once. @param {string} folder where the nets lie, ends in "/" @returns {Promise<(picture: ImageData) =>
+ * Promise<number[][]>>}
+ */
 export async function openEye(folder) {
   human ??= (async () => {
     const one = new Human(detectorSettings(folder, folder));
