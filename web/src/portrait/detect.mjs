@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Finding the landmarks of the one face in a picture. The detector is the package @vladmandic/human with three of its nets
-// (face, mesh,
-// iris); it runs in WebAssembly, in a page and in Node alike, and is given where its files lie.
+// (face, mesh, iris); it runs in WebAssembly, in a page and in Node alike, and is given where its files lie.
 import { COUNT } from './landmarks.mjs';
 import { PortraitError } from './problem.mjs';
 

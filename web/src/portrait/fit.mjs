@@ -2,9 +2,8 @@
 // What shape a face has, from the landmarks of pictures of it: where those landmarks are on a head of that shape.
 //
 // A base head is known by the landmarks that the same detector finds in its own portrait, and by the places on its skin
-// where they are seen
-// (models/tools/portrait/make-points.mjs). So what the detector always gets wrong is wrong in both and falls out of the
-// difference.
+// where they are seen (models/tools/portrait/make-points.mjs). So what the detector always gets wrong is wrong in both and
+// falls out of the difference.
 import { align, upright } from './align.mjs';
 import { EYES, LIP_CORNERS, LOWER_LIP, STEADY, UPPER_LIP } from './landmarks.mjs';
 

@@ -1,8 +1,7 @@
 // SPDX-License-Identifier: MIT
 // A base head takes the shape of a face: its landmarks go where the face has them, and the whole head follows. FAPs go on
-// working, for their
-// moves are told in FAPU and the units are measured anew; turns get the angle by which their point moves as far as its unit
-// says.
+// working, for their moves are told in FAPU and the units are measured anew; turns get the angle by which their point moves
+// as far as its unit says.
 import { rbf } from '../head/rbf.mjs';
 import { eyeMoves, lipLine, shapePoints } from './fit.mjs';
 

@@ -2,7 +2,6 @@
 // What a page needs to turn pictures into a head: it is bundled with the finder of faces into portrait.js, beside which the
 // nets lie.
 // Pictures stay in the page: nothing here sends anything.
-import { Human } from '@vladmandic/human';
 import { detectorSettings, findFace } from './detect.mjs';
 import { base64 } from './pack.mjs';
 import { inOrder, makeHead, nearest } from './portrait.mjs';
@@ -69,6 +68,7 @@ let human = null;
  */
 export async function openEye(folder) {
   human ??= (async () => {
+    const { Human } = await import('@vladmandic/human'); // not before: it wants a page
     const one = new Human(detectorSettings(folder, folder));
     await one.load();
     return one;

@@ -1,11 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The skin of a head from pictures of a face. Each vertex of the base head has its place in a picture by the landmarks
-// (whatever the
-// face in it does, its landmarks are where they are), each texel lies between its vertices. Light is evened: what is slow in
-// the picture's
-// brightness is taken from the base, which is painted without a lamp; what is fast, the face itself, is the picture's. Where
-// no picture
-// sees the skin, and outside the face, is the base's skin in the face's tone.
+// (whatever the face in it does, its landmarks are where they are), each texel lies between its vertices. Light is evened:
+// what is slow in the picture's brightness is taken from the base, which is painted without a lamp; what is fast, the face
+// itself, is the picture's. Where no picture sees the skin, and outside the face, is the base's skin in the face's tone.
 import { Normals } from '../head/normals.mjs';
 import { rbf } from '../head/rbf.mjs';
 import { COUNT, EYES, LOWER_LIP, OVAL, SKIN, UPPER_LIP } from './landmarks.mjs';
