@@ -59,12 +59,13 @@ static uint8_t *read_file(const char *path, size_t *size) {
     return data;
 }
 
-/* Takes FILE.gz when it lies beside FILE, else compresses. file NULL: it is none. */
+/* Takes FILE.gz when it lies beside FILE, else compresses, but for the nets: their numbers do not get
+ * smaller. file NULL: it is none. */
 static void pack(struct asset *a, const char *file) {
     char sibling[4096];
     snprintf(sibling, sizeof sibling, "%s.gz", file ? file : "");
     a->packed = file ? read_file(sibling, &a->packed_size) : NULL;
-    if (a->packed)
+    if (a->packed || !strcmp(a->type, "application/octet-stream"))
         return;
     z_stream z = {0};
     if (deflateInit2(&z, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)

@@ -39,7 +39,7 @@ test('a picture becomes a head that speaks, and never leaves the page', async ()
   await state(page, 'Found.');
   assert.deepEqual(await violations(page), []);
   await page.screenshot({ path: path.join(artefacts, 'portrait-points.png'), fullPage: true });
-  for (const media of [{ colorScheme: 'dark' }, { forcedColors: 'active' }]) {
+  for (const media of [{ colorScheme: 'dark', forcedColors: 'none' }, { colorScheme: 'light', forcedColors: 'active' }]) {
     await page.emulateMedia(media);
     assert.deepEqual(await violations(page, ['color-contrast']), [], JSON.stringify(media));
   }

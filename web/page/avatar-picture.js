@@ -10,7 +10,8 @@ export class PictureBox {
   #moved = new Map(); // landmark -> where it was put
 
   /**
-   * @param {{picture: ImageData, landmarks: number[][]}} view @param {{HANDLES: object[], withMoved: Function}} tools of portrait.js
+   * @param {{picture: ImageData, landmarks: number[][]}} view @param {{HANDLES: object[], withMoved: Function}} tools of
+   *   portrait.js
    * @param {{say: (name: string, values?: object) => string, remove: () => void}} page
    */
   constructor({ picture, landmarks }, { HANDLES, withMoved }, { say, remove }) {
@@ -76,7 +77,8 @@ export class PictureBox {
     mark.addEventListener('pointermove', (event) => {
       if (!mark.hasPointerCapture(event.pointerId)) return;
       const box = this.canvas.getBoundingClientRect();
-      const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height].map((t) => Math.min(1, Math.max(0, t)));
+      const [x, y] = [(event.clientX - box.left) / box.width, (event.clientY - box.top) / box.height].map((t) =>
+        Math.min(1, Math.max(0, t)));
       this.#put(handle, [this.corner[0] + (x * WIDE) / this.scale, this.corner[1] + (y * WIDE) / this.scale]);
     });
     return { ...handle, mark };

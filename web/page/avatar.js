@@ -68,7 +68,8 @@ function show() {
   making.hidden = !boxes.length;
   if (!boxes.length || !tools) return;
   const known = models.filter(({ name }) => tools.table[name]);
-  const nearest = tools.nearest(boxes[0].view, tools.table).find(({ name }) => known.some((model) => model.name === name))?.name;
+  const nearest = tools.nearest(boxes[0].view, tools.table).find(({ name }) =>
+    known.some((model) => model.name === name))?.name;
   const titleOf = (name) => known.find((model) => model.name === name)?.title ?? '';
   for (const id of ['like', 'eyes']) {
     const chosen = $(id).value;

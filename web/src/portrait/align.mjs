@@ -22,7 +22,8 @@ function leading(m) {
 
 /**
  * @param {number[][]} from @param {number[][]} to as many points @param {number[]} which of them count
- * @returns {{turn: number[][], scale: number, apply: (point: number[]) => number[]}} rows of the turn: what the new x, y, z are of the old
+ * @returns {{turn: number[][], scale: number, apply: (point: number[]) => number[]}} rows of the turn: what the new x, y, z
+ *   are of the old
  */
 export function align(from, to, which) {
   const middle = (points) => [0, 1, 2].map((k) => which.reduce((sum, i) => sum + points[i][k], 0) / which.length);

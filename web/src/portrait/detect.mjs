@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// Finding the landmarks of the one face in a picture. The detector is the package @vladmandic/human with three of its nets (face, mesh,
-// iris); it runs in WebAssembly, in a page and in Node alike, and is given where its files lie.
+// Finding the landmarks of the one face in a picture. The detector is the package @vladmandic/human with three of its nets
+// (face, mesh, iris); it runs in WebAssembly, in a page and in Node alike, and is given where its files lie.
 import { COUNT } from './landmarks.mjs';
 import { PortraitError } from './problem.mjs';
 
@@ -19,7 +19,8 @@ export function detectorSettings(models, wasm) {
     warmup: 'none', filter: off, gesture: off, body: off, hand: off, object: off, segmentation: off,
     face: {
       enabled: true, detector: { rotation: true, maxDetected: 5, minConfidence: 0.3, return: false },
-      mesh: { enabled: true }, iris: { enabled: true }, attention: off, description: off, emotion: off, antispoof: off, liveness: off,
+      mesh: { enabled: true }, iris: { enabled: true }, attention: off, description: off, emotion: off, antispoof: off,
+        liveness: off,
     },
   };
 }
@@ -46,7 +47,8 @@ export function piece({ width, height, data }, { x, y, size }, longest) {
           const [fx, fy] = [u - p, v - q];
           const at = (q * width + p) * 4;
           for (let k = 0; k < 3; k++)
-            sum[k] += (data[at + k] * (1 - fx) + data[at + 4 + k] * fx) * (1 - fy) + (data[at + width * 4 + k] * (1 - fx) + data[at + width * 4 + 4 + k] * fx) * fy;
+            sum[k] += (data[at + k] * (1 - fx) + data[at + 4 + k] * fx) * (1 - fy) +
+              (data[at + width * 4 + k] * (1 - fx) + data[at + width * 4 + 4 + k] * fx) * fy;
         }
       for (let k = 0; k < 3; k++) out[(j * w + i) * 3 + k] = Math.round(sum[k] / (taps * taps));
     }
@@ -84,5 +86,6 @@ export async function findFace(human, picture) {
   const close = piece(picture, corner, CLOSE);
   const [face] = (await look(human, close)).sort((a, b) => b.box[2] - a.box[2]);
   if (!face) throw new PortraitError('no_face', 'the face in the picture is not clear enough');
-  return face.mesh.slice(0, COUNT).map(([u, v, z]) => [u / close.scale + corner.x, v / close.scale + corner.y, z / close.scale]);
+  return face.mesh.slice(0, COUNT).map(([u, v, z]) =>
+    [u / close.scale + corner.x, v / close.scale + corner.y, z / close.scale]);
 }

@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: MIT
 // What shape a face has, from the landmarks of pictures of it: where those landmarks are on a head of that shape.
 //
-// A base head is known by the landmarks that the same detector finds in its own portrait, and by the places on its skin where they are seen
-// (models/tools/portrait/make-points.mjs). So what the detector always gets wrong is wrong in both and falls out of the difference.
+// A base head is known by the landmarks that the same detector finds in its own portrait, and by the places on its skin
+// where they are seen (models/tools/portrait/make-points.mjs). So what the detector always gets wrong is wrong in both and
+// falls out of the difference.
 import { align, upright } from './align.mjs';
 import { EYES, LIP_CORNERS, LOWER_LIP, STEADY, UPPER_LIP } from './landmarks.mjs';
 
 /** How much of a difference in depth is believed: from one picture the detector guesses it. */
 const DEPTH = 0.6;
-/** Lips that are further apart than this share of the mouth's width are parted: such a mouth tells little of the one at rest. */
+/**
+ * Lips that are further apart than this share of the mouth's width are parted: such a mouth tells little of the one at rest.
+ */
 const PARTED = 0.1;
 const PARTED_TRUST = 0.45;
 const SIDE = 0.6; // how much of what a picture from the side says of the depth is believed
@@ -17,8 +20,10 @@ const TURNED = 0.3; // rad of yaw: beyond it a picture is one of the side
 const MOST_FRONT = 0.42; // rad: what may still be the only picture
 
 /**
- * @typedef {{at: (number[]|null)[], seen: number[][], tone: number[], worn: string[]}} Points of a base head: of each landmark the place
- *   on its skin (mm; null: none), where the detector sees it (mm, laid onto the places), and the colour of its skin (linear); worn: beard, glasses
+ * @typedef {{at: (number[]|null)[], seen: number[][], tone: number[], worn: string[]}} Points of a base head: of each
+ *   landmark the place
+ *   on its skin (mm; null: none), where the detector sees it (mm, laid onto the places), and the colour of its skin
+ * (linear); worn: beard, glasses
  */
 
 /** Landmarks laid onto a base head. @param {number[][]} landmarks @param {Points} base */
@@ -35,7 +40,8 @@ export function laid(landmarks, base) {
 export function unlikeness(landmarks, base) {
   const { points } = laid(landmarks, base);
   const which = STEADY.filter((i) => base.at[i]);
-  const sum = which.reduce((total, i) => total + (points[i][0] - base.seen[i][0]) ** 2 + (points[i][1] - base.seen[i][1]) ** 2, 0);
+  const sum = which.reduce((total, i) => total + (points[i][0] - base.seen[i][0]) ** 2 +
+    (points[i][1] - base.seen[i][1]) ** 2, 0);
   return Math.sqrt(sum / which.length);
 }
 
@@ -58,7 +64,8 @@ function closeLips(points) {
 /**
  * @param {{landmarks: number[][]}[]} views the first is the front
  * @param {Points} base
- * @returns {{target: (number[]|null)[], views: object[], parted: boolean}} target: the place of each landmark on the new head, mm
+ * @returns {{target: (number[]|null)[], views: object[], parted: boolean}} target: the place of each landmark on the new
+ *   head, mm
  */
 export function fitShape(views, base) {
   const all = views.map(({ landmarks }) => laid(landmarks, base));
@@ -76,7 +83,8 @@ export function fitShape(views, base) {
   closeLips(shut);
   closeLips(rest);
   for (const i of mouth)
-    if (target[i]) target[i] = base.at[i].map((x, k) => x + (shut[i][k] - rest[i][k]) * (parted ? PARTED_TRUST : 1) * (k === 2 ? DEPTH : 1));
+    if (target[i]) target[i] = base.at[i].map((x, k) => x + (shut[i][k] - rest[i][k]) * (parted ? PARTED_TRUST : 1) *
+      (k === 2 ? DEPTH : 1));
   return { target, views: all, parted };
 }
 
@@ -125,7 +133,10 @@ export function eyeMoves(target, base) {
   return moves;
 }
 
-/** Landmarks that say what form the skin has: not the lids, whose eye moves as a whole, nor the inner rings of the lips but their middle. */
+/**
+ * Landmarks that say what form the skin has: not the lids, whose eye moves as a whole, nor the inner rings of the lips but
+ * their middle.
+ */
 export function shapePoints(base) {
   const without = new Set([
     ...Object.values(EYES).flatMap(({ lower, upper, iris }) => [...lower, ...upper, ...iris]),

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
-// A base head takes the shape of a face: its landmarks go where the face has them, and the whole head follows. FAPs go on working, for their
-// moves are told in FAPU and the units are measured anew; turns get the angle by which their point moves as far as its unit says.
+// A base head takes the shape of a face: its landmarks go where the face has them, and the whole head follows. FAPs go on
+// working, for their moves are told in FAPU and the units are measured anew; turns get the angle by which their point moves
+// as far as its unit says.
 import { rbf } from '../head/rbf.mjs';
 import { eyeMoves, lipLine, shapePoints } from './fit.mjs';
 
@@ -27,7 +28,8 @@ function farPoints(positions, near) {
 
 /**
  * The warp of space from a base head to a face.
- * @param {{positions: Float32Array}} skin of the base @param {import('./fit.mjs').Points} base @param {(number[]|null)[]} target
+ * @param {{positions: Float32Array}} skin of the base @param {import('./fit.mjs').Points} base @param {(number[]|null)[]}
+ *   target
  */
 export function warpOf(skin, base, target) {
   const numbers = shapePoints(base);
@@ -100,8 +102,10 @@ function moved({ axis, pivot, radians }, p) {
 }
 
 /**
- * @param {object} model the base, read (web/src/head/model.mjs) @param {import('./fit.mjs').Points} base @param {(number[]|null)[]} target
- * @returns {{positions: Map<object, Float32Array>, fdp: object, fapu: object, turns: object[], warp: object}} of the new head: positions by part
+ * @param {object} model the base, read (web/src/head/model.mjs) @param {import('./fit.mjs').Points} base @param
+ *   {(number[]|null)[]} target
+ * @returns {{positions: Map<object, Float32Array>, fdp: object, fapu: object, turns: object[], warp: object}} of the new
+ *   head: positions by part
  *   of the model, the rest as in protocol/head-model.md
  */
 export function morph(model, base, target) {
@@ -114,9 +118,12 @@ export function morph(model, base, target) {
   for (const part of model.parts) if (RIGID.includes(part.name)) positions.set(part, within(part.position));
   for (const part of model.parts) {
     const eye = /^eye_([lr])/.exec(part.name)?.[1];
-    if (eye) positions.set(part, Float32Array.from(part.position, (_, i) => eyeAt(part.position.subarray(i - (i % 3), i - (i % 3) + 3), { ...eyes[eye], roll: 0, ...ball(centre(eye), eyes[eye]) })[i % 3]));
+    if (eye) positions.set(part, Float32Array.from(part.position, (_, i) =>
+      eyeAt(part.position.subarray(i - (i % 3), i - (i % 3) + 3),
+      { ...eyes[eye], roll: 0, ...ball(centre(eye), eyes[eye]) })[i % 3]));
   }
-  const fdp = Object.fromEntries(Object.entries(model.fdp).map(([name, place]) => [name, rounded(placeOf(positions, vertexAt(model.parts, place)))]));
+  const fdp = Object.fromEntries(Object.entries(model.fdp).map(([name, place]) =>
+    [name, rounded(placeOf(positions, vertexAt(model.parts, place)))]));
   const fapu = unitsOf(model, fdp, eyes.l.scale);
   return { positions, fdp, fapu, turns: turnsOf(model, { warp, eyes, fdp, fapu }), warp };
 }
@@ -128,7 +135,8 @@ const ball = (middle, eye) => ({ from: middle, to: eyeAt(middle, eye) });
 
 function unitsOf({ fapu, fdp: was }, is, scale) {
   const out = { ...fapu, IRISD: fapu.IRISD * scale };
-  for (const [unit, [a, b]] of Object.entries(FAPU)) if (was[a] && was[b]) out[unit] = (fapu[unit] * distance(is[a], is[b])) / distance(was[a], was[b]);
+  for (const [unit, [a, b]] of Object.entries(FAPU)) if (was[a] && was[b]) out[unit] = (fapu[unit] *
+    distance(is[a], is[b])) / distance(was[a], was[b]);
   if (was['9.15'] && was['3.5']) {
     const height = (fdp) => (fdp['3.5'][1] + fdp['3.6'][1]) / 2 - fdp['9.15'][1];
     out.ENS = (fapu.ENS * height(is)) / height(was);

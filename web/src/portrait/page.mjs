@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
-// What a page needs to turn pictures into a head: it is bundled with the finder of faces into portrait.js, beside which the nets lie.
+// What a page needs to turn pictures into a head: it is bundled with the finder of faces into portrait.js, beside which the
+// nets lie.
 // Pictures stay in the page: nothing here sends anything.
-import { Human } from '@vladmandic/human';
 import { detectorSettings, findFace } from './detect.mjs';
 import { base64 } from './pack.mjs';
 import { inOrder, makeHead, nearest } from './portrait.mjs';
@@ -32,7 +32,8 @@ export async function readPicture(source) {
   }
   if (image.width * image.height > MOST_PIXELS) throw new PortraitError('too_large', `the picture has more than ${MOST_PIXELS / 1e6} million pixels`);
   const scale = Math.min(1, LONGEST / Math.max(image.width, image.height));
-  const { canvas, context } = canvasOf(Math.max(1, Math.round(image.width * scale)), Math.max(1, Math.round(image.height * scale)));
+  const { canvas, context } = canvasOf(Math.max(1, Math.round(image.width * scale)),
+    Math.max(1, Math.round(image.height * scale)));
   context.fillStyle = '#c8ccd0';
   context.fillRect(0, 0, canvas.width, canvas.height);
   context.drawImage(image, 0, 0, canvas.width, canvas.height);
@@ -61,9 +62,13 @@ export const textures = {
 
 let human = null;
 
-/** Loads the finder once. @param {string} folder where the nets lie, ends in "/" @returns {Promise<(picture: ImageData) => Promise<number[][]>>} */
+/**
+ * Loads the finder once. @param {string} folder where the nets lie, ends in "/" @returns {Promise<(picture: ImageData) =>
+ * Promise<number[][]>>}
+ */
 export async function openEye(folder) {
   human ??= (async () => {
+    const { Human } = await import('@vladmandic/human'); // not before: it wants a page
     const one = new Human(detectorSettings(folder, folder));
     await one.load();
     return one;

@@ -23,7 +23,10 @@ export function inOrder(views, base) {
   return [first.view, ...looks.filter((look) => look !== first && !isFront(look)).map(({ view }) => view)];
 }
 
-/** Heads by how near they are to a face, the nearest first. @returns {{name: string, mm: number, tone: number, worn: number}[]} */
+/**
+ * Heads by how near they are to a face, the nearest first. @returns {{name: string, mm: number, tone: number, worn:
+ * number}[]}
+ */
 export function nearest({ picture, landmarks }, table) {
   const tone = toneOf(picture, landmarks);
   return Object.entries(table)
@@ -33,8 +36,10 @@ export function nearest({ picture, landmarks }, table) {
 
 /**
  * @param {object} json the base head (protocol/head-model.md) @param {import('./fit.mjs').Points} base its landmarks
- * @param {{picture: {width: number, height: number, data: ArrayLike<number>}, landmarks: number[][]}[]} views upright pictures in RGBA
- * @param {{read: (texture: object) => Promise<object>, write: (image: object) => Promise<object>}} images read: a texture of a head as
+ * @param {{picture: {width: number, height: number, data: ArrayLike<number>}, landmarks: number[][]}[]} views upright
+ *   pictures in RGBA
+ * @param {{read: (texture: object) => Promise<object>, write: (image: object) => Promise<object>}} images read: a texture of
+ *   a head as
  *   RGBA; write: RGBA as a texture
  * @param {{name?: string, title?: string, keep?: string[], eyes?: object|null}} [options]
  *   keep: of what the base wears (beard, glasses); eyes: the head that they are taken from
@@ -62,7 +67,9 @@ export async function makeHead(json, base, views, images, options = {}) {
     turns: changed.turns,
     textures: { ...json.textures, [model.materials[part.material].texture]: await images.write(skin) },
     materials: { ...json.materials },
-    parts: json.parts.map((one, i) => ({ ...one, position: packPositions(changed.positions.get(model.parts[i])) })).filter(({ name }) => !gone.some((word) => name.startsWith(word))),
+    parts: json.parts.map((one, i) => ({ ...one,
+      position: packPositions(changed.positions.get(model.parts[i])) })).filter(({ name }) =>
+      !gone.some((word) => name.startsWith(word))),
   };
   delete head.rank;
   if (options.eyes) swapEyes(head, options.eyes);

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
-// The skin of a head from pictures of a face. Each vertex of the base head has its place in a picture by the landmarks (whatever the
-// face in it does, its landmarks are where they are), each texel lies between its vertices. Light is evened: what is slow in the picture's
-// brightness is taken from the base, which is painted without a lamp; what is fast, the face itself, is the picture's. Where no picture
-// sees the skin, and outside the face, is the base's skin in the face's tone.
+// The skin of a head from pictures of a face. Each vertex of the base head has its place in a picture by the landmarks
+// (whatever the face in it does, its landmarks are where they are), each texel lies between its vertices. Light is evened:
+// what is slow in the picture's brightness is taken from the base, which is painted without a lamp; what is fast, the face
+// itself, is the picture's. Where no picture sees the skin, and outside the face, is the base's skin in the face's tone.
 import { Normals } from '../head/normals.mjs';
 import { rbf } from '../head/rbf.mjs';
 import { COUNT, EYES, LOWER_LIP, OVAL, SKIN, UPPER_LIP } from './landmarks.mjs';
@@ -47,7 +47,8 @@ const medians = (colours) => [0, 1, 2].map((k) => median(colours.map((c) => c[k]
 /** The tone of the skin, linear: the middle of what is seen on cheeks and forehead. */
 export function toneOf(picture, landmarks) {
   const spread = Math.max(1, Math.hypot(landmarks[234][0] - landmarks[454][0], landmarks[234][1] - landmarks[454][1]) / 60);
-  return medians(SKIN.flatMap((i) => [-1, 0, 1].flatMap((a) => [-1, 0, 1].map((b) => sample(picture, landmarks[i][0] + a * spread, landmarks[i][1] + b * spread, [0, 0, 0])))));
+  return medians(SKIN.flatMap((i) => [-1, 0, 1].flatMap((a) =>
+    [-1, 0, 1].map((b) => sample(picture, landmarks[i][0] + a * spread, landmarks[i][1] + b * spread, [0, 0, 0])))));
 }
 
 /** Distance to the border of a polygon in the plane of the face, positive inside. */
@@ -100,7 +101,8 @@ function placesIn(landmarks, base, positions, chosen) {
 /** How much of each vertex's skin a picture may give, 0 to 1, by where it is on the face. */
 function maskOf(base, { position: positions, turns }, isLid) {
   const oval = OVAL.map((i) => base.at[i]).filter(Boolean);
-  const eyes = Object.values(EYES).map(({ outer, lower, inner, upper }) => [outer, ...lower, inner, ...[...upper].reverse()].map((i) => base.at[i]).filter(Boolean));
+  const eyes = Object.values(EYES).map(({ outer, lower, inner, upper }) =>
+    [outer, ...lower, inner, ...[...upper].reverse()].map((i) => base.at[i]).filter(Boolean));
   const mask = new Float32Array(positions.length / 3);
   for (let v = 0; v < mask.length; v++) {
     const [x, y, z] = positions.subarray(3 * v, 3 * v + 3);
@@ -108,7 +110,8 @@ function maskOf(base, { position: positions, turns }, isLid) {
     const lids = Math.max(...eyes.map((eye) => inside(eye, x, y)));
     mask[v] = ramp(RIM, inside(oval, x, y)) * ramp(LASHES, -lids);
   }
-  for (const { turn, vertices, weights } of turns) if (vertices && isLid(turn)) vertices.forEach((v, i) => (mask[v] *= 1 - ramp(LID, weights[i])));
+  for (const { turn, vertices, weights } of turns) if (vertices && isLid(turn)) vertices.forEach((v, i) =>
+    (mask[v] *= 1 - ramp(LID, weights[i])));
   return mask;
 }
 
@@ -120,7 +123,8 @@ function slowly(positions, colours, weights, chosen) {
     const sum = [0, 0, 0];
     let total = 1e-9;
     for (const s of sources) {
-      const d = (positions[3 * v] - positions[3 * s]) ** 2 + (positions[3 * v + 1] - positions[3 * s + 1]) ** 2 + (positions[3 * v + 2] - positions[3 * s + 2]) ** 2;
+      const d = (positions[3 * v] - positions[3 * s]) ** 2 + (positions[3 * v + 1] - positions[3 * s + 1]) ** 2 +
+        (positions[3 * v + 2] - positions[3 * s + 2]) ** 2;
       if (d > 9 * SLOW * SLOW) continue;
       const w = weights[s] * Math.exp(-d / (2 * SLOW * SLOW));
       total += w;
@@ -155,7 +159,8 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
 }
 
 /**
- * @param {{part: object, texture: object, eyes: object[], base: import('./fit.mjs').Points, isLid: (turn: number) => boolean}} head part: the base's skin (model.mjs); texture:
+ * @param {{part: object, texture: object, eyes: object[], base: import('./fit.mjs').Points, isLid: (turn: number) =>
+ *   boolean}} head part: the base's skin (model.mjs); texture:
  *   RGBA; eyes: parts that hide skin behind them; isLid: whether a turn of the model closes an eye
  * @param {{picture: object, landmarks: number[][]}[]} pictures the first is the front @param {object[]} views laid (fit.mjs)
  * @returns {{width: number, height: number, data: Uint8ClampedArray, tone: {was: number[], is: number[]}}}
@@ -164,17 +169,21 @@ export function paintSkin({ part, texture, eyes, base, isLid }, pictures, views)
   const { position, uv, index } = part;
   const size = [texture.width, texture.height];
   const own = new Float32Array(position.length);
-  for (let v = 0; v < part.vertices; v++) sample(texture, uv[2 * v] * size[0], (1 - uv[2 * v + 1]) * size[1], own.subarray(3 * v, 3 * v + 3));
+  for (let v = 0; v < part.vertices; v++) sample(texture, uv[2 * v] * size[0], (1 - uv[2 * v + 1]) * size[1],
+    own.subarray(3 * v, 3 * v + 3));
   const tone = { was: skinTone(base, position, own), is: toneOf(pictures[0].picture, pictures[0].landmarks) };
   const mask = maskOf(base, part, isLid);
   const normals = new Normals(part).rest;
-  const layers = pictures.map((one, i) => layer(one, views[i], { base, part, normals, mask, tone: { ...tone, is: toneOf(one.picture, one.landmarks) }, look: eyes }));
+  const layers = pictures.map((one, i) =>
+    layer(one, views[i], { base, part, normals, mask, tone: { ...tone, is: toneOf(one.picture, one.landmarks) },
+    look: eyes }));
   const ratio = tone.is.map((x, k) => x / tone.was[k]);
   const slowOwn = slowly(position, own, mask, layers[0].chosen);
   for (const one of layers) {
     one.gain = new Float32Array(position.length);
     for (const v of one.chosen)
-      for (let k = 0; k < 3; k++) one.gain[3 * v + k] = Math.min(GAIN[1], Math.max(GAIN[0], ((slowOwn[3 * v + k] * ratio[k]) / (one.slow[3 * v + k] + 1e-4)) ** EVEN));
+      for (let k = 0; k < 3; k++) one.gain[3 * v + k] = Math.min(GAIN[1],
+        Math.max(GAIN[0], ((slowOwn[3 * v + k] * ratio[k]) / (one.slow[3 * v + k] + 1e-4)) ** EVEN));
   }
   share(layers);
   const data = new Uint8ClampedArray(texture.data);
@@ -223,7 +232,8 @@ function paint(layers, { uv, index, size }, data) {
         const wb = ((cx - x) * (ay - y) - (cy - y) * (ax - x)) / area;
         const wc = 1 - wa - wb;
         if (wa < -1e-6 || wb < -1e-6 || wc < -1e-6) continue;
-        const mixed = (list, stride, k) => wa * list[corners[0] * stride + k] + wb * list[corners[1] * stride + k] + wc * list[corners[2] * stride + k];
+        const mixed = (list, stride, k) => wa * list[corners[0] * stride + k] + wb * list[corners[1] * stride + k] + wc *
+          list[corners[2] * stride + k];
         const at = (y * size[0] + x) * 4;
         let rest = 1;
         const sum = [0, 0, 0];

@@ -6,12 +6,14 @@ const BIAS = 1.6; // mm: what lies so little behind the nearest surface is it
 
 /**
  * Which vertices are seen from where a picture was taken, from far.
- * @param {Float32Array} position @param {Uint16Array} index of the part that is asked about @param {{position: Float32Array, index: Uint16Array}[]} others
+ * @param {Float32Array} position @param {Uint16Array} index of the part that is asked about @param {{position: Float32Array,
+ *   index: Uint16Array}[]} others
  *   that may hide it @param {number[][]} turn columns: the picture's x, y, z in the head's directions
  * @returns {Uint8Array}
  */
 export function visible(position, index, others, turn) {
-  const seenFrom = (p) => Float32Array.from(p, (_, i) => [0, 1, 2].reduce((sum, l) => sum + turn[l][i % 3] * p[i - (i % 3) + l], 0));
+  const seenFrom = (p) => Float32Array.from(p, (_, i) =>
+    [0, 1, 2].reduce((sum, l) => sum + turn[l][i % 3] * p[i - (i % 3) + l], 0));
   const own = seenFrom(position);
   const [low, high] = [[Infinity, Infinity], [-Infinity, -Infinity]];
   for (let i = 0; i < own.length; i += 3)
@@ -21,7 +23,9 @@ export function visible(position, index, others, turn) {
     }
   const [columns, rows] = [0, 1].map((k) => Math.ceil((high[k] - low[k]) / CELL) + 2);
   const nearest = new Float32Array(columns * rows).fill(-Infinity);
-  for (const one of [{ flat: own, index }, ...others.map((part) => ({ flat: seenFrom(part.position), index: part.index }))]) drawDepth(one, { low, columns, rows, nearest });
+  for (const one of [{ flat: own, index },
+    ...others.map((part) => ({ flat: seenFrom(part.position), index: part.index }))]) drawDepth(one,
+    { low, columns, rows, nearest });
   return Uint8Array.from({ length: own.length / 3 }, (_, v) => {
     const at = Math.round((own[3 * v + 1] - low[1]) / CELL) * columns + Math.round((own[3 * v] - low[0]) / CELL);
     return Number(own[3 * v + 2] > nearest[at] - BIAS);
