@@ -169,21 +169,23 @@ static void pump(struct stream *s) {
                 utterance_start(s->queue);
             continue;
         }
-        bool speaks = t && t->segment_count;
-        if (!speaks && (!s->idle || (t && t->begun)))
+        bool speaks = t && t->segment_count, waits = t && utterance_awaits_text(t);
+        if (!speaks && !waits && (!s->idle || (t && t->begun)))
             return;
         if (!s->sink.ready(s->ctx)) {
             stream_wake(s, RETRY_MS);
             return;
         }
         uint64_t now = uv_now(s->pipeline->loop);
-        uint64_t lead = speaks ? STREAM_LEAD_MS : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
+        uint64_t lead = speaks ? STREAM_LEAD_MS : waits ? STREAM_WAIT_MS : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
         uint64_t until = speaks && !t->begun ? s->spoken_until : s->played_until;
         if (until >= now + lead) {
             stream_wake(s, until - now - lead + 1);
             return;
         }
-        if (speaks)
+        if (waits)
+            utterance_wait(t);
+        if (speaks || waits)
             send_speech(t);
         else
             send_idle(s, NULL, 0, 0);

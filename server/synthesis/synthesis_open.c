@@ -110,6 +110,11 @@ static int decode_text(struct synthesis *s, struct error *e) {
     s->markup = markup_by_name(name);
     if (!s->markup)
         return no_markup(name, e);
+    if (s->request.open) {
+        writing_open(s);
+        s->markup = markup_by_name("plain"); /* until it is known better */
+        return 0;
+    }
     if (!s->request.text)
         return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
     if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))
@@ -139,22 +144,16 @@ static enum face_blend blend_of(enum speech_blend asked, struct score *score) {
                                                                                     : BLEND_REGIONS;
 }
 
-/* In any thread: what is reached from here does not change while texts are read. */
-static void read_text(struct synthesis *s) {
-    const struct pipeline *pipeline = s->pipeline;
-    struct reading_result *r = &s->result;
-    struct markup_rules rules = {.abbreviations = speech_pack_abbreviations(s->pack),
+struct markup_rules synthesis_rules(const struct synthesis *s) {
+    return (struct markup_rules){.abbreviations = speech_pack_abbreviations(s->pack),
                                  .lang = synthesis_lang(s),
                                  .sentence_bytes =
                                      s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
                                  .given_up = &s->given_up};
-    r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
-    if (r->document && markup_given_up(&rules)) { /* much to free, which is better done here */
-        score_free(r->document);
-        r->document = NULL;
-    }
-    if (!r->document)
-        return;
+}
+
+void synthesis_direct(const struct synthesis *s, struct reading_result *r) {
+    const struct pipeline *pipeline = s->pipeline;
     r->score = score_script(r->document);
     for (size_t i = 0; i < r->score->item_count; i++)
         r->marks |= r->score->items[i].kind == SCORE_MARK;
@@ -164,6 +163,19 @@ static void read_text(struct synthesis *s) {
     r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
     for (size_t i = 0; i < r->score->item_count && pipeline->normalizers; i++)
         normalizers_apply(pipeline->normalizers, r->score, i, r->chosen->voices[i]->lang);
+}
+
+/* In any thread: what is reached from here does not change while texts are read. */
+static void read_text(struct synthesis *s) {
+    struct reading_result *r = &s->result;
+    struct markup_rules rules = synthesis_rules(s);
+    r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
+    if (r->document && markup_given_up(&rules)) { /* much to free, which is better done here */
+        score_free(r->document);
+        r->document = NULL;
+    }
+    if (r->document)
+        synthesis_direct(s, r);
 }
 
 static void take_result(struct synthesis *s) {
@@ -212,8 +224,17 @@ static bool is_settled(const struct synthesis *s) {
     return voice_pool_settled(voices, s->request.voice, speech_pack_voices(pack));
 }
 
+int synthesis_choose(struct synthesis *s, struct error *e) {
+    return choose_voice(s, e) || check_engine(s, e) ? -1 : 0;
+}
+
 static int choose_and_read(struct synthesis *s, struct error *e) {
-    return choose_voice(s, e) || check_engine(s, e) || begin_reading(s, e) ? -1 : 0;
+    if (synthesis_choose(s, e))
+        return -1;
+    if (!s->writing)
+        return begin_reading(s, e);
+    writing_begin(s);
+    return 0;
 }
 
 static void on_voices(void *ctx) {

@@ -1,0 +1,242 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A text that is still being written: it is read piece by piece, as far as it is needed, into a score that
+ * grows. */
+#include "server/base/mem.h"
+#include "server/synthesis/synthesis_internal.h"
+#include <stdlib.h>
+#include <string.h>
+
+/* What looks like a sentence's end, and is followed by nothing for so long, is one: people and programs pause
+ * there. Between two words of a language model that is slow lie 50 ms. */
+enum { SETTLE_MS = 200 };
+
+static void on_timer(uv_timer_t *timer);
+
+static uint64_t now_of(const struct synthesis *s) {
+    return uv_now(s->pipeline->loop);
+}
+
+/* Has the synthesis look after itself in so many ms. */
+static void wake(struct synthesis *s, uint64_t ms) {
+    uv_timer_start(s->writing->timer, on_timer, ms, 0);
+}
+
+void writing_open(struct synthesis *s) {
+    struct writing *w = s->writing = mem_alloc(sizeof *w);
+    w->open.kind = markup_by_name(s->request.markup ? s->request.markup : "auto");
+    w->timer = mem_alloc(sizeof *w->timer);
+    uv_timer_init(s->pipeline->loop, w->timer);
+    w->timer->data = s;
+    w->last = now_of(s);
+    w->text_cap = s->request.text ? s->request.text_size + 1 : 0;
+    size_t bad = s->request.text ? utf8_feed(&w->utf8, s->request.text, s->request.text_size) : 0;
+    if (bad < s->request.text_size)
+        error_at_byte(&w->error, ERROR_BAD_UTF8, bad, "the text is not UTF-8");
+    wake(s, SETTLE_MS);
+}
+
+static void free_timer(uv_handle_t *timer) {
+    free(timer);
+}
+
+void writing_free(struct synthesis *s) {
+    struct writing *w = s->writing;
+    if (!w)
+        return;
+    uv_close((uv_handle_t *)w->timer, free_timer);
+    open_text_free(&w->open);
+    free(w->flushes);
+    free(w);
+    s->writing = NULL;
+}
+
+void writing_begin(struct synthesis *s) {
+    s->result.score = score_new();
+    s->score = s->result.score;
+    s->chosen = voice_selection_new(0);
+}
+
+static void add_warnings(struct synthesis *s, const struct score *script, const struct open_piece *piece) {
+    struct score *all = s->result.score;
+    for (size_t i = 0; i < script->warning_count && all->warning_count < SCORE_WARNINGS; i++) {
+        struct error warning = script->warnings[i];
+        open_piece_place(piece, s->request.text, &warning);
+        all->warnings =
+            mem_grow(all->warnings, &all->warning_cap, all->warning_count + 1, sizeof *all->warnings);
+        all->warnings[all->warning_count++] = warning;
+    }
+}
+
+static size_t place(const void *piece, size_t byte) {
+    return open_piece_byte(piece, byte);
+}
+
+/* The first piece may say which language it is in. */
+static int learn_kind(struct synthesis *s, struct error *e) {
+    if (s->markup == s->writing->open.kind)
+        return 0;
+    s->markup = s->writing->open.kind;
+    return synthesis_choose(s, e);
+}
+
+static int read_piece(struct synthesis *s, const struct open_piece *piece, struct error *e) {
+    struct reading_result r = {0};
+    struct markup_rules rules;
+    if (learn_kind(s, e))
+        return -1;
+    rules = synthesis_rules(s);
+    rules.markdown = s->writing->open.markdown;
+    r.document = markup_read(s->markup, piece->text, piece->size, &rules, e);
+    if (!r.document && e->code == ERROR_EMPTY_TEXT)
+        return 0;
+    if (!r.document) {
+        open_piece_place(piece, s->request.text, e);
+        return -1;
+    }
+    s->voices = voice_pool_hold(s->pipeline->voices);
+    synthesis_direct(s, &r);
+    voice_pool_let_go(s->pipeline->voices);
+    add_warnings(s, r.score, piece);
+    score_append(s->result.score, r.score, place, piece);
+    voice_selection_append(s->chosen, r.chosen);
+    s->result.marks |= r.marks;
+    if (r.blend == BLEND_WEIGHTED)
+        s->result.blend = r.blend;
+    voice_selection_free(r.chosen);
+    score_free(r.score);
+    score_free(r.document);
+    return 0;
+}
+
+/* 1: a piece was read; 0: nothing more is known; -1: it cannot be read. */
+static int read_on(struct synthesis *s, struct error *e) {
+    struct writing *w = s->writing;
+    struct markup_rules rules = synthesis_rules(s);
+    struct open_piece piece;
+    for (;;) {
+        bool flushed = w->flush < w->flush_count;
+        size_t size = flushed ? w->flushes[w->flush] : s->request.text_size;
+        enum open_end end = flushed ? OPEN_FLUSHED : w->closed ? OPEN_CLOSED : OPEN_GOES_ON;
+        int found =
+            s->request.text ? open_text_next(&w->open, s->request.text, size, end, &rules, &piece, e) : 0;
+        if (found > 0) {
+            int result = read_piece(s, &piece, e);
+            free(piece.text);
+            return result ? -1 : 1;
+        }
+        if (found < 0 || !flushed)
+            return found;
+        w->flush++;
+    }
+}
+
+bool writing_read(struct synthesis *s) {
+    struct writing *w = s->writing;
+    size_t sentences = s->score->sentence_count;
+    int result = w->error.code != ERROR_NONE ? -1 : 1;
+    while (!w->read && result > 0 && s->score->sentence_count == sentences)
+        result = read_on(s, &w->error);
+    if (!w->read && result <= 0 && (result < 0 || w->closed)) {
+        w->read = w->closed = true;
+        if (!result && !s->score->sentence_count)
+            error_set(&w->error, ERROR_EMPTY_TEXT, "there is nothing to speak");
+        wake(s, 0); /* to say so */
+    }
+    if (s->score->warning_count > s->warned)
+        wake(s, 0);
+    return s->score->sentence_count > sentences;
+}
+
+int synthesis_write(struct synthesis *s, const char *text, size_t size, size_t most, struct error *e) {
+    struct writing *w = s->writing;
+    if (!w || w->closed || w->error.code != ERROR_NONE)
+        return 0;
+    size_t before = s->request.text_size;
+    if (size > most || before > most - size)
+        return error_in_field(e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %zu bytes", most);
+    const char *nul = memchr(text, '\0', size);
+    if (nul)
+        return error_at_byte(e, ERROR_NUL, before + (size_t)(nul - text), "the text holds a NUL character");
+    struct utf8_reader utf8 = w->utf8;
+    size_t bad = utf8_feed(&utf8, text, size);
+    if (bad < size)
+        return error_at_byte(e, ERROR_BAD_UTF8, before + bad, "the text is not UTF-8");
+    w->utf8 = utf8;
+    s->request.text = mem_grow(s->request.text, &w->text_cap, before + size + 1, 1);
+    memcpy(s->request.text + before, text, size);
+    s->request.text_size = before + size;
+    s->request.text[s->request.text_size] = '\0';
+    w->last = now_of(s);
+    wake(s, SETTLE_MS);
+    synthesis_submit(s);
+    return 0;
+}
+
+static void flush(struct synthesis *s) {
+    struct writing *w = s->writing;
+    size_t size = s->request.text_size;
+    if (!size || (w->flush_count && w->flushes[w->flush_count - 1] == size))
+        return;
+    w->flushes = mem_grow(w->flushes, &w->flush_cap, w->flush_count + 1, sizeof *w->flushes);
+    w->flushes[w->flush_count++] = size;
+    synthesis_submit(s);
+}
+
+void synthesis_flush(struct synthesis *s) {
+    if (!s->writing || s->writing->closed)
+        return;
+    s->writing->last = now_of(s);
+    flush(s);
+}
+
+void synthesis_close(struct synthesis *s) {
+    if (!s->writing || s->writing->closed)
+        return;
+    s->writing->closed = true;
+    wake(s, 0);
+    synthesis_submit(s);
+}
+
+bool synthesis_is_open(const struct synthesis *s) {
+    return s->writing && !s->writing->closed;
+}
+
+bool synthesis_awaits_text(const struct synthesis *s) {
+    return synthesis_is_open(s) && s->score && s->delivered == s->score->sentence_count &&
+           s->samples < UINT32_MAX / 2; /* what is said later needs the clock, too */
+}
+
+/* Nobody has written for long: what there is is spoken, and those who wait get their turn. */
+static void give_up(struct synthesis *s) {
+    struct error e;
+    error_set(&e, ERROR_UNFINISHED, "nothing was written for %u s: the text is taken as it is",
+              s->pipeline->open_seconds);
+    s->busy = true;
+    s->callbacks.problem(s->ctx, &e, true);
+    s->busy = false;
+    if (!s->freed)
+        synthesis_close(s);
+}
+
+static void on_timer(uv_timer_t *timer) {
+    struct synthesis *s = timer->data;
+    struct writing *w = s->writing;
+    uint64_t silent = now_of(s) - w->last, most = (uint64_t)s->pipeline->open_seconds * 1000;
+    struct markup_rules rules;
+    if (s->freed)
+        return;
+    if (!w->closed && most && silent >= most)
+        give_up(s);
+    if (s->freed) {
+        synthesis_free(s);
+        return;
+    }
+    if (!w->closed && silent >= SETTLE_MS && s->score && s->request.text) {
+        rules = synthesis_rules(s);
+        if (open_text_seems_ended(&w->open, s->request.text, s->request.text_size, &rules))
+            flush(s);
+    }
+    if (!w->closed && (silent < SETTLE_MS || most))
+        wake(s, silent < SETTLE_MS ? SETTLE_MS - silent : most - silent);
+    synthesis_deliver(s);
+}
