@@ -59,12 +59,14 @@ static const struct members write_members = {.speech = true};
 
 static int speak(struct writing_post *p, struct speech_request *request, struct error *e) {
     struct exchange *x = p->text.x;
-    int result = 0;
+    const char *room = http_query(exchange_request(x), "room");
     if (p->text.json)
         return error_in_field(e, ERROR_BAD_FIELD, "open",
                               "a text that is written comes as it is, not as JSON");
-    struct channel *channel = room_asked(x, &result);
-    if (!channel || post_text_request(&p->text, request, e))
+    struct channel *channel = channel_find(exchange_net(x), room);
+    if (!channel)
+        return error_in_field(e, ERROR_UNKNOWN_ROOM, "room", "nobody is in a room '%s'", room);
+    if (post_text_request(&p->text, request, e))
         return -1;
     if (!request->open)
         return error_in_field(e, ERROR_BAD_FIELD, "open", "must be true where it is given");
@@ -84,8 +86,8 @@ int room_write(struct exchange *x) {
     if (post_text_begin(&p->text, x, &write_members, &result))
         return result;
     request_init(&request);
-    if (speak(p, &request, &e) && !exchange_answered(x))
-        exchange_error(x, &e);
+    if (speak(p, &request, &e))
+        result = exchange_error(x, &e);
     request_free(&request);
     return result;
 }

@@ -141,6 +141,14 @@ void write_flush(struct socket *socket, const json_t *message);
 void write_close(struct socket *socket, const json_t *message);
 void write_cancel(struct socket *socket, const json_t *message);
 
+/* socket_written.c: which those are. On the stream that the client is on; the utterance may have ended. */
+struct written {
+    char *id;
+    uint32_t utterance;
+};
+struct written *written_find(struct socket *socket, const char *id); /* NULL: none */
+void written_drop(struct socket *socket, struct written *written);
+
 /* Whether it may begin one with that request. -1 with *e. */
 int write_check(struct socket *socket, const struct speech_request *request, struct error *e);
 void write_begin(struct socket *socket, const char *id, uint32_t utterance);

@@ -48,7 +48,8 @@ struct writing {
     struct error error;                   /* nothing behind that is read; code ERROR_NONE: none */
     bool told;                            /* of the error */
     uv_timer_t *timer;
-    uint64_t last; /* loop time at which something was written last, ms */
+    uv_timer_cb look; /* after itself, when the timer says so */
+    uint64_t last;    /* loop time at which something was written last, ms */
 };
 
 /* While `reading`, the text and what reading it gives belong to the other thread. */
@@ -94,7 +95,7 @@ void synthesis_deliver(struct synthesis *synthesis);
 void synthesis_prepare(const struct synthesis *synthesis, struct sentence_audio *audio);
 struct media_segment synthesis_segment(struct synthesis *synthesis, struct slot *slot);
 
-/* synthesis_open.c */
+/* synthesis_choose.c */
 
 /* The language and the voice that the request asks for, and whether the engine speaks it. -1 with *e. */
 int synthesis_choose(struct synthesis *synthesis, struct error *e);
@@ -104,9 +105,11 @@ struct markup_rules synthesis_rules(const struct synthesis *synthesis);
 void synthesis_direct(const struct synthesis *synthesis, struct reading_result *result);
 
 /* synthesis_writing.c */
-
 void writing_open(struct synthesis *synthesis);
+
+/* synthesis_reading.c */
 void writing_free(struct synthesis *synthesis);
+void writing_wake(struct synthesis *synthesis, uint64_t ms); /* it looks after itself in so many ms */
 
 /* The voice is known. */
 void writing_begin(struct synthesis *synthesis);

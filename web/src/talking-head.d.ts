@@ -70,6 +70,15 @@ export interface TalkingHeadEventMap {
 
 type AllEvents = Omit<HTMLElementEventMap, keyof TalkingHeadEventMap> & TalkingHeadEventMap;
 
+/** A text that is spoken while it is written. */
+export interface Writing {
+  write(text: string): void;
+  flush(): void;
+  close(): void;
+  cancel(): void;
+  readonly done: Promise<EndMessage>;
+}
+
 export class TalkingHead extends HTMLElement {
   src: string | null;
   model: string | null;
@@ -100,6 +109,7 @@ export class TalkingHead extends HTMLElement {
   readonly faps: Record<number, number>;
 
   speak(text: string, options?: SpeakOptions): Promise<EndMessage>;
+  open(source?: ReadableStream<string | Uint8Array> | AsyncIterable<string | Uint8Array> | null, options?: SpeakOptions): Writing;
   stop(): void;
   pause(): void;
   resume(): void;
