@@ -54,7 +54,8 @@ static void say_begin(struct utterance *t) {
     t->begun = true;
     if (utterance_is_foreign(t))
         stream_cut_face(s);
-    metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
+    if (!t->synthesis || !synthesis_request(t->synthesis)->open) /* its writer may take long */
+        metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->segments[0].audio->sample_rate;
     struct stream_event begin = {
         .kind = STREAM_BEGIN, .fps = utterance_fps(t), .idle = stream_idle_time(s, start)};
