@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Texts that are spoken while they are written. The writer here is a stand-in for a language model: tokens of a few letters, in bursts, with stalls.
 import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
 import http from 'node:http';
+import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { setTimeout as sleep } from 'node:timers/promises';
-import { Daemon } from '../lib/daemon.mjs';
+import { build, Daemon } from '../lib/daemon.mjs';
 import { violations } from '../lib/schema.mjs';
 
 let daemon;
@@ -249,4 +251,20 @@ test('the same over HTTP: a body is spoken in a room while it is written', async
   assert.deepEqual([elsewhere.status, (await elsewhere.json()).field], [400, 'open']);
   valid(listener);
   await listener.close();
+});
+
+test('faccia say speaks standard input while it is written', async () => {
+  const say = spawn(path.join(build, 'server/app/faccia'), ['say', '--open', '--lang', 'it', '--ndjson', '-', '-']);
+  let out = '';
+  const heard = (text) => new Promise((resolve) => say.stdout.on('data', () => out.includes(`"text":"${text}"`) && resolve()));
+  say.stdout.setEncoding('utf8').on('data', (piece) => (out += piece));
+  say.stdin.write('Prima fra');
+  say.stdin.write('se. Seconda');
+  await heard('frase'); // while the second is being written
+  say.stdin.end(' frase');
+  assert.equal(await new Promise((resolve) => say.on('close', resolve)), 0, out);
+  const words = out.trim().split('\n').map((line) => JSON.parse(line)).filter((line) => line.type === 'word');
+  assert.deepEqual(words.map((word) => [word.start, word.text]), [[0, 'Prima'], [6, 'frase'], [13, 'Seconda'], [21, 'frase']]);
+  const wrong = spawn(path.join(build, 'server/app/faccia'), ['say', '--open', 'Ciao.']);
+  assert.equal(await new Promise((resolve) => wrong.on('close', resolve)), 2);
 });
