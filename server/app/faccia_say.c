@@ -2,6 +2,7 @@
 /* faccia say: a text through all stages into files. */
 #include "server/app/cli.h"
 #include "server/app/cli_file.h"
+#include "server/app/cli_written.h"
 #include "server/app/osc_play.h"
 #include "server/base/buf.h"
 #include "server/export/export.h"
@@ -34,6 +35,7 @@ static const char usage[] =
     "      --still          only the lips move\n"
     "      --seed N         another life of the face; the same number gives the same face (0)\n"
     "  -f, --file FILE      the text\n"
+    "      --open           speak standard input (-) while it is written\n"
     "      --audio DIR      sound files that the text may name (SSML's audio); default $FACCIA_AUDIO\n"
     "      --wav FILE       the sound, mono 16 bit\n"
     "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
@@ -65,6 +67,7 @@ struct say {
     struct output outputs[OUTPUTS];
     const char *sounds, *puppet; /* NULL = none */
     struct osc_play *osc;
+    struct cli_written written; /* of a text that is open */
     bool failed, finished, spoken;
 };
 
@@ -85,6 +88,7 @@ static void on_segment(void *ctx, struct media_segment segment) {
     for (struct output *o = s->outputs; o < s->outputs + OUTPUTS; o++) {
         if (!o->path)
             continue;
+        o->export.source.text = synthesis_request(s->synthesis)->text; /* it may have grown */
         export_segment(&o->export, &segment);
         if (o->export.format->streams)
             flush(s, o);
@@ -183,6 +187,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"still", 0, NULL, 1},
         {"life", 1, NULL, 1},
         {"blend", 1, NULL, 1},
+        {"open", 0, NULL, 1},
         {"file", 1, NULL, 'f'},
         {"wav", 1, NULL, OUTPUT_OPTION + WAV},
         {"fap", 1, NULL, OUTPUT_OPTION + FAP},
@@ -235,6 +240,12 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         }
         }
     }
+    if (request->open && (path || optind + 1 != argc || strcmp(argv[optind], "-"))) {
+        cli_complain("--open is for standard input (-)");
+        return EXIT_USAGE;
+    }
+    if (request->open)
+        return -1;
     int status = cli_text(argc, argv, path, text);
     if (status >= 0)
         return status;
@@ -258,11 +269,15 @@ static int speak(struct say *s, const struct speech_request *request) {
     int status = open_outputs(s);
     if (!status) {
         synthesis_start(s->synthesis);
+        if (request->open)
+            cli_written_begin(&s->written, &s->cli.loop, s->synthesis);
         while ((!s->finished || (s->osc && osc_play_busy(s->osc))) && uv_run(&s->cli.loop, UV_RUN_ONCE))
             ;
     }
     close_outputs(s);
     osc_play_free(s->osc);
+    s->failed |= s->written.failed;
+    cli_written_end(&s->written);
     synthesis_free(s->synthesis);
     return status ? status : s->failed ? EXIT_FAILED : EXIT_DONE;
 }

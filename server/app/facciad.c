@@ -203,6 +203,7 @@ static int start(struct daemon *d, struct error *e) {
     pipeline->metrics = voices.metrics = &d->metrics;
     pipeline->codec_load = &d->codec_load;
     pipeline->long_text = LONG_TEXT_BYTES;
+    pipeline->open_seconds = s->net.open_seconds;
     struct net_options options = net_options_of(d);
     d->offer = daemon_offer_new(pipeline);
     const struct offer_source offer = daemon_offer_source(d->offer);

@@ -37,10 +37,12 @@
     X(UNKNOWN_MEDIA, "unknown-media", 404, "there is no such recording") \
     X(UNKNOWN_ROOM, "unknown-room", 404, "nobody is in that room") \
     X(UNKNOWN_MARK, "unknown-mark", 400, "there is no such mark") \
+    X(UNKNOWN_UTTERANCE, "unknown-utterance", 404, "there is no such utterance") \
     X(NOT_SPEAKING, "not-speaking", 400, "nothing is spoken") \
     X(NO_CHOICES, "no-choices", 400, "there is nothing to choose from, or something else by now") \
     /* limits */ \
     X(QUEUE_FULL, "queue-full", 503, "too many utterances wait already") \
+    X(TOO_MANY_OPEN, "too-many-open", 503, "too many texts are being written") \
     X(TOO_MANY_ROOMS, "too-many-rooms", 503, "there are too many rooms already") \
     X(TOO_MANY_REQUESTS, "too-many-requests", 429, "too many requests in this minute") \
     X(TOO_MANY_PER_ADDRESS, "too-many-per-address", 429, "too many connections from there are open") \
@@ -52,6 +54,7 @@
     /* texts and their markup */ \
     X(BAD_UTF8, "bad-utf8", 400, "the text is not UTF-8") \
     X(NUL, "nul", 400, "the text holds a NUL character") \
+    X(UNFINISHED, "unfinished", 0, "the text was not closed by who wrote it") \
     X(EMPTY_TEXT, "empty-text", 400, "there is nothing to speak") \
     X(BAD_XML, "bad-xml", 400, "this is not well-formed XML") \
     X(TOO_DEEP, "too-deep", 400, "too many elements lie in each other") \

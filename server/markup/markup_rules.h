@@ -13,6 +13,8 @@ struct markup_rules {
     const char *lang; /* BCP 47, of the request: a style that means the same leaves it open; may be NULL */
     size_t sentence_bytes; /* a sentence that is longer is cut at a comma, semicolon or colon; 0 = where it is
                               longer than any sentence may be (plain.h) */
+    bool more;             /* the text is still being written: more may follow (plain.h) */
+    bool markdown;         /* lines may be headings and items, words may be marked, as Markdown does */
     const atomic_bool *given_up; /* when it becomes true, from any thread, reading ends soon, with the error
                                     "cancelled"; may be NULL */
 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/plain.h"
 #include "server/base/utf8.h"
-#include <stdint.h>
+#include "server/markup/markdown.h"
 #include <string.h>
 #include <strings.h>
 
@@ -50,7 +50,13 @@ static bool is_terminator(uint32_t c) {
     }
 }
 
-static bool is_closing(uint32_t c) {
+static bool is_markdown(const struct markup_rules *rules) {
+    return rules && rules->markdown;
+}
+
+static bool is_closing(uint32_t c, const struct markup_rules *rules) {
+    if (is_markdown(rules) && (c == '*' || c == '_' || c == '`' || c == '~' || c == MARKDOWN_LEFT_OUT))
+        return true;
     return c == '"' || c == '\'' || c == ')' || c == ']' || c == 0xBB || c == 0x2019 || c == 0x201D ||
            c == 0x203A || c == 0x300D /* 」 */ || c == 0x300F || c == 0xFF09;
 }
@@ -66,8 +72,9 @@ static bool is_lower(uint32_t c) {
 
 /* Does the word that ends before `end` stand for more (an initial, "prof")? */
 static bool is_abbreviation(const char *text, size_t end, const struct markup_rules *rules) {
+    const char *before = is_markdown(rules) ? " \t\r\n(\"'*_[\1" : " \t\r\n(\"'";
     size_t from = end;
-    while (from > 0 && !strchr(" \t\r\n(\"'", text[from - 1]))
+    while (from > 0 && !strchr(before, text[from - 1]))
         from--;
     size_t length = end - from, letter;
     uint32_t cp;
@@ -82,34 +89,77 @@ static bool is_abbreviation(const char *text, size_t end, const struct markup_ru
     return false;
 }
 
+/* Does only a number stand before `end` in its line: that of a list's item? */
+static bool is_item_number(const char *text, size_t end) {
+    size_t from = end;
+    while (from > 0 && text[from - 1] >= '0' && text[from - 1] <= '9')
+        from--;
+    bool number = from < end && end - from <= 3;
+    while (from > 0 && strchr(" \t*\1", text[from - 1]))
+        from--;
+    return number && (!from || text[from - 1] == '\n');
+}
+
 /* At a terminator: the end of the sentence after closing marks, or 0 when it ends none here. */
 static size_t sentence_end(struct cursor c, const struct markup_rules *rules) {
+    bool more = rules && rules->more;
     size_t start = c.at, length, marks = 0;
     bool only_dots = true;
     for (uint32_t cp; marks < PLAIN_SENTENCE_BYTES && is_terminator(cp = look(&c, &length));
          c.at += length, marks++)
         only_dots = only_dots && (cp == '.' || cp == 0x2026);
-    while (is_closing(look(&c, &length)))
+    while (is_closing(look(&c, &length), rules))
         c.at += length;
     size_t end = c.at;
     if (end == c.size)
-        return end;
+        return more ? PLAIN_UNKNOWN : end;
     uint32_t next = look(&c, &length);
     if (!is_space(next))
         return next >= 0x3000 ? end : 0; /* scripts without spaces */
+    if (only_dots && marks == 1 &&
+        (is_abbreviation(c.text, start, rules) || (is_markdown(rules) && is_item_number(c.text, start))))
+        return 0;
     while (is_space(next = look(&c, &length)))
         c.at += length;
-    if (only_dots && (is_lower(next) || (marks == 1 && is_abbreviation(c.text, start, rules))))
-        return 0;
-    return end;
+    if (only_dots && more && c.at == c.size)
+        return PLAIN_UNKNOWN;
+    return only_dots && is_lower(next) ? 0 : end;
 }
 
-static size_t skip_space(struct cursor c, bool *blank_line) {
-    size_t length, newlines = 0;
+static size_t skip_space(struct cursor c, size_t *newlines) {
+    size_t length;
+    *newlines = 0;
     for (uint32_t cp; c.at < c.size && is_space(cp = look(&c, &length)); c.at += length)
-        newlines += cp == '\n';
-    *blank_line = newlines > 1;
+        *newlines += cp == '\n';
     return c.at;
+}
+
+/* Does a line that begins there stand for itself: a heading, an item of a list, a quotation? */
+static enum { LINE_GOES_ON, LINE_BEGINS, LINE_UNKNOWN } line_at(const struct cursor *c, size_t at) {
+    size_t i = at;
+    while (i < c->size && i < at + 3 && c->text[i] >= '0' && c->text[i] <= '9')
+        i++;
+    bool number = i > at, one = i < c->size && strchr(number ? ".)" : "-*+", c->text[i]);
+    if (i == c->size || (one && i + 1 == c->size))
+        return LINE_UNKNOWN;
+    if (!number && strchr("#>|", c->text[i]))
+        return LINE_BEGINS;
+    return one && strchr(" \t", c->text[i + 1]) ? LINE_BEGINS : LINE_GOES_ON;
+}
+
+/* Behind the white space after a line: the sentence's end there, or 0. */
+static size_t line_end(const struct cursor *c, size_t line, size_t next, size_t newlines,
+                       const struct markup_rules *rules) {
+    if (newlines > 1)
+        return next;
+    if (!newlines || !is_markdown(rules))
+        return 0;
+    if (c->text[line] == '#')
+        return next;
+    int begins = line_at(c, next);
+    if (begins == LINE_UNKNOWN && rules->more)
+        return PLAIN_UNKNOWN;
+    return begins == LINE_BEGINS ? next : 0;
 }
 
 static bool is_letter(char c) {
@@ -127,27 +177,30 @@ static size_t skip_marks(struct cursor c, size_t next) {
 
 size_t plain_sentence(const char *text, size_t size, const struct markup_rules *rules) {
     struct cursor c = {text, size, 0};
-    size_t comma = 0, space = 0, length;
+    size_t comma = 0, space = 0, line = 0, length, newlines;
     size_t enough = rules && rules->sentence_bytes ? rules->sentence_bytes : PLAIN_SENTENCE_BYTES;
-    bool blank_line;
     while (c.at < size) {
         while (c.at < PLAIN_SENTENCE_BYTES && c.at + 1 < size && is_letter(text[c.at]))
             c.at++;
         uint32_t cp = look(&c, &length);
-        size_t next = c.at + length;
+        size_t next = c.at + length, end = 0;
         if (is_terminator(cp)) {
-            size_t end = sentence_end(c, rules);
-            if (end)
-                return skip_space((struct cursor){text, size, end}, &blank_line);
+            end = sentence_end(c, rules);
+            if (end && end != PLAIN_UNKNOWN)
+                end = skip_space((struct cursor){text, size, end}, &newlines);
             next = skip_marks(c, next);
         } else if (is_space(cp)) {
-            next = skip_space(c, &blank_line);
-            if (blank_line)
-                return next;
+            next = skip_space(c, &newlines);
+            end = line_end(&c, line, next, newlines, rules);
+            line = newlines ? next : line;
             space = next;
             if (c.at && strchr(",;:", text[c.at - 1]))
                 comma = next;
         }
+        if (end)
+            return end;
+        if (rules && rules->more && next >= size) /* what follows may belong to what stands here */
+            return PLAIN_UNKNOWN;
         length = next - c.at;
         c.at = next;
         if (c.at > enough && comma > enough / 4)
@@ -155,23 +208,59 @@ size_t plain_sentence(const char *text, size_t size, const struct markup_rules *
         if (c.at > PLAIN_SENTENCE_BYTES)
             return space ? space : c.at - length;
     }
-    return size;
+    return rules && rules->more ? PLAIN_UNKNOWN : size;
+}
+
+bool plain_seems_ended(const char *text, size_t size, const struct markup_rules *rules) {
+    struct cursor c = {text, size, 0};
+    size_t length, start = 0, marks = 0;
+    bool ended = false;
+    for (uint32_t cp; c.at < size; c.at += length) {
+        cp = look(&c, &length);
+        if (is_terminator(cp)) {
+            start = ended && marks ? start : c.at;
+            marks = ended ? marks + 1 : 1;
+            ended = true;
+        } else if (!is_closing(cp, rules) && !is_space(cp)) {
+            ended = false;
+        }
+    }
+    if (!ended || marks > 1 || text[start] != '.')
+        return ended;
+    return start && !(text[start - 1] >= '0' && text[start - 1] <= '9') &&
+           !is_abbreviation(text, start, rules);
+}
+
+/* What is left out of it stands between items. */
+static void add_items(struct score *score, const char *text, size_t at, size_t end, bool markdown) {
+    const char *edge = markdown ? " \t\r\n\1" : "";
+    while (at < end && strchr(edge, text[at]))
+        at++;
+    while (end > at && strchr(edge, text[end - 1]))
+        end--;
+    while (at < end) {
+        const char *out = markdown ? memchr(text + at, MARKDOWN_LEFT_OUT, end - at) : NULL;
+        size_t to = out ? (size_t)(out - text) : end;
+        if (to > at) {
+            struct score_item *item = score_add(score, SCORE_TEXT, at, to);
+            item->text = score_strndup(score, text + at, to - at);
+            item->verbatim = true;
+        }
+        at = to + (out != NULL);
+    }
+    score_end_sentence(score);
 }
 
 int plain_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
                struct error *e) {
-    bool blank_line;
-    size_t at = skip_space((struct cursor){text, size, 0}, &blank_line);
+    size_t newlines, at = skip_space((struct cursor){text, size, 0}, &newlines);
     while (at < size) {
         if (markup_given_up(rules))
             return error_set(e, ERROR_CANCELLED, "it was cancelled");
         size_t length = plain_sentence(text + at, size - at, rules), end = at + length;
         while (end > at && strchr(" \t\r\n\v\f", text[end - 1]))
             end--;
-        struct score_item *item = score_add(score, SCORE_TEXT, at, end);
-        item->text = score_strndup(score, text + at, end - at);
-        item->verbatim = true;
-        score_end_sentence(score);
+        add_items(score, text, at, end, is_markdown(rules));
         at += length;
     }
     return 0;

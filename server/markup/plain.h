@@ -5,6 +5,7 @@
 
 #include "server/markup/markup_rules.h"
 #include "server/markup/score.h"
+#include <stdint.h>
 
 int plain_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
                struct error *e);
@@ -14,5 +15,13 @@ int plain_read(struct score *score, const char *text, size_t size, const struct 
  * speech can begin early; the rules may ask for shorter ones, cut at a comma. */
 enum { PLAIN_SENTENCE_BYTES = 400 };
 size_t plain_sentence(const char *text, size_t size, const struct markup_rules *rules);
+
+/* What plain_sentence gives of a text that is still being written (rules->more) when what follows could
+ * change where its sentence ends. What it gives otherwise holds whatever follows. */
+#define PLAIN_UNKNOWN SIZE_MAX
+
+/* Whether text[0..size) looks like whole sentences, so that nothing more need be awaited: the last one ends
+ * with its mark, which is not that of an abbreviation or a number. */
+bool plain_seems_ended(const char *text, size_t size, const struct markup_rules *rules);
 
 #endif

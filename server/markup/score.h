@@ -147,6 +147,11 @@ enum { SCORE_WARNINGS = 1000 };
 void score_warn(struct score *score, size_t at, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
+/* Adds copies of the items, sentences and cues of another score, behind what is there. place tells where in
+ * the input of this one a byte of the other's stands. */
+void score_append(struct score *to, const struct score *from, size_t (*place)(const void *ctx, size_t byte),
+                  const void *ctx);
+
 /* Closes the sentence that began after the last closed one. Does nothing when it has no items. */
 void score_end_sentence(struct score *score);
 

@@ -16,6 +16,7 @@ static struct variant *variant_of(struct channel *c, const struct encoding *enco
 struct channel *channel_new(struct net *net, const char *name) {
     struct channel *c = mem_alloc(sizeof *c);
     c->net = net;
+    c->number = ++net->channels;
     c->name = mem_strdup(name);
     c->last = &c->first;
     c->stream = stream_new(net->pipeline, &channel_sink, c, net->options.queue);
@@ -135,6 +136,10 @@ void channel_idle(struct follower *f, const struct idle_options *options) {
 
 struct stream *channel_stream(const struct channel *c) {
     return c->stream;
+}
+
+uint64_t channel_number(const struct channel *c) {
+    return c->number;
 }
 
 const char *channel_name(const struct channel *c) {

@@ -36,6 +36,7 @@ int channel_check_name(const char *name, struct error *e);
 struct channel *channel_find(const struct net *net, const char *name);
 
 struct stream *channel_stream(const struct channel *channel);
+uint64_t channel_number(const struct channel *channel); /* no other has had it */
 const char *channel_name(const struct channel *channel);
 bool channel_is_room(const struct channel *channel);
 size_t channel_followers(const struct channel *channel);

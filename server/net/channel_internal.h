@@ -32,6 +32,7 @@ struct channel_item {
 
 struct channel {
     struct net *net;
+    uint64_t number;
     char *name;
     bool room;
     void (*gone)(struct channel *channel); /* before it is freed; may be NULL */

@@ -9,8 +9,12 @@ void exchange_expect_body(struct exchange *x, size_t most, enum error_code too_l
 
 void exchange_take_body(struct exchange *x, const void *data, size_t size) {
     struct error e;
-    if (x->answered || !x->body_most)
+    if (x->answered || (!x->body_most && !x->work.body))
         return;
+    if (x->work.body) {
+        x->work.body(x->work.self, data, size);
+        return;
+    }
     if (x->request_body.size + size <= x->body_most) {
         buf_add(&x->request_body, data, size);
         return;
@@ -18,6 +22,10 @@ void exchange_take_body(struct exchange *x, const void *data, size_t size) {
     exchange_drop_body(x);
     error_set(&e, x->body_too_long, "the body may have at most %zu bytes", x->body_most);
     exchange_error(x, &e);
+}
+
+bool exchange_streams_body(const struct exchange *x) {
+    return x->work.body && !x->answered;
 }
 
 const struct buf *exchange_body(const struct exchange *x) {

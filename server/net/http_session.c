@@ -227,6 +227,8 @@ bool http_session_is_idle(const struct connection *c) {
 static bool is_late(const struct connection *c) {
     const struct http_session *h = c->http;
     uint64_t now = connection_now(c);
+    if (h->exchange && exchange_streams_body(h->exchange)) /* its writer is watched by who speaks it */
+        return false;
     if (h->exchange && !h->complete)
         return now - h->last_rx > BODY_MS || now - h->began > BODY_MS + BODY_BYTES_MS * h->body;
     if (h->exchange)

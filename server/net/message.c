@@ -177,9 +177,9 @@ json_t *message_hello(struct net *net, const char *stream) {
     json_object_set_new(hello, "expressions", affects(offer));
     json_object_set_new(hello, "models", message_models(net));
     json_object_set_new(hello, "limits",
-                        json_pack("{si si si si si si}", "text_bytes", (int)o->text_bytes, "message_bytes",
-                                  (int)o->message_bytes, "queue", (int)o->queue, "connections",
-                                  (int)o->connections, "rooms", (int)o->rooms, "play_bytes",
+                        json_pack("{si si si si si si si}", "text_bytes", (int)o->text_bytes, "message_bytes",
+                                  (int)o->message_bytes, "queue", (int)o->queue, "open", (int)o->open,
+                                  "connections", (int)o->connections, "rooms", (int)o->rooms, "play_bytes",
                                   (int)o->play_bytes));
     return hello;
 }

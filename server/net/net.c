@@ -41,6 +41,8 @@ void net_change(struct net *net, const struct net_options *options) {
     o->message_bytes = options->message_bytes;
     o->play_bytes = options->play_bytes;
     o->queue = options->queue;
+    o->open = options->open;
+    o->open_seconds = options->open_seconds;
     o->connections = options->connections;
     o->connections_above = options->connections_above;
     o->rooms = options->rooms;

@@ -28,6 +28,8 @@ struct net_options {
     unsigned message_bytes;        /* longest message of a client */
     unsigned play_bytes;           /* of an uploaded recording, or of a .fap file */
     unsigned queue;                /* utterances that wait on one stream */
+    unsigned open;                 /* texts that one client is writing */
+    unsigned open_seconds;         /* one that is not written for so long is closed; 0 = never */
     unsigned connections;          /* open connections */
     unsigned connections_above;    /* that are told so, and what the operator asks */
     unsigned rooms;                /* that have somebody in them */

@@ -26,7 +26,7 @@ struct net {
     struct connection *open; /* all connections */
     struct connection *due;  /* see connection_later */
     unsigned connections;
-    uint64_t streams; /* numbers given so far */
+    uint64_t streams, channels; /* numbers given so far */
     bool ready, draining;
     const char *unavailable; /* why nothing can be spoken, nor soon will be; or NULL */
     struct quota quota;
@@ -155,6 +155,7 @@ const struct http_request *exchange_request(const struct exchange *x);
 
 /* The owner of a body that is being received or made. */
 struct exchange_work {
+    void (*body)(void *self, const void *data, size_t size); /* some of it has come; NULL: it is kept */
     int (*body_end)(void *self);   /* the body has come, if one is expected, and nothing was answered yet */
     void (*sent)(void *self);      /* bytes have left: more may come */
     void (*keepalive)(void *self); /* from time to time, from the answer's beginning on */
@@ -162,6 +163,7 @@ struct exchange_work {
     void *self;
     bool endless; /* nobody waits for its end before the daemon stops */
 };
+bool exchange_streams_body(const struct exchange *x); /* its body may take as long as it likes */
 void exchange_set_work(struct exchange *x, struct exchange_work work);
 
 /* The body is kept, up to so many bytes; a longer one is answered with that error. Otherwise it is passed
@@ -193,6 +195,8 @@ int library_get(struct exchange *x); /* GET /v1/library and below */
 int passage_resolve(const struct net *net, struct speech_request *request, struct error *e);
 
 int play_post(struct exchange *x); /* play_post.c: POST /v1/play?room= */
+
+int room_write(struct exchange *x); /* room_write.c: POST /v1/say?room=&open=1 */
 
 /* room_http.c */
 

@@ -79,6 +79,8 @@ int room_say(struct exchange *x) {
         return error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"), exchange_error(x, &e);
     if (channel_check_name(room, &e))
         return exchange_error(x, &e);
+    if (http_query(exchange_request(x), "open"))
+        return room_write(x);
     struct say *say = mem_alloc(sizeof *say);
     exchange_set_work(x, (struct exchange_work){.body_end = say_end, .free = say_free, .self = say});
     post_text_begin(&say->text, x, &say_members, &result);

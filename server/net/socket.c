@@ -29,6 +29,7 @@ static void read_query(struct socket *s, const struct http_request *from) {
     query_check(from, &known, false, warn, s);
     if (request_from_query(&s->defaults, from, NULL, &e) || socket_set_media(s, &wish, &e))
         socket_complain(s, &e);
+    s->defaults.open = false; /* that is for each utterance to say */
     if (room && socket_join(s, room, &e))
         socket_complain(s, &e);
 }
@@ -89,6 +90,7 @@ static void close_socket(struct connection *c) {
     *s->self = s->next;
     if (s->next)
         s->next->self = s->self;
+    write_leave(s);
     channel_leave(&s->follower);
     socket_forget_long(s);
     request_free(&s->defaults);

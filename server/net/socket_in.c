@@ -78,7 +78,9 @@ void socket_act(struct socket *s, const json_t *message) {
                  {"play", control_play},       {"idle", control_idle},    {"express", control_express},
                  {"model", socket_send_model}, {"media", choose_media},   {"join", join_room},
                  {"leave", leave_room},        {"authorize", authorise},  {"ping", pong},
-                 {"choices", notice_offer},    {"choose", notice_answer}, {"state", notice_show}};
+                 {"choices", notice_offer},    {"choose", notice_answer}, {"state", notice_show},
+                 {"text", write_text},         {"flush", write_flush},    {"close", write_close},
+                 {"cancel", write_cancel}};
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {

@@ -20,6 +20,8 @@ struct socket {
     void (*more)(struct socket *socket); /* says what comes once nothing waits to leave; NULL = nothing */
     struct follower follower;            /* of its own stream, or of a room's */
     struct speech_request defaults;      /* from the address */
+    struct written *written;             /* texts that it is writing */
+    size_t written_count, written_cap;
     struct websocket_reader reader;
     struct buf message; /* being received */
     bool too_long;      /* its rest is being dropped */
@@ -137,6 +139,26 @@ void control_express(struct socket *socket, const json_t *message);
 void notice_offer(struct socket *socket, const json_t *message);
 void notice_answer(struct socket *socket, const json_t *message);
 void notice_show(struct socket *socket, const json_t *message);
+/* socket_write.c: utterances whose text is still being written. */
+void write_text(struct socket *socket, const json_t *message);
+void write_flush(struct socket *socket, const json_t *message);
+void write_close(struct socket *socket, const json_t *message);
+void write_cancel(struct socket *socket, const json_t *message);
+
+/* socket_written.c: which those are. On the stream that the client is on; the utterance may have ended. */
+struct written {
+    char *id;
+    uint32_t utterance;
+};
+struct written *written_find(struct socket *socket, const char *id); /* NULL: none */
+void written_drop(struct socket *socket, struct written *written);
+
+/* Whether it may begin one with that request. -1 with *e. */
+int write_check(struct socket *socket, const struct speech_request *request, struct error *e);
+void write_begin(struct socket *socket, const char *id, uint32_t utterance);
+
+/* It goes elsewhere: what it was writing is closed. */
+void write_leave(struct socket *socket);
 
 /* text_protocol.c: the sub-protocol for people who type. */
 #define TEXT_PROTOCOL "faccia.text.v1"

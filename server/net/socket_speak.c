@@ -24,6 +24,7 @@ int socket_join(struct socket *s, const char *room, struct error *e) {
     struct channel *channel = channel_room(s->net, room, e);
     if (!channel || channel == s->follower.channel)
         return channel ? 0 : -1;
+    write_leave(s);
     channel_leave(&s->follower);
     socket_say(s, json_pack("{ss ss si sb}", "type", "joined", "room", room, "followers",
                             (int)channel_followers(channel) + 1, "may_speak",
@@ -33,6 +34,7 @@ int socket_join(struct socket *s, const char *room, struct error *e) {
 }
 
 void socket_leave(struct socket *s) {
+    write_leave(s);
     socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
     channel_leave(&s->follower);
     socket_enter(s, channel_new(s->net, s->name));
@@ -96,10 +98,15 @@ void socket_speak_request(struct socket *s, struct speech_request *request) {
     int refused = socket_may_speak(s, &e) || passage_resolve(s->net, request, &e);
     if (!refused && request->text_size > limit)
         refused = error_in_field(&e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %u bytes", limit);
-    if (refused)
+    if (!refused && request->open)
+        refused = write_check(s, request, &e);
+    if (refused) {
         socket_refuse(s, request->id, &e);
-    else
-        stream_speak(socket_stream(s), request);
+        return;
+    }
+    uint32_t utterance = stream_speak(socket_stream(s), request);
+    if (request->open && utterance)
+        write_begin(s, request->id, utterance);
 }
 
 void socket_speak(struct socket *s, const char *text, size_t size) {

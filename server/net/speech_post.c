@@ -64,6 +64,8 @@ static int read_request(struct post *p, struct speech_request *request, struct e
     if (post_text_request(&p->text, request, e) ||
         post_text_member(&p->text, "format", name, sizeof name, &found, e))
         return -1;
+    if (request->open)
+        return error_in_field(e, ERROR_BAD_FIELD, "open", "a text is written to a room, or on a stream");
     p->format = export_by_name(found ? name : "wav");
     return p->format ? 0 : no_format(name, e);
 }

@@ -54,7 +54,8 @@ static void say_begin(struct utterance *t) {
     t->begun = true;
     if (utterance_is_foreign(t))
         stream_cut_face(s);
-    metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
+    if (!t->synthesis || !synthesis_request(t->synthesis)->open) /* its writer may take long */
+        metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->segments[0].audio->sample_rate;
     struct stream_event begin = {
         .kind = STREAM_BEGIN, .fps = utterance_fps(t), .idle = stream_idle_time(s, start)};
@@ -169,21 +170,23 @@ static void pump(struct stream *s) {
                 utterance_start(s->queue);
             continue;
         }
-        bool speaks = t && t->segment_count;
-        if (!speaks && (!s->idle || (t && t->begun)))
+        bool speaks = t && t->segment_count, waits = t && utterance_awaits_text(t);
+        if (!speaks && !waits && (!s->idle || (t && t->begun)))
             return;
         if (!s->sink.ready(s->ctx)) {
             stream_wake(s, RETRY_MS);
             return;
         }
         uint64_t now = uv_now(s->pipeline->loop);
-        uint64_t lead = speaks ? STREAM_LEAD_MS : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
+        uint64_t lead = speaks ? STREAM_LEAD_MS : waits ? STREAM_WAIT_MS : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
         uint64_t until = speaks && !t->begun ? s->spoken_until : s->played_until;
         if (until >= now + lead) {
             stream_wake(s, until - now - lead + 1);
             return;
         }
-        if (speaks)
+        if (waits)
+            utterance_wait(t);
+        if (speaks || waits)
             send_speech(t);
         else
             send_idle(s, NULL, 0, 0);

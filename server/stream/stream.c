@@ -108,19 +108,20 @@ static struct utterance *utterance_new(struct stream *s) {
     return t;
 }
 
-void stream_speak(struct stream *s, const struct speech_request *request) {
+uint32_t stream_speak(struct stream *s, const struct speech_request *request) {
     struct error e;
     if (!has_room(s, request->id, request->mode))
-        return;
+        return 0;
     struct utterance *t = utterance_new(s);
     t->synthesis = synthesis_open(s->pipeline, request, &synthesis_callbacks, t, &e);
     if (!t->synthesis) {
         free(t);
         stream_refuse(s, request->id, &e);
-        return;
+        return 0;
     }
     synthesis_keep(t->synthesis);
     enqueue(s, t, request->mode);
+    return t->number;
 }
 
 void stream_play(struct stream *s, struct recording_source *source, enum speech_mode mode) {

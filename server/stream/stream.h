@@ -14,7 +14,9 @@ enum {
     STREAM_CHUNK_MS = 200, /* media in one chunk */
     STREAM_FIRST_MS = 60,  /* in the first of an utterance, which somebody waits for */
     STREAM_LEAD_MS = 400,  /* media are sent when those sent before last no longer than this */
-    STREAM_QUEUE = 32,     /* default of utterances that may wait */
+    STREAM_WAIT_MS =
+        100,           /* of silence, while the text of an utterance is being written: what is heard then */
+    STREAM_QUEUE = 32, /* default of utterances that may wait */
 };
 
 /* How the face lives while nobody speaks. */
@@ -72,8 +74,24 @@ struct stream *stream_new(const struct pipeline *pipeline, const struct stream_s
 void stream_free(struct stream *stream);
 
 /* Takes the request under the next utterance number; its mode says when it is spoken. When it is refused
- * (also "queue-full"), its ERROR and END events come at once, and nothing else changes. */
-void stream_speak(struct stream *stream, const struct speech_request *request);
+ * (also "queue-full"), its ERROR and END events come at once, and nothing else changes. Returns the number,
+ * or 0 when it is refused. */
+uint32_t stream_speak(struct stream *stream, const struct speech_request *request);
+
+/* The utterance of that number, whose text is still being written (synthesis.h): is it there, and open? */
+bool stream_is_open(const struct stream *stream, uint32_t utterance);
+
+/* Adds to its text, up to `most` bytes in all; -1 with *e as synthesis_write. What is written to one that has
+ * ended is passed over. */
+int stream_write(struct stream *stream, uint32_t utterance, const char *text, size_t size, size_t most,
+                 struct error *e);
+void stream_flush(struct stream *stream, uint32_t utterance);
+
+/* why: a warning that goes with it, or NULL. */
+void stream_close(struct stream *stream, uint32_t utterance, const struct error *why);
+
+/* Cuts the utterances of that id, or forgets them when they wait. Returns how many there were. */
+unsigned stream_cancel(struct stream *stream, const char *id);
 
 /* The same for a recording, which is opened when its turn comes: what is wrong with it is said then. */
 void stream_play(struct stream *stream, struct recording_source *source, enum speech_mode mode);

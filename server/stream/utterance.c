@@ -58,9 +58,12 @@ static void drop_segment(struct utterance *t) {
 }
 
 void utterance_drop_segment_if_done(struct utterance *t) {
+    bool wait = t->segments[0].wait;
     if (t->cut.at < t->segments[0].audio->samples)
         return;
     drop_segment(t);
+    if (wait)
+        return;
     if (t->recording)
         recording_release(t->recording);
     else
@@ -96,7 +99,7 @@ static void say_events(struct utterance *t, const struct stream_sink *sink, void
     const struct media_segment *segment = &t->segments[0];
     const struct sentence_audio *u = segment->audio;
     bool last = t->cut.at == u->samples;
-    if (!t->sentence_said && t->synthesis)
+    if (!t->sentence_said && t->synthesis && !segment->wait)
         utterance_give(t, sink, ctx, place_of(t, STREAM_SENTENCE, segment->skip, u->samples, u->from, u->to));
     t->sentence_said = true;
     for (; t->cut.word < u->word_count && (last || u->words[t->cut.word].start < t->cut.at); t->cut.word++) {
@@ -133,6 +136,14 @@ void utterance_cut(struct utterance *t, const struct stream_sink *sink, void *ct
     media->utterance = t->number;
     t->sent += media->samples;
     say_events(t, sink, ctx);
+}
+
+bool utterance_awaits_text(const struct utterance *t) {
+    return t->begun && !t->segment_count && t->synthesis && synthesis_awaits_text(t->synthesis);
+}
+
+void utterance_wait(struct utterance *t) {
+    utterance_add_segment(t, synthesis_wait(t->synthesis, STREAM_WAIT_MS));
 }
 
 uint32_t utterance_heard(const struct utterance *t, uint64_t unheard) {

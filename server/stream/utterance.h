@@ -40,6 +40,11 @@ void utterance_give(const struct utterance *utterance, const struct stream_sink 
 
 void utterance_add_segment(struct utterance *utterance, struct media_segment segment);
 
+/* Whether nothing is left to be heard of a speech whose text is still being written; and silence for a while.
+ */
+bool utterance_awaits_text(const struct utterance *utterance);
+void utterance_wait(struct utterance *utterance);
+
 /* Whether its face belongs to no clock but its own: it is the same whenever it is played. */
 bool utterance_is_apart(const struct utterance *utterance);
 

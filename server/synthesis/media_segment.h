@@ -13,6 +13,7 @@ struct media_segment {
     int64_t start; /* its first sample, counted from the speech's beginning; below 0 when `skip` hides that */
     uint32_t skip; /* samples at its beginning that are not to be heard */
     size_t sentence;                /* which one it is, from 0 */
+    bool wait;                      /* it is none: silence, while more text is awaited */
     struct placement_options alone; /* how its face is placed when nothing is played but this speech */
     const struct fap_frame *frames; /* of the whole recording, borrowed; the last one stays */
     size_t frame_count;

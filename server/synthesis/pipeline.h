@@ -33,6 +33,7 @@ struct pipeline {
     struct coder_pool *coders;           /* that code it; NULL = it is coded on the loop */
     /* Texts of so many bytes and more are read in another thread, so that the loop is free; 0 = none. */
     size_t long_text;
+    unsigned open_seconds; /* a text that is being written, and is not for so long, is closed; 0 = never */
 };
 
 #endif

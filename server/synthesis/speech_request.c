@@ -44,6 +44,7 @@ static const struct field {
     {"blend", CHOICE, offsetof(struct speech_request, blend), 0, 0, blends},
     {"contacts", CHOICE, offsetof(struct speech_request, contacts), 0, 0, contacts},
     {"mode", CHOICE, offsetof(struct speech_request, mode), 0, 0, modes},
+    {"open", FLAG, offsetof(struct speech_request, open), 0, 1, NULL},
     {"phones", FLAG, offsetof(struct speech_request, phones), 0, 1, NULL},
     {"still", FLAG, offsetof(struct speech_request, still), 0, 1, NULL},
 };

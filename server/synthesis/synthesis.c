@@ -1,20 +1,15 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
-#include "server/face/lead_in.h"
 #include "server/synthesis/synthesis_internal.h"
-#include "server/voice/cue_times.h"
-#include "server/voice/sentence_audio_edit.h"
 #include <stdlib.h>
 #include <string.h>
-
-static void deliver(struct synthesis *s);
 
 static void on_done(void *ctx, struct sentence_audio *audio) {
     struct slot *slot = ctx;
     slot->job = NULL;
     slot->audio = audio;
     metrics_add(slot->synthesis->pipeline->metrics, METRIC_SENTENCES, 1);
-    deliver(slot->synthesis);
+    synthesis_deliver(slot->synthesis);
 }
 
 static void on_failed(void *ctx, const struct error *e) {
@@ -22,7 +17,7 @@ static void on_failed(void *ctx, const struct error *e) {
     slot->job = NULL;
     slot->failure = *e;
     metrics_add(slot->synthesis->pipeline->metrics, METRIC_SENTENCES_FAILED, 1);
-    deliver(slot->synthesis);
+    synthesis_deliver(slot->synthesis);
 }
 
 static void ask_voice(struct synthesis *s, struct slot *slot) {
@@ -38,11 +33,15 @@ static void ask_voice(struct synthesis *s, struct slot *slot) {
     slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }
 
+static bool has_sentence(struct synthesis *s, size_t sentence) {
+    return sentence < s->score->sentence_count || (s->writing && writing_read(s));
+}
+
 /* What has been spoken already, or is being spoken, is not asked for again. */
-static void submit(struct synthesis *s) {
+void synthesis_submit(struct synthesis *s) {
     if (!s->started || !s->score)
         return;
-    for (; s->submitted < s->score->sentence_count && s->submitted < s->released + WINDOW; s->submitted++) {
+    for (; s->submitted < s->released + WINDOW && has_sentence(s, s->submitted); s->submitted++) {
         struct slot *slot = &s->slots[s->submitted % WINDOW];
         if (slot->taken)
             continue;
@@ -58,60 +57,9 @@ static void submit(struct synthesis *s) {
     }
 }
 
-static void warn(void *ctx, const char *message) {
-    struct synthesis *s = ctx;
-    struct error e;
-    error_set(&e, ERROR_VOICE_WARNING, "%s", message);
-    if (!s->freed)
-        s->callbacks.problem(s->ctx, &e, true);
-}
-
-/* The lips follow the language of the voice where there is a pack for it that the engine speaks. */
-static const struct speech_pack *pack_of(const struct synthesis *s, const struct sentence_audio *u) {
-    const struct speech_pack *own = speech_packs_spoken(s->pipeline->packs, s->pack, u->lang);
-    if (u->mixed)
-        own = speech_packs_cover(s->pipeline->packs, own ? own : s->pack, u);
-    return own && face_engine_speaks(synthesis_engine(s), own) ? own : s->pack;
-}
-
-static double second_of(const struct synthesis *s, const struct sentence_audio *u, uint32_t skip) {
-    return ((double)s->samples - skip) / u->sample_rate;
-}
-
-/* From here on neither the audio nor the track changes. */
-static void make_track(struct synthesis *s, struct slot *slot, uint32_t skip) {
-    struct sentence_audio *u = slot->audio;
-    const struct face_options options = {.engine = s->request.engine,
-                                         .still = s->request.still,
-                                         .blend = s->result.blend,
-                                         .contacts = s->request.contacts,
-                                         .expressions = s->pipeline->expressions};
-    for (size_t i = 0; i < u->warning_count; i++)
-        warn(s, u->warnings[i]);
-    cues_add_timed(u, s->score, second_of(s, u, skip));
-    slot->track = face_track_new(pack_of(s, u), u, &options, warn, s);
-    if (s->keeps && s->result.marks)
-        kept_speech_add(&s->kept, &(struct kept_sentence){slot->sentence, u, slot->track});
-}
-
 static void play(struct synthesis *s, struct slot *slot) {
-    struct sentence_audio *u = slot->audio;
-    const struct speech_request *r = &s->request;
-    uint32_t skip = sentence_audio_mark(u, s->entry);
-    if (!slot->track)
-        make_track(s, slot, skip);
-    struct media_segment segment = {.audio = u,
-                                    .track = slot->track,
-                                    .start = (int64_t)s->samples - skip,
-                                    .skip = skip,
-                                    .sentence = slot->sentence,
-                                    .alone = {.still = r->still,
-                                              .life = r->life < 0 ? 1 : r->life,
-                                              .seed = r->seed < 0 ? 0 : (uint64_t)r->seed,
-                                              .begin = second_of(s, u, skip)}};
+    struct media_segment segment = synthesis_segment(s, slot);
     *slot = (struct slot){0};
-    s->sample_rate = u->sample_rate;
-    s->samples += u->samples - skip;
     s->spoken++;
     if (s->freed)
         media_segment_free(&segment);
@@ -125,9 +73,22 @@ static bool is_beyond(const struct synthesis *s, const struct sentence_audio *u)
 }
 
 static void warn_of_markup(struct synthesis *s) {
-    for (size_t i = 0; !s->warned && !s->freed && i < s->score->warning_count; i++)
-        s->callbacks.problem(s->ctx, &s->score->warnings[i], true);
-    s->warned = true;
+    while (s->warned < s->score->warning_count && !s->freed)
+        s->callbacks.problem(s->ctx, &s->score->warnings[s->warned++], true);
+}
+
+/* What is wrong with a text that is being written. */
+static void complain_of_writing(struct synthesis *s) {
+    struct writing *w = s->writing;
+    if (!w || w->told || s->freed || w->error.code == ERROR_NONE)
+        return;
+    w->told = true;
+    struct error e = w->error;
+    s->callbacks.problem(s->ctx, &e, false);
+}
+
+static bool is_finished(const struct synthesis *s) {
+    return s->delivered == s->score->sentence_count && (!s->writing || s->writing->read);
 }
 
 static void drop_audio(struct slot *slot) {
@@ -137,25 +98,20 @@ static void drop_audio(struct slot *slot) {
     slot->track = NULL;
 }
 
-static void prepare(const struct synthesis *s, struct sentence_audio *u) {
-    if (s->sample_rate)
-        sentence_audio_resample(u, s->sample_rate);
-    sentence_audio_lead_in(u, lead_in_missing(pack_of(s, u), u));
-}
-
 /* Hands on, in order, what is ready. */
-static void deliver(struct synthesis *s) {
+void synthesis_deliver(struct synthesis *s) {
     if (s->busy || !s->score || !s->started)
         return;
     s->busy = true;
     warn_of_markup(s);
+    complain_of_writing(s);
     while (!s->freed && s->delivered < s->submitted) {
         struct slot *slot = &s->slots[s->delivered % WINDOW];
         if (slot->job)
             break;
         s->delivered++;
         if (slot->audio && !slot->track)
-            prepare(s, slot->audio);
+            synthesis_prepare(s, slot->audio);
         if (is_beyond(s, slot->audio)) {
             error_set(&slot->failure, ERROR_VOICE_FAILED, "the speech is longer than its clock can count");
             drop_audio(slot);
@@ -171,9 +127,9 @@ static void deliver(struct synthesis *s) {
         free(s->entry);
         s->entry = NULL;
         if (!s->freed)
-            submit(s);
+            synthesis_submit(s);
     }
-    if (!s->freed && !s->finished && s->delivered == s->score->sentence_count) {
+    if (!s->freed && !s->finished && is_finished(s)) {
         s->finished = true;
         s->callbacks.finished(s->ctx, s->spoken);
     }
@@ -184,7 +140,7 @@ static void deliver(struct synthesis *s) {
 
 void synthesis_start(struct synthesis *s) {
     s->started = true;
-    submit(s);
+    synthesis_submit(s);
 }
 
 static void refuse(struct synthesis *s) {
@@ -201,7 +157,7 @@ void synthesis_go_on(struct synthesis *s) {
     if (s->freed)
         synthesis_free(s);
     else
-        submit(s);
+        synthesis_submit(s);
 }
 
 void synthesis_keep(struct synthesis *s) {
@@ -268,6 +224,7 @@ void synthesis_free(struct synthesis *s) {
     if (s->busy || s->reading)
         return;
     free(s->entry);
+    writing_free(s);
     free_result(s);
     request_free(&s->request);
     free(s);
@@ -275,9 +232,9 @@ void synthesis_free(struct synthesis *s) {
 
 void synthesis_release(struct synthesis *s) {
     s->released++;
-    submit(s);
+    synthesis_submit(s);
     if (s->keeps)
-        deliver(s);
+        synthesis_deliver(s);
 }
 
 void synthesis_seek(struct synthesis *s, size_t sentence, const char *mark, uint32_t sample, size_t held) {
@@ -289,8 +246,8 @@ void synthesis_seek(struct synthesis *s, size_t sentence, const char *mark, uint
     s->released = sentence - held;
     s->samples = sample;
     s->finished = false;
-    submit(s);
-    deliver(s);
+    synthesis_submit(s);
+    synthesis_deliver(s);
 }
 
 void synthesis_set_rate(struct synthesis *s, double rate) {

@@ -45,6 +45,24 @@ void synthesis_start(struct synthesis *synthesis);
 void synthesis_keep(struct synthesis *synthesis);
 void synthesis_free(struct synthesis *synthesis);
 
+/* Of a request that is `open`, whose text is still being written: adds to it, bytes of UTF-8. -1 with *e, and
+ * nothing is added: "bad-utf8", "nul" (byte of the whole text), "text-too-long" above `most` bytes in all.
+ * What is wrong with markup comes as a problem; nothing behind that is spoken. */
+int synthesis_write(struct synthesis *synthesis, const char *text, size_t size, size_t most, struct error *e);
+
+/* What was written is spoken without waiting for more, as far as it is whole; nothing more will be written.
+ * Both do nothing to another request. */
+void synthesis_flush(struct synthesis *synthesis);
+void synthesis_close(struct synthesis *synthesis);
+
+/* Whether more may be written; and whether all that was written has been handed on, so that nothing can be
+ * heard until there is more. */
+bool synthesis_is_open(const struct synthesis *synthesis);
+bool synthesis_awaits_text(const struct synthesis *synthesis);
+
+/* Silence of so many ms to be heard meanwhile; what is handed on later comes behind it. */
+struct media_segment synthesis_wait(struct synthesis *synthesis, unsigned ms);
+
 /* One segment has been used up: another may come. */
 void synthesis_release(struct synthesis *synthesis);
 

@@ -3,7 +3,8 @@
 #ifndef FACCIA_SYNTHESIS_SYNTHESIS_INTERNAL_H
 #define FACCIA_SYNTHESIS_SYNTHESIS_INTERNAL_H
 
-#include "server/markup/markup.h"
+#include "server/base/utf8.h"
+#include "server/markup/open_text.h"
 #include "server/synthesis/kept_speech.h"
 #include "server/synthesis/select_voices.h"
 #include "server/synthesis/synthesis.h"
@@ -21,6 +22,7 @@ struct slot {
     struct sentence *job;         /* set while the voice works on it */
     struct sentence_audio *audio; /* set when it is ready */
     struct face_track *track;     /* of one that was kept */
+    bool wait;                    /* silence, while text is awaited */
     struct error failure;
 };
 
@@ -32,6 +34,22 @@ struct reading_result {
     enum face_blend blend; /* what the request and the text ask for */
     struct error error;
     bool marks; /* it has some */
+};
+
+/* A text that is still being written. */
+struct writing {
+    struct open_text open;
+    struct utf8_reader utf8;
+    size_t text_cap;
+    size_t *flushes;                      /* places of the text at which a piece ends */
+    size_t flush_count, flush_cap, flush; /* the next of them */
+    bool closed;                          /* nothing is written any more */
+    bool read;                            /* and all of it has been read */
+    struct error error;                   /* nothing behind that is read; code ERROR_NONE: none */
+    bool told;                            /* of the error */
+    uv_timer_t *timer;
+    uv_timer_cb look; /* after itself, when the timer says so */
+    uint64_t last;    /* loop time at which something was written last, ms */
 };
 
 /* While `reading`, the text and what reading it gives belong to the other thread. */
@@ -58,13 +76,45 @@ struct synthesis {
         released;  /* sentences; released <= delivered <= submitted <= released + WINDOW */
     size_t spoken; /* segments that came */
     uint32_t samples, sample_rate;
-    char *entry;      /* the mark at which the next sentence is entered, or NULL */
-    bool finished;    /* that has been said */
-    bool warned;      /* of what the markup stage did not act on */
-    bool busy, freed; /* inside a callback; to be freed after it */
+    char *entry;             /* the mark at which the next sentence is entered, or NULL */
+    bool finished;           /* that has been said */
+    size_t warned;           /* so many of the markup stage's warnings */
+    struct writing *writing; /* NULL: the text is there */
+    bool busy, freed;        /* inside a callback; to be freed after it */
 };
 
-/* speech.c: the text has been read, or cannot be. */
+/* synthesis.c: the text has been read, or cannot be. */
 void synthesis_go_on(struct synthesis *synthesis);
+
+/* Asks for what may be spoken, and hands on, in order, what is ready. */
+void synthesis_submit(struct synthesis *synthesis);
+void synthesis_deliver(struct synthesis *synthesis);
+
+/* synthesis_segment.c: what a sentence's audio still needs; and the segment of it, with its track, which
+ * takes both from the slot: its samples are counted. */
+void synthesis_prepare(const struct synthesis *synthesis, struct sentence_audio *audio);
+struct media_segment synthesis_segment(struct synthesis *synthesis, struct slot *slot);
+
+/* synthesis_choose.c */
+
+/* The language and the voice that the request asks for, and whether the engine speaks it. -1 with *e. */
+int synthesis_choose(struct synthesis *synthesis, struct error *e);
+
+/* What a reader of this text has to know; the script of a document, with its voices. In any thread. */
+struct markup_rules synthesis_rules(const struct synthesis *synthesis);
+void synthesis_direct(const struct synthesis *synthesis, struct reading_result *result);
+
+/* synthesis_writing.c */
+void writing_open(struct synthesis *synthesis);
+
+/* synthesis_reading.c */
+void writing_free(struct synthesis *synthesis);
+void writing_wake(struct synthesis *synthesis, uint64_t ms); /* it looks after itself in so many ms */
+
+/* The voice is known. */
+void writing_begin(struct synthesis *synthesis);
+
+/* Reads on until there is one more sentence. False: nothing more is known yet. */
+bool writing_read(struct synthesis *synthesis);
 
 #endif

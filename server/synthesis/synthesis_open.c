@@ -2,96 +2,9 @@
 /* From a request to a score with its voices: what can be said of it before anything is spoken. */
 #include "server/base/mem.h"
 #include "server/base/near.h"
-#include "server/synthesis/select_voices.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
 #include <string.h>
-
-/* About three seconds of speech. A slow voice makes the first part of a long sentence in about as long, and
- * each further one while the one before is heard. */
-enum { SLOW_SENTENCE_BYTES = 48 };
-
-bool synthesis_can_speak(const struct pipeline *pipeline, const char *lang) {
-    const struct speech_pack *pack = speech_packs_find(pipeline->packs, lang);
-    size_t count;
-    const struct voice *voices = voice_pool_voices(pipeline->voices, &count);
-    if (!pack || !speech_pack_is_general(pack))
-        return pack != NULL;
-    for (size_t i = 0; i < count; i++)
-        if (voice_lang_fit(voices[i].lang, lang))
-            return true;
-    return false;
-}
-
-static int no_language(const struct pipeline *pipeline, const char *lang, struct error *e) {
-    struct near near = near_to(lang);
-    char text[NEAR_TEXT];
-    size_t count;
-    const struct voice *voices = voice_pool_voices(pipeline->voices, &count);
-    for (size_t i = 0; i < pipeline->packs->count; i++) {
-        const struct speech_pack *pack = pipeline->packs->packs[i];
-        near_try(&near, speech_pack_lang(pack), speech_pack_lang(pack));
-        near_try(&near, speech_pack_name(pack), speech_pack_lang(pack));
-    }
-    for (size_t i = 0; i < count; i++)
-        near_try(&near, voices[i].lang, voices[i].lang);
-    return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "lang", "no language '%s'%s", lang,
-                          near_text(&near, text));
-}
-
-/* The language and the voice that the request asks for; each may follow from the other. */
-static int choose_voice(struct synthesis *s, struct error *e) {
-    const struct speech_packs *packs = s->pipeline->packs;
-    const char *lang = s->request.lang;
-    char stated[MARKUP_LANG_BYTES];
-    size_t voices = 0;
-    if (s->pipeline->voices)
-        voice_pool_voices(s->pipeline->voices, &voices);
-    if (!voices)
-        return error_set(e, ERROR_VOICE_UNAVAILABLE, "no voice is there (yet)");
-    if (lang && !synthesis_can_speak(s->pipeline, lang))
-        return no_language(s->pipeline, lang, e);
-    if (!lang && !s->request.voice && s->markup != markup_by_name("plain") &&
-        markup_lang(s->request.text, s->request.text_size, stated) &&
-        synthesis_can_speak(s->pipeline, stated))
-        lang = stated;
-    if (!lang)
-        lang = s->pipeline->default_lang;
-    s->pack = speech_packs_find(packs, lang);
-    if (!speech_pack_is_general(s->pack))
-        lang = speech_pack_lang(s->pack);
-    s->voice = voice_pool_find(s->pipeline->voices, s->request.voice, lang, speech_pack_voices(s->pack), e);
-    if (!s->voice)
-        return -1;
-    const char *gender = request_gender(&s->request);
-    if (gender && !s->request.voice && strcmp(s->voice->gender, gender)) {
-        const struct voice *other =
-            select_voice_of_gender(s->pipeline->voices, packs, lang, gender, s->voice->plugin);
-        if (other)
-            s->voice = other;
-    }
-    /* the phones are the voice's, so the lips follow its language where there is a pack for it */
-    const struct speech_pack *own = speech_packs_spoken(packs, s->pack, s->voice->lang);
-    if (own)
-        s->pack = own;
-    return 0;
-}
-
-static int check_engine(const struct synthesis *s, struct error *e) {
-    if (!s->request.engine)
-        return 0;
-    for (const char *const *engine = face_engines(); *engine; engine++)
-        if (!strcmp(*engine, s->request.engine))
-            return face_engine_speaks(*engine, s->pack)
-                       ? 0
-                       : error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine",
-                                        "the engine '%s' does not speak '%s'", *engine, synthesis_lang(s));
-    struct near near = near_to(s->request.engine);
-    char text[NEAR_TEXT];
-    near_try_all(&near, face_engines());
-    return error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine", "no engine '%s'%s", s->request.engine,
-                          near_text(&near, text));
-}
 
 static int no_markup(const char *name, struct error *e) {
     struct near near = near_to(name);
@@ -110,6 +23,11 @@ static int decode_text(struct synthesis *s, struct error *e) {
     s->markup = markup_by_name(name);
     if (!s->markup)
         return no_markup(name, e);
+    if (s->request.open) {
+        writing_open(s);
+        s->markup = markup_by_name("plain"); /* until it is known better */
+        return 0;
+    }
     if (!s->request.text)
         return error_plain_in_field(e, ERROR_MISSING_FIELD, "text");
     if (markup_decode(s->request.text, s->request.text_size, &text, &size, e))
@@ -123,47 +41,17 @@ static int decode_text(struct synthesis *s, struct error *e) {
     return 0;
 }
 
-/* Weights belong to the weighted rule: a text that names one is shown by it, unless the request wants the
- * other one. */
-static enum face_blend blend_of(enum speech_blend asked, struct score *score) {
-    bool weighted = false;
-    for (size_t i = 0; i < score->cue_count; i++) {
-        if (score->cues[i].weight < 0)
-            continue;
-        weighted = true;
-        if (asked == SPEAK_BLEND_REGIONS)
-            score_warn(score, score->cues[i].at, ERROR_IGNORED,
-                       "the weight is not acted on: the request wants blend regions");
-    }
-    return asked == SPEAK_BLEND_WEIGHTED || (asked == SPEAK_BLEND_AUTO && weighted) ? BLEND_WEIGHTED
-                                                                                    : BLEND_REGIONS;
-}
-
 /* In any thread: what is reached from here does not change while texts are read. */
 static void read_text(struct synthesis *s) {
-    const struct pipeline *pipeline = s->pipeline;
     struct reading_result *r = &s->result;
-    struct markup_rules rules = {.abbreviations = speech_pack_abbreviations(s->pack),
-                                 .lang = synthesis_lang(s),
-                                 .sentence_bytes =
-                                     s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
-                                 .given_up = &s->given_up};
+    struct markup_rules rules = synthesis_rules(s);
     r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
     if (r->document && markup_given_up(&rules)) { /* much to free, which is better done here */
         score_free(r->document);
         r->document = NULL;
     }
-    if (!r->document)
-        return;
-    r->score = score_script(r->document);
-    for (size_t i = 0; i < r->score->item_count; i++)
-        r->marks |= r->score->items[i].kind == SCORE_MARK;
-    r->blend = blend_of(s->request.blend, r->score);
-    if (pipeline->expressions)
-        expressions_direct(pipeline->expressions, r->score);
-    r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
-    for (size_t i = 0; i < r->score->item_count && pipeline->normalizers; i++)
-        normalizers_apply(pipeline->normalizers, r->score, i, r->chosen->voices[i]->lang);
+    if (r->document)
+        synthesis_direct(s, r);
 }
 
 static void take_result(struct synthesis *s) {
@@ -213,7 +101,12 @@ static bool is_settled(const struct synthesis *s) {
 }
 
 static int choose_and_read(struct synthesis *s, struct error *e) {
-    return choose_voice(s, e) || check_engine(s, e) || begin_reading(s, e) ? -1 : 0;
+    if (synthesis_choose(s, e))
+        return -1;
+    if (!s->writing)
+        return begin_reading(s, e);
+    writing_begin(s);
+    return 0;
 }
 
 static void on_voices(void *ctx) {

@@ -21,6 +21,20 @@ void voice_selection_free(struct voice_selection *selection) {
     free(selection);
 }
 
+void voice_selection_append(struct voice_selection *s, struct voice_selection *more) {
+    size_t count = s->count + more->count;
+    if (count > s->cap) {
+        s->cap = 2 * count;
+        s->voices = mem_resize(s->voices, s->cap * sizeof *s->voices);
+        s->sounds = mem_resize(s->sounds, s->cap * sizeof *s->sounds);
+    }
+    for (size_t i = 0; i < more->count; i++, s->count++) {
+        s->voices[s->count] = more->voices[i];
+        s->sounds[s->count] = more->sounds[i];
+        more->sounds[i] = NULL;
+    }
+}
+
 struct cutter {
     const struct voice_selection *selection;
     const struct score *score;

@@ -9,10 +9,13 @@
 struct voice_selection {
     const struct voice **voices; /* of texts */
     char **sounds;               /* of SCORE_AUDIO: the file; NULL = its alternate content is spoken */
-    size_t count;
+    size_t count, cap;
 };
 
 struct voice_selection *voice_selection_new(size_t count);
+
+/* Moves what `more` has behind what is there. */
+void voice_selection_append(struct voice_selection *selection, struct voice_selection *more);
 void voice_selection_free(struct voice_selection *selection);
 
 /* A part of a sentence that one voice speaks, or a sound, or silence. */

@@ -37,6 +37,7 @@ const readerOnly = {
   'unknown-expression': 'hello names the expressions',
   'unknown-model': 'hello names the models',
   'unknown-codec': 'hello names the codings',
+  'unknown-utterance': 'it depends on what has been said before',
   'not-speaking': 'it depends on what has been said before',
   'unknown-media': 'what lies in the folder',
   'unknown-mark': 'the marks stand in the text',

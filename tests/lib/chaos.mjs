@@ -58,6 +58,9 @@ const kinds = [
   (c) => ({ type: 'model', name: c.of([undefined, 'mara', 'none']) }),
   (c) => ({ type: 'authorize', token: c.of([c.token ?? 'y', 'x', 'eyJhbGciOiJIUzI1NiJ9.eyJzdWIiOiJhIn0.AAAA', 'eyJhbGciOiJub25lIn0.e30.']) }),
   () => ({ type: 'ping', id: 'x' }),
+  (c) => ({ type: 'speak', open: true, id: c.of(['w', 'v']), text: c.of([undefined, ...texts]), markup: c.of([undefined, 'plain', 'ssml', 'bml']), mode: c.of(['queue', 'replace', 'interrupt']) }),
+  (c) => ({ type: 'text', id: c.of(['w', 'v', 'a']), text: c.one(2) ? c.of(texts) : c.of(documents).toString().slice(c.below(400), 400 + c.below(400)) }),
+  (c) => ({ type: c.of(['flush', 'close', 'cancel']), id: c.of(['w', 'v', 'a', 'b']) }),
 ];
 
 /** Bytes changed, taken away, doubled, put in. */

@@ -58,7 +58,8 @@ static void on_failed(void *ctx, const struct error *e) {
 static struct sentence *start(struct stage *t, const char *voice) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
     score_end_sentence(t->test->score);
-    t->selection = (struct voice_selection){t->voices, t->sounds, t->test->score->item_count};
+    t->selection = (struct voice_selection){
+        .voices = t->voices, .sounds = t->sounds, .count = t->test->score->item_count};
     const struct voice_request request = {pool_test_voice(t->test, voice), t->test->score, 0, 0, 1, 1, false};
     return sentence_speak(t->test->pool, &t->test->loop, &request, &t->selection, &callbacks, t);
 }

@@ -50,7 +50,7 @@ test('the errors that a page can meet have words', () => {
   const protocol = fs.readFileSync(new URL('../../protocol/README.md', import.meta.url), 'utf8');
   const rows = protocol.split('## Error codes')[1].split('## Limits')[0].match(/^\| `.*?\|/gm).join('');
   // what only scripts do
-  const others = `bad-json bad-message unknown-type binary-message unknown-format not-speaking unknown-mark unknown-media media-too-large
+  const others = `bad-json bad-message unknown-type binary-message unknown-format not-speaking unknown-mark unknown-utterance unfinished too-many-open unknown-media media-too-large
     bad-form unknown-command unknown-codec skipped unknown-member method-not-allowed unsupported-media-type upgrade-required bad-request bad-header bad-host
     bad-length bad-chunk bad-target bad-escape request-timeout uri-too-long headers-too-large unknown-method unknown-coding unknown-version
     unknown-expectation bad-handshake unknown-protocol unknown-element unknown-attribute missing-attribute ignored inside-word entity

@@ -124,14 +124,31 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
    * @returns {Promise<object>} the `end` message, when the end is heard (or it failed, or was stopped)
    */
   speak(text, options = {}) {
+    const promise = this.#speech.speak(text, this.#speakOptions(options));
+    this.#presentation.wake();
+    return promise;
+  }
+
+  /**
+   * Speaks a text while it is written, after what is already queued.
+   * @param {ReadableStream|AsyncIterable|null} [source] of strings or UTF-8, which writes it; without one, who calls does
+   * @param {object} [options] as of `speak`
+   * @returns {{write(text: string): void, flush(): void, close(): void, cancel(): void, done: Promise<object>}}
+   */
+  open(source = null, options = {}) {
+    const writing = this.#speech.write(this.#speakOptions(options));
+    this.#presentation.wake();
+    if (source) writing.from(source).catch(() => {}); // what came before it broke is spoken
+    return writing;
+  }
+
+  #speakOptions(options) {
     const defaults = {};
     for (const [name, type] of Object.entries(SPEAK_ATTRIBUTES))
       if (this.hasAttribute(name)) defaults[name] = type(this.getAttribute(name));
     if (this.#presentation.still) defaults.still = true;
     if (!defaults.voice && !options.voice) Object.assign(defaults, this.#session.voiceKind);
-    const promise = this.#speech.speak(text, { ...defaults, ...options });
-    this.#presentation.wake();
-    return promise;
+    return { ...defaults, ...options };
   }
 
   /**

@@ -28,13 +28,15 @@ function reference(name) {
  * where each character came from, so that places in the one can be found in the other.
  */
 export class PlainText {
-  /** @param {string} source @param {string} [markup] what the source is; of 'plain' nothing is changed */
+  /** @param {string} source @param {string} [markup] what the source is; of 'plain' nothing is changed; 'markdown': plain as models write it */
   constructor(source, markup = 'plain') {
     this.text = '';
     this.from = []; // of each character, its place in the source; null: the same place
     if (markup === 'plain') {
       this.text = source;
       this.from = null;
+    } else if (markup === 'markdown') {
+      this.#readMarkdown(source);
     } else {
       this.#read(source);
     }
@@ -50,6 +52,16 @@ export class PlainText {
       else high = middle;
     }
     return low;
+  }
+
+  /** What a model writes: the server leaves the same out. */
+  #readMarkdown(source) {
+    let done = 0;
+    for (const { 0: mark, index } of source.matchAll(/^[#>]+ *|^[-*+] +|\*+|`+|~~|\p{Extended_Pictographic}[\u200D\uFE0F\p{Emoji_Modifier}]*/gmu)) {
+      this.#add(source.slice(done, index), done);
+      done = index + mark.length;
+    }
+    this.#add(source.slice(done), done);
   }
 
   #read(source) {

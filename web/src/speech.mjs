@@ -3,6 +3,7 @@ import { HeardCaptions } from './captions.mjs';
 import { Timeline } from './timeline.mjs';
 import { Turns } from './turns.mjs';
 import { Utterance } from './utterance.mjs';
+import { Writing } from './writing.mjs';
 
 const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
 const UNHEARD = ['blocked', 'none']; // the player's states in which the samples go by in silence
@@ -52,8 +53,8 @@ export class Speech {
   }
 
   /** @param {string} text @param {object} options further members of the `speak` message @returns {Promise<object>} */
-  speak(text, options = {}) {
-    const utterance = new Utterance(`u${++this.count}`, text, options);
+  speak(text, options = {}, writing = null) {
+    const utterance = new Utterance(`u${++this.count}`, text, options, null, writing);
     const first = ['replace', 'interrupt'].includes(options.mode);
     if (first) this.paused = false;
     if (options.mode === 'replace') for (const other of [...this.open]) if (!other.sent) this.#stopped(other);
@@ -62,6 +63,13 @@ export class Speech {
     this.turns.ask(this, utterance, first);
     this.#await(utterance);
     return utterance.promise;
+  }
+
+  /** Begins to speak what is still being written. @param {object} options as of `speak` @returns {Writing} */
+  write(options = {}) {
+    const writing = new Writing(this.send, (cancelled) => this.#cancel(cancelled));
+    writing.done = this.speak('', { ...options, open: true }, writing);
+    return writing;
   }
 
   /** It is the turn of what was asked for before. */
@@ -228,8 +236,21 @@ export class Speech {
 
   #send(utterance) {
     const text = utterance.options.passage ? undefined : utterance.text; // the server has it; here it is for the captions
-    utterance.sent = this.send({ ...utterance.options, type: 'speak', text, id: utterance.key });
+    const message = { ...utterance.options, type: 'speak', text, id: utterance.key };
+    utterance.sent = utterance.writing ? utterance.writing.begin(message) : this.send(message);
     if (utterance.sent) clearTimeout(utterance.timer);
+  }
+
+  /** What the server has sent to its end is only to be forgotten here. */
+  #cancel(writing) {
+    const utterance = [...this.open].find((other) => other.writing === writing);
+    if (!utterance) return;
+    if (utterance.sent && !utterance.answer) {
+      this.send({ type: 'cancel', id: utterance.key });
+      return;
+    }
+    if (utterance.item) this.#forgetUnheard();
+    this.#stopped(utterance);
   }
 
   /** A connection is waited for, but not for ever. */

@@ -98,6 +98,15 @@ export interface TalkingHeadEventMap {
 
 type AllEvents = Omit<HTMLElementEventMap, keyof TalkingHeadEventMap> & TalkingHeadEventMap;
 
+/** A text that is spoken while it is written. */
+export interface Writing {
+  write(text: string): void;
+  flush(): void;
+  close(): void;
+  cancel(): void;
+  readonly done: Promise<EndMessage>;
+}
+
 export class TalkingHead extends HTMLElement {
   src: string | null;
   /** What is read: an id, or a selector. */
@@ -134,6 +143,7 @@ export class TalkingHead extends HTMLElement {
   speak(text: string, options?: SpeakOptions): Promise<EndMessage>;
   showHead(json: object): Promise<void>;
   read(from?: Range | StaticRange | Node): Promise<ReadResult>;
+  open(source?: ReadableStream<string | Uint8Array> | AsyncIterable<string | Uint8Array> | null, options?: SpeakOptions): Writing;
   stop(): void;
   pause(): void;
   resume(): void;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { Resampler } from './audio/resampler.mjs';
-import { CaptionTrack } from './captions.mjs';
+import { CaptionTrack, HeardCaptions } from './captions.mjs';
 import { FaceTrack } from './face-track.mjs';
 
 /** One `speak`, from the call to its end. */
@@ -8,12 +8,14 @@ export class Utterance {
   /**
    * @param {string|null} key what the server is told as its id; null = somebody else's
    * @param {string} text @param {object} options of `speak` @param {object} [captions] where the text is not known
+   * @param {import('./writing.mjs').Writing} [writing] who writes the text, while it is spoken
    */
-  constructor(key, text, options, captions = null) {
+  constructor(key, text, options, captions = null, writing = null) {
     this.key = key;
     this.text = text;
     this.options = options;
     this.captions = captions;
+    this.writing = writing;
     this.number = null; // the server's, from `begin` on
     this.sent = false;
     this.cancelled = false;
@@ -26,9 +28,13 @@ export class Utterance {
   begin(begin, rate) {
     this.number = begin.utterance;
     this.track = new FaceTrack(begin.fps);
-    this.captions ??= new CaptionTrack(this.text, begin.markup);
+    this.captions ??= this.writing ? new HeardCaptions(this.#written(begin.markup)) : new CaptionTrack(this.text, begin.markup);
     this.playerRate = rate;
     this.resampler = null; // from the first sound on, whose rate may be the codec's
+  }
+
+  #written(markup) {
+    return markup === 'plain' && this.options.markup !== 'plain' ? 'markdown' : markup;
   }
 
   /** It goes on elsewhere: what comes does not follow from what was, so that the face goes over to it (face-mixer.mjs). */

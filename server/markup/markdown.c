@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/markup/markdown.h"
+#include "server/base/utf8.h"
+#include "server/markup/white.h"
+#include <stdint.h>
+#include <string.h>
+
+static bool is_blank(char c) {
+    return c == ' ' || c == '\t';
+}
+
+static bool is_alnum(char c) {
+    return (c >= '0' && c <= '9') || ((c | 32) >= 'a' && (c | 32) <= 'z') || (unsigned char)c >= 0xC3;
+}
+
+/* At a line's beginning: what makes it a heading, an item or a quotation. Returns where its text begins. */
+static size_t blank_line_mark(char *s, size_t n, size_t at) {
+    while (at < n && is_blank(s[at]))
+        at++;
+    while (at < n && (s[at] == '#' || s[at] == '>'))
+        s[at++] = MARKDOWN_LEFT_OUT;
+    if (at + 1 < n && strchr("-*+", s[at]) && is_blank(s[at + 1]))
+        s[at++] = MARKDOWN_LEFT_OUT;
+    return at;
+}
+
+/* [text](address) keeps its text. */
+static void blank_link(char *s, size_t n, size_t at) {
+    char *close = memchr(s + at, ']', n - at), *end;
+    if (!close || close + 1 >= s + n || close[1] != '(' ||
+        !(end = memchr(close, ')', n - (size_t)(close - s))))
+        return;
+    s[at] = MARKDOWN_LEFT_OUT;
+    memset(close, MARKDOWN_LEFT_OUT, (size_t)(end + 1 - close));
+}
+
+static bool is_emoji(uint32_t c) {
+    return (c >= 0x1F000 && c < 0x1FB00) || (c >= 0x2600 && c <= 0x27BF) || c == 0xFE0F || c == 0x200D ||
+           c == 0x20E3 || c == 0x2B50 || c == 0x2B55 || (c >= 0xE0020 && c <= 0xE007F);
+}
+
+/* Whether a mark of the kind of `s[at]` marks words there: "2 * 3" and "a_name" are what they are. */
+static bool marks_words(const char *s, size_t n, size_t at) {
+    char before = at ? s[at - 1] : ' ', after = at + 1 < n ? s[at + 1] : ' ';
+    if (before == MARKDOWN_LEFT_OUT)
+        return true;
+    if (s[at] == '_')
+        return !is_alnum(before) || !is_alnum(after);
+    if (s[at] == '*')
+        return !(is_white(before) && is_white(after)) &&
+               !(before >= '0' && before <= '9' && after >= '0' && after <= '9');
+    return s[at] == '`' || (s[at] == '~' && (before == '~' || after == '~'));
+}
+
+void markdown_blank(char *s, size_t n, bool begins_line) {
+    char *whole = s;
+    for (size_t at = 0, length; at < n; at += length) {
+        uint32_t cp = 0;
+        length = 1;
+        if (begins_line)
+            at = blank_line_mark(s, n, at);
+        if (at == n)
+            return;
+        begins_line = s[at] == '\n';
+        if ((unsigned char)s[at] < 0x80) {
+            if (s[at] == '[')
+                blank_link(s, n, at);
+            else if (strchr("*_`~", s[at]) && marks_words(whole, n, at))
+                s[at] = MARKDOWN_LEFT_OUT;
+            continue;
+        }
+        length = utf8_next(s + at, n - at, &cp);
+        length = length ? length : 1;
+        if (is_emoji(cp))
+            memset(s + at, MARKDOWN_LEFT_OUT, length);
+    }
+}
+
+bool markdown_has_words(const char *s, size_t n) {
+    for (size_t at = 0, length; at < n; at += length) {
+        uint32_t c;
+        length = utf8_next(s + at, n - at, &c);
+        if (!length)
+            return false;
+        bool sign = c < 0xC0 || c == 0xD7 || c == 0xF7 || (c >= 0x2000 && c <= 0x206F) ||
+                    (c >= 0x3000 && c <= 0x303F) || c == 0xFE0F || (c >= 0xFF00 && c <= 0xFF0F);
+        if (c < 0x80 ? is_alnum((char)c) || (c && strchr("%&+=@$", (int)c)) : !sign)
+            return true;
+    }
+    return false;
+}

@@ -1,0 +1,76 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Utterances that somebody still has in hand: whose text is being written, or that are cancelled by name. */
+#include "server/stream/stream_internal.h"
+#include <string.h>
+
+static struct utterance *find(const struct stream *s, uint32_t number) {
+    struct utterance *t = s->queue;
+    while (t && t->number != number)
+        t = t->next;
+    return t && t->synthesis ? t : NULL;
+}
+
+bool stream_is_open(const struct stream *s, uint32_t number) {
+    const struct utterance *t = find(s, number);
+    return t && synthesis_is_open(t->synthesis);
+}
+
+int stream_write(struct stream *s, uint32_t number, const char *text, size_t size, size_t most,
+                 struct error *e) {
+    struct utterance *t = find(s, number);
+    return t ? synthesis_write(t->synthesis, text, size, most, e) : 0;
+}
+
+void stream_flush(struct stream *s, uint32_t number) {
+    struct utterance *t = find(s, number);
+    if (t)
+        synthesis_flush(t->synthesis);
+}
+
+void stream_close(struct stream *s, uint32_t number, const struct error *why) {
+    struct utterance *t = find(s, number);
+    if (!t || !synthesis_is_open(t->synthesis))
+        return;
+    if (why)
+        utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_WARNING, .error = why});
+    synthesis_close(t->synthesis);
+}
+
+static const char *id_of(const struct utterance *t) {
+    return t->recording ? recording_id(t->recording) : synthesis_request(t->synthesis)->id;
+}
+
+/* One that waits. */
+static void forget(struct stream *s, struct utterance **at) {
+    struct utterance *t = *at;
+    *at = t->next;
+    s->waiting--;
+    utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_END, .reason = "stopped"});
+    metrics_add(s->pipeline->metrics, METRIC_UTTERANCES_STOPPED, 1);
+    utterance_free(t);
+}
+
+unsigned stream_cancel(struct stream *s, const char *id) {
+    unsigned count = 0;
+    bool first = false;
+    for (struct utterance **at = &s->queue; *at;) {
+        const char *own = id_of(*at);
+        if (!own || strcmp(own, id)) {
+            at = &(*at)->next;
+            continue;
+        }
+        count++;
+        first |= at == &s->queue;
+        if (at == &s->queue)
+            stream_end_utterance(s, "stopped");
+        else
+            forget(s, at);
+    }
+    if (!first)
+        return count;
+    stream_forget_unheard(s);
+    if (s->queue)
+        utterance_start(s->queue);
+    stream_wake(s, 0);
+    return count;
+}

@@ -1,0 +1,270 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Texts that are spoken while they are written. The writer here is a stand-in for a language model: tokens of a few letters, in bursts, with stalls.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import http from 'node:http';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { setTimeout as sleep } from 'node:timers/promises';
+import { build, Daemon } from '../lib/daemon.mjs';
+import { violations } from '../lib/schema.mjs';
+
+let daemon;
+before(async () => {
+  daemon = await Daemon.start(['--max-open', '2', '--max-text', '2000', '--open-seconds', '2', '--max-queue', '4']);
+});
+after(async () => assert.deepEqual(await daemon.stop(), { code: 0, signal: null }));
+
+const texts = {
+  it: 'Certo! Ecco **due** id**ee**:\n- una zuppa di ceci, ecc. 😀\n- la pasta. Il dott. Bianchi pesa 3.5 kg, dice. Va bene?',
+  'pt-BR': 'Bom dia! O filme começa às 10.30. Não é verdade? Está ótimo.',
+  tr: 'Merhaba. Bugün hava çok güzel. Nasılsınız? İyiyim!',
+  en: 'Sure. Node.js is fast. Dr. Who said "No." Then he left… or not? 👍 Fine.',
+};
+
+/** A generator of its own, so that a failure can be had again. */
+const random = (seed) => () => (seed = (seed * 1664525 + 1013904223) % 4294967296) / 4294967296;
+
+/** Tokens as models cut them: a few letters, mostly with the space before them. */
+function tokens(text, next) {
+  const characters = [...text], found = [];
+  while (characters.length) found.push(characters.splice(0, 1 + Math.floor(next() * 6)).join(''));
+  return found;
+}
+
+/** Writes like a model of so many tokens a second: some come together, and now and then none do. */
+async function write(stream, id, text, { perSecond = 100, seed = 1 } = {}) {
+  const next = random(seed);
+  for (const token of tokens(text, next)) {
+    stream.send({ type: 'text', id, text: token });
+    const luck = next();
+    if (luck > 0.3) await sleep((luck > 0.97 ? 10 : 1) * (1000 / perSecond));
+  }
+}
+
+const of = (stream, id, type) => stream.messages.filter((m) => m.id === id && (!type || m.type === type));
+const places = (stream, id, type) => of(stream, id, type).map((m) => [m.start, m.end, m.text]);
+const valid = (stream) => {
+  for (const { arrived, ...message } of stream.messages) assert.equal(violations('server', message), null, `${arrived} ${JSON.stringify(message)}`);
+};
+
+test('what is written token by token is spoken as one utterance, in four languages', async () => {
+  await Promise.all(
+    Object.entries(texts).map(async ([lang, text], i) => {
+      const stream = await daemon.stream();
+      stream.send({ type: 'speak', id: 'at once', lang, open: true, text });
+      stream.send({ type: 'close', id: 'at once' });
+      stream.send({ type: 'speak', id: 'tokens', lang, open: true });
+      await write(stream, 'tokens', text, { perSecond: 20 + 25 * i, seed: i + 1 });
+      stream.send({ type: 'close', id: 'tokens' });
+      await stream.wait({ type: 'end', id: 'tokens' });
+      assert.deepEqual(places(stream, 'tokens', 'sentence'), places(stream, 'at once', 'sentence'), lang);
+      assert.deepEqual(places(stream, 'tokens', 'word'), places(stream, 'at once', 'word'), lang);
+      assert.equal(of(stream, 'tokens', 'begin').length, 1);
+      assert.deepEqual(of(stream, 'tokens', 'end').map((m) => m.reason), ['done']);
+      assert.deepEqual(of(stream, 'tokens').filter((m) => m.type === 'error' || m.type === 'warning'), []);
+      const bytes = Buffer.from(text);
+      let at = 0, sample = -1;
+      for (const word of of(stream, 'tokens', 'word')) {
+        assert.equal(bytes.subarray(word.start, word.end).toString(), word.text);
+        assert.equal(text.slice(word.utf16_start, word.utf16_end), word.text);
+        assert.ok(word.start >= at && word.sample > sample, `${lang}: ${word.text}`);
+        at = word.end;
+        sample = word.sample;
+      }
+      assert.ok(!of(stream, 'tokens', 'word').some((word) => /^[*😀👍]/u.test(word.text)), lang);
+      valid(stream);
+      await stream.close();
+    }),
+  );
+});
+
+test('she begins before the text ends, and is silent where it is awaited', async () => {
+  const stream = await daemon.stream();
+  stream.send({ type: 'speak', id: 'a', lang: 'it', open: true, text: 'Prima frase. Se' });
+  await stream.wait({ type: 'word', id: 'a', text: 'frase' });
+  const last = of(stream, 'a', 'word').at(-1);
+  // the second sentence is heard where it is written, behind the silence
+  await stream.until(() => stream.chunks.some((c) => c.start > last.sample + 22050), 60000, 'a second of silence');
+  stream.send({ type: 'text', id: 'a', text: 'conda frase' });
+  stream.send({ type: 'flush', id: 'a' });
+  const second = await stream.wait({ type: 'word', id: 'a', text: 'Seconda' });
+  assert.ok(second.sample > last.sample + 22050, `${second.sample}`);
+  stream.send({ type: 'text', id: 'a', text: ' e terza.' });
+  stream.send({ type: 'close', id: 'a' });
+  const end = await stream.wait({ type: 'end', id: 'a' });
+  assert.equal(end.reason, 'done');
+  assert.deepEqual(of(stream, 'a', 'sentence').map((m) => m.text), ['Prima frase.', 'Seconda frase', 'e terza.']);
+  let at = 0, frame = 0;
+  for (const chunk of stream.chunks) {
+    assert.deepEqual([chunk.start, chunk.firstFrame], [at, frame]);
+    at += chunk.samples;
+    frame += chunk.frames.length;
+  }
+  assert.equal(at, Math.round(end.duration * 22050));
+  valid(stream);
+  await stream.close();
+});
+
+test('markup comes in pieces, half a tag too; what is broken has its place', async () => {
+  const stream = await daemon.stream();
+  stream.send({ type: 'speak', id: 'a', open: true });
+  for (const text of ['<spe', 'ak xml:lang="en">One. <pro', 'sody rate="slow">Two. <mark na', 'me="m"/>Three.</prosody></speak>', ' ']) stream.send({ type: 'text', id: 'a', text });
+  stream.send({ type: 'close', id: 'a' });
+  assert.equal((await stream.wait({ type: 'end', id: 'a' })).reason, 'done');
+  assert.deepEqual(of(stream, 'a', 'word').map((m) => m.text), ['One', 'Two', 'Three']);
+  assert.deepEqual(of(stream, 'a', 'mark').map((m) => m.name), ['m']);
+  assert.deepEqual(of(stream, 'a', 'begin').map((m) => [m.lang, m.markup]), [['en', 'ssml']]);
+  stream.send({ type: 'speak', id: 'b', lang: 'it', open: true, text: '<speak>Uno. \nDue. <b>Tre</c>. Quattro.' });
+  const error = await stream.wait({ type: 'error', id: 'b' });
+  assert.deepEqual([error.code, error.line], ['bad-xml', 2]);
+  stream.send({ type: 'text', id: 'b', text: 'Cinque.' });
+  assert.equal((await stream.wait({ type: 'end', id: 'b' })).reason, 'done');
+  assert.deepEqual(of(stream, 'b', 'word').map((m) => m.text), ['Uno', 'Due']);
+  stream.send({ type: 'speak', id: 'c', open: true, text: '<bml><speech><text>Ciao.</text></speech></bml>' });
+  assert.equal((await stream.wait({ type: 'error', id: 'c' })).field, 'markup');
+  assert.equal((await stream.wait({ type: 'end', id: 'c' })).reason, 'failed');
+  valid(stream);
+  await stream.close();
+});
+
+test('a text that nobody closes is taken as it is, with a warning', async () => {
+  const [writer, listener] = await Promise.all([daemon.stream('?room=cucina'), daemon.stream('?room=cucina')]);
+  writer.send({ type: 'speak', id: 'a', lang: 'it', open: true, text: 'Il treno per' });
+  assert.equal((await writer.wait({ type: 'warning', id: 'a' })).code, 'unfinished');
+  assert.equal((await writer.wait({ type: 'end', id: 'a' })).reason, 'done');
+  writer.send({ type: 'text', id: 'a', text: 'Nessuno lo sente.' });
+  // one who goes in the middle of a word: what was written is heard by those who stay
+  writer.send({ type: 'speak', id: 'b', lang: 'it', open: true, text: 'La cena è pron' });
+  await writer.wait((m) => m.type === 'begin' && m.id === 'a');
+  writer.socket.terminate();
+  assert.equal((await listener.wait({ type: 'warning', id: 'b' })).code, 'unfinished');
+  assert.equal((await listener.wait({ type: 'end', id: 'b' })).reason, 'done');
+  assert.deepEqual(of(listener, 'b', 'word').map((m) => m.text), ['La', 'cena', 'è', 'pron']);
+  valid(listener);
+  await listener.close();
+});
+
+test('utterances are cancelled by their id, whether they speak or wait', async () => {
+  const stream = await daemon.stream();
+  const ends = () => stream.messages.filter((m) => m.type === 'end').map((m) => `${m.id} ${m.reason}`);
+  stream.send({ type: 'speak', id: 'a', lang: 'it', open: true, text: 'Questa frase non finisce. ' });
+  stream.send({ type: 'speak', id: 'b', lang: 'it', open: true, text: 'Questa non comincia.' });
+  stream.send({ type: 'speak', id: 'c', lang: 'it', text: 'Questa si sente.' });
+  await stream.wait({ type: 'word', id: 'a' });
+  stream.send({ type: 'cancel', id: 'b' });
+  stream.send({ type: 'cancel', id: 'a' });
+  stream.send({ type: 'text', id: 'a', text: 'Troppo tardi.' });
+  stream.send({ type: 'close', id: 'a' });
+  await stream.wait({ type: 'end', id: 'c' });
+  assert.deepEqual(ends(), ['b stopped', 'a stopped', 'c done']);
+  assert.deepEqual(of(stream, 'a', 'error'), []);
+  stream.send({ type: 'cancel', id: 'nobody' });
+  assert.equal((await stream.wait({ type: 'error', id: 'nobody' })).code, 'unknown-utterance');
+  valid(stream);
+  await stream.close();
+});
+
+test('limits and mistakes are told, and cost nobody else anything', async () => {
+  const stream = await daemon.stream();
+  const refused = async (message, code, field) => {
+    const from = stream.messages.length;
+    stream.send(message);
+    const error = await stream.wait({ type: 'error' }, { from });
+    assert.deepEqual([error.code, error.field, error.id], [code, field, message.id], JSON.stringify(message));
+  };
+  await refused({ type: 'speak', open: true, text: 'Ciao.' }, 'missing-field', 'id');
+  await refused({ type: 'text', id: 'x', text: 'Ciao.' }, 'unknown-utterance', 'id');
+  await refused({ type: 'flush', id: 'x' }, 'unknown-utterance', 'id');
+  await refused({ type: 'close' }, 'missing-field', 'id');
+  await refused({ type: 'speak', id: 'v', open: true, voice: 'nobody' }, 'unknown-voice', 'voice');
+  await refused({ type: 'speak', id: 'm', open: true, markup: 'runes' }, 'unknown-markup', 'markup');
+  stream.send({ type: 'speak', id: 'a', lang: 'it', open: true, text: 'Eccomi' });
+  await refused({ type: 'speak', id: 'a', open: true }, 'bad-field', 'id');
+  stream.send({ type: 'speak', id: 'b', open: true });
+  await refused({ type: 'speak', id: 'c', open: true }, 'too-many-open');
+  await refused({ type: 'text', id: 'a' }, 'missing-field', 'text');
+  await refused({ type: 'text', id: 'a', text: 7 }, 'bad-field', 'text');
+  await refused({ type: 'text', id: 'a', text: 'x'.repeat(2000) }, 'text-too-long', 'text');
+  const from = stream.messages.length;
+  stream.send({ type: 'text', id: 'a', text: ' qua\0' });
+  assert.deepEqual([(await stream.wait({ type: 'error', id: 'a' }, { from })).code, stream.messages.at(-1).byte], ['nul', 10]);
+  stream.send({ type: 'text', id: 'a', text: ' qui.' });
+  stream.send({ type: 'close', id: 'a' });
+  stream.send({ type: 'close', id: 'b' });
+  assert.equal((await stream.wait({ type: 'error', id: 'b' })).code, 'empty-text');
+  assert.equal((await stream.wait({ type: 'end', id: 'b' })).reason, 'failed');
+  assert.deepEqual(of(stream, 'a', 'word').map((m) => m.text), ['Eccomi', 'qui']);
+  valid(stream);
+  await stream.close();
+});
+
+/** A body that is sent as it is written. */
+function post(address) {
+  const request = http.request(daemon.url + address, { method: 'POST', headers: { 'Transfer-Encoding': 'chunked' } });
+  request.answer = new Promise((resolve, reject) => {
+    request.on('error', reject);
+    request.on('response', async (response) => {
+      let body = '';
+      for await (const part of response) body += part;
+      resolve({ status: response.statusCode, body: JSON.parse(body) });
+    });
+  });
+  request.flushHeaders();
+  return request;
+}
+
+test('the same over HTTP: a body is spoken in a room while it is written', async () => {
+  const listener = await daemon.stream('?room=sala');
+  const request = post('/v1/say?room=sala&open=1&id=h&lang=it');
+  request.write('Prima fra');
+  request.write('se. È l');
+  await listener.wait({ type: 'word', id: 'h', text: 'frase' });
+  const [first, rest] = [Buffer.from('à').subarray(0, 1), Buffer.from('à').subarray(1)];
+  request.write(first);
+  await sleep(20);
+  request.write(rest);
+  request.end('. Fine.');
+  assert.deepEqual(await request.answer, { status: 202, body: { type: 'accepted', room: 'sala', listeners: 1 } });
+  await listener.wait({ type: 'end', id: 'h' });
+  assert.deepEqual(of(listener, 'h', 'sentence').map((m) => m.text), ['Prima frase.', 'È là.', 'Fine.']);
+
+  const dropped = post('/v1/say?room=sala&open=1&id=d&lang=it');
+  dropped.write('Mi senti? An');
+  await listener.wait({ type: 'begin', id: 'd' });
+  dropped.destroy();
+  await assert.rejects(dropped.answer);
+  assert.equal((await listener.wait({ type: 'warning', id: 'd' })).code, 'unfinished');
+  assert.equal((await listener.wait({ type: 'end', id: 'd' })).reason, 'done');
+
+  const broken = post('/v1/say?room=sala&open=1&id=e&lang=it');
+  broken.write(Buffer.from([0x43, 0x69, 0xff, 0x61]));
+  const answer = await broken.answer;
+  assert.deepEqual([answer.status, answer.body.code, answer.body.byte], [400, 'bad-utf8', 2]);
+  for (const [address, code] of [['/v1/say?room=nobody&open=1', 'unknown-room'], ['/v1/say?room=sala&open=no', 'bad-field']]) {
+    const refused = post(address);
+    refused.on('error', () => {});
+    refused.end('Ciao.');
+    assert.equal((await refused.answer).body.code, code);
+  }
+  const elsewhere = await daemon.get('/v1/speech?open=1', { method: 'POST', body: 'Ciao.' });
+  assert.deepEqual([elsewhere.status, (await elsewhere.json()).field], [400, 'open']);
+  valid(listener);
+  await listener.close();
+});
+
+test('faccia say speaks standard input while it is written', async () => {
+  const say = spawn(path.join(build, 'server/app/faccia'), ['say', '--open', '--lang', 'it', '--ndjson', '-', '-']);
+  let out = '';
+  const heard = (text) => new Promise((resolve) => say.stdout.on('data', () => out.includes(`"text":"${text}"`) && resolve()));
+  say.stdout.setEncoding('utf8').on('data', (piece) => (out += piece));
+  say.stdin.write('Prima fra');
+  say.stdin.write('se. Seconda');
+  await heard('frase'); // while the second is being written
+  say.stdin.end(' frase');
+  assert.equal(await new Promise((resolve) => say.on('close', resolve)), 0, out);
+  const words = out.trim().split('\n').map((line) => JSON.parse(line)).filter((line) => line.type === 'word');
+  assert.deepEqual(words.map((word) => [word.start, word.text]), [[0, 'Prima'], [6, 'frase'], [13, 'Seconda'], [21, 'frase']]);
+  const wrong = spawn(path.join(build, 'server/app/faccia'), ['say', '--open', 'Ciao.']);
+  assert.equal(await new Promise((resolve) => wrong.on('close', resolve)), 2);
+});
