@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A scene: the lines that an operator has prepared, with variants, moods, answers and where they lead (scene.json of the schemas).
+// A scene: the lines that an operator has prepared, with variants, moods, answers and where they lead (schema scene.json).
 
 const MOST = { lines: 500, variants: 20, choices: 8 };
 const COLUMNS = ['id', 'text', 'variants', 'mood', 'choices', 'next'];
