@@ -72,7 +72,8 @@ test('the routes of the daemon are the paths of the document', async () => {
 });
 
 test('the documents are served as they are, with all that they refer to', async () => {
-  for (const name of ['openapi.json', 'asyncapi.json', 'schema/client.json', 'schema/server.json', 'schema/head-model.json', 'schema/timed.json', 'schema/pictures.json']) {
+  for (const name of ['openapi.json', 'asyncapi.json', 'schema/client.json', 'schema/server.json', 'schema/head-model.json', 'schema/timed.json', 'schema/pictures.json', 'schema/scene.json',
+    'schema/library.json', 'schema/avatar-map.json']) {
     const response = await daemon.get(`/v1/${name}`);
     assert.equal(response.status, 200, name);
     assert.equal(response.headers.get('content-type'), 'application/json');
@@ -82,6 +83,7 @@ test('the documents are served as they are, with all that they refer to', async 
   for (const file of new Set(references)) assert.equal((await daemon.get(`/v1/${file}`)).status, 200, file);
 });
 
+const BODIES = { '/v1/choices': { choices: ['Sì'] }, '/v1/state': { state: 'idle' } };
 for (const { address, method, operation } of operations) {
   test(`${method} ${address} answers as described`, async () => {
     const room = await daemon.stream('?room=api');
@@ -94,6 +96,7 @@ for (const { address, method, operation } of operations) {
     const query = wantsRoom ? '?room=api' : wants('text') ? '?text=Ciao&lang=it' : wants('q') ? '?q=mare' : wants('url') ? '?url=/library/mare/1' : '';
     const options = { method };
     if (operation.requestBody?.content['text/plain']) Object.assign(options, { body: 'Sì.', headers: { 'content-type': 'text/plain' } });
+    if (BODIES[address]) options.body = JSON.stringify(BODIES[address]);
     if (operation.requestBody?.content['multipart/form-data']) {
       options.body = new FormData();
       options.body.append('fap', new Blob(['2.1 x 25 0\n']), 'x.fap');
@@ -151,8 +154,9 @@ test('the messages of the document are those of the schemas and of the daemon', 
 test('the daemon takes each message of the client, and sends each of the server', async () => {
   const stream = await daemon.stream('?lang=it');
   const texts = { text: '<speak>Uno <mark name="m"/>due. Tre.</speak>', markup: 'ssml', phones: true };
-  const members = { speak: texts, rate: { rate: 150 }, jump: { mark: 'm' }, join: { room: 'api' }, play: { name: 'x' } };
-  const order = ['ping', 'model', 'media', 'idle', 'express', 'authorize', 'join', 'speak', 'pause', 'rate', 'jump', 'resume', 'play', 'leave', 'stop'];
+  const members = { speak: texts, rate: { rate: 150 }, jump: { mark: 'm' }, join: { room: 'api' }, play: { name: 'x' },
+    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' } };
+  const order = ['ping', 'model', 'media', 'idle', 'express', 'authorize', 'join', 'choices', 'choose', 'state', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'leave', 'stop'];
   assert.deepEqual([...order].sort(), types('client').sort());
   for (const type of order) {
     if (type === 'leave') await stream.wait({ type: 'end', reason: 'done' });
