@@ -78,8 +78,9 @@ for what in "$@"; do
         find "$root/tests/daemon" -name '*.test.mjs' | run daemon 3
         ;;
     browser) # what is drawn wants both processors; where nobody looks at the face, one does
-        find "$root/tests/browser" -name '*.test.mjs' -exec grep -l 'launch({ webgl: false })' {} + | run browser 2
-        find "$root/tests/browser" -name '*.test.mjs' -exec grep -L 'launch({ webgl: false })' {} + | run browser 1
+        light=$(grep -l 'launch({ webgl: false })' "$root"/tests/browser/*.test.mjs | xargs grep -L 'launch()')
+        printf '%s\n' "$light" | run browser 2
+        printf '%s\n' "$root"/tests/browser/*.test.mjs | grep -vxF "$light" | run browser 1
         ;;
     *) find "$root/tests/$what" -name '*.test.mjs' | run "$what" 2 ;;
     esac
