@@ -56,31 +56,34 @@ export FACCIA_ARTEFACTS="$artefacts" FACCIA_MODELS="$root/build/models" FACCIA_W
 export LSAN_OPTIONS="suppressions=$root/tests/lsan.supp:print_suppressions=0"
 export ASAN_OPTIONS="detect_leaks=1:abort_on_error=0:quarantine_size_mb=16" UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
 
-# A test file is one job: tests/one.sh says how it went and leaves its counts in the artefacts. Daemon tests wait for
-# speech most of their time, so some of them run side by side; what a browser draws wants both processors.
-jobs() {
-    case $1 in
-    daemon) echo 3 ;;
-    browser) echo 1 ;;
-    *) echo 2 ;;
-    esac
+# run WHAT JOBS: the test files that standard input names, so many side by side. A test file is one job: tests/one.sh says how
+# it went and leaves its counts in the artefacts.
+run() {
+    sort | xargs -r -P "$2" -n 1 sh "$root/tests/one.sh" "$1" || true # the counts tell
 }
+
 rm -f "$artefacts"/*.count
 for what in "$@"; do
     case $what in
     unit)
         # the corpora of the fuzz targets, too
         find "$root/build/sanitized/tests/unit" "$root/build/sanitized/tests/fuzz" -maxdepth 1 \
-            \( -name 'test_*' -o -name 'fuzz_*' \) -type f -perm -u+x
+            \( -name 'test_*' -o -name 'fuzz_*' \) -type f -perm -u+x | run unit 2
         ;;
-    fuzz) find "$root/build/fuzz/tests/fuzz" -maxdepth 1 -name 'fuzz_*' -type f -perm -u+x ;;
+    fuzz) find "$root/build/fuzz/tests/fuzz" -maxdepth 1 -name 'fuzz_*' -type f -perm -u+x | run fuzz 2 ;;
     limits) # once more in the ordinary build: a sanitized program takes more memory than any limit
-        echo "$root/build/tests/unit/test_limits"
-        echo "$root/tests/daemon/limits.test.mjs"
+        printf '%s\n' "$root/build/tests/unit/test_limits" "$root/tests/daemon/limits.test.mjs" | run limits 2
         ;;
-    *) find "$root/tests/$what" -name '*.test.mjs' ;;
-    esac | sort | xargs -P "$(jobs "$what")" -n 1 sh "$root/tests/one.sh" "$what" ||
-        true # the counts tell
+    daemon) # they wait for speech most of their time
+        find "$root/tests/daemon" -name '*.test.mjs' | run daemon 3
+        ;;
+    browser) # what is drawn wants both processors; where nobody looks at the face, one does
+        light=$(grep -l 'launch({ webgl: false })' "$root"/tests/browser/*.test.mjs | xargs grep -L 'launch()')
+        printf '%s\n' "$light" | run browser 2
+        printf '%s\n' "$root"/tests/browser/*.test.mjs | grep -vxF "$light" | run browser 1
+        ;;
+    *) find "$root/tests/$what" -name '*.test.mjs' | run "$what" 2 ;;
+    esac
 done
 
 passed=$(cat "$artefacts"/*.count | awk '{ sum += $1 } END { print sum + 0 }')

@@ -16,7 +16,7 @@ struct open_element {
 struct open_text {
     const struct markup_kind *kind; /* as it is asked for; once `found`, what the text is */
     bool found;
-    bool markdown; /* it was found to be plain: what Markdown writes is not spoken */
+    bool markdown;                 /* it was found to be plain: what Markdown writes is not spoken */
     size_t at;                     /* so many bytes of the text have been given out */
     bool goes_on;                  /* what comes next stands in the line of what was given out last */
     struct open_element *elements; /* that are open there, the outermost first */

@@ -2,7 +2,7 @@
 /** What the library's page says. */
 export const words = {
   it: {
-    title: 'Biblioteca', libraryPage: 'Biblioteca', search: 'Cerca nei testi', lang: 'Lingua', allLanguages: 'Tutte', results: 'Risultati', works: 'Opere',
+    title: 'Biblioteca', search: 'Cerca nei testi', lang: 'Lingua', allLanguages: 'Tutte', results: 'Risultati', works: 'Opere',
     moreResults: 'Altri risultati', found: 'Passi trovati: {n}.', nothingFound: 'Nessun passo trovato.', line: 'verso {n}', recording: 'con registrazione',
     contents: 'Indice', sections: 'Sezioni', previous: 'Sezione precedente', next: 'Sezione seguente', editionPage: 'Pagina {n}',
     read: 'Leggi', pause: 'Pausa', resume: 'Continua', lineBack: 'Indietro di una riga', lineForward: 'Avanti di una riga', repeat: 'Ripeti la riga',
@@ -17,7 +17,7 @@ export const words = {
     problems: 'File non letti per intero: {n}. Li elenca: faccia library.',
   },
   pt: {
-    title: 'Biblioteca', libraryPage: 'Biblioteca', search: 'Buscar nos textos', lang: 'Idioma', allLanguages: 'Todos', results: 'Resultados', works: 'Obras',
+    title: 'Biblioteca', search: 'Buscar nos textos', lang: 'Idioma', allLanguages: 'Todos', results: 'Resultados', works: 'Obras',
     moreResults: 'Mais resultados', found: 'Passagens encontradas: {n}.', nothingFound: 'Nenhuma passagem encontrada.', line: 'verso {n}', recording: 'com gravação',
     contents: 'Sumário', sections: 'Seções', previous: 'Seção anterior', next: 'Próxima seção', editionPage: 'Página {n}',
     read: 'Ler', pause: 'Pausar', resume: 'Continuar', lineBack: 'Voltar uma linha', lineForward: 'Avançar uma linha', repeat: 'Repetir a linha',
@@ -32,7 +32,7 @@ export const words = {
     problems: 'Arquivos não lidos por inteiro: {n}. Veja-os com: faccia library.',
   },
   tr: {
-    title: 'Kitaplık', libraryPage: 'Kitaplık', search: 'Metinlerde ara', lang: 'Dil', allLanguages: 'Hepsi', results: 'Sonuçlar', works: 'Eserler',
+    title: 'Kitaplık', search: 'Metinlerde ara', lang: 'Dil', allLanguages: 'Hepsi', results: 'Sonuçlar', works: 'Eserler',
     moreResults: 'Daha fazla sonuç', found: '{n} bölüm bulundu.', nothingFound: 'Hiçbir şey bulunamadı.', line: '{n}. dize', recording: 'kayıtlı',
     contents: 'İçindekiler', sections: 'Bölümler', previous: 'Önceki bölüm', next: 'Sonraki bölüm', editionPage: 'Sayfa {n}',
     read: 'Oku', pause: 'Duraklat', resume: 'Devam et', lineBack: 'Bir satır geri', lineForward: 'Bir satır ileri', repeat: 'Satırı tekrarla',
@@ -47,7 +47,7 @@ export const words = {
     problems: '{n} dosya bütünüyle okunamadı: faccia library listeler.',
   },
   en: {
-    title: 'Library', libraryPage: 'Library', search: 'Search the texts', lang: 'Language', allLanguages: 'All', results: 'Results', works: 'Works',
+    title: 'Library', search: 'Search the texts', lang: 'Language', allLanguages: 'All', results: 'Results', works: 'Works',
     moreResults: 'More results', found: 'Passages found: {n}.', nothingFound: 'No passage found.', line: 'line {n}', recording: 'with a recording',
     contents: 'Contents', sections: 'Sections', previous: 'Previous section', next: 'Next section', editionPage: 'Page {n}',
     read: 'Read', pause: 'Pause', resume: 'Go on', lineBack: 'Back by a line', lineForward: 'On by a line', repeat: 'Repeat the line',

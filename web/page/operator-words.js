@@ -2,7 +2,7 @@
 /** What the operator's page says. */
 export const words = {
   it: {
-    title: 'Tavolo dell’operatore', operatorPage: 'Operatore', room: 'Stanza', enter: 'Entra', kiosk: 'Apri il volto della stanza', said: 'Ciò che accade nella stanza',
+    title: 'Tavolo dell’operatore', room: 'Stanza', enter: 'Entra', kiosk: 'Apri il volto della stanza', said: 'Ciò che accade nella stanza',
     followers: 'Nella stanza: {n}', nobody: 'Nessuna stanza scelta', text: 'Testo da dire', speak: 'Di’', interrupt: 'Subito', later: 'In attesa', preview: 'Ascolta prima', stop: 'Ferma',
     choices: 'Domanda e risposte', choicesHint: 'Ha fame? | Sì | No: la domanda, poi le risposte, divise da |', offer: 'Offri', withdraw: 'Ritira',
     lang: 'Lingua', mood: 'Umore', neutral: 'neutro', state: 'Segno', repeat: 'Ripeti', slower: 'Più piano', faster: 'Più svelto', louder: 'Più forte', softer: 'Meno forte', globally: 'Per tutto ciò che segue',
@@ -13,7 +13,7 @@ export const words = {
     sentence: '', chosen: 'Scelto:', chose: 'Offerto:', stated: 'Segno:', stopped: 'Fermata', refused: 'Rifiutato:', heard: '',
   },
   pt: {
-    title: 'Mesa do operador', operatorPage: 'Operador', room: 'Sala', enter: 'Entrar', kiosk: 'Abrir o rosto da sala', said: 'O que acontece na sala',
+    title: 'Mesa do operador', room: 'Sala', enter: 'Entrar', kiosk: 'Abrir o rosto da sala', said: 'O que acontece na sala',
     followers: 'Na sala: {n}', nobody: 'Nenhuma sala escolhida', text: 'Texto a dizer', speak: 'Dizer', interrupt: 'Já', later: 'Em espera', preview: 'Ouvir antes', stop: 'Parar',
     choices: 'Pergunta e respostas', choicesHint: 'Tem fome? | Sim | Não: a pergunta, depois as respostas, separadas por |', offer: 'Oferecer', withdraw: 'Retirar',
     lang: 'Idioma', mood: 'Humor', neutral: 'neutro', state: 'Sinal', repeat: 'Repetir', slower: 'Mais devagar', faster: 'Mais rápido', louder: 'Mais alto', softer: 'Mais baixo', globally: 'Para tudo o que segue',
@@ -24,7 +24,7 @@ export const words = {
     sentence: '', chosen: 'Escolhido:', chose: 'Oferecido:', stated: 'Sinal:', stopped: 'Parada', refused: 'Recusado:', heard: '',
   },
   tr: {
-    title: 'Operatör masası', operatorPage: 'Operatör', room: 'Oda', enter: 'Gir', kiosk: 'Odanın yüzünü aç', said: 'Odada olanlar',
+    title: 'Operatör masası', room: 'Oda', enter: 'Gir', kiosk: 'Odanın yüzünü aç', said: 'Odada olanlar',
     followers: 'Odada: {n}', nobody: 'Oda seçilmedi', text: 'Söylenecek metin', speak: 'Söyle', interrupt: 'Hemen', later: 'Beklet', preview: 'Önce dinle', stop: 'Dur',
     choices: 'Soru ve yanıtlar', choicesHint: 'Aç mısın? | Evet | Hayır: soru, sonra yanıtlar, | ile ayrılmış', offer: 'Sun', withdraw: 'Geri al',
     lang: 'Dil', mood: 'Duygu', neutral: 'yansız', state: 'İşaret', repeat: 'Tekrarla', slower: 'Daha yavaş', faster: 'Daha hızlı', louder: 'Daha yüksek', softer: 'Daha alçak', globally: 'Bundan sonrası için',
@@ -35,7 +35,7 @@ export const words = {
     sentence: '', chosen: 'Seçilen:', chose: 'Sunulan:', stated: 'İşaret:', stopped: 'Durduruldu', refused: 'Reddedildi:', heard: '',
   },
   en: {
-    title: 'Operator’s desk', operatorPage: 'Operator', room: 'Room', enter: 'Enter', kiosk: 'Open the face of the room', said: 'What happens in the room',
+    title: 'Operator’s desk', room: 'Room', enter: 'Enter', kiosk: 'Open the face of the room', said: 'What happens in the room',
     followers: 'In the room: {n}', nobody: 'No room chosen', text: 'Text to say', speak: 'Say', interrupt: 'At once', later: 'Let it wait', preview: 'Hear it first', stop: 'Stop',
     choices: 'Question and answers', choicesHint: 'Are you hungry? | Yes | No: the question, then the answers, divided by |', offer: 'Offer', withdraw: 'Withdraw',
     lang: 'Language', mood: 'Mood', neutral: 'neutral', state: 'Sign', repeat: 'Repeat', slower: 'Slower', faster: 'Faster', louder: 'Louder', softer: 'Softer', globally: 'For all that follows',

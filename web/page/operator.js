@@ -38,7 +38,8 @@ function speak(what, options = {}) {
   last = { text: what, options: { ...options, mode: undefined } };
   log.add('say', what, { id, ...options });
   speaking.add(id);
-  head.speak(what, { id, lang: lang.value, ...(how.rate ? { rate: how.rate } : {}), ...(how.volume === 1 ? {} : { volume: how.volume }), ...options });
+  const voice = { ...(how.rate ? { rate: how.rate } : {}), ...(how.volume === 1 ? {} : { volume: how.volume }) };
+  head.speak(what, { id, lang: lang.value, ...voice, ...options });
 }
 
 function offer(choices, options = {}) {

@@ -2,7 +2,7 @@
 /** What the Face Player says. */
 export const words = {
   it: {
-    title: 'Face Player', playerPage: 'Face Player', text: 'Testo', lang: 'Lingua', speakIt: 'Fallo dire', files: 'Apri .fap o .fapc, con suono e tempi',
+    title: 'Face Player', text: 'Testo', lang: 'Lingua', speakIt: 'Fallo dire', files: 'Apri .fap o .fapc, con suono e tempi',
     plots: 'Onda, spettro, suoni e curve', play: 'Avvia', pause: 'Pausa', frameBack: 'Un fotogramma indietro', frameOn: 'Un fotogramma avanti',
     loop: 'Ripeti', frame: 'Fotogramma', group: 'Gruppo di FAP', curve: 'Curva da modificare', value: 'Valore a questo fotogramma',
     editHint: 'Si trascinano i punti della curva; un doppio clic ne aggiunge o ne toglie uno.', setKey: 'Metti il punto', dropKey: 'Togli il punto',
@@ -11,7 +11,7 @@ export const words = {
     groups: ['', '', 'Mascella e labbra interne', 'Occhi', 'Sopracciglia', 'Guance', 'Lingua', 'Testa', 'Labbra esterne', 'Naso', 'Orecchie'],
   },
   pt: {
-    title: 'Face Player', playerPage: 'Face Player', text: 'Texto', lang: 'Idioma', speakIt: 'Falar', files: 'Abrir .fap ou .fapc, com som e tempos',
+    title: 'Face Player', text: 'Texto', lang: 'Idioma', speakIt: 'Falar', files: 'Abrir .fap ou .fapc, com som e tempos',
     plots: 'Onda, espectro, sons e curvas', play: 'Iniciar', pause: 'Pausar', frameBack: 'Um quadro atrás', frameOn: 'Um quadro adiante',
     loop: 'Repetir', frame: 'Quadro', group: 'Grupo de FAPs', curve: 'Curva a editar', value: 'Valor neste quadro',
     editHint: 'Arraste os pontos da curva; um clique duplo põe ou tira um.', setKey: 'Pôr o ponto', dropKey: 'Tirar o ponto',
@@ -20,7 +20,7 @@ export const words = {
     groups: ['', '', 'Mandíbula e lábios internos', 'Olhos', 'Sobrancelhas', 'Bochechas', 'Língua', 'Cabeça', 'Lábios externos', 'Nariz', 'Orelhas'],
   },
   tr: {
-    title: 'Face Player', playerPage: 'Face Player', text: 'Metin', lang: 'Dil', speakIt: 'Söylet', files: '.fap ya da .fapc aç, ses ve sürelerle',
+    title: 'Face Player', text: 'Metin', lang: 'Dil', speakIt: 'Söylet', files: '.fap ya da .fapc aç, ses ve sürelerle',
     plots: 'Dalga, tayf, sesler ve eğriler', play: 'Başlat', pause: 'Duraklat', frameBack: 'Bir kare geri', frameOn: 'Bir kare ileri',
     loop: 'Yinele', frame: 'Kare', group: 'FAP öbeği', curve: 'Düzenlenecek eğri', value: 'Bu karedeki değer',
     editHint: 'Eğrinin noktaları sürüklenir; çift tıklama bir nokta koyar ya da kaldırır.', setKey: 'Noktayı koy', dropKey: 'Noktayı kaldır',
@@ -29,7 +29,7 @@ export const words = {
     groups: ['', '', 'Çene ve iç dudaklar', 'Gözler', 'Kaşlar', 'Yanaklar', 'Dil', 'Baş', 'Dış dudaklar', 'Burun', 'Kulaklar'],
   },
   en: {
-    title: 'Face Player', playerPage: 'Face Player', text: 'Text', lang: 'Language', speakIt: 'Have it said', files: 'Open .fap or .fapc, with sound and times',
+    title: 'Face Player', text: 'Text', lang: 'Language', speakIt: 'Have it said', files: 'Open .fap or .fapc, with sound and times',
     plots: 'Wave, spectrum, sounds and curves', play: 'Play', pause: 'Pause', frameBack: 'One frame back', frameOn: 'One frame on',
     loop: 'Loop', frame: 'Frame', group: 'Group of FAPs', curve: 'Curve to edit', value: 'Value at this frame',
     editHint: 'Drag the points of the curve; a double click puts one, or takes one away.', setKey: 'Put the point', dropKey: 'Take the point away',

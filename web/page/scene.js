@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// A scene: the lines that an operator has prepared, with variants, moods, answers and where they lead. As protocol/schema/scene.json says.
+// A scene: the lines that an operator has prepared, with variants, moods, answers and where they lead (schema scene.json).
 
 const MOST = { lines: 500, variants: 20, choices: 8 };
 const COLUMNS = ['id', 'text', 'variants', 'mood', 'choices', 'next'];
@@ -30,8 +30,10 @@ function readLine(line, place) {
 }
 
 /**
- * @param {unknown} json
- * @returns {{title: string, lines: {id: string, text: string, variants: string[], mood: string, choices: {text: string, next?: string}[], next?: string}[]}}
+ * @typedef {{id: string, text: string, variants: string[], mood: string, choices: Choice[], next?: string}} Line
+ * @typedef {{text: string, next?: string}} Choice
+ *
+ * @param {unknown} json @returns {{title: string, lines: Line[]}}
  * @throws {Error} with the place: "lines.3.next"
  */
 export function readScene(json) {

@@ -222,7 +222,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     return this.#session.send({ ...options, type: 'choices', choices });
   }
 
-  /** Answers. @param {number} choice its place in what was offered @param {string} [id] of that @returns {boolean} as `offer` */
+  /** Answers. @param {number} choice from 0 @param {string} [id] of that @returns {boolean} see `offer` */
   choose(choice, id) {
     return this.#session.send({ type: 'choose', choice, ...(id === undefined ? {} : { id }) });
   }
@@ -230,7 +230,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   /**
    * Shows in the room what the assistant is doing.
    * @param {'idle'|'listening'|'thinking'|'muted'} state
-   * @param {{text?: string, mix?: object, ease?: number}} [options] text: what it has heard, say; mix, ease: its mood, as `express`
+   * @param {{text?: string, mix?: object, ease?: number}} [options] text: what it has heard, say; mix, ease: as `express`
    * @returns {boolean} as `offer`
    */
   tell(state, { mix, ...options } = {}) {

@@ -2,6 +2,8 @@
 
 const NAMED = { amp: '&', lt: '<', gt: '>', quot: '"', apos: "'" };
 const SILENT = /^(?:desc|metadata|lexicon|info)$/i; // elements whose content is not said
+/** Of Markdown, and emoji: not said. */
+const MARKS = /^[#>]+ *|^[-*+] +|\*+|`+|~~|\p{Extended_Pictographic}[\u200D\uFE0F\p{Emoji_Modifier}]*/gmu;
 const TOKEN = new RegExp(
   [
     /<!--[^]*?-->/,
@@ -28,7 +30,10 @@ function reference(name) {
  * where each character came from, so that places in the one can be found in the other.
  */
 export class PlainText {
-  /** @param {string} source @param {string} [markup] what the source is; of 'plain' nothing is changed; 'markdown': plain as models write it */
+  /**
+   * @param {string} source
+   * @param {string} [markup] what the source is; of 'plain' nothing is changed; 'markdown': plain as models write it
+   */
   constructor(source, markup = 'plain') {
     this.text = '';
     this.from = []; // of each character, its place in the source; null: the same place
@@ -57,7 +62,7 @@ export class PlainText {
   /** What a model writes: the server leaves the same out. */
   #readMarkdown(source) {
     let done = 0;
-    for (const { 0: mark, index } of source.matchAll(/^[#>]+ *|^[-*+] +|\*+|`+|~~|\p{Extended_Pictographic}[\u200D\uFE0F\p{Emoji_Modifier}]*/gmu)) {
+    for (const { 0: mark, index } of source.matchAll(MARKS)) {
       this.#add(source.slice(done, index), done);
       done = index + mark.length;
     }

@@ -118,6 +118,8 @@ export class AvatarHead {
 
   async slim() {} // as of a head
 
+  seenFrom(_eye) {} // as of a head: all of it is drawn
+
   /** Gives back what the graphics processor has; it can be drawn anew. */
   dispose() {
     for (const mesh of this.meshes) {

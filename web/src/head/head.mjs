@@ -8,27 +8,18 @@ import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
 import { grainTexture } from './grain.mjs';
 import { mouthUniforms, openingOf } from './mouth-light.mjs';
-import { lean } from './lean.mjs';
-import { Shape } from './shape.mjs';
-import { alphaOf, shut, sight, within } from './sight.mjs';
+import { LIT_POSE, SHADOW_POSE } from './poses.mjs';
+import { headTurnOf, Shape } from './shape.mjs';
+import { shut, within } from './sight.mjs';
+import { breath, sliced } from './slices.mjs';
 import { CLEAR, eyeNormals, kindOf, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
+import { Triangles } from './triangles.mjs';
 import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from './wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
-const WHOLE = /^(eye|brows|lashes|glasses)/; // they turn by themselves, or hide nothing: all of them is drawn
 const INSIDE = /^(teeth|tongue)/; // nothing is seen of these when the lips meet
-const SLICE_MS = 12; // of work at a time, while the page lives on
-
-/** Where shadows are taken: speaking, so that there is light between the lips. */
-const SHADOW_POSE = faceValues({
-  3: 350, 4: -150, 5: -450, 8: -150, 9: -150, 10: -400, 11: -400, 51: -150, 52: -450, 55: -150, 56: -150, 57: -400, 58: -400,
-});
-
-/** Where the light on them is asked for: the same, with the lids down, since what is folded away would stay dark. */
-const LIT_POSE = faceValues({ ...SHADOW_POSE, 19: 800, 20: 800, 21: 150, 22: 150 });
-
 /** Colours come multiplied by alpha. */
 function blended(material) {
   material.blending = CustomBlending;
@@ -37,42 +28,9 @@ function blended(material) {
   material.blendDst = material.blendDstAlpha = OneMinusSrcAlphaFactor;
 }
 
-const breath = () => new Promise((resolve) => setTimeout(resolve));
-
-/**
- * Goes through a generator a slice at a time.
- * @param {() => boolean} [over] whether nobody wants it any more @returns {Promise<any>} what it returns; null: it is over
- */
-async function sliced(work, over) {
-  for (let result = { done: false }, start = performance.now(); ; result = work.next()) {
-    if (result.done) return result.value;
-    if (over?.()) return null;
-    if (performance.now() - start < SLICE_MS) continue;
-    await breath();
-    start = performance.now();
-  }
-}
-
-/** Poses that fewer triangles have to be right in: at rest, open with the lids down, and with all that bends the skin most. */
-const LEAN_POSES = [
-  faceValues({}),
-  LIT_POSE,
-  faceValues({
-    4: 150, 5: 150, 6: -150, 7: -150, 16: 250, 17: 250, 31: 200, 32: 200, 33: 200, 34: 200, 35: 150, 36: 150, 44: 300,
-  }),
-  faceValues({ 6: 200, 7: 200, 12: 200, 13: 200, 37: 150, 38: 150, 41: 200, 42: 200, 19: 300, 20: 300, 59: 200, 60: 200 }),
-];
-const LEAN_MM = [0.3, 0.42]; // what a vertex may be off by,
-const LEAN_SHARE = 0.55; // when that is no more of a point of the picture;
-/** and how many mm a change of its normal, of the share of light and of the place on the texture are worth. */
-const WORTH = { normal: 2.5, reach: 2, texture: 100 };
-const WORTH_INSIDE = { normal: 0.8, reach: 0, texture: 30 }; // of the mouth, where all is small and in the shade
-
 /** The head model as things to draw. FAPs go in, and the graphics processor does the rest. */
 export class Head {
-  #fewer = 0; // which of the shapes is drawn
-  #looked = null; // for each number of triangles, a promise: see #look
-  #sampled = false; // then it is the whole one: with fewer triangles single samples are dark, here and there
+  #triangles = new Triangles(this);
 
   /**
    * @param {ReturnType<import('./model.mjs').readModel>} model
@@ -143,104 +101,19 @@ export class Head {
     }
   }
 
-  /**
-   * Makes shapes of fewer triangles, for pictures whose points are so large that nobody sees which are missing.
-   * Where there is no graphics processor, triangles are what takes the time.
-   */
-  async slim() {
-    for (const one of this.parts) {
-      if (this.gone) return;
-      const [whole] = one.shapes;
-      const fewer = await sliced(lean(one.part, await this.#features(one), LEAN_MM));
-      one.shapes = [one.part.index, ...fewer].map((triangles) => whole.with(triangles, this.drive));
-      this.#choose();
-      whole.dispose();
-    }
-    this.#looked = [];
-    this.#choose();
-  }
-
-  /** Finds out which triangles of the shapes that are drawn can be seen from the front. */
-  async #look() {
-    const level = this.#level;
-    const shapes = this.parts.map((one) => one.shapes[level]);
-    const parts = shapes.map((shape) => this.#asked(shape));
-    const posed = (pose) => {
-      this.drive.set(pose);
-      const head = this.#headTurn();
-      const positions = shapes.map((shape) => shape.placed(this.drive, head));
-      this.drive.set(this.faps);
-      for (const shape of shapes) shape.soft.update(this.drive);
-      return { positions, turn: (direction) => new Vector3(...direction).transformDirection(head).toArray() };
-    };
-    const seen = await sliced(sight(parts, posed), () => this.gone);
-    shapes.forEach((shape, i) => seen && parts[i].asked && shape.sort(seen[i]));
-    return true;
-  }
-
-  /** What is asked of a part: see sight.mjs. @param {Shape} shape */
-  #asked({ part, geometry, influences }) {
-    const { texture, alpha, double_sided } = this.model.materials[part.material] ?? {};
-    const asked = !WHOLE.test(part.name);
-    const clear = asked && texture && (alpha === 'blend' || alpha === 'cutout');
-    const free = (v) => influences.moves[v].length || influences.turns[v].some(({ turn }) => turn < this.drive.firstHeadTurn);
-    return {
-      asked,
-      index: part.index,
-      vertices: part.vertices,
-      uv: geometry.attributes.uv.array,
-      double: Boolean(double_sided),
-      hides: !CLEAR.includes(part.name),
-      alpha: clear ? alphaOf(this.textures.get(texture).image) : null,
-      free: kindOf(part.name) === 'skin' ? Uint8Array.from({ length: part.vertices }, (_, v) => (free(v) ? 1 : 0)) : null,
-    };
-  }
-
-  /** What may not change when triangles go: see lean.mjs. */
-  async #features({ part, influences, geometry }) {
-    const places = [];
-    for (const pose of LEAN_POSES) {
-      places.push(deform(part, influences, this.drive.set(pose)).position);
-      this.drive.set(this.faps);
-      await breath();
-    }
-    const { normal, uv, reach } = geometry.attributes;
-    const block = ({ array, itemSize }, from, count, scale) => {
-      const out = new Float32Array(3 * part.vertices);
-      for (let v = 0; v < part.vertices; v++)
-        for (let k = 0; k < count; k++) out[3 * v + k] = scale * array[itemSize * v + from + k];
-      return out;
-    };
-    const worth = kindOf(part.name) === 'mouth' ? WORTH_INSIDE : WORTH;
-    const light = [[0, 2], [2, 2]].map(([from, count]) => block(reach, from, count, worth.reach / 255));
-    const blocks = [...places, block(normal, 0, 3, worth.normal), ...light, block(uv, 0, 2, worth.texture)];
-    return { blocks, places: places.length };
+  /** Makes shapes of fewer triangles; then, in the background, finds out what of them can be seen. */
+  slim() {
+    return this.#triangles.slim();
   }
 
   /** @param {number} mm how large a point of the picture is where the face is */
   set point(mm) {
-    this.#fewer = LEAN_MM.filter((one) => one <= LEAN_SHARE * mm).length;
-    this.#choose();
-  }
-
-  get #level() {
-    return this.#sampled ? 0 : this.#fewer;
+    this.#triangles.point = mm;
   }
 
   /** Until only what can be seen is drawn; undefined before it is asked. */
   get looking() {
-    return this.#looked?.[this.#level];
-  }
-
-  #choose() {
-    if (this.#looked) this.#looked[this.#level] ??= this.#look();
-    for (const one of this.parts) {
-      const shape = one.shapes[Math.min(this.#level, one.shapes.length - 1)];
-      if (shape === one.shape) continue;
-      for (const mesh of this.group.children) if (mesh.geometry === one.shape.geometry) mesh.geometry = shape.geometry;
-      one.shape = shape;
-      shape.update(this.drive);
-    }
+    return this.#triangles.looking;
   }
 
   #normals(part, normals) {
@@ -359,8 +232,7 @@ export class Head {
    * @param {boolean} sampled whether there are several samples for each pixel: then they make the edges of hair soft
    */
   setQuality(fine, anisotropy, sampled) {
-    this.#sampled = sampled;
-    this.#choose();
+    this.#triangles.sampled = sampled;
     for (const material of this.materials) {
       if (material.userData.soft) this.#soften(material, sampled);
       if (material.defines.FINE !== Number(fine)) material.needsUpdate = true;
@@ -388,20 +260,13 @@ export class Head {
   setFaps(values) {
     this.faps = values;
     this.drive.set(values);
-    this.uniforms.headTurn.value.copy(this.#headTurn());
+    this.uniforms.headTurn.value.copy(headTurnOf(this.drive));
     for (const { shape } of this.parts) shape.update(this.drive);
     if (this.creased) {
       this.uniforms.wrinkles.value.set(...wrinklesOf(values));
       this.uniforms.folds.value.set(...foldsOf(values));
     }
     this.uniforms.opening.value = openingOf(this.model, values);
-  }
-
-  /** How the head is turned. */
-  #headTurn() {
-    const origin = new Vector3(...this.drive.withHead([0, 0, 0]));
-    const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...this.drive.withHead(axis)).sub(origin));
-    return new Matrix4().makeBasis(...axes).setPosition(origin);
   }
 
   /** It is about to be drawn. @param {Vector3} eye from where, a direction */

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Vector3 } from 'three';
+import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Matrix4, Vector3 } from 'three';
 import { neighboursFirst, renumbered } from './lean.mjs';
 import { SoftwareDeform } from './software-deform.mjs';
 import { fibres, kindOf, outsideFirst, THIN } from './surfaces.mjs';
@@ -107,4 +107,11 @@ export class Shape {
   dispose() {
     this.geometry.dispose();
   }
+}
+
+/** How the head is turned. @param {import('./influences.mjs').Drive} drive @returns {Matrix4} */
+export function headTurnOf(drive) {
+  const origin = new Vector3(...drive.withHead([0, 0, 0]));
+  const axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => new Vector3(...drive.withHead(axis)).sub(origin));
+  return new Matrix4().makeBasis(...axes).setPosition(origin);
 }
