@@ -40,6 +40,8 @@
     X(UNKNOWN_UTTERANCE, "unknown-utterance", 404, "there is no such utterance") \
     X(NOT_SPEAKING, "not-speaking", 400, "nothing is spoken") \
     X(NO_CHOICES, "no-choices", 400, "there is nothing to choose from, or something else by now") \
+    X(BUSY, "busy", 409, "something is spoken, or waits") \
+    X(UNHEARD, "unheard", 0, "nobody came to hear it") \
     /* limits */ \
     X(QUEUE_FULL, "queue-full", 503, "too many utterances wait already") \
     X(TOO_MANY_OPEN, "too-many-open", 503, "too many texts are being written") \

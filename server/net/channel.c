@@ -70,6 +70,12 @@ static void tell(void *ctx, struct queued_message *message) {
     f->deliver(f, &message, 1);
 }
 
+/* For the first listener. */
+static void speak_held(struct channel *c, const struct follower *f) {
+    if (c->room && !f->watches && channel_listeners(c) == 1)
+        hold_speak(c->net, c->name, c->stream);
+}
+
 void channel_join(struct channel *c, struct follower *f) {
     f->channel = c;
     f->next = c->followers;
@@ -83,8 +89,14 @@ void channel_join(struct channel *c, struct follower *f) {
         add_variant(c, &f->encoding);
     catch_up_tell(&c->catch_up, tell, f);
     notice_board_tell(&c->notices, tell, f);
-    if (c->room && c->follower_count == 1)
-        hold_speak(c->net, c->name, c->stream);
+    speak_held(c, f);
+}
+
+void channel_watch(struct follower *f, bool watches) {
+    bool comes = f->watches && !watches;
+    f->watches = watches;
+    if (comes && f->channel)
+        speak_held(f->channel, f);
 }
 
 void channel_leave(struct follower *f) {
@@ -152,6 +164,13 @@ bool channel_is_room(const struct channel *c) {
 
 size_t channel_followers(const struct channel *c) {
     return c->follower_count;
+}
+
+size_t channel_listeners(const struct channel *c) {
+    size_t count = 0;
+    for (const struct follower *f = c->followers; f; f = f->next)
+        count += !f->watches;
+    return count;
 }
 
 bool channel_pending(const struct channel *c) {

@@ -19,6 +19,7 @@ struct follower {
     bool media;                  /* are wanted at all */
     bool lines;                  /* instead of JSON */
     bool idle;                   /* also those of idling */
+    bool watches;                /* looks on: is no listener */
     bool waits;                  /* for media that one can begin with */
     bool lagging;                /* has left out media */
     struct message_queue *queue; /* NULL for one that takes events alone */
@@ -38,6 +39,7 @@ struct channel *channel_find(const struct net *net, const char *name);
 struct stream *channel_stream(const struct channel *channel);
 uint64_t channel_number(const struct channel *channel); /* no other has had it */
 const char *channel_name(const struct channel *channel);
+size_t channel_listeners(const struct channel *channel); /* followers that do not just look on */
 bool channel_is_room(const struct channel *channel);
 size_t channel_followers(const struct channel *channel);
 bool channel_pending(const struct channel *channel); /* something that was said is still being coded */
@@ -51,6 +53,9 @@ void channel_join(struct channel *channel, struct follower *follower);
 
 /* Frees the channel when nobody is left. */
 void channel_leave(struct follower *follower);
+
+/* He only looks on from now on, or listens: who comes to listen hears what was kept for the room. */
+void channel_watch(struct follower *follower, bool watches);
 
 /* He wants the media otherwise from now on. */
 void channel_want(struct follower *follower, const struct encoding *encoding);

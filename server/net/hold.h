@@ -20,8 +20,11 @@ struct hold {
 /* Keeps a copy of the request for net->options.hold_seconds. -1 with *e: "queue-full". */
 int hold_keep(struct net *net, const char *room, const struct speech_request *request, struct error *e);
 
-/* Somebody has come into the room: speaks what was kept for it, in its order. */
+/* Somebody has come into the room: speaks what was kept for it, by priority and in its order. */
 void hold_speak(struct net *net, const char *room, struct stream *stream);
+
+/* Once a second: what has waited too long is given up, with an error "unheard" to who looks on. */
+void hold_look(struct net *net);
 
 void hold_free(struct hold *hold);
 

@@ -40,6 +40,7 @@ static void on_timer(uv_timer_t *timer) {
     for (struct connection *c = net->open; c; c = c->next)
         look(c);
     listeners_look(net);
+    hold_look(net);
 }
 
 void keepalive_begin(struct net *net) {

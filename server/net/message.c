@@ -59,9 +59,10 @@ json_t *message_rooms(const struct net *net, const char *only) {
     json_t *rooms = json_array();
     for (const struct channel *c = net->rooms; c; c = channel_next(c))
         if (!only || !*only || !strcmp(only, channel_name(c)))
-            json_array_append_new(rooms, json_pack("{ss si sb}", "name", channel_name(c), "followers",
-                                                   (int)channel_followers(c), "speaks",
-                                                   stream_busy(channel_stream(c))));
+            json_array_append_new(rooms,
+                                  json_pack("{ss si si sb}", "name", channel_name(c), "followers",
+                                            (int)channel_followers(c), "listeners", (int)channel_listeners(c),
+                                            "speaks", stream_busy(channel_stream(c))));
     return rooms;
 }
 

@@ -25,7 +25,7 @@ static int on_body_end(void *self) {
     return failed ? exchange_error(n->x, &e)
                   : exchange_json(n->x, 202,
                                   json_pack("{ss ss si}", "type", "accepted", "room", channel_name(channel),
-                                            "listeners", (int)channel_followers(channel)));
+                                            "listeners", (int)channel_listeners(channel)));
 }
 
 static int begin(struct exchange *x,

@@ -12,7 +12,7 @@
 struct upload {
     struct exchange *x;
     struct recording_source source;
-    struct speech_request request; /* its id and mode */
+    struct speech_request request; /* its id, mode and priority */
 };
 
 /* Begins, and has the answer. */
@@ -24,7 +24,7 @@ static int play(struct exchange *x, struct recording_source *source, const struc
         return result;
     }
     source->id = request->id ? mem_strdup(request->id) : NULL;
-    stream_play(channel_stream(channel), source, request->mode);
+    stream_play(channel_stream(channel), source, request);
     return exchange_json(x, 202, json_pack("{ss ss}", "type", "accepted", "room", channel_name(channel)));
 }
 

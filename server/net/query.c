@@ -41,3 +41,10 @@ void members_check(const json_t *object, const struct members *known,
     json_t *value;
     json_object_foreach((json_t *)object, name, value) check(name, known, warn, ctx);
 }
+
+int query_flag(const char *value, const char *name, bool *flag, struct error *e) {
+    bool yes = value && (!strcmp(value, "1") || !strcmp(value, "true"));
+    bool no = !value || !strcmp(value, "0") || !strcmp(value, "false");
+    *flag = yes;
+    return yes || no ? 0 : error_in_field(e, ERROR_BAD_FIELD, name, "must be true or false");
+}

@@ -22,4 +22,7 @@ void query_check(const struct http_request *request, const struct members *known
 void members_check(const json_t *object, const struct members *known,
                    void (*warn)(void *ctx, const struct error *e), void *ctx);
 
+/* A member that says yes or no ("1", "true", "0", "false"); NULL: no. -1 with *e "bad-field". */
+int query_flag(const char *value, const char *name, bool *flag, struct error *e);
+
 #endif

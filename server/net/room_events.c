@@ -67,6 +67,9 @@ int room_events(struct exchange *x) {
     char value[TOKEN_ROOM + 2];
     struct error e;
     const char *name = exchange_query(x, "room", value, sizeof value);
+    bool watch;
+    if (query_flag(http_query(exchange_request(x), "watch"), "watch", &watch, &e))
+        return exchange_error(x, &e);
     struct channel *channel = name ? channel_room(exchange_net(x), name, &e)
                                    : (error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"), NULL);
     if (!channel)
@@ -80,6 +83,7 @@ int room_events(struct exchange *x) {
         events->next->self = &events->next;
     net->events = events;
     events->follower.deliver = on_delivery;
+    events->follower.watches = watch;
     exchange_set_work(
         x, (struct exchange_work){
                .keepalive = events_keepalive, .free = events_free, .self = events, .endless = true});

@@ -50,8 +50,11 @@ static int say_end(void *self) {
     struct channel *channel = channel_find(exchange_net(x), room);
     if (post_text_request(&say->text, &request, &e)) {
         result = exchange_error(x, &e);
-    } else if (channel) {
-        int listeners = (int)channel_followers(channel);
+    } else if (channel && request.mode == SPEAK_QUIET && stream_busy(channel_stream(channel))) {
+        error_plain(&e, ERROR_BUSY);
+        result = exchange_error(x, &e);
+    } else if (channel && (channel_listeners(channel) || !exchange_net(x)->options.hold_seconds)) {
+        int listeners = (int)channel_listeners(channel);
         stream_speak(channel_stream(channel), &request);
         result = exchange_json(x, 202,
                                json_pack("{ss ss si}", "type", "accepted", "room", channel_name(channel),

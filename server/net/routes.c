@@ -36,13 +36,15 @@ enum scope {
 };
 
 static const char *const room_members[] = {"room", NULL};
-static const char *const play_members[] = {"room", "name", "id", "mode", NULL};
+static const char *const play_members[] = {"room", "name", "id", "mode", "priority", NULL};
+static const char *const event_members[] = {"room", "watch", NULL};
 static const char *const library_members[] = {"q", "lang", "author", "work", "limit", "after", NULL};
 static const char *const oembed_members[] = {"url", "format", "maxwidth", "maxheight", NULL};
 static const struct members none = {.speech = false}, only_room = {.more = room_members},
                             for_play = {.more = play_members},
                             for_say = {.speech = true, .more = room_members},
-                            for_library = {.more = library_members}, for_oembed = {.more = oembed_members};
+                            for_library = {.more = library_members}, for_oembed = {.more = oembed_members},
+                            for_events = {.more = event_members};
 
 /* What answers where. A route has a JSON document to get, or something else, or takes a POST. */
 static const struct route {
@@ -65,7 +67,7 @@ static const struct route {
     {"/library", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &none, true},
     {"/oembed", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &for_oembed, false},
     {"/v1/media", NULL, NULL, media_get, RIGHT_SPEAK, SCOPE_ALL, &none, false},
-    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN, SCOPE_ROOM, &only_room, false},
+    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN, SCOPE_ROOM, &for_events, false},
     {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_say, false},
     {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
     {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},

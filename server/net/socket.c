@@ -20,7 +20,7 @@ static void warn(void *socket, const struct error *e) {
 
 /* What the address asks for, besides the defaults of requests. */
 static void read_query(struct socket *s, const struct http_request *from) {
-    static const char *const more[] = {"room", "audio", "fap", "events", "kilobits", NULL};
+    static const char *const more[] = {"room", "audio", "fap", "events", "kilobits", "watch", NULL};
     static const struct members known = {.speech = true, .more = more};
     const struct media_wish wish = {http_query(from, "audio"), http_query(from, "fap"),
                                     http_query(from, "events"), http_query(from, "kilobits")};
@@ -30,7 +30,9 @@ static void read_query(struct socket *s, const struct http_request *from) {
     if (request_from_query(&s->defaults, from, NULL, &e) || socket_set_media(s, &wish, &e))
         socket_complain(s, &e);
     s->defaults.open = false; /* that is for each utterance to say */
-    if (room && socket_join(s, room, &e))
+    bool watch;
+    if (query_flag(http_query(from, "watch"), "watch", &watch, &e) ||
+        (room && socket_join(s, room, watch, &e)))
         socket_complain(s, &e);
 }
 

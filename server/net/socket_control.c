@@ -69,7 +69,7 @@ void control_play(struct socket *s, const json_t *message) {
         recording_source_free(&source);
     } else {
         source.id = request.id ? mem_strdup(request.id) : NULL;
-        stream_play(socket_stream(s), &source, request.mode);
+        stream_play(socket_stream(s), &source, &request);
     }
     request_free(&request);
 }

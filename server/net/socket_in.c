@@ -24,8 +24,15 @@ static void pong(struct socket *s, const json_t *message) {
 
 static void join_room(struct socket *s, const json_t *message) {
     const char *room = json_string_value(json_object_get(message, "room"));
+    const json_t *watch = json_object_get(message, "watch");
     struct error e;
-    if (room ? socket_join(s, room, &e) : error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"))
+    if (watch && !json_is_boolean(watch)) {
+        error_in_field(&e, ERROR_BAD_FIELD, "watch", "must be true or false");
+        socket_complain(s, &e);
+        return;
+    }
+    if (room ? socket_join(s, room, json_is_true(watch), &e)
+             : error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"))
         socket_complain(s, &e);
 }
 

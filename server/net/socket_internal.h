@@ -54,7 +54,7 @@ const char *socket_room(const struct socket *socket);
 
 void socket_enter(struct socket *socket, struct channel *channel);
 void socket_leave(struct socket *socket); /* the room that it is in */
-int socket_join(struct socket *socket, const char *room, struct error *e);
+int socket_join(struct socket *socket, const char *room, bool watch, struct error *e);
 
 /* How media and events are to come; NULL leaves one as it is. */
 struct media_wish {

@@ -17,15 +17,20 @@ const char *socket_room(const struct socket *s) {
     return channel_is_room(c) ? channel_name(c) : NULL;
 }
 
-int socket_join(struct socket *s, const char *room, struct error *e) {
+int socket_join(struct socket *s, const char *room, bool watch, struct error *e) {
     struct error ignored;
     if (principal_may(s->net, &s->principal, RIGHT_LISTEN, room, e))
         return -1;
     struct channel *channel = channel_room(s->net, room, e);
-    if (!channel || channel == s->follower.channel)
-        return channel ? 0 : -1;
+    if (!channel)
+        return -1;
+    if (channel == s->follower.channel) {
+        channel_watch(&s->follower, watch);
+        return 0;
+    }
     write_leave(s);
     channel_leave(&s->follower);
+    s->follower.watches = watch;
     socket_say(s, json_pack("{ss ss si sb}", "type", "joined", "room", room, "followers",
                             (int)channel_followers(channel) + 1, "may_speak",
                             !principal_may(s->net, &s->principal, RIGHT_SPEAK, room, &ignored)));
@@ -37,6 +42,7 @@ void socket_leave(struct socket *s) {
     write_leave(s);
     socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
     channel_leave(&s->follower);
+    s->follower.watches = false;
     socket_enter(s, channel_new(s->net, s->name));
 }
 

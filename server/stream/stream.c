@@ -27,7 +27,7 @@ static void on_finished(void *ctx, size_t spoken) {
     stream_wake(t->stream, 0);
 }
 
-static const struct synthesis_callbacks synthesis_callbacks = {on_segment, on_problem, on_finished};
+const struct synthesis_callbacks utterance_callbacks = {on_segment, on_problem, on_finished};
 
 struct stream *stream_new(const struct pipeline *pipeline, const struct stream_sink *sink, void *ctx,
                           unsigned queue) {
@@ -68,71 +68,6 @@ void stream_refuse(struct stream *s, const char *id, const struct error *e) {
     struct utterance t = {.stream = s, .number = ++s->utterances};
     give(&t, (struct stream_event){.kind = STREAM_ERROR, .error = e, .id = id});
     give(&t, (struct stream_event){.kind = STREAM_END, .reason = "failed", .id = id});
-}
-
-/* Puts it among the queue, in the place that its mode asks for. */
-static void enqueue(struct stream *s, struct utterance *t, enum speech_mode mode) {
-    if (mode == SPEAK_REPLACE)
-        stream_stop(s);
-    if (mode == SPEAK_INTERRUPT && s->queue) {
-        stream_end_utterance(s, "stopped");
-        stream_forget_unheard(s);
-    }
-    if (mode == SPEAK_INTERRUPT)
-        stream_resume(s);
-    struct utterance **at = &s->queue;
-    while (*at && mode == SPEAK_QUEUE)
-        at = &(*at)->next;
-    t->number = ++s->utterances;
-    t->next = *at;
-    *at = t;
-    s->waiting += s->queue->next != NULL;
-    if (t == s->queue)
-        utterance_start(t);
-}
-
-/* Whether one more may wait. */
-static bool has_room(struct stream *s, const char *id, enum speech_mode mode) {
-    struct error e;
-    if (mode != SPEAK_QUEUE || s->waiting < s->queue_limit)
-        return true;
-    error_set(&e, ERROR_QUEUE_FULL, "%u utterances wait already", s->waiting);
-    stream_refuse(s, id, &e);
-    return false;
-}
-
-static struct utterance *utterance_new(struct stream *s) {
-    struct utterance *t = mem_alloc(sizeof *t);
-    t->stream = s;
-    t->asked = uv_hrtime();
-    return t;
-}
-
-uint32_t stream_speak(struct stream *s, const struct speech_request *request) {
-    struct error e;
-    if (!has_room(s, request->id, request->mode))
-        return 0;
-    struct utterance *t = utterance_new(s);
-    t->synthesis = synthesis_open(s->pipeline, request, &synthesis_callbacks, t, &e);
-    if (!t->synthesis) {
-        free(t);
-        stream_refuse(s, request->id, &e);
-        return 0;
-    }
-    synthesis_keep(t->synthesis);
-    enqueue(s, t, request->mode);
-    return t->number;
-}
-
-void stream_play(struct stream *s, struct recording_source *source, enum speech_mode mode) {
-    if (!has_room(s, source->id, mode)) {
-        recording_source_free(source);
-        return;
-    }
-    struct utterance *t = utterance_new(s);
-    t->recording =
-        recording_open(s->pipeline->loop, s->pipeline->high_level, source, &synthesis_callbacks, t);
-    enqueue(s, t, mode);
 }
 
 bool stream_busy(const struct stream *s) {

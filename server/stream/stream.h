@@ -73,9 +73,9 @@ struct stream *stream_new(const struct pipeline *pipeline, const struct stream_s
 /* No callback comes after this. */
 void stream_free(struct stream *stream);
 
-/* Takes the request under the next utterance number; its mode says when it is spoken. When it is refused
- * (also "queue-full"), its ERROR and END events come at once, and nothing else changes. Returns the number,
- * or 0 when it is refused. */
+/* Takes the request under the next utterance number; its mode, priority and topic say when it is spoken. When
+ * it is refused (also "queue-full", "busy"), its ERROR and END events come at once, and nothing else changes.
+ * Returns the number, or 0 when it is refused. */
 uint32_t stream_speak(struct stream *stream, const struct speech_request *request);
 
 /* The utterance of that number, whose text is still being written (synthesis.h): is it there, and open? */
@@ -93,8 +93,10 @@ void stream_close(struct stream *stream, uint32_t utterance, const struct error 
 /* Cuts the utterances of that id, or forgets them when they wait. Returns how many there were. */
 unsigned stream_cancel(struct stream *stream, const char *id);
 
-/* The same for a recording, which is opened when its turn comes: what is wrong with it is said then. */
-void stream_play(struct stream *stream, struct recording_source *source, enum speech_mode mode);
+/* The same for a recording, of whose request the id, mode and priority count; it is opened when its turn
+ * comes: what is wrong with it is said then. */
+void stream_play(struct stream *stream, struct recording_source *source,
+                 const struct speech_request *request);
 
 /* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END. */
 void stream_refuse(struct stream *stream, const char *id, const struct error *e);

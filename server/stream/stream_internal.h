@@ -46,6 +46,16 @@ double stream_idle_time(const struct stream *stream, uint64_t at);
 
 /* stream.c */
 
+/* What the synthesis of an utterance, its ctx, tells. */
+extern const struct synthesis_callbacks utterance_callbacks;
+
+/* stream_queue.c */
+
+/* One that waits is forgotten, and told so. */
+void stream_forget(struct stream *stream, struct utterance **at);
+
+/* playout.c */
+
 /* What was sent of utterances and has not been heard is forgotten. */
 void stream_forget_unheard(struct stream *stream);
 

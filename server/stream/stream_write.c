@@ -40,16 +40,6 @@ static const char *id_of(const struct utterance *t) {
     return t->recording ? recording_id(t->recording) : synthesis_request(t->synthesis)->id;
 }
 
-/* One that waits. */
-static void forget(struct stream *s, struct utterance **at) {
-    struct utterance *t = *at;
-    *at = t->next;
-    s->waiting--;
-    utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_END, .reason = "stopped"});
-    metrics_add(s->pipeline->metrics, METRIC_UTTERANCES_STOPPED, 1);
-    utterance_free(t);
-}
-
 unsigned stream_cancel(struct stream *s, const char *id) {
     unsigned count = 0;
     bool first = false;
@@ -64,7 +54,7 @@ unsigned stream_cancel(struct stream *s, const char *id) {
         if (at == &s->queue)
             stream_end_utterance(s, "stopped");
         else
-            forget(s, at);
+            stream_forget(s, at);
     }
     if (!first)
         return count;

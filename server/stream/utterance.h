@@ -16,6 +16,7 @@ struct utterance {
     struct synthesis *synthesis; /* one of the two */
     struct recording *recording;
     uint32_t number;
+    enum speech_priority priority;
     struct media_segment *segments; /* the first is being cut */
     size_t segment_count, segment_cap;
     struct segment_cut cut;

@@ -15,8 +15,13 @@ static const char *const contacts[] = {
     [CONTACTS_ENGINE] = "engine", [CONTACTS_ON] = "on", [CONTACTS_OFF] = "off", NULL};
 static const char *const genders[] = {
     [GENDER_ANY] = "any", [GENDER_FEMALE] = "female", [GENDER_MALE] = "male", NULL};
-static const char *const modes[] = {
-    [SPEAK_QUEUE] = "queue", [SPEAK_REPLACE] = "replace", [SPEAK_INTERRUPT] = "interrupt", NULL};
+static const char *const modes[] = {[SPEAK_QUEUE] = "queue",
+                                    [SPEAK_REPLACE] = "replace",
+                                    [SPEAK_INTERRUPT] = "interrupt",
+                                    [SPEAK_QUIET] = "quiet",
+                                    NULL};
+static const char *const priorities[] = {
+    [PRIORITY_BACKGROUND] = "background", [PRIORITY_CHAT] = "chat", [PRIORITY_ALARM] = "alarm", NULL};
 
 /* The fields that anyone may set, with the limits that protocol/README.md states. */
 static const struct field {
@@ -44,13 +49,16 @@ static const struct field {
     {"blend", CHOICE, offsetof(struct speech_request, blend), 0, 0, blends},
     {"contacts", CHOICE, offsetof(struct speech_request, contacts), 0, 0, contacts},
     {"mode", CHOICE, offsetof(struct speech_request, mode), 0, 0, modes},
+    {"priority", CHOICE, offsetof(struct speech_request, priority), 0, 0, priorities},
+    {"topic", STRING, offsetof(struct speech_request, topic), 1, 64, NULL},
     {"open", FLAG, offsetof(struct speech_request, open), 0, 1, NULL},
     {"phones", FLAG, offsetof(struct speech_request, phones), 0, 1, NULL},
     {"still", FLAG, offsetof(struct speech_request, still), 0, 1, NULL},
 };
 
 void request_init(struct speech_request *request) {
-    *request = (struct speech_request){.pitch = 1, .volume = 1, .fps = 25, .seed = -1, .life = -1};
+    *request = (struct speech_request){
+        .pitch = 1, .volume = 1, .fps = 25, .seed = -1, .life = -1, .priority = PRIORITY_CHAT};
 }
 
 void request_free(struct speech_request *request) {
@@ -121,6 +129,7 @@ static int set_flag(bool *flag, const struct field *f, const struct request_valu
 /* An enum without negative members is an unsigned int to GCC and Clang. */
 _Static_assert(sizeof(enum speech_blend) == sizeof(unsigned) &&
                    sizeof(enum speech_mode) == sizeof(unsigned) &&
+                   sizeof(enum speech_priority) == sizeof(unsigned) &&
                    sizeof(enum face_contacts) == sizeof(unsigned) &&
                    sizeof(enum voice_gender) == sizeof(unsigned),
                "choices are set as unsigned");

@@ -14,7 +14,11 @@ enum speech_mode {
     SPEAK_QUEUE,     /* after all that waits */
     SPEAK_REPLACE,   /* now: all else is forgotten */
     SPEAK_INTERRUPT, /* now: what speaks is cut, what waits comes afterwards */
+    SPEAK_QUIET,     /* now, when nothing speaks or waits; else not at all */
 };
+
+/* Of two, the higher one comes first and cuts the lower one; nothing does so to a higher one. */
+enum speech_priority { PRIORITY_BACKGROUND, PRIORITY_CHAT, PRIORITY_ALARM };
 
 /* Of the voice, where none is named. */
 enum voice_gender { GENDER_ANY, GENDER_FEMALE, GENDER_MALE };
@@ -48,6 +52,8 @@ struct speech_request {
     bool phones;                 /* its phones are events, too */
     bool open;                   /* the text is still being written: see synthesis_write */
     enum speech_mode mode;
+    enum speech_priority priority;
+    char *topic; /* what it is about: takes the place of those that wait with the same; NULL = none */
 };
 
 void request_init(struct speech_request *request);

@@ -43,7 +43,7 @@ const hostile = [null, true, -1, 0, 1e308, -0.5, 1e-320, 2 ** 53, '', 'x', 'x'.r
 
 /** A message that is right, by its kind. */
 const kinds = [
-  (c) => ({ type: 'speak', text: c.one(2) ? c.of(texts) : c.of(documents).toString(), lang: c.of(['it', 'en', 'pt-BR', 'tr', undefined]), id: c.of(['a', 'b', undefined]), mode: c.of(['queue', 'replace', 'interrupt', undefined]), phones: c.one(2), blend: c.of(['regions', 'weighted']), fps: c.of([25, 1, 120]), rate: c.of([undefined, 40, 500]) }),
+  (c) => ({ type: 'speak', text: c.one(2) ? c.of(texts) : c.of(documents).toString(), lang: c.of(['it', 'en', 'pt-BR', 'tr', undefined]), id: c.of(['a', 'b', undefined]), mode: c.of(['queue', 'replace', 'interrupt', 'quiet', undefined]), priority: c.of(['background', 'alarm', undefined]), topic: c.of(['t', undefined]), phones: c.one(2), blend: c.of(['regions', 'weighted']), fps: c.of([25, 1, 120]), rate: c.of([undefined, 40, 500]) }),
   (c) => ({ type: 'join', room: c.of(rooms) }),
   () => ({ type: 'leave' }),
   () => ({ type: 'stop' }),

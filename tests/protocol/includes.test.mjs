@@ -25,6 +25,7 @@ const BELOW = {
   align: ['face', 'voice', 'markup', 'base'],
   fit: ['face', 'voice', 'protocol', 'base'],
   eval: ['fit', 'face', 'voice', 'expression', 'protocol', 'base'],
+  doors: ['base'],
   plugins: ['align', 'face', 'voice', 'markup', 'base'],
 };
 BELOW.app = Object.keys(BELOW);

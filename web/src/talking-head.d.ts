@@ -9,7 +9,11 @@ export type AssistantState = 'idle' | 'listening' | 'thinking' | 'muted';
 
 export interface SpeakOptions {
   id?: string;
-  mode?: 'queue' | 'replace' | 'interrupt';
+  mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
+  /** What goes before what: `chat` when left out. */
+  priority?: 'background' | 'chat' | 'alarm';
+  /** Takes the place of those that wait with the same. */
+  topic?: string;
   lang?: string;
   voice?: string;
   gender?: 'any' | 'female' | 'male';

@@ -1,0 +1,40 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of a remote daemon share. */
+#ifndef FACCIA_DOORS_REMOTE_INTERNAL_H
+#define FACCIA_DOORS_REMOTE_INTERNAL_H
+
+#include "server/base/buf.h"
+#include "server/doors/remote.h"
+#include <curl/curl.h>
+
+/* One request under way. Its owner embeds it. */
+struct transfer {
+    CURL *easy;
+    struct curl_slist *headers;
+    struct transfer *next, **self; /* of the remote's */
+    void (*done)(struct transfer *transfer, CURLcode code);
+    void (*drop)(struct transfer *transfer); /* the remote is freed: no callback */
+};
+
+struct remote {
+    uv_loop_t *loop;
+    char *url, *token;
+    CURLM *multi;
+    uv_timer_t *timer;
+    struct transfer *transfers;
+    struct follow *follows;
+};
+
+/* A handle for an address below the daemon's, with the token. */
+CURL *remote_handle(struct remote *remote, struct transfer *transfer, const char *path,
+                    const struct remote_member *members);
+void remote_start(struct remote *remote, struct transfer *transfer);
+/* Frees what remote_handle made. */
+void remote_finish(struct remote *remote, struct transfer *transfer);
+
+/* remote_events.c: of all that are followed. What has come is told when curl is not at work: it cannot be
+ * asked for anything then. */
+void remote_tell_follows(struct remote *remote);
+void remote_drop_follows(struct remote *remote);
+
+#endif

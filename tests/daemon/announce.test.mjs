@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// faccia-say: what a shell script learns of an announcement by its exit status.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { build, Daemon } from '../lib/daemon.mjs';
+
+let daemon, kiosk;
+before(async () => {
+  daemon = await Daemon.start(['--hold', '2']);
+  kiosk = await daemon.stream('?lang=it&room=kitchen');
+  await kiosk.wait({ type: 'joined' });
+});
+after(async () => {
+  await kiosk.close();
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+/** Runs it; gives its status and what it wrote on standard error. */
+async function run(options, { input, url = daemon.url, env = {} } = {}) {
+  const child = spawn(path.join(build, 'server/doors/faccia-say'), options, { env: { ...process.env, FACCIA_URL: url, ...env } });
+  let stderr = '';
+  child.stderr.setEncoding('utf8').on('data', (text) => (stderr += text));
+  child.stdout.resume();
+  child.stdin.end(input);
+  const [status] = await once(child, 'close');
+  return { status, stderr };
+}
+const kitchen = ['--room', 'kitchen', '--lang', 'it'];
+
+test('it is accepted at once, and waits until it is heard where that is wanted', async () => {
+  assert.deepEqual(await run([...kitchen, 'La cena', 'è pronta.']), { status: 0, stderr: '' });
+  const { id } = await kiosk.wait({ type: 'begin' });
+  assert.deepEqual((await kiosk.wait({ type: 'sentence', id })).text, 'La cena è pronta.');
+  await kiosk.wait({ type: 'end', id, reason: 'done' });
+  kiosk.messages.length = 0;
+  assert.deepEqual(await run([...kitchen, '--wait', '-'], { input: 'Buon appetito.' }), { status: 0, stderr: '' });
+  assert.ok(kiosk.messages.some((m) => m.type === 'end' && m.reason === 'done'), 'it was heard before');
+});
+
+test('a listener is needed: status 3, at once or when what was held is given up', async () => {
+  assert.equal((await run(['--room', 'cellar', '--lang', 'it', 'Ciao.'])).status, 0); // held for whom may come
+  const given = await run(['--room', 'cellar', '--lang', 'it', '--wait', 'Ciao.']);
+  assert.equal(given.status, 3);
+  assert.match(given.stderr, /nobody came/);
+  const own = await Daemon.start();
+  assert.equal((await run(['--room', 'cellar', '--lang', 'it', 'Ciao.'], { url: own.url })).status, 3);
+  assert.equal((await own.stop()).code, 0);
+});
+
+test('one that is cut says so, one that is to be quiet does not speak', async () => {
+  kiosk.messages.length = 0;
+  const waits = run([...kitchen, '--wait', '--priority', 'background', 'Una storia che nessuno ascolterà fino alla fine, perché qualcosa la interrompe molto prima.']);
+  await kiosk.wait({ type: 'begin' });
+  assert.equal((await run([...kitchen, '--if-quiet', 'Ehi.'])).status, 4);
+  assert.equal((await run([...kitchen, '--wait', '-p', 'alarm', 'Al fuoco!'])).status, 0);
+  assert.equal((await waits).status, 5);
+});
+
+test('what is wrong is told', async () => {
+  assert.equal((await run([])).status, 2);
+  assert.equal((await run(['--help'])).status, 0);
+  assert.equal((await run(['--nothing', 'x'])).status, 2);
+  assert.equal((await run([...kitchen, '-'], { input: 'a\0b' })).status, 2);
+  assert.equal((await run(['x'], { url: 'kitchen' })).status, 2);
+  for (const [options, message] of [
+    [['--room', 'no spaces', 'x'], /letters, digits/],
+    [[...kitchen, '--priority', 'high', 'x'], /background, chat, alarm/],
+    [[...kitchen, '--lang', 'xx', 'x', '--wait'], /xx/],
+    [[...kitchen, '--token-file', '/nowhere', 'x'], /\/nowhere/],
+  ]) {
+    const { status, stderr } = await run(options);
+    assert.equal(status, 1, stderr);
+    assert.match(stderr, message);
+  }
+  const gone = await run([...kitchen, 'x'], { url: 'http://127.0.0.1:9' });
+  assert.equal(gone.status, 1);
+  assert.match(gone.stderr, /connect/i);
+});
+
+test('a token is shown to a daemon that wants one', async () => {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+  const [secret, token] = ['secret', 'token'].map((name) => path.join(folder, name));
+  fs.writeFileSync(secret, `${'s'.repeat(40)}\n`, { mode: 0o600 });
+  const own = await Daemon.start(['--token-file', secret, '--hold', '60']);
+  const signed = spawn(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secret, '-s', 'cron'], { stdio: ['ignore', fs.openSync(token, 'w'), 'inherit'] });
+  await once(signed, 'close');
+  const refused = await run([...kitchen, 'Ciao.'], { url: own.url });
+  assert.equal(refused.status, 1);
+  assert.match(refused.stderr, /token/);
+  assert.equal((await run([...kitchen, '--token-file', token, 'Ciao.'], { url: own.url })).status, 0);
+  assert.equal((await own.stop()).code, 0);
+  fs.rmSync(folder, { recursive: true });
+});
