@@ -17,7 +17,8 @@ struct watch {
 
 static void collect(struct remote *r) {
     int left;
-    remote_tell_follows(r);
+    if (r->tell_follows)
+        r->tell_follows(r);
     for (CURLMsg *message; (message = curl_multi_info_read(r->multi, &left));) {
         struct transfer *t;
         if (message->msg != CURLMSG_DONE)
@@ -114,7 +115,8 @@ static void free_handle(uv_handle_t *handle) {
 void remote_free(struct remote *r) {
     if (!r)
         return;
-    remote_drop_follows(r);
+    if (r->drop_follows)
+        r->drop_follows(r);
     while (r->transfers)
         r->transfers->drop(r->transfers);
     curl_multi_cleanup(r->multi);

@@ -61,7 +61,7 @@ static void tell(struct follow *f) {
     buf_consume(&f->lines, at);
 }
 
-void remote_tell_follows(struct remote *r) {
+static void tell_follows(struct remote *r) {
     for (struct follow *f = r->follows; f; f = f->next)
         if (f->asked)
             tell(f);
@@ -115,23 +115,6 @@ static void ask(struct follow *f) {
     remote_start(f->remote, &f->transfer);
 }
 
-struct follow *remote_follow(struct remote *r, const char *room, const struct remote_events *events,
-                             void *ctx) {
-    struct follow *f = mem_alloc(sizeof *f);
-    *f = (struct follow){
-        .remote = r, .room = mem_strdup(room), .events = *events, .ctx = ctx, .wait = AGAIN_MS};
-    f->next = r->follows;
-    f->self = &r->follows;
-    if (f->next)
-        f->next->self = &f->next;
-    r->follows = f;
-    f->timer = mem_alloc(sizeof *f->timer);
-    uv_timer_init(r->loop, f->timer);
-    f->timer->data = f;
-    ask(f);
-    return f;
-}
-
 static void free_timer(uv_handle_t *timer) {
     free(timer);
 }
@@ -147,7 +130,26 @@ void remote_unfollow(struct follow *f) {
     free(f);
 }
 
-void remote_drop_follows(struct remote *r) {
+static void drop_follows(struct remote *r) {
     while (r->follows)
         remote_unfollow(r->follows);
+}
+
+struct follow *remote_follow(struct remote *r, const char *room, const struct remote_events *events,
+                             void *ctx) {
+    struct follow *f = mem_alloc(sizeof *f);
+    *f = (struct follow){
+        .remote = r, .room = mem_strdup(room), .events = *events, .ctx = ctx, .wait = AGAIN_MS};
+    f->next = r->follows;
+    f->self = &r->follows;
+    if (f->next)
+        f->next->self = &f->next;
+    r->follows = f;
+    r->tell_follows = tell_follows;
+    r->drop_follows = drop_follows;
+    f->timer = mem_alloc(sizeof *f->timer);
+    uv_timer_init(r->loop, f->timer);
+    f->timer->data = f;
+    ask(f);
+    return f;
 }

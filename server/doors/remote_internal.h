@@ -23,6 +23,10 @@ struct remote {
     uv_timer_t *timer;
     struct transfer *transfers;
     struct follow *follows;
+    /* What has come for them is told when curl is not at work: it cannot be asked for anything then. NULL:
+     * nothing is followed. */
+    void (*tell_follows)(struct remote *remote);
+    void (*drop_follows)(struct remote *remote);
 };
 
 /* A handle for an address below the daemon's, with the token. */
@@ -31,10 +35,5 @@ CURL *remote_handle(struct remote *remote, struct transfer *transfer, const char
 void remote_start(struct remote *remote, struct transfer *transfer);
 /* Frees what remote_handle made. */
 void remote_finish(struct remote *remote, struct transfer *transfer);
-
-/* remote_events.c: of all that are followed. What has come is told when curl is not at work: it cannot be
- * asked for anything then. */
-void remote_tell_follows(struct remote *remote);
-void remote_drop_follows(struct remote *remote);
 
 #endif

@@ -24,10 +24,8 @@ static void drop(struct hold *hold, struct held **at) {
 /* It will not be spoken: who looks on in the room is told. */
 static void give_up(struct net *net, struct held **at, const struct error *e) {
     const struct held *held = *at;
-    struct channel *channel = channel_find(net, held->room);
     log_info("room %s: %s", held->room, e->message);
-    if (channel)
-        stream_refuse(channel_stream(channel), held->request.id, e);
+    net->hold.unheard(net, held->room, held->request.id, e);
     drop(&net->hold, at);
 }
 

@@ -15,6 +15,8 @@ enum { HOLD_MOST = 100 };
 struct hold {
     struct held *first; /* oldest first */
     size_t count;
+    /* What was held will not be spoken: tells who looks on in the room. */
+    void (*unheard)(struct net *net, const char *room, const char *id, const struct error *e);
 };
 
 /* Keeps a copy of the request for net->options.hold_seconds. -1 with *e: "queue-full". */

@@ -20,6 +20,7 @@ struct net *net_open(const struct pipeline *pipeline, const struct offer_source 
     net->options = *options;
     net->pipeline = pipeline;
     net->offer = *offer;
+    net->hold.unheard = room_unheard;
     net->read_buffer = mem_alloc(NET_READ_BYTES);
     if (listeners_open(net, e) || assets_load(&net->assets, options->web, options->models, e)) {
         net_close(net);

@@ -202,6 +202,7 @@ int room_write(struct exchange *x); /* room_write.c: POST /v1/say?room=&open=1 *
 
 /* The room that the address names; NULL after the answer, with *result to be returned. */
 struct channel *room_asked(struct exchange *x, int *result);
+void room_unheard(struct net *net, const char *room, const char *id, const struct error *e);
 int room_say(struct exchange *x);    /* POST /v1/say?room= */
 int room_stop(struct exchange *x);   /* POST /v1/stop?room= */
 int room_pause(struct exchange *x);  /* POST /v1/pause?room= */

@@ -21,6 +21,12 @@ struct channel *room_asked(struct exchange *x, int *result) {
     return NULL;
 }
 
+void room_unheard(struct net *net, const char *room, const char *id, const struct error *e) {
+    struct channel *channel = channel_find(net, room);
+    if (channel)
+        stream_refuse(channel_stream(channel), id, e);
+}
+
 struct say {
     struct post_text text;
 };

@@ -44,7 +44,14 @@ test('the operator types, and the face of the room says it', async () => {
   await state('idle');
   assert.ok((await kiosk.evaluate(() => window.opened)) > 100, 'her lips have moved');
   assert.equal(await desk.textContent('#said .sentence span'), 'La cena è pronta, mamma.');
-  await desk.waitForFunction(() => document.querySelector('#listeners').textContent === 'Nella stanza: 1');
+  const here = (page, text) => page.waitForFunction((wanted) => document.querySelector('#listeners').textContent === wanted, text);
+  await here(desk, 'Nella stanza: 1');
+  // a desk is no listener, and sees others
+  const other = await browser.newPage({ locale: 'it-IT' });
+  await other.goto(`${daemon.url}/operator.html?room=cucina`);
+  await here(desk, 'Nella stanza: 1 · Altri che operano: 1');
+  await other.close();
+  await here(desk, 'Nella stanza: 1');
 });
 
 test('a prepared line offers its answers; what is chosen leads on', async () => {

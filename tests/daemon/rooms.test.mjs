@@ -71,7 +71,7 @@ test('rooms are made by entering, listed, left, and gone with the last', async (
   stream.send({ type: 'join', room: 'made' });
   await stream.wait({ type: 'joined', room: 'made', followers: 1, may_speak: true });
   const other = await enter('made');
-  assert.deepEqual(await rooms(), [{ name: 'made', followers: 2, speaks: false }]);
+  assert.deepEqual(await rooms(), [{ name: 'made', followers: 2, listeners: 2, speaks: false }]);
   stream.send({ type: 'join', room: 'made.too' });
   await stream.wait({ type: 'joined', room: 'made.too' });
   assert.equal((await rooms()).length, 2);

@@ -3,7 +3,7 @@
 export const words = {
   it: {
     title: 'Tavolo dell’operatore', room: 'Stanza', enter: 'Entra', kiosk: 'Apri il volto della stanza', said: 'Ciò che accade nella stanza',
-    followers: 'Nella stanza: {n}', nobody: 'Nessuna stanza scelta', text: 'Testo da dire', speak: 'Di’', interrupt: 'Subito', later: 'In attesa', preview: 'Ascolta prima', stop: 'Ferma',
+    followers: 'Nella stanza: {n}', desks: 'Altri che operano: {n}', nobody: 'Nessuna stanza scelta', text: 'Testo da dire', speak: 'Di’', interrupt: 'Subito', later: 'In attesa', preview: 'Ascolta prima', stop: 'Ferma',
     choices: 'Domanda e risposte', choicesHint: 'Ha fame? | Sì | No: la domanda, poi le risposte, divise da |', offer: 'Offri', withdraw: 'Ritira',
     lang: 'Lingua', mood: 'Umore', neutral: 'neutro', state: 'Segno', repeat: 'Ripeti', slower: 'Più piano', faster: 'Più svelto', louder: 'Più forte', softer: 'Meno forte', globally: 'Per tutto ciò che segue',
     keys: 'Ctrl + Invio: di’. Esc: ferma. Fuori dai campi: R ripeti, S più piano, L più forte, 1–9 le battute.', queue: 'In attesa', queueHint: 'Qui aspetta ciò che si dirà dopo; si può ancora cambiare.',
@@ -14,7 +14,7 @@ export const words = {
   },
   pt: {
     title: 'Mesa do operador', room: 'Sala', enter: 'Entrar', kiosk: 'Abrir o rosto da sala', said: 'O que acontece na sala',
-    followers: 'Na sala: {n}', nobody: 'Nenhuma sala escolhida', text: 'Texto a dizer', speak: 'Dizer', interrupt: 'Já', later: 'Em espera', preview: 'Ouvir antes', stop: 'Parar',
+    followers: 'Na sala: {n}', desks: 'Outros que operam: {n}', nobody: 'Nenhuma sala escolhida', text: 'Texto a dizer', speak: 'Dizer', interrupt: 'Já', later: 'Em espera', preview: 'Ouvir antes', stop: 'Parar',
     choices: 'Pergunta e respostas', choicesHint: 'Tem fome? | Sim | Não: a pergunta, depois as respostas, separadas por |', offer: 'Oferecer', withdraw: 'Retirar',
     lang: 'Idioma', mood: 'Humor', neutral: 'neutro', state: 'Sinal', repeat: 'Repetir', slower: 'Mais devagar', faster: 'Mais rápido', louder: 'Mais alto', softer: 'Mais baixo', globally: 'Para tudo o que segue',
     keys: 'Ctrl + Enter: dizer. Esc: parar. Fora dos campos: R repetir, S mais devagar, L mais alto, 1–9 as falas.', queue: 'Em espera', queueHint: 'Aqui espera o que será dito depois; ainda pode ser mudado.',
@@ -25,7 +25,7 @@ export const words = {
   },
   tr: {
     title: 'Operatör masası', room: 'Oda', enter: 'Gir', kiosk: 'Odanın yüzünü aç', said: 'Odada olanlar',
-    followers: 'Odada: {n}', nobody: 'Oda seçilmedi', text: 'Söylenecek metin', speak: 'Söyle', interrupt: 'Hemen', later: 'Beklet', preview: 'Önce dinle', stop: 'Dur',
+    followers: 'Odada: {n}', desks: 'Diğer operatörler: {n}', nobody: 'Oda seçilmedi', text: 'Söylenecek metin', speak: 'Söyle', interrupt: 'Hemen', later: 'Beklet', preview: 'Önce dinle', stop: 'Dur',
     choices: 'Soru ve yanıtlar', choicesHint: 'Aç mısın? | Evet | Hayır: soru, sonra yanıtlar, | ile ayrılmış', offer: 'Sun', withdraw: 'Geri al',
     lang: 'Dil', mood: 'Duygu', neutral: 'yansız', state: 'İşaret', repeat: 'Tekrarla', slower: 'Daha yavaş', faster: 'Daha hızlı', louder: 'Daha yüksek', softer: 'Daha alçak', globally: 'Bundan sonrası için',
     keys: 'Ctrl + Enter: söyle. Esc: dur. Alanların dışında: R tekrarla, S daha yavaş, L daha yüksek, 1–9 replikler.', queue: 'Bekleyenler', queueHint: 'Sonra söylenecekler burada bekler; hâlâ değiştirilebilir.',
@@ -36,7 +36,7 @@ export const words = {
   },
   en: {
     title: 'Operator’s desk', room: 'Room', enter: 'Enter', kiosk: 'Open the face of the room', said: 'What happens in the room',
-    followers: 'In the room: {n}', nobody: 'No room chosen', text: 'Text to say', speak: 'Say', interrupt: 'At once', later: 'Let it wait', preview: 'Hear it first', stop: 'Stop',
+    followers: 'In the room: {n}', desks: 'Other operators: {n}', nobody: 'No room chosen', text: 'Text to say', speak: 'Say', interrupt: 'At once', later: 'Let it wait', preview: 'Hear it first', stop: 'Stop',
     choices: 'Question and answers', choicesHint: 'Are you hungry? | Yes | No: the question, then the answers, divided by |', offer: 'Offer', withdraw: 'Withdraw',
     lang: 'Language', mood: 'Mood', neutral: 'neutral', state: 'Sign', repeat: 'Repeat', slower: 'Slower', faster: 'Faster', louder: 'Louder', softer: 'Softer', globally: 'For all that follows',
     keys: 'Ctrl + Enter: say. Esc: stop. Outside the fields: R repeat, S slower, L louder, 1–9 the lines.', queue: 'Waiting', queueHint: 'What is said next waits here, and can still be changed.',

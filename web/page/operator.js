@@ -146,12 +146,18 @@ function enter() {
   text.focus();
 }
 
+/** Others at a desk of this room. */
+function desks({ followers, listeners }) {
+  const others = followers - listeners - 1;
+  return others > 0 && say('desks', { n: others });
+}
+
 async function lookAround() {
   if (linked && !document.hidden) {
     const { rooms = [] } = (await frame.load('v1/rooms')) ?? {};
     const here = rooms.find(({ name }) => name === head.room);
-    $('rooms').replaceChildren(...rooms.map(({ name, followers }) => new Option(`${name} (${followers})`, name)));
-    $('listeners').textContent = here ? say('followers', { n: here.followers - 1 }) : say('nobody');
+    $('rooms').replaceChildren(...rooms.map(({ name, listeners }) => new Option(`${name} (${listeners})`, name)));
+    $('listeners').textContent = here ? [say('followers', { n: here.listeners }), desks(here)].filter(Boolean).join(' · ') : say('nobody');
   }
   setTimeout(lookAround, ROOMS_MS);
 }

@@ -15,7 +15,7 @@ import { Turns } from './turns.mjs';
 const SPEAK_ATTRIBUTES = {
   lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String,
 };
-const LINK_ATTRIBUTES = ['src', 'room', 'token'];
+const LINK_ATTRIBUTES = ['src', 'room', 'token', 'watch'];
 const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'quality'];
 const MOVE_MS = 100; // so long it may be out of the page without being given up: frameworks move elements
 

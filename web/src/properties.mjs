@@ -51,6 +51,7 @@ const PROPERTIES = {
   captionSize: string('caption-size'),
   captionColours: string('caption-colours'),
   polite: onOff('polite', true),
+  watch: onOff('watch', false),
   still: onOff('still', null),
   turn: onOff('turn', null),
   expression: {

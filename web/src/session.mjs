@@ -174,10 +174,10 @@ export class Session {
 
   /** Says who we are, and goes where we belong. */
   #enter() {
-    const { token, room } = this.element;
+    const { token, room, watch } = this.element;
     this.speech.adopts = Boolean(room);
     if (token) this.#link.send({ type: 'authorize', token });
-    if (room) this.#link.send({ type: 'join', room });
+    if (room) this.#link.send({ type: 'join', room, ...(watch && { watch }) });
   }
 
   /** Where one is wanted and can be drawn, it takes the place of the server's head. */

@@ -122,6 +122,8 @@ export class TalkingHead extends HTMLElement {
   view: 'face' | 'bust' | 'mouth' | null;
   quality: 'auto' | 'high' | 'low' | 'pictures' | null;
   room: string | null;
+  /** Only to look on in the room: one does not count as a listener. */
+  watch: boolean;
   token: string | null;
   voice: string | null;
   markup: string | null;

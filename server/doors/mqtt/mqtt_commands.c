@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the broker asks for. What cannot reach the daemon is tried again for a while; what may have reached it
+ * is not: nothing is said twice. */
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/doors/mqtt/mqtt_bridge.h"
+#include "server/doors/place.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { ASKING_MOST = 100, AGAIN_MS = 2000, TRIES = 30 };
+
+struct asking {
+    struct asking *next, **self; /* of the bridge */
+    struct bridge_room *room;
+    uv_timer_t *timer;
+    const char *path;
+    char *body;
+    char id[SAID_ID]; /* empty: nobody asked to be told */
+    unsigned tries;
+};
+
+static void ask(struct asking *a);
+
+static void free_timer(uv_handle_t *timer) {
+    free(timer);
+}
+
+static void finish(struct asking *a) {
+    *a->self = a->next;
+    if (a->next)
+        a->next->self = a->self;
+    a->room->bridge->asking--;
+    uv_close((uv_handle_t *)a->timer, free_timer);
+    free(a->body);
+    free(a);
+}
+
+void commands_drop(struct bridge *b) {
+    while (b->asked)
+        finish(b->asked);
+}
+
+static void on_again(uv_timer_t *timer) {
+    ask(timer->data);
+}
+
+static void on_answer(void *ctx, const struct remote_answer *answer) {
+    struct asking *a = ctx;
+    bool away = (!answer->status && !answer->sent) || answer->status == 503;
+    if (away && ++a->tries < TRIES) {
+        uv_timer_start(a->timer, on_again, AGAIN_MS, 0);
+        return;
+    }
+    if (answer->status != 202 && answer->status != 200) {
+        log_warn("room %s: %s", a->room->name, answer->why);
+        room_tell(a->room, a->id, answer->status == 409 ? "busy" : "failed", answer->why);
+    } else if (*a->id && !json_integer_value(json_object_get(answer->body, "listeners")) &&
+               !json_object_get(answer->body, "held")) {
+        room_tell(a->room, a->id, "unheard", "nobody is in the room");
+    }
+    finish(a);
+}
+
+static void ask(struct asking *a) {
+    const struct remote_member members[] = {{"room", a->room->name}, {NULL, NULL}};
+    remote_ask(a->room->bridge->remote, a->path, members, "application/json", a->body, on_answer, a);
+}
+
+static void ask_for(struct bridge_room *r, const char *path, json_t *body, const char *id) {
+    struct asking *a = mem_alloc(sizeof *a);
+    *a = (struct asking){.room = r, .path = path, .body = json_dumps(body, JSON_COMPACT)};
+    snprintf(a->id, sizeof a->id, "%s", id);
+    a->timer = mem_alloc(sizeof *a->timer);
+    uv_timer_init(r->bridge->loop, a->timer);
+    a->timer->data = a;
+    json_decref(body);
+    a->next = r->bridge->asked;
+    a->self = &r->bridge->asked;
+    if (a->next)
+        a->next->self = &a->next;
+    r->bridge->asked = a;
+    r->bridge->asking++;
+    ask(a);
+}
+
+/* An object as it came, or {name: the text}. NULL after a message. */
+static json_t *object_of(const struct bridge_room *r, const char *name, const char *payload, size_t size) {
+    json_error_t e;
+    if (*payload != '{')
+        return json_pack("{ss%}", name, payload, size);
+    json_t *object = json_loadb(payload, size, 0, &e);
+    if (!object)
+        log_warn("room %s: %s: byte %d: %s", r->name, name, e.position, e.text);
+    return object;
+}
+
+static void say(struct bridge_room *r, json_t *request, const char *site, const char *session) {
+    char id[SAID_ID];
+    const char *given = json_string_value(json_object_get(request, "id"));
+    if (given)
+        snprintf(id, sizeof id, "%s", given);
+    else
+        memcpy(id, "mqtt-", 6), place_make_id(id + 5, sizeof id - 5);
+    struct said *said = said_new(&r->said, id);
+    if (!said) { /* the broker sends it again, or a second one has the same id */
+        json_decref(request);
+        return;
+    }
+    if (session) {
+        said->hermes = true;
+        snprintf(said->site, sizeof said->site, "%s", site);
+        snprintf(said->session, sizeof said->session, "%s", session);
+    }
+    json_object_set_new(request, "id", json_string(id));
+    if (r->voice && !json_object_get(request, "voice"))
+        json_object_set_new(request, "voice", json_string(r->voice));
+    if (r->muted || r->bridge->asking >= ASKING_MOST) {
+        room_tell(r, id, r->muted ? "muted" : "failed", r->muted ? NULL : "too many wait for the daemon");
+        json_decref(request);
+    } else {
+        ask_for(r, "/v1/say", request, id);
+    }
+}
+
+void hermes_say(struct bridge *b, const char *payload, size_t size) {
+    json_t *message = json_loadb(payload, size, 0, NULL);
+    const char *site = json_string_value(json_object_get(message, "siteId"));
+    const char *session = json_string_value(json_object_get(message, "sessionId"));
+    json_t *text = json_object_get(message, "text"), *lang = json_object_get(message, "lang");
+    struct bridge_room *room = !site || !strcmp(site, "default") ? b->rooms : NULL;
+    for (unsigned i = 0; i < b->room_count && !room; i++)
+        if (!strcmp(b->rooms[i].name, site))
+            room = &b->rooms[i];
+    if (room && json_is_string(text))
+        say(room,
+            json_pack("{sO sO* sO*}", "text", text, "lang",
+                      json_is_string(lang) && json_string_length(lang) ? lang : NULL, "id",
+                      json_object_get(message, "id")),
+            site ? site : "default", session ? session : "");
+    json_decref(message);
+}
+
+static void stop(struct bridge_room *r, json_t *nothing) {
+    ask_for(r, "/v1/stop", nothing, "");
+}
+
+static void mute(struct bridge_room *r, const char *payload) {
+    r->muted = !strcasecmp(payload, "ON");
+    if (r->muted)
+        stop(r, json_object());
+    ask_for(r, "/v1/state", json_pack("{ss}", "state", r->muted ? "muted" : "idle"), "");
+    room_publish_all(r);
+}
+
+/* "joy 0.7 surprise 0.2", "neutral", or a list of a mix. */
+static json_t *mix_of(char *text, size_t size) {
+    char *rest = NULL;
+    json_t *mix = *text == '[' ? json_loadb(text, size, 0, NULL) : json_array();
+    for (char *word = *text == '[' ? NULL : strtok_r(text, " ", &rest); word;
+         word = strtok_r(NULL, " ", &rest)) {
+        char *end;
+        double intensity = strtod(word, &end);
+        json_t *last = json_array_get(mix, json_array_size(mix) - 1);
+        if (end != word && !*end && last)
+            json_object_set_new(last, "intensity", json_real(intensity));
+        else if (strcmp(word, "neutral"))
+            json_array_append_new(mix, json_pack("{ss}", "name", word));
+    }
+    return mix;
+}
+
+static void express(struct bridge_room *r, const char *payload, size_t size) {
+    char *text = mem_strndup(payload, size);
+    json_t *mix = mix_of(text, size);
+    const char *state = *r->state ? r->state : "idle";
+    if (mix) {
+        room_take_mood(r, mix);
+        ask_for(r, "/v1/state", json_pack("{ss so}", "state", r->muted ? "muted" : state, "mix", mix), "");
+    } else {
+        log_warn("room %s: express: neither names nor a list", r->name);
+    }
+    free(text);
+}
+
+void room_command(struct bridge_room *r, const char *command, const char *payload, size_t size) {
+    static const struct {
+        const char *command, *path, *member; /* of a text that is no object */
+    } plain[] = {{"stop", "/v1/stop", "text"},
+                 {"pause", "/v1/pause", "text"},
+                 {"resume", "/v1/resume", "text"},
+                 {"state", "/v1/state", "state"},
+                 {"choices", "/v1/choices", "question"}};
+    json_t *object;
+    if (!strcmp(command, "say")) {
+        if ((object = object_of(r, "text", payload, size)))
+            say(r, object, NULL, NULL);
+    } else if (!strcmp(command, "mute")) {
+        mute(r, payload);
+    } else if (!strcmp(command, "express")) {
+        express(r, payload, size);
+    } else if (!strcmp(command, "voice")) {
+        free(r->voice);
+        r->voice = *payload ? mem_strdup(payload) : NULL;
+        room_publish_all(r);
+    }
+    for (size_t i = 0; i < sizeof plain / sizeof *plain; i++)
+        if (!strcmp(command, plain[i].command) && (object = object_of(r, plain[i].member, payload, size)))
+            ask_for(r, plain[i].path, object, "");
+}

@@ -1,0 +1,190 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// faccia-mqtt between a real broker (mosquitto) and the daemon.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import fs from 'node:fs';
+import net from 'node:net';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { build, Daemon, eventually } from '../lib/daemon.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+const running = new Set();
+let daemon, kiosk, broker, port, bridge, heard;
+
+function start(program, options, env = {}) {
+  const child = spawn(program, options, { env: { ...process.env, ...env } });
+  child.text = '';
+  for (const out of [child.stdout, child.stderr]) out.setEncoding('utf8').on('data', (text) => (child.text += text));
+  child.exited = once(child, 'exit').then(([code]) => (running.delete(child), code));
+  running.add(child);
+  return child;
+}
+const stop = (child) => (child.kill('SIGTERM'), child.exited);
+
+const freePort = () => new Promise((resolve) => {
+  const server = net.createServer().listen(0, '127.0.0.1', () => {
+    const { port: free } = server.address();
+    server.close(() => resolve(free));
+  });
+});
+const startBroker = async () => {
+  broker = start('/usr/sbin/mosquitto', ['-c', path.join(folder, 'mosquitto.conf')]);
+  await eventually(() => broker.text.includes('running') || broker.text.includes('Opening ipv4'), 'the broker');
+};
+/** All that is published, one line each: topic, whether retained, payload. */
+const listen = async () => {
+  heard = start('mosquitto_sub', ['-p', String(port), '-q', '1', '-t', '#', '-F', '%t %r %p']);
+  publish('test', 'listening');
+  await saidOn('test');
+};
+const lines = () => heard.text.split('\n').slice(0, -1) // the last may not have come whole
+  .map((line) => {
+  const [topic, retained, ...payload] = line.split(' ');
+  return { topic, retained: retained === '1', payload: payload.join(' ') };
+});
+const saidOn = (topic, payload = () => true, from = 0) =>
+  eventually(() => lines().slice(from).find((line) => line.topic === topic && (typeof payload === 'string' ? payload === line.payload : payload(line.payload))), `${topic} ${payload}`);
+const publish = (topic, payload, options = []) => start('mosquitto_pub', ['-p', String(port), '-q', '1', '-t', topic, '-m', typeof payload === 'string' ? payload : JSON.stringify(payload), ...options]).exited;
+
+before(async () => {
+  daemon = await Daemon.start();
+  port = await freePort();
+  fs.writeFileSync(path.join(folder, 'mosquitto.conf'), `listener ${port} 127.0.0.1\nallow_anonymous true\npersistence false\nlog_dest stderr\n`);
+  await startBroker();
+  kiosk = await daemon.stream('?lang=it&room=kitchen');
+  await kiosk.wait({ type: 'joined' });
+  bridge = start(path.join(build, 'server/doors/faccia-mqtt'), ['--room', 'kitchen', '--room', 'hall', '--broker', `127.0.0.1:${port}`, '--url', daemon.url]);
+  await listen();
+  await saidOn('homeassistant/device/faccia_kitchen/config');
+  await saidOn('faccia/kitchen/now/available', 'online');
+});
+after(async () => {
+  await kiosk.close();
+  assert.equal(await stop(bridge), 0, bridge.text);
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+  await Promise.all([...running].map(stop));
+  fs.rmSync(folder, { recursive: true });
+});
+
+test('what is published is said, its words and its end are told', async () => {
+  await publish('faccia/kitchen/say', 'La cena è pronta.');
+  await kiosk.wait({ type: 'sentence', text: 'La cena è pronta.' });
+  await saidOn('faccia/kitchen/now/state', 'speaking');
+  await saidOn('faccia/kitchen/now/words', 'La cena è pronta.');
+  await saidOn('faccia/kitchen/said', (p) => JSON.parse(p).reason === 'done');
+  await publish('faccia/kitchen/say', { id: 'a', text: 'Buon appetito.', lang: 'it', priority: 'alarm' });
+  await kiosk.wait({ type: 'begin', id: 'a', lang: 'it' });
+  await saidOn('faccia/kitchen/said', '{"id":"a","reason":"done"}');
+});
+
+test('nothing is said twice: the same id, and what the broker has kept', async () => {
+  await publish('faccia/kitchen/say', { id: 'once', text: 'Una volta.', lang: 'it' });
+  await publish('faccia/kitchen/say', { id: 'once', text: 'Una volta.', lang: 'it' });
+  await publish('faccia/kitchen/say', { id: 'next', text: 'Poi.', lang: 'it' });
+  await saidOn('faccia/kitchen/said', '{"id":"next","reason":"done"}');
+  assert.equal(kiosk.messages.filter((m) => m.type === 'begin' && m.id === 'once').length, 1);
+  assert.equal(lines().filter((l) => l.topic === 'faccia/kitchen/said' && l.payload.includes('"once"')).length, 1);
+});
+
+test('an empty room, a wrong voice, a mute are told', async () => {
+  await publish('faccia/hall/say', { id: 'h', text: 'C’è nessuno?', lang: 'it' });
+  await saidOn('faccia/hall/said', (p) => JSON.parse(p).reason === 'unheard');
+  await publish('faccia/kitchen/say', { id: 'v', text: 'Ciao.', voice: 'nobody:x' });
+  const { message } = JSON.parse((await saidOn('faccia/kitchen/said', (p) => JSON.parse(p).id === 'v' && JSON.parse(p).reason === 'failed')).payload);
+  assert.match(message, /nobody:x/);
+  await publish('faccia/kitchen/mute', 'ON');
+  await saidOn('faccia/kitchen/now/state', 'muted');
+  await publish('faccia/kitchen/say', { id: 'm', text: 'Ciao.', lang: 'it' });
+  await saidOn('faccia/kitchen/said', '{"id":"m","reason":"muted"}');
+  await publish('faccia/kitchen/mute', 'OFF');
+  await saidOn('faccia/kitchen/now/mute', 'OFF', lines().findLastIndex((l) => l.payload === 'ON'));
+});
+
+test('states, moods, choices and what was chosen', async () => {
+  await publish('faccia/kitchen/state', 'listening');
+  await kiosk.wait({ type: 'state', state: 'listening' });
+  await saidOn('faccia/kitchen/now/state', 'listening');
+  await publish('faccia/kitchen/express', 'joy 0.7 surprise');
+  await saidOn('faccia/kitchen/now/mood', 'joy 0.7 surprise');
+  await eventually(() => kiosk.messages.filter((m) => m.type === 'state' && m.state === 'listening').length === 2, 'the state again, with its mood');
+  await publish('faccia/kitchen/choices', { id: 'q', question: 'Ha preso la medicina?', choices: ['Sì', 'Non ancora'] });
+  await kiosk.wait({ type: 'choices', id: 'q' });
+  kiosk.send({ type: 'choose', id: 'q', choice: 1 });
+  const chosen = JSON.parse((await saidOn('faccia/kitchen/chosen')).payload);
+  assert.deepEqual([chosen.event_type, chosen.choice, chosen.text], ['chosen', 1, 'Non ancora']);
+});
+
+test('Home Assistant finds a device with all that the room does, again when it starts', async () => {
+  const from = lines().length;
+  await publish('homeassistant/status', 'online');
+  const { payload } = await saidOn('homeassistant/device/faccia_kitchen/config', undefined, from);
+  const config = JSON.parse(payload);
+  assert.deepEqual(Object.fromEntries(Object.entries(config.cmps).map(([key, c]) => [key, c.p])), {
+    say: 'notify', text: 'text', voice: 'select', mood: 'select', mute: 'switch', stop: 'button', state: 'sensor', words: 'sensor', choice: 'event' });
+  assert.equal(new Set(Object.values(config.cmps).map((c) => c.unique_id)).size, 9);
+  assert.ok(config.cmps.voice.options.includes('espeak:it') && config.cmps.mood.options.includes('joy'));
+  for (const { topic } of config.availability) assert.ok(await saidOn(topic, 'online'), topic);
+  // what it would send
+  await publish(config.cmps.voice.command_topic, 'espeak:it');
+  await saidOn(config.cmps.voice.state_topic, 'espeak:it');
+  await publish(config.cmps.say.command_topic, 'Detto da casa.');
+  await kiosk.wait({ type: 'sentence', text: 'Detto da casa.' });
+});
+
+test('Rhasspy’s hermes: said in the room of its site, and told when it is finished', async () => {
+  await publish('hermes/tts/say', { text: 'Ciao da Hermes.', lang: 'it', id: 'r1', siteId: 'kitchen', sessionId: 's' });
+  await kiosk.wait({ type: 'sentence', id: 'r1' });
+  const finished = JSON.parse((await saidOn('hermes/tts/sayFinished')).payload);
+  assert.deepEqual(finished, { id: 'r1', siteId: 'kitchen', sessionId: 's' });
+});
+
+test('what is no message costs nothing', async () => {
+  for (const [command, payload] of [['say', '{"text":'], ['say', '{"text":7}'], ['say', ' '], ['express', '[{"name":'], ['express', 'nonsense'], ['choices', '{}'], ['state', 'asleep'], ['dance', 'x'], ['say', '{"id":["a"],"text":"Sì."}']])
+    await publish(`faccia/kitchen/${command}`, payload);
+  await publish('hermes/tts/say', 'x');
+  await publish('faccia/kitchen/say', { id: 'still', text: 'Ci sono.', lang: 'it' });
+  await saidOn('faccia/kitchen/said', '{"id":"still","reason":"done"}');
+});
+
+test('the broker goes and comes: what was retained is there again, and she speaks', async () => {
+  await stop(broker);
+  await eventually(() => bridge.text.includes('the broker has gone'), 'the loss of the broker');
+  await startBroker();
+  await stop(heard);
+  await listen();
+  await saidOn('faccia/bridge', 'online');
+  await saidOn('homeassistant/device/faccia_hall/config');
+  await publish('faccia/kitchen/say', { id: 'back', text: 'Rieccomi.', lang: 'it' });
+  await saidOn('faccia/kitchen/said', '{"id":"back","reason":"done"}');
+});
+
+test('the daemon goes in the middle of a word: it is told, and what comes meanwhile is said when it is back', async () => {
+  const own = String(await freePort());
+  const first = await Daemon.start(['--port', own]);
+  const listener = await first.stream('?lang=it&room=attic');
+  const second = start(path.join(build, 'server/doors/faccia-mqtt'), ['--room', 'attic', '--client', 'second', '--base', 'two', '--discovery', 'none', '--broker', `127.0.0.1:${port}`, '--url', first.url]);
+  await saidOn('two/attic/now/available', 'online');
+  await publish('two/attic/say', { id: 'cut', text: 'Una frase lunga che il demone non potrà finire, perché se ne va prima della fine.', lang: 'it' });
+  await listener.wait({ type: 'begin', id: 'cut' });
+  first.process.kill('SIGKILL');
+  await saidOn('two/attic/said', (p) => JSON.parse(p).id === 'cut' && JSON.parse(p).reason === 'failed');
+  await publish('two/attic/say', { id: 'later', text: 'Eccomi.', lang: 'it' });
+  const again = await Daemon.start(['--port', own, '--hold', '60']);
+  const listens = await again.stream('?lang=it&room=attic');
+  await listens.wait({ type: 'end', id: 'later', reason: 'done' });
+  await listens.close();
+  assert.equal(await stop(second), 0, second.text);
+  assert.equal((await again.stop()).code, 0);
+  await saidOn('two/bridge', 'offline');
+});
+
+test('options that are wrong are told', async () => {
+  const run = (...options) => start(path.join(build, 'server/doors/faccia-mqtt'), options);
+  for (const options of [['--room', 'no spaces'], ['--broker', 'x:0'], ['--base', 'a/#'], ['--nothing'], ['x']]) assert.equal(await run(...options).exited, 2, String(options));
+  assert.equal(await run('--url', 'kitchen').exited, 1);
+  assert.equal(await run('--ca-file', '/nowhere').exited, 1);
+  assert.equal(await run('--help').exited, 0);
+});
