@@ -24,13 +24,14 @@ pictures of a face (a folder of them in the order of their names, or a video, fo
       --rest FROM-TO    seconds in which the closed mouth rests (the first 0.2)
       --smooth MS       standard deviation of the Gaussian over time (pictures: 20; markers: 0)
       --iris MM         how wide the person's iris is (11.7, an adult's)
+      --plain           what the landmarks say, without what has been learnt of the detector
   -h, --help            print this and exit
 Exit status: 0 done, 1 failed, 2 wrong usage.
 `;
 
 const text = { type: 'string' };
 const OPTIONS = {
-  output: { ...text, short: 'o' }, fps: text, markers: text, tilt: text, unit: text, rest: text, smooth: text, iris: text, help: { type: 'boolean', short: 'h' },
+  output: { ...text, short: 'o' }, fps: text, markers: text, tilt: text, unit: text, rest: text, smooth: text, iris: text, plain: { type: 'boolean' }, help: { type: 'boolean', short: 'h' },
 };
 const REST = [0, 0.2]; // s
 const VIDEO_FPS = 25;
@@ -82,14 +83,14 @@ async function watch(file, options) {
   if (folder && !options.fps) throw new Usage('pictures in a folder do not say how many there are in a second: --fps');
   let film, watching;
   try {
-    [film, watching] = await Promise.all([import('./film.mjs'), import('./watch.mjs')]);
+    [film, watching] = await Promise.all(['film.mjs', 'watch.mjs'].map((name) => import(new URL(name, import.meta.url))));
   } catch (error) {
     if (error.code !== 'ERR_MODULE_NOT_FOUND') throw error;
     throw new FileError('', "looking at pictures wants faccia's sources with 'npm ci' done in web/ and models/: node models/tools/lips/faccia-lips.mjs");
   }
   const fps = options.fps ?? VIDEO_FPS;
   const pictures = folder ? film.picturesOf(file) : film.framesOf(path.resolve(file), fps);
-  return watching.watchLips(pictures, { fps, iris: options.iris, tell: progress });
+  return watching.watchLips(pictures, { fps, iris: options.iris, plain: options.plain, tell: progress });
 }
 
 function progress(done, count) {

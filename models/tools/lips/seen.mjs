@@ -28,10 +28,10 @@ export function laidFace(landmarks, face) {
   const up = upright(landmarks);
   const target = [];
   STILL.forEach((number, i) => (target[number] = face[i]));
-  const { apply } = align(up, target, STILL);
+  const { apply, turn } = align(up, target, STILL);
   const points = up.map(apply);
   const iris = IRISES.reduce((sum, [a, b]) => sum + Math.hypot(points[a][0] - points[b][0], points[a][1] - points[b][1]) / 2, 0);
-  return { points, iris };
+  return { points, iris, yaw: Math.asin(Math.max(-1, Math.min(1, turn[2][0]))) };
 }
 
 /** @param {number[][]} points of laidFace @returns {Float64Array} COUNT numbers, in its unit */
@@ -40,4 +40,10 @@ export function shapeOf(points) {
   for (const i of MIDDLE) out.push(points[i][1], points[i][2]);
   for (const [r, l] of PAIRS) out.push((points[l][0] - points[r][0]) / 2, (points[l][1] + points[r][1]) / 2, (points[l][2] + points[r][2]) / 2);
   return Float64Array.from(out);
+}
+
+/** The parameters (articulation.mjs) as the landmarks have them, in the unit of laidFace. */
+export function plainly(points) {
+  const [upper, lower, left, right, chin] = [13, 14, 308, 78, 152].map((i) => points[i]);
+  return [-lower[1], upper[1], left[0] - right[0], lower[2], upper[2], -chin[1]];
 }

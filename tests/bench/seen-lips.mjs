@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Do the lips of a film come back? A head of ours speaks sentences with another's habits (vowels half as wide open again, rounder); pictures of it
+// are watched by `faccia head lips`, the curves compared with the FAPs that were played, and a pack is fitted to them, which then foretells other sentences.
+// node tests/bench/seen-lips.mjs [HEAD] [--fps N]; pictures are kept in build/seen-lips.
+import { execFileSync, spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { PARAMETERS } from '../../models/tools/lips/articulation.mjs';
+import { film, headOf, sway } from '../lib/film.mjs';
+import { parseFap } from '../lib/fapfile.mjs';
+
+const root = fileURLToPath(new URL('../../', import.meta.url));
+const args = process.argv.slice(2);
+const fps = args.includes('--fps') ? Number(args.splice(args.indexOf('--fps'), 2)[1]) : 25;
+const [name = 'samuel'] = args;
+const folder = path.join(root, 'build/seen-lips', `${name}-${fps}`);
+const models = path.join(folder, 'models');
+const faccia = path.join(root, 'build/server/app/faccia');
+const env = { ...process.env, FACCIA_MODELS: models };
+const SENTENCES = ['La barca scivola sul mare.', 'Una nuvola bianca passa piano.', 'Due gatti dormono sopra la sedia.', 'Sul prato fiorisce una rosa.'];
+const FITTED = 2; // the first of them; the others are to be foretold
+const REST = 0.3; // s before and behind, in which the mouth is still
+
+fs.mkdirSync(models, { recursive: true });
+fs.cpSync(path.join(root, 'models/speech'), path.join(models, 'speech'), { recursive: true });
+fs.copyFileSync(path.join(root, 'models/expressions.json'), path.join(models, 'expressions.json'));
+
+function writeSpeaker() {
+  const { groups, phones } = JSON.parse(fs.readFileSync(path.join(root, 'models/speech/it.json'), 'utf8'));
+  const pack = { tag: 'it-x-true', name: 'vero', inherits: 'it', sources: ['a bench'], voices: ['espeak:it'], abbreviations: [], phones: {} };
+  for (const [ipa, { sampa, group }] of Object.entries(phones))
+    if (group) pack.phones[ipa] = { sampa, like: ipa, ...(groups[group].kind === 'vowel' ? { gain: { LI: 1.5 } } : { shift: { AR: -2 } }) };
+  fs.writeFileSync(path.join(models, 'speech/it-x-true.json'), JSON.stringify(pack));
+}
+
+/** The frames of a sentence, and its phones beside the curves that will be. */
+function speak(text, n) {
+  const base = path.join(folder, `s${n}`);
+  execFileSync(faccia, ['say', '--still', '--lang', 'it-x-true', '--fps', String(fps), '--fap', `${base}.fap`, '--json', `${base}.say.json`, text], { env });
+  const { phones } = JSON.parse(fs.readFileSync(`${base}.say.json`, 'utf8'));
+  const { frames } = parseFap(fs.readFileSync(`${base}.fap`, 'utf8'));
+  const still = Array.from({ length: Math.round(REST * fps) }, () => Array(69).fill(0));
+  const lead = still.length / fps;
+  const all = [...still, ...frames, ...still].map((frame, i) => ({ ...frame, ...sway(i / fps) }));
+  const end = lead + phones.at(-1).end;
+  const lines = phones.map((p) => `${(lead + p.start).toFixed(4)},${(lead + p.end).toFixed(4)},${p.ipa ? (p.stress === 2 ? 'ˈ' : '') + p.ipa : '_'}`);
+  fs.writeFileSync(`${base}.phones.csv`, `start,end,ipa\n0,${lead.toFixed(4)},_\n${lines.join('\n')}\n${end.toFixed(4)},${(all.length / fps).toFixed(4)},_\n`);
+  return { base, frames: all };
+}
+
+const told = (head, f) => {
+  const [mns, mw] = [head.fapu.MNS / 1024, head.fapu.MW / 1024];
+  return [-f[5] * mns, -f[4] * mns, (f[6] + f[7]) * mw, f[16] * mns, f[17] * mns, f[3] * mns];
+};
+
+function compare(head, takes, plain) {
+  const sums = new Map();
+  for (const { base, frames } of takes) {
+    const [names, ...rows] = fs.readFileSync(`${base}${plain ? '.plain' : ''}.csv`, 'utf8').trim().split('\n').map((line) => line.split(','));
+    for (const [p, parameter] of PARAMETERS.entries()) {
+      const column = names.indexOf(parameter);
+      if (column < 0) continue;
+      const pairs = rows.map((row) => [Number(row[column]), told(head, frames[Math.round(row[0] * fps)])[p]]);
+      const off = pairs.reduce((sum, [a, b]) => sum + a - b, 0) / pairs.length; // where rest is, is one number
+      const list = sums.get(parameter) ?? sums.set(parameter, []).get(parameter);
+      list.push(...pairs.map(([a, b]) => [a - off, b]));
+    }
+  }
+  for (const [parameter, pairs] of sums) {
+    const rms = Math.sqrt(pairs.reduce((sum, [a, b]) => sum + (a - b) ** 2, 0) / pairs.length);
+    const mean = pairs.reduce((sum, [, b]) => sum + b, 0) / pairs.length;
+    const [sa, sb] = [0, 1].map((k) => Math.sqrt(pairs.reduce((sum, pair) => sum + (pair[k] - mean) ** 2, 0) / pairs.length));
+    const correlation = pairs.reduce((sum, [a, b]) => sum + (a - mean) * (b - mean), 0) / pairs.length / sa / sb;
+    const within = pairs.filter(([a, b]) => Math.abs(a - b) <= 0.3).length / pairs.length;
+    console.log(`${plain ? 'landmarks as they are, ' : ''}${parameter}: ${rms.toFixed(2)} mm rms of ${sb.toFixed(2)}, correlation ${correlation.toFixed(2)}, ${Math.round(100 * within)} % within 0.3 mm`);
+  }
+}
+
+const head = headOf(name);
+writeSpeaker();
+const takes = [];
+for (const [n, text] of SENTENCES.entries()) {
+  const take = speak(text, n);
+  takes.push(take);
+  await film(head, take.frames, path.join(folder, `film${n}`), { tell: (i) => i % 25 || console.error(`${text} ${i} of ${take.frames.length}`) });
+}
+for (const [n, { base }] of takes.entries())
+  for (const plain of [false, true]) {
+    const { status, stderr } = spawnSync('node', [path.join(root, 'models/tools/lips/faccia-lips.mjs'), path.join(folder, `film${n}`), '--fps', String(fps), '-o', `${base}${plain ? '.plain' : ''}.csv`, ...(plain ? ['--plain'] : [])], { encoding: 'utf8' });
+    if (status) throw new Error(stderr);
+  }
+console.log(`${name}, ${fps} pictures a second, ${takes.reduce((sum, { frames }) => sum + frames.length, 0)} of them`);
+compare(head, takes, false);
+compare(head, takes, true);
+const csv = takes.map(({ base }) => `${base}.csv`);
+const { stderr, status } = spawnSync(faccia, ['fit', '--output', path.join(models, 'speech/it-x-fitted.json'), ...csv.slice(FITTED).flatMap((file) => ['--test', file]), ...csv.slice(0, FITTED)], { env, encoding: 'utf8' });
+console.log(stderr.split('\n').filter((line) => /held out|test recordings/.test(line)).join('\n'));
+process.exitCode = status;
