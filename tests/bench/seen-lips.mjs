@@ -2,20 +2,23 @@
 // Do the lips of a film come back? A head of ours speaks sentences with another's habits (vowels half as wide open again, rounder); pictures of it
 // are watched by `faccia head lips`, the curves compared with the FAPs that were played, and a pack is fitted to them: does it foretell other sentences, as
 // the film shows them, and as they were played?
-// node tests/bench/seen-lips.mjs [HEAD] [--fps N]; pictures are kept in build/seen-lips.
+// With --markers eight markers on the face take the place of the film.
+// node tests/bench/seen-lips.mjs [HEAD] [--fps N] [--markers]; pictures are kept in build/seen-lips.
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { PARAMETERS } from '../../models/tools/lips/articulation.mjs';
+import { pose } from '../../models/tools/lib/deform.mjs';
 import { film, headOf, sway } from '../lib/film.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
 const args = process.argv.slice(2);
 const fps = args.includes('--fps') ? Number(args.splice(args.indexOf('--fps'), 2)[1]) : 25;
+const marked = args.includes('--markers') && args.splice(args.indexOf('--markers'), 1).length > 0;
 const [name = 'samuel'] = args;
-const folder = path.join(root, 'build/seen-lips', `${name}-${fps}`);
+const folder = path.join(root, 'build/seen-lips', `${name}-${fps}${marked ? '-markers' : ''}`);
 const models = path.join(folder, 'models');
 const faccia = path.join(root, 'build/server/app/faccia');
 const env = { ...process.env, FACCIA_MODELS: models };
@@ -78,22 +81,48 @@ function compare(head, takes, plain) {
   }
 }
 
+const POINTS = ['9.3', '8.1', '8.3', '8.4', '8.2', '2.1', '10.5', '10.6']; // in the order of the thesis
+
+/** Tracks of eight markers on the face, mm. */
+function track(head, frames, file) {
+  const skin = head.parts.find(({ name: part }) => part === 'skin');
+  const distance = (v, p) => Math.hypot(...p.map((x, k) => x - skin.position[3 * v + k]));
+  const vertices = POINTS.map((point) => {
+    let best = 0;
+    for (let v = 1; v < skin.position.length / 3; v++) if (distance(v, head.fdp[point]) < distance(best, head.fdp[point])) best = v;
+    return best;
+  });
+  const rows = frames.map((faps, i) => {
+    const now = pose(head, skin, faps);
+    return [i / fps, ...vertices.flatMap((v) => [...now.slice(3 * v, 3 * v + 3)])].map((x) => x.toFixed(4)).join(',');
+  });
+  fs.writeFileSync(file, `${rows.join('\n')}\n`);
+}
+
+/** Degrees by which the plane of nose and ears falls. */
+function tiltOf({ fdp }) {
+  const [nose, left, right] = ['9.3', '10.5', '10.6'].map((point) => fdp[point]);
+  return (Math.atan2((left[1] + right[1]) / 2 - nose[1], nose[2] - (left[2] + right[2]) / 2) * 180) / Math.PI;
+}
+
 const head = headOf(name);
 writeSpeaker();
 const takes = [];
 for (const [n, text] of SENTENCES.entries()) {
   const take = speak(text, n);
   takes.push(take);
-  await film(head, take.frames, path.join(folder, `film${n}`), { tell: (i) => i % 25 || console.error(`${text} ${i} of ${take.frames.length}`) });
+  if (marked) track(head, take.frames, path.join(folder, `film${n}.csv`));
+  else await film(head, take.frames, path.join(folder, `film${n}`), { tell: (i) => i % 25 || console.error(`${text} ${i} of ${take.frames.length}`) });
 }
 for (const [n, { base }] of takes.entries())
-  for (const plain of [false, true]) {
-    const { status, stderr } = spawnSync('node', [path.join(root, 'models/tools/lips/faccia-lips.mjs'), path.join(folder, `film${n}`), '--fps', String(fps), '-o', `${base}${plain ? '.plain' : ''}.csv`, ...(plain ? ['--plain'] : [])], { encoding: 'utf8' });
+  for (const plain of marked ? [false] : [false, true]) {
+    const source = marked ? [path.join(folder, `film${n}.csv`), `--tilt=${tiltOf(head)}`] : [path.join(folder, `film${n}`), '--fps', String(fps)];
+    const { status, stderr } = spawnSync('node', [path.join(root, 'models/tools/lips/faccia-lips.mjs'), ...source, '-o', `${base}${plain ? '.plain' : ''}.csv`, ...(plain ? ['--plain'] : [])], { encoding: 'utf8' });
     if (status) throw new Error(stderr);
   }
 console.log(`${name}, ${fps} pictures a second, ${takes.reduce((sum, { frames }) => sum + frames.length, 0)} of them`);
 compare(head, takes, false);
-compare(head, takes, true);
+if (!marked) compare(head, takes, true);
 for (const { base, frames } of takes) {
   const rows = frames.map((frame, i) => [(i / fps).toFixed(4), ...told(head, frame).map((x) => x.toFixed(4))].join(','));
   fs.writeFileSync(`${base}.true.csv`, `time,${PARAMETERS.join(',')}\n${rows.join('\n')}\n`);
