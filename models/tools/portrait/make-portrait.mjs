@@ -2,23 +2,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * A head from photographs of a face: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD]
- * [--eyes HEAD] [--keep beard,glasses] [--poses FOLDER] [--heads FOLDER] [--points FILE]. Says in one line what it did. Exit status: 0 done, 1 failed (with
+ * [--eyes HEAD] [--keep beard,glasses] [--heads FOLDER] [--points FILE]. Says in one line what it did. Exit status: 0 done, 1 failed (with
  * the picture and what is wrong with it), 2 wrong usage. Nothing is written unless all is well.
  */
 import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
-import { fitShape } from '../../../web/src/portrait/fit.mjs';
 import { makeHead, nearest, inOrder } from '../../../web/src/portrait/portrait.mjs';
 import { PortraitError } from '../../../web/src/portrait/problem.mjs';
 import { openEye } from './eye.mjs';
 import { flat, textures } from './images.mjs';
-import { posesIn, takePoses } from './poses.mjs';
 
 const built = fileURLToPath(new URL('../../../build/', import.meta.url));
 const usage = `usage: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD] [--eyes HEAD]
-       [--keep beard,glasses] [--poses FOLDER] [--heads FOLDER] [--points FILE]`;
+       [--keep beard,glasses] [--heads FOLDER] [--points FILE]`;
 
 function wrong(text) {
   console.error(text);
@@ -30,7 +28,7 @@ function options() {
   try {
     return parseArgs({
       allowPositionals: true,
-      options: { out: { ...text, short: 'o' }, name: text, title: text, like: text, eyes: text, keep: text, heads: text, points: text, poses: text },
+      options: { out: { ...text, short: 'o' }, name: text, title: text, like: text, eyes: text, keep: text, heads: text, points: text },
     });
   } catch (error) {
     return wrong(`${error.message}\n${usage}`);
@@ -58,29 +56,18 @@ async function look(eye, file) {
   }
 }
 
-/** The person's own movements; the picture of the front is the neutral one where no other is named so. */
-async function withPoses(made, files, views, base, eye) {
-  const landmarks = new Map();
-  for (const [pose, file] of files) landmarks.set(pose, (await look(eye, file)).landmarks);
-  if (!landmarks.has('neutral')) landmarks.set('neutral', views[0].landmarks);
-  const { head: own, amounts } = await takePoses(made.head, base, fitShape(views, base).target, landmarks, eye);
-  return { ...made, head: own, poses: [...amounts].map(([pose, amount]) => `${pose} ${amount.toFixed(1)}`) };
-}
-
 try {
-  const files = values.poses ? posesIn(values.poses) : null;
   const eye = await openEye();
   const views = [];
   for (const photo of photos) views.push(await look(eye, photo));
   const [front] = inOrder(views, Object.values(table)[0]);
   const like = values.like ?? nearest(front, table)[0].name;
-  const still = await makeHead(head(like), table[like], views, textures, {
+  const made = await makeHead(head(like), table[like], views, textures, {
     name, title: values.title, keep: values.keep?.split(','), eyes: values.eyes ? head(values.eyes) : null,
   });
-  const made = files ? await withPoses(still, files, inOrder(views, table[like]), table[like], eye) : still;
   fs.writeFileSync(`${values.out}.part`, JSON.stringify(made.head));
   fs.renameSync(`${values.out}.part`, values.out);
-  const notes = [`like ${like}`, `${made.sides} pictures from the side`, ...(made.poses ? [`poses ${made.poses.join(', ')}`] : []), ...(made.parted ? ['the lips are parted: a picture with closed lips gives a better mouth'] : [])];
+  const notes = [`like ${like}`, `${made.sides} pictures from the side`, ...(made.parted ? ['the lips are parted: a picture with closed lips gives a better mouth'] : [])];
   console.log(`${values.out}: ${notes.join('; ')}`);
 } catch (error) {
   if (!(error instanceof PortraitError)) throw error;
