@@ -3,7 +3,7 @@
 /**
  * Learns what the detector makes of mouths: learn.mjs FACCIA -o habits.json HEAD... Draws the built heads in poses of speech, each parameter by
  * itself more or less of what was spoken, the head turned or not; looks; and gives by damped least squares how much of each parameter every number of
- * a shape is. Takes an hour and more. FACCIA is the built program; heads and face-points.json are those in build/.
+ * a shape is. Takes long. FACCIA is the built program; heads and face-points.json are those in build/.
  */
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
