@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia head: what is done with heads. `export` hands out the avatars that lie beside them, made while
- * building by models/tools/avatar/export-head.mjs; the rest is done by models/tools/import/faccia-head.mjs,
- * in Node.js. */
+ * building by models/tools/avatar/export-head.mjs; `lips` is done by models/tools/lips/faccia-lips.mjs, the
+ * rest by models/tools/import/faccia-head.mjs, in Node.js. */
 #include "server/app/cli.h"
 #include "server/app/cli_file.h"
 #include <errno.h>
@@ -25,7 +25,9 @@ static const char usage[] =
     "\n"
     "faccia head import FILE, calibrate HEAD.json, points HEAD.json, check HEAD.json: "
     "heads of other origin; needs Node.js\n"
-    "(18 or later). 'faccia head import --help' tells more.\n";
+    "(18 or later). 'faccia head import --help' tells more.\n"
+    "faccia head lips TRACKS: how somebody's lips moved, for 'faccia fit'. 'faccia head lips --help' tells "
+    "more.\n";
 
 static int copy(FILE *avatar, const char *path) {
     struct cli_file file = {0};
@@ -63,7 +65,9 @@ enum { WORDS = 64 };
 static int run_tool(int argc, char **argv, const struct settings *settings) {
     char tool[4096], node[] = "node";
     char *words[WORDS + 3] = {node, tool};
-    snprintf(tool, sizeof tool, "%s/tools/import/faccia-head.mjs", settings->models);
+    bool lips = !strcmp(argv[1], "lips");
+    snprintf(tool, sizeof tool, "%s/tools/%s.mjs", settings->models,
+             lips ? "lips/faccia-lips" : "import/faccia-head");
     if (argc - 1 > WORDS) {
         cli_complain("more than %d words for 'head %s'", WORDS, argv[1]);
         return EXIT_USAGE;
@@ -72,14 +76,14 @@ static int run_tool(int argc, char **argv, const struct settings *settings) {
         cli_complain("%s: %s; it is made while building, where Node.js is", tool, strerror(errno));
         return EXIT_FAILED;
     }
-    memcpy(words + 2, argv + 1, sizeof *argv * (size_t)(argc - 1));
+    memcpy(words + 2, argv + 1 + lips, sizeof *argv * (size_t)(argc - 1 - lips));
     execvp(words[0], words);
     cli_complain("'head %s' needs Node.js, 18 or later: node: %s", argv[1], strerror(errno));
     return EXIT_FAILED;
 }
 
 static bool is_of_tool(const char *word) {
-    static const char *const tools[] = {"import", "calibrate", "points", "check"};
+    static const char *const tools[] = {"import", "calibrate", "points", "check", "lips"};
     for (size_t i = 0; i < sizeof tools / sizeof *tools; i++)
         if (!strcmp(word, tools[i]))
             return true;
@@ -104,8 +108,9 @@ int head_main(int argc, char **argv, const struct settings *settings) {
         paths[c] = optarg;
     }
     if (argc - optind != 2 || strcmp(argv[optind], "export") != 0) {
-        cli_complain("'export' is wanted, and the name of one head; or import, calibrate, points, check: "
-                     "'faccia head --help' tells more");
+        cli_complain(
+            "'export' is wanted, and the name of one head; or import, calibrate, points, check, lips: "
+            "'faccia head --help' tells more");
         return EXIT_USAGE;
     }
     if (!paths[0] && !paths[1])

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Puts faccia-head.mjs into one file that needs nothing but Node.js: bundle.mjs OUTPUT. What it reads of the repository while it runs goes in, too. */
+/** Puts faccia-head.mjs, or another tool, into one file that needs nothing but Node.js: bundle.mjs OUTPUT [TOOL]. What it reads of the repository while it runs goes in, too. */
 import fs from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import path from 'node:path';
@@ -18,7 +18,7 @@ const texts = {
 };
 
 await build({
-  entryPoints: [path.join(here, 'faccia-head.mjs')],
+  entryPoints: [process.argv[3] ?? path.join(here, 'faccia-head.mjs')],
   outfile: process.argv[2],
   bundle: true, platform: 'node', target: 'node18', format: 'esm', plugins: [texts], logLevel: 'error',
 });

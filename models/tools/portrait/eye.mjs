@@ -3,7 +3,7 @@
 import { readFile } from 'node:fs/promises';
 import { createRequire } from 'node:module';
 import { fileURLToPath } from 'node:url';
-import { detectorSettings, findFace } from '../../../web/src/portrait/detect.mjs';
+import { closeUp, detectorSettings, findFace } from '../../../web/src/portrait/detect.mjs';
 
 const web = new URL('../../../web/', import.meta.url);
 const packages = new URL('node_modules/', web); // the pages have the same files
@@ -17,11 +17,12 @@ async function fetchFile(address) {
   return new Response(await readFile(fileURLToPath(url)), { headers: { 'content-type': type } });
 }
 
-/** @returns {Promise<(picture: object) => Promise<number[][]>>} finds the landmarks in a picture (web/src/portrait/detect.mjs) */
+/** @returns {Promise<(picture: object) => Promise<number[][]>>} finds the landmarks in a picture (web/src/portrait/detect.mjs);
+ * its member closeUp(picture, box) where the face's place is known */
 export async function openEye() {
   globalThis.fetch = fetchFile;
   const { Human } = createRequire(web)(fileURLToPath(folder('@vladmandic/human/dist/human.node-wasm.js')));
   const human = new Human(detectorSettings(folder('@vladmandic/human/models/'), folder('@tensorflow/tfjs-backend-wasm/dist/')));
   await human.load();
-  return (picture) => findFace(human, picture);
+  return Object.assign((picture) => findFace(human, picture), { closeUp: (picture, box) => closeUp(human, picture, box) });
 }

@@ -79,13 +79,23 @@ export async function findFace(human, picture) {
   const faces = (await look(human, whole)).sort((a, b) => b.box[2] - a.box[2]);
   if (!faces.length) throw new PortraitError('no_face', 'there is no face to be found in the picture');
   if (faces[1] && faces[1].box[2] > SECOND_FACE * faces[0].box[2]) throw new PortraitError('several_faces', 'there is more than one face in the picture');
-  const [x, y, w, h] = faces[0].box.map((n) => n / whole.scale);
+  return (await closeUp(human, picture, faces[0].box.map((n) => n / whole.scale))).landmarks;
+}
+
+/**
+ * The same where it is known about where the face is: in a film, whose pictures follow each other.
+ * @param {number[]} box column, row, width and height of the face, pixels
+ * @returns {Promise<{landmarks: number[][], score: number}>} how sure the detector is that this is a face, 0 to 1
+ * @throws {PortraitError}
+ */
+export async function closeUp(human, picture, [x, y, w, h]) {
   if (Math.max(w, h) < LEAST_FACE) throw new PortraitError('too_small', `the face has ${Math.round(Math.max(w, h))} pixels: at least ${LEAST_FACE}`);
   const side = Math.max(w, h) * (1 + 2 * AROUND);
   const corner = { x: x + w / 2 - side / 2, y: y + h / 2 - side / 2, size: [side, side] };
   const close = piece(picture, corner, CLOSE);
   const [face] = (await look(human, close)).sort((a, b) => b.box[2] - a.box[2]);
   if (!face) throw new PortraitError('no_face', 'the face in the picture is not clear enough');
-  return face.mesh.slice(0, COUNT).map(([u, v, z]) =>
+  const landmarks = face.mesh.slice(0, COUNT).map(([u, v, z]) =>
     [u / close.scale + corner.x, v / close.scale + corner.y, z / close.scale]);
+  return { landmarks, score: face.score };
 }

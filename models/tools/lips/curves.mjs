@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * Six curves over time: gaps filled, trembling taken out, from rest, written as `faccia fit` reads them. A row is
+ * {time, values (six numbers, or null), confidence (0 to 1)}.
+ */
+import { PARAMETERS } from './articulation.mjs';
+
+export const LONGEST_GAP = 0.2; // s: lips do not do more than one thing in it
+
+/** Short gaps get what lies between their ends, with no confidence. @returns {{rows: object[], gaps: number[][]}} gaps: frames that stay without */
+export function filled(rows) {
+  const gaps = [];
+  const out = [];
+  for (let i = 0; i < rows.length; ) {
+    if (rows[i].values) {
+      out.push(rows[i++]);
+      continue;
+    }
+    let end = i;
+    while (end < rows.length && !rows[end].values) end++;
+    const [before, after] = [rows[i - 1], rows[end]];
+    if (before && after && after.time - before.time <= LONGEST_GAP)
+      for (; i < end; i++) {
+        const share = (rows[i].time - before.time) / (after.time - before.time);
+        out.push({ time: rows[i].time, confidence: 0, values: before.values.map((x, p) => x + share * (after.values[p] - x)) });
+      }
+    else gaps.push([i, end - 1]);
+    i = end;
+  }
+  return { rows: out, gaps };
+}
+
+/** Each row the mean of its neighbours, weighted by a Gaussian of that standard deviation in s; as much at an end as on its other side. */
+export function smoothed(rows, deviation) {
+  if (!(deviation > 0)) return rows;
+  let first = 0;
+  return rows.map((row, i) => {
+    const reach = Math.min(3 * deviation, row.time - rows[0].time, rows.at(-1).time - row.time) + 1e-9;
+    while (rows[first].time < row.time - 3 * deviation) first++;
+    const sum = new Float64Array(PARAMETERS.length);
+    let all = 0;
+    for (let k = first; k < rows.length && rows[k].time <= row.time + reach; k++) {
+      if (rows[k].time < row.time - reach) continue;
+      const weight = k === i ? 1 : Math.exp(-0.5 * ((rows[k].time - row.time) / deviation) ** 2);
+      all += weight;
+      rows[k].values.forEach((x, p) => (sum[p] += weight * x));
+    }
+    return { ...row, values: Array.from(sum, (x) => x / all) };
+  });
+}
+
+/** From the mean of the rows of that time. @param {number[]} rest from, to (s) */
+export function fromRest(rows, [from, to]) {
+  const still = rows.filter(({ time }) => time >= from && time <= to);
+  const level = PARAMETERS.map((_, p) => still.reduce((sum, { values }) => sum + values[p], 0) / still.length);
+  return still.length ? rows.map((row) => ({ ...row, values: row.values.map((x, p) => x - level[p]) })) : null;
+}
+
+/** @returns {string} */
+export function toCsv(rows) {
+  const lines = rows.map(({ time, values, confidence }) => [time.toFixed(4), ...values.map((x) => x.toFixed(3)), confidence.toFixed(2)].join(','));
+  return `${['time', ...PARAMETERS, 'confidence'].join(',')}\n${lines.join('\n')}\n`;
+}

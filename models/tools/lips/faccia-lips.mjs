@@ -1,0 +1,147 @@
+#!/usr/bin/env node
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** How somebody's lips and jaw move, in mm: what `faccia head lips` runs. README.md beside it tells more. */
+import fs from 'node:fs';
+import path from 'node:path';
+import { parseArgs } from 'node:util';
+import { FileError, MOST } from '../import/file-error.mjs';
+import { filled, fromRest, LONGEST_GAP, smoothed, toCsv } from './curves.mjs';
+import { readMap, rowsOfMarkers } from './markers.mjs';
+import { readC3d } from './read-c3d.mjs';
+import { readCsv, readTrc } from './read-table.mjs';
+
+const USAGE = `Usage: faccia head lips FOLDER --fps N [-o CURVES.csv]
+       faccia head lips VIDEO [--fps N] [-o CURVES.csv]
+       faccia head lips TRACKS.(c3d|trc|csv) [--markers MAP.json] [-o CURVES.csv]
+Tells how a person who reads moves lips and jaw: the six articulatory parameters in mm, as 'faccia fit' and 'faccia eval --recording' take them. From
+pictures of a face (a folder of them in the order of their names, or a video, for which ffmpeg is wanted), or from the tracks of markers on it.
+
+  -o, --output FILE     the curves (standard output)
+      --fps N           pictures in a second (of a video: 25 are taken)
+      --markers FILE    JSON: the name or number of each marker: nose, upperLip, leftCorner, rightCorner, lowerLip, chin, leftEar, rightEar
+      --tilt DEGREES    how far the plane of nose and ear lobes falls towards the nose (0: opening is measured square to it)
+      --unit UNIT       of a table: mm, cm, dm, m, in (mm)
+      --rest FROM-TO    seconds in which the closed mouth rests (the first 0.2)
+      --smooth MS       standard deviation of the Gaussian over time (pictures: 20; markers: 0)
+      --iris MM         how wide the person's iris is (11.7, an adult's)
+      --plain           what the landmarks say, without what has been learnt of the detector
+  -h, --help            print this and exit
+Exit status: 0 done, 1 failed, 2 wrong usage.
+`;
+
+const text = { type: 'string' };
+const OPTIONS = {
+  output: { ...text, short: 'o' }, fps: text, markers: text, tilt: text, unit: text, rest: text, smooth: text, iris: text, plain: { type: 'boolean' }, help: { type: 'boolean', short: 'h' },
+};
+const REST = [0, 0.2]; // s
+const VIDEO_FPS = 25;
+const READERS = { '.c3d': readC3d, '.trc': (bytes) => readTrc(bytes.toString()), '.csv': (bytes, options) => readCsv(bytes.toString(), options) };
+
+class Usage extends Error {}
+
+function number(values, name, [least, most]) {
+  if (values[name] === undefined) return undefined;
+  const value = Number(values[name]);
+  if (!(values[name].trim() && value >= least && value <= most)) throw new Usage(`--${name} ${values[name]}: ${least} to ${most} is wanted`);
+  return value;
+}
+
+function choices(argv) {
+  let parsed;
+  try {
+    parsed = parseArgs({ args: argv, options: OPTIONS, allowPositionals: true });
+  } catch (error) {
+    throw new Usage(error.message);
+  }
+  const { values, positionals } = parsed;
+  const [from, to] = values.rest?.split('-').map(Number) ?? REST;
+  if (!(from >= 0 && to > from)) throw new Usage(`--rest ${values.rest}: FROM-TO in seconds is wanted`);
+  return {
+    ...values, files: positionals, rest: [from, to],
+    fps: number(values, 'fps', [1, 1000]), smooth: number(values, 'smooth', [0, 1000]), iris: number(values, 'iris', [5, 20]),
+    tilt: ((number(values, 'tilt', [-60, 60]) ?? 0) * Math.PI) / 180,
+  };
+}
+
+function readTracks(file, options) {
+  const map = options.markers ? within(options.markers, () => readMap(fs.readFileSync(options.markers, 'utf8'))) : null;
+  if (fs.statSync(file).size > MOST.bytes) throw new FileError('', `more than ${MOST.bytes >> 20} MB`);
+  return rowsOfMarkers(READERS[path.extname(file).toLowerCase()](fs.readFileSync(file), { fps: options.fps, unit: options.unit }), map, options.tilt);
+}
+
+function within(file, work) {
+  try {
+    return work();
+  } catch (error) {
+    throw Object.assign(error, { file });
+  }
+}
+
+/** What looks at pictures needs packages, which lie beside the sources. */
+async function watch(file, options) {
+  const folder = fs.statSync(file).isDirectory();
+  if (folder && !options.fps) throw new Usage('pictures in a folder do not say how many there are in a second: --fps');
+  let film, watching;
+  try {
+    [film, watching] = await Promise.all(['film.mjs', 'watch.mjs'].map((name) => import(new URL(name, import.meta.url))));
+  } catch (error) {
+    if (error.code !== 'ERR_MODULE_NOT_FOUND') throw error;
+    throw new FileError('', "looking at pictures wants faccia's sources with 'npm ci' done in web/ and models/: node models/tools/lips/faccia-lips.mjs");
+  }
+  const fps = options.fps ?? VIDEO_FPS;
+  const pictures = folder ? film.picturesOf(file) : film.framesOf(path.resolve(file), fps);
+  return watching.watchLips(pictures, { fps, iris: options.iris, plain: options.plain, tell: progress });
+}
+
+function progress(done, count) {
+  if (process.stderr.isTTY) process.stderr.write(`\r${done}${count ? ` of ${count}` : ''} pictures\u001b[K`);
+  else if (done % 250 === 0) console.error(`${done}${count ? ` of ${count}` : ''} pictures`);
+}
+
+const frames = (gaps) => gaps.slice(0, 12).map(([a, b]) => (a === b ? `${a + 1}` : `${a + 1} to ${b + 1}`)).join(', ') + (gaps.length > 12 ? ` and ${gaps.length - 12} more` : '');
+
+function write(file, csv) {
+  if (!file) return process.stdout.write(csv);
+  const half = `${file}.${process.pid}.part`;
+  try {
+    fs.writeFileSync(half, csv);
+    fs.renameSync(half, file);
+  } catch (error) {
+    fs.rmSync(half, { force: true });
+    throw Object.assign(error, { file });
+  }
+}
+
+async function main(argv) {
+  const options = choices(argv);
+  if (options.help) return process.stdout.write(USAGE);
+  const [file, ...more] = options.files;
+  if (!file || more.length) throw new Usage('one folder of pictures, video or file of tracks is wanted');
+  try {
+    const marked = Object.hasOwn(READERS, path.extname(file).toLowerCase()) && fs.statSync(file).isFile();
+    const { rows, notes = [] } = marked ? { rows: readTracks(file, options) } : await watch(file, options);
+    if (process.stderr.isTTY) process.stderr.write('\r\u001b[K');
+    for (const note of notes) console.error(note);
+    const { rows: known, gaps } = filled(rows);
+    if (gaps.length) console.error(`nothing is known of frames ${frames(gaps)}: they are left out (gaps up to ${LONGEST_GAP} s are filled)`);
+    if (!known.length) throw new FileError('', marked ? 'no frame has all eight markers' : 'there is no face in any picture');
+    const still = fromRest(smoothed(known, (options.smooth ?? (marked ? 0 : 20)) / 1000), options.rest.map((t) => t + rows[0].time));
+    if (!still) throw new FileError('', `nothing is known of the time from ${options.rest.join(' to ')} s, in which the mouth rests: --rest says another`);
+    write(options.output, toCsv(still));
+    console.error(`${still.length} of ${rows.length} frames, ${(rows.at(-1).time - rows[0].time).toFixed(2)} s`);
+  } catch (error) {
+    throw Object.assign(error, { file: error.file ?? file });
+  }
+}
+
+try {
+  await main(process.argv.slice(2));
+} catch (error) {
+  if (error instanceof Usage) {
+    console.error(`faccia head lips: ${error.message}\nTry 'faccia head lips --help'.`);
+    process.exit(2);
+  }
+  const known = error instanceof FileError || typeof error.code === 'string';
+  console.error(`faccia head lips: ${error.file ? `${error.file}: ` : ''}${known ? error.message : error.stack}`);
+  process.exit(1);
+}

@@ -1,0 +1,99 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Lips that are seen: pictures of a head of ours with known FAPs, in a folder and as a film (by a stand-in for ffmpeg that hands out pictures), and
+// what is no film. How near the curves come to the FAPs is told by tests/bench/seen-lips.mjs.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import { createRequire } from 'node:module';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { fileURLToPath } from 'node:url';
+import { film, headOf } from '../lib/film.mjs';
+
+const sharp = createRequire(new URL('../../models/package.json', import.meta.url))('sharp');
+const tool = fileURLToPath(new URL('../../models/tools/lips/faccia-lips.mjs', import.meta.url));
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-seen-'));
+after(() => fs.rmSync(folder, { recursive: true, force: true }));
+const head = headOf('samuel'); // the weights were learnt of others
+const mm = (fap, x) => (x * 1024) / (fap === 'MW' ? head.fapu.MW : head.fapu.MNS);
+const all = (faps, value) => Object.fromEntries(faps.map((fap) => [fap, value]));
+const OPEN = { ...all([5, 10, 11, 52, 57, 58], -mm('MNS', 9)), ...all([4, 8, 9, 51, 55, 56], -mm('MNS', 2)), 3: mm('MNS', 7), 49: 6000 };
+const SPREAD = all([6, 7, 53, 54], mm('MW', 4));
+const ROUND = { ...all([6, 7, 53, 54], -mm('MW', 5)), ...all([16, 17], mm('MNS', 2)) };
+const FRAMES = [{}, { 49: 3000 }, OPEN, SPREAD, null, ROUND]; // null: nobody is there
+const pictures = path.join(folder, 'pictures');
+const file = (n) => path.join(pictures, `${String(n).padStart(4, '0')}.png`);
+
+const run = (args, env = {}) => spawnSync(process.execPath, [tool, ...args], { encoding: 'utf8', env: { ...process.env, ...env } });
+function curves(text) {
+  const [names, ...rows] = text.trim().split('\n').map((line) => line.split(','));
+  return rows.map((row) => Object.fromEntries(names.map((name, i) => [name, Number(row[i])])));
+}
+
+before(async () => {
+  fs.mkdirSync(pictures);
+  const { width, height } = await film(head, FRAMES.filter(Boolean), path.join(folder, 'drawn'), { height: 380 }).then(() => sharp(path.join(folder, 'drawn/0001.png')).metadata());
+  let n = 0;
+  for (const [i, faps] of FRAMES.entries())
+    if (faps) fs.copyFileSync(path.join(folder, 'drawn', `${String(++n).padStart(4, '0')}.png`), file(i + 1));
+    else await sharp({ create: { width, height, channels: 3, background: '#68a' } }).png().toFile(file(i + 1));
+});
+
+test('pictures in a folder: what opens, spreads and is rounded is told, and where nobody is', () => {
+  const { status, stdout, stderr } = run([pictures, '--fps', '10', '--rest', '0-0.15', '--smooth', '0']);
+  assert.equal(status, 0, stderr);
+  assert.match(stderr, /1 frames without \(from frame 5\): there is no face to be found/);
+  const [rest, turned, open, spread, nobody, round] = curves(stdout);
+  for (const row of [rest, turned]) for (const name of ['LI', 'LS', 'AR', 'PI', 'PS']) assert.ok(Math.abs(row[name]) < 1.2, `${name} at rest: ${row[name]}`);
+  assert.ok(open.LI > 6 && open.LI < 13 && open.LS > 0.7, JSON.stringify(open));
+  assert.ok(open.LI > 3 * Math.abs(spread.LI) && open.LI > 3 * Math.abs(round.LI));
+  assert.ok(spread.AR > 4 && spread.AR < 12, JSON.stringify(spread));
+  assert.ok(round.AR < -5 && round.AR > -15 && round.PS > 0.3, JSON.stringify(round));
+  assert.equal(nobody.confidence, 0);
+  assert.ok(Math.min(open.confidence, spread.confidence, rest.confidence) > 0.4);
+});
+
+test('a video goes through ffmpeg (here a stand-in that hands out pictures): the same curves; without ffmpeg it is asked for', async () => {
+  const bytes = [];
+  for (let n = 1; n <= 4; n++) {
+    const { data, info } = await sharp(file(n)).removeAlpha().raw().toBuffer({ resolveWithObject: true });
+    bytes.push(Buffer.from(`P6\n${info.width} ${info.height}\n255\n`), data);
+  }
+  const bin = path.join(folder, 'bin');
+  fs.mkdirSync(bin);
+  const video = path.join(folder, 'her.mp4');
+  fs.writeFileSync(video, Buffer.concat(bytes));
+  const missing = run([video], { PATH: bin });
+  assert.equal(missing.status, 1);
+  assert.match(missing.stderr, /her\.mp4: a video is taken apart by ffmpeg, which is not there/);
+  const standIn = (script) => fs.writeFileSync(path.join(bin, 'ffmpeg'), `#!/bin/sh\n${script}\n`, { mode: 0o755 });
+  standIn(`exec /bin/cat '${video}'`);
+  const args = ['--fps', '10', '--rest', '0-0.15', '--smooth', '0'];
+  const [seen, from] = [run([video, ...args], { PATH: bin }), run([pictures, ...args])];
+  assert.equal(seen.status, 0, seen.stderr);
+  const [a, b] = [curves(seen.stdout), curves(from.stdout)];
+  assert.equal(a.length, 4);
+  assert.ok(Math.abs(a[2].LI - b[2].LI) < 1.5 && Math.abs(a[3].AR - b[3].AR) < 2, JSON.stringify([a, b]));
+  standIn(`/usr/bin/head -c 5000 '${video}'`);
+  assert.match(run([video], { PATH: bin }).stderr, /her\.mp4: its last picture is cut off/);
+  standIn("echo 'moov atom not found' >&2; exit 1");
+  assert.match(run([video], { PATH: bin }).stderr, /her\.mp4: ffmpeg: moov atom not found/);
+});
+
+test('what is no film: an empty folder, a broken picture with its number, nobody at all', () => {
+  const empty = path.join(folder, 'empty');
+  fs.mkdirSync(empty);
+  const out = path.join(folder, 'never.csv');
+  const told = (what) => {
+    const { status, stderr } = run([empty, '--fps', '25', '-o', out]);
+    assert.equal(status, 1, stderr);
+    assert.match(stderr, what);
+    assert.ok(!fs.existsSync(out));
+  };
+  told(/empty: there are no pictures in it/);
+  fs.copyFileSync(file(5), path.join(empty, '1.png'));
+  told(/empty: there is no face in any picture/);
+  fs.writeFileSync(path.join(empty, '10.png'), 'GIF89a no picture');
+  told(/empty: frame 2 \(10\.png\): this is no picture that can be read/);
+});
