@@ -31,7 +31,7 @@ test('every markup asks for a gesture, over words or at a point, and she makes i
   ]) {
     const made = face(text);
     assert.equal(made.stderr, '', text);
-    assert.ok(most(made, 19) > 900 && most(made, 20) < 500, `${text}: ${most(made, 19)}, ${most(made, 20)}`);
+    assert.ok(most(made, 19) > 800 && most(made, 20) < 300, `${text}: ${most(made, 19)}, ${most(made, 20)}`);
   }
   assert.ok(most(face('<speak>La mamma <gesture name="wink" intensity="0.5"/>parla piano.</speak>'), 19) < 700);
 });
@@ -39,21 +39,22 @@ test('every markup asks for a gesture, over words or at a point, and she makes i
 test('what signals there are count as gestures, and what nobody knows is said with line and column', () => {
   const text = '<speak>Ciao,\n  <gesture name="nod"/> mamma <gesture name="winc"/>\n bella <gesture/></speak>';
   const { stdout } = run(text, 'check', '-');
-  assert.deepEqual(stdout.trim().split('\n'), ["-:2:30: warning: no gesture 'winc': not shown; near: wink", '-:3:8: warning: a gesture has a name']);
+  assert.deepEqual(stdout.trim().split('\n'), ["-:2:31: warning: no gesture 'winc': not shown; near: wink", '-:3:8: warning: a gesture has a name']);
 });
 
 test('an own gesture: it wins over one of the same name, and lips that must close do so', () => {
   put('wink.json', gesture({ name: 'wink', curves: { close_t_r_eyelid: [0, 300, 1000, 1000, 1000, 300, 0, 0] }, blend: { in: 0.08, out: 0.08 } }));
   put('gape.json', gesture({ curves: { open_jaw: Array(60).fill(1000), lower_t_midlip: Array(60).fill(-500), raise_b_midlip: Array(60).fill(-500) }, mouth: { lips: 1, corners: 1 } }));
   const right = face('<speak>La mamma <gesture name="wink"/>parla piano.</speak>', '--gestures', own);
-  assert.ok(most(right, 20) > 900 && most(right, 19) < 500);
+  assert.ok(most(right, 20) > 800 && most(right, 19) < 300);
   const plain = face('<speak>Mamma e papà bevono.</speak>', '--gestures', own), gaping = face('<speak><gesture name="gape"/>Mamma e papà bevono.</speak>', '--gestures', own);
   const gap = (frame) => -(frame[4] + frame[5]);
   assert.equal(gaping.frames.length, plain.frames.length);
   assert.ok(gaping.frames.some((frame, k) => gap(frame) > gap(plain.frames[k]) + 50), 'she gapes where she may');
-  const closed = plain.frames.flatMap((frame, k) => (gap(frame) < -20 ? [k] : []));
-  assert.ok(closed.length >= 3, `${closed}`);
-  for (const k of closed) assert.ok(gap(gaping.frames[k]) <= 0, `frame ${k}: ${gap(plain.frames[k])} becomes ${gap(gaping.frames[k])}`);
+  // in each stretch of frames in which they are closed without it they close with it, too
+  const closures = plain.frames.reduce((runs, frame, k) => (gap(frame) > -4 ? runs : gap(plain.frames[k - 1]) > -4 ? [...runs, [k]] : [...runs.slice(0, -1), [...runs.at(-1), k]]), []);
+  assert.ok(closures.length >= 4, `${closures.length}`);
+  for (const run of closures) assert.ok(run.some((k) => gap(gaping.frames[k]) <= 0), `${run}: ${run.map((k) => gap(gaping.frames[k]))}`);
 });
 
 test('a bad file is named with its place, and nothing starts', () => {

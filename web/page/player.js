@@ -5,6 +5,7 @@ import { fill, FIRST, spokenLanguage } from './languages.js';
 import { History, keysOf, mirrored, smooth, spline } from './player-curve.js';
 import { isFapc, readFap, readFapc, writeFap } from './player-file.js';
 import { FapcDecoder } from './player-kit.js';
+import { openGestureForm } from './player-gesture.js';
 import { Plots } from './player-plots.js';
 import { sample, words } from './player-words.js';
 
@@ -291,4 +292,5 @@ frame.onTranslate(() => {
   showPlay();
   if (take) fillGroups();
 });
+openGestureForm(() => ({ take, now }), table, frame);
 await frame.open();
