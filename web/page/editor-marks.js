@@ -26,14 +26,19 @@ export function without(marks, kind, from, to) {
   return inOrder(
     marks.flatMap((mark) => {
       if (mark.kind !== kind || mark.to <= from || mark.from >= to) return [mark];
-      return [{ ...mark, to: Math.min(mark.to, from) }, { ...mark, from: Math.max(mark.from, to) }].filter((left) => left.from < left.to);
+      const left = [{ ...mark, to: Math.min(mark.to, from) }, { ...mark, from: Math.max(mark.from, to) }];
+      return left.filter((piece) => piece.from < piece.to);
     }),
   );
 }
 
-/** Puts one: what there was of its kind gives way to it. A point stands behind the stretch when it is a pause, before it otherwise. */
+/**
+ * Puts one: what there was of its kind gives way to it. A point stands behind the stretch when it is a pause, before it
+ * otherwise.
+ */
 export function withMark(marks, { kind, value, from, to }) {
-  if (!POINTS.includes(kind)) return from < to ? inOrder([...without(marks, kind, from, to), { kind, value, from, to }]) : marks;
+  if (!POINTS.includes(kind) && from >= to) return marks;
+  if (!POINTS.includes(kind)) return inOrder([...without(marks, kind, from, to), { kind, value, from, to }]);
   const at = kind === 'pause' ? to : from;
   return inOrder([...marks.filter((mark) => mark.kind !== kind || mark.from !== at), { kind, value, from: at, to: at }]);
 }

@@ -47,7 +47,8 @@ const dialects = {
 export const MARKUPS = Object.keys(dialects);
 
 /**
- * @param {'apml'|'jsml'|'ssml'} markup @param {string} text @param {{kind: string, value: *, from: number, to: number}[]} marks @param {string} lang
+ * @param {'apml'|'jsml'|'ssml'} markup @param {string} text
+ * @param {{kind: string, value: *, from: number, to: number}[]} marks @param {string} lang
  * @returns {{code: string, unsaid: object[]}} and the marks that this markup cannot say
  */
 export function write(markup, text, marks, lang) {
@@ -88,6 +89,11 @@ const character = (name) => {
 };
 const unescaped = (text) => text.replace(/&(#?\w+);/g, (_, name) => character(name));
 
+// a declaration or comment; a tag: slash, name, attributes, slash; text
+const ATTRIBUTES = /(?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*/.source;
+const TOKEN = new RegExp(String.raw`(<\?[^]*?\?>|<!--[^]*?-->|<![^>]*>)|<(\/?)([\w:.-]+)(${ATTRIBUTES})\s*(\/?)>|([^<]+|<)`, 'g');
+const ATTRIBUTE = /([\w:.-]+)\s*=\s*(?:"([^"]*)"|'([^']*)')/g;
+
 /** What an element asks for, in any of the three; null: nothing that the editor knows. */
 function asked(name, attributes) {
   const { level = 'moderate' } = attributes;
@@ -97,11 +103,18 @@ function asked(name, attributes) {
   if (jsml) return { kind: 'affect', value: jsml };
   if (name === 'rheme' || name === 'theme') return attributes.affect ? { kind: 'affect', value: attributes.affect } : null;
   if (name === 'emphasis' && attributes.deictic) return { kind: 'gaze', value: attributes.deictic };
-  if (name === 'emphasis' || name === 'emp') return { kind: 'emphasis', value: Object.keys(LEVELS).find((each) => each === level || LEVELS[each] === level) ?? 'moderate' };
-  if (name === 'voice') return attributes.name || attributes.voice ? { kind: 'voice', value: attributes.name ?? attributes.voice } : null;
+  if (name === 'emphasis' || name === 'emp') {
+    const known = Object.keys(LEVELS).find((each) => each === level || LEVELS[each] === level);
+    return { kind: 'emphasis', value: known ?? 'moderate' };
+  }
+  if (name === 'voice') {
+    const voice = attributes.name ?? attributes.voice;
+    return voice ? { kind: 'voice', value: voice } : null;
+  }
   if (name === 'pause') return { kind: 'pause', value: milliseconds(attributes.sec ?? '0.4') };
-  if (name === 'break') return { kind: 'pause', value: attributes.msecs ? Number(attributes.msecs) : milliseconds(attributes.time ?? '400ms') };
-  if (name === 'gesture') return /^look-(left|right|up|down)$/.test(gesture) ? { kind: 'gaze', value: gesture.slice(5) } : { kind: 'gesture', value: gesture };
+  if (name === 'break') return { kind: 'pause', value: milliseconds(attributes.msecs ? `${attributes.msecs}ms` : (attributes.time ?? '400ms')) };
+  if (name === 'gesture' && /^look-(left|right|up|down)$/.test(gesture)) return { kind: 'gaze', value: gesture.slice(5) };
+  if (name === 'gesture') return { kind: 'gesture', value: gesture };
   return null;
 }
 
@@ -117,7 +130,7 @@ export function read(source) {
   const open = [];
   const lost = new Set();
   let [text, lang] = ['', null];
-  for (const [, other, closing, prefixed, inside, empty, plain] of source.matchAll(/(<\?[^]*?\?>|<!--[^]*?-->|<![^>]*>)|<(\/?)([\w:.-]+)((?:\s+[\w:.-]+\s*=\s*(?:"[^"]*"|'[^']*'))*)\s*(\/?)>|([^<]+|<)/g)) {
+  for (const [, other, closing, prefixed, inside, empty, plain] of source.matchAll(TOKEN)) {
     if (other) continue;
     if (plain !== undefined) {
       text += unescaped(plain);
@@ -129,7 +142,8 @@ export function read(source) {
       if (mark?.kind) marks.push({ ...mark, to: ['pause', 'gesture'].includes(mark.kind) ? mark.from : text.length });
       continue;
     }
-    const attributes = Object.fromEntries([...inside.matchAll(/([\w:.-]+)\s*=\s*(?:"([^"]*)"|'([^']*)')/g)].map(([, key, a, b]) => [key.toLowerCase(), unescaped(a ?? b)]));
+    const pairs = [...inside.matchAll(ATTRIBUTE)].map(([, key, a, b]) => [key.toLowerCase(), unescaped(a ?? b)]);
+    const attributes = Object.fromEntries(pairs);
     lang ??= attributes['xml:lang'] ?? null;
     const mark = asked(name, attributes);
     if (!mark && !KNOWN.includes(name)) lost.add(prefixed);
@@ -140,6 +154,7 @@ export function read(source) {
   const lead = text.length - text.trimStart().length;
   const whole = text.trim();
   const place = (at) => Math.min(whole.length, Math.max(0, at - lead));
-  const kept = marks.map((mark) => ({ ...mark, from: place(mark.from), to: place(mark.to) })).filter(({ kind, from, to, value }) => value && (from < to || !KINDS.includes(kind)));
+  const placed = marks.map((mark) => ({ ...mark, from: place(mark.from), to: place(mark.to) }));
+  const kept = placed.filter(({ kind, from, to, value }) => value && (from < to || !KINDS.includes(kind)));
   return { text: whole, marks: kept.sort((a, b) => a.from - b.from || b.to - a.to), lang, lost: [...lost] };
 }

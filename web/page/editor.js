@@ -136,7 +136,11 @@ function hear(from, to) {
   head.speak(spoken, { markup: 'ssml', lang: $('lang').value });
 }
 
-const hearSelection = () => (text.selectionStart < text.selectionEnd ? hear(text.selectionStart, text.selectionEnd) : hear(0, text.value.length));
+function hearSelection() {
+  const { selectionStart: from, selectionEnd: to, value } = text;
+  if (from < to) hear(from, to);
+  else hear(0, value.length);
+}
 
 function put(event) {
   event.preventDefault();
