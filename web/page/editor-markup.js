@@ -122,7 +122,8 @@ const KNOWN = ['apml', 'performative', 'rheme', 'theme', 'jsml', 'speak', 'emoti
 
 /**
  * Reads what `write` wrote, and of other documents what it understands; text alone is text.
- * @param {string} source @returns {{text: string, marks: object[], lang: string|null, lost: string[]}} and the elements that are not kept
+ * @param {string} source
+ * @returns {{text: string, marks: object[], lang: string|null, lost: string[]}} lost: the elements that are not kept
  */
 export function read(source) {
   if (!/^\s*</.test(source)) return { text: source, marks: [], lang: null, lost: [] };
