@@ -69,7 +69,7 @@ export function smooth(values, reach = 2) {
   });
 }
 
-/** A curve where a line was drawn over a part of it. @param {Map<number, number>} drawn values at some frames @returns {number[]} */
+/** A curve with a line drawn over a part of it. @param {Map<number, number>} drawn values at frames @returns {number[]} */
 export function drawnOver(values, drawn) {
   const frames = [...drawn.keys()].sort((a, b) => a - b);
   return values.map((value, k) => {
