@@ -8,7 +8,7 @@ import { after, before, test } from 'node:test';
 import Ajv from 'ajv/dist/2020.js';
 import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
-import { Daemon, root } from '../lib/daemon.mjs';
+import { artefacts, Daemon, root } from '../lib/daemon.mjs';
 
 let daemon, browser;
 before(async () => {
@@ -58,7 +58,7 @@ test('words are marked, heard at once, written in three markups, judged, saved a
     await page.waitForFunction(() => document.querySelector('#verdict').textContent === 'Il server capisce tutto.');
   }
   assert.deepEqual(await violations(page), []);
-  await page.screenshot({ path: path.join(artefacts, 'editor.png') });
+  await page.screenshot({ path: path.join(artefacts, 'editor.png'), fullPage: true });
 
   // what a markup cannot say is told; and a warning leads to its place
   await put('Buongiorno', 'affect', 'shame');

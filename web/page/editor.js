@@ -89,6 +89,12 @@ function show() {
 
 // What the server says of it
 
+/** A warning of a speech begins with its place: "1:27: no gesture..." */
+function placed(warning) {
+  const [, line, column, message] = /^(\d+):(\d+): ([^]*)$/.exec(warning.message) ?? [];
+  return line ? { ...warning, line: Number(line), column: Number(column), message } : warning;
+}
+
 function warningItem(warning) {
   const button = document.createElement('button');
   button.type = 'button';
@@ -118,7 +124,7 @@ async function check() {
     });
     const said = await answer.json();
     if (mine.signal.aborted) return;
-    const warnings = answer.ok ? (said.warnings ?? []) : [said];
+    const warnings = answer.ok ? (said.warnings ?? []).map(placed) : [said];
     const verdict = warnings.length ? say('warned', { n: warnings.length }) : say('good');
     $('verdict').textContent = [$('verdict').textContent, verdict].filter(Boolean).join(' ');
     $('warnings').replaceChildren(...warnings.map(warningItem));
