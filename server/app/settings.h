@@ -18,6 +18,7 @@ struct settings {
     struct net_options net;
     struct voice_pool_options voices;
     const char *models, *sounds; /* folders; sounds NULL = none */
+    const char *gestures;        /* folder; NULL = none besides those of models */
     const char *library;         /* folder of works; NULL = none */
     const char *index; /* the file of its index; NULL = in the user's or the service's cache folder */
     const char *lang;

@@ -105,6 +105,8 @@ const struct setting settings_table[] = {
      "voice plugins"},
     {"paths.worker", "worker", SETTING_STRING, MEMBER(voices.worker), FOR_BOTH, 0, 0, NULL, "FILE",
      "the program that runs voice plugins"},
+    {"paths.gestures", "gestures", SETTING_FOLDER, MEMBER(gestures), FOR_BOTH, 0, 0, NULL, "DIR",
+     "gestures of your own, as the Face Player writes them, besides those of the models"},
     {"paths.library", "library", SETTING_FOLDER, MEMBER(library), FOR_DAEMON, 0, 0, NULL, "DIR",
      "works that may be read, searched and heard: TEI, EPUB, Markdown, text, APML, JSML, SSML"},
     {"paths.library_index", "library-index", SETTING_STRING, MEMBER(index), FOR_DAEMON, 0, 0, NULL, "FILE",

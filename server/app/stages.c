@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/stages.h"
+#include "server/expression/gestures.h"
 #include <stdio.h>
 
 enum { PATH_BYTES = 4096 };
@@ -15,10 +16,15 @@ static int fail_in(const char *path, const struct error *inner, struct error *e)
     return error_set(e, inner->code, "%s: %s", path, error_text(inner, text, sizeof text));
 }
 
-static int load_expressions(struct stages *s, const char *path, struct error *e) {
+static int load_expressions(struct stages *s, const struct settings *settings, struct error *e) {
+    char path[PATH_BYTES];
     struct error inner = {0};
-    s->expressions = expressions_load(path, &inner);
-    return s->expressions ? 0 : fail_in(path, &inner, e);
+    s->expressions = expressions_load(in_models(settings, "expressions.json", path), &inner);
+    if (!s->expressions)
+        return fail_in(path, &inner, e);
+    if (gestures_load(s->expressions, in_models(settings, "gestures", path), e))
+        return -1;
+    return settings->gestures ? gestures_load(s->expressions, settings->gestures, e) : 0;
 }
 
 static int load_boundaries(struct stages *s, const char *path, struct error *e) {
@@ -38,7 +44,7 @@ int stages_load(struct stages *s, const struct settings *settings, unsigned want
                                     .sounds = settings->sounds};
     if (wanted & STAGES_SPEECH && speech_packs_load(&s->packs, in_models(settings, "speech", path), e))
         return -1;
-    if (wanted & STAGES_EXPRESSIONS && load_expressions(s, in_models(settings, "expressions.json", path), e))
+    if (wanted & STAGES_EXPRESSIONS && load_expressions(s, settings, e))
         return -1;
     if (wanted & STAGES_NORMALIZATION &&
         normalizers_load(&s->normalizers, in_models(settings, "normalization", path), e))

@@ -109,15 +109,19 @@ static int read_basic(const struct json_place *at, struct expression *x) {
     return 0;
 }
 
+void expression_begin(struct expression *x, const char *kind) {
+    *x = (struct expression){.kind = kind,
+                             .curve = {.attack = 0.3, .sustain = 1, .settle = 1, .decay = 0.4},
+                             .mouth = {0.3, 0.7},
+                             .articulation = 1,
+                             .voice = {1, 1, 1, 1},
+                             .life = {1, 1, 1}};
+}
+
 int entry_read(const struct json_place *at, struct expression *x) {
     static const char *const allowed[] = {"aliases", "basic",     "activation", "evaluation", "mix",
                                           "pose",    "asymmetry", "curve",      "mouth",      "articulation",
                                           "voice",   "life",      "gesture",    NULL};
-    x->curve = (struct envelope){.attack = 0.3, .sustain = 1, .settle = 1, .decay = 0.4};
-    x->mouth = (struct mouth_share){0.3, 0.7};
-    x->articulation = 1;
-    x->voice = (struct voice_factors){1, 1, 1, 1};
-    x->life = (struct life_factors){1, 1, 1};
     const struct number curve[] = {
         {"attack", SECONDS_MIN, SECONDS_MAX, &x->curve.attack}, {"hold", 0, SECONDS_MAX, &x->curve.hold},
         {"settle", SECONDS_MIN, SECONDS_MAX, &x->curve.settle}, {"sustain", 0, 1, &x->curve.sustain},

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <strings.h>
 
-static void entry_free(struct expression *x) {
+void expression_free(struct expression *x) {
     free(x->name);
     json_texts_free(x->aliases);
     pose_free(&x->pose);
@@ -20,7 +20,7 @@ void expressions_free(struct expressions *all) {
     if (!all)
         return;
     for (size_t i = 0; i < all->count; i++)
-        entry_free(&all->items[i]);
+        expression_free(&all->items[i]);
     free(all->items);
     free(all->names);
     free(all);
@@ -57,6 +57,7 @@ static void add_name(struct expressions *all, size_t index, const char *name) {
 }
 
 int expressions_sort_names(struct expressions *all, const struct expression_name **taken) {
+    all->name_count = 0;
     for (size_t i = 0; i < all->count; i++) {
         add_name(all, i, all->items[i].name);
         for (char **alias = all->items[i].aliases; alias && *alias; alias++)
@@ -73,8 +74,9 @@ int expressions_sort_names(struct expressions *all, const struct expression_name
 
 struct near expressions_near(const struct expressions *all, const char *kind, const char *name) {
     struct near near = near_to(name);
+    bool gesture = !strcmp(kind, EXPRESSION_GESTURE);
     for (size_t i = 0; i < all->name_count; i++)
-        if (!strcmp(all->names[i].kind, kind))
+        if (!strcmp(all->names[i].kind, kind) || (gesture && !strcmp(all->names[i].kind, "signal")))
             near_try(&near, all->names[i].name, all->names[i].name);
     return near;
 }
@@ -87,5 +89,5 @@ int expressions_find(const struct expressions *all, const char *kind, const char
         if (found)
             return (int)found->index;
     }
-    return -1;
+    return strcmp(kind, EXPRESSION_GESTURE) ? -1 : expressions_find(all, "signal", name);
 }

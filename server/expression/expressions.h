@@ -39,7 +39,8 @@ void expressions_free(struct expressions *expressions);
 size_t expressions_count(const struct expressions *expressions);
 struct expression_info expressions_info(const struct expressions *expressions, size_t index);
 
-/* Index of the entry that a cue means, also by an alias ("worried", "angry"); -1 when there is none. */
+/* Index of the entry that a cue means, also by an alias ("worried", "angry"); a signal counts as a gesture
+ * where no gesture has its name. -1 when there is none. */
 int expressions_find(const struct expressions *expressions, const char *kind, const char *name);
 
 /* For a name that is not found: those of that kind that come near. */

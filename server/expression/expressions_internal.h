@@ -10,6 +10,9 @@
 /* An alias that stands for every name of its kind that nobody else has. */
 #define EXPRESSION_ANY "*"
 
+/* The kind that comes from files of its own (gestures.h). */
+#define EXPRESSION_GESTURE "gesture"
+
 enum { EXPRESSIONS_MAX = 256 };
 
 struct expressions {
@@ -28,7 +31,11 @@ extern const char *const expression_kinds[]; /* NULL-terminated */
  * the one that came later. */
 int expressions_sort_names(struct expressions *all, const struct expression_name **taken);
 
-/* entry.c: fills *x (zeroed, with kind and name) from its object, but for what it is mixed from. -1: root's
+/* expression_entry.c: one that does nothing, without a name. */
+void expression_begin(struct expression *x, const char *kind);
+void expression_free(struct expression *x); /* what it holds */
+
+/* entry.c: fills *x (begun, with its name) from its object, but for what it is mixed from. -1: root's
  * error. *x may be released in any case. */
 int entry_read(const struct json_place *at, struct expression *x);
 

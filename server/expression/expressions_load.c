@@ -29,7 +29,8 @@ static int read_kind(const struct json_place *at, const char *kind, struct expre
             return json_place_fail(&entry, "is one too many: there may be %d affects", AFFECTS_MAX);
         all->items = mem_grow(all->items, &all->cap, all->count + 1, sizeof *all->items);
         struct expression *x = &all->items[all->count++];
-        *x = (struct expression){.kind = kind, .name = mem_strdup(name)};
+        expression_begin(x, kind);
+        x->name = mem_strdup(name);
         if (entry_read(&entry, x))
             return -1;
     }
@@ -53,10 +54,10 @@ static int finish_entry(const struct json_place *entry, struct expressions *all,
         return -1;
     if (uneven.json && json_place_real(&uneven, -ASYMMETRY_MAX, ASYMMETRY_MAX, &asymmetry))
         return -1;
-    pose_complete(&x->pose);
+    pose_complete(&x->pose, false);
     pose_unbalance(&x->pose, asymmetry);
     for (size_t i = 0; i < x->key_count; i++)
-        pose_complete(&x->keys[i].pose);
+        pose_complete(&x->keys[i].pose, false);
     return 0;
 }
 

@@ -79,8 +79,9 @@ static void hold_gaze(struct pose *pose) {
     }
 }
 
-void pose_complete(struct pose *pose) {
-    hold_gaze(pose);
+void pose_complete(struct pose *pose, bool own_gaze) {
+    if (!own_gaze)
+        hold_gaze(pose);
     for (size_t i = 0; i < sizeof contours / sizeof *contours; i++) {
         double inner = pose_value(pose, contours[i].inner);
         bool is_given = false;

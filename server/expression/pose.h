@@ -4,6 +4,7 @@
 #define FACCIA_EXPRESSION_POSE_H
 
 #include "server/expression/recipe.h"
+#include <stdbool.h>
 
 /* Adds value to FAP fap. */
 void pose_add(struct pose *pose, int fap, double value);
@@ -15,8 +16,8 @@ void pose_free(struct pose *pose);
 size_t pose_faps_named(const char *name, int out[2]);
 
 /* The outer contour of the lips follows the inner one where it is not given, and the eyes make up for what
- * the head does. */
-void pose_complete(struct pose *pose);
+ * the head does, unless the pose has a gaze of its own. */
+void pose_complete(struct pose *pose, bool own_gaze);
 
 /* Strengthens the left side by asymmetry, -1..1, and weakens the right one. */
 void pose_unbalance(struct pose *pose, double asymmetry);

@@ -5,6 +5,7 @@
 #define FACCIA_EXPRESSION_RECIPE_H
 
 #include "protocol/fap.h"
+#include <stdbool.h>
 #include <stddef.h>
 
 struct expressions;
@@ -67,6 +68,7 @@ struct expression {
     enum gesture_anchor anchor;
     struct gesture_key *keys;
     size_t key_count;
+    bool is_sampled; /* keys are frames: straight lines between them */
 };
 
 const struct expression *expressions_at(const struct expressions *expressions, size_t index);

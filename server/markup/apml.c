@@ -3,6 +3,7 @@
  * in Prendinger and Ishizuka (eds.), Life-like Characters, Springer 2004, and its public DTD. Documents that
  * break the DTD are read as far as they can be understood. */
 #include "server/markup/bml.h"
+#include "server/markup/styles.h"
 #include <stdio.h>
 #include <string.h>
 #include <strings.h>
@@ -242,6 +243,7 @@ static const struct element elements[] = {
     {.name = "backchannel", .flags = ELEMENT_BOUNDARY, .begin = begin_backchannel, .ignored = " type "},
     {.name = "boundary", .begin = begin_boundary},
     {.name = "emphasis", .begin = begin_emphasis},
+    {.name = "gesture", .begin = style_gesture},
     {.name = "pause", .begin = begin_pause},
     {.name = "performative", .flags = ELEMENT_BOUNDARY, .begin = begin_performative},
     {.name = "pitchaccent", .begin = bml_begin_accent},

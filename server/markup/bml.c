@@ -176,7 +176,7 @@ static const struct element elements[] = {
      .begin = bml_begin_gaze,
      .ignored = TIMES " influence offsetangle modality shoulders ",
      .quiet = " type "},
-    UNSHOWN("gesture"),
+    {.name = "gesture", .flags = ELEMENT_SILENT, .begin = bml_begin_gesture, .ignored = TIMES " mode "},
     {.name = "head", .begin = bml_begin_head, .ignored = TIMES " repetition "},
     {.name = "headDirectionShift", .begin = bml_begin_head, .ignored = TIMES " repetition "},
     UNSHOWN("locomotion"),

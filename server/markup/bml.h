@@ -76,6 +76,7 @@ struct bml_behaviour *bml_add(struct tag *tag, double usual);
 void bml_begin_accent(struct markup_reader *r, struct tag *tag);
 void bml_begin_boundary(struct markup_reader *r, struct tag *tag);
 void bml_begin_other(struct markup_reader *r, struct tag *tag);
+void bml_begin_gesture(struct markup_reader *r, struct tag *tag);
 
 /* Further ones of BML and FML. */
 void bml_begin_face(struct markup_reader *r, struct tag *tag);

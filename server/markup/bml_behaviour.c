@@ -205,6 +205,18 @@ void bml_begin_other(struct markup_reader *r, struct tag *tag) {
     tag->count = 0;
 }
 
+/* Of BML's gestures those that have a name here; hands it has none. */
+void bml_begin_gesture(struct markup_reader *r, struct tag *tag) {
+    const char *lexeme = tag_take(tag, "lexeme");
+    char name[BML_NAME];
+    if (!lexeme || !*lexeme) {
+        bml_begin_other(r, tag);
+        return;
+    }
+    bml_plain_name(lexeme, name);
+    bml_show(bml_add(tag, SHORT), "gesture", reader_keep(r, name), 1);
+}
+
 /* Greta's "affect=anger", "head=head_up", "look_at": the behaviour that it stands in shows that. */
 void bml_end_reference(struct markup_reader *r, struct frame *frame) {
     static const char *const kinds[] = {"performative", "certainty", "deictic", "adjectival", "emphasis"};

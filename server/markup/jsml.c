@@ -120,6 +120,7 @@ static const struct element elements[] = {
     {.name = "emp", .begin = style_emphasis},
     {.name = "emphasis", .begin = style_emphasis},
     {.name = "engine", .begin = begin_engine},
+    {.name = "gesture", .begin = style_gesture},
     {.name = "happy", .begin = begin_emotion},
     {.name = "jsml", .flags = ELEMENT_BOUNDARY},
     {.name = "marker", .begin = begin_marker},

@@ -52,8 +52,9 @@ struct score_style {
 /* What is to be shown, and heard in the voice, over a stretch: an affect, a performative, an emphasis... The
  * expressions file (models/expressions.json) tells how each looks and sounds. */
 struct score_cue {
-    const char *kind;   /* "affect", "performative", "certainty", "meta-cognitive", "belief-relation", "turn",
-                           "emphasis", "pitch-accent", "boundary", "deictic", "adjectival" */
+    const char
+        *kind;          /* "affect", "performative", "certainty", "meta-cognitive", "belief-relation", "turn",
+                           "emphasis", "pitch-accent", "boundary", "deictic", "adjectival", "signal", "gesture" */
     const char *name;   /* "joy", "warn", "LplusHstar"...: as the author wrote it, in lower case */
     size_t first, last; /* items [first, last); first == last: at the point before item first */
     size_t around;      /* the nearest cue before it that ends later, counted from 1; 0 = none */

@@ -150,6 +150,7 @@ static const struct element elements[] = {
     EMOTIONML_DIMENSION,
     EMOTIONML_EMOTION,
     {.name = "emphasis", .begin = style_emphasis},
+    {.name = "gesture", .begin = style_gesture},
     EMOTIONML_ABOUT("info"),
     {.name = "lang", .ignored = " onlangfailure "},
     {.name = "lexicon",

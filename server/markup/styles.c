@@ -57,6 +57,17 @@ void style_emphasis(struct markup_reader *r, struct tag *tag) {
         reader_cue(r, tag->frame, tag->at, "emphasis", names[emphasis]);
 }
 
+void style_gesture(struct markup_reader *r, struct tag *tag) {
+    const char *name = tag_take(tag, "name"), *given = tag_take(tag, "intensity");
+    double intensity = 1;
+    if (given && !quantity_plain(given, 0, 1, &intensity))
+        tag_bad(tag, "intensity", "is not from 0 to 1");
+    if (name && *name)
+        reader_cue(r, tag->frame, tag->at, "gesture", name)->intensity = intensity;
+    else
+        score_warn(r->score, tag->at, ERROR_MISSING_ATTRIBUTE, "a gesture has a name");
+}
+
 bool style_take_pause(struct tag *tag, const char *attribute, double unit) {
     const char *value = tag_take(tag, attribute);
     double seconds;

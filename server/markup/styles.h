@@ -18,6 +18,10 @@ void style_ipa(struct tag *tag, const char *attribute, const char *ipa);
 /* The element "emphasis" with its attribute `level`. */
 void style_emphasis(struct markup_reader *r, struct tag *tag);
 
+/* The element "gesture" with its attributes `name` and `intensity`: a named gesture over what is inside, or
+ * at this point. */
+void style_gesture(struct markup_reader *r, struct tag *tag);
+
 /* A pause by its length; numbers alone are in `unit` seconds. False when the attribute is not there or is no
  * time. */
 bool style_take_pause(struct tag *tag, const char *attribute, double unit);

@@ -4,7 +4,7 @@
 #include "server/align/times.h"
 #include "server/app/settings_internal.h"
 #include "server/base/mem.h"
-#include "server/expression/expressions.h"
+#include "server/expression/gestures.h"
 #include "server/face/packs/context_table.h"
 #include "server/face/packs/speech_packs.h"
 #include "server/face/packs/spelling.h"
@@ -57,6 +57,13 @@ static bool expressions(const char *path, struct error *e) {
     if (loaded)
         expressions_free(loaded);
     return loaded;
+}
+
+static bool gesture(const char *path, struct error *e) {
+    struct expressions *all = expressions_load(SOURCE_ROOT "/models/expressions.json", e);
+    bool good = all && !gesture_load(all, path, e);
+    expressions_free(all);
+    return good;
 }
 
 static bool normalization(const char *path, struct error *e) {
@@ -143,6 +150,7 @@ static const struct kind {
              {"visemes", visemes},
              {"letters", letters},
              {"expressions", expressions},
+             {"gesture", gesture},
              {"normalization", normalization},
              {"boundaries", boundaries},
              {"head", head},

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The expressions, the normalizers of a language, and the voices' boundaries: byte 0 says which file, the
- * rest edits it (json_edit.c). What loads is used. */
-#include "server/expression/expressions.h"
+/* The expressions, a gesture, the normalizers of a language, and the voices' boundaries: byte 0 says which
+ * file, the rest edits it (json_edit.c). What loads is used. */
+#include "server/expression/gestures.h"
 #include "server/expression/recipe.h"
 #include "server/markup/markup.h"
 #include "server/normalize/normalizers.h"
@@ -14,7 +14,8 @@
 
 static const char *const files[] = {"models/expressions.json",      "models/expressions.json",
                                     "models/normalization/it.json", "models/normalization/en.json",
-                                    "models/normalization/tr.json", "models/boundaries.json"};
+                                    "models/normalization/tr.json", "models/boundaries.json",
+                                    "models/gestures/wink.json"};
 enum { FILES = sizeof files / sizeof *files };
 
 static const json_t *base(size_t which) {
@@ -64,6 +65,24 @@ static void load_expressions(const json_t *json) {
     FUZZ_CHECK(mood_at(mood, 1.1, parts) <= AFFECTS_MAX);
     mood_free(mood);
     expressions_free(loaded);
+}
+
+static void load_gesture(const json_t *json) {
+    char path[FUZZ_PATH];
+    struct error e = {0};
+    struct expressions *all = expressions_load(SOURCE_ROOT "/models/expressions.json", &e);
+    size_t before = expressions_count(all);
+    fuzz_write_json("gesture", json, path);
+    int failed = gesture_load(all, path, &e);
+    FUZZ_CHECK(!failed || e.code);
+    FUZZ_CHECK(expressions_count(all) == before + (failed ? 0 : 1));
+    const struct expression *x = expressions_at(all, before + (failed ? 0 : 1) - 1);
+    for (size_t i = 0; !failed && i < x->key_count; i++)
+        for (size_t k = 0; k < x->keys[i].pose.count; k++)
+            FUZZ_CHECK(isfinite(x->keys[i].at) && isfinite(x->keys[i].pose.faps[k].value) &&
+                       (i || x->keys[0].pose.faps[k].value == 0));
+    expressions_free(all);
+    remove(path);
 }
 
 static void load_reading(const json_t *json) {
@@ -121,10 +140,12 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     json_t *edited = fuzz_edit_json(base(which), &in);
     if (which < 2)
         load_expressions(edited);
-    else if (which + 1 < FILES)
+    else if (which + 2 < FILES)
         load_reading(edited);
-    else
+    else if (which + 1 < FILES)
         load_boundaries(edited);
+    else
+        load_gesture(edited);
     json_decref(edited);
     return 0;
 }

@@ -21,6 +21,7 @@ const kinds = {
   letters: { schema: 'models/speech/schema/letters.json', files: ['models/speech/letters/tr.json'] },
   alphabets: { schema: 'models/speech/schema/alphabets.json', files: ['models/speech/alphabets/ipa.json'] },
   expressions: { schema: 'models/expressions.schema.json', files: ['models/expressions.json'] },
+  gesture: { schema: 'models/gestures.schema.json', files: ['models/gestures/wink.json', 'models/gestures/shrug.json'] },
   normalization: { schema: 'models/normalization.schema.json', files: ['models/normalization/it.json', 'models/normalization/tr.json'] },
   boundaries: { schema: 'models/boundaries.schema.json', files: ['models/boundaries.json'] },
   settings: { schema: JSON.parse(facciad('--print-schema')), files: ['tests/corpus/documents/settings.json'] },
@@ -42,7 +43,10 @@ const readerOnly = [
   [/^'.*' is not a folder$/, 'what lies on the disk'],
   [/^another voice has it$/, 'the other voice stands elsewhere in the file'],
   [/^begins before the last one's end, or ends before it begins$/, 'an order of numbers'],
-  [/^must be a number from -\d+ to \d+$/, 'the ranges of FAPs stand in protocol/fap-table.json', 'expressions'],
+  [/^must be a number from -\d+ to \d+$/, 'the ranges of FAPs stand in protocol/fap-table.json'],
+  [/^there is no such FAP$/, 'the names of FAPs stand in protocol/fap-table.json', 'gesture'],
+  [/^must have as many values as the curve before/, 'the curves must be of one length', 'gesture'],
+  [/^makes the gesture longer than/, 'its length follows from frames and their rate', 'gesture'],
   [/^is (missing|not a known key)$/, "a grid's rows are the file's own groups", 'visemes', /^grid\./],
 ];
 

@@ -4,7 +4,8 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
 import { FapcDecoder, FapcEncoder, fapcFrame } from '../../protocol/fapc.mjs';
-import { History, keysOf, mirrored, smooth, spline } from '../../web/page/player-curve.js';
+import { drawnOver, History, keysOf, mirrored, smooth, spline } from '../../web/page/player-curve.js';
+import { gestureText, makeGesture } from '../../web/page/player-gesture.js';
 import { isFapc, readFap, readFapc, writeFap } from '../../web/page/player-file.js';
 
 const table = JSON.parse(fs.readFileSync(new URL('../../protocol/fap-table.json', import.meta.url))).faps;
@@ -76,4 +77,20 @@ test('what was changed is taken back and done again, in order', () => {
   assert.deepEqual(history.redo()[0].after, [2]);
   history.add([{ number: 3, before: [2], after: [9] }]);
   assert.equal(history.redo(), undefined, 'another way was taken');
+});
+
+test('a line that was drawn is the curve where it was drawn', () => {
+  assert.deepEqual(drawnOver([1, 1, 1, 1, 1, 1], new Map([[4, 30], [2, 10]])), [1, 1, 10, 20, 30, 1]);
+  assert.deepEqual(drawnOver([1, 2], new Map()), [1, 2]);
+});
+
+test('a stretch becomes a gesture of the groups that are wished for; what moves nothing becomes none', () => {
+  const frames = Array.from({ length: 20 }, (_, k) => Array.from({ length: 69 }, (_, n) => (n === 3 || n === 48 ? k : 0)));
+  const wish = { name: 'mio', from: 2, to: 6, groups: [7] };
+  const made = makeGesture({ fps: 25, frames }, table, wish);
+  assert.deepEqual(made.curves, { head_pitch: [2, 3, 4, 5, 6] });
+  assert.deepEqual(JSON.parse(gestureText(made)), made);
+  assert.equal(makeGesture({ fps: 25, frames }, table, { ...wish, groups: [4] }), null);
+  assert.equal(makeGesture({ fps: 25, frames }, table, { ...wish, to: 3 }), null);
+  assert.equal(makeGesture({ fps: 1, frames }, table, { ...wish, to: 19 }), null);
 });

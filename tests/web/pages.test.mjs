@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
 import { words as avatarWords } from '../../web/page/avatar-words.js';
+import { words as editorWords } from '../../web/page/editor-words.js';
 import { words as emotionWords } from '../../web/page/emotion-words.js';
 import { errorWords } from '../../web/page/error-words.js';
 import { words as libraryWords } from '../../web/page/library-words.js';
@@ -22,7 +23,7 @@ import { words as voicesWords } from '../../web/page/voices-words.js';
 const folder = new URL('../../web/page/', import.meta.url);
 const html = (name) => fs.readFileSync(new URL(`${name}.html`, folder), 'utf8');
 const framed = { index: pageWords, emotion: emotionWords, voices: voicesWords, avatar: avatarWords };
-const all = { ...framed, operator: operatorWords, room: roomWords, library: libraryWords, player: playerWords };
+const all = { ...framed, operator: operatorWords, room: roomWords, library: libraryWords, player: playerWords, editor: editorWords };
 
 test('every word is there in every language', () => {
   for (const words of [...Object.values(all), sharedWords, errorWords])

@@ -69,6 +69,18 @@ export function smooth(values, reach = 2) {
   });
 }
 
+/** A curve with a line drawn over a part of it. @param {Map<number, number>} drawn values at frames @returns {number[]} */
+export function drawnOver(values, drawn) {
+  const frames = [...drawn.keys()].sort((a, b) => a - b);
+  return values.map((value, k) => {
+    const next = frames.findIndex((frame) => frame >= k);
+    if (next < 0 || k < frames[0]) return value;
+    if (frames[next] === k) return drawn.get(k);
+    const [a, b] = [frames[next - 1], frames[next]];
+    return drawn.get(a) + ((drawn.get(b) - drawn.get(a)) * (k - a)) / (b - a);
+  });
+}
+
 const SIDES = { l: 'r', r: 'l', lm: 'rm', rm: 'lm' };
 
 /** The name of a FAP on the other side of the face; its own when it has no side. @param {string} name */

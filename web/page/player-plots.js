@@ -197,6 +197,10 @@ export class Plots {
     const curve = this.shown.find(({ number }) => number === this.edited);
     if (!curve) return;
     const size = 4 * devicePixelRatio;
+    for (const [k, value] of this.#drag?.drawn ?? []) {
+      u.ctx.fillStyle = colour('--accent');
+      u.ctx.fillRect(u.valToPos(k / this.fps, 'x', true) - size / 2, u.valToPos(value, 'y', true) - size / 2, size, size);
+    }
     for (const k of this.keys) {
       u.ctx.beginPath();
       u.ctx.arc(u.valToPos(k / this.fps, 'x', true), u.valToPos(curve.values[k], 'y', true), size, 0, 2 * Math.PI);
@@ -212,7 +216,7 @@ export class Plots {
     return Math.min(this.shown[0].values.length - 1, Math.max(0, Math.round(plot.posToVal(x, 'x') * this.fps)));
   }
 
-  /** Keys are dragged; a double click makes one, and one on a key takes it away. */
+  /** Keys are dragged; with Shift the curve is drawn; a double click makes one, and one on a key takes it away. */
   #editable(plot) {
     const { over } = plot;
     const keyNear = (event) => {
@@ -224,18 +228,24 @@ export class Plots {
     };
     over.addEventListener('pointerdown', (event) => {
       const key = keyNear(event);
-      if (key === undefined) return;
-      this.#drag = { from: key, at: null };
+      if (!event.shiftKey && key === undefined) return;
+      this.#drag = event.shiftKey ? { drawn: new Map() } : { from: key, at: null };
       over.setPointerCapture(event.pointerId);
       event.preventDefault();
     });
     over.addEventListener('pointermove', (event) => {
       over.style.cursor = keyNear(event) === undefined ? '' : 'grab';
       if (!this.#drag) return;
-      this.#drag.at = { frame: this.#frameAt(plot, event.offsetX), value: plot.posToVal(event.offsetY, 'y') };
+      const at = { frame: this.#frameAt(plot, event.offsetX), value: plot.posToVal(event.offsetY, 'y') };
+      if (!this.#drag.drawn) this.#drag.at = at;
+      else {
+        this.#drag.drawn.set(at.frame, at.value);
+        plot.redraw(false);
+      }
     });
     over.addEventListener('pointerup', () => {
-      const { from, at } = this.#drag ?? {};
+      const { from, at, drawn } = this.#drag ?? {};
+      if (drawn?.size) this.ports.draw(drawn);
       if (at) this.ports.key(at.frame, Math.round(at.value), from);
       setTimeout(() => (this.#drag = null)); // the click that follows is part of it
     });

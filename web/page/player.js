@@ -2,9 +2,10 @@
 // The Face Player: FAP files with their sound, seen frame by frame, and edited.
 import { Frame } from './frame.js';
 import { fill, FIRST, spokenLanguage } from './languages.js';
-import { History, keysOf, mirrored, smooth, spline } from './player-curve.js';
+import { drawnOver, History, keysOf, mirrored, smooth, spline } from './player-curve.js';
 import { isFapc, readFap, readFapc, writeFap } from './player-file.js';
 import { FapcDecoder } from './player-kit.js';
+import { openGestureForm } from './player-gesture.js';
 import { Plots } from './player-plots.js';
 import { sample, words } from './player-words.js';
 
@@ -13,7 +14,8 @@ const NEAR = 0.02; // of a curve's span: how near its keys follow it
 
 const frame = new Frame(words, { captions: { on: false } });
 const { head, say } = frame;
-const plots = new Plots($('plots'), { seek: (seconds) => goTo(Math.round(seconds * take.fps)), key: putKey, drop: dropKey });
+const draw = (drawn) => reshape(drawnOver(valuesOf(number()), drawn));
+const plots = new Plots($('plots'), { seek: (seconds) => goTo(Math.round(seconds * take.fps)), key: putKey, drop: dropKey, draw });
 const { faps: table } = await (await fetch('faps.json')).json();
 const fapOf = (number) => table[number - 1];
 const sound = { context: null, buffer: null, source: null, began: 0, from: 0 };
@@ -291,4 +293,5 @@ frame.onTranslate(() => {
   showPlay();
   if (take) fillGroups();
 });
+openGestureForm(() => ({ take, now }), table, frame);
 await frame.open();

@@ -194,6 +194,8 @@ bool cue_envelope_gesture(const struct cue_envelope *s, double t, size_t *key, d
     while (at >= x->keys[k + 1].at)
         k++;
     *key = k;
-    *on = smooth((at - x->keys[k].at) / (x->keys[k + 1].at - x->keys[k].at));
+    *on = (at - x->keys[k].at) / (x->keys[k + 1].at - x->keys[k].at);
+    if (!x->is_sampled)
+        *on = smooth(*on);
     return true;
 }

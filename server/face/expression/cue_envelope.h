@@ -44,7 +44,7 @@ void cue_envelopes_free(struct cue_envelopes *shows);
 /* The intensity of the pose at t without the cue's own intensity, 0..1. */
 double cue_envelope_level(const struct cue_envelope *show, double t);
 
-/* The gesture at t: between which keys, and how far on from the first to the second, 0..1, smooth. False when
+/* The gesture at t: between which keys, and how far on from the first to the second, 0..1. False when
  * there is none at that time. */
 bool cue_envelope_gesture(const struct cue_envelope *show, double t, size_t *key, double *on);
 
