@@ -262,8 +262,7 @@ static int speak(struct say *s, const struct speech_request *request) {
     static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct error e;
     char message[400];
-    if (s->sounds)
-        s->cli.stages.pipeline.sounds = s->sounds;
+    s->cli.stages.pipeline.sounds = s->sounds ? s->sounds : s->cli.stages.pipeline.sounds;
     s->synthesis = synthesis_open(&s->cli.stages.pipeline, request, &callbacks, s, &e);
     if (!s->synthesis) {
         cli_complain("%s", error_text(&e, message, sizeof message));

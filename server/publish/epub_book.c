@@ -28,7 +28,7 @@ struct epub_book *epub_book_open(const char *path, const struct work_meta *meta,
     b->path = mem_strdup(path);
     b->package.meta = meta;
     b->package.hash = hash;
-    if (!spool_open(&b->spool))
+    if (!spool_open(&b->spool, path))
         return b;
     int why = errno;
     epub_book_free(b);

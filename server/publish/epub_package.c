@@ -14,9 +14,11 @@ const char epub_container[] =
 const char epub_style[] =
     "body { line-height: 1.5; }\n"
     ".verse { margin: 1em 0; }\n"
-    ".line { position: relative; padding: 0 2.5em 0 1.5em; text-indent: -1.5em; }\n"
+    ".verse br { display: none; }\n"
+    ".line { display: block; position: relative; padding: 0 2.5em 0 1.5em; text-indent: -1.5em; }\n"
     ".line.in { padding-left: 3em; }\n"
-    ".n { position: absolute; right: 0; text-indent: 0; font-size: 0.75em; opacity: 0.75; }\n"
+    ".line[data-n]::after { content: attr(data-n); position: absolute; right: 0; text-indent: 0; font-size: "
+    "0.75em; }\n"
     ".speaker { margin-bottom: 0; font-variant: small-caps; }\n"
     ".stage { font-style: italic; }\n"
     ".item { margin-left: 1.5em; }\n"
@@ -88,8 +90,7 @@ void epub_package_section(struct epub_package *p, const struct section *section,
 }
 
 static void put_time_of_writing(struct buf *out) {
-    const char *given = getenv("SOURCE_DATE_EPOCH"); /* of reproducible builds */
-    time_t now = given && *given ? (time_t)strtoll(given, NULL, 10) : time(NULL);
+    time_t now = time(NULL);
     struct tm utc;
     char text[32];
     gmtime_r(&now, &utc);

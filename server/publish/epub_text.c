@@ -36,27 +36,29 @@ static void put_stretch(struct page *p, size_t number, size_t from, size_t to) {
     epub_stretch(p->out, p->section, &p->section->blocks[number], from, to, part->units, first, p->unit);
 }
 
+/* A paragraph with breaks is verse for readers without style sheets, too. */
 static void put_verse(struct page *p, size_t number) {
     const struct block *b = &p->section->blocks[number];
-    buf_printf(p->out, "<div class=\"verse\" id=\"%s\"", b->name);
+    buf_printf(p->out, "<p class=\"verse\" id=\"%s\"", b->name);
     put_lang(p, b->lang);
-    buf_printf(p->out, ">\n");
+    buf_printf(p->out, ">");
     for (size_t i = 0; i < b->line_count; i++) {
         const struct block_line *l = &b->lines[i];
         size_t n = b->first_line + i;
-        buf_printf(p->out, "<div class=\"line%s\" id=\"l%zu\">", l->indent ? " in" : "", n);
-        if (l->n || n % NUMBERED_LINES == 0) {
-            buf_printf(p->out, "<span class=\"n\" aria-hidden=\"true\">");
-            if (l->n)
-                put(p, l->n);
-            else
-                buf_printf(p->out, "%zu", n);
-            buf_printf(p->out, "</span>");
+        buf_printf(p->out, "%s<span class=\"line%s\" id=\"l%zu\"", i ? "<br/>\n" : "", l->indent ? " in" : "",
+                   n);
+        if (l->n) {
+            buf_printf(p->out, " data-n=\"");
+            put(p, l->n);
+            buf_printf(p->out, "\"");
+        } else if (n % NUMBERED_LINES == 0) {
+            buf_printf(p->out, " data-n=\"%zu\"", n);
         }
+        buf_printf(p->out, ">");
         put_stretch(p, number, l->start, l->end);
-        buf_printf(p->out, "</div>\n");
+        buf_printf(p->out, "</span>");
     }
-    buf_printf(p->out, "</div>\n");
+    buf_printf(p->out, "</p>\n");
 }
 
 static void put_flowing(struct page *p, size_t number) {

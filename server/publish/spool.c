@@ -3,26 +3,29 @@
 #include "server/base/mem.h"
 #include <errno.h>
 #include <fcntl.h>
+#include <libgen.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 #include <zip.h>
 
-int spool_open(struct spool *s) {
-    const char *folder = getenv("TMPDIR");
-    *s = (struct spool){.file = -1};
-    if (!folder || !*folder)
-        folder = "/tmp";
+int spool_open(struct spool *s, const char *beside) {
+    char *copy = mem_strdup(beside), *folder = dirname(copy);
+    s->end = 0;
     s->file = open(folder, O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-    if (s->file >= 0)
-        return 0;
-    size_t size = strlen(folder) + 32; /* not every file system has nameless files */
-    char *name = mem_alloc(size);
-    snprintf(name, size, "%s/faccia-XXXXXX", folder);
-    s->file = mkostemp(name, O_CLOEXEC);
-    if (s->file >= 0)
-        unlink(name);
-    free(name);
+    if (s->file < 0 &&
+        (errno == EOPNOTSUPP || errno == EISDIR)) { /* not every file system has nameless files */
+        size_t size = strlen(folder) + 32;
+        char *name = mem_alloc(size);
+        snprintf(name, size, "%s/.faccia-XXXXXX", folder);
+        s->file = mkostemp(name, O_CLOEXEC);
+        if (s->file >= 0)
+            unlink(name);
+        free(name);
+    }
+    int why = errno;
+    free(copy);
+    errno = why;
     return s->file >= 0 ? 0 : -1;
 }
 

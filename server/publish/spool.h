@@ -20,8 +20,8 @@ struct spool_piece {
     uint64_t start, size;
 };
 
-/* In $TMPDIR, or /tmp. */
-int spool_open(struct spool *spool);
+/* In the folder of that file. */
+int spool_open(struct spool *spool, const char *beside);
 void spool_close(struct spool *spool);
 int spool_add(struct spool *spool, const struct buf *data, struct spool_piece *piece);
 

@@ -26,7 +26,7 @@ const python = (script, ...args) => JSON.parse(execFileSync('python3', ['-c', sc
 const BOOK = `
 import json, sys, zipfile
 import xml.etree.ElementTree as T
-X, S, O, M = ('{http://www.w3.org/1999/xhtml}', '{http://www.w3.org/ns/SMIL}', '{http://www.idpf.org/2007/opf}', 'media:duration')
+X, S, O = ('{http://www.w3.org/1999/xhtml}', '{http://www.w3.org/ns/SMIL}', '{http://www.idpf.org/2007/opf}')
 z = zipfile.ZipFile(sys.argv[1])
 opf = T.fromstring(z.read('EPUB/package.opf'))
 ms = lambda t: round(sum(float(n) * 60 ** i for i, n in enumerate(reversed(t.split(':')))) * 1000)
@@ -40,8 +40,8 @@ for ref in opf.iter(O + 'itemref'):
     if item.get('media-overlay'):
         smil = T.fromstring(z.read('EPUB/' + items[item.get('media-overlay')].get('href')))
         clips = [[p.find(S + 'text').get('src').split('#')[1], ms(p.find(S + 'audio').get('clipBegin')), ms(p.find(S + 'audio').get('clipEnd')), p.find(S + 'audio').get('src')] for p in smil.iter(S + 'par')]
-    marked = {e.get('id'): ''.join(e.itertext()) for e in page.iter(X + 'span') if e.get('id')}
-    sections.append({'text': ''.join(page.find(X + 'body').itertext()), 'marked': marked, 'clips': clips, 'lines': [''.join(t for t in d.itertext()) for d in page.iter(X + 'div') if (d.get('class') or '').startswith('line')]})
+    marked = {e.get('id'): ''.join(e.itertext()) for e in page.iter(X + 'span') if (e.get('id') or '').startswith('w')}
+    sections.append({'text': ''.join(page.find(X + 'body').itertext()), 'marked': marked, 'clips': clips, 'lines': [[d.get('data-n'), ''.join(d.itertext())] for d in page.iter(X + 'span') if (d.get('class') or '').startswith('line')]})
 print(json.dumps({'names': z.namelist(), 'stored': z.infolist()[0].compress_type, 'metas': metas, 'sections': sections, 'title': opf.find('.//{http://purl.org/dc/elements/1.1/}title').text}))
 `;
 const book = (name) => python(BOOK, file(name));
@@ -82,8 +82,7 @@ test('a book: words with ids, each heard in its time, without a gap; verse as ve
     if (i) assert.equal(clip[1], uno.clips[i - 1][2]);
   }
   assert.match(uno.text, /goes on\. E poi finisce\* nel 1998\.\s+Una nota <breve>\./);
-  assert.deepEqual(uno.lines.map((line) => line.replace(/^\d+/, '')), ['Il mare è calmo,', 'la luna è piena.']);
-  assert.match(uno.lines[0], /^41/);
+  assert.deepEqual(uno.lines, [['41', 'Il mare è calmo,'], [null, 'la luna è piena.']]);
   assert.deepEqual([due.clips.length, due.text.trim()], [0, '...']);
   const [whole] = metas.filter(([property, refines]) => property === 'media:duration' && !refines);
   assert.equal(whole[2].split(':').reduce((sum, part) => sum * 60 + Number(part), 0).toFixed(3), (uno.clips.at(-1)[2] / 1000).toFixed(3));
@@ -104,7 +103,7 @@ test('a book is a work again: the library reads what it wrote', () => {
   fs.copyFileSync(file('mare.epub'), path.join(again, 'mare.epub'));
   const told = spawnSync(program, ['library', again], { encoding: 'utf8' });
   assert.deepEqual([told.status, told.stderr], [0, ''], told.stdout);
-  assert.match(told.stdout, /faccia: Il mare d'inverno\n1 works, .* 0 problems/);
+  assert.match(told.stdout, / 2 sections +8 passages .* faccia: Il mare d'inverno\n1 works, .* 0 problems/);
 });
 
 test('book and captions give words the same times', () => {
@@ -149,8 +148,8 @@ test('captions, TextGrid and face of a whole work go together', () => {
     assert.ok(Math.abs(Number(intervals.at(-1)[3]) - seconds) < 1e-3);
   }
   assert.ok(grid.includes('text = "pescatore"') && grid.includes('text = "ʎ"'));
-  const frames = fs.readFileSync(file('mare.fap'), 'utf8').split('\n')[1].trim().split(/\s+/);
-  assert.equal(Number(frames.at(-1)), Math.ceil(seconds * 25));
+  const fap = fs.readFileSync(file('mare.fap'), 'utf8');
+  assert.equal(Number(fap.match(/^2\.1 faccia 25 (\d+)\n/)[1]), Math.ceil(seconds * 25 - 1e-9));
 });
 
 test('what cannot be written down is said', () => {
@@ -188,18 +187,18 @@ test('feed, sitemap, citations and descriptions, as others read them', async () 
 
   await kept('/library/feed.xml', 'application/atom+xml', 'feed.xml');
   const feed = python('import feedparser,json,sys\nf=feedparser.parse(sys.argv[1])\nprint(json.dumps([f.bozo, f.version, [[e.title, e.link, e.updated] for e in f.entries]]))', file('feed.xml'));
-  assert.deepEqual([!!feed[0], feed[1], feed[2].length], [false, 'atom10', 6]);
+  assert.deepEqual([!!feed[0], feed[1], feed[2].length], [false, 'atom10', 7]);
   assert.deepEqual(feed[2][0].slice(1), [`${daemon.url}/library/kuslar-tr`, '2031-01-02T03:04:05Z']);
   assert.equal((await daemon.get(new URL(feed[2][0][1]).pathname)).status, 200);
 
   await kept('/library/sitemap.xml', 'application/xml', 'sitemap.xml');
   const places = python('import json,sys\nimport xml.etree.ElementTree as T\nprint(json.dumps([e.text for e in T.parse(sys.argv[1]).iter("{http://www.sitemaps.org/schemas/sitemap/0.9}loc")]))', file('sitemap.xml'));
-  assert.deepEqual(places.sort(), ['detto', 'kuslar-tr', 'mare', 'o-farol', 'segni', 'the-clock'].map((id) => `${daemon.url}/library/${id}`));
+  assert.deepEqual(places.sort(), ['detto', 'kuslar-tr', 'la-lanterna', 'mare', 'o-farol', 'segni', 'the-clock'].map((id) => `${daemon.url}/library/${id}`));
 
   await kept('/library/segni.bib', 'application/x-bibtex', 'segni.bib');
   const [entry] = python('import bibtexparser,json,sys\nfrom bibtexparser.customization import convert_to_unicode\nprint(json.dumps([convert_to_unicode(e) for e in bibtexparser.load(open(sys.argv[1])).entries]))', file('segni.bib'));
   assert.deepEqual([entry.ID, entry.ENTRYTYPE, entry.year, entry.language, entry.url], ['segni', 'book', '1998', 'it', `${daemon.url}/library/segni`]);
-  assert.match(entry.title, /Segni .*& "prove" .*100.*% .*<b>/);
+  assert.match(entry.title, /Segni .*& "prove" .*100.*%.*<b>/);
   assert.match(entry.publisher, /Casa .*& figli/);
 
   await kept('/library/segni.xml', 'application/xml', 'segni.dc.xml');
@@ -215,7 +214,7 @@ test('feed, sitemap, citations and descriptions, as others read them', async () 
   const sound = await daemon.get(pathname + search);
   assert.deepEqual([sound.status, sound.headers.get('content-type'), Buffer.from(await sound.arrayBuffer()).toString('latin1', 0, 4)], [200, chapter.audio[1].encodingFormat, 'OggS']);
   assert.match(await get('/library', 'text/html'), /<link rel="alternate" type="application\/atom\+xml" href="\/library\/feed\.xml">/);
-  for (const address of ['/library/nothing.bib', '/library/nothing.xml', '/library/mare.pdf', '/library/mare/1.xml']) assert.equal((await daemon.get(address)).status, 404, address);
+  for (const address of ['/library/nothing.bib', '/library/nothing.xml', '/library/mare.pdf']) assert.equal((await daemon.get(address)).status, 404, address);
   const grid = await daemon.get('/v1/speech?passage=mare:1:l1&format=textgrid');
   assert.match(await grid.text(), /^File type = "ooTextFile"/);
   assert.match(await (await daemon.get('/v1/speech?passage=mare:1:l1&format=vtt')).text(), /^WEBVTT\n\n00:00:00\.\d{3} --> /);
