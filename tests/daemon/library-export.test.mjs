@@ -64,7 +64,11 @@ before(() => {
   put('detto.md', '---\ntitle: Detto\nlang: it\n---\nLa luna sale sul monte. Il gatto dorme vicino al fuoco.\n');
   execFileSync(program, ['say', '--lang', 'it', '--wav', path.join(works, 'detto.wav'), 'La luna sale sul monte. Il gatto dorme vicino al fuoco.']);
 });
-after(() => fs.rmSync(folder, { recursive: true }));
+let daemon;
+after(async () => {
+  await daemon?.stop();
+  fs.rmSync(folder, { recursive: true });
+});
 
 test('a book: words with ids, each heard in its time, without a gap; verse as verse; epubcheck finds nothing', () => {
   written('segni', '--epub', file('segni.epub'));
@@ -168,7 +172,7 @@ test('what cannot be written down is said', () => {
 });
 
 test('feed, sitemap, citations and descriptions, as others read them', async () => {
-  const daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index')]);
+  daemon = await Daemon.start(['--library', works, '--library-index', path.join(folder, 'index')]);
   const get = async (address, type) => {
     const response = await daemon.get(address);
     const text = await response.text();
@@ -217,5 +221,7 @@ test('feed, sitemap, citations and descriptions, as others read them', async () 
   const grid = await daemon.get('/v1/speech?passage=mare:1:l1&format=textgrid');
   assert.match(await grid.text(), /^File type = "ooTextFile"/);
   assert.match(await (await daemon.get('/v1/speech?passage=mare:1:l1&format=vtt')).text(), /^WEBVTT\n\n00:00:00\.\d{3} --> /);
-  assert.equal((await daemon.stop()).code, 0, daemon.log);
+  const { code } = await daemon.stop();
+  assert.equal(code, 0, daemon.log);
+  daemon = null;
 });
