@@ -2,6 +2,7 @@
 /* faccia library: reads a folder of works as the daemon would, and tells what it found. */
 #include "server/app/cli.h"
 #include "server/app/cli_options.h"
+#include "server/app/library_export.h"
 #include "server/base/mem.h"
 #include "server/library/library_files.h"
 #include "server/library/work.h"
@@ -66,13 +67,18 @@ static void check(struct checking *all, const char *folder, const char *path, co
 int library_main(int argc, char **argv, const struct settings *settings) {
     static const char usage[] =
         "Usage: faccia library DIR\n"
+        "       faccia library export [OPTION]... DIR WORK\n"
         "Reads the works of a folder (TEI, EPUB, Markdown, text, APML, JSML, SSML) and tells what is in them "
         "and\n"
-        "what is wrong, with file, line and column. Exits with 1 when something could not be read.\n";
+        "what is wrong, with file, line and column. Exits with 1 when something could not be read.\n"
+        "export writes a work down as a book that is heard, captions, and more: faccia library export "
+        "--help\n";
     static const struct cli_option options[] = {{0}};
     struct library_files files = {0};
     struct checking all = {0};
     struct error e;
+    if (argc > 1 && !strcmp(argv[1], "export"))
+        return library_export_main(argc - 1, argv + 1, settings);
     int status = cli_options(argc, argv, usage, options, NULL);
     if (status >= 0)
         return status;

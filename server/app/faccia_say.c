@@ -47,6 +47,7 @@ static const char usage[] =
     "(CSV)\n"
     "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
     "      --visemes FILE   visemes with their times, and the 15 weights of each frame (lines of JSON)\n"
+    "      --vtt FILE       captions with word times; --textgrid FILE sentences, words, phones for Praat\n"
     "      --osc HOST:PORT  the face, as it goes on, to a puppet of the VMC protocol\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard input or output. Exit status: 0 spoken, 1 failed, 2 wrong usage.\n";
@@ -58,7 +59,7 @@ struct output {
     struct export export;
 };
 
-enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, ARKIT, ARKIT_NDJSON, VISEMES, OUTPUTS };
+enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, ARKIT, ARKIT_NDJSON, VISEMES, VTT, TEXTGRID, OUTPUTS };
 enum { OUTPUT_OPTION = 256 }; /* of the first of them */
 
 struct say {
@@ -137,8 +138,8 @@ static void on_finished(void *ctx, size_t spoken) {
 
 static int open_outputs(struct say *s) {
     const struct export_source source = export_source_of(s->synthesis);
-    static const char *const names[OUTPUTS] = {"wav",  "fap",   "json",         "ogg",    "ndjson",
-                                               "fapc", "arkit", "arkit-ndjson", "visemes"};
+    static const char *const names[OUTPUTS] = {"wav",   "fap",          "json",    "ogg", "ndjson",  "fapc",
+                                               "arkit", "arkit-ndjson", "visemes", "vtt", "textgrid"};
     int standard = 0;
     bool asked = false;
     for (int i = 0; i < OUTPUTS; i++)
@@ -199,6 +200,8 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"arkit", 1, NULL, OUTPUT_OPTION + ARKIT},
         {"arkit-ndjson", 1, NULL, OUTPUT_OPTION + ARKIT_NDJSON},
         {"visemes", 1, NULL, OUTPUT_OPTION + VISEMES},
+        {"vtt", 1, NULL, OUTPUT_OPTION + VTT},
+        {"textgrid", 1, NULL, OUTPUT_OPTION + TEXTGRID},
         {"osc", 1, NULL, 'P'},
         {"contacts", 1, NULL, 1},
         {"help", 0, NULL, 'h'},
@@ -259,8 +262,7 @@ static int speak(struct say *s, const struct speech_request *request) {
     static const struct synthesis_callbacks callbacks = {on_segment, on_problem, on_finished};
     struct error e;
     char message[400];
-    if (s->sounds)
-        s->cli.stages.pipeline.sounds = s->sounds;
+    s->cli.stages.pipeline.sounds = s->sounds ? s->sounds : s->cli.stages.pipeline.sounds;
     s->synthesis = synthesis_open(&s->cli.stages.pipeline, request, &callbacks, s, &e);
     if (!s->synthesis) {
         cli_complain("%s", error_text(&e, message, sizeof message));

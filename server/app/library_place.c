@@ -90,3 +90,11 @@ int library_place_open(const struct settings *s, struct library **library, char 
     free(voices);
     return *library ? 0 : -1;
 }
+
+int library_place_voices(const struct settings *s, char **voice_config, struct error *e) {
+    char *index = index_place(s, e), *voices = NULL;
+    int result = index ? place_voices(s, index, &voices, voice_config, e) : -1;
+    free(index);
+    free(voices);
+    return result;
+}

@@ -11,4 +11,7 @@
 int library_place_open(const struct settings *settings, struct library **library, char **voice_config,
                        struct error *e);
 
+/* The voices alone, for a command. */
+int library_place_voices(const struct settings *settings, char **voice_config, struct error *e);
+
 #endif

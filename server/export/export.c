@@ -90,6 +90,9 @@ const struct export_format export_formats[] = {
      NULL, false},
     {"arkit-ndjson", NDJSON, export_arkit_free, export_arkit_weights, false},
     {"visemes", NDJSON, NULL, export_viseme_weights, true},
+    {"vtt", "text/vtt; charset=utf-8", true, export_vtt_piece, export_vtt_end, NULL, NULL, NULL, false},
+    {"textgrid", "text/plain; charset=utf-8", false, export_textgrid_piece, export_textgrid_end, NULL,
+     export_textgrid_free, NULL, false},
     {0},
 };
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A speech, or a recording, written down whole: as sound (WAV, Opus in Ogg), as face animation (.fap, .fapc),
- * as curves for other engines (ARKit, visemes), as its timing (JSON, of speech only), or as all that happens
- * in it (NDJSON). For files and HTTP answers. */
+ * as curves for other engines (ARKit, visemes), as its timing (JSON, WebVTT, TextGrid; of speech only), or as
+ * all that happens in it (NDJSON). For files and HTTP answers. */
 #ifndef FACCIA_EXPORT_EXPORT_H
 #define FACCIA_EXPORT_EXPORT_H
 
@@ -83,6 +83,13 @@ extern const char *const export_viseme_names[];
 void export_ogg_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_ogg_end(struct export *x);
 void export_ogg_free(struct export *x);
+
+void export_vtt_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_vtt_end(struct export *x);
+
+void export_textgrid_piece(struct export *x, const struct media_segment *segment, uint32_t to);
+void export_textgrid_end(struct export *x);
+void export_textgrid_free(struct export *x);
 
 void export_fapc_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_fapc_end(struct export *x);

@@ -30,9 +30,11 @@ struct library_question {
         LIBRARY_SECTION, /* work, section */
         LIBRARY_PASSAGE, /* passage */
         LIBRARY_SEARCH,
+        LIBRARY_NEWEST, /* most */
     } kind;
     const char *work, *section, *passage;
     const char *query, *lang, *author, *limit, *after;
+    unsigned most; /* works */
 };
 
 /* The answer as JSON, in any thread. -1 with *e: "unknown-work", "unknown-section", "unknown-passage",

@@ -160,6 +160,9 @@ int library_answer(struct library *l, const struct library_question *q, struct b
         break;
     case LIBRARY_SEARCH:
         answer = library_search_json(r, q, e);
+        break;
+    case LIBRARY_NEWEST:
+        answer = library_newest_json(r, q->most, e);
     }
     sqlite3_exec(r->sql, "COMMIT", NULL, NULL, NULL);
     library_reader_done(l, r);

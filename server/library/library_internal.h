@@ -36,11 +36,12 @@ void library_reader_done(struct library *library, struct index_reader *reader);
 /* library_scan.c: the thread. */
 void *library_scan(void *library);
 
-/* library_answer.c, library_section.c, library_search.c: an answer; NULL with *e. */
+/* library_answer.c, library_section.c, library_search.c, library_newest.c: an answer; NULL with *e. */
 json_t *library_section_json(struct index_reader *reader, const char *work, const char *section,
                              struct error *e);
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
                             struct error *e);
+json_t *library_newest_json(struct index_reader *reader, unsigned most, struct error *e);
 json_t *library_passage_json(struct index_reader *reader, const char *id, struct error *e);
 
 /* library_read.c */

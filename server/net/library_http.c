@@ -11,6 +11,8 @@
 enum {
     ASKING_MOST = 2, /* at once: the threads are for others, too */
     WAITING_MOST = 256,
+    FEED_MOST = 100,      /* works */
+    SITEMAP_MOST = 50000, /* as many as a sitemap may have */
 };
 
 /* Belongs to its exchange, and to the thread until it is done. */
@@ -56,8 +58,7 @@ static void after(uv_work_t *work, int status) {
     else if (status || a->result)
         exchange_error(a->x, &a->error);
     else
-        exchange_tagged(a->x, a->form == LIBRARY_AS_PAGE ? "text/html; charset=utf-8" : "application/json",
-                        a->answer.data, a->answer.size);
+        exchange_tagged(a->x, library_types[a->form], a->answer.data, a->answer.size);
     begin(net);
 }
 
@@ -157,7 +158,26 @@ static bool read_address(struct asking *a, const char *url) {
     return false;
 }
 
+/* Of all works, or of one: WORK.bib, WORK.xml. False: it is none of these. */
+static bool read_file(struct asking *a, const char *path) {
+    const char *dot = strrchr(path, '.');
+    if (!strcmp(path, "/feed.xml") || !strcmp(path, "/sitemap.xml")) {
+        a->form = path[1] == 'f' ? LIBRARY_AS_ATOM : LIBRARY_AS_SITEMAP;
+        a->question.kind = LIBRARY_NEWEST;
+        a->question.most = path[1] == 'f' ? FEED_MOST : SITEMAP_MOST;
+        return true;
+    }
+    if (*path != '/' || !dot || strchr(path + 1, '/') || (strcmp(dot, ".bib") && strcmp(dot, ".xml")))
+        return false;
+    a->form = dot[1] == 'b' ? LIBRARY_AS_BIBTEX : LIBRARY_AS_DUBLIN_CORE;
+    a->question.kind = LIBRARY_WORK;
+    a->question.work = keep(a, path + 1, (size_t)(dot - path - 1));
+    return true;
+}
+
 static bool read_page(struct asking *a, const char *path) {
+    if (read_file(a, path))
+        return true;
     if (*path == '/' && path[1] && !read_place(a, path + 1))
         return false;
     if (a->section) {

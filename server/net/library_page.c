@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/library_page.h"
+#include "server/net/library_meta.h"
 #include <jansson.h>
 #include <stdbool.h>
 #include <stdlib.h>
@@ -176,6 +177,13 @@ static void add_list(struct buf *out, const json_t *answer) {
         add(out, "</li>\n");
     }
     add(out, "</ul>\n");
+    if (*text_of(answer, "id")) {
+        buf_printf(out, "<p class=\"cite\"><a href=\"/library/%s.bib\">BibTeX</a> &middot; ",
+                   text_of(answer, "id"));
+        buf_printf(out, "<a href=\"/library/%s.xml\">Dublin Core</a></p>\n", text_of(answer, "id"));
+    } else {
+        add(out, "<p class=\"cite\"><a href=\"/library/feed.xml\">Atom</a></p>\n");
+    }
 }
 
 static void add_page(struct buf *out, const json_t *answer, const char *base) {
@@ -202,6 +210,7 @@ static void add_page(struct buf *out, const json_t *answer, const char *base) {
             buf_printf(out, "/%zu", place_of(answer, "number"));
         add(out, "\">\n");
     }
+    library_head(out, answer, base);
     const char *name = text_of(work ? work : answer, "title");
     add(out, "</head>\n<body><main><div class=\"reading\">\n<h1>");
     add_text(out, *name ? name : "faccia");
@@ -236,7 +245,21 @@ static void add_oembed(struct buf *out, const json_t *work, const char *base, co
     buf_free(&html);
 }
 
+const char *const library_types[] = {
+    [LIBRARY_AS_JSON] = "application/json",       [LIBRARY_AS_PAGE] = "text/html; charset=utf-8",
+    [LIBRARY_AS_OEMBED] = "application/json",     [LIBRARY_AS_ATOM] = "application/atom+xml",
+    [LIBRARY_AS_SITEMAP] = "application/xml",     [LIBRARY_AS_BIBTEX] = "application/x-bibtex; charset=utf-8",
+    [LIBRARY_AS_DUBLIN_CORE] = "application/xml",
+};
+
 void library_page(enum library_form form, const char *base, const char *section, struct buf *answer) {
+    static void (*const others[])(struct buf *, const json_t *, const char *) = {
+        [LIBRARY_AS_PAGE] = add_page,
+        [LIBRARY_AS_ATOM] = library_atom,
+        [LIBRARY_AS_SITEMAP] = library_sitemap,
+        [LIBRARY_AS_BIBTEX] = library_bibtex,
+        [LIBRARY_AS_DUBLIN_CORE] = library_dublin_core,
+    };
     json_t *json = json_loadb((const char *)answer->data, answer->size, 0, NULL);
     if (!json)
         return;
@@ -244,7 +267,7 @@ void library_page(enum library_form form, const char *base, const char *section,
     if (form == LIBRARY_AS_OEMBED)
         add_oembed(&out, json, base, section);
     else
-        add_page(&out, json, base);
+        others[form](&out, json, base);
     json_decref(json);
     buf_free(answer);
     *answer = out;

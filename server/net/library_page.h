@@ -1,11 +1,23 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The library's answers for those who run no script: as a page, or as what oEmbed (oembed.com, 2.3) wants. */
+/* The library's answers for those who run no script: as a page, as what oEmbed (oembed.com, 2.3)
+ * wants, or as library_meta.h has them. */
 #ifndef FACCIA_NET_LIBRARY_PAGE_H
 #define FACCIA_NET_LIBRARY_PAGE_H
 
 #include "server/base/buf.h"
 
-enum library_form { LIBRARY_AS_JSON, LIBRARY_AS_PAGE, LIBRARY_AS_OEMBED };
+enum library_form {
+    LIBRARY_AS_JSON,
+    LIBRARY_AS_PAGE,
+    LIBRARY_AS_OEMBED,
+    LIBRARY_AS_ATOM,
+    LIBRARY_AS_SITEMAP,
+    LIBRARY_AS_BIBTEX,
+    LIBRARY_AS_DUBLIN_CORE,
+};
+
+/* The Content-Type of each. */
+extern const char *const library_types[];
 
 /* Puts the form in place of the JSON of a list, a work or a section. base: the server's address
  * without a slash at its end; section: of a work, for oEmbed, or NULL.

@@ -276,7 +276,7 @@ test('faccia library tells the same without a daemon', () => {
   assert.match(bad.stdout, /^mare +it +tei .* 2 sections/m);
   const good = spawnSync(program, ['library', path.join(root, 'models/library')], { encoding: 'utf8' });
   assert.deepEqual([good.status, good.stderr], [0, '']);
-  assert.match(good.stdout, /4 works, .* 0 problems, 0 hints\n$/);
+  assert.match(good.stdout, /5 works, .* 0 problems, 0 hints\n$/);
   assert.equal(spawnSync(program, ['library', path.join(folder, 'nowhere')]).status, 1);
   assert.equal(spawnSync(program, ['library']).status, 2);
 });

@@ -21,6 +21,7 @@ const BELOW = {
   codec: ['stream', 'protocol', 'base'],
   export: ['codec', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   library: ['base'],
+  publish: ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   net: ['library', 'access', 'stream', 'export', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
   align: ['face', 'voice', 'markup', 'base'],
   fit: ['face', 'voice', 'protocol', 'base'],

@@ -67,6 +67,11 @@ export class Frame {
   /** Loads the head; from here on its methods are there. @returns {Promise<object>} what its module exports */
   async open() {
     this.translate();
+    return this.loadHead();
+  }
+
+  /** The same for a page that has been translated. */
+  async loadHead() {
     try {
       return await import('./talking-head.js');
     } catch (error) {

@@ -7,7 +7,7 @@ const MARK = 'library-word';
 const WORKER = 'library-worker.js';
 
 /** Whether this browser keeps anything for this page. */
-export const canKeep = () => 'serviceWorker' in navigator && 'caches' in globalThis;
+export const canKeep = () => globalThis.origin !== 'null' && 'serviceWorker' in navigator && 'caches' in globalThis; // null: in a sandbox
 
 /** @returns {Promise<boolean>} whether the worker is there */
 export async function startWorker() {

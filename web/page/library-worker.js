@@ -3,9 +3,7 @@
 const PAGE = 'faccia-page';
 const WORKS = 'faccia-works';
 const SPEECH = 'faccia-speech';
-const FILES = `library.html library.js library.css library-text.js library-search.js library-words.js library-offline.js library-keys.js page.css
-  icon.svg frame.js access.js caption-choice.js copy.js error-words.js languages.js problem.js shared-words.js storage.js voice-choice.js
-  talking-head.js talking-head-worklet.js opus-decoder.js`.split(/\s+/);
+const FILES = 'library.html library.js library.css page.css icon.svg talking-head.js talking-head-worklet.js opus-decoder.js'.split(' ');
 
 self.addEventListener('install', (event) => {
   event.waitUntil(

@@ -98,7 +98,8 @@ async function openSection(work, number) {
 
 /** What the address names: nothing, a section, a passage or a line. */
 async function go() {
-  const id = decodeURIComponent(location.hash.slice(1) || (query.get('at') ?? ''));
+  const hash = location.hash.startsWith('#?') ? '' : location.hash.slice(1); // what WordPress appends is not for us
+  const id = decodeURIComponent(hash || (query.get('at') ?? ''));
   const [work, number] = id.split(':');
   if (['q', 'passage'].includes(work)) return;
   const found = Boolean(number);
@@ -386,8 +387,11 @@ frame.onTranslate(() => {
 });
 restoreLooks();
 document.body.classList.toggle('embed', query.has('embed'));
-const opened = frame.open().catch(() => {}); // the text does not wait for her
-await Promise.all([showWorks(), go()]);
+frame.translate();
+const texts = Promise.all([showWorks(), go()]);
+// on a slow line she would be in the text's way
+const opened = texts.catch(() => {}).then(() => frame.loadHead()).catch(() => {});
+await texts;
 $('keep').hidden = !(await startWorker());
 await opened;
 state.voices = (await load('v1/voices'))?.voices ?? [];
