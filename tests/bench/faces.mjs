@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Two faces on one page, the same head twice or two heads: what comes over the line, what is decoded, how much processor time the browser takes until
-// both are drawn and have few triangles; empty caches, software rendering. With --before also as another folder has it (the build/web of an older
+// both are drawn; empty caches, software rendering. With --before also as another folder has it (the build/web of an older
 // commit), in turns. FACCIA_BUILD=build node tests/bench/faces.mjs [--turns 3] [--before FOLDER]
 import path from 'node:path';
 import { parseArgs } from 'node:util';
@@ -10,7 +10,6 @@ import { servePages } from '../lib/page-server.mjs';
 import { descendantSeconds, median } from './figures.mjs';
 
 const { values: options } = parseArgs({ options: { turns: { type: 'string', default: '3' }, before: { type: 'string' } } });
-const STILL_MS = 1500; // no triangle more or less in this while: all is worked out
 const daemons = { now: await Daemon.start(), ...(options.before ? { before: await Daemon.start([], { FACCIA_WEB: path.resolve(options.before) }) } : {}) };
 const spent = () => descendantSeconds(Object.values(daemons).map(({ process: { pid } }) => pid));
 const browser = await launch();
@@ -32,16 +31,8 @@ async function once({ url }, names) {
   });
   const cpu = spent();
   await page.goto(pages.url);
-  const all = () => [...document.querySelectorAll('talking-head')].map((head) => head.debug?.());
   await page.waitForFunction(() => [...document.querySelectorAll('talking-head')].every((head) => head.debug?.().frames), null, { timeout: 180000 });
   found.drawn = spent() - cpu;
-  let [before, since] = ['', performance.now()];
-  while (performance.now() - since < STILL_MS) {
-    const now = JSON.stringify((await page.evaluate(all)).map(({ triangles }) => triangles));
-    if (now !== before) [before, since] = [now, performance.now()];
-    await new Promise((resolve) => setTimeout(resolve, 200));
-  }
-  found.whole = spent() - cpu;
   found.decoded = await page.evaluate(() => window.decoded);
   await context.close();
   await pages.close();
@@ -51,10 +42,10 @@ async function once({ url }, names) {
 await once(daemons.now, ['mara']); // warms up the browser
 const kinds = [['mara'], ['mara', 'mara'], ['mara', 'bruno']].flatMap((names) => Object.keys(daemons).map((which) => ({ names, which, runs: [] })));
 for (let turn = 0; turn < Number(options.turns); turn++) for (const { names, which, runs } of kinds) runs.push(await once(daemons[which], names));
-console.log('| heads | build | requests | kB | pictures decoded | processor, s, until drawn | until few triangles |\n|---|---|---|---|---|---|---|');
+console.log('| heads | build | requests | kB | pictures decoded | processor, s, until drawn |\n|---|---|---|---|---|---|');
 for (const { names, which, runs } of kinds) {
   const of = (key) => median(runs.map((run) => run[key]));
-  console.log(`| ${names.join(', ')} | ${which} | ${of('requests')} | ${of('kB').toFixed(0)} | ${of('decoded')} | ${of('drawn').toFixed(1)} | ${of('whole').toFixed(1)} |`);
+  console.log(`| ${names.join(', ')} | ${which} | ${of('requests')} | ${of('kB').toFixed(0)} | ${of('decoded')} | ${of('drawn').toFixed(1)} |`);
 }
 await browser.close();
 for (const daemon of Object.values(daemons)) await daemon.stop();
