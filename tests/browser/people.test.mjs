@@ -157,7 +157,18 @@ test('without WebGL there is a picture of the speaker', async () => {
       head.speak('Buongiorno a tutti.', { lang: 'it' });
     }));
     assert.ok(await poster.isVisible(), 'and what is said is read under it');
-    await plain.evaluate(() => { document.querySelector('talking-head').poster = 'off'; });
+    const stand = (wish) => plain.evaluate((value) => { document.querySelector('talking-head').poster = value; }, wish);
+    await stand(`${daemon.url}/v1/models/rosa.webp`);
+    await plain.waitForFunction(() => {
+      const image = document.querySelector('talking-head').shadowRoot.querySelector('.poster');
+      return /rosa\.webp$/.test(image.src) && !image.hidden && image.naturalWidth > 200;
+    });
+    await stand(`${daemon.url}/nobody.webp`);
+    await poster.waitFor({ state: 'hidden' });
+    assert.ok(await message.isVisible(), 'where the picture cannot be had, either, one is told');
+    await stand(null);
+    await poster.waitFor({ state: 'visible' });
+    await stand('off');
     await poster.waitFor({ state: 'hidden' });
   } finally {
     await blind.close();

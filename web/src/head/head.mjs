@@ -15,6 +15,7 @@ import { breath, sliced } from './slices.mjs';
 import { CLEAR, eyeNormals, kindOf, THIN, volumeNormals } from './surfaces.mjs';
 import { bakeOcclusion } from './occlusion.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
+import { workedOut } from './together.mjs';
 import { Triangles } from './triangles.mjs';
 import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from './wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
@@ -140,6 +141,11 @@ export class Head {
 
   /** How much light reaches each vertex. */
   async #shade() {
+    const reaches = await workedOut(this.model, 'reach', () => this.#reaches());
+    reaches.forEach((reach, i) => this.parts[i].geometry.attributes.reach.array.set(reach));
+  }
+
+  #reaches() {
     const posed = (pose) => {
       this.drive.set(pose);
       return this.parts.map(({ part, influences }) => deform(part, influences, this.drive));
@@ -153,8 +159,7 @@ export class Head {
         seen: lit[i],
       })),
     );
-    const reaches = await sliced(bake);
-    reaches.forEach((reach, i) => this.parts[i].geometry.attributes.reach.array.set(reach));
+    return sliced(bake);
   }
 
   #pack(influences, geometry) {

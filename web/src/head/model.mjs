@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 import { checkModel, ModelError } from './model-check.mjs';
 import { shared } from './shared.mjs';
+import { readOnce } from './together.mjs';
 
 export { ModelError };
 
@@ -87,6 +88,10 @@ export const HEAD_FAPS = [48, 49, 50];
  * @throws {ModelError} with the place of what is wrong
  */
 export function readModel(json) {
+  return readOnce(json, read);
+}
+
+function read(json) {
   checkModel(json);
   const order = (turn) => HEAD_FAPS.indexOf(turn.fap) + 1;
   const turns = [...(json.turns ?? [])].sort((a, b) => order(a) - order(b));
@@ -109,8 +114,14 @@ export function readModel(json) {
   };
 }
 
+const decoded = new WeakMap(); // image -> its promise, which is looked for, and kept while the image is
+
 /** The image of a texture, for all heads that have it. @returns {Promise<ImageBitmap>} */
 export function decodeTexture(texture, options) {
-  const decode = () => createImageBitmap(new Blob([bytes(texture.data)], { type: texture.type }), options);
+  const decode = () => {
+    const coming = createImageBitmap(new Blob([bytes(texture.data)], { type: texture.type }), options);
+    coming.then((image) => decoded.set(image, coming), () => {});
+    return coming;
+  };
   return shared(`image ${Object.values(options ?? {}).join()}`, texture.data, decode);
 }

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { fetchModel, httpBase, ModelAssembler } from './loader.mjs';
+import { together } from './together.mjs';
 
 /**
  * Brings the head: by HTTP, where caches help; where that way is closed (another origin that does not allow it, say), through
@@ -46,7 +47,9 @@ export class ModelSource {
     const progress = (loaded, total) => this.ports.progress({ loaded, total, ratio: total ? loaded / total : null });
     let json;
     try {
-      json = await fetchModel(httpBase(stream) + address, size, progress, signal);
+      const whole = httpBase(stream) + address;
+      const load = (...how) => fetchModel(whole, size, ...how);
+      json = await (drawn && version ? together(whole, load, progress, signal) : load(progress, signal));
     } catch {
       if (signal.aborted) return;
       this.#asked = true;

@@ -8,6 +8,7 @@ import { headTurnOf } from './shape.mjs';
 import { alphaOf, sight } from './sight.mjs';
 import { breath, sliced } from './slices.mjs';
 import { CLEAR, kindOf } from './surfaces.mjs';
+import { workedOut } from './together.mjs';
 
 const WHOLE = /^(eye|brows|lashes|glasses)/; // they turn by themselves, or hide nothing: all of them is drawn
 const LEAN_MM = [0.3, 0.42]; // what a vertex may be off by,
@@ -32,10 +33,11 @@ export class Triangles {
    * Where there is no graphics processor, triangles are what takes the time.
    */
   async slim() {
-    for (const one of this.head.parts) {
+    for (const [i, one] of this.head.parts.entries()) {
       if (this.head.gone) return;
       const [whole] = one.shapes;
-      const fewer = await sliced(lean(one.part, await this.#features(one), LEAN_MM));
+      const fewer = await workedOut(this.head.model, `fewer ${i}`, async () =>
+        sliced(lean(one.part, await this.#features(one), LEAN_MM)));
       one.shapes = [one.part.index, ...fewer].map((triangles) => whole.with(triangles, this.head.drive));
       this.choose();
       whole.dispose();
