@@ -37,7 +37,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 
 sh "$root/server/run.sh" --build-only
 need_packages libcmocka-dev g++ strace chromium curl espeak-ng firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-skimage python3-websockets sox iproute2 systemd \
-    asterisk-core-sounds-it asterisk-core-sounds-it-wav sqlite3 wamerican wbrazilian witalian festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite
+    sqlite3 wamerican wbrazilian witalian festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite
 need_modules "$root/tests"
 
 # The daemon is tested with the sanitizers built in; the browser, which needs speed, with the ordinary build.
