@@ -10,9 +10,6 @@
 #include <sqlite3.h>
 #include <stdint.h>
 
-/* A term in more rows than this is common: it does not rank. */
-enum { INDEX_COMMON = 20000 };
-
 /* Rows of `passage`, whose numbers are those of `found`: a block, or a part of one that is long. */
 enum { PART_LINES = 12, PART_BYTES = 4000 };
 
@@ -59,9 +56,6 @@ int index_add_work(struct index_writer *writer, const char *name, const char *pa
                    const struct work_meta *meta, int64_t first_row, bool recording, struct error *e);
 int index_add_problem(struct index_writer *writer, const char *path, const struct error *problem,
                       bool serious, struct error *e);
-
-/* Finds out anew which terms are common. */
-int index_count_terms(struct index_writer *writer, struct error *e);
 
 /* index_text.c: the columns of `found` for a text. */
 void index_columns(struct stems *stems, const char *lang, const char *text, size_t size, struct buf *words,

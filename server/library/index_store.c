@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/log.h"
 #include "server/library/index_internal.h"
+#include "server/library/search_rank.h"
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-#define SCHEMA "1"
+#define SCHEMA "2"
 #define APPLICATION "1717985378" /* "fabl" */
 
 static const char schema[] =
@@ -30,10 +32,8 @@ static const char schema[] =
     "serious "
     "INTEGER);"
     "CREATE INDEX IF NOT EXISTS problem_path ON problem (path);"
-    "CREATE TABLE IF NOT EXISTS common (term TEXT, col TEXT, PRIMARY KEY (term, col)) WITHOUT ROWID;"
     "CREATE VIRTUAL TABLE IF NOT EXISTS found USING fts5 (word, stem, content='', "
     "tokenize='unicode61 remove_diacritics 2');"
-    "CREATE VIRTUAL TABLE IF NOT EXISTS term USING fts5vocab (found, col);"
     "INSERT INTO found (found, rank) VALUES ('hashsize', 33554432);"
     "PRAGMA user_version=" SCHEMA ";";
 
@@ -60,7 +60,7 @@ static int try_open(struct index_writer *w, const char *file) {
         return -1;
     if (application && application != 1717985378)
         return 1; /* somebody else's */
-    if ((version && version != 1) || sqlite3_exec(w->sql, schema, NULL, NULL, NULL) != SQLITE_OK)
+    if ((version && version != atoi(SCHEMA)) || sqlite3_exec(w->sql, schema, NULL, NULL, NULL) != SQLITE_OK)
         return -1;
     w->next = number_of(w->sql, "SELECT coalesce(max(id), 0) + 1 FROM passage");
     return w->next > 0 ? 0 : -1;
@@ -105,8 +105,9 @@ void index_close(struct index_writer *w) {
 sqlite3 *index_open_reader(const char *file) {
     sqlite3 *sql = NULL;
     if (sqlite3_open_v2(file, &sql, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, NULL) != SQLITE_OK ||
-        sqlite3_exec(sql, "PRAGMA query_only=1; PRAGMA mmap_size=268435456;", NULL, NULL, NULL) !=
-            SQLITE_OK) {
+        sqlite3_exec(sql, "PRAGMA query_only=1; PRAGMA mmap_size=2147418112;", NULL, NULL, NULL) !=
+            SQLITE_OK ||
+        search_rank_add(sql)) {
         sqlite3_close(sql);
         return NULL;
     }
@@ -160,13 +161,4 @@ void index_roll_back(struct index_writer *w) {
     sqlite3_exec(w->sql, "ROLLBACK", NULL, NULL, NULL);
     w->open = false;
     w->next = number_of(w->sql, "SELECT coalesce(max(id), 0) + 1 FROM passage");
-}
-
-int index_count_terms(struct index_writer *w, struct error *e) {
-    char sql[256];
-    snprintf(
-        sql, sizeof sql,
-        "BEGIN; DELETE FROM common; INSERT INTO common SELECT term, col FROM term WHERE doc > %d; COMMIT",
-        INDEX_COMMON);
-    return sqlite3_exec(w->sql, sql, NULL, NULL, NULL) == SQLITE_OK ? 0 : fail(w->sql, e);
 }

@@ -15,6 +15,7 @@ void index_columns(struct stems *stems, const char *lang, const char *text, size
         if (!stems_of(stems, lang, &word, stem) || !stem[0])
             continue;
         buf_add(stemmed, " ", stemmed->size ? 1 : 0);
+        buf_add(stemmed, STEM_SIGN, strlen(STEM_SIGN));
         buf_add(stemmed, stem, strlen(stem));
     }
 }

@@ -21,7 +21,6 @@ enum {
 struct pass {
     struct library *library;
     struct index_writer writer;
-    size_t changed; /* characters since terms were counted */
 };
 
 struct taking {
@@ -152,21 +151,13 @@ static int read_all(struct pass *p, struct error *e) {
     for (size_t i = 0; !result && i < files.count && !atomic_load(&l->stop); i++) {
         progress(l, i, files.count, was_indexing);
         result = look(p, &files.list[i], e);
-        p->changed += p->writer.open ? 1 : 0;
         if (!result && p->writer.characters > COMMIT_CHARACTERS)
             result = index_commit(&p->writer, e);
     }
-    size_t changes = p->changed;
     if (atomic_load(&l->stop))
         index_roll_back(&p->writer);
     else if (!result)
         result = index_commit(&p->writer, e);
-    if (!result && changes && !atomic_load(&l->stop)) {
-        progress(l, files.count, files.count,
-                 false); /* all can be found: what is common is of no weight yet */
-        result = index_count_terms(&p->writer, e);
-        p->changed = 0;
-    }
     if (!result)
         progress(l, files.count, files.count, false);
     library_files_free(&files);

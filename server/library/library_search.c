@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/utf8.h"
 #include "server/library/library_internal.h"
+#include "server/library/search_places.h"
 #include "server/library/search_query.h"
 #include <stdlib.h>
 #include <string.h>
@@ -21,7 +22,7 @@ struct searching {
     struct index_reader *reader;
     const struct library_question *question;
     struct search_query query;
-    sqlite3_stmt *common, *row, *shape;
+    sqlite3_stmt *row, *shape;
     uint64_t until; /* ms */
     bool late;
 };
@@ -38,27 +39,9 @@ static int on_progress(void *ctx) {
     return s->late;
 }
 
-static bool is_common(void *ctx, const char *term, bool stem) {
-    struct searching *s = ctx;
-    sqlite3_reset(s->common);
-    sqlite3_bind_text(s->common, 1, term, -1, SQLITE_TRANSIENT);
-    sqlite3_bind_text(s->common, 2, stem ? "stem" : "word", -1, SQLITE_STATIC);
-    bool is = sqlite3_step(s->common) == SQLITE_ROW;
-    sqlite3_reset(s->common);
-    return is;
-}
-
 static const char *text_at(sqlite3_stmt *s, int column) {
     const char *text = (const char *)sqlite3_column_text(s, column);
     return text ? text : "";
-}
-
-static bool wanted(const struct searching *s) {
-    const struct library_question *q = s->question;
-    return search_list_has(q->work, text_at(s->row, 0), false) &&
-           search_list_has(q->lang, text_at(s->row, 6), true) &&
-           (!q->author || !strcmp(q->author, text_at(s->row, 9)) ||
-            search_list_has(q->author, text_at(s->row, 9), false));
 }
 
 struct match {
@@ -116,7 +99,7 @@ static void set_line(struct searching *s, json_t *result, int64_t row, int part,
     json_decref(shape);
 }
 
-static json_t *result_of(struct searching *s, int64_t row, double rank) {
+static json_t *result_of(struct searching *s, int64_t row, double worth) {
     static const char *const kinds[] = {"head", "paragraph", "line", "note", "", "", ""};
     struct match matches[MARKS_MOST];
     const char *work = text_at(s->row, 0), *text = text_at(s->row, 7), *lang = text_at(s->row, 6);
@@ -131,7 +114,7 @@ static json_t *result_of(struct searching *s, int64_t row, double rank) {
         line += text[i] == '\n';
     passage = verse ? json_sprintf("%s:%d:l%lld", work, section, (long long)line) : json_incref(block);
     json_t *result = json_pack("{so ss so ss sf s{ss so so} s{so si so} sb so}", "passage", passage, "kind",
-                               kinds[kind], "block", block, "lang", lang, "score", -rank, "work", "id", work,
+                               kinds[kind], "block", block, "lang", lang, "score", worth, "work", "id", work,
                                "title", library_text(s->row, 8), "author", library_text(s->row, 9), "section",
                                "id", json_sprintf("%s:%d", work, section), "number", section, "title",
                                library_text(s->row, 10), "recording", sqlite3_column_int(s->row, 11),
@@ -141,69 +124,49 @@ static json_t *result_of(struct searching *s, int64_t row, double rank) {
     return result;
 }
 
-/* The rows that match, best first, from `after` on: one more than `limit` tells that there are more. */
-static json_t *gather(struct searching *s, sqlite3_stmt *rows, unsigned limit, unsigned after, bool *more) {
-    const struct library_question *q = s->question;
-    bool all = !q->work && !q->lang && !q->author;
+/* Of the places those from `after` on. */
+static json_t *gather(struct searching *s, const struct search_places *places, unsigned limit,
+                      unsigned after) {
     json_t *results = json_array();
-    unsigned seen = 0;
-    *more = false;
-    while (sqlite3_step(rows) == SQLITE_ROW && !*more) {
-        int64_t row = sqlite3_column_int64(rows, 0);
-        if (all && seen < after) {
-            seen++;
-            continue;
-        }
+    for (size_t i = after; i < places->count && i < (size_t)after + limit; i++) {
         sqlite3_reset(s->row);
-        sqlite3_bind_int64(s->row, 1, row);
-        if (sqlite3_step(s->row) != SQLITE_ROW || !wanted(s) || seen++ < after)
-            continue;
-        if (json_array_size(results) == limit)
-            *more = true;
-        else
-            json_array_append_new(results, result_of(s, row, sqlite3_column_double(rows, 1)));
+        sqlite3_bind_int64(s->row, 1, places->list[i].row);
+        if (sqlite3_step(s->row) == SQLITE_ROW)
+            json_array_append_new(results, result_of(s, places->list[i].row, places->list[i].worth));
     }
     return results;
 }
 
 static json_t *run(struct searching *s, struct error *e) {
-    static const char ranked[] =
-        "SELECT rowid, rank FROM found WHERE found MATCH ? AND rank MATCH 'bm25(2.0, 1.0)' "
-        "ORDER BY rank",
-                      plain[] = "SELECT rowid, 0 FROM found WHERE found MATCH ? ORDER BY rowid";
+    struct search_places places = {0};
     unsigned limit, after;
-    bool more;
+    json_t *answer = NULL;
     if (library_number("limit", s->question->limit, 1, LIMIT_MOST, LIMIT_USUAL, &limit, e) ||
         library_number("after", s->question->after, 0, AFTER_MOST, 0, &after, e))
         return NULL;
-    sqlite3_stmt *rows = library_prepare(s->reader, s->query.ranked ? ranked : plain, e);
-    if (!rows)
-        return NULL;
-    sqlite3_bind_text(rows, 1, (char *)s->query.match.data, -1, SQLITE_STATIC);
-    json_t *results = gather(s, rows, limit, after, &more), *answer = NULL;
-    int status = sqlite3_finalize(rows);
-    if (s->late)
-        error_plain(e, ERROR_SEARCH_TOO_LONG);
-    else if (status != SQLITE_OK)
-        error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(s->reader->sql));
-    else
-        answer = json_pack("{sO sb}", "results", results, "ranked", s->query.ranked);
-    if (answer && more)
-        json_object_set_new(answer, "next", json_sprintf("%u", after + limit));
-    json_decref(results);
-    return answer;
+    size_t end = (size_t)after + limit;
+    if (!search_places_find(&places, s->reader, (char *)s->query.match.data, s->question, end + 1, e))
+        answer = json_pack("{so sb}", "results", gather(s, &places, limit, after), "ranked",
+                           places.count <= PLACES_RANKED);
+    if (answer && places.count > end)
+        json_object_set_new(answer, "next", json_sprintf("%zu", end));
+    search_places_free(&places);
+    if (!s->late)
+        return answer;
+    json_decref(answer);
+    error_plain(e, ERROR_SEARCH_TOO_LONG);
+    return NULL;
 }
 
 json_t *library_search_json(struct index_reader *r, const struct library_question *question,
                             struct error *e) {
     struct searching s = {.reader = r, .question = question, .until = now() + SEARCH_MS};
-    const struct query_options options = {r->stems, question->lang, is_common, &s};
+    const struct query_options options = {r->stems, question->lang};
     json_t *answer = NULL;
     if (!question->query) {
         error_plain_in_field(e, ERROR_MISSING_FIELD, "q");
         return NULL;
     }
-    s.common = library_prepare(r, "SELECT 1 FROM common WHERE term = ? AND col = ?", e);
     s.shape = library_prepare(r, "SELECT shape, first_line FROM passage WHERE id = ?", e);
     s.row = library_prepare(
         r,
@@ -212,11 +175,10 @@ json_t *library_search_json(struct index_reader *r, const struct library_questio
         "ON s.work = p.work AND s.number = p.section WHERE p.id = ?",
         e);
     sqlite3_progress_handler(r->sql, LOOK_OPERATIONS, on_progress, &s);
-    if (s.common && s.row && s.shape && !search_query_read(&s.query, question->query, &options, e))
+    if (s.row && s.shape && !search_query_read(&s.query, question->query, &options, e))
         answer = run(&s, e);
     sqlite3_progress_handler(r->sql, 0, NULL, NULL);
     search_query_free(&s.query);
-    sqlite3_finalize(s.common);
     sqlite3_finalize(s.shape);
     sqlite3_finalize(s.row);
     return answer;

@@ -13,10 +13,10 @@ struct reading {
     struct error *e;
 };
 
-/* A part of the query: its FTS5 text, and whether it has a term that is not common. */
+/* A part of the query: its FTS5 text. */
 struct node {
     struct buf text;
-    bool rare, negative;
+    bool negative;
 };
 
 static int read_any(struct reading *r, struct node *out);
@@ -60,7 +60,6 @@ static int add_phrase(struct reading *r, struct node *out, const struct word *wo
         if (!t)
             return bad(r, at, "more than 32 words");
         t->exact = true;
-        out->rare |= !r->options->common(r->options->ctx, t->word, false);
         buf_printf(&out->text, "%s%s", i ? " " : "", t->word);
     }
     buf_printf(&out->text, "\"");
@@ -103,7 +102,6 @@ static int read_near(struct reading *r, struct node *out) {
         if (!t)
             return bad(r, from, "more than 32 words");
         t->exact = true;
-        out->rare |= !r->options->common(r->options->ctx, t->word, false);
         buf_printf(&out->text, "\"%s\" ", t->word);
     }
     buf_printf(&out->text, ", %lu)", distance);
@@ -132,15 +130,12 @@ static int read_word(struct reading *r, struct node *out) {
         if (!t->word[1])
             return bad(r, from, "before an asterisk are two letters or more");
         buf_printf(&out->text, "word : \"%s\" *", t->word);
-        out->rare = strlen(t->word) > 2;
         return 0;
     }
     search_term_stems(r->options, t, &words[0]);
-    out->rare = !r->options->common(r->options->ctx, t->word, false);
     buf_printf(&out->text, "(word : \"%s\"", t->word);
     for (size_t i = 0; i < t->stem_count; i++) {
-        buf_printf(&out->text, " OR stem : \"%s\"", t->stems[i]);
-        out->rare &= !r->options->common(r->options->ctx, t->stems[i], true);
+        buf_printf(&out->text, " OR stem : \"" STEM_SIGN "%s\"", t->stems[i]);
     }
     buf_printf(&out->text, ")");
     return 0;
@@ -166,21 +161,14 @@ static int read_one(struct reading *r, struct node *out) {
     return 0;
 }
 
-/* Adds what must be, or must not be, there, too. Of common words nothing depends as long as there are others.
- */
+/* Adds what must be there, too. */
 static void join(struct node *all, struct node *one, bool *any) {
-    bool weighs = one->rare || one->negative || !all->rare;
-    if (*any && one->rare && !all->rare && !one->negative) { /* what came before was common: it falls away */
-        buf_free(&all->text);
-        *any = false;
-    }
-    if (weighs && one->text.size) {
+    if (one->text.size) {
         if (*any)
-            buf_printf(&all->text, one->negative ? " NOT " : " AND ");
+            buf_printf(&all->text, " AND ");
         buf_add(&all->text, one->text.data, one->text.size);
         *any = true;
     }
-    all->rare |= one->rare && !one->negative;
     buf_free(&one->text);
 }
 
@@ -221,7 +209,6 @@ static int read_all(struct reading *r, struct node *out) {
         if (any_not)
             buf_printf(&out->text, " NOT (%.*s)", (int)unwanted.text.size, (char *)unwanted.text.data);
         buf_printf(&out->text, ")");
-        out->rare = wanted.rare;
     }
     buf_free(&wanted.text);
     buf_free(&unwanted.text);
@@ -230,7 +217,7 @@ static int read_all(struct reading *r, struct node *out) {
 
 static int read_any(struct reading *r, struct node *out) {
     bool first = true;
-    for (out->rare = true;; first = false) {
+    for (;; first = false) {
         struct node one = {0};
         size_t from = r->at;
         if (read_all(r, &one)) {
@@ -241,7 +228,6 @@ static int read_any(struct reading *r, struct node *out) {
             return bad(r, from, "beside OR there is no word");
         if (one.text.size)
             buf_printf(&out->text, "%s%.*s", first ? "(" : " OR ", (int)one.text.size, (char *)one.text.data);
-        out->rare &= one.rare;
         buf_free(&one.text);
         if (r->at == r->size || !is_word(r, "OR"))
             break;
@@ -265,7 +251,6 @@ int search_query_read(struct search_query *q, const char *text, const struct que
         result = bad(&r, 0, "there is no word in it");
     buf_add(&all.text, "", 1);
     q->match = all.text;
-    q->ranked = all.rare;
     return result;
 }
 

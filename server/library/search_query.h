@@ -21,14 +21,11 @@ struct search_query {
     struct buf match; /* for FTS5; terminated */
     struct query_term terms[QUERY_TERMS_MAX];
     size_t count;
-    bool ranked; /* there is a term in it that is not common */
 };
 
 struct query_options {
     struct stems *stems;
     const char *langs; /* whose stems are looked for, parted by commas; NULL = all */
-    bool (*common)(void *ctx, const char *term, bool stem); /* is it in a great many places? */
-    void *ctx;
 };
 
 /* -1 with *e: "bad-query" at a byte of the text. Free it all the same. */

@@ -7,6 +7,10 @@
 
 struct stems;
 
+/* Stands before a stem in the index, a letter of private use (U+E000): a stem that is a word, too, would have
+ * its places among the word's, and be sought through all of them. */
+#define STEM_SIGN "\xEE\x80\x80"
+
 struct stems *stems_open(void);
 void stems_close(struct stems *stems);
 

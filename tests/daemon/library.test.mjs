@@ -168,6 +168,30 @@ test('results come page by page', async () => {
   assert.deepEqual(seen, all);
 });
 
+test('of very many places the first 1000 are ranked, and pages go on behind them', async () => {
+  const paragraphs = Array.from({ length: 2200 }, (_, i) => (i === 700 ? 'Zafferano, zafferano, e ancora zafferano.' : `Zafferano con parola${i % 3 === 2 || i === 2199 ? ' pepe' : ''}, riga ${i + 1}.`));
+  put('molti.md', `---\ntitle: Molti\nlang: it\nauthor: A. Molti\n---\n${paragraphs.join('\n\n')}\n`);
+  const page = async (query) => valid('found', await ask(`/v1/library/search?${new URLSearchParams({ q: 'zafferano', ...query })}`));
+  await eventually(async () => (await page({})).results.length, 'the new work');
+  const first = await page({ limit: 5 });
+  assert.deepEqual([first.ranked, first.results[0].passage], [false, 'molti:1:p701']);
+  assert.ok(first.results.every(({ score }, i, all) => !i || score <= all[i - 1].score));
+  const seen = new Set();
+  let next = '0', pages = 0;
+  for (; next !== undefined; pages++) {
+    const one = await page({ limit: 100, after: next });
+    for (const id of ids(one.results)) seen.add(id);
+    next = one.next;
+  }
+  assert.deepEqual([seen.size, pages], [2200, 22]);
+  const both = await page({ q: 'zafferano pepe 2200', author: 'A. Molti' });
+  assert.deepEqual([both.ranked, ids(both.results)], [true, ['molti:1:p2200']], 'all words must be there, common ones, too');
+  assert.equal((await page({ author: 'A. Rossi' })).results.length, 0);
+  assert.equal((await page({ work: 'mare,molti', lang: 'it', limit: 3 })).results.length, 3);
+  assert.equal((await page({ lang: 'en' })).results.length, 0);
+  fs.rmSync(path.join(works, 'molti.md'));
+});
+
 test('what cannot be searched for is said, and where', async () => {
   for (const [q, byte] of [['"luna', 0], ['luna (mare', 5], ['luna)', 4], ['NEAR(luna)', 0], ['a*', 0], ['luna OR', 7], ['NOT luna', 8], ['...', 0], [`${'('.repeat(30)}a`, 16], ['luna '.repeat(40), null], ['x'.repeat(2000), 1000]]) {
     const error = await ask(`/v1/library/search?${new URLSearchParams({ q })}`, 400);

@@ -40,11 +40,6 @@ static void on_problem(void *ctx, const struct error *e, bool serious) {
     FUZZ_CHECK(e->code && *e->message);
 }
 
-static bool is_common(void *ctx, const char *term, bool stem) {
-    (void)ctx;
-    return !stem && term[0] == 'a';
-}
-
 /* Whatever can be read is a query that FTS5 takes. */
 static void search(const char *text) {
     static sqlite3 *sql;
@@ -57,7 +52,7 @@ static void search(const char *text) {
         sqlite3_exec(sql, "CREATE VIRTUAL TABLE found USING fts5 (word, stem, content='')", NULL, NULL, NULL);
         stems = stems_open();
     }
-    const struct query_options options = {.stems = stems, .common = is_common};
+    const struct query_options options = {.stems = stems};
     if (search_query_read(&query, text, &options, &e)) {
         FUZZ_CHECK(e.code == ERROR_BAD_QUERY && e.place == PLACE_BYTE && e.byte <= strlen(text));
     } else {

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A person who reads: the Italian prompts of Debian's asterisk-core-sounds-it and -it-wav (CC-BY-SA 3.0), and the closures of stops that can be heard in them.
+import { execFileSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import zlib from 'node:zlib';
+
+const list = '/usr/share/doc/asterisk-core-sounds-it/core-sounds-it.txt.gz';
+const sounds = '/usr/share/asterisk/sounds/it_IT_m_Carlo';
+
+/** [{name, text, sound}]: those whose text is words only. Lines with lost letters, remarks in brackets or more than one entry are left out. */
+export function prompts() {
+  const lines = zlib.gunzipSync(fs.readFileSync(list)).toString('utf8').split(/\r?\n/);
+  return lines.flatMap((line) => {
+    const [, name, text] = line.match(/^([\w/-]+):\s+(.*\S)\s*$/) ?? [];
+    const sound = path.join(sounds, `${name}.wav`);
+    const plain = text && !/\w\?|[[\](){}<>*#/]|: /.test(text) && text.split(/\s+/).length >= 3;
+    return plain && fs.existsSync(sound) ? [{ name, text: text.replace(/…|\.\.+/g, ' '), sound }] : [];
+  });
+}
+
+/** The phones of a recording, by `faccia align`; null when it says that the words are not those. */
+export function alignedPhones(program, { text, sound }, folder) {
+  const [script, out] = ['prompt.txt', 'prompt.json'].map((file) => path.join(folder, file));
+  fs.writeFileSync(script, text);
+  try {
+    execFileSync(program, ['align', '-q', sound, '--text', script, '-l', 'it', '--gender', 'male', '--json', out], { stdio: 'pipe' });
+  } catch ({ status }) {
+    if (status !== 1) throw new Error(`faccia align ${sound}: ${status}`);
+    return null;
+  }
+  return JSON.parse(fs.readFileSync(out)).phones;
+}
+
+const HOP = 0.002, WINDOW = 0.008, REACH = 0.08, VOWEL = /^[aeiouɛɔ]/, STOP = /^[ptk](?!͡)ː?$/;
+
+/** Loudness in dB every 2 ms. */
+export function loudness(file) {
+  const data = fs.readFileSync(file), rate = data.readUInt32LE(24);
+  const pcm = new Int16Array(data.buffer.slice(data.byteOffset + 44, data.byteOffset + data.length - (data.length % 2)));
+  const length = Math.round(WINDOW * rate);
+  return Array.from({ length: Math.floor((pcm.length - length) / (HOP * rate)) }, (_, k) => {
+    let sum = 1;
+    const from = Math.round(k * HOP * rate);
+    for (let i = from; i < from + length; i++) sum += pcm[i] ** 2;
+    return 10 * Math.log10(sum / length);
+  });
+}
+
+/**
+ * Voiceless stops between vowels: [{start, end}], how far the phone begins and ends from the closure that can be heard, in s; null where there is none
+ * within 80 ms. A closure: 12 dB and more below the sounds on both sides; its edges are half way down. `shift` moves the phones: what chance would give.
+ */
+export function closures(phones, levels, shift = 0) {
+  const at = (seconds) => Math.max(0, Math.min(levels.length - 1, Math.round((seconds - WINDOW / 2) / HOP)));
+  const highest = (from, to) => Math.max(...levels.slice(at(from), at(to) + 1));
+  return phones.flatMap((phone, i) => {
+    const [before, after] = [phones[i - 1], phones[i + 1]];
+    if (!STOP.test(phone.ipa) || !VOWEL.test(before?.ipa ?? '') || !VOWEL.test(after?.ipa ?? '')) return [];
+    const [start, end] = [phone.start + shift, phone.end + shift];
+    if (start < REACH || end + REACH > levels.length * HOP) return [];
+    let low = at(start);
+    for (let k = at(start - REACH); k <= at(end + REACH); k++) if (levels[k] < levels[low]) low = k;
+    const middle = low * HOP + WINDOW / 2, left = highest(middle - 0.15, middle), right = highest(middle, middle + 0.15);
+    if (Math.min(left, right) - levels[low] < 12) return [null];
+    let [first, last] = [low, low];
+    while (first > 0 && levels[first] < (left + levels[low]) / 2) first--;
+    while (last < levels.length - 1 && levels[last] < (right + levels[low]) / 2) last++;
+    return [{ start: start - (first * HOP + WINDOW / 2), end: end - (last * HOP + WINDOW / 2) }];
+  });
+}
