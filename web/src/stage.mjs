@@ -145,7 +145,7 @@ export class Stage {
     if (this.view && this.read) await this.#build();
   }
 
-  /** What is drawn, from what has come. @returns {{by: string, error: Error}|null} the first calibration that does not fit it */
+  /** What is drawn, from what has come. @returns {{by: string, error: Error}|null} the first calibration that does not fit */
   #fit() {
     const { read } = this;
     this.model = read;

@@ -6,7 +6,9 @@ export class Fitting {
   #busy = false;
   #taken = false; // there is one on the head
 
-  /** @param {object} ports calibrate(calibration|null) -> a promise; fitted(message): it is drawn; unfit(error): it cannot be */
+  /**
+   * @param {object} ports calibrate(calibration|null) -> a promise; fitted(message): it is drawn; unfit(error): it cannot be
+   */
   constructor(ports) {
     this.ports = ports;
   }
