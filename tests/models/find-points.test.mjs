@@ -79,7 +79,7 @@ for (const [name, file, write, place, said] of [
     const mean = (list) => list.reduce((a, b) => a + b) / list.length;
     const figures = Object.fromEntries(Object.entries({ MOUTH, LIDS, OTHERS }).map(([group, points]) => [group, { mean: mean(off(points)), most: Math.max(...off(points)) }]));
     t.diagnostic(`${name}, mm from the true ones: ${JSON.stringify(figures, (_, x) => (typeof x === 'number' ? Number(x.toFixed(1)) : x))}`);
-    assert.ok(figures.MOUTH.mean < 2.5 && figures.MOUTH.most < 5, 'mouth');
+    assert.ok(figures.MOUTH.mean < 3 && figures.MOUTH.most < 6, 'mouth'); // those of the inner lips are kept off the line, on their own lip
     assert.ok(figures.LIDS.most < 5 && LIDS.every((one) => Math.abs(found.fdp[one][1] - head.fdp[one][1]) < 1.2), 'lids'); // along a margin they may lie elsewhere
     assert.ok(figures.OTHERS.mean < 6 && figures.OTHERS.most < 12, 'others'); // a beard hides the chin
     for (const [unit, value] of Object.entries(head.fapu)) assert.ok(Math.abs(found.fapu[unit] / value - 1) < 0.1, `${unit} ${found.fapu[unit]} ${value}`);
@@ -95,7 +95,7 @@ for (const [name, file, write, place, said] of [
     const closed = [{}, { ...upper(-100), ...lower(100) }].map(inside);
     const open = inside({ ...upper(-200), ...lower(-200), 3: 300 });
     t.diagnostic(`${closed.map((area) => area.toFixed(2)).join(', ')} mm² seen between closed lips, ${open.toFixed(0)} open`);
-    assert.ok(closed.every((area) => area < 1) && open > 3, `${closed} ${open}`); // a beard hides much of it
+    assert.ok(closed.every((area) => area < 1) && open > (name === 'mara' ? 80 : 4), `${closed} ${open}`); // a beard hides much of it
     // a FAP that is known to do nothing is said; all others of mouth, jaw, lids and eyes do what they should
     const lines = stdout.split('\n').filter((line) => /^FAP (3|4|5|6|7|8|9|1\d|2[0-6]|5[1-9]|60) /.test(line));
     assert.deepEqual(lines.filter((line) => /does nothing|no vertex/.test(line)), []);

@@ -2,6 +2,7 @@
 /** Where a surface ends and another begins, seen from the front: the lips' line, and the margins of the lids. */
 
 const WALK = 0.07; // of the eyes' distance: two places whose way over the skin is longer are on two lips
+const BESIDE = 4; // pixels from the line: surely on that lip
 const LOST = 4; // columns without a line: the corner of the mouth
 const NEAR = 0.35; // of the eyeball's radius, to each side of its middle
 
@@ -42,7 +43,7 @@ function joined({ near, position, index, reach }, from, to) {
 /**
  * The lips' line, column by column. @param {object} view of the skin and what is in the mouth @param {number} skin which of its meshes
  * @param {object} mesh that one @param {number[][]} landmarks on the picture @param {number} apart the eyes' distance in the file's units
- * @returns {{column: number, upper: number[], lower: number[]}[]} from the head's right to its left; none: the lips are one surface
+ * @returns {{column: number, upper: number[], lower: number[], inUpper: number[], inLower: number[]}[]} on the line, and a little within each lip; from the head's right to its left; none: the lips are one surface
  */
 export function lipLine(view, skin, mesh, landmarks, apart) {
   const skinOf = walker(mesh, WALK * apart);
@@ -55,6 +56,10 @@ export function lipLine(view, skin, mesh, landmarks, apart) {
     const fade = Math.max(0, 1 - share ** 2);
     return [corner + (high - corner) * fade - 0.06 * wide, corner + (low - corner) * fade + 0.06 * wide];
   };
+  const within = (column, row, way) => {
+    const there = view.at(column, row + way * BESIDE);
+    return there?.mesh === skin ? there.point : view.at(column, row).point;
+  };
   const expected = (landmarks[13][1] + landmarks[14][1]) / 2;
   const at = (column) => {
     const [from, to] = rowsOf(column).map(Math.round);
@@ -64,7 +69,7 @@ export function lipLine(view, skin, mesh, landmarks, apart) {
       if (here?.mesh !== skin) continue;
       if (before && before.triangle !== here.triangle && !joined(skinOf, before.triangle, here.triangle)) {
         const off = Math.abs((before.row + row) / 2 - expected) - (row - before.row); // an open mouth is no smaller sign than a line
-        if (!best || off < best.off) best = { off, column, upper: before.point, lower: here.point };
+        if (!best || off < best.off) best = { off, column, upper: before.point, lower: here.point, inUpper: within(column, before.row, -1), inLower: within(column, row, 1) };
       }
       before = { ...here, row };
     }
