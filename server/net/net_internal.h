@@ -208,9 +208,10 @@ int room_stop(struct exchange *x);   /* POST /v1/stop?room= */
 int room_pause(struct exchange *x);  /* POST /v1/pause?room= */
 int room_resume(struct exchange *x); /* POST /v1/resume?room= */
 
-/* notices_http.c: POST /v1/choices?room=, /v1/state?room= */
+/* notices_http.c: POST /v1/choices?room=, /v1/state?room=, /v1/calibrate?room= */
 int room_choices(struct exchange *x);
 int room_state(struct exchange *x);
+int room_calibrate(struct exchange *x);
 
 /* room_events.c */
 int room_events(struct exchange *x); /* GET /v1/events?room= */

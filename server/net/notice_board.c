@@ -18,8 +18,14 @@ void notice_board_state(struct notice_board *board, struct queued_message *messa
     replace(&board->state, message);
 }
 
+void notice_board_calibration(struct notice_board *board, struct queued_message *message) {
+    replace(&board->calibration, message);
+}
+
 void notice_board_tell(const struct notice_board *board,
                        void (*tell)(void *ctx, struct queued_message *message), void *ctx) {
+    if (board->calibration)
+        tell(ctx, board->calibration);
     if (board->state)
         tell(ctx, board->state);
     if (board->choices)
@@ -29,4 +35,5 @@ void notice_board_tell(const struct notice_board *board,
 void notice_board_free(struct notice_board *board) {
     notice_board_choices(board, NULL, NULL);
     notice_board_state(board, NULL);
+    notice_board_calibration(board, NULL);
 }

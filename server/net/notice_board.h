@@ -10,11 +10,13 @@
 struct notice_board {
     json_t *offered;                        /* the choices, as they were told; NULL: none */
     struct queued_message *choices, *state; /* the last that was told; NULL: none */
+    struct queued_message *calibration;
 };
 
-/* Both take a reference of their own; NULL: nothing stands there any more. */
+/* All take a reference of their own; NULL: nothing stands there any more. */
 void notice_board_choices(struct notice_board *board, struct queued_message *message, json_t *offered);
 void notice_board_state(struct notice_board *board, struct queued_message *message);
+void notice_board_calibration(struct notice_board *board, struct queued_message *message);
 
 void notice_board_tell(const struct notice_board *board,
                        void (*tell)(void *ctx, struct queued_message *message), void *ctx);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/notices.h"
+#include "server/net/calibration.h"
 #include "server/net/channel_internal.h"
 #include "server/net/net_internal.h"
 #include <stdio.h>
@@ -132,6 +133,23 @@ int notice_state(struct channel *c, const json_t *message, struct error *e) {
     if (!failed) {
         struct queued_message *all = tell_all(c, told, "state");
         notice_board_state(&c->notices, all);
+        queued_message_release(all);
+    }
+    json_decref(told);
+    return failed ? -1 : 0;
+}
+
+/* On a stream of one's own nobody comes later. */
+int notice_calibrate(struct channel *c, const json_t *message, struct error *e) {
+    const json_t *reset = json_object_get(message, "reset");
+    if (reset && !json_is_boolean(reset))
+        return error_in_field(e, ERROR_BAD_FIELD, "reset", "must be true or false");
+    json_t *told = begin(c, "calibrated");
+    int failed = json_is_true(reset) ? json_object_set_new(told, "reset", json_true())
+                                     : calibration_take(message, told, e);
+    if (!failed) {
+        struct queued_message *all = tell_all(c, told, "calibrated");
+        notice_board_calibration(&c->notices, c->room && !json_is_true(reset) ? all : NULL);
         queued_message_release(all);
     }
     json_decref(told);

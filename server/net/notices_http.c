@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Choices and states of a room over plain HTTP: the body is the message. */
+/* Choices, states and the face of a room over plain HTTP: the body is the message. */
 #include "server/base/mem.h"
 #include "server/net/net_internal.h"
 #include "server/net/notices.h"
@@ -43,4 +43,8 @@ int room_choices(struct exchange *x) {
 
 int room_state(struct exchange *x) {
     return begin(x, notice_state);
+}
+
+int room_calibrate(struct exchange *x) {
+    return begin(x, notice_calibrate);
 }

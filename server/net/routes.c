@@ -74,6 +74,7 @@ static const struct route {
     {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
     {"/v1/choices", NULL, room_choices, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
     {"/v1/state", NULL, room_state, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
+    {"/v1/calibrate", NULL, room_calibrate, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
     {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_play, false},
     {"/v1/stream", NULL, NULL, NULL, 0, SCOPE_ALL, NULL, false},
     {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE, SCOPE_ALL, &none, false},

@@ -87,7 +87,7 @@ void socket_act(struct socket *s, const json_t *message) {
                  {"leave", leave_room},        {"authorize", authorise},  {"ping", pong},
                  {"choices", notice_offer},    {"choose", notice_answer}, {"state", notice_show},
                  {"text", write_text},         {"flush", write_flush},    {"close", write_close},
-                 {"cancel", write_cancel}};
+                 {"cancel", write_cancel},     {"calibrate", notice_fit}};
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {

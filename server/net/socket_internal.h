@@ -139,6 +139,7 @@ void control_express(struct socket *socket, const json_t *message);
 void notice_offer(struct socket *socket, const json_t *message);
 void notice_answer(struct socket *socket, const json_t *message);
 void notice_show(struct socket *socket, const json_t *message);
+void notice_fit(struct socket *socket, const json_t *message);
 /* socket_write.c: utterances whose text is still being written. */
 void write_text(struct socket *socket, const json_t *message);
 void write_flush(struct socket *socket, const json_t *message);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Messages that put something beside what is said: choices, the choice, what the assistant is doing. */
+/* Messages that put something beside what is said: choices, the choice, what the assistant is doing,
+ * whose face it has. */
 #include "server/net/notices.h"
 #include "server/net/socket_internal.h"
 
@@ -20,5 +21,11 @@ void notice_answer(struct socket *s, const json_t *message) {
 void notice_show(struct socket *s, const json_t *message) {
     struct error e;
     if (socket_may_direct(s, &e) || notice_state(s->follower.channel, message, &e))
+        socket_complain(s, &e);
+}
+
+void notice_fit(struct socket *s, const json_t *message) {
+    struct error e;
+    if (socket_may_direct(s, &e) || notice_calibrate(s->follower.channel, message, &e))
         socket_complain(s, &e);
 }

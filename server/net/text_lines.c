@@ -83,6 +83,7 @@ static const struct {
     {"choices", {"id", "question", NULL}},
     {"chosen", {"id", "text", NULL}},
     {"state", {"state", "text", NULL}},
+    {"calibrated", {NULL}},
     {"help", {"text", NULL}},
 };
 

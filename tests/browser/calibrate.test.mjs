@@ -41,3 +41,47 @@ test('calibrate() draws another face, refuses what is wrong, and gives the first
   assert.equal(await calibrate(null), 'done');
   assert.equal(await width(), own);
 });
+
+test('the points that a room is given are on all its faces, on those that come later, and under the page’s own', async () => {
+  const enter = async () => {
+    const page = await browser.newPage({ viewport: { width: 160, height: 200 } });
+    await page.goto(`${pages.url}/`);
+    await page.evaluate(() => {
+      const head = document.querySelector('talking-head');
+      window.told = [];
+      for (const type of ['calibrated', 'error']) head.addEventListener(type, ({ detail }) => window.told.push(detail));
+      Object.assign(head, { quality: 'low', still: true, room: 'salotto' });
+    });
+    await page.waitForFunction(() => document.querySelector('talking-head').debug().triangles > 0);
+    return page;
+  };
+  const units = (page) => page.evaluate(() => ({ ...document.querySelector('talking-head').debugParts().stage.view.head.model.fapu }));
+  const told = (page, count) => page.waitForFunction((n) => window.told.length >= n && window.told.slice(n - 1), count).then((handle) => handle.jsonValue());
+  const like = (is, was, wanted) => assert.ok(Math.abs(is[was] / wanted - 1) < 0.01, `${was} ${is[was]} ${wanted}`);
+  const fapu = { MW: bruno['8.3'][0] - bruno['8.4'][0], ES: bruno['3.5'][0] - bruno['3.6'][0] };
+  const first = await enter();
+  const own = await units(first);
+  assert.ok(Math.abs(own.MW / fapu.MW - 1) > 0.03, 'another face');
+  const twice = { '8.3': bruno['8.4'], '8.4': bruno['8.3'] }; // of no face
+  assert.ok(await first.evaluate((points) => document.querySelector('talking-head').calibrateAll({ featurePointsCoord: points }), twice));
+  const [{ code, place, message }] = await told(first, 1);
+  assert.deepEqual([code, place], ['bad-calibration', 'featurePointsCoord'], message);
+  assert.deepEqual(await units(first), own);
+  const sent = await daemon.get('/v1/calibrate?room=salotto', { method: 'POST', body: JSON.stringify({ featurePointsCoord: bruno }) });
+  assert.deepEqual([sent.status, (await sent.json()).listeners], [202, 1]);
+  const second = await enter();
+  for (const page of [first, second]) {
+    await page.waitForFunction((wide) => Math.abs(document.querySelector('talking-head').debugParts().stage.view.head.model.fapu.MW / wide - 1) < 0.01, fapu.MW);
+    like(await units(page), 'ES', fapu.ES);
+  }
+  fs.writeFileSync(path.join(artefacts, 'calibrate-room.png'), await second.screenshot());
+  await second.evaluate((points) => document.querySelector('talking-head').calibrate({ featurePointsCoord: points }), { '8.3': [20, -62, 18], '8.4': [-20, -62, 18] });
+  assert.ok(Math.abs((await units(second)).MW - 40) < 1);
+  await second.evaluate(() => document.querySelector('talking-head').calibrate(null));
+  like(await units(second), 'MW', fapu.MW);
+  await first.evaluate(() => document.querySelector('talking-head').calibrateAll(null));
+  for (const page of [first, second]) {
+    await page.waitForFunction((wide) => document.querySelector('talking-head').debugParts().stage.view.head.model.fapu.MW === wide, own.MW);
+    await page.close();
+  }
+});

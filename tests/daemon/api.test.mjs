@@ -83,7 +83,7 @@ test('the documents are served as they are, with all that they refer to', async 
   for (const file of new Set(references)) assert.equal((await daemon.get(`/v1/${file}`)).status, 200, file);
 });
 
-const BODIES = { '/v1/choices': { choices: ['Sì'] }, '/v1/state': { state: 'idle' } };
+const BODIES = { '/v1/choices': { choices: ['Sì'] }, '/v1/state': { state: 'idle' }, '/v1/calibrate': { featurePointsCoord: { '8.3': [26, -62, 18] } } };
 for (const { address, method, operation } of operations) {
   test(`${method} ${address} answers as described`, async () => {
     const room = await daemon.stream('?room=api');
@@ -155,8 +155,8 @@ test('the daemon takes each message of the client, and sends each of the server'
   const stream = await daemon.stream('?lang=it');
   const texts = { text: '<speak>Uno <mark name="m"/>due. Tre.</speak>', markup: 'ssml', phones: true };
   const members = { speak: texts, rate: { rate: 150 }, jump: { mark: 'm' }, join: { room: 'api' }, play: { name: 'x' },
-    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' } };
-  const order = ['ping', 'model', 'media', 'idle', 'express', 'authorize', 'join', 'choices', 'choose', 'state', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'leave', 'stop'];
+    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' } };
+  const order = ['ping', 'model', 'media', 'idle', 'express', 'authorize', 'join', 'choices', 'choose', 'state', 'calibrate', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'leave', 'stop'];
   assert.deepEqual([...order].sort(), types('client').sort());
   for (const type of order) {
     if (type === 'leave') await stream.wait({ type: 'end', reason: 'done' });

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Choices and states: who is told, who may, what is refused.
+// Choices, states, the points of a face: who is told, who may, what is refused.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -143,4 +143,75 @@ test('who may listen may choose; who may speak may offer', async () => {
   listener.send({ type: 'choose', choice: 0 });
   await operator.wait({ type: 'chosen', by: 'nonna', text: 'Sì' });
   for (const stream of [operator, listener]) await stream.close();
+});
+
+const points = { '8.3': [26.1, -62, 18], '8.4': [-26.3, -61.8, 18] };
+const texture = { type: 'image/png', data: 'iVBORw0KGgo=' };
+
+test('feature points are told to all in the room, and to who comes later, until others are', async () => {
+  const operator = await enter('f'), elsewhere = await enter('g'), own = await daemon.stream();
+  operator.send({ type: 'calibrate', featurePointsCoord: points, textureCoord: { '8.3': [0, 1] }, texture, more: 1 });
+  const told = { type: 'calibrated', stream: 'f', featurePointsCoord: points, textureCoord: { '8.3': [0, 1] }, texture };
+  const late = await enter('f');
+  for (const stream of [operator, late]) {
+    const { arrived, ...is } = await stream.wait({ type: 'calibrated' });
+    assert.deepEqual(is, told);
+  }
+  const answer = await post('/v1/calibrate?room=f', JSON.stringify({ featurePointsCoord: { 2.1: [0, -90, 70] } }));
+  assert.deepEqual([answer.status, await answer.json()], [202, { type: 'accepted', room: 'f', listeners: 2 }]);
+  await late.wait(({ type, featurePointsCoord }) => type === 'calibrated' && featurePointsCoord['2.1']);
+  const later = await enter('f');
+  assert.deepEqual((await later.wait({ type: 'calibrated' })).featurePointsCoord, { 2.1: [0, -90, 70] });
+  later.send({ type: 'calibrate', reset: true });
+  await operator.wait({ type: 'calibrated', reset: true, stream: 'f' });
+  const last = await enter('f');
+  own.send({ type: 'calibrate', featurePointsCoord: points });
+  await own.wait({ type: 'calibrated', featurePointsCoord: points });
+  for (const stream of [last, elsewhere]) {
+    stream.send({ type: 'ping', id: 'p' });
+    await stream.wait({ type: 'pong' });
+    assert.ok(!stream.messages.some(({ type }) => type === 'calibrated'), 'its own points, and nothing of others');
+  }
+  for (const stream of [operator, elsewhere, own, late, later, last]) await stream.close();
+});
+
+test('points that are none have their field, and nothing is told', async () => {
+  const stream = await enter('h');
+  const good = { featurePointsCoord: points };
+  const cases = [
+    [{}, 'featurePointsCoord', 'missing-field'],
+    [{ featurePointsCoord: {} }, 'featurePointsCoord'],
+    [{ featurePointsCoord: [1] }, 'featurePointsCoord'],
+    ...['1.1', '2.15', '12.1', '8', '8.', '8.03', '08.3', '8.3 ', '2.1x', '', '99999999999.1', 'x'.repeat(5000)].map((name) =>
+      [{ featurePointsCoord: { ...points, [name]: [0, 0, 0] } }, `featurePointsCoord.${name.slice(0, 32)}`]),
+    ...[[0, 0], [0, 0, 0, 0], [0, 0, 1001], [0, 0, '0'], [0, null, 0], '0 0 0', { x: 0 }].map((value) => [{ featurePointsCoord: { 8.3: value } }, 'featurePointsCoord.8.3']),
+    [{ ...good, textureCoord: { 8.3: [0, 0] } }, 'texture', 'missing-field'],
+    [{ ...good, textureCoord: { 8.3: [0, 1.1] }, texture }, 'textureCoord.8.3'],
+    [{ ...good, textureCoord: { 8.33: [0, 1] }, texture }, 'textureCoord.8.33'],
+    [{ ...good, textureCoord: 7, texture }, 'textureCoord'],
+    [{ ...good, texture: 'x' }, 'texture'],
+    [{ ...good, texture: { ...texture, type: 'image/svg+xml' } }, 'texture.type'],
+    ...['', 'abc', 'a===', '=abc', 'ab!d', 'AAAA'.repeat(50000), 7].map((data) => [{ ...good, texture: { ...texture, data } }, 'texture.data']),
+    [{ reset: 'yes' }, 'reset'],
+  ];
+  for (const [message, field, code = 'bad-field'] of cases) {
+    const from = stream.messages.length;
+    stream.send({ type: 'calibrate', ...message });
+    await stream.wait({ type: 'error', code, field }, { from });
+  }
+  const refused = await post('/v1/calibrate?room=h', JSON.stringify({ featurePointsCoord: { 8.4: [1] } }));
+  assert.deepEqual([refused.status, (await refused.json()).field], [400, 'featurePointsCoord.8.4']);
+  assert.ok(!stream.messages.some(({ type }) => type === 'calibrated'));
+  await stream.close();
+});
+
+test('who may only listen gives nobody another face', async () => {
+  const right = (rights) => ({ from: guarded, options: bearer(sign({ secret, claims: { sub: 'x', room: 'i', rights } })) });
+  const listener = await enter('i', right('listen'));
+  listener.send({ type: 'calibrate', featurePointsCoord: points });
+  await listener.wait({ type: 'error', code: 'forbidden' });
+  assert.equal((await post('/v1/calibrate?room=i', JSON.stringify({ featurePointsCoord: points }), guarded, right('listen').options)).status, 403);
+  assert.equal((await post('/v1/calibrate?room=i', JSON.stringify({ featurePointsCoord: points }), guarded, right('speak').options)).status, 202);
+  await listener.wait({ type: 'calibrated' });
+  await listener.close();
 });

@@ -60,6 +60,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     const presentation = new Presentation(this, root, { controls, poster, speech }, {
       send: (message) => this.#session.send(message),
       trouble: (name) => this.#pictureTrouble(name),
+      unfit: (error) => this.#unfit(error),
     });
     this.#controls = controls;
     this.#presentation = presentation;
@@ -67,6 +68,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       emit: (type, detail) => this.#emit(type, detail),
       fail: (name, values) => this.#fail(name, values),
       show: (json) => this.#show(json),
+      unfit: (error) => this.#unfit(error),
     });
     this.#reader = new Reader(this, {
       speak: (text, options) => this.speak(text, options),
@@ -246,6 +248,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     return this.#presentation.stage.calibrate(calibration);
   }
 
+  /**
+   * The same for all who hear this stream or room, and who come later: `calibrated` tells when it is drawn.
+   * @param {import('./talking-head.d.ts').Calibration|null} calibration null: the head's own points
+   * @returns {boolean} as `offer`
+   */
+  calibrateAll(calibration) {
+    return this.#session.send({ type: 'calibrate', ...(calibration ?? { reset: true }) });
+  }
+
   /** The face as it was drawn last: the FAPs that are not 0, by number. @returns {Record<number, number>} */
   get faps() {
     return this.#presentation.faps;
@@ -276,6 +287,10 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #fail(name, values) {
     const code = name.replace(/[A-Z]/g, (letter) => `-${letter.toLowerCase()}`);
     this.#emit('error', { type: 'error', code, message: this.#controls.text(name, values) });
+  }
+
+  #unfit({ place, message }) {
+    this.#emit('error', { type: 'error', code: 'bad-calibration', message, ...(place ? { place } : {}) });
   }
 
   #pictureTrouble(name) {

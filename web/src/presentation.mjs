@@ -19,9 +19,9 @@ export class Presentation {
    * @param {HTMLElement} element whose still, turn and life say how it moves
    * @param {ShadowRoot} root of the template
    * @param {object} parts controls, poster and speech of the element
-   * @param {object} ports send(message) to the server; trouble(name): see Stage
+   * @param {object} ports send(message) to the server; trouble(name), unfit(error): see Stage
    */
-  constructor(element, root, { controls, poster, speech }, { send, trouble }) {
+  constructor(element, root, { controls, poster, speech }, { send, trouble, unfit }) {
     this.element = element;
     this.speech = speech;
     this.idle = new IdleController(send);
@@ -32,6 +32,7 @@ export class Presentation {
       hear: (now) => this.#hear(now),
       frame: (now, ahead) => this.#frame(now, ahead),
       trouble,
+      unfit,
       drawn: (on, turns) => {
         poster.drawn = on;
         this.orbit.drawn = on && turns;

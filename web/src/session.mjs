@@ -2,6 +2,7 @@
 import { AvatarSource } from './avatar/source.mjs';
 import { canDecode } from './audio/opus.mjs';
 import { Demuxer } from './demuxer.mjs';
+import { Fitting } from './head/fitting.mjs';
 import { ModelSource } from './head/source.mjs';
 import { Link } from './link.mjs';
 import { wantsPictures } from './pictures/choice.mjs';
@@ -46,11 +47,17 @@ export class Session {
     fail: (reason, message) => this.#avatarFailed(reason, message),
   });
 
+  #fitting = new Fitting({
+    calibrate: (calibration) => this.presentation.stage.calibrate(calibration, 'server'),
+    fitted: (message) => this.ports.emit('calibrated', message),
+    unfit: (error) => this.ports.unfit(error),
+  });
+
   /**
    * @param {HTMLElement} element whose src, room, token, model and poster say what is wanted
    * @param {object} parts controls, poster, speech and presentation of the element
    * @param {object} ports emit(type, detail): an event of the element; fail(name, values): an error by the name of its message;
-   *   show(json): the model has come
+   *   show(json): the model has come; unfit(error): a calibration does not fit it
    */
   constructor(element, { controls, poster, speech, presentation }, ports) {
     this.element = element;
@@ -157,6 +164,7 @@ export class Session {
   #stateChanged({ state, hello, retryIn }) {
     this.ports.emit('connection', { state, ...(retryIn === undefined ? {} : { retryIn }) });
     if (state === 'open') {
+      this.#fitting.begin();
       this.#enter();
       this.speech.linked();
       this.presentation.idle.linked();
@@ -204,6 +212,7 @@ export class Session {
 
   #message(message) {
     if (message.type === 'model') this.#models.take(message);
+    else if (message.type === 'calibrated') this.#fitting.take(message);
     else {
       this.speech.hear(message);
       if (TOLD.includes(message.type)) this.ports.emit(message.type, message);

@@ -24,7 +24,8 @@ export class Stage {
    * @param {object} ports hear(now) -> whether the page beside the canvas changes with the picture that follows;
    *   frame(now, ahead) -> {values, turned, more, calm}: what to show, from where, `ahead` milliseconds later, when the
    *   picture is on the display, whether it goes on moving, and whether slowly; trouble('noWebgl' | 'lost' | 'tooMany' | null);
-   *   drawn(on, turns): whether there is a face on the canvas, and whether it can be seen from the side
+   *   drawn(on, turns): whether there is a face on the canvas, and whether it can be seen from the side;
+   *   unfit(error): the server's calibration does not fit the head, and is passed over
    */
   constructor(canvas, ports) {
     this.canvas = canvas;
@@ -41,7 +42,7 @@ export class Stage {
     this.framed = null;
     this.read = null; // the model as it came
     this.model = null; // as it is drawn
-    this.calibration = null;
+    this.calibrations = { server: null, page: null };
     this.opened = false;
     this.visible = false;
     this.used = false; // the canvas has had a context, and cannot have another
@@ -112,45 +113,51 @@ export class Stage {
     const before = this.#engine;
     this.read = json.engine ? json : isPictures(json) ? readPictures(json) : readModel(json);
     const wrong = this.#fit();
+    if (wrong?.by === 'server') {
+      this.calibrations.server = null;
+      this.ports.unfit?.(wrong.error);
+    }
     const { model } = this;
     if (this.view && before !== this.#engine) {
       this.leave(); // a canvas draws the one or the other
       this.enter();
     } else if (this.view) await this.#build();
-    if (wrong) throw wrong;
+    if (wrong && wrong.by !== 'server') throw wrong.error;
     return model;
   }
 
   /**
    * The head takes the feature points of somebody: protocol/head-model.md.
    * @param {object|null} calibration of this head and those that follow; null: they are as they came
+   * @param {'page'|'server'} [by] whose: the page's goes over the server's
    * @throws {import('./head/model-check.mjs').ModelError} with the field that is wrong; then all stays as it is
    */
-  async calibrate(calibration) {
+  async calibrate(calibration, by = 'page') {
     if (calibration) checkCalibration(calibration);
-    const before = this.calibration;
-    this.calibration = calibration;
+    const before = this.calibrations[by];
+    this.calibrations[by] = calibration;
     const wrong = this.read && this.#fit();
     if (wrong) {
-      this.calibration = before;
+      this.calibrations[by] = before;
       this.#fit();
-      throw wrong;
+      throw wrong.error;
     }
     if (this.view && this.read) await this.#build();
   }
 
-  /** What is drawn, from what has come. @returns {Error|null} why the calibration does not fit it */
+  /** What is drawn, from what has come. @returns {{by: string, error: Error}|null} the first calibration that does not fit */
   #fit() {
     const { read } = this;
     this.model = read;
     if (read.engine || isPictures(read)) return null;
-    try {
-      if (read.calibration) this.model = calibrate(read, read.calibration, 'calibration.');
-      if (this.calibration) this.model = calibrate(this.model, this.calibration);
-      return null;
-    } catch (error) {
-      return error;
-    }
+    let wrong = null;
+    for (const [by, calibration] of Object.entries({ file: read.calibration, ...this.calibrations }))
+      try {
+        if (calibration) this.model = calibrate(this.model, calibration, by === 'file' ? 'calibration.' : '');
+      } catch (error) {
+        wrong ??= { by, error };
+      }
+    return wrong;
   }
 
   /** What draws it: what has come, or else is wanted. */

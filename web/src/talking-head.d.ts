@@ -75,6 +75,7 @@ export interface TalkingHeadEventMap {
   authorized: CustomEvent<Message>;
   choices: CustomEvent<{ type: 'choices'; stream: string; id?: string; question?: string; choices: string[] }>;
   chosen: CustomEvent<{ type: 'chosen'; stream: string; id?: string; choice: number; text: string; by: string }>;
+  calibrated: CustomEvent<{ type: 'calibrated'; stream: string; reset?: true } & Partial<Calibration>>;
   state: CustomEvent<{ type: 'state'; stream: string; state: AssistantState; text?: string }>;
   begin: CustomEvent<Message>;
   sentence: CustomEvent<TimedMessage>;
@@ -90,6 +91,8 @@ export interface TalkingHeadEventMap {
     code: string;
     message: string;
     id?: string;
+    /** Of `bad-calibration`: what of it is wrong. */
+    place?: string;
     /** Of `bad-avatar`. */
     reason?: 'missing' | 'too-large' | 'not-glb' | 'damaged' | 'unsupported' | 'no-face' | 'bad-map' | 'no-script';
   }>;
@@ -156,6 +159,8 @@ export class TalkingHead extends HTMLElement {
   jump(mark: string): void;
   /** Rejects with an error whose `place` says what is wrong; the face then stays as it was. */
   calibrate(calibration: Calibration | null): Promise<void>;
+  /** For all who hear this stream or room; null: the head's own points. */
+  calibrateAll(calibration: Calibration | null): boolean;
   pose(faps: Record<number, number> | null, options?: { ease?: boolean }): void;
   express(mix: Expression, options?: { ease?: number }): void;
   offer(choices: string[], options?: { id?: string; question?: string }): boolean;

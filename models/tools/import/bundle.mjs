@@ -1,5 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** Puts faccia-head.mjs, or another tool, into one file that needs nothing but Node.js: bundle.mjs OUTPUT [TOOL]. What it reads of the repository while it runs goes in, too. */
+/**
+ * Puts a tool into one file that needs nothing but Node.js, and what finds a face into another, which has its nets where the pages have
+ * them: bundle.mjs TOOL OUTPUT [EYE]. What is read of the repository while they run goes in, too.
+ */
 import fs from 'node:fs';
 import { fileURLToPath } from 'node:url';
 import path from 'node:path';
@@ -17,8 +20,14 @@ const texts = {
   },
 };
 
-await build({
-  entryPoints: [process.argv[3] ?? path.join(here, 'faccia-head.mjs')],
-  outfile: process.argv[2],
-  bundle: true, platform: 'node', target: 'node18', format: 'esm', plugins: [texts], logLevel: 'error',
+const common = { bundle: true, platform: 'node', target: 'node18', format: 'esm', plugins: [texts], logLevel: 'error' };
+const [, , tool, output, eye] = process.argv;
+await build({ ...common, entryPoints: [tool], outfile: output });
+if (eye) await build({
+  ...common, entryPoints: [path.join(here, 'faccia-eye.mjs')], outfile: eye, minify: true,
+  banner: {
+    js: `/* faccia, GPL-3.0-or-later. Contains @vladmandic/human, MIT, (c) Vladimir Mandic, with TensorFlow.js, Apache-2.0, (c) Google LLC. */
+import { createRequire } from 'node:module'; import { fileURLToPath as ownPath } from 'node:url'; import { dirname as ownFolder } from 'node:path';
+const require = createRequire(import.meta.url); const __filename = ownPath(import.meta.url); const __dirname = ownFolder(__filename);`,
+  },
 });

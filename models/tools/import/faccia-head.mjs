@@ -9,6 +9,7 @@ import { ModelError } from '../../../web/src/head/model-error.mjs';
 import { readModel } from '../../../web/src/head/model.mjs';
 import { unpack } from '../lib/deform.mjs';
 import { FileError } from './file-error.mjs';
+import { findPoints } from './find-points.mjs';
 import { makeHead, readScene } from './make-head.mjs';
 import { packModel } from './pack-model.mjs';
 import { readPoints, writeXface } from './points.mjs';
@@ -21,14 +22,14 @@ const USAGE = `Usage: faccia head import FILE [--points FILE] [-o HEAD.json]
 Makes a head of a GLB, glTF, VRM, OBJ, PLY or VRML97 file; has a head take the feature points of somebody; writes a head's feature points (Xface's
 .fdp, or JSON); says what a head lacks and what its FAPs will not do.
 
-  -p, --points FILE   feature points: Xface's .fdp, JSON, or a head's own file
+  -p, --points FILE   feature points: Xface's .fdp, JSON, or a head's own file (import: found by themselves where the file brings none)
   -o, --output FILE   what is written (import: NAME.json beside where you are)
       --name NAME     the head's name (the file's, in small letters)
       --title TITLE   how it is called
       --licence ID    an SPDX expression (import: LicenseRef-unknown)
       --credit TEXT   whom it is owed to; may be given again
       --unit UNIT     of the file: mm, cm, dm, m, in (guessed where it does not say)
-      --up AXIS       of the file: y or z (y)
+      --up AXIS       of the file: y or z (y; found by itself along with the points)
   -h, --help          print this and exit
 Exit status: 0 done, 1 failed, 2 wrong usage.
 `;
@@ -73,24 +74,32 @@ function tell(json) {
   console.log(`${json.name}: ${json.parts.length} parts, ${68 - 2 - faps.filter((line) => line.endsWith('does nothing')).length} of 66 FAPs act`);
 }
 
+/** The detector is a file of its own: only this needs it. */
+async function find(scene, up) {
+  const beside = new URL('./faccia-eye.mjs', import.meta.url);
+  if (!fs.existsSync(beside)) throw new FileError('', 'it brings no feature points: --points FILE (the program that finds them was not built)');
+  const { openEye } = await import(beside.href);
+  return findPoints(scene, await openEye(), { up });
+}
+
 async function importHead(file, values) {
   if (values.unit && !['mm', 'cm', 'dm', 'm', 'in'].includes(values.unit)) throw new Usage('--unit must be mm, cm, dm, m or in');
   if (values.up && !['y', 'z'].includes(values.up)) throw new Usage('--up must be y or z');
   const points = values.points ? pointsOf(values.points) : null;
   const scene = await readScene(file);
   const own = scene.points;
-  if (!points && !own) throw new FileError('', 'it brings no feature points: --points FILE');
+  const found = points || own ? null : await find(scene, values.up);
   const name = (values.name ?? path.basename(file, path.extname(file))).toLowerCase().replace(/[^a-z0-9_-]+/g, '-');
   const options = {
-    name, title: values.title ?? name, unit: values.unit, up: values.up,
+    name, title: values.title ?? name, unit: values.unit, up: found ? 'y' : values.up,
     licence: values.licence ?? scene.licence ?? 'LicenseRef-unknown', credits: values.credit ?? scene.credits ?? (scene.copyright ? [String(scene.copyright)] : []),
   };
-  const chosen = points ? { ...points, origin: points.frame === 'head' ? own?.origin : undefined } : own;
+  const chosen = points ? { ...points, origin: points.frame === 'head' ? own?.origin : undefined } : (own ?? found.points);
   const { head, notes, used } = makeHead(scene, chosen, options);
   readModel(head); // as clients will
   const out = values.output ?? `${name}.json`;
   write(out, JSON.stringify(head));
-  for (const note of notes) console.log(note);
+  for (const note of [...(found?.notes ?? []), ...notes]) console.log(note);
   console.log(used.length ? `actions from ${used.length} morph targets, and zones` : 'actions from zones about the feature points');
   tell(head);
 }

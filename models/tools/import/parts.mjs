@@ -13,15 +13,17 @@ const WORDS = [
   [/eye|cornea|sclera/i, 'eyes'], [/mouth|oral|cavity/i, 'mouth'], [/hair|scalp/i, 'hair'], [/cloth|shirt|outfit|jacket|dress|collar|suit|top\b/i, 'clothes'], [/skin|head|face|body/i, 'skin'],
 ];
 
+/** @param {string} text a name @returns {string|undefined} the part that it tells of */
+export const guessPart = (text) => (NAMES.includes(text) ? text : WORDS.find(([pattern]) => pattern.test(text))?.[1]);
+
 /** @param {Record<string, string>} binding from a file: mesh (or material) -> part */
 export function nameParts(scene, binding) {
   for (const [from, to] of Object.entries(binding))
     if (!NAMES.includes(to)) throw new FileError(`parts.${from}`, `there is no part "${String(to).slice(0, 40)}": ${NAMES.join(', ')}`);
-  const guess = (text) => (NAMES.includes(text) ? text : WORDS.find(([pattern]) => pattern.test(text))?.[1]);
   scene.meshes.forEach((mesh, i) => {
     const material = scene.materials[mesh.material]?.name ?? mesh.materialName ?? '';
     const numbered = Object.entries(binding).find(([from]) => Number(/_(\d+)$/.exec(from)?.[1]) === i + 1)?.[1];
-    mesh.part = binding[mesh.name] ?? binding[material] ?? numbered ?? guess(mesh.name) ?? guess(material) ?? null;
+    mesh.part = binding[mesh.name] ?? binding[material] ?? numbered ?? guessPart(mesh.name) ?? guessPart(material) ?? null;
   });
   if (!scene.meshes.some(({ part }) => part === 'skin')) {
     const free = scene.meshes.filter(({ part }) => !part).sort((a, b) => b.index.length - a.index.length)[0];
@@ -88,7 +90,7 @@ function welded(position) {
 }
 
 /** The part of a mesh whose triangles are chosen. */
-function piece(mesh, wanted) {
+export function piece(mesh, wanted) {
   const kept = new Map();
   const index = [];
   for (let t = 0; t < mesh.index.length; t += 3) {

@@ -6,7 +6,7 @@ import { ballOf } from './parts.mjs';
 const LID_SKIN = 1.75; // radii of the eyeball: farther away is no lid
 const LID_WIDE = 1.5; // radii of the eyeball to each side: there a margin is at the height of the corners
 const LID_FADE = 0.5; // rad above and below the margin in which a lid's share falls to nothing
-const OVERLAP = 0.03; // rad: closed lids close
+const OVERLAP = 0.06; // rad: closed lids close, also where a margin is not quite what it is taken for
 const SIDES = [
   { eye: 'eye_l', target: 'eyeBlinkLeft', pupil: '3.5', upper: 19, lower: 21, yaw: 23, pitch: 25, points: ['3.1', '3.3'], side: 'l' },
   { eye: 'eye_r', target: 'eyeBlinkRight', pupil: '3.6', upper: 20, lower: 22, yaw: 24, pitch: 26, points: ['3.2', '3.4'], side: 'r' },

@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * Feature points of a mesh that brings none: it is drawn from the front and from both sides, the detector finds the landmarks of the face,
+ * and where they are seen on the surface, the points of a mean face (face-template.json) are laid.
+ */
+import fs from 'node:fs';
+import { align } from '../../../web/src/portrait/align.mjs';
+import { STEADY } from '../../../web/src/portrait/landmarks.mjs';
+import { rbf } from '../../../web/src/head/rbf.mjs';
+import { FileError } from './file-error.mjs';
+import { guessParts, splitBalls } from './guess-parts.mjs';
+import { lidMargins, lipLine } from './margins.mjs';
+import { viewOf } from './views.mjs';
+
+const TEMPLATE = JSON.parse(fs.readFileSync(new URL('face-template.json', import.meta.url), 'utf8'));
+const SIZE = { first: 512, close: 768 }; // pixels
+const FRAME = 1.12; // of all that there is
+const AROUND = 2.1; // of the face's height
+const TALL = 1.7; // higher than wide by so much: a whole body, whose head is looked at first
+const SIDE = 25; // degrees
+const ASIDE = 15; // mm from the middle: so far out the side is seen better from there
+const OUTLIER = 14; // mm from where the mean face has it
+const SMOOTH = 0.02;
+const GROWN = [45, 85]; // mm between the eyes
+const UNSURE = 4; // mm between what the front and the sides say
+
+/** From the file's directions to those of a head (x to its left, y up, z forward). */
+const TURNS = {
+  'y up, looking to +z': ([x, y, z]) => [x, y, z],
+  'z up, looking to -y': ([x, y, z]) => [x, z, -y],
+  'y up, looking to -z': ([x, y, z]) => [-x, y, -z],
+  'z up, looking to +y': ([x, y, z]) => [-x, z, y],
+  'y up, looking to +x': ([x, y, z]) => [-z, y, x],
+  'y up, looking to -x': ([x, y, z]) => [z, y, -x],
+  'z up, looking to +x': ([x, y, z]) => [y, z, x],
+  'z up, looking to -x': ([x, y, z]) => [-y, z, -x],
+};
+
+const distance = (a, b) => Math.hypot(...a.map((x, k) => x - b[k]));
+
+function turnAll(list, turn) {
+  const out = new Float64Array(list.length);
+  for (let i = 0; i < list.length; i += 3) out.set(turn([list[i], list[i + 1], list[i + 2]]), i);
+  return out;
+}
+
+const looks = (scene) => scene.meshes.map((mesh) => {
+  const look = scene.materials[mesh.material];
+  return { position: mesh.position, index: mesh.index, ball: mesh.ball ?? null, color: mesh.ball || look?.picture ? null : (plain(look?.color) ? null : look?.color) ?? null };
+});
+/** White and grey say nothing of what a thing is. */
+const plain = (color) => !color || Math.max(...color) - Math.min(...color) < 0.05;
+
+function boxOf(meshes) {
+  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  for (const { position } of meshes)
+    for (let i = 0; i < position.length; i++) {
+      low[i % 3] = Math.min(low[i % 3], position[i]);
+      high[i % 3] = Math.max(high[i % 3], position[i]);
+    }
+  return { low, high };
+}
+
+/** Where a face may be: the whole, and of what is tall its upper end. */
+function framesOf(meshes) {
+  const { low, high } = boxOf(meshes);
+  const size = high.map((x, k) => x - low[k]);
+  const middle = low.map((x, k) => (x + high[k]) / 2);
+  const whole = { middle, width: FRAME * Math.max(...size) };
+  if (size[1] < TALL * size[2]) return [whole];
+  const head = 0.22 * size[1];
+  return [{ middle: [middle[0], high[1] - head / 2, middle[2]], width: 1.6 * head }, whole];
+}
+
+async function see(eye, picture) {
+  try {
+    return await eye(picture);
+  } catch (error) {
+    if (error.name !== 'PortraitError' && !error.code) throw error;
+    return null;
+  }
+}
+
+/** Which way it looks, and where its face is. */
+async function findFace(scene, eye, up) {
+  const meshes = looks(scene);
+  for (const [name, turn] of Object.entries(TURNS)) {
+    if (up && !name.startsWith(up)) continue;
+    const turned = meshes.map((mesh) => ({ ...mesh, position: turnAll(mesh.position, turn), ball: mesh.ball && { ...mesh.ball, centre: turn(mesh.ball.centre) } }));
+    for (const frame of framesOf(turned)) {
+      const view = viewOf(turned, { ...frame, yaw: 0 }, SIZE.first);
+      const marks = await see(eye, view.picture);
+      if (!marks || marks[10][1] > marks[152][1] || Math.abs(marks[10][0] - marks[152][0]) > 0.5 * (marks[152][1] - marks[10][1])) continue;
+      const nose = view.at(marks[168][0], marks[168][1])?.point;
+      if (nose) return { name, turn, middle: nose, height: (marks[152][1] - marks[10][1]) / view.scale };
+    }
+  }
+  return null;
+}
+
+/** Where the landmarks are seen on the surface, from the front and from both sides. */
+async function look(meshes, { middle, height }, eye) {
+  const at = [0, -0.05 * height, 0].map((x, k) => middle[k] + x);
+  const views = [];
+  for (const yaw of [0, SIDE, -SIDE]) {
+    const view = viewOf(meshes, { middle: at, width: AROUND * height, yaw }, SIZE.close);
+    const marks = await see(eye, view.picture);
+    views.push(marks && { yaw, view, marks, points: marks.map(([u, v]) => view.at(u, v)) });
+  }
+  return { views, at };
+}
+
+/** Each landmark on the surface, and how far the sides agree with the front, in the file's units. */
+function gather(views) {
+  const [front] = views;
+  const apart = [];
+  const points = front.points.map((seen, i) => {
+    const mean = TEMPLATE.at[i];
+    if (!seen || !mean) return null;
+    // turned by +yaw, a head shows its right side
+    const side = Math.abs(mean[0]) > ASIDE ? views[mean[0] < 0 ? 1 : 2] : null;
+    const other = side?.points[i]?.mesh === seen.mesh && STEADY.includes(i) ? side.points[i].point : null;
+    if (!other) return seen.point;
+    apart.push(distance(other, seen.point));
+    return seen.point.map((x, k) => (x + other[k]) / 2);
+  });
+  apart.sort((a, b) => a - b);
+  return { points, apart: apart[apart.length >> 1] ?? 0, count: views.filter(Boolean).length };
+}
+
+/** Landmarks that are where a face has them. */
+function trusted(points) {
+  let which = STEADY.filter((i) => points[i] && TEMPLATE.at[i]);
+  let onto = null;
+  for (let round = 0; round < 3; round++) {
+    onto = align(TEMPLATE.at.map((p) => p ?? [0, 0, 0]), points.map((p) => p ?? [0, 0, 0]), which);
+    const off = (i) => distance(onto.apply(TEMPLATE.at[i]), points[i]) / onto.scale;
+    which = points.flatMap((p, i) => (p && TEMPLATE.at[i] && off(i) < OUTLIER ? [i] : []));
+    if (which.length < 150) return null;
+  }
+  return { which, onto };
+}
+
+/**
+ * Turns the scene to a head's directions, cuts eyes out of it, and names its meshes where they have no names that tell.
+ * @param {object} scene of a reader @param {(picture: object) => Promise<number[][]>} eye @param {{up?: string}} options
+ * @returns {Promise<{points: object, notes: string[]}>} points as of points.mjs, in the file's units
+ */
+export async function findPoints(scene, eye, { up } = {}) {
+  splitBalls(scene);
+  const found = await findFace(scene, eye, up && `${up} up`);
+  if (!found) throw new FileError('', 'no face was found in its views: --points FILE says where it is');
+  for (const mesh of scene.meshes) {
+    mesh.position = turnAll(mesh.position, found.turn);
+    for (const [name, deltas] of Object.entries(mesh.targets)) mesh.targets[name] = turnAll(deltas, found.turn);
+    if (mesh.ball) mesh.ball = { ...mesh.ball, centre: found.turn(mesh.ball.centre) };
+  }
+  const meshes = looks(scene);
+  const { views, at } = await look(meshes, found, eye);
+  if (!views[0]) throw new FileError('', 'no face was found in its views: --points FILE says where it is');
+  const { points, apart, count } = gather(views);
+  const sure = trusted(points);
+  if (!sure) throw new FileError('', 'what was found in its views is no face: --points FILE says where it is');
+  const { which, onto } = sure;
+  const hits = new Map();
+  for (const i of STEADY) if (views[0].points[i]) hits.set(views[0].points[i].mesh, (hits.get(views[0].points[i].mesh) ?? 0) + 1);
+  const skin = [...hits].sort((a, b) => b[1] - a[1])[0][0];
+
+  const pairs = which.filter((i) => views[0].points[i]?.mesh === skin).map((i) => [TEMPLATE.at[i], points[i]]);
+  const warp = (more) => {
+    const all = [...pairs, ...more];
+    return rbf(all.flatMap(([from]) => from), all.flatMap(([, to]) => to), { smooth: SMOOTH });
+  };
+  const lay = (one) => Object.fromEntries(Object.entries(TEMPLATE.fdp).map(([name, p]) => [name, one.at(p)]));
+  let fdp = lay(warp([]));
+  const eyesApart = distance(fdp['3.5'], fdp['3.6']);
+  const { own, notes } = margins(scene, meshes, skin, { fdp, eyesApart, marks: views[0].marks, camera: { middle: at, width: AROUND * found.height, yaw: 0 } });
+  const told = Object.entries(own).filter(([name]) => TEMPLATE.fdp[name] && !INNER.includes(name)).map(([name, p]) => [TEMPLATE.fdp[name], p]);
+  fdp = { ...lay(warp(told)), ...own };
+  const guessed = guessParts(scene, fdp, scene.meshes[skin]);
+  for (const [name, part] of [['3.5', 'eye_l'], ['3.6', 'eye_r']]) if (scene.meshes.some((mesh) => mesh.name === part)) delete fdp[name];
+  const mm = (x) => (x / onto.scale).toFixed(1);
+  const unit = chooseUnit(scene, eyesApart, onto, notes);
+  const text = apart / onto.scale > UNSURE || which.length < 300 ? 'not sure: look at it, or give --points' : 'sure';
+  notes.unshift(`feature points found by themselves: ${which.length} of ${points.filter(Boolean).length} landmarks in ${count} views, which agree within ${mm(apart)} mm (${text}); ${found.name}, ${unit} mm a unit`);
+  if (guessed.length) notes.push(`parts by where they lie: ${[...new Set(guessed)].join(', ')}`);
+  return { points: { frame: 'file', fdp, parts: {}, influences: [] }, notes };
+}
+
+const INNER = ['2.2', '2.3', '2.6', '2.7', '2.8', '2.9']; // two at one place each: the warp takes one alone
+
+/** Lips and lids: not where the detector thinks, but where the surface ends. */
+function margins(scene, meshes, skin, { fdp, eyesApart, marks, camera }) {
+  const [own, notes] = [{}, []];
+  const eyes = meshes.flatMap((mesh, m) => (mesh.ball ? [m] : []));
+  const kept = [skin, ...eyes];
+  const view = viewOf(kept.map((m) => meshes[m]), camera, SIZE.close);
+  const line = lipLine(view, 0, scene.meshes[skin], marks, eyesApart);
+  if (line.length) {
+    const share = (x) => line[Math.round(x * (line.length - 1))];
+    [own['2.2'], own['2.3']] = [share(0.5).upper, share(0.5).lower];
+    for (const [x, upper, lower] of [[0.75, '2.6', '2.8'], [0.25, '2.7', '2.9']]) [own[upper], own[lower]] = [share(x).inUpper, share(x).inLower];
+    for (const [x, name] of [[1, '2.4'], [0, '2.5']]) own[name] = share(x).upper.map((value, k) => (value + share(x).lower[k]) / 2);
+  } else notes.push('the lips are one surface: the mouth will not open there');
+  for (const [upper, lower, pupil] of [['3.1', '3.3', '3.5'], ['3.2', '3.4', '3.6']]) {
+    const e = eyes.findIndex((m) => Math.hypot(meshes[m].ball.centre[0] - fdp[pupil][0], meshes[m].ball.centre[1] - fdp[pupil][1]) < 0.15 * eyesApart);
+    if (e < 0) continue;
+    const { centre, radius } = meshes[eyes[e]].ball;
+    const place = [SIZE.close / 2 + (centre[0] - camera.middle[0]) * view.scale, SIZE.close / 2 - (centre[1] - camera.middle[1]) * view.scale].map(Math.round);
+    const found = lidMargins(view, 0, e + 1, place, radius);
+    if (found) Object.assign(own, { [upper]: found.upper, [lower]: found.lower });
+  }
+  return { own, notes };
+}
+
+/** The file's, where its eyes are then as far apart as people's; or by the size of the mean face. */
+function chooseUnit(scene, eyesApart, onto, notes) {
+  const fits = (unit) => unit && unit * eyesApart > GROWN[0] && unit * eyesApart < GROWN[1];
+  const known = [scene.unit, 1, 10, 100, 1000, 25.4].find(fits);
+  if (!known && scene.unit) notes.push(`its eyes would be ${(scene.unit * eyesApart).toFixed(0)} mm apart: it is made as large as a grown person's`);
+  scene.unit = known ?? 1 / onto.scale;
+  return Number(scene.unit.toPrecision(4));
+}

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Heads that say nothing of themselves: no feature points, no names, no textures, no morph targets, in other axes and units. Their points
+// are found by themselves, near those that we know, and what is made of them closes what closes.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import test, { after } from 'node:test';
+import { checkEyelids, checkLipsMoveAsOne } from '../../models/tools/lib/check.mjs';
+import { unpack } from '../../models/tools/lib/deform.mjs';
+import { view } from '../../models/tools/lib/sight.mjs';
+
+const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
+const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-find-'));
+const at = (name) => path.join(folder, name);
+const load = (file) => unpack(JSON.parse(fs.readFileSync(file, 'utf8')));
+const ours = (name) => load(path.join(models, `heads/${name}.json`));
+const faccia = (...words) => spawnSync(path.join(build, 'server/app/faccia'), ['--models', models, 'head', ...words], { encoding: 'utf8', cwd: folder });
+after(() => fs.rmSync(folder, { recursive: true }));
+
+/** @param {(p: number[]) => number[]} place where a point of the head is in the file */
+function writeObj(file, head, place) {
+  let from = 1;
+  const text = head.parts.map((part, i) => {
+    const lines = [`o thing${i}`];
+    for (let v = 0; v < part.position.length; v += 3) lines.push(`v ${place([...part.position.slice(v, v + 3)]).map((x) => x.toFixed(6)).join(' ')}`);
+    for (let t = 0; t < part.index.length; t += 3) lines.push(`f ${[0, 1, 2].map((k) => from + part.index[t + k]).join(' ')}`);
+    from += part.position.length / 3;
+    return lines.join('\n');
+  });
+  fs.writeFileSync(file, `${text.join('\n')}\n`);
+}
+
+/** As GLB: nothing but places and triangles. */
+function writeGlb(file, head, place) {
+  const [blocks, json] = [[], { asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [] }], nodes: [], meshes: [], accessors: [], bufferViews: [], buffers: [] }];
+  let size = 0;
+  const add = (array, accessor) => {
+    json.bufferViews.push({ buffer: 0, byteOffset: size, byteLength: array.byteLength });
+    json.accessors.push({ bufferView: json.bufferViews.length - 1, ...accessor });
+    blocks.push(Buffer.from(array.buffer));
+    size += array.byteLength;
+    return json.accessors.length - 1;
+  };
+  for (const part of head.parts) {
+    const position = new Float32Array(part.position.length);
+    for (let v = 0; v < position.length; v += 3) position.set(place([...part.position.slice(v, v + 3)]), v);
+    const [low, high] = [Math.min, Math.max].map((pick) => [0, 1, 2].map((k) => position.reduce((best, x, i) => (i % 3 === k ? pick(best, x) : best), position[k])));
+    const POSITION = add(position, { componentType: 5126, type: 'VEC3', count: position.length / 3, min: low, max: high });
+    json.meshes.push({ primitives: [{ attributes: { POSITION }, indices: add(Uint32Array.from(part.index), { componentType: 5125, type: 'SCALAR', count: part.index.length }) }] });
+    json.scenes[0].nodes.push(json.nodes.push({ mesh: json.meshes.length - 1 }) - 1);
+  }
+  json.buffers.push({ byteLength: size });
+  const text = JSON.stringify(json);
+  const padded = Buffer.from(text.padEnd(4 * Math.ceil(text.length / 4)));
+  const words = (...list) => Buffer.from(Uint32Array.from(list).buffer);
+  fs.writeFileSync(file, Buffer.concat([words(0x46546c67, 2, 28 + padded.length + size, padded.length, 0x4e4f534a), padded, words(size, 0x004e4942), ...blocks]));
+}
+
+const MOUTH = ['2.2', '2.3', '2.4', '2.5', '2.6', '2.7', '2.8', '2.9', '8.1', '8.3', '8.4', '9.15'];
+const LIDS = ['3.1', '3.2', '3.3', '3.4', '3.5', '3.6'];
+const OTHERS = ['2.1', '2.10', '4.1', '4.2', '4.3', '4.4', '4.5', '4.6', '8.2', '8.5', '8.6', '8.7', '8.8', '9.1', '9.2', '9.3'];
+
+for (const [name, file, write, place, said] of [
+  ['mara', 'plain.glb', writeGlb, ([x, y, z]) => [x / 1000, 1.6 + y / 1000, z / 1000], /y up, looking to \+z, 1000 mm a unit/],
+  ['bruno', 'turned.obj', writeObj, ([x, y, z]) => [x / 10, -z / 10, 160 + y / 10], /z up, looking to -y, 10 mm a unit/],
+])
+  test(`${name} as ${file}: the points are found, and lips and lids close`, (t) => {
+    const head = ours(name);
+    write(at(file), head, place);
+    const { status, stdout, stderr } = faccia('import', at(file), '-o', at(`${name}.json`));
+    assert.equal(status, 0, stderr);
+    assert.match(stdout, /^feature points found by themselves: 4\d\d of 478 landmarks in 3 views, .* \(sure\)/m);
+    assert.match(stdout, said);
+    const found = load(at(`${name}.json`));
+    const off = (points) => points.map((one) => Math.hypot(...found.fdp[one].map((x, k) => x - head.fdp[one][k])));
+    const mean = (list) => list.reduce((a, b) => a + b) / list.length;
+    const figures = Object.fromEntries(Object.entries({ MOUTH, LIDS, OTHERS }).map(([group, points]) => [group, { mean: mean(off(points)), most: Math.max(...off(points)) }]));
+    t.diagnostic(`${name}, mm from the true ones: ${JSON.stringify(figures, (_, x) => (typeof x === 'number' ? Number(x.toFixed(1)) : x))}`);
+    assert.ok(figures.MOUTH.mean < 3 && figures.MOUTH.most < 6, 'mouth'); // those of the inner lips are kept off the line, on their own lip
+    assert.ok(figures.LIDS.most < 5 && LIDS.every((one) => Math.abs(found.fdp[one][1] - head.fdp[one][1]) < 1.2), 'lids'); // along a margin they may lie elsewhere
+    assert.ok(figures.OTHERS.mean < 6 && figures.OTHERS.most < 12, 'others'); // a beard hides the chin
+    for (const [unit, value] of Object.entries(head.fapu)) assert.ok(Math.abs(found.fapu[unit] / value - 1) < 0.1, `${unit} ${found.fapu[unit]} ${value}`);
+    for (const part of ['skin', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'brows', 'lashes', ...(name === 'bruno' ? ['beard'] : [])]) assert.ok(found.parts.some((one) => one.name === part), part);
+    assert.deepEqual(checkLipsMoveAsOne(found), []);
+    const shows = checkEyelids(found).map((line) => ({ ahead: / at 0 rad/.test(line), count: Number(/: (\d+) points/.exec(line)?.[1] ?? NaN) }));
+    t.diagnostic(`between closed lids: ${JSON.stringify(shows)}`);
+    // from the front nothing; from the side, where a margin is taken for an arc, a corner's hair of it
+    assert.ok(shows.every(({ ahead, count }) => !ahead && count < 30), 'lids');
+    const upper = (v) => Object.fromEntries([4, 8, 9, 51, 55, 56].map((fap) => [fap, v]));
+    const lower = (v) => Object.fromEntries([5, 10, 11, 52, 57, 58].map((fap) => [fap, v]));
+    const inside = (faps) => ['teeth_upper', 'teeth_lower', 'tongue'].reduce((sum, part) => sum + view(found, faps, { yaw: 0, pitch: 0 }).count(part), 0) / 16;
+    const closed = [{}, { ...upper(-100), ...lower(100) }].map(inside);
+    const open = inside({ ...upper(-200), ...lower(-200), 3: 300 });
+    t.diagnostic(`${closed.map((area) => area.toFixed(2)).join(', ')} mm² seen between closed lips, ${open.toFixed(0)} open`);
+    assert.ok(closed.every((area) => area < 1) && open > (name === 'mara' ? 80 : 4), `${closed} ${open}`); // a beard hides much of it
+    // a FAP that is known to do nothing is said; all others of mouth, jaw, lids and eyes do what they should
+    const lines = stdout.split('\n').filter((line) => /^FAP (3|4|5|6|7|8|9|1\d|2[0-6]|5[1-9]|60) /.test(line));
+    assert.deepEqual(lines.filter((line) => /does nothing|no vertex/.test(line)), []);
+  });
+
+test('where there is no face, it says so; where --points is given, nothing is looked for', () => {
+  fs.writeFileSync(at('box.obj'), ['0 0 0', '1 0 0', '1 1 0', '0 1 0', '0 0 1', '1 0 1', '1 1 1', '0 1 1'].map((p) => `v ${p}`).concat(['1 3 2', '1 4 3', '5 6 7', '5 7 8'].map((f) => `f ${f}`)).join('\n'));
+  const none = faccia('import', at('box.obj'), '-o', at('never.json'));
+  assert.equal(none.status, 1);
+  assert.match(none.stderr, /no face was found in its views: --points FILE/);
+  assert.ok(!fs.existsSync(at('never.json')));
+  fs.writeFileSync(at('points.json'), JSON.stringify({ frame: 'file', fdp: Object.fromEntries(Object.entries(ours('mara').fdp).map(([one, [x, y, z]]) => [one, [x / 1000, 1.6 + y / 1000, z / 1000]])) }));
+  const told = faccia('import', at('plain.glb'), '--points', at('points.json'), '-o', at('told.json'));
+  assert.equal(told.status, 0, told.stderr);
+  assert.ok(!/found by themselves/.test(told.stdout));
+});
