@@ -32,17 +32,20 @@ export function faceActions(actions, ctx, tuning) {
   }
 }
 
+const SPARED = [2, 12]; // mm from the eyeball
+
 /** 0 on the lids, 1 from some mm outside: cheeks and brows must not push the lids through the eyeballs. */
-function spared({ eyes }, x, y, z) {
+function spared({ eyes }, x, y, z, [near, clear] = SPARED) {
   const far = Math.min(
     ...['l', 'r'].map((side) => Math.hypot(x - eyes[side][0], y - eyes[side][1], z - eyes[side][2])),
   );
-  return smoothstep(eyes.radius + 2, eyes.radius + 12, far);
+  return smoothstep(eyes.radius + near, eyes.radius + clear, far);
 }
 
 /**
  * Along a brow the three points share the movement; it fades over the forehead above and to the lid's fold
- * below.
+ * below. The points lie near the brow's upper border: what is flat below them is as high as the brow, so that its hairs go
+ * along as they are.
  */
 function browActions(actions, ctx, outside, tuning) {
   for (const side of [1, -1]) {
@@ -56,10 +59,10 @@ function browActions(actions, ctx, outside, tuning) {
       const vertical =
         y > line
           ? plateau(y - line, tuning.flat, tuning.above)
-          : plateau(line - y, tuning.flat, tuning.below);
+          : plateau(line - y, tuning.flatBelow, tuning.below);
       const inward = plateau(xs[0] - ax, 0, tuning.inward);
       const outward = plateau(ax - xs[2], 0, tuning.outward);
-      return vertical * inward * outward * plateau(-z, 0, 30) * spared(ctx, x, y, z);
+      return vertical * inward * outward * plateau(-z, 0, 30) * spared(ctx, x, y, z, tuning.spared);
     };
     BROWS.forEach(([, left, right], i) => {
       actions.move(

@@ -110,7 +110,7 @@ function hairRoots({ roots, scalp }, parts, opaque) {
     for (const { far, reach, strength, colour: hair, before } of fields) {
       const mm = far(...q);
       if (mm > reach * 1.6) continue;
-      const stroke = noise(q[0] / 0.7, q[1] / 3.5, q[2] / 3.5) * 0.6 + noise(q[0] / 3, q[1] / 5, q[2] / 5) * 0.4;
+      const stroke = noise(q[0] / 0.5, q[1] / 2, q[2] / 2) * 0.7 + noise(q[0] / 2, q[1] / 3, q[2] / 3) * 0.3;
       const place = before === undefined ? 1 : smoothstep(before, before + 18, behind);
       const share = strength * place * smoothstep(1.1, 1.3, lip) * smoothstep(reach, 0.2 * reach, mm + 0.45 * reach * stroke);
       out = mix(out, hair, share);

@@ -11,7 +11,7 @@ const SQUEEZED = 150; // brows, FAPs 37 and 38
 const LIFTED = 260; // cheeks, FAPs 41 and 42
 const DRAWN = 240; // cheeks and lips together, see foldsOf
 const STILL = 50; // of that: what speech does to the lips folds nothing
-const WRINKLED = 130; // nose, FAP 63
+const WRINKLED = 55; // nose, FAP 63
 
 /**
  * How deep the creases are, 0..1.
@@ -35,7 +35,7 @@ export function foldsOf(values) {
   const over = (fap) => Math.max(0, values[fap]);
   const up = over(63);
   const lips = (corner, stretch, upper) => 0.5 * over(corner) + 0.3 * over(stretch) + 0.3 * Math.max(0, -values[upper]);
-  const side = (cheek, ...of) => share(0.6 * values[cheek] + lips(...of) + 0.4 * up - STILL, DRAWN);
+  const side = (cheek, ...of) => share(0.6 * values[cheek] + lips(...of) + up - STILL, DRAWN);
   return [side(41, 12, 6, 8), side(42, 13, 7, 9), share(up, WRINKLED)];
 }
 
