@@ -25,7 +25,10 @@ static const char usage[] =
     "\n"
     "faccia head import FILE, calibrate HEAD.json, points HEAD.json, check HEAD.json: "
     "heads of other origin; needs Node.js\n"
-    "(18 or later). 'faccia head import --help' tells more.\n";
+    "(18 or later). 'faccia head import --help' tells more.\n"
+    "Of photographs, models/tools of the sources makes heads (portrait/make-portrait.mjs) and sets of "
+    "pictures "
+    "(pictures/make-set.mjs).\n";
 
 static int copy(FILE *avatar, const char *path) {
     struct cli_file file = {0};
