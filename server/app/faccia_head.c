@@ -27,7 +27,10 @@ static const char usage[] =
     "heads of other origin; needs Node.js\n"
     "(18 or later). 'faccia head import --help' tells more.\n"
     "faccia head lips TRACKS: how somebody's lips moved, for 'faccia fit'. 'faccia head lips --help' tells "
-    "more.\n";
+    "more.\n"
+    "Of photographs, models/tools of the sources makes heads (portrait/make-portrait.mjs) and sets of "
+    "pictures "
+    "(pictures/make-set.mjs).\n";
 
 static int copy(FILE *avatar, const char *path) {
     struct cli_file file = {0};

@@ -24,6 +24,13 @@ static const char usage[] =
     "  -e, --engine NAME    of the second and, given again, of the third mode; 'still' is a face at rest "
     "(the first two\n"
     "                       engines there are)\n"
+    "      --faces LIST     who is seen, with commas between: 'head'; 'pictures' or 'pictures:FILE', a set "
+    "of "
+    "pictures (the\n"
+    "                       daemon's, or a file) moved by the first engine; 'video:DIR', films of a real "
+    "speaker with their\n"
+    "                       own sound: DIR/WORD.mp4 or .webm, WORD.wav, and words.json, {\"WORD\": "
+    "{\"start\": S, \"end\": S}} (head)\n"
     "      --fps N          FAP frames per second, 1 to 120 (50)\n"
     "      --seed N         another noise (0)\n"
     "      --set FILE       the words (models/stimuli/pt-BR.json: 27 words of two syllables, -12, -18, -24 "
@@ -114,7 +121,10 @@ static int make(struct kit *kit) {
     int status = choose_faces(kit);
     if (status)
         return status;
-    if (kit_folder(kit, "") || kit_folder(kit, "wav") || kit_folder(kit, "fap"))
+    if (stimuli_faces_load(&kit->shown, &kit->set))
+        return EXIT_FAILED;
+    if (kit_folder(kit, "") || (kit->shown.films && kit_folder(kit, "video")) || kit_folder(kit, "wav") ||
+        kit_folder(kit, "fap"))
         return EXIT_FAILED;
     kit->items = json_array();
     kit->trials = json_array();
@@ -148,14 +158,20 @@ static int add_face(struct kit *kit, const char *name) {
 /* The exit code, or -1 to go on. */
 static int parse(int argc, char **argv, struct kit *kit) {
     static const struct option options[] = {
-        {"out", 1, NULL, 'o'},  {"voice", 1, NULL, 'v'},
-        {"rate", 1, NULL, 'r'}, {"engine", 1, NULL, 'e'},
-        {"fps", 1, NULL, 'p'},  {"seed", 1, NULL, 's'},
-        {"set", 1, NULL, 'S'},  {"server", 1, NULL, 'u'},
-        {"help", 0, NULL, 'h'}, {0},
+        {"out", 1, NULL, 'o'},
+        {"voice", 1, NULL, 'v'},
+        {"rate", 1, NULL, 'r'},
+        {"engine", 1, NULL, 'e'},
+        {"fps", 1, NULL, 'p'},
+        {"seed", 1, NULL, 's'},
+        {"set", 1, NULL, 'S'},
+        {"server", 1, NULL, 'u'},
+        {"help", 0, NULL, 'h'},
+        {"faces", 1, NULL, 'f'},
+        {0},
     };
     struct error e;
-    char message[400];
+    char message[400], *faces = NULL;
     int status = -1;
     for (int c; status < 0 && (c = getopt_long(argc, argv, "o:v:r:e:h", options, NULL)) != -1;) {
         const char *field = c == 'v'   ? "voice"
@@ -180,6 +196,9 @@ static int parse(int argc, char **argv, struct kit *kit) {
         case 'S':
             kit->set_path = optarg;
             break;
+        case 'f':
+            faces = optarg;
+            break;
         case 'u':
             kit->server = optarg;
             break;
@@ -191,6 +210,8 @@ static int parse(int argc, char **argv, struct kit *kit) {
             return EXIT_USAGE;
         }
     }
+    if (status < 0 && stimuli_faces_parse(&kit->shown, faces))
+        status = EXIT_USAGE;
     if (status < 0 && (optind < argc || !kit->out)) {
         cli_complain(kit->out ? "unexpected '%s'" : "no folder: give --out", argv[optind]);
         status = EXIT_USAGE;
@@ -211,6 +232,7 @@ int stimuli_main(int argc, char **argv, const struct settings *settings) {
     json_decref(kit.items);
     json_decref(kit.trials);
     json_decref(kit.films);
+    stimuli_faces_free(&kit.shown);
     stimuli_set_free(&kit.set);
     request_free(&kit.request);
     return status;

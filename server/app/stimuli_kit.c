@@ -46,16 +46,15 @@ static int write_file(const struct kit *kit, const char *name, const struct buf 
     return cli_finish(&file, true);
 }
 
-static int write_wav(const struct kit *kit, const char *name, const int16_t *pcm,
-                     const struct sentence_audio *u) {
+static int write_wav(const struct kit *kit, const char *name, const int16_t *pcm, size_t samples,
+                     unsigned rate) {
     char path[PATH_BYTES];
-    SF_INFO info = {
-        .samplerate = (int)u->sample_rate, .channels = 1, .format = SF_FORMAT_WAV | SF_FORMAT_PCM_16};
+    SF_INFO info = {.samplerate = (int)rate, .channels = 1, .format = SF_FORMAT_WAV | SF_FORMAT_PCM_16};
     struct cli_file file;
     if (cli_create(&file, in_folder(kit, name, path)))
         return -1;
     SNDFILE *sound = sf_open_fd(fileno(file.file), SFM_WRITE, &info, SF_FALSE);
-    bool failed = !sound || sf_write_short(sound, pcm, u->samples) != (sf_count_t)u->samples;
+    bool failed = !sound || sf_write_short(sound, pcm, (sf_count_t)samples) != (sf_count_t)samples;
     if (failed)
         cli_complain("%s: %s", path, sf_strerror(sound));
     failed |= sound && sf_close(sound) != 0;
@@ -137,14 +136,68 @@ static json_t *phones_of(const struct sentence_audio *u, size_t from) {
     return list;
 }
 
+/* The face that pictures show: the first that moves. NULL: none does. */
+static const char *pictured(const struct kit *kit, size_t *number) {
+    for (*number = 0; *number < kit->face_count; ++*number)
+        if (kit->faces[*number] != kit_still)
+            return kit->faces[*number];
+    return NULL;
+}
+
+static void add_trial(struct kit *kit, const char *item, const char *mode, double snr, const char *wav,
+                      const char *key, const char *file) {
+    json_t *trial = json_pack("{ss ss sf ss}", "item", item, "mode", mode, "snr", snr, "wav", wav);
+    if (key)
+        json_object_set_new(trial, key, json_string(file));
+    json_array_append_new(kit->trials, trial);
+}
+
+static uint64_t seed_of(const struct kit *kit, size_t number, size_t ratio) {
+    return (uint64_t)kit->request.seed * 1000003u + number * kit->set.snr_count + ratio;
+}
+
+static int copy_film(const struct kit *kit, const char *name, const char *file) {
+    char path[PATH_BYTES];
+    struct buf film = {0};
+    snprintf(path, sizeof path, "%s/%s", kit->shown.films, file);
+    int failed = cli_read(path, &film) || write_file(kit, name, &film);
+    buf_free(&film);
+    return failed;
+}
+
+/* The film of an item, its own sound at each ratio, its trials. */
+static int add_film(struct kit *kit, size_t number) {
+    const char *item = kit->set.items[number].name;
+    struct stimuli_film film;
+    char wav[80], name[80];
+    if (stimuli_film_load(&kit->shown, item, &film))
+        return -1;
+    snprintf(name, sizeof name, "video/%s", film.file);
+    int16_t *mixed = mem_alloc((film.samples + 1) * sizeof *mixed);
+    int failed = copy_film(kit, name, film.file);
+    for (size_t i = 0; i < kit->set.snr_count && !failed; i++) {
+        double snr = kit->set.snrs[i];
+        snprintf(wav, sizeof wav, "wav/%s_video_%gdB.wav", item, snr);
+        failed = !noise_mix(film.pcm, film.samples, film.from, film.to, snr, seed_of(kit, number, i), mixed);
+        if (failed)
+            cli_complain("%s/%s.wav: nothing is heard where the word should be", kit->shown.films, item);
+        failed = failed || write_wav(kit, wav, mixed, film.samples, film.sample_rate);
+        add_trial(kit, item, "video", snr, wav, "video", name);
+    }
+    free(mixed);
+    free(film.pcm);
+    return failed;
+}
+
 /* One item, spoken: its faces, its sound at each ratio, its trials. */
 int kit_item(struct kit *kit, size_t number) {
     const struct stimuli_item *item = &kit->set.items[number];
     const struct sentence_audio *u = kit->segment.audio;
     int16_t *mixed = mem_alloc((u->samples + 1) * sizeof *mixed);
     char wav[80], fap[KIT_FACES][120];
-    size_t from, to;
+    size_t from, to, first;
     int failed = 0;
+    const char *moving = pictured(kit, &first);
     item_range(u, &from, &to);
     json_array_append_new(
         kit->items, json_pack("{ss ss so sf sf sf}", "name", item->name, "text", item->text, "phones",
@@ -152,29 +205,27 @@ int kit_item(struct kit *kit, size_t number) {
                               (double)to / u->sample_rate, "duration", (double)u->samples / u->sample_rate));
     for (size_t i = 0; i < kit->face_count && !failed; i++) {
         snprintf(fap[i], sizeof fap[i], "fap/%s_%s.fap", item->name, kit->faces[i]);
-        if (kit->faces[i] != kit_still)
+        if (kit->faces[i] != kit_still && (kit->shown.head || (kit->shown.pictures && i == first)))
             failed = write_face(kit, fap[i], kit->faces[i], from);
     }
     for (size_t i = 0; i < kit->set.snr_count && !failed; i++) {
         double snr = kit->set.snrs[i];
-        uint64_t seed = (uint64_t)kit->request.seed * 1000003u + number * kit->set.snr_count + i;
         snprintf(wav, sizeof wav, "wav/%s_%gdB.wav", item->name, snr);
-        if (!noise_mix(u->pcm, u->samples, from, to, snr, seed, mixed)) {
+        if (!noise_mix(u->pcm, u->samples, from, to, snr, seed_of(kit, number, i), mixed)) {
             cli_complain("%s: the voice said nothing", item->name);
             failed = -1;
             break;
         }
-        failed = write_wav(kit, wav, mixed, u);
-        json_array_append_new(kit->trials, json_pack("{ss ss sf ss}", "item", item->name, "mode", "audio",
-                                                     "snr", snr, "wav", wav));
-        for (size_t k = 0; k < kit->face_count; k++) {
-            json_t *trial =
-                json_pack("{ss ss sf ss}", "item", item->name, "mode", kit->faces[k], "snr", snr, "wav", wav);
-            if (kit->faces[k] != kit_still)
-                json_object_set_new(trial, "fap", json_string(fap[k]));
-            json_array_append_new(kit->trials, trial);
-        }
+        failed = write_wav(kit, wav, mixed, u->samples, u->sample_rate);
+        add_trial(kit, item->name, "audio", snr, wav, NULL, NULL);
+        for (size_t k = 0; k < kit->face_count && kit->shown.head; k++)
+            add_trial(kit, item->name, kit->faces[k], snr, wav, kit->faces[k] == kit_still ? NULL : "fap",
+                      fap[k]);
+        if (kit->shown.pictures)
+            add_trial(kit, item->name, "pictures", snr, wav, moving ? "fap" : NULL, fap[first]);
     }
+    if (!failed && kit->shown.films)
+        failed = add_film(kit, number);
     free(mixed);
     return failed;
 }
@@ -191,8 +242,12 @@ static json_t *mode(const char *name, const char *kind) {
 static json_t *manifest_of(struct kit *kit) {
     json_t *modes = json_array();
     json_array_append_new(modes, mode("audio", "audio"));
-    for (size_t i = 0; i < kit->face_count; i++)
+    for (size_t i = 0; i < kit->face_count && kit->shown.head; i++)
         json_array_append_new(modes, mode(kit->faces[i], kit->faces[i] == kit_still ? "still" : "face"));
+    if (kit->shown.pictures)
+        json_array_append_new(modes, mode("pictures", "pictures"));
+    if (kit->shown.films)
+        json_array_append_new(modes, mode("video", "video"));
     return json_pack("{ss ss ss ss sf sf so sO sO sO sO}", "faccia", "stimuli 1", "lang", kit->set.lang,
                      "voice", kit->voice, "carrier", kit->set.carrier, "fps", kit->request.fps, "seed",
                      kit->request.seed, "modes", modes, "snrs", json_object_get(kit->set.json, "snrs"),
@@ -209,6 +264,8 @@ int kit_page(struct kit *kit) {
     data.size = 0;
     json_object_set_new(manifest, "server", json_string(kit->server));
     json_object_set(manifest, "films", kit->films);
+    if (kit->shown.set)
+        json_object_set(manifest, "pictures", kit->shown.set);
     json_dump_callback(manifest, append, &data, JSON_COMPACT | JSON_REAL_PRECISION(7));
     json_decref(manifest);
     /* Without the client's bundle (built without Node.js) the page loads it from the daemon. */

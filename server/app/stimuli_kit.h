@@ -4,6 +4,7 @@
 #define FACCIA_APP_STIMULI_KIT_H
 
 #include "server/app/cli.h"
+#include "server/app/stimuli_faces.h"
 #include "server/app/stimuli_set.h"
 
 enum { KIT_FACES = 2 };
@@ -20,6 +21,7 @@ struct kit {
     const char *out, *set_path, *server;
     const char *faces[KIT_FACES]; /* engines, or kit_still */
     size_t face_count;
+    struct stimuli_faces shown;
     json_t *items, *trials, *films; /* of the manifest; the films are for the page alone */
     struct media_segment segment;   /* of the present item */
     const char *voice;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a picture of a face of pictures costs: node tests/bench/pictures.mjs. A sentence's FAPs are drawn by the engine in a real
 // Chromium without WebGL, as fast as it can. The processor's time on the page's thread is told for each picture, and the pictures a second on the
-// clock with the processor as it is and slowed down four times (Emulation.setCPUThrottlingRate).
+// clock with the processor as it is and slowed down four and six times (Emulation.setCPUThrottlingRate).
 import { createRequire } from 'node:module';
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
@@ -39,7 +39,7 @@ const fap = path.join(folder, 'a.fap');
 execFileSync(path.join(build, 'server/app/faccia'), ['say', '--lang', 'it', '--fps', '30', '--fap', fap, '--wav', path.join(folder, 'a.wav'), TEXT], { stdio: 'ignore' });
 const { frames } = parseFap(fs.readFileSync(fap, 'utf8'));
 fs.rmSync(folder, { recursive: true });
-const set = JSON.parse(fs.readFileSync(path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'pictures/mara.json')));
+const set = JSON.parse(fs.readFileSync(process.argv[2] ?? path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'pictures/mara.json')));
 
 const { build: bundle } = createRequire(path.join(web, 'package.json'))('esbuild');
 const { outputFiles } = await bundle({ stdin: { contents: script, resolveDir: web }, bundle: true, format: 'esm', write: false });
@@ -54,7 +54,7 @@ const spent = async () => (await session.send('Performance.getMetrics')).metrics
 const made = await page.evaluate((json) => window.begin(json), set);
 console.log(`${set.width} x ${set.height}, ${frames.length} frames of a sentence with life; ready in ${made.toFixed(0)} ms`);
 await page.evaluate((list) => window.draw(list), frames); // warm
-for (const rate of [1, 4]) {
+for (const rate of [1, 4, 6]) {
   await session.send('Emulation.setCPUThrottlingRate', { rate });
   const runs = [];
   for (let i = 0; i < 5; i++) {

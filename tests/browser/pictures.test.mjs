@@ -167,3 +167,22 @@ test('it speaks: the mouth on the canvas opens and closes while a sentence is he
   assert.deepEqual(page.problems, []);
   await page.close();
 });
+
+test('a page names a set of its own: it is shown, and speaks; one that is broken is told, and the server\'s stands in', async () => {
+  const page = await openFace();
+  pages.files['/anna.json'] = { body: JSON.stringify({ ...set, name: 'anna', title: 'Anna' }), type: 'application/json' };
+  pages.files['/broken.json'] = { body: JSON.stringify({ ...set, regions: [{ ...set.regions[0], mask: {} }] }), type: 'application/json' };
+  const shown = (address) => page.evaluate((value) => {
+    const head = document.querySelector('talking-head');
+    const ready = new Promise((resolve) => head.addEventListener('ready', ({ detail }) => resolve(detail.title), { once: true }));
+    head.pictures = value;
+    return ready;
+  }, address);
+  assert.equal(await shown('anna.json'), 'Anna');
+  assert.equal(await page.evaluate(() => document.querySelector('talking-head').debug().level), 'pictures');
+  assert.equal(await page.evaluate(() => document.querySelector('talking-head').speak('Mamma.', { lang: 'it' }).then(({ reason }) => reason)), 'done');
+  assert.equal(await page.evaluate(() => window.errors), undefined);
+  assert.notEqual(await shown('broken.json'), 'Anna');
+  assert.deepEqual(await page.evaluate(() => window.errors), ['bad-pictures']);
+  await page.close();
+});

@@ -27,7 +27,7 @@ before(async () => {
   set.snrs = [-12];
   fs.writeFileSync(path.join(folder, 'set.json'), JSON.stringify(set));
   const { status, stderr } = faccia('stimuli', '--out', kit, '--set', path.join(folder, 'set.json'), '--server', daemon.url,
-    '--engine', 'dominance', '--engine', 'still');
+    '--engine', 'dominance', '--engine', 'still', '--faces', 'head,pictures');
   assert.equal(status, 0, stderr);
   browser = await launch();
   page = await browser.newPage({ viewport: { width: 800, height: 500 }, acceptDownloads: true });
@@ -80,7 +80,7 @@ function changeData(change) {
 
 /** Watches the lips' gap in FAP units while a word is heard, until it can be confirmed. A word takes some two seconds. */
 const watch = () => page.evaluate(async ([upper, lower]) => {
-  const face = document.querySelector('talking-head');
+  const all = [...document.querySelectorAll('talking-head')];
   const button = document.querySelector('#answer button');
   const gaps = [];
   const video = document.querySelector('video');
@@ -89,11 +89,12 @@ const watch = () => page.evaluate(async ([upper, lower]) => {
   while (button.disabled) {
     if (document.querySelector('#test').hidden) throw new Error(`interrupted: ${document.querySelector('#pause p').textContent}`);
     if (performance.now() - since > 90000) throw new Error('the word has neither ended nor been interrupted');
-    const values = face.debug().fapValues;
+    const values = (all.find((one) => !one.classList.contains('away')) ?? all[0]).debug().fapValues;
     gaps.push(-(values[upper] + values[lower]));
     await new Promise(requestAnimationFrame);
   }
-  return { gaps, seen: !face.classList.contains('away'), filmed: !video.classList.contains('away') && video.currentTime > 0 };
+  const seen = all.filter((one) => !one.classList.contains('away')).map((one) => (one.debug().level === 'pictures' ? 'pictures' : 'head'));
+  return { gaps, seen, filmed: !video.classList.contains('away') && video.currentTime > 0 };
 }, [UPPER, LOWER]);
 
 test('a listener goes through all blocks, and the answers are analysed', async () => {
@@ -101,7 +102,7 @@ test('a listener goes through all blocks, and the answers are analysed', async (
   await page.fill('[name="listener"]', 'Anna, 1');
   await page.click('#welcome button');
   const watched = [];
-  for (let block = 0; block < 4; block++) {
+  for (let block = 0; block < 5; block++) {
     await page.waitForSelector('#pause button', { timeout: 90000 });
     await page.click('#pause button');
     for (let trial = 0; trial < 2; trial++) {
@@ -121,24 +122,24 @@ test('a listener goes through all blocks, and the answers are analysed', async (
 
   const [head, ...rows] = fs.readFileSync(file, 'utf8').trim().split('\r\n');
   assert.equal(head, 'listener,block,trial,mode,snr,item,answer,correct,seconds');
-  assert.equal(rows.length, 8);
+  assert.equal(rows.length, 10);
   const fields = rows.map((row) => row.match(/^"Anna, 1",(\d),(\d),(\w+),-12,(\w+),papa,([01]),[\d.]+$/));
   for (const [i, [, block, , mode, item, correct]] of fields.entries()) {
     assert.equal(Number(block), Math.floor(i / 2) + 1);
     assert.equal(correct === '1', item === 'papa');
-    assert.equal(watched[i].seen, mode === 'dominance' || mode === 'still');
+    assert.deepEqual(watched[i].seen, { dominance: ['head'], still: ['head'], pictures: ['pictures'] }[mode] ?? []);
     assert.equal(watched[i].filmed, mode === 'film');
-    if (mode !== 'dominance') assert.ok(Math.max(...watched[i].gaps) <= 0, 'the face kept still');
+    if (mode !== 'dominance' && mode !== 'pictures') assert.ok(Math.max(...watched[i].gaps) <= 0, 'the face kept still');
   }
   // whatever the speed at which the face is drawn here, over two words it was seen open
   assert.ok(Math.max(...watched.flatMap(({ gaps }) => gaps)) > 60, 'the mouth opened');
   const modes = fields.map((field) => field[3]);
-  assert.deepEqual([...new Set(modes)].sort(), ['audio', 'dominance', 'film', 'still']);
+  assert.deepEqual([...new Set(modes)].sort(), ['audio', 'dominance', 'film', 'pictures', 'still']);
 
   fs.writeFileSync(path.join(folder, 'other.csv'), fs.readFileSync(file, 'utf8').replaceAll('Anna', 'Bea').replace(/,1,([\d.]+\r\n)/, ',0,$1'));
   const { status, stdout } = faccia('anova', '--csv', file, '--csv', path.join(folder, 'other.csv'));
   assert.equal(status, 0);
-  assert.match(stdout, /-12 {2}all +3 {4}4 /);
+  assert.match(stdout, /-12 {2}all +4 {4}5 /);
 });
 
 test('a sound or a film that does not go on interrupts a word; it comes again, and is left out at last', async () => {

@@ -117,6 +117,53 @@ test('the same seed makes the same noise', () => {
   assert.notDeepEqual(make('three', '2'), first);
 });
 
+test('who is seen: the head, pictures, films of a real speaker with their own sound', () => {
+  const set = { lang: 'it', carrier: 'Dice: {item}.', snrs: [0, -6], items: [{ name: 'mamma', text: 'mamma' }], page: {} };
+  fs.writeFileSync(file('set.json'), JSON.stringify(set));
+  fs.mkdirSync(file('films'));
+  fs.writeFileSync(file('films/mamma.webm'), 'pictures that move');
+  assert.equal(faccia(['say', '--lang', 'it', '--wav', file('films/mamma.wav'), 'Dice: mamma.']).status, 0);
+  const words = (content) => fs.writeFileSync(file('films/words.json'), content);
+  words('{"mamma": {"start": 0.4, "end": 0.9}}');
+  fs.writeFileSync(file('pictures.json'), '{"format": "faccia-pictures", "name": "anna"}');
+  const make = (faces, out = 'seen') => faccia(['stimuli', '--out', file(out), '--set', file('set.json'), '--engine', 'still', '--faces', faces]);
+  const made = make(`pictures:${file('pictures.json')},video:${file('films')}`);
+  assert.equal(made.status, 0, made.stderr);
+  const { modes, trials } = JSON.parse(fs.readFileSync(file('seen/manifest.json')));
+  assert.deepEqual(modes, ['audio', 'pictures', 'video'].map((name) => ({ name, kind: name })));
+  assert.equal(trials.length, 6);
+  for (const trial of trials) {
+    assert.equal(trial.mode === 'video', trial.wav.startsWith('wav/mamma_video_'), trial.wav);
+    assert.equal(trial.mode === 'pictures', Boolean(trial.fap));
+    assert.equal(trial.video, trial.mode === 'video' ? 'video/mamma.webm' : undefined);
+    assert.ok(fs.existsSync(file(`seen/${trial.wav}`)));
+  }
+  assert.equal(fs.readFileSync(file('seen/video/mamma.webm'), 'utf8'), 'pictures that move');
+  assert.equal(fs.statSync(file('seen/wav/mamma_video_0dB.wav')).size, fs.statSync(file('films/mamma.wav')).size);
+  const page = fs.readFileSync(file('seen/index.html'), 'utf8');
+  assert.equal(JSON.parse(page.match(/<script type="application\/json" id="data">(.*?)<\/script>/s)[1]).pictures.name, 'anna');
+
+  const refused = (faces, status, what) => {
+    const failed = make(faces, 'refused');
+    assert.equal(failed.status, status, failed.stderr);
+    assert.match(failed.stderr, what);
+    assert.ok(!fs.existsSync(file('refused')), 'nothing is written');
+  };
+  for (const faces of ['steam', 'video', 'head,head', 'head:x', 'pictures:', '']) refused(faces, 2, /--faces: /);
+  refused(`pictures:${file('set.json')}`, 1, /set\.json: format: /);
+  refused(`video:${file('nowhere')}`, 1, /nowhere\/words\.json: /);
+  for (const [content, what] of [['{', /words\.json: 1:1: /], ['{}', /words\.json: mamma: needs/], ['{"mamma": {"start": 2, "end": 1}}', /words\.json: mamma: needs/]]) {
+    words(content);
+    refused(`video:${file('films')}`, 1, what);
+  }
+  words('{"mamma": {"start": 400, "end": 900}}');
+  const behind = make(`video:${file('films')}`);
+  assert.equal(behind.status, 1);
+  assert.match(behind.stderr, /mamma\.wav: the word of words\.json lies behind its end/);
+  fs.rmSync(file('films/mamma.webm'));
+  refused(`video:${file('films')}`, 1, /no film of 'mamma'/);
+});
+
 const means = `snr,mode,mean,variance,n
 -12,a,0.3424,0.0077,41
 -12,a+a,0.5944,0.0136,41

@@ -3,6 +3,8 @@
 export const words = {
   it: {
     title: 'Il tuo viso', pictures: 'Foto', picturesHint: 'Una foto di fronte, a labbra chiuse; meglio con altre due, mezzo girata da ogni lato. Le foto restano su questo computer.',
+    turn: 'Girare la testa', turn_front: 'Guardare dritto nella fotocamera…', turn_left: 'Ora girare piano la testa verso la propria sinistra…', turn_right: 'Ora girare piano la testa verso la propria destra…',
+    turn_on: 'Ancora un momento: di fronte, a sinistra, a destra…', turn_few: 'Non si sono visti tutti i lati: va bene anche così, o riprovare.',
     choose: 'Scegli le foto', camera: 'Fotocamera', take: 'Scatta', cameraOff: 'Spegni la fotocamera', making: 'Creazione', like: 'Capelli e vestiti di',
     eyes: 'Occhi di', make: 'Crea la testa', save: 'Scarica la testa', text: 'Testo da dire', lang: 'Lingua', speak: 'Parla', stop: 'Ferma',
     nearest: 'La più vicina ({title})', same: 'La stessa', loading: 'Si carica il cercatore di visi…', looking: 'Si cerca il viso…', working: 'Si crea la testa…',
@@ -18,6 +20,8 @@ export const words = {
   },
   pt: {
     title: 'Seu rosto', pictures: 'Fotos', picturesHint: 'Uma foto de frente, de lábios fechados; melhor com mais duas, meio virada para cada lado. As fotos ficam neste computador.',
+    turn: 'Girar a cabeça', turn_front: 'Olhe direto para a câmera…', turn_left: 'Agora gire a cabeça devagar para a sua esquerda…', turn_right: 'Agora gire a cabeça devagar para a sua direita…',
+    turn_on: 'Mais um momento: de frente, à esquerda, à direita…', turn_few: 'Nem todos os lados foram vistos: também serve, ou tente de novo.',
     choose: 'Escolher fotos', camera: 'Câmera', take: 'Tirar foto', cameraOff: 'Desligar a câmera', making: 'Criação', like: 'Cabelo e roupa de',
     eyes: 'Olhos de', make: 'Criar a cabeça', save: 'Baixar a cabeça', text: 'Texto a dizer', lang: 'Idioma', speak: 'Falar', stop: 'Parar',
     nearest: 'A mais próxima ({title})', same: 'A mesma', loading: 'Carregando o localizador de rostos…', looking: 'Procurando o rosto…', working: 'Criando a cabeça…',
@@ -33,6 +37,8 @@ export const words = {
   },
   tr: {
     title: 'Senin yüzün', pictures: 'Fotoğraflar', picturesHint: 'Önden, dudakları kapalı bir fotoğraf; iki yana yarım dönük iki fotoğrafla daha iyi olur. Fotoğraflar bu bilgisayarda kalır.',
+    turn: 'Başı çevir', turn_front: 'Kameraya dümdüz bakın…', turn_left: 'Şimdi başınızı yavaşça solunuza çevirin…', turn_right: 'Şimdi başınızı yavaşça sağınıza çevirin…',
+    turn_on: 'Biraz daha: önden, soldan, sağdan…', turn_few: 'Her yan görülmedi: böyle de olur, ya da yeniden deneyin.',
     choose: 'Fotoğraf seç', camera: 'Kamera', take: 'Çek', cameraOff: 'Kamerayı kapat', making: 'Oluşturma', like: 'Saç ve giysi',
     eyes: 'Gözler', make: 'Başı oluştur', save: 'Başı indir', text: 'Söylenecek metin', lang: 'Dil', speak: 'Konuş', stop: 'Dur',
     nearest: 'En yakını ({title})', same: 'Aynısı', loading: 'Yüz bulucu yükleniyor…', looking: 'Yüz aranıyor…', working: 'Baş oluşturuluyor…',
@@ -48,6 +54,8 @@ export const words = {
   },
   en: {
     title: 'Your face', pictures: 'Pictures', picturesHint: 'One picture from the front, lips closed; better with two more, half turned to each side. The pictures stay on this computer.',
+    turn: 'Turn the head', turn_front: 'Look straight into the camera…', turn_left: 'Now turn your head slowly to your left…', turn_right: 'Now turn your head slowly to your right…',
+    turn_on: 'A moment more: front, left, right…', turn_few: 'Not all sides were seen: that will do, or try again.',
     choose: 'Choose pictures', camera: 'Camera', take: 'Take the picture', cameraOff: 'Camera off', making: 'Making it', like: 'Hair and clothes of',
     eyes: 'Eyes of', make: 'Make the head', save: 'Download the head', text: 'Text to speak', lang: 'Language', speak: 'Speak', stop: 'Stop',
     nearest: 'The nearest ({title})', same: 'The same', loading: 'Loading the finder of faces…', looking: 'Looking for the face…', working: 'Making the head…',

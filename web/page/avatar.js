@@ -2,6 +2,7 @@
 // A head out of pictures of the reader's face. They are read, looked at and used in this page; no request carries them.
 import { words } from './avatar-words.js';
 import { PictureBox } from './avatar-picture.js';
+import { takeTurn } from './avatar-turn.js';
 import { Frame } from './frame.js';
 import { fill, primary, spokenLanguage } from './languages.js';
 
@@ -14,6 +15,7 @@ let models = [];
 let boxes = [];
 let made = null; // the head, when it is
 let stream = null; // of the camera
+let turning = null; // AbortController of a turn before it
 let said = null; // what the state says: its name and values
 
 function tell(name, values) {
@@ -46,11 +48,35 @@ async function add(source) {
   tell('looking');
   await new Promise((resolve) => setTimeout(resolve)); // so that it can be read
   const picture = await all.readPicture(source);
-  const view = { picture, landmarks: await all.find(picture) };
-  const box = new PictureBox(view, all, { say, remove: () => remove(box) });
+  put({ picture, landmarks: await all.find(picture) });
+  tell('found');
+}
+
+/** A picture in which a face was found. */
+function put(view) {
+  const box = new PictureBox(view, tools, { say, remove: () => remove(box) });
   boxes.push(box);
   show();
-  tell('found');
+}
+
+/** A turn before the camera; or its end. */
+async function turn() {
+  if (turning) {
+    turning.abort();
+    return;
+  }
+  turning = new AbortController();
+  $('turn').ariaPressed = 'true';
+  try {
+    const all = await load();
+    const wants = (side) => tell(side ? `turn_${side}` : 'turn_on');
+    const views = await takeTurn($('video'), all, { signal: turning.signal, wants });
+    views.forEach(put);
+    tell(views.length === 3 ? 'found' : 'turn_few');
+  } finally {
+    turning = null;
+    $('turn').ariaPressed = 'false';
+  }
 }
 
 function remove(box) {
@@ -128,6 +154,7 @@ async function cameraOn() {
 }
 
 function cameraOff() {
+  turning?.abort();
   stream?.getTracks().forEach((track) => track.stop());
   stream = null;
   $('video').srcObject = null;
@@ -143,6 +170,7 @@ $('files').addEventListener('change', ({ target }) =>
 );
 $('camera').addEventListener('click', () => doing(cameraOn));
 $('take').addEventListener('click', () => doing(() => add($('video'))));
+$('turn').addEventListener('click', () => doing(turn));
 $('camera-off').addEventListener('click', cameraOff);
 $('make').addEventListener('click', () => doing(make));
 $('save').addEventListener('click', save);

@@ -16,7 +16,7 @@ const SPEAK_ATTRIBUTES = {
   lang: String, voice: String, rate: Number, markup: String, life: Number, blend: String, contacts: String,
 };
 const LINK_ATTRIBUTES = ['src', 'room', 'token', 'watch'];
-const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'quality'];
+const MODEL_ATTRIBUTES = ['model', 'avatar', 'avatar-map', 'pictures', 'quality'];
 const MOVE_MS = 100; // so long it may be out of the page without being given up: frameworks move elements
 
 const turns = new Turns(); // of all heads in the page
@@ -24,7 +24,7 @@ const turns = new Turns(); // of all heads in the page
 /** `<talking-head>`: see web/README.md. Where there is no page (on a server) it can be imported, but not made. */
 export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   static observedAttributes = [
-    ...LINK_ATTRIBUTES, 'model', 'avatar', 'avatar-map', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label',
+    ...LINK_ATTRIBUTES, 'model', 'avatar', 'avatar-map', 'pictures', 'poster', 'view', 'quality', 'captions', 'still', 'turn', 'life', 'expression', 'lang', 'label',
     'rate', 'polite', 'for',
   ];
 

@@ -6,6 +6,7 @@ import { Fitting } from './head/fitting.mjs';
 import { ModelSource } from './head/source.mjs';
 import { Link } from './link.mjs';
 import { wantsPictures } from './pictures/choice.mjs';
+import { PicturesSource } from './pictures/source.mjs';
 
 /** What the page is told as it comes. */
 const TOLD = ['hello', 'joined', 'authorized', 'choices', 'chosen', 'state'];
@@ -44,7 +45,13 @@ export class Session {
   #avatars = new AvatarSource({
     progress: (detail) => this.ports.emit('progress', detail),
     show: (model) => this.ports.show(model),
-    fail: (reason, message) => this.#avatarFailed(reason, message),
+    fail: (reason, message) => this.#ownFailed({ code: 'bad-avatar', reason, message }),
+  });
+
+  #pictures = new PicturesSource({
+    progress: (detail) => this.ports.emit('progress', detail),
+    show: (set) => this.ports.show(set),
+    fail: (message) => this.#ownFailed({ code: 'bad-pictures', message }),
   });
 
   #fitting = new Fitting({
@@ -71,7 +78,7 @@ export class Session {
   open() {
     this.#opened = true;
     addEventListener('online', this.#online);
-    this.#openAvatar();
+    this.#openOwn();
     this.#connect();
   }
 
@@ -79,6 +86,7 @@ export class Session {
     this.#opened = false;
     removeEventListener('online', this.#online);
     this.#avatars.close();
+    this.#pictures.close();
     this.#disconnect();
   }
 
@@ -110,7 +118,7 @@ export class Session {
   /** Another model is wanted, or the same in another way. */
   modelChanged() {
     this.#kept = false;
-    this.#openAvatar();
+    this.#openOwn();
     if (this.state === 'open') this.#openModel();
     this.choosePoster();
   }
@@ -122,7 +130,7 @@ export class Session {
     } catch {
       // says the link
     }
-    this.poster.choose(this.element.poster, stream, this.#avatars.there ? {} : this.#model);
+    this.poster.choose(this.element.poster, stream, this.#own ? {} : this.#model);
   }
 
   /** The kind of voice that suits the head, where none is named: members of speak. */
@@ -188,21 +196,27 @@ export class Session {
     if (room) this.#link.send({ type: 'join', room, ...(watch && { watch }) });
   }
 
-  /** Where one is wanted and can be drawn, it takes the place of the server's head. */
-  #openAvatar() {
-    const { avatar, avatarMap, quality } = this.element;
-    this.#avatars.open(wantsPictures(quality) ? null : avatar, avatarMap);
-    if (this.#avatars.there) this.#models.close();
+  /** Where an avatar or pictures of the page's own are wanted and can be drawn, they take the place of the server's head. */
+  #openOwn() {
+    const { avatar, avatarMap, pictures, quality } = this.element;
+    const drawn = !wantsPictures(quality);
+    this.#avatars.open(drawn ? avatar : null, avatarMap);
+    this.#pictures.open(drawn ? null : pictures);
+    if (this.#own) this.#models.close();
+  }
+
+  get #own() {
+    return this.#avatars.there || this.#pictures.there;
   }
 
   /** The server's head stands in. */
-  #avatarFailed(reason, message) {
-    this.ports.emit('error', { type: 'error', code: 'bad-avatar', reason, message });
+  #ownFailed(detail) {
+    this.ports.emit('error', { type: 'error', ...detail });
     this.modelChanged();
   }
 
   #openModel() {
-    if (this.#kept || this.#avatars.there) return;
+    if (this.#kept || this.#own) return;
     const { model, quality } = this.element;
     if (model === null && !this.#hello.models?.length) {
       this.controls.say('model', 'noModel');

@@ -121,6 +121,8 @@ export class TalkingHead extends HTMLElement {
   model: string | null;
   avatar: string | null;
   avatarMap: string | null;
+  /** The address of a set of pictures, shown in place of the head's where pictures are. */
+  pictures: string | null;
   poster: string | null;
   view: 'face' | 'bust' | 'mouth' | null;
   quality: 'auto' | 'high' | 'low' | 'pictures' | null;

@@ -14,8 +14,6 @@ const DEPTH = 0.6;
  */
 const PARTED = 0.1;
 const PARTED_TRUST = 0.45;
-const SIDE = 0.6; // how much of what a picture from the side says of the depth is believed
-const MOST_DEPTH = 6; // mm
 const TURNED = 0.3; // rad of yaw: beyond it a picture is one of the side
 const MOST_FRONT = 0.42; // rad: what may still be the only picture
 
@@ -62,6 +60,8 @@ function closeLips(points) {
 }
 
 /**
+ * The front alone tells the shape: where the detector sees the landmarks of a turned face says nothing of its depth
+ * (tests/bench/sides.mjs). Pictures from the side bring skin.
  * @param {{landmarks: number[][]}[]} views the first is the front
  * @param {Points} base
  * @returns {{target: (number[]|null)[], views: object[], parted: boolean}} target: the place of each landmark on the new
@@ -69,14 +69,13 @@ function closeLips(points) {
  */
 export function fitShape(views, base) {
   const all = views.map(({ landmarks }) => laid(landmarks, base));
-  const [front, ...sides] = all;
+  const [front] = all;
   const parted = partedLips(views[0].landmarks) > PARTED;
   const target = base.at.map((at, i) => {
     if (!at) return null;
     const shift = front.points[i].map((x, k) => (x - base.seen[i][k]) * (k === 2 ? DEPTH : 1));
     return at.map((x, k) => x + shift[k]);
   });
-  for (const side of sides) refine(target, side, base);
   const mouth = new Set([...UPPER_LIP, ...LOWER_LIP, ...Object.values(LIP_CORNERS)].flat());
   const shut = front.points.map((p) => [...p]);
   const rest = base.seen.map((p) => [...p]);
@@ -86,23 +85,6 @@ export function fitShape(views, base) {
     if (target[i]) target[i] = base.at[i].map((x, k) => x + (shut[i][k] - rest[i][k]) * (parted ? PARTED_TRUST : 1) *
       (k === 2 ? DEPTH : 1));
   return { target, views: all, parted };
-}
-
-/**
- * What a picture from the side knows: where along its own columns each landmark on its near side is. The place is moved along
- * the head's depth only: across and upward the front knows better.
- */
-function refine(target, { points, turn, yaw }, base) {
-  const across = turn.map((row) => row[0]); // the picture's columns, in the head's directions
-  if (Math.abs(across[2]) < 0.2) return;
-  // laid onto what is known now, not onto the base
-  const which = STEADY.filter((i) => target[i] && base.at[i]);
-  const onto = align(points, target.map((t) => t ?? [0, 0, 0]), which);
-  target.forEach((t, i) => {
-    if (!t || (t[0] * Math.sign(yaw) > 8)) return; // on the side that is turned away
-    const miss = onto.apply(points[i]).reduce((sum, x, k) => sum + (x - t[k]) * across[k], 0);
-    t[2] += Math.max(-MOST_DEPTH, Math.min(MOST_DEPTH, (SIDE * miss) / across[2]));
-  });
 }
 
 /** Whether a picture can be the front, or is one of the side. */

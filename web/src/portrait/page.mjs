@@ -8,6 +8,7 @@ import { inOrder, makeHead, nearest } from './portrait.mjs';
 import { PortraitError } from './problem.mjs';
 
 export { HANDLES, withMoved } from './landmarks.mjs';
+export { TurnPicker } from './turn.mjs';
 export { inOrder, makeHead, nearest, PortraitError };
 
 const LONGEST = 3000; // pixels: more is not needed for a texture

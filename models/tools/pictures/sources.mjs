@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Where the photographs of a set come from: a folder of them, or a video with the times of what is seen in it. */
+import { execFileSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import { BLINK, nameOf } from './names.mjs';
+
+const MOST = 500; // photographs
+const MOST_BYTES = 1 << 28; // of a frame, as PNG
+const PATIENCE_MS = 60000;
+
+export class SourceError extends Error {}
+
+/** @typedef {{name: string, label: string, read: () => string|Buffer}} Photograph read: a file, or what is in one */
+
+/** Files that are called as a viseme is, with a number behind where there are several. @returns {{photographs: Photograph[], strange: string[]}} */
+function inFolder(folder) {
+  const files = fs.readdirSync(folder, { withFileTypes: true }).filter((one) => one.isFile() && !one.name.startsWith('.')).map(({ name }) => name).sort();
+  if (files.length > MOST) throw new SourceError(`${folder}: ${files.length} files: at most ${MOST}`);
+  const photographs = [];
+  const strange = [];
+  for (const file of files) {
+    const word = path.basename(file, path.extname(file));
+    const name = nameOf(word) ?? nameOf(word.replace(/[-_ ]\d+$/, ''));
+    if (name) photographs.push({ name, label: file, read: () => path.join(folder, file) });
+    else strange.push(file);
+  }
+  return { photographs, strange };
+}
+
+function frameAt(video, seconds) {
+  let bytes;
+  try {
+    bytes = execFileSync('ffmpeg', ['-v', 'error', '-nostdin', '-protocol_whitelist', 'file', '-ss', String(seconds), '-i', `file:${video}`, '-frames:v', '1', '-f', 'image2pipe', '-c:v', 'png', '-'],
+      { maxBuffer: MOST_BYTES, timeout: PATIENCE_MS, stdio: ['ignore', 'pipe', 'pipe'] });
+  } catch (error) {
+    if (error.code === 'ENOENT') throw new SourceError('videos are read by the program ffmpeg, which is not here');
+    throw new SourceError(`${video}: ${String(error.stderr ?? error.message).trim().split('\n')[0] || error.message}`);
+  }
+  return bytes.length ? bytes : null;
+}
+
+function timesOf(file) {
+  let times;
+  try {
+    times = JSON.parse(fs.readFileSync(file, 'utf8'));
+  } catch (error) {
+    throw new SourceError(`${file}: ${error.message}`);
+  }
+  if (!times || typeof times !== 'object' || Array.isArray(times)) throw new SourceError(`${file}: an object is wanted: visemes and their seconds`);
+  return Object.entries(times).flatMap(([word, value]) => {
+    const name = nameOf(word);
+    if (!name) throw new SourceError(`${file}: ${word}: no viseme is called so`);
+    return [value].flat().map((seconds, i) => {
+      if (!Number.isFinite(seconds) || seconds < 0) throw new SourceError(`${file}: ${word}${Array.isArray(value) ? `[${i}]` : ''}: seconds are wanted`);
+      return { name, seconds };
+    });
+  });
+}
+
+function inVideo(video, file) {
+  const times = timesOf(file);
+  if (times.length > MOST) throw new SourceError(`${file}: ${times.length} times: at most ${MOST}`);
+  const photographs = times.map(({ name, seconds }) => ({
+    name, label: `${name} at ${seconds} s`,
+    read() {
+      const bytes = frameAt(video, seconds);
+      if (!bytes) throw new SourceError(`the video has no picture at ${seconds} s`);
+      return bytes;
+    },
+  }));
+  return { photographs, strange: [] };
+}
+
+/** @param {string} source @param {string|null} times a JSON file, of a video @throws {SourceError} */
+export function openSource(source, times) {
+  let info;
+  try {
+    info = fs.statSync(source);
+  } catch (error) {
+    throw new SourceError(`${source}: ${error.code === 'ENOENT' ? 'there is none' : error.message}`);
+  }
+  if (!info.isDirectory() && !times) throw new SourceError(`${source}: a folder of photographs is wanted, or a video with --times`);
+  if (info.isDirectory() && times) throw new SourceError(`${source}: --times goes with a video`);
+  const found = info.isDirectory() ? inFolder(source) : inVideo(source, times);
+  if (!found.photographs.some(({ name }) => name === 'rest')) throw new SourceError(`${source}: 'rest' is wanted: the face with closed lips`);
+  found.photographs.sort((a, b) => Number(b.name === 'rest') - Number(a.name === 'rest') || Number(a.name === BLINK) - Number(b.name === BLINK)); // the others are seen against it
+  return found;
+}

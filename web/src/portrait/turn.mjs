@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: MIT
+// A face that turns before a camera: of all that is seen of it, the best from the front and from either side.
+import { piece } from './detect.mjs';
+import { laid } from './fit.mjs';
+import { OVAL } from './landmarks.mjs';
+
+const SMALL = 160; // pixels that sharpness is looked for in
+const ENOUGH = 2; // pictures of each: the sharper one is kept
+/**
+ * Radians to the side: within, and best at. The detector tells six tenths of what it is; what is not turned so far is no side
+ * (fit.mjs).
+ */
+const SIDES = {
+  front: { from: -0.14, to: 0.14, best: 0 },
+  left: { from: 0.31, to: 0.8, best: 0.45 },
+  right: { from: -0.8, to: -0.31, best: -0.45 },
+};
+const ASIDE = 0.6; // of the worth of a picture at the border of its side
+
+/** Differences between neighbours in the face, against its contrast. */
+export function sharpness({ picture, landmarks }) {
+  const [xs, ys] = [0, 1].map((k) => OVAL.map((i) => landmarks[i][k]));
+  const [x, y] = [Math.min(...xs), Math.min(...ys)];
+  const { data, width, height } = piece(picture, { x, y, size: [Math.max(...xs) - x, Math.max(...ys) - y] }, SMALL);
+  const grey = Float32Array.from({ length: width * height }, (_, i) => data[3 * i] + 2 * data[3 * i + 1] + data[3 * i + 2]);
+  const mean = grey.reduce((sum, one) => sum + one, 0) / grey.length;
+  const spread = grey.reduce((sum, one) => sum + (one - mean) ** 2, 0) || 1;
+  let sum = 0;
+  for (let j = 1; j < height - 1; j++)
+    for (let i = 1; i < width - 1; i++) {
+      const at = j * width + i;
+      sum += (4 * grey[at] - grey[at - 1] - grey[at + 1] - grey[at - width] - grey[at + width]) ** 2;
+    }
+  return Math.sqrt(sum / spread);
+}
+
+/** Chooses while the face turns. */
+export class TurnPicker {
+  #base;
+  #kept = new Map(); // side -> {view, worth, count}
+
+  /** @param {import('./fit.mjs').Points} base any */
+  constructor(base) {
+    this.#base = base;
+  }
+
+  /** @param {{picture: object, landmarks: number[][]}} view @returns {string|null} the side that it is of */
+  take(view) {
+    const { yaw } = laid(view.landmarks, this.#base);
+    const side = Object.keys(SIDES).find((name) => yaw >= SIDES[name].from && yaw <= SIDES[name].to);
+    if (!side) return null;
+    const { from, to, best } = SIDES[side];
+    const worth = sharpness(view) * (1 - (1 - ASIDE) * Math.min(1, Math.abs(yaw - best) / Math.max(best - from, to - best)));
+    const before = this.#kept.get(side);
+    const count = (before?.count ?? 0) + 1;
+    this.#kept.set(side, before && before.worth >= worth ? { ...before, count } : { view, worth, count });
+    return side;
+  }
+
+  /** Sides of which there is no picture yet, the front first. */
+  get missing() {
+    return Object.keys(SIDES).filter((name) => !this.#kept.has(name));
+  }
+
+  get done() {
+    return Object.keys(SIDES).every((name) => this.#kept.get(name)?.count >= ENOUGH);
+  }
+
+  /** The best, the front first. */
+  get views() {
+    return Object.keys(SIDES).flatMap((name) => this.#kept.get(name)?.view ?? []);
+  }
+}
