@@ -24,8 +24,8 @@ void speech_packs_free(struct speech_packs *packs);
  * NULL. */
 const struct speech_pack *speech_packs_find(const struct speech_packs *packs, const char *lang);
 
-/* The pack for what a voice of that language says when `asked` was asked for: asked itself where it is of that
- * language, so that any voice of it can have somebody's own pack; else that of the voice. */
+/* The pack for what a voice of that language says when `asked` was asked for: asked itself where it is of
+ * that language, so that any voice of it can have somebody's own pack; else that of the voice. */
 const struct speech_pack *speech_packs_spoken(const struct speech_packs *packs,
                                               const struct speech_pack *asked, const char *lang);
 
