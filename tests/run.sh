@@ -36,7 +36,7 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
 sh "$root/server/run.sh" --build-only
-need_packages libcmocka-dev g++ strace mosquitto mosquitto-clients chromium curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets sox iproute2 systemd \
+need_packages libcmocka-dev g++ strace mosquitto mosquitto-clients speech-dispatcher chromium curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets sox iproute2 systemd \
     sqlite3 wamerican wbrazilian witalian festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite
 need_modules "$root/tests"
 

@@ -17,8 +17,11 @@ struct watch {
 
 static void collect(struct remote *r) {
     int left;
-    if (r->tell_follows)
-        r->tell_follows(r);
+    for (struct transfer *t = r->transfers, *next; t; t = next) {
+        next = t->next;
+        if (t->tell)
+            t->tell(t);
+    }
     for (CURLMsg *message; (message = curl_multi_info_read(r->multi, &left));) {
         struct transfer *t;
         if (message->msg != CURLMSG_DONE)
@@ -180,16 +183,17 @@ void remote_finish(struct remote *r, struct transfer *t) {
     curl_slist_free_all(t->headers);
 }
 
-struct question {
+struct fetch {
     struct transfer transfer;
     struct remote *remote;
     struct buf body;
+    remote_bytes *bytes; /* NULL: the body is kept */
     remote_answered *answered;
     void *ctx;
 };
 
 static size_t on_bytes(char *data, size_t size, size_t count, void *ctx) {
-    struct question *q = ctx;
+    struct fetch *q = ctx;
     if (q->body.size + size * count > ANSWER_MOST)
         return 0;
     buf_add(&q->body, data, size * count);
@@ -197,14 +201,30 @@ static size_t on_bytes(char *data, size_t size, size_t count, void *ctx) {
 }
 
 static void drop(struct transfer *t) {
-    struct question *q = (struct question *)t;
+    struct fetch *q = (struct fetch *)t;
     remote_finish(q->remote, t);
     buf_free(&q->body);
     free(q);
 }
 
+static void tell(struct transfer *t) {
+    struct fetch *q = (struct fetch *)t;
+    struct buf come = q->body;
+    long status = 0;
+    curl_easy_getinfo(t->easy, CURLINFO_RESPONSE_CODE, &status);
+    if (status != 200 || !come.size)
+        return;
+    q->body = (struct buf){0};
+    q->bytes(q->ctx, come.data, come.size); /* it may give up */
+    buf_free(&come);
+}
+
+void remote_give_up(struct fetch *fetch) {
+    drop(&fetch->transfer);
+}
+
 static void on_done(struct transfer *t, CURLcode code) {
-    struct question *q = (struct question *)t;
+    struct fetch *q = (struct fetch *)t;
     struct remote_answer answer = {.why = curl_easy_strerror(code)};
     long sent = 0;
     curl_easy_getinfo(t->easy, CURLINFO_REQUEST_SIZE, &sent);
@@ -216,22 +236,27 @@ static void on_done(struct transfer *t, CURLcode code) {
         answer.body = body;
         answer.why = message ? message : "the daemon refuses it";
     }
+    remote_finish(q->remote, t);
     q->answered(q->ctx, &answer);
     json_decref(body);
-    drop(t);
+    buf_free(&q->body);
+    free(q);
 }
 
-void remote_ask(struct remote *r, const char *path, const struct remote_member *members, const char *type,
-                const char *body, remote_answered *answered, void *ctx) {
-    struct question *q = mem_alloc(sizeof *q);
+struct fetch *remote_fetch(struct remote *r, const char *path, const struct remote_member *members,
+                           const char *type, const char *body, remote_bytes *bytes, remote_answered *answered,
+                           void *ctx) {
+    struct fetch *q = mem_alloc(sizeof *q);
     struct buf header = {0};
-    *q = (struct question){.remote = r, .answered = answered, .ctx = ctx};
+    *q = (struct fetch){.remote = r, .bytes = bytes, .answered = answered, .ctx = ctx};
     q->transfer.done = on_done;
     q->transfer.drop = drop;
+    q->transfer.tell = bytes ? tell : NULL;
     CURL *easy = remote_handle(r, &q->transfer, path, members);
     curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, on_bytes);
     curl_easy_setopt(easy, CURLOPT_WRITEDATA, q);
-    curl_easy_setopt(easy, CURLOPT_TIMEOUT, (long)ANSWER_SECONDS);
+    curl_easy_setopt(easy, CURLOPT_LOW_SPEED_LIMIT, 1L);
+    curl_easy_setopt(easy, CURLOPT_LOW_SPEED_TIME, (long)ANSWER_SECONDS);
     if (body) {
         buf_printf(&header, "Content-Type: %s", type);
         buf_add(&header, "", 1);
@@ -242,4 +267,10 @@ void remote_ask(struct remote *r, const char *path, const struct remote_member *
     }
     remote_start(r, &q->transfer);
     buf_free(&header);
+    return q;
+}
+
+void remote_ask(struct remote *r, const char *path, const struct remote_member *members, const char *type,
+                const char *body, remote_answered *answered, void *ctx) {
+    remote_fetch(r, path, members, type, body, NULL, answered, ctx);
 }

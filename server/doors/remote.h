@@ -39,6 +39,16 @@ struct remote_member {
 void remote_ask(struct remote *remote, const char *path, const struct remote_member *members,
                 const char *type, const char *body, remote_answered *answered, void *ctx);
 
+/* The same, with the bytes of a body of status 200 as they come, if bytes is not NULL: the answer has none of
+ * them then. What they do may give up this request, and no other. */
+typedef void remote_bytes(void *ctx, const void *bytes, size_t size);
+struct fetch;
+struct fetch *remote_fetch(struct remote *remote, const char *path, const struct remote_member *members,
+                           const char *type, const char *body, remote_bytes *bytes, remote_answered *answered,
+                           void *ctx);
+/* No callback comes after this. */
+void remote_give_up(struct fetch *fetch);
+
 /* What they do must not end the following. */
 struct remote_events {
     /* A message of the room. */

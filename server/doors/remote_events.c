@@ -42,7 +42,8 @@ static size_t on_bytes(char *data, size_t size, size_t count, void *ctx) {
     return size * count;
 }
 
-static void tell(struct follow *f) {
+static void tell(struct transfer *t) {
+    struct follow *f = (struct follow *)t;
     size_t at = 0;
     long status = 0;
     curl_easy_getinfo(f->transfer.easy, CURLINFO_RESPONSE_CODE, &status);
@@ -59,12 +60,6 @@ static void tell(struct follow *f) {
         at = (size_t)(end - (char *)f->lines.data) + 1;
     }
     buf_consume(&f->lines, at);
-}
-
-static void tell_follows(struct remote *r) {
-    for (struct follow *f = r->follows; f; f = f->next)
-        if (f->asked)
-            tell(f);
 }
 
 static void ask(struct follow *f);
@@ -106,6 +101,7 @@ static void ask(struct follow *f) {
     const struct remote_member members[] = {{"room", f->room}, {"watch", "1"}, {NULL, NULL}};
     f->transfer.done = on_done;
     f->transfer.drop = on_drop;
+    f->transfer.tell = tell;
     f->asked = true;
     CURL *easy = remote_handle(f->remote, &f->transfer, "/v1/events", members);
     curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, on_bytes);
@@ -145,7 +141,6 @@ struct follow *remote_follow(struct remote *r, const char *room, const struct re
     if (f->next)
         f->next->self = &f->next;
     r->follows = f;
-    r->tell_follows = tell_follows;
     r->drop_follows = drop_follows;
     f->timer = mem_alloc(sizeof *f->timer);
     uv_timer_init(r->loop, f->timer);

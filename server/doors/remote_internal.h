@@ -13,6 +13,9 @@ struct transfer {
     struct curl_slist *headers;
     struct transfer *next, **self; /* of the remote's */
     void (*done)(struct transfer *transfer, CURLcode code);
+    /* Tells what has come, when curl is not at work: it cannot be asked for anything then. NULL: in the end.
+     * It may end its own transfer, and no other. */
+    void (*tell)(struct transfer *transfer);
     void (*drop)(struct transfer *transfer); /* the remote is freed: no callback */
 };
 
@@ -23,9 +26,7 @@ struct remote {
     uv_timer_t *timer;
     struct transfer *transfers;
     struct follow *follows;
-    /* What has come for them is told when curl is not at work: it cannot be asked for anything then. NULL:
-     * nothing is followed. */
-    void (*tell_follows)(struct remote *remote);
+    /* Ends all that is followed; NULL: nothing is. */
     void (*drop_follows)(struct remote *remote);
 };
 

@@ -46,7 +46,7 @@ async function room(daemon, name) {
 async function left(daemon) {
   const ask = async () => (await (await daemon.get('/v1/rooms')).json()).rooms;
   await eventually(async () => (await ask())[0].followers === 2, 'the others to have left');
-  assert.deepEqual(await ask(), [{ name: 'hall', followers: 2, speaks: true }]);
+  assert.deepEqual(await ask(), [{ name: 'hall', followers: 2, listeners: 2, speaks: true }]);
 }
 
 test('one in a room who reads nothing is let go, with the reason in the log', async (t) => {

@@ -16,7 +16,7 @@ struct bridge_room {
     struct said_ids said;
     char state[16], speaking_id[SAID_ID]; /* what the assistant does, and what is spoken */
     char *words, *voice, *mood;           /* NULL: none */
-    bool speaks, muted;
+    bool speaks, muted, available;
 };
 
 struct bridge {

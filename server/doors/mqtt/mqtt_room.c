@@ -29,6 +29,7 @@ static void publish_state(struct bridge_room *r) {
 }
 
 void room_publish_all(struct bridge_room *r) {
+    room_publish(r, "now/available", r->available ? "online" : "offline", true);
     publish_state(r);
     room_publish(r, "now/mute", r->muted ? "ON" : "OFF", true);
     room_publish(r, "now/words", r->words ? r->words : "", true);
@@ -112,12 +113,11 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
 /* With the daemon goes what it had accepted. */
 static void on_following(void *ctx, const char *why) {
     struct bridge_room *r = ctx;
-    room_publish(r, "now/available", why ? "offline" : "online", true);
-    if (!why) {
-        room_publish_all(r);
+    r->available = !why;
+    r->speaks &= !why;
+    room_publish_all(r);
+    if (!why)
         return;
-    }
-    r->speaks = false;
     for (unsigned i = 0; i < SAID_KEPT; i++)
         if (r->said.all[i].open)
             room_tell(r, r->said.all[i].id, "failed", why);

@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* faccia-lva: a face for Linux Voice Assistant, by its peripheral API
+ * (github.com/OHF-Voice/linux-voice-assistant, docs/peripheral_api.md). */
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/doors/lva/websocket_client.h"
+#include "server/doors/place.h"
+#include <getopt.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char usage[] = "Usage: faccia-lva [OPTION]...\n"
+                            "Shows in a room of a running facciad what a Linux Voice Assistant does "
+                            "(listening, thinking, muted, timers), and says\n"
+                            "its answers with the face where the assistant is silent itself.\n"
+                            "\n"
+                            "  -a, --assistant URL     its peripheral API (ws://127.0.0.1:6055)\n"
+                            "  -r, --room NAME         the room (FACCIA_ROOM, else home)\n"
+                            "  -s, --speak WHEN        the face says the answers: silent (default: when the "
+                            "assistant's volume is 0 or muted), always,\n"
+                            "                          never\n"
+                            "  -l, --lang TAG, -v, --voice ID  of what the face says\n"
+                            "  -u, --url URL           the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
+                            "      --token-file FILE   its token (else FACCIA_TOKEN)\n"
+                            "  -h, --help              print this and exit\n"
+                            "Exit status: 0 ended by a signal, 1 failed, 2 wrong usage.\n";
+
+struct assistant {
+    struct remote *remote;
+    const char *room, *speak, *lang, *voice;
+    double volume;
+    bool muted_sound, muted, there;
+    char why[128]; /* it was not there last */
+};
+
+static void on_told(void *ctx, const struct remote_answer *answer) {
+    (void)ctx;
+    if (answer->status != 202 && answer->status != 404) /* nobody is in the room: nobody sees it */
+        log_warn("the room does not take it: %s", answer->why);
+}
+
+static void show(struct assistant *a, const char *state, const char *text) {
+    const struct remote_member members[] = {{"room", a->room}, {NULL, NULL}};
+    json_t *message = json_pack("{ss ss*}", "state", state, "text", text);
+    char *body = json_dumps(message, JSON_COMPACT);
+    remote_ask(a->remote, "/v1/state", members, "application/json", body, on_told, NULL);
+    free(body);
+    json_decref(message);
+}
+
+static void say(struct assistant *a, const char *text, const char *priority) {
+    const struct remote_member members[] = {
+        {"room", a->room}, {"lang", a->lang}, {"voice", a->voice}, {"priority", priority}, {NULL, NULL}};
+    remote_ask(a->remote, "/v1/say", members, "text/plain", text, on_told, NULL);
+}
+
+static bool speaks(const struct assistant *a) {
+    return !strcmp(a->speak, "always") || (!strcmp(a->speak, "silent") && (a->volume <= 0 || a->muted_sound));
+}
+
+static const char *rest(const struct assistant *a) {
+    return a->muted ? "muted" : "idle";
+}
+
+static const char *text_of(const json_t *data, const char *name) {
+    const char *text = json_string_value(json_object_get(data, name));
+    return text ? text : "";
+}
+
+static void take_numbers(struct assistant *a, const char *event, const json_t *data) {
+    const json_t *volume = json_object_get(data, "volume"), *muted = json_object_get(data, "muted");
+    if (json_is_number(volume))
+        a->volume = json_number_value(volume);
+    if (json_is_boolean(muted) && !strcmp(event, "volume_muted"))
+        a->muted_sound = json_is_true(muted);
+    else if (json_is_boolean(muted))
+        a->muted = json_is_true(muted);
+}
+
+static void act(struct assistant *a, const char *event, const json_t *data) {
+    static const struct {
+        const char *event, *state; /* NULL: as at rest */
+        const char *text;          /* member that is shown; NULL: none */
+    } shown[] = {{"wake_word_detected", "listening", NULL},
+                 {"listening", "listening", NULL},
+                 {"stt_text", "thinking", "text"},
+                 {"tts_finished", NULL, NULL},
+                 {"idle", NULL, NULL},
+                 {"muted", NULL, NULL},
+                 {"pipeline_error", NULL, "reason"},
+                 {"timer_ringing", NULL, "name"},
+                 {"snapshot", NULL, NULL}};
+    take_numbers(a, event, data);
+    if (!strcmp(event, "tts_text")) {
+        const char *text = text_of(data, "text");
+        show(a, rest(a), speaks(a) ? NULL : text);
+        if (speaks(a) && *text)
+            say(a, text, NULL);
+        return;
+    }
+    for (size_t i = 0; i < sizeof shown / sizeof *shown; i++)
+        if (!strcmp(event, shown[i].event))
+            show(a, shown[i].state ? shown[i].state : rest(a),
+                 shown[i].text ? text_of(data, shown[i].text) : NULL);
+}
+
+static void on_text(void *ctx, const char *text, size_t size) {
+    json_t *message = json_loadb(text, size, 0, NULL);
+    const char *event = json_string_value(json_object_get(message, "event"));
+    if (event)
+        act(ctx, event, json_object_get(message, "data"));
+    else
+        log_warn("the assistant says what is no event");
+    json_decref(message);
+}
+
+static void on_open(void *ctx) {
+    struct assistant *a = ctx;
+    log_info("the assistant is there");
+    a->there = true;
+    *a->why = '\0';
+}
+
+/* It is tried again and again: told once for each reason. */
+static void on_lost(void *ctx, const char *why) {
+    struct assistant *a = ctx;
+    if (strcmp(a->why, why))
+        log_warn("the assistant is not there: %s", why);
+    snprintf(a->why, sizeof a->why, "%s", why);
+    if (a->there)
+        show(a, "idle", NULL);
+    a->there = false;
+}
+
+static void on_signal(uv_signal_t *signal, int number) {
+    (void)number;
+    uv_stop(signal->loop);
+}
+
+static int run(struct assistant *a, const struct place *place, const char *url) {
+    static const struct websocket_calls calls = {on_open, on_text, on_lost};
+    uv_loop_t loop;
+    uv_signal_t signals[2];
+    struct websocket_client *client = NULL;
+    uv_loop_init(&loop);
+    for (int i = 0; i < 2; i++) {
+        uv_signal_init(&loop, &signals[i]);
+        uv_signal_start(&signals[i], on_signal, i ? SIGTERM : SIGINT);
+    }
+    a->remote = remote_new(&loop, place->url, place->token);
+    if (a->remote && !(client = websocket_client_new(&loop, url, &calls, a)))
+        log_error("'%s' is no address of an assistant, such as ws://127.0.0.1:6055", url);
+    if (client)
+        uv_run(&loop, UV_RUN_DEFAULT);
+    websocket_client_free(client);
+    remote_free(a->remote);
+    for (int i = 0; i < 2; i++)
+        uv_close((uv_handle_t *)&signals[i], NULL);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    uv_loop_close(&loop);
+    return client ? 0 : 2;
+}
+
+int main(int argc, char **argv) {
+    enum { TOKEN_FILE = 256 };
+    static const struct option options[] = {{"assistant", 1, NULL, 'a'},
+                                            {"room", 1, NULL, 'r'},
+                                            {"speak", 1, NULL, 's'},
+                                            {"lang", 1, NULL, 'l'},
+                                            {"voice", 1, NULL, 'v'},
+                                            {"url", 1, NULL, 'u'},
+                                            {"help", 0, NULL, 'h'},
+                                            {"token-file", 1, NULL, TOKEN_FILE},
+                                            {0}};
+    const char *room = getenv("FACCIA_ROOM"), *url = "ws://127.0.0.1:6055";
+    struct assistant a = {.room = room ? room : "home", .speak = "silent", .volume = 1};
+    struct place place;
+    int status = -1;
+    place_open(&place);
+    for (int c; status < 0 && (c = getopt_long(argc, argv, "a:r:s:l:v:u:h", options, NULL)) != -1;) {
+        if (c == 'a')
+            url = optarg;
+        else if (c == 'r')
+            a.room = optarg;
+        else if (c == 's')
+            a.speak = optarg;
+        else if (c == 'l')
+            a.lang = optarg;
+        else if (c == 'v')
+            a.voice = optarg;
+        else if (c == 'u')
+            place.url = optarg;
+        else if (c == TOKEN_FILE)
+            status = place_read_token(&place, optarg) ? 1 : -1;
+        else if (c == 'h')
+            status = (fputs(usage, stdout), 0);
+        else
+            status = (fputs("Try 'faccia-lva --help'.\n", stderr), 2);
+    }
+    if (status < 0 && (optind < argc || (strcmp(a.speak, "silent") && strcmp(a.speak, "always") &&
+                                         strcmp(a.speak, "never")))) {
+        fprintf(stderr, "faccia-lva: no option: '%s'\n", optind < argc ? argv[optind] : a.speak);
+        status = 2;
+    }
+    if (status < 0)
+        status = run(&a, &place, url);
+    place_close(&place);
+    return status;
+}

@@ -1,0 +1,285 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/doors/lva/websocket_client.h"
+#include "server/base/buf.h"
+#include "server/base/mem.h"
+#include <openssl/evp.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/random.h>
+#include <wslay/wslay.h>
+
+enum { AGAIN_MS = 500, AGAIN_MOST_MS = 10000, HEAD_MOST = 16384 };
+
+struct websocket_client {
+    uv_loop_t *loop;
+    uv_timer_t timer;
+    struct wire *wire; /* NULL: none */
+    char host[256], port[8], path[512];
+    struct websocket_calls calls;
+    void *ctx;
+    unsigned wait;
+};
+
+/* One connection. It frees itself when its handle is closed. */
+struct wire {
+    uv_tcp_t tcp;
+    uv_getaddrinfo_t lookup;
+    uv_connect_t connecting;
+    struct websocket_client *client; /* NULL: let go */
+    wslay_event_context_ptr frames;
+    struct buf come;
+    size_t taken;
+    char answer[64]; /* that the server has to give, RFC 6455, 4.2.2 */
+    bool looks_up, open, closing;
+};
+
+static void start(struct websocket_client *c);
+
+static void free_wire(struct wire *w) {
+    if (w->frames)
+        wslay_event_context_free(w->frames);
+    buf_free(&w->come);
+    free(w);
+}
+
+static void on_wire_closed(uv_handle_t *handle) {
+    struct wire *w = handle->data;
+    if (!w->looks_up)
+        free_wire(w);
+}
+
+static void close_wire(struct wire *w) {
+    if (w->client)
+        w->client->wire = NULL;
+    w->client = NULL;
+    if (!w->closing)
+        uv_close((uv_handle_t *)&w->tcp, on_wire_closed);
+    w->closing = true;
+}
+
+static void on_again(uv_timer_t *timer) {
+    start(timer->data);
+}
+
+static void lose(struct wire *w, const char *why) {
+    struct websocket_client *c = w->client;
+    if (!c)
+        return;
+    close_wire(w);
+    uv_timer_start(&c->timer, on_again, c->wait, 0);
+    c->wait = c->wait * 2 < AGAIN_MOST_MS ? c->wait * 2 : AGAIN_MOST_MS;
+    c->calls.lost(c->ctx, why);
+}
+
+struct sending {
+    uv_write_t write;
+    char bytes[];
+};
+
+static void on_sent(uv_write_t *write, int status) {
+    struct wire *w = write->handle->data;
+    free(write);
+    if (status < 0 && status != UV_ECANCELED)
+        lose(w, uv_strerror(status));
+}
+
+static void send_bytes(struct wire *w, const void *bytes, size_t size) {
+    struct sending *s = mem_alloc(sizeof *s + size);
+    memcpy(s->bytes, bytes, size);
+    uv_buf_t buf = uv_buf_init(s->bytes, (unsigned)size);
+    uv_write(&s->write, (uv_stream_t *)&w->tcp, &buf, 1, on_sent);
+}
+
+static ssize_t on_frames_send(wslay_event_context_ptr frames, const uint8_t *data, size_t size, int flags,
+                              void *ctx) {
+    (void)frames;
+    (void)flags;
+    send_bytes(ctx, data, size);
+    return (ssize_t)size;
+}
+
+static ssize_t on_frames_take(wslay_event_context_ptr frames, uint8_t *data, size_t size, int flags,
+                              void *ctx) {
+    struct wire *w = ctx;
+    size_t there = w->come.size - w->taken, count = there < size ? there : size;
+    (void)flags;
+    if (!count) {
+        wslay_event_set_error(frames, WSLAY_ERR_WOULDBLOCK);
+        return -1;
+    }
+    memcpy(data, w->come.data + w->taken, count);
+    w->taken += count;
+    return (ssize_t)count;
+}
+
+static int on_mask(wslay_event_context_ptr frames, uint8_t *mask, size_t size, void *ctx) {
+    (void)frames;
+    (void)ctx;
+    return getrandom(mask, size, 0) == (ssize_t)size ? 0 : -1;
+}
+
+static void on_message(wslay_event_context_ptr frames, const struct wslay_event_on_msg_recv_arg *message,
+                       void *ctx) {
+    struct wire *w = ctx;
+    (void)frames;
+    if (message->opcode == WSLAY_TEXT_FRAME && w->client)
+        w->client->calls.text(w->client->ctx, (const char *)message->msg, message->msg_length);
+}
+
+static void base64(char *out, const uint8_t *bytes, int size) {
+    EVP_EncodeBlock((unsigned char *)out, bytes, size);
+}
+
+static void ask(struct wire *w) {
+    static const char magic[] = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
+    struct websocket_client *c = w->client;
+    uint8_t number[16] = {0}, sum[EVP_MAX_MD_SIZE];
+    char key[32], text[96];
+    unsigned size = 0;
+    struct buf head = {0};
+    if (getrandom(number, sizeof number, 0) != sizeof number)
+        number[0] = (uint8_t)uv_hrtime();
+    base64(key, number, sizeof number);
+    snprintf(text, sizeof text, "%s%s", key, magic);
+    EVP_Digest(text, strlen(text), sum, &size, EVP_sha1(), NULL);
+    base64(w->answer, sum, (int)size);
+    buf_printf(&head,
+               "GET %s HTTP/1.1\r\nHost: %s:%s\r\nUpgrade: websocket\r\nConnection: "
+               "Upgrade\r\nSec-WebSocket-Key: %s\r\n"
+               "Sec-WebSocket-Version: 13\r\n\r\n",
+               c->path, c->host, c->port, key);
+    send_bytes(w, head.data, head.size);
+    buf_free(&head);
+}
+
+/* The value of a header, up to the end of its line. */
+static bool has_header(const char *head, const char *name, const char *value) {
+    size_t length = strlen(name);
+    for (const char *line = strstr(head, "\r\n"); line; line = strstr(line + 2, "\r\n"))
+        if (!strncasecmp(line + 2, name, length) && line[2 + length] == ':') {
+            const char *at = line + 3 + length + strspn(line + 3 + length, " \t");
+            return !strncasecmp(at, value, strlen(value));
+        }
+    return false;
+}
+
+/* The server's answer: true when what follows are frames. */
+static bool take_head(struct wire *w) {
+    static const struct wslay_event_callbacks callbacks = {.recv_callback = on_frames_take,
+                                                           .send_callback = on_frames_send,
+                                                           .genmask_callback = on_mask,
+                                                           .on_msg_recv_callback = on_message};
+    char *end = w->come.size ? memmem(w->come.data, w->come.size, "\r\n\r\n", 4) : NULL;
+    if (!end) {
+        if (w->come.size > HEAD_MOST)
+            lose(w, "its answer is too long");
+        return false;
+    }
+    end[2] = '\0';
+    const char *head = (char *)w->come.data;
+    if (strncmp(head, "HTTP/1.1 101", 12) || !has_header(head, "Sec-WebSocket-Accept", w->answer)) {
+        lose(w, "there is no WebSocket");
+        return false;
+    }
+    buf_consume(&w->come, (size_t)(end + 4 - head));
+    wslay_event_context_client_init(&w->frames, &callbacks, w);
+    wslay_event_config_set_max_recv_msg_length(w->frames, WEBSOCKET_TEXT_MOST);
+    w->open = true;
+    w->client->wait = AGAIN_MS;
+    w->client->calls.open(w->client->ctx);
+    return true;
+}
+
+static void on_alloc(uv_handle_t *handle, size_t wanted, uv_buf_t *buf) {
+    struct wire *w = handle->data;
+    (void)wanted;
+    *buf = uv_buf_init(buf_reserve(&w->come, 65536), 65536);
+}
+
+static void on_read(uv_stream_t *stream, ssize_t count, const uv_buf_t *buf) {
+    struct wire *w = stream->data;
+    (void)buf;
+    if (count < 0) {
+        lose(w, uv_strerror((int)count));
+        return;
+    }
+    w->come.size += (size_t)count;
+    if (!w->open && !take_head(w))
+        return;
+    w->taken = 0;
+    int failed = wslay_event_recv(w->frames) || wslay_event_send(w->frames);
+    buf_consume(&w->come, w->taken);
+    if (failed || wslay_event_get_close_received(w->frames))
+        lose(w, failed ? "it sends what is no WebSocket message" : "it was closed");
+}
+
+static void on_connect(uv_connect_t *connecting, int status) {
+    struct wire *w = connecting->handle->data;
+    if (!w->client)
+        return;
+    if (status < 0) {
+        lose(w, uv_strerror(status));
+        return;
+    }
+    uv_read_start((uv_stream_t *)&w->tcp, on_alloc, on_read);
+    ask(w);
+}
+
+static void on_found(uv_getaddrinfo_t *lookup, int status, struct addrinfo *found) {
+    struct wire *w = (struct wire *)((char *)lookup - offsetof(struct wire, lookup));
+    w->looks_up = false;
+    if (!w->client && !uv_is_closing((uv_handle_t *)&w->tcp))
+        close_wire(w);
+    else if (!w->client)
+        free_wire(w); /* its handle is closed already */
+    else if (status < 0)
+        lose(w, uv_strerror(status));
+    else
+        uv_tcp_connect(&w->connecting, &w->tcp, found->ai_addr, on_connect);
+    uv_freeaddrinfo(found);
+}
+
+static void start(struct websocket_client *c) {
+    struct wire *w = c->wire = mem_alloc(sizeof *w);
+    const struct addrinfo hints = {.ai_socktype = SOCK_STREAM};
+    w->client = c;
+    uv_tcp_init(c->loop, &w->tcp);
+    w->tcp.data = w;
+    w->looks_up = !uv_getaddrinfo(c->loop, &w->lookup, on_found, c->host, c->port, &hints);
+    if (!w->looks_up)
+        lose(w, "its name cannot be looked up");
+}
+
+struct websocket_client *websocket_client_new(uv_loop_t *loop, const char *url,
+                                              const struct websocket_calls *calls, void *ctx) {
+    struct websocket_client *c = mem_alloc(sizeof *c);
+    int got = sscanf(url, "ws://%255[^:/]:%7[0-9]%511s", c->host, c->port, c->path);
+    if (got < 2 || (got == 3 && *c->path != '/')) {
+        free(c);
+        return NULL;
+    }
+    if (got == 2)
+        strcpy(c->path, "/");
+    c->loop = loop;
+    c->calls = *calls;
+    c->ctx = ctx;
+    c->wait = AGAIN_MS;
+    uv_timer_init(loop, &c->timer);
+    c->timer.data = c;
+    start(c);
+    return c;
+}
+
+static void free_client(uv_handle_t *handle) {
+    free(handle->data);
+}
+
+void websocket_client_free(struct websocket_client *c) {
+    if (!c)
+        return;
+    if (c->wire)
+        close_wire(c->wire);
+    uv_close((uv_handle_t *)&c->timer, free_client);
+}

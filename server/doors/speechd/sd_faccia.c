@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* sd_faccia: an output module of speech-dispatcher. What a screen reader reads is said by the face of a room,
+ * whose lips can be read; where nobody looks at it, the sound alone goes to speech-dispatcher. */
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/doors/speechd/reader_module.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static void on_said(void *ctx, const struct remote_answer *answer) {
+    struct reader_module *m = ctx;
+    m->fetch = NULL;
+    if (answer->status == 202)
+        return; /* the room tells the rest */
+    log_warn("it is not spoken: %s", answer->why);
+    module_finish(m, "703 STOP");
+}
+
+static void on_rooms(void *ctx, const struct remote_answer *answer) {
+    struct reader_module *m = ctx;
+    struct remote_member members[READER_MEMBERS + 3] = {{0}};
+    json_t *one;
+    size_t i, last = 0;
+    m->fetch = NULL;
+    m->face = false;
+    json_array_foreach(json_object_get(answer->body, "rooms"), i, one) {
+        const char *name = json_string_value(json_object_get(one, "name"));
+        m->face |= name && !strcmp(name, m->room) && json_integer_value(json_object_get(one, "listeners"));
+    }
+    if (!m->face) {
+        module_speak_alone(m);
+        return;
+    }
+    manner_members(&m->manner, members);
+    while (members[last].name)
+        last++;
+    members[last] = (struct remote_member){"room", m->room};
+    members[last + 1] = (struct remote_member){"id", m->id};
+    m->fetch = remote_fetch(m->remote, "/v1/say", members, "application/ssml+xml", m->text, NULL, on_said, m);
+}
+
+static bool speak(void *ctx, enum reader_kind kind, const char *text) {
+    struct reader_module *m = ctx;
+    if (m->text)
+        return false;
+    m->text = manner_text(&m->manner, kind, text);
+    m->begun = false;
+    m->samples = m->marks_told = 0;
+    place_make_id(m->id, sizeof m->id);
+    reader_say("200 OK SPEAKING");
+    m->fetch = remote_fetch(m->remote, "/v1/rooms", NULL, NULL, NULL, NULL, on_rooms, m);
+    return true;
+}
+
+static void on_stopped(void *ctx, const struct remote_answer *answer) {
+    (void)ctx;
+    (void)answer;
+}
+
+static void cut(struct reader_module *m, const char *event) {
+    const struct remote_member members[] = {{"room", m->room}, {NULL, NULL}};
+    if (m->text && m->face)
+        remote_ask(m->remote, "/v1/stop", members, "text/plain", "", on_stopped, m);
+    module_finish(m, event);
+}
+
+static void stop(void *ctx) {
+    cut(ctx, "703 STOP");
+}
+
+/* speech-dispatcher speaks what follows the last mark when it goes on. */
+static void halt(void *ctx) {
+    cut(ctx, "704 PAUSE");
+}
+
+static bool set(void *ctx, const char *name, const char *value) {
+    struct reader_module *m = ctx;
+    return manner_set(&m->manner, name, value);
+}
+
+static void quit(void *ctx) {
+    struct reader_module *m = ctx;
+    module_finish(m, "703 STOP");
+    reader_say("210 OK QUIT");
+    uv_stop(&m->loop);
+}
+
+static void on_voices(void *ctx, const struct remote_answer *answer) {
+    json_t *one, *voices = json_object_get(answer->body, "voices");
+    size_t i;
+    (void)ctx;
+    json_array_foreach(voices, i, one)
+        printf("200-%s\t%s\tnone\n", json_string_value(json_object_get(one, "id")),
+               json_string_value(json_object_get(one, "lang")));
+    reader_say("%s", json_array_size(voices) ? "200 OK VOICE LIST SENT" : "304 CANT LIST VOICES");
+}
+
+static void list_voices(void *ctx) {
+    struct reader_module *m = ctx;
+    remote_ask(m->remote, "/v1/voices", NULL, NULL, NULL, on_voices, m);
+}
+
+static void on_event(void *ctx, const char *type, const json_t *message) {
+    struct reader_module *m = ctx;
+    const char *id = json_string_value(json_object_get(message, "id"));
+    const char *name = json_string_value(json_object_get(message, "name"));
+    const char *reason = json_string_value(json_object_get(message, "reason"));
+    if (!id || !m->text || strcmp(id, m->id))
+        return;
+    if (!strcmp(type, "begin"))
+        module_begin(m);
+    else if (!strcmp(type, "mark") && name)
+        reader_say("700-%s\n700 INDEX MARK", name);
+    else if (!strcmp(type, "end"))
+        module_finish(m, reason && !strcmp(reason, "done") ? "702 END" : "703 STOP");
+}
+
+static void on_following(void *ctx, const char *why) {
+    struct reader_module *m = ctx;
+    if (why && m->text && m->face)
+        module_finish(m, "703 STOP");
+}
+
+static void on_alloc(uv_handle_t *handle, size_t wanted, uv_buf_t *buf) {
+    struct reader_module *m = handle->data;
+    (void)wanted;
+    *buf = uv_buf_init(m->bytes, sizeof m->bytes);
+}
+
+static void on_input(uv_stream_t *stream, ssize_t count, const uv_buf_t *buf) {
+    struct reader_module *m = stream->data;
+    if (count < 0)
+        uv_stop(&m->loop);
+    else
+        reader_take(&m->protocol, buf->base, (size_t)count);
+}
+
+/* "FacciaRoom reader": lines of the module's configuration file. */
+static int read_config(struct reader_module *m, const char *file) {
+    char line[4096], name[64], value[4000];
+    FILE *f = fopen(file, "r");
+    int failed = 0;
+    while (f && !failed && fgets(line, sizeof line, f)) {
+        if (*line == '#' || sscanf(line, "%63s \"%3999[^\"]\"", name, value) +
+                                    sscanf(line, "%63s %3999[^\"\n]", name, value) <
+                                3)
+            continue;
+        if (!strcmp(name, "FacciaUrl"))
+            free(m->url), m->place.url = m->url = mem_strdup(value);
+        else if (!strcmp(name, "FacciaRoom"))
+            free(m->room), m->room = mem_strdup(value);
+        else if (!strcmp(name, "FacciaTokenFile"))
+            failed = place_read_token(&m->place, value);
+    }
+    if (f)
+        fclose(f);
+    return failed;
+}
+
+int main(int argc, char **argv) {
+    static const struct remote_events events = {on_event, on_following};
+    static struct reader_module m;
+    m.protocol = (struct reader_protocol){.calls = {speak, stop, halt, list_voices, set, quit}, .ctx = &m};
+    m.room = mem_strdup("reader");
+    place_open(&m.place);
+    int failed = argc > 1 && read_config(&m, argv[1]);
+    uv_loop_init(&m.loop);
+    m.remote = failed ? NULL : remote_new(&m.loop, m.place.url, m.place.token);
+    if (m.remote) {
+        uv_pipe_init(&m.loop, &m.input, 0);
+        m.input.data = &m;
+        uv_pipe_open(&m.input, 0);
+        uv_read_start((uv_stream_t *)&m.input, on_alloc, on_input);
+        remote_follow(m.remote, m.room, &events, &m);
+        uv_run(&m.loop, UV_RUN_DEFAULT);
+        module_finish(&m, "703 STOP");
+        remote_free(m.remote);
+        uv_close((uv_handle_t *)&m.input, NULL);
+        uv_run(&m.loop, UV_RUN_DEFAULT);
+    }
+    uv_loop_close(&m.loop);
+    reader_free(&m.protocol);
+    buf_free(&m.sound);
+    free(m.marks);
+    free(m.room);
+    free(m.url);
+    place_close(&m.place);
+    return m.remote ? 0 : 1;
+}

@@ -1,0 +1,191 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// faccia-wyoming as an assistant meets it: a client written after the protocol's text, since its own library is packaged nowhere that tests can reach.
+import assert from 'node:assert/strict';
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
+import net from 'node:net';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { build, Daemon, eventually } from '../lib/daemon.mjs';
+
+let daemon;
+const running = new Set();
+
+async function start(...options) {
+  const child = spawn(path.join(build, 'server/doors/faccia-wyoming'), ['--listen', '0', '--url', daemon.url, ...options]);
+  running.add(child);
+  child.text = '';
+  child.stderr.setEncoding('utf8').on('data', (text) => (child.text += text));
+  child.exited = once(child, 'exit').then(([code]) => (running.delete(child), code));
+  const [, port] = await eventually(() => child.text.match(/port (\d+)/), 'the port');
+  return { child, port: Number(port), stop: () => (child.kill('SIGTERM'), child.exited) };
+}
+
+/** An assistant: events out, events in. */
+async function connect(port) {
+  const socket = net.connect(port, '127.0.0.1');
+  await once(socket, 'connect');
+  const events = [];
+  let bytes = Buffer.alloc(0);
+  socket.on('error', () => {});
+  socket.on('data', (data) => {
+    bytes = Buffer.concat([bytes, data]);
+    for (let end; (end = bytes.indexOf(10)) >= 0; ) {
+      const { type, data_length = 0, payload_length = 0 } = JSON.parse(bytes.subarray(0, end));
+      if (bytes.length < end + 1 + data_length + payload_length) return;
+      const more = bytes.subarray(end + 1, end + 1 + data_length);
+      events.push({ type, data: data_length ? JSON.parse(more) : {}, payload: bytes.subarray(end + 1 + data_length, end + 1 + data_length + payload_length) });
+      bytes = bytes.subarray(end + 1 + data_length + payload_length);
+    }
+  });
+  return {
+    events, socket,
+    send: (type, data, { inLine = false } = {}) => {
+      const text = JSON.stringify(data ?? {});
+      socket.write(inLine ? `${JSON.stringify({ type, data })}\n` : `${JSON.stringify({ type, data_length: Buffer.byteLength(text) })}\n${text}`);
+    },
+    heard: (type) => eventually(() => events.find((e) => e.type === type), `${type}; ${events.map((e) => e.type)}`),
+    closed: () => eventually(() => socket.closed || socket.destroyed, 'the end of the connection'),
+  };
+}
+const pcmOf = (events) => Buffer.concat(events.filter((e) => e.type === 'audio-chunk').map((e) => e.payload));
+const loudest = (pcm) => new Int16Array(pcm.buffer.slice(pcm.byteOffset, pcm.byteOffset + pcm.length)).reduce((most, v) => Math.max(most, Math.abs(v)), 0);
+
+let door;
+before(async () => {
+  daemon = await Daemon.start();
+  door = await start();
+});
+after(async () => {
+  assert.equal(await door.stop(), 0, door.child.text);
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+  for (const child of running) child.kill('SIGKILL');
+});
+
+test('it describes itself: its voices, their languages, that it streams', async () => {
+  const client = await connect(door.port);
+  client.send('describe');
+  const [tts] = (await client.heard('info')).data.tts;
+  assert.equal(tts.supports_synthesize_streaming, true);
+  assert.ok(tts.installed && tts.name && tts.version && 'url' in tts.attribution);
+  const voice = tts.voices.find((v) => v.name === 'espeak:it');
+  assert.deepEqual(voice.languages, ['it']);
+  assert.ok(voice.installed && voice.description);
+  client.socket.end();
+});
+
+test('a text is spoken: the sound of the daemon itself, in chunks with their times', async () => {
+  const client = await connect(door.port);
+  const text = 'La cena è pronta.';
+  client.send('synthesize', { text, voice: { name: 'espeak:it' } });
+  await client.heard('audio-stop');
+  const [first, ...rest] = client.events;
+  assert.equal(first.type, 'audio-start');
+  assert.deepEqual([first.data.width, first.data.channels, first.data.rate], [2, 1, 22050]);
+  const wav = Buffer.from(await (await daemon.get('/v1/speech?voice=espeak:it&markup=plain', { method: 'POST', body: text, headers: { 'content-type': 'text/plain' } })).arrayBuffer());
+  assert.ok(pcmOf(client.events).equals(wav.subarray(44)));
+  const chunks = rest.filter((e) => e.type === 'audio-chunk');
+  let at = 0;
+  for (const { data, payload } of chunks) {
+    assert.ok(Math.abs(data.timestamp - (1000 * at) / 22050) < 0.1);
+    at += payload.length / 2;
+  }
+  // the next one, by language, its data in the line
+  client.events.length = 0;
+  client.send('synthesize', { text: 'Good morning.', voice: { language: 'en' } }, { inLine: true });
+  await client.heard('audio-stop');
+  assert.ok(loudest(pcmOf(client.events)) > 1000);
+  client.events.length = 0;
+  client.send('synthesize', { text: '<speak>Uno <break time="2s"/> due.</speak>', text_format: 'ssml', voice: { name: 'espeak:it' } });
+  await client.heard('audio-stop');
+  assert.ok(pcmOf(client.events).length > 2.5 * 44100);
+  client.socket.end();
+});
+
+test('a text that is written word by word is heard sentence by sentence, and its copy is not', async () => {
+  const client = await connect(door.port);
+  client.send('synthesize-start', { voice: { name: 'espeak:it' } });
+  for (const word of ['Ho chiama', 'to il dott. Rossi', ' per telefono. ', 'Viene ']) client.send('synthesize-chunk', { text: word });
+  await client.heard('audio-chunk'); // before the text has ended
+  for (const word of ['alle 3', '.30', '? ', 'Bene']) client.send('synthesize-chunk', { text: word });
+  client.send('synthesize', { text: 'Ho chiamato il dott. Rossi per telefono. Viene alle 3.30? Bene' });
+  client.send('synthesize-stop');
+  await client.heard('synthesize-stopped');
+  const types = client.events.map((e) => e.type).filter((type) => type !== 'audio-chunk');
+  assert.deepEqual(types, ['audio-start', 'audio-stop', 'synthesize-stopped']);
+  const one = pcmOf(client.events).length;
+  client.events.length = 0;
+  client.send('synthesize', { text: 'Ho chiamato il dott. Rossi per telefono. Viene alle 3.30? Bene', voice: { name: 'espeak:it' } });
+  await client.heard('audio-stop');
+  const whole = pcmOf(client.events).length;
+  assert.ok(Math.abs(one / whole - 1) < 0.2, `${one} ${whole}`);
+  client.socket.end();
+});
+
+test('the face of a room says it at the same time; what goes back may be silence as long', async () => {
+  const kiosk = await daemon.stream('?lang=it&room=kitchen');
+  await kiosk.wait({ type: 'joined' });
+  const silent = await start('--room', 'kitchen', '--silent');
+  const client = await connect(silent.port);
+  client.send('synthesize', { text: 'Detto dalla faccia.', voice: { name: 'espeak:it' } });
+  await client.heard('audio-stop');
+  await kiosk.wait({ type: 'sentence', text: 'Detto dalla faccia.' });
+  const { duration } = await kiosk.wait({ type: 'end', reason: 'done' });
+  assert.equal(loudest(pcmOf(client.events)), 0);
+  assert.ok(Math.abs(pcmOf(client.events).length / 44100 - duration) < 0.1);
+  client.socket.end();
+  assert.equal(await silent.stop(), 0, silent.child.text);
+  await kiosk.close();
+});
+
+test('requests that come at once are answered in their order', async () => {
+  const client = await connect(door.port);
+  client.send('ping', { text: 'x' });
+  for (const text of ['Uno.', 'Due.', 'Tre.']) client.send('synthesize', { text, voice: { name: 'espeak:it' } });
+  client.send('describe');
+  await client.heard('info');
+  assert.deepEqual(client.events.map((e) => e.type).filter((type) => type !== 'audio-chunk'), ['pong', ...Array(3).fill(['audio-start', 'audio-stop']).flat(), 'info']);
+  client.socket.end();
+});
+
+test('what is wrong is told, or ends the connection; nobody else notices', async () => {
+  const other = await connect(door.port);
+  const client = await connect(door.port);
+  client.send('synthesize', { text: 'Ciao.', voice: { name: 'nobody:x' } });
+  assert.match((await client.heard('error')).data.text, /nobody:x/);
+  client.events.length = 0;
+  client.send('synthesize', {});
+  assert.match((await client.heard('error')).data.text, /no text/);
+  client.events.length = 0;
+  client.send('synthesize', { text: 'a'.repeat(100001) });
+  assert.match((await client.heard('error')).data.text, /too long/);
+  client.events.length = 0;
+  client.send('synthesize', { text: ' ' });
+  client.send('nonsense', { x: 1 });
+  client.send('synthesize', { text: 'Ancora qui.', voice: { name: 'espeak:it' } });
+  await client.heard('audio-chunk');
+  client.socket.destroy(); // in the middle of it
+  for (const bytes of ['x\n', '{"type":7}\n', '{"type":"a","data_length":-1}\n', '{"type":"a","data_length":99999999}\n', '{"type":"a","data_length":3}\n[1]', '['.repeat(70000)]) {
+    const bad = await connect(door.port);
+    bad.socket.write(bytes);
+    await bad.closed();
+  }
+  const half = await connect(door.port);
+  half.socket.end('{"type":"synthesize","data_length":100}\n{"te');
+  await half.closed();
+  other.send('synthesize', { text: 'Tutto bene.', voice: { name: 'espeak:it' } });
+  await other.heard('audio-stop');
+  other.socket.end();
+});
+
+test('options that are wrong are told', async () => {
+  const run = async (...options) => {
+    const child = spawn(path.join(build, 'server/doors/faccia-wyoming'), options);
+    child.stdout.resume();
+    child.stderr.resume();
+    return (await once(child, 'exit'))[0];
+  };
+  for (const options of [['--listen', 'x'], ['--listen', '70000'], ['--listen', 'a.b.c:1'], ['--silent'], ['--nothing'], ['x'], ['--url', 'kitchen']]) assert.equal(await run(...options), 2, String(options));
+  assert.equal(await run('--listen', `${door.port}`, '--url', daemon.url), 1);
+  assert.equal(await run('--help'), 0);
+});
