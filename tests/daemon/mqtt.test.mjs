@@ -37,7 +37,7 @@ const startBroker = async () => {
 /** All that is published, one line each: topic, whether retained, payload. */
 const listen = async () => {
   heard = start('mosquitto_sub', ['-p', String(port), '-q', '1', '-t', '#', '-F', '%t %r %p']);
-  publish('test', 'listening');
+  await publish('test', 'listening', ['-r']); // retained: whoever is first
   await saidOn('test');
 };
 const lines = () => heard.text.split('\n').slice(0, -1) // the last may not have come whole

@@ -3,10 +3,10 @@
  * (github.com/OHF-Voice/linux-voice-assistant, docs/peripheral_api.md). */
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/doors/ending.h"
 #include "server/doors/lva/websocket_client.h"
 #include "server/doors/place.h"
 #include <getopt.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -134,21 +134,13 @@ static void on_lost(void *ctx, const char *why) {
     a->there = false;
 }
 
-static void on_signal(uv_signal_t *signal, int number) {
-    (void)number;
-    uv_stop(signal->loop);
-}
-
 static int run(struct assistant *a, const struct place *place, const char *url) {
     static const struct websocket_calls calls = {on_open, on_text, on_lost};
     uv_loop_t loop;
-    uv_signal_t signals[2];
+    struct ending ending;
     struct websocket_client *client = NULL;
     uv_loop_init(&loop);
-    for (int i = 0; i < 2; i++) {
-        uv_signal_init(&loop, &signals[i]);
-        uv_signal_start(&signals[i], on_signal, i ? SIGTERM : SIGINT);
-    }
+    ending_open(&ending, &loop);
     a->remote = remote_new(&loop, place->url, place->token);
     if (a->remote && !(client = websocket_client_new(&loop, url, &calls, a)))
         log_error("'%s' is no address of an assistant, such as ws://127.0.0.1:6055", url);
@@ -156,10 +148,7 @@ static int run(struct assistant *a, const struct place *place, const char *url) 
         uv_run(&loop, UV_RUN_DEFAULT);
     websocket_client_free(client);
     remote_free(a->remote);
-    for (int i = 0; i < 2; i++)
-        uv_close((uv_handle_t *)&signals[i], NULL);
-    uv_run(&loop, UV_RUN_DEFAULT);
-    uv_loop_close(&loop);
+    ending_close(&ending);
     return client ? 0 : 2;
 }
 

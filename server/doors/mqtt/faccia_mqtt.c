@@ -2,11 +2,11 @@
 /* faccia-mqtt: rooms of a daemon on a broker. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/doors/ending.h"
 #include "server/doors/mqtt/mqtt_bridge.h"
 #include "server/doors/place.h"
 #include <ctype.h>
 #include <getopt.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -117,21 +117,13 @@ static int read_options(struct bridge_options *o, int argc, char **argv) {
     return status < 0 && optind < argc ? usage_error("no option", argv[optind]) : status;
 }
 
-static void on_signal(uv_signal_t *signal, int number) {
-    (void)number;
-    uv_stop(signal->loop);
-}
-
 static int run(struct bridge_options *o) {
     uv_loop_t loop;
-    uv_signal_t signals[2];
+    struct ending ending;
     char will[BRIDGE_TOPIC];
     struct bridge *b = &o->bridge;
     uv_loop_init(&loop);
-    for (int i = 0; i < 2; i++) {
-        uv_signal_init(&loop, &signals[i]);
-        uv_signal_start(&signals[i], on_signal, i ? SIGTERM : SIGINT);
-    }
+    ending_open(&ending, &loop);
     snprintf(will, sizeof will, "%s/bridge", b->base);
     o->broker.will = will;
     b->loop = &loop;
@@ -144,10 +136,7 @@ static int run(struct bridge_options *o) {
     remote_free(b->remote);
     commands_drop(b);
     mqtt_link_free(b->link);
-    for (int i = 0; i < 2; i++)
-        uv_close((uv_handle_t *)&signals[i], NULL);
-    uv_run(&loop, UV_RUN_DEFAULT);
-    uv_loop_close(&loop);
+    ending_close(&ending);
     return b->link ? 0 : 1;
 }
 

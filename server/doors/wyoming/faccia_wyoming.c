@@ -3,10 +3,10 @@
  * it, too. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/doors/ending.h"
 #include "server/doors/place.h"
 #include "server/doors/wyoming/wyoming_client.h"
 #include <getopt.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -25,11 +25,6 @@ static const char usage[] =
     "The protocol has no passwords: listen where you trust everybody. Exit status: 0 ended by a signal, 1 "
     "failed,\n"
     "2 wrong usage.\n";
-
-static void on_signal(uv_signal_t *signal, int number) {
-    (void)number;
-    uv_stop(signal->loop);
-}
 
 static void on_connection(uv_stream_t *listener, int status) {
     if (status >= 0)
@@ -70,13 +65,10 @@ static int listen_on(uv_tcp_t *tcp, const char *where) {
 
 static int run(struct wyoming *w, const struct place *place, const char *where) {
     uv_loop_t loop;
-    uv_signal_t signals[2];
+    struct ending ending;
     uv_tcp_t listener;
     uv_loop_init(&loop);
-    for (int i = 0; i < 2; i++) {
-        uv_signal_init(&loop, &signals[i]);
-        uv_signal_start(&signals[i], on_signal, i ? SIGTERM : SIGINT);
-    }
+    ending_open(&ending, &loop);
     uv_tcp_init(&loop, &listener);
     listener.data = w;
     w->loop = &loop;
@@ -89,10 +81,7 @@ static int run(struct wyoming *w, const struct place *place, const char *where) 
     wyoming_end(w);
     remote_free(w->remote);
     uv_close((uv_handle_t *)&listener, NULL);
-    for (int i = 0; i < 2; i++)
-        uv_close((uv_handle_t *)&signals[i], NULL);
-    uv_run(&loop, UV_RUN_DEFAULT);
-    uv_loop_close(&loop);
+    ending_close(&ending);
     return status;
 }
 
