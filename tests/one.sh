@@ -9,6 +9,7 @@ artefacts=$FACCIA_ARTEFACTS
 name=$what-$(basename "$file" .test.mjs)
 log="$artefacts/$name.tap"
 status=0
+begun=$(date +%s)
 case $what in
 daemon) export FACCIA_BUILD="$root/build/sanitized" ;;
 *) export FACCIA_BUILD="$root/build" ;;
@@ -22,6 +23,7 @@ case $file in
     ;;
 esac
 case $what-$file in
+packages-*) timeout -k 10 1800 node --test-reporter=tap "$file" ;;
 fuzz-*) fuzz_run "$file" "$target" "$artefacts/$name-" ;;
 */fuzz_*) timeout -k 10 900 "$file" "$TMPDIR/seeds" "$root/tests/fuzz/corpus/$target" ;;
 *.mjs) timeout -k 10 900 node --test-reporter=tap "$file" ;;
@@ -43,4 +45,4 @@ if [ "$bad" != 0 ]; then
     tail -n 400 "$log" # the whole log is kept
 fi
 echo "$ok $bad ${skipped:-0}" >"$artefacts/$name.count"
-echo "$name: $ok passed, $bad failed, ${skipped:-0} skipped"
+echo "$name: $ok passed, $bad failed, ${skipped:-0} skipped in $(($(date +%s) - begun)) s"

@@ -7,7 +7,8 @@ usage() {
     cat <<'TEXT'
 Usage: sh tests/run.sh [WHAT]...
 Installs, builds and runs the tests; the last line says how many passed and failed.
-WHAT is one or more of: unit limits fuzz protocol models web daemon browser (all of them when left out).
+WHAT is one or more of: unit limits fuzz protocol models web daemon browser (all of these when left out), and packages: the
+Debian packages and the container, built and tried in a fresh Debian (ten minutes; wants root).
 
   -h, --help   print this and exit
 
@@ -27,7 +28,7 @@ for what in "$@"; do
         usage
         exit 0
         ;;
-    *) case " $all " in *" $what "*) ;; *) die "no tests '$what'; there are: $all" ;; esac ;;
+    *) case " $all packages " in *" $what "*) ;; *) die "no tests '$what'; there are: $all packages" ;; esac ;;
     esac
 done
 [ $# -gt 0 ] || set -- $all
@@ -36,8 +37,8 @@ root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
 sh "$root/server/run.sh" --build-only
-need_packages libcmocka-dev g++ strace mosquitto mosquitto-clients speech-dispatcher chromium curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets sox iproute2 systemd \
-    sqlite3 wamerican wbrazilian witalian festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite
+need_packages libcmocka-dev g++ strace mosquitto mosquitto-clients speech-dispatcher haproxy nginx-light redis-server openssl chromium curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets mypy sox iproute2 systemd \
+    sqlite3 wamerican wbrazilian witalian asterisk-core-sounds-it asterisk-core-sounds-it-wav festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite
 need_modules "$root/tests"
 
 # The daemon is tested with the sanitizers built in; the browser, which needs speed, with the ordinary build.
@@ -51,6 +52,13 @@ case " $* " in *' fuzz '*)
     ;;
 esac
 artefacts="$root/build/test-artefacts"
+case " $* " in *' packages '*)
+    need_packages buildah lintian mmdebstrap reuse systemd
+    FACCIA_PACKAGES="$root/build/packages"
+    export FACCIA_PACKAGES
+    sh "$root/server/deploy/package.sh" "$FACCIA_PACKAGES"
+    ;;
+esac
 mkdir -p "$artefacts"
 export FACCIA_ARTEFACTS="$artefacts" FACCIA_MODELS="$root/build/models" FACCIA_WEB="$root/build/web"
 export LSAN_OPTIONS="suppressions=$root/tests/lsan.supp:print_suppressions=0"
@@ -62,9 +70,9 @@ run() {
     sort | xargs -r -P "$2" -n 1 sh "$root/tests/one.sh" "$1" || true # the counts tell
 }
 
-rm -f "$artefacts"/*.count
-for what in "$@"; do
-    case $what in
+# group WHAT: the tests of that name.
+group() {
+    case $1 in
     unit)
         # the corpora of the fuzz targets, too
         find "$root/build/sanitized/tests/unit" "$root/build/sanitized/tests/fuzz" -maxdepth 1 \
@@ -77,14 +85,23 @@ for what in "$@"; do
     daemon) # they wait for speech most of their time
         find "$root/tests/daemon" -name '*.test.mjs' | run daemon 3
         ;;
-    browser) # what is drawn wants both processors; where nobody looks at the face, one does
-        light=$(grep -l 'launch({ webgl: false })' "$root"/tests/browser/*.test.mjs | xargs grep -L 'launch()')
-        printf '%s\n' "$light" | run browser 2
-        printf '%s\n' "$root"/tests/browser/*.test.mjs | grep -vxF "$light" | run browser 1
-        ;;
-    *) find "$root/tests/$what" -name '*.test.mjs' | run "$what" 2 ;;
+    packages) find "$root/tests/packages" -name '*.test.mjs' | run packages 1 ;;
+    *) find "$root/tests/$1" -name '*.test.mjs' | run "$1" 2 ;;
     esac
-done
+}
+
+rm -f "$artefacts"/*.count
+# What draws a face goes one by one, for want of a graphics card; it leaves room for all others beside it.
+for what in "$@"; do
+    [ "$what" = browser ] || group "$what"
+done &
+case " $* " in *' browser '*)
+    faceless=$(grep -l 'launch({ webgl: false })' "$root"/tests/browser/*.test.mjs | xargs grep -L 'launch()')
+    printf '%s\n' "$root"/tests/browser/*.test.mjs | grep -vxF "$faceless" | run browser 1
+    printf '%s\n' "$faceless" | run browser 2
+    ;;
+esac
+wait
 
 passed=$(cat "$artefacts"/*.count | awk '{ sum += $1 } END { print sum + 0 }')
 failed=$(cat "$artefacts"/*.count | awk '{ sum += $2 } END { print sum + 0 }')

@@ -5,6 +5,7 @@ import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } fro
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
+import { decoders } from './decoders.mjs';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const [out, depfile] = process.argv.slice(2);
@@ -14,7 +15,7 @@ if (!out) {
 }
 
 const common = { bundle: true, minify: true, format: 'esm', target: 'es2022', legalComments: 'none' };
-const inputs = new Set([path.join(here, 'build.mjs')]);
+const inputs = new Set(['build.mjs', 'decoders.mjs'].map((file) => path.join(here, file)));
 const note = ({ inputs: found }) => Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
 
 mkdirSync(out, { recursive: true });
@@ -68,6 +69,19 @@ const avatar = await build({
   metafile: true,
 });
 note(avatar.metafile);
+for (const [name, credit] of [['draco', 'the decoder of Draco'], ['basis', 'the transcoder of Basis Universal']]) {
+  const packed = await build({
+    ...common,
+    entryPoints: [path.join(here, `src/avatar/packed/${name}.mjs`)],
+    outfile: path.join(out, `talking-head-${name}.js`),
+    banner: { js: `/* faccia, MIT. Contains ${credit}, Apache-2.0, (c) its authors, as three.js brings it. */` },
+    metafile: true,
+    plugins: [decoders],
+    loader: { '.wasm': 'binary' },
+    external: ['fs', 'path'],
+  });
+  note(packed.metafile);
+}
 const kit = await build({
   ...common,
   stdin: {
@@ -85,16 +99,19 @@ for (const file of readdirSync(path.join(here, 'page'))) {
   inputs.add(path.join(here, 'page', file));
   copyFileSync(path.join(here, 'page', file), path.join(out, file));
 }
-// The page of texts is to be readable within a second on a slow phone: one file in place of one after the other.
-const reader = await build({
-  ...common,
-  entryPoints: [path.join(here, 'page/library.js')],
-  outfile: path.join(out, 'library.js'),
-  external: ['./talking-head.js'],
-  banner: { js: '/* faccia, MIT. */' },
-  metafile: true,
-});
-note(reader.metafile);
+// The page of texts is to be readable within a second on a slow phone: one file in place of one after the other, and
+// before it a small one that asks for the text.
+for (const [name, external] of [['library.js', ['./talking-head.js', './library-early.js']], ['library-early.js', ['./library.js']]]) {
+  const reader = await build({
+    ...common,
+    entryPoints: [path.join(here, 'page', name)],
+    outfile: path.join(out, name),
+    external,
+    banner: { js: '/* faccia, MIT. */' },
+    metafile: true,
+  });
+  note(reader.metafile);
+}
 const types = path.join(here, 'src/talking-head.d.ts');
 inputs.add(types);
 copyFileSync(types, path.join(out, 'talking-head.d.ts'));

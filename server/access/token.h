@@ -11,7 +11,7 @@
 enum right {
     RIGHT_LISTEN = 1u << 0,  /* hear a room */
     RIGHT_SPEAK = 1u << 1,   /* speak, stop, express: on one's own stream, or in the room */
-    RIGHT_OPERATE = 1u << 2, /* read the metrics */
+    RIGHT_OPERATE = 1u << 2, /* read the metrics, change what is kept */
     RIGHTS_ALL = RIGHT_LISTEN | RIGHT_SPEAK | RIGHT_OPERATE,
 };
 

@@ -33,9 +33,13 @@ int align_make(struct align_map *map, const struct align_sound *recording,
     map->at = mem_alloc((b.count + 1) * sizeof *map->at);
     map->until = mem_alloc(b.count * sizeof *map->until);
     map->apart = mem_alloc(b.count * sizeof *map->apart);
+    map->passed = mem_alloc(b.count * sizeof *map->passed);
     map->distance = warp(&a, &b, &options, map->at, map->until);
     for (size_t j = 0; j < b.count && map->distance >= 0; j++)
         map->apart[j] = b.silent[j] ? -1 : warp_distance(a.frames[nearest(map, j, a.count)], b.frames[j]);
+    for (size_t j = 1; j < b.count && map->distance >= 0; j++)
+        for (size_t i = map->until[j - 1]; i < map->at[j]; i++)
+            map->passed[j] += !a.silent[i] && map->passed[j] < UINT16_MAX;
     features_free(&a);
     features_free(&b);
     free(gaps);
@@ -46,6 +50,7 @@ void align_free(struct align_map *map) {
     free(map->at);
     free(map->until);
     free(map->apart);
+    free(map->passed);
     *map = (struct align_map){0};
 }
 
@@ -93,4 +98,11 @@ double align_apart(const struct align_map *map, uint64_t from, uint64_t to) {
             count++;
         }
     return count > 0 ? sum / count : -1;
+}
+
+double align_passed(const struct align_map *map, uint64_t from, uint64_t to) {
+    double frames = 0, end = frame_of(to, map->reference_rate);
+    for (size_t j = (size_t)frame_of(from, map->reference_rate) + 1; j < map->frames && (double)j < end; j++)
+        frames += map->passed[j];
+    return frames * FEATURE_HOP / FEATURE_RATE;
 }

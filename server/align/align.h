@@ -13,9 +13,10 @@ struct align_sound {
 };
 
 struct align_map {
-    size_t *at;    /* of the reference's frame j: the frame of the recording at which it begins */
-    size_t *until; /* and the one at which it ends; before at[j + 1] where the recording pauses */
-    float *apart;  /* how far it is from the recording; negative where it is silent */
+    size_t *at;       /* of the reference's frame j: the frame of the recording at which it begins */
+    size_t *until;    /* and the one at which it ends; before at[j + 1] where the recording pauses */
+    uint16_t *passed; /* frames before frame j that sound and are none of the reference */
+    float *apart;     /* how far it is from the recording; negative where it is silent */
     size_t frames;
     uint32_t measured_speech_rate, reference_rate;
     size_t measured_speech_samples;
@@ -44,5 +45,8 @@ uint64_t align_end_time(const struct align_map *map, uint64_t reference_sample);
 /* The mean distance of the reference's frames between two samples, without its pauses: what tells whether the
  * words are the same. Negative when there are only pauses. */
 double align_apart(const struct align_map *map, uint64_t from, uint64_t to);
+
+/* Seconds of sound between two samples of the reference, without the first, that are none of it. */
+double align_passed(const struct align_map *map, uint64_t from, uint64_t to);
 
 #endif

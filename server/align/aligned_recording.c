@@ -28,7 +28,8 @@ static void add_phone(struct aligned_recording *r, const char *ipa, uint8_t stre
 
 /* Something is said from start to end that is the bytes from..to of the text: they are shared out among the
  * words there. */
-static void place(struct aligned_recording *r, size_t from, size_t to, double start, double end) {
+static void place(struct aligned_recording *r, size_t from, size_t to, double start, double end,
+                  double confidence) {
     double bytes = (double)(to - from);
     while (r->placed && r->tokens.list[r->placed - 1].to > from)
         r->placed--;
@@ -42,6 +43,7 @@ static void place(struct aligned_recording *r, size_t from, size_t to, double st
         if (!w->known)
             w->start = start + first * (end - start);
         w->end = start + last * (end - start);
+        w->confidence = w->known ? fmin(w->confidence, confidence) : confidence;
         w->known = true;
         if (r->placed) {
             struct aligned_recording_word *before = w - 1;
@@ -58,7 +60,7 @@ static void settle(struct aligned_recording *r, size_t byte) {
     for (size_t i = 0; i < r->tokens.count && r->tokens.list[i].from < byte; i++) {
         struct aligned_recording_word *w = &r->words[i];
         if (!w->known)
-            *w = (struct aligned_recording_word){end, end, true};
+            *w = (struct aligned_recording_word){end, end, 0, true};
         end = fmax(end, w->end);
     }
 }
@@ -92,8 +94,11 @@ static void take_piece(struct aligned_recording *r, const struct long_alignment_
     for (size_t i = 0; i < piece->word_count; i++) {
         const struct long_alignment_word *w = &piece->words[i];
         place(r, w->from, w->to, r->keep_phones ? at_phone(r, w->start, true) : w->start,
-              r->keep_phones ? at_phone(r, w->end, false) : w->end);
+              r->keep_phones ? at_phone(r, w->end, false) : w->end, w->confidence);
     }
+    r->sentences = mem_grow(r->sentences, &r->sentence_cap, r->sentence_count + 1, sizeof *r->sentences);
+    r->sentences[r->sentence_count++] = (struct aligned_recording_sentence){
+        piece->from, piece->to, piece->start, piece->end, piece->confidence, piece->passed, piece->found};
     settle(r, piece->to);
     r->until = piece->end;
 }
@@ -137,7 +142,7 @@ static int take_words(struct aligned_recording *r, const struct times *times, st
         size_t found = own.count ? text_words_find(&r->tokens, own.list, own.count, at) : SIZE_MAX;
         if (found != SIZE_MAX && found - at <= LOOK_AHEAD) {
             at = found + own.count;
-            place(r, r->tokens.list[found].from, r->tokens.list[at - 1].to, w->start, w->end);
+            place(r, r->tokens.list[found].from, r->tokens.list[at - 1].to, w->start, w->end, 1);
         } else {
             missed += own.count > 0;
         }
@@ -195,6 +200,7 @@ void aligned_recording_free(struct aligned_recording *r) {
     text_words_free(&r->tokens);
     free(r->words);
     free(r->phones);
+    free(r->sentences);
     free(r->text);
     free(r);
 }

@@ -8,6 +8,7 @@
 #include "server/align/sound_file.h"
 #include "server/align/text_words.h"
 #include "server/align/times.h"
+#include <jansson.h>
 #include <stdatomic.h>
 #include <stdbool.h>
 
@@ -32,7 +33,16 @@ struct aligned_recording_phone {
 /* When a word of the text is said; known = it has been found. */
 struct aligned_recording_word {
     double start, end;
+    double confidence; /* 0 to 1 */
     bool known;
+};
+
+/* A sentence of the text, or part of a long one. One that the recording does not say has no length. */
+struct aligned_recording_sentence {
+    size_t from, to; /* bytes of the text */
+    double start, end, confidence;
+    double passed; /* s of sound before it that are none of the text */
+    bool found;
 };
 
 struct aligned_recording {
@@ -44,6 +54,8 @@ struct aligned_recording {
     struct aligned_recording_word *words; /* one for each */
     struct aligned_recording_phone *phones;
     size_t phone_count, phone_cap;
+    struct aligned_recording_sentence *sentences; /* that were aligned, so far */
+    size_t sentence_count, sentence_cap;
     struct long_alignment *alignment; /* NULL = nothing is to be found (any more) */
     bool keep_phones;                 /* they come from a file: only words are to be found */
     bool complete;
@@ -76,6 +88,9 @@ struct sentence_audio *aligned_recording_audio(const struct aligned_recording *r
 
 /* Writes the times as JSON, through a file beside it. -1 with *e ("bad-times"). */
 int aligned_recording_save(const struct aligned_recording *r, const char *path, struct error *e);
+
+/* A sentence as it stands in such a file. */
+json_t *aligned_recording_sentence_json(const struct aligned_recording_sentence *sentence);
 
 /* Whether the file of times may be used for this text and sound: not when it says that it was made for
  * others. */

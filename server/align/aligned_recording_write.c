@@ -75,7 +75,8 @@ static void put_words(const struct aligned_recording *r, uint64_t from, uint64_t
                                                   .end = clip(r->words[i].end, r, from, to),
                                                   .from = t->from,
                                                   .to = t->to,
-                                                  .text = mem_strndup(r->text + t->from, t->to - t->from)};
+                                                  .text = mem_strndup(r->text + t->from, t->to - t->from),
+                                                  .doubt = (float)(1 - r->words[i].confidence)};
     }
 }
 
@@ -110,6 +111,12 @@ static void put(FILE *file, bool first, json_t *object) {
     json_decref(object);
 }
 
+json_t *aligned_recording_sentence_json(const struct aligned_recording_sentence *s) {
+    return json_pack("{sI sI sf sf sf sf}", "byte_start", (json_int_t)s->from, "byte_end", (json_int_t)s->to,
+                     "start", s->start, "end", s->end, "confidence", round(100 * s->confidence) / 100,
+                     "passed", round(100 * s->passed) / 100);
+}
+
 static void write_all(const struct aligned_recording *r, FILE *file) {
     fprintf(file, "{\"lang\":\"%s\",\"samples\":%llu,\"rate\":%u,\"text\":\"%016llx\",\n \"phones\":[",
             r->lang, (unsigned long long)r->sound->samples, r->sound->rate,
@@ -123,9 +130,13 @@ static void write_all(const struct aligned_recording *r, FILE *file) {
     for (size_t i = 0; i < r->tokens.count; i++) {
         const struct text_word *t = &r->tokens.list[i];
         put(file, !i,
-            json_pack("{ss% sf sf}", "text", r->text + t->from, t->to - t->from, "start", r->words[i].start,
-                      "end", r->words[i].end));
+            json_pack("{ss% sf sf sf}", "text", r->text + t->from, t->to - t->from, "start",
+                      r->words[i].start, "end", r->words[i].end, "confidence",
+                      round(100 * r->words[i].confidence) / 100));
     }
+    fputs("],\n \"sentences\":[", file);
+    for (size_t i = 0; i < r->sentence_count; i++)
+        put(file, !i, aligned_recording_sentence_json(&r->sentences[i]));
     fputs("]}\n", file);
 }
 

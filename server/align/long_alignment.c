@@ -2,16 +2,19 @@
 #include "server/align/chance_distance.h"
 #include "server/align/long_alignment_internal.h"
 #include "server/base/mem.h"
-#include "server/base/utf8.h"
 #include <math.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Pauses between phones that are shorter than this belong to the phone before, s. */
-#define PAUSE_LEAST 0.03
-#define PHONE_LEAST 0.02
 #define REST_ENOUGH 60.0
+/* Signs that a window is not what the text says, each of which is looked into: a piece is so far off, a share
+ * of other words; it takes so much less or more time than the others; so many seconds are heard that are none
+ * of it. */
+#define PIECE_SHARE 0.975
+#define SHORT_SHARE 0.6
+#define LONG_SHARE 1.75
+#define PASSED_SECONDS 0.6
+#define JUDGED_SECONDS 1.0
 
 void long_alignment_piece_free(struct long_alignment_piece *piece) {
     free(piece->phones);
@@ -51,157 +54,101 @@ void long_alignment_free(struct long_alignment *c) {
         long_alignment_piece_free(&c->ready[c->ready_at]);
     free(c->ready);
     window_close(&c->window);
-    reference_free(&c->speech);
+    reference_free(&c->said.speech);
     free(c);
 }
 
-static bool to_the_end(const struct long_alignment *c) {
-    return c->spans[c->span_count].from == c->size;
-}
-
-/* Time of a sample of the window. */
-static double seconds_of(const struct long_alignment *c, uint64_t sample) {
-    return (double)window_place(&c->window, (size_t)sample) / c->window.source->rate;
-}
-
-/* The warp may leave a phone no time of its own; its neighbour that has more of it gives it some. */
-static void widen(struct long_alignment_piece *piece, size_t i) {
-    struct long_alignment_phone *p = &piece->phones[i], *before = i ? p - 1 : NULL;
-    struct long_alignment_phone *after = i + 1 < piece->phone_count ? p + 1 : NULL;
-    double missing = PHONE_LEAST - (p->end - p->start);
-    double left = before ? p->start - before->start : 0, right = after ? after->end - p->end : 0;
-    if (missing <= 0)
-        return;
-    if (left >= right && left > missing + PHONE_LEAST) {
-        p->start -= missing;
-        before->end = fmin(before->end, p->start);
-    } else if (right > missing + PHONE_LEAST) {
-        p->end += missing;
-        after->start = fmax(after->start, p->end);
-    }
-}
-
-static void take_phones(const struct long_alignment *c, const struct align_map *map,
-                        const struct reference_span *span, struct long_alignment_piece *piece) {
-    piece->phones = mem_alloc((span[1].phones - span->phones + 1) * sizeof *piece->phones);
-    for (size_t i = span->phones; i < span[1].phones; i++) {
-        const struct reference_phone *from = &c->speech.phones[i];
-        struct long_alignment_phone *p = &piece->phones[piece->phone_count];
-        struct long_alignment_phone *before = piece->phone_count ? p - 1 : NULL;
-        if (!*from->ipa)
-            continue;
-        p->start = seconds_of(c, align_time(map, from->start));
-        p->end = fmax(p->start, seconds_of(c, align_end_time(map, from->end)));
-        p->stress = from->stress;
-        memcpy(p->ipa, from->ipa, sizeof p->ipa);
-        if (before && p->start - before->end < PAUSE_LEAST)
-            before->end = p->start;
-        piece->phone_count++;
-    }
-    for (size_t i = 0; i < piece->phone_count; i++)
-        widen(piece, i);
-}
-
-/* A word ends with its last phone. */
-static void take_words(const struct long_alignment *c, const struct align_map *map,
-                       const struct reference_span *span, struct long_alignment_piece *piece) {
-    size_t phone = 0;
-    piece->words = mem_alloc((span[1].words - span->words + 1) * sizeof *piece->words);
-    for (size_t i = span->words; i < span[1].words; i++) {
-        const struct reference_word *from = &c->speech.words[i];
-        struct long_alignment_word *w = &piece->words[piece->word_count++];
-        *w = (struct long_alignment_word){from->from, from->to, seconds_of(c, align_time(map, from->start)),
-                                          0};
-        w->end = w->start;
-        double next = i + 1 < span[1].words ? seconds_of(c, align_time(map, from[1].start)) : INFINITY;
-        for (; phone < piece->phone_count && piece->phones[phone].start < next - 1e-9; phone++)
-            w->end = fmax(w->end, piece->phones[phone].end);
-        w->end = fmin(w->end, fmax(w->start, next));
-    }
-}
-
-static void take(struct long_alignment *c, const struct align_map *map, const struct reference_span *span) {
-    c->ready = mem_grow(c->ready, &c->ready_cap, c->ready_count + 1, sizeof *c->ready);
-    struct long_alignment_piece *piece = &c->ready[c->ready_count++];
-    *piece = (struct long_alignment_piece){.from = span->from, .to = span->to};
-    take_phones(c, map, span, piece);
-    take_words(c, map, span, piece);
-    piece->apart = align_apart(map, span->start, span->end);
-    piece->start = piece->end = seconds_of(c, align_time(map, span->start));
-    if (piece->phone_count) {
-        piece->start = piece->phones[0].start;
-        piece->end = piece->phones[piece->phone_count - 1].end;
-    }
-}
-
-static int misfit(const struct long_alignment *c, size_t byte, double time, const char *why,
-                  struct error *e) {
-    size_t line = 1, column = 1;
-    for (size_t i = 0; i < byte; i++) {
-        column += (c->text[i] & 0xC0) != 0x80;
-        if (c->text[i] == '\n') {
-            line++;
-            column = 1;
-        }
-    }
-    int minutes = (int)(time / 60);
-    return error_at_line(e, ERROR_MISALIGNED, line, column, "%s, at %d:%04.1f of the recording", why, minutes,
-                         time - 60.0 * minutes);
-}
-
-/* Are these the words of the recording? */
-static int check(const struct long_alignment *c, const struct align_map *map, size_t count, struct error *e) {
-    if (c->made)
-        return 0;
+/* Do the pieces seem to be what is read there? */
+static bool fits(struct long_alignment *c, const struct align_map *map, size_t count) {
     const struct align_sound recording = {c->window.pcm, map->measured_speech_samples,
                                           c->window.source->rate};
-    double apart, other = chance(&recording, &c->speech, map, c->stop, &apart);
-    if (other < 0 || apart < CHANCE_SHARE * other)
-        return 0;
-    size_t worst = 0; /* the first that is no nearer than chance */
-    while (worst + 1 < count &&
-           align_apart(map, c->spans[worst].start, c->spans[worst].end) < CHANCE_SHARE * other)
-        worst++;
-    return misfit(c, c->spans[worst].from, seconds_of(c, align_time(map, c->spans[worst].start)),
-                  "the words are not those of the recording", e);
+    const struct reference_span *spans = c->said.spans;
+    double apart, other = chance(&recording, &c->said.speech, map, c->stop, &apart);
+    c->likely = other <= 0 || apart < CHANCE_SHARE * other;
+    if (!c->likely)
+        return false;
+    if (other > 0)
+        c->other = other;
+    double all = (double)(align_end_time(map, spans[count - 1].end) - align_time(map, 0)) /
+                 (double)spans[count - 1].end;
+    for (size_t i = 0; i < count; i++) {
+        double spoken = (double)(spans[i].end - spans[i].start);
+        double took = (double)(align_end_time(map, spans[i].end) - align_time(map, spans[i].start));
+        if (spoken < JUDGED_SECONDS * c->said.speech.rate)
+            continue;
+        if (took < SHORT_SHARE * all * spoken || took > LONG_SHARE * all * spoken ||
+            (c->other > 0 && align_apart(map, spans[i].start, spans[i].end) > PIECE_SHARE * c->other) ||
+            align_passed(map, spans[i ? i - 1 : 0].start, spans[i].end) > PASSED_SECONDS)
+            return false;
+    }
+    return true;
 }
 
-/* Aligns some pieces more. */
-static int advance(struct long_alignment *c, struct error *e) {
+static void take_all(struct long_alignment *c, const struct align_map *map, size_t count) {
+    const struct fit fit = {map, &c->window, &c->said, 0, 0};
+    const struct reference_span *spans = c->said.spans;
+    uint64_t begin = align_time(map, 0), end = align_end_time(map, spans[count - 1].end);
+    for (size_t i = 0; i < count; i++) {
+        double apart = align_apart(map, spans[i].start, spans[i].end);
+        long_alignment_take(c, &fit, &spans[i], c->other > 0 && apart >= 0 ? apart / c->other : 0);
+    }
+    if (end > begin)
+        c->pace = (double)(end - begin) / c->window.source->rate /
+                  ((double)spans[count - 1].end / c->said.speech.rate);
+    window_drop(&c->window, (size_t)end);
+    c->at = spans[count].from;
+}
+
+/* Aligns the next pieces, if they follow what was aligned last: 1, or 0 when they seem not to, -1 with *e. */
+static int follow(struct long_alignment *c, struct error *e) {
     struct align_map map;
-    double here = seconds_of(c, 0);
     bool begins = !c->at && !c->pace;
-    if (c->voice_count > 1 && long_alignment_choose_voice(c, e))
+    if ((!c->chosen && long_alignment_choose_voice(c, e)) ||
+        long_alignment_speak(c, &c->said, c->chosen, &long_alignment_window, e) ||
+        (begins && c->said.speech.word_count && long_alignment_choose_start(c, e)))
         return -1;
-    if (long_alignment_speak(c, c->voices[0], e) ||
-        (begins && c->speech.word_count && long_alignment_choose_start(c, e)))
-        return -1;
-    if (!c->speech.word_count) { /* nothing to be said in it */
-        c->at = c->spans[c->span_count].from;
-        return 0;
+    size_t count = c->said.count, to = c->said.spans[count].from;
+    if (!c->said.speech.word_count) { /* nothing to be said in it */
+        c->at = to;
+        return 1;
     }
-    if (long_alignment_find(c, &map)) {
-        align_free(&map);
-        return long_alignment_stopped(c) ? long_alignment_cancelled(e)
-                                         : misfit(c, c->at, here, "the recording ends before the text", e);
+    count -= to < c->size; /* the last one may go on into what is not in the window */
+    int result = long_alignment_find(c, &map) ? 0 : 1;
+    if (result && !c->made && !fits(c, &map, count)) {
+        result = long_alignment_stopped(c) ? 0 : long_alignment_recover(c, c->said.spans[count].from, e);
+        if (c->failed && c->likely) { /* all in all they are the words: too few of them to be told apart */
+            c->failed = c->lost = false;
+            c->at = c->said.spans[0].from;
+            c->ready_count = 0;
+            result = 0;
+        }
+        if (result) { /* it has gone on, or failed */
+            align_free(&map);
+            return result;
+        }
+        result = 1;
     }
-    size_t count = to_the_end(c) ? c->span_count : c->span_count - 1;
-    int result = check(c, &map, count, e);
     if (long_alignment_stopped(c))
         result = long_alignment_cancelled(e);
-    uint64_t begin = align_time(&map, 0), end = align_end_time(&map, c->spans[count - 1].end);
-    c->ready_at = c->ready_count = 0;
-    for (size_t i = 0; i < count && !result; i++)
-        take(c, &map, &c->spans[i]);
-    if (!result && end > begin)
-        c->pace = (double)(end - begin) / c->window.source->rate /
-                  ((double)c->spans[count - 1].end / c->speech.rate);
+    if (result > 0)
+        take_all(c, &map, count);
     align_free(&map);
-    if (result)
+    return result;
+}
+
+static int advance(struct long_alignment *c, struct error *e) {
+    double here = (double)window_place(&c->window, 0) / c->window.source->rate;
+    if (c->failed) {
+        *e = c->failure;
         return -1;
-    window_drop(&c->window, (size_t)end);
-    c->at = c->spans[count].from;
-    return 0;
+    }
+    c->ready_at = c->ready_count = 0;
+    int result = c->lost ? 0 : follow(c, e);
+    if (result)
+        return result < 0 ? -1 : 0;
+    if (c->made)
+        return long_alignment_misfit(c, c->at, here, "the recording ends before the text", e);
+    return long_alignment_recover(c, 0, e) < 0 ? -1 : 0;
 }
 
 int long_alignment_next(struct long_alignment *c, struct long_alignment_piece *piece, struct error *e) {
@@ -217,5 +164,5 @@ int long_alignment_next(struct long_alignment *c, struct long_alignment_piece *p
 }
 
 double long_alignment_rest(struct long_alignment *c) {
-    return window_rest(&c->window, window_place(&c->window, 0), REST_ENOUGH);
+    return window_sounds(&c->window, window_place(&c->window, 0), UINT64_MAX, REST_ENOUGH);
 }

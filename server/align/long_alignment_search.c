@@ -7,10 +7,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* So much synthetic speech is looked for at once, s; at least two pieces. */
-#define REFERENCE_SECONDS 20.0
-/* A piece is at most so long, bytes (about 13 s), and not cut where it would be shorter than the least. */
-enum { PIECE_BYTES = 200, PIECE_BYTES_LEAST = 40, TRIES = 3 };
+/* So much synthetic speech is looked for at once, at least two pieces; they are not cut where they would be
+ * shorter than the least. */
+const struct speak_amount long_alignment_window = {20, 40};
+/* A piece is at most so long, bytes (about 13 s). */
+enum { PIECE_BYTES = 200, TRIES = 3 };
 /* Seconds of the recording for each of the reference: what people need at most, until it is known. */
 #define PACE_FIRST 1.7
 /* The window is longer than what is expected by this factor, and by so many seconds. */
@@ -27,9 +28,9 @@ enum { STARTS = 5 };
 
 /* The length of the piece at the head of the text: a sentence, or what stands before a comma or a space in
  * one that is too long. */
-static size_t piece_length(const char *text, size_t size) {
+static size_t piece_length(const char *text, size_t size, size_t least) {
     size_t length = plain_sentence(text, size, NULL), comma = 0, space = 0;
-    while (length < PIECE_BYTES_LEAST && length < size)
+    while (length < least && length < size)
         length += plain_sentence(text + length, size - length, NULL);
     if (length <= PIECE_BYTES)
         return length;
@@ -41,23 +42,23 @@ static size_t piece_length(const char *text, size_t size) {
     return comma ? comma : space ? space : length;
 }
 
-/* Has the voice speak pieces of the text from there on, until there are enough. Returns where they end. */
-int long_alignment_speak(struct long_alignment *c, const char *voice, struct error *e) {
-    struct reference_speech *s = &c->speech;
+int long_alignment_speak(struct long_alignment *c, struct spoken *out, const char *voice,
+                         const struct speak_amount *amount, struct error *e) {
+    struct reference_speech *s = &out->speech;
     size_t at = c->at;
     reference_clear(s);
-    c->span_count = 0;
-    while (at < c->size && c->span_count < PIECES_MAX &&
-           (c->span_count < 2 || (double)s->samples < REFERENCE_SECONDS * s->rate)) {
-        struct reference_span *span = &c->spans[c->span_count++];
-        size_t to = at + piece_length(c->text + at, c->size - at);
+    out->count = 0;
+    while (at < c->size && out->count < PIECES_MAX &&
+           (out->count < 2 || (double)s->samples < amount->seconds * s->rate)) {
+        struct reference_span *span = &out->spans[out->count++];
+        size_t to = at + piece_length(c->text + at, c->size - at, amount->least);
         *span = (struct reference_span){at, to, s->samples, 0, s->phone_count, s->word_count};
         if (reference_speak(c->reference, voice, c->text, at, to, s, e))
             return -1;
         span->end = s->samples;
         at = to;
     }
-    c->spans[c->span_count] =
+    out->spans[out->count] =
         (struct reference_span){.from = at, .phones = s->phone_count, .words = s->word_count};
     return 0;
 }
@@ -67,8 +68,8 @@ static int by_time(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* Where the speaker may pause: before words, and where the voice does. */
-static uint64_t *pauses(const struct reference_speech *s, size_t *count) {
+/* Before words, and where the voice pauses. */
+uint64_t *long_alignment_pauses(const struct reference_speech *s, size_t *count) {
     uint64_t *starts = mem_alloc((s->word_count + s->phone_count + 1) * sizeof *starts);
     *count = 0;
     for (size_t i = 0; i < s->word_count; i++)
@@ -80,14 +81,12 @@ static uint64_t *pauses(const struct reference_speech *s, size_t *count) {
     return starts;
 }
 
-/* Looks for what the voice has spoken in the window, which is made longer if need be. -1 when the recording
- * is far too short. */
 int long_alignment_find(struct long_alignment *c, struct align_map *map) {
-    const struct reference_speech *s = &c->speech;
+    const struct reference_speech *s = &c->said.speech;
     double seconds = (double)s->samples / s->rate, pace = c->pace > 0 ? c->pace : PACE_FIRST;
     double want = (seconds * pace * WINDOW_FACTOR + WINDOW_MORE) * c->window.source->rate;
     size_t count;
-    uint64_t *starts = pauses(s, &count);
+    uint64_t *starts = long_alignment_pauses(s, &count);
     const struct align_options options = {starts, count, true, c->stop};
     int result = -1;
     for (int i = 0; i < TRIES; i++, want *= 1.4) {
@@ -117,13 +116,31 @@ int long_alignment_cancelled(struct error *e) {
     return error_set(e, ERROR_CANCELLED, "the alignment was stopped");
 }
 
-/* The voice that comes closest, by what it makes of the first window. */
+int long_alignment_misfit(const struct long_alignment *c, size_t byte, double time, const char *why,
+                          struct error *e) {
+    size_t line = 1, column = 1;
+    for (size_t i = 0; i < byte; i++) {
+        column += (c->text[i] & 0xC0) != 0x80;
+        if (c->text[i] == '\n') {
+            line++;
+            column = 1;
+        }
+    }
+    int minutes = (int)(time / 60);
+    return error_at_line(e, ERROR_MISALIGNED, line, column, "%s, at %d:%04.1f of the recording", why, minutes,
+                         time - 60.0 * minutes);
+}
+
 int long_alignment_choose_voice(struct long_alignment *c, struct error *e) {
     double best = INFINITY;
     const char *chosen = c->voices[0];
+    if (c->voice_count == 1) {
+        c->chosen = chosen;
+        return 0;
+    }
     for (size_t i = 0; i < c->voice_count; i++) {
         struct align_map map;
-        if (long_alignment_speak(c, c->voices[i], e))
+        if (long_alignment_speak(c, &c->said, c->voices[i], &long_alignment_window, e))
             return -1;
         if (!long_alignment_find(c, &map) && map.distance < best) {
             best = map.distance;
@@ -133,8 +150,7 @@ int long_alignment_choose_voice(struct long_alignment *c, struct error *e) {
     }
     if (long_alignment_stopped(c))
         return long_alignment_cancelled(e);
-    c->voices[0] = chosen;
-    c->voice_count = 1;
+    c->chosen = chosen;
     return 0;
 }
 
@@ -142,14 +158,14 @@ int long_alignment_choose_voice(struct long_alignment *c, struct error *e) {
  * are farther from what is heard first than the others are from theirs, and nearer to what follows the pause.
  */
 int long_alignment_choose_start(struct long_alignment *c, struct error *e) {
-    uint64_t first = (uint64_t)(FIRST_SECONDS * c->speech.rate);
+    uint64_t first = (uint64_t)(FIRST_SECONDS * c->said.speech.rate);
     double best = INFINITY;
     size_t start = 0;
     for (int i = 0; i < STARTS && c->skip != SIZE_MAX; i++) {
         struct align_map map;
         bool good = false;
         if (!long_alignment_find(c, &map)) {
-            double all = align_apart(&map, 0, c->speech.samples), here = align_apart(&map, 0, first);
+            double all = align_apart(&map, 0, c->said.speech.samples), here = align_apart(&map, 0, first);
             good = !i && here < FIRST_APART * all;
             if (all < BETTER_START * best) {
                 best = all;

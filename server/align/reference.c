@@ -106,6 +106,10 @@ struct reference *reference_get(struct reference_slot *slot, struct error *e) {
     return slot->reference;
 }
 
+pid_t reference_process(const struct reference *r) {
+    return r->worker.fd >= 0 ? r->worker.pid : 0;
+}
+
 const char *reference_voice(const struct reference *r, const char *lang, const char *gender) {
     const struct known *best = NULL;
     lang = lang_usual(lang);

@@ -7,6 +7,7 @@
 #include "server/base/error.h"
 #include "server/voice/sentence_audio.h"
 #include <stdbool.h>
+#include <sys/types.h>
 
 /* What was spoken, times in its samples. */
 struct reference_phone {
@@ -45,6 +46,9 @@ struct reference *reference_get(struct reference_slot *slot, struct error *e); /
 /* NULL with *e ("no-reference"). */
 struct reference *reference_open(const struct reference_slot *from, struct error *e);
 void reference_close(struct reference *reference);
+
+/* The process that speaks; 0 while none is known, as one that a keeper started. */
+pid_t reference_process(const struct reference *reference);
 
 /* The best voice of that language and gender ("female", "male"), "" when there is none for the language, or
  * none of that gender. Good while the reference is open. */

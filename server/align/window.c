@@ -67,6 +67,17 @@ void window_close(struct window *w) {
     *w = (struct window){0};
 }
 
+struct window window_copy(const struct window *w) {
+    struct window copy = *w;
+    copy.pcm = mem_alloc((w->cap ? w->cap : 1) * sizeof *copy.pcm);
+    copy.pieces = mem_alloc((w->piece_cap ? w->piece_cap : 1) * sizeof *copy.pieces);
+    if (w->samples)
+        memcpy(copy.pcm, w->pcm, w->samples * sizeof *copy.pcm);
+    if (w->piece_count)
+        memcpy(copy.pieces, w->pieces, w->piece_count * sizeof *copy.pieces);
+    return copy;
+}
+
 static void add_piece(struct window *w, uint64_t there) {
     w->pieces = mem_grow(w->pieces, &w->piece_cap, w->piece_count + 1, sizeof *w->pieces);
     w->pieces[w->piece_count++] = (struct window_piece){w->samples, there};
@@ -147,11 +158,12 @@ size_t window_after_pause(const struct window *w, size_t from) {
     return SIZE_MAX;
 }
 
-double window_rest(struct window *w, uint64_t from, double enough) {
+double window_sounds(struct window *w, uint64_t from, uint64_t to, double enough) {
     double silence = silence_level(w), sounding = 0;
     int16_t *frame = mem_alloc(frame_samples(w) * sizeof *frame);
     bool silent;
-    for (size_t count; sounding < enough && (count = look(w, from, silence, frame, &silent)); from += count)
+    for (size_t count; from < to && sounding < enough && (count = look(w, from, silence, frame, &silent));
+         from += count)
         sounding += silent ? 0 : FRAME_SECONDS;
     free(frame);
     return sounding;

@@ -30,6 +30,7 @@ struct window {
 
 void window_open(struct window *w, const struct sound_source *source);
 void window_close(struct window *w);
+struct window window_copy(const struct window *w); /* which goes on by itself */
 
 /* Reads on until the window has so many samples, or the recording ends. */
 void window_fill(struct window *w, size_t samples);
@@ -44,7 +45,8 @@ uint64_t window_place(const struct window *w, size_t sample);
  * SIZE_MAX. */
 size_t window_after_pause(const struct window *w, size_t from);
 
-/* How long, in seconds, the recording sounds from there to its end; more than `enough` is not counted. */
-double window_rest(struct window *w, uint64_t from, double enough);
+/* How long, in seconds, the recording sounds between two of its samples; more than `enough` is not counted.
+ */
+double window_sounds(struct window *w, uint64_t from, uint64_t to, double enough);
 
 #endif

@@ -92,6 +92,7 @@ int align_open_outputs(struct align *a) {
         .voice = a->sound,
         .engine = a->request.engine ? a->request.engine : face_engines()[0],
         .fps = a->request.fps,
+        .aligned = a->text != NULL,
         .frames = frame_from_sample(a->reading->sound->samples, a->reading->sound->rate, a->request.fps)};
     for (int i = 0; i < OUTPUTS; i++) {
         struct output *o = &a->outputs[i];

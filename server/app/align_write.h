@@ -9,6 +9,9 @@
 #include "server/app/cli_file.h"
 #include "server/export/export.h"
 
+/* A sentence that is less sure is told of. */
+#define ALIGN_UNSURE 0.15
+
 enum { WAV, FAP, JSON, OUTPUTS };
 
 struct output {
@@ -25,8 +28,9 @@ struct align {
     const struct speech_packs *packs;
     const struct speech_pack *pack;
     struct aligned_recording *reading;
-    uint64_t at;  /* sample up to which segments have been written */
-    size_t phone; /* the first one that ends after it */
+    uint64_t at;                         /* sample up to which segments have been written */
+    size_t phone;                        /* the first one that ends after it */
+    size_t sentence, told, line, column; /* told of; the byte of the text that it was, and where that is */
 };
 
 /* All return -1 after a message. */
@@ -34,6 +38,9 @@ int align_open_outputs(struct align *align);
 
 /* Writes the segments that lie before `known` seconds; INFINITY = all the rest. */
 int align_write(struct align *align, double known);
+
+/* Says which sentences that are new are not read, or other words are; into the JSON go all of them. */
+void align_tell(struct align *align);
 
 /* All has been written. */
 int align_end_outputs(struct align *align);

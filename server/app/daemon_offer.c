@@ -65,6 +65,7 @@ static void describe_voices(struct daemon_offer *o) {
                                          .licence = v[i].licence,
                                          .plugin = v[i].plugin,
                                          .sample_rate = v[i].sample_rate,
+                                         .words_per_minute = v[i].rate,
                                          .shares = pack && speech_pack_is_general(pack)};
     }
     free(o->voices);

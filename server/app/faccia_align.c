@@ -41,9 +41,11 @@ static int work(struct align *a) {
     struct error e;
     char text[400];
     int found = 1;
-    while (found > 0 && (found = aligned_recording_advance(a->reading, &e)) > 0)
+    while (found > 0 && (found = aligned_recording_advance(a->reading, &e)) > 0) {
+        align_tell(a);
         if (align_write(a, a->reading->until))
             return -1;
+    }
     if (found < 0) {
         cli_complain("%s%s%s", a->text ? a->text : "", a->text ? ":" : "", error_text(&e, text, sizeof text));
         return -1;

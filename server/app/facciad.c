@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* facciad: the daemon. Puts the stages together on one loop, reads its settings anew on SIGHUP, and stops
  * cleanly when it is told to. */
+#include "server/app/ahead_start.h"
+#include "server/app/cluster_place.h"
+#include "server/app/daemon_answer.h"
 #include "server/app/daemon_offer.h"
 #include "server/app/descriptors.h"
 #include "server/app/library_place.h"
@@ -36,6 +39,8 @@ struct daemon {
     struct codec_load codec_load;
     struct library *library; /* NULL = none */
     char *voice_config;      /* with the library's recordings; NULL: there are none */
+    struct cluster *cluster; /* NULL = alone */
+    struct speak_ahead *ahead;
     struct net *net;
     struct daemon_offer *offer;
     uv_signal_t signals[SIGNALS];
@@ -54,9 +59,12 @@ static struct net_options net_options_of(const struct daemon *d) {
     struct net_options options = d->settings.net;
     options.models = d->settings.models;
     options.library = d->library;
+    options.gestures = d->settings.gestures;
+    options.works = d->settings.library;
     options.listen_fds = d->sockets;
     options.listen_count = d->socket_count;
     options.secrets = d->secrets.count ? &d->secrets : NULL;
+    options.shares = d->cluster != NULL;
     options.connections_above = NET_CONNECTIONS_ABOVE;
     descriptors_provide(&options, d->settings.voices.workers);
     return options;
@@ -84,6 +92,7 @@ static void on_ready(void *ctx) {
         return;
     }
     net_set_ready(d->net);
+    ahead_start(&d->ahead, &d->settings, &d->stages.pipeline, d->library);
     snprintf(status, sizeof status, "%zu voices, %zu language packs", count, d->stages.packs.count);
     log_info("ready: %s", status);
     service_ready(status);
@@ -114,8 +123,7 @@ static void reload(struct daemon *d) {
         log_open(settings_log_format(&d->settings));
         if (settings_need_restart(&old, &settings))
             log_warn(
-                "some of the changed settings count after a restart only: those of listen, speech, voices, "
-                "paths");
+                "changed settings of listen, speech, voices, library, paths or cluster wait for a restart");
         log_info("settings read anew");
         settings_free(&old);
         secrets_free(&old_secrets);
@@ -129,7 +137,9 @@ static void stop(struct daemon *d) {
     d->stopped = true;
     if (d->net)
         net_close(d->net);
+    speak_ahead_close(d->ahead);
     stages_stop_voices(&d->stages);
+    cluster_close(d->cluster);
     coder_pool_close(d->coders);
     if (!d->running)
         return;
@@ -196,8 +206,10 @@ static int start(struct daemon *d, struct error *e) {
         return -1;
     if (!speech_packs_find(&d->stages.packs, s->lang))
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
-    if (library_place_open(s, &d->library, &d->voice_config, e))
+    if (library_place_open(s, &d->paths, &d->library, &d->voice_config, e) ||
+        cluster_place_open(s, &d->loop, &d->metrics, &d->cluster, e))
         return -1;
+    voices.cluster = d->cluster;
     if (d->voice_config)
         voices.config = d->voice_config;
     pipeline->metrics = voices.metrics = &d->metrics;
@@ -251,26 +263,6 @@ static int run(struct daemon *d) {
     return status;
 }
 
-/* What can be answered without starting; -1 to go on. */
-static int answer(const struct settings *settings, const struct settings_request *request) {
-    struct buf text = {0};
-    if (request->help) {
-        buf_printf(&text, "Usage: facciad [OPTION]...\nServes the talking head: a page, a WebSocket and HTTP "
-                          "(protocol/README.md says how).\n\n");
-        settings_help(PROGRAM_DAEMON, &text);
-    } else if (request->version)
-        buf_printf(&text, "facciad " FACCIA_VERSION "\n");
-    else if (request->schema)
-        settings_schema(&text);
-    else if (request->print)
-        settings_print(settings, &text);
-    else
-        return -1;
-    fwrite(text.data, 1, text.size, stdout);
-    buf_free(&text);
-    return 0;
-}
-
 int main(int argc, char **argv) {
     struct daemon d = {.argc = argc, .argv = argv};
     struct settings_request request;
@@ -281,7 +273,7 @@ int main(int argc, char **argv) {
     if (settings_read(&d.settings, &request, PROGRAM_DAEMON, argc, argv, &d.paths, &e)) {
         fprintf(stderr, "facciad: %s (%s)\n", error_text(&e, text, sizeof text), error_name(e.code));
         status = 2;
-    } else if ((status = answer(&d.settings, &request)) < 0) {
+    } else if ((status = daemon_answer(&d.settings, &request)) < 0) {
         log_open(settings_log_format(&d.settings));
         d.socket_count = service_sockets(&d.sockets);
         status = run(&d);

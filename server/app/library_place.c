@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/library_place.h"
 #include "server/base/mem.h"
-#include "server/library/library_voices.h"
+#include "server/library/recordings/library_voices.h"
 #include <errno.h>
 #include <jansson.h>
 #include <stdint.h>
@@ -66,26 +66,39 @@ static int place_voices(const struct settings *s, const char *index, char **fold
     buf_add(&path, "", 1);
     *config = NULL;
     int count = library_voices_prepare(s->library, (char *)path.data, s->lang, e);
-    *folder = count > 0 ? realpath((char *)path.data, NULL) : NULL;
+    *folder = count >= 0 ? realpath((char *)path.data, NULL) : NULL;
     buf_free(&path);
     if (*folder)
         *config = with_recordings(s->voices.config, *folder, s->library, s->lang);
     if (!*config) {
         free(*folder);
         *folder = NULL;
+    } else if (!count) { /* the plugin would complain of a folder without any */
+        free(*config);
+        *config = NULL;
     }
     return count < 0 ? -1 : 0;
 }
 
-int library_place_open(const struct settings *s, struct library **library, char **voice_config,
-                       struct error *e) {
+int library_place_open(const struct settings *s, const struct paths *paths, struct library **library,
+                       char **voice_config, struct error *e) {
     *library = NULL;
     *voice_config = NULL;
     if (!s->library)
         return 0;
     char *index = index_place(s, e), *voices = NULL;
+    struct buf plugin = {0};
+    buf_printf(&plugin, "%s/espeak.so", s->voices.plugin_dir);
+    buf_add(&plugin, "", 1);
+    const struct aligner aligner = {.program = paths->aligner,
+                                    .worker = s->voices.worker,
+                                    .plugin = (char *)plugin.data,
+                                    .percent = *paths->aligner ? s->align_percent : 0,
+                                    .megabytes = s->voices.megabytes,
+                                    .unconfined = s->voices.unconfined};
     if (index && !place_voices(s, index, &voices, voice_config, e))
-        *library = library_open(&(struct library_options){s->library, index, voices, s->lang}, e);
+        *library = library_open(&(struct library_options){s->library, index, voices, s->lang, aligner}, e);
+    buf_free(&plugin);
     free(index);
     free(voices);
     return *library ? 0 : -1;

@@ -8,8 +8,8 @@
 
 /* *library is NULL when none is wanted. *voice_config, to be freed: the settings of voice plugins with the
  * works' recordings as voices; NULL: they stay as they are. -1 with *e. */
-int library_place_open(const struct settings *settings, struct library **library, char **voice_config,
-                       struct error *e);
+int library_place_open(const struct settings *settings, const struct paths *paths, struct library **library,
+                       char **voice_config, struct error *e);
 
 /* The voices alone, for a command. */
 int library_place_voices(const struct settings *settings, char **voice_config, struct error *e);

@@ -119,7 +119,7 @@ int settings_read(struct settings *s, struct settings_request *request, enum pro
 }
 
 bool settings_need_restart(const struct settings *old, const struct settings *now) {
-    static const char *const groups[] = {"listen.", "speech.", "voices.", "paths."};
+    static const char *const groups[] = {"listen.", "speech.", "voices.", "library.", "paths.", "cluster."};
     json_t *a = json_object(), *b = json_object();
     for (size_t i = 0; i < settings_count; i++)
         for (size_t g = 0; g < sizeof groups / sizeof *groups; g++)

@@ -20,7 +20,12 @@ struct settings {
     const char *models, *sounds; /* folders; sounds NULL = none */
     const char *gestures;        /* folder; NULL = none besides those of models */
     const char *library;         /* folder of works; NULL = none */
-    const char *index; /* the file of its index; NULL = in the user's or the service's cache folder */
+    const char *index;      /* the file of its index; NULL = in the user's or the service's cache folder */
+    const char *ahead;      /* the voice that speaks the library's works ahead; NULL = none */
+    uint64_t ahead_bytes;   /* of sound, at most; 0 = three quarters of what is kept of sentences */
+    unsigned align_percent; /* of a processor, for aligning the library's recordings; 0 = none is */
+    const char *cluster;    /* where the daemons have what they share; NULL = it is alone */
+    unsigned cluster_keep_hours;
     const char *lang;
     enum face_contacts contacts; /* of requests that say "engine" */
     const char *token_file;      /* NULL = none */

@@ -35,6 +35,11 @@
     X(TOO_MANY_SEARCHES, "too-many-searches", 503, "too many searches wait") \
     X(UNKNOWN_CODEC, "unknown-codec", 400, "there is no such codec") \
     X(UNKNOWN_MEDIA, "unknown-media", 404, "there is no such recording") \
+    X(UNKNOWN_SCENE, "unknown-scene", 404, "there is no such scene") \
+    X(NOTHING_KEPT, "nothing-kept", 404, "this server was given no folder to keep that in") \
+    X(CHANGED, "changed", 412, "somebody has changed it meanwhile") \
+    X(CONDITION_NEEDED, "condition-needed", 428, "it is there already: say which you have seen (If-Match)") \
+    X(CANNOT_KEEP, "cannot-keep", 500, "it cannot be kept") \
     X(UNKNOWN_ROOM, "unknown-room", 404, "nobody is in that room") \
     X(UNKNOWN_MARK, "unknown-mark", 400, "there is no such mark") \
     X(UNKNOWN_UTTERANCE, "unknown-utterance", 404, "there is no such utterance") \
@@ -50,6 +55,8 @@
     X(TOO_MANY_PER_ADDRESS, "too-many-per-address", 429, "too many connections from there are open") \
     X(TOO_MANY_CONNECTIONS, "too-many-connections", 503, "too many connections are open") \
     X(MEDIA_TOO_LARGE, "media-too-large", 413, "the recording is larger than this server takes") \
+    X(DOCUMENT_TOO_LONG, "document-too-long", 413, "the document is too long") \
+    X(SHELF_FULL, "shelf-full", 507, "as many are kept as may be") \
     X(SKIPPED, "skipped", 0, "media were left out for a client that is too slow") \
     X(TOO_SLOW, "too-slow", 0, "the client does not take its media") \
     X(STOPPING, "stopping", 503, "the server is about to stop") \
@@ -114,7 +121,7 @@
     X(BAD_SPEECH_PACK, "bad-speech-pack", 0, "this is no speech pack") \
     X(BAD_ALPHABET, "bad-alphabet", 0, "this is no alphabet of phones") \
     X(BAD_SHAPE_TABLE, "bad-shape-table", 0, "this is no table of mouth shapes") \
-    X(BAD_EXPRESSIONS, "bad-expressions", 0, "this is no library of expressions") \
+    X(BAD_EXPRESSIONS, "bad-expressions", 400, "this is no library of expressions") \
     X(BAD_BOUNDARIES, "bad-boundaries", 0, "this is no table of the boundaries between phones") \
     X(BAD_NORMALIZATION, "bad-normalization", 0, "this is no file of words for normalisation") \
     X(BAD_MODEL, "bad-model", 0, "this is no head model") \
@@ -129,7 +136,7 @@
     X(BAD_VOICE_LIST, "bad-voice-list", 0, "this is no list of voices") \
     X(BAD_SETTINGS, "bad-settings", 0, "this is no file of settings") \
     X(BAD_SECRETS, "bad-secrets", 0, "this is no file of secrets") \
-    X(BAD_WORK, "bad-work", 0, "this is no work that can be read") \
+    X(BAD_WORK, "bad-work", 400, "this is no work that can be read") \
     X(BAD_INDEX, "bad-index", 0, "this is no index of a library") \
     X(BAD_CACHE, "bad-cache", 0, "this is no cache of sentences") \
     /* programs */ \

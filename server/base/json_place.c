@@ -5,15 +5,28 @@
 #include <stdlib.h>
 #include <string.h>
 
+static int loaded(const struct json_place *root, const json_error_t *bad) {
+    if (root->json)
+        return 0;
+    if (bad->line < 0)
+        return error_set(root->error, root->code, "%s", bad->text);
+    return error_at_line(root->error, root->code, (size_t)bad->line,
+                         bad->column > 0 ? (size_t)bad->column : 1, "%s", bad->text);
+}
+
 int json_place_load(const char *path, enum error_code code, struct json_place *root, struct error *e) {
     json_error_t bad;
     *root = (struct json_place){.code = code, .error = e};
     root->json = json_load_file(path, JSON_REJECT_DUPLICATES, &bad);
-    if (root->json)
-        return 0;
-    if (bad.line < 0)
-        return error_set(e, code, "%s", bad.text);
-    return error_at_line(e, code, (size_t)bad.line, bad.column > 0 ? (size_t)bad.column : 1, "%s", bad.text);
+    return loaded(root, &bad);
+}
+
+int json_place_parse(const void *data, size_t size, enum error_code code, struct json_place *root,
+                     struct error *e) {
+    json_error_t bad;
+    *root = (struct json_place){.code = code, .error = e};
+    root->json = json_loadb(size ? data : "", size, JSON_REJECT_DUPLICATES, &bad);
+    return loaded(root, &bad);
 }
 
 struct json_place json_place_key(const struct json_place *up, const char *key) {

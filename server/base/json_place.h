@@ -21,6 +21,8 @@ struct json_place {
 /* Reads a file into *root; what is wrong with it has that code. The caller releases root->json with
  * json_decref. Duplicate keys are an error. */
 int json_place_load(const char *path, enum error_code code, struct json_place *root, struct error *e);
+int json_place_parse(const void *data, size_t size, enum error_code code, struct json_place *root,
+                     struct error *e);
 
 struct json_place json_place_key(const struct json_place *up, const char *key);
 struct json_place json_place_item(const struct json_place *up, size_t index);

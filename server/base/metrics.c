@@ -35,6 +35,11 @@ static const struct {
     [METRIC_CACHE_HITS] = {"faccia_cache_total", "{result=\"hit\"}", "counter",
                            "Sentences looked up in the cache."},
     [METRIC_CACHE_MISSES] = {"faccia_cache_total", "{result=\"miss\"}", "counter", ""},
+    [METRIC_CLUSTER_UP] = {"faccia_cluster_up", "", "gauge", "1: what the daemons share can be reached."},
+    [METRIC_CLUSTER_HITS] = {"faccia_cluster_sentences_total", "{result=\"hit\"}", "counter",
+                             "Sentences that other daemons were asked for; waited: one was making it."},
+    [METRIC_CLUSTER_MISSES] = {"faccia_cluster_sentences_total", "{result=\"miss\"}", "counter", ""},
+    [METRIC_CLUSTER_WAITS] = {"faccia_cluster_sentences_total", "{result=\"waited\"}", "counter", ""},
     [METRIC_SOUND_LEVEL] =
         {"faccia_sound_level", "", "gauge",
          "Level of the sound's coding: 0 is the best, more is plainer and takes less time."},

@@ -11,16 +11,17 @@
 
 /* Where the programs lie in a build tree and below a prefix, and beside them the rest. A tree that was moved,
  * or staged for a package (DESTDIR), is found by its programs. */
-enum place { MODELS, WEB, PLUGINS, WORKER, PLACES };
+enum place { MODELS, WEB, PLUGINS, WORKER, ALIGNER, PLACES };
 
 static const struct layout {
     const char *programs[2]; /* facciad and faccia; faccia-voice */
     const char *places[PLACES];
 } layouts[] = {
-    {{"server/app", "server/voice"}, {"models", "web", "server/plugins", "server/voice/faccia-voice"}},
+    {{"server/app", "server/voice"},
+     {"models", "web", "server/plugins", "server/voice/faccia-voice", "server/app/faccia-align"}},
     {{FACCIA_BINDIR, FACCIA_LIBDIR "/faccia"},
      {FACCIA_DATADIR "/faccia/models", FACCIA_DATADIR "/faccia/web", FACCIA_LIBDIR "/faccia/plugins",
-      FACCIA_LIBDIR "/faccia/faccia-voice"}},
+      FACCIA_LIBDIR "/faccia/faccia-voice", FACCIA_LIBDIR "/faccia/faccia-align"}},
 };
 
 enum { INSTALLED = 1 };
@@ -63,6 +64,7 @@ void paths_find(struct paths *paths) {
     paths->web = find(root, layout->places[WEB]);
     paths->plugins = find(root, layout->places[PLUGINS]);
     paths->worker = find(root, layout->places[WORKER]);
+    paths->aligner = find(root, layout->places[ALIGNER]);
 }
 
 void paths_free(struct paths *paths) {
@@ -70,5 +72,6 @@ void paths_free(struct paths *paths) {
     free(paths->web);
     free(paths->plugins);
     free(paths->worker);
+    free(paths->aligner);
     *paths = (struct paths){0};
 }

@@ -10,6 +10,7 @@ struct paths {
     char *web;     /* the page and its bundle */
     char *plugins; /* voice plugins */
     char *worker;  /* the faccia-voice program */
+    char *aligner; /* the faccia-align program */
 };
 
 void paths_find(struct paths *paths);

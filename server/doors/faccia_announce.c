@@ -22,6 +22,7 @@ static const char usage[] =
     "  -l, --lang TAG, -v, --voice ID, --rate N, --markup NAME\n"
     "                        as of faccia say\n"
     "  -h, --help            print this and exit\n"
+    "      --version         print the version and exit\n"
     "Exit status: 0 accepted, and with --wait heard to its end; 1 failed; 2 wrong usage; 3 nobody is there "
     "to hear it;\n"
     "4 something is being said (--if-quiet); 5 it was cut short.\n";
@@ -158,6 +159,7 @@ static int read_options(struct announcement *a, struct place *place, int argc, c
                                             {"rate", 1, NULL, OPT_RATE},
                                             {"markup", 1, NULL, OPT_MARKUP},
                                             {"help", 0, NULL, 'h'},
+                                            {"version", 0, NULL, 'V'},
                                             {0}};
     for (int c; (c = getopt_long(argc, argv, "r:u:wqp:t:l:v:h", options, NULL)) != -1;) {
         enum member member = c == 'r'          ? ROOM
@@ -180,6 +182,8 @@ static int read_options(struct announcement *a, struct place *place, int argc, c
             a->members[MODE].value = "quiet";
         else if (c == 'h')
             return fputs(usage, stdout), EXIT_HEARD;
+        else if (c == 'V')
+            return puts("faccia-say " FACCIA_VERSION), EXIT_HEARD;
         else if (c == '?')
             return fputs("Try 'faccia-say --help'.\n", stderr), EXIT_USAGE;
     }

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { CONNECT_SECONDS = 5, ANSWER_SECONDS = 60, ANSWER_MOST = 1 << 20 };
+enum { CONNECT_SECONDS = 5 };
 
 struct watch {
     uv_poll_t poll;
@@ -181,96 +181,4 @@ void remote_finish(struct remote *r, struct transfer *t) {
     curl_multi_remove_handle(r->multi, t->easy);
     curl_easy_cleanup(t->easy);
     curl_slist_free_all(t->headers);
-}
-
-struct fetch {
-    struct transfer transfer;
-    struct remote *remote;
-    struct buf body;
-    remote_bytes *bytes; /* NULL: the body is kept */
-    remote_answered *answered;
-    void *ctx;
-};
-
-static size_t on_bytes(char *data, size_t size, size_t count, void *ctx) {
-    struct fetch *q = ctx;
-    if (q->body.size + size * count > ANSWER_MOST)
-        return 0;
-    buf_add(&q->body, data, size * count);
-    return size * count;
-}
-
-static void drop(struct transfer *t) {
-    struct fetch *q = (struct fetch *)t;
-    remote_finish(q->remote, t);
-    buf_free(&q->body);
-    free(q);
-}
-
-static void tell(struct transfer *t) {
-    struct fetch *q = (struct fetch *)t;
-    struct buf come = q->body;
-    long status = 0;
-    curl_easy_getinfo(t->easy, CURLINFO_RESPONSE_CODE, &status);
-    if (status != 200 || !come.size)
-        return;
-    q->body = (struct buf){0};
-    q->bytes(q->ctx, come.data, come.size); /* it may give up */
-    buf_free(&come);
-}
-
-void remote_give_up(struct fetch *fetch) {
-    drop(&fetch->transfer);
-}
-
-static void on_done(struct transfer *t, CURLcode code) {
-    struct fetch *q = (struct fetch *)t;
-    struct remote_answer answer = {.why = curl_easy_strerror(code)};
-    long sent = 0;
-    curl_easy_getinfo(t->easy, CURLINFO_REQUEST_SIZE, &sent);
-    answer.sent = sent > 0;
-    json_t *body = json_loadb(q->body.size ? (char *)q->body.data : "", q->body.size, JSON_ALLOW_NUL, NULL);
-    if (code == CURLE_OK) {
-        const char *message = json_string_value(json_object_get(body, "message"));
-        curl_easy_getinfo(t->easy, CURLINFO_RESPONSE_CODE, &answer.status);
-        answer.body = body;
-        answer.why = message ? message : "the daemon refuses it";
-    }
-    remote_finish(q->remote, t);
-    q->answered(q->ctx, &answer);
-    json_decref(body);
-    buf_free(&q->body);
-    free(q);
-}
-
-struct fetch *remote_fetch(struct remote *r, const char *path, const struct remote_member *members,
-                           const char *type, const char *body, remote_bytes *bytes, remote_answered *answered,
-                           void *ctx) {
-    struct fetch *q = mem_alloc(sizeof *q);
-    struct buf header = {0};
-    *q = (struct fetch){.remote = r, .bytes = bytes, .answered = answered, .ctx = ctx};
-    q->transfer.done = on_done;
-    q->transfer.drop = drop;
-    q->transfer.tell = bytes ? tell : NULL;
-    CURL *easy = remote_handle(r, &q->transfer, path, members);
-    curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, on_bytes);
-    curl_easy_setopt(easy, CURLOPT_WRITEDATA, q);
-    curl_easy_setopt(easy, CURLOPT_LOW_SPEED_LIMIT, 1L);
-    curl_easy_setopt(easy, CURLOPT_LOW_SPEED_TIME, (long)ANSWER_SECONDS);
-    if (body) {
-        buf_printf(&header, "Content-Type: %s", type);
-        buf_add(&header, "", 1);
-        q->transfer.headers = curl_slist_append(q->transfer.headers, (char *)header.data);
-        q->transfer.headers = curl_slist_append(q->transfer.headers, "Expect:");
-        curl_easy_setopt(easy, CURLOPT_POSTFIELDSIZE, (long)strlen(body));
-        curl_easy_setopt(easy, CURLOPT_COPYPOSTFIELDS, body);
-    }
-    remote_start(r, &q->transfer);
-    buf_free(&header);
-    return q;
-}
-
-void remote_ask(struct remote *r, const char *path, const struct remote_member *members, const char *type,
-                const char *body, remote_answered *answered, void *ctx) {
-    remote_fetch(r, path, members, type, body, NULL, answered, ctx);
 }

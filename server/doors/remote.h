@@ -46,6 +46,12 @@ struct fetch;
 struct fetch *remote_fetch(struct remote *remote, const char *path, const struct remote_member *members,
                            const char *type, const char *body, remote_bytes *bytes, remote_answered *answered,
                            void *ctx);
+/* The same for a text that is still being written: remote_write adds to it, remote_close ends it. */
+struct fetch *remote_begin(struct remote *remote, const char *path, const struct remote_member *members,
+                           const char *type, remote_bytes *bytes, remote_answered *answered, void *ctx);
+void remote_write(struct fetch *fetch, const char *text, size_t size);
+void remote_close(struct fetch *fetch);
+
 /* No callback comes after this. */
 void remote_give_up(struct fetch *fetch);
 

@@ -155,5 +155,6 @@ void export_free(struct export *x) {
     buf_free(&x->out);
     buf_free(&x->words);
     buf_free(&x->marks);
+    buf_free(&x->sentences);
     buf_free(&x->warnings);
 }

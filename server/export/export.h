@@ -9,6 +9,7 @@
 #include "server/base/utf8.h"
 #include "server/export/export_format.h"
 #include "server/synthesis/synthesis.h"
+#include <jansson.h>
 
 /* What is written down about where the segments come from. Borrowed. */
 struct export_source {
@@ -16,6 +17,7 @@ struct export_source {
     const char *play;                                  /* the name of a recording, else NULL */
     double fps;
     uint32_t frames; /* that there will be; 0 = not known. When it is, faces stream, too. */
+    bool aligned;    /* of a recording: how sure each word is counts */
 };
 
 /* That of a speech, which must outlive it. */
@@ -33,6 +35,7 @@ struct export {
     size_t segments;                       /* that are written */
     size_t phones;                         /* in the JSON so far */
     struct buf words, marks, warnings;     /* members of its other lists */
+    struct buf sentences;                  /* the same, of an aligned recording */
     struct utf16_counter utf16;
     struct face_placement *face; /* of the segment; NULL: not asked for yet */
 };
@@ -63,6 +66,7 @@ uint32_t export_frames_until(const struct export *x, const struct media_segment 
 void export_json_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_json_end(struct export *x);
 void export_json_warning(struct export *x, const struct error *e);
+void export_json_sentence(struct export *x, json_t *sentence); /* which it drops */
 
 void export_ndjson_piece(struct export *x, const struct media_segment *segment, uint32_t to);
 void export_ndjson_end(struct export *x);

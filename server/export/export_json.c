@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The JSON export: {"lang","voice","engine","fps","phones","words","marks","warnings","rate","duration"};
+/* The JSON export: {"lang","voice","engine","fps","phones","words","marks","warnings","rate","duration"}
  * times in seconds. The phones, which are most of it, leave as they come; the other lists wait for their end.
  */
 #include "server/export/export.h"
@@ -56,12 +56,14 @@ void export_json_piece(struct export *x, const struct media_segment *segment, ui
     for (size_t i = 0; i < u->word_count; i++) {
         const struct word *w = &u->words[i];
         size_t utf16_start = utf16_offset(&x->utf16, text, w->from);
-        add_member(&x->words, !x->words.size,
-                   json_pack("{ss% sf sf sI sI sI sI}", "text", text + w->from, w->to - w->from, "start",
-                             seconds(start + w->start, rate), "end", seconds(start + w->end, rate),
-                             "byte_start", (json_int_t)w->from, "byte_end", (json_int_t)w->to, "utf16_start",
-                             (json_int_t)utf16_start, "utf16_end",
-                             (json_int_t)utf16_offset(&x->utf16, text, w->to)));
+        json_t *word =
+            json_pack("{ss% sf sf sI sI sI sI}", "text", text + w->from, w->to - w->from, "start",
+                      seconds(start + w->start, rate), "end", seconds(start + w->end, rate), "byte_start",
+                      (json_int_t)w->from, "byte_end", (json_int_t)w->to, "utf16_start",
+                      (json_int_t)utf16_start, "utf16_end", (json_int_t)utf16_offset(&x->utf16, text, w->to));
+        if (x->source.aligned)
+            json_object_set_new(word, "confidence", json_real(round(100 * (1 - (double)w->doubt)) / 100));
+        add_member(&x->words, !x->words.size, word);
     }
     for (size_t i = 0; i < u->mark_count; i++)
         add_member(
@@ -76,6 +78,10 @@ void export_json_warning(struct export *x, const struct error *e) {
         json_pack("{ss ss}", "code", error_name(e->code), "message", error_text(e, text, sizeof text)));
 }
 
+void export_json_sentence(struct export *x, json_t *sentence) {
+    add_member(&x->sentences, !x->sentences.size, sentence);
+}
+
 static void add_list(struct export *x, const char *name, const struct buf *members) {
     buf_printf(&x->out, "],\n \"%s\":[", name);
     buf_add(&x->out, members->data, members->size);
@@ -86,6 +92,8 @@ void export_json_end(struct export *x) {
     if (!x->segments)
         open_object(x);
     add_list(x, "words", &x->words);
+    if (x->source.aligned)
+        add_list(x, "sentences", &x->sentences);
     add_list(x, "marks", &x->marks);
     add_list(x, "warnings", &x->warnings);
     buf_printf(&x->out, "],\n \"rate\":%u,\"duration\":%.12g}\n", x->sample_rate, duration);

@@ -14,9 +14,10 @@ struct speech_export {
     struct synthesis *synthesis;
     struct export_worker *worker; /* as soon as the voice is known, which may have to start yet */
     struct error failure;         /* the last sentence that failed */
-    size_t owed;                  /* segments used up and not yet released */
-    bool full;                    /* no more may come */
-    bool spoken;                  /* a segment came */
+    bool failed;
+    size_t owed; /* segments used up and not yet released */
+    bool full;   /* no more may come */
+    bool spoken; /* a segment came */
 };
 
 static void release(struct speech_export *s) {
@@ -57,16 +58,21 @@ static void on_problem(void *ctx, const struct error *e, bool warning) {
     open_worker(s);
     if (s->worker)
         export_worker_warn(s->worker, e);
-    if (!warning)
-        s->failure = *e;
+    if (warning)
+        return;
+    s->failure = *e;
+    s->failed = true;
 }
 
 static void on_finished(void *ctx, size_t spoken) {
     struct speech_export *s = ctx;
-    if (spoken)
+    if (spoken) {
         export_worker_end(s->worker);
-    else
-        s->callbacks->failed(s->ctx, &s->failure);
+        return;
+    }
+    if (!s->failed)
+        error_set(&s->failure, ERROR_EMPTY_TEXT, "there is nothing to speak");
+    s->callbacks->failed(s->ctx, &s->failure);
 }
 
 struct speech_export *
@@ -89,6 +95,15 @@ speech_export_open(const struct pipeline *pipeline, const struct speech_request 
     open_worker(s);
     synthesis_start(s->synthesis);
     return s;
+}
+
+int speech_export_write(struct speech_export *s, const char *text, size_t size, size_t most,
+                        struct error *e) {
+    return synthesis_write(s->synthesis, text, size, most, e);
+}
+
+void speech_export_close(struct speech_export *s) {
+    synthesis_close(s->synthesis);
 }
 
 void speech_export_go_on(struct speech_export *s) {

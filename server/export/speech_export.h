@@ -26,6 +26,11 @@ struct speech_export *
 speech_export_open(const struct pipeline *pipeline, const struct speech_request *request,
                    const struct export_format *format, const struct error *warnings, size_t warning_count,
                    const struct speech_export_callbacks *callbacks, void *ctx, struct error *e);
+/* Of a request whose text is still being written: see synthesis_write, synthesis_close. */
+int speech_export_write(struct speech_export *speech, const char *text, size_t size, size_t most,
+                        struct error *e);
+void speech_export_close(struct speech_export *speech);
+
 void speech_export_go_on(struct speech_export *speech);
 /* No callback comes after this; not from within one. NULL is ignored. */
 void speech_export_free(struct speech_export *speech);

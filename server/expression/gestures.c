@@ -181,6 +181,21 @@ int gesture_load(struct expressions *all, const char *path, struct error *e) {
     return result;
 }
 
+int gesture_check(const char *name, const void *data, size_t size, struct error *e) {
+    struct json_place root;
+    struct expression x;
+    if (json_place_parse(data, size, ERROR_BAD_EXPRESSIONS, &root, e))
+        return -1;
+    expression_begin(&x, EXPRESSION_GESTURE);
+    x.is_sampled = true;
+    int result = read(&root, &x);
+    if (!result && strcmp(x.name, name) != 0)
+        result = error_in_field(e, ERROR_BAD_EXPRESSIONS, "name", "is not that of the address, '%s'", name);
+    expression_free(&x);
+    json_decref(root.json);
+    return result;
+}
+
 static int is_gesture(const struct dirent *entry) {
     const char *dot = strrchr(entry->d_name, '.');
     return *entry->d_name != '.' && dot && !strcmp(dot, ".json");

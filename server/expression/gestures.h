@@ -11,6 +11,9 @@
  * nothing has changed. Not while anybody shows expressions. */
 int gesture_load(struct expressions *expressions, const char *path, struct error *e);
 
+/* Is it the content of such a file, with that name? -1 with *e as above. In any thread. */
+int gesture_check(const char *name, const void *data, size_t size, struct error *e);
+
 /* Adds all *.json of a folder, in the order of their names; a folder that is not there has none. -1 with *e,
  * whose message begins with the file. */
 int gestures_load(struct expressions *expressions, const char *folder, struct error *e);

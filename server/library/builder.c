@@ -126,9 +126,11 @@ void build_end(struct builder *b) {
         if (line->end == line->start)
             free(line->n);
     }
-    for (size_t i = 0; i < block->mark_count; i++)
-        if (block->marks[i].end == (size_t)-1)
-            block->marks[i].end = block->text.size;
+    for (size_t i = 0; i < block->mark_count; i++) { /* open ones, and those of the line that has gone */
+        struct block_mark *mark = &block->marks[i];
+        mark->start = mark->start < block->text.size ? mark->start : block->text.size;
+        mark->end = mark->end < block->text.size ? mark->end : block->text.size;
+    }
     if (b->depth) { /* an inset: behind the block that it stands in */
         b->pending = mem_grow(b->pending, &b->pending_cap, b->pending_count + 1, sizeof *b->pending);
         b->pending[b->pending_count++] = *block;

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SCHEMA "2"
+#define SCHEMA "3"
 #define APPLICATION "1717985378" /* "fabl" */
 
 static const char schema[] =
@@ -28,6 +28,8 @@ static const char schema[] =
     "part INTEGER, start INTEGER, first_line INTEGER, line_count INTEGER, lang TEXT, shape TEXT, text TEXT, "
     "source TEXT, "
     "markup TEXT);"
+    "CREATE INDEX IF NOT EXISTS passage_name ON passage (work, section, name);"
+    "CREATE INDEX IF NOT EXISTS passage_line ON passage (work, section, first_line) WHERE line_count > 0;"
     "CREATE TABLE IF NOT EXISTS problem (path TEXT, code TEXT, line INTEGER, col INTEGER, message TEXT, "
     "serious "
     "INTEGER);"

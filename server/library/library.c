@@ -25,6 +25,8 @@ struct library *library_open(const struct library_options *options, struct error
     l->voices = options->voices ? mem_strdup(options->voices) : NULL;
     l->lang = mem_strdup(options->lang);
     l->indexing = true;
+    if (l->voices)
+        l->alignments = alignments_open(l->folder, l->voices, l->lang, &options->aligner);
     pthread_mutex_init(&l->mutex, NULL);
     pthread_cond_init(&l->wake, NULL);
     if (!pthread_create(&l->thread, NULL, library_scan, l))
@@ -51,6 +53,7 @@ void library_close(struct library *l) {
     pthread_mutex_unlock(&l->mutex);
     if (l->thread)
         pthread_join(l->thread, NULL);
+    alignments_close(l->alignments);
     for (unsigned i = 0; i < l->idle_count; i++)
         close_reader(l->idle[i]);
     pthread_mutex_destroy(&l->mutex);
@@ -128,13 +131,13 @@ static int blank(struct buf *text, double units, struct error *e) {
     return 0;
 }
 
-int library_passage(struct library *l, const char *id, double from, struct library_passage *out,
+int library_passage(struct library *l, const char *id, double from, size_t most, struct library_passage *out,
                     struct error *e) {
     static const char *const markups[] = {"apml", "jsml", "ssml", NULL};
     struct found_passage found;
     *out = (struct library_passage){.markup = "plain"};
     struct index_reader *r = library_reader(l, e);
-    int result = r ? library_find(r, id, &found, e) : -1;
+    int result = r ? library_find(r, id, most, &found, e) : -1;
     if (r)
         library_reader_done(l, r);
     if (result)

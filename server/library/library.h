@@ -5,15 +5,18 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
+#include "server/library/recordings/alignment_job.h"
 #include <stdbool.h>
+#include <stdint.h>
 
 struct library;
 
 struct library_options {
-    const char *folder; /* of works */
-    const char *index;  /* the file of the index */
-    const char *voices; /* the folder of library_voices.h; NULL: nothing has a recording's voice */
-    const char *lang;   /* of works that do not tell theirs */
+    const char *folder;     /* of works */
+    const char *index;      /* the file of the index */
+    const char *voices;     /* the folder of library_voices.h; NULL: nothing has a recording's voice */
+    const char *lang;       /* of works that do not tell theirs */
+    struct aligner aligner; /* of recordings */
 };
 
 /* Opens the index and begins to read the folder. NULL with *e: "bad-index", "bad-work". */
@@ -42,6 +45,38 @@ struct library_question {
 int library_answer(struct library *library, const struct library_question *question, struct buf *answer,
                    struct error *e);
 
+/* How far the works are spoken ahead (publish/speak_ahead.h): sections, bytes of sound. */
+struct library_ahead {
+    char voice[80];
+    enum library_ahead_state {
+        LIBRARY_AHEAD_NONE,
+        LIBRARY_AHEAD_WAITING, /* for the voice, or the index */
+        LIBRARY_AHEAD_SPEAKING,
+        LIBRARY_AHEAD_RESTING, /* as somebody wants to hear the voice */
+        LIBRARY_AHEAD_DONE,
+        LIBRARY_AHEAD_FULL, /* no more is to be kept */
+    } state;
+    unsigned done, of;
+    uint64_t bytes, most;
+};
+void library_set_ahead(struct library *library, const struct library_ahead *ahead);
+
+/* Another number, when the works are others; 0 while they are read for the first time. */
+uint64_t library_version(struct library *library);
+
+struct library_place {
+    char work[80];
+    unsigned sections;
+};
+/* The next work in that language (its first part: "it") or a variety of it, by id. 1, 0 when there is none,
+ * -1 with *e; and how many sections all of these have. */
+int library_next_work(struct library *library, const char *lang, const char *after, struct library_place *out,
+                      struct error *e);
+void library_sections(struct library *library, const char *lang, unsigned *out);
+
+/* What it counts, in Prometheus' text format. */
+void library_metrics(struct library *library, struct buf *out);
+
 /* What is spoken of a passage. Free the texts. */
 struct library_passage {
     char *text, *lang;
@@ -49,10 +84,11 @@ struct library_passage {
     const char *markup; /* "plain", or the markup that the text is in; static */
 };
 
-/* from: UTF-16 units of the text that are left out, as spaces. -1 with *e: "unknown-passage", "bad-field".
- * Takes a few reads of the index, in the caller's thread. */
-int library_passage(struct library *library, const char *id, double from, struct library_passage *out,
-                    struct error *e);
+/* from: UTF-16 units of the text that are left out, as spaces; most: a text of more bytes may end behind
+ * them, but does not end before. -1 with *e: "unknown-passage", "bad-field". Takes a few reads of the index,
+ * in the caller's thread; as many as the text has, not its section. */
+int library_passage(struct library *library, const char *id, double from, size_t most,
+                    struct library_passage *out, struct error *e);
 void library_passage_free(struct library_passage *passage);
 
 #endif

@@ -51,6 +51,14 @@ static json_t *problems(struct index_reader *r, struct error *e) {
     return list;
 }
 
+static json_t *listed(struct library *l, sqlite3_stmt *s) {
+    json_t *work = work_of(s, false);
+    const char *state = alignments_state(l->alignments, json_string_value(json_object_get(work, "id")));
+    if (state)
+        json_object_set_new(work, "alignment", json_string(state));
+    return work;
+}
+
 static json_t *list(struct library *l, struct index_reader *r, const struct library_question *q,
                     struct error *e) {
     unsigned limit;
@@ -72,17 +80,19 @@ static json_t *list(struct library *l, struct index_reader *r, const struct libr
         sqlite3_bind_text(s, 1, q->after ? q->after : "", -1, SQLITE_STATIC);
         sqlite3_bind_int64(s, 2, (int64_t)limit + 1);
         while (sqlite3_step(s) == SQLITE_ROW)
-            json_array_append_new(works, work_of(s, false));
+            json_array_append_new(works, listed(l, s));
         if (json_array_size(works) > limit) {
             json_array_remove(works, limit);
             next = json_incref(json_object_get(json_array_get(works, limit - 1), "id"));
         }
+        json_t *ahead = library_ahead_json(l);
         sqlite3_step(sum);
         pthread_mutex_lock(&l->mutex);
-        answer = json_pack("{ss sI sI sO sO sI so sO}", "state", l->indexing ? "indexing" : "ready", "done",
-                           (json_int_t)l->done, "of", (json_int_t)l->of, "languages", languages, "authors",
-                           authors, "characters", (json_int_t)sqlite3_column_int64(sum, 0), "works", works,
-                           "problems", told);
+        answer =
+            json_pack("{ss sI sI sO sO sI so* so* so sO}", "state", l->indexing ? "indexing" : "ready",
+                      "done", (json_int_t)l->done, "of", (json_int_t)l->of, "languages", languages, "authors",
+                      authors, "characters", (json_int_t)sqlite3_column_int64(sum, 0), "alignment",
+                      alignments_summary(l->alignments), "ahead", ahead, "works", works, "problems", told);
         pthread_mutex_unlock(&l->mutex);
         if (next)
             json_object_set_new(answer, "next", next);
@@ -95,7 +105,15 @@ static json_t *list(struct library *l, struct index_reader *r, const struct libr
     return answer;
 }
 
-static json_t *work(struct index_reader *r, const char *name, struct error *e) {
+/* None, or the one. */
+static json_t *recordings(struct library *l, const char *work) {
+    json_t *recording = alignments_recording(l->alignments, work, 0), *list = json_array();
+    if (recording)
+        json_array_append_new(list, recording);
+    return list;
+}
+
+static json_t *work(struct library *l, struct index_reader *r, const char *name, struct error *e) {
     sqlite3_stmt *s = library_prepare(r, "SELECT " WORK_COLUMNS " FROM work WHERE name = ?", e);
     json_t *answer = NULL;
     if (s)
@@ -128,8 +146,10 @@ static json_t *work(struct index_reader *r, const char *name, struct error *e) {
                                         (json_int_t)sqlite3_column_int64(s, 4), "recording",
                                         json_object_get(answer, "recording")));
     sqlite3_finalize(s);
-    if (answer)
+    if (answer) {
+        json_object_set_new(answer, "recordings", recordings(l, name));
         json_object_set(answer, "sections", sections);
+    }
     json_decref(sections);
     return answer;
 }
@@ -150,10 +170,10 @@ int library_answer(struct library *l, const struct library_question *q, struct b
         answer = list(l, r, q, e);
         break;
     case LIBRARY_WORK:
-        answer = work(r, q->work, e);
+        answer = work(l, r, q->work, e);
         break;
     case LIBRARY_SECTION:
-        answer = library_section_json(r, q->work, q->section, e);
+        answer = library_section_json(l, r, q->work, q->section, e);
         break;
     case LIBRARY_PASSAGE:
         answer = library_passage_json(r, q->passage, e);

@@ -19,12 +19,30 @@ char *library_file_path(const char *folder, const char *path) {
     return (char *)out.data;
 }
 
+/* Of a recording; the first one counts where there are several. */
+static const char *const sound_endings[] = {".flac", ".wav", ".ogg", ".mp3", NULL};
+
+static bool is_sound(const char *path) {
+    const char *dot = strrchr(path, '.');
+    const char *const *ending = sound_endings;
+    while (dot && *ending && strcmp(*ending, dot) != 0)
+        ending++;
+    return dot && *ending;
+}
+
 static void add(struct library_files *files, const char *path, const struct stat *info) {
-    if (!work_is(path))
-        return;
-    files->list = mem_grow(files->list, &files->cap, files->count + 1, sizeof *files->list);
-    files->list[files->count++] = (struct library_file){
-        mem_strdup(path), info->st_size, (int64_t)info->st_mtim.tv_sec * 1000000000 + info->st_mtim.tv_nsec};
+    const struct library_file file = {mem_strdup(path), info->st_size,
+                                      (int64_t)info->st_mtim.tv_sec * 1000000000 + info->st_mtim.tv_nsec};
+    if (work_is(path)) {
+        files->list = mem_grow(files->list, &files->cap, files->count + 1, sizeof *files->list);
+        files->list[files->count++] = file;
+    } else if (is_sound(path)) {
+        files->sounds =
+            mem_grow(files->sounds, &files->sound_cap, files->sound_count + 1, sizeof *files->sounds);
+        files->sounds[files->sound_count++] = file;
+    } else {
+        free(file.path);
+    }
 }
 
 /* Folders below that cannot be read are passed over: the rest of the library goes on. */
@@ -62,6 +80,8 @@ int library_files_list(struct library_files *files, const char *folder, struct e
     int result = walk(files, folder, "", 0, e);
     if (files->count)
         qsort(files->list, files->count, sizeof *files->list, compare);
+    if (files->sound_count)
+        qsort(files->sounds, files->sound_count, sizeof *files->sounds, compare);
     return result;
 }
 
@@ -69,12 +89,30 @@ void library_files_free(struct library_files *files) {
     for (size_t i = 0; i < files->count; i++)
         free(files->list[i].path);
     free(files->list);
+    for (size_t i = 0; i < files->sound_count; i++)
+        free(files->sounds[i].path);
+    free(files->sounds);
     *files = (struct library_files){0};
 }
 
 bool library_files_has(const struct library_files *files, const char *path) {
     const struct library_file key = {.path = (char *)path};
     return files->count && bsearch(&key, files->list, files->count, sizeof key, compare);
+}
+
+const struct library_file *library_files_sound(const struct library_files *files, const char *path) {
+    const char *dot = strrchr(path, '.');
+    const struct library_file *found = NULL;
+    for (const char *const *ending = sound_endings; dot && files->sound_count && *ending && !found;
+         ending++) {
+        struct buf name = {0};
+        buf_printf(&name, "%.*s%s", (int)(dot - path), path, *ending);
+        buf_add(&name, "", 1);
+        const struct library_file key = {.path = (char *)name.data};
+        found = bsearch(&key, files->sounds, files->sound_count, sizeof key, compare);
+        buf_free(&name);
+    }
+    return found;
 }
 
 bool library_file_hash(const char *path, char out[65]) {
@@ -115,10 +153,9 @@ void library_file_name(const char *path, bool with_ending, char out[64]) {
 }
 
 bool library_file_sound(const char *path, char out[PATH_MAX]) {
-    static const char *const endings[] = {".flac", ".wav", ".ogg", ".mp3", NULL};
     const char *dot = strrchr(path, '.');
     char file[PATH_MAX];
-    for (const char *const *ending = endings; dot && *ending; ending++) {
+    for (const char *const *ending = sound_endings; dot && *ending; ending++) {
         bool fits = snprintf(file, sizeof file, "%.*s%s", (int)(dot - path), path, *ending) < PATH_MAX;
         if (fits && !access(file, R_OK) && realpath(file, out))
             return true;

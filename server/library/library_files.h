@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* The files of a folder that may be works. */
+/* The files of a folder that may be works, and their recordings. */
 #ifndef FACCIA_LIBRARY_LIBRARY_FILES_H
 #define FACCIA_LIBRARY_LIBRARY_FILES_H
 
@@ -19,12 +19,17 @@ struct library_file {
 struct library_files {
     struct library_file *list; /* in the order of their paths */
     size_t count, cap;
+    struct library_file *sounds; /* likewise */
+    size_t sound_count, sound_cap;
 };
 
 /* files begins zeroed. What begins with a dot is passed over. -1 with *e; free it all the same. */
 int library_files_list(struct library_files *files, const char *folder, struct error *e);
 void library_files_free(struct library_files *files);
 bool library_files_has(const struct library_files *files, const char *path);
+
+/* The recording of that work among the sounds: of the same name, beside it. NULL: there is none. */
+const struct library_file *library_files_sound(const struct library_files *files, const char *path);
 
 char *library_file_path(const char *folder, const char *path); /* to be freed */
 

@@ -5,6 +5,8 @@
 
 #include "server/library/index_internal.h"
 #include "server/library/library.h"
+#include "server/library/library_files.h"
+#include "server/library/recordings/alignments.h"
 #include <jansson.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -27,6 +29,9 @@ struct library {
     size_t done, of; /* files of this pass */
     bool indexing, closing;
     atomic_bool stop;
+    struct alignments *alignments; /* NULL: recordings are no voices */
+    uint64_t signature;            /* of the files that were looked through last; the thread sets it */
+    struct library_ahead ahead;
 };
 
 /* library.c */
@@ -36,13 +41,21 @@ void library_reader_done(struct library *library, struct index_reader *reader);
 /* library_scan.c: the thread. */
 void *library_scan(void *library);
 
+/* library_recorded.c: hands what has a recording now to the alignments, and sets it right in the index. -1
+ * with *e. */
+int library_recorded(struct library *library, struct index_writer *writer, const struct library_files *files,
+                     struct error *e);
+
 /* library_answer.c, library_section.c, library_search.c, library_newest.c: an answer; NULL with *e. */
-json_t *library_section_json(struct index_reader *reader, const char *work, const char *section,
-                             struct error *e);
+json_t *library_section_json(struct library *library, struct index_reader *reader, const char *work,
+                             const char *section, struct error *e);
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
                             struct error *e);
 json_t *library_newest_json(struct index_reader *reader, unsigned most, struct error *e);
 json_t *library_passage_json(struct index_reader *reader, const char *id, struct error *e);
+
+/* library_ahead.c */
+json_t *library_ahead_json(struct library *library); /* NULL: nothing is spoken ahead */
 
 /* library_read.c */
 
@@ -59,7 +72,9 @@ struct found_passage {
     struct buf text, source; /* source: what is spoken, when it is not the text */
     char n[32];
 };
-int library_find(struct index_reader *reader, const char *id, struct found_passage *out, struct error *e);
+/* Of a text longer than `most` bytes no more than its beginning, a little longer than that. */
+int library_find(struct index_reader *reader, const char *id, size_t most, struct found_passage *out,
+                 struct error *e);
 void found_passage_free(struct found_passage *passage);
 
 /* A whole number from min to max; otherwise when there is none. -1 with *e. */

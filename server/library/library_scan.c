@@ -154,6 +154,8 @@ static int read_all(struct pass *p, struct error *e) {
         if (!result && p->writer.characters > COMMIT_CHARACTERS)
             result = index_commit(&p->writer, e);
     }
+    if (!result && !atomic_load(&l->stop))
+        result = library_recorded(l, &p->writer, &files, e);
     if (atomic_load(&l->stop))
         index_roll_back(&p->writer);
     else if (!result)

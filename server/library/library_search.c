@@ -145,7 +145,7 @@ static json_t *run(struct searching *s, struct error *e) {
         library_number("after", s->question->after, 0, AFTER_MOST, 0, &after, e))
         return NULL;
     size_t end = (size_t)after + limit;
-    if (!search_places_find(&places, s->reader, (char *)s->query.match.data, s->question, end + 1, e))
+    if (!search_places_find(&places, s->reader, &s->query, s->question, end + 1, e))
         answer = json_pack("{so sb}", "results", gather(s, &places, limit, after), "ranked",
                            places.count <= PLACES_RANKED);
     if (answer && places.count > end)

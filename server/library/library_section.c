@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sections and passages, as they are shown and spoken. */
 #include "server/library/library_internal.h"
+#include "server/library/recordings/alignment_state.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -98,21 +99,28 @@ static json_t *blocks_of(sqlite3_stmt *rows, const char *work, unsigned section)
     return blocks;
 }
 
-json_t *library_section_json(struct index_reader *r, const char *work, const char *section, struct error *e) {
+/* One of which nothing is known yet waits, too. */
+static json_t *recording_of(struct library *l, const char *work, unsigned section) {
+    json_t *recording = alignments_recording(l->alignments, work, section);
+    return recording ? recording : json_pack("{ss}", "state", alignment_states[ALIGNMENT_WAITING]);
+}
+
+json_t *library_section_json(struct library *l, struct index_reader *r, const char *work, const char *section,
+                             struct error *e) {
     unsigned number;
     if (library_number("section", section, 1, SECTIONS_MAX, 0, &number, e))
         return NULL;
     sqlite3_stmt *s = section_row(r, work, number, e), *rows = s ? rows_of(r, s, e) : NULL;
     json_t *answer = NULL;
     if (rows)
-        answer = json_pack(
-            "{so si so si so so so s{ss so so so} so}", "id", json_sprintf("%s:%u", work, number), "number",
-            (int)number, "title", library_text(s, 1), "level", sqlite3_column_int(s, 2), "previous",
-            number > 1 ? json_integer(number - 1) : json_null(), "next",
-            number < (unsigned)sqlite3_column_int(s, 8) ? json_integer(number + 1) : json_null(), "recording",
-            sqlite3_column_int(s, 9) ? json_pack("{ss}", "state", "waiting") : json_null(), "work", "id",
-            work, "title", library_text(s, 5), "author", library_text(s, 6), "lang", library_text(s, 7),
-            "blocks", blocks_of(rows, work, number));
+        answer =
+            json_pack("{so si so si so so so s{ss so so so} so}", "id", json_sprintf("%s:%u", work, number),
+                      "number", (int)number, "title", library_text(s, 1), "level", sqlite3_column_int(s, 2),
+                      "previous", number > 1 ? json_integer(number - 1) : json_null(), "next",
+                      number < (unsigned)sqlite3_column_int(s, 8) ? json_integer(number + 1) : json_null(),
+                      "recording", sqlite3_column_int(s, 9) ? recording_of(l, work, number) : json_null(),
+                      "work", "id", work, "title", library_text(s, 5), "author", library_text(s, 6), "lang",
+                      library_text(s, 7), "blocks", blocks_of(rows, work, number));
     sqlite3_finalize(rows);
     sqlite3_finalize(s);
     return answer;
@@ -170,11 +178,35 @@ static void set_kind(struct found_passage *p, sqlite3_stmt *row) {
         buf_add(&p->source, text_at(row, 7), (size_t)sqlite3_column_bytes(row, 7));
 }
 
-/* Gathers from the section's rows; true when there was any. */
-static bool gather(struct found_passage *p, sqlite3_stmt *rows) {
+/* The rows that the passage is in: those of a section, of a block, or the one with a line. However long the
+ * section is, those of a block are found at once. */
+static sqlite3_stmt *rows_with(struct index_reader *r, const struct found_passage *p, sqlite3_stmt *section,
+                               struct error *e) {
+    bool line = p->name[0] == 'l';
+    if (!*p->name)
+        return rows_of(r, section, e);
+    sqlite3_stmt *s = library_prepare(
+        r,
+        line ? "SELECT " ROW_COLUMNS " FROM passage WHERE work = ? AND section = ? AND line_count > 0 AND "
+               "first_line <= ? ORDER BY first_line DESC LIMIT 1"
+             : "SELECT " ROW_COLUMNS " FROM passage WHERE work = ? AND section = ? AND name = ? ORDER BY id",
+        e);
+    if (!s)
+        return NULL;
+    sqlite3_bind_text(s, 1, p->work, -1, SQLITE_STATIC);
+    sqlite3_bind_int64(s, 2, p->section);
+    if (line)
+        sqlite3_bind_int64(s, 3, (sqlite3_int64)strtoul(p->name + 1, NULL, 10));
+    else
+        sqlite3_bind_text(s, 3, p->name, -1, SQLITE_STATIC);
+    return s;
+}
+
+/* Gathers from the rows; true when there was any. */
+static bool gather(struct found_passage *p, sqlite3_stmt *rows, size_t most) {
     size_t line = p->name[0] == 'l' ? strtoul(p->name + 1, NULL, 10) : 0;
     bool any = false;
-    while (sqlite3_step(rows) == SQLITE_ROW) {
+    while (p->text.size <= most && sqlite3_step(rows) == SQLITE_ROW) {
         size_t first = (size_t)sqlite3_column_int64(rows, 2), count = (size_t)sqlite3_column_int64(rows, 3);
         int kind = sqlite3_column_int(rows, 9);
         bool spoken = kind == BLOCK_HEAD || kind == BLOCK_PARAGRAPH || kind == BLOCK_VERSE;
@@ -203,12 +235,13 @@ static bool gather(struct found_passage *p, sqlite3_stmt *rows) {
     return any;
 }
 
-int library_find(struct index_reader *r, const char *id, struct found_passage *p, struct error *e) {
+int library_find(struct index_reader *r, const char *id, size_t most, struct found_passage *p,
+                 struct error *e) {
     *p = (struct found_passage){0};
     if (split(id, p, e))
         return -1;
-    sqlite3_stmt *s = section_row(r, p->work, p->section, e), *rows = s ? rows_of(r, s, e) : NULL;
-    bool bad = s && !rows, any = rows && gather(p, rows);
+    sqlite3_stmt *s = section_row(r, p->work, p->section, e), *rows = s ? rows_with(r, p, s, e) : NULL;
+    bool bad = s && !rows, any = rows && gather(p, rows, most);
     sqlite3_finalize(rows);
     sqlite3_finalize(s);
     if (any)
@@ -219,7 +252,7 @@ int library_find(struct index_reader *r, const char *id, struct found_passage *p
 
 json_t *library_passage_json(struct index_reader *r, const char *id, struct error *e) {
     struct found_passage p;
-    if (library_find(r, id, &p, e))
+    if (library_find(r, id, SIZE_MAX, &p, e))
         return NULL;
     sqlite3_stmt *s = section_row(r, p.work, p.section, e);
     json_t *answer = NULL;

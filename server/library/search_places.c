@@ -61,7 +61,42 @@ static int by_worth(const void *a, const void *b) {
     return (x->row > y->row) - (x->row < y->row);
 }
 
-int search_places_find(struct search_places *p, struct index_reader *r, const char *match,
+/* How many of the terms that may have other forms stand there as they are written. */
+static size_t count_written(sqlite3_stmt *text, int64_t row, const struct search_query *query) {
+    struct word word;
+    bool found[QUERY_TERMS_MAX] = {false};
+    size_t count = 0;
+    sqlite3_reset(text);
+    sqlite3_bind_int64(text, 1, row);
+    if (sqlite3_step(text) != SQLITE_ROW)
+        return 0;
+    bool turkish = !strncmp(text_at(text, 1), "tr", 2);
+    size_t size = (size_t)sqlite3_column_bytes(text, 0);
+    for (size_t at = 0; words_next(text_at(text, 0), size, turkish, &at, &word);)
+        for (size_t i = 0; i < query->count; i++)
+            if (!found[i] && query->terms[i].stem_count && search_term_written(&query->terms[i], &word)) {
+                found[i] = true;
+                count++;
+            }
+    return count;
+}
+
+static void prefer_written(struct search_places *p, struct index_reader *r,
+                           const struct search_query *query) {
+    size_t terms = 0;
+    struct error e;
+    for (size_t i = 0; i < query->count; i++)
+        terms += query->terms[i].stem_count > 0;
+    sqlite3_stmt *text = terms ? library_prepare(r, "SELECT text, lang FROM passage WHERE id = ?", &e) : NULL;
+    size_t most = p->count < PLACES_READ ? p->count : PLACES_READ;
+    for (size_t i = 0; text && i < most; i++)
+        p->list[i].worth *= 1 + (double)count_written(text, p->list[i].row, query) / (double)terms;
+    if (text && most)
+        qsort(p->list, most, sizeof *p->list, by_worth);
+    sqlite3_finalize(text);
+}
+
+int search_places_find(struct search_places *p, struct index_reader *r, const struct search_query *query,
                        const struct library_question *q, size_t wanted, struct error *e) {
     struct stretches works = {0};
     size_t most =
@@ -75,7 +110,7 @@ int search_places_find(struct search_places *p, struct index_reader *r, const ch
             "ORDER BY rowid",
             e);
     for (size_t i = 0; rows && i < works.count && status == SQLITE_OK && p->count < most; i++) {
-        sqlite3_bind_text(rows, 1, match, -1, SQLITE_STATIC);
+        sqlite3_bind_text(rows, 1, (char *)query->match.data, -1, SQLITE_STATIC);
         sqlite3_bind_int64(rows, 2, works.list[i].first);
         sqlite3_bind_int64(rows, 3, works.list[i].last);
         while (p->count < most && sqlite3_step(rows) == SQLITE_ROW) {
@@ -93,6 +128,8 @@ int search_places_find(struct search_places *p, struct index_reader *r, const ch
         result = error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(r->sql));
     if (p->count)
         qsort(p->list, p->count < PLACES_RANKED ? p->count : PLACES_RANKED, sizeof *p->list, by_worth);
+    if (!result)
+        prefer_written(p, r, query);
     sqlite3_finalize(rows);
     sqlite3_finalize(langs);
     free(works.list);

@@ -59,7 +59,6 @@ static int add_phrase(struct reading *r, struct node *out, const struct word *wo
         struct query_term *t = new_term(r, &words[i]);
         if (!t)
             return bad(r, at, "more than 32 words");
-        t->exact = true;
         buf_printf(&out->text, "%s%s", i ? " " : "", t->word);
     }
     buf_printf(&out->text, "\"");
@@ -101,7 +100,6 @@ static int read_near(struct reading *r, struct node *out) {
         struct query_term *t = new_term(r, &words[i]);
         if (!t)
             return bad(r, from, "more than 32 words");
-        t->exact = true;
         buf_printf(&out->text, "\"%s\" ", t->word);
     }
     buf_printf(&out->text, ", %lu)", distance);
@@ -133,10 +131,8 @@ static int read_word(struct reading *r, struct node *out) {
         return 0;
     }
     search_term_stems(r->options, t, &words[0]);
-    buf_printf(&out->text, "(word : \"%s\"", t->word);
-    for (size_t i = 0; i < t->stem_count; i++) {
-        buf_printf(&out->text, " OR stem : \"" STEM_SIGN "%s\"", t->stems[i]);
-    }
+    for (size_t i = 0; i < t->stem_count; i++)
+        buf_printf(&out->text, "%sstem : \"" STEM_SIGN "%s\"", i ? " OR " : "(", t->stems[i]);
     buf_printf(&out->text, ")");
     return 0;
 }

@@ -7,14 +7,14 @@
 #include "server/base/error.h"
 #include "server/library/stems.h"
 
-enum { QUERY_BYTES_MAX = 1000, QUERY_TERMS_MAX = 32, QUERY_STEMS_MAX = 5, QUERY_DEPTH_MAX = 16 };
+enum { QUERY_BYTES_MAX = 1000, QUERY_TERMS_MAX = 32, QUERY_STEMS_MAX = 9, QUERY_DEPTH_MAX = 16 };
 
 struct query_term {
     char word[WORD_BYTES_MAX];
     char stems[QUERY_STEMS_MAX][WORD_BYTES_MAX]; /* the word itself, which may be one, and those of the
                                                     languages that are searched; each once */
-    size_t stem_count;
-    bool prefix, exact; /* what begins so; what is written so */
+    size_t stem_count;                           /* 0: what is written so, or begins so */
+    bool prefix;
 };
 
 struct search_query {
@@ -32,6 +32,9 @@ struct query_options {
 int search_query_read(struct search_query *query, const char *text, const struct query_options *options,
                       struct error *e);
 void search_query_free(struct search_query *query);
+
+/* Is the word of a text written as the term is? */
+bool search_term_written(const struct query_term *term, const struct word *word);
 
 /* Does a word of a text in that language answer one of the terms? */
 bool search_query_means(const struct search_query *query, struct stems *stems, const char *lang,

@@ -9,7 +9,7 @@
 #define B 0.75
 /* A term that is nearly everywhere still weighs something. */
 #define WEIGHT_LEAST 1e-6
-enum { PHRASES_MAX = QUERY_TERMS_MAX * (QUERY_STEMS_MAX + 1), LOOKED_AT = 300 };
+enum { PHRASES_MAX = QUERY_TERMS_MAX * (QUERY_STEMS_MAX + 1), LOOKED_AT = 100 };
 
 /* Of one query. */
 struct ranking {
@@ -68,7 +68,7 @@ static void worth(const Fts5ExtensionApi *api, Fts5Context *fts, sqlite3_context
     for (int i = 0; i < instances; i++) {
         int phrase, column, offset;
         if (api->xInst(fts, i, &phrase, &column, &offset) == SQLITE_OK && phrase < PHRASES_MAX)
-            often[phrase] += column ? 1 : 2;
+            often[phrase]++;
     }
     for (int i = 0; i < phrases && i < PHRASES_MAX; i++)
         sum += r->weights[i] * often[i] * (K1 + 1) / (often[i] + K1 * (1 - B + B * size / r->mean_size));

@@ -7,7 +7,7 @@
 
 #include <sqlite3.h>
 
-/* Adds the function worth(found) to a connection: larger is better; what is written so counts twice. -1: it
+/* Adds the function worth(found) to a connection: larger is better. -1: it
  * cannot be. */
 int search_rank_add(sqlite3 *sql);
 

@@ -22,17 +22,22 @@ static bool same_language(const char *list, const char *tag) {
     return !list;
 }
 
+static void add_stem(struct query_term *t, const char *stem) {
+    for (size_t i = 0; i < t->stem_count; i++)
+        if (!strcmp(t->stems[i], stem))
+            return;
+    memcpy(t->stems[t->stem_count++], stem, sizeof t->stems[0]);
+}
+
 void search_term_stems(const struct query_options *options, struct query_term *t, const struct word *word) {
     const char *lang;
-    char stem[WORD_BYTES_MAX];
-    memcpy(t->stems[t->stem_count++], t->word, sizeof t->word);
+    char forms[STEM_FORMS_MAX][WORD_BYTES_MAX];
+    add_stem(t, t->word);
     for (size_t i = 0; (lang = stems_language(i)); i++) {
-        bool known =
-            !same_language(options->langs, lang) || !stems_of(options->stems, lang, word, stem) || !stem[0];
-        for (size_t k = 0; k < t->stem_count && !known; k++)
-            known = !strcmp(t->stems[k], stem);
-        if (!known)
-            memcpy(t->stems[t->stem_count++], stem, sizeof stem);
+        size_t count =
+            same_language(options->langs, lang) ? stems_forms(options->stems, lang, word, forms) : 0;
+        for (size_t k = 0; k < count; k++)
+            add_stem(t, forms[k]);
     }
 }
 
@@ -52,17 +57,22 @@ size_t search_words(const char *text, size_t from, size_t to, bool all, struct w
     return count;
 }
 
+bool search_term_written(const struct query_term *t, const struct word *word) {
+    return t->prefix ? !strncmp(t->word, word->folded, strlen(t->word)) : !strcmp(t->word, word->folded);
+}
+
 bool search_query_means(const struct search_query *q, struct stems *stems, const char *lang,
                         const struct word *word) {
-    char stem[WORD_BYTES_MAX];
-    bool stemmed = stems_of(stems, lang, word, stem);
+    char forms[STEM_FORMS_MAX][WORD_BYTES_MAX];
+    size_t count = stems_forms(stems, lang, word, forms);
     for (size_t i = 0; i < q->count; i++) {
         const struct query_term *t = &q->terms[i];
-        if (t->prefix ? !strncmp(t->word, word->folded, strlen(t->word)) : !strcmp(t->word, word->folded))
+        if (search_term_written(t, word))
             return true;
-        for (size_t k = 0; stemmed && !t->exact && k < t->stem_count; k++)
-            if (!strcmp(t->stems[k], stem))
-                return true;
+        for (size_t k = 0; k < t->stem_count; k++)
+            for (size_t n = 0; n < count; n++)
+                if (!strcmp(t->stems[k], forms[n]))
+                    return true;
     }
     return false;
 }

@@ -60,7 +60,8 @@ static uint32_t hash(const char *s) {
     return h;
 }
 
-bool stems_of(struct stems *s, const char *lang, const struct word *word, char out[WORD_BYTES_MAX]) {
+/* False: the language has none. */
+static bool stem_of(struct stems *s, const char *lang, const struct word *word, char out[WORD_BYTES_MAX]) {
     size_t i = number_of(lang);
     if (i == LANGUAGES || !s->stemmers[i])
         return false;
@@ -82,4 +83,15 @@ bool stems_of(struct stems *s, const char *lang, const struct word *word, char o
     }
     memcpy(out, k->stem, WORD_BYTES_MAX);
     return true;
+}
+
+size_t stems_forms(struct stems *s, const char *lang, const struct word *word,
+                   char out[STEM_FORMS_MAX][WORD_BYTES_MAX]) {
+    struct word bare;
+    size_t count = stem_of(s, lang, word, out[0]) && out[0][0];
+    if (count && strcmp(word->lower, word->folded) != 0) {
+        memcpy(bare.lower, word->folded, sizeof bare.lower);
+        count += stem_of(s, lang, &bare, out[1]) && out[1][0] && strcmp(out[0], out[1]) != 0;
+    }
+    return count;
 }

@@ -14,8 +14,11 @@ struct stems;
 struct stems *stems_open(void);
 void stems_close(struct stems *stems);
 
-/* The stem of a word of that language (BCP 47), folded; false: the language has none. */
-bool stems_of(struct stems *stems, const char *lang, const struct word *word, char out[WORD_BYTES_MAX]);
+/* The stems that a word of that language (BCP 47) is found by, folded: its own, and where its accents make
+ * another of it, that of the word without them. 0: the language has none. */
+enum { STEM_FORMS_MAX = 2 };
+size_t stems_forms(struct stems *stems, const char *lang, const struct word *word,
+                   char out[STEM_FORMS_MAX][WORD_BYTES_MAX]);
 
 /* The languages that have stems, by number from 0; NULL: no more. */
 const char *stems_language(size_t i);

@@ -94,6 +94,10 @@ void section_free(struct section *section);
  * not be read, or not to its end; sections until then were given. */
 int work_read(const char *path, struct work_meta *meta, const struct work_sink *sink, struct error *e);
 
+/* Can the content of a file of that name be read, all of it? Of any kind but EPUB. -1 with *e: "bad-field" of
+ * the name, "bad-work" with the first thing that is wrong. */
+int work_check(const char *name, const void *data, size_t size, struct error *e);
+
 /* Is it a file of such an ending? */
 bool work_is(const char *path);
 

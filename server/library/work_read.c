@@ -113,24 +113,62 @@ static enum work_kind kind_of_root(const struct buf *data) {
     return KIND_XML;
 }
 
-int work_read(const char *path, struct work_meta *meta, const struct work_sink *sink, struct error *e) {
+/* data: of the file; NULL: it is read. */
+static int read_any(const char *path, const struct buf *data, struct work_meta *meta,
+                    const struct work_sink *sink, struct error *e) {
     struct builder b;
-    struct buf data = {0};
+    struct buf loaded = {0};
     enum work_kind kind = kind_of(path);
     builder_open(&b, sink);
     lang_of_name(path, meta);
-    int result = kind == KIND_EPUB ? epub_read(path, meta, &b, e) : load(path, &data, e);
+    int result = kind == KIND_EPUB ? epub_read(path, meta, &b, e) : data ? 0 : load(path, &loaded, e);
+    data = data ? data : &loaded;
     if (!result && kind == KIND_XML)
-        kind = kind_of_root(&data);
+        kind = kind_of_root(data);
     if (!result && kind == KIND_XML)
-        result = tei_read((char *)data.data, data.size, meta, &b, e);
+        result = tei_read((char *)data->data, data->size, meta, &b, e);
     else if (!result && kind != KIND_EPUB)
-        result = read_text(kind, &data, meta, &b, e);
+        result = read_text(kind, data, meta, &b, e);
     bool nothing = !result && !b.sections && !b.section.count;
     if (builder_close(&b) && !result)
         result = error_set(e, ERROR_BAD_WORK, "it was not read to its end");
-    buf_free(&data);
+    buf_free(&loaded);
     if (nothing && !result)
         result = error_set(e, ERROR_BAD_WORK, "there is no text in it");
     return result;
+}
+
+int work_read(const char *path, struct work_meta *meta, const struct work_sink *sink, struct error *e) {
+    return read_any(path, NULL, meta, sink, e);
+}
+
+static int pass_section(void *ctx, const struct section *section) {
+    (void)ctx;
+    (void)section;
+    return 0;
+}
+
+static void keep_first(void *ctx, const struct error *problem, bool serious) {
+    struct error *first = ctx;
+    if (serious && !*first->message)
+        *first = *problem;
+}
+
+int work_check(const char *name, const void *data, size_t size, struct error *e) {
+    enum work_kind kind = kind_of(name);
+    struct error first = {0};
+    const struct work_sink sink = {&first, pass_section, keep_first};
+    const struct buf text = {.data = (uint8_t *)data, .size = size};
+    struct work_meta meta = {.lang = mem_strdup("en")};
+    if (kind == KIND_NONE || kind == KIND_EPUB) {
+        work_meta_free(&meta);
+        return error_in_field(e, ERROR_BAD_FIELD, "name",
+                              "must end in .xml, .tei, .md, .txt, .apml, .jsml or .ssml");
+    }
+    int result = read_any(name, &text, &meta, &sink, e);
+    work_meta_free(&meta);
+    if (result || !*first.message)
+        return result;
+    *e = first;
+    return -1;
 }

@@ -112,6 +112,36 @@ bool open_text_seems_ended(const struct open_text *o, const char *text, size_t s
     return open_xml_seems_ended(o, text, size, &rules);
 }
 
+/* Letters, and what stands between them in a plain sentence. Quotes of other scripts than ASCII's may be
+ * closed later: U+00AB, U+2018 to U+201F, U+300C and the like. */
+static bool is_simple(uint32_t c) {
+    if (c < 0x80)
+        return (c | 32) >= 'a' ? (c | 32) <= 'z' : strchr(" ,;-'", (int)c) != NULL;
+    return (c >= 0xC0 && c < 0x2000) || c == 0x2019;
+}
+
+bool open_text_surely_ended(const struct open_text *o, const char *text, size_t size,
+                            const struct markup_rules *rules) {
+    enum { WORD_LETTERS = 4 };
+    size_t letters = 0, words = 0, at = o->at;
+    uint32_t c;
+    bool lower = false;
+    if (!size || !strchr(".?!", text[size - 1]) || o->kind != markup_by_name("plain") ||
+        !open_text_seems_ended(o, text, size, rules))
+        return false;
+    for (; at < size - 1; at += utf8_next(text + at, size - at, &c)) {
+        utf8_next(text + at, size - at, &c);
+        if (!is_simple(c))
+            return false;
+        bool letter = c >= 0x80 || c >= 'A';
+        if (letter && !letters)
+            lower = (c >= 'a' && c <= 'z') || c >= 0xDF;
+        words += letter && !letters;
+        letters = letter ? letters + 1 : 0;
+    }
+    return words > 1 && letters >= WORD_LETTERS && lower;
+}
+
 size_t open_piece_byte(const struct open_piece *p, size_t byte) {
     size_t in = byte > p->lead ? byte - p->lead : 0;
     return p->start + (in < p->length ? in : p->length);

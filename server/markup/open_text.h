@@ -50,6 +50,11 @@ int open_text_next(struct open_text *o, const char *text, size_t size, enum open
 bool open_text_seems_ended(const struct open_text *o, const char *text, size_t size,
                            const struct markup_rules *rules);
 
+/* Whether what was not given out is one plain sentence whose end can hardly be anything else: no quotes,
+ * numbers, names or abbreviations are near it. */
+bool open_text_surely_ended(const struct open_text *o, const char *text, size_t size,
+                            const struct markup_rules *rules);
+
 /* A byte of the piece's document, as a byte of the text; and the place of an error likewise. */
 size_t open_piece_byte(const struct open_piece *piece, size_t byte);
 void open_piece_place(const struct open_piece *piece, const char *text, struct error *e);

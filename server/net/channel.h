@@ -20,6 +20,8 @@ struct follower {
     bool lines;                  /* instead of JSON */
     bool idle;                   /* also those of idling */
     bool watches;                /* looks on: is no listener */
+    const char *desk;            /* what others who look on know it by; NULL: nothing */
+    bool directs;                /* it may say something here */
     bool waits;                  /* for media that one can begin with */
     bool lagging;                /* has left out media */
     struct message_queue *queue; /* NULL for one that takes events alone */

@@ -6,6 +6,8 @@
 #include <string.h>
 #include <time.h>
 
+enum { SECTION_NAME_MAX = 64 }; /* of a work's id, and of a section's number */
+
 struct head {
     struct exchange *x;
     unsigned status;
@@ -54,8 +56,8 @@ static void head_origin(struct head *h, const struct exchange *x) {
     head_add(h, "vary", "origin");
     if (origin && *origin && principal_origin_allowed(x->net, x->request))
         head_add(h, "access-control-allow-origin", origin);
-    if (x->warning_count)
-        head_add(h, "access-control-expose-headers", "faccia-warning");
+    if (x->warning_count || *x->etag)
+        head_add(h, "access-control-expose-headers", "etag, faccia-warning");
 }
 
 /* In ASCII, and on one line. */
@@ -76,6 +78,8 @@ static void head_common(struct head *h, const struct exchange *x, const char *ty
     head_add(h, "content-type", type);
     for (size_t i = 0; i < headers.count; i++)
         head_add(h, headers.list[i].name, headers.list[i].value);
+    if (*x->etag)
+        head_add(h, "etag", x->etag);
     head_warnings(h, x);
     head_origin(h, x);
 }
@@ -120,18 +124,17 @@ int exchange_answer(struct exchange *x, unsigned status, const char *type, const
     return send_known(x, &h, body, size, true);
 }
 
+void exchange_tag(struct exchange *x, const char *tag) {
+    snprintf(x->etag, sizeof x->etag, "%s", tag);
+}
+
 int exchange_tagged(struct exchange *x, const char *type, const void *body, size_t size) {
     struct head h;
-    char etag[24];
-    uint64_t hash = 14695981039346656037u; /* FNV-1a */
-    for (size_t i = 0; i < size; i++)
-        hash = (hash ^ ((const uint8_t *)body)[i]) * 1099511628211u;
-    snprintf(etag, sizeof etag, "\"%016llx\"", (unsigned long long)hash);
+    etag_of(body, size, x->etag);
     const char *known = http_header(x->request, "if-none-match");
-    bool unchanged = known && strstr(known, etag);
+    bool unchanged = known && etag_listed(known, x->etag);
     head_begin(&h, x, unchanged ? 304 : 200);
     head_common(&h, x, type);
-    head_add(&h, "etag", etag);
     head_add(&h, "cache-control", "no-cache");
     return send_known(x, &h, unchanged ? NULL : body, unchanged ? 0 : size, true);
 }
@@ -142,7 +145,7 @@ int exchange_allow(struct exchange *x, unsigned status, const char *methods) {
     head_add(&h, "allow", methods);
     head_origin(&h, x);
     head_add(&h, "access-control-allow-methods", methods);
-    head_add(&h, "access-control-allow-headers", "authorization, content-type");
+    head_add(&h, "access-control-allow-headers", "authorization, content-type, if-match, if-none-match");
     head_add(&h, "access-control-max-age", "600");
     return send_known(x, &h, NULL, 0, true);
 }
@@ -173,6 +176,25 @@ static bool header_has(const struct exchange *x, const char *name, const char *w
     return value && strstr(value, word);
 }
 
+/* The page of texts: the browser asks for the section that the address names (`at`) together with the page's
+ * scripts. With tokens it could not say whose it is. */
+static void head_section(struct head *h, const struct exchange *x, const struct asset *a) {
+    static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789-", digits[] = "0123456789";
+    const struct net_options *options = &x->net->options;
+    if (!options->library || options->secrets || strcmp(a->path, "/library.html") != 0)
+        return;
+    const char *at = http_query(x->request, "at");
+    int work = at ? (int)strspn(at, letters) : 0;
+    int number = work && work < SECTION_NAME_MAX && at[work] == ':' ? (int)strspn(at + work + 1, digits) : 0;
+    const char *rest = number ? at + work + 1 + number : "-";
+    if (number >= SECTION_NAME_MAX || (*rest && *rest != ':'))
+        return;
+    char link[256];
+    snprintf(link, sizeof link, "<v1/library/works/%.*s/sections/%.*s>; rel=preload; as=fetch; crossorigin",
+             work, at, number, at + work + 1);
+    head_add(h, "link", link);
+}
+
 int exchange_asset(struct exchange *x, const struct asset *a) {
     struct head h;
     char etag[64];
@@ -185,6 +207,7 @@ int exchange_asset(struct exchange *x, const struct asset *a) {
     head_common(&h, x, a->type);
     head_add(&h, "etag", etag);
     head_add(&h, "vary", "accept-encoding");
+    head_section(&h, x, a);
     head_add(&h, "cache-control",
              asked && !strcmp(asked, a->hash) ? "public, max-age=31536000, immutable" : "no-cache");
     if (unchanged)

@@ -9,12 +9,12 @@ void exchange_expect_body(struct exchange *x, size_t most, enum error_code too_l
 
 void exchange_take_body(struct exchange *x, const void *data, size_t size) {
     struct error e;
-    if (x->answered || (!x->body_most && !x->work.body))
-        return;
-    if (x->work.body) {
+    if (exchange_streams_body(x)) {
         x->work.body(x->work.self, data, size);
         return;
     }
+    if (x->answered || !x->body_most)
+        return;
     if (x->request_body.size + size <= x->body_most) {
         buf_add(&x->request_body, data, size);
         return;
@@ -25,7 +25,7 @@ void exchange_take_body(struct exchange *x, const void *data, size_t size) {
 }
 
 bool exchange_streams_body(const struct exchange *x) {
-    return x->work.body && !x->answered;
+    return x->work.body && (!x->answered || (x->chunked && !x->complete));
 }
 
 const struct buf *exchange_body(const struct exchange *x) {

@@ -3,6 +3,7 @@
 #ifndef FACCIA_NET_EXCHANGE_INTERNAL_H
 #define FACCIA_NET_EXCHANGE_INTERNAL_H
 
+#include "server/base/etag.h"
 #include "server/net/connection.h"
 #include "server/net/net_internal.h"
 
@@ -22,6 +23,7 @@ struct exchange {
     const uint8_t *body; /* what is to follow, and lives as long as the net */
     size_t body_size;
     uint64_t last_keepalive; /* loop time of the last keepalive, ms */
+    char etag[ETAG_BYTES];   /* of the answer; "": none */
     bool chunked;            /* the answer's length is not known */
     bool framed;             /* and it is told in chunks, not by the connection's end */
     bool complete, answered, done, persists;

@@ -106,7 +106,7 @@ static void end(struct connection *c) {
     struct http_session *h = c->http;
     struct exchange_work *work = h->exchange ? exchange_get_work(h->exchange) : NULL;
     h->complete = true;
-    if (work && work->body_end && !exchange_answered(h->exchange))
+    if (work && work->body_end && (!exchange_answered(h->exchange) || exchange_streams_body(h->exchange)))
         work->body_end(work->self);
 }
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* /v1/library, /library and /oembed: what is asked of the library is answered in other threads, a few at a
- * time. */
+/* /v1/library, /library and /oembed: what is asked of the library is answered in other threads. */
 #include "server/base/mem.h"
 #include "server/library/library.h"
 #include "server/net/library_page.h"
@@ -9,18 +8,16 @@
 #include <string.h>
 
 enum {
-    ASKING_MOST = 2, /* at once: the threads are for others, too */
-    WAITING_MOST = 256,
     FEED_MOST = 100,      /* works */
     SITEMAP_MOST = 50000, /* as many as a sitemap may have */
 };
 
-/* Belongs to its exchange, and to the thread until it is done. */
+/* Belongs to its exchange, and to the threads until it is done. */
 struct asking {
-    uv_work_t work;
-    struct exchange *x; /* NULL: its client is gone */
+    struct coder_job job;
+    struct asker *asker; /* NULL: it has been answered, or was refused */
+    struct exchange *x;  /* NULL: its client is gone */
     struct net *net;
-    struct asking *next; /* of those that wait */
     struct library_question question;
     enum library_form form;
     const char *base, *section; /* see library_page.h */
@@ -29,7 +26,6 @@ struct asking {
     struct buf answer;
     struct error error;
     int result;
-    bool running, done;
 };
 
 static void free_asking(struct asking *a) {
@@ -39,52 +35,37 @@ static void free_asking(struct asking *a) {
     free(a);
 }
 
-static void in_thread(uv_work_t *work) {
-    struct asking *a = work->data;
+static void in_thread(struct coder_job *job) {
+    struct asking *a = (struct asking *)job;
+    askers_step_back();
     a->result = library_answer(a->net->options.library, &a->question, &a->answer, &a->error);
     if (!a->result && a->form != LIBRARY_AS_JSON)
         library_page(a->form, a->base, a->section, &a->answer);
 }
 
-static void begin(struct net *net);
-
-static void after(uv_work_t *work, int status) {
-    struct asking *a = work->data;
-    struct net *net = a->net;
-    net->asking--;
-    a->done = true;
+static void done(struct coder_job *job) {
+    struct asking *a = (struct asking *)job;
+    askers_answered(&a->net->askers, a->asker);
+    a->asker = NULL;
     if (!a->x)
         free_asking(a);
-    else if (status || a->result)
+    else if (job->cancelled || a->result)
         exchange_error(a->x, &a->error);
     else
         exchange_tagged(a->x, library_types[a->form], a->answer.data, a->answer.size);
-    begin(net);
 }
 
-static void begin(struct net *net) {
-    while (net->asking < ASKING_MOST && net->questions) {
-        struct asking *a = net->questions;
-        net->questions = a->next;
-        net->questions_waiting--;
-        net->asking++;
-        a->running = true;
-        uv_queue_work(net->pipeline->loop, &a->work, in_thread, after);
-    }
+static bool is_left(struct coder_job *job) {
+    return !((struct asking *)job)->x;
 }
 
 static void leave(void *self) {
     struct asking *a = self;
     a->x = NULL;
-    if (a->running && !a->done)
-        return; /* it comes back by itself */
-    for (struct asking **at = &a->net->questions; !a->running && *at; at = &(*at)->next)
-        if (*at == a) {
-            *at = a->next;
-            a->net->questions_waiting--;
-            break;
-        }
-    free_asking(a);
+    if (a->asker) /* it comes back by itself */
+        coder_pool_cancel(a->net->askers.pool, &a->asker->line, is_left);
+    else
+        free_asking(a);
 }
 
 static const char *keep(struct asking *a, const char *text, size_t size) {
@@ -211,26 +192,17 @@ static bool read_request(struct asking *a, const struct http_request *request) {
     return read_address(a, http_query(request, "url"));
 }
 
-static void ask(struct asking *a) {
-    struct asking **end = &a->net->questions;
-    while (*end)
-        end = &(*end)->next;
-    *end = a;
-    a->net->questions_waiting++;
-    begin(a->net);
-}
-
 int library_get(struct exchange *x) {
     const struct http_request *request = exchange_request(x);
     struct net *net = exchange_net(x);
     struct error e;
     struct asking *a = mem_alloc(sizeof *a);
     a->net = net;
-    a->work.data = a;
-    bool there = net->options.library && read_request(a, request);
-    if (!there || net->questions_waiting >= WAITING_MOST) {
+    a->job.work = in_thread;
+    a->job.done = done;
+    if (!net->options.library || !read_request(a, request)) {
         free_asking(a);
-        error_plain(&e, there ? ERROR_TOO_MANY_SEARCHES : ERROR_NOT_FOUND);
+        error_plain(&e, ERROR_NOT_FOUND);
         return exchange_error(x, &e);
     }
     struct library_question *q = &a->question;
@@ -244,38 +216,10 @@ int library_get(struct exchange *x) {
     q->after = member(a, request, "after");
     a->x = x;
     error_plain(&a->error, ERROR_CANCELLED);
+    if (askers_ask(&net->askers, net->pipeline->loop, exchange_principal(x)->key, &a->job, &a->asker, &e)) {
+        free_asking(a);
+        return exchange_error(x, &e);
+    }
     exchange_set_work(x, (struct exchange_work){.free = leave, .self = a});
-    ask(a);
-    return 0;
-}
-
-int passage_resolve(const struct net *net, struct speech_request *request, struct error *e) {
-    struct library_passage passage;
-    if (!request->passage)
-        return request->from > 0 ? error_in_field(e, ERROR_BAD_FIELD, "from", "goes with a passage only") : 0;
-    if (request->text)
-        return error_in_field(e, ERROR_BAD_FIELD, "passage", "there is a text already");
-    if (!net->options.library)
-        return error_in_field(e, ERROR_UNKNOWN_PASSAGE, "passage", "there is no library here");
-    if (library_passage(net->options.library, request->passage, request->from, &passage, e))
-        return -1;
-    if (request->voice && !strcmp(request->voice, "recording")) {
-        if (!passage.voice) {
-            library_passage_free(&passage);
-            return error_in_field(e, ERROR_UNKNOWN_VOICE, "voice", "there is no recording of it");
-        }
-        free(request->voice);
-        request->voice = mem_strdup(passage.voice);
-    }
-    request->text = passage.text;
-    request->text_size = strlen(passage.text);
-    passage.text = NULL;
-    free(request->markup);
-    request->markup = mem_strdup(passage.markup);
-    if (!request->lang) {
-        request->lang = passage.lang;
-        passage.lang = NULL;
-    }
-    library_passage_free(&passage);
     return 0;
 }

@@ -126,17 +126,20 @@ json_t *message_voices(const struct net *net) {
     size_t count;
     const struct offer_voice *v = voices_of(net, &count);
     for (size_t i = 0; i < count; i++)
-        json_array_append_new(voices,
-                              json_pack("{ss ss ss ss ss ss ss si}", "id", v[i].id, "name", v[i].name, "lang",
-                                        v[i].lang, "gender", v[i].gender, "quality", v[i].quality, "licence",
-                                        v[i].licence, "plugin", v[i].plugin, "rate", (int)v[i].sample_rate));
+        json_array_append_new(voices, json_pack("{ss ss ss ss ss ss ss si si}", "id", v[i].id, "name",
+                                                v[i].name, "lang", v[i].lang, "gender", v[i].gender,
+                                                "quality", v[i].quality, "licence", v[i].licence, "plugin",
+                                                v[i].plugin, "rate", (int)v[i].sample_rate,
+                                                "words_per_minute", (int)v[i].words_per_minute));
     return voices;
 }
 
 json_t *message_health(const struct net *net) {
     const char *status = net->ready ? "ok" : net->unavailable ? "unavailable" : "starting";
-    return json_pack("{ss ss* ss si}", "status", status, "reason", net->unavailable, "server",
-                     "faccia/" FACCIA_VERSION, "connections", (int)net->connections);
+    const char *cluster = net->pipeline->metrics->values[METRIC_CLUSTER_UP] > 0 ? "up" : "away";
+    return json_pack("{ss ss* ss si ss*}", "status", status, "reason", net->unavailable, "server",
+                     "faccia/" FACCIA_VERSION, "connections", (int)net->connections, "cluster",
+                     net->options.shares ? cluster : NULL);
 }
 
 /* Those that a voice speaks and that share the general pack: found once for each list of voices. */

@@ -37,6 +37,7 @@ void net_change(struct net *net, const struct net_options *options) {
     o->origins = options->origins;
     o->host_names = options->host_names;
     o->embed = options->embed;
+    o->editing = options->editing;
     o->secrets = options->secrets;
     o->text_bytes = options->text_bytes;
     o->message_bytes = options->message_bytes;
@@ -91,6 +92,7 @@ void net_close(struct net *net) {
     listeners_close(net);
     keepalive_end(net);
     connections_close(net);
+    askers_close(&net->askers);
     if (net->idle)
         uv_close((uv_handle_t *)net->idle, free_idle);
     net->idle = NULL;

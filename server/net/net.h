@@ -23,24 +23,30 @@ struct net_options {
     const struct secrets *secrets; /* tokens are demanded; NULL = anybody may do all */
     const char *web, *models;      /* folders */
     const char *media;             /* folder of recordings; NULL = none */
-    struct library *library;       /* NULL = none */
-    unsigned text_bytes;           /* longest text of one speak or POST */
-    unsigned message_bytes;        /* longest message of a client */
-    unsigned play_bytes;           /* of an uploaded recording, or of a .fap file */
-    unsigned queue;                /* utterances that wait on one stream */
-    unsigned open;                 /* texts that one client is writing */
-    unsigned open_seconds;         /* one that is not written for so long is closed; 0 = never */
-    unsigned connections;          /* open connections */
-    unsigned connections_above;    /* that are told so, and what the operator asks */
-    unsigned rooms;                /* that have somebody in them */
-    unsigned address_connections;  /* of one address, or one token's subject; 0 = no limit of its own */
-    unsigned address_requests;     /* utterances and POSTs of such in a minute; 0 = no limit */
-    unsigned send_bytes;           /* unsent bytes at which media to one client wait */
-    unsigned send_bytes_max;       /* unsent bytes at which the client is closed as too slow */
-    unsigned lag_seconds;          /* in a room, a client's media that wait for longer are left out */
-    unsigned stall_seconds;        /* a client that takes nothing for so long while bytes wait is closed */
-    unsigned hold_seconds;         /* what is said to an empty room waits so long for somebody */
-    unsigned ping_seconds;         /* a socket silent for so long is pinged, and closed a third later */
+    bool shares;                   /* what is spoken, with other daemons */
+    const char *scenes;            /* folder of scenes that operators keep; NULL = none */
+    unsigned scene_bytes;          /* of one */
+    unsigned scene_count;
+    struct library *library;      /* NULL = none */
+    bool editing;                 /* who may operate saves gestures and works */
+    const char *gestures, *works; /* folders of those; NULL = none */
+    unsigned text_bytes;          /* longest text of one speak or POST */
+    unsigned message_bytes;       /* longest message of a client */
+    unsigned play_bytes;          /* of an uploaded recording, or of a .fap file */
+    unsigned queue;               /* utterances that wait on one stream */
+    unsigned open;                /* texts that one client is writing */
+    unsigned open_seconds;        /* one that is not written for so long is closed; 0 = never */
+    unsigned connections;         /* open connections */
+    unsigned connections_above;   /* that are told so, and what the operator asks */
+    unsigned rooms;               /* that have somebody in them */
+    unsigned address_connections; /* of one address, or one token's subject; 0 = no limit of its own */
+    unsigned address_requests;    /* utterances and POSTs of such in a minute; 0 = no limit */
+    unsigned send_bytes;          /* unsent bytes at which media to one client wait */
+    unsigned send_bytes_max;      /* unsent bytes at which the client is closed as too slow */
+    unsigned lag_seconds;         /* in a room, a client's media that wait for longer are left out */
+    unsigned stall_seconds;       /* a client that takes nothing for so long while bytes wait is closed */
+    unsigned hold_seconds;        /* what is said to an empty room waits so long for somebody */
+    unsigned ping_seconds;        /* a socket silent for so long is pinged, and closed a third later */
 };
 
 enum { NET_CONNECTIONS_ABOVE = 50 };

@@ -5,6 +5,7 @@
 
 #include "server/access/quota.h"
 #include "server/base/buf.h"
+#include "server/net/askers.h"
 #include "server/net/assets.h"
 #include "server/net/channel.h"
 #include "server/net/hold.h"
@@ -38,8 +39,7 @@ struct net {
     unsigned room_count;
     struct hold hold;
     struct events *events;                  /* clients that follow a room over HTTP */
-    struct asking *questions;               /* of the library, that wait */
-    unsigned questions_waiting, asking;     /* and how many are being answered */
+    struct askers askers;                   /* of the library */
     unsigned works;                         /* HTTP answers that are being made */
     json_t *more_languages;                 /* of hello */
     const struct offer_voice *languages_of; /* the list from which they were found */
@@ -125,6 +125,8 @@ int exchange_error(struct exchange *x, const struct error *e);
 
 /* With an ETag made of the body, which is copied; 304 when the client has it already. */
 int exchange_tagged(struct exchange *x, const char *type, const void *body, size_t size);
+/* The answer that is made next has that ETag. */
+void exchange_tag(struct exchange *x, const char *tag);
 int exchange_allow(struct exchange *x, unsigned status,
                    const char *methods); /* an empty answer that names the methods */
 
@@ -191,6 +193,8 @@ int media_get(struct exchange *x); /* GET /v1/media */
 /* library_http.c */
 int library_get(struct exchange *x); /* GET /v1/library and below */
 
+/* passage_request.c */
+
 /* Puts what a passage says into the request that names one. -1 with *e, a field of the request's. */
 int passage_resolve(const struct net *net, struct speech_request *request, struct error *e);
 
@@ -212,6 +216,13 @@ int room_resume(struct exchange *x); /* POST /v1/resume?room= */
 int room_choices(struct exchange *x);
 int room_state(struct exchange *x);
 int room_calibrate(struct exchange *x);
+
+/* scenes.c: /v1/scenes and below, by GET, PUT and DELETE */
+int scenes_serve(struct exchange *x);
+
+/* editing.c: /v1/gestures, /v1/library/files and below, as those */
+int gestures_serve(struct exchange *x);
+int works_serve(struct exchange *x);
 
 /* room_events.c */
 int room_events(struct exchange *x); /* GET /v1/events?room= */

@@ -22,10 +22,24 @@ void notice_board_calibration(struct notice_board *board, struct queued_message 
     replace(&board->calibration, message);
 }
 
+void notice_board_mood(struct notice_board *board, struct queued_message *message) {
+    replace(&board->mood, message);
+}
+
+void notice_board_consent(struct notice_board *board, struct queued_message *message, json_t *asked) {
+    replace(&board->consent, message);
+    json_decref(board->asked);
+    board->asked = json_incref(asked);
+}
+
 void notice_board_tell(const struct notice_board *board,
                        void (*tell)(void *ctx, struct queued_message *message), void *ctx) {
     if (board->calibration)
         tell(ctx, board->calibration);
+    if (board->mood)
+        tell(ctx, board->mood);
+    if (board->consent)
+        tell(ctx, board->consent);
     if (board->state)
         tell(ctx, board->state);
     if (board->choices)
@@ -36,4 +50,6 @@ void notice_board_free(struct notice_board *board) {
     notice_board_choices(board, NULL, NULL);
     notice_board_state(board, NULL);
     notice_board_calibration(board, NULL);
+    notice_board_mood(board, NULL);
+    notice_board_consent(board, NULL, NULL);
 }

@@ -10,13 +10,17 @@
 struct notice_board {
     json_t *offered;                        /* the choices, as they were told; NULL: none */
     struct queued_message *choices, *state; /* the last that was told; NULL: none */
-    struct queued_message *calibration;
+    struct queued_message *calibration, *mood;
+    json_t *asked; /* whether the listener consents, as it was told; NULL: nothing is asked */
+    struct queued_message *consent;
 };
 
 /* All take a reference of their own; NULL: nothing stands there any more. */
 void notice_board_choices(struct notice_board *board, struct queued_message *message, json_t *offered);
 void notice_board_state(struct notice_board *board, struct queued_message *message);
 void notice_board_calibration(struct notice_board *board, struct queued_message *message);
+void notice_board_mood(struct notice_board *board, struct queued_message *message);
+void notice_board_consent(struct notice_board *board, struct queued_message *message, json_t *asked);
 
 void notice_board_tell(const struct notice_board *board,
                        void (*tell)(void *ctx, struct queued_message *message), void *ctx);

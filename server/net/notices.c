@@ -1,24 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/notices.h"
 #include "server/net/calibration.h"
-#include "server/net/channel_internal.h"
 #include "server/net/net_internal.h"
+#include "server/net/notice_message.h"
 #include <stdio.h>
 #include <string.h>
 
 enum { ID_BYTES = 64 };
-
-/* Passes over a member that is not there. */
-static int take_text(const json_t *message, const char *name, size_t most, json_t *into, struct error *e) {
-    json_t *value = json_object_get(message, name);
-    size_t length = json_string_length(value);
-    if (!value || json_is_null(value))
-        return 0;
-    if (!json_is_string(value) || length > most || strlen(json_string_value(value)) != length)
-        return error_in_field(e, ERROR_BAD_FIELD, name, "must be a string of at most %zu bytes", most);
-    json_object_set(into, name, value);
-    return 0;
-}
 
 static int check_choices(const json_t *choices, struct error *e) {
     size_t count = json_array_size(choices);
@@ -38,37 +26,14 @@ static int check_choices(const json_t *choices, struct error *e) {
     return 0;
 }
 
-/* The message so far, to which its members are added. */
-static json_t *begin(const struct channel *c, const char *type) {
-    return json_pack("{ss ss}", "type", type, "stream", c->name);
-}
-
-static struct queued_message *message_of(const json_t *object, const char *event) {
-    struct buf text = {0}, line = {0};
-    message_write(&text, json_incref((json_t *)object));
-    text_line(object, &line);
-    struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
-    message->event = event;
-    message->line = queued_message_new(WEBSOCKET_TEXT, line.data, line.size);
-    buf_free(&text);
-    buf_free(&line);
-    return message;
-}
-
-/* Tells all who follow. @return the message, whose reference is the caller's */
-static struct queued_message *tell_all(struct channel *c, const json_t *told, const char *event) {
-    struct queued_message *message = message_of(told, event);
-    channel_notice(c, message);
-    return message;
-}
-
 int notice_choices(struct channel *c, const json_t *message, struct error *e) {
-    json_t *choices = json_object_get(message, "choices"), *told = begin(c, "choices");
-    int failed = take_text(message, "id", ID_BYTES, told, e) ||
-                 take_text(message, "question", NOTICE_TEXT_BYTES, told, e) || check_choices(choices, e);
+    json_t *choices = json_object_get(message, "choices"), *told = notice_begin(c, "choices");
+    int failed = notice_take_text(message, "id", ID_BYTES, told, e) ||
+                 notice_take_text(message, "question", NOTICE_TEXT_BYTES, told, e) ||
+                 check_choices(choices, e);
     if (!failed) {
         json_object_set_new(told, "choices", json_deep_copy(choices));
-        struct queued_message *all = tell_all(c, told, "choices");
+        struct queued_message *all = notice_tell(c, told, "choices");
         bool any = json_array_size(choices);
         notice_board_choices(&c->notices, any ? all : NULL, any ? told : NULL);
         queued_message_release(all);
@@ -99,39 +64,61 @@ static json_int_t chosen_of(const json_t *offered, const json_t *message, struct
 
 int notice_choose(struct channel *c, const json_t *message, const char *by, struct error *e) {
     const json_t *offered = c->notices.offered;
-    json_t *told = begin(c, "chosen");
-    json_int_t at = take_text(message, "id", ID_BYTES, told, e) ? -1 : chosen_of(offered, message, e);
+    json_t *told = notice_begin(c, "chosen");
+    json_int_t at = notice_take_text(message, "id", ID_BYTES, told, e) ? -1 : chosen_of(offered, message, e);
     if (at >= 0) {
         if (json_object_get(offered, "id"))
             json_object_set(told, "id", json_object_get(offered, "id"));
         json_object_set_new(told, "choice", json_integer(at));
         json_object_set(told, "text", json_array_get(json_object_get(offered, "choices"), (size_t)at));
         json_object_set_new(told, "by", json_string(by));
-        queued_message_release(tell_all(c, told, "chosen"));
+        queued_message_release(notice_tell(c, told, "chosen"));
         notice_board_choices(&c->notices, NULL, NULL);
     }
     json_decref(told);
     return at < 0 ? -1 : 0;
 }
 
+/* Others in the room see whose mood it is, and that it is another. */
+static void tell_mood(struct channel *c, const struct mood_request *mix, const char *by) {
+    json_t *told = notice_begin(c, "expressed"), *parts = json_array();
+    for (size_t i = 0; i < mix->count; i++)
+        json_array_append_new(
+            parts, json_pack("{ss sf}", "name", mix->names[i], "intensity", (double)mix->intensities[i]));
+    json_object_set_new(told, "mix", parts);
+    if (by)
+        json_object_set_new(told, "by", json_string(by));
+    struct queued_message *all = notice_tell(c, told, "expressed");
+    notice_board_mood(&c->notices, mix->count ? all : NULL);
+    queued_message_release(all);
+    json_decref(told);
+}
+
+int notice_express(struct channel *c, const json_t *message, const char *by, struct error *e) {
+    struct mood_request mix;
+    if (live_express(message, &mix, e) || stream_express(c->stream, &mix, e))
+        return -1;
+    if (c->room)
+        tell_mood(c, &mix, by);
+    return 0;
+}
+
 int notice_state(struct channel *c, const json_t *message, struct error *e) {
-    static const char *const states[] = {"idle", "listening", "thinking", "muted"};
+    static const char *const states[] = {"idle", "listening", "thinking", "muted", "asleep"};
     const json_t *value = json_object_get(message, "state");
     const char *state = json_string_value(value);
-    struct mood_request mix;
     size_t i = 0;
     while (i < sizeof states / sizeof *states && (!state || strcmp(states[i], state)))
         i++;
     if (i == sizeof states / sizeof *states)
         return error_in_field(e, value ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "state",
                               "must be idle, listening, thinking, or muted");
-    json_t *told = begin(c, "state");
+    json_t *told = notice_begin(c, "state");
     json_object_set_new(told, "state", json_string(states[i]));
-    int failed = take_text(message, "text", NOTICE_TEXT_BYTES, told, e) ||
-                 (json_object_get(message, "mix") &&
-                  (live_express(message, &mix, e) || stream_express(c->stream, &mix, e)));
+    int failed = notice_take_text(message, "text", NOTICE_TEXT_BYTES, told, e) ||
+                 (json_object_get(message, "mix") && notice_express(c, message, NULL, e));
     if (!failed) {
-        struct queued_message *all = tell_all(c, told, "state");
+        struct queued_message *all = notice_tell(c, told, "state");
         notice_board_state(&c->notices, all);
         queued_message_release(all);
     }
@@ -144,11 +131,11 @@ int notice_calibrate(struct channel *c, const json_t *message, struct error *e) 
     const json_t *reset = json_object_get(message, "reset");
     if (reset && !json_is_boolean(reset))
         return error_in_field(e, ERROR_BAD_FIELD, "reset", "must be true or false");
-    json_t *told = begin(c, "calibrated");
+    json_t *told = notice_begin(c, "calibrated");
     int failed = json_is_true(reset) ? json_object_set_new(told, "reset", json_true())
                                      : calibration_take(message, told, e);
     if (!failed) {
-        struct queued_message *all = tell_all(c, told, "calibrated");
+        struct queued_message *all = notice_tell(c, told, "calibrated");
         notice_board_calibration(&c->notices, c->room && !json_is_true(reset) ? all : NULL);
         queued_message_release(all);
     }

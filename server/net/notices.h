@@ -16,6 +16,8 @@ struct channel;
  * *e. */
 int notice_choices(struct channel *channel, const json_t *message, struct error *e);
 int notice_choose(struct channel *channel, const json_t *message, const char *by, struct error *e);
+/* The mood of the stream; in a room all are told of it. by: who set it, or NULL. */
+int notice_express(struct channel *channel, const json_t *message, const char *by, struct error *e);
 /* A `mix` of the state is the mood that goes with it, as that of `express`. */
 int notice_state(struct channel *channel, const json_t *message, struct error *e);
 

@@ -21,7 +21,7 @@ struct offer_expression {
 
 struct offer_voice {
     const char *id, *name, *lang, *gender, *quality, *licence, *plugin;
-    uint32_t sample_rate;
+    uint32_t sample_rate, words_per_minute; /* Hz; its own pace */
     bool shares; /* its language has no entry among the languages: its lips are those of all such */
 };
 

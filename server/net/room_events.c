@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What happens in a room as server-sent events (HTML standard, 9.2). */
 #include "server/base/mem.h"
+#include "server/net/desks.h"
 #include "server/net/net_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -90,6 +91,8 @@ int room_events(struct exchange *x) {
     if (exchange_begin(x, "text/event-stream"))
         return -1;
     channel_join(channel, &events->follower);
+    if (watch)
+        desks_tell(channel);
     events_keepalive(events);
     return 0;
 }

@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/library/library.h"
 #include "server/net/net_internal.h"
 #include <string.h>
 
@@ -23,6 +24,8 @@ static int rooms(struct exchange *x) {
 static int metrics(struct exchange *x) {
     struct buf text = {0};
     metrics_write(exchange_net(x)->pipeline->metrics, &text);
+    if (exchange_net(x)->options.library)
+        library_metrics(exchange_net(x)->options.library, &text);
     int result = exchange_answer(x, 200, "text/plain; version=0.0.4", text.data, text.size);
     buf_free(&text);
     return result;
@@ -56,28 +59,32 @@ static const struct route {
     enum scope scope;
     const struct members *members; /* of its query; NULL: they are not looked at */
     bool below;                    /* and whatever is below that address */
+    bool kept;                     /* answer takes PUT and DELETE, too, of who may operate */
 } routes[] = {
-    {"/healthz", message_health, NULL, NULL, 0, SCOPE_ALL, &none, false},
-    {"/v1/voices", voices, NULL, NULL, 0, SCOPE_ALL, &none, false},
-    {"/v1/models", models, NULL, NULL, 0, SCOPE_ALL, &none, false},
-    {"/v1/speech", NULL, speech_ask, speech_ask, RIGHT_SPEAK, SCOPE_ALL, &speech_members, false},
-    {"/v1/expressions", expressions, NULL, NULL, 0, SCOPE_ALL, &none, false},
-    {"/v1/rooms", NULL, NULL, rooms, RIGHT_LISTEN, SCOPE_OWN, &none, false},
-    {"/v1/library", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &for_library, true},
-    {"/library", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &none, true},
-    {"/oembed", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &for_oembed, false},
-    {"/v1/media", NULL, NULL, media_get, RIGHT_SPEAK, SCOPE_ALL, &none, false},
-    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN, SCOPE_ROOM, &for_events, false},
-    {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_say, false},
-    {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
-    {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
-    {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
-    {"/v1/choices", NULL, room_choices, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
-    {"/v1/state", NULL, room_state, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
-    {"/v1/calibrate", NULL, room_calibrate, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false},
-    {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_play, false},
-    {"/v1/stream", NULL, NULL, NULL, 0, SCOPE_ALL, NULL, false},
-    {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE, SCOPE_ALL, &none, false},
+    {"/healthz", message_health, NULL, NULL, 0, SCOPE_ALL, &none, false, false},
+    {"/v1/voices", voices, NULL, NULL, 0, SCOPE_ALL, &none, false, false},
+    {"/v1/models", models, NULL, NULL, 0, SCOPE_ALL, &none, false, false},
+    {"/v1/speech", NULL, speech_ask, speech_ask, RIGHT_SPEAK, SCOPE_ALL, &speech_members, false, false},
+    {"/v1/expressions", expressions, NULL, NULL, 0, SCOPE_ALL, &none, false, false},
+    {"/v1/rooms", NULL, NULL, rooms, RIGHT_LISTEN, SCOPE_OWN, &none, false, false},
+    {"/v1/gestures", NULL, NULL, gestures_serve, RIGHT_SPEAK, SCOPE_OWN, &none, true, true},
+    {"/v1/library/files", NULL, NULL, works_serve, RIGHT_SPEAK, SCOPE_OWN, &none, true, true},
+    {"/v1/library", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &for_library, true, false},
+    {"/library", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &none, true, false},
+    {"/oembed", NULL, NULL, library_get, RIGHT_LISTEN, SCOPE_OWN, &for_oembed, false, false},
+    {"/v1/media", NULL, NULL, media_get, RIGHT_SPEAK, SCOPE_ALL, &none, false, false},
+    {"/v1/events", NULL, NULL, room_events, RIGHT_LISTEN, SCOPE_ROOM, &for_events, false, false},
+    {"/v1/say", NULL, room_say, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_say, false, false},
+    {"/v1/stop", NULL, room_stop, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false, false},
+    {"/v1/pause", NULL, room_pause, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false, false},
+    {"/v1/resume", NULL, room_resume, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false, false},
+    {"/v1/choices", NULL, room_choices, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false, false},
+    {"/v1/state", NULL, room_state, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false, false},
+    {"/v1/calibrate", NULL, room_calibrate, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false, false},
+    {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_play, false, false},
+    {"/v1/scenes", NULL, NULL, scenes_serve, RIGHT_SPEAK, SCOPE_OWN, &none, true, true},
+    {"/v1/stream", NULL, NULL, NULL, 0, SCOPE_ALL, NULL, false, false},
+    {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE, SCOPE_ALL, &none, false, false},
 };
 
 static bool is_below(const char *folder, const char *path) {
@@ -93,14 +100,16 @@ static const struct route *find(const char *path) {
 }
 
 /* False when it has been answered. */
-static bool permits(struct exchange *x, const struct route *route, int *result) {
+static bool permits(struct exchange *x, const struct route *route, bool change, int *result) {
     const char *room = route->scope == SCOPE_ROOM  ? http_query(exchange_request(x), "room")
                        : route->scope == SCOPE_OWN ? principal_own_room
                                                    : NULL;
-    return exchange_permits(x, route->right, room, result);
+    return exchange_permits(x, change ? RIGHT_OPERATE : route->right, room, result);
 }
 
 static const char *methods_of(const struct route *route) {
+    if (route && route->kept)
+        return "GET, HEAD, PUT, DELETE, OPTIONS";
     if (!route || !route->post)
         return "GET, HEAD, OPTIONS";
     return route->answer ? "GET, HEAD, POST, OPTIONS" : "POST, OPTIONS";
@@ -128,16 +137,19 @@ int routes_serve(struct exchange *x, const char *uri, size_t length, int method)
     if (asset && get)
         return exchange_asset(x, asset);
     int refusal;
-    if (route && !permits(x, route, &refusal))
+    bool change = route && route->kept && (method == HTTP_PUT || method == HTTP_DELETE);
+    if (route && !permits(x, route, change, &refusal))
         return refusal;
     if (route && route->members)
         query_check(exchange_request(x), route->members, get && route->post, exchange_warn, x);
     if (route && route->answer && get)
         return route->answer(x);
-    if (net->draining && method == HTTP_POST) {
+    if (net->draining && (method == HTTP_POST || change)) {
         error_plain(&e, ERROR_STOPPING);
         return exchange_error(x, &e);
     }
+    if (change)
+        return route->answer(x);
     if (route && route->get && get)
         return exchange_json(x, route->get == message_health && !net->ready ? 503 : 200, route->get(net));
     if (route && route->post && method == HTTP_POST)

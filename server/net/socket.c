@@ -20,7 +20,8 @@ static void warn(void *socket, const struct error *e) {
 
 /* What the address asks for, besides the defaults of requests. */
 static void read_query(struct socket *s, const struct http_request *from) {
-    static const char *const more[] = {"room", "audio", "fap", "events", "kilobits", "watch", NULL};
+    static const char *const more[] = {"room",     "audio", "fap", "events",
+                                       "kilobits", "watch", "key", NULL}; /* the last is for proxies */
     static const struct members known = {.speech = true, .more = more};
     const struct media_wish wish = {http_query(from, "audio"), http_query(from, "fap"),
                                     http_query(from, "events"), http_query(from, "kilobits")};
@@ -32,7 +33,7 @@ static void read_query(struct socket *s, const struct http_request *from) {
     s->defaults.open = false; /* that is for each utterance to say */
     bool watch;
     if (query_flag(http_query(from, "watch"), "watch", &watch, &e) ||
-        (room && socket_join(s, room, watch, &e)))
+        (room && socket_join(s, room, watch, NULL, &e)))
         socket_complain(s, &e);
 }
 
@@ -93,7 +94,7 @@ static void close_socket(struct connection *c) {
     if (s->next)
         s->next->self = s->self;
     write_leave(s);
-    channel_leave(&s->follower);
+    desks_leave(&s->follower);
     socket_forget_long(s);
     request_free(&s->defaults);
     buf_free(&s->message);

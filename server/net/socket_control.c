@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Messages that direct what is said, and how the face lives. */
 #include "server/base/mem.h"
+#include "server/net/notices.h"
 #include "server/net/socket_internal.h"
 #include <string.h>
 
@@ -85,9 +86,7 @@ void control_idle(struct socket *s, const json_t *message) {
 }
 
 void control_express(struct socket *s, const json_t *message) {
-    struct mood_request mix;
     struct error e;
-    if (socket_may_direct(s, &e) || live_express(message, &mix, &e) ||
-        stream_express(socket_stream(s), &mix, &e))
+    if (socket_may_direct(s, &e) || notice_express(s->follower.channel, message, socket_called(s), &e))
         socket_complain(s, &e);
 }

@@ -24,14 +24,20 @@ static void pong(struct socket *s, const json_t *message) {
 
 static void join_room(struct socket *s, const json_t *message) {
     const char *room = json_string_value(json_object_get(message, "room"));
-    const json_t *watch = json_object_get(message, "watch");
+    const json_t *watch = json_object_get(message, "watch"), *as = json_object_get(message, "as");
+    const char *called = json_string_value(as);
     struct error e;
     if (watch && !json_is_boolean(watch)) {
         error_in_field(&e, ERROR_BAD_FIELD, "watch", "must be true or false");
         socket_complain(s, &e);
         return;
     }
-    if (room ? socket_join(s, room, json_is_true(watch), &e)
+    if (as && (!called || strlen(called) != json_string_length(as) || strlen(called) > DESK_NAME_BYTES)) {
+        error_in_field(&e, ERROR_BAD_FIELD, "as", "must be a string of at most %d bytes", DESK_NAME_BYTES);
+        socket_complain(s, &e);
+        return;
+    }
+    if (room ? socket_join(s, room, json_is_true(watch), called, &e)
              : error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"))
         socket_complain(s, &e);
 }
@@ -72,8 +78,10 @@ static void authorise(struct socket *s, const json_t *message) {
     if (token ? principal_show(s->net, &s->principal, token, &e)
               : error_plain_in_field(&e, ERROR_MISSING_FIELD, "token"))
         socket_complain(s, &e);
-    else
+    else {
         socket_say(s, json_pack("{ss ss}", "type", "authorized", "subject", s->principal.token.subject));
+        socket_authorized(s);
+    }
 }
 
 void socket_act(struct socket *s, const json_t *message) {
@@ -87,7 +95,7 @@ void socket_act(struct socket *s, const json_t *message) {
                  {"leave", leave_room},        {"authorize", authorise},  {"ping", pong},
                  {"choices", notice_offer},    {"choose", notice_answer}, {"state", notice_show},
                  {"text", write_text},         {"flush", write_flush},    {"close", write_close},
-                 {"cancel", write_cancel},     {"calibrate", notice_fit}};
+                 {"cancel", write_cancel},     {"calibrate", notice_fit}, {"consent", notice_consent}};
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {

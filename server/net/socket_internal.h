@@ -4,6 +4,7 @@
 #define FACCIA_NET_SOCKET_INTERNAL_H
 
 #include "server/net/connection.h"
+#include "server/net/desks.h"
 #include "server/net/net_internal.h"
 #include "server/net/websocket_reader.h"
 
@@ -14,7 +15,8 @@ struct socket {
     struct socket *next, **self; /* in the net's list */
     struct principal principal;
     char name[24];
-    bool plain; /* speaks TEXT_PROTOCOL */
+    char called[DESK_NAME_BYTES + 1]; /* what it calls itself in its room; "" */
+    bool plain;                       /* speaks TEXT_PROTOCOL */
     void (*hear)(struct socket *socket, const char *data,
                  size_t size);           /* acts on a text of the sub-protocol */
     void (*more)(struct socket *socket); /* says what comes once nothing waits to leave; NULL = nothing */
@@ -54,7 +56,14 @@ const char *socket_room(const struct socket *socket);
 
 void socket_enter(struct socket *socket, struct channel *channel);
 void socket_leave(struct socket *socket); /* the room that it is in */
-int socket_join(struct socket *socket, const char *room, bool watch, struct error *e);
+/* called: what others there may know it by, or NULL. */
+int socket_join(struct socket *socket, const char *room, bool watch, const char *called, struct error *e);
+
+/* Whom others know it as: the subject of its token, what it calls itself, or the name of the connection. */
+const char *socket_called(const struct socket *socket);
+
+/* Its token is another: so may be its name, and what it may do. */
+void socket_authorized(struct socket *socket);
 
 /* How media and events are to come; NULL leaves one as it is. */
 struct media_wish {
@@ -140,6 +149,8 @@ void notice_offer(struct socket *socket, const json_t *message);
 void notice_answer(struct socket *socket, const json_t *message);
 void notice_show(struct socket *socket, const json_t *message);
 void notice_fit(struct socket *socket, const json_t *message);
+void notice_consent(struct socket *socket, const json_t *message);
+
 /* socket_write.c: utterances whose text is still being written. */
 void write_text(struct socket *socket, const json_t *message);
 void write_flush(struct socket *socket, const json_t *message);

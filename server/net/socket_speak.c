@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Where a WebSocket client is, what it hears, and what it may have said. */
 #include "server/net/socket_internal.h"
+#include <stdio.h>
 #include <string.h>
 
 void socket_enter(struct socket *s, struct channel *channel) {
@@ -17,31 +18,56 @@ const char *socket_room(const struct socket *s) {
     return channel_is_room(c) ? channel_name(c) : NULL;
 }
 
-int socket_join(struct socket *s, const char *room, bool watch, struct error *e) {
+const char *socket_called(const struct socket *s) {
+    const char *subject = s->principal.token.subject;
+    return *subject ? subject : *s->called ? s->called : s->name;
+}
+
+/* What others in the room are told of it. */
+static void name_desk(struct socket *s, const char *room) {
     struct error ignored;
+    s->follower.desk = socket_called(s);
+    s->follower.directs = !principal_may(s->net, &s->principal, RIGHT_SPEAK, room, &ignored);
+}
+
+void socket_authorized(struct socket *s) {
+    if (!socket_room(s))
+        return;
+    name_desk(s, socket_room(s));
+    if (s->follower.watches)
+        desks_tell(s->follower.channel);
+}
+
+int socket_join(struct socket *s, const char *room, bool watch, const char *called, struct error *e) {
     if (principal_may(s->net, &s->principal, RIGHT_LISTEN, room, e))
         return -1;
     struct channel *channel = channel_room(s->net, room, e);
     if (!channel)
         return -1;
+    snprintf(s->called, sizeof s->called, "%s", called ? called : "");
+    name_desk(s, room);
     if (channel == s->follower.channel) {
+        bool known = watch || s->follower.watches;
         channel_watch(&s->follower, watch);
+        if (known)
+            desks_tell(channel);
         return 0;
     }
     write_leave(s);
-    channel_leave(&s->follower);
+    desks_leave(&s->follower);
     s->follower.watches = watch;
     socket_say(s, json_pack("{ss ss si sb}", "type", "joined", "room", room, "followers",
-                            (int)channel_followers(channel) + 1, "may_speak",
-                            !principal_may(s->net, &s->principal, RIGHT_SPEAK, room, &ignored)));
+                            (int)channel_followers(channel) + 1, "may_speak", s->follower.directs));
     socket_enter(s, channel);
+    if (watch)
+        desks_tell(channel);
     return 0;
 }
 
 void socket_leave(struct socket *s) {
     write_leave(s);
     socket_say(s, json_pack("{ss ss}", "type", "left", "room", socket_room(s)));
-    channel_leave(&s->follower);
+    desks_leave(&s->follower);
     s->follower.watches = false;
     socket_enter(s, channel_new(s->net, s->name));
 }

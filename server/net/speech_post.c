@@ -6,6 +6,7 @@
 #include "server/net/net_internal.h"
 #include "server/net/post_text.h"
 #include <stdlib.h>
+#include <string.h>
 
 /* No further sentence is taken while more than this waits to be sent. */
 enum { UNSENT_BYTES_MAX = 1 << 20 };
@@ -16,6 +17,7 @@ struct post {
     const struct export_format *format;
     struct speech_export *speech;
     bool begun;
+    bool writing; /* the text is still being written, and spoken meanwhile */
 };
 
 static bool has_room(const struct post *p) {
@@ -64,19 +66,21 @@ static int read_request(struct post *p, struct speech_request *request, struct e
     if (post_text_request(&p->text, request, e) ||
         post_text_member(&p->text, "format", name, sizeof name, &found, e))
         return -1;
-    if (request->open)
-        return error_in_field(e, ERROR_BAD_FIELD, "open", "a text is written to a room, or on a stream");
     p->format = export_by_name(found ? name : "wav");
-    return p->format ? 0 : no_format(name, e);
+    if (!p->format)
+        return no_format(name, e);
+    if (p->writing != request->open)
+        return error_in_field(e, ERROR_BAD_FIELD, "open", "stands in the address, with a text as it is");
+    if (p->writing && strcmp(p->format->name, "wav") && strcmp(p->format->name, "ogg"))
+        return error_in_field(e, ERROR_BAD_FIELD, "format",
+                              "a text that is being written becomes wav or ogg");
+    return 0;
 }
 
-static int on_body_end(void *self) {
+static int speak(struct post *p) {
     static const struct speech_export_callbacks callbacks = {on_written, on_failed};
-    struct post *p = self;
     struct speech_request request;
     struct error e;
-    if (p->speech)
-        return 0;
     request_init(&request);
     if (!read_request(p, &request, &e)) {
         size_t count;
@@ -87,6 +91,27 @@ static int on_body_end(void *self) {
     request_free(&request);
     post_text_free(&p->text);
     return p->speech ? 0 : exchange_error(p->x, &e);
+}
+
+static int on_body_end(void *self) {
+    struct post *p = self;
+    if (p->speech && p->writing)
+        speech_export_close(p->speech);
+    return p->speech ? 0 : speak(p);
+}
+
+/* What is wrong with what comes later cannot be told any more: what came before is spoken. */
+static void on_body(void *self, const void *data, size_t size) {
+    struct post *p = self;
+    struct error e;
+    if (!p->speech || !speech_export_write(p->speech, data, size, exchange_net(p->x)->options.text_bytes, &e))
+        return;
+    speech_export_close(p->speech);
+    if (exchange_answered(p->x))
+        return;
+    speech_export_free(p->speech);
+    p->speech = NULL;
+    exchange_error(p->x, &e);
 }
 
 static void on_free(void *self) {
@@ -105,6 +130,11 @@ int speech_ask(struct exchange *x) {
     p->x = x;
     exchange_set_work(
         x, (struct exchange_work){.body_end = on_body_end, .sent = on_sent, .free = on_free, .self = p});
-    post_text_begin(&p->text, x, &speech_members, &result);
-    return result;
+    if (post_text_begin(&p->text, x, &speech_members, &result))
+        return result;
+    p->writing = http_query(exchange_request(x), "open") && !p->text.json && !p->text.bodiless;
+    if (!p->writing)
+        return result;
+    exchange_get_work(x)->body = on_body;
+    return speak(p);
 }

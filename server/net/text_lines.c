@@ -84,6 +84,9 @@ static const struct {
     {"chosen", {"id", "text", NULL}},
     {"state", {"state", "text", NULL}},
     {"calibrated", {NULL}},
+    {"expressed", {"by", NULL}},
+    {"consent", {"consent", "text", NULL}},
+    {"desks", {NULL}},
     {"help", {"text", NULL}},
 };
 

@@ -50,6 +50,7 @@ struct speech_request {
     enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
     bool still;                  /* only the lips move */
     bool phones;                 /* its phones are events, too */
+    bool ahead;                  /* nobody waits for it: its sentences are to be kept (voice_pool.h) */
     bool open;                   /* the text is still being written: see synthesis_write */
     enum speech_mode mode;
     enum speech_priority priority;

@@ -20,6 +20,12 @@ static void on_failed(void *ctx, const struct error *e) {
     synthesis_deliver(slot->synthesis);
 }
 
+static enum voice_turn turn_of(const struct synthesis *s, const struct slot *slot) {
+    return s->request.ahead                ? VOICE_TURN_AHEAD
+           : slot->sentence == s->released ? VOICE_TURN_URGENT
+                                           : VOICE_TURN_USUAL;
+}
+
 static void ask_voice(struct synthesis *s, struct slot *slot) {
     static const struct voice_callbacks callbacks = {on_done, on_failed};
     struct voice_request request = {.voice = s->voice,
@@ -28,7 +34,7 @@ static void ask_voice(struct synthesis *s, struct slot *slot) {
                                     .rate = s->request.rate,
                                     .pitch = s->request.pitch,
                                     .volume = s->request.volume,
-                                    .urgent = slot->sentence == s->released};
+                                    .turn = turn_of(s, slot)};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }
@@ -51,7 +57,7 @@ void synthesis_submit(struct synthesis *s) {
         if (kept) {
             slot->audio = sentence_audio_share(kept->audio);
             slot->track = face_track_share(kept->track);
-        } else {
+        } else if (!guess_take(s, slot, synthesis_deliver)) {
             ask_voice(s, slot);
         }
     }
@@ -141,6 +147,8 @@ void synthesis_deliver(struct synthesis *s) {
 void synthesis_start(struct synthesis *s) {
     s->started = true;
     synthesis_submit(s);
+    if (s->writing)
+        guess_look(s);
 }
 
 static void refuse(struct synthesis *s) {
@@ -171,7 +179,7 @@ static void forget_pending(struct synthesis *s, size_t first, size_t last) {
         struct slot *slot = &s->slots[i];
         if (slot->taken && slot->sentence >= first && slot->sentence < last && slot->rate == s->request.rate)
             continue;
-        if (slot->job)
+        if (slot->job && !guess_cancel(s, slot))
             sentence_cancel(slot->job);
         drop_audio(slot);
         *slot = (struct slot){0};
@@ -224,6 +232,7 @@ void synthesis_free(struct synthesis *s) {
     if (s->busy || s->reading)
         return;
     free(s->entry);
+    guess_drop(s);
     writing_free(s);
     free_result(s);
     request_free(&s->request);

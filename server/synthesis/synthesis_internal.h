@@ -48,8 +48,12 @@ struct writing {
     struct error error;                   /* nothing behind that is read; code ERROR_NONE: none */
     bool told;                            /* of the error */
     uv_timer_t *timer;
-    uv_timer_cb look; /* after itself, when the timer says so */
-    uint64_t last;    /* loop time at which something was written last, ms */
+    uv_timer_cb look;        /* after itself, when the timer says so */
+    uint64_t first, last;    /* loop times at which something was written, ms */
+    size_t writes;           /* how often */
+    uint64_t settle;         /* nothing for so long after what looks like an end means that it is one, ms */
+    struct guess *guess;     /* a sentence that seems to have ended is being spoken ahead; NULL: none */
+    size_t guessed, guesses; /* where the last that was guessed begins; and how often that was */
 };
 
 /* While `reading`, the text and what reading it gives belong to the other thread. */
@@ -104,6 +108,19 @@ int synthesis_choose(struct synthesis *synthesis, struct error *e);
 struct markup_rules synthesis_rules(const struct synthesis *synthesis);
 void synthesis_direct(const struct synthesis *synthesis, struct reading_result *result);
 
+/* synthesis_guess.c */
+
+/* What was written last may have ended a sentence that is awaited: the voice begins with it. */
+void guess_look(struct synthesis *synthesis);
+
+/* The sentence of the slot is known: it gets what was guessed, if it was that, now or with deliver later.
+ * False: it was not. */
+bool guess_take(struct synthesis *synthesis, struct slot *slot, void (*deliver)(struct synthesis *synthesis));
+
+/* The slot does not need what it was to get. False: it was to get nothing. */
+bool guess_cancel(struct synthesis *synthesis, const struct slot *heir);
+void guess_drop(struct synthesis *synthesis);
+
 /* synthesis_writing.c */
 void writing_open(struct synthesis *synthesis);
 
@@ -113,6 +130,10 @@ void writing_wake(struct synthesis *synthesis, uint64_t ms); /* it looks after i
 
 /* The voice is known. */
 void writing_begin(struct synthesis *synthesis);
+
+/* Reads a piece, behind what is in `into` (score, chosen, marks, blend). -1 with *e. */
+int writing_read_piece(struct synthesis *synthesis, const struct open_piece *piece,
+                       struct reading_result *into, struct error *e);
 
 /* Reads on until there is one more sentence. False: nothing more is known yet. */
 bool writing_read(struct synthesis *synthesis);

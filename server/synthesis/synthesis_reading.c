@@ -28,11 +28,11 @@ void writing_free(struct synthesis *s) {
 void writing_begin(struct synthesis *s) {
     s->result.score = score_new();
     s->score = s->result.score;
-    s->chosen = voice_selection_new(0);
+    s->chosen = s->result.chosen = voice_selection_new(0);
 }
 
-static void add_warnings(struct synthesis *s, const struct score *script, const struct open_piece *piece) {
-    struct score *all = s->result.score;
+static void add_warnings(const struct synthesis *s, struct score *all, const struct score *script,
+                         const struct open_piece *piece) {
     for (size_t i = 0; i < script->warning_count && all->warning_count < SCORE_WARNINGS; i++) {
         struct error warning = script->warnings[i];
         open_piece_place(piece, s->request.text, &warning);
@@ -54,7 +54,8 @@ static int learn_kind(struct synthesis *s, struct error *e) {
     return synthesis_choose(s, e);
 }
 
-static int read_piece(struct synthesis *s, const struct open_piece *piece, struct error *e) {
+int writing_read_piece(struct synthesis *s, const struct open_piece *piece, struct reading_result *into,
+                       struct error *e) {
     struct reading_result r = {0};
     struct markup_rules rules;
     if (learn_kind(s, e))
@@ -71,12 +72,12 @@ static int read_piece(struct synthesis *s, const struct open_piece *piece, struc
     s->voices = voice_pool_hold(s->pipeline->voices);
     synthesis_direct(s, &r);
     voice_pool_let_go(s->pipeline->voices);
-    add_warnings(s, r.score, piece);
-    score_append(s->result.score, r.score, place, piece);
-    voice_selection_append(s->chosen, r.chosen);
-    s->result.marks |= r.marks;
+    add_warnings(s, into->score, r.score, piece);
+    score_append(into->score, r.score, place, piece);
+    voice_selection_append(into->chosen, r.chosen);
+    into->marks |= r.marks;
     if (r.blend == BLEND_WEIGHTED)
-        s->result.blend = r.blend;
+        into->blend = r.blend;
     voice_selection_free(r.chosen);
     score_free(r.score);
     score_free(r.document);
@@ -95,7 +96,7 @@ static int read_on(struct synthesis *s, struct error *e) {
         int found =
             s->request.text ? open_text_next(&w->open, s->request.text, size, end, &rules, &piece, e) : 0;
         if (found > 0) {
-            int result = read_piece(s, &piece, e);
+            int result = writing_read_piece(s, &piece, &s->result, e);
             free(piece.text);
             return result ? -1 : 1;
         }

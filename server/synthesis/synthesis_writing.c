@@ -9,6 +9,10 @@
  * there. Between two words of a language model that is slow lie 50 ms. */
 enum { SETTLE_MS = 200 };
 
+/* The same where it can hardly be anything else, and a program writes, not a person letter by letter: such
+ * write a token in less than BRISK_MS on average. */
+enum { SURE_MS = 20, BRISK_MS = 80 };
+
 static void on_timer(uv_timer_t *timer);
 
 static uint64_t now_of(const struct synthesis *s) {
@@ -23,11 +27,25 @@ void writing_open(struct synthesis *s) {
     w->timer->data = s;
     w->look = on_timer;
     w->last = now_of(s);
+    w->settle = SETTLE_MS;
     w->text_cap = s->request.text ? s->request.text_size + 1 : 0;
     size_t bad = s->request.text ? utf8_feed(&w->utf8, s->request.text, s->request.text_size) : 0;
     if (bad < s->request.text_size)
         error_at_byte(&w->error, ERROR_BAD_UTF8, bad, "the text is not UTF-8");
     writing_wake(s, SETTLE_MS);
+}
+
+static void wrote(struct synthesis *s) {
+    struct writing *w = s->writing;
+    struct markup_rules rules = synthesis_rules(s);
+    w->last = now_of(s);
+    w->first = w->writes++ ? w->first : w->last;
+    bool brisk = w->writes > 2 && w->last - w->first < BRISK_MS * (w->writes - 1);
+    w->settle =
+        brisk && s->score && open_text_surely_ended(&w->open, s->request.text, s->request.text_size, &rules)
+            ? SURE_MS
+            : SETTLE_MS;
+    writing_wake(s, w->settle);
 }
 
 int synthesis_write(struct synthesis *s, const char *text, size_t size, size_t most, struct error *e) {
@@ -49,9 +67,9 @@ int synthesis_write(struct synthesis *s, const char *text, size_t size, size_t m
     memcpy(s->request.text + before, text, size);
     s->request.text_size = before + size;
     s->request.text[s->request.text_size] = '\0';
-    w->last = now_of(s);
-    writing_wake(s, SETTLE_MS);
+    wrote(s);
     synthesis_submit(s);
+    guess_look(s);
     return 0;
 }
 
@@ -114,12 +132,12 @@ static void on_timer(uv_timer_t *timer) {
         synthesis_free(s);
         return;
     }
-    if (!w->closed && silent >= SETTLE_MS && s->score && s->request.text) {
+    if (!w->closed && silent >= w->settle && s->score && s->request.text) {
         rules = synthesis_rules(s);
         if (open_text_seems_ended(&w->open, s->request.text, s->request.text_size, &rules))
             flush(s);
     }
-    if (!w->closed && (silent < SETTLE_MS || most))
-        writing_wake(s, silent < SETTLE_MS ? SETTLE_MS - silent : most - silent);
+    if (!w->closed && (silent < w->settle || most))
+        writing_wake(s, silent < w->settle ? w->settle - silent : most - silent);
     synthesis_deliver(s);
 }

@@ -23,6 +23,7 @@ struct word {
     uint32_t start, end; /* samples */
     size_t from, to;     /* bytes of the input text */
     char *text;          /* what the voice was given to say, UTF-8; NULL when it is not known */
+    float doubt;         /* 0 to 1 whether it is said there; of recordings that were aligned */
 };
 
 struct mark {

@@ -65,6 +65,7 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
     if (!pool->unconfined)
         private_memory();
     pool->cache = cache_open(loop, &options->cache);
+    pool->cluster = options->cluster;
     uv_timer_init(loop, &pool->soon);
     pool->soon.data = pool;
     pool->open_handles = 1;
@@ -117,11 +118,14 @@ void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *
             worker_close(&plugin->workers[k]);
         queue_fail(&plugin->urgent, ERROR_CANCELLED, "is shut down");
         queue_fail(&plugin->waiting, ERROR_CANCELLED, "is shut down");
+        queue_fail(&plugin->ahead, ERROR_CANCELLED, "is shut down");
     }
     queue_fail(&pool->refused, ERROR_CANCELLED, "is shut down");
     queue_fail(&pool->known, ERROR_CANCELLED, "is shut down");
+    queue_fail(&pool->asked, ERROR_CANCELLED, "is shut down");
     cache_close(pool->cache);
     pool->cache = NULL;
+    pool->cluster = NULL;
 }
 
 static struct plugin *plugin_of(struct voice_pool *pool, const struct voice *voice) {
@@ -145,8 +149,19 @@ uint32_t pool_number(struct voice_pool *pool) {
     return ++pool->last_job ? pool->last_job : ++pool->last_job;
 }
 
+void job_begin(struct voice_job *job) {
+    struct voice_pool *pool = job->plugin->pool;
+    if (plugin_runs(job->plugin) && job->plan.text_bytes <= TEXT_BYTES_MAX && !pool->closing) {
+        job_wait(job);
+    } else {
+        job_push(&pool->refused, job);
+        pool_soon(pool);
+    }
+}
+
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
-                                        bool urgent, const struct voice_callbacks *callbacks, void *ctx) {
+                                        enum voice_turn turn, const struct voice_callbacks *callbacks,
+                                        void *ctx) {
     struct voice_job *job = mem_alloc(sizeof *job);
     job->plugin = plugin_of(pool, voice);
     job->number = pool_number(pool);
@@ -154,15 +169,13 @@ struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct vo
     job->callbacks = *callbacks;
     job->ctx = ctx;
     job->plan = plan;
-    job->urgent = urgent;
-    if (pool->cache && job_look_up(job))
+    job->turn = turn;
+    if (job_look_up(job)) {
         job_push(&pool->known, job);
-    else if (!plugin_runs(job->plugin) || job->plan.text_bytes > TEXT_BYTES_MAX || pool->closing)
-        job_push(&pool->refused, job);
-    if (!job->queue)
-        job_wait(job);
-    else
         pool_soon(pool);
+    } else {
+        job_ask(job);
+    }
     return job;
 }
 
@@ -171,13 +184,14 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
     const struct plan_prosody prosody = voice_request_prosody(request, request->voice);
     struct plan plan;
     plan_make(&plan, request->score, request->sentence, &prosody);
-    return voice_pool_speak_plan(pool, request->voice, plan, request->urgent, callbacks, ctx);
+    return voice_pool_speak_plan(pool, request->voice, plan, request->turn, callbacks, ctx);
 }
 
 void voice_job_cancel(struct voice_job *job) {
     job->cancelled = true;
     if (job->worker) {
-        worker_cancel(job->worker);
+        if (!job->gave_way) /* else it is being stopped */
+            worker_cancel(job->worker);
         return;
     }
     job_take_out(job);

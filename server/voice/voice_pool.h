@@ -6,6 +6,7 @@
 
 #include "server/base/error.h"
 #include "server/base/metrics.h"
+#include "server/cluster/cluster.h"
 #include "server/markup/score.h"
 #include "server/voice/boundary_table.h"
 #include "server/voice/plan.h"
@@ -41,6 +42,7 @@ struct voice_pool_options {
     unsigned own_boundaries;
     bool quiet;                 /* plugins that have nothing to run here are not named in the log */
     struct cache_options cache; /* what is kept of finished sentences; all 0 = nothing */
+    struct cluster *cluster;    /* borrowed, until voice_pool_close: what other daemons speak; NULL = none */
     struct metrics *metrics;    /* NULL = nobody counts */
 };
 
@@ -101,6 +103,14 @@ struct voice_wait;
 struct voice_wait *voice_pool_wait(struct voice_pool *pool, void (*changed)(void *ctx), void *ctx);
 void voice_wait_end(struct voice_wait *wait);
 
+/* Whose turn it is, where several wait for a worker. */
+enum voice_turn {
+    VOICE_TURN_USUAL,  /* made a little ahead of who hears it */
+    VOICE_TURN_URGENT, /* somebody waits to hear it: it comes before those, every other time */
+    VOICE_TURN_AHEAD,  /* nobody waits, it is to be kept: it comes when there is nothing else; and when there
+                          is,  while it is spoken, it is broken off and fails with "cancelled" */
+};
+
 /* What to speak: one sentence of a score. Copied by voice_pool_speak. */
 struct voice_request {
     const struct voice *voice;
@@ -108,7 +118,7 @@ struct voice_request {
     size_t sentence;      /* index */
     double rate;          /* words per minute, 0 = the voice's own; the styles' factors multiply it */
     double pitch, volume; /* factors, 1 = the voice's own */
-    bool urgent; /* somebody waits to hear it: it comes before those that are made ahead, every other time */
+    enum voice_turn turn;
 };
 
 /* How well a voice's language fits the wanted one (BCP 47): 3 the same tag, 2 a variety of what is wanted
@@ -129,7 +139,8 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
 
 /* The same for a plan, which the job takes over, and a voice. */
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
-                                        bool urgent, const struct voice_callbacks *callbacks, void *ctx);
+                                        enum voice_turn turn, const struct voice_callbacks *callbacks,
+                                        void *ctx);
 
 /* Forgets the job: no callback will come. A running worker is told to stop. */
 void voice_job_cancel(struct voice_job *job);

@@ -2,11 +2,18 @@
 /* Sentences that were spoken before: what a worker says is kept, and said again. */
 #include "server/voice/voice_pool_internal.h"
 
+/* The most that anybody keeps of one sentence; 0: nobody keeps any. */
+static size_t value_max(const struct voice_pool *pool) {
+    enum { SHARED = 8 << 20 };
+    size_t own = pool->cache ? cache_value_max(pool->cache) : 0;
+    return pool->cluster && own < SHARED ? SHARED : own;
+}
+
 void pool_job_said(struct voice_job *job, const struct wire_frame *frame) {
-    struct voice_cache *cache = job->plugin->pool->cache;
-    if (!cache || job->uncacheable)
+    if (job->uncacheable)
         return;
-    if (job->spoken.size + frame->size + WIRE_HEADER_BYTES > cache_value_max(cache)) {
+    job_making(job);
+    if (job->spoken.size + frame->size + WIRE_HEADER_BYTES > value_max(job->plugin->pool)) {
         job->uncacheable = true;
         buf_free(&job->spoken);
         return;
@@ -18,8 +25,11 @@ void pool_job_said(struct voice_job *job, const struct wire_frame *frame) {
 
 void pool_job_spoken(struct voice_job *job) {
     struct voice_cache *cache = job->plugin->pool->cache;
-    if (cache && !job->uncacheable && job->spoken.size)
+    if (job->uncacheable || !job->spoken.size)
+        return;
+    if (cache)
         cache_put(cache, &job->key, &job->spoken);
+    job_share(job);
 }
 
 /* Says again what the worker once said; a value that cannot be used (it lay on a disk) is spoken anew. */
@@ -44,10 +54,7 @@ void job_recall(struct voice_job *job) {
     assembly_free(job->assembly);
     job->assembly = NULL;
     job->spoken.size = 0;
-    if (plugin_runs(job->plugin))
-        job_wait(job);
-    else
-        job_push(&job->plugin->pool->refused, job);
+    job_begin(job);
 }
 
 /* Makes the key: all that the worker is told, and which worker it is. True when the cache has the sentence.
@@ -55,12 +62,14 @@ void job_recall(struct voice_job *job) {
 bool job_look_up(struct voice_job *job) {
     struct voice_pool *pool = job->plugin->pool;
     const struct faccia_sentence sentence = {job->voice->id, job->plan.spans, job->plan.span_count};
-    job->uncacheable = job->voice->capabilities & FACCIA_VOICE_FRESH;
+    job->uncacheable = !value_max(pool) || job->voice->capabilities & FACCIA_VOICE_FRESH;
     if (job->uncacheable)
         return false;
     wire_put_string(&job->key, job->plugin->edition);
     wire_put_string(&job->key, job->plugin->config);
     wire_put_sentence(&job->key, &sentence);
+    if (!pool->cache)
+        return false;
     const struct buf *value = cache_get(pool->cache, &job->key);
     metrics_add(pool->metrics, value ? METRIC_CACHE_HITS : METRIC_CACHE_MISSES, 1);
     if (value)

@@ -3,6 +3,7 @@
 #ifndef FACCIA_VOICE_VOICE_POOL_INTERNAL_H
 #define FACCIA_VOICE_VOICE_POOL_INTERNAL_H
 
+#include "server/base/etag.h"
 #include "server/voice/assembly.h"
 #include "server/voice/descriptor_reserve.h"
 #include "server/voice/plan.h"
@@ -21,14 +22,17 @@ struct voice_job {
     struct plugin *plugin;
     struct worker *worker; /* that speaks it */
     uint32_t number;       /* on the wire */
-    bool urgent;
+    enum voice_turn turn;
+    bool gave_way;  /* it was ahead, and somebody came */
     bool cancelled; /* nobody waits for it any more */
     bool moved;     /* to another worker, as the first one fell silent */
     const struct voice *voice;
     struct plan plan;
     struct assembly *assembly;
-    struct buf key;    /* of the cache; empty without one */
-    struct buf spoken; /* what the worker has said, for the cache; given up when it grows too large */
+    struct cluster_ask *ask; /* other daemons are asked for it; it stands in `asked` */
+    uint64_t claimed;        /* loop time at which they were told last that it is made here; 0 = never */
+    struct buf key;          /* of the cache; empty without one */
+    struct buf spoken;       /* what the worker has said, for the cache; given up when it grows too large */
     bool uncacheable;
     struct voice_callbacks callbacks;
     void *ctx;
@@ -66,15 +70,15 @@ struct worker {
 struct plugin {
     struct voice_pool *pool;
     char *name, *path, *config;
-    char edition[48]; /* changes when the plugin's file does */
+    char edition[ETAG_BYTES]; /* changes when the plugin's file does */
     struct worker *workers;
     size_t worker_count, spare_count;
     size_t seat_count; /* the usual ones come first; spare ones after them, and in place of the usual ones */
-    struct job_queue urgent, waiting; /* sentences, oldest first */
-    bool urgent_last;                 /* the last one that left was urgent */
-    bool known;                       /* its voices are listed, or nobody waits for them any longer */
-    bool listed;                      /* they are */
-    char *absence;                    /* why it had nothing to run at the start; NULL: it had */
+    struct job_queue urgent, waiting, ahead; /* sentences, oldest first */
+    bool urgent_last;                        /* the last one that left was urgent */
+    bool known;                              /* its voices are listed, or nobody waits for them any longer */
+    bool listed;                             /* they are */
+    char *absence;                           /* why it had nothing to run at the start; NULL: it had */
 };
 
 /* The voices of all plugins. Pointers into it stay valid when it grows: old lists are kept. */
@@ -99,8 +103,10 @@ struct voice_pool {
     uint32_t last_job;
     struct job_queue refused;                /* sentences that cannot be spoken and wait for the callback, */
     struct job_queue known;                  /* sentences that were found in the cache and wait for theirs, */
+    struct job_queue asked;                  /* sentences that other daemons are asked for, */
     uv_timer_t soon;                         /* which may not come inside voice_pool_speak */
     struct voice_cache *cache;               /* NULL = none */
+    struct cluster *cluster;                 /* NULL = none */
     const struct boundary_table *boundaries; /* NULL = phones lie where the voices say */
     struct metrics *metrics;
     void (*ready)(void *ctx);
@@ -134,6 +140,7 @@ void plugins_tell_gaps(struct voice_pool *pool, const char *description); /* wha
 
 /* voice_pool_queue.c */
 void job_push(struct job_queue *queue, struct voice_job *job); /* at its end */
+struct job_queue *job_queue_of(const struct voice_job *job);   /* that it waits in */
 void job_take_out(struct voice_job *job);                      /* of its queue */
 void job_wait(struct voice_job *job);                          /* for a worker, which may be idle */
 void job_free(struct voice_job *job);
@@ -155,6 +162,14 @@ void pool_job_said(struct voice_job *job, const struct wire_frame *frame);
 void pool_job_spoken(struct voice_job *job); /* all of it, and without a failure */
 bool job_look_up(struct voice_job *job);     /* true: the cache has it, and job_recall can speak it */
 void job_recall(struct voice_job *job);
+
+/* voice_pool_shared.c */
+void job_ask(struct voice_job *job);    /* the other daemons, if there are any; then it is begun */
+void job_making(struct voice_job *job); /* says so to them, now and then */
+void job_share(struct voice_job *job);  /* gives them what was spoken, or nothing: they need not wait */
+
+/* voice_pool.c */
+void job_begin(struct voice_job *job); /* it waits for a worker, or for being refused */
 
 /* worker.c */
 enum { WORKER_RETIRE_MS = 10000 }; /* after which a spare one with nothing to do goes */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plugins that lie in a folder, and what they are confined by. */
 #include "server/base/buf.h"
+#include "server/base/etag.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/voice/voice_pool_internal.h"
@@ -9,7 +10,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 
 /* The plugin's own part of the configuration, as text. */
 static char *config_of(const json_t *config, const char *name) {
@@ -20,6 +20,21 @@ static char *config_of(const json_t *config, const char *name) {
 
 static int by_name(const void *a, const void *b) {
     return strcmp(((const struct plugin *)a)->name, ((const struct plugin *)b)->name);
+}
+
+/* The same file has the same one on every machine. */
+static void edition_of(const char *path, char edition[ETAG_BYTES]) {
+    struct buf text = {0};
+    FILE *file = fopen(path, "rb");
+    size_t got = file != NULL;
+    while (got) {
+        got = fread(buf_reserve(&text, 65536), 1, 65536, file);
+        text.size += got;
+    }
+    if (file)
+        fclose(file);
+    etag_of(text.data, text.size, edition);
+    buf_free(&text);
 }
 
 int plugins_find(struct voice_pool *pool, const struct voice_pool_options *options, struct error *e) {
@@ -37,10 +52,7 @@ int plugins_find(struct voice_pool *pool, const struct voice_pool_options *optio
         plugin->config = config_of(config, plugin->name);
         plugin->path = mem_alloc(strlen(options->plugin_dir) + strlen(entry->d_name) + 2);
         sprintf(plugin->path, "%s/%s", options->plugin_dir, entry->d_name);
-        struct stat file = {0};
-        stat(plugin->path, &file);
-        snprintf(plugin->edition, sizeof plugin->edition, "%lld.%09ld", (long long)file.st_mtim.tv_sec,
-                 file.st_mtim.tv_nsec);
+        edition_of(plugin->path, plugin->edition);
     }
     if (folder)
         closedir(folder);

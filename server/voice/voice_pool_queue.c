@@ -12,6 +12,13 @@ void job_push(struct job_queue *queue, struct voice_job *job) {
     queue->last = job;
 }
 
+struct job_queue *job_queue_of(const struct voice_job *job) {
+    struct plugin *plugin = job->plugin;
+    return job->turn == VOICE_TURN_URGENT  ? &plugin->urgent
+           : job->turn == VOICE_TURN_AHEAD ? &plugin->ahead
+                                           : &plugin->waiting;
+}
+
 void job_take_out(struct voice_job *job) {
     struct job_queue *queue = job->queue;
     struct voice_job **at = &queue->first, *before = NULL;
@@ -32,12 +39,17 @@ struct voice_job *pool_next_job(struct plugin *plugin) {
     struct voice_job *urgent = plugin->urgent.first, *waiting = plugin->waiting.first;
     struct voice_job *job = urgent && (!waiting || !plugin->urgent_last) ? urgent : waiting;
     plugin->urgent_last = job && job == urgent;
+    if (!job)
+        job = plugin->ahead.first;
     if (job)
         job_take_out(job);
     return job;
 }
 
 void job_free(struct voice_job *job) {
+    cluster_forget(job->ask);
+    job->spoken.size = 0;
+    job_share(job);
     assembly_free(job->assembly);
     plan_free(&job->plan);
     buf_free(&job->key);
@@ -64,16 +76,32 @@ void pool_job_end(struct voice_job *job, struct sentence_audio *u, const struct 
         callbacks.failed(ctx, e);
 }
 
+/* Somebody waits while a worker speaks for nobody: it stops. One is enough. */
+static void make_way(struct plugin *plugin) {
+    for (size_t i = 0; i < plugin->seat_count; i++) {
+        struct worker *w = &plugin->workers[i];
+        if (w->job && w->job->turn == VOICE_TURN_AHEAD && w->state == WORKER_SPEAKING) {
+            w->job->gave_way = true;
+            worker_cancel(w);
+            return;
+        }
+    }
+}
+
 void job_wait(struct voice_job *job) {
     struct plugin *plugin = job->plugin;
     bool stuck = true;
-    job_push(job->urgent ? &plugin->urgent : &plugin->waiting, job);
+    job_push(job_queue_of(job), job);
     for (size_t i = 0; i < plugin->seat_count && !job->worker; i++) {
         worker_wake(&plugin->workers[i]);
         stuck = stuck && spare_is_stuck(&plugin->workers[i]);
     }
+    if (job->turn == VOICE_TURN_AHEAD)
+        return;
     if (!job->worker && stuck)
         spare_call(plugin);
+    if (!job->worker)
+        make_way(plugin);
 }
 
 void queue_fail(struct job_queue *queue, enum error_code code, const char *why) {
@@ -89,6 +117,7 @@ void queue_fail(struct job_queue *queue, enum error_code code, const char *why) 
 void pool_fail_waiting(struct plugin *plugin) {
     queue_fail(&plugin->urgent, ERROR_VOICE_FAILED, "does not run");
     queue_fail(&plugin->waiting, ERROR_VOICE_FAILED, "does not run");
+    queue_fail(&plugin->ahead, ERROR_VOICE_FAILED, "does not run");
 }
 
 bool plugin_runs(const struct plugin *plugin) {

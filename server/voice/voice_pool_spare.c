@@ -71,7 +71,7 @@ void spare_rescue(struct plugin *plugin) {
             continue;
         struct voice_job *job = worker_give_up_job(w);
         job->moved = true;
-        job_push(job->urgent ? &plugin->urgent : &plugin->waiting, job);
+        job_push(job_queue_of(job), job);
     }
 }
 

@@ -79,7 +79,7 @@ void worker_lose(struct worker *w, enum error_code code, const char *why, bool h
     if (w->process)
         process_stop(w->process, hopeless); /* one that has said why it ends is about to */
     w->process = NULL;
-    error_set(&e, code, "the voice %s %s", plugin->name, why);
+    error_set(&e, w->job && w->job->gave_way ? ERROR_CANCELLED : code, "the voice %s %s", plugin->name, why);
     if (state == WORKER_IDLE || state == WORKER_SPEAKING || state == WORKER_LOST)
         log_warn("the voice %s %s; it is started again", plugin->name, why);
     w->state = WORKER_RESTING;

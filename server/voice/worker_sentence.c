@@ -8,6 +8,7 @@
 enum {
     SLOW_PATIENCE = 4, /* times the deadline, for voices that say that they are slow */
     STOP_MS = 300,     /* to stop speaking when told to */
+    WAY_MS = 2000,     /* the same, for somebody who would wait longer for another process */
 };
 
 /* All has been said about the sentence. */
@@ -24,6 +25,8 @@ static void done(struct worker *w, struct wire_reader *r) {
     w->failed_starts = 0;
     if (job->cancelled)
         failed = 0;
+    else if (job->gave_way)
+        failed = (uint32_t)-error_plain(&e, ERROR_CANCELLED);
     else if (failed)
         error_set(&e, ERROR_VOICE_FAILED, "the voice %s failed: %s", w->plugin->name,
                   message && *message ? message : "it does not say why");
@@ -61,8 +64,11 @@ void worker_said(void *ctx, const struct wire_frame *frame) {
         return;
     }
     spare_heard(w);
-    if (frame->type == WIRE_ALIVE && (w->job || w->state == WORKER_LOST))
+    if (frame->type == WIRE_ALIVE && (w->job || w->state == WORKER_LOST)) {
+        if (w->job)
+            job_making(w->job);
         return;
+    }
     if (w->state == WORKER_LOST && frame->job == w->dropped) {
         came_back(w, frame);
         return;
@@ -109,6 +115,7 @@ void worker_wake(struct worker *w) {
     wire_put_sentence(&b, &sentence);
     wire_end(&b, place);
     job->worker = w;
+    job->gave_way = false;
     job->assembly = assembly_new(&job->plan);
     w->job = job;
     be_patient(w);
@@ -126,7 +133,7 @@ static void tell_to_stop(struct worker *w) {
 }
 
 void worker_cancel(struct worker *w) {
-    worker_set_state(w, WORKER_STOPPING, STOP_MS);
+    worker_set_state(w, WORKER_STOPPING, w->job->gave_way ? WAY_MS : STOP_MS);
     tell_to_stop(w);
 }
 

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the cache of finished sentences saves: the time until speech begins for a sentence that was spoken before, next to one that
-// was not, and next to a request that needs no voice at all, in one run. From memory and from a file.
+// was not, and next to a request that needs no voice at all, in one run. From memory, from a file, and from another daemon by Redis.
 // Usage: node tests/bench/cache.mjs [RUNS] [VOICE]...
 import fs from 'node:fs';
 import http from 'node:http';
 import os from 'node:os';
 import path from 'node:path';
-import { Daemon } from '../lib/daemon.mjs';
+import { Daemon, eventually } from '../lib/daemon.mjs';
+import { Redis } from '../lib/redis.mjs';
 import { median, quantile } from './figures.mjs';
 import { sentence } from './text.mjs';
 
@@ -56,10 +57,7 @@ async function round(daemon, voice) {
   return { socket, ask };
 }
 
-async function counts(daemon) {
-  const metrics = await (await daemon.get('/metrics')).text();
-  return ['hit', 'miss'].map((result) => Number(metrics.match(new RegExp(`^faccia_cache_total\\{result="${result}"\\} (.*)$`, 'm'))[1]));
-}
+const counts = (daemon, what = 'cache') => Promise.all(['hit', 'miss'].map((result) => daemon.metric(`faccia_${what}_total{result="${result}"}`)));
 
 const report = (what, { socket, ask }) => console.log(`  ${what}: speak to first media ${show(socket)}, POST to first line ${show(ask)} ms`);
 
@@ -87,5 +85,20 @@ for (const voice of there) {
   if ((await counts(daemon))[1]) throw new Error('not all of it came from the cache');
 }
 await daemon.stop();
+const redis = await Redis.start();
+const [one, two] = await Promise.all([0, 1].map(() => Daemon.start(['--cluster', redis.url, '--cache', '0'])));
+for (const daemon of [one, two]) await eventually(async () => (await (await daemon.get('/healthz')).json()).cluster === 'up');
+for (const voice of there) {
+  redis.cli('flushall');
+  console.log(`${voice}, two daemons that share`);
+  report('spoken by one', await round(one, voice));
+  const before = await counts(two, 'cluster_sentences');
+  report('from it, by the other', await round(two, voice));
+  const now = await counts(two, 'cluster_sentences');
+  const sizes = redis.names('*speech').map((name) => Number(redis.cli('strlen', name)));
+  console.log(`  ${now[0] - before[0]} of ${now[0] - before[0] + now[1] - before[1]} were there; ${(median(sizes) / 1000).toFixed(0)} kB of Redis for a sentence`);
+}
+for (const daemon of [one, two]) await daemon.stop();
+redis.stop();
 agent.destroy();
 fs.rmSync(folder, { recursive: true });

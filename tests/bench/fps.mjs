@@ -2,8 +2,9 @@
 // Pictures a second in headless Chromium with software rendering at 640 x 480, and the processor time that each takes (of all the browser's
 // processes): the page while she speaks, in `low`, `high` and `auto`, beside a head of the kind that others draw (reference-head.mjs), and an
 // empty page that only counts its frames; in turns, so that what else the machine does falls on all. With --before also the page as
-// another folder has it (a build/web of an older commit).
-// Usage: node tests/bench/fps.mjs [--seconds 8] [--turns 3] [--before FOLDER] [--model mara]
+// another folder has it (a build/web of an older commit). Chromium is as it is without a graphics processor: SwiftShader draws faces, and the
+// page is put together without it. With --forced that goes through SwiftShader as well, which no visitor has, and older figures have.
+// Usage: node tests/bench/fps.mjs [--seconds 8] [--turns 3] [--before FOLDER] [--model mara] [--forced] [--only high] (beside the reference)
 import fs from 'node:fs';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
@@ -15,7 +16,7 @@ import { bundle } from './page-script.mjs';
 import { prose } from './text.mjs';
 
 const { values: options } = parseArgs({
-  options: { seconds: { type: 'string', default: '8' }, turns: { type: 'string', default: '3' }, before: { type: 'string' }, model: { type: 'string', default: 'mara' } },
+  options: { seconds: { type: 'string', default: '8' }, turns: { type: 'string', default: '3' }, before: { type: 'string' }, model: { type: 'string', default: 'mara' }, forced: { type: 'boolean', default: false }, only: { type: 'string', default: '' } },
 });
 const SETTLED_MS = 5000; // until shaders are compiled and heads have few triangles
 const seconds = Number(options.seconds);
@@ -28,7 +29,7 @@ if (options.before) {
   before = await Daemon.start([], { FACCIA_WEB: path.resolve(options.before) });
   daemons.push(before.process.pid);
 }
-const browser = await launch();
+const browser = await launch({ forced: options.forced });
 const spent = () => descendantSeconds(daemons);
 
 /** Frames that a page draws in a while, by a counter that it keeps, and what each costs. */
@@ -74,7 +75,8 @@ async function other() {
 }
 
 async function ours(quality, { url }) {
-  const page = await openPage(browser, url, { quality });
+  const page = await openPage(browser, url);
+  await page.evaluate((wanted) => document.querySelector('talking-head').setAttribute('quality', wanted), quality);
   await page.evaluate(() => Object.assign(document.querySelector('talking-head').style, { width: '640px', height: '480px', position: 'fixed', inset: 0, maxWidth: 'none' }));
   await page.evaluate((text) => void document.querySelector('talking-head').speak(text, { lang: 'it' }), prose(seconds + 12));
   const found = await rate(page, () => document.querySelector('talking-head').debug().frames);
@@ -88,14 +90,14 @@ const kinds = [
   ['reference', other],
   ...['low', 'high', 'auto'].map((quality) => [quality, () => ours(quality, daemon)]),
   ...(before ? ['low', 'high'].map((quality) => [`${quality}, before`, () => ours(quality, before)]) : []),
-];
+].filter(([name]) => name === 'reference' || name.includes(options.only));
 const found = new Map(kinds.map(([name]) => [name, []]));
 const stop = watchOthers();
 const begun = Number(process.hrtime.bigint()) / 1e6;
 for (let turn = 0; turn < Number(options.turns); turn++) for (const [name, measure] of kinds) found.get(name).push(await measure());
 const others = stop()(begun, Number(process.hrtime.bigint()) / 1e6);
 const of = (name, what) => median(found.get(name).map((one) => one[what]));
-console.log(`640 x 480, ${options.turns} turns of ${seconds} s, ${options.model}; other programs took ${others.toFixed(2)} processors`);
+console.log(`640 x 480${options.forced ? ', forced' : ''}, ${options.turns} turns of ${seconds} s, ${options.model}; other programs took ${others.toFixed(2)} processors`);
 console.log('| | pictures a second | beside the reference | processor, ms a picture | beside the reference | triangles |\n|---|---|---|---|---|---|');
 for (const [name, list] of found) {
   const [fps, cost] = [of(name, 'fps'), of(name, 'cost')];

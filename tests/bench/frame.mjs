@@ -59,7 +59,7 @@ const pose = (t) => {
 };
 const point = new Uint8Array(4);
 const wait = (gl) => gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, point);
-const partOf = (mesh) => head.parts.find((one) => (one.shape ?? one).geometry === mesh.geometry).part.name;
+const partOf = (mesh) => (mesh.userData.of ?? head.parts.find((one) => (one.shape ?? one).geometry === mesh.geometry)).part.name;
 window.parts = () => [...new Set(head.group.children.filter((mesh) => mesh.visible).map(partOf))];
 
 let flat = false;

@@ -67,6 +67,39 @@ for (const q of queries) {
 console.log(`${count} searches over HTTP, one after the other: ${quantiles(times)}`);
 console.log(`of the processor, all of the daemon's threads, whatever ran beside: ${quantiles(costs)}`);
 
+// passages by id: of any work and section; then spoken, next to their text, by turns
+const shelf = (await (await daemon.get('/v1/library?limit=1000')).json()).works;
+const places = [];
+for (let i = 0; places.length < count; i++) {
+  const { id, sections } = shelf[i % shelf.length];
+  const { blocks } = await (await daemon.get(`/v1/library/works/${id}/sections/${1 + ((i * 7) % sections)}`)).json();
+  for (let k = 0; k < 10 && places.length < count; k++) places.push(blocks[(k * 37) % blocks.length].id);
+}
+const lookups = [], lookupCosts = [];
+for (const id of places) {
+  const [before, from] = [spent(daemon.process.pid), performance.now()];
+  await (await fetch(`${daemon.url}/v1/library/passages/${id}`)).text();
+  lookups.push(performance.now() - from);
+  lookupCosts.push(spent(daemon.process.pid) - before);
+}
+console.log(`${count} passages by id over HTTP: ${quantiles(lookups)}; of the processor: ${quantiles(lookupCosts)}`);
+await daemon.logged(/ready: /);
+const stream = await daemon.stream();
+const spoken = { passage: [], text: [] };
+for (const [i, id] of places.slice(0, 60).entries()) {
+  const { text } = await (await daemon.get(`/v1/library/passages/${places[(i + 60) % places.length]}`)).json();
+  for (const [way, what] of Object.entries({ passage: { passage: id }, text: { text } })) {
+    const [chunks, messages, from] = [stream.chunks.length, stream.messages.length, performance.now()];
+    stream.send({ type: 'speak', voice: 'espeak:it', lang: 'it', ...what });
+    await stream.until(() => stream.chunks.length > chunks);
+    spoken[way].push(stream.chunks[chunks].arrived - from);
+    stream.send({ type: 'stop' });
+    await stream.wait({ type: 'end' }, { from: messages });
+  }
+}
+await stream.close();
+for (const [way, times] of Object.entries(spoken)) console.log(`60 spoken by ${way}, from speak to first media: ${quantiles(times)}`);
+
 const script = queries.slice(0, 100).map((q) => `SELECT count(*) FROM (SELECT rowid FROM found WHERE found MATCH '${q.split(' ').map((w) => `word:${w}`).join(' AND ')}' ORDER BY rank LIMIT 20);`);
 const bare = spawnSync('sqlite3', ['-cmd', '.timer on', index], { input: script.join('\n'), encoding: 'utf8' });
 console.log(`100 of them by sqlite3, words as written, all ranked: ${quantiles([...bare.stdout.matchAll(/real ([\d.]+)/g)].map(([, s]) => 1000 * s))}`);

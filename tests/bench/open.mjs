@@ -1,16 +1,21 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Text that is spoken while it is written: from the last token of the first sentence to the first media message, next to a `speak` of that
 // sentence alone, in turns. The writer is a stand-in for a language model: a token of up to five characters in each interval.
-// Usage: node tests/bench/open.mjs [RUNS]
+// Usage: node tests/bench/open.mjs [RUNS]; FACCIA_BUILD=... measures another build
 import { setTimeout as sleep } from 'node:timers/promises';
 import { Daemon } from '../lib/daemon.mjs';
 import { median, quantile } from './figures.mjs';
-import { sentence } from './text.mjs';
 
 const runs = Number(process.argv[2] ?? 20);
 const daemon = await Daemon.start(['--cache', '0']);
-const first = sentence.slice(0, sentence.indexOf('.') + 1);
-const rest = ' Poi viene una seconda frase. E una terza.';
+/** The first sentence, and what follows. */
+const TEXTS = {
+  it: ['Nel mezzo del cammino di nostra vita mi ritrovai per una selva oscura.', ' Poi viene una seconda frase. E una terza.'],
+  'pt-BR': ['O vento norte e o sol discutiam para saber qual dos dois era o mais forte.', ' Depois vem uma segunda frase. E uma terceira.'],
+  tr: ['Poyraz ile güneş birbirlerinden daha güçlü olduklarını ileri sürerek tartışıyorlardı.', ' Sonra ikinci bir cümle gelir. Bir de üçüncü.'],
+  en: ['The north wind and the sun were arguing about which of them was the stronger.', ' Then comes a second sentence. And a third one.'],
+};
+let lang, first, rest; // what is measured at present
 const tokens = (text) => text.match(/[^]{1,5}/g);
 
 /** Milliseconds from what `act` gives, the moment of the last token, to the first media. */
@@ -28,13 +33,13 @@ async function measure(act) {
 
 const speak = (stream) => {
   const now = performance.now();
-  stream.send({ type: 'speak', id: 'a', lang: 'it', text: first });
+  stream.send({ type: 'speak', id: 'a', lang, text: first });
   return now;
 };
 
 /** All but the full stop is there; what happens then. */
 const open = (then) => async (stream) => {
-  stream.send({ type: 'speak', id: 'a', lang: 'it', open: true });
+  stream.send({ type: 'speak', id: 'a', lang, open: true });
   for (const text of tokens(first.slice(0, -1))) stream.send({ type: 'text', id: 'a', text });
   await sleep(20);
   const now = performance.now();
@@ -62,25 +67,27 @@ const ways = {
   'nothing follows': open(() => {}),
   'the whole text at once, open': async (stream) => {
     const now = performance.now();
-    stream.send({ type: 'speak', id: 'a', lang: 'it', open: true, text: first + rest });
+    stream.send({ type: 'speak', id: 'a', lang, open: true, text: first + rest });
     stream.send({ type: 'close', id: 'a' });
     return now;
   },
   'the whole text at once, speak': async (stream) => {
     const now = performance.now();
-    stream.send({ type: 'speak', id: 'a', lang: 'it', text: first + rest });
+    stream.send({ type: 'speak', id: 'a', lang, text: first + rest });
     return now;
   },
 };
 
-const found = Object.fromEntries(Object.keys(ways).map((name) => [name, []]));
-for (let run = -2; run < runs; run++)
-  for (const [name, act] of Object.entries(ways)) {
-    const taken = await measure(act);
-    if (run >= 0) found[name].push(taken);
-  }
-const base = median(found['speak of the sentence']);
-for (const [name, all] of Object.entries(found))
-  console.log(`${name}: ${median(all).toFixed(1)} ms (90 %: ${quantile(all, 0.9).toFixed(1)}), above speak ${(median(all) - base).toFixed(1)} ms`);
-console.log(`(${first.length} characters, ${runs} runs, medians)`);
+for ([lang, [first, rest]] of Object.entries(TEXTS)) {
+  const found = Object.fromEntries(Object.keys(ways).map((name) => [name, []]));
+  for (let run = -2; run < runs; run++)
+    for (const [name, act] of Object.entries(ways)) {
+      const taken = await measure(act);
+      if (run >= 0) found[name].push(taken);
+    }
+  const base = median(found['speak of the sentence']);
+  console.log(`${lang} (${first.length} characters, ${runs} runs, medians)`);
+  for (const [name, all] of Object.entries(found))
+    console.log(`  ${name}: ${median(all).toFixed(1)} ms (90 %: ${quantile(all, 0.9).toFixed(1)}), above speak ${(median(all) - base).toFixed(1)} ms`);
+}
 await daemon.stop();

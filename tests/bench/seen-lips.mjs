@@ -1,29 +1,37 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Do the lips of a film come back? A head of ours speaks sentences with another's habits (vowels half as wide open again, rounder); pictures of it
-// are watched by `faccia head lips`, the curves compared with the FAPs that were played, and a pack is fitted to them: does it foretell other sentences, as
-// the film shows them, and as they were played?
-// With --markers eight markers on the face take the place of the film.
-// node tests/bench/seen-lips.mjs [HEAD] [--fps N] [--markers]; pictures are kept in build/seen-lips.
+// Do the lips of a film come back? A head of ours speaks sentences with another's habits (vowels half as wide open again, consonants narrower); pictures
+// of it as the page draws them, swaying, are watched by `faccia head lips`, the curves compared with the FAPs that were played; and with --fit a pack is
+// fitted to two sentences: does it foretell the others, as the film shows them, and as they were played? With --markers eight markers on the face take
+// the place of the film.
+// node tests/bench/seen-lips.mjs [HEAD] [--sentences 0,1,2,3] [--lines 1080|720|480] [--crf N] [--iris] [--fps N] [--fit] [--markers]; pictures are kept in build/seen-lips. Lines are
+// those of a whole picture that shows 27 cm of height; with --crf they go through x264.
+// The scale is from the distance of the pupils, or with --iris from the iris.
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
+import { parseArgs } from 'node:util';
 import { PARAMETERS } from '../../models/tools/lips/articulation.mjs';
 import { pose } from '../../models/tools/lib/deform.mjs';
-import { film, headOf, sway } from '../lib/film.mjs';
+import { launch } from '../lib/browser.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
+import { headOf, shoot, sway } from '../lib/film.mjs';
+import { headPage } from '../lib/head-page.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
-const args = process.argv.slice(2);
-const fps = args.includes('--fps') ? Number(args.splice(args.indexOf('--fps'), 2)[1]) : 25;
-const marked = args.includes('--markers') && args.splice(args.indexOf('--markers'), 1).length > 0;
-const [name = 'samuel'] = args;
+const text = { type: 'string' };
+const { values: wanted, positionals: [name = 'samuel'] } = parseArgs({
+  allowPositionals: true,
+  options: { sentences: { ...text, default: '0,1,2,3' }, lines: { ...text, default: '1080' }, crf: text, iris: { type: 'boolean' }, fps: { ...text, default: '25' }, fit: { type: 'boolean' }, markers: { type: 'boolean' } },
+});
+const [fps, lines, marked] = [Number(wanted.fps), Number(wanted.lines), wanted.markers];
 const folder = path.join(root, 'build/seen-lips', `${name}-${fps}${marked ? '-markers' : ''}`);
 const models = path.join(folder, 'models');
 const faccia = path.join(root, 'build/server/app/faccia');
 const env = { ...process.env, FACCIA_MODELS: models };
 const SENTENCES = ['La barca scivola sul mare.', 'Una nuvola bianca passa piano.', 'Due gatti dormono sopra la sedia.', 'Sul prato fiorisce una rosa.'];
 const FITTED = 2; // the first of them; the others are to be foretold
+const IRIS = 10.9; // mm: our heads'
 const REST = 0.3; // s before and behind, in which the mouth is still
 
 fs.mkdirSync(models, { recursive: true });
@@ -58,26 +66,22 @@ const told = (head, f) => {
   return [-f[5] * mns, -f[4] * mns, (f[6] + f[7]) * mw, f[16] * mns, f[17] * mns, f[3] * mns];
 };
 
-function compare(head, takes, plain) {
-  const sums = new Map();
-  for (const { base, frames } of takes) {
-    const [names, ...rows] = fs.readFileSync(`${base}${plain ? '.plain' : ''}.csv`, 'utf8').trim().split('\n').map((line) => line.split(','));
-    for (const [p, parameter] of PARAMETERS.entries()) {
+/** Curves beside what was played: as they are, without their mean, and after the line that fits best. */
+function compare(head, takes) {
+  for (const [p, parameter] of PARAMETERS.entries()) {
+    const pairs = takes.flatMap(({ csv, frames }) => {
+      const [names, ...rows] = fs.readFileSync(csv, 'utf8').trim().split('\n').map((line) => line.split(','));
       const column = names.indexOf(parameter);
-      if (column < 0) continue;
-      const pairs = rows.map((row) => [Number(row[column]), told(head, frames[Math.round(row[0] * fps)])[p]]);
-      const off = pairs.reduce((sum, [a, b]) => sum + a - b, 0) / pairs.length; // where rest is, is one number
-      const list = sums.get(parameter) ?? sums.set(parameter, []).get(parameter);
-      list.push(...pairs.map(([a, b]) => [a - off, b]));
-    }
-  }
-  for (const [parameter, pairs] of sums) {
-    const rms = Math.sqrt(pairs.reduce((sum, [a, b]) => sum + (a - b) ** 2, 0) / pairs.length);
-    const mean = pairs.reduce((sum, [, b]) => sum + b, 0) / pairs.length;
-    const [sa, sb] = [0, 1].map((k) => Math.sqrt(pairs.reduce((sum, pair) => sum + (pair[k] - mean) ** 2, 0) / pairs.length));
-    const correlation = pairs.reduce((sum, [a, b]) => sum + (a - mean) * (b - mean), 0) / pairs.length / sa / sb;
-    const within = pairs.filter(([a, b]) => Math.abs(a - b) <= 0.3).length / pairs.length;
-    console.log(`${plain ? 'landmarks as they are, ' : ''}${parameter}: ${rms.toFixed(2)} mm rms of ${sb.toFixed(2)}, correlation ${correlation.toFixed(2)}, ${Math.round(100 * within)} % within 0.3 mm`);
+      return rows.map((row) => [Number(row[column]), told(head, frames[Math.round(row[0] * fps)])[p]]);
+    });
+    const mean = (of) => pairs.reduce((sum, pair) => sum + of(pair), 0) / pairs.length;
+    const [ma, mb] = [mean(([a]) => a), mean(([, b]) => b)];
+    const [aa, bb, ab] = [mean(([a]) => (a - ma) ** 2), mean(([, b]) => (b - mb) ** 2), mean(([a, b]) => (a - ma) * (b - mb))];
+    const rms = Math.sqrt(mean(([a, b]) => (a - b) ** 2));
+    const centred = Math.sqrt(Math.max(0, rms * rms - (ma - mb) ** 2));
+    const off = pairs.map(([a, b]) => Math.abs(a - b)).sort((a, b) => a - b);
+    console.log(`${parameter}: ${rms.toFixed(2)} mm rms of ${Math.sqrt(bb).toFixed(2)}; without its mean ${centred.toFixed(2)}, after the best line ${Math.sqrt(Math.max(0, bb - (ab * ab) / aa)).toFixed(2)} ` +
+      `(slope ${(ab / aa).toFixed(2)}), correlation ${(ab / Math.sqrt(aa * bb)).toFixed(3)}; the median ${off[off.length >> 1].toFixed(2)}, ${Math.round((100 * off.filter((x) => x <= 0.3).length) / off.length)} % within 0.3 mm`);
   }
 }
 
@@ -105,30 +109,42 @@ function tiltOf({ fdp }) {
   return (Math.atan2((left[1] + right[1]) / 2 - nose[1], nose[2] - (left[2] + right[2]) / 2) * 180) / Math.PI;
 }
 
+/** The pictures as a camera of so many lines would have them, or through x264. */
+function filmOf(pictures) {
+  if (lines === 1080 && wanted.crf === undefined) return pictures;
+  const out = `${pictures}-${lines}-${wanted.crf ?? 0}.mp4`;
+  const scale = `scale=w=trunc(iw*${lines}/2160)*2:h=trunc(ih*${lines}/2160)*2:flags=area`;
+  execFileSync('ffmpeg', ['-v', 'error', '-y', '-framerate', String(fps), '-i', path.join(pictures, '%04d.png'), '-vf', scale, '-c:v', 'libx264', '-crf', wanted.crf ?? '0', '-pix_fmt', 'yuv420p', out]);
+  return out;
+}
+
 const head = headOf(name);
 writeSpeaker();
-const takes = [];
-for (const [n, text] of SENTENCES.entries()) {
-  const take = speak(text, n);
-  takes.push(take);
-  if (marked) track(head, take.frames, path.join(folder, `film${n}.csv`));
-  else await film(head, take.frames, path.join(folder, `film${n}`), { tell: (i) => i % 25 || console.error(`${text} ${i} of ${take.frames.length}`) });
+const takes = wanted.sentences.split(',').map((n) => ({ n, ...speak(SENTENCES[n], n) }));
+const missing = takes.filter(({ n, frames }) => !fs.existsSync(path.join(folder, `film${n}`, `${String(frames.length).padStart(4, '0')}.png`)));
+if (!marked && missing.length) {
+  const browser = await launch();
+  const page = await headPage(browser);
+  await page.load('head', JSON.parse(fs.readFileSync(path.join(root, `build/models/heads/${name}.json`), 'utf8')));
+  for (const { n, frames } of missing) await shoot(page, 'head', frames, path.join(folder, `film${n}`));
+  await browser.close();
 }
-for (const [n, { base }] of takes.entries())
-  for (const plain of marked ? [false] : [false, true]) {
-    const source = marked ? [path.join(folder, `film${n}.csv`), `--tilt=${tiltOf(head)}`] : [path.join(folder, `film${n}`), '--fps', String(fps)];
-    const { status, stderr } = spawnSync('node', [path.join(root, 'models/tools/lips/faccia-lips.mjs'), ...source, '-o', `${base}${plain ? '.plain' : ''}.csv`, ...(plain ? ['--plain'] : [])], { encoding: 'utf8' });
-    if (status) throw new Error(stderr);
-  }
-console.log(`${name}, ${fps} pictures a second, ${takes.reduce((sum, { frames }) => sum + frames.length, 0)} of them`);
-compare(head, takes, false);
-if (!marked) compare(head, takes, true);
+for (const take of takes) {
+  const pictures = path.join(folder, `film${take.n}`);
+  if (marked) track(head, take.frames, `${pictures}.csv`);
+  take.csv = `${take.base}.csv`;
+  const source = marked ? [`${pictures}.csv`, `--tilt=${tiltOf(head)}`] : [filmOf(pictures), '--fps', String(fps), ...(wanted.iris ? ['--iris', String(IRIS)] : ['--pupils', String(head.fapu.ES)])];
+  const { status, stderr } = spawnSync('node', [path.join(root, 'models/tools/lips/faccia-lips.mjs'), ...source, '-o', take.csv], { encoding: 'utf8' });
+  if (status) throw new Error(stderr);
+}
+console.log(`${name}, ${fps} pictures a second, ${takes.reduce((sum, { frames }) => sum + frames.length, 0)} of them${marked ? '' : `, ${lines} lines${wanted.crf ? `, crf ${wanted.crf}` : ''}`}`);
+compare(head, takes);
 for (const { base, frames } of takes) {
   const rows = frames.map((frame, i) => [(i / fps).toFixed(4), ...told(head, frame).map((x) => x.toFixed(4))].join(','));
   fs.writeFileSync(`${base}.true.csv`, `time,${PARAMETERS.join(',')}\n${rows.join('\n')}\n`);
   fs.copyFileSync(`${base}.phones.csv`, `${base}.true.phones.csv`);
 }
-for (const [what, ending] of [['as the film shows them', '.csv'], ['as they were played', '.true.csv']]) {
+for (const [what, ending] of wanted.fit || marked ? [['as the film shows them', '.csv'], ['as they were played', '.true.csv']] : []) {
   const tests = takes.slice(FITTED).flatMap(({ base }) => ['--test', `${base}${ending}`]);
   const { stderr, status } = spawnSync(faccia, ['fit', '--output', path.join(models, 'speech/it-x-fitted.json'), ...tests, ...takes.slice(0, FITTED).map(({ base }) => `${base}.csv`)], { env, encoding: 'utf8' });
   if (status) throw new Error(stderr);

@@ -7,7 +7,7 @@ import { fileURLToPath } from 'node:url';
 import { launch } from '../lib/browser.mjs';
 import { headPage } from '../lib/head-page.mjs';
 import { expressionPose, LANGUAGES, soundPoses } from '../lib/mouth-poses.mjs';
-import { heading, misses, MUST, paint, row, seen } from '../lib/mouth-seen.mjs';
+import { heading, misses, MUST, paint, row, seenIn } from '../lib/mouth-seen.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
 const built = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models/heads');
@@ -32,13 +32,15 @@ const page = await headPage(browser);
 for (const head of wanted) {
   await page.load(head.name, head, paint);
   const [wrong, rows, found] = [[], [], []];
-  for (const [lang, poses] of [...sounds, ['', emotions]])
-    for (const [name, faps] of Object.entries(poses)) {
-      const one = await seen(page, head.name, head, `${head.name}-${lang}-${name}`, faps);
+  for (const [lang, poses] of [...sounds, ['', emotions]]) {
+    const them = await seenIn(page, head.name, head, Object.values(poses));
+    for (const [i, name] of Object.keys(poses).entries()) {
+      const one = them[i];
       found.push([name, one]);
       rows.push(row(`${lang} ${name}`.trim(), one));
       wrong.push(...misses(name, one, head.mouth).map((miss) => `${lang} ${miss}`.trim()));
     }
+  }
   console.log(`\n${head.title}\n\n| | mm² | upper teeth | lower teeth | tongue | dark | must be | why |\n|---|---|---|---|---|---|---|---|`);
   for (const { of, why, must } of MUST) {
     const some = found.filter(([name]) => of.includes(name)).map(([, one]) => one);

@@ -2,7 +2,8 @@
 // How long until a text of the library can be read on a slow phone: milliseconds from asking for the page until its first line is painted, in
 // headless Chromium with empty caches, slowed by the DevTools protocol (150 ms there and back, 1.6 Mbit/s down, a quarter of the processor, as
 // Lighthouse's mobile setting), the bytes that have come by then, and when the head's files were asked for first. The page without scripts
-// stands beside it. FACCIA_BUILD=build FACCIA_MODELS=build/models FACCIA_WEB=build/web node tests/bench/text-first.mjs [TURNS]
+// stands beside it, and the pages of another build (a folder as build/web), turn by turn.
+// FACCIA_BUILD=build FACCIA_MODELS=build/models FACCIA_WEB=build/web node tests/bench/text-first.mjs [TURNS] [WEB]
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
@@ -11,8 +12,13 @@ import { launch } from '../lib/browser.mjs';
 
 const turns = Number(process.argv[2] ?? 5);
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-text-'));
-const daemon = await Daemon.start(['--library', path.join(root, 'models/library'), '--library-index', path.join(folder, 'index')]);
-await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library');
+const other = process.argv[3];
+async function serve(name, env = {}) {
+  const daemon = await Daemon.start(['--library', path.join(root, 'models/library'), '--library-index', path.join(folder, name)], env);
+  await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library');
+  return daemon;
+}
+const daemon = await serve('index'), before = other ? await serve('other', { FACCIA_WEB: other }) : null;
 const browser = await launch({ webgl: false });
 const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
 
@@ -25,7 +31,7 @@ function watch() {
   requestAnimationFrame(look);
 }
 
-async function once(address, slow) {
+async function once(url, slow) {
   const context = await browser.newContext({ viewport: { width: 390, height: 800 }, deviceScaleFactor: 2, isMobile: true });
   const page = await context.newPage();
   const client = await context.newCDPSession(page);
@@ -35,25 +41,34 @@ async function once(address, slow) {
     await client.send('Emulation.setCPUThrottlingRate', { rate: 4 });
   }
   await page.addInitScript(watch);
-  await page.goto(daemon.url + address, { waitUntil: 'commit' });
+  await page.goto(url, { waitUntil: 'commit' });
   await page.waitForFunction(() => window.readable, null, { timeout: 120000 });
   const found = await page.evaluate(() => {
     const files = performance.getEntriesByType('resource');
     const head = files.filter(({ name }) => /talking-head|\/models\//.test(name)).map(({ startTime }) => startTime);
-    return { readable: window.readable, kB: files.filter(({ responseEnd }) => responseEnd && responseEnd <= window.readable).reduce((sum, { transferSize }) => sum + transferSize, 0) / 1000, head: Math.min(...head) };
+    const come = files.filter(({ responseEnd }) => responseEnd && responseEnd <= window.readable);
+    const text = files.find(({ name }) => /sections\/1$/.test(name));
+    return {
+      readable: window.readable, kB: come.reduce((sum, { transferSize }) => sum + transferSize, 0) / 1000, files: come.length, head: Math.min(...head),
+      asked: text?.requestStart ?? 0, came: text?.responseEnd ?? 0,
+    };
   });
   await context.close();
   return found;
 }
 
-await once('/library.html?at=mare:1', false); // warms up the browser
-console.log('| page | readable after ms | kB until then | head asked for after ms |\n|---|---|---|---|');
-for (const [address, slow] of [['/library.html?at=mare:1', true], ['/library/mare/1', true], ['/library.html?at=mare:1', false]]) {
-  const all = [];
-  for (let i = 0; i < turns; i++) all.push(await once(address, slow));
-  const of = (name) => median(all.map((one) => one[name])).toFixed(0);
-  console.log(`| ${address}${slow ? '' : ', not slowed'} | ${of('readable')} | ${of('kB')} | ${of('head')} |`);
+await once(`${daemon.url}/library.html?at=mare:1`, false); // warms up the browser
+const pages = [
+  [`${daemon.url}/library.html?at=mare:1`, true, 'library.html'], [`${before?.url}/library.html?at=mare:1`, true, 'library.html of the other build'],
+  [`${daemon.url}/library/mare/1`, true, 'without scripts'], [`${daemon.url}/library.html?at=mare:1`, false, 'library.html, not slowed'],
+].filter(([url]) => !url.startsWith('undefined')).map(([url, slow, name]) => ({ url, slow, name, all: [] }));
+for (let i = 0; i < turns; i++) for (const { url, slow, all } of pages) all.push(await once(url, slow));
+console.log('| page | readable after ms | kB, files until then | text asked for, there after ms | head asked for after ms |\n|---|---|---|---|---|');
+for (const { name, all } of pages) {
+  const of = (key) => median(all.map((one) => one[key])).toFixed(0);
+  console.log(`| ${name} | ${of('readable')} | ${of('kB')}, ${of('files')} | ${of('asked')}, ${of('came')} | ${of('head')} |`);
 }
 await browser.close();
 await daemon.stop();
+await before?.stop();
 fs.rmSync(folder, { recursive: true });

@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { launch } from '../lib/browser.mjs';
-import { Daemon, eventually } from '../lib/daemon.mjs';
+import { artefacts, Daemon, eventually } from '../lib/daemon.mjs';
 import { servePages } from '../lib/page-server.mjs';
 
 let daemon, browser, pages, page;
@@ -65,6 +65,27 @@ test('the face of the room is there, speaks, and shows the state of the entity a
   assert.equal(await sign(), '');
   await post('state', JSON.stringify({ state: 'thinking', text: 'Che tempo fa?' }));
   await eventually(async () => (await sign()) === 'Che tempo fa?', 'the state of the room');
+});
+
+test('answers are offered as buttons, and one of them is chosen', async () => {
+  const script = await daemon.stream('?room=kitchen&watch=1');
+  await script.wait({ type: 'joined' });
+  const shown = () => page.evaluate(() => {
+    const box = window.card.shadowRoot.querySelector('div');
+    return box.hidden ? null : [box.querySelector('p').textContent, ...[...box.querySelectorAll('button')].map((each) => each.textContent)];
+  });
+  assert.equal(await shown(), null);
+  script.send({ type: 'choices', id: 'q', question: 'Viene?', choices: ['Sì', 'Fra poco'] });
+  await eventually(async () => JSON.stringify(await shown()) === '["Viene?","Sì","Fra poco"]', 'the answers');
+  await page.screenshot({ path: `${artefacts}/card.png` });
+  await page.evaluate(() => window.card.shadowRoot.querySelectorAll('button')[1].click());
+  await script.wait({ type: 'chosen', id: 'q', choice: 1, text: 'Fra poco' });
+  await eventually(async () => (await shown()) === null, 'no answers any more');
+  script.send({ type: 'choices', choices: ['Uno'] });
+  await eventually(shown, 'other answers');
+  script.send({ type: 'choices', choices: [] });
+  await eventually(async () => (await shown()) === null, 'them to be withdrawn');
+  await script.close();
 });
 
 test('other settings take effect in place; wrong ones are told', async () => {

@@ -3,6 +3,7 @@
 // a stretch of the Face Player that becomes a gesture.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
+import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import Ajv from 'ajv/dist/2020.js';
@@ -10,14 +11,17 @@ import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
 import { artefacts, Daemon, root } from '../lib/daemon.mjs';
 
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-editor-'));
 let daemon, browser;
 before(async () => {
-  daemon = await Daemon.start();
+  for (const name of ['works', 'gestures']) fs.mkdirSync(path.join(folder, name));
+  daemon = await Daemon.start(['--editing', '--library', path.join(folder, 'works'), '--library-index', path.join(folder, 'index'), '--gestures', path.join(folder, 'gestures')]);
   browser = await launch({ webgl: false });
 });
 after(async () => {
   await browser?.close();
   assert.equal((await daemon.stop()).code, 0);
+  fs.rmSync(folder, { recursive: true });
 });
 
 async function open(name) {
@@ -87,6 +91,27 @@ test('words are marked, heard at once, written in three markups, judged, saved a
   await page.setInputFiles('#file', { name: 'mio.ssml', mimeType: 'text/plain', buffer: fs.readFileSync(await download.path()) });
   await page.waitForFunction(() => document.querySelector('#marks').textContent.includes('mamma'));
   assert.equal(await page.inputValue('#code'), written);
+
+  // into the library, and out of it; what somebody else has saved meanwhile stays
+  const file = path.join(folder, 'works/saluto.ssml');
+  const said = (pattern, box = '#news') => page.waitForFunction(([source, at]) => new RegExp(source).test(document.querySelector(at).textContent), [pattern.source, box]);
+  await page.fill('#work-name', 'saluto');
+  await page.click('#works [type=submit]');
+  await said(/saluto\.ssml è nella biblioteca/);
+  assert.equal(fs.readFileSync(file, 'utf8'), written);
+  fs.writeFileSync(file, '<speak xml:lang="it">Di un altro.</speak>');
+  await page.click('#works [type=submit]');
+  await said(/cambiato nel frattempo/, '#problem');
+  assert.match(fs.readFileSync(file, 'utf8'), /Di un altro/);
+  await page.click('#work-open');
+  await page.waitForFunction(() => document.querySelector('#text').value === 'Di un altro.');
+  await page.fill('#text', 'Di tutti e due.');
+  await page.click('#works [type=submit]');
+  await said(/nella biblioteca/);
+  assert.match(fs.readFileSync(file, 'utf8'), /Di tutti e due/);
+  await page.screenshot({ path: path.join(artefacts, 'editor-works.png') });
+  assert.deepEqual(problems.splice(0).filter((problem) => !problem.includes('412')), []);
+
   const begun = await page.evaluate(() => Number(document.body.dataset.begun));
   await page.focus('#text');
   await page.keyboard.press('Control+Enter');
@@ -110,6 +135,9 @@ test('a stretch of the Face Player becomes a gesture that the schema takes', asy
   const [download] = await Promise.all([page.waitForEvent('download'), page.click('#gesture-save')]);
   assert.equal(download.suggestedFilename(), 'il-mio.json');
   const made = JSON.parse(fs.readFileSync(await download.path()));
+  await page.click('#gesture-keep');
+  await page.waitForFunction(() => /sul server/.test(document.querySelector('#news').textContent));
+  assert.deepEqual(JSON.parse(fs.readFileSync(path.join(folder, 'gestures/il-mio.json'))), made);
   const validate = new Ajv({ strict: false }).compile(JSON.parse(fs.readFileSync(path.join(root, 'models/gestures.schema.json'))));
   assert.ok(validate(made), JSON.stringify(validate.errors));
   assert.equal(made.name, 'il-mio');

@@ -83,3 +83,30 @@ test('captions of a passage are cues with the times of their words', async () =>
   assert.deepEqual(page.problems, []);
   await page.close();
 });
+
+test('a static site that follows the instructions literally: the frame, the element, the policy', async () => {
+  const guide = fs.readFileSync(path.join(root, 'web/embedding.md'), 'utf8');
+  const here = (text) => text.replaceAll('https://faccia.example.org', daemon.url).replaceAll('wss://faccia.example.org', daemon.url.replace('http', 'ws'));
+  const [frame, element] = [...guide.matchAll(/```html\n([^]*?)```/g)].map(([, lines]) => here(lines));
+  const [, script] = here(guide).match(/in a script of the site, `([^`]+)`/);
+  const [, policy] = here(guide).match(/```csp\n([^]*?)```/);
+  const [, frames] = here(guide).match(/`(frame-src [^`]+)`/);
+  const csp = `default-src 'none'; ${frames}; ${policy.replace(/\s+/g, ' ').replace('script-src', "script-src 'self'")}`;
+  site.files['/'] = {
+    body: `<!doctype html><html lang="it"><head><meta charset="utf-8"><title>Sito</title><script type="module" src="site.js"></script></head><body>
+      <article id="text"><p>La mamma prepara il pane.</p></article>${element}${frame}</body></html>`,
+    headers: { 'content-security-policy': csp },
+  };
+  site.files['/site.js'] = { body: script, type: 'text/javascript' };
+  const page = await browser.newPage({ viewport: { width: 760, height: 1400 }, locale: 'it-IT' });
+  page.problems = [];
+  page.on('pageerror', (error) => page.problems.push(String(error)));
+  page.on('console', (message) => message.type() === 'error' && page.problems.push(message.text()));
+  await page.goto(site.url);
+  await page.waitForFunction(() => document.querySelector('#mara').debug?.().connection === 'open');
+  await page.evaluate(() => void (window.words = []) || document.querySelector('#mara').addEventListener('reading', ({ detail }) => window.words.push(detail.text)));
+  await page.click('#read');
+  await page.waitForFunction(() => window.words.join(' ') === 'La mamma prepara il pane', null, { timeout: 60000 });
+  assert.equal(await page.frameLocator('iframe').locator('[id="mare:1:l3"].linked').count(), 1);
+  await readIn(page, 'static');
+});

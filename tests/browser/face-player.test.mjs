@@ -2,10 +2,11 @@
 // The Face Player in a browser: what was just spoken is seen, played, scrubbed, edited, taken back, saved.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
+import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
-import { Daemon } from '../lib/daemon.mjs';
+import { artefacts, Daemon } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
 let daemon, browser;
@@ -68,4 +69,38 @@ test('what was spoken: plots, frames beside the head, a key dragged, undone, sav
   assert.match(await page.textContent('#problem'), /2/);
   assert.deepEqual(problems, []);
   await page.close();
+});
+
+test('what a stream has just spoken is handed on from the first page, with its sound', async () => {
+  const context = await browser.newContext({ viewport: { width: 1300, height: 950 }, locale: 'it-IT', reducedMotion: 'reduce' });
+  const page = await context.newPage();
+  const problems = [];
+  page.on('pageerror', (error) => problems.push(String(error)));
+  page.on('console', (message) => message.type() === 'error' && problems.push(message.text()));
+  await page.goto(`${daemon.url}/player.html#last`);
+  await page.waitForFunction(() => /Qui non è ancora/.test(document.querySelector('#news').textContent));
+  await page.goto(daemon.url);
+  await page.waitForFunction(() => document.querySelector('#head').debug?.().connection === 'open');
+  assert.equal(await page.isVisible('#to-player'), false);
+  await page.fill('#text', 'La mamma prepara il pane.');
+  await page.click('#speak');
+  await page.click('#to-player', { timeout: 60000 });
+  await page.waitForURL('**/player.html#last');
+  await page.waitForSelector('[data-plot="curves"]');
+  assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll('[data-plot]')].map((plot) => plot.dataset.plot)), ['wave', 'spectrum', 'phones', 'curves']);
+  const take = await page.evaluate(async () => {
+    const { fps, frames, rate, pcm, words, phones } = await (await import('./player-take.js')).lastTake();
+    const loud = (from, to) => pcm.slice(from * rate, to * rate).reduce((sum, x) => sum + x * x, 0) / (rate * (to - from));
+    const m = phones.find(({ ipa }) => ipa === 'm'), a = phones.find(({ ipa }) => ipa.startsWith('a'));
+    const lips = (phone) => frames[Math.round(((phone.start + phone.end) / 2) * fps)].slice(4, 6); // upper and lower lip
+    return { face: frames.length / fps, sound: pcm.length / rate, words, phones: phones.length, pause: loud(0, phones[0].end), vowel: loud(a.start, a.end), first: phones[0].ipa, m: [...lips(m)], a: [...lips(a)] };
+  });
+  assert.deepEqual(take.words.map(({ text }) => text), ['La', 'mamma', 'prepara', 'il', 'pane']);
+  assert.ok(take.phones > 15 && Math.abs(take.face - take.sound) < 0.3 && take.sound > 1.2, JSON.stringify(take));
+  assert.ok(take.vowel > 1e5, JSON.stringify(take));
+  assert.ok(take.m[0] + take.m[1] > take.a[0] + take.a[1], `the lips are nearer to each other in /m/: ${take.m}, ${take.a}`); // both are down and up, towards closing
+  assert.equal(await page.evaluate(() => Number(document.querySelector('#scrub').max) + 1), Math.round(take.face * 25));
+  await page.screenshot({ path: path.join(artefacts, 'player-last.png') });
+  assert.deepEqual(problems, []);
+  await context.close();
 });

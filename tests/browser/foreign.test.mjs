@@ -12,11 +12,12 @@ import { launch } from '../lib/browser.mjs';
 import { artefacts, build, Daemon, root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 import { bonesOnly, oddNames, partsOf, visemesOnly, vrm0, writeGlb } from '../lib/foreign-avatars.mjs';
+import { packed } from '../lib/packed-avatars.mjs';
 import { fiveLines, servePages } from '../lib/page-server.mjs';
 
 const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
 const own = fs.readFileSync(path.join(models, 'heads/mara.glb'));
-const { fdp } = JSON.parse(fs.readFileSync(path.join(models, 'heads/mara.json')));
+const { fdp, textures } = JSON.parse(fs.readFileSync(path.join(models, 'heads/mara.json')));
 const TEXT = 'La mamma abbraccia il papà, e la bimba mangia una pera.';
 const policy = fs.readFileSync(path.join(root, 'web/README.md'), 'utf8').match(/```csp\n([^]*?)```/)[1].replace(/\s+/g, ' ').trim();
 
@@ -34,7 +35,8 @@ const without = () => {
 };
 
 /** Files that are no avatars, and what is said of them. */
-function hostile() {
+async function hostile() {
+  const spoilt = await packed(own, { spoil: (draco) => draco.fill(255, 40, 90) });
   const { json } = without();
   const changed = (change) => {
     const parts = partsOf(own);
@@ -49,7 +51,8 @@ function hostile() {
     'bad-json': [writeGlb({ json: null, binary: null }), 'damaged'],
     circle: [changed(({ nodes }) => nodes[0].children.push(0)), 'damaged'],
     elsewhere: [changed(({ images: [image] }) => Object.assign(image, { uri: 'http://127.0.0.1:9/spy.png', bufferView: undefined })), 'unsupported'],
-    draco: [changed((one) => (one.extensionsRequired = ['KHR_draco_mesh_compression'])), 'unsupported'],
+    unknown: [changed((one) => (one.extensionsRequired = ['KHR_gaussian_splatting'])), 'unsupported'],
+    draco: [spoilt, 'unsupported'], // this page's policy allows no WebAssembly
     endless: [changed(({ accessors }) => (accessors[0].count = 2 ** 40)), 'too-large'],
     beyond: [changed(({ bufferViews }) => (bufferViews[0].byteOffset = 2 ** 30)), 'damaged'],
     'no-mouth': [changed((one) => {
@@ -73,13 +76,16 @@ before(async () => {
     '/odder.json': { body: JSON.stringify(odder), type: 'application/json' },
     '/nonsense.json': { body: '{"format": ', type: 'application/json' },
     '/bones.glb': glb(bonesOnly(own)),
+    '/packed.glb': glb(await packed(own, { webp: Buffer.from(textures.clothes.data, 'base64') })),
     '/large.glb': { body: own.subarray(0, 100), type: 'model/gltf-binary', headers: { 'content-length': String(2 ** 30) } },
-    ...Object.fromEntries(Object.entries(hostile()).flatMap(([name, [body]]) => (body ? [[`/${name}.glb`, glb(body)]] : []))),
+    ...Object.fromEntries(Object.entries(await hostile()).flatMap(([name, [body]]) => (body ? [[`/${name}.glb`, glb(body)]] : []))),
   });
   daemon = await Daemon.start(['--origin', pages.url]);
   const csp = policy.replaceAll('http://127.0.0.1:8080', daemon.url).replaceAll('ws://127.0.0.1:8080', daemon.url.replace('http', 'ws'));
   const headers = { 'content-security-policy': csp.replace('connect-src', `connect-src ${pages.url}`) };
   pages.files['/'] = { body: fiveLines(daemon.url, 'lang="it" still="on"'), headers };
+  const wasm = headers['content-security-policy'].replace('script-src', "script-src 'wasm-unsafe-eval'");
+  pages.files['/packed'] = { ...pages.files['/'], headers: { 'content-security-policy': wasm } };
   browser = await launch();
   page = await browser.newPage({ viewport: { width: 500, height: 560 } });
   page.problems = [];
@@ -129,8 +135,7 @@ before(async () => {
         });
     };
   }, { points: Object.fromEntries(['2.1', '2.2', '2.3', '2.6', '2.7', '2.8', '2.9', '3.1', '3.2', '3.3', '3.4'].map((name) => [name, fdp[name]])) });
-  await page.goto(pages.url);
-  await page.waitForFunction(() => window.heard.some(({ type }) => type === 'ready'), null, { timeout: 120000 });
+  await visit('/');
   track = spoken(TEXT);
 });
 after(async () => {
@@ -146,6 +151,11 @@ function spoken(text) {
   const out = { ...parseFap(fs.readFileSync(fap, 'utf8')), phones: JSON.parse(fs.readFileSync(json)).phones };
   fs.rmSync(folder, { recursive: true });
   return out;
+}
+
+async function visit(where) {
+  await page.goto(new URL(where, pages.url).href);
+  await page.waitForFunction(() => window.heard.some(({ type }) => type === 'ready'), null, { timeout: 120000 });
 }
 
 /** Sets the attributes, and waits for what comes of it: `ready`, or the error. */
@@ -187,10 +197,12 @@ const CASES = {
   'zero.vrm': { tolerance: 0.4, eyes: true },
   'odd.glb': { map: 'odd.json', tolerance: 0.25, eyes: true },
   'bones.glb': { tolerance: 0.25, eyes: false },
+  'packed.glb': { where: '/packed', tolerance: 0.3, eyes: true }, // WebAssembly
 };
 
-for (const [file, { map, tolerance, eyes }] of Object.entries(CASES))
+for (const [file, { where, map, tolerance, eyes }] of Object.entries(CASES))
   test(`${file}: lips that touch touch, vowels open, lids close`, async (t) => {
+    if (where) await visit(where);
     const events = await open(`/${file}`, map && `/${map}`);
     assert.deepEqual(events.filter(({ type }) => type === 'error'), []);
     assert.ok(events.some(({ type, ratio }) => type === 'progress' && ratio === 1));
@@ -223,6 +235,27 @@ for (const [file, { map, tolerance, eyes }] of Object.entries(CASES))
     assert.deepEqual(await page.evaluate(() => window.violations), []);
   });
 
+test('a picture in KTX2 has its colours, what unpacks is fetched when it is needed, and what cannot be unpacked is damaged', async () => {
+  const points = await page.evaluate(() => {
+    const { image } = window.avatar().meshes.find(({ name }) => name === 'hair').material.map;
+    const canvas = new OffscreenCanvas(image.width, image.height);
+    const drawn = canvas.getContext('2d');
+    drawn.drawImage(image, 0, 0);
+    return [[4, 4], [12, 4], [4, 12], [12, 12]].map(([x, y]) => [...drawn.getImageData(x, y, 1, 1).data]);
+  });
+  const colours = [[200, 40, 40, 255], [40, 40, 200, 255], [40, 200, 40, 255], [220, 220, 60, 255]];
+  colours.forEach((colour, i) => colour.forEach((value, k) => assert.ok(Math.abs(points[i][k] - value) < 12, `${i}: ${points[i]}`)));
+  assert.deepEqual(await page.evaluate(() => window.violations), []);
+  const asked = page.asked.flatMap((address) => address.match(/talking-head-(draco|basis)\.js$/)?.[1] ?? []);
+  assert.deepEqual(asked.sort(), ['basis', 'draco'], 'one script each, and only for this avatar');
+  await page.evaluate(() => {
+    window.heard.length = 0;
+    window.head().avatar = '/draco.glb';
+  });
+  await page.waitForFunction(() => window.heard.some(({ type, reason }) => type === 'error' && reason === 'damaged'), null, { timeout: 120000 });
+  await visit('/');
+});
+
 test('the head and the eyes turn on their bones', async () => {
   await open('/own.vrm');
   const turned = await page.evaluate(() => {
@@ -248,30 +281,34 @@ test('the head and the eyes turn on their bones', async () => {
 
 test('it speaks, and gives the place back to the head', async (t) => {
   await open('/own.glb');
-  const spokenGaps = await page.evaluate(async (text) => {
-    window.head().pose(null);
-    const found = [];
-    let going = true;
-    const look = () => {
-      if (window.head().debug().running) found.push(window.avatar().solver.opened[0]);
-      if (going) requestAnimationFrame(look);
-    };
-    look();
-    const { reason } = await window.head().speak(text, { lang: 'it' });
-    going = false;
-    return { reason, found, ...window.head().debug() };
-  }, TEXT);
-  assert.equal(spokenGaps.reason, 'done');
-  t.diagnostic(`${spokenGaps.fps} ${spokenGaps.level} ${spokenGaps.triangles} ${spokenGaps.sound}`);
-  t.diagnostic(spokenGaps.found.map((gap) => gap.toFixed(1)).join(' '));
-  assert.ok(Math.max(...spokenGaps.found) > 2 && Math.min(...spokenGaps.found) < 0.1, `${spokenGaps.found}`);
+  // A busy machine draws a few pictures a second, and a closure is short: said again, others are drawn.
+  const gaps = [];
+  for (let turn = 0; turn < 6 && !(Math.max(...gaps) > 2 && Math.min(...gaps) < 0.1); turn++) {
+    const spoken = await page.evaluate(async (text) => {
+      window.head().pose(null);
+      const found = [];
+      let going = true;
+      const look = () => {
+        if (window.head().debug().running) found.push(window.avatar().solver.opened[0]);
+        if (going) requestAnimationFrame(look);
+      };
+      look();
+      const { reason } = await window.head().speak(text, { lang: 'it' });
+      going = false;
+      return { reason, found, ...window.head().debug() };
+    }, TEXT);
+    assert.equal(spoken.reason, 'done');
+    t.diagnostic(`${spoken.fps} ${spoken.level} ${spoken.triangles} ${spoken.sound}: ${spoken.found.map((gap) => gap.toFixed(1)).join(' ')}`);
+    gaps.push(...spoken.found);
+  }
+  assert.ok(Math.max(...gaps) > 2 && Math.min(...gaps) < 0.1, `${gaps}`);
   await page.evaluate(() => (window.heard.length = 0));
   await page.evaluate(() => (window.head().avatar = null));
   await page.waitForFunction(() => window.heard.some(({ type, model }) => type === 'ready' && model === 'mara'), null, { timeout: 120000 });
 });
 
 test('what is no avatar is said to be none, and the head stands in', async (t) => {
-  const files = { ...Object.fromEntries(Object.entries(hostile()).map(([name, [, reason]]) => [`/${name}.glb`, reason])), '/large.glb': 'too-large' };
+  const files = { ...Object.fromEntries(Object.entries(await hostile()).map(([name, [, reason]]) => [`/${name}.glb`, reason])), '/large.glb': 'too-large' };
   const cases = [...Object.entries(files).map(([file, reason]) => [file, null, reason]), ['/odd.glb', '/odder.json', 'bad-map'], ['/odd.glb', '/nonsense.json', 'bad-map'], ['/odd.glb', '/missing.json', 'missing'], ['/odd.glb', null, 'no-face']];
   for (const [file, map, reason] of cases) {
     await page.evaluate(([address, mapping]) => {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The library's page: search, read, listen, and by whom it can be used. The texts' answers stand in for a daemon's; the speech is real.
 import assert from 'node:assert/strict';
+import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
-import { Daemon } from '../lib/daemon.mjs';
-import { answerLibrary } from '../lib/library-answers.mjs';
+import { artefacts, Daemon } from '../lib/daemon.mjs';
+import { answerLibrary, answers, section } from '../lib/library-answers.mjs';
 import { servePages } from '../lib/page-server.mjs';
 
 let daemon, browser, portal;
@@ -104,6 +105,71 @@ test('keys do everything, and can be switched off; a line is repeated; looks are
   await page.reload();
   await page.waitForSelector('#passage.wide');
   assert.ok(await page.evaluate(() => document.documentElement.classList.contains('contrast')));
+  await page.close();
+});
+
+test('a recording that is being aligned, and where it and the text differ: told, marked, heard by another voice', async () => {
+  const page = await open();
+  await page.waitForSelector('#works a');
+  const verses = section.blocks.find(({ id }) => id === 'mare:1:g1'); // a sentence over two lines, with the newlines round it
+  const states = [
+    { state: 'waiting' }, { state: 'aligning', share: 0.41 },
+    { state: 'aligned', unread: [{ passage: 'mare:1:g1', start: verses.lines[2].start - 1, end: verses.lines[3].end + 1, confidence: 0, time: 6 }, { passage: 'mare:1:p1', start: 0, end: 28, confidence: 0.1, time: 9 }], unwritten: [{ passage: 'mare:1:g2', at: 0, time: 12, seconds: 4.1 }] },
+  ];
+  let now = 0;
+  await page.route('**/v1/library/works/mare/sections/1', (route) => route.fulfill({ json: { ...answers['/v1/library/works/mare/sections/1'](), recording: { voice: 'recording:mare', file: 'mare.wav', ...states[now] } } }));
+  await page.clock.install(); // so that what is looked at again is so when the test says so
+  await page.evaluate(() => (location.hash = 'mare:1:l9'));
+  await page.waitForFunction(() => /attende/.test(document.querySelector('#recording-state').textContent));
+  assert.deepEqual(await page.evaluate(() => [...document.querySelector('#voice').options].slice(0, 2).map(({ value }) => value)), ['', 'recording']);
+  const place = () => page.evaluate(() => document.getElementById('mare:1:l15').offsetTop);
+  const before = await place();
+  now = 1;
+  await page.clock.runFor(4100);
+  await page.waitForFunction(() => document.querySelector('#recording-share').value === 0.41);
+  await flawless(page, 'aligning');
+  now = 2;
+  await page.clock.runFor(4100);
+  await page.waitForSelector('.unheard');
+  assert.equal(await place(), before, 'the text stays where it is');
+  assert.deepEqual(await page.evaluate(() => [...document.querySelectorAll('.unheard:not(.doubtful)')].map((part) => [part.textContent, part.closest('.line').id])), [['[manca nella registrazione] e chi la guarda dalla riva attende', 'mare:1:l3'], ['una parola, e ancora non la sente.', 'mare:1:l4']]);
+  assert.equal(await page.textContent('.doubtful'), '[forse manca nella registrazione] Disse ');
+  assert.equal(await page.textContent('[id="mare:1:l6"] .unwritten'), '[4 s della registrazione non sono nel testo] ');
+  assert.equal(await page.locator('#recording-lacks li').count(), 3);
+  assert.equal(await page.locator('#recording-state').textContent(), '');
+  await flawless(page, 'differs');
+  assert.equal(await page.textContent('#recording-lacks li a'), 'e chi la guarda dalla riva attende una parola, e ancora non …');
+  await page.locator('[id="mare:1:l5"]').scrollIntoViewIfNeeded();
+  await page.screenshot({ path: path.join(artefacts, 'library-differs.png') });
+  await page.waitForFunction(() => document.querySelector('#connection').dataset.state === 'open');
+  await page.evaluate(() => (document.querySelector('#more-controls').open = true));
+  await page.selectOption('#voice', 'recording');
+  await page.evaluate(() => {
+    window.said = [];
+    const head = document.querySelector('#head');
+    for (const type of ['begin', 'sentence']) head.addEventListener(type, ({ detail }) => window.said.push(detail));
+  });
+  await page.locator('#recording-lacks button').first().click();
+  await page.waitForFunction(() => window.said.length > 1);
+  assert.match(await page.evaluate(() => window.said.find(({ voice }) => voice).voice), /^(espeak|festival|kokoro):/, 'not the recording');
+  await page.waitForFunction(() => document.querySelector('.unheard.now'));
+  // she reads it whole with these marks in it
+  await page.evaluate(() => document.querySelector('#head').stop());
+  await page.waitForFunction(() => !document.querySelector('.unheard.now'));
+  await page.selectOption('#voice', '');
+  await page.evaluate(() => {
+    window.read = [];
+    document.querySelector('#head').addEventListener('reading', ({ detail }) => window.read.push(detail.text));
+  });
+  await page.locator('[id="mare:1:l3"]').click({ position: { x: 60, y: 15 } });
+  await page.waitForFunction(() => window.read.length > 3);
+  assert.equal((await page.evaluate(() => window.read)).includes('manca'), false);
+  await page.keyboard.press('Escape');
+  states[2] = { state: 'failed', why: 'nothing of the text is heard' };
+  await page.reload();
+  await page.waitForFunction(() => /non si può.*nothing of the text is heard/.test(document.querySelector('#recording-state').textContent));
+  assert.equal(await page.locator('#voice option[value="recording"]').count(), 0);
+  assert.deepEqual(page.problems, []);
   await page.close();
 });
 

@@ -56,6 +56,23 @@ window.compare = (faps, turned) => {
   }
   return { different, points, triangles, all: head.parts.reduce((sum, { shape }) => sum + shape.part.index.length / 3, 0), picture, whole };
 };
+/** How many points of a face are changed where edges are made soft, and how many are half clear with that and without. */
+window.edges = () => {
+  head.setFaps(new Float32Array(69));
+  view.turned = { yaw: 0, pitch: 0 };
+  const soft = drawn(() => view.draw());
+  view.edges.uniforms.leap.value = 1e9;
+  const hard = drawn(() => view.draw());
+  const [first, half] = [4 * canvas.width * (canvas.height >> 1), (pixels, i) => Number(pixels[i + 3] > 40 && pixels[i + 3] < 215)]; // above what fades
+  const found = { points: 0, changed: 0, soft: 0, hard: 0, samples: view.target.samples };
+  for (let i = first; i < soft.length; i += 4) {
+    found.points += Number(soft[i + 3] > 0);
+    found.changed += Number([0, 1, 2, 3].some((k) => Math.abs(soft[i + k] - hard[i + k]) > 8));
+    found.soft += half(soft, i);
+    found.hard += half(hard, i);
+  }
+  return found;
+};
 `;
 
 let browser, page;
@@ -102,3 +119,13 @@ for (const name of ['mara', 'rosa'])
     }
     assert.deepEqual(page.problems, []);
   });
+
+test('edges are soft in high without four samples for each point, and nothing else is', async () => {
+  await page.evaluate((json) => window.load(json), JSON.parse(fs.readFileSync(path.join(models, 'mara.json'))));
+  await page.evaluate(() => window.level('high'));
+  const { points, changed, soft, hard, samples } = await page.evaluate(() => window.edges());
+  const figures = `${points} points, ${changed} changed, half clear ${soft}, before ${hard}`;
+  assert.equal(samples, 0);
+  assert.ok(soft > 250 && soft > 1.5 * hard, figures);
+  assert.ok(changed > 0.005 * points && changed < 0.08 * points, figures);
+});

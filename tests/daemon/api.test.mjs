@@ -12,7 +12,7 @@ const read = (name) => fs.readFileSync(path.join(root, name), 'utf8');
 const load = (name) => JSON.parse(read(`protocol/${name}`));
 const [openapi, asyncapi] = [load('openapi.json'), load('asyncapi.json')];
 const ajv = new Ajv({ strict: false });
-for (const name of ['client', 'server', 'head-model', 'timed', 'pictures', 'library']) ajv.addSchema(load(`schema/${name}.json`), `schema/${name}.json`);
+for (const name of ['client', 'server', 'head-model', 'timed', 'pictures', 'library', 'scene']) ajv.addSchema(load(`schema/${name}.json`), `schema/${name}.json`);
 ajv.addSchema(openapi, 'openapi.json');
 
 let daemon;
@@ -21,7 +21,12 @@ before(async () => {
   folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-api-'));
   fs.mkdirSync(path.join(folder, 'texts'));
   fs.writeFileSync(path.join(folder, 'texts/mare.md'), '# Il mare\n\nIl mare è calmo.\n');
-  daemon = await Daemon.start(['--library', path.join(folder, 'texts'), '--library-index', path.join(folder, 'index')]);
+  fs.mkdirSync(path.join(folder, 'scenes'));
+  fs.writeFileSync(path.join(folder, 'scenes/lunch.json'), '{"lines":[]}');
+  fs.writeFileSync(path.join(folder, 'texts/altro.md'), 'Un altro testo.\n');
+  fs.mkdirSync(path.join(folder, 'gestures'));
+  fs.copyFileSync(path.join(root, 'models/gestures/wink.json'), path.join(folder, 'gestures/wink.json'));
+  daemon = await Daemon.start(['--editing', '--gestures', path.join(folder, 'gestures'), '--scenes', path.join(folder, 'scenes'), '--library', path.join(folder, 'texts'), '--library-index', path.join(folder, 'index')]);
   await eventually(async () => (await (await daemon.get('/v1/library')).json()).state === 'ready', 'the library to be read');
 });
 after(async () => {
@@ -29,7 +34,7 @@ after(async () => {
   fs.rmSync(folder, { recursive: true });
 });
 
-const PLACES = { '{work}': 'mare', '{section}': '1', '{passage}': 'mare:1' };
+const PLACES = { '{work}': 'mare', '{section}': '1', '{passage}': 'mare:1', '{scene}': 'lunch', '{gesture}': 'wink', '{file}': 'altro.md' };
 
 /** What the reference inside the document stands for. */
 const at = (document, { $ref }) => $ref.slice(2).split('/').reduce((value, key) => value[key.replaceAll('~1', '/')], document);
@@ -50,7 +55,7 @@ async function check(response, operation) {
 }
 
 const parameters = (operation) => (operation.parameters ?? []).map((p) => (p.$ref ? at(openapi, p) : p));
-const methodsOf = (address) => ['get', 'post'].filter((method) => method in openapi.paths[address]);
+const methodsOf = (address) => ['get', 'post', 'put', 'delete'].filter((method) => method in openapi.paths[address]);
 const operations = Object.keys(openapi.paths).flatMap((address) =>
   methodsOf(address).map((method) => ({ address, method: method.toUpperCase(), operation: openapi.paths[address][method] })));
 // served as they are
@@ -59,8 +64,8 @@ const documents = Object.keys(openapi.paths).filter((address) => /^\/v1\/\w+\.js
 test('the routes of the daemon are the paths of the document', async () => {
   const routes = [...read('server/net/routes.c').matchAll(/^ {4}\{"(\/[^"]+)"/gm)].map(([, address]) => address);
   assert.ok(routes.length > 10);
-  const below = [...read('server/net/routes.c').matchAll(/^ {4}\{"(\/[^"]+)".* true\},/gm)].map(([, address]) => `${address}/`);
-  const own = (address) => !address.includes('{') && !below.some((folder) => address.startsWith(folder));
+  const below = [...read('server/net/routes.c').matchAll(/^ {4}\{"(\/[^"]+)".*, true, \w+\},/gm)].map(([, address]) => `${address}/`);
+  const own = (address) => routes.includes(address) || (!address.includes('{') && !below.some((folder) => address.startsWith(folder)));
   assert.deepEqual(Object.keys(openapi.paths).filter(own).sort(), [...routes, ...documents].sort());
   for (const address of routes) {
     const response = await daemon.get(address, { method: 'OPTIONS' });
@@ -83,7 +88,7 @@ test('the documents are served as they are, with all that they refer to', async 
   for (const file of new Set(references)) assert.equal((await daemon.get(`/v1/${file}`)).status, 200, file);
 });
 
-const BODIES = { '/v1/choices': { choices: ['Sì'] }, '/v1/state': { state: 'idle' }, '/v1/calibrate': { featurePointsCoord: { '8.3': [26, -62, 18] } } };
+const BODIES = { '/v1/gestures/{gesture}': JSON.parse(read('models/gestures/wink.json')), '/v1/library/files/{file}': { text: 'Sì.' }, '/v1/scenes/{scene}': { lines: [{ id: '1', text: 'Sì.' }] }, '/v1/choices': { choices: ['Sì'] }, '/v1/state': { state: 'idle' }, '/v1/calibrate': { featurePointsCoord: { '8.3': [26, -62, 18] } } };
 for (const { address, method, operation } of operations) {
   test(`${method} ${address} answers as described`, async () => {
     const room = await daemon.stream('?room=api');
@@ -94,9 +99,9 @@ for (const { address, method, operation } of operations) {
     const wants = (name) => parameters(operation).some((p) => p.name === name);
     const wantsRoom = wants('room');
     const query = wantsRoom ? '?room=api' : wants('text') ? '?text=Ciao&lang=it' : wants('q') ? '?q=mare' : wants('url') ? '?url=/library/mare/1' : '';
-    const options = { method };
+    const options = { method, headers: method === 'PUT' || method === 'DELETE' ? { 'if-match': '*' } : {} };
     if (operation.requestBody?.content['text/plain']) Object.assign(options, { body: 'Sì.', headers: { 'content-type': 'text/plain' } });
-    if (BODIES[address]) options.body = JSON.stringify(BODIES[address]);
+    if (BODIES[address] && method !== 'GET') options.body = JSON.stringify(BODIES[address]);
     if (operation.requestBody?.content['multipart/form-data']) {
       options.body = new FormData();
       options.body.append('fap', new Blob(['2.1 x 25 0\n']), 'x.fap');

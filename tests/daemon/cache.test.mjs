@@ -5,7 +5,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { Daemon } from '../lib/daemon.mjs';
+import { Daemon, eventually } from '../lib/daemon.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-cache-'));
 after(() => fs.rmSync(folder, { recursive: true }));
@@ -76,6 +76,39 @@ test('on disk it outlives the process, also one that was killed; a damaged file 
   daemon = await Daemon.start(options);
   assert.match(daemon.log, /begun anew/);
   assert.ok((await say(daemon)).wav.length > 10000);
+  assert.equal((await daemon.stop()).code, 0);
+});
+
+test('works of the library are spoken ahead by a voice, within a bound; who asks for them has them from the cache', async () => {
+  const works = path.join(folder, 'works');
+  fs.mkdirSync(works);
+  const paragraphs = (word) => Array.from({ length: 6 }, (_, i) => `${word} numero ${i + 1} torna a casa. Il vento porta l'odore del mare.`).join('\n\n');
+  fs.writeFileSync(path.join(works, 'uno.it.txt'), paragraphs('La barca'));
+  fs.writeFileSync(path.join(works, 'due.en.txt'), 'The clock is slow.');
+  const options = ['--library', works, '--library-index', path.join(folder, 'index'), '--library-ahead', 'espeak:it'];
+  let daemon = await Daemon.start(options);
+  const ahead = async () => (await (await daemon.get('/v1/library')).json()).ahead;
+  const until = (state, sections) => eventually(async () => { const now = await ahead(); return now?.state === state && now.done === sections && now; }, `${state} ${sections}`);
+  const done = await until('done', 1);
+  assert.deepEqual([done.voice, done.of, done.most], ['espeak:it', 1, 48 << 20]);
+  assert.ok(done.bytes > 500000, `${done.bytes}`);
+  assert.deepEqual([await daemon.metric('faccia_library_ahead_sections{which="done"}'), await daemon.metric('faccia_library_ahead_bytes')], [1, done.bytes]);
+  const [hits, misses] = await counts(daemon);
+  const asked = await daemon.get('/v1/speech?passage=uno-it:1:p2&voice=espeak:it&format=json');
+  assert.equal((await asked.json()).words[0].text, 'La');
+  assert.deepEqual(await counts(daemon), [hits + 2, misses]);
+  fs.writeFileSync(path.join(works, 'tre.it.txt'), 'Un altro testo, che viene dopo.');
+  await until('done', 2);
+  assert.equal((await counts(daemon))[1], misses + 1, 'only what is new is spoken');
+  assert.equal((await daemon.stop()).code, 0);
+
+  daemon = await Daemon.start([...options, '--library-ahead-size', '1']);
+  fs.writeFileSync(path.join(works, 'quattro.it.txt'), paragraphs('Il pescatore'));
+  const full = await eventually(async () => { const now = await ahead(); return now?.state === 'full' && now; }, 'the bound');
+  assert.ok(full.bytes >= 1 << 20 && full.bytes < 1.5 * 2 ** 20 && full.done < full.of, JSON.stringify(full));
+  assert.equal((await daemon.stop()).code, 0);
+  daemon = await Daemon.start([...options, '--library-ahead', 'espeak:nobody']);
+  await daemon.logged(/nothing is spoken ahead: --library-ahead: .*nobody/);
   assert.equal((await daemon.stop()).code, 0);
 });
 

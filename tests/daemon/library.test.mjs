@@ -4,6 +4,7 @@
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import fs from 'node:fs';
+import http from 'node:http';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
@@ -54,6 +55,8 @@ before(async () => {
   put('unknown.xml', tei('<p>Una <marvel>meraviglia</marvel>.</p>'));
   put('latin.txt', Buffer.from('Una riga.\nPerch\xe9 no?\n', 'latin1'));
   put('empty.txt', '');
+  put('acentos.pt-BR.txt', 'A nação espera, as nações esperam.\n\nUma nacao sem acentos.\n');
+  put('haus.de.txt', 'Das schöne Haus.\n');
   writeZip(path.join(works, 'bomb.epub'), epub({ 'uno.xhtml': 80 }));
   writeZip(path.join(works, 'escape.epub'), epub({ '../../../etc/passwd': '<p>x</p>' }));
   writeZip(path.join(works, 'escape2.epub'), epub({ 'uno.xhtml': '<p>x</p>' }, { opf: '/etc/book.opf' }));
@@ -139,12 +142,15 @@ test('words are found in any form, without accents, dots and articles', async ()
     ['história', 'o-farol:2:h1', 'história'],
     ['historia', 'o-farol:2:h1', 'história'],
     ['clocks', 'the-clock:1:p1', 'clock'],
+    ['nações', 'acentos-pt-br:1:p1', 'nações'],
+    ['schone', 'haus-de:1:p1', 'schöne'],
   ]) {
     const [found] = await search({ q });
     assert.ok(found, q);
     const { text, marks } = found.snippet;
     assert.deepEqual([found.passage, text.slice(...marks[0])], [passage, word], q);
   }
+  assert.equal((await search({ q: 'nacao' })).length, 2, 'an accent that is left out takes no form away');
   assert.deepEqual(ids(await search({ q: '"la luna"' })).sort(), ['detto:1:p1', 'mare:1:l1']);
   assert.deepEqual(ids(await search({ q: 'pesc*' })), ['mare:1:l3']);
   assert.deepEqual(ids(await search({ q: 'NEAR(luna piena, 2)' })), ['mare:1:l1']);
@@ -206,14 +212,24 @@ test('what cannot be searched for is said, and where', async () => {
   assert.equal((await ask('/v1/library/nothing', 404)).code, 'not-found');
 });
 
-test('more searches than can wait are refused, and the next is answered', async () => {
-  const statuses = await Promise.all(Array.from({ length: 500 }, async (_, i) => {
-    const response = await fetch(`${daemon.url}/v1/library/search?q=luna+OR+w${i}`);
-    const answer = await response.json();
-    assert.ok(response.status === 200 || answer.code === 'too-many-searches', JSON.stringify(answer).slice(0, 200));
-    return response.status;
-  }));
-  assert.ok(statuses.includes(200));
+/** A search by a client at that address: its status, with Retry-After, and the answer. */
+const searchFrom = (localAddress, q) => new Promise((resolve, reject) => {
+  const request = http.get({ host: '127.0.0.1', port: daemon.port, localAddress, agent: false, path: `/v1/library/search?q=${encodeURIComponent(q)}` }, async (response) => {
+    let text = '';
+    for await (const part of response) text += part;
+    resolve({ status: response.statusCode, after: response.headers['retry-after'], answer: JSON.parse(text) });
+  });
+  request.on('error', reject);
+});
+
+test('who asks more than can wait is told to come later, and others are answered meanwhile', async () => {
+  const greedy = Array.from({ length: 500 }, (_, i) => searchFrom('127.0.0.1', `luna OR w${i}`));
+  const others = Array.from({ length: 5 }, (_, i) => searchFrom(`127.0.0.${i + 2}`, 'luna'));
+  for (const { status, answer } of await Promise.all(others)) assert.deepEqual([status, answer.results.length], [200, 2]);
+  const all = await Promise.all(greedy);
+  const refused = all.filter(({ status }) => status !== 200);
+  assert.ok(refused.length < all.length);
+  for (const { status, after, answer } of refused) assert.deepEqual([status, answer.code, Number(after) > 0], [503, 'too-many-searches', true]);
   assert.equal((await search({ q: 'luna' })).length, 2);
 });
 
@@ -303,4 +319,17 @@ test('faccia library tells the same without a daemon', () => {
   assert.match(good.stdout, /5 works, .* 0 problems, 0 hints\n$/);
   assert.equal(spawnSync(program, ['library', path.join(folder, 'nowhere')]).status, 1);
   assert.equal(spawnSync(program, ['library']).status, 2);
+});
+
+test('TEI of 50 MB is read up to the place where it is broken', () => {
+  const large = path.join(folder, 'large');
+  const line = '<p>Una riga di testo che parla del mare e della luna piena, e di altro.</p>\n';
+  const lines = Math.floor((50 << 20) / line.length);
+  fs.mkdirSync(large);
+  fs.writeFileSync(path.join(large, 'large.xml'), `<TEI xml:lang="it"><text><body>\n${line.repeat(lines)}<p>Poi <hi>no</p></body></text></TEI>`);
+  const read = spawnSync(program, ['library', large], { encoding: 'utf8' });
+  assert.equal(read.status, 1, read.stderr);
+  assert.match(read.stdout, new RegExp(`^large\\.xml:${lines + 2}:16: .*\\(bad-work\\)$`, 'm'));
+  assert.match(read.stdout, new RegExp(` ${lines + 1} passages, .* 1 problems, 0 hints\n$`));
+  fs.rmSync(large, { recursive: true });
 });

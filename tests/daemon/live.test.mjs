@@ -4,6 +4,7 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon, framesOf } from '../lib/daemon.mjs';
 import { BROWS, CHEEKS, HEAD, largestStep, MOUTH, timeline } from '../lib/face.mjs';
+import { patient } from '../lib/patient.mjs';
 import { violations } from '../lib/schema.mjs';
 
 const SMILE = 12;
@@ -16,7 +17,7 @@ const idle = (stream) => stream.chunks.filter((c) => c.utterance === 0);
 /** Waits for so many seconds of the idle clock. */
 const idled = (stream, seconds) => stream.until(() => idle(stream).some((c) => (c.start + c.samples) / c.sampleRate >= seconds));
 
-test('idle media are silent chunks of utterance 0, without a gap, little ahead of time', async () => {
+patient('idle media are silent chunks of utterance 0, without a gap, little ahead of time', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'idle', on: true, seed: 7 });
   await idled(stream, 2);
@@ -34,7 +35,7 @@ test('idle media are silent chunks of utterance 0, without a gap, little ahead o
   await stream.close();
 });
 
-test('off is off, and on again counts from 0', async () => {
+patient('off is off, and on again counts from 0', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'idle' });
   await idled(stream, 0.5);
@@ -57,7 +58,7 @@ test('off is off, and on again counts from 0', async () => {
   await stream.close();
 });
 
-test('frames come at the rate of the stream', async () => {
+patient('frames come at the rate of the stream', async () => {
   for (const fps of [12.5, 60, 120]) {
     const stream = await daemon.stream(`?fps=${fps}`);
     stream.send({ type: 'idle', seed: 1 });
@@ -67,7 +68,7 @@ test('frames come at the rate of the stream', async () => {
   }
 });
 
-test('the same seed gives the same idle face, another one another', async () => {
+patient('the same seed gives the same idle face, another one another', async () => {
   const face = async (seed) => {
     const stream = await daemon.stream();
     stream.send({ type: 'idle', seed });
@@ -113,16 +114,12 @@ async function listened(speak, during = () => {}) {
 const handOver = (a, b) => a.utterance !== b.utterance;
 const quietly = (a, b) => !a.utterance && !b.utterance;
 
-test('from idling to speech and back nothing jumps', async () => {
-  // A busy machine holds a daemon up for a moment, and then it leaves frames out: what is missing each time is missing.
-  const gap = ({ frames }) => frames.slice(1).find(({ time }, i) => time - frames[i].time >= 0.081)?.time;
-  let listener;
-  for (let i = 0; i < 3 && (!listener || gap(listener) !== undefined); i++) listener = await listened({});
-  const { frames, begin, end, chunks } = listener;
+patient('from idling to speech and back nothing jumps', async () => {
+  const { frames, begin, end, chunks } = await listened({});
   assert.ok(largestStep(frames, HEAD, handOver).step < 200, JSON.stringify(largestStep(frames, HEAD, handOver)));
   for (const faps of [BROWS, MOUTH, CHEEKS]) assert.ok(largestStep(frames, faps, handOver).step < 40, JSON.stringify(largestStep(frames, faps, handOver)));
   // no frame is missing, neither before nor after
-  assert.equal(gap(listener), undefined, 'nothing comes before');
+  assert.ok(!frames.slice(1).some(({ time }, i) => time - frames[i].time >= 0.081), 'nothing comes before');
   // idling goes on where the clock stands
   const back = chunks.slice(chunks.findIndex((c) => c.utterance === 1)).find((c) => c.utterance === 0);
   assert.ok(back.start / 8000 >= begin.idle + end.duration - 0.01);
@@ -166,7 +163,7 @@ test('the mood is on the face while she idles and while she speaks, and comes an
   }
 });
 
-test('a pause leaves the face of the utterance as it would have been, and she idles meanwhile', async () => {
+patient('a pause leaves the face of the utterance as it would have been, and she idles meanwhile', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'idle', on: true, seed: 3 });
   const said = [];
@@ -195,7 +192,7 @@ test('a pause leaves the face of the utterance as it would have been, and she id
   await stream.close();
 });
 
-test('after a stop she idles at once', async () => {
+patient('after a stop she idles at once', async () => {
   const stream = await daemon.stream();
   stream.send({ type: 'idle', seed: 2 });
   await idled(stream, 0.5);

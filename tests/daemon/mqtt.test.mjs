@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // faccia-mqtt between a real broker (mosquitto) and the daemon.
 import assert from 'node:assert/strict';
-import { spawn } from 'node:child_process';
+import { spawn, spawnSync } from 'node:child_process';
 import { once } from 'node:events';
 import fs from 'node:fs';
 import net from 'node:net';
@@ -12,7 +12,7 @@ import { build, Daemon, eventually } from '../lib/daemon.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const running = new Set();
-let daemon, kiosk, broker, port, bridge, heard;
+let daemon, kiosk, broker, port, safePort, bridge, heard;
 
 function start(program, options, env = {}) {
   const child = spawn(program, options, { env: { ...process.env, ...env } });
@@ -23,6 +23,19 @@ function start(program, options, env = {}) {
   return child;
 }
 const stop = (child) => (child.kill('SIGTERM'), child.exited);
+
+/** An authority of our own, a certificate of the broker by it, another authority that knows nothing of it; and a user. */
+function certify() {
+  const run = (program, ...options) => {
+    const { status, stderr } = spawnSync(program, options, { cwd: folder });
+    assert.equal(status, 0, `${program} ${options.join(' ')}: ${stderr}`);
+  };
+  for (const name of ['ca', 'other']) run('openssl', 'req', '-x509', '-newkey', 'rsa:2048', '-nodes', '-days', '2', '-subj', `/CN=${name}`, '-keyout', `${name}.key`, '-out', `${name}.crt`);
+  run('openssl', 'req', '-newkey', 'rsa:2048', '-nodes', '-subj', '/CN=127.0.0.1', '-keyout', 'broker.key', '-out', 'broker.csr');
+  fs.writeFileSync(path.join(folder, 'names'), 'subjectAltName=IP:127.0.0.1\n');
+  run('openssl', 'x509', '-req', '-in', 'broker.csr', '-CA', 'ca.crt', '-CAkey', 'ca.key', '-CAcreateserial', '-days', '2', '-extfile', 'names', '-out', 'broker.crt');
+  run('mosquitto_passwd', '-b', '-c', 'passwords', 'casa', 'una parola segreta');
+}
 
 const freePort = () => new Promise((resolve) => {
   const server = net.createServer().listen(0, '127.0.0.1', () => {
@@ -52,7 +65,12 @@ const publish = (topic, payload, options = []) => start('mosquitto_pub', ['-p', 
 before(async () => {
   daemon = await Daemon.start();
   port = await freePort();
-  fs.writeFileSync(path.join(folder, 'mosquitto.conf'), `listener ${port} 127.0.0.1\nallow_anonymous true\npersistence false\nlog_dest stderr\n`);
+  safePort = await freePort();
+  certify();
+  const at = (name) => path.join(folder, name);
+  fs.writeFileSync(at('mosquitto.conf'), `per_listener_settings true\nlistener ${port} 127.0.0.1\nallow_anonymous true\n` +
+    `listener ${safePort} 127.0.0.1\nallow_anonymous false\npassword_file ${at('passwords')}\ncafile ${at('ca.crt')}\ncertfile ${at('broker.crt')}\nkeyfile ${at('broker.key')}\n` +
+    'persistence false\nlog_dest stderr\nuser root\n');
   await startBroker();
   kiosk = await daemon.stream('?lang=it&room=kitchen');
   await kiosk.wait({ type: 'joined' });
@@ -103,6 +121,20 @@ test('an empty room, a wrong voice, a mute are told', async () => {
   await saidOn('faccia/kitchen/now/mute', 'OFF', lines().findLastIndex((l) => l.payload === 'ON'));
 });
 
+test('presence puts the face to sleep and wakes it', async () => {
+  await publish('faccia/kitchen/presence', 'OFF');
+  await kiosk.wait({ type: 'state', state: 'asleep' });
+  await saidOn('faccia/kitchen/now/presence', 'OFF');
+  await saidOn('faccia/kitchen/now/state', 'asleep');
+  const later = await daemon.stream('?room=kitchen');
+  await later.wait({ type: 'state', state: 'asleep' });
+  await later.close();
+  const from = kiosk.messages.length;
+  await publish('faccia/kitchen/presence', 'home');
+  await kiosk.wait({ type: 'state', state: 'idle' }, { from });
+  await saidOn('faccia/kitchen/now/presence', 'ON', lines().findLastIndex((l) => l.topic.endsWith('now/presence') && l.payload === 'OFF'));
+});
+
 test('states, moods, choices and what was chosen', async () => {
   await publish('faccia/kitchen/state', 'listening');
   await kiosk.wait({ type: 'state', state: 'listening' });
@@ -123,8 +155,8 @@ test('Home Assistant finds a device with all that the room does, again when it s
   const { payload } = await saidOn('homeassistant/device/faccia_kitchen/config', undefined, from);
   const config = JSON.parse(payload);
   assert.deepEqual(Object.fromEntries(Object.entries(config.cmps).map(([key, c]) => [key, c.p])), {
-    say: 'notify', text: 'text', voice: 'select', mood: 'select', mute: 'switch', stop: 'button', state: 'sensor', words: 'sensor', choice: 'event' });
-  assert.equal(new Set(Object.values(config.cmps).map((c) => c.unique_id)).size, 9);
+    say: 'notify', text: 'text', voice: 'select', mood: 'select', mute: 'switch', presence: 'switch', stop: 'button', state: 'sensor', words: 'sensor', choice: 'event' });
+  assert.equal(new Set(Object.values(config.cmps).map((c) => c.unique_id)).size, 10);
   assert.ok(config.cmps.voice.options.includes('espeak:it') && config.cmps.mood.options.includes('joy'));
   for (const { topic } of config.availability) assert.ok(await saidOn(topic, 'online'), topic);
   // what it would send
@@ -142,7 +174,7 @@ test('Rhasspy’s hermes: said in the room of its site, and told when it is fini
 });
 
 test('what is no message costs nothing', async () => {
-  for (const [command, payload] of [['say', '{"text":'], ['say', '{"text":7}'], ['say', ' '], ['express', '[{"name":'], ['express', 'nonsense'], ['choices', '{}'], ['state', 'asleep'], ['dance', 'x'], ['say', '{"id":["a"],"text":"Sì."}']])
+  for (const [command, payload] of [['say', '{"text":'], ['say', '{"text":7}'], ['say', ' '], ['express', '[{"name":'], ['express', 'nonsense'], ['choices', '{}'], ['state', 'dancing'], ['presence', 'perhaps'], ['dance', 'x'], ['say', '{"id":["a"],"text":"Sì."}']])
     await publish(`faccia/kitchen/${command}`, payload);
   await publish('hermes/tts/say', 'x');
   await publish('faccia/kitchen/say', { id: 'still', text: 'Ci sono.', lang: 'it' });
@@ -179,6 +211,56 @@ test('the daemon goes in the middle of a word: it is told, and what comes meanwh
   assert.equal(await stop(second), 0, second.text);
   assert.equal((await again.stop()).code, 0);
   await saidOn('two/bridge', 'offline');
+});
+
+/** A bridge of a room of its own. */
+const bridgeOf = (room, broker, options = [], env = {}) =>
+  start(path.join(build, 'server/doors/faccia-mqtt'), ['--room', room, '--client', room, '--base', room, '--discovery', 'none', '--broker', `127.0.0.1:${broker}`, '--url', daemon.url, ...options], env);
+
+test('TLS and a password: who has both is let in, and whoever lacks one says so', async () => {
+  const ca = (name) => ['--ca-file', path.join(folder, `${name}.crt`), '--user', 'casa'];
+  const secret = { FACCIA_MQTT_PASSWORD: 'una parola segreta' };
+  const safe = bridgeOf('safe', safePort, ca('ca'), secret);
+  const wrong = bridgeOf('wrong', safePort, ca('ca'), { FACCIA_MQTT_PASSWORD: 'another' });
+  const stranger = bridgeOf('stranger', safePort, ca('other'), secret);
+  const plain = bridgeOf('plain', safePort, ['--user', 'casa'], secret);
+  const told = start('mosquitto_sub', ['-h', '127.0.0.1', '-p', String(safePort), '--cafile', path.join(folder, 'ca.crt'), '-u', 'casa', '-P', 'una parola segreta', '-q', '1', '-t', '#', '-F', '%t %p']);
+  await eventually(() => told.text.includes('safe/safe/now/available online'), 'the bridge on the broker');
+  const listener = await daemon.stream('?lang=it&room=safe');
+  await listener.wait({ type: 'joined' });
+  const said = start('mosquitto_pub', ['-h', '127.0.0.1', '-p', String(safePort), '--cafile', path.join(folder, 'ca.crt'), '-u', 'casa', '-P', 'una parola segreta', '-q', '1', '-t', 'safe/safe/say', '-m', 'Detto in segreto.']);
+  await listener.wait({ type: 'sentence', text: 'Detto in segreto.' });
+  assert.equal(await said.exited, 0);
+  for (const refused of [wrong, stranger, plain]) await eventually(() => /broker/.test(refused.text) || refused.exitCode !== null, 'what is said of the refusal');
+  for (const name of ['wrong', 'stranger', 'plain']) assert.ok(!told.text.includes(`${name}/`) && !lines().some((l) => l.topic.startsWith(`${name}/`)), name);
+  await listener.close();
+  assert.equal(await stop(safe), 0, safe.text);
+  for (const refused of [wrong, stranger, plain]) if (refused.exitCode === null) assert.equal(await stop(refused), 0, refused.text);
+  await stop(told);
+});
+
+test('a broker that lies, or stops in the middle of a frame, is left and tried again', async () => {
+  const lies = [
+    Buffer.from([0xff, 0xff, 0xff, 0xff, 0xff, 0xff]), // no packet
+    Buffer.from([0x20, 0x02, 0x00]), // half of its greeting
+    Buffer.from([0x20, 0x02, 0x00, 0x00, 0x90, 0xff, 0xff, 0xff, 0x7f]), // greeted, then a frame of 256 MB
+  ];
+  let came = 0;
+  const liar = net.createServer((socket) => {
+    socket.on('error', () => {});
+    const lie = lies[came++];
+    if (lie) return void socket.once('data', () => socket.end(lie));
+    const real = net.connect(port, '127.0.0.1').on('error', () => socket.destroy());
+    socket.pipe(real).pipe(socket).on('error', () => real.destroy());
+  });
+  liar.unref();
+  await new Promise((resolve) => liar.listen(0, '127.0.0.1', resolve));
+  const patient = bridgeOf('patient', liar.address().port);
+  await saidOn('patient/patient/now/available', 'online');
+  assert.equal(came, lies.length + 1);
+  await publish('patient/patient/say', { id: 'p', text: 'Eccomi.', lang: 'it' });
+  await saidOn('patient/patient/said', (p) => JSON.parse(p).id === 'p' && JSON.parse(p).reason === 'unheard');
+  assert.equal(await stop(patient), 0, patient.text);
 });
 
 test('options that are wrong are told', async () => {

@@ -91,7 +91,7 @@ test('what is wrong has its place, and changes nothing', async () => {
     [{ type: 'choose', choice: 1.5 }, 'choice'],
     [{ type: 'choose', choice: -1 }, 'choice'],
     [{ type: 'choose', choice: 0, id: ['q'] }, 'id'],
-    [{ type: 'state', state: 'asleep' }, 'state'],
+    [{ type: 'state', state: 'dreaming' }, 'state'],
     [{ type: 'state', state: 'idle', text: 'x'.repeat(1001) }, 'text'],
   ]) {
     const from = stream.messages.length;
@@ -103,6 +103,111 @@ test('what is wrong has its place, and changes nothing', async () => {
   stream.send({ type: 'choose', id: 'q', choice: 1 });
   await stream.wait({ type: 'chosen', choice: 1, text: 'No' });
   await stream.close();
+});
+
+test('whether somebody consents is asked by who directs, answered by who listens, and told to who comes later', async () => {
+  const claims = (rights, sub) => bearer(sign({ secret, claims: { sub, room: 'c', rights } }));
+  const desk = await guarded.stream('', claims('listen speak', 'anna')), kiosk = await enter('c', { from: guarded, options: claims('listen', 'kitchen') });
+  desk.send({ type: 'join', room: 'c', watch: true, as: 'somebody else' });
+  await desk.wait({ type: 'joined' });
+  for (const [from, message, expected] of [
+    [kiosk, { consent: 'given' }, { code: 'no-choices' }],
+    [kiosk, { consent: 'asked' }, { code: 'forbidden' }],
+    [kiosk, { consent: 'none' }, { code: 'forbidden' }],
+    [desk, { consent: 'given' }, { code: 'forbidden' }],
+    [desk, { consent: 'perhaps' }, { code: 'bad-field', field: 'consent' }],
+    [desk, {}, { code: 'missing-field', field: 'consent' }],
+    [desk, { consent: 'asked', text: 7 }, { code: 'bad-field', field: 'text' }],
+    [desk, { consent: 'asked', text: 'x'.repeat(1001) }, { code: 'bad-field', field: 'text' }],
+  ]) {
+    const since = from.messages.length;
+    from.send({ type: 'consent', ...message });
+    await from.wait({ type: 'error', ...expected }, { from: since });
+  }
+  desk.send({ type: 'consent', consent: 'asked', text: 'Per una tesi.' });
+  await kiosk.wait({ type: 'consent', stream: 'c', consent: 'asked', text: 'Per una tesi.', by: 'anna' });
+  kiosk.send({ type: 'consent', consent: 'given' });
+  await desk.wait({ type: 'consent', consent: 'given', text: 'Per una tesi.', by: 'kitchen' });
+  const since = desk.messages.length;
+  desk.send({ type: 'consent', consent: 'asked', text: 'Per una tesi.' }); // as after a link that was lost
+  await desk.wait({ type: 'consent' }, { from: since });
+  assert.equal(desk.messages.slice(since).find((m) => m.type === 'consent').consent, 'given');
+  const late = await enter('c', { from: guarded, options: claims('listen', 'late') });
+  await late.wait({ type: 'consent', consent: 'given', by: 'kitchen' });
+  late.send({ type: 'consent', consent: 'declined' });
+  await desk.wait({ type: 'consent', consent: 'declined', by: 'late' });
+  desk.send({ type: 'consent', consent: 'asked', text: 'Per un’altra.' });
+  await late.wait({ type: 'consent', consent: 'asked', text: 'Per un’altra.' });
+  desk.send({ type: 'consent', consent: 'none' });
+  await kiosk.wait({ type: 'consent', consent: 'none' });
+  kiosk.send({ type: 'consent', consent: 'given' });
+  const last = await enter('c', { from: guarded, options: claims('listen', 'last') });
+  last.send({ type: 'ping', id: 'p' });
+  await last.wait({ type: 'pong' });
+  assert.ok(!last.messages.some((m) => m.type === 'consent'));
+  for (const stream of [desk, kiosk, late, last]) await stream.close();
+});
+
+test('who looks on is told of others who do, by name; listeners are not', async () => {
+  const claims = (rights, sub) => bearer(sign({ secret, claims: { sub, room: 'n', rights } }));
+  const listener = await enter('n', { from: guarded, options: claims('listen', 'kitchen') });
+  const names = (stream, wanted, count = wanted.length) => stream.wait((m) => m.type === 'desks' && m.count === count && m.desks.map(({ name, speaks }) => `${name} ${speaks}`).join() === wanted.join(), { from: stream.seen ?? 0 });
+  const watch = async (options, as) => {
+    const stream = await guarded.stream('', options);
+    stream.send({ type: 'join', room: 'n', watch: true, ...(as ? { as } : {}) });
+    await stream.wait({ type: 'joined' });
+    return stream;
+  };
+  const anna = await watch(claims('listen speak', 'anna'), 'bruno'), observer = await watch(claims('listen', 'prof'));
+  for (const stream of [anna, observer]) await names(stream, ['anna true', 'prof false']);
+  await observer.close();
+  anna.seen = anna.messages.length - 1;
+  await names(anna, ['anna true']);
+  anna.send({ type: 'join', room: 'n' }); // to listen
+  anna.send({ type: 'ping', id: 'p' });
+  await anna.wait({ type: 'pong' });
+  assert.ok(!listener.messages.some((m) => m.type === 'desks'));
+  const sit = async (i) => {
+    const stream = await daemon.stream();
+    stream.send({ type: 'join', room: 'o', watch: true, as: `tavolo ${i}` });
+    await stream.wait({ type: 'joined' });
+    return stream;
+  };
+  const first = await sit(0); // those that came first are told of
+  const rest = await Promise.all(Array.from({ length: 39 }, (_, i) => sit(i + 1)));
+  const { desks } = await first.wait({ type: 'desks', count: 40 });
+  assert.equal(desks.length, 32);
+  for (const as of ['x'.repeat(65), 7, 'a\u0000b']) {
+    const since = first.messages.length;
+    first.send({ type: 'join', room: 'o', watch: true, as });
+    await first.wait({ type: 'error', code: 'bad-field', field: 'as' }, { from: since });
+  }
+  first.send({ type: 'join', room: 'o', watch: true, as: 'Zoë' });
+  await rest[0].wait((m) => m.type === 'desks' && m.desks.some(({ name }) => name === 'Zoë'));
+  for (const stream of [listener, anna, first, ...rest]) await stream.close();
+});
+
+test('a mood is told in its room, by whom, and to who comes later; not on a stream of one’s own', async () => {
+  const desk = await daemon.stream(), listener = await enter('m');
+  desk.send({ type: 'express', mix: [{ name: 'joy' }] });
+  desk.send({ type: 'join', room: 'm', watch: true, as: 'Anna' });
+  desk.send({ type: 'express', mix: [{ name: 'joy', intensity: 0.5 }, { name: 'hope' }] });
+  const mix = [{ name: 'joy', intensity: 0.5 }, { name: 'hope', intensity: 1 }];
+  await listener.wait({ type: 'expressed', stream: 'm', mix, by: 'Anna' });
+  const late = await enter('m');
+  await late.wait({ type: 'expressed', mix, by: 'Anna' });
+  assert.equal((await post('/v1/state?room=m', JSON.stringify({ state: 'thinking', mix: [{ name: 'hope', intensity: 0.25 }] }))).status, 202);
+  await late.wait({ type: 'expressed', mix: [{ name: 'hope', intensity: 0.25 }] });
+  desk.send({ type: 'express', mix: [{ name: 'joyy' }] });
+  await desk.wait({ type: 'error', field: 'mix.0.name' });
+  desk.send({ type: 'express', mix: [] });
+  await listener.wait({ type: 'expressed', mix: [] });
+  assert.equal(listener.messages.filter((m) => m.type === 'expressed').length, 3);
+  const last = await enter('m');
+  last.send({ type: 'ping', id: 'p' });
+  await last.wait({ type: 'pong' });
+  assert.ok(!last.messages.some((m) => m.type === 'expressed'), 'she is neutral');
+  for (const stream of [desk, listener, late, last]) await stream.close();
 });
 
 test('over HTTP, and as lines', async () => {

@@ -186,7 +186,7 @@ test('SIGHUP: new limits count, wrong ones leave the old in force', async () => 
   assert.equal(await says('c'), 'done');
   file('live.json', { limits: { text_bytes: 100 }, voices: { workers: 3 } });
   daemon.process.kill('SIGHUP');
-  await daemon.logged(/after a restart only/);
+  await daemon.logged(/wait for a restart/);
   assert.equal((await daemon.stop()).code, 0);
 });
 

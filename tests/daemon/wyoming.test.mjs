@@ -119,7 +119,41 @@ test('a text that is written word by word is heard sentence by sentence, and its
   await client.heard('audio-stop');
   const whole = pcmOf(client.events).length;
   assert.ok(Math.abs(one / whole - 1) < 0.2, `${one} ${whole}`);
+  client.events.length = 0;
+  client.send('synthesize-start', { voice: { name: 'espeak:it' } });
+  client.send('synthesize-chunk', { text: ' ' });
+  client.send('synthesize-stop');
+  await client.heard('synthesize-stopped');
+  assert.deepEqual(client.events.map((e) => e.type), ['synthesize-stopped']);
   client.socket.end();
+});
+
+test('what is written word by word is one utterance in the room; one who goes in the middle leaves what he wrote', async () => {
+  const kiosk = await daemon.stream('?lang=it&room=parlour');
+  await kiosk.wait({ type: 'joined' });
+  const both = await start('--room', 'parlour');
+  const client = await connect(both.port);
+  client.send('synthesize-start', { voice: { name: 'espeak:it' } });
+  for (const word of ['È arrivata ', 'la posta. Ci sono ', 'tre lettere, ']) client.send('synthesize-chunk', { text: word });
+  await kiosk.wait({ type: 'sentence', text: 'È arrivata la posta.' }); // before the text has ended
+  for (const word of ['del dott. Neri. ', 'Le apro?']) client.send('synthesize-chunk', { text: word });
+  client.send('synthesize-stop');
+  await client.heard('synthesize-stopped');
+  await kiosk.wait({ type: 'end', reason: 'done' });
+  const said = (from) => kiosk.messages.slice(from).filter((m) => m.type === 'sentence').map((m) => m.text);
+  assert.deepEqual(said(0), ['È arrivata la posta.', 'Ci sono tre lettere, del dott. Neri.', 'Le apro?']);
+  assert.equal(kiosk.messages.filter((m) => m.type === 'begin').length, 1);
+  const from = kiosk.messages.length;
+  client.send('synthesize-start', { voice: { name: 'espeak:it' } });
+  client.send('synthesize-chunk', { text: 'Questo è tutto. E poi ' });
+  await kiosk.wait({ type: 'sentence', text: 'Questo è tutto.' }, { from });
+  client.socket.write('{"type":"synthesize-chunk","data_length":40}\n{"text":"nient'); // half a frame
+  client.socket.destroy();
+  await kiosk.wait({ type: 'warning', code: 'unfinished' }, { from });
+  await kiosk.wait({ type: 'end', reason: 'done' }, { from });
+  assert.deepEqual(said(from), ['Questo è tutto.', 'E poi']);
+  assert.equal(await both.stop(), 0, both.child.text);
+  await kiosk.close();
 });
 
 test('the face of a room says it at the same time; what goes back may be silence as long', async () => {

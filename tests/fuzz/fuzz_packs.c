@@ -55,8 +55,8 @@ static struct sentence_audio *sample(void) {
         p->start = u->samples, p->end = u->samples += RATE / 10, p->stress = i % 3;
     }
     for (uint32_t i = 0; i < 2; i++)
-        u->words[u->word_count++] =
-            (struct word){i * RATE / 2, (i + 1) * RATE / 2, 0, 4, mem_strdup("ağlar")};
+        u->words[u->word_count++] = (struct word){
+            .start = i * RATE / 2, .end = (i + 1) * RATE / 2, .to = 4, .text = mem_strdup("ağlar")};
     return u;
 }
 

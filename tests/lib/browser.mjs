@@ -6,15 +6,20 @@ import { chromium } from 'playwright-core';
 import { PNG } from 'pngjs';
 import { artefacts } from './daemon.mjs';
 
-const flags = ['--no-sandbox', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run',
-  '--disable-background-networking', '--disable-component-update', '--disable-sync'];
+const flags = ['--no-sandbox', '--enable-unsafe-swiftshader', '--disable-quic', '--no-first-run', '--disable-background-networking',
+  '--disable-component-update', '--disable-sync'];
+/** As Chromium is where there is no graphics processor: WebGL is drawn by SwiftShader, the page by the browser itself. */
+const PLAIN = ['--disable-gpu'];
+/** The page is drawn by SwiftShader, too, as by a graphics processor: that takes several times what it takes without. */
+const FORCED = ['--use-angle=swiftshader'];
 
 /**
- * @param {{webgl?: boolean, flags?: string[]}} [options] webgl: false where nobody looks at the face, which takes most of the time;
- *   flags: more of the browser's
+ * @param {{webgl?: boolean, forced?: boolean, flags?: string[]}} [options] webgl: false where nobody looks at the face, which takes most
+ *   of the time; forced: see FORCED; flags: more of the browser's
  */
-export async function launch({ webgl = true, flags: more = [] } = {}) {
-  return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args: [...flags, ...more, ...(webgl ? [] : ['--disable-3d-apis'])] });
+export async function launch({ webgl = true, forced = true, flags: more = [] } = {}) {
+  const args = [...flags, ...(forced ? FORCED : PLAIN), ...more, ...(webgl ? [] : ['--disable-3d-apis'])];
+  return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args });
 }
 
 /** The demo page in Italian, or as the options of newPage say, with the head loaded. Errors of the page fail the test that looks at page.problems. */

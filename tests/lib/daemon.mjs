@@ -90,9 +90,8 @@ export class Daemon {
   }
 
   async get(address, options) {
-    // A test that has just waited for a program, synchronously, first hears which of its connections were closed meanwhile.
-    await new Promise((resolve) => setTimeout(resolve));
-    return fetch(this.url + address, options);
+    // A connection each: one kept open may just be closed by the daemon while a test waits for a program, synchronously.
+    return fetch(this.url + address, { ...options, headers: { connection: 'close', ...options?.headers } });
   }
 
   /** Waits until no more than so many connections are open: this question's own is one of them. */

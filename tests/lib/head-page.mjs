@@ -18,14 +18,13 @@ const canvas = document.querySelector('canvas');
 const view = new View(canvas);
 const heads = new Map();
 window.load = async (name, json, paint) => {
-  const head = await Head.create(readModel(json));
+  const wanted = (part) => !paint || paint.some(([start]) => part.name.startsWith(start));
+  const head = await Head.create(readModel({ ...json, parts: json.parts.filter(wanted) }));
   heads.set(name, head);
   if (!paint) return;
   for (const mesh of head.group.children) {
     const part = head.parts.find(({ geometry }) => geometry === mesh.geometry).part;
     const color = paint.find(([start]) => part.name.startsWith(start));
-    mesh.userData.hidden = !color;
-    if (!color) continue;
     mesh.material.uniforms.flat_color = { value: new Vector3(...color.slice(1).map((x) => x / 255)) };
     mesh.material.fragmentShader = 'uniform vec3 flat_color; void main() { gl_FragColor = vec4(flat_color, 1.0); }';
     mesh.material.needsUpdate = true;
@@ -38,7 +37,6 @@ const pose = (name, { yaw = 0, pitch = 0, target = [0, -22, 0], distance = 620, 
   view.resize(width, height);
   view.setLevel(view.level);
   head.uniforms.fade.value = 1e-3; // nothing fades: the picture may end in the face
-  for (const mesh of head.group.children) if (mesh.userData.hidden) mesh.visible = false;
   view.camera.fov = fov;
   view.camera.aspect = width / height;
   view.camera.position.set(target[0] + distance * Math.sin(yaw) * Math.cos(pitch), target[1] + distance * Math.sin(pitch), target[2] + distance * Math.cos(yaw) * Math.cos(pitch));
@@ -54,7 +52,7 @@ window.shot = (name, values, camera) => {
   pose(name, camera)(values);
   return canvas.toDataURL('image/png').slice(22);
 };
-window.columns = (name, frames, camera, colours, half) => {
+window.counts = (name, frames, camera, colours, half) => {
   const draw = pose(name, camera);
   const gl = canvas.getContext('webgl2');
   const { width, height } = canvas;
@@ -64,9 +62,13 @@ window.columns = (name, frames, camera, colours, half) => {
     draw(values);
     gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     const areas = colours.map(() => 0);
+    const box = { left: width, right: -1, top: height, bottom: -1 }; // of all but the first colour
     for (let i = 0; i < pixels.length; i += 4) {
       const part = partAt(i);
       if (part >= 0) areas[part]++;
+      if (part <= 0) continue;
+      const [x, y] = [(i / 4) % width, height - 1 - Math.floor(i / 4 / width)];
+      Object.assign(box, { left: Math.min(box.left, x), right: Math.max(box.right, x), top: Math.min(box.top, y), bottom: Math.max(box.bottom, y) });
     }
     const columns = [];
     for (let x = Math.round(width / 2) - half; x < Math.round(width / 2) + half; x++) {
@@ -78,7 +80,7 @@ window.columns = (name, frames, camera, colours, half) => {
       }
       columns.push(runs);
     }
-    return { areas, columns };
+    return { areas, box, columns };
   });
 };
 `;
@@ -87,8 +89,9 @@ const whole = (faps) => Array.from({ length: 69 }, (_, n) => faps[n] ?? 0);
 
 /**
  * @param {import('playwright-core').Browser} browser
- * @returns a page with load(name, head, paint), shot(name, faps, camera): a PNG's bytes, and columns(name, frames, camera, colours, half): for
- * each frame the pixels of each colour in the picture, and the 2 x half columns in its middle from above: runs of [which colour, how many]
+ * @returns a page with load(name, head, paint), shot(name, faps, camera): a PNG's bytes, and counts(name, frames, camera, colours, half): for
+ * each frame the pixels of each colour in the picture, the box about all but the first, and the 2 x half columns in its middle from above: runs of
+ * [which colour, how many]
  */
 export async function headPage(browser) {
   const { build } = createRequire(path.join(web, 'package.json'))('esbuild');
@@ -104,6 +107,6 @@ export async function headPage(browser) {
     page,
     load: (name, head, paint) => page.evaluate(([n, h, p]) => window.load(n, h, p), [name, head, paint]),
     shot: async (name, faps, camera) => Buffer.from(await page.evaluate(([n, v, c]) => window.shot(n, v, c), [name, whole(faps), camera]), 'base64'),
-    columns: (name, frames, camera, colours, half) => page.evaluate((all) => window.columns(...all), [name, frames.map(whole), camera, colours, half]),
+    counts: (name, frames, camera, colours, half) => page.evaluate((all) => window.counts(...all), [name, frames.map(whole), camera, colours, half]),
   };
 }

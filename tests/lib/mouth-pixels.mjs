@@ -26,7 +26,7 @@ export async function mouthPixels(browser, model = 'mara') {
   await page.load('flat', head, paint);
   const camera = mouthCamera(head, 0, [WIDTH, HEIGHT]);
   return {
-    look: async (frames) => (await page.columns('flat', frames.map(withoutHead), camera, Object.values(COLOURS), HALF)).map(read),
+    look: async (frames) => (await page.counts('flat', frames.map(withoutHead), camera, Object.values(COLOURS), HALF)).map(read),
     close: () => page.page.close(),
   };
 }

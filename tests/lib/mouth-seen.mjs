@@ -2,7 +2,6 @@
 // What is seen in a mouth, counted in pictures with each part in one flat colour, and what must be seen in each sound.
 import fs from 'node:fs';
 import path from 'node:path';
-import { PNG } from 'pngjs';
 import { artefacts } from './daemon.mjs';
 
 export const COLOURS = { skin: [0, 0, 255], teeth_upper: [255, 255, 0], teeth_lower: [0, 255, 0], tongue: [255, 0, 0], mouth: [0, 0, 0] };
@@ -19,31 +18,23 @@ export const mouthCamera = (head, yaw = 0, [width, height] = [WIDTH, HEIGHT]) =>
 
 /**
  * mm² of the opening, and what of it is upper teeth, lower teeth, tongue and dark; how wide and high it is, mm.
- * @param {{shot: Function}} page a head page @param {string} loaded the flat head's name there @param {string} name of the picture that is kept
+ * @param {{counts: Function}} page a head page @param {string} loaded the flat head's name there @param {number[][]} frames FAPs
  */
+export async function seenIn(page, loaded, head, frames, yaw) {
+  const mm = SPAN / WIDTH;
+  const found = await page.counts(loaded, frames, mouthCamera(head, yaw), Object.values(COLOURS), 0);
+  return found.map(({ areas: [, ...areas], box }) => {
+    const all = areas.reduce((sum, n) => sum + n, 0);
+    const [upper, lower, tongue, dark] = areas.map((n) => (all ? n / all : 0));
+    return { area: all * mm * mm, width: Math.max(0, box.right - box.left + 1) * mm, height: Math.max(0, box.bottom - box.top + 1) * mm, upper, lower, tongue, dark };
+  });
+}
+
+/** The same of one face, and keeps its picture. @param {string} name of the picture */
 export async function seen(page, loaded, head, name, faps, yaw) {
-  const png = PNG.sync.read(await page.shot(loaded, faps, mouthCamera(head, yaw)));
-  const parts = Object.keys(COLOURS);
-  const count = Object.fromEntries(parts.map((part) => [part, 0]));
-  const box = { left: WIDTH, right: -1, top: HEIGHT, bottom: -1 };
-  for (let i = 0; i < png.data.length; i += 4) {
-    if (!png.data[i + 3]) continue;
-    const part = parts.find((one) => COLOURS[one].every((x, k) => Math.abs(x - png.data[i + k]) < 40));
-    if (!part) continue;
-    count[part]++;
-    if (part === 'skin') continue;
-    const [x, y] = [(i / 4) % png.width, Math.floor(i / 4 / png.width)];
-    Object.assign(box, { left: Math.min(box.left, x), right: Math.max(box.right, x), top: Math.min(box.top, y), bottom: Math.max(box.bottom, y) });
-  }
   fs.mkdirSync(artefacts, { recursive: true });
-  fs.writeFileSync(path.join(artefacts, `mouth-${name}.png`), PNG.sync.write(png));
-  const mm = SPAN / png.width;
-  const all = count.teeth_upper + count.teeth_lower + count.tongue + count.mouth;
-  const share = (n) => (all ? n / all : 0);
-  return {
-    area: all * mm * mm, width: Math.max(0, box.right - box.left + 1) * mm, height: Math.max(0, box.bottom - box.top + 1) * mm,
-    upper: share(count.teeth_upper), lower: share(count.teeth_lower), tongue: share(count.tongue), dark: share(count.mouth),
-  };
+  fs.writeFileSync(path.join(artefacts, `mouth-${name}.png`), await page.shot(loaded, faps, mouthCamera(head, yaw)));
+  return (await seenIn(page, loaded, head, [faps], yaw))[0];
 }
 
 /** [what, least, most]: shares of the opening; area and white in mm², height and width in mm, flat: width by height. */

@@ -4,6 +4,7 @@ import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import zlib from 'node:zlib';
+import { wavOf } from './wav.mjs';
 
 const list = '/usr/share/doc/asterisk-core-sounds-it/core-sounds-it.txt.gz';
 const sounds = '/usr/share/asterisk/sounds/it_IT_m_Carlo';
@@ -68,4 +69,49 @@ export function closures(phones, levels, shift = 0) {
     while (last < levels.length - 1 && levels[last] < (right + levels[low]) / 2) last++;
     return [{ start: start - (first * HOP + WINDOW / 2), end: end - (last * HOP + WINDOW / 2) }];
   });
+}
+
+const samplesOf = (file) => {
+  const data = fs.readFileSync(file);
+  return { rate: data.readUInt32LE(24), pcm: new Int16Array(data.buffer.slice(data.byteOffset + 44, data.byteOffset + data.length - (data.length % 2))) };
+};
+
+/** Chords that change every half second. */
+const music = (rate, seconds) =>
+  Int16Array.from({ length: rate * seconds }, (_, k) => {
+    const t = k / rate, root = 110 * 2 ** ([0, 5, 7, 3, 8, 10][Math.floor(2 * t) % 6] / 12);
+    return [1, 1.26, 1.5, 2, 3].reduce((sum, n) => sum + 1200 * Math.sin(2 * Math.PI * root * n * t), 0) * Math.exp(-3 * (t % 0.5));
+  });
+
+/**
+ * Prompts as one recording, with half a second after each: {wav, seconds, places: [{name, start, end}]}, s; a place is where something of it can be heard.
+ * `between(i)`: what comes before prompt i, {silence, music} in s.
+ */
+export function madeOf(list, { between = () => 0 } = {}) {
+  const parts = [], places = [];
+  let at = 0, rate = 8000;
+  const add = (pcm) => {
+    parts.push(pcm);
+    at += pcm.length;
+  };
+  list.forEach(({ name, sound }, i) => {
+    const read = samplesOf(sound), more = between(i);
+    ({ rate } = read);
+    if (more.silence) add(new Int16Array(rate * more.silence));
+    if (more.music) add(music(rate, more.music));
+    const loud = (k) => Math.abs(read.pcm[k]) > 400;
+    let [first, last] = [0, read.pcm.length - 1];
+    while (first < last && !loud(first)) first++;
+    while (last > first && !loud(last)) last--;
+    places.push({ name, start: (at + first) / rate, end: (at + last) / rate });
+    add(read.pcm);
+    add(new Int16Array(rate / 2));
+  });
+  const all = new Int16Array(at);
+  let to = 0;
+  for (const part of parts) {
+    all.set(part, to);
+    to += part.length;
+  }
+  return { wav: wavOf(all, rate), pcm: all, rate, seconds: at / rate, places };
 }

@@ -121,6 +121,7 @@ export class Sweep {
 
   constructor(head, parts) {
     this.head = head;
+    this.still = new Map();
     const part = (name) => parts.find((one) => one.name === name);
     const near = (at, box, pairs, special) => {
       const names = [...new Set(pairs.flatMap(([a, b]) => [a, b]))];
@@ -193,12 +194,25 @@ export class Sweep {
 
   #pairs(pairs, parts, faps) {
     const posed = {};
-    const at = (name) => (posed[name] ??= { position: pose(this.head, parts[name], faps), index: parts[name].index });
+    const place = (part) => ({ position: pose(this.head, part, faps), index: part.index });
+    const at = (name) => (posed[name] ??= this.#moves(parts[name], faps) ? place(parts[name]) : this.#still(parts[name], place));
     return pairs.flatMap(([a, b, tolerance]) => {
       if (!parts[a] || !parts[b]) return [];
       const { count, deepest, at: place } = crossings(at(a), at(b), tolerance);
       return count ? [{ pair: `${a} through ${b}`, count, mm: deepest, at: place }] : [];
     });
+  }
+
+  /** Whether a part is anywhere else than at rest. */
+  #moves(part, faps) {
+    const turning = (name) => this.head.turns.find((turn) => turn.name === name).fap;
+    return part.moves.some(({ fap }) => faps[fap]) || part.turns.some(({ turn }) => faps[turning(turn)]);
+  }
+
+  /** What is worked out of a mesh is kept with it: one at rest is the same in all poses. */
+  #still(part, place) {
+    if (!this.still.has(part)) this.still.set(part, place(part));
+    return this.still.get(part);
   }
 
   #pressed({ name, pivot, radius, front, before }, faps) {

@@ -7,12 +7,15 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import test, { after, before } from 'node:test';
+import { PNG } from 'pngjs';
 import { ARKIT, VISEMES } from '../../models/tools/avatar/shapes.mjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/sight.mjs';
 import { checkEyelids, checkLipsMoveAsOne, checkNeutral } from '../../models/tools/lib/check.mjs';
 import { readModel } from '../../web/src/head/model.mjs';
 import { writeHeadFiles } from '../lib/head-files.mjs';
+import { binaryFbx, textFbx } from '../lib/fbx.mjs';
+import { packed } from '../lib/packed-avatars.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
 const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
@@ -126,7 +129,59 @@ function glb(json, binary) {
   return Buffer.concat([head, text, chunk, binary]);
 }
 
-test('broken files and hostile ones are told with their place, and nothing is written', () => {
+test('what is packed with Draco and Basis Universal comes back as what is not', async (t) => {
+  const plain = imported('back.json', path.join(models, 'heads/mara.glb')).head;
+  for (const kind of ['etc1s', 'uastc']) {
+    fs.writeFileSync(at('packed.glb'), await packed(fs.readFileSync(path.join(models, 'heads/mara.glb')), { kind }));
+    const { head, said } = imported('packed.json', at('packed.glb'));
+    assert.match(said, /actions from 5\d morph targets/);
+    const far = apart(plain, head, 'skin', { 3: 300, 5: -200, 19: 500 });
+    t.diagnostic(`${kind}: skin within ${far.most.toFixed(3)} mm`);
+    assert.ok(far.most < 0.05 && head.textures.hair.type === 'image/png', `${far.most}`);
+    const { data } = PNG.sync.read(Buffer.from(head.textures.hair.data, 'base64'));
+    const points = [[4, 4], [12, 4], [4, 12], [12, 12]].map(([x, y]) => [...data.subarray(4 * (y * 16 + x))].slice(0, 3));
+    const colours = [[200, 40, 40], [40, 40, 200], [40, 200, 40], [220, 220, 60]];
+    colours.forEach((colour, i) => colour.forEach((value, k) => assert.ok(Math.abs(points[i][k] - value) < 12, `${kind} ${i}: ${points[i]}`)));
+  }
+});
+
+test('FBX, in binary with its shapes and as text without: the same face as of the GLB', (t) => {
+  const bytes = fs.readFileSync(path.join(models, 'heads/mara.glb'));
+  const meshes = ['skin', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'lashes'];
+  fs.writeFileSync(at('binary.fbx'), binaryFbx(bytes, { meshes }));
+  fs.writeFileSync(at('text.fbx'), textFbx(bytes, { meshes, shapes: false }));
+  const fdp = Object.fromEntries(Object.entries(mara.fdp).map(([one, [x, y, z]]) => [one, [x / 10, 155 + y / 10, z / 10]]));
+  fs.writeFileSync(at('fbx-points.json'), JSON.stringify({ frame: 'file', fdp }));
+  for (const [file, from, most] of [['binary.fbx', /actions from 5\d morph targets/, 0.1], ['text.fbx', /actions from zones/, null]]) {
+    const { head, said } = imported('fbx.json', at(file), '--points', at('fbx-points.json'));
+    assert.match(said, from, file);
+    assert.deepEqual(head.parts.map(({ name }) => name).sort(), [...meshes].sort(), file);
+    for (const [unit, value] of Object.entries(mara.fapu)) assert.ok(Math.abs(head.fapu[unit] / value - 1) < 0.02, `${file} ${unit} ${head.fapu[unit]}`);
+    assert.ok(Math.abs(head.materials.skin.color[1] - 0.6 ** 2.2) < 0.02, `${head.materials.skin.color}`);
+    if (!most) continue;
+    // corners that are one are found anew, in another order, and the origin is where its eyeballs say: vertices are told by where they are at rest
+    const plain = imported('back.json', path.join(models, 'heads/mara.glb')).head;
+    const [own, theirs] = [plain, head].map((one) => one.parts.find(({ name }) => name === 'skin'));
+    const shift = [0, 1, 2].map((k) => head.fdp['8.1'][k] - plain.fdp['8.1'][k]);
+    const faps = { 3: 300, 4: -100, 5: -200, 6: 100, 19: 800, 31: 200 };
+    const [posed, other] = [[plain, own], [head, theirs]].map(([one, part]) => pose(one, part, faps));
+    const away = (a, v, b, u) => Math.hypot(a[3 * v] - b[3 * u] - shift[0], a[3 * v + 1] - b[3 * u + 1] - shift[1], a[3 * v + 2] - b[3 * u + 2] - shift[2]);
+    const far = [];
+    for (let v = 0; v < theirs.position.length / 3; v++) {
+      const same = [];
+      for (let u = 0; u < own.position.length / 3; u++) if (away(theirs.position, v, own.position, u) < 0.05) same.push(u);
+      if (same.length === 1) far.push(away(other, v, posed, same[0]));
+    }
+    t.diagnostic(`${far.length} of ${own.position.length / 3} vertices found, at most ${Math.max(...far).toFixed(2)} mm`);
+    assert.ok(far.length > 3000 && Math.max(...far) < most, `${far.length} ${Math.max(...far)}`);
+  }
+});
+
+test('broken files and hostile ones are told with their place, and nothing is written', async () => {
+  const fbx = binaryFbx(fs.readFileSync(path.join(models, 'heads/luca.glb')), { meshes: ['eye_l'] });
+  const bomb = binaryFbx(fs.readFileSync(path.join(models, 'heads/luca.glb')), { meshes: ['eye_l'] });
+  bomb.writeUInt32LE(30, bomb.indexOf('Vertices') + 9); // a list that says it is short, and unpacks to more
+  const spoilt = await packed(fs.readFileSync(path.join(models, 'heads/luca.glb')), { spoil: (draco) => draco.fill(255, 40, 90) });
   const whole = fs.readFileSync(path.join(models, 'heads/luca.glb'));
   const size = whole.readUInt32LE(12);
   const json = JSON.parse(whole.toString('utf8', 20, 20 + size));
@@ -160,7 +215,8 @@ test('broken files and hostile ones are told with their place, and nothing is wr
     ['index.glb', changed((j, b) => b.writeUInt16LE(65535, j.bufferViews[indices.bufferView].byteOffset + 6)), [], /accessors\[\d+\]: element 3 is vertex 65535/],
     ['outside.glb', changed((j) => j.buffers.push({ uri: '../../etc/passwd', byteLength: 3 }) && (j.bufferViews[place.bufferView].buffer = 1)), [], /buffers\[1\]\.uri: /],
     ['loop.glb', changed((j) => (j.nodes[0].children = [0])), [], /nodes\[0\]: stands more than once/],
-    ['draco.glb', changed((j) => (j.extensionsRequired = ['KHR_draco_mesh_compression'])), [], /extensionsRequired: KHR_draco/],
+    ['unknown.glb', changed((j) => (j.extensionsRequired = ['KHR_gaussian_splatting'])), [], /extensionsRequired: KHR_gaussian/],
+    ['draco.glb', spoilt, [], /meshes\[0\]\.primitives\[0\]\.extensions\.KHR_draco_mesh_compression: what is packed with Draco /],
     ['list.glb', changed((j) => (j.bufferViews = {})), [], /bufferViews: must be a list/],
     ['deep.glb', changed((j) => (j.meshes[0].primitives = 7)), [], /is not built as \.glb files are|no mesh/],
     ['text.gltf', '{"asset": {"version": "2.0"}, ', [], /JSON: /],
@@ -174,6 +230,12 @@ test('broken files and hostile ones are told with their place, and nothing is wr
     ['deep.wrl', `#VRML V2.0 utf8\n${'Group { children [ '.repeat(5000)}`, points('wrl'), /line 2: nodes within nodes/],
     ['old.wrl', '#VRML V1.0 ascii\n', points('wrl'), /line 1: this is no VRML97/],
     ['corner.wrl', wrl.replace('coordIndex [ ', 'coordIndex [ 99999999, '), [...points('wrl'), '--up', 'z'], /line \d+: coordIndex 0 is 99999999/],
+    ['cut.fbx', fbx.subarray(0, fbx.length >> 1), [], /byte \d+: /],
+    ['noise.fbx', fbx.map((x, i) => (i > 400 && i % 997 === 0 ? x ^ 255 : x)), [], /byte \d+: /],
+    ['bomb.fbx', bomb, [], /byte \d+: a list of 30 numbers/],
+    ['deep.fbx', `; FBX 7.4.0 project file\nFBXHeaderExtension:  {\n\tFBXVersion: 7400\n}\n${'Objects:  {\n'.repeat(50)}`, [], /fbx/],
+    ['none.fbx', 'solid', [], /byte 0: this is no FBX file/],
+    ['corner.fbx', textFbx(whole, { meshes: ['eye_l'], shapes: false }).replace(/(PolygonVertexIndex[^]*?a: )\d+/, '$199999999'), [], /cannot be read as FBX|corner \d+ is at no place/],
     ['head.stl', 'solid', [], /"\.stl" is not read/],
   ];
   for (const [name, bytes, words, pattern] of cases) {

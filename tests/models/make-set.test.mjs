@@ -44,7 +44,7 @@ before(async () => {
   put('f2-1.png', await take(faps.f2, { light: 0.4 }));
   for (const [name, as] of [['a', 'p1-1.png'], ['rest', 'e-1.png']]) fs.copyFileSync(path.join(photographs, `${name}.png`), path.join(photographs, as));
   put('i1-1.jpg', fs.readFileSync(path.join(photographs, 'i1.png')).subarray(0, 4000));
-  fs.copyFileSync(path.join(root, 'web/mouth.png'), path.join(photographs, 'o-1.png'));
+  put('o-1.png', await take(faps.o, { shift: [3000, 0] })); // beside the picture
   put('notes.txt', 'p1 was hard');
   made = run(photographs, '-o', file('rosa.json'), '--title', 'Rosa');
 });

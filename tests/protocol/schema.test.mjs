@@ -27,7 +27,7 @@ test('the examples of the client are valid', () => {
   assert.ok(sent.length >= 4);
   for (const message of sent) {
     const wrong = violations('client', message);
-    const refused = message.type === 'dance' || message.room === 'no spaces' || message.name === '../secret' || message.choices?.includes(7) || message.featurePointsCoord?.['8.11'];
+    const refused = message.type === 'dance' || message.room === 'no spaces' || message.name === '../secret' || message.choices?.includes(7) || message.consent === 'perhaps' || message.featurePointsCoord?.['8.11'];
     assert.equal(wrong === null, !refused, `${JSON.stringify(message)}: ${wrong}`);
   }
 });
@@ -47,6 +47,9 @@ const whole = {
   chosen: { stream: 's', choice: 0, text: 'x', by: 'x' },
   state: { stream: 's', state: 'idle' },
   calibrated: { stream: 's' },
+  expressed: { stream: 's', mix: [] },
+  consent: { stream: 's', consent: 'asked', by: 'x' },
+  desks: { stream: 's', desks: [], count: 0 },
   begin: { stream: 's', utterance: 1, rate: 22050, fps: 25, voice: 'v', lang: 'it', engine: 'dominance', markup: 'plain', idle: 0 },
   sentence: {
     stream: 's',
@@ -95,7 +98,10 @@ const refused = {
     { type: 'end', stream: 's1', utterance: 1, reason: 'bored', duration: 1 },
     { type: 'pong', extra: 1 },
     { ...whole.chosen, type: 'chosen', choice: -1 },
-    { ...whole.state, type: 'state', state: 'asleep' },
+    { ...whole.state, type: 'state', state: 'dancing' },
+    { ...whole.consent, type: 'consent', consent: 'perhaps' },
+    { ...whole.expressed, type: 'expressed', mix: [{ name: 'joy', intensity: 2 }] },
+    { ...whole.desks, type: 'desks', desks: ['x'] },
     { ...whole.choices, type: 'choices', choices: [1] },
     { ...whole.word, type: 'word', text: undefined },
     { ...whole.word, type: 'word', time: -1 },

@@ -26,7 +26,7 @@ struct pool_test {
     struct voice_job *jobs[POOL_TEST_JOBS];
     size_t count, finished;
     bool ready, voiced, closing, closed;
-    bool urgent; /* what is spoken next */
+    enum voice_turn turn; /* of what is spoken next */
     void (*when_finished)(struct pool_test *s);
 };
 

@@ -79,7 +79,7 @@ static struct sentence_audio *utter(const char *text) {
         u->samples += (uint32_t)atoi(dot + 1);
         p->end = u->samples;
         if (p->ipa[0] && !in_word)
-            u->words[u->word_count++] = (struct word){p->start, p->end, 0, 1, NULL};
+            u->words[u->word_count++] = (struct word){.start = p->start, .end = p->end, .to = 1};
         in_word = p->ipa[0] != '\0';
         if (in_word)
             u->words[u->word_count - 1].end = p->end;

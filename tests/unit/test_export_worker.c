@@ -14,7 +14,8 @@
 enum { RATE = 16000, FRAMES = 400, SEGMENTS = 4 };
 
 static const char text[] = "Uno due. Tre.";
-static const struct export_source source = {text, "it", "a:voice", "dominance", "plain", NULL, 25, 0};
+static const struct export_source source = {
+    .text = text, .lang = "it", .voice = "a:voice", .engine = "dominance", .markup = "plain", .fps = 25};
 
 /* Several pieces, less than one, nothing, just two. */
 static const uint32_t lengths[SEGMENTS] = {3 * RATE + 123, 77, 0, RATE / 2};
@@ -29,8 +30,8 @@ static struct media_segment make(const struct fap_frame *frames, size_t which) {
     for (uint32_t i = 0; i < u->samples; i++)
         u->pcm[i] = (int16_t)(8000 * sin(0.05 * i) * sin(0.0007 * i));
     u->words = mem_alloc(2 * sizeof *u->words);
-    u->words[u->word_count++] = (struct word){0, u->samples / 2, 0, 3, NULL};
-    u->words[u->word_count++] = (struct word){u->samples / 2, u->samples, 4, 7, NULL};
+    u->words[u->word_count++] = (struct word){.end = u->samples / 2, .to = 3};
+    u->words[u->word_count++] = (struct word){.start = u->samples / 2, .end = u->samples, .from = 4, .to = 7};
     u->phones = mem_alloc(sizeof *u->phones);
     u->phones[u->phone_count++] = (struct phone){.ipa = "a", .sampa = "a", .end = u->samples};
     u->marks = mem_alloc(sizeof *u->marks);

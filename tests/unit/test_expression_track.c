@@ -258,7 +258,8 @@ static void sentences_join(void **state) {
                 assert_in_range(end.value[n] - begin.value[n] + 1, 0, 2);
                 assert_int_equal(end.value[n], same.value[n]); /* the others have gone */
             }
-            /* Nor does the mouth jump as speech takes it; the first vowel's opening brings both to one gap. */
+            /* Nor does the mouth jump as speech takes it; the first vowel's opening brings both to one gap.
+             */
             struct face_placement *plain = track_of(second, NULL, 0, &options);
             struct fap_frame soon = at(two, 0.01), soon_plain = at(plain, 0.01), begin_plain = at(plain, 0);
             for (int n = 3; n <= 18; n++) {

@@ -182,6 +182,42 @@ static void knows_what_looks_like_an_end(void **state) {
     assert_false(seems_ended(""));
 }
 
+static bool surely_ended(const char *text) {
+    struct open_text o = {.kind = markup_by_name("auto")};
+    struct buf out = {0};
+    take(&o, text, strlen(text), OPEN_GOES_ON, &out);
+    bool ended = open_text_surely_ended(&o, text, strlen(text), &rules);
+    buf_free(&out);
+    open_text_free(&o);
+    return ended;
+}
+
+static void knows_what_can_hardly_be_anything_but_an_end(void **state) {
+    (void)state;
+    assert_true(surely_ended("La mamma parla."));
+    assert_true(surely_ended("Allora. Dov'è la città?"));
+    assert_true(surely_ended("Çocuk güldü!"));
+    static const char *const not [] = {
+        "Si usa Node.",
+        "Sono 3.",
+        "Il dott.",
+        "La mamma",
+        "La mamma parla. E",
+        "Vero?\"",
+        "«Ciao mamma.",
+        "\"La mamma parla.",
+        "E la mamma..",
+        "*La mamma parla.",
+        "Parla.",
+        "il n. 3 corre.",
+        "La mia e.",
+        "<speak>La mamma parla.",
+        "",
+    };
+    for (size_t i = 0; i < sizeof not / sizeof *not ; i++)
+        assert_false(surely_ended(not [i]));
+}
+
 static void finds_the_place_of_an_error(void **state) {
     (void)state;
     const char *text = "<speak>Uno.\n Due <b>tre.</speak>";
@@ -203,9 +239,13 @@ static void finds_the_place_of_an_error(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(cuts_prose_in_four_languages),       cmocka_unit_test(leaves_markdown_and_emoji_out),
-        cmocka_unit_test(reads_pieces_inside_their_elements), cmocka_unit_test(bounds_what_it_keeps),
-        cmocka_unit_test(knows_what_looks_like_an_end),       cmocka_unit_test(finds_the_place_of_an_error),
+        cmocka_unit_test(cuts_prose_in_four_languages),
+        cmocka_unit_test(leaves_markdown_and_emoji_out),
+        cmocka_unit_test(reads_pieces_inside_their_elements),
+        cmocka_unit_test(bounds_what_it_keeps),
+        cmocka_unit_test(knows_what_looks_like_an_end),
+        cmocka_unit_test(finds_the_place_of_an_error),
+        cmocka_unit_test(knows_what_can_hardly_be_anything_but_an_end),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

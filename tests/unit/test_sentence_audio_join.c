@@ -27,7 +27,8 @@ static struct sentence_audio *word(uint32_t rate, double hertz, const char *ipa)
     u->phones[2] = (struct phone){.sampa = "_", .start = rate / 4 * 3, .end = rate};
     u->phone_count = 3;
     u->words = mem_alloc(sizeof *u->words);
-    u->words[u->word_count++] = (struct word){rate / 4, rate / 4 * 3, 0, 1, mem_strdup(ipa)};
+    u->words[u->word_count++] =
+        (struct word){.start = rate / 4, .end = rate / 4 * 3, .to = 1, .text = mem_strdup(ipa)};
     u->marks = mem_alloc(sizeof *u->marks);
     u->marks[u->mark_count++] = (struct mark){mem_strdup(ipa), rate / 4};
     strcpy(u->lang, ipa);

@@ -387,10 +387,11 @@ static void refuses_what_is_no_pack(void **state) {
     check_text(w, "it.json", "{\"tag\": \"it\", \"tag\": \"it\"}", &e);
     assert_int_equal(e.place, PLACE_LINE);
     check_text(w, "it.json", "[]", &e);
-    check_text(w, "heir.json",
-               "{\"tag\": \"it-x-a\", \"name\": \"x\", \"inherits\": \"heir\", \"sources\": [], \"voices\": [],"
-               " \"abbreviations\": [], \"phones\": {}}",
-               &e);
+    check_text(
+        w, "heir.json",
+        "{\"tag\": \"it-x-a\", \"name\": \"x\", \"inherits\": \"heir\", \"sources\": [], \"voices\": [],"
+        " \"abbreviations\": [], \"phones\": {}}",
+        &e);
     assert_string_equal(e.field, "inherits");
     assert_null(speech_pack_load("/nowhere/it.json", &e));
     assert_string_equal(error_name(e.code), "bad-speech-pack");
@@ -401,12 +402,13 @@ static void describes_phones_by_others(void **state) {
     char file[256];
     snprintf(file, sizeof file, "%s/it.json", w->folder);
     copy(PACKS "it.json", file);
-    static const char heir[] = "{\"tag\": \"it-x-a\", \"name\": \"x\", \"inherits\": \"it\", \"sources\": [], "
-                               "\"voices\": [], \"abbreviations\": [],"
-                               " \"phones\": {\"ʌ\": {\"sampa\": \"V\", \"like\": {\"a\": 0.75, \"e\": "
-                               "0.25}, \"gain\": {\"LI\": 2}, \"shift\": {\"AR\": 1}},"
-                               "   \"a\": {\"sampa\": \"a\", \"like\": \"a\", \"coefficients\": {\"LI\": "
-                               "{\"alpha\": 0.5}}, \"viseme\": 3}}}";
+    static const char heir[] =
+        "{\"tag\": \"it-x-a\", \"name\": \"x\", \"inherits\": \"it\", \"sources\": [], "
+        "\"voices\": [], \"abbreviations\": [],"
+        " \"phones\": {\"ʌ\": {\"sampa\": \"V\", \"like\": {\"a\": 0.75, \"e\": "
+        "0.25}, \"gain\": {\"LI\": 2}, \"shift\": {\"AR\": 1}},"
+        "   \"a\": {\"sampa\": \"a\", \"like\": \"a\", \"coefficients\": {\"LI\": "
+        "{\"alpha\": 0.5}}, \"viseme\": 3}}}";
     snprintf(file, sizeof file, "%s/heir.json", w->folder);
     write_file(file, heir, sizeof heir - 1);
     struct speech_pack *pack = load(file);

@@ -249,12 +249,47 @@ static void what_is_waited_for_comes_first(void **state) {
     static const size_t order[] = {1, 3, 5, 7, 2, 4, 6};
     struct pool_test *s = OPEN(WITH(.workers = 1), "puppet");
     for (size_t i = 0; i < 7; i++) {
-        s->urgent = i > 3;
+        s->turn = i > 3 ? VOICE_TURN_URGENT : VOICE_TURN_USUAL;
         pool_test_speak(s, "plain", texts[i]);
     }
     pool_test_run(s);
     for (size_t i = 0; i < 7; i++)
         assert_int_equal(s->results[i].order, order[i]);
+    pool_test_shut(s);
+}
+
+/* One worker, which speaks for nobody when somebody comes. */
+static void what_nobody_waits_for_makes_way(void **state) {
+    (void)state;
+    static const char *const texts[] = {"slow", "uno", "due", "tre"};
+    static const size_t order[] = {1, 3, 2, 4};
+    struct pool_test *s = OPEN(WITH(.workers = 1), "puppet");
+    for (size_t i = 0; i < 4; i++) {
+        s->turn = i == 2 ? VOICE_TURN_USUAL : VOICE_TURN_AHEAD;
+        pool_test_speak(s, "plain", texts[i]);
+    }
+    pool_test_run(s);
+    check_failed(&s->results[0], "cancelled");
+    for (size_t i = 0; i < 4; i++) {
+        assert_int_equal(s->results[i].order, order[i]);
+        assert_int_equal(s->results[i].failed, i == 0);
+    }
+    pool_test_shut(s);
+}
+
+/* The same, of one that is forgotten when it is being broken off. */
+static void what_makes_way_may_be_forgotten(void **state) {
+    (void)state;
+    struct pool_test *s = OPEN(WITH(.workers = 1), "puppet");
+    s->turn = VOICE_TURN_AHEAD;
+    pool_test_speak(s, "plain", "slow");
+    s->turn = VOICE_TURN_URGENT;
+    pool_test_speak(s, "plain", "uno");
+    voice_job_cancel(s->jobs[0]);
+    s->finished++; /* it never comes back */
+    pool_test_run(s);
+    assert_false(s->results[1].failed);
+    assert_non_null(s->results[1].u);
     pool_test_shut(s);
 }
 
@@ -296,12 +331,20 @@ static void says_what_is_missing(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(sentences_come_back_in_order),  cmocka_unit_test(a_fault_costs_one_sentence),
-        cmocka_unit_test(a_death_at_rest_costs_nothing), cmocka_unit_test(what_can_be_mended_is_mended),
-        cmocka_unit_test(cancelling_forgets_a_sentence), cmocka_unit_test(bad_plugins_are_passed_over),
-        cmocka_unit_test(a_plugin_may_recover),          cmocka_unit_test(finds_voices),
-        cmocka_unit_test(closing_fails_what_is_queued),  cmocka_unit_test(workers_work_side_by_side),
-        cmocka_unit_test(callbacks_may_close_the_pool),  cmocka_unit_test(what_is_waited_for_comes_first),
+        cmocka_unit_test(sentences_come_back_in_order),
+        cmocka_unit_test(a_fault_costs_one_sentence),
+        cmocka_unit_test(a_death_at_rest_costs_nothing),
+        cmocka_unit_test(what_can_be_mended_is_mended),
+        cmocka_unit_test(cancelling_forgets_a_sentence),
+        cmocka_unit_test(bad_plugins_are_passed_over),
+        cmocka_unit_test(a_plugin_may_recover),
+        cmocka_unit_test(finds_voices),
+        cmocka_unit_test(closing_fails_what_is_queued),
+        cmocka_unit_test(workers_work_side_by_side),
+        cmocka_unit_test(callbacks_may_close_the_pool),
+        cmocka_unit_test(what_is_waited_for_comes_first),
+        cmocka_unit_test(what_nobody_waits_for_makes_way),
+        cmocka_unit_test(what_makes_way_may_be_forgotten),
         cmocka_unit_test(says_what_is_missing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -80,9 +80,9 @@ static void the_rest(void **state) {
     const struct sound_source source = {read_made, &made, RATE, made.samples};
     struct window w;
     window_open(&w, &source);
-    assert_float_equal(window_rest(&w, (uint64_t)RATE * 5, 60), 6, 0.1);
-    assert_float_equal(window_rest(&w, (uint64_t)RATE * 5, 1), 1, 0.1);
-    assert_float_equal(window_rest(&w, (uint64_t)RATE * 33, 60), 0, 0.01);
+    assert_float_equal(window_sounds(&w, (uint64_t)RATE * 5, UINT64_MAX, 60), 6, 0.1);
+    assert_float_equal(window_sounds(&w, (uint64_t)RATE * 5, UINT64_MAX, 1), 1, 0.1);
+    assert_float_equal(window_sounds(&w, (uint64_t)RATE * 33, UINT64_MAX, 60), 0, 0.01);
     window_close(&w);
 }
 

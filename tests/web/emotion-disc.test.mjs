@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
 import test from 'node:test';
-import { layOut, markupOf, mixAt, spread } from '../../web/page/emotion-disc.js';
+import { layOut, markupOf, mixAt, pointOf, spread } from '../../web/page/emotion-disc.js';
 import { words } from '../../web/page/emotion-words.js';
 
 const affect = (name, activation, evaluation, basic = true) => ({ name, activation, evaluation, basic });
@@ -31,6 +31,18 @@ test('the others lie between their neighbours, inside', () => {
   const hate = placed.find((a) => a.name === 'hate');
   assert.ok(hate.angle > angleOf('surprise') && hate.angle < angleOf('fear'));
   assert.ok(hate.radius < 1 && hate.radius > placed.find((a) => a.name === 'love').radius);
+});
+
+test('a mixture lies where it was pointed at', () => {
+  for (let angle = 0; angle < 2 * Math.PI; angle += 0.3)
+    for (const radius of [0.2, 0.7, 1]) {
+      const point = at(angle, radius), back = pointOf(mixAt(point, placed), placed);
+      assert.ok(Math.hypot(point.x - back.x, point.y - back.y) < 0.03, `${angle} ${radius}`);
+    }
+  assert.deepEqual(pointOf([], placed), { x: 0, y: 0, affect: null });
+  const alone = pointOf([{ name: 'love', intensity: 0.5 }], placed);
+  assert.equal(alone.affect, 'love');
+  assert.ok(Math.abs(Math.atan2(alone.y, alone.x) - angleOf('love')) < 1e-9);
 });
 
 test('dots that would lie on each other are moved apart', () => {

@@ -14,7 +14,8 @@ const scripts = (folder) =>
   });
 
 test('each module of the element can be imported without a page', async () => {
-  const files = scripts(path.join(web, 'src')).filter((file) => !file.endsWith('worklet.mjs')); // that is for the audio thread
+  // one is for the audio thread; those in packed/ have WebAssembly in them, which only what bundles them can bring
+  const files = scripts(path.join(web, 'src')).filter((file) => !file.endsWith('worklet.mjs') && path.basename(path.dirname(file)) !== 'packed');
   assert.ok(files.length > 30);
   for (const file of files) await assert.doesNotReject(import(pathToFileURL(file)), file);
 });

@@ -51,5 +51,7 @@ test('where the stream is: as the page says, else at its own server, else at the
   assert.equal(streamAddress(null, 'file:///home/page.html', script), 'ws://daemon:8080/v1/stream');
   assert.equal(withEvents('ws://a/b?room=x'), 'ws://a/b?room=x&events=packed');
   assert.equal(withEvents('ws://a/b?events=text'), 'ws://a/b?events=text');
+  assert.equal(withEvents('ws://a/b', 'la cucina'), 'ws://a/b?events=packed&key=la+cucina');
+  assert.equal(withEvents('ws://a/b?room=x', 'y'), 'ws://a/b?room=x&events=packed');
   assert.throws(() => streamAddress('ws://:', 'http://page/', script));
 });

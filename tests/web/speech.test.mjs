@@ -11,6 +11,7 @@ const RATE = 1000;
 function rig({ linked = true, turns, state } = {}) {
   const sent = [];
   const events = [];
+  const media = [];
   const timers = [];
   const player = {
     rate: RATE, written: 0, position: 0, flushed: 0, running: true,
@@ -38,13 +39,13 @@ function rig({ linked = true, turns, state } = {}) {
   const speech = new Speech({
     player,
     send: (message) => link.up && sent.push(message) > 0,
-    emit: (type, detail) => events.push([type, detail]),
+    emit: (type, detail) => (type === 'media' ? media : events).push([type, detail]),
     turns,
     state,
     setTimeout: (act, after) => timers.push({ act, after }),
   });
   return {
-    speech, player, sent, events, link, timers,
+    speech, player, sent, events, media, link, timers,
     names: () => events.map(([type, { text, reason }]) => text ?? reason ?? type),
     hear: (message) => speech.hear(message),
     chunk: (utterance, start, samples, frames = [], firstFrame = 0) =>
@@ -66,7 +67,7 @@ const begin = (id, utterance) => ({ type: 'begin', id, utterance, rate: RATE, fp
 const word = (id, utterance, time, text) => ({ type: 'word', id, utterance, time, text, utf16_start: 0, utf16_end: text.length });
 
 test('what happens is told when it is heard, in order, and the promise gives the end', async () => {
-  const { speech, sent, names, hear, chunk, play } = rig();
+  const { speech, sent, names, media, hear, chunk, play } = rig();
   const promise = speech.speak('Uno due', { lang: 'it', id: 'mine' });
   assert.deepEqual(sent, [{ lang: 'it', id: 'u1', type: 'speak', text: 'Uno due' }]);
   hear(begin('u1', 1));
@@ -75,6 +76,7 @@ test('what happens is told when it is heard, in order, and the promise gives the
   hear(word('u1', 1, 0.4, 'due'));
   chunk(1, 400, 300);
   hear({ type: 'end', id: 'u1', utterance: 1, reason: 'done', duration: 0.7 });
+  assert.deepEqual(media.map(([, one]) => [one.id, one.utterance, one.fps, one.firstFrame, one.frames.length, one.start, one.rate, one.audio.length]), [['mine', 1, 25, 0, 1, 0, RATE, 400], ['mine', 1, 25, 0, 0, 400, RATE, 300]], 'as it comes');
   play(0);
   assert.deepEqual(names(), ['begin', 'Uno']);
   const heard = play(399);

@@ -4,6 +4,7 @@ import { KINDS, POINTS, moved, sentenceAt, wholeWords, withMark, within } from '
 import { read, write } from './editor-markup.js';
 import { samples, words } from './editor-words.js';
 import { Frame } from './frame.js';
+import { Keep } from './keep.js';
 import { fill, FIRST, primary, spokenLanguage } from './languages.js';
 import { placeIn, placeOf } from './problem.js';
 
@@ -174,10 +175,52 @@ function save() {
   setTimeout(() => URL.revokeObjectURL(url), 10000);
 }
 
+const works = new Keep('v1/library/files', frame.access);
+
+/** The field knows the works that can be opened here. */
+async function showWorks() {
+  const names = (await works.list()) ?? [];
+  $('work-names').replaceChildren(...names.filter((each) => /\.(apml|jsml|ssml)$/.test(each)).map((each) => new Option(each, each)));
+}
+
+/** @param {string} file that was written, or chosen @returns {string} with the ending of a markup */
+const workFile = (file) => (/\.(apml|jsml|ssml)$/.test(file) ? file : `${file}.${$('markup').value}`);
+
+async function saveWork(event) {
+  event.preventDefault();
+  frame.problem.clear();
+  const file = workFile($('work-name').value);
+  $('markup').value = file.slice(-4);
+  show();
+  try {
+    await works.save(file, code.value);
+    $('work-name').value = file;
+    $('news').textContent = say('workSaved', { file });
+    await showWorks();
+  } catch (error) {
+    frame.problem.show(error);
+  }
+}
+
+async function openWork() {
+  const file = workFile($('work-name').value);
+  frame.problem.clear();
+  try {
+    openText(await works.read(file), file);
+    $('markup').value = file.slice(-4);
+    show();
+  } catch (error) {
+    frame.problem.show(error);
+  }
+}
+
 async function openFile([file]) {
-  if (!file) return;
-  const found = read(await file.text());
-  name = file.name.replace(/\.\w+$/, '');
+  if (file) openText(await file.text(), file.name);
+}
+
+function openText(content, file) {
+  const found = read(content);
+  name = file.replace(/\.\w+$/, '');
   if (FIRST.includes(found.lang)) $('lang').value = found.lang;
   text.value = before = found.text;
   marks = found.marks.filter(({ kind }) => kinds.includes(kind));
@@ -212,6 +255,9 @@ $('hear').addEventListener('click', hearSelection);
 $('hear-all').addEventListener('click', () => hear(0, text.value.length));
 $('stop').addEventListener('click', () => head.stop());
 $('save').addEventListener('click', save);
+$('works').addEventListener('submit', saveWork);
+$('work-open').addEventListener('click', openWork);
+$('work-name').addEventListener('focus', showWorks, { once: true });
 $('file').addEventListener('change', () => openFile($('file').files));
 document.addEventListener('keydown', (event) => {
   if (event.key === 'Escape') head.stop();

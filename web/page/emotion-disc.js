@@ -75,6 +75,23 @@ export function mixAt({ x, y }, placed) {
     .sort((p, q) => q.intensity - p.intensity);
 }
 
+/**
+ * Where a mixture lies: between the directions of its parts as mixAt has them, as far out as they are strong together.
+ * One that is not basic lies in its own direction.
+ * @param {Mix} mix @param {ReturnType<typeof layOut>} placed
+ * @returns {{x: number, y: number, affect: string|null}}
+ */
+export function pointOf(mix, placed) {
+  const known = mix.map(({ name, intensity }) => ({ intensity, ...placed.find((a) => a.name === name) }));
+  const parts = known.filter(({ angle }) => angle !== undefined);
+  const strength = Math.min(1, parts.reduce((sum, { intensity }) => sum + intensity, 0));
+  const [first, second] = parts;
+  if (!strength) return { x: 0, y: 0, affect: null };
+  const way = second ? turn(second.angle - first.angle + Math.PI) - Math.PI : 0; // the shorter one
+  const angle = first.angle + (second ? (way * second.intensity) / (first.intensity + second.intensity) : 0);
+  return { x: strength * Math.cos(angle), y: strength * Math.sin(angle), affect: second || first.basic ? null : first.name };
+}
+
 const ESCAPES = { '&': '&amp;', '<': '&lt;', '>': '&gt;', '"': '&quot;' };
 const escape = (text) => text.replace(/[&<>"]/g, (c) => ESCAPES[c]);
 const JSML = { joy: 'HAPPY', anger: 'ANGRY', sadness: 'SAD', fear: 'AFRAID', disgust: 'DISGUSTED', surprise: 'SURPRISED' };

@@ -1,149 +1,62 @@
 // SPDX-License-Identifier: MIT
 import { copy } from './copy.js';
-import { layOut, markupOf, mixAt, spread } from './emotion-disc.js';
+import { markupOf } from './emotion-disc.js';
 import { words } from './emotion-words.js';
 import { Frame } from './frame.js';
 import { FIRST, fill, primary, spokenLanguage } from './languages.js';
+import { MoodDisc } from './mood-disc.js';
 
-const R = 100; // of the disc, in units of the picture
-const DOTS_APART = 0.13;
 const EASE = 0.25; // s, while the point is dragged
 const FAPS_EVERY_MS = 150;
 const STRONG = 400; // FAP units that fill half a bar
-const STEP = 0.1;
-const SMALL_STEP = 0.02;
 
 const $ = (id) => document.getElementById(id);
-const [text, lang, disc, thumb] = ['text', 'lang', 'disc', 'thumb'].map($);
+const [text, lang] = ['text', 'lang'].map($);
 const [choice, slider, markup] = ['affect', 'intensity', 'markup'].map($);
-const svg = (name, attributes = {}) => {
-  const element = document.createElementNS('http://www.w3.org/2000/svg', name);
-  for (const [key, value] of Object.entries(attributes)) element.setAttribute(key, value);
-  return element;
-};
 
 const frame = new Frame(words);
 const { head } = frame;
 const say = (name, values) => frame.say(name, values);
 let ready = false; // the head, to be told
 let offered = FIRST;
-let placed = []; // the affects on the disc
 let faps = []; // what they are
-const now = { x: 0, y: 0, affect: null }; // the point; affect: that one alone, not what the direction says
 
 const called = (name) => words[frame.lang].affects[name] ?? name;
-const strength = () => Math.min(1, Math.hypot(now.x, now.y));
 const percent = (value) => `${Math.round(100 * value)} %`;
-
-function mix() {
-  if (!now.affect) return mixAt(now, placed);
-  const intensity = Math.round(100 * strength()) / 100;
-  return intensity ? [{ name: now.affect, intensity }] : [];
-}
+const described = (mix) => mix.map(({ name, intensity }) => `${called(name)} ${percent(intensity)}`).join(', ') || say('neutral');
+const disc = new MoodDisc($('disc'), { called, described, moved: () => update() });
 
 // The disc
 
 function draw() {
-  const basics = placed.filter((a) => a.basic);
-  $('spokes').replaceChildren(...basics.flatMap(({ name, angle }) => {
-    const at = (radius) => ({ x: radius * R * Math.cos(angle), y: -radius * R * Math.sin(angle) });
-    const label = svg('text', at(1.24));
-    label.textContent = called(name);
-    const { x, y } = at(1);
-    return [svg('line', { class: 'spoke', x2: x, y2: y }), label];
-  }));
-  $('affects').replaceChildren(...placed.map(({ name, basic, x, y }) => {
-    const group = svg('g', { class: basic ? 'basic' : '', 'data-name': name });
-    const title = svg('title');
-    title.textContent = called(name);
-    group.append(svg('circle', { cx: x * R, cy: -y * R, r: basic ? 5 : 3.5 }), title);
-    if (!basic) {
-      const label = svg('text', { x: x * R, y: -y * R - 5 });
-      label.textContent = called(name);
-      group.append(label);
-    }
-    return group;
-  }));
+  disc.draw();
+  $('thumb').setAttribute('aria-roledescription', say('slider'));
   const chosen = choice.value;
-  const options = placed.map(({ name }) => new Option(called(name), name));
+  const options = disc.names.map((name) => new Option(called(name), name));
   options.sort((a, b) => a.text.localeCompare(b.text, frame.lang));
   choice.replaceChildren(new Option(say('mixed'), ''), ...options);
   choice.value = chosen;
 }
 
-/** Shows where the point is and what that means, and tells the head. */
+/** Shows what the point means, and tells the head. */
 function update({ ease = EASE, tell = true } = {}) {
-  const parts = mix();
-  const spoken = parts.map(({ name, intensity }) => `${called(name)} ${percent(intensity)}`).join(', ') || say('neutral');
-  thumb.setAttribute('transform', `translate(${now.x * R} ${-now.y * R})`);
-  thumb.setAttribute('aria-valuenow', Math.round(100 * strength()));
-  thumb.setAttribute('aria-valuetext', spoken);
-  thumb.setAttribute('aria-roledescription', say('slider'));
-  $('mix').textContent = spoken;
-  choice.value = now.affect ?? '';
-  slider.value = Math.round(100 * strength());
-  $('intensity-value').value = percent(strength());
-  for (const { classList, dataset } of $('affects').children) classList.toggle('chosen', parts.some((p) => p.name === dataset.name));
+  disc.update();
+  $('mix').textContent = described(disc.mix);
+  choice.value = disc.affect ?? '';
+  slider.value = Math.round(100 * disc.strength);
+  $('intensity-value').value = percent(disc.strength);
   write();
-  if (tell && ready) head.express(parts, { ease });
+  if (tell && ready) head.express(disc.mix, { ease });
 }
 
 function write() {
   const kind = document.querySelector('input[name="kind"]:checked').value;
-  markup.value = markupOf(kind, mix(), text.value, lang.value);
+  markup.value = markupOf(kind, disc.mix, text.value, lang.value);
 }
 
-function move(x, y, affect = null) {
-  const far = Math.max(1, Math.hypot(x, y));
-  Object.assign(now, { x: x / far, y: y / far, affect });
-  update();
-}
-
-/** Moves the point along its direction, or that of the affect. */
-function strengthen(intensity, affect = now.affect) {
-  const own = placed.find(({ name }) => name === affect);
-  const angle = own ? own.angle : strength() ? Math.atan2(now.y, now.x) : Math.PI / 2;
-  const radius = Math.min(1, Math.max(0, intensity));
-  move(radius * Math.cos(angle), radius * Math.sin(angle), affect);
-}
-
-function pointAt(event) {
-  const at = new DOMPoint(event.clientX, event.clientY).matrixTransform(disc.getScreenCTM().inverse());
-  move(at.x / R, -at.y / R);
-}
-
-disc.addEventListener('pointerdown', (event) => {
-  const dot = event.target.closest('[data-name]');
-  event.preventDefault();
-  thumb.focus({ preventScroll: true });
-  if (dot) {
-    strengthen(strength() || 0.7, dot.dataset.name);
-    return;
-  }
-  disc.setPointerCapture(event.pointerId);
-  pointAt(event);
-});
-disc.addEventListener('pointermove', (event) => {
-  if (disc.hasPointerCapture(event.pointerId)) pointAt(event);
-});
-thumb.addEventListener('keydown', (event) => {
-  const step = event.shiftKey ? SMALL_STEP : STEP;
-  const ways = { ArrowLeft: [-step, 0], ArrowRight: [step, 0], ArrowUp: [0, step], ArrowDown: [0, -step] };
-  const way = ways[event.key];
-  if (way) move(now.x + way[0], now.y + way[1]);
-  else if (event.key === 'Home') move(0, 0);
-  else if (event.key === 'End') strengthen(1);
-  else if (event.key === 'PageUp') strengthen(strength() + STEP);
-  else if (event.key === 'PageDown') strengthen(strength() - STEP);
-  else return;
-  event.preventDefault();
-});
-choice.addEventListener('change', () => {
-  if (choice.value) strengthen(strength() || 0.7, choice.value);
-  else move(now.x, now.y);
-});
-slider.addEventListener('input', () => strengthen(slider.value / 100));
-$('neutral').addEventListener('click', () => move(0, 0));
+choice.addEventListener('change', () => disc.choose(choice.value || null));
+slider.addEventListener('input', () => disc.strengthen(slider.value / 100));
+$('neutral').addEventListener('click', () => disc.move(0, 0));
 
 // The markup and the values
 
@@ -230,7 +143,7 @@ setInterval(showFaps, FAPS_EVERY_MS);
 const [expressions, known] = await Promise.all([frame.load('v1/expressions'), frame.load('faps.json')]);
 if (expressions && known) {
   ({ faps } = known);
-  placed = spread(layOut(expressions.expressions.filter(({ kind }) => kind === 'affect')), DOTS_APART);
+  disc.affects = expressions.expressions.filter(({ kind }) => kind === 'affect');
   draw();
   update();
 }

@@ -34,6 +34,7 @@ class FacciaCard extends HTMLElement {
   #head = null;
   #config = null;
   #sign = document.createElement('span');
+  #question = document.createElement('div');
   #states = { entity: '', room: '' };
 
   static getStubConfig = () => ({ url: new URL('.', import.meta.url).href.replace(/\/$/, ''), room: 'home' });
@@ -78,11 +79,35 @@ class FacciaCard extends HTMLElement {
       talking-head { display: block; inline-size: 100%; }
       span { position: absolute; inset: 8px 8px auto auto; padding: 2px 8px; border-radius: 10px; font-size: 14px;
         background: var(--card-background-color, #fff); color: var(--primary-text-color, #222); }
-      span:empty { display: none; }`;
+      span:empty { display: none; }
+      div { padding: 8px; display: flex; flex-wrap: wrap; gap: 8px; color: var(--primary-text-color, #222); }
+      div[hidden] { display: none; }
+      p { margin: 0; inline-size: 100%; font-size: 18px; }
+      button { min-block-size: 48px; flex: 1 1 auto; padding: 4px 16px; border: 0; border-radius: 12px; font: inherit; font-size: 18px;
+        background: var(--primary-color, #06c); color: var(--text-primary-color, #fff); }`;
     this.#head = document.createElement('talking-head');
     this.#head.addEventListener('state', ({ detail }) => this.#show('room', SIGNS.includes(detail.state) ? detail.text || detail.state : ''));
-    card.append(this.#head, this.#sign);
+    this.#question.role = 'group';
+    this.#ask({ choices: [] });
+    this.#head.addEventListener('choices', ({ detail }) => this.#ask(detail));
+    this.#head.addEventListener('chosen', () => this.#ask({ choices: [] }));
+    this.#head.addEventListener('connection', ({ detail }) => detail.state !== 'open' && this.#ask({ choices: [] }));
+    card.append(this.#head, this.#sign, this.#question);
     this.attachShadow({ mode: 'open' }).append(style, card);
+  }
+
+  /** Offers the answers as buttons; none: there is nothing to choose. */
+  #ask({ id, question = '', choices }) {
+    const what = document.createElement('p');
+    what.textContent = this.#question.ariaLabel = question;
+    this.#question.hidden = !choices.length;
+    this.#question.replaceChildren(what, ...choices.map((text, choice) => {
+      const button = document.createElement('button');
+      button.type = 'button';
+      button.textContent = text;
+      button.addEventListener('click', () => this.#head.choose(choice, id));
+      return button;
+    }));
   }
 
   #show(from, text) {

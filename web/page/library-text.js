@@ -19,14 +19,14 @@ function noteMark(note, number) {
   return link;
 }
 
-const pageMark = (n, say) => {
-  const mark = unread(make('span', { className: 'page', title: say('editionPage', { n }) }, n));
+const pageMark = (n) => {
+  const mark = unread(make('span', { className: 'page' }, n));
   mark.ariaHidden = 'true';
   return mark;
 };
 
 /** A stretch of a block's text with its marks. @param {object} block @param {number} from @param {number} to */
-function inline(block, from, to, { say, signs }) {
+function inline(block, from, to, signs) {
   const parts = document.createDocumentFragment();
   const within = (block.marks ?? []).filter(({ start, end }) => start >= from && end <= to);
   const marks = within.sort((a, b) => a.start - b.start || b.end - a.end);
@@ -39,7 +39,7 @@ function inline(block, from, to, { say, signs }) {
       here.append(block.text.slice(at, mark.start));
       at = Math.min(mark.end, end);
       if (mark.kind === 'note') here.append(noteMark(mark.note, signs.get(mark.note) ?? '*'));
-      else if (mark.kind === 'page') here.append(pageMark(mark.n, say));
+      else if (mark.kind === 'page') here.append(pageMark(mark.n));
       else {
         const inner = [];
         while (rest.length && rest[0].start < at) inner.push(rest.shift());
@@ -55,9 +55,9 @@ function inline(block, from, to, { say, signs }) {
   return parts;
 }
 
-function verse(block, words) {
+function verse(block, signs) {
   const lines = block.lines.map((line) => {
-    const element = make('span', { className: 'line', id: line.id }, inline(block, line.start, line.end, words));
+    const element = make('span', { className: 'line', id: line.id }, inline(block, line.start, line.end, signs));
     element.setAttribute('data-line', '');
     if (line.n) element.dataset.n = line.n;
     if (Number(line.n) % 5 === 0) element.classList.add('numbered');
@@ -69,13 +69,13 @@ function verse(block, words) {
 
 const HEADS = ['h2', 'h3', 'h4', 'h5'];
 
-function element(block, words) {
+function element(block, signs) {
   const { kind } = block;
-  if (kind === 'page') return pageMark(block.n, words.say);
+  if (kind === 'page') return pageMark(block.n);
   if (kind === 'speaker') return unread(make('p', { className: 'speaker' }, block.text));
   if (kind === 'stage') return unread(make('p', { className: 'stage' }, block.text));
-  if (kind === 'verse') return verse(block, words);
-  const whole = inline(block, 0, block.text.length, words);
+  if (kind === 'verse') return verse(block, signs);
+  const whole = inline(block, 0, block.text.length, signs);
   if (kind === 'head') return make(HEADS[Math.min(block.level ?? 1, HEADS.length) - 1], {}, whole);
   if (kind === 'note') {
     const back = make('a', { href: `#${block.id}:mark`, className: 'note-sign' }, block.n ?? '*');
@@ -87,13 +87,21 @@ function element(block, words) {
 }
 
 /**
- * @param {{blocks: object[], work: {lang: string}}} section @param {(name: string, values?: object) => string} say
- * @returns {HTMLElement[]}
+ * Sets the text of a section, unless it is there already. @param {HTMLElement} passage
+ * @param {{id: string, blocks: object[], work: {lang: string}}} section
  */
-export function setText({ blocks, work }, say) {
+export function showText(passage, section) {
+  if (passage.dataset.section === section.id) return;
+  passage.dataset.section = section.id;
+  passage.lang = section.work.lang;
+  passage.replaceChildren(...setText(section));
+}
+
+/** @returns {HTMLElement[]} */
+function setText({ blocks, work }) {
   const signs = new Map(blocks.filter(({ kind }) => kind === 'note').map(({ id, n }, i) => [id, n ?? String(i + 1)]));
   return blocks.map((block) => {
-    const set = element(block, { say, signs });
+    const set = element(block, signs);
     if (block.id) set.id = block.id;
     if (block.id && block.kind !== 'note') set.dataset.passage = block.id;
     if (block.lang && block.lang !== work.lang) set.lang = block.lang;
@@ -121,6 +129,7 @@ export function rangeIn(passage, start, end) {
   const range = document.createRange();
   let done = 0;
   let line = null;
+  let last = null; // text of the range so far
   while (walker.nextNode()) {
     const { currentNode: node } = walker;
     if (node.nodeType === 1) {
@@ -131,12 +140,15 @@ export function rangeIn(passage, start, end) {
       continue;
     }
     const next = done + node.length;
-    if (start >= done && start < next) range.setStart(node, start - done);
-    if (end > done && end <= next) {
+    if (last && end <= done) break; // it ends with the newline
+    if (!last && start < next) range.setStart(node, Math.max(0, start - done));
+    if (start < next) last = node;
+    if (end <= next) {
       range.setEnd(node, end - done);
       return range;
     }
     done = next;
   }
-  return null;
+  if (last) range.setEnd(last, last.length);
+  return last && range;
 }

@@ -15,6 +15,8 @@ export const words = {
     forget: 'Togli {title} ({size})', noLibrary: 'Questo server non ha una biblioteca. Avviarlo con: facciad --library CARTELLA',
     indexing: 'Si leggono le opere: {done} di {of}.', asleep: 'Buonanotte: la lettura è in pausa.', noNetwork: 'Senza rete: si ode ciò che è conservato.',
     problems: 'File non letti per intero: {n}. Li elenca: faccia library.',
+    alignWaits: 'La registrazione attende di essere accostata al testo.', aligning: 'La registrazione viene accostata al testo.', alignFailed: 'La registrazione non si può accostare al testo: {why}', differs: 'Dove testo e registrazione differiscono',
+    unheard: 'manca nella registrazione', perhapsUnheard: 'forse manca nella registrazione', unwritten: '{n} s della registrazione non sono nel testo', hearIt: 'Ascolta con un’altra voce',
   },
   pt: {
     title: 'Biblioteca', search: 'Buscar nos textos', lang: 'Idioma', allLanguages: 'Todos', results: 'Resultados', works: 'Obras',
@@ -30,6 +32,8 @@ export const words = {
     forget: 'Remover {title} ({size})', noLibrary: 'Este servidor não tem biblioteca. Inicie-o com: facciad --library PASTA',
     indexing: 'Lendo as obras: {done} de {of}.', asleep: 'Boa noite: a leitura está em pausa.', noNetwork: 'Sem rede: ouve-se o que está guardado.',
     problems: 'Arquivos não lidos por inteiro: {n}. Veja-os com: faccia library.',
+    alignWaits: 'A gravação espera para ser alinhada ao texto.', aligning: 'A gravação está sendo alinhada ao texto.', alignFailed: 'A gravação não pode ser alinhada ao texto: {why}', differs: 'Onde texto e gravação diferem',
+    unheard: 'falta na gravação', perhapsUnheard: 'talvez falte na gravação', unwritten: '{n} s da gravação não estão no texto', hearIt: 'Ouvir com outra voz',
   },
   tr: {
     title: 'Kitaplık', search: 'Metinlerde ara', lang: 'Dil', allLanguages: 'Hepsi', results: 'Sonuçlar', works: 'Eserler',
@@ -45,6 +49,8 @@ export const words = {
     forget: 'Kaldır: {title} ({size})', noLibrary: 'Bu sunucuda kitaplık yok. Şöyle başlatın: facciad --library KLASÖR',
     indexing: 'Eserler okunuyor: {done} / {of}.', asleep: 'İyi geceler: okuma duraklatıldı.', noNetwork: 'Ağ yok: saklananlar duyulur.',
     problems: '{n} dosya bütünüyle okunamadı: faccia library listeler.',
+    alignWaits: 'Kayıt, metne yerleştirilmeyi bekliyor.', aligning: 'Kayıt metne yerleştiriliyor.', alignFailed: 'Kayıt metne yerleştirilemiyor: {why}', differs: 'Metinle kaydın ayrıldığı yerler',
+    unheard: 'kayıtta yok', perhapsUnheard: 'belki kayıtta yok', unwritten: 'Kaydın {n} saniyesi metinde yok', hearIt: 'Başka bir sesle dinle',
   },
   en: {
     title: 'Library', search: 'Search the texts', lang: 'Language', allLanguages: 'All', results: 'Results', works: 'Works',
@@ -60,5 +66,7 @@ export const words = {
     forget: 'Remove {title} ({size})', noLibrary: 'This server has no library. Start it with: facciad --library FOLDER',
     indexing: 'Works are being read: {done} of {of}.', asleep: 'Good night: reading is paused.', noNetwork: 'No network: what is kept can be heard.',
     problems: 'Files not read whole: {n}. They are listed by: faccia library.',
+    alignWaits: 'The recording waits to be laid onto the text.', aligning: 'The recording is being laid onto the text.', alignFailed: 'The recording cannot be laid onto the text: {why}', differs: 'Where text and recording differ',
+    unheard: 'not in the recording', perhapsUnheard: 'perhaps not in the recording', unwritten: '{n} s of the recording are not in the text', hearIt: 'Hear it by another voice',
   },
 };

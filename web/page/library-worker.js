@@ -3,7 +3,7 @@
 const PAGE = 'faccia-page';
 const WORKS = 'faccia-works';
 const SPEECH = 'faccia-speech';
-const FILES = 'library.html library.js library.css page.css icon.svg talking-head.js talking-head-worklet.js opus-decoder.js'.split(' ');
+const FILES = 'library.html library.js library-early.js library.css page.css icon.svg talking-head.js talking-head-worklet.js opus-decoder.js'.split(' ');
 
 self.addEventListener('install', (event) => {
   event.waitUntil(

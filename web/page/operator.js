@@ -4,40 +4,52 @@ import { words as emotionWords } from './emotion-words.js';
 import { Frame } from './frame.js';
 import { FIRST, fill, primary, spokenLanguage } from './languages.js';
 import { Log } from './operator-log.js';
+import { download, preview } from './operator-files.js';
+import { RoomMood } from './operator-mood.js';
+import { People } from './operator-people.js';
 import { Waiting } from './operator-queue.js';
+import { Study } from './operator-study.js';
 import { scenes, words } from './operator-words.js';
+import { SceneShelf } from './scene-shelf.js';
 import { readCsv, readScene, writeCsv, writeTable } from './scene.js';
 import { forGood } from './storage.js';
 
 const KEY = 'faccia.scene';
-const ROOMS_MS = 3000;
-const STATES = ['idle', 'listening', 'thinking', 'muted'];
+const STATES = ['idle', 'listening', 'thinking', 'muted', 'asleep'];
 const USUAL_RATE = 160; // words a minute, where no rate has been asked for
 const $ = (id) => document.getElementById(id);
-const [text, lang, mood, state] = ['text', 'lang', 'mood', 'state'].map($);
+const [text, lang, state] = ['text', 'lang', 'state'].map($);
 const frame = new Frame(words);
 const { head } = frame;
 const say = (name, values) => frame.say(name, values);
 const log = new Log($('said'), say);
 const waiting = new Waiting($('queue'), say, () => ($('empty').hidden = waiting.size > 0));
+const shelf = new SceneShelf(() => frame.access.token);
+const people = new People({ rooms: $('rooms'), shown: $('listeners') }, { head, log, say, load: (address) => frame.load(address) });
+const mood = new RoomMood({ svg: $('disc'), choice: $('mood'), shown: $('mix') }, {
+  send: (mix, options) => head.express(mix, options), log: (what, more) => log.add('mood', what, more), say,
+  called: (name) => emotionWords[frame.lang].affects[name] ?? name, self: () => me,
+});
+const study = new Study({ text: $('consent-text'), ask: $('ask-consent'), end: $('end-study'), shown: $('consent') }, { send: (...what) => head.room && head.consent(...what), log, say });
 const how = { rate: null, volume: 1 };
-const speaking = new Set(); // ids of what was sent and has not ended
+const speaking = new Map(); // texts that were sent and have not ended, by id
 const turn = new Map(); // which variant of a line comes next, by its id
 let scene = { title: '', lines: [] };
 let expected = null; // the line that is likely next
 let offered = null; // the choices of a line: {id, choices}
 let last = null; // what was said last: {text, options}
 let count = 0;
-let linked = false;
+let me = new URLSearchParams(location.search).get('name')?.slice(0, 16) || `desk-${Math.random().toString(36).slice(2, 6)}`;
+let stopping = false; // at this desk: the end that follows tells nothing of the listener
 let caption = null; // of the sentence that is heard
 
 const sendable = () => head.room && text.value.trim();
 
 function speak(what, options = {}) {
-  const id = `desk-${++count}`;
+  const id = `${me}-${++count}`;
   last = { text: what, options: { ...options, mode: undefined } };
   log.add('say', what, { id, ...options });
-  speaking.add(id);
+  speaking.set(id, what);
   const voice = { ...(how.rate ? { rate: how.rate } : {}), ...(how.volume === 1 ? {} : { volume: how.volume }) };
   head.speak(what, { id, lang: lang.value, ...voice, ...options });
 }
@@ -68,7 +80,12 @@ function expect(id) {
 
 function express(mix) {
   head.express(mix);
-  log.add('mood', typeof mix === 'string' ? mix : JSON.stringify(mix));
+  log.add('mood', mix);
+}
+
+function stop() {
+  stopping = true;
+  head.stop();
 }
 
 function showScene() {
@@ -100,6 +117,27 @@ function takeScene(source) {
   showScene();
 }
 
+/** Does something with the scene of that name on the server; what it refuses is told. */
+async function onShelf(act, done) {
+  const name = $('scene-name').value.trim();
+  if (!$('shelf').reportValidity()) return;
+  try {
+    await act(name);
+    frame.problem.clear();
+    frame.tell(done);
+    log.add(done, name);
+  } catch (error) {
+    frame.problem.show(error);
+  }
+  await showShelf();
+}
+
+async function showShelf() {
+  const kept = await shelf.list().catch(() => null);
+  $('shelf').hidden = !kept;
+  $('kept').replaceChildren(...(kept ?? []).map(({ name }) => new Option(name)));
+}
+
 /** The scene to begin with: the one that was here last, or an example in the reader's language. */
 function firstScene() {
   try {
@@ -110,56 +148,16 @@ function firstScene() {
   showScene();
 }
 
-function download(name, what, type) {
-  const link = document.createElement('a');
-  link.href = URL.createObjectURL(new Blob([what], { type }));
-  link.download = name;
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-}
-
-/** For the operator alone. */
-async function preview() {
-  const { token } = frame.access;
-  const answer = await fetch(`v1/speech?format=ogg&lang=${encodeURIComponent(lang.value)}`, {
-    method: 'POST', body: text.value,
-    headers: { 'content-type': 'text/plain', ...(token ? { authorization: `Bearer ${token}` } : {}) },
-  });
-  if (!answer.ok) {
-    frame.problem.show(await answer.json());
-    return;
-  }
-  const sound = new AudioContext(), source = sound.createBufferSource();
-  source.buffer = await sound.decodeAudioData(await answer.arrayBuffer());
-  source.connect(sound.destination);
-  source.onended = () => sound.close();
-  source.start();
-}
-
 function enter() {
   const room = $('room').value.trim();
   if (!room) return;
+  if (room !== head.room) study.left();
+  head.setAttribute('watch', me);
   head.setAttribute('room', room);
   $('kiosk').href = `room.html?room=${encodeURIComponent(room)}`;
   $('kiosk').hidden = false;
   log.add('enter', room);
   text.focus();
-}
-
-/** Others at a desk of this room. */
-function desks({ followers, listeners }) {
-  const others = followers - listeners - 1;
-  return others > 0 && say('desks', { n: others });
-}
-
-async function lookAround() {
-  if (linked && !document.hidden) {
-    const { rooms = [] } = (await frame.load('v1/rooms')) ?? {};
-    const here = rooms.find(({ name }) => name === head.room);
-    $('rooms').replaceChildren(...rooms.map(({ name, listeners }) => new Option(`${name} (${listeners})`, name)));
-    $('listeners').textContent = here ? [say('followers', { n: here.listeners }), desks(here)].filter(Boolean).join(' · ') : say('nobody');
-  }
-  setTimeout(lookAround, ROOMS_MS);
 }
 
 function change(by) {
@@ -173,41 +171,52 @@ function change(by) {
 }
 
 function showChoices() {
-  const names = emotionWords[frame.lang].affects, chosen = mood.value, sign = state.value;
-  mood.replaceChildren(new Option(say('neutral'), ''), ...Object.keys(names).map((name) => new Option(names[name], name)));
-  mood.value = chosen;
+  const sign = state.value;
+  mood.translate();
+  study.translate();
   state.replaceChildren(...STATES.map((name) => new Option(say(name), name)));
   state.value = sign || 'idle';
 }
 
-head.addEventListener('connection', ({ detail }) => (linked = detail.state === 'open'));
-head.addEventListener('joined', ({ detail }) => log.add('joined', detail.room));
+head.addEventListener('connection', ({ detail }) => {
+  if (detail.state !== 'open') study.lost();
+});
+head.addEventListener('authorized', ({ detail }) => (me = detail.subject || me));
+head.addEventListener('joined', ({ detail }) => {
+  showShelf(log.add('joined', detail.room));
+  study.joined();
+});
+head.addEventListener('desks', ({ detail }) => people.desks(detail.desks, me));
+head.addEventListener('expressed', ({ detail }) => mood.heard(detail));
+head.addEventListener('consent', ({ detail }) => study.heard(detail));
 head.addEventListener('sentence', ({ detail }) => {
-  caption = log.show('sentence', '', { id: detail.id, by: detail.stream });
+  caption = log.show('sentence', detail.text, { shown: '', id: detail.id, by: detail.id?.replace(/-\d+$/, '') ?? '' });
   caption.dataset.text = detail.text;
 });
 head.addEventListener('word', ({ detail }) => caption && (caption.textContent = `${caption.textContent} ${detail.text}`.trim()));
 head.addEventListener('end', ({ detail }) => {
+  if (detail.reason === 'failed' && speaking.has(detail.id)) log.show('refused', speaking.get(detail.id), { id: detail.id });
   speaking.delete(detail.id);
   if (caption) caption.textContent = detail.reason === 'done' ? caption.dataset.text : `${caption.textContent} …`;
   caption = null;
-  log.add('end', detail.reason, { id: detail.id });
-  if (detail.reason === 'stopped') log.show('stopped');
+  const listener = detail.reason === 'stopped' && !stopping; // perhaps by a touch
+  log.add('end', listener && log.silent ? '' : detail.reason, { id: detail.id, listener: listener && !log.silent });
+  if (detail.reason === 'stopped') log.show('stopped', '', { listener });
+  stopping = false;
   if (!speaking.size && waiting.size) {
     const next = waiting.take();
     speak(next.text, next.options);
   }
 });
 head.addEventListener('chosen', ({ detail }) => {
-  log.show('chosen', detail.text, { by: detail.by, id: detail.id });
+  log.show('chosen', detail.text, { by: detail.by, id: detail.id, listener: true });
   if (offered?.id === detail.id) expect(offered.choices[detail.choice]?.next);
 });
 head.addEventListener('state', ({ detail }) => {
-  log.show('stated', `${say(detail.state)} ${detail.text ?? ''}`.trim());
+  log.show('stated', `${say(detail.state)} ${detail.text ?? ''}`.trim(), { listener: Boolean(detail.text) });
   state.value = detail.state;
 });
 head.addEventListener('error', ({ detail }) => {
-  speaking.delete(detail.id);
   log.add('error', detail.message, { id: detail.id });
 });
 
@@ -228,17 +237,26 @@ $('later').addEventListener('click', () => {
   else speak(text.value);
   text.value = '';
 });
-$('preview').addEventListener('click', () => text.value.trim() && preview());
-$('stop').addEventListener('click', () => head.stop());
+$('preview').addEventListener('click', async () => {
+  if (!text.value.trim()) return;
+  await preview(text.value, { lang: lang.value, token: frame.access.token }).catch((error) => frame.problem.show(error));
+});
+$('stop').addEventListener('click', stop);
 $('offer').addEventListener('click', () => {
   const [question, ...answers] = $('choices').value.split('|').map((each) => each.trim()).filter(Boolean);
-  if (head.room && answers.length) offer(answers, { question, id: `desk-${++count}` });
+  if (head.room && answers.length) offer(answers, { question, id: `${me}-${++count}` });
 });
 $('withdraw').addEventListener('click', () => head.room && offer([]));
-mood.addEventListener('change', () => express(mood.value));
 state.addEventListener('change', () => head.tell(state.value));
 for (const name of ['repeat', 'slower', 'faster', 'louder', 'softer']) $(name).addEventListener('click', () => change(name));
 $('take').addEventListener('click', () => takeScene($('source').value));
+$('shelf').addEventListener('submit', (event) => {
+  event.preventDefault();
+  onShelf(async (name) => takeScene(JSON.stringify(await shelf.read(name))), 'sceneTaken');
+});
+$('keep-scene').addEventListener('click', () => onShelf((name) => shelf.save(name, scene), 'sceneKept'));
+$('drop-scene').addEventListener('click', () => onShelf((name) => shelf.remove(name), 'sceneDropped'));
+$('scene-name').addEventListener('focus', showShelf);
 $('file').addEventListener('change', async ({ target }) => target.files[0] && takeScene(await target.files[0].text()));
 $('save-csv').addEventListener('click', () => download('scene.csv', writeCsv(scene), 'text/csv'));
 $('save-json').addEventListener('click', () => download('scene.json', JSON.stringify(scene, null, 2), 'application/json'));
@@ -246,7 +264,7 @@ $('csv').addEventListener('click', () => download('log.csv', log.csv, 'text/csv'
 $('json').addEventListener('click', () => download('log.json', log.json, 'application/json'));
 document.addEventListener('keydown', (event) => {
   const { key, ctrlKey, metaKey, altKey, target } = event;
-  if (key === 'Escape') head.stop();
+  if (key === 'Escape') stop();
   if (key === 'Enter' && ctrlKey) $('form').requestSubmit();
   if (ctrlKey || metaKey || altKey || target.closest('input, textarea, select')) return;
   const act = { r: 'repeat', s: 'slower', l: 'louder' }[key.toLowerCase()];
@@ -261,9 +279,10 @@ frame.onTranslate(() => {
 });
 await frame.open();
 firstScene();
+frame.load('v1/expressions').then((known) => (mood.affects = (known?.expressions ?? []).filter(({ kind }) => kind === 'affect')));
 const wished = new URLSearchParams(location.search).get('room');
 if (wished) {
   $('room').value = wished;
   enter();
 }
-lookAround();
+people.follow();

@@ -6,6 +6,7 @@ import { fillHeads, keptHead } from './head-choice.js';
 import { FIRST, fill, primary, spokenLanguage } from './languages.js';
 import { makeLink, readLink } from './link.js';
 import { samples, words } from './page-words.js';
+import { handOn, Recorder } from './player-take.js';
 import { Transcript } from './transcript.js';
 import { fillVoices } from './voice-choice.js';
 
@@ -81,7 +82,7 @@ async function perform(what, options) {
 
 function speak() {
   if (!transcript) return; // the head is still on its way
-  const options = { lang: lang.value, rate: Number(rate.value), id: transcript.newId() };
+  const options = { lang: lang.value, rate: Number(rate.value), id: transcript.newId(), phones: true };
   const { voice: id, lang: tag } = voices.find((each) => each.id === voice.value) ?? {};
   if (id) Object.assign(options, { voice: id, lang: tag });
   if (markup.value !== 'auto') options.markup = markup.value;
@@ -163,6 +164,19 @@ head.addEventListener('connection', ({ detail }) => {
   heard = null;
   paused = false;
   showButtons();
+});
+
+// What was spoken, in the Face Player
+
+const recorder = new Recorder(head, () => ($('to-player').hidden = false));
+$('to-player').addEventListener('click', async (event) => {
+  event.preventDefault();
+  try {
+    await handOn(recorder.take);
+    location.href = $('to-player').href;
+  } catch {
+    frame.tell('notHandedOn'); // the browser keeps nothing for this page
+  }
 });
 
 // The transcript, and the link

@@ -85,6 +85,18 @@ export function readFapc(bytes, FapcDecoder) {
   return { name: 'faccia', fps, frames, high };
 }
 
+/** A stream's WAV does not know its length: here it does. @param {ArrayBuffer} buffer @returns {ArrayBuffer} */
+export function wholeWav(buffer) {
+  const view = new DataView(buffer);
+  if (view.getUint32(4, true) === 0xffffffff) view.setUint32(4, buffer.byteLength - 8, true);
+  for (let at = 12; at + 8 <= buffer.byteLength; ) {
+    const size = view.getUint32(at + 4, true);
+    if (size === 0xffffffff) view.setUint32(at + 4, buffer.byteLength - at - 8, true);
+    at += 8 + (size === 0xffffffff ? buffer.byteLength : size + (size & 1));
+  }
+  return buffer;
+}
+
 /** @param {Faps} faps @returns {string} a .fap file, version 2.1; FAPs 1 and 2 as they were read */
 export function writeFap({ name, fps, frames, high }) {
   const out = [`2.1 ${name.replace(/\s+/g, '_') || 'faccia'} ${fps} ${frames.length}`];

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: MIT
 // A stretch of the Face Player as a named gesture: a file that the daemon reads (models/gestures/README.md).
 
+import { Keep } from './keep.js';
+
 const SECONDS = 10;
 const FEWEST = 3;
 const MOST = 600; // frames
@@ -58,13 +60,20 @@ export function openGestureForm(state, table, frame) {
     stretch.from = Math.min(stretch.to, stretch.from);
     show();
   });
-  $('gesture').addEventListener('submit', (event) => {
+  const server = new Keep('v1/gestures', frame.access);
+  $('gesture').addEventListener('submit', async (event) => {
     event.preventDefault();
+    frame.problem.clear();
     const { take } = state();
     const name = $('gesture-name').value;
     const made = take && makeGesture(take, table, { name, ...stretch, groups: groups.filter((_, i) => boxes[i].checked) });
-    frame.tell(made ? 'gestureMade' : 'noGesture');
+    frame.tell(made ? '' : 'noGesture');
     if (!made) return;
+    if (event.submitter?.id === 'gesture-keep') {
+      await server.save(name, gestureText(made)).then(() => frame.tell('gestureKept'), (error) => frame.problem.show(error));
+      return;
+    }
+    frame.tell('gestureMade');
     const url = URL.createObjectURL(new Blob([gestureText(made)], { type: 'application/json' }));
     Object.assign(document.createElement('a'), { href: url, download: `${name}.json` }).click();
     setTimeout(() => URL.revokeObjectURL(url), 10000);

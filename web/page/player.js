@@ -3,10 +3,11 @@
 import { Frame } from './frame.js';
 import { fill, FIRST, spokenLanguage } from './languages.js';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from './player-curve.js';
-import { isFapc, readFap, readFapc, writeFap } from './player-file.js';
+import { isFapc, readFap, readFapc, wholeWav, writeFap } from './player-file.js';
 import { FapcDecoder } from './player-kit.js';
 import { openGestureForm } from './player-gesture.js';
 import { Plots } from './player-plots.js';
+import { lastTake } from './player-take.js';
 import { sample, words } from './player-words.js';
 
 const $ = (id) => document.getElementById(id);
@@ -25,21 +26,25 @@ let keys = new Map(); // FAP number -> frames
 let copied = null;
 let now = 0; // frame
 
+const context = () => (sound.context ??= new AudioContext());
 const number = () => Number($('curve').value);
 const valuesOf = (n) => take.frames.map((values) => values[n]);
 
 // Opening
 
 async function open({ bytes, name, audio = null, times = null }) {
-  stop();
   const read = isFapc(bytes) ? readFapc(bytes, FapcDecoder) : readFap(new TextDecoder().decode(bytes));
-  sound.context ??= new AudioContext();
-  sound.buffer = audio && (await sound.context.decodeAudioData(audio));
-  const { fps, frames } = read;
+  edit({ ...read, name, ...times }, audio && (await context().decodeAudioData(audio)));
+}
+
+/** @param {object} read as of player-file.js, with phones and words where they are known @param {AudioBuffer|null} buffer */
+function edit(read, buffer) {
+  stop();
+  sound.buffer = buffer;
+  const { name, fps, frames, high, phones = [], words: said = [] } = read;
   take = {
-    ...read, name, duration: Math.max(frames.length / fps, sound.buffer?.duration ?? 0),
-    samples: sound.buffer?.getChannelData(0) ?? null, rate: sound.buffer?.sampleRate ?? 0,
-    phones: times?.phones ?? [], words: times?.words ?? [],
+    name, fps, frames, high, phones, words: said, duration: Math.max(frames.length / fps, buffer?.duration ?? 0),
+    samples: buffer?.getChannelData(0) ?? null, rate: buffer?.sampleRate ?? 0,
   };
   history = new History();
   keys = new Map();
@@ -68,16 +73,13 @@ async function speak() {
   await open({ bytes, name, audio: wholeWav(heard), times: json });
 }
 
-/** A stream's WAV does not know its length: here it does. */
-function wholeWav(buffer) {
-  const view = new DataView(buffer);
-  if (view.getUint32(4, true) === 0xffffffff) view.setUint32(4, buffer.byteLength - 8, true);
-  for (let at = 12; at + 8 <= buffer.byteLength; ) {
-    const size = view.getUint32(at + 4, true);
-    if (size === 0xffffffff) view.setUint32(at + 4, buffer.byteLength - at - 8, true);
-    at += 8 + (size === 0xffffffff ? buffer.byteLength : size + (size & 1));
-  }
-  return buffer;
+/** What the stream has just spoken, on the page that led here. */
+async function openLast() {
+  const last = await lastTake();
+  if (!last) return frame.tell('nothingSpoken');
+  const buffer = last.pcm.length ? context().createBuffer(1, last.pcm.length, last.rate) : null;
+  buffer?.copyToChannel(Float32Array.from(last.pcm, (x) => x / 32768), 0);
+  edit(last, buffer);
 }
 
 async function openFiles(files) {
@@ -121,7 +123,7 @@ function begin(from) {
   sound.source?.node?.stop();
   const source = { node: null };
   sound.source = source;
-  sound.context.resume();
+  context().resume();
   Object.assign(sound, { began: sound.context.currentTime, from });
   if (sound.buffer && from < sound.buffer.duration) {
     source.node = sound.context.createBufferSource();
@@ -295,3 +297,4 @@ frame.onTranslate(() => {
 });
 openGestureForm(() => ({ take, now }), table, frame);
 await frame.open();
+if (location.hash === '#last') attempt(openLast)();

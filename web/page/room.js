@@ -3,6 +3,7 @@
 import { Access } from './access.js';
 import { errorWords } from './error-words.js';
 import { pageLanguage } from './languages.js';
+import { Consent } from './room-consent.js';
 import { isWithin, readWish } from './room-wish.js';
 import { words } from './room-words.js';
 import { sharedWords } from './shared-words.js';
@@ -17,6 +18,13 @@ const lang = pageLanguage(wish.lang ? [wish.lang, ...navigator.languages] : navi
 const say = (name, values = {}) => (words[lang][name] ?? sharedWords[lang][name]).replace(/\{(\w+)\}/g, (_, key) => values[key] ?? '');
 const head = $('head');
 const now = { connection: 'connecting', told: 'idle', heard: '', utterances: 0, sound: 'on', offered: null };
+const consent = new Consent(head, say, {
+  news: tell,
+  changed() {
+    wake();
+    showQuestion();
+  },
+});
 let awakeUntil = 0;
 let lock = null;
 
@@ -28,13 +36,23 @@ function showState() {
   $('sign').querySelector('.more').textContent = more;
 }
 
+let telling = 0; // timer
+
+/** For a while. */
+function tell(text, milliseconds) {
+  $('news').textContent = text;
+  clearTimeout(telling);
+  telling = setTimeout(() => $('news').textContent === text && ($('news').textContent = ''), milliseconds);
+}
+
 function answer(choice) {
+  if (consent.answer(choice)) return;
   if (now.offered) head.choose(choice, now.offered.id);
 }
 
 function showQuestion() {
   const { question = '', choices = [] } = now.offered ?? {};
-  $('question').hidden = !choices.length;
+  $('question').hidden = !choices.length || consent.asked; // one question at a time
   $('question').querySelector('.what').textContent = question;
   $('question').querySelector('.answers').replaceChildren(...choices.map((text, choice) => {
     const button = document.createElement('button');
@@ -57,7 +75,7 @@ function look() {
   const time = new Date();
   $('clock').textContent = time.toLocaleTimeString(lang, { hour: '2-digit', minute: '2-digit' });
   const night = wish.sleep && isWithin(wish.sleep, time.getHours() * 60 + time.getMinutes());
-  const asleep = Boolean(night) && Date.now() > awakeUntil && !now.utterances && !now.offered;
+  const asleep = (Boolean(night) || now.told === 'asleep') && Date.now() > awakeUntil && !now.utterances && !now.offered && !consent.asked;
   $('asleep').hidden = !asleep;
   $('place').inert = asleep;
   head.hidden = asleep; // and draws nothing
@@ -72,7 +90,7 @@ function wake() {
 let shift = 0;
 setInterval(() => {
   const [x, y] = SHIFTS[++shift % SHIFTS.length];
-  $('place').style.translate = `${x}px ${y}px`;
+  $('place').style.transform = `translate(${x}px, ${y}px)`;
 }, SHIFT_MS);
 setInterval(look, 5000);
 
@@ -82,6 +100,7 @@ head.addEventListener('connection', ({ detail }) => {
   now.offered = null;
   now.told = 'idle';
   now.heard = '';
+  consent.lost();
   showQuestion();
   showState();
 });
@@ -100,9 +119,12 @@ head.addEventListener('sound', ({ detail }) => {
   showState();
 });
 head.addEventListener('state', ({ detail }) => {
+  const before = now.told;
   now.told = detail.state;
   now.heard = detail.text ?? '';
-  if (detail.state !== 'idle') wake();
+  if (detail.state === 'asleep') awakeUntil = 0;
+  else if (detail.state !== 'idle' || before === 'asleep') awakeUntil = Date.now() + AWAKE_MS;
+  look();
   showState();
 });
 head.addEventListener('choices', ({ detail }) => {
@@ -114,8 +136,7 @@ head.addEventListener('choices', ({ detail }) => {
 head.addEventListener('chosen', ({ detail }) => {
   now.offered = null;
   showQuestion();
-  const told = ($('news').textContent = say('chosen', { text: detail.text }));
-  setTimeout(() => $('news').textContent === told && ($('news').textContent = ''), ANSWERED_MS);
+  tell(say('chosen', { text: detail.text }), ANSWERED_MS);
 });
 head.addEventListener('error', ({ detail }) => {
   if (!access.concerns(detail.code)) $('news').textContent = errorWords[lang][detail.code] ?? detail.message;
@@ -139,7 +160,7 @@ document.addEventListener('fullscreenchange', () => ($('full').hidden = Boolean(
 document.documentElement.lang = head.lang = lang;
 document.title = `${wish.room ?? say('title')} · faccia`;
 for (const element of document.querySelectorAll('[data-text]')) element.textContent = say(element.dataset.text);
-for (const element of document.querySelectorAll('[data-label]')) element.ariaLabel = say(element.dataset.label);
+for (const element of document.querySelectorAll('[data-label]')) element.setAttribute('aria-label', say(element.dataset.label));
 $('clock').hidden = !wish.clock;
 head.setAttribute('view', wish.view);
 if (wish.head) head.setAttribute('model', wish.head);

@@ -231,12 +231,21 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   /**
    * Shows in the room what the assistant is doing.
-   * @param {'idle'|'listening'|'thinking'|'muted'} state
+   * @param {'idle'|'listening'|'thinking'|'muted'|'asleep'} state
    * @param {{text?: string, mix?: object, ease?: number}} [options] text: what it has heard, say; mix, ease: as `express`
    * @returns {boolean} as `offer`
    */
   tell(state, { mix, ...options } = {}) {
     return this.#session.send({ ...options, type: 'state', state, ...(mix === undefined ? {} : { mix: readMix(mix) }) });
+  }
+
+  /**
+   * Asks whoever listens in the room whether a study may write down what happens, or answers for them; `consent` tells.
+   * @param {'asked'|'given'|'declined'|'none'} consent none: nothing is asked any more
+   * @param {string} [text] of what is asked: what is written down, for whom @returns {boolean} as `offer`
+   */
+  consent(consent, text) {
+    return this.#session.send({ type: 'consent', consent, ...(text ? { text } : {}) });
   }
 
   /**

@@ -41,6 +41,11 @@ export class IdleController {
     this.send({ type: 'express', mix: this.mix, ...(ease === undefined ? {} : { ease }) });
   }
 
+  /** The mood of the room, whoever made it so: what was wished here before does not come back with the next link. */
+  heard(mix) {
+    if (this.mix.length) this.mix = mix;
+  }
+
   #ask() {
     const wish = JSON.stringify(this.wanted);
     if (wish === this.asked || !this.send({ type: 'idle', on: Boolean(this.wanted), ...this.wanted })) return;

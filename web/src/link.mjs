@@ -15,10 +15,14 @@ export function streamAddress(src, page, script = import.meta.url) {
   return url.href;
 }
 
-/** Events come with the media, unless the address says otherwise. @param {string} address */
-export function withEvents(address) {
+/**
+ * Events come with the media, unless the address says otherwise. By the room a proxy before many daemons knows which is meant.
+ * @param {string} address @param {string|null} [room]
+ */
+export function withEvents(address, room = null) {
   const url = new URL(address);
   if (!url.searchParams.has('events')) url.searchParams.set('events', 'packed');
+  if (room && !url.searchParams.has('room')) url.searchParams.set('key', room);
   return url.href;
 }
 
@@ -29,8 +33,9 @@ export class Link {
   #violated = false; // the page's policy has refused the connection
 
   /**
-   * @param {object} ports source() -> {src, token}; onstate, onmessage, onmedia: see Connection; ontrouble(name, values, told):
-   *   what is wrong, as a name in strings.mjs, null = nothing any more; told: the page knows it already
+   * @param {object} ports source() -> {src, token, room}; onstate, onmessage, onmedia: see Connection;
+   *   ontrouble(name, values, told): what is wrong, as a name in strings.mjs, null = nothing any more; told: the page
+   *   knows it already
    */
   constructor(ports) {
     this.ports = ports;
@@ -52,7 +57,7 @@ export class Link {
     this.close();
     document.addEventListener('securitypolicyviolation', this.#onviolation);
     try {
-      const connection = new Connection(withEvents(this.address), {
+      const connection = new Connection(withEvents(this.address, this.ports.source().room), {
         onstate: (state) => this.#stateChanged(connection, state),
         onmessage: (message) => this.#message(message),
         onmedia: this.ports.onmedia,

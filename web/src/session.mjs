@@ -9,7 +9,8 @@ import { wantsPictures } from './pictures/choice.mjs';
 import { PicturesSource } from './pictures/source.mjs';
 
 /** What the page is told as it comes. */
-const TOLD = ['hello', 'joined', 'authorized', 'choices', 'chosen', 'state'];
+const TOLD = ['hello', 'joined', 'authorized', 'choices', 'chosen', 'state', 'consent', 'desks', 'expressed'];
+const MERELY = ['', 'on', 'true', 'yes'];
 
 /** What goes on between a head and its server: the link, what comes through it, and the model that is asked for. */
 export class Session {
@@ -20,7 +21,7 @@ export class Session {
   #online = () => this.#link.hurry();
 
   #link = new Link({
-    source: () => ({ src: this.element.src, token: this.element.token }),
+    source: () => ({ src: this.element.src, token: this.element.token, room: this.element.room }),
     onstate: (state) => this.#stateChanged(state),
     onmessage: (message) => this.#demuxer.text(message),
     onmedia: (data) => this.#demuxer.binary(data),
@@ -191,9 +192,10 @@ export class Session {
   /** Says who we are, and goes where we belong. */
   #enter() {
     const { token, room, watch } = this.element;
+    const as = watch && this.element.getAttribute('watch').trim(); // by what name others who look on know it
     this.speech.adopts = Boolean(room);
     if (token) this.#link.send({ type: 'authorize', token });
-    if (room) this.#link.send({ type: 'join', room, ...(watch && { watch }) });
+    if (room) this.#link.send({ type: 'join', room, ...(watch && { watch }), ...(as && !MERELY.includes(as.toLowerCase()) && { as: [...as].slice(0, 16).join('') }) });
   }
 
   /** Where an avatar or pictures of the page's own are wanted and can be drawn, they take the place of the server's head. */
@@ -229,6 +231,7 @@ export class Session {
     else if (message.type === 'calibrated') this.#fitting.take(message);
     else {
       this.speech.hear(message);
+      if (message.type === 'expressed') this.presentation.idle.heard(message.mix);
       if (TOLD.includes(message.type)) this.ports.emit(message.type, message);
       this.presentation.wake();
     }

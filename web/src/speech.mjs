@@ -6,13 +6,14 @@ import { Utterance } from './utterance.mjs';
 import { Writing } from './writing.mjs';
 
 const PATIENCE_MS = 10000; // how long a `speak` waits for a connection
+const ID_BYTES = 64; // most of an id
 const UNHEARD = ['blocked', 'none']; // the player's states in which the samples go by in silence
 const DIRECTIONS = ['paused', 'resumed', 'jumped']; // what the server says at once
 
 /**
  * All that is spoken: sends what is asked for, queues what comes on the player, and says on the audio's clock what is
  * heard. Events: `begin`, `word`, `mark`, `end` as they are heard, `sentence` and `phone` too; `error`, `warning`, `paused`,
- * `resumed`, `jumped` at once.
+ * `resumed`, `jumped`, `media` at once.
  */
 export class Speech {
   /**
@@ -54,7 +55,7 @@ export class Speech {
 
   /** @param {string} text @param {object} options further members of the `speak` message @returns {Promise<object>} */
   speak(text, options = {}, writing = null) {
-    const utterance = new Utterance(`u${++this.count}`, text, options, null, writing);
+    const utterance = new Utterance(this.#key(options.id), text, options, null, writing);
     const first = ['replace', 'interrupt'].includes(options.mode);
     if (first) this.paused = false;
     if (options.mode === 'replace') for (const other of [...this.open]) if (!other.sent) this.#stopped(other);
@@ -161,8 +162,17 @@ export class Speech {
       return;
     }
     for (const utterance of this.open)
-      if (utterance.number === chunk.utterance && utterance.item && !utterance.cancelled)
+      if (utterance.number === chunk.utterance && utterance.item && !utterance.cancelled) {
+        this.#tellMedia(utterance, chunk);
         this.player.write(utterance.take(chunk));
+      }
+  }
+
+  /** What comes, before it is heard: for who keeps it. */
+  #tellMedia(utterance, { utterance: number, firstFrame, frames, start, sampleRate, audio, audioStart, audioRate }) {
+    const { fps } = utterance.track;
+    const sound = { start: audioStart ?? start, rate: audioRate ?? sampleRate, audio: audio ?? null };
+    this.emit('media', this.#detail(utterance, { type: 'media', utterance: number, fps, firstFrame, frames, ...sound }));
   }
 
   /** Lets happen what is due. @param {number} now performance.now() */
@@ -185,9 +195,18 @@ export class Speech {
     return { utterance, track: utterance.track, seconds: found.seconds, running };
   }
 
+  /** What the server knows it by. In a room others hear it, who count as well: there it is the page's id, or nobody else's. */
+  #key(id) {
+    const own = `u${++this.count}`;
+    if (!this.adopts) return own;
+    const taken = [...this.open].some(({ key }) => key === id);
+    if (typeof id === 'string' && id && new TextEncoder().encode(id).length <= ID_BYTES && !taken) return id;
+    return `${own}-${Math.random().toString(36).slice(2, 10)}`;
+  }
+
   /** What somebody else in the room has asked for. */
   #adopt(message) {
-    const utterance = new Utterance(null, '', {}, new HeardCaptions(message.markup));
+    const utterance = new Utterance(null, '', message.id ? { id: message.id } : {}, new HeardCaptions(message.markup));
     utterance.sent = true;
     this.open.add(utterance);
     this.turns.enter(this, utterance);

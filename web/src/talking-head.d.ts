@@ -5,7 +5,9 @@
 export type Expression = Record<string, number> | { name: string; intensity?: number }[] | string | null;
 
 /** What the assistant behind the face is doing. */
-export type AssistantState = 'idle' | 'listening' | 'thinking' | 'muted';
+export type AssistantState = 'idle' | 'listening' | 'thinking' | 'muted' | 'asleep';
+
+export type Consent = 'asked' | 'given' | 'declined' | 'none';
 
 export interface SpeakOptions {
   id?: string;
@@ -36,6 +38,20 @@ export interface Calibration {
   featurePointsCoord: Record<string, [number, number, number]>;
   textureCoord?: Record<string, [number, number]>;
   texture?: { type: 'image/png' | 'image/jpeg' | 'image/webp'; data: string };
+}
+
+export interface MediaDetail {
+  type: 'media';
+  utterance: number;
+  id?: string;
+  fps: number;
+  /** Number of the first frame, from 0; FAP values by their number, 1 to 68. */
+  firstFrame: number;
+  frames: Int32Array[];
+  /** Sample of the utterance at `rate` (Hz) where the sound begins; null: silent, or it could not be decoded. */
+  start: number;
+  rate: number;
+  audio: Int16Array | Float32Array | null;
 }
 
 export interface EndMessage {
@@ -75,6 +91,9 @@ export interface TalkingHeadEventMap {
   authorized: CustomEvent<Message>;
   choices: CustomEvent<{ type: 'choices'; stream: string; id?: string; question?: string; choices: string[] }>;
   chosen: CustomEvent<{ type: 'chosen'; stream: string; id?: string; choice: number; text: string; by: string }>;
+  expressed: CustomEvent<{ type: 'expressed'; stream: string; mix: { name: string; intensity: number }[]; by?: string }>;
+  consent: CustomEvent<{ type: 'consent'; stream: string; consent: Consent; text?: string; by: string }>;
+  desks: CustomEvent<{ type: 'desks'; stream: string; desks: { name: string; speaks: boolean }[]; count: number }>;
   calibrated: CustomEvent<{ type: 'calibrated'; stream: string; reset?: true } & Partial<Calibration>>;
   state: CustomEvent<{ type: 'state'; stream: string; state: AssistantState; text?: string }>;
   begin: CustomEvent<Message>;
@@ -82,6 +101,8 @@ export interface TalkingHeadEventMap {
   word: CustomEvent<TimedMessage>;
   phone: CustomEvent<Message>;
   mark: CustomEvent<Message>;
+  /** What has come of an utterance, before it is heard; not to be changed. */
+  media: CustomEvent<MediaDetail>;
   end: CustomEvent<EndMessage>;
   paused: CustomEvent<Message>;
   resumed: CustomEvent<Message>;
@@ -104,6 +125,44 @@ export interface TalkingHeadEventMap {
 }
 
 type AllEvents = Omit<HTMLElementEventMap, keyof TalkingHeadEventMap> & TalkingHeadEventMap;
+
+/** What the event carries. */
+export type TalkingHeadEvent<K extends keyof TalkingHeadEventMap> = TalkingHeadEventMap[K];
+
+/** What a template of a framework may set: attributes' values, or properties. */
+export interface TalkingHeadAttributes {
+  src?: string | null;
+  for?: string | null;
+  model?: string | null;
+  avatar?: string | null;
+  'avatar-map'?: string | null;
+  pictures?: string | null;
+  poster?: string | null;
+  view?: 'face' | 'bust' | 'mouth' | null;
+  quality?: 'auto' | 'high' | 'low' | 'pictures' | null;
+  room?: string | null;
+  /** Only looks on; a text that is neither on nor off is the name by which others who look on know it. */
+  watch?: boolean | string | null;
+  token?: string | null;
+  voice?: string | null;
+  markup?: string | null;
+  blend?: string | null;
+  contacts?: 'engine' | 'on' | 'off' | null;
+  label?: string | null;
+  lang?: string;
+  rate?: number | string | null;
+  life?: number | string | null;
+  'caption-size'?: 'large' | 'larger' | 'largest' | null;
+  'caption-colours'?: 'contrast' | 'light' | 'yellow' | null;
+  captions?: boolean | 'on' | 'off' | null;
+  polite?: boolean | 'on' | 'off' | null;
+  still?: boolean | 'on' | 'off' | null;
+  turn?: boolean | 'on' | 'off' | null;
+  expression?: Expression;
+}
+
+/** The events, as React and Svelte name them: `onword`. */
+export type TalkingHeadHandlers = { [K in keyof TalkingHeadEventMap as `on${K}`]?: (event: TalkingHeadEventMap[K]) => void };
 
 /** A text that is spoken while it is written. */
 export interface Writing {
@@ -167,6 +226,7 @@ export class TalkingHead extends HTMLElement {
   express(mix: Expression, options?: { ease?: number }): void;
   offer(choices: string[], options?: { id?: string; question?: string }): boolean;
   choose(choice: number, id?: string): boolean;
+  consent(consent: Consent, text?: string): boolean;
   tell(state: AssistantState, options?: { text?: string; mix?: Expression; ease?: number }): boolean;
 
   addEventListener<K extends keyof AllEvents>(
@@ -182,6 +242,12 @@ export class TalkingHead extends HTMLElement {
   ): void;
   removeEventListener(type: string, listener: EventListenerOrEventListenerObject, options?: boolean | EventListenerOptions): void;
 }
+
+/**
+ * Where the files lie that are fetched when they are needed (`talking-head-worklet.js`, `opus-decoder.js`,
+ * `talking-head-avatar.js`): for pages that bundle the script and serve those from elsewhere than beside it.
+ */
+export function setCompanions(address: string | URL): void;
 
 declare global {
   interface HTMLElementTagNameMap {

@@ -10,9 +10,10 @@ import { rbf } from '../../../web/src/head/rbf.mjs';
 import { FileError } from './file-error.mjs';
 import { guessParts, splitBalls } from './guess-parts.mjs';
 import { lidMargins, lipLine } from './margins.mjs';
+import { addEyes, cutLips } from './open-face.mjs';
 import { viewOf } from './views.mjs';
 
-const TEMPLATE = JSON.parse(fs.readFileSync(new URL('face-template.json', import.meta.url), 'utf8'));
+const MEAN_FACE = JSON.parse(fs.readFileSync(new URL('face-template.json', import.meta.url), 'utf8'));
 const SIZE = { first: 512, close: 768 }; // pixels
 const FRAME = 1.12; // of all that there is
 const AROUND = 2.1; // of the face's height
@@ -111,11 +112,11 @@ async function look(meshes, { middle, height }, eye) {
 }
 
 /** Each landmark on the surface, and how far the sides agree with the front, in the file's units. */
-function gather(views) {
+function gather(views, template) {
   const [front] = views;
   const apart = [];
   const points = front.points.map((seen, i) => {
-    const mean = TEMPLATE.at[i];
+    const mean = template.at[i];
     if (!seen || !mean) return null;
     // turned by +yaw, a head shows its right side
     const side = Math.abs(mean[0]) > ASIDE ? views[mean[0] < 0 ? 1 : 2] : null;
@@ -129,13 +130,13 @@ function gather(views) {
 }
 
 /** Landmarks that are where a face has them. */
-function trusted(points) {
-  let which = STEADY.filter((i) => points[i] && TEMPLATE.at[i]);
+function trusted(points, template) {
+  let which = STEADY.filter((i) => points[i] && template.at[i]);
   let onto = null;
   for (let round = 0; round < 3; round++) {
-    onto = align(TEMPLATE.at.map((p) => p ?? [0, 0, 0]), points.map((p) => p ?? [0, 0, 0]), which);
-    const off = (i) => distance(onto.apply(TEMPLATE.at[i]), points[i]) / onto.scale;
-    which = points.flatMap((p, i) => (p && TEMPLATE.at[i] && off(i) < OUTLIER ? [i] : []));
+    onto = align(template.at.map((p) => p ?? [0, 0, 0]), points.map((p) => p ?? [0, 0, 0]), which);
+    const off = (i) => distance(onto.apply(template.at[i]), points[i]) / onto.scale;
+    which = points.flatMap((p, i) => (p && template.at[i] && off(i) < OUTLIER ? [i] : []));
     if (which.length < 150) return null;
   }
   return { which, onto };
@@ -143,10 +144,10 @@ function trusted(points) {
 
 /**
  * Turns the scene to a head's directions, cuts eyes out of it, and names its meshes where they have no names that tell.
- * @param {object} scene of a reader @param {(picture: object) => Promise<number[][]>} eye @param {{up?: string}} options
+ * @param {object} scene of a reader @param {(picture: object) => Promise<number[][]>} eye @param {{up?: string, template?: object}} options template: the mean face
  * @returns {Promise<{points: object, notes: string[]}>} points as of points.mjs, in the file's units
  */
-export async function findPoints(scene, eye, { up } = {}) {
+export async function findPoints(scene, eye, { up, template = MEAN_FACE } = {}) {
   splitBalls(scene);
   const found = await findFace(scene, eye, up && `${up} up`);
   if (!found) throw new FileError('', 'no face was found in its views: --points FILE says where it is');
@@ -155,27 +156,33 @@ export async function findPoints(scene, eye, { up } = {}) {
     for (const [name, deltas] of Object.entries(mesh.targets)) mesh.targets[name] = turnAll(deltas, found.turn);
     if (mesh.ball) mesh.ball = { ...mesh.ball, centre: found.turn(mesh.ball.centre) };
   }
-  const meshes = looks(scene);
-  const { views, at } = await look(meshes, found, eye);
+  const { views, at } = await look(looks(scene), found, eye);
   if (!views[0]) throw new FileError('', 'no face was found in its views: --points FILE says where it is');
-  const { points, apart, count } = gather(views);
-  const sure = trusted(points);
+  const { points, apart, count } = gather(views, template);
+  const sure = trusted(points, template);
   if (!sure) throw new FileError('', 'what was found in its views is no face: --points FILE says where it is');
   const { which, onto } = sure;
   const hits = new Map();
   for (const i of STEADY) if (views[0].points[i]) hits.set(views[0].points[i].mesh, (hits.get(views[0].points[i].mesh) ?? 0) + 1);
   const skin = [...hits].sort((a, b) => b[1] - a[1])[0][0];
 
-  const pairs = which.filter((i) => views[0].points[i]?.mesh === skin).map((i) => [TEMPLATE.at[i], points[i]]);
+  const pairs = which.filter((i) => views[0].points[i]?.mesh === skin).map((i) => [template.at[i], points[i]]);
   const warp = (more) => {
     const all = [...pairs, ...more];
     return rbf(all.flatMap(([from]) => from), all.flatMap(([, to]) => to), { smooth: SMOOTH });
   };
-  const lay = (one) => Object.fromEntries(Object.entries(TEMPLATE.fdp).map(([name, p]) => [name, one.at(p)]));
+  const lay = (one) => Object.fromEntries(Object.entries(template.fdp).map(([name, p]) => [name, one.at(p)]));
   let fdp = lay(warp([]));
   const eyesApart = distance(fdp['3.5'], fdp['3.6']);
-  const { own, notes } = margins(scene, meshes, skin, { fdp, eyesApart, marks: views[0].marks, camera: { middle: at, width: AROUND * found.height, yaw: 0 } });
-  const told = Object.entries(own).filter(([name]) => TEMPLATE.fdp[name] && !INNER.includes(name)).map(([name, p]) => [TEMPLATE.fdp[name], p]);
+  const made = addEyes(scene, views[0], { template, onto });
+  const seen = { fdp, eyesApart, marks: views[0].marks, camera: { middle: at, width: AROUND * found.height, yaw: 0 } };
+  let { own, notes } = margins(scene, looks(scene), skin, seen);
+  if (!own['2.2'] && cutLips(scene.meshes[skin], views[0], onto.scale)) {
+    ({ own, notes } = margins(scene, looks(scene), skin, seen));
+    notes.push('the lips are one surface: they were cut apart where they meet');
+  }
+  if (made.length) notes.push(`there are holes for eyes, and none in them: ${made.join(', ')} were made`);
+  const told = Object.entries(own).filter(([name]) => template.fdp[name] && !INNER.includes(name)).map(([name, p]) => [template.fdp[name], p]);
   fdp = { ...lay(warp(told)), ...own };
   const guessed = guessParts(scene, fdp, scene.meshes[skin]);
   for (const [name, part] of [['3.5', 'eye_l'], ['3.6', 'eye_r']]) if (scene.meshes.some((mesh) => mesh.name === part)) delete fdp[name];
@@ -203,11 +210,11 @@ function margins(scene, meshes, skin, { fdp, eyesApart, marks, camera }) {
     for (const [x, name] of [[1, '2.4'], [0, '2.5']]) own[name] = share(x).upper.map((value, k) => (value + share(x).lower[k]) / 2);
   } else notes.push('the lips are one surface: the mouth will not open there');
   for (const [upper, lower, pupil] of [['3.1', '3.3', '3.5'], ['3.2', '3.4', '3.6']]) {
-    const e = eyes.findIndex((m) => Math.hypot(meshes[m].ball.centre[0] - fdp[pupil][0], meshes[m].ball.centre[1] - fdp[pupil][1]) < 0.15 * eyesApart);
+    const e = eyes.findIndex((m) => Math.hypot(meshes[m].ball.centre[0] - fdp[pupil][0], meshes[m].ball.centre[1] - fdp[pupil][1]) < 0.25 * eyesApart);
     if (e < 0) continue;
     const { centre, radius } = meshes[eyes[e]].ball;
     const place = [SIZE.close / 2 + (centre[0] - camera.middle[0]) * view.scale, SIZE.close / 2 - (centre[1] - camera.middle[1]) * view.scale].map(Math.round);
-    const found = lidMargins(view, 0, e + 1, place, radius);
+    const found = lidMargins(view, 0, e + 1, place, { centre, radius });
     if (found) Object.assign(own, { [upper]: found.upper, [lower]: found.lower });
   }
   return { own, notes };

@@ -9,6 +9,7 @@ import { at, nearestVertex, xfaceField, zoneFields } from './fields.mjs';
 import { packModel } from './pack-model.mjs';
 import { gatherParts, nameParts } from './parts.mjs';
 import { placeHead } from './place.mjs';
+import { readFbx } from './read-fbx.mjs';
 import { readGltf } from './read-gltf.mjs';
 import { readObj } from './read-obj.mjs';
 import { readPly } from './read-ply.mjs';
@@ -21,7 +22,7 @@ const REACH = 14; // mm: what is farther from the skin does not follow
 const TONGUE = [43, 44, 45, 46];
 const LOOKS = { skin: { roughness: 0.55, specular: 0.35, subsurface: 0.3 }, eye_l: { roughness: 0.12, specular: 0.6 }, eye_r: { roughness: 0.12, specular: 0.6 } };
 
-const READERS = { glb: readGltf, gltf: readGltf, vrm: readGltf, obj: readObj, ply: readPly, wrl: readVrml, vrml: readVrml };
+const READERS = { glb: readGltf, gltf: readGltf, vrm: readGltf, fbx: readFbx, obj: readObj, ply: readPly, wrl: readVrml, vrml: readVrml };
 
 export async function readScene(file) {
   const kind = path.extname(file).slice(1).toLowerCase();

@@ -4,6 +4,7 @@
 const WALK = 0.07; // of the eyes' distance: two places whose way over the skin is longer are on two lips
 const BESIDE = 4; // pixels from the line: surely on that lip
 const LOST = 4; // columns without a line: the corner of the mouth
+const FORE = 0.25; // of the eyeball's radius, before its centre: there lids begin
 const NEAR = 0.35; // of the eyeball's radius, to each side of its middle
 
 /** The vertices of the triangles that lie around places of a mesh, by their ways. */
@@ -90,16 +91,17 @@ export function lipLine(view, skin, mesh, landmarks, apart) {
 
 /**
  * The upper lid's margin where it is highest, and the lower one's where it is lowest: what is made of them closes over the rest.
- * @param {number[]} place the eyeball's middle on the picture @param {number} radius of the eyeball, in the file's units
+ * @param {number[]} place the eyeball's middle on the picture @param {{centre: number[], radius: number}} ball in the file's units
  * @returns {{upper: number[], lower: number[]}|null}
  */
-export function lidMargins(view, skin, eye, [column, row], radius) {
+export function lidMargins(view, skin, eye, [column, row], { centre, radius }) {
+  const deep = centre[2] + FORE * radius;
   const most = Math.round(2 * radius * view.scale);
   const edge = (x, way) => {
     if (view.at(x, row)?.mesh !== eye) return null;
     for (let k = 1; k < most; k++) {
       const here = view.at(x, row + way * k);
-      if (here?.mesh === skin) return here.point;
+      if (here?.mesh === skin && here.point[2] > deep) return here.point; // what lies deeper is the socket's
     }
     return null;
   };

@@ -1,16 +1,20 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * glTF 2.0 and GLB (Khronos 2021), with KHR_mesh_quantization, EXT_meshopt_compression and EXT_texture_webp. Every count is held against
- * the bytes that are there before anything is made of it, so that a damaged file is told by the member that is wrong.
+ * glTF 2.0 and GLB (Khronos 2021), with KHR_mesh_quantization, what is packed by meshopt, Draco and Basis Universal, and EXT_texture_webp. Every
+ * count is held against the bytes that are there before anything is made of it, so that a damaged file is told by the member that is wrong.
  */
 import { pictureOf, readBeside } from './beside.mjs';
 import { FileError, MOST } from './file-error.mjs';
+import { pictureAsPng } from './png.mjs';
 import { readPoints } from './points.mjs';
 import { apply, linear, matrixOf, product } from './matrix.mjs';
 
 const TYPES = { 5120: [Int8Array, 1, 127], 5121: [Uint8Array, 1, 255], 5122: [Int16Array, 2, 32767], 5123: [Uint16Array, 2, 65535], 5125: [Uint32Array, 4, 1], 5126: [Float32Array, 4, 1] };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
-const KNOWN = ['KHR_mesh_quantization', 'EXT_meshopt_compression', 'EXT_texture_webp', 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_materials_specular', 'KHR_materials_ior', 'VRMC_vrm', 'VRM'];
+const DRACO = 'KHR_draco_mesh_compression';
+const BASIS = 'KHR_texture_basisu';
+const SIDE = 2048; // pixels of a packed picture, where there are several sizes of it
+const KNOWN = ['KHR_mesh_quantization', 'EXT_meshopt_compression', DRACO, BASIS, 'EXT_texture_webp', 'KHR_texture_transform', 'KHR_materials_unlit', 'KHR_materials_specular', 'KHR_materials_ior', 'VRMC_vrm', 'VRM'];
 const LISTS = ['accessors', 'bufferViews', 'buffers', 'extensionsRequired', 'images', 'materials', 'meshes', 'nodes', 'scenes', 'skins', 'textures'];
 const whole = (value) => Number.isInteger(value) && value >= 0;
 
@@ -56,6 +60,9 @@ class Gltf {
       this.meshopt = (await import('../../../web/node_modules/three/examples/jsm/libs/meshopt_decoder.module.js')).MeshoptDecoder;
       await this.meshopt.ready;
     }
+    if ((json.meshes ?? []).some((mesh) => mesh?.primitives?.some?.((primitive) => primitive?.extensions?.[DRACO])))
+      this.draco = await (await import('../../../web/src/avatar/packed/draco.mjs')).openDraco();
+    if ((json.textures ?? []).some((texture) => texture?.extensions?.[BASIS])) this.basis = await (await import('../../../web/src/avatar/packed/basis.mjs')).openBasis();
     for (const name of json.extensionsRequired ?? [])
       if (!KNOWN.includes(name)) throw new FileError('extensionsRequired', `${String(name).slice(0, 60)} is not read: save the model without it`);
   }
@@ -129,10 +136,27 @@ class Gltf {
     }
   }
 
+  /** What Draco has packed of a primitive: places, texture's coordinates, corners. */
+  unpack({ extensions, attributes = {}, indices }, at) {
+    const { bufferView, attributes: ids = {} } = extensions[DRACO];
+    const where = `${at}.extensions.${DRACO}`;
+    const most = (i) => (i === undefined ? MOST.numbers : this.member('accessors', i, at).count);
+    const wanted = Object.fromEntries(['POSITION', 'TEXCOORD_0'].filter((name) => whole(ids[name])).map((name) => [name, { id: ids[name], type: 'Float32Array' }]));
+    try {
+      const { index, count, attributes: own } = this.draco.decode(this.view(bufferView, where), wanted, { points: most(attributes.POSITION), corners: most(indices) });
+      this.numbers += 3 * count + index.length;
+      if (own.POSITION?.width !== 3 || (own.TEXCOORD_0?.width ?? 2) !== 2) throw new Error('its places must have 3 numbers, its texture coordinates 2');
+      if (this.numbers > MOST.numbers || !own.POSITION.array.every(Number.isFinite)) throw new Error('its places are no numbers, or too many for a head');
+      return { index, position: Float64Array.from(own.POSITION.array), uv: own.TEXCOORD_0 && Float64Array.from(own.TEXCOORD_0.array) };
+    } catch (error) {
+      throw error instanceof FileError ? error : new FileError(where, error.message);
+    }
+  }
+
   /** Pictures by their texture's number; those that cannot be shown are noted. */
   picture(i, place) {
     const texture = this.member('textures', i, place);
-    const source = texture.extensions?.EXT_texture_webp?.source ?? texture.source;
+    const source = texture.extensions?.[BASIS]?.source ?? texture.extensions?.EXT_texture_webp?.source ?? texture.source;
     if (source === undefined) {
       this.notes.push(`textures[${i}] has no picture that can be read`);
       return null;
@@ -140,12 +164,22 @@ class Gltf {
     const image = this.member('images', source, `textures[${i}]`);
     const at = `images[${source}]`;
     const bytes = image.bufferView !== undefined ? this.view(image.bufferView, at) : readBeside(this.file, String(image.uri ?? ''), `${at}.uri`);
+    if (texture.extensions?.[BASIS]) return this.transcoded(bytes, at);
     const seen = pictureOf(bytes);
     if (!seen || !seen.width || bytes.length > MOST.image) {
       this.notes.push(`${at} is no PNG, JPEG or WebP of at most ${MOST.image} bytes: left out`);
       return null;
     }
     return { ...seen, data: bytes };
+  }
+
+  transcoded(bytes, at) {
+    try {
+      return pictureAsPng(this.basis.decode(bytes, SIDE));
+    } catch (error) {
+      this.notes.push(`${at}: ${error.message}: left out`);
+      return null;
+    }
   }
 }
 
@@ -170,15 +204,16 @@ function readPrimitive(gltf, mesh, primitive, at, matrix) {
     gltf.notes.push(`${at} is no list of triangles: left out`);
     return null;
   }
-  if (primitive.extensions?.KHR_draco_mesh_compression) throw new FileError(at, 'Draco is not read: save the model without it');
   const attributes = primitive.attributes ?? {};
-  const raw = gltf.accessor(attributes.POSITION, 3, `${at}.attributes.POSITION`);
+  const unpacked = primitive.extensions?.[DRACO] ? gltf.unpack(primitive, at) : null;
+  const raw = unpacked?.position ?? gltf.accessor(attributes.POSITION, 3, `${at}.attributes.POSITION`);
   const count = raw.length / 3;
-  const index = primitive.indices === undefined ? Uint32Array.from({ length: count }, (_, i) => i) : gltf.accessor(primitive.indices, 1, `${at}.indices`, false);
+  const index = unpacked ? unpacked.index : primitive.indices === undefined ? Uint32Array.from({ length: count }, (_, i) => i) : gltf.accessor(primitive.indices, 1, `${at}.indices`, false);
   if (index.length % 3) throw new FileError(`${at}.indices`, 'there must be three for each triangle');
   const past = index.findIndex((v) => v >= count);
   if (past >= 0) throw new FileError(`accessors[${primitive.indices}]`, `element ${past} is vertex ${index[past]}, but there are ${count}`);
-  const uv = attributes.TEXCOORD_0 === undefined ? null : gltf.accessor(attributes.TEXCOORD_0, 2, `${at}.attributes.TEXCOORD_0`).map((x, i) => (i % 2 ? 1 - x : x));
+  const places = unpacked?.uv ?? (attributes.TEXCOORD_0 === undefined ? null : gltf.accessor(attributes.TEXCOORD_0, 2, `${at}.attributes.TEXCOORD_0`));
+  const uv = places?.map((x, i) => (i % 2 ? 1 - x : x)) ?? null;
   if (uv && uv.length !== 2 * count) throw new FileError(`${at}.attributes.TEXCOORD_0`, `must have ${count} elements`);
   const names = mesh.extras?.targetNames ?? primitive.extras?.targetNames ?? [];
   const targets = {};

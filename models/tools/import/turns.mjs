@@ -4,6 +4,7 @@ import { at } from './fields.mjs';
 import { ballOf } from './parts.mjs';
 
 const LID_SKIN = 1.75; // radii of the eyeball: farther away is no lid
+const LID_INSIDE = 0.85; // radii: what lies deeper is the socket's
 const LID_WIDE = 1.5; // radii of the eyeball to each side: there a margin is at the height of the corners
 const LID_FADE = 0.5; // rad above and below the margin in which a lid's share falls to nothing
 const OVERLAP = 0.06; // rad: closed lids close, also where a margin is not quite what it is taken for
@@ -49,7 +50,8 @@ function lidShares(part, { centre, radius }, blink, fdp, [upperPoint, lowerPoint
   const out = { upper: new Float64Array(part.position.length / 3), lower: new Float64Array(part.position.length / 3) };
   for (let v = 0; v < out.upper.length; v++) {
     const p = at(part.position, v);
-    if (Math.hypot(...p.map((x, k) => x - centre[k])) > LID_SKIN * radius || p[2] < centre[2] - 0.2 * radius) continue;
+    const away = Math.hypot(...p.map((x, k) => x - centre[k]));
+    if (away > LID_SKIN * radius || away < LID_INSIDE * radius || p[2] < centre[2] - 0.2 * radius) continue;
     if (blink) {
       const turn = polar(p) - polar(p.map((x, k) => x + blink[3 * v + k]));
       out[turn > 0 ? 'upper' : 'lower'][v] = Math.abs(turn) / (turn > 0 ? BLINK.upper : BLINK.lower);

@@ -100,7 +100,8 @@ export function viewOf(meshes, { middle, width, yaw }, size) {
     }
     data.set([...color, 255], 4 * i);
   }
-  return { picture: { data, width: size, height: size }, at, depth, scale };
+  const place = (u, v) => [middle[0] + (u - size / 2) / scale, middle[1] - (v - size / 2) / scale]; // of a view from the front
+  return { picture: { data, width: size, height: size }, at, place, depth, scale };
 }
 
 /** An eye that looks straight ahead. */

@@ -6,12 +6,22 @@
  */
 import { EYE_MARGIN } from './hm08.mjs';
 import { lidMargin } from './neutral.mjs';
-import { nearestOnLine, piecewise, plateau } from './zones.mjs';
+import { nearestOnLine, piecewise, plateau, smoothstep } from './zones.mjs';
 
 const SIDES = {
   l: { upper: 19, lower: 21, yaw: 23, pitch: 25, thrust: 27, point: ['3.1', '3.3'] },
   r: { upper: 20, lower: 22, yaw: 24, pitch: 26, thrust: 28, point: ['3.2', '3.4'] },
 };
+
+/** mm below the line of the brow from where on the skin begins to go with the upper lid, and does so whole: hairs stay where they are. */
+const BELOW_BROW = [1.5, 6];
+
+/** How far below the line of the brow a place is, mm. */
+function browLine(fdp, side) {
+  const points = { l: ['4.1', '4.3', '4.5'], r: ['4.2', '4.4', '4.6'] }[side].map((name) => fdp[name]).sort((a, b) => a[0] - b[0]);
+  const [x, y] = [0, 1].map((k) => points.map((q) => q[k]));
+  return (q) => piecewise(x, y, q[0]) - q[1];
+}
 
 /**
  * Weights of both lids of one eye over the base vertices, and the angle that closes the eye where the weight is 1.
@@ -55,6 +65,7 @@ export function lidWeights(ctx, side, tuning) {
   const lashes = [1, 2].map((n) => ctx.inGroup(`helper-${side}-eyelashes-${n}`));
   const weights = { upper: new Float64Array(p.length / 3), lower: new Float64Array(p.length / 3) };
   const skin = new Set(topology.faces.flatMap((f) => f.v));
+  const belowBrow = browLine(ctx.fdp, side);
   for (let v = 0; v < weights.upper.length; v++) {
     const lash = lashes[0][v] || lashes[1][v];
     if (!(skin.has(v) || lash) || behind.has(v)) continue;
@@ -63,7 +74,8 @@ export function lidWeights(ctx, side, tuning) {
     const near = nearestOnLine(points, values, q, true);
     const isUpper = lash ? lashes[1][v] : near.value[1] > 0.5;
     const reach = isUpper ? tuning.upperReach : tuning.lowerReach;
-    const fade = lash || inside.has(v) ? 1 : plateau(near.distance, tuning.rigid, reach);
+    const free = isUpper ? smoothstep(...BELOW_BROW, belowBrow(q)) : 1;
+    const fade = lash || inside.has(v) ? 1 : free * plateau(near.distance, tuning.rigid, reach);
     const lid = isUpper ? 'upper' : 'lower';
     weights[lid][v] = Math.min(1, (fade * near.value[0]) / angle[lid]);
   }

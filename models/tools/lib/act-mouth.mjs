@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Lips and corners: FAPs 4 to 13, 16, 17 and 51 to 60. */
 import { along } from './actions.mjs';
-import { cardinalBasis, plateau, raisedCosine, smoothstep } from './zones.mjs';
+import { cardinalBasis, clamp, plateau, raisedCosine, smoothstep } from './zones.mjs';
 
 /** Feature points along a lip: right corner, half-way, middle, half-way, left corner. */
 const NODES = [-1, -0.5, 0, 0.5, 1];
@@ -33,11 +33,17 @@ const ROLL = { back: 1.1, up: 0.35 };
  * wet inside of the upper lip comes down behind its border (mm for a mm of each corner). Both lips go down, so the opening stays.
  */
 const ROUNDING = { hang: 1, hangLower: 0.4, draw: 0.12, curtain: 0.3 };
+/**
+ * That is for incisors whose edge stands so far below the line of the lips, mm. Where it stands at the line (with age), pushed lips hang by
+ * so much less, for a mm (both, so the opening stays), and a lower lip that is drawn back comes up to the edge.
+ */
+const HIGH_TEETH = { below: 2.36, hang: 0.65, hangLower: 0.7, rise: 0.2 };
 
 /** @param {object} tuning the recipe's `faps.mouth` */
 export function mouthActions(actions, ctx, grid, tuning) {
   const roll = { ...ROLL, ...tuning.roll },
     rounding = { ...ROUNDING, ...tuning.rounding };
+  const high = clamp(1 - (ctx.teeth.line - ctx.teeth.edge) / HIGH_TEETH.below, 0, 1);
   const basis = cardinalBasis(NODES, tuning.cornerSteepness);
   const isLower = (v) => grid.lower[v] > 0.5;
   const isUpper = (v) => grid.lower[v] < 0.5;
@@ -107,10 +113,11 @@ export function mouthActions(actions, ctx, grid, tuning) {
   push(17, isUpper, tuning.pushEvert);
   const middle = (v) => (grid.inner[v] + grid.outer[v]) * plateau(Math.abs(grid.s[v]), 0.4, tuning.pushWidth);
   for (const [fap, mine, hang] of [
-    [16, isLower, rounding.hangLower],
-    [17, isUpper, rounding.hang],
+    [16, isLower, rounding.hangLower - high * HIGH_TEETH.hangLower],
+    [17, isUpper, rounding.hang - high * HIGH_TEETH.hang],
   ])
     actions.plainMove(fap, 'positive', (v) => mine(v) && along(middle(v) * hang, [0, -1, 0]));
+  actions.plainMove(16, 'negative', (v) => isLower(v) && along(middle(v) * high * HIGH_TEETH.rise, [0, -1, 0]));
   for (const fap of [6, 7]) {
     actions.plainMove(fap, 'negative', (v) => along(middle(v) * rounding.draw, [0, 1, 0])); // times a value below 0
     actions.plainMove(fap, 'negative', (v) => {

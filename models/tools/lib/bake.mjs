@@ -84,7 +84,8 @@ export function dilate(data, done, size, passes) {
 
 /**
  * Share of the sky that each vertex of `part` sees (cosine weighted), by depth maps from many directions.
- * @param {{part: object, weight: number}[]} occluders parts and how much light they stop
+ * @param {{part: object, weight: number, opaque?: (u: number, v: number) => boolean}[]} occluders parts, how much light they stop, and where they
+ *   are there
  */
 export function occlusion(part, normals, occluders, { directions, resolution, bias }) {
   const n = part.position.length / 3;
@@ -95,9 +96,9 @@ export function occlusion(part, normals, occluders, { directions, resolution, bi
       turn = d * Math.PI * (3 - Math.sqrt(5));
     const r = Math.sqrt(1 - z * z);
     const dir = [r * Math.cos(turn), z, r * Math.sin(turn)];
-    const maps = occluders.map(({ part: o, weight }) => {
+    const maps = occluders.map(({ part: o, weight, opaque }) => {
       const depth = new DepthMap(dir, { resolution, reach: REACH });
-      depth.draw(o);
+      depth.draw(o, opaque);
       return { depth, weight };
     });
     for (let v = 0; v < n; v++) {

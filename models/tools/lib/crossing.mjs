@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Where the surface of one part goes through that of another, and how deep. */
 
-const CELL = 4; // mm
+const CELL = 2.5; // mm: about an edge
 
 /**
  * Edges of one mesh that go through triangles of the other, in both directions, with both ends at least `depth` mm away from

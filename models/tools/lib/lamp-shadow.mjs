@@ -52,7 +52,7 @@ function lampReach(casters) {
 }
 
 /** For each vertex of the skin what the client will find: open sky, key, fill, rim, 0..1. */
-function clientReach(parts, skin, seen, seenNormals) {
+function clientReach(parts, skin, seen, seenNormals, opaqueOf) {
   const run = bakeOcclusion(
     parts.map((part) => {
       const own = part === skin;
@@ -60,6 +60,7 @@ function clientReach(parts, skin, seen, seenNormals) {
       const normal = own ? seenNormals : normals(part.position, part.index, part.smooth);
       return {
         position, index: Uint16Array.from(part.index), shades: !CLEAR.includes(part.name),
+        uv: part.uv, opaque: opaqueOf(part),
         seen: { position: own ? Float32Array.from(seen) : position, normal: Float32Array.from(normal) },
       };
     }),
@@ -78,7 +79,7 @@ function clientReach(parts, skin, seen, seenNormals) {
 export function paintedShadow(parts, seen, seenNormals, opaqueOf, { subsurface }, size) {
   const [skin] = parts;
   const reaches = lampReach(parts.filter(({ name }) => !INSIDE.test(name)).map((part) => ({ part, opaque: opaqueOf(part) })));
-  const client = clientReach(parts, skin, seen, seenNormals);
+  const client = clientReach(parts, skin, seen, seenNormals, opaqueOf);
   // What falls on each vertex without the lamp, and from the lamp where nothing is in its way.
   const other = new Float32Array(seen.length),
     lamp = new Float32Array(seen.length);

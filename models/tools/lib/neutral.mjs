@@ -38,6 +38,19 @@ export function closeLips(p, topology, grid, tuck) {
     for (const k of [1, 2])
       p[v * 3 + k] += sign * grid.inner[v] * shift[side](x, k) + hidden * (k === 1 ? 0.6 : -1);
   }
+  for (const side of ['l', 'r']) foldBack(p, topology.mouth[side], grid);
+}
+
+/** Behind the line of contact the lips go apart again: where they hung on over it, an opening would be seen too late. */
+function foldBack(p, loops, grid) {
+  loops[MOUTH_CONTACT].forEach((contact, column) => {
+    if (grid.lower[contact] === 0.5) return;
+    const further = grid.lower[contact] > 0.5 ? Math.min : Math.max;
+    for (const loop of loops.slice(MOUTH_CONTACT + 1, MOUTH_CONTACT + 3)) {
+      const at = loop[column] * 3 + 1;
+      p[at] = further(p[at], p[contact * 3 + 1]);
+    }
+  });
 }
 
 /** Margin of one eye: columns with their side, from the two canthi, which are the ends of the ring in x. */

@@ -8,6 +8,8 @@ import { eyeAngle } from './eye.mjs';
 import { fractal, noise } from './noise.mjs';
 import { smoothstep } from './zones.mjs';
 
+const BARED = 0.62; // of the sky, that what the lower lid covers at rest sees when the eye looks up
+
 /**
  * @param {object} spec eye geometry @param {object} look the recipe's colours
  * @param {(angle: number, turn: number) => number} sky share of the sky that a point of the eye sees between
@@ -33,7 +35,8 @@ export function paintEye(size, spec, look, sky) {
       const shade = mix(fibre, limbus, smoothstep(0.68, 1, inIris) * look.limbusStrength);
       c = mix(shade, c, smoothstep(0.97, 1.13, inIris));
       c = mix(pupil, c, smoothstep(-0.06, 0.1, inIris + 0.03 * noise(turn * 9, 4)));
-      const light = look.shadeFloor + (1 - look.shadeFloor) * smoothstep(0, look.shadeOpen, sky(angle, turn));
+      const open = Math.max(sky(angle, turn), BARED * smoothstep(0.1, 0.5, -Math.sin(turn)));
+      const light = look.shadeFloor + (1 - look.shadeFloor) * smoothstep(0, look.shadeOpen, open);
       out.set(
         c.map((v, k) => v * light ** look.shadeTint[k]),
         (j * size + i) * 3,

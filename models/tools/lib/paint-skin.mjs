@@ -33,6 +33,7 @@ export async function paintSkin(spec, scene) {
   const occluders = Object.entries(look.occlusion.parts).map(([name, weight]) => ({
     part: parts.find((x) => x.name === name),
     weight,
+    opaque: opaque.get(name),
   }));
   const sky = occlusion({ position: seen }, vertexNormals, occluders, look.occlusion);
   // Colours of zones and lids are given for a skin of the colour `zoneTone`.
@@ -110,9 +111,9 @@ function hairRoots({ roots, scalp }, parts, opaque) {
     for (const { far, reach, strength, colour: hair, before } of fields) {
       const mm = far(...q);
       if (mm > reach * 1.6) continue;
-      const stroke = noise(q[0] / 0.5, q[1] / 2, q[2] / 2) * 0.7 + noise(q[0] / 2, q[1] / 3, q[2] / 3) * 0.3;
+      const stroke = noise(q[0] / 0.45, q[1] / 5, q[2] / 5) * 0.45 + noise(q[0] / 3, q[1] / 6, q[2] / 6) * 0.35;
       const place = before === undefined ? 1 : smoothstep(before, before + 18, behind);
-      const share = strength * place * smoothstep(1.1, 1.3, lip) * smoothstep(reach, 0.2 * reach, mm + 0.45 * reach * stroke);
+      const share = strength * place * smoothstep(1.1, 1.3, lip) * smoothstep(1.1 * reach, -0.1 * reach, mm + 0.45 * reach * stroke);
       out = mix(out, hair, share);
     }
     return out;

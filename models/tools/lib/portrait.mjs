@@ -109,9 +109,11 @@ function lightMouth({ reach }, head, part, faps) {
 
 function bake(scene) {
   const run = bakeOcclusion(
-    scene.map(({ name, position, index, normal }) => ({
+    scene.map(({ name, position, index, normal, uv, alpha, texture }) => ({
       position: Float32Array.from(position),
       index: Uint16Array.from(index),
+      uv,
+      opaque: texture && (alpha === 'cutout' || alpha === 'blend') ? opaqueIn(texture) : null,
       shades: !CLEAR.includes(name),
       seen: { position: Float32Array.from(position), normal: Float32Array.from(normal) },
     })),
@@ -120,6 +122,11 @@ function bake(scene) {
   while (!result.done) result = run.next();
   return result.value.map((reach) => Float32Array.from(reach, (x) => x / 255));
 }
+
+const opaqueIn = ({ pixels, width, height }) => (u, v) => {
+  const [x, y] = [[u, width], [1 - v, height]].map(([share, size]) => Math.min(size - 1, Math.max(0, Math.floor(share * size))));
+  return pixels[4 * (y * width + x) + 3] >= 128;
+};
 
 /** The mouth has its own light. */
 function cast(scene, shadows) {

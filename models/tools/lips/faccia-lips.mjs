@@ -22,16 +22,17 @@ pictures of a face (a folder of them in the order of their names, or a video, fo
       --tilt DEGREES    how far the plane of nose and ear lobes falls towards the nose (0: opening is measured square to it)
       --unit UNIT       of a table: mm, cm, dm, m, in (mm)
       --rest FROM-TO    seconds in which the closed mouth rests (the first 0.2)
-      --smooth MS       standard deviation of the Gaussian over time (pictures: 20; markers: 0)
+      --smooth MS       standard deviation of a Gaussian over time (0)
       --iris MM         how wide the person's iris is (11.7, an adult's)
-      --plain           what the landmarks say, without what has been learnt of the detector
+      --pupils MM       or, better, how far the pupils are from each other
+      --like HEAD       of ours, whose skin the person's is taken to move like (pictures; mara)
   -h, --help            print this and exit
 Exit status: 0 done, 1 failed, 2 wrong usage.
 `;
 
 const text = { type: 'string' };
 const OPTIONS = {
-  output: { ...text, short: 'o' }, fps: text, markers: text, tilt: text, unit: text, rest: text, smooth: text, iris: text, plain: { type: 'boolean' }, help: { type: 'boolean', short: 'h' },
+  output: { ...text, short: 'o' }, fps: text, markers: text, tilt: text, unit: text, rest: text, smooth: text, iris: text, pupils: text, like: text, help: { type: 'boolean', short: 'h' },
 };
 const REST = [0, 0.2]; // s
 const VIDEO_FPS = 25;
@@ -58,7 +59,7 @@ function choices(argv) {
   if (!(from >= 0 && to > from)) throw new Usage(`--rest ${values.rest}: FROM-TO in seconds is wanted`);
   return {
     ...values, files: positionals, rest: [from, to],
-    fps: number(values, 'fps', [1, 1000]), smooth: number(values, 'smooth', [0, 1000]), iris: number(values, 'iris', [5, 20]),
+    fps: number(values, 'fps', [1, 1000]), smooth: number(values, 'smooth', [0, 1000]), iris: number(values, 'iris', [5, 20]), pupils: number(values, 'pupils', [30, 90]),
     tilt: ((number(values, 'tilt', [-60, 60]) ?? 0) * Math.PI) / 180,
   };
 }
@@ -89,8 +90,8 @@ async function watch(file, options) {
     throw new FileError('', "looking at pictures wants faccia's sources with 'npm ci' done in web/ and models/: node models/tools/lips/faccia-lips.mjs");
   }
   const fps = options.fps ?? VIDEO_FPS;
-  const pictures = folder ? film.picturesOf(file) : film.framesOf(path.resolve(file), fps);
-  return watching.watchLips(pictures, { fps, iris: options.iris, plain: options.plain, tell: progress });
+  const pictures = () => (folder ? film.picturesOf(file) : film.framesOf(path.resolve(file), fps));
+  return watching.watchLips(pictures, { fps, rest: options.rest, iris: options.iris, pupils: options.pupils, like: options.like, tell: progress });
 }
 
 function progress(done, count) {
@@ -125,7 +126,7 @@ async function main(argv) {
     const { rows: known, gaps } = filled(rows);
     if (gaps.length) console.error(`nothing is known of frames ${frames(gaps)}: they are left out (gaps up to ${LONGEST_GAP} s are filled)`);
     if (!known.length) throw new FileError('', marked ? 'no frame has all eight markers' : 'there is no face in any picture');
-    const still = fromRest(smoothed(known, (options.smooth ?? (marked ? 0 : 20)) / 1000), options.rest.map((t) => t + rows[0].time));
+    const still = fromRest(smoothed(known, (options.smooth ?? 0) / 1000), options.rest.map((t) => t + rows[0].time));
     if (!still) throw new FileError('', `nothing is known of the time from ${options.rest.join(' to ')} s, in which the mouth rests: --rest says another`);
     write(options.output, toCsv(still));
     console.error(`${still.length} of ${rows.length} frames, ${(rows.at(-1).time - rows[0].time).toFixed(2)} s`);

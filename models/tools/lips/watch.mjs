@@ -1,108 +1,146 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-/** From pictures of a person who reads to rows of parameters (curves.mjs): landmarks in each, the head's motion taken out, mm from the iris. */
+/**
+ * From pictures of a person who reads to rows of parameters (curves.mjs): the face at rest is made a net of places (speaker.mjs), which is laid onto
+ * each picture (lay.mjs), the head's motion and the lips' at once; mm from the iris.
+ */
 import fs from 'node:fs';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { laid } from '../../../web/src/portrait/fit.mjs';
 import { PortraitError } from '../../../web/src/portrait/problem.mjs';
 import { FileError } from '../import/file-error.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { PARAMETERS } from './articulation.mjs';
-import { boxOf, looksAt, mean, median } from './look.mjs';
-import { laidFace, plainly, shapeOf, STILL } from './seen.mjs';
+import { UNKNOWNS } from './fap-moves.mjs';
+import { Layer } from './lay.mjs';
+import { landmarksOf } from './look.mjs';
+import { pictured, speakerOf } from './speaker.mjs';
 
 const IRIS = 11.7; // mm: the horizontal diameter of an adult's, within half a mm (Hashemi and others 2015)
+const DRAWN_IRIS = 10.9; // mm: of our heads, by which the detector's habit falls out
+const IRISES = [[469, 471], [474, 476]]; // landmarks across
+const PUPILS = [[468, 473]];
 const MOST_FRAMES = 500000;
-const TEMPLATE = 25; // pictures whose mean says what face it is
+const REST_PICTURES = 6; // whose mean says how the face looks
 const SIDEWAYS = 0.35; // rad: beyond it the far half of the mouth is guessed
+const LOST = 0.6; // of the picture's contrast: what is less like the face is not it
 
-const habits = JSON.parse(fs.readFileSync(new URL('habits.json', import.meta.url), 'utf8'));
+const built = fileURLToPath(new URL('../../../build/', import.meta.url));
+const read = (file) => JSON.parse(fs.readFileSync(path.join(built, file), 'utf8'));
+const STILL = new Float64Array(UNKNOWNS.length);
+const turnOf = ({ turn }) => Math.asin(Math.max(-1, Math.min(1, turn[0][2])));
 
-/** What is kept of a look: the still points, and the shape; the landmarks themselves would fill the memory. */
-class Watcher {
-  rows = [];
-
-  irises = [];
-
-  #waiting = []; // of the first pictures, until the face is known
-
-  #face = habits.face;
-
-  #known = false;
-
-  /** @param {boolean} plain whether the landmarks count as they are */
-  constructor(plain) {
-    this.plain = plain;
-  }
-
-  add(row, looks) {
-    this.rows.push(row);
-    if (!looks) return;
-    if (this.#known) this.#measure(row, looks);
-    else if (this.#waiting.push([row, looks]) === TEMPLATE) this.know();
-  }
-
-  know() {
-    const shapes = this.#waiting.flatMap(([, looks]) => looks.map((look) => laidFace(look, habits.face).points));
-    if (shapes.length) this.#face = STILL.map((number) => [0, 1, 2].map((k) => shapes.reduce((sum, points) => sum + points[number][k], 0) / shapes.length));
-    for (const [row, looks] of this.#waiting) this.#measure(row, looks);
-    this.#known = true;
-    this.#waiting = [];
-  }
-
-  #measure(row, looks) {
-    const laid = looks.map((look) => laidFace(look, this.#face));
-    this.irises.push(...laid.map(({ iris }) => iris));
-    row.sideways = Math.max(...laid.map(({ yaw }) => Math.abs(yaw)));
-    row.values = this.plain ? mean(laid.map(({ points }) => plainly(points))) : told(mean(laid.map(({ points }) => shapeOf(points))));
+function baseHead(name) {
+  try {
+    return { json: read(`models/heads/${name}.json`), points: read('web/face-points.json')[name] };
+  } catch (error) {
+    throw new FileError('', `${name}: there is no such head built (${error.message})`);
   }
 }
 
-const told = (shape) => PARAMETERS.map((name) => habits.weights[name].reduce((sum, weight, i) => sum + weight * shape[i], 0));
+/** How far pairs of landmarks are from each other, the mean. */
+const apart = (points, pairs) => pairs.reduce((sum, [a, b]) => sum + Math.hypot(points[a][0] - points[b][0], points[a][1] - points[b][1]), 0) / pairs.length;
+
+/** The pictures in which the mouth rests, or some of them. */
+async function restPictures(pictures, fps, [from, to]) {
+  const found = [];
+  let number = 0;
+  for await (const { picture } of pictures) {
+    const time = number++ / fps;
+    if (time > to) break;
+    if (time >= from && found.length < REST_PICTURES) found.push(picture);
+  }
+  return found;
+}
+
+/** @returns {Promise<object|null>} null: nobody is in the picture, or it cannot be told who */
+async function landmarksIn(eye, picture, tell) {
+  try {
+    return await landmarksOf(eye, picture);
+  } catch (error) {
+    if (!(error instanceof PortraitError)) throw error;
+    tell(error.message);
+    return null;
+  }
+}
+
+class Watcher {
+  #now = null; // where the face was in the picture before
+
+  constructor(eye, base) {
+    Object.assign(this, { eye, base });
+  }
+
+  /** Gets to know the face. @returns {Promise<boolean>} whether there is one */
+  async know(pictures, tell) {
+    let landmarks = null;
+    let first = 0;
+    for (; first < pictures.length && !landmarks; first++) landmarks = await landmarksIn(this.eye, pictures[first], tell);
+    if (!landmarks) return false;
+    const speaker = speakerOf(this.base.json, this.base.points, landmarks);
+    this.layer = new Layer(speaker);
+    this.#now = { stand: speaker, q: STILL };
+    this.face = laid(landmarks, this.base.points).points;
+    this.look = this.layer.seen(pictures[first - 1], speaker, STILL);
+    const looks = [this.look];
+    for (const picture of pictures.slice(first)) {
+      const { stand } = this.layer.lay(picture, this.look, this.#now);
+      looks.push(this.layer.seen(picture, stand, STILL));
+    }
+    this.look = this.look.map((planes, l) => planes.map((plane, k) => plane.map((_, i) => looks.reduce((sum, look) => sum + look[l][k][i], 0) / looks.length)));
+    this.contrast = Math.sqrt(this.look.at(-1)[0].reduce((sum, x) => sum + (x * x || 0), 0) / speaker.count);
+    return true;
+  }
+
+  /** mm for a mm of the base head. @param {number} [pupils] mm between the person's, if it is known: it is seen better than how wide an iris is */
+  scale(iris, pupils) {
+    const { points: { seen }, json } = this.base;
+    const [pairs, own, drawn] = pupils ? [PUPILS, pupils, json.fapu.ES] : [IRISES, iris, DRAWN_IRIS];
+    return (own / drawn) * (apart(seen, pairs) / apart(this.face, pairs));
+  }
+
+  /** @returns {Promise<{values: number[], confidence: number, sideways: number}|null>} */
+  async watch(picture, tell) {
+    let found = this.#now && this.layer.lay(picture, this.look, this.#now);
+    if (!found || found.unlike > LOST * this.contrast) {
+      const landmarks = await landmarksIn(this.eye, picture, tell);
+      found = landmarks && this.layer.lay(picture, this.look, { stand: pictured(landmarks, this.base.points), q: STILL });
+      if (found?.unlike > LOST * this.contrast) {
+        tell('it does not look like the face at rest');
+        found = null;
+      }
+    }
+    this.#now = found;
+    return found && { values: [...found.q.subarray(0, PARAMETERS.length)], confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
+  }
+}
 
 /**
- * @param {AsyncIterable<{picture: object, name: string, count?: number}>} pictures
- * @param {{fps: number, iris?: number, plain?: boolean, tell?: (done: number, count?: number) => void}} options
+ * @param {() => AsyncIterable<{picture: object, name: string, count?: number}>} pictures from the first on, each time it is called
+ * @param {{fps: number, rest: number[], iris?: number, pupils?: number, like?: string, tell?: (done: number, count?: number) => void}} options rest: from, to (s); like: the
+ *   head whose lips the person's are taken to move like
  * @returns {Promise<{rows: object[], notes: string[]}>} rows without values where there is no face
  */
-export async function watchLips(pictures, { fps, iris = IRIS, plain = false, tell = () => {} }) {
-  const eye = await openEye();
-  const watcher = new Watcher(plain);
+export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like = 'mara', tell = () => {} }) {
+  const watcher = new Watcher(await openEye(), baseHead(like));
+  const reasons = [];
+  if (!(await watcher.know(await restPictures(pictures(), fps, rest), (why) => reasons.push(why))))
+    throw new FileError('', `there is no face from ${rest.join(' to ')} s, while the mouth rests (${reasons[0] ?? 'no pictures'}): --rest says another time`);
+  const scale = watcher.scale(iris, pupils);
+  const rows = [];
   const without = new Map(); // why -> frames
-  let before = null;
-  for await (const { picture, name, count } of pictures) {
-    const row = { time: watcher.rows.length / fps, values: null, confidence: 0 };
-    if (watcher.rows.length === MOST_FRAMES) throw new FileError(name, `more than ${MOST_FRAMES} pictures`);
-    try {
-      const { looks, score } = await looksAt(eye, picture, before).catch((error) => {
-        if (before && error instanceof PortraitError) return looksAt(eye, picture, null); // it has moved on
-        throw error;
-      });
-      before = boxOf(looks.at(-1));
-      row.confidence = score;
-      watcher.add(row, looks);
-    } catch (error) {
-      if (!(error instanceof PortraitError)) throw error;
-      before = null;
-      without.set(error.message, [...(without.get(error.message) ?? []), watcher.rows.length + 1]);
-      watcher.add(row, null);
-    }
-    tell(watcher.rows.length, count);
-  }
-  watcher.know();
-  return finished(watcher, iris, without);
-}
-
-function finished({ rows, irises }, iris, without) {
-  const notes = [...without].map(([why, list]) => `${list.length} frames without (from frame ${list[0]}): ${why}`);
-  if (!irises.length) return { rows, notes };
-  const scale = iris / median(irises);
   let turned = 0;
-  for (const row of rows) {
-    if (!row.values) continue;
-    row.values = row.values.map((x) => x * scale);
-    if (row.sideways > SIDEWAYS) {
-      row.confidence /= 2;
-      turned++;
-    }
+  for await (const { picture, name, count } of pictures()) {
+    if (rows.length === MOST_FRAMES) throw new FileError(name, `more than ${MOST_FRAMES} pictures`);
+    let why = '';
+    const seen = await watcher.watch(picture, (told) => (why = told));
+    const aside = seen?.sideways > SIDEWAYS;
+    if (aside) turned++;
+    if (!seen) without.set(why, [...(without.get(why) ?? []), rows.length + 1]);
+    rows.push({ time: rows.length / fps, values: seen && seen.values.map((x) => x * scale), confidence: seen ? Math.max(0, seen.confidence) / (aside ? 2 : 1) : 0 });
+    tell(rows.length, count);
   }
+  const notes = [...without].map(([why, list]) => `${list.length} frames without (from frame ${list[0]}): ${why}`);
   if (turned) notes.push(`${turned} frames from the side: less is to be believed of them, their confidence is halved`);
   return { rows, notes };
 }

@@ -11,7 +11,7 @@ import { flat } from '../portrait/images.mjs';
 import { PortraitError } from '../../../web/src/portrait/problem.mjs';
 import { blinkUnfit, mouthUnfit, unfit, unfitRest, usual } from './judge.mjs';
 import { measures, seenIn } from './look.mjs';
-import { BLINK, listOf, posed, poses, visemes } from './names.mjs';
+import { BLINK, listOf, nameOf, posed, poses, visemes } from './names.mjs';
 import { makeSet } from './set.mjs';
 import { openSource, SourceError } from './sources.mjs';
 
@@ -95,7 +95,9 @@ async function run(source, values) {
   const unfits = new Map();
   const tell = () => unfits.forEach((reason, label) => console.log(`${label}: unfit: ${reason}`));
   const name = values.name ?? path.basename(values.output, '.json').toLowerCase();
-  const { photographs, strange } = openSource(source, values.times ?? null);
+  const { photographs, strange } = openSource(source, values.times ?? null, nameOf);
+  if (!photographs.some((one) => one.name === 'rest')) throw new SourceError(`${source}: 'rest' is wanted: the face with closed lips`);
+  photographs.sort((a, b) => Number(b.name === 'rest') - Number(a.name === 'rest') || Number(a.name === BLINK) - Number(b.name === BLINK)); // the others are seen against it
   for (const file of strange) console.log(`${file}: left out: no viseme is called so`);
   const { rest, views } = await lookAt(photographs, unfits);
   if (!rest) {

@@ -3,7 +3,6 @@
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
-import { BLINK, nameOf } from './names.mjs';
 
 const MOST = 500; // photographs
 const MOST_BYTES = 1 << 28; // of a frame, as PNG
@@ -14,7 +13,7 @@ export class SourceError extends Error {}
 /** @typedef {{name: string, label: string, read: () => string|Buffer}} Photograph read: a file, or what is in one */
 
 /** Files that are called as a viseme is, with a number behind where there are several. @returns {{photographs: Photograph[], strange: string[]}} */
-function inFolder(folder) {
+function inFolder(folder, nameOf) {
   const files = fs.readdirSync(folder, { withFileTypes: true }).filter((one) => one.isFile() && !one.name.startsWith('.')).map(({ name }) => name).sort();
   if (files.length > MOST) throw new SourceError(`${folder}: ${files.length} files: at most ${MOST}`);
   const photographs = [];
@@ -40,7 +39,7 @@ function frameAt(video, seconds) {
   return bytes.length ? bytes : null;
 }
 
-function timesOf(file) {
+function timesOf(file, nameOf) {
   let times;
   try {
     times = JSON.parse(fs.readFileSync(file, 'utf8'));
@@ -50,7 +49,7 @@ function timesOf(file) {
   if (!times || typeof times !== 'object' || Array.isArray(times)) throw new SourceError(`${file}: an object is wanted: visemes and their seconds`);
   return Object.entries(times).flatMap(([word, value]) => {
     const name = nameOf(word);
-    if (!name) throw new SourceError(`${file}: ${word}: no viseme is called so`);
+    if (!name) throw new SourceError(`${file}: ${word}: no viseme or pose is called so`);
     return [value].flat().map((seconds, i) => {
       if (!Number.isFinite(seconds) || seconds < 0) throw new SourceError(`${file}: ${word}${Array.isArray(value) ? `[${i}]` : ''}: seconds are wanted`);
       return { name, seconds };
@@ -58,8 +57,8 @@ function timesOf(file) {
   });
 }
 
-function inVideo(video, file) {
-  const times = timesOf(file);
+function inVideo(video, file, nameOf) {
+  const times = timesOf(file, nameOf);
   if (times.length > MOST) throw new SourceError(`${file}: ${times.length} times: at most ${MOST}`);
   const photographs = times.map(({ name, seconds }) => ({
     name, label: `${name} at ${seconds} s`,
@@ -72,8 +71,11 @@ function inVideo(video, file) {
   return { photographs, strange: [] };
 }
 
-/** @param {string} source @param {string|null} times a JSON file, of a video @throws {SourceError} */
-export function openSource(source, times) {
+/**
+ * @param {string} source @param {string|null} times a JSON file, of a video @param {(word: string) => string|null} nameOf what a file or a time is called
+ * @throws {SourceError}
+ */
+export function openSource(source, times, nameOf) {
   let info;
   try {
     info = fs.statSync(source);
@@ -82,8 +84,5 @@ export function openSource(source, times) {
   }
   if (!info.isDirectory() && !times) throw new SourceError(`${source}: a folder of photographs is wanted, or a video with --times`);
   if (info.isDirectory() && times) throw new SourceError(`${source}: --times goes with a video`);
-  const found = info.isDirectory() ? inFolder(source) : inVideo(source, times);
-  if (!found.photographs.some(({ name }) => name === 'rest')) throw new SourceError(`${source}: 'rest' is wanted: the face with closed lips`);
-  found.photographs.sort((a, b) => Number(b.name === 'rest') - Number(a.name === 'rest') || Number(a.name === BLINK) - Number(b.name === BLINK)); // the others are seen against it
-  return found;
+  return info.isDirectory() ? inFolder(source, nameOf) : inVideo(source, times, nameOf);
 }

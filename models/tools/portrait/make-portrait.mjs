@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * A head from photographs of a face: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD]
- * [--eyes HEAD] [--keep beard,glasses] [--heads FOLDER] [--points FILE]. Says in one line what it did. Exit status: 0 done, 1 failed (with
+ * [--eyes HEAD] [--keep beard,glasses] [--poses FOLDER|VIDEO [--times FILE]] [--heads FOLDER] [--points FILE]. Says in one line what it did, and what pictures of
+ * poses are unfit. Exit status: 0 done, 1 failed (with
  * the picture and what is wrong with it), 2 wrong usage. Nothing is written unless all is well.
  */
 import fs from 'node:fs';
@@ -11,12 +12,17 @@ import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
 import { makeHead, nearest, inOrder } from '../../../web/src/portrait/portrait.mjs';
 import { PortraitError } from '../../../web/src/portrait/problem.mjs';
+import { openSource, SourceError } from '../pictures/sources.mjs';
+import { listOf, nameOf, withOwnActions } from './actions/actions.mjs';
 import { openEye } from './eye.mjs';
 import { flat, textures } from './images.mjs';
 
 const built = fileURLToPath(new URL('../../../build/', import.meta.url));
 const usage = `usage: make-portrait.mjs PHOTO... -o HEAD.json [--name NAME] [--title TITLE] [--like HEAD] [--eyes HEAD]
-       [--keep beard,glasses] [--heads FOLDER] [--points FILE]`;
+       [--keep beard,glasses] [--poses FOLDER|VIDEO [--times TIMES.json]] [--heads FOLDER] [--points FILE]
+--poses: how the person moves: a folder with smile.jpg, brows-up.jpg... (another of the same is smile-2.jpg), or a video, for which TIMES.json says when each is seen, in
+seconds ({"smile": 2.4, "open": [4.1, 9]}), in the same light and with the same camera as the front, which has closed lips then:
+${listOf()}`;
 
 function wrong(text) {
   console.error(text);
@@ -28,7 +34,7 @@ function options() {
   try {
     return parseArgs({
       allowPositionals: true,
-      options: { out: { ...text, short: 'o' }, name: text, title: text, like: text, eyes: text, keep: text, heads: text, points: text },
+      options: { out: { ...text, short: 'o' }, name: text, title: text, like: text, eyes: text, keep: text, poses: text, times: text, heads: text, points: text },
     });
   } catch (error) {
     return wrong(`${error.message}\n${usage}`);
@@ -36,7 +42,7 @@ function options() {
 }
 
 const { values, positionals: photos } = options();
-if (!photos.length || !values.out) wrong(usage);
+if (!photos.length || !values.out || (values.times && !values.poses)) wrong(usage);
 const name = values.name ?? path.basename(values.out, '.json').toLowerCase();
 if (!/^[a-z0-9_-]+$/.test(name)) wrong(`--name ${name}: small letters, digits, - and _ are wanted`);
 const heads = values.heads ?? path.join(built, 'models/heads');
@@ -57,6 +63,8 @@ async function look(eye, file) {
 }
 
 try {
+  const posed = values.poses ? openSource(values.poses, values.times ?? null, nameOf) : null;
+  for (const file of posed?.strange ?? []) console.log(`${file}: left out: no pose is called so`);
   const eye = await openEye();
   const views = [];
   for (const photo of photos) views.push(await look(eye, photo));
@@ -65,12 +73,15 @@ try {
   const made = await makeHead(head(like), table[like], views, textures, {
     name, title: values.title, keep: values.keep?.split(','), eyes: values.eyes ? head(values.eyes) : null,
   });
-  fs.writeFileSync(`${values.out}.part`, JSON.stringify(made.head));
+  const own = posed && (await withOwnActions(made.head, head(like), table[like], front, posed.photographs, eye));
+  for (const reason of own?.unfit ?? []) console.log(`${reason.replace(': ', ': unfit: ')}`);
+  fs.writeFileSync(`${values.out}.part`, JSON.stringify(own?.head ?? made.head));
   fs.renameSync(`${values.out}.part`, values.out);
-  const notes = [`like ${like}`, `${made.sides} pictures from the side`, ...(made.parted ? ['the lips are parted: a picture with closed lips gives a better mouth'] : [])];
+  const notes = [`like ${like}`, `${made.sides} pictures from the side`, ...(made.parted ? ['the lips are parted: a picture with closed lips gives a better mouth'] : []),
+    ...(own ? [`${own.taken.length} poses, ${own.actions} actions of its own`] : [])];
   console.log(`${values.out}: ${notes.join('; ')}`);
 } catch (error) {
-  if (!(error instanceof PortraitError)) throw error;
-  console.error(`${error.message} (${error.code})`);
+  if (!(error instanceof PortraitError || error instanceof SourceError)) throw error;
+  console.error(error.code ? `${error.message} (${error.code})` : error.message);
   process.exitCode = 1;
 }

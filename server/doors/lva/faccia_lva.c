@@ -25,6 +25,7 @@ static const char usage[] = "Usage: faccia-lva [OPTION]...\n"
                             "  -u, --url URL           the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
                             "      --token-file FILE   its token (else FACCIA_TOKEN)\n"
                             "  -h, --help              print this and exit\n"
+                            "      --version           print the version and exit\n"
                             "Exit status: 0 ended by a signal, 1 failed, 2 wrong usage.\n";
 
 struct assistant {
@@ -161,6 +162,7 @@ int main(int argc, char **argv) {
                                             {"voice", 1, NULL, 'v'},
                                             {"url", 1, NULL, 'u'},
                                             {"help", 0, NULL, 'h'},
+                                            {"version", 0, NULL, 'V'},
                                             {"token-file", 1, NULL, TOKEN_FILE},
                                             {0}};
     const char *room = getenv("FACCIA_ROOM"), *url = "ws://127.0.0.1:6055";
@@ -185,6 +187,8 @@ int main(int argc, char **argv) {
             status = place_read_token(&place, optarg) ? 1 : -1;
         else if (c == 'h')
             status = (fputs(usage, stdout), 0);
+        else if (c == 'V')
+            status = (puts("faccia-lva " FACCIA_VERSION), 0);
         else
             status = (fputs("Try 'faccia-lva --help'.\n", stderr), 2);
     }

@@ -27,6 +27,7 @@ static const char usage[] =
     "  -u, --url URL           the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
     "      --token-file FILE   its token (else FACCIA_TOKEN)\n"
     "  -h, --help              print this and exit\n"
+    "      --version           print the version and exit\n"
     "Exit status: 0 ended by a signal, 1 failed, 2 wrong usage.\n";
 
 struct bridge_options {
@@ -87,6 +88,7 @@ static int read_options(struct bridge_options *o, int argc, char **argv) {
                                             {"url", 1, NULL, 'u'},
                                             {"discovery", 1, NULL, DISCOVERY},
                                             {"help", 0, NULL, 'h'},
+                                            {"version", 0, NULL, 'V'},
                                             {"token-file", 1, NULL, TOKEN_FILE},
                                             {0}};
     int status = -1;
@@ -111,6 +113,8 @@ static int read_options(struct bridge_options *o, int argc, char **argv) {
             status = place_read_token(&o->place, optarg) ? 1 : -1;
         else if (c == 'h')
             status = (fputs(usage, stdout), 0);
+        else if (c == 'V')
+            status = (puts("faccia-mqtt " FACCIA_VERSION), 0);
         else
             status = (fputs("Try 'faccia-mqtt --help'.\n", stderr), 2);
     }

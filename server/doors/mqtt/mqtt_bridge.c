@@ -21,7 +21,7 @@ static void discover(struct bridge *b) {
 static void on_connected(void *ctx) {
     struct bridge *b = ctx;
     static const char *const commands[] = {"say",   "stop",    "pause", "resume", "express",
-                                           "state", "choices", "mute",  "voice"};
+                                           "state", "choices", "mute",  "voice",  "presence"};
     char topic[BRIDGE_TOPIC];
     log_info("the broker is there");
     for (unsigned i = 0; i < b->room_count; i++)

@@ -14,9 +14,9 @@ struct bridge_room {
     char *name;
     struct follow *follow;
     struct said_ids said;
-    char state[16], speaking_id[SAID_ID]; /* what the assistant does, and what is spoken */
-    char *words, *voice, *mood;           /* NULL: none */
-    bool speaks, muted, available;
+    char state[16], speaking_id[SAID_ID];  /* what the assistant does, and what is spoken */
+    char *words, *voice, *mood;            /* NULL: none */
+    bool speaks, muted, absent, available; /* absent: whoever looks at the face has gone */
 };
 
 struct bridge {

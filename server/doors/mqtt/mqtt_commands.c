@@ -154,6 +154,15 @@ static void mute(struct bridge_room *r, const char *payload) {
     room_publish_all(r);
 }
 
+/* The payloads of Home Assistant's sensors and trackers; what is none of them changes nothing. */
+static void presence(struct bridge_room *r, const char *payload) {
+    bool on = !strcasecmp(payload, "ON") || !strcasecmp(payload, "home");
+    if (!on && strcasecmp(payload, "OFF") && strcasecmp(payload, "not_home"))
+        log_warn("room %s: presence: neither ON nor OFF", r->name);
+    else if (on == r->absent)
+        ask_for(r, "/v1/state", json_pack("{ss}", "state", !on ? "asleep" : r->muted ? "muted" : "idle"), "");
+}
+
 /* "joy 0.7 surprise 0.2", "neutral", or a list of a mix. */
 static json_t *mix_of(char *text, size_t size) {
     char *rest = NULL;
@@ -198,6 +207,8 @@ void room_command(struct bridge_room *r, const char *command, const char *payloa
             say(r, object, NULL, NULL);
     } else if (!strcmp(command, "mute")) {
         mute(r, payload);
+    } else if (!strcmp(command, "presence")) {
+        presence(r, payload);
     } else if (!strcmp(command, "express")) {
         express(r, payload, size);
     } else if (!strcmp(command, "voice")) {

@@ -16,6 +16,7 @@ static const struct component components[] = {
     {"voice", "select", "Voice", "mdi:microphone-message", "voice", "now/voice"},
     {"mood", "select", "Mood", "mdi:emoticon-outline", "express", "now/mood"},
     {"mute", "switch", "Mute", "mdi:volume-off", "mute", "now/mute"},
+    {"presence", "switch", "Somebody is there", "mdi:motion-sensor", "presence", "now/presence"},
     {"stop", "button", "Stop", "mdi:stop", "stop", NULL},
     {"state", "sensor", "State", "mdi:face-woman-shimmer", NULL, "now/state"},
     {"words", "sensor", "Last words", "mdi:comment-text-outline", NULL, "now/words"},

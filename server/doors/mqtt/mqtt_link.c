@@ -3,6 +3,7 @@
 #include "server/base/log.h"
 #include "server/base/mem.h"
 #include <mosquitto.h>
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -30,11 +31,14 @@ struct mqtt_link {
     void *ctx;
     char *will;
     uv_async_t async;
+    uv_thread_t thread;
+    bool runs;
+    atomic_bool ending;
     uv_mutex_t lock; /* of what follows */
     struct arrived *first, **last;
     unsigned count;
-    bool connected;
-    unsigned waiting; /* published while there was no broker */
+    bool connected, told; /* told: that it does not let us in */
+    unsigned waiting;     /* published while there was no broker */
 };
 
 static void push(struct mqtt_link *l, struct arrived *one) {
@@ -54,7 +58,7 @@ static void on_connect(struct mosquitto *m, void *ctx, int code) {
     }
     mosquitto_publish(m, NULL, l->will, 6, "online", QOS, true);
     uv_mutex_lock(&l->lock);
-    l->connected = true;
+    l->connected = l->told = true;
     l->waiting = 0;
     uv_mutex_unlock(&l->lock);
     push(l, mem_alloc(sizeof(struct arrived)));
@@ -64,11 +68,20 @@ static void on_disconnect(struct mosquitto *m, void *ctx, int code) {
     struct mqtt_link *l = ctx;
     (void)m;
     uv_mutex_lock(&l->lock);
-    bool was = l->connected;
+    bool was = l->connected, tell = was || !l->told;
     l->connected = false;
+    l->told = true;
     uv_mutex_unlock(&l->lock);
-    if (code && was)
-        log_warn("the broker has gone: %s", mosquitto_strerror(code));
+    if (code && tell)
+        log_warn("the broker %s: %s", was ? "has gone" : "does not let us in", mosquitto_strerror(code));
+}
+
+/* Why TLS does not come about, above all: the library tells it here alone, again with each try. */
+static void on_log(struct mosquitto *m, void *ctx, int level, const char *text) {
+    (void)m;
+    (void)ctx;
+    if (level == MOSQ_LOG_ERR)
+        log_warn("the broker: %s", text);
 }
 
 static void on_message(struct mosquitto *m, void *ctx, const struct mosquitto_message *message) {
@@ -129,6 +142,18 @@ static void free_link(uv_handle_t *handle) {
     free(l);
 }
 
+/* The library's own loop gives up for good when a broker breaks the protocol, or TLS does not come about. */
+static void in_thread(void *arg) {
+    struct mqtt_link *l = arg;
+    while (!atomic_load(&l->ending)) {
+        mosquitto_loop_forever(l->mosquitto, -1, 1);
+        if (atomic_load(&l->ending))
+            return;
+        uv_sleep(1000 * AGAIN_SECONDS);
+        mosquitto_reconnect_async(l->mosquitto);
+    }
+}
+
 static int set_up(struct mqtt_link *l, const struct mqtt_options *o) {
     struct mosquitto *m = l->mosquitto;
     int code = mosquitto_will_set(m, o->will, 7, "offline", QOS, true);
@@ -139,10 +164,13 @@ static int set_up(struct mqtt_link *l, const struct mqtt_options *o) {
     mosquitto_connect_callback_set(m, on_connect);
     mosquitto_disconnect_callback_set(m, on_disconnect);
     mosquitto_message_callback_set(m, on_message);
+    mosquitto_log_callback_set(m, on_log);
     mosquitto_reconnect_delay_set(m, AGAIN_SECONDS, AGAIN_MOST_SECONDS, true);
     if (!code) /* a broker that is not there yet is tried again */
         mosquitto_connect_async(m, o->host, o->port, KEEPALIVE_SECONDS);
-    return code ? code : mosquitto_loop_start(m);
+    mosquitto_threaded_set(m, true);
+    l->runs = !code && !uv_thread_create(&l->thread, in_thread, l);
+    return code ? code : l->runs ? MOSQ_ERR_SUCCESS : MOSQ_ERR_NOMEM;
 }
 
 struct mqtt_link *mqtt_link_new(uv_loop_t *loop, const struct mqtt_options *options,
@@ -168,8 +196,10 @@ void mqtt_link_free(struct mqtt_link *l) {
         return;
     if (l->mosquitto) {
         mosquitto_publish(l->mosquitto, NULL, l->will, 7, "offline", QOS, true);
+        atomic_store(&l->ending, true);
         mosquitto_disconnect(l->mosquitto);
-        mosquitto_loop_stop(l->mosquitto, false);
+        if (l->runs)
+            uv_thread_join(&l->thread);
         mosquitto_destroy(l->mosquitto);
     }
     mosquitto_lib_cleanup();

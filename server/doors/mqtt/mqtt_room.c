@@ -32,6 +32,7 @@ void room_publish_all(struct bridge_room *r) {
     room_publish(r, "now/available", r->available ? "online" : "offline", true);
     publish_state(r);
     room_publish(r, "now/mute", r->muted ? "ON" : "OFF", true);
+    room_publish(r, "now/presence", r->absent ? "OFF" : "ON", true);
     room_publish(r, "now/words", r->words ? r->words : "", true);
     room_publish(r, "now/voice", r->voice ? r->voice : "", true);
     room_publish(r, "now/mood", r->mood ? r->mood : "neutral", true);
@@ -90,7 +91,9 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
         room_publish(r, "now/words", r->words, true);
     } else if (!strcmp(type, "state")) {
         snprintf(r->state, sizeof r->state, "%s", member(message, "state"));
+        r->absent = !strcmp(r->state, "asleep");
         publish_state(r);
+        room_publish(r, "now/presence", r->absent ? "OFF" : "ON", true);
     } else if (!strcmp(type, "chosen")) {
         json_t *chosen = json_pack("{ss}", "event_type", "chosen");
         json_object_update_missing(chosen, (json_t *)message);

@@ -158,9 +158,19 @@ static int read_config(struct reader_module *m, const char *file) {
     return failed;
 }
 
+/* A file as standard input cannot be waited for. */
+static bool is_started_by_hand(void) {
+    uv_handle_type input = uv_guess_handle(0);
+    return input != UV_NAMED_PIPE && input != UV_TTY;
+}
+
 int main(int argc, char **argv) {
     static const struct remote_events events = {on_event, on_following};
     static struct reader_module m;
+    if (is_started_by_hand()) {
+        fputs("sd_faccia is started by speech-dispatcher: protocol/speech-dispatcher.md says how\n", stderr);
+        return 2;
+    }
     m.protocol = (struct reader_protocol){.calls = {speak, stop, halt, list_voices, set, quit}, .ctx = &m};
     m.room = mem_strdup("reader");
     place_open(&m.place);

@@ -22,6 +22,7 @@ static const char usage[] =
     "  -u, --url URL           the daemon (FACCIA_URL, else http://127.0.0.1:8080)\n"
     "      --token-file FILE   its token (else FACCIA_TOKEN)\n"
     "  -h, --help              print this and exit\n"
+    "      --version           print the version and exit\n"
     "The protocol has no passwords: listen where you trust everybody. Exit status: 0 ended by a signal, 1 "
     "failed,\n"
     "2 wrong usage.\n";
@@ -92,6 +93,7 @@ int main(int argc, char **argv) {
                                             {"silent", 0, NULL, SILENT},
                                             {"url", 1, NULL, 'u'},
                                             {"help", 0, NULL, 'h'},
+                                            {"version", 0, NULL, 'V'},
                                             {"token-file", 1, NULL, TOKEN_FILE},
                                             {0}};
     struct wyoming w = {0};
@@ -112,6 +114,8 @@ int main(int argc, char **argv) {
             status = place_read_token(&place, optarg) ? 1 : -1;
         else if (c == 'h')
             status = (fputs(usage, stdout), 0);
+        else if (c == 'V')
+            status = (puts("faccia-wyoming " FACCIA_VERSION), 0);
         else
             status = (fputs("Try 'faccia-wyoming --help'.\n", stderr), 2);
     }

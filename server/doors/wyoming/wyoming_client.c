@@ -2,8 +2,8 @@
 #include "server/doors/wyoming/wyoming_client.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
-#include "server/doors/wyoming/wyoming_cut.h"
 #include "server/doors/wyoming/wyoming_frame.h"
+#include "server/doors/wyoming/wyoming_info.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -13,22 +13,22 @@ struct wyoming_client {
     uv_tcp_t tcp;
     struct wyoming *wyoming;
     struct wyoming_client *next, **self;
-    struct buf come, text; /* events; what has been written and is not spoken yet */
-    struct buf sound;      /* of the piece that is spoken, not given back yet */
-    struct fetch *fetch;   /* its sound; NULL: none is spoken */
-    json_t *voice;         /* asked for; or NULL */
+    struct buf come;     /* events */
+    struct buf sound;    /* of what is spoken, not given back yet */
+    struct fetch *fetch; /* its sound; NULL: none is spoken */
+    struct fetch *said;  /* what the room says of a text that is being written; NULL: nothing */
+    size_t text_size;    /* so much has been written */
+    json_t *voice;       /* asked for; or NULL */
     bool ssml, streams, closed_text, started, closing;
     unsigned rate; /* Hz; 0: the sound's head has not come */
     size_t bytes_given;
 };
 
-static void go_on(struct wyoming_client *c);
 static void take_events(struct wyoming_client *c);
 
 static void on_closed(uv_handle_t *handle) {
     struct wyoming_client *c = handle->data;
     buf_free(&c->come);
-    buf_free(&c->text);
     buf_free(&c->sound);
     json_decref(c->voice);
     free(c);
@@ -40,7 +40,9 @@ static void let_go(struct wyoming_client *c) {
     c->closing = true;
     if (c->fetch)
         remote_give_up(c->fetch);
-    c->fetch = NULL;
+    if (c->said)
+        remote_give_up(c->said); /* what came is said all the same */
+    c->fetch = c->said = NULL;
     *c->self = c->next;
     if (c->next)
         c->next->self = c->self;
@@ -108,60 +110,11 @@ static void on_bytes(void *ctx, const void *bytes, size_t size) {
     give_back(c, CHUNK_BYTES);
 }
 
-static void on_fetched(void *ctx, const struct remote_answer *answer) {
-    struct wyoming_client *c = ctx;
-    c->fetch = NULL;
-    if (answer->status == 200)
-        give_back(c, 1);
-    else
-        tell(c, "error", json_pack("{ss ss}", "text", answer->why, "code", "synthesis"), NULL, 0);
-    c->sound.size = 0;
-    go_on(c);
-    take_events(c);
+static void fail(struct wyoming_client *c, const char *why, const char *code) {
+    tell(c, "error", json_pack("{ss ss}", "text", why, "code", code), NULL, 0);
 }
 
-static void on_said(void *ctx, const struct remote_answer *answer) {
-    (void)ctx;
-    if (answer->status != 202)
-        log_warn("the room does not say it: %s", answer->why);
-}
-
-static const char *voice_member(const struct wyoming_client *c, const char *name) {
-    return json_string_value(json_object_get(c->voice, name));
-}
-
-/* Has a piece spoken: here, and by the room's face. */
-static void speak(struct wyoming_client *c, const char *text) {
-    const struct wyoming *w = c->wyoming;
-    const char *markup = c->ssml ? "ssml" : "plain", *type = "text/plain", *voice = voice_member(c, "name");
-    const char *lang = voice ? NULL : voice_member(c, "language");
-    const struct remote_member here[] = {
-        {"format", "wav"}, {"voice", voice}, {"lang", lang}, {"markup", markup}, {NULL, NULL}};
-    const struct remote_member there[] = {
-        {"room", w->room}, {"voice", voice}, {"lang", lang}, {"markup", markup}, {NULL, NULL}};
-    c->rate = 0;
-    if (w->room)
-        remote_ask(w->remote, "/v1/say", there, type, text, on_said, NULL);
-    c->fetch = remote_fetch(w->remote, "/v1/speech", here, type, text, on_bytes, on_fetched, c);
-}
-
-/* The next piece, when nothing is spoken; or the end. */
-static void go_on(struct wyoming_client *c) {
-    while (!c->fetch && !c->closing) {
-        size_t size = c->closed_text ? c->text.size
-                      : c->ssml      ? 0
-                                     : wyoming_cut((char *)c->text.data, c->text.size);
-        if (!size)
-            break;
-        char *piece = mem_strndup((char *)c->text.data, size);
-        buf_consume(&c->text, size);
-        if (piece[strspn(piece, " \t\r\n")])
-            speak(c, piece);
-        free(piece);
-    }
-    if (c->fetch || c->closing || !c->closed_text)
-        return;
-    c->closed_text = false;
+static void finish(struct wyoming_client *c) {
     if (c->started)
         tell(c, "audio-stop", NULL, NULL, 0);
     if (c->streams)
@@ -169,48 +122,107 @@ static void go_on(struct wyoming_client *c) {
     c->started = c->streams = false;
 }
 
+/* A text that is being written may fail before its end: the rest of it is passed over. */
+static void on_fetched(void *ctx, const struct remote_answer *answer) {
+    struct wyoming_client *c = ctx;
+    c->fetch = NULL;
+    const char *code = json_string_value(json_object_get(answer->body, "code"));
+    if (answer->status == 200)
+        give_back(c, 1);
+    else if (!code || strcmp(code, "empty-text") != 0) /* what has no word in it is no error */
+        fail(c, answer->why, "synthesis");
+    c->sound.size = 0;
+    if (!c->streams || c->closed_text)
+        finish(c);
+    take_events(c);
+}
+
+/* ctx: the client, of a text that was being written. */
+static void on_said(void *ctx, const struct remote_answer *answer) {
+    struct wyoming_client *c = ctx;
+    if (answer->status != 202)
+        log_warn("the room does not say it: %s", answer->why);
+    if (!c)
+        return;
+    c->said = NULL;
+    take_events(c);
+}
+
+/* Has a text spoken, here and by the room's face; NULL: one that is still to be written, whose sentences the
+ * daemon finds. */
+static void speak(struct wyoming_client *c, const char *text) {
+    const struct wyoming *w = c->wyoming;
+    const char *markup = c->ssml ? "ssml" : "plain", *type = "text/plain",
+               *voice = json_string_value(json_object_get(c->voice, "name"));
+    const char *lang = voice ? NULL : json_string_value(json_object_get(c->voice, "language")),
+               *open = text ? NULL : "1";
+    const struct remote_member here[] = {{"format", "wav"},  {"voice", voice}, {"lang", lang},
+                                         {"markup", markup}, {"open", open},   {NULL, NULL}};
+    const struct remote_member there[] = {{"room", w->room},  {"voice", voice}, {"lang", lang},
+                                          {"markup", markup}, {"open", open},   {NULL, NULL}};
+    c->rate = 0;
+    if (w->room && text)
+        remote_ask(w->remote, "/v1/say", there, type, text, on_said, NULL);
+    else if (w->room)
+        c->said = remote_begin(w->remote, "/v1/say", there, type, NULL, on_said, c);
+    c->fetch = text ? remote_fetch(w->remote, "/v1/speech", here, type, text, on_bytes, on_fetched, c)
+                    : remote_begin(w->remote, "/v1/speech", here, type, on_bytes, on_fetched, c);
+}
+
 static void begin(struct wyoming_client *c, const json_t *data) {
     const char *form = json_string_value(json_object_get(data, "text_format"));
     json_decref(c->voice);
     c->voice = json_deep_copy(json_object_get(data, "voice"));
     c->ssml = form && !strcmp(form, "ssml");
-    c->text.size = c->bytes_given = 0;
+    c->text_size = c->bytes_given = 0;
+    c->closed_text = false;
 }
 
-static void add_text(struct wyoming_client *c, const json_t *data) {
+/* The text of an event, if it fits behind what has been written; or NULL, which was told. */
+static const char *take_text(struct wyoming_client *c, const json_t *data) {
     const char *text = json_string_value(json_object_get(data, "text"));
-    if (!text || c->text.size + strlen(text) > TEXT_MOST) {
-        tell(c, "error",
-             json_pack("{ss ss}", "text", text ? "the text is too long" : "there is no text", "code", "text"),
-             NULL, 0);
-        return;
+    size_t size = text ? strlen(text) : 0;
+    if (text && c->text_size + size <= TEXT_MOST) {
+        c->text_size += size;
+        return text;
     }
-    buf_add(&c->text, text, strlen(text));
+    fail(c, text ? "the text is too long" : "there is no text", "text");
+    return NULL;
+}
+
+static void write_text(struct wyoming_client *c, const json_t *data) {
+    const char *text = take_text(c, data);
+    if (text && c->fetch)
+        remote_write(c->fetch, text, strlen(text));
+    if (text && c->said)
+        remote_write(c->said, text, strlen(text));
+}
+
+static void close_text(struct wyoming_client *c) {
+    c->closed_text = true;
+    if (c->said)
+        remote_close(c->said);
+    if (c->fetch)
+        remote_close(c->fetch);
+    else
+        finish(c);
+}
+
+static void speak_whole(struct wyoming_client *c, const json_t *data) {
+    const char *text = take_text(c, data);
+    if (text && text[strspn(text, " \t\r\n")])
+        speak(c, text);
 }
 
 static void describe(void *ctx, const struct remote_answer *answer) {
     struct wyoming_client *c = ctx;
-    json_t *voices = json_array(), *one;
-    size_t i;
     c->fetch = NULL;
-    json_array_foreach(json_object_get(answer->body, "voices"), i, one) {
-        const json_t *id = json_object_get(one, "id");
-        json_array_append_new(voices, json_pack("{sO sO ss sb s{ss ss} s[O]}", "name", id, "description",
-                                                json_object_get(one, "name"), "version", FACCIA_VERSION,
-                                                "installed", 1, "attribution", "name",
-                                                json_string_value(json_object_get(one, "plugin")), "url", "",
-                                                "languages", json_object_get(one, "lang")));
-    }
-    tell(c, "info",
-         json_pack("{s[{ss ss sb ss s{ss ss} so sb}]}", "tts", "name", "faccia", "description",
-                   "A face that speaks", "installed", 1, "version", FACCIA_VERSION, "attribution", "name",
-                   "faccia", "url", "", "voices", voices, "supports_synthesize_streaming", 1),
-         NULL, 0);
+    tell(c, "info", wyoming_info(json_object_get(answer->body, "voices")), NULL, 0);
     take_events(c);
 }
 
 static void act(struct wyoming_client *c, const struct frame *f) {
-    bool busy = c->fetch || c->closed_text;
+    bool busy = c->fetch || c->streams;
     if (!strcmp(f->type, "describe") && !busy) {
         c->fetch = remote_fetch(c->wyoming->remote, "/v1/voices", NULL, NULL, NULL, NULL, describe, c);
     } else if (!strcmp(f->type, "ping")) {
@@ -218,17 +230,15 @@ static void act(struct wyoming_client *c, const struct frame *f) {
     } else if (!strcmp(f->type, "synthesize-start") && !busy) {
         begin(c, f->data);
         c->streams = true;
+        speak(c, NULL);
     } else if (!strcmp(f->type, "synthesize-chunk") && c->streams && !c->closed_text) {
-        add_text(c, f->data);
-    } else if (!strcmp(f->type, "synthesize-stop") && c->streams) {
-        c->closed_text = true;
-    } else if (!strcmp(f->type, "synthesize") && !c->streams &&
-               !busy) { /* while it streams: a copy of the whole */
+        write_text(c, f->data);
+    } else if (!strcmp(f->type, "synthesize-stop") && c->streams && !c->closed_text) {
+        close_text(c);
+    } else if (!strcmp(f->type, "synthesize") && !busy) { /* while it streams: a copy of the whole */
         begin(c, f->data);
-        add_text(c, f->data);
-        c->closed_text = true;
+        speak_whole(c, f->data);
     }
-    go_on(c);
 }
 
 static void on_alloc(uv_handle_t *handle, size_t wanted, uv_buf_t *buf) {
@@ -239,7 +249,7 @@ static void on_alloc(uv_handle_t *handle, size_t wanted, uv_buf_t *buf) {
 
 /* While one request is worked on, the next waits in what has come. */
 static bool takes(const struct wyoming_client *c) {
-    return !c->closing && (!c->fetch || c->streams) && !c->closed_text;
+    return !c->closing && ((!c->fetch && !c->said) || (c->streams && !c->closed_text));
 }
 
 static void take_events(struct wyoming_client *c) {

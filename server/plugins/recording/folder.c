@@ -2,19 +2,26 @@
 #include "server/plugins/recording/folder.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include <dirent.h>
 #include <errno.h>
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #define CODE ERROR_BAD_VOICE_CONFIG
 #define OWN_TIMES ".timing.json"
 
-enum { FILE_BYTES_MAX = 256 << 20 };
+enum {
+    FILE_BYTES_MAX = 256 << 20,
+    PACE_MIN = 60, /* words a minute: beyond these, text and sound are not of the same length */
+    PACE_MAX = 300,
+};
 
 static const char *const sound_endings[] = {".wav", ".flac", ".ogg", ".oga", ".opus", ".mp3",
                                             ".aif", ".aiff", ".au",  ".w64", NULL};
@@ -97,6 +104,21 @@ static void free_recorded(struct recorded *r) {
         free(texts[i]);
 }
 
+/* How fast it is read, as its text and its length say: constant, however much of it has been aligned. */
+static uint32_t pace(const struct recorded *r, const struct sound_source *sound) {
+    struct buf text = {0};
+    struct text_words words = {0};
+    struct error e;
+    double minutes = (double)sound->samples / sound->rate / 60, pace = 0;
+    if (!read_file(r->text, &text, &e) && minutes > 0) {
+        text_words_add(&words, (char *)text.data, utf8_check((char *)text.data, text.size), 0);
+        pace = (double)words.count / minutes;
+    }
+    text_words_free(&words);
+    buf_free(&text);
+    return pace < 1 ? 0 : (uint32_t)fmin(fmax(pace, PACE_MIN), PACE_MAX);
+}
+
 /* Adds the file if it is a sound with a transcript. */
 static int add(struct folder *f, const char *file, const char *lang, struct error *e) {
     const char *dot = strrchr(file, '.');
@@ -119,6 +141,7 @@ static int add(struct folder *f, const char *file, const char *lang, struct erro
     struct error unread;
     struct sound_file *sound = sound_open(r.sound, &unread);
     r.rate = sound ? sound_source(sound)->rate : 0;
+    r.words_per_minute = sound ? pace(&r, sound_source(sound)) : 0;
     sound_close(sound);
     f->list = mem_grow(f->list, &f->cap, f->count + 1, sizeof *f->list);
     f->list[f->count++] = r;
@@ -177,6 +200,33 @@ static char *find_times(const struct folder *f, const struct recorded *r, bool *
     return NULL;
 }
 
+static struct recorded_file file_now(const char *path) {
+    struct stat info;
+    if (stat(path, &info))
+        return (struct recorded_file){-1, 0};
+    return (struct recorded_file){info.st_size,
+                                  (int64_t)info.st_mtim.tv_sec * 1000000000 + info.st_mtim.tv_nsec};
+}
+
+static void look(const struct folder *f, const struct recorded *r, struct recorded_file now[3]) {
+    bool own;
+    char *times = find_times(f, r, &own);
+    now[0] = file_now(r->sound);
+    now[1] = file_now(r->text);
+    now[2] = file_now(times ? times : "");
+    free(times);
+}
+
+bool folder_is_current(const struct folder *f, const struct recorded *r) {
+    struct recorded_file now[3];
+    look(f, r, now);
+    const int files = r->reading && r->reading->complete ? 2 : 3; /* it needs no times of others any more */
+    for (int i = 0; i < files; i++)
+        if (now[i].size != r->made_of[i].size || now[i].modified != r->made_of[i].modified)
+            return false;
+    return true;
+}
+
 static int load_times(const struct recorded *r, const char *path, const struct speech_packs *packs,
                       struct times *times, struct error *e) {
     struct buf data = {0};
@@ -210,6 +260,7 @@ int folder_load(const struct folder *f, struct recorded *r, struct reference_slo
     struct buf text = {0};
     struct times times = {0};
     bool own;
+    look(f, r, r->made_of);
     int result = read_file(r->text, &text, e);
     size_t skip = text.size >= 3 && !memcmp(text.data, "\xEF\xBB\xBF", 3) ? 3 : 0;
     char *path = result ? NULL : find_times(f, r, &own);
@@ -238,11 +289,12 @@ int folder_load(const struct folder *f, struct recorded *r, struct reference_slo
     return result;
 }
 
-int folder_keep(const struct folder *f, const struct recorded *r, struct error *e) {
+int folder_keep(const struct folder *f, struct recorded *r, struct error *e) {
     if (r->reading->keep_phones)
         return 0; /* the times are the user's, and are read again */
     char *path = own_times(f, r);
     int result = aligned_recording_save(r->reading, path, e);
+    r->made_of[2] = file_now(path);
     free(path);
     return result;
 }

@@ -10,12 +10,19 @@
 
 enum { FOLDER_RECORDINGS_MAX = 10000 };
 
+/* What a file is: another one differs in size or time. */
+struct recorded_file {
+    int64_t size, modified; /* -1: it is not there; ns */
+};
+
 struct recorded {
     char *id, *sound, *text;                        /* its name; paths */
     char *name, *lang, *gender, *quality, *licence; /* as voices have them */
     json_t *names;                                  /* the times' names -> IPA, or NULL */
     uint32_t rate;                                  /* Hz; 0 = the sound cannot be read */
+    uint32_t words_per_minute;                      /* of its text in its time, about; 0 = not known */
     struct aligned_recording *reading;              /* NULL = not loaded */
+    struct recorded_file made_of[3];                /* it: sound, transcript, times */
     uint64_t used;                                  /* when it was spoken last; larger is later */
     size_t next;                                    /* the word after the last one spoken */
 };
@@ -37,7 +44,10 @@ struct recorded *folder_find(const struct folder *folder, const char *id);
 int folder_load(const struct folder *folder, struct recorded *r, struct reference_slot *reference,
                 const struct speech_packs *packs, const atomic_bool *stop, struct error *e);
 
+/* Is what was loaded still what lies there? Others may change the text, or have found the times. */
+bool folder_is_current(const struct folder *folder, const struct recorded *r);
+
 /* Keeps what was found by alignment. -1 with *e. */
-int folder_keep(const struct folder *folder, const struct recorded *r, struct error *e);
+int folder_keep(const struct folder *folder, struct recorded *r, struct error *e);
 
 #endif

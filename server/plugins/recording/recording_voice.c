@@ -4,6 +4,7 @@
 #include "server/base/paths.h"
 #include "server/plugins/recording/folder.h"
 #include "server/plugins/recording/match.h"
+#include "server/plugins/recording/recorded_speech.h"
 #include "server/voice/faccia-voice.h"
 #include "server/voice/worker_keeper.h"
 #include <stdio.h>
@@ -51,8 +52,10 @@ static void make_room(struct recordings *self) {
 }
 
 static int load(struct recordings *self, struct recorded *r, struct error *e) {
-    if (r->reading)
+    if (r->reading && folder_is_current(&self->folder, r))
         return 0;
+    aligned_recording_free(r->reading);
+    r->reading = NULL;
     make_room(self);
     if (!self->packs_sought) {
         struct paths paths;
@@ -102,47 +105,6 @@ static int find_times(struct recordings *self, struct recorded *r, size_t last,
     return 0;
 }
 
-static bool give(const struct match *m, const struct sentence_audio *u,
-                 const struct aligned_recording *reading, uint64_t from,
-                 const struct faccia_sentence *sentence, const struct faccia_sink *sink) {
-    bool stop = false;
-    size_t next = 0;
-    for (size_t i = 0; i < u->phone_count && !stop; i++) {
-        const struct phone *p = &u->phones[i];
-        stop = sink->phone(sink->ctx, &(struct faccia_phone){p->ipa, p->symbol, p->start, p->end, p->stress});
-    }
-    for (uint32_t s = 0; s < sentence->span_count && !stop; s++) {
-        for (; next < m->tokens.count && m->spans[next] == s && !stop; next++) {
-            const struct text_word *t = &m->tokens.list[next];
-            struct faccia_word word = {s, t->from, t->to - t->from,
-                                       match_time(m, reading, next, false, from, u->samples),
-                                       match_time(m, reading, next, true, from, u->samples)};
-            stop = sink->word(sink->ctx, &word);
-        }
-        if (sentence->spans[s].kind == FACCIA_SPAN_MARK && !stop)
-            stop = sink->mark(sink->ctx, sentence->spans[s].text,
-                              next < m->tokens.count ? match_time(m, reading, next, false, from, u->samples)
-                                                     : u->samples);
-    }
-    return !stop && !sink->audio(sink->ctx, u->pcm, u->samples, u->sample_rate);
-}
-
-/* What was asked for and cannot be done with a recording. */
-static void warn(const struct faccia_sentence *sentence, const struct faccia_sink *sink) {
-    bool changed = false, paused = false;
-    for (size_t i = 0; i < sentence->span_count; i++) {
-        const struct faccia_span *s = &sentence->spans[i];
-        paused |= s->kind == FACCIA_SPAN_BREAK;
-        changed |= s->kind == FACCIA_SPAN_TEXT && (s->rate > 0 || s->pitch != 1 || s->range != 1 ||
-                                                   s->volume != 1 || s->emphasis || s->phones || s->emotion);
-    }
-    if (changed)
-        sink->warning(sink->ctx,
-                      "a recording is heard as it was spoken: its rate, pitch, volume and words stay");
-    if (paused)
-        sink->warning(sink->ctx, "a recording pauses where the speaker paused");
-}
-
 static int re_speak(void *ctx, const struct faccia_sentence *sentence, const struct faccia_sink *sink,
                     char *message, size_t cap) {
     struct recordings *self = ctx;
@@ -159,17 +121,12 @@ static int re_speak(void *ctx, const struct faccia_sentence *sentence, const str
     match_words(&match, sentence);
     int result = load(self, r, &e);
     if (!result && match.tokens.count) {
-        uint64_t from, to;
-        warn(sentence, sink);
         result = match_find(&match, r->reading, r->next, &e);
         size_t last = match.at + match.tokens.count;
         if (!result)
             result = find_times(self, r, last, sink, &e);
         if (!result) {
-            aligned_recording_stretch(r->reading, match.at, last, self->pause, &from, &to);
-            struct sentence_audio *u = aligned_recording_audio(r->reading, from, to);
-            give(&match, u, r->reading, from, sentence, sink);
-            sentence_audio_free(u);
+            recorded_speech_give(&match, r, self->pause, sink);
             r->next = last;
         }
     }
@@ -191,7 +148,7 @@ static void re_list(void *ctx, void (*each)(void *ctx, const struct faccia_voice
     for (size_t i = 0; i < self->folder.count; i++) {
         const struct recorded *r = &self->folder.list[i];
         each(each_ctx, &(struct faccia_voice_info){r->id, r->name, r->lang, r->gender, r->quality, r->licence,
-                                                   r->rate, 0});
+                                                   r->rate, r->words_per_minute});
     }
 }
 
@@ -271,7 +228,8 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .name = "recording",
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
-    .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_FRESH | FACCIA_VOICE_FILES | WORKER_KEEPER_WANTED,
+    .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_RATE | FACCIA_VOICE_FRESH | FACCIA_VOICE_FILES |
+                    WORKER_KEEPER_WANTED,
     .open = re_open,
     .list = re_list,
     .speak = re_speak,

@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
 // What pulls the samples out of a buffer: the audio thread, the page on behalf of the audio thread, or nobody but a clock.
+import { companion } from '../companions.mjs';
 import { PlayoutBuffer } from './playout-buffer.mjs';
 
-const WORKLET = './talking-head-worklet.js'; // beside the script: pages may forbid scripts that are no files
+const WORKLET = 'talking-head-worklet.js'; // pages may forbid scripts that are no files
 const loaded = new WeakMap(); // context -> promise of its worklet module
 
 function loadWorklet(context) {
-  if (!loaded.has(context)) loaded.set(context, context.audioWorklet.addModule(new URL(WORKLET, import.meta.url).href));
+  if (!loaded.has(context)) loaded.set(context, context.audioWorklet.addModule(companion(WORKLET)));
   return loaded.get(context);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 // Opus packets to samples: by the browser itself (WebCodecs), or by the npm package opus-decoder where it cannot.
+import { companion } from '../companions.mjs';
 import { OPUS_PACKET_SAMPLES, OPUS_RATE } from '../../../protocol/compact.mjs';
 
 const CONFIG = { codec: 'opus', sampleRate: OPUS_RATE, numberOfChannels: 1 };
@@ -93,7 +94,7 @@ export async function canDecode(platform = globalThis) {
   }
 }
 
-const loadFallback = () => import(/* @vite-ignore */ new URL('./opus-decoder.js', import.meta.url).href);
+const loadFallback = () => import(/* @vite-ignore */ companion('opus-decoder.js'));
 
 /**
  * Decodes the Opus parts of one utterance after the other.

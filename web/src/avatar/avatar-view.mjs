@@ -8,6 +8,7 @@ const CLOSE = ['face', 'mouth']; // views that end in the skin
 /** A View whose colours are light until the last step, as materials of glTF want it. */
 export class AvatarView extends View {
   targetOptions = { colorSpace: SRGBColorSpace };
+  smooths = false;
 
   /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
   constructor(canvas) {

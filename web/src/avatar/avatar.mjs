@@ -14,6 +14,7 @@ import { readMap } from './map.mjs';
 import { AvatarProblem } from './problem.mjs';
 import { rigOf } from './rig.mjs';
 import { Solver } from './solver.mjs';
+import { dracoOf, unpacker } from './unpackers.mjs';
 
 const MOST_BYTES = 64 << 20;
 const MOST_MAP_BYTES = 1 << 20;
@@ -45,17 +46,14 @@ export async function modelOf(bytes, map, file = 'avatar') {
   const glb = splitGlb(bytes);
   const json = checkGlb(glb);
   const loader = new GLTFLoader().register(images);
-  if (json.extensionsUsed?.includes('EXT_meshopt_compression')) {
-    const { MeshoptDecoder } = await import('three/examples/jsm/libs/meshopt_decoder.module.js'); // not before: it is WebAssembly
-    await MeshoptDecoder.ready.catch(() => {
-      throw new AvatarProblem('unsupported', "it is packed with meshopt: the page's policy has to allow 'wasm-unsafe-eval'");
-    });
-    loader.setMeshoptDecoder(MeshoptDecoder);
-  }
+  const packed = (name) => json.extensionsUsed?.includes(name);
+  if (packed('EXT_meshopt_compression')) loader.setMeshoptDecoder(await unpacker('meshopt'));
+  if (packed('KHR_draco_mesh_compression')) loader.setDRACOLoader(dracoOf(await unpacker('draco'), json));
   let gltf;
   try {
     gltf = await loader.parseAsync(joinGlb({ json, binary: glb.binary }), '');
   } catch (error) {
+    if (error instanceof AvatarProblem) throw error;
     throw new AvatarProblem('damaged', `it cannot be read: ${error.message}`);
   }
   const head = headOf(gltf, map);

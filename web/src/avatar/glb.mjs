@@ -10,13 +10,13 @@ const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 1
 
 /** What can be read. An avatar that requires more is refused. */
 const READ = [
-  'EXT_meshopt_compression', 'EXT_texture_webp', 'EXT_texture_avif', 'KHR_mesh_quantization', 'KHR_texture_transform', 'KHR_materials_unlit',
+  'EXT_meshopt_compression', 'KHR_draco_mesh_compression', 'KHR_texture_basisu', 'EXT_texture_webp', 'EXT_texture_avif', 'KHR_mesh_quantization', 'KHR_texture_transform', 'KHR_materials_unlit',
   'KHR_materials_specular', 'KHR_materials_ior', 'KHR_materials_clearcoat', 'KHR_materials_sheen', 'KHR_materials_transmission',
   'KHR_materials_volume', 'KHR_materials_emissive_strength', 'KHR_materials_iridescence', 'KHR_materials_anisotropy', 'VRM', 'VRMC_vrm',
   'VRMC_materials_mtoon', 'VRMC_springBone', 'VRMC_node_constraint', 'VRMC_materials_hdr_emissiveMultiplier',
 ];
 
-const DRACO = 'KHR_draco_mesh_compression'; // does not go with shapes, whose vertices it sorts anew
+const PACKED = ['KHR_texture_basisu', 'EXT_texture_webp', 'EXT_texture_avif'];
 
 const damaged = (what) => new AvatarProblem('damaged', what);
 
@@ -97,7 +97,6 @@ function checkNodes(nodes) {
 export function checkGlb({ json, binary }) {
   const names = (value) => (Array.isArray(value) ? value : []);
   const unread = names(json.extensionsRequired).filter((name) => !READ.includes(name));
-  unread.push(...names(json.extensionsUsed).filter((name) => name === DRACO && !unread.includes(name)));
   if (unread.length) throw new AvatarProblem('unsupported', `it needs ${unread.join(', ')}, which is not read here`);
   for (const [i, { uri, byteLength, extensions }] of list(json.buffers, 'buffers').entries()) {
     if (uri !== undefined) throw new AvatarProblem('unsupported', `buffers[${i}]: it has to be in the file itself`);
@@ -114,5 +113,11 @@ export function checkGlb({ json, binary }) {
   list(json.meshes, 'meshes').forEach(({ primitives }, i) => list(primitives, `meshes[${i}].primitives`));
   checkNodes(list(json.nodes, 'nodes'));
   const bare = (node) => ({ ...node, camera: undefined, extensions: { ...node.extensions, KHR_lights_punctual: undefined } });
-  return { ...json, animations: undefined, cameras: undefined, nodes: json.nodes?.map(bare) };
+  // a picture is our own reader's matter, however it is packed: GLTFLoader's would take those for themselves
+  const flat = (texture) => {
+    const packed = PACKED.map((extension) => texture.extensions?.[extension]?.source).find((one) => one !== undefined);
+    return { ...texture, source: packed ?? texture.source, extensions: undefined };
+  };
+  const left = { animations: undefined, cameras: undefined, extensionsRequired: undefined };
+  return { ...json, ...left, nodes: json.nodes?.map(bare), textures: list(json.textures, 'textures').map(flat) };
 }

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: MIT
 import { ClampToEdgeWrapping, LinearFilter, LinearMipmapLinearFilter, MirroredRepeatWrapping, NearestFilter, RepeatWrapping, Texture } from 'three';
+import { unpacker } from './unpackers.mjs';
 
 const WRAPS = { 33071: ClampToEdgeWrapping, 33648: MirroredRepeatWrapping, 10497: RepeatWrapping };
 const MOST_SIDE = 2048; // pixels: more of a face is not seen, and costs memory
-const PACKED = ['EXT_texture_webp', 'EXT_texture_avif'];
+const PLAIN = { premultiplyAlpha: 'none', colorSpaceConversion: 'none' };
 
 /**
  * Textures from the file's own bytes. GLTFLoader would fetch them from `blob:` addresses, which strict policies forbid.
@@ -14,11 +15,10 @@ export const images = (parser) => ({
   /** @param {number} index of the texture */
   async loadTexture(index) {
     const { json } = parser;
-    const { extensions = {}, source, sampler, name } = json.textures[index];
-    const packed = PACKED.map((extension) => extensions[extension]?.source).find((one) => one !== undefined);
-    const image = json.images[packed ?? source];
+    const { source, sampler, name } = json.textures[index];
+    const image = json.images[source];
     const data = await parser.getDependency('bufferView', image.bufferView);
-    const decoded = await createImageBitmap(new Blob([data], { type: image.mimeType }), { premultiplyAlpha: 'none', colorSpaceConversion: 'none' });
+    const decoded = await createImageBitmap(await pictureIn(data, image.mimeType), PLAIN);
     const texture = new Texture(await limited(decoded));
     const { wrapS = 10497, wrapT = 10497, magFilter } = json.samplers?.[sampler] ?? {};
     Object.assign(texture, {
@@ -34,6 +34,13 @@ export const images = (parser) => ({
     return texture;
   },
 });
+
+async function pictureIn(data, type) {
+  if (type !== 'image/ktx2') return new Blob([data], { type });
+  const basis = await unpacker('basis');
+  const { data: points, width, height } = basis.decode(new Uint8Array(data), MOST_SIDE);
+  return new ImageData(points, width, height);
+}
 
 async function limited(image) {
   const share = MOST_SIDE / Math.max(image.width, image.height);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
+import { companion } from '../companions.mjs';
 
-const load = () => import(/* @vite-ignore */ new URL('./talking-head-avatar.js', import.meta.url).href);
+const load = () => import(/* @vite-ignore */ companion('talking-head-avatar.js'));
 
 /** Brings an avatar, and before it the script that can read one. */
 export class AvatarSource {

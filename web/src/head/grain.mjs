@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // The relief of skin, pores and fine lines, as a picture that repeats: made here, so that nothing has to be loaded. Only fine
 // quality draws it.
-import { DataTexture, LinearFilter, LinearMipmapLinearFilter, RepeatWrapping } from 'three';
+import { DataTexture, LinearFilter, LinearMipmapLinearFilter, LinearMipmapNearestFilter, RepeatWrapping } from 'three';
 
 const SIZE = 128;
 const TILE_MM = 15;
@@ -41,8 +41,11 @@ function pore(u, v) {
   return deep;
 }
 
-/** Slopes along both sides (128: flat), and how deep the pores are. */
-export function grainTexture() {
+/**
+ * Slopes along both sides (128: flat), and how deep the pores are.
+ * @param {boolean} plain whether it is to go from one size to the next in a step, which is cheaper to draw
+ */
+export function grainTexture(plain) {
   const height = new Float32Array(SIZE * SIZE);
   const pores = new Float32Array(SIZE * SIZE);
   for (let j = 0; j < SIZE; j++)
@@ -61,8 +64,8 @@ export function grainTexture() {
     }
   const texture = new DataTexture(data, SIZE, SIZE);
   Object.assign(texture, {
-    wrapS: RepeatWrapping, wrapT: RepeatWrapping, magFilter: LinearFilter, minFilter: LinearMipmapLinearFilter,
-    generateMipmaps: true, needsUpdate: true,
+    wrapS: RepeatWrapping, wrapT: RepeatWrapping, magFilter: LinearFilter, generateMipmaps: true, needsUpdate: true,
+    minFilter: plain ? LinearMipmapNearestFilter : LinearMipmapLinearFilter,
   });
   return texture;
 }

@@ -4,16 +4,14 @@ import {
   NearestFilter, NoBlending, OneFactor, OneMinusSrcAlphaFactor, RGBAFormat, ShaderMaterial, Vector2, Vector3, Vector4,
 } from 'three';
 import { faceValues } from '../face-mixer.mjs';
-import { deform } from './deform.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
 import { grainTexture } from './grain.mjs';
 import { mouthUniforms, openingOf } from './mouth-light.mjs';
-import { LIT_POSE, SHADOW_POSE } from './poses.mjs';
+import { bared, reachesOf } from './reach.mjs';
 import { headTurnOf, Shape } from './shape.mjs';
 import { shut, within } from './sight.mjs';
-import { breath, sliced } from './slices.mjs';
-import { CLEAR, eyeNormals, kindOf, THIN, volumeNormals } from './surfaces.mjs';
-import { bakeOcclusion } from './occlusion.mjs';
+import { breath } from './slices.mjs';
+import { eyeNormals, kindOf, THIN, volumeNormals } from './surfaces.mjs';
 import { fragmentGlsl, KINDS, vertexGlsl } from './shader-surface.mjs';
 import { workedOut } from './together.mjs';
 import { Triangles } from './triangles.mjs';
@@ -21,6 +19,8 @@ import { foldPlace, foldsOf, wrinklePlace, wrinklesOf } from './wrinkles.mjs';
 import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const INSIDE = /^(teeth|tongue)/; // nothing is seen of these when the lips meet
+const CUT = 0.5; // of the alpha of hair that is drawn as if it were opaque
+
 /** Colours come multiplied by alpha. */
 function blended(material) {
   material.blending = CustomBlending;
@@ -81,7 +81,7 @@ export class Head {
       }),
     );
     this.white = whiteTexture();
-    this.grain = grainTexture();
+    this.grain = grainTexture(this.software);
   }
 
   async #build() {
@@ -141,25 +141,11 @@ export class Head {
 
   /** How much light reaches each vertex. */
   async #shade() {
-    const reaches = await workedOut(this.model, 'reach', () => this.#reaches());
-    reaches.forEach((reach, i) => this.parts[i].geometry.attributes.reach.array.set(reach));
-  }
-
-  #reaches() {
-    const posed = (pose) => {
-      this.drive.set(pose);
-      return this.parts.map(({ part, influences }) => deform(part, influences, this.drive));
-    };
-    const [standing, lit] = [SHADOW_POSE, LIT_POSE].map(posed);
-    const bake = bakeOcclusion(
-      this.parts.map(({ part }, i) => ({
-        position: standing[i].position,
-        index: part.index,
-        shades: !CLEAR.includes(part.name),
-        seen: lit[i],
-      })),
-    );
-    return sliced(bake);
+    const reaches = await workedOut(this.model, 'reach', () => reachesOf(this));
+    reaches.forEach((reach, i) => {
+      const { part, geometry } = this.parts[i];
+      geometry.attributes.reach.array.set(kindOf(part.name) === 'eye' ? bared(reach, part, this.#eye(part)[0]) : reach);
+    });
   }
 
   #pack(influences, geometry) {
@@ -183,17 +169,17 @@ export class Head {
       const mesh = new Mesh(geometry, this.#material(part, look, kind, influences, options));
       mesh.frustumCulled = false;
       mesh.renderOrder = order;
-      mesh.userData.fineOnly = options.fineOnly ?? false;
+      Object.assign(mesh.userData, { of: this.parts.at(-1), fineOnly: options.fineOnly ?? false });
       this.group.add(mesh);
     };
     if (look.alpha === 'blend' && THIN.includes(part.name)) add(3, { cutoff: 0.02, opaque: 0 });
     else if (look.alpha === 'blend' || look.alpha === 'cutout') {
-      add(1, { cutoff: 0.5, opaque: 1, soft: true });
-      add(2, { cutoff: 0.05, opaque: 0, fineOnly: true }); // the soft edges of what the first pass has drawn
+      add(1, { cutoff: CUT, opaque: 1, soft: true });
+      add(2, { cutoff: 0.05, ceiling: CUT, opaque: 0, fineOnly: true }); // the soft edges of what the first pass has drawn
     } else add(0, { cutoff: 0, opaque: 1 });
   }
 
-  #material(part, look, kind, influences, { cutoff, opaque, soft }) {
+  #material(part, look, kind, influences, { cutoff, ceiling = 2, opaque, soft }) {
     const material = new ShaderMaterial({
       vertexShader: vertexGlsl,
       fragmentShader: fragmentGlsl,
@@ -210,6 +196,7 @@ export class Head {
         ...(kind === 'skin' ? this.#skinUniforms(look) : {}),
         ...(kind === 'eye' ? this.#eyeUniforms(part) : {}),
         cutoff: { value: cutoff },
+        ceiling: { value: ceiling },
         opaque: { value: opaque },
       },
       defines: {
@@ -246,16 +233,16 @@ export class Head {
     // Without samples hair is drawn before what it hides; with them its edges mix with what stands.
     for (const mesh of this.group.children) if (mesh.material.userData.soft) mesh.renderOrder = sampled ? 1 : -1;
     for (const mesh of this.group.children) mesh.visible = (fine && !sampled) || !mesh.userData.fineOnly;
-    const linear = fine && !this.software;
+    const best = fine && !this.software; // there a point of a texture is what takes the time
     for (const texture of this.textures.values())
-      if (!texture.isDataTexture) setTextureQuality(texture, linear, fine, anisotropy);
+      if (!texture.isDataTexture) setTextureQuality(texture, best, best, anisotropy);
   }
 
   /** Hair: with several samples alpha says how many of them it covers, so that one pass does. */
   #soften(material, sampled) {
     if (material.alphaToCoverage !== sampled) material.needsUpdate = true;
     material.alphaToCoverage = sampled;
-    material.uniforms.cutoff.value = sampled ? 0.15 : 0.5;
+    material.uniforms.cutoff.value = sampled ? 0.15 : CUT;
     material.uniforms.opaque.value = sampled ? 0 : 1;
     if (sampled) blended(material);
     else material.blending = NoBlending;

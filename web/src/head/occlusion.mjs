@@ -52,14 +52,19 @@ class DepthPicture {
     return out;
   }
 
-  draw(points, index) {
+  draw(points, { index, uv, opaque }) {
     const { depth } = this;
-    const nearest = (at, height) => {
-      if (height > depth[at]) depth[at] = height;
+    let corners;
+    const there = (wb, wc) => opaque(...[0, 1].map((k) => {
+      const [a, b, c] = corners.map((v) => uv[2 * v + k]);
+      return a + wb * (b - a) + wc * (c - a);
+    }));
+    const nearest = (at, height, wb, wc) => {
+      if (height > depth[at] && (!opaque || there(wb, wc))) depth[at] = height;
     };
     for (let t = 0; t < index.length; t += 3) {
-      const [a, b, c] = [3 * index[t], 3 * index[t + 1], 3 * index[t + 2]];
-      scan(points, a, b, c, SIZE, SIZE, nearest);
+      corners = [index[t], index[t + 1], index[t + 2]];
+      scan(points, 3 * corners[0], 3 * corners[1], 3 * corners[2], SIZE, SIZE, nearest);
     }
   }
 
@@ -79,9 +84,9 @@ class DepthPicture {
  * How much light reaches each vertex of a head, when every part can stand in the way of every other: of the open sky
  * round it, and of the key, fill and rim light. A generator that yields after each direction, so that the work can be
  * spread; it returns the parts' lists.
- * @param {{position: Float32Array, index: Uint16Array, shades: boolean,
- *   seen: {position: Float32Array, normal: Float32Array}}[]} parts `position`: where it stands in the way, if it `shades`;
- *   `seen`: where the light on it is asked for
+ * @param {{position: Float32Array, index: Uint16Array, shades: boolean, uv?: ArrayLike<number>,
+ *   opaque?: ((u: number, v: number) => boolean)|null, seen: {position: Float32Array, normal: Float32Array}}[]} parts
+ *   `position`: where it stands in the way, if it `shades` and is `opaque`; `seen`: where the light on it is asked for
  * @returns {Generator<void, Uint8Array[]>} for each part four bytes a vertex: sky, key, fill, rim
  */
 export function* bakeOcclusion(parts) {
@@ -97,7 +102,7 @@ export function* bakeOcclusion(parts) {
   for (const [l, light] of lights.entries())
     for (const direction of light.directions) {
       const picture = new DepthPicture(direction, radius, [0, 0, 0]);
-      for (const { position, index, shades } of parts) if (shades) picture.draw(picture.project(position), index);
+      for (const part of parts) if (part.shades) picture.draw(picture.project(part.position), part);
       parts.forEach(({ seen }, i) => {
         const points = picture.project(seen.position);
         for (let v = 0; v < points.length; v += 3) {

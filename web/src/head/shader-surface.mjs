@@ -4,25 +4,14 @@ import { grainGlsl } from './grain.mjs';
 import { deformGlsl } from './shader-deform.mjs';
 import { mouthLightGlsl } from './mouth-light.mjs';
 import { wrinkleGlsl } from './wrinkles.mjs';
-import { FILL, GROUND, KEY, RIM, SKY } from './lights.mjs';
+import { lightGlsl } from './shader-light.mjs';
+import { shineGlsl } from './shader-shine.mjs';
 
 export const KINDS = { other: 0, skin: 1, hair: 2, eye: 3, mouth: 4 };
 
-const vec3 = (v) => `vec3(${v.map((value) => value.toFixed(4)).join(', ')})`;
-
-const lightsGlsl = [
-  ...Object.entries({ KEY, FILL, RIM }).flatMap(([name, { direction, color }]) => [
-    `const vec3 ${name}_DIRECTION = ${vec3(direction)};`,
-    `const vec3 ${name}_COLOR = ${vec3(color)};`,
-  ]),
-  `const vec3 SKY = ${vec3(SKY)};`,
-  `const vec3 GROUND = ${vec3(GROUND)};`,
-].join('\n');
-
 const commonGlsl = /* glsl */ `
-${lightsGlsl}
+${lightGlsl}
 uniform vec3 tint;
-uniform float subsurface;
 // With samples the middle of a point may lie outside a thin triangle, where what is interpolated is anything.
 #if FINE
 #define WITHIN centroid
@@ -47,46 +36,6 @@ WITHIN varying vec3 eyePlace; // on the unit eyeball, looking along z
 ${wrinkleGlsl}
 #endif
 
-/** Light that goes round the edge of what it falls on, the red of it farthest when there is flesh below. */
-vec3 wrapped(float cosine) {
-#if KIND == 1
-  vec3 wrap = subsurface * vec3(1.0, 0.5, 0.35);
-#else
-  vec3 wrap = vec3(subsurface * 0.6);
-#endif
-  vec3 light = max(vec3(0.0), (cosine + wrap) / (1.0 + wrap));
-  return light * light / (0.6 + 0.4 * light) ;
-}
-
-vec3 diffuseLight(vec3 n, vec4 reach) {
-#if KIND == 1 || KIND == 4
-#if FINE
-  vec2 root = sqrt(reach.xy), fourth = sqrt(root); // powers without pow, which is dear: 0.8, 0.75, and 1.05 of blue
-  vec2 blue = reach.xy * (0.86 + 0.14 * root);
-  vec3 ambientReach = vec3(mix(root.x * fourth.x, reach.x, 0.2), reach.x, blue.x); // what is lost in a crease comes back reddish
-  vec3 keyReach = vec3(root.y * fourth.y, reach.y, blue.y);
-#else
-  vec3 ambientReach = vec3(mix(reach.x, sqrt(reach.x), 0.4), reach.x, reach.x); // much the same, and cheaper
-  vec3 keyReach = vec3(mix(reach.y, sqrt(reach.y), 0.5), reach.y, reach.y);
-#endif
-#else
-#if KIND == 3
-  vec3 ambientReach = vec3(max(reach.x, 0.12));
-#else
-  vec3 ambientReach = vec3(max(reach.x, 0.3)); // hair and cloth let light through: they are not black inside
-#endif
-  vec3 keyReach = vec3(reach.y);
-#endif
-#if KIND == 4
-  vec3 light = mix(GROUND, SKY, 0.5) * ambientReach; // from all the flesh around
-#else
-  vec3 light = mix(GROUND, SKY, 0.5 + 0.5 * n.y) * ambientReach;
-#endif
-  light += KEY_COLOR * wrapped(dot(n, KEY_DIRECTION)) * keyReach;
-  light += FILL_COLOR * wrapped(dot(n, FILL_DIRECTION)) * reach.z;
-  light += RIM_COLOR * wrapped(dot(n, RIM_DIRECTION)) * reach.w;
-  return light;
-}
 `;
 
 export const vertexGlsl = /* glsl */ `
@@ -152,6 +101,7 @@ uniform float specular;
 uniform vec2 moist; // how red it is where that begins, and where it is all moist
 #endif
 uniform float cutoff;   // discard what is less opaque
+uniform float ceiling;  // discard what is not less opaque: it has been drawn
 uniform float opaque;   // 1: what is left is opaque
 uniform float fade;     // pixels from the lower border on, over which all vanishes
 #if !FINE
@@ -186,25 +136,10 @@ vec3 filmic(vec3 c) {
   return mix(c, vec3(pressed), 1.0 - 1.0 / (0.2 * (peak - pressed) + 1.0));
 }
 
-/** Highlights of a rough surface under one light (GGX with a simple visibility term). */
-float highlight(vec3 n, vec3 v, vec3 l, float rough) {
-  vec3 h = normalize(l + v);
-  float nl = max(dot(n, l), 0.0), nh = max(dot(n, h), 0.0), lh = max(dot(l, h), 0.1);
-  float a2 = rough * rough * rough * rough;
-  float d = nh * nh * (a2 - 1.0) + 1.0;
-  return nl * a2 / (d * d * lh * lh * (rough * 4.0 + 2.0));
-}
-
-float fresnel(float cosine) {
-  float x = 1.0 - cosine, x2 = x * x;
-  return x2 * x2 * x;
-}
-
-vec4 albedo() {
-  vec4 texel = texture2D(map, surfaceUv);
+/** The surface's own colour, where the picture says that. */
+vec4 albedo(vec4 texel) {
 #ifdef HAS_ALPHA
-  if (texel.a < max(cutoff, 0.01)) discard; // colours come multiplied by alpha, so that edges have no halo
-  texel.rgb = toLinear(min(texel.rgb / texel.a, vec3(1.0)));
+  texel.rgb = toLinear(min(texel.rgb / texel.a, vec3(1.0))); // multiplied by alpha, so that edges have no halo
 #elif !FINE || defined(STORED)
   texel.rgb = toLinear(texel.rgb);
 #endif
@@ -218,59 +153,7 @@ float lipsOf(vec4 base) {
 }
 #endif
 
-#if FINE && KIND != 3
-vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
-  vec3 color;
-#if KIND == 2
-  // A band of light across the fibres (Kajiya and Kay 1989), and a wider one in the colour of the hair.
-  vec3 fibre = normalize(surfaceFibre + 0.25 * n);
-  vec3 h = normalize(KEY_DIRECTION + v), k = normalize(RIM_DIRECTION + v);
-  float th = dot(fibre, h), tk = dot(fibre, k);
-  float across = max(0.0, 1.0 - th * th), edge = max(0.0, 1.0 - tk * tk);
-  // To the powers of 80, 14 and 20, without pow.
-  float two = across * across, four = two * two, eight = four * four, sixteen = eight * eight;
-  float narrow = sixteen * sixteen;
-  narrow *= narrow * sixteen;
-  float wide = eight * four * two;
-  float four_edge = edge * edge * edge * edge, eight_edge = four_edge * four_edge;
-  float facingKey = max(0.0, 0.25 + dot(n, KEY_DIRECTION)) * reach.y;
-  color = KEY_COLOR * (narrow * 0.02 + wide * base.rgb * 0.7) * facingKey;
-  color += RIM_COLOR * eight_edge * eight_edge * four_edge * max(0.0, dot(n, RIM_DIRECTION)) * base.rgb * reach.w;
-  color *= specular * 2.5;
-#else
-  float f0 = 0.028, rim = fresnel(max(dot(n, v), 0.0)), rough = roughness;
-#if KIND == 1
-  rough = mix(rough, 0.34, lipsOf(base)); // lips are moist
-#endif
-  float shine = 0.75 * highlight(n, v, KEY_DIRECTION, rough) + 0.25 * highlight(n, v, KEY_DIRECTION, rough * 0.75);
-  color = KEY_COLOR * shine * (f0 + rim * 0.4) * reach.y;
-  color += FILL_COLOR * highlight(n, v, FILL_DIRECTION, rough) * (f0 + rim * 0.4) * reach.z;
-  color += RIM_COLOR * highlight(n, v, RIM_DIRECTION, rough) * (f0 + rim * 0.3) * reach.w;
-  vec3 mirror = reflect(-v, n);
-  color += mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * (f0 + rim * 0.25) * reach.x * reach.x * 0.6;
-  color *= specular * 2.6;
-#endif
-  return color;
-}
-#elif KIND == 3
-/** The iris lies behind a lens: it glows opposite the lamp, and darkens at its border. */
-vec3 iris(vec3 color) {
-  float distance = length(eyePlace.xy) / irisRadius;
-  float inside = 1.0 - smoothstep(0.85, 1.0, distance);
-  float glow = inside * smoothstep(0.25, 0.7, distance) * max(0.0, dot(eyePlace.xy / irisRadius, -normalize(KEY_DIRECTION.xy)));
-  float border = smoothstep(0.72, 0.95, distance) * (1.0 - smoothstep(0.95, 1.18, distance));
-  return color * (1.0 + 1.3 * glow) * (1.0 - 0.45 * border);
-}
-
-/** The lamps mirrored in the cornea, and a little of the room. */
-vec3 catchLight(vec3 n, vec3 v, float reach) {
-  vec3 mirror = reflect(-v, n);
-  float key = smoothstep(0.955, 0.975, dot(mirror, normalize(KEY_DIRECTION + vec3(0.0, 0.05, 0.3))));
-  float fill = smoothstep(0.97, 0.985, dot(mirror, normalize(FILL_DIRECTION + vec3(-0.1, -0.2, 0.3))));
-  return (key * vec3(1.6) + fill * vec3(0.12)) * reach + mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * 0.04 * reach;
-}
-#endif
-
+${shineGlsl}
 #if !FINE && KIND != 3
 /**
  * Colours are stored as about the root of what they are, and shown so: the root of (colour^2 * light) is colour * root of light.
@@ -290,8 +173,7 @@ void main() {
   gl_FragColor = vec4(min(color, 1.0) * alpha, alpha);
 }
 #else
-void main() {
-  vec4 base = albedo();
+vec4 shaded(vec4 base) {
   vec3 n = normalize(surfaceNormal);
 #if defined(TWO_SIDES) && KIND != 2
   if (!gl_FrontFacing) n = -n;
@@ -319,7 +201,17 @@ void main() {
   color += catchLight(n, v, min(1.0, 0.15 + reach.x * 1.6));
 #endif
   float alpha = max(base.a, opaque) * smoothstep(0.0, 1.0, gl_FragCoord.y / fade);
-  gl_FragColor = vec4(toDisplay(clamp(filmic(color), 0.0, 1.0)) * alpha, alpha);
+  return vec4(toDisplay(clamp(filmic(color), 0.0, 1.0)) * alpha, alpha);
+}
+
+void main() {
+  vec4 texel = texture2D(map, surfaceUv);
+#ifdef HAS_ALPHA
+  if (texel.a >= max(cutoff, 0.01) && texel.a < ceiling) gl_FragColor = shaded(albedo(texel));
+  else discard;
+#else
+  gl_FragColor = shaded(albedo(texel));
+#endif
 }
 #endif
 `;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { BufferAttribute, BufferGeometry, DynamicDrawUsage, Matrix4, Vector3 } from 'three';
+import { fringeOf } from './fringe.mjs';
 import { neighboursFirst, renumbered } from './lean.mjs';
 import { SoftwareDeform } from './software-deform.mjs';
 import { fibres, kindOf, outsideFirst, THIN } from './surfaces.mjs';
@@ -25,7 +26,7 @@ export class Shape {
    * @param {boolean} [whole] of software-deform.mjs
    */
   constructor(part, influences, { normals, fibre, reach }, drive, whole) {
-    Object.assign(this, { part, influences, front: Infinity });
+    Object.assign(this, { part, influences, front: Infinity, fringe: null });
     const hair = kindOf(part.name) === 'hair';
     const soft = (this.soft = drive && new SoftwareDeform(part, influences, normals, drive, whole));
     const geometry = (this.geometry = new BufferGeometry());
@@ -70,10 +71,21 @@ export class Shape {
     this.geometry.index.needsUpdate = true;
   }
 
+  /** Makes a geometry of what ends softly. @param {(u: number, v: number) => number} alpha of its texture */
+  divide(alpha) {
+    const { index, before } = fringeOf(this.part.index, this.geometry.attributes.uv.array, alpha);
+    const geometry = new BufferGeometry();
+    for (const [name, attribute] of Object.entries(this.geometry.attributes)) geometry.setAttribute(name, attribute);
+    geometry.setIndex(new BufferAttribute(index, 1));
+    this.fringe = { geometry, front: before(this.front) };
+  }
+
   /** @param {boolean} front whether it is seen from there @param {boolean} any whether anything of it is seen, then */
   show(front, any) {
     const sorted = this.front < Infinity;
-    this.geometry.setDrawRange(0, front && sorted ? Number(any) * this.front : Infinity);
+    const of = (count) => (front && sorted ? Number(any) * count : Infinity);
+    this.geometry.setDrawRange(0, of(this.front));
+    this.fringe?.geometry.setDrawRange(0, of(this.fringe.front));
   }
 
   /**
@@ -106,6 +118,7 @@ export class Shape {
 
   dispose() {
     this.geometry.dispose();
+    this.fringe?.geometry.dispose();
   }
 }
 

@@ -10,7 +10,6 @@ const POINT_MM = 1.5; // of the pictures that are looked at
 const NEAR_MM = 0.5; // what lies that close behind counts as seen
 const HIDES = 230; // alpha from which hair hides what lies behind,
 const SHOWS = 26; // and up to which it cannot be seen itself
-const ALPHA_SIZE = 256;
 
 const DEGREES = Math.PI / 180;
 const MOST = { pitch: 10, yaw: 14, roll: 12 }; // degrees that the head is turned from the viewer, and from the body
@@ -48,17 +47,6 @@ export function within(values, [x, y, z]) {
 
 /** Whether the lips meet, in the middle and at both sides of it. @param {ArrayLike<number>} values by FAP number */
 export const shut = (values) => [[4, 5], [8, 10], [9, 11]].every(([upper, lower]) => values[upper] + values[lower] >= 0);
-
-/** How opaque a texture is. @param {ImageBitmap} image @returns {(u: number, v: number) => number} 0 to 255 */
-export function alphaOf(image) {
-  const canvas = document.createElement('canvas');
-  const size = (canvas.width = canvas.height = ALPHA_SIZE);
-  const context = canvas.getContext('2d', { willReadFrequently: true });
-  context.drawImage(image, 0, 0, size, size);
-  const { data } = context.getImageData(0, 0, size, size);
-  const at = (x) => Math.min(size - 1, Math.floor((x - Math.floor(x)) * size));
-  return (u, v) => data[4 * (at(v) * size + at(u)) + 3];
-}
 
 /**
  * @typedef {object} Seen a part, of which it is asked what is seen

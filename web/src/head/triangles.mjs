@@ -3,11 +3,13 @@
 import { Vector3 } from 'three';
 import { deform } from './deform.mjs';
 import { lean } from './lean.mjs';
+import { alphaOfPart } from './opacity.mjs';
 import { LEAN_POSES } from './poses.mjs';
 import { headTurnOf } from './shape.mjs';
-import { alphaOf, sight } from './sight.mjs';
+import { sight } from './sight.mjs';
 import { breath, sliced } from './slices.mjs';
-import { CLEAR, kindOf } from './surfaces.mjs';
+import { strands } from './strands.mjs';
+import { CLEAR, kindOf, THIN } from './surfaces.mjs';
 import { workedOut } from './together.mjs';
 
 const WHOLE = /^(eye|brows|lashes|glasses)/; // they turn by themselves, or hide nothing: all of them is drawn
@@ -16,6 +18,8 @@ const LEAN_SHARE = 0.55; // when that is no more of a point of the picture;
 /** and how many mm a change of its normal, of the share of light and of the place on the texture are worth. */
 const WORTH = { normal: 2.5, reach: 2, texture: 100 };
 const WORTH_INSIDE = { normal: 0.8, reach: 0, texture: 30 }; // of the mouth, where all is small and in the shade
+
+const STRAND = 6; // times as much: hair that is no wider is left out
 
 /** The shapes of a head's parts that are drawn, from among those that it has. */
 export class Triangles {
@@ -37,13 +41,22 @@ export class Triangles {
       if (this.head.gone) return;
       const [whole] = one.shapes;
       const fewer = await workedOut(this.head.model, `fewer ${i}`, async () =>
-        sliced(lean(one.part, await this.#features(one), LEAN_MM)));
+        this.#lines(one.part, await sliced(lean(one.part, await this.#features(one), LEAN_MM))));
       one.shapes = [one.part.index, ...fewer].map((triangles) => whole.with(triangles, this.head.drive));
       this.choose();
       whole.dispose();
     }
     this.#looked = [];
     this.choose();
+  }
+
+  /** Without strands of hair that are no wider than a point. @param {Uint16Array[]} fewer */
+  #lines(part, fewer) {
+    if (kindOf(part.name) !== 'hair' || THIN.includes(part.name)) return fewer;
+    return fewer.map((triangles, level) => {
+      const loose = strands(part, STRAND * LEAN_MM[level]);
+      return triangles.filter((_, i) => !loose[triangles[i - (i % 3)]]);
+    });
   }
 
   /** Finds out which triangles of the shapes that are drawn can be seen from the front. */
@@ -61,14 +74,15 @@ export class Triangles {
     };
     const seen = await sliced(sight(parts, posed), () => this.head.gone);
     shapes.forEach((shape, i) => seen && parts[i].asked && shape.sort(seen[i]));
+    shapes.forEach((shape, i) => seen && parts[i].alpha && !THIN.includes(shape.part.name) && shape.divide(parts[i].alpha));
+    this.choose();
     return true;
   }
 
   /** What is asked of a part: see sight.mjs. @param {Shape} shape */
   #asked({ part, geometry, influences }) {
-    const { texture, alpha, double_sided } = this.head.model.materials[part.material] ?? {};
+    const { double_sided } = this.head.model.materials[part.material] ?? {};
     const asked = !WHOLE.test(part.name);
-    const clear = asked && texture && (alpha === 'blend' || alpha === 'cutout');
     const { firstHeadTurn } = this.head.drive;
     const free = (v) => influences.moves[v].length || influences.turns[v].some(({ turn }) => turn < firstHeadTurn);
     return {
@@ -78,7 +92,7 @@ export class Triangles {
       uv: geometry.attributes.uv.array,
       double: Boolean(double_sided),
       hides: !CLEAR.includes(part.name),
-      alpha: clear ? alphaOf(this.head.textures.get(texture).image) : null,
+      alpha: asked ? alphaOfPart(this.head, part) : null,
       free: kindOf(part.name) === 'skin' ? Uint8Array.from({ length: part.vertices }, (_, v) => (free(v) ? 1 : 0)) : null,
     };
   }
@@ -130,10 +144,11 @@ export class Triangles {
     if (this.#looked) this.#looked[this.#level] ??= this.#look();
     for (const one of this.head.parts) {
       const shape = one.shapes[Math.min(this.#level, one.shapes.length - 1)];
-      if (shape === one.shape) continue;
-      for (const mesh of this.head.group.children) if (mesh.geometry === one.shape.geometry) mesh.geometry = shape.geometry;
+      if (shape !== one.shape) shape.update(this.head.drive);
       one.shape = shape;
-      shape.update(this.head.drive);
+      const fringe = shape.fringe?.geometry ?? shape.geometry;
+      for (const mesh of this.head.group.children)
+        if (mesh.userData.of === one) mesh.geometry = mesh.userData.fineOnly ? fringe : shape.geometry;
     }
   }
 }

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { edgesMaterial, edgesTarget, leapOf } from './edges.mjs';
 import { framed } from './framing.mjs';
 import {
   Mesh, NoBlending, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene, ShaderMaterial, Vector3, WebGLRenderer,
@@ -12,9 +13,11 @@ const CLOSE = ['face', 'mouth']; // views that end in the skin
 /** A canvas with a head on it: camera, resolution, smoothing of edges. The background stays transparent. */
 export class View {
   #framing = null;
+  #software = null;
   #turned = { yaw: 0, pitch: 0 };
   #eye = new Vector3(); // from where the head is seen, a direction
   targetOptions = {}; // of what is drawn into before it is shown
+  smooths = true; // whether edges may be made soft after drawing, where samples are dear
 
   /** @param {HTMLCanvasElement} canvas @throws when there is no WebGL 2 */
   constructor(canvas) {
@@ -42,6 +45,7 @@ export class View {
       depthTest: false,
       depthWrite: false,
     });
+    this.edges = edgesMaterial();
     this.copyScene = new Scene();
     this.copyScene.add(new Mesh(new PlaneGeometry(2, 2), this.copy));
     this.copyScene.children[0].frustumCulled = false;
@@ -50,6 +54,10 @@ export class View {
 
   /** Whether there is no graphics processor behind it. */
   get software() {
+    return (this.#software ??= this.#named());
+  }
+
+  #named() {
     const gl = this.renderer.getContext();
     const named = gl.getExtension('WEBGL_debug_renderer_info')?.UNMASKED_RENDERER_WEBGL ?? gl.RENDERER;
     return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(gl.getParameter(named) ?? '');
@@ -71,12 +79,17 @@ export class View {
     this.#layOut();
   }
 
+  /** Whether edges are made soft after drawing: see edges.mjs. */
+  get #smoothed() {
+    return this.smooths && this.level.samples > 0 && this.software;
+  }
+
   /** @param {typeof import('./quality.mjs').LEVELS[0]} level */
   setLevel(level) {
     this.level = level;
     const most = this.software ? SOFTWARE_ANISOTROPY : this.renderer.capabilities.getMaxAnisotropy();
     const anisotropy = Math.min(level.anisotropy, most);
-    this.head?.setQuality(level.fine, anisotropy, level.samples > 0);
+    this.head?.setQuality(level.fine, anisotropy, level.samples > 0 && !this.#smoothed);
     this.#layOut();
   }
 
@@ -100,13 +113,14 @@ export class View {
     this.renderer.setPixelRatio(ratio);
     this.renderer.setSize(width, height, false);
     this.target?.dispose();
-    this.target = this.level.samples
-      ? new WebGLRenderTarget(Math.floor(width * ratio), Math.floor(height * ratio), {
-          samples: this.level.samples,
-          ...this.targetOptions,
-        })
-      : null;
+    this.target = this.#newTarget(Math.floor(width * ratio), Math.floor(height * ratio));
     this.#frame();
+  }
+
+  #newTarget(width, height) {
+    const { samples } = this.level;
+    if (this.#smoothed) return edgesTarget(width, height);
+    return samples ? new WebGLRenderTarget(width, height, { samples, ...this.targetOptions }) : null;
   }
 
   /** The portrait that the model asks for; in a narrow picture from farther away, so that it fits. */
@@ -123,6 +137,7 @@ export class View {
     this.camera.lookAt(...target);
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
+    this.edges.uniforms.leap.value = leapOf(this.camera, distance);
     const pixels = this.size.height * this.renderer.getPixelRatio();
     this.head.point = (2 * distance * Math.tan((fov / 2) * (Math.PI / 180))) / pixels;
     this.head.uniforms.fade.value = CLOSE.includes(this.#framing) ? 1e-3 : FADE * pixels;
@@ -135,7 +150,10 @@ export class View {
     this.renderer.render(this.scene, this.camera);
     if (!this.target) return;
     this.renderer.setRenderTarget(null);
-    this.copy.uniforms.picture.value = this.target.texture;
+    const shown = this.target.depthTexture ? this.edges : this.copy;
+    shown.uniforms.picture.value = this.target.texture;
+    this.edges.uniforms.depth.value = this.target.depthTexture;
+    this.copyScene.children[0].material = shown;
     this.renderer.render(this.copyScene, this.copyCamera);
   }
 
@@ -155,6 +173,7 @@ export class View {
     this.head?.dispose();
     this.target?.dispose();
     this.copy.dispose();
+    this.edges.dispose();
     this.renderer.dispose();
     this.renderer.forceContextLoss(); // browsers count contexts, and forget them late
   }

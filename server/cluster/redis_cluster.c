@@ -1,0 +1,243 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/cluster/redis_cluster.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/cluster/redis_link.h"
+#include "server/cluster/redis_names.h"
+#include "server/cluster/redis_scripts.h"
+#include "server/cluster/sound_pack.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <utlist.h>
+
+enum { ASK_AGAIN_MS = 20, VALUE_MOST = 8 << 20, NUMBER_BYTES = 16 };
+
+struct redis_ask {
+    struct cluster_ask ask;
+    struct redis_ask *prev, *next; /* of those that wait */
+    struct redis_names names;
+    cluster_answered answered; /* NULL: forgotten */
+    void *ctx;
+    bool sent, waited;
+};
+
+struct redis_cluster {
+    struct cluster cluster;
+    uv_loop_t *loop;
+    struct redis_link *link;
+    struct redis_ask *waiting; /* for somebody else's value: they ask again when the timer rings */
+    uv_timer_t again;
+    char id[REDIS_ID_BYTES], keep[NUMBER_BYTES];
+    struct metrics *metrics;
+    unsigned users; /* the timer, and values that are being packed */
+    bool full_told, closed;
+};
+
+/* A value on its way: packed by the thread pool. */
+struct gift {
+    uv_work_t work;
+    struct redis_cluster *cluster;
+    struct redis_names names;
+    struct buf value, packed;
+};
+
+static struct link_text text_of(const char *text) {
+    return (struct link_text){text, strlen(text)};
+}
+
+static bool run_script(struct redis_cluster *c, const char *script, const struct redis_names *names,
+                       const struct link_text *more, int count, link_answered answered, void *ctx) {
+    struct link_text words[8] = {text_of("EVAL"),       text_of(script),       text_of("2"),
+                                 text_of(names->value), text_of(names->claim), text_of(c->id)};
+    for (int i = 0; i < count; i++)
+        words[6 + i] = more[i];
+    return redis_link_send(c->link, words, 6 + count, answered, ctx);
+}
+
+static void done_with(struct redis_cluster *c) {
+    if (!--c->users)
+        free(c);
+}
+
+static void end_ask(struct redis_ask *a, const struct buf *value) {
+    if (a->answered)
+        a->answered(a->ctx, value);
+    free(a);
+}
+
+static void on_again(uv_timer_t *timer);
+
+static void wait_for_others(struct redis_ask *a) {
+    struct redis_cluster *c = (struct redis_cluster *)a->ask.cluster;
+    DL_APPEND(c->waiting, a);
+    if (!uv_is_active((uv_handle_t *)&c->again))
+        uv_timer_start(&c->again, on_again, ASK_AGAIN_MS, 0);
+}
+
+static void on_asked(void *ctx, const redisReply *reply) {
+    struct redis_ask *a = ctx;
+    struct redis_cluster *c = (struct redis_cluster *)a->ask.cluster;
+    a->sent = false;
+    if (!a->answered || !reply || reply->type == REDIS_REPLY_ERROR) {
+        end_ask(a, NULL);
+    } else if (reply->type == REDIS_REPLY_STRING) {
+        struct buf value = {0};
+        bool well = sound_unpack(reply->str, (size_t)reply->len, VALUE_MOST, &value);
+        metrics_add(c->metrics, well ? METRIC_CLUSTER_HITS : METRIC_CLUSTER_MISSES, 1);
+        end_ask(a, well ? &value : NULL);
+        buf_free(&value);
+    } else if (reply->integer) {
+        metrics_add(c->metrics, METRIC_CLUSTER_MISSES, 1);
+        end_ask(a, NULL);
+    } else {
+        metrics_add(c->metrics, METRIC_CLUSTER_WAITS, !a->waited);
+        a->waited = true;
+        wait_for_others(a);
+    }
+}
+
+static bool send_ask(struct redis_ask *a) {
+    struct redis_cluster *c = (struct redis_cluster *)a->ask.cluster;
+    char ms[NUMBER_BYTES];
+    snprintf(ms, sizeof ms, "%d", CLUSTER_CLAIM_MS);
+    a->sent = run_script(c, SCRIPT_ASK, &a->names, (struct link_text[]){text_of(ms), text_of(c->keep)}, 2,
+                         on_asked, a);
+    return a->sent;
+}
+
+/* What cannot be sent is answered: each has left the list before, whatever the callbacks do to it. */
+static void on_again(uv_timer_t *timer) {
+    struct redis_cluster *c = timer->data;
+    while (c->waiting) {
+        struct redis_ask *a = c->waiting;
+        DL_DELETE(c->waiting, a);
+        if (!send_ask(a))
+            end_ask(a, NULL);
+    }
+}
+
+static bool up(const struct cluster *cluster) {
+    return redis_link_up(((const struct redis_cluster *)cluster)->link);
+}
+
+static struct cluster_ask *ask(struct cluster *cluster, const struct buf *key, cluster_answered answered,
+                               void *ctx) {
+    struct redis_ask *a = mem_alloc(sizeof *a);
+    a->ask.cluster = cluster;
+    a->answered = answered;
+    a->ctx = ctx;
+    redis_names_of(key, &a->names);
+    if (!send_ask(a))
+        wait_for_others(a);
+    return &a->ask;
+}
+
+static void forget(struct cluster_ask *ask) {
+    struct redis_ask *a = (struct redis_ask *)ask;
+    struct redis_cluster *c = (struct redis_cluster *)ask->cluster;
+    a->answered = NULL;
+    if (a->sent)
+        return;
+    DL_DELETE(c->waiting, a);
+    free(a);
+}
+
+static void making(struct cluster *cluster, const struct buf *key) {
+    struct redis_names names;
+    char ms[NUMBER_BYTES];
+    redis_names_of(key, &names);
+    snprintf(ms, sizeof ms, "%d", CLUSTER_MAKING_MS);
+    run_script((struct redis_cluster *)cluster, SCRIPT_MAKING, &names, (struct link_text[]){text_of(ms)}, 1,
+               NULL, NULL);
+}
+
+static void leave(struct redis_cluster *c, const struct redis_names *names) {
+    run_script(c, SCRIPT_LEAVE, names, NULL, 0, NULL, NULL);
+}
+
+/* Redis may have no room, or be told to take nothing: said once. */
+static void on_given(void *ctx, const redisReply *reply) {
+    struct gift *gift = ctx;
+    struct redis_cluster *c = gift->cluster;
+    if (reply && reply->type == REDIS_REPLY_ERROR) {
+        if (!c->full_told)
+            log_warn("cluster: a sentence is not taken: %s", reply->str);
+        c->full_told = true;
+        leave(c, &gift->names);
+    }
+    free(gift);
+    done_with(c);
+}
+
+static void pack(uv_work_t *work) {
+    struct gift *gift = work->data;
+    sound_pack(&gift->value, &gift->packed);
+}
+
+static void on_packed(uv_work_t *work, int status) {
+    struct gift *gift = work->data;
+    struct redis_cluster *c = gift->cluster;
+    const struct link_text more[] = {{gift->packed.data, gift->packed.size}, text_of(c->keep)};
+    bool sent = !status && !c->closed && run_script(c, SCRIPT_GIVE, &gift->names, more, 2, on_given, gift);
+    buf_free(&gift->value);
+    buf_free(&gift->packed);
+    if (!sent) {
+        free(gift);
+        done_with(c);
+    }
+}
+
+static void give(struct cluster *cluster, const struct buf *key, const struct buf *value) {
+    struct redis_cluster *c = (struct redis_cluster *)cluster;
+    struct redis_names names;
+    if (!redis_link_up(c->link))
+        return;
+    redis_names_of(key, &names);
+    if (!value || value->size > VALUE_MOST) {
+        leave(c, &names);
+        return;
+    }
+    struct gift *gift = mem_alloc(sizeof *gift);
+    gift->work.data = gift;
+    gift->cluster = c;
+    gift->names = names;
+    buf_add(&gift->value, value->data, value->size);
+    c->users++;
+    uv_queue_work(c->loop, &gift->work, pack, on_packed);
+}
+
+static void on_changed(void *ctx, bool is_up) {
+    struct redis_cluster *c = ctx;
+    metrics_add(c->metrics, METRIC_CLUSTER_UP, is_up ? 1 : -1);
+}
+
+static void on_timer_closed(uv_handle_t *handle) {
+    done_with(handle->data);
+}
+
+static void close_cluster(struct cluster *cluster) {
+    struct redis_cluster *c = (struct redis_cluster *)cluster;
+    c->closed = true;
+    redis_link_close(c->link);
+    uv_close((uv_handle_t *)&c->again, on_timer_closed);
+}
+
+static const struct cluster_engine redis_engine = {up, ask, forget, making, give, close_cluster};
+
+struct cluster *redis_cluster_open(uv_loop_t *loop, const struct redis_options *options, struct error *e) {
+    struct redis_address address;
+    if (redis_address_read(options->address, &address, e))
+        return NULL;
+    struct redis_cluster *c = mem_alloc(sizeof *c);
+    c->cluster.engine = &redis_engine;
+    c->loop = loop;
+    c->metrics = options->metrics;
+    c->users = 1;
+    redis_id_make(c->id);
+    snprintf(c->keep, sizeof c->keep, "%u", options->keep_hours * 3600);
+    uv_timer_init(loop, &c->again);
+    c->again.data = c;
+    c->link = redis_link_open(loop, &address, on_changed, c);
+    return &c->cluster;
+}

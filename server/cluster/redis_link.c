@@ -1,0 +1,244 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/cluster/redis_link.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include <hiredis/adapters/libuv.h>
+#include <hiredis/async.h>
+#include <stdio.h>
+#include <stdlib.h>
+
+enum { WORDS_MOST = 16 };
+
+struct redis_link {
+    uv_loop_t *loop;
+    struct redis_address address;
+    redisAsyncContext *redis; /* NULL: not begun, or lost */
+    uv_getaddrinfo_t look_up;
+    uv_timer_t pulse;
+    uint64_t again, again_in; /* loop time of the next attempt; how long the one after it waits, ms */
+    uint64_t heard;           /* loop time: the last answer, or the question to which none has come */
+    unsigned unanswered;
+    bool overdue; /* seen so once: what had come may not have been read yet */
+    bool up, told, looking_up, closing;
+    void (*changed)(void *ctx, bool up);
+    void *ctx;
+};
+
+/* A command whose answer is waited for. */
+struct question {
+    struct redis_link *link;
+    link_answered answered;
+    void *ctx;
+};
+
+static void lost(struct redis_link *link, const char *why) {
+    bool was_up = link->up;
+    link->up = false;
+    link->unanswered = 0;
+    link->again = uv_now(link->loop) + link->again_in;
+    link->again_in = link->again_in * 2 < LINK_AGAIN_MOST_MS ? link->again_in * 2 : LINK_AGAIN_MOST_MS;
+    if (link->closing)
+        return;
+    if (!link->told)
+        log_warn("cluster: %s: %s; this daemon goes on by itself", link->address.shown, why);
+    link->told = true;
+    if (was_up)
+        link->changed(link->ctx, false);
+}
+
+/* Of our own accord. What is asked from within the callbacks finds no link. */
+static void drop(struct redis_link *link, const char *why) {
+    redisAsyncContext *redis = link->redis;
+    link->redis = NULL;
+    if (redis) {
+        redis->data = NULL;
+        redisAsyncFree(redis);
+    }
+    lost(link, why);
+}
+
+static void on_disconnected(const redisAsyncContext *redis, int status) {
+    struct redis_link *link = redis->data;
+    if (!link)
+        return;
+    link->redis = NULL;
+    lost(link, status == REDIS_OK ? "the connection was closed" : redis->errstr);
+}
+
+static void on_answer(redisAsyncContext *redis, void *reply, void *privdata) {
+    struct question *q = privdata;
+    struct redis_link *link = q->link;
+    (void)redis;
+    if (reply) {
+        link->heard = uv_now(link->loop);
+        link->unanswered -= link->unanswered > 0;
+        link->overdue = false;
+    }
+    if (q->answered)
+        q->answered(q->ctx, reply);
+    free(q);
+}
+
+static bool ask(struct redis_link *link, const struct link_text *words, int count, link_answered answered,
+                void *ctx) {
+    const char *texts[WORDS_MOST];
+    size_t sizes[WORDS_MOST];
+    for (int i = 0; i < count; i++) {
+        texts[i] = words[i].data;
+        sizes[i] = words[i].size;
+    }
+    struct question *q = mem_alloc(sizeof *q);
+    *q = (struct question){link, answered, ctx};
+    if (!link->redis || redisAsyncCommandArgv(link->redis, on_answer, q, count, texts, sizes) != REDIS_OK) {
+        free(q);
+        return false;
+    }
+    if (!link->unanswered++)
+        link->heard = uv_now(link->loop);
+    return true;
+}
+
+bool redis_link_send(struct redis_link *link, const struct link_text *words, int count,
+                     link_answered answered, void *ctx) {
+    return link->up && ask(link, words, count, answered, ctx);
+}
+
+bool redis_link_up(const struct redis_link *link) {
+    return link->up;
+}
+
+/* To AUTH and SELECT: what they refuse stands in the log, and it is tried again. */
+static void on_greeted(void *ctx, const redisReply *reply) {
+    struct redis_link *link = ctx;
+    if (reply && reply->type == REDIS_REPLY_ERROR)
+        drop(link, reply->str);
+}
+
+static void on_first_pong(void *ctx, const redisReply *reply) {
+    struct redis_link *link = ctx;
+    on_greeted(ctx, reply);
+    if (!reply || reply->type == REDIS_REPLY_ERROR || !link->redis)
+        return;
+    link->up = true;
+    link->again_in = LINK_AGAIN_MS;
+    log_info("cluster: %s answers", link->address.shown);
+    link->told = false;
+    link->changed(link->ctx, true);
+}
+
+static struct link_text text_of(const char *text) {
+    return (struct link_text){text, strlen(text)};
+}
+
+static void on_connected(const redisAsyncContext *redis, int status) {
+    struct redis_link *link = redis->data;
+    const struct redis_address *a = &link->address;
+    char number[16];
+    if (status != REDIS_OK) {
+        link->redis = NULL;
+        lost(link, redis->errstr);
+        return;
+    }
+    link->unanswered = 0;
+    if (a->password && a->user)
+        ask(link, (struct link_text[]){text_of("AUTH"), text_of(a->user), text_of(a->password)}, 3,
+            on_greeted, link);
+    else if (a->password)
+        ask(link, (struct link_text[]){text_of("AUTH"), text_of(a->password)}, 2, on_greeted, link);
+    snprintf(number, sizeof number, "%d", a->number);
+    if (a->number)
+        ask(link, (struct link_text[]){text_of("SELECT"), text_of(number)}, 2, on_greeted, link);
+    ask(link, (struct link_text[]){text_of("PING")}, 1, on_first_pong, link);
+}
+
+/* A connection has been begun, or has failed already. */
+static void attach(struct redis_link *link, redisAsyncContext *redis) {
+    if (!redis || redis->err) {
+        char why[128];
+        snprintf(why, sizeof why, "%s", redis ? redis->errstr : "no memory");
+        if (redis)
+            redisAsyncFree(redis);
+        lost(link, why);
+        return;
+    }
+    link->redis = redis;
+    redis->data = link;
+    link->unanswered = 1;
+    link->heard = uv_now(link->loop);
+    redisLibuvAttach(redis, link->loop);
+    redisAsyncSetConnectCallback(redis, on_connected);
+    redisAsyncSetDisconnectCallback(redis, on_disconnected);
+}
+
+static void free_if_closed(struct redis_link *link) {
+    if (link->looking_up || link->loop)
+        return;
+    redis_address_free(&link->address);
+    free(link);
+}
+
+static void on_found(uv_getaddrinfo_t *look_up, int status, struct addrinfo *found) {
+    struct redis_link *link = look_up->data;
+    char ip[64] = "";
+    link->looking_up = false;
+    if (!link->closing && !status && !uv_ip_name(found->ai_addr, ip, sizeof ip))
+        attach(link, redisAsyncConnect(ip, link->address.port));
+    else if (!link->closing)
+        lost(link, uv_strerror(status));
+    uv_freeaddrinfo(found);
+    free_if_closed(link);
+}
+
+static void begin(struct redis_link *link) {
+    static const struct addrinfo hints = {.ai_socktype = SOCK_STREAM};
+    if (link->address.path) {
+        attach(link, redisAsyncConnectUnix(link->address.path));
+        return;
+    }
+    link->look_up.data = link;
+    link->looking_up =
+        !uv_getaddrinfo(link->loop, &link->look_up, on_found, link->address.host, NULL, &hints);
+    if (!link->looking_up)
+        lost(link, "its name cannot be looked up");
+}
+
+static void on_pulse(uv_timer_t *timer) {
+    struct redis_link *link = timer->data;
+    uint64_t now = uv_now(link->loop);
+    if (!link->redis) {
+        if (!link->looking_up && now >= link->again)
+            begin(link);
+    } else if (link->unanswered && now - link->heard > LINK_PATIENCE_MS) {
+        if (link->overdue)
+            drop(link, "it does not answer");
+        link->overdue = !link->overdue;
+    } else if (link->up && !link->unanswered && now - link->heard > LINK_PATIENCE_MS) {
+        ask(link, (struct link_text[]){text_of("PING")}, 1, NULL, NULL);
+    }
+}
+
+struct redis_link *redis_link_open(uv_loop_t *loop, struct redis_address *address,
+                                   void (*changed)(void *ctx, bool up), void *ctx) {
+    struct redis_link *link = mem_alloc(sizeof *link);
+    *link = (struct redis_link){
+        .loop = loop, .address = *address, .again_in = LINK_AGAIN_MS, .changed = changed, .ctx = ctx};
+    *address = (struct redis_address){0};
+    uv_timer_init(loop, &link->pulse);
+    link->pulse.data = link;
+    uv_timer_start(&link->pulse, on_pulse, 0, LINK_PULSE_MS);
+    return link;
+}
+
+static void on_pulse_closed(uv_handle_t *handle) {
+    struct redis_link *link = handle->data;
+    link->loop = NULL;
+    free_if_closed(link);
+}
+
+void redis_link_close(struct redis_link *link) {
+    link->closing = true;
+    drop(link, "closed");
+    if (link->looking_up)
+        uv_cancel((uv_req_t *)&link->look_up);
+    uv_close((uv_handle_t *)&link->pulse, on_pulse_closed);
+}

@@ -1,0 +1,175 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/library/recordings/library_voices.h"
+#include "server/base/mem.h"
+#include "server/library/library_files.h"
+#include "server/library/recordings/kept_file.h"
+#include "server/library/work.h"
+#include <dirent.h>
+#include <errno.h>
+#include <jansson.h>
+#include <limits.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const char *const times_endings[] = {".TextGrid", ".lab", ".mlf", ".times", NULL};
+
+/* What is spoken of the sections, one after the other: what a passage says is a stretch of it. */
+struct spoken {
+    struct buf text;
+    json_t *places;
+    const atomic_bool *stop;
+};
+
+static int on_section(void *ctx, const struct section *section) {
+    struct spoken *s = ctx;
+    for (size_t i = 0; i < section->count; i++) {
+        const struct block *b = &section->blocks[i];
+        if (b->kind != BLOCK_HEAD && b->kind != BLOCK_PARAGRAPH && b->kind != BLOCK_VERSE)
+            continue;
+        json_array_append_new(s->places, json_pack("[Io]", (json_int_t)s->text.size,
+                                                   json_sprintf("%u:%s", section->number, b->name)));
+        buf_add(&s->text, b->text.data, b->text.size);
+        buf_add(&s->text, "\n\n", 2);
+    }
+    return s->stop && atomic_load(s->stop);
+}
+
+static void on_problem(void *ctx, const struct error *e, bool serious) {
+    (void)ctx;
+    (void)e;
+    (void)serious;
+}
+
+/* A link to that file, or none. Links that are right stay: somebody may be about to open them. */
+static int set_link(const char *folder, const char *work, const char *ending, const char *to,
+                    struct error *e) {
+    char path[PATH_MAX], now[PATH_MAX];
+    if (snprintf(path, sizeof path, "%s/%s%s", folder, work, ending) >= (int)sizeof path)
+        return error_set(e, ERROR_BAD_INDEX, "%.150s: %.80s", folder, strerror(ENAMETOOLONG));
+    ssize_t length = readlink(path, now, sizeof now - 1);
+    now[length < 0 ? 0 : length] = '\0';
+    if (to && length >= 0 && !strcmp(now, to))
+        return 0;
+    if (length >= 0)
+        unlink(path);
+    return to && symlink(to, path) ? error_set(e, ERROR_BAD_INDEX, "%.150s: %.80s", path, strerror(errno))
+                                   : 0;
+}
+
+static int link_times(const char *file, const char *work, const char *folder, struct error *e) {
+    int length = (int)(strrchr(file, '.') - file), result = 0;
+    for (const char *const *ending = times_endings; *ending && !result; ending++) {
+        char path[PATH_MAX], real[PATH_MAX];
+        bool there = snprintf(path, sizeof path, "%.*s%s", length, file, *ending) < (int)sizeof path &&
+                     !access(path, R_OK) && realpath(path, real);
+        result = set_link(folder, work, *ending, there ? real : NULL, e);
+    }
+    return result;
+}
+
+bool library_voice_has_times(const char *folder, const char *work) {
+    char path[PATH_MAX];
+    for (const char *const *ending = times_endings; *ending; ending++)
+        if (snprintf(path, sizeof path, "%s/%s%s", folder, work, *ending) < (int)sizeof path &&
+            !access(path, R_OK))
+            return true;
+    return false;
+}
+
+/* Was the text made of the file as it is now? */
+static bool is_current(const char *folder, const char *work, const char *lang, const struct stat *file) {
+    json_t *places = kept_json(folder, work, ".places");
+    const char *made_for = json_string_value(json_object_get(places, "lang"));
+    char path[PATH_MAX];
+    snprintf(path, sizeof path, "%s/%s.txt", folder, work);
+    bool current = json_integer_value(json_object_get(places, "size")) == file->st_size &&
+                   json_integer_value(json_object_get(places, "modified")) == kept_time(file) && made_for &&
+                   !strcmp(made_for, lang) && !access(path, R_OK);
+    json_decref(places);
+    return current;
+}
+
+static int describe(const char *folder, const char *work, const struct work_meta *meta, struct error *e) {
+    json_t *object =
+        json_pack("{ss ss}", "name", meta->title && *meta->title ? meta->title : work, "lang", meta->lang);
+    int result = object ? kept_set_json(folder, work, ".json", object, e) : 0;
+    json_decref(object);
+    return result;
+}
+
+/* The places come last: they say that the text is there. */
+static int write_text(const char *file, const char *work, const char *folder, const char *lang,
+                      const struct stat *info, const atomic_bool *stop, struct error *e) {
+    struct work_meta meta = {.lang = mem_strdup(lang)};
+    struct spoken spoken = {.places = json_array(), .stop = stop};
+    const struct work_sink sink = {&spoken, on_section, on_problem};
+    struct error ignored;
+    bool whole = !work_read(file, &meta, &sink, &ignored) && !(stop && atomic_load(stop));
+    json_t *places = json_pack("{sI sI ss sO}", "size", (json_int_t)info->st_size, "modified",
+                               (json_int_t)kept_time(info), "lang", lang, "places", spoken.places);
+    int result = 0;
+    if (whole) {
+        result = describe(folder, work, &meta, e) ||
+                         kept_set(folder, work, ".txt", spoken.text.data, spoken.text.size, e) ||
+                         kept_set_json(folder, work, ".places", places, e)
+                     ? -1
+                     : 1;
+    }
+    json_decref(places);
+    json_decref(spoken.places);
+    buf_free(&spoken.text);
+    work_meta_free(&meta);
+    return result;
+}
+
+int library_voice_prepare(const char *file, const char *work, const char *folder, const char *lang,
+                          const atomic_bool *stop, struct error *e) {
+    char sound[PATH_MAX];
+    struct stat info;
+    if (!library_file_sound(file, sound) || stat(file, &info))
+        return 0;
+    if (set_link(folder, work, strrchr(sound, '.'), sound, e) || link_times(file, work, folder, e))
+        return -1;
+    return is_current(folder, work, lang, &info) ? 1 : write_text(file, work, folder, lang, &info, stop, e);
+}
+
+static void tidy(const char *folder) {
+    DIR *dir = opendir(folder);
+    for (struct dirent *entry; dir && (entry = readdir(dir));) {
+        const char *dot = strrchr(entry->d_name, '.');
+        char path[PATH_MAX];
+        if (dot && !strcmp(dot, ".part") &&
+            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) < (int)sizeof path)
+            unlink(path);
+    }
+    if (dir)
+        closedir(dir);
+}
+
+int library_voices_prepare(const char *library, const char *folder, const char *lang, struct error *e) {
+    struct library_files files = {0};
+    int count = 0, result = library_files_list(&files, library, e);
+    json_t *names = json_object(); /* of two files of one name the first one has the recording */
+    if (!result && mkdir(folder, 0700) && errno != EEXIST)
+        result = error_set(e, ERROR_BAD_INDEX, "%.150s: %.80s", folder, strerror(errno));
+    if (!result)
+        tidy(folder);
+    for (size_t i = 0; !result && i < files.count; i++) {
+        char work[64];
+        char *full = library_file_path(library, files.list[i].path);
+        library_file_name(files.list[i].path, false, work);
+        if (!json_object_get(names, work) && library_file_has_sound(full)) {
+            int one = library_voice_prepare(full, work, folder, lang, NULL, e);
+            result = one < 0 ? -1 : 0;
+            count += one > 0;
+            json_object_set_new(names, work, json_true());
+        }
+        free(full);
+    }
+    json_decref(names);
+    library_files_free(&files);
+    return result ? -1 : count;
+}

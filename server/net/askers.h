@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Who asks something of the library: each in a line of his own, and the lines take turns, so that nobody
+ * waits for all that another has asked. What is asked is answered in threads of lower priority than those
+ * that speak. */
+#ifndef FACCIA_NET_ASKERS_H
+#define FACCIA_NET_ASKERS_H
+
+#include "server/base/error.h"
+#include "server/codec/coder_pool.h"
+
+enum {
+    ASKERS_THREADS = 2, /* answer */
+    ASKERS_EACH = 64,   /* questions of one asker that may wait or be answered */
+    ASKERS_ALL = 512,   /* of all: beyond that, ASKERS_FEW of one */
+    ASKERS_FEW = 4,
+    ASKERS_MOST = 2048, /* and nobody */
+};
+
+/* One of them. */
+struct asker {
+    struct coder_line line;
+    struct asker *next;
+    char key[80]; /* see struct principal */
+    unsigned questions;
+};
+
+/* Zeroed at first. */
+struct askers {
+    struct coder_pool *pool; /* NULL: nobody has asked yet */
+    struct asker *first;
+    unsigned questions;
+};
+
+/* Puts the question into the line of who has that key: he is told in *asker, and stays until askers_answered,
+ * which job->done has to call. -1 with *e ("too-many-searches"): too many wait. */
+int askers_ask(struct askers *askers, uv_loop_t *loop, const char *key, struct coder_job *job,
+               struct asker **asker, struct error *e);
+void askers_answered(struct askers *askers, struct asker *asker);
+
+/* For job->work: the thread is one of lower priority from now on. */
+void askers_step_back(void);
+
+/* Waits for what is being answered; the others are done, too, as cancelled. */
+void askers_close(struct askers *askers);
+
+#endif

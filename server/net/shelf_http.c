@@ -1,0 +1,143 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/shelf_http.h"
+#include "server/base/mem.h"
+#include <stdlib.h>
+#include <string.h>
+
+enum doing { LISTING, READING, SAVING, REMOVING };
+
+/* Belongs to its exchange, and to the thread until it is done. */
+struct keeping {
+    uv_work_t work;
+    struct exchange *x; /* NULL: its client is gone */
+    const struct shelf_service *service;
+    struct shelf shelf;
+    enum doing doing;
+    char name[SHELF_NAME_BYTES];
+    char *match;
+    struct shelf_condition condition;
+    struct buf document; /* as it was read, or is to be saved */
+    struct shelf_entry *entries;
+    size_t count;
+    char tag[ETAG_BYTES];
+    bool created, running, done;
+    int result;
+    struct error error;
+};
+
+static void free_keeping(struct keeping *k) {
+    buf_free(&k->document);
+    free(k->entries);
+    free(k->match);
+    free(k);
+}
+
+static void in_thread(uv_work_t *work) {
+    struct keeping *k = work->data;
+    struct error *e = &k->error;
+    if (k->doing == LISTING)
+        k->result = shelf_list(&k->shelf, &k->entries, &k->count, e);
+    else if (k->doing == READING)
+        k->result = shelf_read(&k->shelf, k->name, &k->document, k->tag, e);
+    else if (k->doing == SAVING)
+        k->result = k->service->check(k->name, k->document.data, k->document.size, e) ||
+                            shelf_save(&k->shelf, k->name, k->document.data, k->document.size, k->condition,
+                                       k->tag, &k->created, e)
+                        ? -1
+                        : 0;
+    else
+        k->result = shelf_remove(&k->shelf, k->name, k->condition, e);
+}
+
+static int answer_list(struct keeping *k) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < k->count; i++)
+        json_array_append_new(list, json_pack("{ss sI sI}", "name", k->entries[i].name, "bytes",
+                                              (json_int_t)k->entries[i].bytes, "saved",
+                                              (json_int_t)k->entries[i].saved));
+    return exchange_json(k->x, 200, json_pack("{so}", k->service->members, list));
+}
+
+static int answer(struct keeping *k) {
+    if (k->result)
+        return exchange_error(k->x, &k->error);
+    if (k->doing == LISTING)
+        return answer_list(k);
+    if (k->doing == READING)
+        return exchange_tagged(k->x, k->service->type, k->document.data, k->document.size);
+    if (k->doing == REMOVING)
+        return exchange_json(k->x, 200, json_pack("{ss ss}", "type", "removed", "name", k->name));
+    exchange_tag(k->x, k->tag);
+    return exchange_json(k->x, k->created ? 201 : 200,
+                         json_pack("{ss ss ss}", "type", "kept", "name", k->name, "etag", k->tag));
+}
+
+static void after(uv_work_t *work, int status) {
+    struct keeping *k = work->data;
+    k->done = true;
+    if (!k->x)
+        free_keeping(k);
+    else if (!status)
+        answer(k);
+}
+
+static void leave(void *self) {
+    struct keeping *k = self;
+    k->x = NULL;
+    if (!k->running || k->done)
+        free_keeping(k); /* otherwise it comes back by itself */
+}
+
+static int begin(struct keeping *k) {
+    k->running = true;
+    uv_queue_work(exchange_net(k->x)->pipeline->loop, &k->work, in_thread, after);
+    return 0;
+}
+
+static int on_body_end(void *self) {
+    struct keeping *k = self;
+    const struct buf *body = exchange_body(k->x);
+    if (k->doing != SAVING)
+        return 0; /* it has begun */
+    buf_add(&k->document, body->data, body->size);
+    exchange_drop_body(k->x);
+    return begin(k);
+}
+
+static void read_condition(struct keeping *k, const struct http_request *request) {
+    const char *match = http_header(request, "if-match"), *none = http_header(request, "if-none-match");
+    k->match = match ? mem_strdup(match) : NULL;
+    k->condition = (struct shelf_condition){.match = k->match, .absent = none && !strcmp(none, "*")};
+}
+
+/* What is asked for, by method and address. -1 with *e. */
+static int read_request(struct keeping *k, const struct http_request *request, struct error *e) {
+    const char *rest = request->path + strlen(k->service->path);
+    bool get = request->method == HTTP_GET || request->method == HTTP_HEAD;
+    if (!k->shelf.folder)
+        return error_plain(e, ERROR_NOTHING_KEPT);
+    if (!*rest)
+        return get ? 0 : error_set(e, ERROR_METHOD_NOT_ALLOWED, "name what is to be saved or removed");
+    if (shelf_check_name(rest + 1, e))
+        return -1;
+    snprintf(k->name, sizeof k->name, "%s", rest + 1);
+    k->doing = get ? READING : request->method == HTTP_PUT ? SAVING : REMOVING;
+    read_condition(k, request);
+    return 0;
+}
+
+int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf) {
+    struct keeping *k = mem_alloc(sizeof *k);
+    struct error e;
+    *k = (struct keeping){.x = x, .service = service, .shelf = *shelf};
+    k->work.data = k;
+    if (read_request(k, exchange_request(x), &e)) {
+        free_keeping(k);
+        return exchange_error(x, &e);
+    }
+    exchange_set_work(x, (struct exchange_work){.body_end = on_body_end, .free = leave, .self = k});
+    if (k->doing != SAVING)
+        return begin(k);
+    exchange_expect_body(x, shelf->most_bytes, ERROR_DOCUMENT_TOO_LONG);
+    return 0;
+}

@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A shelf (base/shelf.h) over HTTP: GET of its address lists it; GET, PUT, DELETE of ADDRESS/NAME. The disk
+ * is waited for in another thread. */
+#ifndef FACCIA_NET_SHELF_HTTP_H
+#define FACCIA_NET_SHELF_HTTP_H
+
+#include "server/base/shelf.h"
+#include "server/net/net_internal.h"
+
+struct shelf_service {
+    const char *path;    /* "/v1/scenes" */
+    const char *members; /* of the list: "scenes" */
+    const char *type;    /* of a document */
+    /* Is it one, of that name? In any thread. -1 with *e. */
+    int (*check)(const char *name, const void *data, size_t size, struct error *e);
+};
+
+/* The shelf is copied; what it points to lives as long as the daemon. */
+int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf);
+
+#endif

@@ -1,0 +1,151 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A sentence that seems to have ended, in a text that is still being written: the voice begins with it while
+ * the next character is awaited, which says whether it has. What was guessed wrong is forgotten, and nobody
+ * has heard it. */
+#include "server/base/mem.h"
+#include "server/synthesis/synthesis_internal.h"
+#include <stdlib.h>
+
+/* Of one sentence, so that a text full of stops is not spoken again and again. */
+enum { GUESSES = 3 };
+
+struct guess {
+    struct score *score; /* that sentence alone, in places of the whole text */
+    struct voice_selection *chosen;
+    double rate;
+    struct sentence *job; /* while the voice works on it */
+    struct sentence_audio *audio;
+    void (*deliver)(struct synthesis *s); /* to the heir */
+    struct slot *heir;                    /* it was guessed right: who gets the audio; NULL: not known yet */
+};
+
+void guess_drop(struct synthesis *s) {
+    struct guess *g = s->writing ? s->writing->guess : NULL;
+    if (!g)
+        return;
+    if (g->job)
+        sentence_cancel(g->job);
+    sentence_audio_free(g->audio);
+    voice_selection_free(g->chosen);
+    score_free(g->score);
+    free(g);
+    s->writing->guess = NULL;
+}
+
+bool guess_cancel(struct synthesis *s, const struct slot *heir) {
+    if (!s->writing || !s->writing->guess || s->writing->guess->heir != heir)
+        return false;
+    guess_drop(s);
+    return true;
+}
+
+static void on_done(void *ctx, struct sentence_audio *audio) {
+    struct synthesis *s = ctx;
+    struct guess *g = s->writing->guess;
+    struct slot *heir = g->heir;
+    g->job = NULL;
+    metrics_add(s->pipeline->metrics, METRIC_SENTENCES, 1);
+    if (!heir) {
+        g->audio = audio;
+        return;
+    }
+    void (*deliver)(struct synthesis *) = g->deliver;
+    guess_drop(s);
+    heir->job = NULL;
+    heir->audio = audio;
+    deliver(s);
+}
+
+static void on_failed(void *ctx, const struct error *e) {
+    struct synthesis *s = ctx;
+    struct slot *heir = s->writing->guess->heir;
+    void (*deliver)(struct synthesis *) = s->writing->guess->deliver;
+    s->writing->guess->job = NULL;
+    guess_drop(s);
+    if (!heir)
+        return; /* it will be asked for once more, and told then */
+    metrics_add(s->pipeline->metrics, METRIC_SENTENCES_FAILED, 1);
+    heir->job = NULL;
+    heir->failure = *e;
+    deliver(s);
+}
+
+/* The piece that there would be if the text ended here, when it is all that is there. */
+static bool next_piece(const struct synthesis *s, struct open_piece *piece) {
+    struct open_text ahead = s->writing->open; /* plain text has no elements, which would be shared */
+    struct markup_rules rules = synthesis_rules(s);
+    struct error e;
+    if (open_text_next(&ahead, s->request.text, s->request.text_size, OPEN_FLUSHED, &rules, piece, &e) <= 0)
+        return false;
+    if (piece->start + piece->length == s->request.text_size)
+        return true;
+    free(piece->text);
+    return false;
+}
+
+static void ask_voice(struct synthesis *s, struct guess *g) {
+    static const struct voice_callbacks callbacks = {on_done, on_failed};
+    struct voice_request request = {.voice = s->voice,
+                                    .score = g->score,
+                                    .rate = s->request.rate,
+                                    .pitch = s->request.pitch,
+                                    .volume = s->request.volume,
+                                    .turn = VOICE_TURN_URGENT};
+    metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
+    g->rate = s->request.rate;
+    g->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, g->chosen, &callbacks, s);
+}
+
+static void begin(struct synthesis *s, const struct open_piece *piece) {
+    struct writing *w = s->writing;
+    struct guess *g = w->guess = mem_alloc(sizeof *g);
+    struct error e;
+    g->score = score_new();
+    g->chosen = voice_selection_new(0);
+    w->guesses = w->guessed == piece->start ? w->guesses + 1 : 1;
+    w->guessed = piece->start;
+    struct reading_result into = {.score = g->score, .chosen = g->chosen};
+    if (writing_read_piece(s, piece, &into, &e) || g->score->sentence_count != 1)
+        guess_drop(s);
+    else
+        ask_voice(s, g);
+}
+
+void guess_look(struct synthesis *s) {
+    struct writing *w = s->writing;
+    struct open_piece piece;
+    bool awaited = s->started && s->score && !w->closed && w->error.code == ERROR_NONE &&
+                   w->flush == w->flush_count && s->submitted == s->released &&
+                   s->submitted == s->score->sentence_count;
+    if (!awaited || (w->guess && w->guess->heir) || w->open.kind != markup_by_name("plain"))
+        return;
+    struct markup_rules rules = synthesis_rules(s);
+    bool many = w->guesses >= GUESSES && w->guessed == w->open.at;
+    if (many || !open_text_seems_ended(&w->open, s->request.text, s->request.text_size, &rules) ||
+        !next_piece(s, &piece))
+        return;
+    guess_drop(s);
+    begin(s, &piece);
+    free(piece.text);
+}
+
+bool guess_take(struct synthesis *s, struct slot *slot, void (*deliver)(struct synthesis *s)) {
+    struct guess *g = s->writing ? s->writing->guess : NULL;
+    if (!g || g->heir)
+        return false;
+    const struct score_sentence *is = &s->score->sentences[slot->sentence], *was = &g->score->sentences[0];
+    if (is->start != was->start || is->end != was->end || slot->rate != g->rate) {
+        guess_drop(s);
+        return false;
+    }
+    if (g->job) {
+        slot->job = g->job;
+        g->heir = slot;
+        g->deliver = deliver;
+        return true;
+    }
+    slot->audio = g->audio;
+    g->audio = NULL;
+    guess_drop(s);
+    return true;
+}

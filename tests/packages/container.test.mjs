@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The container: built from the packages on a Debian that is here, small, run by nobody in particular on files that cannot be written.
+import assert from 'node:assert/strict';
+import { execFileSync, spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { freshArchive } from './fresh.mjs';
+
+const packages = process.env.FACCIA_PACKAGES;
+const root = path.resolve(import.meta.dirname, '../..');
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-container-'));
+const env = { ...process.env, BUILDAH_ISOLATION: 'chroot', STORAGE_DRIVER: 'vfs' };
+const store = ['--root', path.join(folder, 'store'), '--runroot', path.join(folder, 'run')];
+const buildah = (...args) => execFileSync('buildah', [...store, ...args], { encoding: 'utf8', env, maxBuffer: 1 << 28, stdio: ['ignore', 'pipe', 'pipe'] }).trim();
+let container, mounted, health;
+
+before(() => {
+  const base = buildah('from', 'scratch');
+  buildah('add', base, freshArchive(path.join(packages, 'debian.tar')), '/');
+  buildah('commit', '--rm', base, 'localhost/debian');
+  buildah('build', '--format', 'docker', '--pull-never', '--build-arg', 'BASE=localhost/debian', '-t', 'localhost/faccia', '-f', path.join(root, 'server/deploy/Containerfile'), packages);
+  container = buildah('from', 'localhost/faccia');
+  mounted = buildah('mount', container);
+});
+after(() => {
+  spawnSync('buildah', [...store, 'rm', '--all'], { env });
+  fs.rmSync(folder, { recursive: true, force: true });
+});
+
+test('it is small: 150 MB at most', () => {
+  const bytes = Number(execFileSync('du', ['-sb', mounted], { encoding: 'utf8' }).split('\t')[0]);
+  assert.ok(bytes < 150e6, `${bytes} bytes`);
+});
+
+test('it is nobody in particular, and says how it is', () => {
+  const { config } = JSON.parse(buildah('inspect', '--format', '{{.Config}}', 'localhost/faccia'));
+  assert.equal(config.User, 'faccia');
+  health = config.Healthcheck.Test.slice(1);
+  assert.equal(health[0], 'bash');
+});
+
+test('it speaks where nothing can be written', () => {
+  execFileSync('mount', ['--bind', '-o', 'ro', mounted, mounted]);
+  try {
+    const check = health[2].replace('8080', '8099');
+    const script = `facciad --port 8099 2>/dev/null & daemon=$!
+      for i in $(seq 100); do (exec 3<>/dev/tcp/127.0.0.1/8099) 2>/dev/null && break; sleep 0.1; done
+      exec 3<>/dev/tcp/127.0.0.1/8099
+      printf 'GET /v1/speech?text=Mamma&format=fap HTTP/1.0\\r\\nHost: localhost\\r\\n\\r\\n' >&3
+      cat <&3
+      (${check}) && echo healthy
+      kill $daemon; wait
+      (${check}) 2>/dev/null || echo gone`;
+    const { stdout, stderr } = spawnSync('chroot', ['--userspec=faccia', mounted, 'bash', '-c', script], { encoding: 'utf8' });
+    assert.match(stdout, /^HTTP\/1.. 200/, stderr);
+    assert.ok(stdout.split('\n').length > 20);
+    assert.match(stdout, /healthy\ngone\n$/);
+  } finally {
+    execFileSync('umount', [mounted]);
+  }
+});

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The Debian packages: lintian; in a fresh Debian they are installed, speak, are upgraded, removed and purged.
+import assert from 'node:assert/strict';
+import { execFileSync, spawnSync } from 'node:child_process';
+import { once } from 'node:events';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { Fresh, freshArchive } from './fresh.mjs';
+
+const packages = process.env.FACCIA_PACKAGES;
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-packages-'));
+const debs = fs.readdirSync(packages).filter((name) => name.endsWith('.deb') && !name.includes('dbgsym'));
+const named = (name) => debs.find((file) => file.startsWith(`${name}_`));
+let machine;
+
+before(() => (machine = new Fresh(path.join(folder, 'root'), freshArchive(path.join(packages, 'debian.tar')))));
+after(() => {
+  machine?.remove();
+  fs.rmSync(folder, { recursive: true });
+});
+
+const all = ['faccia', 'faccia-avatars', 'faccia-data', 'faccia-home', 'faccia-voice-dev', 'faccia-voice-festival', 'speech-dispatcher-faccia'];
+
+test('lintian finds nothing, however pedantic', () => {
+  assert.deepEqual(debs.map((name) => name.split('_')[0]).sort(), all);
+  const changes = fs.readdirSync(packages).find((name) => name.endsWith('.changes'));
+  const { stdout } = spawnSync('lintian', ['--pedantic', '--tag-display-limit', '0', path.join(packages, changes)], { encoding: 'utf8' });
+  // the time of the last commit, and a maintainer who is told when they are built
+  assert.deepEqual(stdout.split('\n').filter((line) => /^[EWIP]:/.test(line)), []);
+});
+
+test('they are installed from nothing, with what they depend on', () => {
+  fs.mkdirSync(machine.at('packages'));
+  for (const name of debs) fs.copyFileSync(path.join(packages, name), machine.at(`packages/${name}`));
+  machine.run('apt-get', 'update');
+  machine.run('apt-get', 'install', '-y', '--no-install-recommends', ...['faccia', 'faccia-data', 'faccia-home', 'faccia-voice-dev'].map((name) => `/packages/${named(name)}`));
+  assert.match(machine.run('id', 'faccia'), /uid=\d+\(faccia\)/);
+  assert.match(machine.run('faccia', '--version'), /^faccia \d/);
+  assert.ok(fs.existsSync(machine.at('lib/systemd/system/facciad.service')));
+});
+
+/** The daemon, as the unit would start it. */
+async function daemon(look) {
+  const child = machine.start('faccia', ['facciad', '--port', '0', '--cache-file', '']);
+  let log = '';
+  const address = await new Promise((resolve, reject) => {
+    child.stderr.setEncoding('utf8').on('data', (text) => {
+      log += text;
+      const found = log.match(/http:\/\/127\.0\.0\.1:\d+/);
+      if (found) resolve(found[0]);
+    });
+    child.on('exit', (code) => reject(new Error(`exit ${code}: ${log}`)));
+  });
+  try {
+    await look(address);
+  } finally {
+    child.removeAllListeners('exit');
+    const exited = once(child, 'exit');
+    child.kill('SIGTERM');
+    await exited;
+  }
+}
+
+const speaks = (address) => fetch(`${address}/v1/speech?text=La+mamma+parla.&lang=it`).then(async (response) => {
+  assert.equal(response.status, 200);
+  const pcm = new Int16Array((await response.arrayBuffer()).slice(44));
+  assert.ok(pcm.length > 10000 && pcm.some((sample) => Math.abs(sample) > 3000));
+});
+
+test('the daemon runs as its own user there, shows the page and its heads, and speaks', async () => {
+  await daemon(async (address) => {
+    assert.match(await (await fetch(address)).text(), /<talking-head/);
+    const { models } = await (await fetch(`${address}/v1/models`)).json();
+    assert.equal(models.length, 8);
+    assert.equal((await fetch(`${address}/v1/models/mara`)).status, 200);
+    await speaks(address);
+  });
+  const fap = machine.run('faccia', 'say', '--lang', 'tr', '--fap', '-', 'Papa.');
+  assert.ok(fap.split('\n').length > 20);
+});
+
+test('the unit is one that systemd takes', () => {
+  const unit = fs.readFileSync(machine.at('lib/systemd/system/facciad.service'), 'utf8');
+  const file = path.join(folder, 'facciad.service');
+  fs.writeFileSync(file, unit.replaceAll('/usr/bin/facciad', '/bin/true').replace(/^Documentation=.*\n/m, ''));
+  const { stderr } = spawnSync('systemd-analyze', ['verify', file], { encoding: 'utf8' });
+  assert.equal(stderr.split('\n').filter((line) => line.includes('facciad.service')).join('\n'), '');
+});
+
+test('an upgrade keeps what was set, and what is newer takes the place of what was there', async () => {
+  const kept = 'FACCIA_LANG=tr\n';
+  fs.appendFileSync(machine.at('etc/default/facciad'), kept);
+  const version = machine.run('dpkg-query', '-W', '-f', '${Version}', 'faccia');
+  for (const name of ['faccia', 'faccia-data', 'faccia-home', 'faccia-voice-dev']) {
+    const tree = path.join(folder, name);
+    execFileSync('dpkg-deb', ['-R', path.join(packages, named(name)), tree]);
+    const control = path.join(tree, 'DEBIAN/control');
+    fs.writeFileSync(control, fs.readFileSync(control, 'utf8').replaceAll(version, `${version}+newer`));
+    execFileSync('dpkg-deb', ['-b', '-Znone', tree, machine.at(`packages/newer-${name}.deb`)], { stdio: 'ignore' });
+    fs.rmSync(tree, { recursive: true });
+  }
+  machine.run('sh', '-c', 'apt-get install -y --no-install-recommends /packages/newer-*.deb');
+  assert.equal(machine.run('dpkg-query', '-W', '-f', '${Version}', 'faccia'), `${version}+newer`);
+  assert.ok(fs.readFileSync(machine.at('etc/default/facciad'), 'utf8').endsWith(kept));
+  await daemon(speaks);
+});
+
+test('removed it leaves what was set, purged it leaves nothing', () => {
+  machine.run('apt-get', 'remove', '-y', 'faccia', 'faccia-data', 'faccia-home', 'faccia-voice-dev');
+  assert.equal(machine.try('sh', '-c', 'command -v facciad').status, 127);
+  assert.ok(fs.existsSync(machine.at('etc/default/facciad')));
+  machine.run('dpkg', '--purge', 'faccia', 'faccia-data', 'faccia-home', 'faccia-voice-dev');
+  const left = machine.run('find', '/etc', '/usr', '/lib/systemd', '/var/lib', '-path', '/var/lib/apt', '-prune', '-o', '-iname', '*faccia*', '-print');
+  assert.equal(left, '');
+});

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A fresh Debian 12 in a folder, and commands that run in it.
+import { execFileSync, spawn, spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+
+/** As an archive, made once. @param {string} file */
+export function freshArchive(file) {
+  if (!fs.existsSync(file))
+    execFileSync('mmdebstrap', ['--variant=minbase', '--quiet', '--hook-dir=/usr/share/mmdebstrap/hooks/merged-usr', '--include=usr-is-merged', '--dpkgopt=path-exclude=/usr/share/man/*', '--dpkgopt=path-exclude=/usr/share/doc/*',
+      '--dpkgopt=path-exclude=/usr/share/locale/*', 'bookworm', file], { stdio: ['ignore', 'ignore', 'inherit'] });
+  return file;
+}
+
+/** A machine of its own, as far as files go: it shares the network. */
+export class Fresh {
+  /** @param {string} folder @param {string} archive */
+  constructor(folder, archive) {
+    this.folder = folder;
+    fs.mkdirSync(folder);
+    execFileSync('tar', ['-x', '-f', archive, '-C', folder, '--exclude=./dev/*']);
+    for (const name of ['null', 'zero', 'random', 'urandom', 'full', 'tty']) execFileSync('cp', ['-a', `/dev/${name}`, path.join(folder, 'dev')]);
+    fs.copyFileSync('/etc/resolv.conf', path.join(folder, 'etc/resolv.conf'));
+    fs.copyFileSync('/etc/hosts', path.join(folder, 'etc/hosts'));
+    execFileSync('mount', ['-t', 'proc', 'proc', path.join(folder, 'proc')]);
+    fs.writeFileSync(path.join(folder, 'usr/sbin/policy-rc.d'), '#!/bin/sh\nexit 101\n', { mode: 0o755 }); // there is no systemd to start it
+  }
+
+  /** @param {string} file @returns {string} its place outside */
+  at(file) {
+    return path.join(this.folder, file);
+  }
+
+  #options = { encoding: 'utf8', maxBuffer: 1 << 28, env: { PATH: '/usr/sbin:/usr/bin:/sbin:/bin', DEBIAN_FRONTEND: 'noninteractive', LC_ALL: 'C.UTF-8' } };
+
+  /** @param {...string} command @returns {{status: number, stdout: string, stderr: string}} */
+  try(...command) {
+    return spawnSync('chroot', [this.folder, ...command], this.#options);
+  }
+
+  run(...command) {
+    const { status, stdout, stderr } = this.try(...command);
+    if (status !== 0) throw new Error(`${command.join(' ')}: ${status}\n${stdout}\n${stderr}`);
+    return stdout;
+  }
+
+  /** @param {string} user @param {string[]} command */
+  start(user, command) {
+    return spawn('chroot', [`--userspec=${user}`, this.folder, ...command], { env: this.#options.env });
+  }
+
+  remove() {
+    spawnSync('umount', [this.at('proc')]);
+    fs.rmSync(this.folder, { recursive: true });
+  }
+}

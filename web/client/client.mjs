@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: MIT
+// What a faccia server says, without a face: messages, sound and FAP frames, for Node.js and for browsers.
+import { decodeChunk } from '../../protocol/chunk.mjs';
+import { CompactReader, isCompact } from '../../protocol/compact.mjs';
+import { Connection } from '../src/connection.mjs';
+
+/** Messages that end nothing, but concern an utterance by its id or number. */
+const own = (message, utterance) =>
+  message.id === utterance.id || (utterance.number !== null && message.utterance === utterance.number);
+
+/** One thing that is said. `for await` gives what comes of it, in order, from when one begins to ask; `done` its `end`. */
+export class Utterance {
+  #queue = null; // NULL: nobody asks
+  #wake = () => {};
+  #end;
+
+  constructor(client, id) {
+    this.client = client;
+    this.id = id;
+    /** Its number on the stream: what media name. Null until `begin`. */
+    this.number = null;
+    /** @type {object[]} the errors that concern it */
+    this.errors = [];
+    this.done = new Promise((resolve) => (this.#end = resolve));
+  }
+
+  /** More of a text that was begun with `open`. @returns {boolean} whether it went out */
+  write(text) {
+    return this.client.send({ type: 'text', id: this.id, text });
+  }
+
+  /** What was written so far is a sentence. */
+  flush() {
+    return this.client.send({ type: 'flush', id: this.id });
+  }
+
+  /** All of it has been written. */
+  close() {
+    return this.client.send({ type: 'close', id: this.id });
+  }
+
+  /** It is not said, or not to its end. */
+  cancel() {
+    return this.client.send({ type: 'cancel', id: this.id });
+  }
+
+  [Symbol.asyncIterator]() {
+    this.#queue ??= [];
+    return this.#events();
+  }
+
+  async *#events() {
+    for (;;) {
+      while (this.#queue.length) {
+        const event = this.#queue.shift();
+        yield event;
+        if (event.type === 'end') return;
+      }
+      await new Promise((resolve) => (this.#wake = resolve));
+    }
+  }
+
+  /** What the client has heard of it. */
+  hear(event) {
+    if (event.type === 'begin') this.number = event.utterance;
+    if (event.type === 'error') this.errors.push(event);
+    this.#queue?.push(event);
+    this.#wake();
+    if (event.type === 'end') this.#end(event);
+  }
+}
+
+/**
+ * A stream of a server. Events, each with its `detail`: `message` (what the server says), `media` (a chunk, decoded), `state`
+ * (`connecting`, `open`, `waiting` or `closed`): a connection that is lost is made anew, and what was being said then ends
+ * with the reason `lost`.
+ */
+export class Client extends EventTarget {
+  #utterances = new Map();
+  #reader = new CompactReader();
+  #last = 0;
+  #name = Math.random().toString(36).slice(2, 8);
+
+  /** @param {string} address of the stream, with all that it is to be told @param {object} platform see connect() */
+  constructor(address, platform = {}) {
+    super();
+    /** What the server has said of itself; null before. */
+    this.hello = null;
+    this.connection = new Connection(address, {
+      onstate: ({ state }) => this.#stateChanged(state),
+      onmessage: (message) => this.#hear(message),
+      onmedia: (data) => this.#media(data),
+    }, platform);
+    this.connection.open();
+  }
+
+  get state() {
+    return this.connection.state;
+  }
+
+  /** A message as the protocol has it. @returns {boolean} whether it went out */
+  send(message) {
+    return this.connection.send(message);
+  }
+
+  /**
+   * @param {string} text
+   * @param {object} options the members of `speak`: lang, voice, markup, mode, open...
+   * @returns {Utterance} one that could not be sent ends with the reason `lost`
+   */
+  speak(text, options = {}) {
+    return this.#say({ type: 'speak', text, ...options });
+  }
+
+  /** Something that is written word by word: write(), flush(), close(). */
+  open(options = {}) {
+    return this.#say({ type: 'speak', open: true, ...options });
+  }
+
+  /** A recording of the server's folder. */
+  play(name, options = {}) {
+    return this.#say({ type: 'play', name, ...options });
+  }
+
+  close() {
+    this.connection.close();
+  }
+
+  #say(message) {
+    const utterance = new Utterance(this, message.id ?? `${this.#name}-${++this.#last}`);
+    this.#utterances.set(utterance.id, utterance);
+    if (!this.send({ ...message, id: utterance.id })) queueMicrotask(() => this.#lose(utterance));
+    return utterance;
+  }
+
+  #hear(message) {
+    if (message.type === 'hello') this.hello = message;
+    this.dispatchEvent(new CustomEvent('message', { detail: message }));
+    for (const utterance of this.#utterances.values()) {
+      if (!own(message, utterance)) continue;
+      utterance.hear(message);
+      if (message.type === 'end') this.#utterances.delete(utterance.id);
+    }
+  }
+
+  #media(data) {
+    const chunk = { type: 'media', ...(isCompact(data) ? this.#reader.decode(data) : decodeChunk(data)) };
+    for (const event of chunk.events ?? []) this.#hear(event);
+    this.dispatchEvent(new CustomEvent('media', { detail: chunk }));
+    for (const utterance of this.#utterances.values()) if (utterance.number === chunk.utterance) utterance.hear(chunk);
+  }
+
+  #stateChanged(state) {
+    if (state === 'connecting') this.#reader = new CompactReader();
+    if (state === 'waiting' || state === 'closed') for (const utterance of [...this.#utterances.values()]) this.#lose(utterance);
+    this.dispatchEvent(new CustomEvent('state', { detail: state }));
+  }
+
+  #lose(utterance) {
+    if (this.#utterances.delete(utterance.id)) utterance.hear({ type: 'end', id: utterance.id, reason: 'lost' });
+  }
+}
+
+/** The stream's address of a server's, with what it is to be told. */
+function streamAddress(server, { WebSocket: _, ...members }) {
+  const url = new URL(server);
+  url.protocol = url.protocol.replace(/^http/, 'ws');
+  if (url.pathname === '/') url.pathname = '/v1/stream';
+  const usual = { audio: 'pcm', fap: 'plain' };
+  const told = Object.entries({ ...usual, ...members }).filter(([, value]) => value !== undefined && value !== null);
+  for (const [name, value] of told) url.searchParams.set(name, value);
+  if (members.room) url.searchParams.set('key', members.room);
+  return url.href;
+}
+
+/**
+ * Opens a stream and waits until the server greets.
+ * @param {string} server `http://localhost:8080`, or the address of its stream
+ * @param {object} options what the address may say (lang, voice, rate, room, token, fps, idle..., audio `pcm` or `opus`, fap
+ *   `plain` or `fapc`, events `packed`); WebSocket: the class, where there is none (Node.js before 22: that of `ws`); signal
+ * @returns {Promise<Client>} fails when the first attempt does
+ */
+export function connect(server, { signal, ...options } = {}) {
+  return new Promise((resolve, reject) => {
+    const client = new Client(streamAddress(server, options), options.WebSocket ? { WebSocket: options.WebSocket } : {});
+    const fail = (error) => {
+      client.close();
+      reject(error);
+    };
+    if (signal?.aborted) fail(signal.reason);
+    signal?.addEventListener('abort', () => fail(signal.reason), { once: true });
+    client.addEventListener('state', function settle({ detail }) {
+      if (detail === 'waiting') fail(new Error(`no faccia server answers at ${server}`));
+      if (detail === 'open') queueMicrotask(() => resolve(client));
+      if (detail !== 'connecting') client.removeEventListener('state', settle);
+    });
+  });
+}

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: MIT
+// What unpacks files that are packed: each a script of its own beside this one, with its WebAssembly in it, fetched by the
+// first avatar that needs it. Nothing runs in workers made of text, and nothing else is fetched: a policy needs
+// `'wasm-unsafe-eval'` for it, and no more.
+import { BufferAttribute, BufferGeometry } from 'three';
+import { AvatarProblem } from './problem.mjs';
+
+const SCRIPTS = {
+  draco: async () => (await import(/* @vite-ignore */ new URL('./talking-head-draco.js', import.meta.url).href)).openDraco(),
+  basis: async () => (await import(/* @vite-ignore */ new URL('./talking-head-basis.js', import.meta.url).href)).openBasis(),
+  meshopt: async () => {
+    const { MeshoptDecoder } = await import('three/examples/jsm/libs/meshopt_decoder.module.js'); // not before: it is WebAssembly
+    await MeshoptDecoder.ready;
+    return MeshoptDecoder;
+  },
+};
+const NAMES = { draco: 'Draco', basis: 'KTX2', meshopt: 'meshopt' };
+
+const open = new Map();
+
+/** @param {'draco'|'basis'|'meshopt'} name @throws {AvatarProblem} where it may not run here */
+export function unpacker(name) {
+  if (!open.has(name)) {
+    const coming = SCRIPTS[name]().catch((error) => {
+      open.delete(name);
+      const why = `the page's policy has to allow 'wasm-unsafe-eval' (${error.message})`;
+      throw new AvatarProblem('unsupported', `it is packed with ${NAMES[name]}: ${why}`);
+    });
+    open.set(name, coming);
+  }
+  return open.get(name);
+}
+
+/**
+ * Draco as GLTFLoader asks for it. @param {Awaited<ReturnType<typeof unpacker>>} draco
+ * @param {object} json the GLB's: no primitive may have more than the largest of its accessors
+ */
+export function dracoOf(draco, json) {
+  const points = (json.accessors ?? []).reduce((most, { count }) => Math.max(most, count), 0);
+  return {
+    preload() {},
+    decodeDracoFile(buffer, done, ids, types, _space, failed) {
+      try {
+        const wanted = Object.fromEntries(Object.entries(ids).map(([name, id]) => [name, { id, type: types[name] }]));
+        const { index, attributes } = draco.decode(new Uint8Array(buffer), wanted, { points, corners: points });
+        const geometry = new BufferGeometry();
+        geometry.setIndex(new BufferAttribute(index, 1));
+        for (const [name, { array, width }] of Object.entries(attributes))
+          geometry.setAttribute(name, new BufferAttribute(array, width));
+        done(geometry);
+      } catch (error) {
+        failed(error);
+      }
+    },
+  };
+}
