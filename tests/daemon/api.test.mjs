@@ -160,22 +160,27 @@ test('the daemon takes each message of the client, and sends each of the server'
   const stream = await daemon.stream('?lang=it');
   const texts = { text: '<speak>Uno <mark name="m"/>due. Tre.</speak>', markup: 'ssml', phones: true };
   const members = { speak: texts, rate: { rate: 150 }, jump: { mark: 'm' }, join: { room: 'api' }, play: { name: 'x' },
-    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' } };
-  const order = ['ping', 'model', 'media', 'idle', 'express', 'authorize', 'join', 'choices', 'choose', 'state', 'calibrate', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'leave', 'stop'];
+    choices: { choices: ['Sì'] }, choose: { choice: 0 }, state: { state: 'idle' }, consent: { consent: 'asked', text: 'Sì?' }, calibrate: { featurePointsCoord: { '8.3': [26, -62, 18] } }, text: { id: 'w', text: 'Uno.' }, flush: { id: 'w' }, close: { id: 'w' }, cancel: { id: 'w' } };
+  const order = ['ping', 'model', 'media', 'idle', 'authorize', 'join', 'express', 'choices', 'choose', 'state', 'consent', 'calibrate', 'speak', 'text', 'flush', 'close', 'cancel', 'pause', 'rate', 'jump', 'resume', 'play', 'leave', 'stop'];
   assert.deepEqual([...order].sort(), types('client').sort());
+  const desk = await daemon.stream(); // who looks on hears of the desks
+  desk.send({ type: 'join', room: 'api', watch: true });
+  await desk.wait({ type: 'desks' });
+  const mix = [{ name: 'joy' }];
   for (const type of order) {
     if (type === 'leave') await stream.wait({ type: 'end', reason: 'done' });
-    stream.send({ type, mix: [], token: 'x', ...members[type] });
+    stream.send({ type, mix, token: 'x', ...members[type] });
   }
   stream.send({ type: 'speak', markup: 'ssml', text: '<speak>Ciao.<bark/></speak>' });
   await stream.wait({ type: 'warning' });
   stream.send({ type: 'ping', id: 'last' });
   await stream.wait({ type: 'pong', id: 'last' });
-  assert.ok(!stream.messages.some((m) => m.code === 'unknown-type' || m.code === 'bad-message'));
+  const messages = [...stream.messages, ...desk.messages];
+  assert.ok(!messages.some((m) => m.code === 'unknown-type' || m.code === 'bad-message'));
   // authorized only comes where there are tokens
-  const heard = new Set([...stream.messages.map((m) => m.type), stream.chunks.length && 'media', 'authorized']);
+  const heard = new Set([...messages.map((m) => m.type), stream.chunks.length && 'media', 'authorized']);
   assert.deepEqual(types('server').filter((type) => !heard.has(type)), []);
-  for (const { arrived, ...message } of stream.messages)
+  for (const { arrived, ...message } of messages)
     assert.ok(ajv.validate({ $ref: 'schema/server.json' }, message), `${arrived} ${JSON.stringify(message).slice(0, 200)}: ${ajv.errorsText()}`);
-  await stream.close();
+  for (const opened of [stream, desk]) await opened.close();
 });

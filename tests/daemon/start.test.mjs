@@ -57,7 +57,7 @@ test('requests wait for the voice that they get when all are there, and for no o
 
 test('a voice that does not come is waited for no longer than the setting says', async () => {
   fs.rmSync(gate, { force: true });
-  const daemon = await start('--voice-start', '5');
+  const daemon = await start('--voice-start', '15');
   const posted = [post(daemon, 'lang=fr'), post(daemon, 'voice=early:late')];
   await daemon.logged(/the voice early takes long to start/);
   const [other, named] = await Promise.all(posted);
@@ -78,7 +78,7 @@ test('when no voice comes at all, health says so, until one does', async () => {
   fs.mkdirSync(lonely);
   fs.symlinkSync(path.join(build, 'tests/plugins/sleepy.so'), path.join(lonely, 'early.so'));
   fs.symlinkSync(path.join(build, 'tests/plugins/refuses.so'), path.join(lonely, 'refuses.so'));
-  const daemon = await start('--plugins', lonely, '--voice-start', '2');
+  const daemon = await start('--plugins', lonely, '--voice-start', '10');
   const health = async () => {
     const answer = await daemon.get('/healthz');
     return [answer.status, await answer.json()];

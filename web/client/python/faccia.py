@@ -35,11 +35,11 @@ __all__ = ["CLIENT_MESSAGES", "SERVER_MESSAGES", "ChunkError", "Client", "Media"
 #: Types of messages, by who says them (protocol/asyncapi.json).
 CLIENT_MESSAGES = frozenset(
     "speak text flush close cancel stop pause resume rate jump play idle express media join leave authorize model ping "
-    "choices choose state calibrate".split()
+    "choices choose state calibrate consent".split()
 )
 SERVER_MESSAGES = frozenset(
     "hello begin sentence word phone mark paused resumed jumped warning error end joined left authorized model pong "
-    "choices chosen state calibrated".split()
+    "choices chosen state calibrated expressed consent desks".split()
 )
 
 Message = Dict[str, Any]
