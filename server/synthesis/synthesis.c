@@ -236,6 +236,7 @@ void synthesis_free(struct synthesis *s) {
     writing_free(s);
     free_result(s);
     request_free(&s->request);
+    expressions_free(s->expressions);
     free(s);
 }
 
