@@ -123,7 +123,7 @@ struct work *redis_work_open(uv_loop_t *loop, const struct redis_work_options *o
     w->metrics = options->metrics;
     redis_id_make(id);
     snprintf(w->to, sizeof w->to, REDIS_WORK ":to:%s", id);
-    snprintf(w->lane, sizeof w->lane, "%d", id[0] % atoi(REDIS_WORK_LANES));
+    w->lane = (unsigned)strtoul(id + REDIS_ID_BYTES - 9, NULL, 16);
     snprintf(w->most, sizeof w->most, "%u", options->most);
     w->mouth = redis_work_link(loop, options->address, "work", on_mouth, w, e);
     w->ear = w->mouth ? redis_work_link(loop, options->address, "answers", on_ear, w, e) : NULL;

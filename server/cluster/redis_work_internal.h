@@ -31,7 +31,8 @@ struct redis_work {
     struct work_sources sources;
     work_seen seen;
     void *seen_ctx;
-    char to[TO_BYTES], lane[NUMBER_BYTES], most[NUMBER_BYTES];
+    char to[TO_BYTES], most[NUMBER_BYTES];
+    unsigned lane;  /* of sentences that are nobody's */
     uint64_t heard; /* loop time: the sources are of then */
     struct metrics *metrics;
     double live, ahead; /* as the metrics have them */
@@ -40,7 +41,7 @@ struct redis_work {
 };
 
 /* redis_work_tasks.c */
-struct work_task *redis_task_put(struct work *work, const char *queue, enum work_turn turn,
+struct work_task *redis_task_put(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
                                  const struct buf *sentence, work_answered answered, void *ctx);
 void redis_task_cancel(struct work_task *task);
 void redis_task_piece(struct redis_work *w, const void *data, size_t size); /* of an answer */

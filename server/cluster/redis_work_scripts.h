@@ -6,14 +6,14 @@
  *   :voices:QUEUE    its voices, JSON
  *   :q:QUEUE:T:L     streams, for each turn T and lane L, with the group "w": s = the sentence, r = the list
  *                    that its answer goes to
- *   :n:QUEUE         how many were taken: whose turn it is
+ *   :n:QUEUE         how many were taken, and from which lane the last: whose turn it is
  *   :bell            stream of one entry: something has come, or is not wanted any more
  *   :to:DAEMON       list of answers */
 #ifndef FACCIA_CLUSTER_REDIS_WORK_SCRIPTS_H
 #define FACCIA_CLUSTER_REDIS_WORK_SCRIPTS_H
 
 #define REDIS_WORK "faccia:{work}"
-#define REDIS_WORK_LANES "8"
+#define REDIS_WORK_LANES "16"
 
 #define WORK_NOW                                                                                             \
     "local t = redis.call('TIME') "                                                                          \
@@ -76,7 +76,8 @@
  * takes, ms after which a sentence is lost, queue, 2: ahead ones too, else 1. */
 #define SCRIPT_WORK_TAKE                                                                                     \
     "local counter = KEYS[1]..':n:'..ARGV[3] "                                                               \
-    "local n = tonumber(redis.call('GET', counter) or '0') or 0 "                                            \
+    "local n, last = (redis.call('GET', counter) or '0 0'):match('^(%d+) (%d+)$') "                          \
+    "n, last = tonumber(n or 0), tonumber(last or 0) "                                                       \
     "local turns = n % 2 == 0 and {0, 1, 2} or {1, 0, 2} "                                                   \
     "local function first(key) "                                                                             \
     "local from = '0-0' "                                                                                    \
@@ -88,12 +89,12 @@
     "local r = redis.call('XREADGROUP', 'GROUP', 'w', ARGV[1], 'COUNT', '1', 'STREAMS', key, '>') "          \
     "return r and r[1] and r[1][2][1] end "                                                                  \
     "for i = 1, 1 + ARGV[4] do for l = 0, " REDIS_WORK_LANES " - 1 do "                                      \
-    "local lane = (math.floor(n / 2) + l) % " REDIS_WORK_LANES " "                                           \
+    "local lane = (last + 1 + l) % " REDIS_WORK_LANES " "                                                    \
     "local key = KEYS[1]..':q:'..ARGV[3]..':'..turns[i]..':'..lane "                                         \
     "local length = redis.pcall('XLEN', key) "                                                               \
     "local e = type(length) == 'number' and length > 0 and first(key) "                                      \
     "if e then "                                                                                             \
-    "redis.call('SET', counter, n + 1, 'EX', 86400) "                                                        \
+    "redis.call('SET', counter, (n + 1)..' '..lane, 'EX', 86400) "                                           \
     "local p = redis.call('XPENDING', key, 'w', e[1], e[1], 1) "                                             \
     "local f = {} "                                                                                          \
     "for k = 1, #(e[2] or {}), 2 do f[e[2][k]] = e[2][k + 1] end "                                           \

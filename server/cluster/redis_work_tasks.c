@@ -76,19 +76,20 @@ static void on_put(void *ctx, const redisReply *reply) {
     }
 }
 
-struct work_task *redis_task_put(struct work *work, const char *queue, enum work_turn turn,
+struct work_task *redis_task_put(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
                                  const struct buf *sentence, work_answered answered, void *ctx) {
     struct redis_work *w = (struct redis_work *)work;
     struct redis_task *t = mem_alloc(sizeof *t);
     struct buf packed = {0};
-    char number[NUMBER_BYTES];
+    char number[NUMBER_BYTES], lane[NUMBER_BYTES];
     t->task.work = work;
     t->answered = answered;
     t->ctx = ctx;
     DL_APPEND(w->tasks, t);
     work_pack_sentence(sentence, &packed);
     snprintf(number, sizeof number, "%d", turn);
-    const struct link_text more[] = {link_text_of(queue),        link_text_of(number), link_text_of(w->lane),
+    snprintf(lane, sizeof lane, "%u", (payer ? payer : w->lane) % (unsigned)atoi(REDIS_WORK_LANES));
+    const struct link_text more[] = {link_text_of(queue),        link_text_of(number), link_text_of(lane),
                                      {packed.data, packed.size}, link_text_of(w->to),  link_text_of(w->most)};
     if (!redis_link_up(w->ear) || !redis_work_run(w->mouth, SCRIPT_WORK_PUT, more, 6, on_put, t))
         fail_soon(t, WORK_UNREACHED);

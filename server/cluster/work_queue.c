@@ -6,9 +6,9 @@ void work_watch(struct work *work, work_seen seen, void *ctx) {
     work->engine->watch(work, seen, ctx);
 }
 
-struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn,
+struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
                            const struct buf *sentence, work_answered answered, void *ctx) {
-    return work->engine->put(work, queue, turn, sentence, answered, ctx);
+    return work->engine->put(work, queue, turn, payer, sentence, answered, ctx);
 }
 
 void work_cancel(struct work_task *task) {

@@ -40,7 +40,7 @@ typedef void (*work_seen)(void *ctx, const struct work_source *sources, size_t c
 
 struct work_engine {
     void (*watch)(struct work *work, work_seen seen, void *ctx);
-    struct work_task *(*put)(struct work *work, const char *queue, enum work_turn turn,
+    struct work_task *(*put)(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
                              const struct buf *sentence, work_answered answered, void *ctx);
     void (*cancel)(struct work_task *task);
     void (*close)(struct work *work);
@@ -54,9 +54,9 @@ struct work_task {
     struct work *work;
 };
 
-/* seen NULL: nobody is told any more. */
+/* seen NULL: nobody is told any more. The sentences of different payers come by turns; 0: this daemon's. */
 void work_watch(struct work *work, work_seen seen, void *ctx);
-struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn,
+struct work_task *work_put(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
                            const struct buf *sentence, work_answered answered, void *ctx);
 
 /* No answer will come; who speaks it is told to stop. NULL is fine. */

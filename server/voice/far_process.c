@@ -10,6 +10,7 @@ struct far_process {
     uv_timer_t pulse;
     bool greeted, stopped;
     enum work_turn turn;
+    uint32_t payer;
     uint32_t job;           /* that it speaks; 0 = none */
     struct work_task *task; /* NULL: what it asked for has been answered */
     struct process_callbacks callbacks;
@@ -95,7 +96,7 @@ static void speak(struct far_process *p, const struct wire_frame *frame) {
     (void)wire_get_u32(&r); /* processor time: its own pool says how much */
     const struct buf sentence = {(uint8_t *)r.at, (size_t)(r.end - r.at), 0};
     p->job = frame->job;
-    p->task = work_put(p->work, p->queue, p->turn, &sentence, on_answered, p);
+    p->task = work_put(p->work, p->queue, p->turn, p->payer, &sentence, on_answered, p);
     uv_timer_start(&p->pulse, on_pulse, WIRE_ALIVE_MS, WIRE_ALIVE_MS);
 }
 
@@ -154,8 +155,10 @@ struct process *far_process_start(uv_loop_t *loop, struct work *work, const char
     return &p->process;
 }
 
-void far_process_turn(struct process *process, enum voice_turn turn) {
+void far_process_turn(struct process *process, enum voice_turn turn, uint32_t payer) {
     static const enum work_turn turns[] = {
         [VOICE_TURN_USUAL] = WORK_USUAL, [VOICE_TURN_URGENT] = WORK_URGENT, [VOICE_TURN_AHEAD] = WORK_AHEAD};
-    ((struct far_process *)process)->turn = turns[turn];
+    struct far_process *p = (struct far_process *)process;
+    p->turn = turns[turn];
+    p->payer = payer;
 }

@@ -14,7 +14,7 @@ struct process *far_process_start(uv_loop_t *loop, struct work *work, const char
                                   const char *description, const struct process_callbacks *callbacks,
                                   void *ctx);
 
-/* Whose turn the next sentence is. */
-void far_process_turn(struct process *p, enum voice_turn turn);
+/* Whose turn the next sentence is, and whose it is. */
+void far_process_turn(struct process *p, enum voice_turn turn, uint32_t payer);
 
 #endif

@@ -165,8 +165,8 @@ void job_begin(struct voice_job *job) {
 }
 
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
-                                        enum voice_turn turn, const struct voice_callbacks *callbacks,
-                                        void *ctx) {
+                                        const struct voice_request *request,
+                                        const struct voice_callbacks *callbacks, void *ctx) {
     struct voice_job *job = mem_alloc(sizeof *job);
     job->plugin = plugin_of(pool, voice);
     job->number = pool_number(pool);
@@ -174,7 +174,8 @@ struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct vo
     job->callbacks = *callbacks;
     job->ctx = ctx;
     job->plan = plan;
-    job->turn = turn;
+    job->turn = request->turn;
+    job->payer = request->payer;
     if (job_look_up(job)) {
         job_push(&pool->known, job);
         pool_soon(pool);
@@ -189,7 +190,7 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
     const struct plan_prosody prosody = voice_request_prosody(request, request->voice);
     struct plan plan;
     plan_make(&plan, request->score, request->sentence, &prosody);
-    return voice_pool_speak_plan(pool, request->voice, plan, request->turn, callbacks, ctx);
+    return voice_pool_speak_plan(pool, request->voice, plan, request, callbacks, ctx);
 }
 
 void voice_job_cancel(struct voice_job *job) {

@@ -121,6 +121,7 @@ struct voice_request {
     double rate;          /* words per minute, 0 = the voice's own; the styles' factors multiply it */
     double pitch, volume; /* factors, 1 = the voice's own */
     enum voice_turn turn;
+    uint32_t payer; /* whose it is: they come by turns where workers elsewhere speak; 0 = nobody's */
 };
 
 /* How well a voice's language fits the wanted one (BCP 47): 3 the same tag, 2 a variety of what is wanted
@@ -139,10 +140,10 @@ struct voice_callbacks {
 struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_request *request,
                                    const struct voice_callbacks *callbacks, void *ctx);
 
-/* The same for a plan, which the job takes over, and a voice. */
+/* The same for a plan, which the job takes over, and a voice; of the request, only turn and payer count. */
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
-                                        enum voice_turn turn, const struct voice_callbacks *callbacks,
-                                        void *ctx);
+                                        const struct voice_request *request,
+                                        const struct voice_callbacks *callbacks, void *ctx);
 
 /* What the pool runs, for a worker that speaks for other daemons. False: there is no such plugin. Texts
  * belong to the pool; description, as WIRE_HELLO has it, is NULL until its voices are listed. */

@@ -70,7 +70,8 @@ struct voice_job *voice_pool_speak_frames(struct voice_pool *pool, size_t index,
                   well ? "there is no such voice" : "was asked for what is no sentence");
         return NULL;
     }
-    struct voice_job *job = voice_pool_speak_plan(pool, voice, plan, turn, callbacks, ctx);
+    const struct voice_request request = {.turn = turn};
+    struct voice_job *job = voice_pool_speak_plan(pool, voice, plan, &request, callbacks, ctx);
     job->frames = frames;
     job->uncacheable = false;
     return job;

@@ -23,6 +23,7 @@ struct voice_job {
     struct worker *worker; /* that speaks it */
     uint32_t number;       /* on the wire */
     enum voice_turn turn;
+    uint32_t payer;
     bool gave_way;  /* it was ahead, and somebody came */
     bool cancelled; /* nobody waits for it any more */
     bool moved;     /* to another worker, as the first one fell silent */

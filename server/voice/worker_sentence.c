@@ -140,7 +140,7 @@ void worker_wake(struct worker *w) {
     be_patient(w);
     spare_watch(w);
     if (w->plugin->queue)
-        far_process_turn(w->process, job->turn);
+        far_process_turn(w->process, job->turn, job->payer);
     process_send(w->process, &b);
     buf_free(&b);
 }

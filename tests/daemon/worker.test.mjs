@@ -8,6 +8,7 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { build, Daemon, eventually } from '../lib/daemon.mjs';
 import { Redis } from '../lib/redis.mjs';
+import { bearer, sign } from '../lib/tokens.mjs';
 import { Worker } from '../lib/worker.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-worker-'));
@@ -177,6 +178,41 @@ test('who is heard comes before what is made ahead, which gives way', async () =
   assert.deepEqual(order.slice(-4), ['wait ahead', 'wait live', 'straight on', 'wait ahead']);
   open(false);
   assert.deepEqual(await ahead.stop(), { code: 0, signal: null }, ahead.log);
+  await dismiss(speaker);
+});
+
+/** By which of 16 lanes a subject's sentences go: FNV-1a of its key. */
+const lane = (subject) => [...`s ${subject}`].reduce((hash, c) => Math.imul(hash ^ c.charCodeAt(0), 16777619) >>> 0, 2166136261) % 16;
+
+test('one who asks for much does not hold up another', async () => {
+  const secret = 'a secret of thirty-two bytes or more';
+  const file = path.join(folder, 'secrets');
+  fs.writeFileSync(file, `${secret}\n`, { mode: 0o600 });
+  const guarded = await start('--token-file', file);
+  const speaker = await worker();
+  const other = ['berta', 'carla', 'dora'].find((name) => lane(name) !== lane('anna'));
+  const by = async (sub, text) => {
+    const { headers } = bearer(sign({ secret, claims: { sub } }));
+    const response = await guarded.get('/v1/speech?format=json&lang=it&voice=command:dear', { method: 'POST', body: text, headers: { ...headers, 'content-type': 'text/plain' } });
+    assert.equal(response.status, 200, await response.clone().text());
+  };
+  await eventually(async () => (await guarded.get('/v1/voices', bearer(sign({ secret })))).text().then((text) => text.includes('command:dear')), 'the voice');
+  const all = [by('anna', 'wait anna')];
+  await eventually(() => asked('wait anna').length === 1, 'the first to be spoken');
+  const queued = (count) => eventually(() => redis.names('faccia:{work}:q:*').reduce((sum, key) => sum + Number(redis.cli('xlen', key)), 0) === count, `${count} in the queue`);
+  for (let i = 1; i <= 5; i++) {
+    all.push(by('anna', `anna again ${i}`));
+    await queued(1 + i);
+  }
+  all.push(by(other, 'only once'));
+  await queued(7);
+  open(true);
+  await Promise.all(all);
+  open(false);
+  const order = lines().slice(-7).map((line) => line.slice(line.indexOf(' ') + 1));
+  assert.ok(order.indexOf('only once') <= 2, String(order));
+  assert.deepEqual(order.filter((text) => text.startsWith('anna again')), [1, 2, 3, 4, 5].map((i) => `anna again ${i}`));
+  assert.deepEqual(await guarded.stop(), { code: 0, signal: null }, guarded.log);
   await dismiss(speaker);
 });
 
