@@ -5,10 +5,11 @@
 
 #include "server/app/settings.h"
 #include "server/cluster/cluster.h"
+#include "server/cluster/work_queue.h"
 
-/* *out NULL: it is alone. -1 with *e when the setting is none, or the daemon was built without an engine for
+/* Both NULL: it is alone. -1 with *e when the setting is none, or the daemon was built without an engine for
  * it. */
 int cluster_place_open(const struct settings *settings, uv_loop_t *loop, struct metrics *metrics,
-                       struct cluster **out, struct error *e);
+                       struct cluster **out, struct work **work, struct error *e);
 
 #endif

@@ -40,6 +40,7 @@ struct daemon {
     struct library *library; /* NULL = none */
     char *voice_config;      /* with the library's recordings; NULL: there are none */
     struct cluster *cluster; /* NULL = alone */
+    struct work *work;       /* likewise */
     struct speak_ahead *ahead;
     struct net *net;
     struct daemon_offer *offer;
@@ -148,6 +149,7 @@ static void stop(struct daemon *d) {
     speak_ahead_close(d->ahead);
     stages_stop_voices(&d->stages);
     cluster_close(d->cluster);
+    work_close(d->work);
     coder_pool_close(d->coders);
     if (!d->running)
         return;
@@ -215,9 +217,10 @@ static int start(struct daemon *d, struct error *e) {
     if (!speech_packs_find(&d->stages.packs, s->lang))
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
     if (library_place_open(s, &d->paths, &d->library, &d->voice_config, e) ||
-        cluster_place_open(s, &d->loop, &d->metrics, &d->cluster, e))
+        cluster_place_open(s, &d->loop, &d->metrics, &d->cluster, &d->work, e))
         return -1;
     voices.cluster = d->cluster;
+    voices.work = d->work;
     if (d->voice_config)
         voices.config = d->voice_config;
     pipeline->metrics = voices.metrics = &d->metrics;

@@ -40,6 +40,10 @@ static const struct {
                              "Sentences that other daemons were asked for; waited: one was making it."},
     [METRIC_CLUSTER_MISSES] = {"faccia_cluster_sentences_total", "{result=\"miss\"}", "counter", ""},
     [METRIC_CLUSTER_WAITS] = {"faccia_cluster_sentences_total", "{result=\"waited\"}", "counter", ""},
+    [METRIC_CLUSTER_QUEUE_LIVE] =
+        {"faccia_cluster_queue_sentences", "{turn=\"live\"}", "gauge",
+         "Sentences of all daemons that wait for workers elsewhere, or are spoken there."},
+    [METRIC_CLUSTER_QUEUE_AHEAD] = {"faccia_cluster_queue_sentences", "{turn=\"ahead\"}", "gauge", ""},
     [METRIC_SOUND_LEVEL] =
         {"faccia_sound_level", "", "gauge",
          "Level of the sound's coding: 0 is the best, more is plainer and takes less time."},

@@ -136,6 +136,7 @@ void socket_speak_request(struct socket *s, struct speech_request *request) {
         socket_refuse(s, request->id, &e);
         return;
     }
+    request->payer = principal_payer(&s->principal);
     uint32_t utterance = stream_speak(socket_stream(s), request);
     if (request->open && utterance)
         write_begin(s, request->id, utterance);

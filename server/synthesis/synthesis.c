@@ -34,7 +34,8 @@ static void ask_voice(struct synthesis *s, struct slot *slot) {
                                     .rate = s->request.rate,
                                     .pitch = s->request.pitch,
                                     .volume = s->request.volume,
-                                    .turn = turn_of(s, slot)};
+                                    .turn = turn_of(s, slot),
+                                    .payer = s->request.payer};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }
