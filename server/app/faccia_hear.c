@@ -117,7 +117,7 @@ static int run(struct hear *h, const struct stages *stages, const struct setting
         if (!hearing) {
             cli_complain("%s: %s", h->sound, error_text(&e, text, sizeof text));
             status = e.code == ERROR_BAD_FIELD ? EXIT_USAGE : EXIT_FAILED;
-        } else if (!hear_write_begin(&h->write, h->lang, h->fps, h->lookahead)) {
+        } else if (!hear_write_begin(&h->write, speech_pack_lang(pack), h->fps, h->lookahead)) {
             well = !hear_all(h, hearing);
         }
         if (!hear_write_close(&h->write, well) && well)

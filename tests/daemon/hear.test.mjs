@@ -125,6 +125,12 @@ for (const ms of [0, 40, 80, 120])
     assert.ok(open.filter((p) => frames.some((f) => f.time >= p.start && f.time <= p.end && gap(f) > 30)).length >= 0.8 * open.length);
   });
 
+test('a language that nobody has a pack for has the general lips, and they are named', () => {
+  const { status, stdout, stderr } = hear(['-l', 'x"', '--json', '-', sound('rest.wav', 0.5, 16000, 1, () => 0)]);
+  assert.equal(status, 0, stderr);
+  assert.equal(JSON.parse(stdout).lang, 'und');
+});
+
 fs.writeFileSync(file('empty.wav'), '');
 fs.writeFileSync(file('none.wav'), wavOf(new Int16Array(0), 16000));
 fs.writeFileSync(file('text.wav'), 'no sound');
