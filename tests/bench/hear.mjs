@@ -8,7 +8,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { build } from '../lib/daemon.mjs';
-import { added, compared, follower, inNoise, kinds, telephone } from '../lib/hearing.mjs';
+import { added, compared, correlation, follower, inNoise, kinds, lipGaps, telephone } from '../lib/hearing.mjs';
 import { alignedPhones, prompts } from '../lib/prompts.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
@@ -73,8 +73,35 @@ function table(name, list, lang) {
   }
   console.log(`\nsaid: ${kinds.map((kind) => `${kind} ${list.reduce((sum, { phones }) => sum + compared(kind, phones, []).said, 0)}`).join(', ')}`);
 }
+
+/** How far the lips are apart beside the face that the same engine makes with the text, over the frames in which somebody speaks. */
+function openings(name, list, lang) {
+  const told = [];
+  const faces = list.map(({ sound, phones }) => {
+    const timing = file('phones.json');
+    fs.writeFileSync(timing, JSON.stringify({ phones }));
+    run('align', '-q', sound, '--timing', timing, '-l', lang, '--still', '--fap', file('text.fap'));
+    return lipGaps(fs.readFileSync(file('text.fap'), 'utf8'));
+  });
+  const speaks = (phones, k) => k / 25 >= phones.find((p) => p.ipa).start && k / 25 <= phones.findLast((p) => p.ipa).end;
+  const over = (of) => correlation(list.flatMap((item, i) => of(item).flatMap((gap, k) => (k < faces[i].length && speaks(item.phones, k) ? [[faces[i][k], gap]] : []))));
+  for (const lookahead of [0, 40, 80, 120]) {
+    const value = over(({ sound }) => {
+      run('hear', '-l', lang, '--lookahead', String(lookahead), '--fap', file('x.fap'), sound);
+      return lipGaps(fs.readFileSync(file('x.fap'), 'utf8'));
+    });
+    told.push(`${lookahead} ms ${value.toFixed(2)}`);
+  }
+  const loudness = over(({ sound }) => {
+    const { rate, samples } = samplesOf(sound), hop = rate / 25;
+    return Array.from({ length: Math.floor(samples.length / hop) }, (_, k) => Math.sqrt(samples.slice(Math.max(0, (k - 0.5) * hop), (k + 0.5) * hop).reduce((sum, x) => sum + x * x, 0) / hop));
+  });
+  console.log(`\n${name}, how far the lips are apart, correlation with the face made with the text: ${told.join(', ')}; lips that open with the amplitude ${loudness.toFixed(2)}`);
+}
 table('Italian (asterisk-core-sounds-it-wav)', sets.Italian, 'it');
 table('English (pocketsphinx-testdata, librivox)', sets.English, 'en');
+openings('Italian', sets.Italian, 'it');
+openings('English', sets.English, 'en');
 
 // The processor's time for a minute, without that for the start.
 const { rate, samples } = samplesOf(sets.English[0].sound);
