@@ -55,6 +55,7 @@ int fit_main(int argc, char **argv, const struct settings *settings);
 int token_main(int argc, char **argv, const struct settings *settings);
 int timed_main(int argc, char **argv, const struct settings *settings);
 int align_main(int argc, char **argv, const struct settings *settings);
+int hear_main(int argc, char **argv, const struct settings *settings);
 int fap_main(int argc, char **argv, const struct settings *settings);
 int life_main(int argc, char **argv, const struct settings *settings);
 int check_main(int argc, char **argv, const struct settings *settings);

@@ -24,6 +24,7 @@ static const struct {
     {"anova", anova_main, "analyse the results of such a test"},
     {"fit", fit_main, "make a speech pack from recordings of a speaker"},
     {"align", align_main, "times and face of a recording with its text"},
+    {"hear", hear_main, "the face of a voice whose words nobody knows, while it speaks"},
     {"life", life_main, "what the face does of itself, in figures"},
     {"library", library_main, "read a folder of works and tell what is in it, and what is wrong"},
     {"check", check_main, "tell what in a text with markup would not be acted on"},

@@ -131,6 +131,7 @@
     X(BAD_TRANSCRIPTION, "bad-transcription", 0, "this is no timed transcription") \
     X(BAD_CURVES, "bad-curves", 0, "these are no measured curves with their phones") \
     X(BAD_RESULTS, "bad-results", 0, "this is no table of results") \
+    X(BAD_NETWORK, "bad-network", 0, "this is no network that hears") \
     X(BAD_STIMULI, "bad-stimuli", 0, "this is no set of stimuli") \
     X(BAD_VOICE_CONFIG, "bad-voice-config", 0, "these are no settings of voices") \
     X(BAD_VOICE_LIST, "bad-voice-list", 0, "this is no list of voices") \

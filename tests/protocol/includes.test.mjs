@@ -25,6 +25,7 @@ const BELOW = {
   publish: ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   net: ['library', 'access', 'stream', 'export', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
   align: ['face', 'voice', 'markup', 'base'],
+  hear: ['face', 'voice', 'protocol', 'base'],
   fit: ['face', 'voice', 'protocol', 'base'],
   eval: ['fit', 'face', 'voice', 'expression', 'protocol', 'base'],
   doors: ['base'],

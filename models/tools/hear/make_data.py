@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Speech with known phones, as features: synthetic voices say words from Debian's lists, and microphones of all kinds hear it.
+
+python3 make_data.py BUILD FEATURES OUT.npz [--minutes N]
+BUILD: where faccia was built; FEATURES: BUILD/server/hear/hear-features (ninja -C BUILD server/hear/hear-features). Wants
+python3-scipy, witalian, wbrazilian, wamerican, hunspell-tr, and the voices of espeak-ng and Festival. Seeds are fixed.
+"""
+import argparse
+import json
+import os
+import re
+import subprocess
+import tempfile
+import wave
+
+import numpy as np
+from scipy import signal
+from sounds import RATE, augmented, classes_of, labels
+
+LISTS = {
+    'it': '/usr/share/dict/italian',
+    'pt': '/usr/share/dict/brazilian',
+    'en': '/usr/share/dict/american-english',
+    'tr': '/usr/share/hunspell/tr_TR.dic',
+}
+# What dictionaries have once and people say all the time.
+OFTEN = {
+    'it': 'il la di che e un una per non con sono del della ma più anche mi si ho va bene prego prima',
+    'pt': 'o a de que e um uma não com por mais mas eu você bem muito foi para',
+    'en': 'the this that they then there with both thing think mother other of and to for from have be my we you very shall much which',
+    'tr': 've bir bu da ne için çok ama var ben o mı evet şu',
+}
+# Never heard while training: festival:kal and espeak's Spanish, for the tests.
+VOICES = [
+    ('festival:lp', 'it', 'it', 5), ('festival:pc', 'it', 'it', 5), ('festival:slt', 'en', 'en', 5),
+    ('espeak:it', 'it', 'it', 1), ('espeak:it+f2', 'it', 'it', 1), ('espeak:pt-br', 'pt-BR', 'pt', 1), ('espeak:pt-br+f2', 'pt-BR', 'pt', 1),
+    ('espeak:tr', 'tr', 'tr', 1), ('espeak:tr+f2', 'tr', 'tr', 1), ('espeak:en-us', 'en', 'en', 1), ('espeak:en-us+f2', 'en', 'en', 1),
+    ('espeak:en-gb', 'en', 'en', 1), ('espeak:de', 'de', 'en', 0.7), ('espeak:fr-fr', 'fr', 'it', 0.7), ('espeak:pl', 'pl', 'it', 0.7),
+    ('espeak:ro+f2', 'ro', 'it', 0.7), ('espeak:nl', 'nl', 'en', 0.7), ('espeak:sv+f2', 'sv', 'en', 0.7),
+]  # voice, language, list of words, share
+PIECE = 6.0  # seconds
+
+
+def words_of(name):
+    with open(LISTS[name], encoding='utf-8', errors='ignore') as file:
+        words = [line.split('/')[0].strip() for line in file]
+    return [w for w in words if re.fullmatch(r'[^\W\d_]{2,11}', w) and w[1:].islower()]
+
+
+def text_of(rng, words, often):
+    def word():
+        chosen = often if rng.random() < 0.35 else words
+        return chosen[rng.integers(len(chosen))]
+
+    return ' '.join(' '.join(word() for _ in range(rng.integers(3, 12))).capitalize() + '.' for _ in range(14))
+
+
+def spoken(build, voice, lang, text, rng, folder):
+    """Sound at RATE and its phones; None where the voice does not."""
+    wav, out = os.path.join(folder, 'a.wav'), os.path.join(folder, 'a.json')
+    rate, pitch = str(int(rng.uniform(115, 230))), f'{rng.uniform(0.7, 1.4):.2f}'
+    done = subprocess.run(
+        [f'{build}/server/app/faccia', 'say', '-l', lang, '-v', voice, '-r', rate, '--pitch', pitch, '--wav', wav, '--json', out, text],
+        capture_output=True, check=False,
+    )
+    if done.returncode == 2 or not os.path.exists(out):
+        raise SystemExit(f'{voice}: {done.stderr.decode()[:300]}')
+    with wave.open(wav) as file:
+        hz, sound = file.getframerate(), np.frombuffer(file.readframes(file.getnframes()), np.int16) / 32768
+    with open(out, encoding='utf-8') as file:
+        phones = json.load(file)['phones']
+    return signal.resample(sound, int(len(sound) * RATE / hz)), phones
+
+
+def frames_of(program, sound):
+    raw = np.round(sound * 32767).astype('<i2').tobytes()
+    done = subprocess.run([program, str(RATE)], input=raw, capture_output=True, check=True)
+    return np.frombuffer(done.stdout, '<f4').reshape(-1, 33)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument('build')
+    parser.add_argument('features')
+    parser.add_argument('out')
+    parser.add_argument('--minutes', type=float, default=150, help='of speech before it is heard through two microphones')
+    parser.add_argument('--seed', type=int, default=1)
+    options = parser.parse_args()
+    rng = np.random.default_rng(options.seed)
+    lists = {name: words_of(name) for name in LISTS}
+    whole = sum(v[3] for v in VOICES)
+    features, classes, unknown, seconds = [], [], {}, {}
+    with tempfile.TemporaryDirectory() as folder:
+        for voice, lang, name, share in VOICES:
+            wanted = options.minutes * 60 * share / whole
+            had = 0
+            while had < wanted:
+                sound, phones = spoken(options.build, voice, lang, text_of(rng, lists[name], OFTEN[name].split()), rng, folder)
+                had += len(sound) / RATE
+                for p in phones:
+                    if 255 in classes_of(p['ipa']):
+                        unknown[p['ipa']] = unknown.get(p['ipa'], 0) + 1
+                for start in np.arange(0, len(sound) / RATE - PIECE, PIECE):
+                    piece = sound[int(start * RATE) : int((start + PIECE) * RATE)]
+                    for _ in range(2):
+                        # of a smaller or larger head: all that sounds higher is faster, too
+                        factor = float(np.clip(rng.normal(1, 0.09), 0.8, 1.25))
+                        heard = signal.resample(piece, int(len(piece) / factor))
+                        heard = augmented(rng, heard, sound)
+                        found = frames_of(options.features, heard)
+                        features.append(found.astype(np.float16))
+                        classes.append(labels(phones, len(found), lambda k: start + (k * 0.01 + 0.0125) * factor))  # noqa: B023
+            seconds[voice] = round(had)
+            print(voice, round(had), 's', flush=True)
+    print('phones without a class:', unknown)
+    counts = np.bincount(np.concatenate(classes), minlength=15)
+    print('frames', sum(map(len, classes)), 'of each class', counts[:14])
+    length = min(map(len, classes))
+    length = int(PIECE / 1.25 * 100) - 5 if length > 400 else length
+    np.savez(options.out, features=np.stack([f[:length] for f in features]), classes=np.stack([c[:length] for c in classes]))
+
+
+if __name__ == '__main__':
+    main()

@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* faccia hear: the face of anybody's voice, from the sound alone. */
+#include "server/app/cli.h"
+#include "server/app/cli_options.h"
+#include "server/app/hear_write.h"
+#include "server/base/mem.h"
+#include <errno.h>
+#include <getopt.h>
+#include <sndfile.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const char usage[] =
+    "Usage: faccia hear [OPTION]... (SOUND | --raw RATE -)\n"
+    "Moves the lips to a voice whose words nobody knows, as it goes on: SOUND is a recording (WAV, FLAC, "
+    "Ogg, "
+    "MP3); with\n"
+    "--raw it is standard input, 16 bit samples as a microphone gives them:\n"
+    "arecord -f S16_LE -r 16000 -t raw | faccia hear --raw 16000 -\n"
+    "Where the text is known 'faccia align' is the better way. Without a file to write, lines of JSON go to "
+    "standard output.\n"
+    "\n"
+    "  -l, --lang TAG       whose lips: it, pt-BR, tr, en or any other (it)\n"
+    "      --lookahead MS   what is heard after a moment before it is shown: 0, 40, 80 or 120 (80)\n"
+    "      --raw RATE       of standard input, 8000 to 96000 samples a second\n"
+    "      --channels N     of standard input, 1 to 8 (1)\n"
+    "      --fps N          FAP frames per second, 1 to 120 (25)\n"
+    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro or table (dominance)\n"
+    "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
+    "      --json FILE      the sounds by what is seen of them, with their times and how sure they are\n"
+    "      --ndjson FILE    a line for each of them and each frame, as they come\n"
+    "  -h, --help           print this and exit\n"
+    "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
+
+enum { BLOCK = 1024, CHANNELS_READ = 16 };
+
+struct hear {
+    const char *lang, *engine, *sound;
+    int lookahead, raw, channels;
+    double fps;
+    SNDFILE *file; /* NULL: standard input */
+    struct hear_write write;
+};
+
+/* How many frames have been read; 0 at the end. */
+static size_t read_block(const struct hear *h, float *samples) {
+    int16_t raw[BLOCK * HEAR_CHANNELS_MOST];
+    if (h->file) {
+        sf_count_t got = sf_readf_float(h->file, samples, BLOCK);
+        return got > 0 ? (size_t)got : 0;
+    }
+    size_t channels = (size_t)h->channels, got = fread(raw, sizeof *raw * channels, BLOCK / 8, stdin);
+    for (size_t i = 0; i < got * channels; i++)
+        samples[i] = (float)raw[i] / 32768;
+    return got;
+}
+
+static int hear_all(struct hear *h, struct hearing *hearing) {
+    float *samples = mem_alloc(sizeof *samples * BLOCK * CHANNELS_READ);
+    size_t heard = 0;
+    int status = 0;
+    for (size_t got; !status && (got = read_block(h, samples)); heard += got) {
+        hearing_write(hearing, samples, got);
+        status = hear_write_flush(&h->write);
+    }
+    free(samples);
+    if (!heard) {
+        cli_complain("%s: there is no sound in it", h->sound);
+        return -1;
+    }
+    hearing_end(hearing);
+    return status ? status : hear_write_end(&h->write);
+}
+
+static int open_sound(struct hear *h) {
+    SF_INFO info = {0};
+    if (h->raw)
+        return 0;
+    h->file = sf_open(h->sound, SFM_READ, &info);
+    if (!h->file) {
+        cli_complain("%s: %s", h->sound, sf_strerror(NULL));
+        return -1;
+    }
+    h->raw = info.samplerate;
+    h->channels = info.channels;
+    return 0;
+}
+
+static int run(struct hear *h, const struct stages *stages, const struct settings *settings) {
+    struct error e;
+    char path[4096], text[400];
+    const struct speech_pack *pack = speech_packs_find(&stages->packs, h->lang);
+    if (!pack || !face_engine_speaks(h->engine, pack)) {
+        cli_complain(pack ? "engine: no engine '%s'" : "lang: no language '%s'", pack ? h->engine : h->lang);
+        return EXIT_USAGE;
+    }
+    snprintf(path, sizeof path, "%s/hear/network.bin", settings->models);
+    struct hear_network *network = hear_network_load(path, &e);
+    if (!network) {
+        cli_complain("%s: %s", path, error_text(&e, text, sizeof text));
+        return EXIT_FAILED;
+    }
+    int status = EXIT_FAILED;
+    if (!open_sound(h)) {
+        const struct hearing_options options = {.network = network,
+                                                .pack = pack,
+                                                .engine = h->engine,
+                                                .rate = (unsigned)h->raw,
+                                                .channels = (unsigned)h->channels,
+                                                .lookahead = (unsigned)h->lookahead,
+                                                .fps = h->fps,
+                                                .frame = hear_write_frame,
+                                                .phone = hear_write_phone,
+                                                .ctx = &h->write};
+        struct hearing *hearing = hearing_new(&options, &e);
+        bool well = false;
+        if (!hearing) {
+            cli_complain("%s: %s", h->sound, error_text(&e, text, sizeof text));
+            status = e.code == ERROR_BAD_FIELD ? EXIT_USAGE : EXIT_FAILED;
+        } else if (!hear_write_begin(&h->write, speech_pack_lang(pack), h->fps, h->lookahead)) {
+            well = !hear_all(h, hearing);
+        }
+        if (!hear_write_close(&h->write, well) && well)
+            status = EXIT_DONE;
+        hearing_free(hearing);
+    }
+    if (h->file)
+        sf_close(h->file);
+    hear_network_free(network);
+    return status;
+}
+
+int hear_main(int argc, char **argv, const struct settings *settings) {
+    struct hear h = {.lang = "it", .lookahead = 80, .channels = 1, .fps = 25};
+    const struct cli_option options[] = {{"lang", 'l', CLI_TEXT, .out = &h.lang},
+                                         {"lookahead", 0, CLI_WHOLE, &h.lookahead, 0, 1000, NULL},
+                                         {"raw", 0, CLI_WHOLE, &h.raw, HEAR_RATE_LEAST, HEAR_RATE_MOST, NULL},
+                                         {"channels", 0, CLI_WHOLE, &h.channels, 1, HEAR_CHANNELS_MOST, NULL},
+                                         {"fps", 0, CLI_NUMBER, &h.fps, 1, 120, NULL},
+                                         {"engine", 'e', CLI_TEXT, .out = &h.engine},
+                                         {"fap", 0, CLI_TEXT, .out = &h.write.fap.path},
+                                         {"json", 0, CLI_TEXT, .out = &h.write.json.path},
+                                         {"ndjson", 0, CLI_TEXT, .out = &h.write.lines.path},
+                                         {0}};
+    int status = cli_options(argc, argv, usage, options, NULL);
+    if (status >= 0)
+        return status;
+    if (optind + 1 != argc || (!strcmp(argv[optind], "-") != !!h.raw)) {
+        cli_complain(optind + 1 != argc ? "one sound is needed" : "--raw and - belong together");
+        return EXIT_USAGE;
+    }
+    h.sound = argv[optind];
+    struct stages stages;
+    status = cli_load(&stages, settings, STAGES_SPEECH, NULL) ? EXIT_FAILED : run(&h, &stages, settings);
+    stages_free(&stages);
+    return status;
+}

@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/hear/hear_features.h"
+#include "server/base/mem.h"
+#include "server/hear/hear_sound.h"
+#include <gsl/gsl_fft_real.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+#define LOWEST_HZ 100.0
+#define HIGHEST_HZ 7000.0
+#define TAU 6.283185307179586
+
+/* Loudness is the natural logarithm of power. The loudest of late is remembered, and forgotten by 3 dB a
+ * second; what is softer than -50 dB of full scale is silence however long it lasts. */
+#define FORGET 0.007
+#define SOFTEST -11.5
+#define FIRST_LOUDNESS -7.0
+/* Bands count down to 43 dB below that. */
+#define DEPTH 10.0
+/* The colour (each band's mean) is that of frames that lie at most 22 dB below, over 3 s; it begins as the
+ * mean of the voices of the training, for as much as one second. */
+#define LOUD 5.0
+#define COLOUR_FRAMES 300.0
+#define COLOUR_FIRST 100.0
+#define SCALE 0.4
+
+static const double first_colour[HEAR_BANDS] = {
+    -1.8, -1.0, -0.8, -0.7, -0.8, -1.2, -1.9, -2.7, -3.3, -3.7, -4.2, -4.5, -4.7, -4.8, -5.0, -5.3,
+    -5.5, -5.5, -5.2, -4.7, -4.5, -4.6, -4.8, -5.0, -5.5, -6.6, -7.4, -8.1, -8.4, -8.5, -8.5, -8.4,
+};
+
+struct band {
+    size_t from, to; /* bins */
+    double weight[HEAR_FFT / 2 + 1];
+};
+
+struct hear_features {
+    void (*take)(void *ctx, const float frame[HEAR_FEATURES]);
+    void *ctx;
+    double window[HEAR_WINDOW];
+    struct band bands[HEAR_BANDS];
+    float samples[HEAR_WINDOW];
+    size_t filled;
+    double loudest, colour[HEAR_BANDS], colour_frames;
+};
+
+static double mel(double hz) {
+    return 2595 * log10(1 + hz / 700);
+}
+
+/* Triangles that each reach the middles of their neighbours, all of the same height for white noise. */
+static void make_bands(struct hear_features *f) {
+    double low = mel(LOWEST_HZ), step = (mel(HIGHEST_HZ) - low) / (HEAR_BANDS + 1), squares = 0;
+    for (int i = 0; i < HEAR_WINDOW; i++) {
+        f->window[i] = 0.5 - 0.5 * cos(TAU * (i + 0.5) / HEAR_WINDOW);
+        squares += f->window[i] * f->window[i];
+    }
+    for (int b = 0; b < HEAR_BANDS; b++) {
+        struct band *band = &f->bands[b];
+        double sum = 0;
+        for (size_t k = 1; k < HEAR_FFT / 2; k++) {
+            double x = (mel((double)k * HEAR_RATE / HEAR_FFT) - low) / step - b;
+            band->weight[k] = fmax(0, 1 - fabs(x - 1));
+            sum += band->weight[k];
+            if (band->weight[k] > 0) {
+                band->from = band->from ? band->from : k;
+                band->to = k + 1;
+            }
+        }
+        for (size_t k = band->from; k < band->to; k++)
+            band->weight[k] /= sum * squares;
+    }
+}
+
+struct hear_features *hear_features_new(void (*take)(void *ctx, const float frame[HEAR_FEATURES]),
+                                        void *ctx) {
+    struct hear_features *f = mem_alloc(sizeof *f);
+    f->take = take;
+    f->ctx = ctx;
+    f->loudest = FIRST_LOUDNESS;
+    f->colour_frames = COLOUR_FIRST;
+    memcpy(f->colour, first_colour, sizeof first_colour);
+    make_bands(f);
+    return f;
+}
+
+void hear_features_free(struct hear_features *f) {
+    free(f);
+}
+
+static void analyse(struct hear_features *f) {
+    double x[HEAR_FFT] = {0}, energy = 0, value[HEAR_BANDS];
+    float frame[HEAR_FEATURES];
+    for (int i = 0; i < HEAR_WINDOW; i++) {
+        energy += (double)f->samples[i] * f->samples[i];
+        x[i] = f->samples[i] * f->window[i];
+    }
+    double loudness = log(energy / HEAR_WINDOW + 1e-10);
+    f->loudest = fmax(SOFTEST, fmax(loudness, f->loudest - FORGET));
+    gsl_fft_real_radix2_transform(x, 1, HEAR_FFT);
+    for (int b = 0; b < HEAR_BANDS; b++) {
+        const struct band *band = &f->bands[b];
+        double power = 1e-10;
+        for (size_t k = band->from; k < band->to; k++)
+            power += band->weight[k] * (x[k] * x[k] + x[HEAR_FFT - k] * x[HEAR_FFT - k]);
+        value[b] = fmax(-DEPTH, log(power) - f->loudest);
+    }
+    if (loudness > f->loudest - LOUD && loudness > SOFTEST) {
+        f->colour_frames = fmin(f->colour_frames + 1, COLOUR_FRAMES);
+        for (int b = 0; b < HEAR_BANDS; b++)
+            f->colour[b] += (value[b] - f->colour[b]) / f->colour_frames;
+    }
+    for (int b = 0; b < HEAR_BANDS; b++)
+        frame[b] = (float)(SCALE * (value[b] - f->colour[b]));
+    frame[HEAR_BANDS] = (float)(SCALE * fmax(-DEPTH, loudness - f->loudest) + 1);
+    f->take(f->ctx, frame);
+}
+
+void hear_features_write(struct hear_features *f, const float *samples, size_t count) {
+    while (count) {
+        size_t n = HEAR_WINDOW - f->filled < count ? HEAR_WINDOW - f->filled : count;
+        memcpy(f->samples + f->filled, samples, n * sizeof *samples);
+        f->filled += n;
+        samples += n;
+        count -= n;
+        if (f->filled < HEAR_WINDOW)
+            return;
+        analyse(f);
+        f->filled = HEAR_WINDOW - HEAR_HOP;
+        memmove(f->samples, f->samples + HEAR_HOP, f->filled * sizeof *f->samples);
+    }
+}

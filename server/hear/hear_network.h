@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* A small recurrent network that tells from features, as they come, what a mouth does: a convolution over the
+ * last frames, two layers of gated recurrent units (K. Cho et al., EMNLP 2014), and for each lookahead a
+ * head. models/tools/hear trains it; its file is described in models/hear/README.md. */
+#ifndef FACCIA_HEAR_HEAR_NETWORK_H
+#define FACCIA_HEAR_HEAR_NETWORK_H
+
+#include "server/base/error.h"
+#include "server/hear/hear_classes.h"
+#include "server/hear/hear_features.h"
+
+enum { HEAR_HEADS_MOST = 8 };
+
+struct hear_network; /* immutable once loaded: many may listen with one */
+struct hear_state;   /* of one who listens */
+
+/* NULL with *e (bad-network) when the file is not as it must be. */
+struct hear_network *hear_network_load(const char *path, struct error *e);
+void hear_network_free(struct hear_network *network);
+
+/* By how many frames each head answers late, rising; returns how many there are. */
+size_t hear_network_delays(const struct hear_network *network, unsigned delays[HEAR_HEADS_MOST]);
+
+struct hear_state *hear_state_new(const struct hear_network *network);
+void hear_state_free(struct hear_state *state);
+
+/* Takes the next frame; how likely each class was that head's delay ago. They add up to 1. */
+void hear_state_step(struct hear_state *state, const float frame[HEAR_FEATURES], size_t head,
+                     float likely[HEAR_CLASSES]);
+
+#endif

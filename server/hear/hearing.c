@@ -1,0 +1,108 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/hear/hearing.h"
+#include "server/base/mem.h"
+#include "server/hear/hear_sound.h"
+#include <math.h>
+#include <stdlib.h>
+
+struct hearing {
+    struct hearing_options options;
+    struct hear_sound *sound;
+    struct hear_features *features;
+    struct hear_state *state;
+    struct hear_decoder decoder;
+    struct hear_face face;
+    size_t head;
+    unsigned delay;   /* frames */
+    uint32_t heard;   /* frames of features */
+    uint32_t shown;   /* frames of the face */
+    uint64_t written; /* samples of each channel */
+    double end;       /* s, of the sound; infinite until it is known */
+};
+
+double hear_seconds(uint32_t frames) {
+    return frames ? HEAR_FIRST_SECONDS + (double)frames / HEAR_FRAMES_A_SECOND : 0;
+}
+
+/* The face as far as it is known. */
+static void show(struct hearing *l, double until) {
+    struct fap_frame frame;
+    for (double t; (t = l->shown / l->options.fps) <= until && t < l->end; l->shown++) {
+        hear_face_sample(&l->face, &l->decoder.now, t, &frame);
+        l->options.frame(l->options.ctx, l->shown, &frame);
+    }
+}
+
+static void on_features(void *ctx, const float features[HEAR_FEATURES]) {
+    struct hearing *l = ctx;
+    float likely[HEAR_CLASSES];
+    struct hear_phone ended;
+    hear_state_step(l->state, features, l->head, likely);
+    if (l->heard++ < l->delay || hear_seconds(l->decoder.now.end) >= l->end)
+        return;
+    if (hear_decoder_step(&l->decoder, likely, &ended)) {
+        hear_face_add(&l->face, &ended);
+        if (l->options.phone)
+            l->options.phone(l->options.ctx, &ended);
+    }
+    show(l, hear_seconds(l->decoder.now.end));
+}
+
+static void on_sound(void *ctx, const float *samples, size_t count) {
+    hear_features_write(((struct hearing *)ctx)->features, samples, count);
+}
+
+static int choose_head(struct hearing *l, unsigned lookahead, struct error *e) {
+    unsigned delays[HEAR_HEADS_MOST];
+    size_t count = hear_network_delays(l->options.network, delays);
+    for (l->head = 0; l->head < count; l->head++)
+        if (delays[l->head] * 1000 / HEAR_FRAMES_A_SECOND == lookahead) {
+            l->delay = delays[l->head];
+            return 0;
+        }
+    return error_in_field(e, ERROR_BAD_FIELD, "lookahead", "there is none of %u ms", lookahead);
+}
+
+struct hearing *hearing_new(const struct hearing_options *options, struct error *e) {
+    struct hearing *l = mem_alloc(sizeof *l);
+    l->options = *options;
+    l->face = (struct hear_face){.pack = options->pack, .engine = options->engine};
+    l->end = INFINITY;
+    hear_decoder_begin(&l->decoder);
+    if (!choose_head(l, options->lookahead, e))
+        l->sound = hear_sound_new(options->rate, options->channels, on_sound, l, e);
+    if (!l->sound) {
+        free(l);
+        return NULL;
+    }
+    l->features = hear_features_new(on_features, l);
+    l->state = hear_state_new(options->network);
+    return l;
+}
+
+void hearing_free(struct hearing *l) {
+    if (!l)
+        return;
+    hear_sound_free(l->sound);
+    hear_features_free(l->features);
+    hear_state_free(l->state);
+    free(l);
+}
+
+void hearing_write(struct hearing *l, const float *samples, size_t frames) {
+    l->written += frames;
+    hear_sound_write(l->sound, samples, frames);
+}
+
+void hearing_end(struct hearing *l) {
+    static const float silence[HEAR_WINDOW];
+    hear_sound_end(l->sound);
+    l->end = (double)l->written / l->options.rate;
+    if (!l->written)
+        return;
+    for (unsigned i = 0; i < l->delay * HEAR_HOP / HEAR_WINDOW + 2; i++)
+        hear_features_write(l->features, silence, HEAR_WINDOW);
+    show(l, l->end);
+    if (l->options.phone && l->decoder.now.end)
+        l->options.phone(l->options.ctx, &l->decoder.now);
+}

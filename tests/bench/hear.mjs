@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What `faccia hear` sees in the voices of people that it was not trained on, beside a follower of loudness and chance: closed lips, teeth on the lip, rounding,
+// +-40 ms about where `faccia align` with the text finds them, at each lookahead, in noise and in the band of a telephone; and how much of a core it takes.
+// Wants Debian's asterisk-core-sounds-it and -it-wav (Italian, one man, 8 kHz) and pocketsphinx-testdata (English, five sentences of a reader).
+// node tests/bench/hear.mjs [PROMPTS, 120]
+import { execFileSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { build } from '../lib/daemon.mjs';
+import { added, compared, correlation, follower, inNoise, kinds, lipGaps, telephone } from '../lib/hearing.mjs';
+import { alignedPhones, prompts } from '../lib/prompts.mjs';
+import { wavOf } from '../lib/wav.mjs';
+
+const faccia = path.join(build, 'server/app/faccia');
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-bench-'));
+const file = (name) => path.join(folder, name);
+const run = (...options) => execFileSync(faccia, options, { stdio: ['ignore', 'pipe', 'pipe'], maxBuffer: 1 << 28 });
+
+const samplesOf = (sound) => {
+  const data = fs.readFileSync(sound), rate = data.readUInt32LE(24);
+  const pcm = new Int16Array(data.buffer.slice(data.byteOffset + 44, data.byteOffset + data.length - (data.length % 2)));
+  return { rate, samples: Float64Array.from(pcm, (x) => x / 32768) };
+};
+
+function english() {
+  const place = '/usr/share/pocketsphinx/test/data/librivox';
+  const lines = fs.readFileSync(path.join(place, 'transcription'), 'utf8').matchAll(/<s> (.*?) *<\/s> \((.*)\)/g);
+  return [...lines].map(([, text, name]) => {
+    fs.writeFileSync(file('text.txt'), text);
+    const sound = path.join(place, `${name}.wav`);
+    run('align', '-q', sound, '--text', file('text.txt'), '-l', 'en', '--json', file('align.json'));
+    return { sound, phones: JSON.parse(fs.readFileSync(file('align.json'))).phones };
+  });
+}
+
+const all = prompts(), wanted = Number(process.argv[2] ?? 120);
+const chosen = all.filter((_, i) => Math.floor(((i + 1) * wanted) / all.length) > Math.floor((i * wanted) / all.length));
+const italian = chosen.map((prompt) => ({ sound: prompt.sound, phones: alignedPhones(faccia, prompt, folder) })).filter((p) => p.phones);
+const sets = { Italian: italian, English: english() };
+
+const hearing = (samples, rate, lookahead, lang) => {
+  fs.writeFileSync(file('x.wav'), wavOf(Int16Array.from(samples, (x) => Math.max(-32768, Math.min(32767, Math.round(32768 * x)))), rate));
+  run('hear', '-l', lang, '--lookahead', String(lookahead), '--json', file('x.json'), file('x.wav'));
+  return JSON.parse(fs.readFileSync(file('x.json'))).phones;
+};
+
+const percent = (a, b) => (b ? `${Math.round((100 * a) / b)}` : '-').padStart(3);
+function table(name, list, lang) {
+  const seconds = list.reduce((sum, { phones }) => sum + phones.at(-1).end, 0);
+  console.log(`\n${name}: ${list.length} recordings, ${seconds.toFixed(0)} s\n`);
+  console.log('| sound | how | closed: found, false | teeth: found, false | rounded: found, false | by chance found |\n|---|---|---|---|---|---|');
+  const conditions = [
+    ...[0, 40, 80, 120].map((ms) => ['clean', ms, (x) => x]),
+    ...[20, 10, 5].map((db) => [`noise ${db} dB`, 80, (x) => inNoise(x, db)]),
+    ['telephone', 80, telephone],
+    ['clean', null, (x) => x],
+    ['noise 10 dB', null, (x) => inNoise(x, 10)],
+  ];
+  for (const [what, lookahead, through] of conditions) {
+    const sums = {}, chance = {};
+    for (const { sound, phones } of list) {
+      const { rate, samples } = samplesOf(sound), changed = through(samples, rate);
+      const heard = lookahead === null ? follower(changed, rate) : hearing(changed, rate, lookahead, lang);
+      for (const kind of kinds) {
+        sums[kind] = added(sums[kind], compared(kind, phones, heard));
+        for (const shift of [-0.3, -0.2, 0.2, 0.3]) chance[kind] = added(chance[kind], compared(kind, phones, heard, { shift }));
+      }
+    }
+    const cells = kinds.map((kind) => (lookahead === null && kind !== 'closed' ? '-' : `${percent(sums[kind].found, sums[kind].said)} %, ${percent(sums[kind].wrong, sums[kind].shown)} %`));
+    const lucky = kinds.map((kind) => (lookahead === null && kind !== 'closed' ? '-' : percent(chance[kind].found, chance[kind].said).trim())).join(', ');
+    console.log(`| ${what} | ${lookahead === null ? 'loudness' : `${lookahead} ms`} | ${cells.join(' | ')} | ${lucky} % |`);
+  }
+  console.log(`\nsaid: ${kinds.map((kind) => `${kind} ${list.reduce((sum, { phones }) => sum + compared(kind, phones, []).said, 0)}`).join(', ')}`);
+}
+
+/** How far the lips are apart beside the face that the same engine makes with the text, over the frames in which somebody speaks. */
+function openings(name, list, lang) {
+  const told = [];
+  const faces = list.map(({ sound, phones }) => {
+    const timing = file('phones.json');
+    fs.writeFileSync(timing, JSON.stringify({ phones }));
+    run('align', '-q', sound, '--timing', timing, '-l', lang, '--still', '--fap', file('text.fap'));
+    return lipGaps(fs.readFileSync(file('text.fap'), 'utf8'));
+  });
+  const speaks = (phones, k) => k / 25 >= phones.find((p) => p.ipa).start && k / 25 <= phones.findLast((p) => p.ipa).end;
+  const over = (of) => correlation(list.flatMap((item, i) => of(item).flatMap((gap, k) => (k < faces[i].length && speaks(item.phones, k) ? [[faces[i][k], gap]] : []))));
+  for (const lookahead of [0, 40, 80, 120]) {
+    const value = over(({ sound }) => {
+      run('hear', '-l', lang, '--lookahead', String(lookahead), '--fap', file('x.fap'), sound);
+      return lipGaps(fs.readFileSync(file('x.fap'), 'utf8'));
+    });
+    told.push(`${lookahead} ms ${value.toFixed(2)}`);
+  }
+  const loudness = over(({ sound }) => {
+    const { rate, samples } = samplesOf(sound), hop = rate / 25;
+    return Array.from({ length: Math.floor(samples.length / hop) }, (_, k) => Math.sqrt(samples.slice(Math.max(0, (k - 0.5) * hop), (k + 0.5) * hop).reduce((sum, x) => sum + x * x, 0) / hop));
+  });
+  console.log(`\n${name}, how far the lips are apart, correlation with the face made with the text: ${told.join(', ')}; lips that open with the amplitude ${loudness.toFixed(2)}`);
+}
+table('Italian (asterisk-core-sounds-it-wav)', sets.Italian, 'it');
+table('English (pocketsphinx-testdata, librivox)', sets.English, 'en');
+openings('Italian', sets.Italian, 'it');
+openings('English', sets.English, 'en');
+
+// The processor's time for a minute, without that for the start.
+const { rate, samples } = samplesOf(sets.English[0].sound);
+const used = (seconds) => {
+  const long = Int16Array.from({ length: seconds * rate }, (_, i) => Math.round(32767 * samples[i % samples.length]));
+  fs.writeFileSync(file('long.wav'), wavOf(long, rate));
+  return execFileSync('bash', ['-c', `TIMEFORMAT='%U %S'; { time "${faccia}" hear --fap "${file('long.fap')}" "${file('long.wav')}"; } 2>&1`]).toString().trim().split(' ').reduce((sum, x) => sum + Number(x), 0);
+};
+console.log(`\nprocessor: ${((100 * (used(61) - used(1))) / 60).toFixed(1)} % of a core, face and all`);
+fs.rmSync(folder, { recursive: true });

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The face of a voice whose words nobody knows: any sound, in any pieces; what is said by a voice that the network was not trained on.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { build } from '../lib/daemon.mjs';
+import { compared } from '../lib/hearing.mjs';
+import { wavOf } from '../lib/wav.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+const file = (name) => path.join(folder, name);
+const faccia = (args, input) => {
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, maxBuffer: 1 << 28 });
+  return { status, stdout: String(stdout), stderr: String(stderr) };
+};
+const hear = (args, input) => faccia(['hear', ...args], input);
+const sound = (name, seconds, rate, channels, of) => {
+  const samples = Int16Array.from({ length: Math.round(seconds * rate) * channels }, (_, i) => Math.max(-32768, Math.min(32767, 32768 * of(Math.floor(i / channels) / rate, i % channels))));
+  fs.writeFileSync(file(name), wavOf(samples, rate, channels));
+  return file(name);
+};
+const lines = (text) => text.trim().split('\n').map((line) => JSON.parse(line));
+const heard = (args, input) => {
+  const { status, stdout, stderr } = hear(args, input);
+  assert.equal(status, 0, stderr);
+  assert.equal(stderr, '');
+  const all = lines(stdout);
+  return { frames: all.filter((l) => l.type === 'frame'), phones: all.filter((l) => l.type === 'phone') };
+};
+/** How far the inner lips are apart in the middle, FAP units. */
+const gap = ({ faps }) => -((faps[4] ?? 0) + (faps[5] ?? 0));
+
+const say = (name, lang, voice, text) => {
+  const { status, stderr } = faccia(['say', '-l', lang, '-v', voice, '--wav', file(`${name}.wav`), '--json', file(`${name}.json`), text]);
+  assert.equal(status, 0, stderr);
+  return { wav: file(`${name}.wav`), phones: JSON.parse(fs.readFileSync(file(`${name}.json`))).phones };
+};
+// Spanish is not among what it was trained on
+const spoken = say('es', 'es', 'espeak:es', 'Mi primo Pablo compra pan y tomates en la plaza. Un poco más tarde prepara la sopa para mamá.');
+
+for (const [what, of] of [['silence', () => 0], ['its mean alone', () => 0.4], ['a hum far below speech', (t) => 0.0005 * Math.sin(314 * t)]])
+  test(`${what}: the lips rest`, () => {
+    const { frames, phones } = heard([sound('rest.wav', 3, 16000, 1, of)]);
+    assert.equal(frames.length, 75);
+    assert.ok(frames.every((f) => Object.keys(f.faps).every((n) => !(n >= 4 && n <= 11))), JSON.stringify(frames.find((f) => Object.keys(f.faps).length)));
+    assert.deepEqual(phones.map((p) => p.class), ['silence']);
+  });
+
+test('after speech the lips go to rest', () => {
+  const { samples, rate } = read(spoken.wav);
+  const long = new Int16Array(samples.length + 2 * rate);
+  long.set(samples);
+  fs.writeFileSync(file('long.wav'), wavOf(long, rate));
+  const { frames } = heard([file('long.wav')]);
+  assert.ok(frames.slice(0, -50).some((f) => gap(f) > 50));
+  assert.ok(frames.slice(-25).every((f) => gap(f) === 0));
+});
+
+test('clipped to nothing but its signs, it still gives a face of the right length, within bounds', () => {
+  const { frames } = heard([sound('loud.wav', 2, 22050, 1, (t) => 9 * Math.sin(900 * t) * Math.sin(9 * t))]);
+  assert.equal(frames.length, 50);
+  assert.ok(frames.every((f) => Object.values(f.faps).every((x) => Math.abs(x) < 2000)));
+});
+
+function read(wav) {
+  const data = fs.readFileSync(wav);
+  return { rate: data.readUInt32LE(24), samples: new Int16Array(data.buffer.slice(data.byteOffset + 44)) };
+}
+
+test('8 to 96 kHz, one and eight channels: the closures are the same', () => {
+  const { rate, samples } = read(spoken.wav);
+  const at = (t) => {
+    const x = t * rate, i = Math.min(samples.length - 2, Math.floor(x));
+    return (samples[i] + (x - i) * (samples[i + 1] - samples[i])) / 32768;
+  };
+  const closed = ({ phones }) => phones.filter((p) => p.class === 'closed');
+  const whole = closed(heard([spoken.wav]));
+  for (const [hz, channels] of [[8000, 1], [16000, 8], [44100, 2], [96000, 1]]) {
+    const other = closed(heard([sound('rate.wav', samples.length / rate, hz, channels, at)]));
+    const same = whole.filter((a) => other.some((b) => b.start < a.end && a.start < b.end)).length;
+    assert.ok(same >= 0.75 * whole.length, `${hz} Hz, ${channels} channels: ${same} of ${whole.length}`);
+  }
+});
+
+test('one piece or many, a file or standard input: the same to the last bit', () => {
+  const { rate, samples } = read(spoken.wav);
+  const whole = hear(['--ndjson', '-', spoken.wav]).stdout, raw = Buffer.from(samples.buffer);
+  assert.ok(whole.length > 10000);
+  assert.equal(hear(['--raw', String(rate), '--ndjson', '-', '-'], raw).stdout, whole);
+  fs.writeFileSync(file('raw'), raw);
+  const slow = spawnSync('sh', ['-c', 'dd if="$1" bs=997 status=none | "$0" hear --raw "$2" -', path.join(build, 'server/app/faccia'), file('raw'), String(rate)], { maxBuffer: 1 << 28 });
+  assert.equal(String(slow.stdout), whole);
+});
+
+test('files: as many frames as the sound is long, sounds that touch', () => {
+  const { status, stderr } = hear(['--fps', '30', '--fap', file('a.fap'), '--json', file('a.json'), spoken.wav]);
+  assert.equal(status, 0, stderr);
+  const { rate, samples } = read(spoken.wav), seconds = samples.length / rate;
+  const fap = fs.readFileSync(file('a.fap'), 'utf8').trim().split('\n'), count = Math.ceil(seconds * 30 - 1e-6);
+  assert.equal(fap[0], `2.1 faccia 30 ${count}`);
+  assert.equal(fap.length, 1 + 2 * count);
+  const { phones, lookahead } = JSON.parse(fs.readFileSync(file('a.json')));
+  assert.equal(lookahead, 0.08);
+  phones.forEach((p, i) => assert.ok(p.end > p.start && (!i || p.start === phones[i - 1].end) && p.sure >= 0 && p.sure <= 1));
+  assert.equal(phones[0].start, 0);
+  assert.ok(Math.abs(phones.at(-1).end - seconds) < 0.03);
+});
+
+for (const ms of [0, 40, 80, 120])
+  test(`a voice that it was not trained on: most /p b m/ are closed, ${ms} ms after`, () => {
+    const { frames, phones } = heard(['--fps', '50', '--lookahead', String(ms), spoken.wav]);
+    const found = compared('closed', spoken.phones, phones), lucky = [-0.3, -0.2, 0.2, 0.3].map((shift) => compared('closed', spoken.phones, phones, { shift }));
+    const chance = lucky.reduce((sum, x) => sum + x.found, 0) / lucky.reduce((sum, x) => sum + x.said, 0);
+    assert.ok(found.said > 15 && found.found > 0.7 * found.said, `${found.found} of ${found.said}`);
+    assert.ok(found.found / found.said > chance + 0.15, `${found.found} of ${found.said}, by chance ${chance.toFixed(2)}`);
+    // and what is heard is shown: the lips meet, and they open for the vowels
+    const closed = phones.filter((p) => p.class === 'closed' && p.end - p.start > 0.03);
+    const shut = closed.filter((p) => frames.some((f) => f.time >= p.start - 0.01 && f.time <= p.end + 0.01 && gap(f) <= 0)).length;
+    assert.ok(shut >= 0.9 * closed.length, `${shut} of ${closed.length} closures are seen`);
+    const open = phones.filter((p) => p.class === 'open' && p.end - p.start > 0.06);
+    assert.ok(open.filter((p) => frames.some((f) => f.time >= p.start && f.time <= p.end && gap(f) > 30)).length >= 0.8 * open.length);
+  });
+
+test('a language that nobody has a pack for has the general lips, and they are named', () => {
+  const { status, stdout, stderr } = hear(['-l', 'x"', '--json', '-', sound('rest.wav', 0.5, 16000, 1, () => 0)]);
+  assert.equal(status, 0, stderr);
+  assert.equal(JSON.parse(stdout).lang, 'und');
+});
+
+fs.writeFileSync(file('empty.wav'), '');
+fs.writeFileSync(file('none.wav'), wavOf(new Int16Array(0), 16000));
+fs.writeFileSync(file('text.wav'), 'no sound');
+for (const [what, args, status, message] of [
+  ['an empty file', ['empty.wav'], 1, /empty\.wav: /],
+  ['no samples', ['none.wav'], 1, /none\.wav: there is no sound in it/],
+  ['a text', ['text.wav'], 1, /text\.wav: /],
+  ['nothing there', ['nowhere.wav'], 1, /nowhere\.wav: /],
+  ['too slow', ['slow.wav'], 1, /4000 samples a second, from 8000 to 96000/],
+  ['too many channels', ['many.wav'], 1, /9 channels, at most 8/],
+  ['a lookahead that it has not', ['--lookahead', '50', 'rest.wav'], 2, /lookahead: there is none of 50 ms/],
+  ['an engine that is none', ['--engine', 'x', 'rest.wav'], 2, /engine: no engine 'x'/],
+  ['standard input without a rate', ['-'], 2, /--raw and - belong together/],
+  ['a rate with a file', ['--raw', '16000', 'rest.wav'], 2, /--raw and - belong together/],
+  ['a rate out of range', ['--raw', '7000', '-'], 2, /--raw: must be a whole number from 8000 to 96000/],
+  ['two files to standard output', ['--fap', '-', '--json', '-', 'rest.wav'], 1, /only one file can go to standard output/],
+  ['no sound', [], 2, /one sound is needed/],
+])
+  test(`${what}: told, and nothing is written`, () => {
+    sound('rest.wav', 0.2, 16000, 1, () => 0);
+    sound('slow.wav', 0.2, 4000, 1, () => 0);
+    sound('many.wav', 0.2, 16000, 9, () => 0);
+    const result = hear(args.map((a) => (a.endsWith('.wav') ? file(a) : a)));
+    assert.equal(result.status, status, result.stderr);
+    assert.match(result.stderr, message);
+    assert.equal(result.stderr.trim().split('\n').length, 1);
+    assert.equal(result.stdout, '');
+  });
+
+test('a file that was cut gives the face of what there is', () => {
+  const data = fs.readFileSync(spoken.wav);
+  fs.writeFileSync(file('cut.wav'), data.subarray(0, data.length / 2 - 1));
+  const { frames } = heard([file('cut.wav')]);
+  const seconds = (data.length / 2 - 45) / 2 / data.readUInt32LE(24);
+  assert.ok(Math.abs(frames.length - 25 * seconds) < 2, `${frames.length}`);
+});
+
+test('a broken network is told', () => {
+  const models = file('models');
+  fs.mkdirSync(path.join(models, 'hear'), { recursive: true });
+  fs.symlinkSync(path.join(path.resolve(build, process.env.FACCIA_MODELS ?? 'models'), 'speech'), path.join(models, 'speech'));
+  fs.writeFileSync(path.join(models, 'hear/network.bin'), 'FACHEAR1');
+  const { status, stderr } = faccia(['--models', models, 'hear', spoken.wav]);
+  assert.equal(status, 1);
+  assert.match(stderr, /network\.bin: this is no network that hears/);
+});

@@ -1,0 +1,253 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/hear/hear_decoder.h"
+#include "server/hear/hear_network.h"
+#include "server/hear/hear_sound.h"
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+#define NETWORK SOURCE_ROOT "/models/hear/network.bin"
+#define VECTORS SOURCE_ROOT "/tests/unit/hear-vectors.bin"
+
+static uint8_t *read_file(const char *path, size_t *size) {
+    FILE *file = fopen(path, "rb");
+    assert_non_null(file);
+    uint8_t *data = malloc(1 << 20);
+    *size = fread(data, 1, 1 << 20, file);
+    fclose(file);
+    return data;
+}
+
+static struct hear_network *load(void) {
+    struct error e;
+    struct hear_network *n = hear_network_load(NETWORK, &e);
+    if (!n)
+        fail_msg("%s", e.message);
+    return n;
+}
+
+/* What the training's own network answered to a piece of its data, every frame, every head. */
+static void test_as_trained(void **state) {
+    (void)state;
+    size_t size, heads;
+    uint8_t *data = read_file(VECTORS, &size);
+    uint32_t counts[4];
+    memcpy(counts, data, sizeof counts);
+    assert_true(counts[0] >= 50);
+    assert_int_equal(counts[1], HEAR_FEATURES);
+    assert_int_equal(counts[3], HEAR_CLASSES);
+    assert_int_equal(size, sizeof counts + sizeof(float) * counts[0] * (counts[1] + counts[2] * counts[3]));
+    const float *frames = (const float *)(data + sizeof counts), *answers = frames + counts[0] * counts[1];
+    unsigned delays[HEAR_HEADS_MOST];
+    struct hear_network *n = load();
+    heads = hear_network_delays(n, delays);
+    assert_int_equal(heads, counts[2]);
+    double worst = 0;
+    for (size_t head = 0; head < heads; head++) {
+        struct hear_state *s = hear_state_new(n);
+        for (size_t k = 0; k < counts[0]; k++) {
+            float likely[HEAR_CLASSES];
+            hear_state_step(s, frames + k * HEAR_FEATURES, head, likely);
+            for (int c = 0; c < HEAR_CLASSES; c++)
+                worst = fmax(worst, fabs((double)likely[c] - answers[(k * heads + head) * HEAR_CLASSES + c]));
+        }
+        hear_state_free(s);
+    }
+    assert_true(worst < 1e-4);
+    hear_network_free(n);
+    free(data);
+}
+
+static void test_bad_networks(void **state) {
+    (void)state;
+    size_t size;
+    uint8_t *data = read_file(NETWORK, &size);
+    char path[] = "/tmp/faccia-network-XXXXXX";
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    const struct {
+        size_t size, at;
+        uint8_t byte;
+    } cases[] =
+        {
+            {0, 0, 'F'},      {7, 0, 'F'},   {32, 0, 'F'},   {size - 1, 0, 'F'}, {size, 0, 'f'},
+            {size, 8, 32},    {size, 12, 0}, {size, 12, 33}, {size, 17, 255},    {size, 23, 255},
+            {size, 24, 13},   {size, 28, 0}, {size, 28, 9},  {size, 32, 101},    {size, 36, 0},
+            {size, 49, 0x7C}, /* a weight that is infinite, or no number */
+        };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct error e = {0};
+        FILE *file = fopen(path, "wb");
+        uint8_t kept = data[cases[i].at];
+        data[cases[i].at] = cases[i].byte;
+        assert_int_equal(fwrite(data, 1, cases[i].size, file), cases[i].size);
+        fclose(file);
+        data[cases[i].at] = kept;
+        struct hear_network *n = hear_network_load(path, &e);
+        if (n)
+            fail_msg("case %zu is taken", i);
+        assert_int_equal(e.code, ERROR_BAD_NETWORK);
+        assert_true(*e.message);
+    }
+    struct error e;
+    assert_null(hear_network_load("/nowhere", &e));
+    remove(path);
+    free(data);
+}
+
+struct kept_frames {
+    float frames[600][HEAR_FEATURES];
+    size_t count;
+};
+
+static void keep_frame(void *ctx, const float frame[HEAR_FEATURES]) {
+    struct kept_frames *k = ctx;
+    assert_true(k->count < 600);
+    memcpy(k->frames[k->count++], frame, sizeof k->frames[0]);
+}
+
+/* A tone is in its own band, by as much as it is louder there, and nowhere far away; how loud it is makes no
+ * difference once that is known. */
+static void test_tone(void **state) {
+    (void)state;
+    const double mel_low = 2595 * log10(1 + 100 / 700.0), mel_high = 2595 * log10(1 + 7000 / 700.0);
+    static struct kept_frames loud, soft;
+    for (double hz = 300; hz < 6000; hz *= 1.7) {
+        static float tone[16000], softer[16000];
+        for (int i = 0; i < 16000; i++) {
+            tone[i] = (float)(0.5 * sin(6.283185307 * hz * i / HEAR_RATE));
+            softer[i] = tone[i] / 8;
+        }
+        loud.count = soft.count = 0;
+        struct hear_features *a = hear_features_new(keep_frame, &loud),
+                             *b = hear_features_new(keep_frame, &soft);
+        hear_features_write(a, tone, 16000);
+        hear_features_write(b, softer, 16000);
+        hear_features_free(a);
+        hear_features_free(b);
+        assert_int_equal(loud.count, (16000 - HEAR_WINDOW) / HEAR_HOP + 1);
+        double band = (2595 * log10(1 + hz / 700) - mel_low) / ((mel_high - mel_low) / (HEAR_BANDS + 1)) - 1;
+        size_t most = 0;
+        for (size_t i = 0; i < HEAR_BANDS; i++)
+            if (loud.frames[0][i] > loud.frames[0][most])
+                most = i;
+        /* the colour that it begins with leans on the lowest bands: high tones stand out all the more */
+        assert_true(fabs((double)most - band) < 3);
+        for (size_t i = 0; i < HEAR_FEATURES; i++)
+            assert_true(fabs((double)loud.frames[50][i] - soft.frames[50][i]) < 0.35);
+    }
+}
+
+struct kept_sound {
+    float samples[40000];
+    size_t count;
+};
+
+static void keep_sound(void *ctx, const float *samples, size_t count) {
+    struct kept_sound *k = ctx;
+    assert_true(count <= HEAR_RATE / 50 && k->count + count <= 40000);
+    memcpy(k->samples + k->count, samples, count * sizeof *samples);
+    k->count += count;
+}
+
+/* At any rate, mono or with eight channels, in any pieces: a tone of 440 Hz is the same tone, its mean gone.
+ */
+static void test_rates(void **state) {
+    (void)state;
+    static const unsigned rates[] = {8000, 11025, 16000, 22050, 44100, 48000, 96000};
+    static struct kept_sound whole, pieces;
+    struct error e;
+    for (size_t r = 0; r < sizeof rates / sizeof *rates; r++)
+        for (unsigned channels = 1; channels <= 8; channels += 7) {
+            unsigned rate = rates[r];
+            float *sound = malloc(sizeof *sound * rate * channels);
+            for (size_t i = 0; i < rate; i++)
+                for (unsigned c = 0; c < channels; c++)
+                    sound[i * channels + c] = (float)(0.2 + 0.3 * sin(6.283185307 * 440 * (double)i / rate));
+            whole.count = pieces.count = 0;
+            struct hear_sound *a = hear_sound_new(rate, channels, keep_sound, &whole, &e);
+            struct hear_sound *b = hear_sound_new(rate, channels, keep_sound, &pieces, &e);
+            hear_sound_write(a, sound, rate);
+            hear_sound_end(a);
+            for (size_t at = 0, n = 1; at < rate; at += n, n = 1 + (at * 7919) % 1500) {
+                n = n < rate - at ? n : rate - at;
+                hear_sound_write(b, sound + at * channels, n);
+            }
+            hear_sound_end(b);
+            assert_int_equal(whole.count, pieces.count);
+            assert_memory_equal(whole.samples, pieces.samples, whole.count * sizeof(float));
+            assert_in_range(whole.count, HEAR_RATE - 2, HEAR_RATE + 2);
+            double mean = 0, square = 0;
+            for (size_t i = 4000; i < 12000; i++) {
+                mean += whole.samples[i] / 8000;
+                square += whole.samples[i] * whole.samples[i] / 8000;
+            }
+            assert_true(fabs(mean) < 0.002);
+            assert_true(fabs(sqrt(square) - 0.3 / sqrt(2)) < 0.01);
+            hear_sound_free(a);
+            hear_sound_free(b);
+            free(sound);
+        }
+    assert_null(hear_sound_new(7999, 1, keep_sound, NULL, &e));
+    assert_null(hear_sound_new(96001, 1, keep_sound, NULL, &e));
+    assert_null(hear_sound_new(16000, 0, keep_sound, NULL, &e));
+    assert_null(hear_sound_new(16000, 9, keep_sound, NULL, &e));
+    assert_int_equal(e.code, ERROR_BAD_SOUND);
+}
+
+static void likely_is(float likely[HEAR_CLASSES], enum hear_class class, float how) {
+    for (int i = 0; i < HEAR_CLASSES; i++)
+        likely[i] = (1 - how) / (HEAR_CLASSES - 1);
+    likely[class] = how;
+}
+
+/* A closure begins at once, is held for its least time and on while it is at all likely; a vowel of one
+ * doubtful frame is none. Sounds touch. */
+static void test_decoder(void **state) {
+    (void)state;
+    static const struct {
+        enum hear_class class;
+        float how;
+        int frames;
+    } said[] = {{HEAR_SILENCE, 0.9F, 5}, {HEAR_OPEN, 0.5F, 6},   {HEAR_CLOSE, 0.5F, 1},
+                {HEAR_OPEN, 0.5F, 4},    {HEAR_CLOSED, 0.4F, 1}, {HEAR_MIDDLE, 0.9F, 6},
+                {HEAR_CLOSED, 0.6F, 8},  {HEAR_OPEN, 0.9F, 5}};
+    static const struct hear_phone wanted[] = {{.class = HEAR_SILENCE, .start = 0, .end = 5},
+                                               {.class = HEAR_OPEN, .start = 5, .end = 16},
+                                               {.class = HEAR_CLOSED, .start = 16, .end = 20},
+                                               {.class = HEAR_MIDDLE, .start = 20, .end = 23},
+                                               {.class = HEAR_CLOSED, .start = 23, .end = 31}};
+    struct hear_decoder d;
+    struct hear_phone ended;
+    size_t count = 0;
+    hear_decoder_begin(&d);
+    for (size_t i = 0; i < sizeof said / sizeof *said; i++)
+        for (int k = 0; k < said[i].frames; k++) {
+            float likely[HEAR_CLASSES];
+            likely_is(likely, said[i].class, said[i].how);
+            if (!hear_decoder_step(&d, likely, &ended))
+                continue;
+            assert_true(count < sizeof wanted / sizeof *wanted);
+            assert_int_equal(ended.class, wanted[count].class);
+            assert_int_equal(ended.start, wanted[count].start);
+            assert_int_equal(ended.end, wanted[count].end);
+            assert_true(ended.likely > 0 && ended.likely <= ended.end - ended.start);
+            count++;
+        }
+    assert_int_equal(count, sizeof wanted / sizeof *wanted);
+    assert_int_equal(d.now.class, HEAR_OPEN);
+    assert_int_equal(d.now.end, 36);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_as_trained), cmocka_unit_test(test_bad_networks), cmocka_unit_test(test_tone),
+        cmocka_unit_test(test_rates),      cmocka_unit_test(test_decoder),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
