@@ -1,21 +1,30 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/cluster_place.h"
 #ifdef HAVE_REDIS
+#include "server/cluster/redis_bus.h"
 #include "server/cluster/redis_cluster.h"
 #endif
 
 int cluster_place_open(const struct settings *settings, uv_loop_t *loop, struct metrics *metrics,
-                       struct cluster **out, struct error *e) {
-    *out = NULL;
+                       struct cluster_place *out, struct error *e) {
+    *out = (struct cluster_place){0};
     if (!settings->cluster || !*settings->cluster)
         return 0;
 #ifdef HAVE_REDIS
     const struct redis_options options = {settings->cluster, settings->cluster_keep_hours, metrics};
-    *out = redis_cluster_open(loop, &options, e);
-    return *out ? 0 : -1;
+    out->cluster = redis_cluster_open(loop, &options, e);
+    if (out->cluster)
+        out->bus = redis_bus_open(loop, settings->cluster, metrics, e);
+    return out->bus ? 0 : -1;
 #else
     (void)loop, (void)metrics;
     return error_in_field(e, ERROR_BAD_FIELD, "--cluster",
                           "this daemon was built without hiredis, and shares nothing");
 #endif
+}
+
+void cluster_place_close(struct cluster_place *place) {
+    cluster_close(place->cluster);
+    bus_close(place->bus);
+    *place = (struct cluster_place){0};
 }

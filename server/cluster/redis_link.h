@@ -28,6 +28,11 @@ struct redis_link *redis_link_open(uv_loop_t *loop, struct redis_address *addres
                                    void (*changed)(void *ctx, bool up), void *ctx);
 bool redis_link_up(const struct redis_link *link);
 
+/* Right after redis_link_open: the link does nothing but listen to that channel from then on (Redis takes no
+ * other commands on such a connection), and is up while it does. */
+void redis_link_hear(struct redis_link *link, const char *channel,
+                     void (*heard)(void *ctx, const void *data, size_t size), void *ctx);
+
 /* Sends a command; answered may be NULL. False, and no answer, when the link is not up. */
 bool redis_link_send(struct redis_link *link, const struct link_text *words, int count,
                      link_answered answered, void *ctx);
