@@ -21,8 +21,10 @@ struct redis_bus {
     void *ctx;
     char name[BUS_NAME_BYTES];
     struct metrics *metrics;
-    unsigned asked; /* questions on their way; the bus stays until they are answered */
-    bool up, closed;
+    uv_timer_t telling;
+    unsigned users; /* questions on their way, and the timer: the bus stays for them */
+    bool up, told;
+    bool lost; /* since it was told last */
 };
 
 /* A claim, or something sent under a lease, whose answer is waited for. */
@@ -50,15 +52,19 @@ static struct asked *asked_new(struct redis_bus *b, const char *lease, uint64_t 
     a->token = token;
     a->at = uv_now(b->loop);
     snprintf(a->lease, sizeof a->lease, "%s", lease);
-    b->asked++;
+    b->users++;
     return a;
+}
+
+static void done_with(struct redis_bus *b) {
+    if (!--b->users)
+        free(b);
 }
 
 static void asked_free(struct asked *a) {
     struct redis_bus *b = a->bus;
     free(a);
-    if (!--b->asked && b->closed)
-        free(b);
+    done_with(b);
 }
 
 static void on_claimed(void *ctx, const redisReply *reply) {
@@ -133,6 +139,7 @@ static void send_data(struct bus *bus, const struct bus_right *right, const stru
                                            left < RECEIVERS_AT_ONCE ? left : RECEIVERS_AT_ONCE};
         run(b, SCRIPT_SEND, right, &some, &text);
     }
+    redis_link_flush(b->says); /* before it goes to many here */
 }
 
 static void leave(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
@@ -145,6 +152,22 @@ static void leave(struct bus *bus, const struct bus_right *right, const struct b
         publish(b, to->names[i], &text);
 }
 
+static void tell(struct redis_bus *b, bool up) {
+    b->told = up;
+    if (b->ear)
+        b->ear->changed(b->ctx, up);
+}
+
+static void on_telling(uv_timer_t *timer) {
+    struct redis_bus *b = timer->data;
+    if (b->lost && b->told)
+        tell(b, false);
+    b->lost = false;
+    if (b->up && !b->told)
+        tell(b, true);
+}
+
+/* A link may be lost while something is sent by it: then it is told later. */
 static void on_changed(void *ctx, bool up) {
     struct redis_bus *b = ctx;
     (void)up;
@@ -152,15 +175,15 @@ static void on_changed(void *ctx, bool up) {
     if (is == b->up)
         return;
     b->up = is;
+    b->lost |= !is;
     metrics_add(b->metrics, METRIC_BUS_UP, is ? 1 : -1);
-    if (b->ear)
-        b->ear->changed(b->ctx, is);
+    uv_timer_start(&b->telling, on_telling, 0, 0);
 }
 
 static void on_heard(void *ctx, const void *data, size_t size) {
     struct redis_bus *b = ctx;
     metrics_add(b->metrics, METRIC_BUS_HEARD, 1);
-    if (b->ear && b->up)
+    if (b->ear && b->up && b->told)
         b->ear->heard(b->ctx, data, size);
 }
 
@@ -178,14 +201,16 @@ static void set_ear(struct bus *bus, const struct bus_ear *ear, void *ctx) {
     b->ctx = ctx;
 }
 
+static void on_closed(uv_handle_t *timer) {
+    done_with(timer->data);
+}
+
 static void close_bus(struct bus *bus) {
     struct redis_bus *b = (struct redis_bus *)bus;
     b->ear = NULL;
     redis_link_close(b->hears);
     redis_link_close(b->says);
-    b->closed = true;
-    if (!b->asked)
-        free(b);
+    uv_close((uv_handle_t *)&b->telling, on_closed);
 }
 
 static const struct bus_engine redis_bus_engine = {name, up, set_ear, claim, leave, send_data, close_bus};
@@ -199,6 +224,9 @@ struct bus *redis_bus_open(uv_loop_t *loop, const char *address, struct metrics 
     b->bus.engine = &redis_bus_engine;
     b->loop = loop;
     b->metrics = metrics;
+    b->users = 1;
+    uv_timer_init(loop, &b->telling);
+    b->telling.data = b;
     redis_id_make(b->name);
     channel_of(b->name, channel);
     b->says = redis_link_open(loop, &says, on_changed, b);

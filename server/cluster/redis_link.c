@@ -107,6 +107,11 @@ bool redis_link_send(struct redis_link *link, const struct link_text *words, int
     return link->up && ask(link, words, count, answered, ctx);
 }
 
+void redis_link_flush(struct redis_link *link) {
+    if (link->up)
+        redisAsyncHandleWrite(link->redis);
+}
+
 bool redis_link_up(const struct redis_link *link) {
     return link->up;
 }
@@ -149,8 +154,7 @@ static void on_channel(redisAsyncContext *redis, void *any, void *privdata) {
 
 /* Listening to it once more is answered, too, which no other command is on such a connection. */
 static void hear(struct redis_link *link) {
-    const char *words[] = {"SUBSCRIBE", link->channel};
-    if (redisAsyncCommandArgv(link->redis, on_channel, link, 2, words, NULL) != REDIS_OK)
+    if (redisAsyncCommand(link->redis, on_channel, link, "SUBSCRIBE %s", link->channel) != REDIS_OK)
         return;
     if (!link->unanswered++)
         link->heard_at = uv_now(link->loop);

@@ -37,6 +37,10 @@ void redis_link_hear(struct redis_link *link, const char *channel,
 bool redis_link_send(struct redis_link *link, const struct link_text *words, int count,
                      link_answered answered, void *ctx);
 
+/* What was sent leaves now, as far as the system takes it, and not when the loop comes to it. The link may be
+ * lost by that. */
+void redis_link_flush(struct redis_link *link);
+
 /* What waits for an answer gets NULL. Freed when the loop has run out. */
 void redis_link_close(struct redis_link *link);
 
