@@ -20,4 +20,5 @@ void home_here(struct home *h) {
                                       c->idling.still));
     home_tell(h->homes, h->holder, head);
     h->begin = h->stale = false;
+    h->here = home_now(h->homes);
 }

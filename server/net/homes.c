@@ -29,7 +29,7 @@ static void each(struct homes *homes, void (*act)(struct home *home)) {
 static void look(struct home *h) {
     if (bus_up(h->homes->bus))
         home_claim(h);
-    if (h->role == HOME_ELSEWHERE)
+    if (h->role == HOME_ELSEWHERE && (h->stale || !h->recapped || home_now(h->homes) - h->here >= HERE_MS))
         home_here(h);
     branches_look(h);
     if (h->kept_until && h->kept_until <= home_now(h->homes)) {

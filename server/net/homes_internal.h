@@ -19,6 +19,7 @@ enum home_role {
 
 enum {
     BRANCH_MS = 3000, /* one that says nothing for so long is gone */
+    HERE_MS = 1000,   /* it says so at least so often */
     BRANCHES_MOST = 256,
     BRANCH_ENCODINGS = 16, /* ways in which one may want media */
     LEASE_MARGIN_MS = 200, /* so long before its end the home waits for the new one */
@@ -48,6 +49,7 @@ struct home {
     bool recapped; /* a branch has been told what goes on */
     bool begin;    /* somebody waits for media that one can begin with */
     bool stale;    /* the home knows less than is */
+    uint64_t here; /* loop time when a branch has said last that it is there */
 };
 
 struct homes {
