@@ -193,7 +193,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
 }
 
 /* What the begin told, and how far its words have come. */
-void channel_cut(struct channel *c, const struct error *e) {
+uint32_t channel_cut(struct channel *c, const struct error *e) {
     const struct catch_up *up = &c->catch_up;
     struct stream_event event = {.kind = STREAM_ERROR, .error = e, .reason = "failed", .idle = -1};
     json_t *begin = up->begin ? message_read(up->begin) : NULL;
@@ -211,6 +211,7 @@ void channel_cut(struct channel *c, const struct error *e) {
         on_event(c, &(struct stream_event){.kind = STREAM_RESUMED, .idle = -1});
     json_decref(begin);
     json_decref(last);
+    return event.utterance;
 }
 
 static void on_media(void *ctx, const struct media *media) {

@@ -55,7 +55,14 @@ static void keep_notice(struct channel *c, struct queued_message *message) {
     json_decref(told);
 }
 
-static void hand_on_text(struct channel *c, const struct packet *p) {
+static void forget_ended(struct home *h, const struct queued_message *message) {
+    json_t *told = message_read(message);
+    home_waits_no_more(h, (uint32_t)json_integer_value(json_object_get(told, "utterance")));
+    json_decref(told);
+}
+
+static void hand_on_text(struct home *h, const struct packet *p) {
+    struct channel *c = h->channel;
     const char *event = json_string_value(json_object_get(p->head, "event"));
     size_t line = packet_number(p, "line");
     if (!event || line > p->size)
@@ -66,6 +73,8 @@ static void hand_on_text(struct channel *c, const struct packet *p) {
     message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
     if (kind < 0)
         keep_notice(c, message);
+    if (kind == STREAM_END && h->waiting)
+        forget_ended(h, message);
     channel_hand_on(c, &(struct channel_item){.message = message,
                                               .notice = kind < 0,
                                               .kind = kind < 0 ? 0 : (enum stream_event_kind)kind});
@@ -105,7 +114,7 @@ void hand_on(struct home *h, const struct packet *p) {
         return;
     stream_number_above(c->stream, (uint32_t)packet_number(p, "number"));
     if (!strcmp(p->kind, "text"))
-        hand_on_text(c, p);
+        hand_on_text(h, p);
     else if (!strcmp(p->kind, "media"))
         hand_on_media(c, p);
 }

@@ -25,8 +25,10 @@ void home_set_role(struct home *h, enum home_role role) {
 static void cut(struct home *h) {
     struct error e;
     home_error(&e);
-    if (h->role == HOME_ELSEWHERE)
-        channel_cut(h->channel, &e);
+    if (h->role != HOME_ELSEWHERE)
+        return;
+    home_waits_no_more(h, channel_cut(h->channel, &e));
+    home_waits_in_vain(h, &e);
 }
 
 /* What this one speaks comes to its end. */

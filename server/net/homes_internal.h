@@ -46,10 +46,11 @@ struct home {
     uint64_t heal_by;            /* loop time; of ALONE, when the bus is there */
     uint64_t kept_until;         /* loop time; 0: it is not kept */
     struct branch *branches;
-    bool recapped; /* a branch has been told what goes on */
-    bool begin;    /* somebody waits for media that one can begin with */
-    bool stale;    /* the home knows less than is */
-    uint64_t here; /* loop time when a branch has said last that it is there */
+    struct waiting *waiting; /* home_waits.c */
+    bool recapped;           /* a branch has been told what goes on */
+    bool begin;              /* somebody waits for media that one can begin with */
+    bool stale;              /* the home knows less than is */
+    uint64_t here;           /* loop time when a branch has said last that it is there */
 };
 
 struct homes {
@@ -79,6 +80,12 @@ void home_keep(struct home *home, uint64_t ms);
 
 /* Why what was spoken, or ordered, is not. */
 void home_error(struct error *e);
+
+/* home_waits.c: that utterance of a branch has been taken by the home; it has ended; the home is lost, and
+ * their ends are told (e NULL: to nobody). */
+void home_waits(struct home *home, uint32_t utterance, const char *id);
+void home_waits_no_more(struct home *home, uint32_t utterance);
+void home_waits_in_vain(struct home *home, const struct error *e);
 
 /* orders.c */
 void orders_close(struct homes *homes);

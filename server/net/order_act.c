@@ -46,25 +46,34 @@ static json_t *say_to_nobody(struct net *net, const char *room, const struct spe
     return answer;
 }
 
-json_t *order_say(struct net *net, const char *room, const struct speech_request *request, struct error *e) {
+json_t *order_say(struct net *net, const char *room, const struct speech_request *request,
+                  uint32_t *utterance, struct error *e) {
+    *utterance = 0;
     struct channel *c = channel_find(net, room);
     if (c && request->mode == SPEAK_QUIET && stream_busy(channel_stream(c)))
         return error_plain(e, ERROR_BUSY), NULL;
     if (!c || !channel_followers(c) || (!channel_listeners(c) && net->options.hold_seconds))
         return say_to_nobody(net, room, request, e);
     int listeners = (int)channel_listeners(c);
-    stream_speak(channel_stream(c), request);
+    *utterance = stream_speak(channel_stream(c), request);
     return json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", listeners);
+}
+
+static void number(json_t *answer, uint32_t utterance) {
+    if (answer && utterance)
+        json_object_set_new(answer, "utterance", json_integer(utterance));
 }
 
 static json_t *say(struct acting *a, struct error *e) {
     struct speech_request request;
+    uint32_t utterance = 0;
     json_t *answer = NULL;
     request_init(&request);
     if (a->net->draining)
         error_plain(e, ERROR_STOPPING);
     else if (!request_from_json(&request, json_object_get(a->order, "request"), e))
-        answer = order_say(a->net, a->room, &request, e);
+        answer = order_say(a->net, a->room, &request, &utterance, e);
+    number(answer, utterance);
     a->status = 202;
     request_free(&request);
     return answer;
@@ -78,7 +87,7 @@ static json_t *speak(struct acting *a, struct error *e) {
         error_plain(e, ERROR_STOPPING);
     else if (!request_from_json(&request, json_object_get(a->order, "request"), e)) {
         answer = accepted(a);
-        stream_speak(stream_of(a), &request);
+        number(answer, stream_speak(stream_of(a), &request));
     }
     request_free(&request);
     return answer;

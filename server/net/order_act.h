@@ -6,14 +6,18 @@
 
 #include "server/base/error.h"
 #include <jansson.h>
+#include <stdint.h>
 
 struct net;
 struct speech_request;
 
-/* The answer, as HTTP has it; a new reference. */
+/* The answer, as HTTP has it; a new reference. `utterance`, which HTTP has not, is the number of what will be
+ * spoken. */
 json_t *order_act(struct net *net, const char *room, const json_t *order, unsigned *status);
 
-/* Speaks the request to who is in the room, or keeps it until somebody is. NULL with *e. */
-json_t *order_say(struct net *net, const char *room, const struct speech_request *request, struct error *e);
+/* Speaks the request to who is in the room, under the number *utterance (0: it is refused, or kept until
+ * somebody is there). NULL with *e. */
+json_t *order_say(struct net *net, const char *room, const struct speech_request *request,
+                  uint32_t *utterance, struct error *e);
 
 #endif

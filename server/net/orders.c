@@ -50,6 +50,7 @@ static void fail(struct order *o) {
 static void act(struct order *o) {
     unsigned status;
     json_t *answer = order_act(o->homes->net, o->channel->name, o->asked, &status);
+    json_object_del(answer, "utterance"); /* its end is told by the stream that is here */
     end(o, status, answer);
     json_decref(answer);
 }
@@ -156,13 +157,24 @@ void orders_heard(struct homes *homes, const struct packet *p) {
     home_tell(homes, p->from, head);
 }
 
+static void take_utterance(const struct order *o, json_t *answer) {
+    const json_t *utterance = json_object_get(answer, "utterance");
+    const json_t *request = json_object_get(o->asked, "request");
+    if (utterance)
+        home_waits(o->channel->home, (uint32_t)json_integer_value(utterance),
+                   json_string_value(json_object_get(request, "id")));
+    json_object_del(answer, "utterance");
+}
+
 void orders_answered(struct homes *homes, const struct packet *p) {
     uint64_t number = packet_number(p, "number"), status = packet_number(p, "status");
     struct order *o = homes->orders;
     while (o && o->number != number)
         o = o->next;
+    json_t *answer = json_object_get(p->head, "answer");
     if (o && status) {
-        end(o, (unsigned)status, json_object_get(p->head, "answer"));
+        take_utterance(o, answer);
+        end(o, (unsigned)status, answer);
     } else if (o) { /* it is not the home, and did nothing: who is? */
         o->sent = false;
         if (o->tries++ < TRIES_AT_ONCE)

@@ -40,6 +40,7 @@ static int say_end(void *self) {
     struct speech_request request;
     struct error e;
     json_t *answer = NULL, *wanted;
+    uint32_t utterance;
     request_init(&request);
     int failed = post_text_request(&say->text, &request, &e);
     if (!failed && room_order_needed(x)) {
@@ -50,7 +51,8 @@ static int say_end(void *self) {
         return error_plain(&e, ERROR_BAD_UTF8), exchange_error(x, &e);
     }
     if (!failed)
-        answer = order_say(exchange_net(x), http_query(exchange_request(x), "room"), &request, &e);
+        answer =
+            order_say(exchange_net(x), http_query(exchange_request(x), "room"), &request, &utterance, &e);
     request_free(&request);
     return answer ? exchange_json(x, 202, answer) : exchange_error(x, &e);
 }

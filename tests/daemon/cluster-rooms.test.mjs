@@ -225,6 +225,8 @@ test('a home that dies while it speaks: the listeners are told, and another daem
   others[0].send({ type: 'speak', id: 'cut', text: LONG });
   for (const listener of others) await listener.heard({ type: 'word', text: 'frase' });
   const { token } = await homeOf(room);
+  others[1].send({ type: 'speak', id: 'waited', text: TEXT });
+  assert.equal((await post(daemons[0], `/v1/say?room=${room}&lang=it&id=posted`, TEXT)).listeners, 3);
   const died = Date.now();
   await end(fourth);
   for (const listener of others) {
@@ -232,6 +234,9 @@ test('a home that dies while it speaks: the listeners are told, and another daem
     const { utterance, duration } = await listener.heard({ type: 'end', id: 'cut', reason: 'failed' });
     assert.ok(utterance === listener.find({ type: 'begin' }).utterance && duration > 0);
   }
+  // what waited has its end where it was asked for
+  await others[1].heard({ type: 'end', id: 'waited', reason: 'failed' });
+  await others[0].heard({ type: 'end', id: 'posted', reason: 'failed' });
   const next = await homeOf(room);
   assert.ok(next.token > token);
   console.log(`# taken over within ${Date.now() - died} ms`);
@@ -239,7 +244,7 @@ test('a home that dies while it speaks: the listeners are told, and another daem
   for (const listener of others) {
     await listener.heard({ type: 'end', id: 'next', reason: 'done' });
     assert.ok(listener.find({ type: 'begin', id: 'next' }).utterance > listener.find({ type: 'begin', id: 'cut' }).utterance);
-    assert.equal(listener.frames.filter(({ type }) => type === 'end').length, 2);
+    assert.equal(listener.frames.filter(({ type }) => type === 'end').length, 3);
     listener.close();
   }
   there.close();
