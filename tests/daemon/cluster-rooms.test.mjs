@@ -312,6 +312,33 @@ test('without Redis each daemon speaks for its own, and they heal', async () => 
   for (const listener of listeners) listener.close();
 });
 
+test('a Redis that forgets everything, or stands still, costs one utterance at most', async () => {
+  const room = 'forgot';
+  const listeners = [];
+  for (const daemon of daemons) listeners.push(await Listener.open(daemon, room));
+  for (const [id, harm] of [
+    ['flushed', () => redis.cli('flushall')],
+    ['stands', () => redis.process.kill('SIGSTOP')],
+  ]) {
+    await followed(room, 3);
+    const { token } = await homeOf(room);
+    listeners[1].send({ type: 'speak', id, text: TEXT });
+    for (const listener of listeners) await listener.heard({ type: 'begin', id });
+    harm();
+    for (const listener of listeners) await listener.heard({ type: 'end', id });
+    redis.process.kill('SIGCONT');
+    for (const daemon of daemons) await up(daemon);
+    await eventually(async () => (await homeOf(room)).token > token, 'a new token');
+    await followed(room, 3);
+    for (const listener of listeners) listener.send({ type: 'speak', id: `${id}-after`, text: 'Uno.' });
+    for (const listener of listeners) {
+      await eventually(() => listener.frames.filter((frame) => frame.type === 'end' && frame.id === `${id}-after`).length === 3, 'three ends');
+      assert.equal(listener.frames.filter((frame) => frame.type === 'end' && frame.id === id).length, 1);
+    }
+  }
+  for (const listener of listeners) listener.close();
+});
+
 test('what is no message of another daemon is passed over', async () => {
   const listener = await Listener.open(daemons[0], 'nonsense');
   const { token } = await homeOf('nonsense');
