@@ -10,6 +10,7 @@
 #include <string.h>
 #include <unistd.h>
 
+enum { HEAD_BYTES = 256 };
 #define JSON_FLAGS (JSON_COMPACT | JSON_REAL_PRECISION(9))
 
 static uint32_t clip(double seconds, const struct aligned_recording *r, uint64_t from, uint64_t to) {
@@ -159,9 +160,21 @@ int aligned_recording_save(const struct aligned_recording *r, const char *path, 
     return well ? 0 : -1;
 }
 
+/* The members before the lists, which may be long, if all that is asked for is among them. */
+static json_t *head_of(const char *json, size_t size) {
+    const char *list = memchr(json, '[', size < HEAD_BYTES ? size : HEAD_BYTES);
+    char head[HEAD_BYTES + 4];
+    int length = list ? snprintf(head, sizeof head, "%.*s[]}", (int)(list - json), json) : 0;
+    json_t *root = length ? json_loadb(head, (size_t)length, 0, NULL) : NULL;
+    if (json_object_get(root, "samples") && json_object_get(root, "text"))
+        return root;
+    json_decref(root);
+    return json_loadb(json, size, 0, NULL);
+}
+
 bool aligned_recording_is_of(const char *json, size_t size, const char *text, size_t text_size,
                              uint64_t samples) {
-    json_t *root = json_loadb(json, size, 0, NULL);
+    json_t *root = head_of(json, size);
     const json_t *made_of = json_object_get(root, "samples");
     const char *made_for = json_string_value(json_object_get(root, "text"));
     char hash[24];

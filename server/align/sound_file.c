@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/align/sound_file.h"
 #include "server/base/mem.h"
+#include <math.h>
 #include <sndfile.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,7 +15,7 @@ struct sound_file {
     int channels;
     uint64_t at; /* the frame that is read next */
     struct sound_source source;
-    short frames[FRAMES * CHANNELS_MAX];
+    float frames[FRAMES * CHANNELS_MAX];
 };
 
 static size_t read_frames(void *ctx, uint64_t from, int16_t *out, size_t count) {
@@ -25,12 +26,14 @@ static size_t read_frames(void *ctx, uint64_t from, int16_t *out, size_t count) 
     s->at = from;
     while (done < count) {
         size_t want = count - done < FRAMES ? count - done : FRAMES;
-        sf_count_t got = sf_readf_short(s->file, s->frames, (sf_count_t)want);
+        /* as shorts, files of floats would be read as a whole first, to scale them */
+        sf_count_t got = sf_readf_float(s->file, s->frames, (sf_count_t)want);
         for (sf_count_t i = 0; i < got; i++) {
-            int sum = 0;
+            float sum = 0;
             for (int c = 0; c < s->channels; c++)
                 sum += s->frames[i * s->channels + c];
-            out[done++] = (int16_t)(sum / s->channels);
+            sum *= 32768 / (float)s->channels;
+            out[done++] = (int16_t)lrintf(fmaxf(-32768, fminf(32767, sum)));
         }
         s->at += got > 0 ? (uint64_t)got : 0;
         if (got < (sf_count_t)want)
@@ -53,7 +56,6 @@ struct sound_file *sound_open(const char *path, struct error *e) {
     else if (info.frames < 1 || !info.seekable)
         error_set(e, CODE, "%.160s: there is no sound in it", path);
     else {
-        sf_command(s->file, SFC_SET_SCALE_FLOAT_INT_READ, NULL, SF_TRUE);
         s->channels = info.channels;
         s->source = (struct sound_source){read_frames, s, (uint32_t)info.samplerate, (uint64_t)info.frames};
         return s;

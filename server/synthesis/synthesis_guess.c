@@ -147,5 +147,6 @@ bool guess_take(struct synthesis *s, struct slot *slot, void (*deliver)(struct s
     slot->audio = g->audio;
     g->audio = NULL;
     guess_drop(s);
+    writing_wake(s, 0); /* nothing else would come that hands it on */
     return true;
 }

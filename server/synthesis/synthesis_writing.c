@@ -11,7 +11,7 @@ enum { SETTLE_MS = 200 };
 
 /* The same where it can hardly be anything else, and a program writes, not a person letter by letter: such
  * write a token in less than BRISK_MS on average. */
-enum { SURE_MS = 20, BRISK_MS = 80 };
+enum { SURE_MS = 13, BRISK_MS = 80 };
 
 static void on_timer(uv_timer_t *timer);
 

@@ -81,7 +81,6 @@ struct sentence_audio *sound_read(const char *path, double volume, uint32_t samp
     struct sentence_audio *u = mem_alloc(sizeof *u);
     size_t limit = (size_t)SOUND_SECONDS * (size_t)info.samplerate;
     u->sample_rate = (uint32_t)info.samplerate;
-    sf_command(file, SFC_SET_SCALE_FLOAT_INT_READ, NULL, SF_TRUE);
     read_mono(file, &info, volume, u, limit);
     sf_close(file);
     u->phones = mem_alloc(sizeof *u->phones);

@@ -151,3 +151,22 @@ test('what is known is not found again; another text or sound is; what is only t
 
   await stop();
 });
+
+test('times that lie beside a recording are taken as they are: a TextGrid', async () => {
+  const at = (ending) => path.join(works, `griglia.${ending}`);
+  put('griglia.md', work(`${MONTE}\n\n${NOTTE}`));
+  execFileSync(path.join(ordinary, 'server/app/faccia'), ['say', '--lang', 'it', '--wav', at('wav'), '--textgrid', at('TextGrid'), '--json', path.join(folder, 'griglia.json'), `${MONTE} ${NOTTE}`]);
+  const said = JSON.parse(fs.readFileSync(path.join(folder, 'griglia.json'))).words;
+  daemon = await Daemon.start(options(100), {}, { program: path.join(ordinary, 'server/app/facciad') });
+  await until('griglia', 'aligned');
+  const { words } = await (await daemon.get('/v1/speech?passage=griglia:1:p1&voice=recording&format=json')).json();
+  assert.equal(words.length, 11);
+  for (const [i, { start, text }] of words.entries())
+    assert.ok(text === said[i].text && Math.abs(start - words[0].start - (said[i].start - said[0].start)) < 0.02, `${text} ${start}, ${said[i].text} ${said[i].start}`);
+  assert.doesNotMatch(daemon.log, /griglia\.wav is being aligned/);
+  fs.writeFileSync(at('TextGrid'), 'this is no grid');
+  const answer = await daemon.get('/v1/speech?passage=griglia:1:p2&voice=recording&format=json');
+  assert.ok(answer.status >= 400);
+  assert.match(await answer.text(), /griglia\.TextGrid:1:1/);
+  await stop();
+});

@@ -6,7 +6,7 @@ import http from 'node:http';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { setTimeout as sleep } from 'node:timers/promises';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { build, Daemon, eventually } from '../lib/daemon.mjs';
 import { violations } from '../lib/schema.mjs';
 
 let daemon;
@@ -127,6 +127,18 @@ test('what seems to have ended is spoken ahead; a wrong guess is never heard', a
   // a text full of stops asks for no more than a few
   const dots = await speaks('dots', Array.from({ length: 40 }, (_, i) => `word${'abcdefghij'[i % 10]}.`));
   assert.ok(dots.asked <= 3 + dots.sentences.length, `${dots.asked} of ${dots.sentences.length}`);
+  // spoken before the next token comes, it is heard with that one
+  const early = await daemon.stream(), before = await daemon.metric('faccia_sentences_total{result="spoken"}');
+  early.send({ type: 'speak', id: 'e', lang: 'en', open: true, text: 'She runs' });
+  early.send({ type: 'text', id: 'e', text: ' away.' });
+  await eventually(async () => (await daemon.metric('faccia_sentences_total{result="spoken"}')) > before, 'the guess');
+  early.send({ type: 'text', id: 'e', text: ' He' });
+  for (let i = 0; i < 20; i++) {
+    early.send({ type: 'ping', id: `${i}` });
+    await early.wait({ type: 'pong', id: `${i}` });
+  }
+  assert.equal(of(early, 'e', 'begin').length, 1);
+  await early.close();
   // cut in the middle of a guess, and gone in the middle of one
   const stream = await daemon.stream();
   for (const how of [{ type: 'cancel', id: 'g' }, { type: 'stop' }]) {

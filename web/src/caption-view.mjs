@@ -67,6 +67,8 @@ export class CaptionView {
 
   #write(parts) {
     this.spans.forEach((span, i) => (span.textContent = parts[i]));
-    this.box.classList.toggle('empty', !parts.some(Boolean));
+    const empty = !parts.some(Boolean);
+    this.box.classList.toggle('empty', empty);
+    this.box.part.toggle('captions-empty', empty);
   }
 }

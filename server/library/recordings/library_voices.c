@@ -14,7 +14,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static const char *const times_endings[] = {".TextGrid", ".lab", ".mlf", ".times", NULL};
+static const char *const times_endings[] = {".TextGrid", ".textgrid", ".lab", ".mlf", ".times", NULL};
 
 /* What is spoken of the sections, one after the other: what a passage says is a stretch of it. */
 struct spoken {

@@ -47,6 +47,9 @@ vec3 shineOf(vec3 n, vec3 v, vec4 base, vec4 reach) {
   vec3 mirror = reflect(-v, n);
   color += mix(GROUND, SKY, 0.5 + 0.5 * mirror.y) * (f0 + rim * 0.25) * reach.x * reach.x * 0.6;
   color *= specular * 2.6;
+#if KIND == 1
+  color *= smoothstep(0.004, 0.02, dot(base.rgb, vec3(0.3, 0.6, 0.1))); // roots of hair are painted on skin, and are no skin
+#endif
 #endif
   return color;
 }
