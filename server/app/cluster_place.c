@@ -3,6 +3,7 @@
 #ifdef HAVE_REDIS
 #include "server/cluster/redis_bus.h"
 #include "server/cluster/redis_cluster.h"
+#include "server/cluster/redis_work.h"
 #endif
 
 int cluster_place_open(const struct settings *settings, uv_loop_t *loop, struct metrics *metrics,
@@ -12,10 +13,12 @@ int cluster_place_open(const struct settings *settings, uv_loop_t *loop, struct 
         return 0;
 #ifdef HAVE_REDIS
     const struct redis_options options = {settings->cluster, settings->cluster_keep_hours, metrics};
-    out->cluster = redis_cluster_open(loop, &options, e);
-    if (out->cluster)
-        out->bus = redis_bus_open(loop, settings->cluster, metrics, e);
-    return out->bus ? 0 : -1;
+    const struct redis_work_options queue = {settings->cluster, settings->cluster_queue, metrics};
+    if (!(out->cluster = redis_cluster_open(loop, &options, e)) ||
+        !(out->bus = redis_bus_open(loop, settings->cluster, metrics, e)) ||
+        !(out->work = redis_work_open(loop, &queue, e)))
+        return -1;
+    return 0;
 #else
     (void)loop, (void)metrics;
     return error_in_field(e, ERROR_BAD_FIELD, "--cluster",
@@ -26,5 +29,6 @@ int cluster_place_open(const struct settings *settings, uv_loop_t *loop, struct 
 void cluster_place_close(struct cluster_place *place) {
     cluster_close(place->cluster);
     bus_close(place->bus);
+    work_close(place->work);
     *place = (struct cluster_place){0};
 }

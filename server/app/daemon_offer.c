@@ -9,6 +9,7 @@ struct daemon_offer {
     struct offer_language *languages;
     const char **engines; /* of the languages, one list after the other */
     struct offer_expression *expressions;
+    const struct expressions *expressions_of; /* a share of what they describe */
     struct offer_voice *voices;
     const struct voice *voices_of; /* the pool's list that they describe */
 };
@@ -38,6 +39,11 @@ static void describe_languages(struct daemon_offer *o) {
 static void describe_expressions(struct daemon_offer *o) {
     const struct expressions *expressions = o->pipeline->expressions;
     size_t count = expressions_count(expressions);
+    if (expressions == o->expressions_of)
+        return;
+    free(o->expressions);
+    expressions_free(o->expressions_of);
+    o->expressions_of = expressions_share(expressions);
     o->expressions = mem_alloc((count + 1) * sizeof *o->expressions);
     for (size_t i = 0; i < count; i++) {
         struct expression_info info = expressions_info(expressions, i);
@@ -78,6 +84,7 @@ static void describe_voices(struct daemon_offer *o) {
 static const struct offer *now(void *ctx) {
     struct daemon_offer *o = ctx;
     describe_voices(o);
+    describe_expressions(o);
     return &o->offer;
 }
 
@@ -87,7 +94,6 @@ struct daemon_offer *daemon_offer_new(const struct pipeline *pipeline) {
     o->offer.default_lang = pipeline->default_lang;
     o->offer.engines = face_engines();
     describe_languages(o);
-    describe_expressions(o);
     return o;
 }
 
@@ -97,6 +103,7 @@ void daemon_offer_free(struct daemon_offer *o) {
     free(o->languages);
     free(o->engines);
     free(o->expressions);
+    expressions_free(o->expressions_of);
     free(o->voices);
     free(o);
 }

@@ -8,7 +8,7 @@
 
 struct daemon_offer;
 
-/* The pipeline is borrowed; its voices may come later, its packs and expressions are there. */
+/* The pipeline is borrowed; its voices may come later, its expressions may be replaced. */
 struct daemon_offer *daemon_offer_new(const struct pipeline *pipeline);
 void daemon_offer_free(struct daemon_offer *offer);
 struct offer_source daemon_offer_source(struct daemon_offer *offer);

@@ -22,7 +22,7 @@ static const char usage[] =
 struct check {
     const struct markup_kind *kind;
     bool score;
-    struct expressions *expressions;
+    const struct expressions *expressions;
 };
 
 static void report(const char *path, const char *severity, const struct error *e, const struct buf *text) {
@@ -123,7 +123,7 @@ int check_main(int argc, char **argv, const struct settings *settings) {
         stages_free(&stages);
         return EXIT_FAILED;
     }
-    c.expressions = stages.expressions;
+    c.expressions = stages.pipeline.expressions;
     struct cli_file out = {.file = stdout, .path = "standard output"};
     int result = EXIT_DONE;
     for (int i = optind; i < argc; i++)

@@ -148,8 +148,8 @@ int expressions_main(int argc, char **argv, const struct settings *settings) {
     if (result < 0) {
         struct stages stages;
         result = cli_load(&stages, settings, STAGES_EXPRESSIONS, NULL) ? EXIT_FAILED
-                 : asked.wish_count ? write_poses(stages.expressions, &asked)
-                                    : list(stages.expressions, &asked);
+                 : asked.wish_count ? write_poses(stages.pipeline.expressions, &asked)
+                                    : list(stages.pipeline.expressions, &asked);
         stages_free(&stages);
     }
     free(asked.wishes);

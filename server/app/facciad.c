@@ -54,12 +54,20 @@ static void complain(const struct error *e) {
     log_error("%s (%s)", error_text(e, text, sizeof text), error_name(e->code));
 }
 
+static void on_gestures(void *ctx) {
+    struct daemon *d = ctx;
+    struct error e;
+    if (stages_load_expressions(&d->stages, &d->settings, &e))
+        complain(&e);
+}
+
 /* The network's section, with what is no setting. */
-static struct net_options net_options_of(const struct daemon *d) {
+static struct net_options net_options_of(struct daemon *d) {
     struct net_options options = d->settings.net;
     options.models = d->settings.models;
     options.library = d->library;
     options.gestures = d->settings.gestures;
+    options.on_gestures = (struct shelf_listener){on_gestures, d};
     options.works = d->settings.library;
     options.listen_fds = d->sockets;
     options.listen_count = d->socket_count;
@@ -211,6 +219,7 @@ static int start(struct daemon *d, struct error *e) {
         cluster_place_open(s, &d->loop, &d->metrics, &d->place, e))
         return -1;
     voices.cluster = d->place.cluster;
+    voices.work = d->place.work;
     if (d->voice_config)
         voices.config = d->voice_config;
     pipeline->metrics = voices.metrics = &d->metrics;

@@ -30,14 +30,10 @@ static const char *variable(const struct setting *setting, char out[64]) {
     return out;
 }
 
-static bool has(enum program program, const struct setting *setting) {
-    return program == PROGRAM_DAEMON || setting->program == FOR_BOTH;
-}
-
 static int from_environment(struct settings *s, enum program program, struct error *e) {
     char name[64];
     for (size_t i = 0; i < settings_count; i++) {
-        if (!has(program, &settings_table[i]))
+        if (!setting_is_of(program, &settings_table[i]))
             continue;
         const char *value = getenv(variable(&settings_table[i], name));
         if (value && *value && setting_from_text(s, &settings_table[i], value, name, e))
@@ -49,7 +45,9 @@ static int from_environment(struct settings *s, enum program program, struct err
 enum { OPTION_HELP = 1000, OPTION_VERSION, OPTION_PRINT, OPTION_SCHEMA, OPTION_CONFIG };
 
 static const char *name_of(enum program program) {
-    return program == PROGRAM_DAEMON ? "facciad" : "faccia";
+    static const char *const names[] = {
+        [PROGRAM_DAEMON] = "facciad", [PROGRAM_COMMANDS] = "faccia", [PROGRAM_WORKER] = "faccia-worker"};
+    return names[program];
 }
 
 static int read_options(struct settings *s, struct settings_request *request, enum program program, int argc,
@@ -66,14 +64,15 @@ static int read_options(struct settings *s, struct settings_request *request, en
     }
     for (size_t i = 0; i < settings_count; i++) {
         const struct setting *setting = &settings_table[i];
-        if (has(program, setting))
+        if (setting_is_of(program, setting))
             options[count++] = (struct option){setting->option, setting->type != SETTING_FLAG, NULL, (int)i};
     }
     bool listed[SETTINGS_MAX] = {false};
     char name[64];
     optind = 0; /* begin anew: one may have been at it, in another order */
     opterr = !only_request;
-    for (int c; (c = getopt_long(argc, argv, program == PROGRAM_DAEMON ? "h" : "+h", options, NULL)) != -1;) {
+    for (int c;
+         (c = getopt_long(argc, argv, program == PROGRAM_COMMANDS ? "+h" : "h", options, NULL)) != -1;) {
         if (c == 'h' || c == OPTION_HELP)
             request->help = true;
         else if (c == OPTION_VERSION)
@@ -97,8 +96,9 @@ static int read_options(struct settings *s, struct settings_request *request, en
         }
     }
     request->rest = optind;
-    if (optind < argc && program == PROGRAM_DAEMON)
-        return error_set(e, ERROR_BAD_OPTION, "unexpected '%s'; try 'facciad --help'", argv[optind]);
+    if (optind < argc && program != PROGRAM_COMMANDS)
+        return error_set(e, ERROR_BAD_OPTION, "unexpected '%s'; try '%s --help'", argv[optind],
+                         name_of(program));
     return 0;
 }
 
@@ -180,7 +180,7 @@ void settings_help(enum program program, struct buf *out) {
                     "      --version                print the version and exit\n\n");
     for (size_t i = 0; i < settings_count; i++) {
         const struct setting *setting = &settings_table[i];
-        if (!has(program, setting))
+        if (!setting_is_of(program, setting))
             continue;
         snprintf(option, sizeof option, "--%s%s%s", setting->option, setting->shape ? " " : "",
                  setting->shape ? setting->shape : "");
@@ -192,7 +192,7 @@ void settings_help(enum program program, struct buf *out) {
         buf_printf(out, " [%s]\n", setting->path);
     }
     const struct setting *example = &settings_table[1];
-    while (!has(program, example))
+    while (!setting_is_of(program, example))
         example++;
     buf_printf(
         out,

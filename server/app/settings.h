@@ -26,6 +26,7 @@ struct settings {
     unsigned align_percent; /* of a processor, for aligning the library's recordings; 0 = none is */
     const char *cluster;    /* where the daemons have what they share; NULL = it is alone */
     unsigned cluster_keep_hours;
+    unsigned cluster_queue; /* sentences that may wait for workers elsewhere, for each kind of voices */
     const char *lang;
     enum face_contacts contacts; /* of requests that say "engine" */
     const char *token_file;      /* NULL = none */
@@ -33,7 +34,8 @@ struct settings {
     unsigned stop_seconds;
 };
 
-enum program { PROGRAM_DAEMON, PROGRAM_COMMANDS /* has those of the settings that concern it */ };
+/* The others have those of the settings that concern them. */
+enum program { PROGRAM_DAEMON, PROGRAM_COMMANDS, PROGRAM_WORKER };
 
 /* What the command line asks for besides settings. */
 struct settings_request {

@@ -33,6 +33,9 @@ struct setting {
 extern const struct setting settings_table[];
 extern const size_t settings_count;
 
+/* Does the setting concern the program? */
+bool setting_is_of(enum program program, const struct setting *setting);
+
 /* -1 with *e, whose field is name. */
 int setting_from_text(struct settings *s, const struct setting *setting, const char *text, const char *name,
                       struct error *e);

@@ -59,10 +59,14 @@ const struct setting settings_table[] = {
     {"voices.plugins", "voice-config", SETTING_OBJECT, MEMBER(voices.config), FOR_BOTH, 0, 0, NULL, "FILE",
      "JSON object: the settings of each plugin, by its name"},
     {"cluster.address", "cluster", SETTING_STRING, MEMBER(cluster), FOR_DAEMON, 0, 0, NULL, "URL",
-     "share rooms and finished sentences with other daemons over the Redis at "
+     "share rooms and finished sentences with other daemons, and the voices of faccia-worker, over the Redis "
+     "at "
      "redis://[[USER]:PASSWORD@]HOST[:PORT][/N]"},
     {"cluster.keep_hours", "cluster-keep", SETTING_NUMBER, MEMBER(cluster_keep_hours), FOR_DAEMON, 1, 100000,
      "168", "N", "a sentence that nobody asks for stays there for so many hours"},
+    {"cluster.queue", "cluster-queue", SETTING_NUMBER, MEMBER(cluster_queue), FOR_DAEMON, 1, 100000, "1000",
+     "N",
+     "sentences that may wait there for the workers of one voice plugin; what is made ahead has half of it"},
     {"limits.text_bytes", "max-text", SETTING_NUMBER, MEMBER(net.text_bytes), FOR_DAEMON, 1, 100 << 20,
      "100000", "N", "longest text of one request, bytes"},
     {"limits.message_bytes", "max-message", SETTING_NUMBER, MEMBER(net.message_bytes), FOR_DAEMON, 64,

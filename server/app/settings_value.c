@@ -209,8 +209,7 @@ static int set_member(struct settings *s, enum program program, const char *grou
     snprintf(path, sizeof path, "%s.%s", group, key);
     for (size_t i = 0; i < settings_count; i++)
         if (!strcmp(settings_table[i].path, path))
-            return json_is_null(value) ||
-                           (program == PROGRAM_COMMANDS && settings_table[i].program != FOR_BOTH)
+            return json_is_null(value) || !setting_is_of(program, &settings_table[i])
                        ? 0
                        : set_from_json(s, &settings_table[i], value, e);
     struct near near = near_to(path);

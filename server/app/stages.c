@@ -16,15 +16,20 @@ static int fail_in(const char *path, const struct error *inner, struct error *e)
     return error_set(e, inner->code, "%s: %s", path, error_text(inner, text, sizeof text));
 }
 
-static int load_expressions(struct stages *s, const struct settings *settings, struct error *e) {
+int stages_load_expressions(struct stages *s, const struct settings *settings, struct error *e) {
     char path[PATH_BYTES];
     struct error inner = {0};
-    s->expressions = expressions_load(in_models(settings, "expressions.json", path), &inner);
-    if (!s->expressions)
+    struct expressions *all = expressions_load(in_models(settings, "expressions.json", path), &inner);
+    if (!all)
         return fail_in(path, &inner, e);
-    if (gestures_load(s->expressions, in_models(settings, "gestures", path), e))
+    if (gestures_load(all, in_models(settings, "gestures", path), e) ||
+        (settings->gestures && gestures_load(all, settings->gestures, e))) {
+        expressions_free(all);
         return -1;
-    return settings->gestures ? gestures_load(s->expressions, settings->gestures, e) : 0;
+    }
+    expressions_free(s->pipeline.expressions);
+    s->pipeline.expressions = all;
+    return 0;
 }
 
 static int load_boundaries(struct stages *s, const char *path, struct error *e) {
@@ -44,17 +49,16 @@ int stages_load(struct stages *s, const struct settings *settings, unsigned want
                                     .sounds = settings->sounds};
     if (wanted & STAGES_SPEECH && speech_packs_load(&s->packs, in_models(settings, "speech", path), e))
         return -1;
-    if (wanted & STAGES_EXPRESSIONS && load_expressions(s, settings, e))
+    if (wanted & STAGES_EXPRESSIONS && stages_load_expressions(s, settings, e))
         return -1;
     if (wanted & STAGES_NORMALIZATION &&
         normalizers_load(&s->normalizers, in_models(settings, "normalization", path), e))
         return -1;
     if (wanted & STAGES_BOUNDARIES && load_boundaries(s, in_models(settings, "boundaries.json", path), e))
         return -1;
-    if (s->expressions && s->packs.count)
+    if (s->pipeline.expressions && s->packs.count)
         s->high_level =
-            face_high_level_new(speech_packs_find(&s->packs, SPEECH_PACK_GENERAL), s->expressions);
-    s->pipeline.expressions = s->expressions;
+            face_high_level_new(speech_packs_find(&s->packs, SPEECH_PACK_GENERAL), s->pipeline.expressions);
     s->pipeline.high_level = s->high_level;
     s->pipeline.normalizers = &s->normalizers;
     return 0;
@@ -75,7 +79,7 @@ void stages_stop_voices(struct stages *s) {
 
 void stages_free(struct stages *s) {
     speech_packs_free(&s->packs);
-    expressions_free(s->expressions);
+    expressions_free(s->pipeline.expressions);
     face_high_level_free(s->high_level);
     normalizers_free(&s->normalizers);
     boundary_table_free(s->boundaries);

@@ -18,16 +18,20 @@ enum {
 
 struct stages {
     struct speech_packs packs;
-    struct expressions *expressions;
     struct face_high_level *high_level;
     struct normalizers normalizers;
     struct boundary_table *boundaries;
-    struct pipeline pipeline; /* all of that; what else it has is for the caller to fill in */
+    struct pipeline
+        pipeline; /* all of that, and the expressions; what else it has is for the caller to fill in */
 };
 
 /* Reads the files. loop NULL: nothing will be spoken. -1 with *e; call stages_free all the same. */
 int stages_load(struct stages *stages, const struct settings *settings, unsigned wanted, uv_loop_t *loop,
                 struct error *e);
+
+/* Reads the expressions and the gestures again: what is asked for from now on has these. -1 with *e; then it
+ * has those of before. */
+int stages_load_expressions(struct stages *stages, const struct settings *settings, struct error *e);
 
 /* Starts the voices, which the pipeline has from then on: voices is a copy of the settings' section, with
  * what no setting says but their boundaries. ready as voice_pool_open has it. -1 with *e. */

@@ -49,6 +49,10 @@ static const struct {
                            "Rooms of a cluster by which daemon speaks in them; alone: each for its own."},
     [METRIC_ROOMS_ELSEWHERE] = {"faccia_cluster_rooms", "{home=\"elsewhere\"}", "gauge", ""},
     [METRIC_ROOMS_ALONE] = {"faccia_cluster_rooms", "{home=\"alone\"}", "gauge", ""},
+    [METRIC_CLUSTER_QUEUE_LIVE] =
+        {"faccia_cluster_queue_sentences", "{turn=\"live\"}", "gauge",
+         "Sentences of all daemons that wait for workers elsewhere, or are spoken there."},
+    [METRIC_CLUSTER_QUEUE_AHEAD] = {"faccia_cluster_queue_sentences", "{turn=\"ahead\"}", "gauge", ""},
     [METRIC_SOUND_LEVEL] =
         {"faccia_sound_level", "", "gauge",
          "Level of the sound's coding: 0 is the best, more is plainer and takes less time."},

@@ -22,6 +22,12 @@ struct shelf {
     size_t most;             /* documents */
 };
 
+/* What is called when a document was saved or removed. */
+struct shelf_listener {
+    void (*changed)(void *ctx); /* NULL: nobody wants to know */
+    void *ctx;
+};
+
 /* What a change rests on; one of them has to be said where the document is there: "condition-needed". */
 struct shelf_condition {
     const char *match; /* list of tags (If-Match), of which it must have one, or "*"; NULL: not said */

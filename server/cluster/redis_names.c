@@ -9,14 +9,17 @@ static void write_hex(const unsigned char *bytes, size_t count, char *out) {
         snprintf(out + 2 * i, 3, "%02x", bytes[i]);
 }
 
-void redis_names_of(const struct buf *key, struct redis_names *names) {
+void redis_hash_of(const struct buf *key, char hex[REDIS_HASH_BYTES]) {
     unsigned char digest[EVP_MAX_MD_SIZE];
-    unsigned count = 0;
-    char hex[2 * EVP_MAX_MD_SIZE + 1] = "";
-    EVP_Digest(key->data, key->size, digest, &count, EVP_sha256(), NULL);
-    write_hex(digest, count, hex);
-    snprintf(names->value, sizeof names->value, "faccia:{%.64s}:speech", hex);
-    snprintf(names->claim, sizeof names->claim, "faccia:{%.64s}:making", hex);
+    EVP_Digest(key->data, key->size, digest, NULL, EVP_sha256(), NULL);
+    write_hex(digest, (REDIS_HASH_BYTES - 1) / 2, hex);
+}
+
+void redis_names_of(const struct buf *key, struct redis_names *names) {
+    char hex[REDIS_HASH_BYTES];
+    redis_hash_of(key, hex);
+    snprintf(names->value, sizeof names->value, "faccia:{%s}:speech", hex);
+    snprintf(names->claim, sizeof names->claim, "faccia:{%s}:making", hex);
 }
 
 void redis_id_make(char id[REDIS_ID_BYTES]) {

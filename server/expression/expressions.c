@@ -16,8 +16,16 @@ void expression_free(struct expression *x) {
     free(x->keys);
 }
 
-void expressions_free(struct expressions *all) {
-    if (!all)
+const struct expressions *expressions_share(const struct expressions *shared) {
+    struct expressions *all = (struct expressions *)shared; /* what it says stays as it is */
+    if (all)
+        atomic_fetch_add(&all->others, 1);
+    return shared;
+}
+
+void expressions_free(const struct expressions *shared) {
+    struct expressions *all = (struct expressions *)shared;
+    if (!all || atomic_fetch_sub(&all->others, 1))
         return;
     for (size_t i = 0; i < all->count; i++)
         expression_free(&all->items[i]);

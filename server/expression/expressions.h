@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The expressions file, models/expressions.json: how affects, performatives, accents and the other cues of a
- * score look and sound. Immutable once loaded. */
+ * score look and sound. Immutable once loaded: what is changed is loaded anew, beside those that are in use.
+ */
 #ifndef FACCIA_EXPRESSION_EXPRESSIONS_H
 #define FACCIA_EXPRESSION_EXPRESSIONS_H
 
@@ -34,7 +35,9 @@ struct expression_info {
 
 /* NULL with *e (field = JSON path) when the file is not as it must be. */
 struct expressions *expressions_load(const char *path, struct error *e);
-void expressions_free(struct expressions *expressions);
+/* The same once more: each share is freed by itself, in any thread. NULL is fine. */
+const struct expressions *expressions_share(const struct expressions *expressions);
+void expressions_free(const struct expressions *expressions);
 
 size_t expressions_count(const struct expressions *expressions);
 struct expression_info expressions_info(const struct expressions *expressions, size_t index);

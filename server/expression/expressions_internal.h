@@ -6,6 +6,7 @@
 #include "server/base/json_place.h"
 #include "server/expression/expressions.h"
 #include "server/expression/recipe.h"
+#include <stdatomic.h>
 
 /* An alias that stands for every name of its kind that nobody else has. */
 #define EXPRESSION_ANY "*"
@@ -16,6 +17,7 @@
 enum { EXPRESSIONS_MAX = 256 };
 
 struct expressions {
+    atomic_uint others; /* who shares it, besides the first */
     struct expression *items; /* by kind, in the order of the file */
     size_t count, cap;
     struct expression_name {

@@ -41,7 +41,7 @@ struct mood {
 
 struct mood *mood_new(const struct expressions *expressions) {
     struct mood *mood = mem_alloc(sizeof *mood);
-    mood->expressions = expressions;
+    mood->expressions = expressions_share(expressions);
     while (mood->affects < expressions_count(expressions) &&
            !strcmp(expressions_at(expressions, mood->affects)->kind, "affect"))
         mood->affects++;
@@ -51,6 +51,8 @@ struct mood *mood_new(const struct expressions *expressions) {
 void mood_free(struct mood *mood) {
     for (size_t i = 0; mood && i < CHANGES; i++)
         free(mood->changes[i]);
+    if (mood)
+        expressions_free(mood->expressions);
     free(mood);
 }
 

@@ -14,7 +14,7 @@ struct face_options {
     bool still;  /* lips only: no expressions */
     enum face_blend blend;
     enum face_contacts contacts;
-    const struct expressions *expressions; /* borrowed, must outlive the track; NULL = cues are not shown */
+    const struct expressions *expressions; /* the track takes a share; NULL = cues are not shown */
 };
 
 /* Of a placement: when it is played, and by whom. */

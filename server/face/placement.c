@@ -32,7 +32,7 @@ static void begin(struct face_placement *p, const struct face_track *track) {
 static void animate(struct face_placement *p, const struct sentence_audio *u,
                     const struct placement_options *options) {
     struct life_influence influence = {0};
-    p->expresses = p->track->expression.expresses || options->mood;
+    p->expresses = p->track->expression.expressions || options->mood;
     if (p->expresses) {
         expression_layer_begin(&p->express, &p->track->expression, options->mood, options->begin);
         influence = expression_layer_influence(&p->express);

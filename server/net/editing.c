@@ -22,7 +22,8 @@ int gestures_serve(struct exchange *x) {
     const struct net *net = exchange_net(x);
     return shelf_serve(x, &service,
                        &(struct shelf){folder_of(net, net->options.gestures), ".json", ERROR_NOT_FOUND,
-                                       GESTURE_BYTES, GESTURES_KEPT});
+                                       GESTURE_BYTES, GESTURES_KEPT},
+                       net->options.on_gestures);
 }
 
 int works_serve(struct exchange *x) {
@@ -31,5 +32,6 @@ int works_serve(struct exchange *x) {
     const struct net *net = exchange_net(x);
     return shelf_serve(
         x, &service,
-        &(struct shelf){folder_of(net, net->options.works), "", ERROR_NOT_FOUND, WORK_BYTES, WORKS_KEPT});
+        &(struct shelf){folder_of(net, net->options.works), "", ERROR_NOT_FOUND, WORK_BYTES, WORKS_KEPT},
+        (struct shelf_listener){0});
 }

@@ -5,6 +5,7 @@
 
 #include "server/access/token.h"
 #include "server/base/buf.h"
+#include "server/base/shelf.h"
 #include "server/net/offer.h"
 #include "server/stream/stream.h"
 
@@ -32,6 +33,7 @@ struct net_options {
     struct library *library;      /* NULL = none */
     bool editing;                 /* who may operate saves gestures and works */
     const char *gestures, *works; /* folders of those; NULL = none */
+    struct shelf_listener on_gestures;
     unsigned text_bytes;          /* longest text of one speak or POST */
     unsigned message_bytes;       /* longest message of a client */
     unsigned play_bytes;          /* of an uploaded recording, or of a .fap file */

@@ -69,6 +69,7 @@ static json_t *say(struct acting *a, struct error *e) {
     uint32_t utterance = 0;
     json_t *answer = NULL;
     request_init(&request);
+    request.payer = (uint32_t)json_integer_value(json_object_get(a->order, "payer"));
     if (a->net->draining)
         error_plain(e, ERROR_STOPPING);
     else if (!request_from_json(&request, json_object_get(a->order, "request"), e))
@@ -83,6 +84,7 @@ static json_t *speak(struct acting *a, struct error *e) {
     struct speech_request request;
     json_t *answer = NULL;
     request_init(&request);
+    request.payer = (uint32_t)json_integer_value(json_object_get(a->order, "payer"));
     if (a->net->draining)
         error_plain(e, ERROR_STOPPING);
     else if (!request_from_json(&request, json_object_get(a->order, "request"), e)) {

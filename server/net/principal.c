@@ -128,3 +128,11 @@ int principal_ask(struct net *net, const struct principal *principal, struct err
     return error_set(e, ERROR_TOO_MANY_REQUESTS, "%u requests in a minute are the limit",
                      net->options.address_requests);
 }
+
+/* FNV-1a of 32 bits. */
+uint32_t principal_payer(const struct principal *principal) {
+    uint32_t hash = 2166136261u;
+    for (const char *c = principal->key; *c; c++)
+        hash = (hash ^ (uint8_t)*c) * 16777619u;
+    return hash ? hash : 1;
+}

@@ -36,6 +36,9 @@ extern const char principal_own_room[];
 /* His secret is gone: then so are his rights. True: he had some. */
 bool principal_revoke(const struct net *net, struct principal *principal);
 
+/* Him as a number, for those who are to come by turns (speech_request.h); never 0. */
+uint32_t principal_payer(const struct principal *principal);
+
 /* May he do that now? room NULL = no room. -1 with *e: "token-needed", "expired-token", "forbidden". */
 int principal_may(const struct net *net, const struct principal *principal, enum right right,
                   const char *room, struct error *e);

@@ -131,5 +131,5 @@ int scenes_serve(struct exchange *x) {
     const struct net_options *options = &exchange_net(x)->options;
     struct shelf shelf = {options->scenes, ".json", ERROR_UNKNOWN_SCENE, options->scene_bytes,
                           options->scene_count};
-    return shelf_serve(x, &scenes, &shelf);
+    return shelf_serve(x, &scenes, &shelf, (struct shelf_listener){0});
 }

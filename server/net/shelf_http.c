@@ -12,6 +12,7 @@ struct keeping {
     struct exchange *x; /* NULL: its client is gone */
     const struct shelf_service *service;
     struct shelf shelf;
+    struct shelf_listener listener;
     enum doing doing;
     char name[SHELF_NAME_BYTES];
     char *match;
@@ -75,6 +76,8 @@ static int answer(struct keeping *k) {
 static void after(uv_work_t *work, int status) {
     struct keeping *k = work->data;
     k->done = true;
+    if (!status && !k->result && k->listener.changed && (k->doing == SAVING || k->doing == REMOVING))
+        k->listener.changed(k->listener.ctx);
     if (!k->x)
         free_keeping(k);
     else if (!status)
@@ -126,10 +129,11 @@ static int read_request(struct keeping *k, const struct http_request *request, s
     return 0;
 }
 
-int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf) {
+int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf,
+                struct shelf_listener listener) {
     struct keeping *k = mem_alloc(sizeof *k);
     struct error e;
-    *k = (struct keeping){.x = x, .service = service, .shelf = *shelf};
+    *k = (struct keeping){.x = x, .service = service, .shelf = *shelf, .listener = listener};
     k->work.data = k;
     if (read_request(k, exchange_request(x), &e)) {
         free_keeping(k);

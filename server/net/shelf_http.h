@@ -15,7 +15,8 @@ struct shelf_service {
     int (*check)(const char *name, const void *data, size_t size, struct error *e);
 };
 
-/* The shelf is copied; what it points to lives as long as the daemon. */
-int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf);
+/* The shelf is copied; what it and the listener point to lives as long as the daemon. */
+int shelf_serve(struct exchange *x, const struct shelf_service *service, const struct shelf *shelf,
+                struct shelf_listener listener);
 
 #endif

@@ -58,7 +58,9 @@ bool socket_order_speech(struct socket *s, const struct speech_request *request)
         error_set(&e, ERROR_ROOM_AWAY,
                   "another daemon speaks in this room: a text that is being written goes to that one");
     else
-        give(s, json_pack("{ss sO}", "type", "speak", "request", wanted), true, request->id);
+        give(s,
+             json_pack("{ss sO sI}", "type", "speak", "request", wanted, "payer", (json_int_t)request->payer),
+             true, request->id);
     if (!wanted || request->open)
         socket_refuse(s, request->id, &e);
     json_decref(wanted);

@@ -22,7 +22,7 @@ struct pipeline {
     uv_loop_t *loop;
     struct voice_pool *voices;
     const struct speech_packs *packs;
-    const struct expressions *expressions;
+    const struct expressions *expressions;    /* others may take their place: who keeps them takes a share */
     const struct face_high_level *high_level; /* NULL = FAP 1 and 2 of recordings move nothing */
     const struct normalizers *normalizers;    /* NULL = say-as is left to the voices */
     const char *default_lang;

@@ -54,7 +54,8 @@ struct speech_request {
     bool open;                   /* the text is still being written: see synthesis_write */
     enum speech_mode mode;
     enum speech_priority priority;
-    char *topic; /* what it is about: takes the place of those that wait with the same; NULL = none */
+    uint32_t payer; /* whose it is, as a number; 0 = nobody's. No field: those who ask do not say */
+    char *topic;    /* what it is about: takes the place of those that wait with the same; NULL = none */
 };
 
 void request_init(struct speech_request *request);

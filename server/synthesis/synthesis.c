@@ -34,7 +34,8 @@ static void ask_voice(struct synthesis *s, struct slot *slot) {
                                     .rate = s->request.rate,
                                     .pitch = s->request.pitch,
                                     .volume = s->request.volume,
-                                    .turn = turn_of(s, slot)};
+                                    .turn = turn_of(s, slot),
+                                    .payer = s->request.payer};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     slot->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, s->chosen, &callbacks, slot);
 }
@@ -236,6 +237,7 @@ void synthesis_free(struct synthesis *s) {
     writing_free(s);
     free_result(s);
     request_free(&s->request);
+    expressions_free(s->expressions);
     free(s);
 }
 

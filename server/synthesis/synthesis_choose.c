@@ -125,8 +125,8 @@ void synthesis_direct(const struct synthesis *s, struct reading_result *r) {
     for (size_t i = 0; i < r->score->item_count; i++)
         r->marks |= r->score->items[i].kind == SCORE_MARK;
     r->blend = blend_of(s->request.blend, r->score);
-    if (pipeline->expressions)
-        expressions_direct(pipeline->expressions, r->score);
+    if (s->expressions)
+        expressions_direct(s->expressions, r->score);
     r->chosen = select_voices(r->score, s->voice, s->voices, pipeline->packs, pipeline->sounds);
     for (size_t i = 0; i < r->score->item_count && pipeline->normalizers; i++)
         normalizers_apply(pipeline->normalizers, r->score, i, r->chosen->voices[i]->lang);

@@ -90,7 +90,8 @@ static void ask_voice(struct synthesis *s, struct guess *g) {
                                     .rate = s->request.rate,
                                     .pitch = s->request.pitch,
                                     .volume = s->request.volume,
-                                    .turn = VOICE_TURN_URGENT};
+                                    .turn = VOICE_TURN_URGENT,
+                                    .payer = s->request.payer};
     metrics_add(s->pipeline->metrics, METRIC_SENTENCES_ASKED, 1);
     g->rate = s->request.rate;
     g->job = sentence_speak(s->pipeline->voices, s->pipeline->loop, &request, g->chosen, &callbacks, s);

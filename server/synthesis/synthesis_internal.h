@@ -59,6 +59,7 @@ struct writing {
 /* While `reading`, the text and what reading it gives belong to the other thread. */
 struct synthesis {
     const struct pipeline *pipeline;
+    const struct expressions *expressions; /* a share of those that there were when it began */
     struct speech_request request;
     const struct markup_kind *markup;
     const struct score *score; /* the script; NULL until the text has been read */

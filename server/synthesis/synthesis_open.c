@@ -126,6 +126,7 @@ struct synthesis *synthesis_open(const struct pipeline *pipeline, const struct s
                                  const struct synthesis_callbacks *callbacks, void *ctx, struct error *e) {
     struct synthesis *s = mem_alloc(sizeof *s);
     s->pipeline = pipeline;
+    s->expressions = expressions_share(pipeline->expressions);
     s->callbacks = *callbacks;
     s->ctx = ctx;
     request_copy(&s->request, request);

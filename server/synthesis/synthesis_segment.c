@@ -34,7 +34,7 @@ static void make_track(struct synthesis *s, struct slot *slot, uint32_t skip) {
                                          .still = s->request.still,
                                          .blend = s->result.blend,
                                          .contacts = s->request.contacts,
-                                         .expressions = s->pipeline->expressions};
+                                         .expressions = s->expressions};
     for (size_t i = 0; i < u->warning_count; i++)
         warn(s, u->warnings[i]);
     cues_add_timed(u, s->score, second_of(s, u, skip));

@@ -107,7 +107,7 @@ static void speak(struct sentence *s, struct sentence_part *part) {
     plan_items(&plan, s->request.score, what->first, what->count, &prosody);
     if (text_follows(s, part))
         plan_go_on(&plan);
-    part->job = voice_pool_speak_plan(s->pool, voice, plan, s->request.turn, &callbacks, part);
+    part->job = voice_pool_speak_plan(s->pool, voice, plan, &s->request, &callbacks, part);
 }
 
 static void on_read(uv_work_t *work, int status);

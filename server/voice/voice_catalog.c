@@ -17,11 +17,12 @@ enum { PLUGIN_VOICES_MAX = 10000 };
 struct catalog_block {
     struct catalog_block *next;
     void *data;
+    size_t size; /* of a list; 0 = it is none */
 };
 
 static void *keep(struct catalog *catalog, void *data) {
     struct catalog_block *block = mem_alloc(sizeof *block);
-    *block = (struct catalog_block){catalog->blocks, data};
+    *block = (struct catalog_block){.next = catalog->blocks, .data = data};
     catalog->blocks = block;
     return data;
 }
@@ -98,6 +99,56 @@ int catalog_add(struct catalog *catalog, const char *plugin, const char *descrip
         memcpy(longer + catalog->count, shorter + before, (total - before) * sizeof *longer);
     catalog->count += total - before;
     return 0;
+}
+
+/* The list is from now on this one; or an earlier one that is the same, so that voices that come and go
+ * for ever take no more room. */
+static void become(struct catalog *catalog, struct voice *voices, size_t count) {
+    size_t size = count * sizeof *voices;
+    struct catalog_block *block = catalog->blocks;
+    catalog->count = count;
+    while (block && (!size || block->size != size || memcmp(block->data, voices, size) != 0))
+        block = block->next;
+    if (block) {
+        free(voices);
+        catalog->voices = block->data;
+        return;
+    }
+    catalog->voices = keep(catalog, voices);
+    catalog->blocks->size = size;
+}
+
+struct voice_list catalog_aside(struct catalog *catalog, const char *plugin) {
+    struct voice *voices = mem_alloc((catalog->count + 1) * sizeof *voices);
+    size_t count = 0;
+    for (size_t i = 0; i < catalog->count; i++)
+        if (catalog->voices[i].plugin == plugin)
+            voices[count++] = catalog->voices[i];
+    return (struct voice_list){keep(catalog, voices), count};
+}
+
+void catalog_put_back(struct catalog *catalog, struct voice_list aside) {
+    const struct voice *before = catalog->voices;
+    size_t total = catalog->count, at = 0, count = 0;
+    struct voice *voices = mem_alloc((total + aside.count + 1) * sizeof *voices);
+    while (at < total && aside.count && strcmp(before[at].plugin, aside.voices->plugin) <= 0)
+        voices[count++] = before[at++];
+    for (size_t i = 0; i < aside.count; i++)
+        if (!by_id(catalog_list(catalog), aside.voices[i].id))
+            voices[count++] = aside.voices[i];
+    while (at < total)
+        voices[count++] = before[at++];
+    become(catalog, voices, count);
+}
+
+void catalog_drop(struct catalog *catalog, const char *plugin) {
+    const struct voice *before = catalog->voices;
+    struct voice *voices = mem_alloc((catalog->count + 1) * sizeof *voices);
+    size_t count = 0;
+    for (size_t i = 0; i < catalog->count; i++)
+        if (before[i].plugin != plugin)
+            voices[count++] = before[i];
+    become(catalog, voices, count);
 }
 
 void catalog_free(struct catalog *catalog) {

@@ -66,6 +66,7 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
         private_memory();
     pool->cache = cache_open(loop, &options->cache);
     pool->cluster = options->cluster;
+    pool->work = options->work;
     uv_timer_init(loop, &pool->soon);
     pool->soon.data = pool;
     pool->open_handles = 1;
@@ -80,6 +81,7 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
         for (size_t k = 0; k < plugin->seat_count; k++)
             worker_open(&plugin->workers[k], plugin);
     }
+    pool_far_open(pool);
     return pool;
 }
 
@@ -108,6 +110,7 @@ static void on_soon_closed(uv_handle_t *handle) {
 
 void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *ctx) {
     pool->closing = true;
+    pool_far_close(pool);
     pool->closed = closed;
     pool->closed_ctx = ctx;
     uv_close((uv_handle_t *)&pool->soon, on_soon_closed);
@@ -126,11 +129,13 @@ void voice_pool_close(struct voice_pool *pool, void (*closed)(void *ctx), void *
     cache_close(pool->cache);
     pool->cache = NULL;
     pool->cluster = NULL;
+    pool->work = NULL;
 }
 
+/* There may be two of a name: one that does not run here, and one elsewhere. */
 static struct plugin *plugin_of(struct voice_pool *pool, const struct voice *voice) {
     size_t i = 0;
-    while (strcmp(pool->plugins[i].name, voice->plugin) != 0)
+    while (pool->plugins[i].name != voice->plugin)
         i++;
     return &pool->plugins[i];
 }
@@ -160,8 +165,8 @@ void job_begin(struct voice_job *job) {
 }
 
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
-                                        enum voice_turn turn, const struct voice_callbacks *callbacks,
-                                        void *ctx) {
+                                        const struct voice_request *request,
+                                        const struct voice_callbacks *callbacks, void *ctx) {
     struct voice_job *job = mem_alloc(sizeof *job);
     job->plugin = plugin_of(pool, voice);
     job->number = pool_number(pool);
@@ -169,7 +174,8 @@ struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct vo
     job->callbacks = *callbacks;
     job->ctx = ctx;
     job->plan = plan;
-    job->turn = turn;
+    job->turn = request->turn;
+    job->payer = request->payer;
     if (job_look_up(job)) {
         job_push(&pool->known, job);
         pool_soon(pool);
@@ -184,7 +190,7 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
     const struct plan_prosody prosody = voice_request_prosody(request, request->voice);
     struct plan plan;
     plan_make(&plan, request->score, request->sentence, &prosody);
-    return voice_pool_speak_plan(pool, request->voice, plan, request->turn, callbacks, ctx);
+    return voice_pool_speak_plan(pool, request->voice, plan, request, callbacks, ctx);
 }
 
 void voice_job_cancel(struct voice_job *job) {

@@ -7,6 +7,7 @@
 #include "server/base/error.h"
 #include "server/base/metrics.h"
 #include "server/cluster/cluster.h"
+#include "server/cluster/work_queue.h"
 #include "server/markup/score.h"
 #include "server/voice/boundary_table.h"
 #include "server/voice/plan.h"
@@ -43,6 +44,7 @@ struct voice_pool_options {
     bool quiet;                 /* plugins that have nothing to run here are not named in the log */
     struct cache_options cache; /* what is kept of finished sentences; all 0 = nothing */
     struct cluster *cluster;    /* borrowed, until voice_pool_close: what other daemons speak; NULL = none */
+    struct work *work;          /* likewise: workers elsewhere, whose voices come and go; NULL = none */
     struct metrics *metrics;    /* NULL = nobody counts */
 };
 
@@ -119,6 +121,7 @@ struct voice_request {
     double rate;          /* words per minute, 0 = the voice's own; the styles' factors multiply it */
     double pitch, volume; /* factors, 1 = the voice's own */
     enum voice_turn turn;
+    uint32_t payer; /* whose it is: they come by turns where workers elsewhere speak; 0 = nobody's */
 };
 
 /* How well a voice's language fits the wanted one (BCP 47): 3 the same tag, 2 a variety of what is wanted
@@ -137,10 +140,28 @@ struct voice_callbacks {
 struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_request *request,
                                    const struct voice_callbacks *callbacks, void *ctx);
 
-/* The same for a plan, which the job takes over, and a voice. */
+/* The same for a plan, which the job takes over, and a voice; of the request, only turn and payer count. */
 struct voice_job *voice_pool_speak_plan(struct voice_pool *pool, const struct voice *voice, struct plan plan,
-                                        enum voice_turn turn, const struct voice_callbacks *callbacks,
-                                        void *ctx);
+                                        const struct voice_request *request,
+                                        const struct voice_callbacks *callbacks, void *ctx);
+
+/* What the pool runs, for a worker that speaks for other daemons. False: there is no such plugin. Texts
+ * belong to the pool; description, as WIRE_HELLO has it, is NULL until its voices are listed. */
+struct voice_plugin {
+    const char *name, *edition, *config, *description;
+    bool runs;      /* its voices are listed, and can be asked */
+    unsigned seats; /* how many sentences it speaks at a time */
+};
+bool voice_pool_plugin(const struct voice_pool *pool, size_t index, struct voice_plugin *out);
+
+/* Speaks a sentence of one of its voices, as WIRE_SPEAK has it behind the processor time, from elsewhere:
+ * frames is called before done with all that the voice said, as AUDIO and EVENTS frames, unless that is more
+ * than can be kept (WORK_BODY_MOST). NULL with *e, and no callback, when it is no sentence, or none of its
+ * voices. */
+struct voice_job *voice_pool_speak_frames(struct voice_pool *pool, size_t index, const struct buf *sentence,
+                                          enum voice_turn turn, void (*frames)(void *ctx, const struct buf *),
+                                          const struct voice_callbacks *callbacks, void *ctx,
+                                          struct error *e);
 
 /* Forgets the job: no callback will come. A running worker is told to stop. */
 void voice_job_cancel(struct voice_job *job);

@@ -3,8 +3,11 @@
 #include "server/voice/voice_pool_internal.h"
 
 /* The most that anybody keeps of one sentence; 0: nobody keeps any. */
-static size_t value_max(const struct voice_pool *pool) {
+static size_t value_max(const struct voice_job *job) {
+    const struct voice_pool *pool = job->plugin->pool;
     enum { SHARED = 8 << 20 };
+    if (job->frames)
+        return WORK_BODY_MOST;
     size_t own = pool->cache ? cache_value_max(pool->cache) : 0;
     return pool->cluster && own < SHARED ? SHARED : own;
 }
@@ -13,7 +16,7 @@ void pool_job_said(struct voice_job *job, const struct wire_frame *frame) {
     if (job->uncacheable)
         return;
     job_making(job);
-    if (job->spoken.size + frame->size + WIRE_HEADER_BYTES > value_max(job->plugin->pool)) {
+    if (job->spoken.size + frame->size + WIRE_HEADER_BYTES > value_max(job)) {
         job->uncacheable = true;
         buf_free(&job->spoken);
         return;
@@ -25,7 +28,9 @@ void pool_job_said(struct voice_job *job, const struct wire_frame *frame) {
 
 void pool_job_spoken(struct voice_job *job) {
     struct voice_cache *cache = job->plugin->pool->cache;
-    if (job->uncacheable || !job->spoken.size)
+    if (job->frames && !job->uncacheable)
+        job->frames(job->ctx, &job->spoken);
+    if (job->uncacheable || !job->spoken.size || job->frames)
         return;
     if (cache)
         cache_put(cache, &job->key, &job->spoken);
@@ -62,7 +67,7 @@ void job_recall(struct voice_job *job) {
 bool job_look_up(struct voice_job *job) {
     struct voice_pool *pool = job->plugin->pool;
     const struct faccia_sentence sentence = {job->voice->id, job->plan.spans, job->plan.span_count};
-    job->uncacheable = !value_max(pool) || job->voice->capabilities & FACCIA_VOICE_FRESH;
+    job->uncacheable = !value_max(job) || job->voice->capabilities & FACCIA_VOICE_FRESH;
     if (job->uncacheable)
         return false;
     wire_put_string(&job->key, job->plugin->edition);

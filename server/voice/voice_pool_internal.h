@@ -23,6 +23,7 @@ struct voice_job {
     struct worker *worker; /* that speaks it */
     uint32_t number;       /* on the wire */
     enum voice_turn turn;
+    uint32_t payer;
     bool gave_way;  /* it was ahead, and somebody came */
     bool cancelled; /* nobody waits for it any more */
     bool moved;     /* to another worker, as the first one fell silent */
@@ -34,6 +35,7 @@ struct voice_job {
     struct buf key;          /* of the cache; empty without one */
     struct buf spoken;       /* what the worker has said, for the cache; given up when it grows too large */
     bool uncacheable;
+    void (*frames)(void *ctx, const struct buf *frames); /* wants what the worker has said; NULL: nobody */
     struct voice_callbacks callbacks;
     void *ctx;
 };
@@ -78,6 +80,10 @@ struct plugin {
     bool urgent_last;                        /* the last one that left was urgent */
     bool known;                              /* its voices are listed, or nobody waits for them any longer */
     bool listed;                             /* they are */
+    char *description;                       /* of its voices; NULL: not listed yet */
+    char *queue;                             /* of workers elsewhere; NULL: it runs here */
+    struct voice_list aside;                 /* its voices, while they are gone */
+    bool there;                              /* there are such workers */
     char *absence;                           /* why it had nothing to run at the start; NULL: it had */
 };
 
@@ -98,7 +104,7 @@ struct voice_pool {
     uint64_t short_logged; /* loop time: there was no room for a process */
     bool gaps_told;        /* of the workers' confinement */
     struct plugin *plugins;
-    size_t plugin_count;
+    size_t plugin_count, plugin_cap; /* with room for plugins that run elsewhere */
     struct catalog catalog;
     uint32_t last_job;
     struct job_queue refused;                /* sentences that cannot be spoken and wait for the callback, */
@@ -107,6 +113,7 @@ struct voice_pool {
     uv_timer_t soon;                         /* which may not come inside voice_pool_speak */
     struct voice_cache *cache;               /* NULL = none */
     struct cluster *cluster;                 /* NULL = none */
+    struct work *work;                       /* NULL = none */
     const struct boundary_table *boundaries; /* NULL = phones lie where the voices say */
     struct metrics *metrics;
     void (*ready)(void *ctx);
@@ -189,11 +196,20 @@ void worker_end_job(struct worker *worker, struct sentence_audio *u, const struc
  * another process is started: at once if this one was of any use. */
 void worker_lose(struct worker *worker, enum error_code code, const char *why, bool hopeless);
 
+/* One whose process runs elsewhere: it is there, and it is not. The sentence that it speaks fails. */
+void worker_begin(struct worker *worker);
+void worker_leave(struct worker *worker, const char *why);
+
 /* worker_sentence.c */
 void worker_said(void *worker, const struct wire_frame *frame);
 void worker_wake(struct worker *worker);                     /* speaks the next sentence if it is idle */
 void worker_cancel(struct worker *worker);                   /* the sentence that it speaks */
 struct voice_job *worker_give_up_job(struct worker *worker); /* so that another one can speak it */
+
+/* voice_pool_far.c */
+enum { POOL_FAR_MOST = 64 }; /* kinds of voices from elsewhere, until the pool is closed */
+void pool_far_open(struct voice_pool *pool);
+void pool_far_close(struct voice_pool *pool);
 
 /* voice_pool_spare.c */
 void spare_watch(struct worker *worker); /* it begins to speak */
@@ -207,6 +223,11 @@ bool spare_may_go(const struct plugin *plugin);
 /* voice_catalog.c */
 struct voice_list catalog_list(const struct catalog *catalog);
 int catalog_add(struct catalog *catalog, const char *plugin, const char *description, struct error *e);
+
+/* Voices of a plugin come and go. plugin is the same string as they were added with. */
+struct voice_list catalog_aside(struct catalog *catalog, const char *plugin); /* those that it has now */
+void catalog_drop(struct catalog *catalog, const char *plugin);
+void catalog_put_back(struct catalog *catalog, struct voice_list aside);
 void catalog_free(struct catalog *catalog);
 
 #endif

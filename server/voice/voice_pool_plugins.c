@@ -40,12 +40,12 @@ static void edition_of(const char *path, char edition[ETAG_BYTES]) {
 int plugins_find(struct voice_pool *pool, const struct voice_pool_options *options, struct error *e) {
     DIR *folder = opendir(options->plugin_dir);
     json_t *config = json_loads(options->config ? options->config : "{}", 0, NULL);
-    size_t cap = 0;
     for (struct dirent *entry; folder && (entry = readdir(folder)) != NULL;) {
         const char *dot = strrchr(entry->d_name, '.');
         if (!dot || dot == entry->d_name || strcmp(dot, ".so") != 0)
             continue;
-        pool->plugins = mem_grow(pool->plugins, &cap, pool->plugin_count + 1, sizeof *pool->plugins);
+        pool->plugins =
+            mem_grow(pool->plugins, &pool->plugin_cap, pool->plugin_count + 1, sizeof *pool->plugins);
         struct plugin *plugin = &pool->plugins[pool->plugin_count++];
         *plugin =
             (struct plugin){.pool = pool, .name = mem_strndup(entry->d_name, (size_t)(dot - entry->d_name))};
@@ -59,6 +59,9 @@ int plugins_find(struct voice_pool *pool, const struct voice_pool_options *optio
     json_decref(config);
     if (!pool->plugin_count)
         return error_set(e, ERROR_VOICE_UNAVAILABLE, "no voice plugin in \"%s\"", options->plugin_dir);
+    pool->plugins =
+        mem_grow(pool->plugins, &pool->plugin_cap, pool->plugin_count + POOL_FAR_MOST, sizeof *pool->plugins);
+    pool->plugin_cap = pool->plugin_count + POOL_FAR_MOST;
     qsort(pool->plugins, pool->plugin_count, sizeof *pool->plugins, by_name);
     return 0;
 }
@@ -97,6 +100,8 @@ void plugins_free(struct voice_pool *pool) {
         free(pool->plugins[i].path);
         free(pool->plugins[i].config);
         free(pool->plugins[i].absence);
+        free(pool->plugins[i].description);
+        free(pool->plugins[i].queue);
         free(pool->plugins[i].workers);
     }
     free(pool->plugins);

@@ -23,6 +23,8 @@ enum wire_type {
     WIRE_DONE,     /* u32: 0 = spoken, else failed; string: why */
     WIRE_ABSENT,   /* string: why the plugin has nothing to run; instead of FAILED */
     WIRE_ALIVE,    /* nothing: the process runs, and works on a sentence */
+    WIRE_WAITING,  /* nothing: the same of a worker elsewhere, or the sentence waits there for its turn. No
+                      process says this, but what stands for one (far_process.h) */
     WIRE_TYPE_END
 };
 

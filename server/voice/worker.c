@@ -2,6 +2,7 @@
 /* One seat for a worker process: starts it, watches the clock, starts it anew when it is lost. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/voice/far_process.h"
 #include "server/voice/voice_pool_internal.h"
 #include "server/voice/worker_process.h"
 #include <stdlib.h>
@@ -121,13 +122,17 @@ static void on_time(uv_timer_t *timer) {
 static void hello(struct worker *w, const char *description) {
     struct plugin *plugin = w->plugin;
     struct error e;
-    if (!plugin->listed || w->given_up) {
+    if (plugin->aside.count && !plugin->listed) {
+        catalog_put_back(&plugin->pool->catalog, plugin->aside);
+    } else if (!plugin->listed || w->given_up) {
         if (catalog_add(&plugin->pool->catalog, plugin->name, description, &e) < 0) {
             worker_lose(w, e.code, e.message, true);
             return;
         }
     }
     plugins_tell_gaps(plugin->pool, description);
+    if (!plugin->description)
+        plugin->description = mem_strdup(description);
     if (w->given_up)
         log_info("the voice %s has started after all", plugin->name);
     w->given_up = false;
@@ -180,6 +185,11 @@ static struct process *launch(struct worker *w, struct error *e) {
     static const struct process_callbacks callbacks = {worker_said, died, gone};
     struct voice_pool *pool = w->plugin->pool;
     struct process *process = NULL;
+    if (w->plugin->queue) {
+        pool->open_handles++;
+        return far_process_start(pool->loop, pool->work, w->plugin->queue, w->plugin->description, &callbacks,
+                                 w);
+    }
     reserve_fill(&pool->reserve);
     for (int i = 0; i < 2 && !process; i++) {
         pool->open_handles++;
@@ -225,10 +235,29 @@ void worker_open(struct worker *w, struct plugin *plugin) {
     uv_timer_init(plugin->pool->loop, &w->pulse);
     plugin->pool->open_handles += 2;
     w->spare = w >= plugin->workers + plugin->worker_count;
-    if (w->spare)
+    w->given_up = plugin->queue; /* until somebody is there */
+    if (plugin->queue)
+        w->state = WORKER_RESTING;
+    else if (w->spare)
         turn_off(w, 0);
     else
         start(w);
+}
+
+void worker_begin(struct worker *w) {
+    w->given_up = false;
+    start(w);
+}
+
+void worker_leave(struct worker *w, const char *why) {
+    struct error e;
+    if (w->process)
+        process_stop(w->process, false);
+    w->process = NULL;
+    w->given_up = true;
+    worker_set_state(w, WORKER_RESTING, 0);
+    error_set(&e, ERROR_VOICE_UNAVAILABLE, "the voice %s %s", w->plugin->name, why);
+    worker_end_job(w, NULL, &e);
 }
 
 void worker_start(struct worker *w) {

@@ -16,7 +16,8 @@ enum { POLITE_MS = 2000 };
 /* The end of the socket and the exit of the process come together, give or take this many ms. */
 enum { END_MS = 100 };
 
-struct process {
+struct local_process {
+    struct process process;
     uv_process_t child;
     uv_pipe_t pipe;
     uv_timer_t killer;
@@ -35,7 +36,7 @@ struct sending {
 };
 
 static void on_closed(uv_handle_t *handle) {
-    struct process *p = handle->data;
+    struct local_process *p = handle->data;
     if (--p->open)
         return;
     buf_free(&p->in);
@@ -49,7 +50,7 @@ static void close_handle(uv_handle_t *handle) {
 }
 
 /* The child's handle stays until the child has exited, so that no zombie is left. */
-static void close_all(struct process *p) {
+static void close_all(struct local_process *p) {
     close_handle((uv_handle_t *)&p->pipe);
     if (p->exited) {
         close_handle((uv_handle_t *)&p->killer);
@@ -57,7 +58,7 @@ static void close_all(struct process *p) {
     }
 }
 
-static void died(struct process *p, const char *how) {
+static void died(struct local_process *p, const char *how) {
     bool tell = !p->stopped;
     p->stopped = true;
     if (!p->exited)
@@ -70,14 +71,14 @@ static void died(struct process *p, const char *how) {
 /* What the child said before it exited is still to be read; but not for ever, if a child of its own holds the
  * socket. */
 static void on_time(uv_timer_t *timer) {
-    struct process *p = timer->data;
+    struct local_process *p = timer->data;
     if (!p->exited)
         uv_process_kill(&p->child, SIGKILL);
     else
         died(p, p->how);
 }
 
-static void check_end(struct process *p) {
+static void check_end(struct local_process *p) {
     if (p->exited && (p->ended || p->stopped))
         died(p, p->how);
     else
@@ -85,7 +86,7 @@ static void check_end(struct process *p) {
 }
 
 static void on_exited(uv_process_t *child, int64_t status, int signal) {
-    struct process *p = child->data;
+    struct local_process *p = child->data;
     if (signal == SIGXCPU)
         snprintf(p->how, sizeof p->how, "took too much processor time");
     else if (signal)
@@ -98,13 +99,13 @@ static void on_exited(uv_process_t *child, int64_t status, int signal) {
 
 static void on_room(uv_handle_t *handle, size_t suggested, uv_buf_t *room) {
     (void)suggested;
-    struct process *p = handle->data;
+    struct local_process *p = handle->data;
     *room = uv_buf_init(buf_reserve(&p->in, READ_BYTES), READ_BYTES);
 }
 
 static void on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *room) {
     (void)room;
-    struct process *p = stream->data;
+    struct local_process *p = stream->data;
     if (n < 0) {
         uv_read_stop(stream);
         p->ended = true;
@@ -124,9 +125,12 @@ static void on_read(uv_stream_t *stream, ssize_t n, const uv_buf_t *room) {
         died(p, "sent garbage");
 }
 
+static const struct process_kind local_kind;
+
 struct process *process_start(uv_loop_t *loop, const char *program, const char *plugin,
                               const struct process_callbacks *callbacks, void *ctx, struct error *e) {
-    struct process *p = mem_alloc(sizeof *p);
+    struct local_process *p = mem_alloc(sizeof *p);
+    p->process.kind = &local_kind;
     p->callbacks = *callbacks;
     p->ctx = ctx;
     p->child.data = p->pipe.data = p->killer.data = p;
@@ -148,11 +152,11 @@ struct process *process_start(uv_loop_t *loop, const char *program, const char *
     if (result == 0)
         result = uv_read_start((uv_stream_t *)&p->pipe, on_room, on_read);
     if (result == 0)
-        return p;
+        return &p->process;
     bool passes = result == UV_EMFILE || result == UV_ENFILE || result == UV_ENOMEM || result == UV_EAGAIN;
     error_set(e, passes ? PROCESS_NO_ROOM : ERROR_VOICE_FAILED, "%s cannot be started: %s", program,
               uv_strerror(result));
-    process_stop(p, false);
+    process_stop(&p->process, false);
     return NULL;
 }
 
@@ -163,7 +167,8 @@ static void on_sent(uv_write_t *request, int status) {
     free(s);
 }
 
-void process_send(struct process *p, struct buf *b) {
+static void send_local(struct process *process, struct buf *b) {
+    struct local_process *p = (struct local_process *)process;
     uv_buf_t all = uv_buf_init((char *)b->data, (unsigned)b->size);
     int sent = uv_try_write((uv_stream_t *)&p->pipe, &all, 1);
     if (sent == (int)b->size) {
@@ -181,11 +186,22 @@ void process_send(struct process *p, struct buf *b) {
         on_sent(&s->request, 0);
 }
 
-void process_stop(struct process *p, bool politely) {
+static void stop_local(struct process *process, bool politely) {
+    struct local_process *p = (struct local_process *)process;
     p->stopped = true;
     if (!p->exited && politely)
         uv_timer_start(&p->killer, on_time, POLITE_MS, 0);
     else if (!p->exited)
         uv_process_kill(&p->child, SIGKILL);
     close_all(p);
+}
+
+static const struct process_kind local_kind = {send_local, stop_local};
+
+void process_send(struct process *p, struct buf *b) {
+    p->kind->send(p, b);
+}
+
+void process_stop(struct process *p, bool politely) {
+    p->kind->stop(p, politely);
 }

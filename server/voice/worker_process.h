@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* A worker process and the socket to it, on a libuv loop. It frees itself when it has been stopped and is
- * gone. */
+/* A worker process and the socket to it, on a libuv loop; or what stands for one that runs elsewhere
+ * (far_process.h). It frees itself when it has been stopped and is gone. */
 #ifndef FACCIA_VOICE_WORKER_PROCESS_H
 #define FACCIA_VOICE_WORKER_PROCESS_H
 
@@ -10,6 +10,16 @@
 #include <uv.h>
 
 struct process;
+
+struct process_kind {
+    void (*send)(struct process *p, struct buf *b);
+    void (*stop)(struct process *p, bool politely);
+};
+
+/* The beginning of each. */
+struct process {
+    const struct process_kind *kind;
+};
 
 struct process_callbacks {
     void (*said)(void *ctx, const struct wire_frame *frame); /* may stop the process */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a worker is given to speak, and what it says of it. */
 #include "server/base/log.h"
+#include "server/voice/far_process.h"
 #include "server/voice/voice_pool_internal.h"
 #include "server/voice/worker_process.h"
 #include <string.h>
@@ -10,6 +11,14 @@ enum {
     STOP_MS = 300,     /* to stop speaking when told to */
     WAY_MS = 2000,     /* the same, for somebody who would wait longer for another process */
 };
+
+/* Where it speaks, what is wrong was said already: "the voice NAME took too long". */
+static void far_failed(const struct worker *w, uint32_t code, const char *message, struct error *e) {
+    static const char named[] = "the voice ";
+    bool whole = !strncmp(message, named, sizeof named - 1);
+    error_set(e, (enum error_code)code, "%s%s%s%s", whole ? "" : named, whole ? "" : w->plugin->name,
+              whole ? "" : " ", message);
+}
 
 /* All has been said about the sentence. */
 static void done(struct worker *w, struct wire_reader *r) {
@@ -27,6 +36,8 @@ static void done(struct worker *w, struct wire_reader *r) {
         failed = 0;
     else if (job->gave_way)
         failed = (uint32_t)-error_plain(&e, ERROR_CANCELLED);
+    else if (failed && w->plugin->queue)
+        far_failed(w, failed, message ? message : "", &e);
     else if (failed)
         error_set(&e, ERROR_VOICE_FAILED, "the voice %s failed: %s", w->plugin->name,
                   message && *message ? message : "it does not say why");
@@ -67,6 +78,14 @@ void worker_said(void *ctx, const struct wire_frame *frame) {
     if (frame->type == WIRE_ALIVE && (w->job || w->state == WORKER_LOST)) {
         if (w->job)
             job_making(w->job);
+        return;
+    }
+    if (frame->type == WIRE_WAITING && w->plugin->queue && w->job) {
+        job_making(w->job);
+        w->end =
+            uv_now(w->plugin->pool->loop) + (uint64_t)((double)w->patience * w->plugin->pool->deadline_most);
+        if (w->state == WORKER_SPEAKING)
+            be_patient(w);
         return;
     }
     if (w->state == WORKER_LOST && frame->job == w->dropped) {
@@ -120,6 +139,8 @@ void worker_wake(struct worker *w) {
     w->job = job;
     be_patient(w);
     spare_watch(w);
+    if (w->plugin->queue)
+        far_process_turn(w->process, job->turn, job->payer);
     process_send(w->process, &b);
     buf_free(&b);
 }

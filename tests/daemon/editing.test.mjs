@@ -6,6 +6,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { Daemon, eventually, root } from '../lib/daemon.mjs';
+import { parseFap } from '../lib/fapfile.mjs';
 import { sign } from '../lib/tokens.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-editing-'));
@@ -73,7 +74,7 @@ test('what could not be read is not kept: it is said where it is wrong', async (
   assert.deepEqual(fs.readdirSync(works), []);
 });
 
-test('a gesture goes into its folder, and the next start has it', async () => {
+test('a gesture goes into its folder, can be asked for at once, and the next start has it', async () => {
   const mine = wink.replace('"wink"', '"my-wink"');
   assert.equal((await put('/v1/gestures/my-wink', mine)).status, 201);
   for (const [body, place] of [
@@ -87,6 +88,27 @@ test('a gesture goes into its folder, and the next start has it', async () => {
     for (const key in place) assert.equal(answer[key], place[key], answer.text);
   }
   assert.equal((await ask('GET', '/v1/gestures/my-wink')).text, mine, 'a refused one changes nothing');
+  const text = `<speak xml:lang="it">${'La mamma <gesture name="my-wink"/> parla piano. '.repeat(3)}</speak>`;
+  /** How far she nods. */
+  const nods = async () => {
+    const { text: fap } = await ask('POST', '/v1/speech?format=fap&life=0', { body: text, 'content-type': 'application/ssml+xml' });
+    return Math.max(...parseFap(fap).frames.map((frame) => frame[48]));
+  };
+  const lists = async () => (await ask('GET', '/v1/expressions')).expressions.some(({ name }) => name === 'my-wink');
+  assert.ok((await nods()) < 20000);
+  assert.ok(await lists());
+  const nod = JSON.stringify({ ...JSON.parse(mine), curves: { head_pitch: Array(26).fill(40000) } });
+  const stream = await daemon.stream(`?token=${editor}`);
+  stream.send({ type: 'speak', id: 'long', lang: 'it', text });
+  await stream.wait({ type: 'begin', id: 'long' });
+  for (let i = 0; i < 6; i++) assert.equal((await put('/v1/gestures/my-wink', i % 2 ? mine : nod, { 'if-match': '*' })).status, 200);
+  assert.equal((await put('/v1/gestures/my-wink', nod, { 'if-match': '*' })).status, 200);
+  assert.ok((await nods()) > 30000, 'the new one is shown');
+  stream.send({ type: 'speak', id: 'mood', lang: 'it', text: 'Ciao.' });
+  for (const id of ['long', 'mood']) assert.equal((await stream.wait({ type: 'end', id })).reason, 'done');
+  await stream.close();
+  assert.equal((await put('/v1/gestures/my-wink', mine, { 'if-match': '*' })).status, 200);
+  assert.ok((await nods()) < 20000, 'and the old one again');
   const other = await Daemon.start(folders, {}, { voices: false });
   const { expressions } = await (await other.get('/v1/expressions')).json();
   assert.ok(expressions.some(({ kind, name }) => kind === 'gesture' && name === 'my-wink'));
@@ -94,6 +116,9 @@ test('a gesture goes into its folder, and the next start has it', async () => {
     assert.equal((await ask(method, address, { to: other, token: null, body: method === 'PUT' ? mine : undefined })).code, 'nothing-kept', 'without --editing nothing is kept');
   assert.equal((await other.stop()).code, 0);
   assert.equal((await ask('DELETE', '/v1/gestures/my-wink', { 'if-match': '*' })).status, 200);
+  assert.ok(!(await lists()));
+  const { warnings } = await ask('POST', '/v1/speech?format=json', { body: text, 'content-type': 'application/ssml+xml' });
+  assert.ok(warnings.some(({ message }) => message.includes('my-wink')), JSON.stringify(warnings));
 });
 
 test('who may not operate changes nothing', async () => {

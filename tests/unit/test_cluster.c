@@ -3,6 +3,7 @@
 #include "server/base/mem.h"
 #include "server/cluster/redis_address.h"
 #include "server/cluster/sound_pack.h"
+#include "server/cluster/work_pack.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -131,11 +132,90 @@ static void anything_comes_back_and_sound_is_smaller(void **state) {
     buf_free(&back);
 }
 
+static void work_comes_back_as_it_was(void **state) {
+    static const uint8_t bytes[] = {0, 255, 'x', 0, 10, 13};
+    const struct buf sentence = {(uint8_t *)bytes, sizeof bytes, 0};
+    struct buf packed = {0}, back = {0};
+    (void)state;
+    work_pack_sentence(&sentence, &packed);
+    assert_true(work_unpack_sentence(packed.data, packed.size, &back));
+    assert_int_equal(back.size, sizeof bytes);
+    assert_memory_equal(back.data, bytes, sizeof bytes);
+    for (size_t i = 0; i < WORK_FORM_BYTES; i++) {
+        assert_false(work_unpack_sentence(packed.data, i, &back));
+        packed.data[i] ^= 1;
+        assert_false(work_unpack_sentence(packed.data, packed.size, &back));
+        packed.data[i] ^= 1;
+    }
+    buf_free(&packed);
+    buf_free(&back);
+}
+
+static void pieces_come_back_as_they_were(void **state) {
+    static const uint8_t body[] = {1, 0, 2, 255};
+    struct work_piece piece = {.index = 0x01020304, .last = true, .end = WORK_TIMEOUT, .body = body};
+    struct work_piece back;
+    struct buf packed = {0};
+    (void)state;
+    memset(piece.task, 't', sizeof piece.task - 1);
+    memset(piece.attempt, 'a', sizeof piece.attempt - 1);
+    for (piece.size = 0; piece.size <= sizeof body; piece.size += sizeof body) {
+        packed.size = 0;
+        work_pack_piece(&piece, &packed);
+        assert_true(work_unpack_piece(packed.data, packed.size, &back));
+        assert_string_equal(back.task, piece.task);
+        assert_string_equal(back.attempt, piece.attempt);
+        assert_int_equal(back.index, piece.index);
+        assert_true(back.last);
+        assert_int_equal(back.end, WORK_TIMEOUT);
+        assert_int_equal(back.size, piece.size);
+        assert_memory_equal(back.body, body, piece.size);
+    }
+    /* cut anywhere before its body, it is none */
+    size_t whole = packed.size - sizeof body;
+    for (size_t i = 0; i < whole; i++) {
+        uint8_t *cut = mem_alloc(i + 1);
+        memcpy(cut, packed.data, i);
+        assert_false(work_unpack_piece(cut, i, &back));
+        free(cut);
+    }
+    buf_free(&packed);
+}
+
+static void pieces_of_somebody_else_are_refused(void **state) {
+    struct work_piece piece = {.task = "key id", .attempt = "me:1", .body = (const uint8_t *)""}, back;
+    struct buf packed = {0};
+    (void)state;
+    work_pack_piece(&piece, &packed);
+    assert_true(work_unpack_piece(packed.data, packed.size, &back));
+    enum { END = WORK_FORM_BYTES, LAST, TASK = WORK_FORM_BYTES + 6 };
+    const struct {
+        size_t at;
+        uint8_t value;
+    } rows[] = {{0, 'g'},         {WORK_FORM_BYTES - 1, '?'},
+                {END, WORK_ENDS}, {END, 255},
+                {LAST, 2},        {TASK, 0},
+                {TASK, 7},        {TASK, 200},
+                {TASK, 255},      {TASK + 1, 0}};
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        uint8_t before = packed.data[rows[i].at];
+        packed.data[rows[i].at] = rows[i].value;
+        bool read = work_unpack_piece(packed.data, packed.size, &back);
+        /* other lengths of the texts may still be a piece, but never one of this name */
+        assert_true(!read || strcmp(back.task, piece.task) != 0);
+        packed.data[rows[i].at] = before;
+    }
+    buf_free(&packed);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(addresses_are_read),
         cmocka_unit_test(what_is_none_is_refused),
         cmocka_unit_test(anything_comes_back_and_sound_is_smaller),
+        cmocka_unit_test(work_comes_back_as_it_was),
+        cmocka_unit_test(pieces_come_back_as_they_were),
+        cmocka_unit_test(pieces_of_somebody_else_are_refused),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -43,7 +43,41 @@ static void refuses_too_many(void **state) {
     buf_free(&text);
 }
 
+/* However often they come and go, they take no more room than at first. */
+static void voices_come_and_go(void **state) {
+    static const char middle[] = "m";
+    struct catalog catalog = {0};
+    struct buf text = {0};
+    struct error e;
+    (void)state;
+    add_voices(&text, 5);
+    assert_int_equal(catalog_add(&catalog, "z", (char *)text.data, &e), 0);
+    assert_int_equal(catalog_add(&catalog, middle, (char *)text.data, &e), 0);
+    assert_int_equal(catalog_add(&catalog, "a", (char *)text.data, &e), 0);
+    const struct voice_list all = catalog_list(&catalog), aside = catalog_aside(&catalog, middle);
+    struct voice_list with = {0}, without = {0};
+    assert_int_equal(all.count, 6);
+    assert_int_equal(aside.count, 2);
+    for (int i = 0; i < 5; i++) {
+        catalog_drop(&catalog, middle);
+        assert_int_equal(catalog.count, 4);
+        assert_string_equal(catalog.voices[1].id, "a:4");
+        assert_string_equal(catalog.voices[2].id, "z:a");
+        assert_true(i == 0 || catalog.voices == without.voices);
+        without = catalog_list(&catalog);
+        catalog_put_back(&catalog, aside);
+        assert_int_equal(catalog.count, 6);
+        for (size_t k = 0; k < 6; k++)
+            assert_ptr_equal(catalog.voices[k].id, all.voices[k].id);
+        assert_true(i == 0 || catalog.voices == with.voices);
+        with = catalog_list(&catalog);
+    }
+    catalog_free(&catalog);
+    buf_free(&text);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(takes_each_once), cmocka_unit_test(refuses_too_many)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(takes_each_once), cmocka_unit_test(refuses_too_many),
+                                       cmocka_unit_test(voices_come_and_go)};
     return cmocka_run_group_tests_name("catalog", tests, NULL, NULL);
 }

@@ -10,7 +10,7 @@ export const words = {
     save: 'Salva .fap',
     gestureTitle: 'Un gesto con un nome', gestureHint: 'Portate il fotogramma all’inizio e alla fine del tratto. Il file va nella cartella di facciad --gestures; il server lo salva dove è permesso (--editing).',
     stretchFrom: 'Qui comincia', stretchTo: 'Qui finisce', stretchIs: 'Fotogrammi {from}–{to}, {seconds} s', gestureGroups: 'Che cosa si muove',
-    gestureName: 'Nome (a–z, 0–9, -)', gestureSave: 'Salva il gesto', gestureKeep: 'Salva sul server', gestureKept: 'Il gesto è sul server: vale dal suo prossimo avvio.', gestureMade: 'Il gesto è salvato.', noGesture: 'Il tratto è vuoto, troppo corto (3 fotogrammi) o troppo lungo (10 s).', nothingSpoken: 'Qui non è ancora stato detto nulla.', opened: '{name}: {n} fotogrammi, {fps} al secondo.',
+    gestureName: 'Nome (a–z, 0–9, -)', gestureSave: 'Salva il gesto', gestureKeep: 'Salva sul server', gestureKept: 'Il gesto è sul server: i testi lo possono chiedere subito.', gestureMade: 'Il gesto è salvato.', noGesture: 'Il tratto è vuoto, troppo corto (3 fotogrammi) o troppo lungo (10 s).', nothingSpoken: 'Qui non è ancora stato detto nulla.', opened: '{name}: {n} fotogrammi, {fps} al secondo.',
     groups: ['', '', 'Mascella e labbra interne', 'Occhi', 'Sopracciglia', 'Guance', 'Lingua', 'Testa', 'Labbra esterne', 'Naso', 'Orecchie'],
   },
   pt: {
@@ -22,7 +22,7 @@ export const words = {
     save: 'Salvar .fap',
     gestureTitle: 'Um gesto com nome', gestureHint: 'Leve o quadro ao começo e ao fim do trecho. O arquivo vai na pasta de facciad --gestures; o servidor o salva onde é permitido (--editing).',
     stretchFrom: 'Aqui começa', stretchTo: 'Aqui termina', stretchIs: 'Quadros {from}–{to}, {seconds} s', gestureGroups: 'O que se move',
-    gestureName: 'Nome (a–z, 0–9, -)', gestureSave: 'Salvar o gesto', gestureKeep: 'Salvar no servidor', gestureKept: 'O gesto está no servidor: vale a partir do próximo início.', gestureMade: 'O gesto foi salvo.', noGesture: 'O trecho é vazio, curto demais (3 quadros) ou longo demais (10 s).', nothingSpoken: 'Nada foi dito aqui ainda.', opened: '{name}: {n} quadros, {fps} por segundo.',
+    gestureName: 'Nome (a–z, 0–9, -)', gestureSave: 'Salvar o gesto', gestureKeep: 'Salvar no servidor', gestureKept: 'O gesto está no servidor: os textos já o podem pedir.', gestureMade: 'O gesto foi salvo.', noGesture: 'O trecho é vazio, curto demais (3 quadros) ou longo demais (10 s).', nothingSpoken: 'Nada foi dito aqui ainda.', opened: '{name}: {n} quadros, {fps} por segundo.',
     groups: ['', '', 'Mandíbula e lábios internos', 'Olhos', 'Sobrancelhas', 'Bochechas', 'Língua', 'Cabeça', 'Lábios externos', 'Nariz', 'Orelhas'],
   },
   tr: {
@@ -34,7 +34,7 @@ export const words = {
     save: '.fap kaydet',
     gestureTitle: 'Adı olan bir jest', gestureHint: 'Kareyi bölümün başına ve sonuna getirin. Dosya facciad --gestures klasörüne konur; izin verilen yerde (--editing) sunucu kaydeder.',
     stretchFrom: 'Burada başlar', stretchTo: 'Burada biter', stretchIs: 'Kareler {from}–{to}, {seconds} s', gestureGroups: 'Ne kımıldar',
-    gestureName: 'Ad (a–z, 0–9, -)', gestureSave: 'Jesti kaydet', gestureKeep: 'Sunucuya kaydet', gestureKept: 'Jest sunucuda: bir sonraki başlatmadan itibaren geçerli.', gestureMade: 'Jest kaydedildi.', noGesture: 'Bölüm boş, çok kısa (3 kare) ya da çok uzun (10 s).', nothingSpoken: 'Burada henüz bir şey söylenmedi.', opened: '{name}: {n} kare, saniyede {fps}.',
+    gestureName: 'Ad (a–z, 0–9, -)', gestureSave: 'Jesti kaydet', gestureKeep: 'Sunucuya kaydet', gestureKept: 'Jest sunucuda: metinler onu hemen isteyebilir.', gestureMade: 'Jest kaydedildi.', noGesture: 'Bölüm boş, çok kısa (3 kare) ya da çok uzun (10 s).', nothingSpoken: 'Burada henüz bir şey söylenmedi.', opened: '{name}: {n} kare, saniyede {fps}.',
     groups: ['', '', 'Çene ve iç dudaklar', 'Gözler', 'Kaşlar', 'Yanaklar', 'Dil', 'Baş', 'Dış dudaklar', 'Burun', 'Kulaklar'],
   },
   en: {
@@ -46,7 +46,7 @@ export const words = {
     save: 'Save .fap',
     gestureTitle: 'A gesture with a name', gestureHint: 'Bring the frame to the beginning and to the end of the stretch. The file goes into the folder of facciad --gestures; the server saves it where that is allowed (--editing).',
     stretchFrom: 'It begins here', stretchTo: 'It ends here', stretchIs: 'Frames {from}–{to}, {seconds} s', gestureGroups: 'What moves',
-    gestureName: 'Name (a–z, 0–9, -)', gestureSave: 'Save the gesture', gestureKeep: 'Save on the server', gestureKept: 'The gesture is on the server: it counts from its next start on.', gestureMade: 'The gesture is saved.', noGesture: 'The stretch is empty, too short (3 frames) or too long (10 s).', nothingSpoken: 'Nothing has been spoken here yet.', opened: '{name}: {n} frames, {fps} a second.',
+    gestureName: 'Name (a–z, 0–9, -)', gestureSave: 'Save the gesture', gestureKeep: 'Save on the server', gestureKept: 'The gesture is on the server: texts can ask for it at once.', gestureMade: 'The gesture is saved.', noGesture: 'The stretch is empty, too short (3 frames) or too long (10 s).', nothingSpoken: 'Nothing has been spoken here yet.', opened: '{name}: {n} frames, {fps} a second.',
     groups: ['', '', 'Jaw and inner lips', 'Eyes', 'Brows', 'Cheeks', 'Tongue', 'Head', 'Outer lips', 'Nose', 'Ears'],
   },
 };

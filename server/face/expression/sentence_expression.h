@@ -18,7 +18,7 @@ struct activity {
 };
 
 struct sentence_expression {
-    bool expresses; /* false: there are no expressions to show cues with */
+    const struct expressions *expressions; /* a share; NULL: there are none to show cues with */
     enum face_blend rule;
     struct cue_envelopes envelopes;
     struct activity activity;

@@ -220,8 +220,7 @@ static void look(const struct folder *f, const struct recorded *r, struct record
 bool folder_is_current(const struct folder *f, const struct recorded *r) {
     struct recorded_file now[3];
     look(f, r, now);
-    /* one that has found all its times itself needs none of others any more */
-    const int files = r->reading && r->reading->complete && !r->reading->keep_phones ? 2 : 3;
+    const int files = r->reading && r->reading->complete && !r->reading->keep_phones ? 2 : 3; /* own times */
     for (int i = 0; i < files; i++)
         if (now[i].size != r->made_of[i].size || now[i].modified != r->made_of[i].modified)
             return false;

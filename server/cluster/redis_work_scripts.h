@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What Redis does at one blow for the work queue, in its Lua. KEYS[1] is REDIS_WORK, with which all names
+ * begin: what is in braces lies on one server of a Redis cluster.
+ *
+ *   :voices          sorted set "QUEUE PLUGIN", by the ms at which nobody has it any more
+ *   :voices:QUEUE    its voices, JSON
+ *   :q:QUEUE:T:L     streams, for each turn T and lane L, with the group "w": s = the sentence, r = the list
+ *                    that its answer goes to
+ *   :n:QUEUE         how many were taken, and from which lane the last: whose turn it is
+ *   :bell            stream of one entry: something has come, or is not wanted any more
+ *   :to:DAEMON       list of answers */
+#ifndef FACCIA_CLUSTER_REDIS_WORK_SCRIPTS_H
+#define FACCIA_CLUSTER_REDIS_WORK_SCRIPTS_H
+
+#define REDIS_WORK "faccia:{work}"
+#define REDIS_WORK_LANES "16"
+
+#define WORK_NOW                                                                                             \
+    "local t = redis.call('TIME') "                                                                          \
+    "local now = t[1] * 1000 + math.floor(t[2] / 1000) "
+
+#define WORK_RING "redis.call('XADD', KEYS[1]..':bell', 'MAXLEN', '1', '*', 'x', '1') "
+
+/* Is ARGV[1] the one who has the entry, and is it still wanted? */
+#define WORK_MINE                                                                                            \
+    "local function mine(key, id) "                                                                          \
+    "local p = redis.pcall('XPENDING', key, 'w', id, id, 1) "                                                \
+    "return not p.err and p[1] and p[1][2] == ARGV[1] and #redis.call('XRANGE', key, id, id) > 0 end "
+
+/* The sources, each "QUEUE PLUGIN" with how many live and ahead; and what of ARGV[1] ("KEY ID KEY ID") is not
+ * there any more. */
+#define SCRIPT_WORK_LOOK                                                                                     \
+    WORK_NOW                                                                                                 \
+    "redis.call('ZREMRANGEBYSCORE', KEYS[1]..':voices', '-inf', now) "                                       \
+    "local sources, gone = {}, {} "                                                                          \
+    "for _, member in ipairs(redis.call('ZRANGE', KEYS[1]..':voices', 0, 255)) do "                          \
+    "local queue, count = member:match('^%S+') or '', {0, 0, 0} "                                            \
+    "for turn = 0, 2 do for lane = 0, " REDIS_WORK_LANES " - 1 do "                                          \
+    "local n = redis.pcall('XLEN', KEYS[1]..':q:'..queue..':'..turn..':'..lane) "                            \
+    "if type(n) == 'number' then count[turn + 1] = count[turn + 1] + n end end end "                         \
+    "sources[#sources + 1] = {member, count[1] + count[2], count[3]} end "                                   \
+    "for key, id in ARGV[1]:gmatch('(%S+) (%S+)') do "                                                       \
+    "local e = redis.pcall('XRANGE', key, id, id) "                                                          \
+    "if e.err or #e == 0 then gone[#gone + 1] = key..' '..id end end "                                       \
+    "return {sources, gone}"
+
+/* "KEY ID" of the new entry, or 0: too many wait. ARGV: queue, turn, lane, sentence, where its answer goes,
+ * the most that may wait. What is to be kept leaves half of the room to who speaks live. */
+#define SCRIPT_WORK_PUT                                                                                      \
+    "local all, most = 0, tonumber(ARGV[6]) "                                                                \
+    "for turn = 0, 2 do for lane = 0, " REDIS_WORK_LANES " - 1 do "                                          \
+    "all = all + redis.call('XLEN', KEYS[1]..':q:'..ARGV[1]..':'..turn..':'..lane) end end "                 \
+    "if ARGV[2] == '2' then all = all * 2 end "                                                              \
+    "if all >= most then return 0 end "                                                                      \
+    "local key = KEYS[1]..':q:'..ARGV[1]..':'..ARGV[2]..':'..ARGV[3] "                                       \
+    "redis.pcall('XGROUP', 'CREATE', key, 'w', '0', 'MKSTREAM') "                                            \
+    "local id = redis.call('XADD', key, '*', 's', ARGV[4], 'r', ARGV[5]) "                                   \
+    "redis.call('EXPIRE', key, 86400) " WORK_RING "return key..' '..id"
+
+/* Nobody wants it any more. ARGV: key, id. */
+#define SCRIPT_WORK_DROP                                                                                     \
+    "redis.pcall('XACK', ARGV[1], 'w', ARGV[2]) "                                                            \
+    "redis.call('XDEL', ARGV[1], ARGV[2]) " WORK_RING "return 0"
+
+/* Voices go on being there. 0: they must be told (SCRIPT_WORK_TELL). ARGV: queue, plugin, ms. */
+#define SCRIPT_WORK_ANNOUNCE                                                                                 \
+    WORK_NOW "redis.call('ZADD', KEYS[1]..':voices', now + ARGV[3], ARGV[1]..' '..ARGV[2]) "                 \
+             "return redis.call('PEXPIRE', KEYS[1]..':voices:'..ARGV[1], ARGV[3] * 10)"
+
+/* ARGV: the same, and the voices. */
+#define SCRIPT_WORK_TELL                                                                                     \
+    "redis.call('SET', KEYS[1]..':voices:'..ARGV[1], ARGV[4], 'PX', ARGV[3] * 10) " SCRIPT_WORK_ANNOUNCE
+
+/* {key, id, how often it was begun, sentence, where its answer goes}, or 0. First what another has lost.
+ * Urgent and usual ones by turns, those ahead when there are none; the lanes by turns as well. ARGV: who
+ * takes, ms after which a sentence is lost, queue, 2: ahead ones too, else 1. */
+#define SCRIPT_WORK_TAKE                                                                                     \
+    "local counter = KEYS[1]..':n:'..ARGV[3] "                                                               \
+    "local n, last = (redis.call('GET', counter) or '0 0'):match('^(%d+) (%d+)$') "                          \
+    "n, last = tonumber(n or 0), tonumber(last or 0) "                                                       \
+    "local turns = n % 2 == 0 and {0, 1, 2} or {1, 0, 2} "                                                   \
+    "local function first(key) "                                                                             \
+    "local from = '0-0' "                                                                                    \
+    "repeat "                                                                                                \
+    "local c = redis.pcall('XAUTOCLAIM', key, 'w', ARGV[1], ARGV[2], from, 'COUNT', '1') "                   \
+    "if c.err then redis.pcall('XGROUP', 'CREATE', key, 'w', '0') return nil end "                           \
+    "if c[2][1] then return c[2][1] end "                                                                    \
+    "from = c[1] until from == '0-0' "                                                                       \
+    "local r = redis.call('XREADGROUP', 'GROUP', 'w', ARGV[1], 'COUNT', '1', 'STREAMS', key, '>') "          \
+    "return r and r[1] and r[1][2][1] end "                                                                  \
+    "for i = 1, 1 + ARGV[4] do for l = 0, " REDIS_WORK_LANES " - 1 do "                                      \
+    "local lane = (last + 1 + l) % " REDIS_WORK_LANES " "                                                    \
+    "local key = KEYS[1]..':q:'..ARGV[3]..':'..turns[i]..':'..lane "                                         \
+    "local length = redis.pcall('XLEN', key) "                                                               \
+    "local e = type(length) == 'number' and length > 0 and first(key) "                                      \
+    "if e then "                                                                                             \
+    "redis.call('SET', counter, (n + 1)..' '..lane, 'EX', 86400) "                                           \
+    "local p = redis.call('XPENDING', key, 'w', e[1], e[1], 1) "                                             \
+    "local f = {} "                                                                                          \
+    "for k = 1, #(e[2] or {}), 2 do f[e[2][k]] = e[2][k + 1] end "                                           \
+    "return {key, e[1], p[1] and p[1][4] or 1, f.s or '', f.r or ''} end end end "                           \
+    "return 0"
+
+/* What of ARGV[2] ("KEY ID KEY ID") is no longer for who asks; the rest is for so long again. */
+#define SCRIPT_WORK_RENEW                                                                                    \
+    WORK_MINE "local gone = {} "                                                                             \
+              "for key, id in ARGV[2]:gmatch('(%S+) (%S+)') do "                                             \
+              "if mine(key, id) then redis.call('XCLAIM', key, 'w', ARGV[1], 0, id, 'JUSTID') "              \
+              "else gone[#gone + 1] = key..' '..id end end "                                                 \
+              "return gone"
+
+/* It is for whoever takes it next, as if it had not been begun. ARGV: who gives it back, key, id. */
+#define SCRIPT_WORK_GIVE_BACK                                                                                \
+    WORK_MINE "if mine(ARGV[2], ARGV[3]) then "                                                              \
+              "redis.call('XCLAIM', ARGV[2], 'w', ARGV[1], 0, ARGV[3], 'IDLE', 3600000, "                    \
+              "'RETRYCOUNT', 0, 'JUSTID') " WORK_RING "end return 0"
+
+/* A piece of the answer; 0: it is another's by now. ARGV: who answers, key, id, where to, the piece, 1: it is
+ * the last. */
+#define SCRIPT_WORK_ANSWER                                                                                   \
+    WORK_MINE "if not mine(ARGV[2], ARGV[3]) then return 0 end "                                             \
+              "if ARGV[6] == '1' then redis.call('XACK', ARGV[2], 'w', ARGV[3]) "                            \
+              "redis.call('XDEL', ARGV[2], ARGV[3]) end "                                                    \
+              "redis.pcall('RPUSH', ARGV[4], ARGV[5]) "                                                      \
+              "redis.pcall('EXPIRE', ARGV[4], 60) return 1"
+
+#endif
