@@ -39,8 +39,7 @@ struct daemon {
     struct codec_load codec_load;
     struct library *library; /* NULL = none */
     char *voice_config;      /* with the library's recordings; NULL: there are none */
-    struct cluster *cluster; /* NULL = alone */
-    struct work *work;       /* likewise */
+    struct cluster_place place;
     struct speak_ahead *ahead;
     struct net *net;
     struct daemon_offer *offer;
@@ -73,7 +72,8 @@ static struct net_options net_options_of(struct daemon *d) {
     options.listen_fds = d->sockets;
     options.listen_count = d->socket_count;
     options.secrets = d->secrets.count ? &d->secrets : NULL;
-    options.shares = d->cluster != NULL;
+    options.shares = d->place.cluster != NULL;
+    options.bus = d->place.bus;
     options.connections_above = NET_CONNECTIONS_ABOVE;
     descriptors_provide(&options, d->settings.voices.workers);
     return options;
@@ -148,8 +148,7 @@ static void stop(struct daemon *d) {
         net_close(d->net);
     speak_ahead_close(d->ahead);
     stages_stop_voices(&d->stages);
-    cluster_close(d->cluster);
-    work_close(d->work);
+    cluster_place_close(&d->place);
     coder_pool_close(d->coders);
     if (!d->running)
         return;
@@ -217,10 +216,10 @@ static int start(struct daemon *d, struct error *e) {
     if (!speech_packs_find(&d->stages.packs, s->lang))
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
     if (library_place_open(s, &d->paths, &d->library, &d->voice_config, e) ||
-        cluster_place_open(s, &d->loop, &d->metrics, &d->cluster, &d->work, e))
+        cluster_place_open(s, &d->loop, &d->metrics, &d->place, e))
         return -1;
-    voices.cluster = d->cluster;
-    voices.work = d->work;
+    voices.cluster = d->place.cluster;
+    voices.work = d->place.work;
     if (d->voice_config)
         voices.config = d->voice_config;
     pipeline->metrics = voices.metrics = &d->metrics;

@@ -59,7 +59,8 @@ const struct setting settings_table[] = {
     {"voices.plugins", "voice-config", SETTING_OBJECT, MEMBER(voices.config), FOR_BOTH, 0, 0, NULL, "FILE",
      "JSON object: the settings of each plugin, by its name"},
     {"cluster.address", "cluster", SETTING_STRING, MEMBER(cluster), FOR_DAEMON, 0, 0, NULL, "URL",
-     "share finished sentences with other daemons, and the voices of faccia-worker, over the Redis at "
+     "share rooms and finished sentences with other daemons, and the voices of faccia-worker, over the Redis "
+     "at "
      "redis://[[USER]:PASSWORD@]HOST[:PORT][/N]"},
     {"cluster.keep_hours", "cluster-keep", SETTING_NUMBER, MEMBER(cluster_keep_hours), FOR_DAEMON, 1, 100000,
      "168", "N", "a sentence that nobody asks for stays there for so many hours"},

@@ -46,6 +46,7 @@
     X(NOT_SPEAKING, "not-speaking", 400, "nothing is spoken") \
     X(NO_CHOICES, "no-choices", 400, "there is nothing to choose from, or something else by now") \
     X(BUSY, "busy", 409, "something is spoken, or waits") \
+    X(ROOM_AWAY, "room-away", 503, "the daemon that speaks in the room cannot be reached") \
     X(UNHEARD, "unheard", 0, "nobody came to hear it") \
     /* limits */ \
     X(QUEUE_FULL, "queue-full", 503, "too many utterances wait already") \

@@ -6,6 +6,7 @@
 #include <hiredis/async.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 enum { WORDS_MOST = 16 };
 
@@ -16,12 +17,15 @@ struct redis_link {
     uv_getaddrinfo_t look_up;
     uv_timer_t pulse;
     uint64_t again, again_in; /* loop time of the next attempt; how long the one after it waits, ms */
-    uint64_t heard;           /* loop time: the last answer, or the question to which none has come */
+    uint64_t heard_at;        /* loop time: the last answer, or the question to which none has come */
     unsigned unanswered;
     bool overdue; /* seen so once: what had come may not have been read yet */
     bool up, told, looking_up, closing;
     void (*changed)(void *ctx, bool up);
     void *ctx;
+    char *channel; /* that it listens to; NULL: it asks */
+    void (*heard)(void *ctx, const void *data, size_t size);
+    void *heard_ctx;
 };
 
 /* A command whose answer is waited for. */
@@ -70,7 +74,7 @@ static void on_answer(redisAsyncContext *redis, void *reply, void *privdata) {
     struct redis_link *link = q->link;
     (void)redis;
     if (reply) {
-        link->heard = uv_now(link->loop);
+        link->heard_at = uv_now(link->loop);
         link->unanswered -= link->unanswered > 0;
         link->overdue = false;
     }
@@ -94,13 +98,18 @@ static bool ask(struct redis_link *link, const struct link_text *words, int coun
         return false;
     }
     if (!link->unanswered++)
-        link->heard = uv_now(link->loop);
+        link->heard_at = uv_now(link->loop);
     return true;
 }
 
 bool redis_link_send(struct redis_link *link, const struct link_text *words, int count,
                      link_answered answered, void *ctx) {
     return link->up && ask(link, words, count, answered, ctx);
+}
+
+void redis_link_flush(struct redis_link *link) {
+    if (link->up)
+        redisAsyncHandleWrite(link->redis);
 }
 
 bool redis_link_up(const struct redis_link *link) {
@@ -114,16 +123,52 @@ static void on_greeted(void *ctx, const redisReply *reply) {
         drop(link, reply->str);
 }
 
+static void come_up(struct redis_link *link) {
+    link->up = true;
+    link->again_in = LINK_AGAIN_MS;
+    if (link->told || !link->channel)
+        log_info("cluster: %s answers", link->address.shown);
+    link->told = false;
+    link->changed(link->ctx, true);
+}
+
+static bool is_word(const redisReply *reply, const char *word) {
+    return reply->type == REDIS_REPLY_STRING && !strcmp(reply->str, word);
+}
+
+/* Of a channel: that it is listened to, and what comes. */
+static void on_channel(redisAsyncContext *redis, void *any, void *privdata) {
+    struct redis_link *link = privdata;
+    const redisReply *reply = any;
+    (void)redis;
+    if (!reply || reply->type != REDIS_REPLY_ARRAY || reply->elements != 3)
+        return;
+    link->heard_at = uv_now(link->loop);
+    link->unanswered = 0;
+    link->overdue = false;
+    if (is_word(reply->element[0], "message"))
+        link->heard(link->heard_ctx, reply->element[2]->str, (size_t)reply->element[2]->len);
+    else if (!link->up)
+        come_up(link);
+}
+
+/* Listening to it once more is answered, too, which no other command is on such a connection. */
+static void hear(struct redis_link *link) {
+    if (redisAsyncCommand(link->redis, on_channel, link, "SUBSCRIBE %s", link->channel) != REDIS_OK)
+        return;
+    if (!link->unanswered++)
+        link->heard_at = uv_now(link->loop);
+}
+
 static void on_first_pong(void *ctx, const redisReply *reply) {
     struct redis_link *link = ctx;
     on_greeted(ctx, reply);
     if (!reply || reply->type == REDIS_REPLY_ERROR || !link->redis)
         return;
-    link->up = true;
-    link->again_in = LINK_AGAIN_MS;
-    log_info("cluster: %s answers", link->address.shown);
-    link->told = false;
-    link->changed(link->ctx, true);
+    if (link->channel)
+        hear(link);
+    else
+        come_up(link);
 }
 
 static struct link_text text_of(const char *text) {
@@ -164,7 +209,7 @@ static void attach(struct redis_link *link, redisAsyncContext *redis) {
     link->redis = redis;
     redis->data = link;
     link->unanswered = 1;
-    link->heard = uv_now(link->loop);
+    link->heard_at = uv_now(link->loop);
     redisLibuvAttach(redis, link->loop);
     redisAsyncSetConnectCallback(redis, on_connected);
     redisAsyncSetDisconnectCallback(redis, on_disconnected);
@@ -174,6 +219,7 @@ static void free_if_closed(struct redis_link *link) {
     if (link->looking_up || link->loop)
         return;
     redis_address_free(&link->address);
+    free(link->channel);
     free(link);
 }
 
@@ -208,12 +254,15 @@ static void on_pulse(uv_timer_t *timer) {
     if (!link->redis) {
         if (!link->looking_up && now >= link->again)
             begin(link);
-    } else if (link->unanswered && now - link->heard > LINK_PATIENCE_MS) {
+    } else if (link->unanswered && now - link->heard_at > LINK_PATIENCE_MS) {
         if (link->overdue)
             drop(link, "it does not answer");
         link->overdue = !link->overdue;
-    } else if (link->up && !link->unanswered && now - link->heard > LINK_PATIENCE_MS) {
-        ask(link, (struct link_text[]){text_of("PING")}, 1, NULL, NULL);
+    } else if (link->up && !link->unanswered && now - link->heard_at > LINK_PATIENCE_MS) {
+        if (link->channel)
+            hear(link);
+        else
+            ask(link, (struct link_text[]){text_of("PING")}, 1, NULL, NULL);
     }
 }
 
@@ -227,6 +276,13 @@ struct redis_link *redis_link_open(uv_loop_t *loop, struct redis_address *addres
     link->pulse.data = link;
     uv_timer_start(&link->pulse, on_pulse, 0, LINK_PULSE_MS);
     return link;
+}
+
+void redis_link_hear(struct redis_link *link, const char *channel,
+                     void (*heard)(void *ctx, const void *data, size_t size), void *ctx) {
+    link->channel = mem_strdup(channel);
+    link->heard = heard;
+    link->heard_ctx = ctx;
 }
 
 static void on_pulse_closed(uv_handle_t *handle) {

@@ -28,9 +28,18 @@ struct redis_link *redis_link_open(uv_loop_t *loop, struct redis_address *addres
                                    void (*changed)(void *ctx, bool up), void *ctx);
 bool redis_link_up(const struct redis_link *link);
 
+/* Right after redis_link_open: the link does nothing but listen to that channel from then on (Redis takes no
+ * other commands on such a connection), and is up while it does. */
+void redis_link_hear(struct redis_link *link, const char *channel,
+                     void (*heard)(void *ctx, const void *data, size_t size), void *ctx);
+
 /* Sends a command; answered may be NULL. False, and no answer, when the link is not up. */
 bool redis_link_send(struct redis_link *link, const struct link_text *words, int count,
                      link_answered answered, void *ctx);
+
+/* What was sent leaves now, as far as the system takes it, and not when the loop comes to it. The link may be
+ * lost by that. */
+void redis_link_flush(struct redis_link *link);
 
 /* What waits for an answer gets NULL. Freed when the loop has run out. */
 void redis_link_close(struct redis_link *link);

@@ -24,6 +24,8 @@ struct channel *channel_new(struct net *net, const char *name) {
 }
 
 static void free_channel(struct channel *c) {
+    if (c->home)
+        c->net->home_calls->closed(c);
     if (c->gone)
         c->gone(c);
     stream_free(c->stream);
@@ -39,6 +41,17 @@ static void free_channel(struct channel *c) {
     free(c);
 }
 
+static void tell_home(struct channel *c) {
+    if (c->home)
+        c->net->home_calls->changed(c);
+}
+
+static void begin_anew(struct channel *c, struct variant *v) {
+    encoder_restart(v->encoder);
+    if (c->home)
+        c->net->home_calls->begin(c);
+}
+
 static void add_variant(struct channel *c, const struct encoding *encoding) {
     struct variant *v = variant_of(c, encoding);
     if (!v) {
@@ -49,7 +62,7 @@ static void add_variant(struct channel *c, const struct encoding *encoding) {
         c->variants = v;
     }
     v->followers++;
-    encoder_restart(v->encoder);
+    begin_anew(c, v);
 }
 
 static void remove_variant(struct channel *c, const struct encoding *encoding) {
@@ -70,9 +83,13 @@ static void tell(void *ctx, struct queued_message *message) {
     f->deliver(f, &message, 1);
 }
 
+static size_t listeners_of(const struct follower *f) {
+    return f->abroad ? f->abroad->listeners : !f->watches;
+}
+
 /* For the first listener. */
 static void speak_held(struct channel *c, const struct follower *f) {
-    if (c->room && !f->watches && channel_listeners(c) == 1)
+    if (c->room && !c->elsewhere && !f->watches && channel_listeners(c) == listeners_of(f))
         hold_speak(c->net, c->name, c->stream);
 }
 
@@ -90,6 +107,7 @@ void channel_join(struct channel *c, struct follower *f) {
     catch_up_tell(&c->catch_up, tell, f);
     notice_board_tell(&c->notices, tell, f);
     speak_held(c, f);
+    tell_home(c);
 }
 
 void channel_watch(struct follower *f, bool watches) {
@@ -97,6 +115,8 @@ void channel_watch(struct follower *f, bool watches) {
     f->watches = watches;
     if (comes && f->channel)
         speak_held(f->channel, f);
+    if (f->channel)
+        tell_home(f->channel);
 }
 
 void channel_leave(struct follower *f) {
@@ -112,8 +132,26 @@ void channel_leave(struct follower *f) {
     if (f->media)
         remove_variant(c, &f->encoding);
     f->channel = NULL;
-    if (!c->followers)
+    if (!c->followers && !c->kept)
         free_channel(c);
+    else
+        tell_home(c);
+}
+
+void channel_keep(struct channel *c) {
+    c->kept++;
+}
+
+void channel_let_go(struct channel *c) {
+    if (!--c->kept && !c->followers)
+        free_channel(c);
+}
+
+void channel_take(struct channel *c, bool elsewhere) {
+    c->elsewhere = elsewhere;
+    stream_idle(c->stream, c->idles && !elsewhere ? &c->idling : NULL);
+    for (struct variant *v = c->variants; v; v = v->next)
+        encoder_restart(v->encoder);
 }
 
 void channel_want(struct follower *f, const struct encoding *encoding) {
@@ -126,11 +164,12 @@ void channel_want(struct follower *f, const struct encoding *encoding) {
     f->waits = true;
     if (f->media)
         add_variant(f->channel, &f->encoding);
+    tell_home(f->channel);
 }
 
 void channel_resume(struct follower *f) {
     if (f->media)
-        encoder_restart(variant_of(f->channel, &f->encoding)->encoder);
+        begin_anew(f->channel, variant_of(f->channel, &f->encoding));
 }
 
 void channel_idle(struct follower *f, const struct idle_options *options) {
@@ -140,10 +179,15 @@ void channel_idle(struct follower *f, const struct idle_options *options) {
         others |= other != f && other->idle;
     f->idle = options != NULL;
     /* in a room, the first one's way of idling is everybody's */
-    if (!others)
-        stream_idle(c->stream, options);
-    else if (options && f->media)
-        encoder_restart(variant_of(c, &f->encoding)->encoder);
+    if (!others) {
+        c->idles = options != NULL;
+        c->idling = options ? *options : c->idling;
+        if (!c->elsewhere)
+            stream_idle(c->stream, options);
+        tell_home(c);
+    } else if (options && f->media) {
+        begin_anew(c, variant_of(c, &f->encoding));
+    }
 }
 
 struct stream *channel_stream(const struct channel *c) {
@@ -162,14 +206,25 @@ bool channel_is_room(const struct channel *c) {
     return c->room;
 }
 
+bool channel_speaks(const struct channel *c) {
+    return c->elsewhere ? c->catch_up.begin != NULL : stream_busy(c->stream);
+}
+
+bool channel_elsewhere(const struct channel *c) {
+    return c->elsewhere;
+}
+
 size_t channel_followers(const struct channel *c) {
-    return c->follower_count;
+    size_t count = 0;
+    for (const struct follower *f = c->followers; f; f = f->next)
+        count += f->abroad ? f->abroad->followers : 1;
+    return count;
 }
 
 size_t channel_listeners(const struct channel *c) {
     size_t count = 0;
     for (const struct follower *f = c->followers; f; f = f->next)
-        count += !f->watches;
+        count += listeners_of(f);
     return count;
 }
 

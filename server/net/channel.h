@@ -11,6 +11,11 @@
 struct net;
 struct channel;
 
+/* Those of another daemon whom one follower stands for. */
+struct abroad {
+    size_t followers, listeners;
+};
+
 /* A member of a channel. Its maker owns it. */
 struct follower {
     struct channel *channel;
@@ -20,6 +25,7 @@ struct follower {
     bool lines;                  /* instead of JSON */
     bool idle;                   /* also those of idling */
     bool watches;                /* looks on: is no listener */
+    const struct abroad *abroad; /* NULL: it stands for itself */
     const char *desk;            /* what others who look on know it by; NULL: nothing */
     bool directs;                /* it may say something here */
     bool waits;                  /* for media that one can begin with */
@@ -43,6 +49,8 @@ uint64_t channel_number(const struct channel *channel); /* no other has had it *
 const char *channel_name(const struct channel *channel);
 size_t channel_listeners(const struct channel *channel); /* followers that do not just look on */
 bool channel_is_room(const struct channel *channel);
+bool channel_speaks(const struct channel *channel);    /* something is spoken in it, or waits */
+bool channel_elsewhere(const struct channel *channel); /* a room in which another daemon speaks (homes.h) */
 size_t channel_followers(const struct channel *channel);
 bool channel_pending(const struct channel *channel); /* something that was said is still being coded */
 struct channel *channel_next(const struct channel *channel); /* of the rooms */
@@ -52,6 +60,10 @@ struct channel *channel_next(const struct channel *channel); /* of the rooms */
 /* Lets him in: he gets what is going on now, as far as it has been said in messages, and media from the next
  * ones on with which one can begin. */
 void channel_join(struct channel *channel, struct follower *follower);
+
+/* The channel stays, though nobody follows, until it is let go as often as it was kept. */
+void channel_keep(struct channel *channel);
+void channel_let_go(struct channel *channel);
 
 /* Frees the channel when nobody is left. */
 void channel_leave(struct follower *follower);

@@ -30,6 +30,15 @@ struct channel_item {
     bool begin, idle;            /* of media: one can begin with them; they are those of idling */
 };
 
+/* What a room tells where several daemons share it (homes.h). */
+struct home_calls {
+    void (*opened)(struct channel *channel);
+    void (*closed)(struct channel *channel);
+    void (*changed)(struct channel *channel); /* who follows, and what they want */
+    void (*begin)(struct channel *channel);   /* somebody waits for media that one can begin with */
+    void (*said)(struct channel *channel, const struct channel_item *item);
+};
+
 struct channel {
     struct net *net;
     uint64_t number;
@@ -40,10 +49,16 @@ struct channel {
     struct stream *stream;
     struct follower *followers;
     size_t follower_count;
+    unsigned kept;
     struct variant *variants;
     struct channel_item *first, **last; /* what is said next */
     struct catch_up catch_up;
     struct notice_board notices;
+    struct idle_options idling; /* of those who idle */
+    bool idles;
+    struct home *home;     /* of a room that daemons share; else NULL */
+    bool elsewhere;        /* another daemon speaks in it, and this one's stream is silent */
+    uint64_t speaks_until; /* loop time; of a shared room: then its stream waits */
 };
 
 /* channel_say.c */
@@ -53,6 +68,16 @@ extern const struct stream_sink channel_sink;
 
 /* An encoder's answer. */
 void channel_coded(void *variant, void *item, const struct encoded *encoded);
+
+/* What another daemon has said in the room goes to those who follow here. Takes the item's message over. */
+void channel_hand_on(struct channel *channel, const struct channel_item *item);
+
+/* What speaks has come to an end for those who follow here, and a pause, too: e says why. Returns the number
+ * of its utterance, or 0. */
+uint32_t channel_cut(struct channel *channel, const struct error *e);
+
+/* The room is spoken in here, or not any more. */
+void channel_take(struct channel *channel, bool elsewhere);
 
 /* Tells all who follow, after what has been said. */
 void channel_notice(struct channel *channel, struct queued_message *message);

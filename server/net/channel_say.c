@@ -52,6 +52,9 @@ static void give(struct channel *c, struct channel_item **items, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!items[i]->media && !items[i]->notice)
             catch_up_event(&c->catch_up, items[i]->kind, items[i]->message);
+    for (size_t i = 0; i < count && c->home; i++)
+        if (items[i]->message)
+            c->net->home_calls->said(c, items[i]);
     for (struct follower *f = c->followers; f; f = f->next) {
         struct queued_message *messages[BATCH];
         size_t wanted = 0;
@@ -162,6 +165,14 @@ void channel_notice(struct channel *c, struct queued_message *message) {
     say(c);
 }
 
+void channel_hand_on(struct channel *c, const struct channel_item *said) {
+    struct channel_item *item = add(c);
+    *item = *said;
+    item->next = NULL;
+    item->ready = true;
+    say(c);
+}
+
 /* What begins in a chunk: the chunk follows at once. */
 static bool is_of_chunk(enum stream_event_kind kind) {
     return kind == STREAM_BEGIN || kind == STREAM_SENTENCE || kind == STREAM_WORD || kind == STREAM_MARK ||
@@ -181,6 +192,28 @@ static void on_event(void *ctx, const struct stream_event *event) {
         say(c);
 }
 
+/* What the begin told, and how far its words have come. */
+uint32_t channel_cut(struct channel *c, const struct error *e) {
+    const struct catch_up *up = &c->catch_up;
+    struct stream_event event = {.kind = STREAM_ERROR, .error = e, .reason = "failed", .idle = -1};
+    json_t *begin = up->begin ? message_read(up->begin) : NULL;
+    json_t *last = up->text_count ? message_read(up->texts[up->text_count - 1]) : NULL;
+    if (begin) {
+        event.utterance = (uint32_t)json_integer_value(json_object_get(begin, "utterance"));
+        event.id = json_string_value(json_object_get(begin, "id"));
+        event.sample_rate = (uint32_t)json_integer_value(json_object_get(begin, "rate"));
+        event.duration = (uint32_t)json_integer_value(json_object_get(last, "sample"));
+        on_event(c, &event);
+        event.kind = STREAM_END;
+        on_event(c, &event);
+    }
+    if (up->paused)
+        on_event(c, &(struct stream_event){.kind = STREAM_RESUMED, .idle = -1});
+    json_decref(begin);
+    json_decref(last);
+    return event.utterance;
+}
+
 static void on_media(void *ctx, const struct media *media) {
     struct channel *c = ctx;
     metrics_add(c->net->pipeline->metrics, METRIC_CHUNKS, 1);
@@ -193,6 +226,8 @@ static void on_media(void *ctx, const struct media *media) {
 static bool on_ready(void *ctx) {
     const struct channel *c = ctx;
     const struct follower *f = c->followers;
+    if (c->home && (c->elsewhere || uv_now(c->net->pipeline->loop) >= c->speaks_until))
+        return false;
     for (const struct variant *v = c->variants; v; v = v->next)
         if (v->coding >= CODING_MOST)
             return false;

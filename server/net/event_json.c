@@ -185,3 +185,7 @@ void event_write(struct buf *out, const struct stream_event *e, const char *stre
     }
     put(out, "}");
 }
+
+json_t *message_read(const struct queued_message *message) {
+    return json_loadb((const char *)queued_message_body(message), message->size, JSON_ALLOW_NUL, NULL);
+}

@@ -59,10 +59,9 @@ json_t *message_rooms(const struct net *net, const char *only) {
     json_t *rooms = json_array();
     for (const struct channel *c = net->rooms; c; c = channel_next(c))
         if (!only || !*only || !strcmp(only, channel_name(c)))
-            json_array_append_new(rooms,
-                                  json_pack("{ss si si sb}", "name", channel_name(c), "followers",
-                                            (int)channel_followers(c), "listeners", (int)channel_listeners(c),
-                                            "speaks", stream_busy(channel_stream(c))));
+            json_array_append_new(rooms, json_pack("{ss si si sb}", "name", channel_name(c), "followers",
+                                                   (int)channel_followers(c), "listeners",
+                                                   (int)channel_listeners(c), "speaks", channel_speaks(c)));
     return rooms;
 }
 
@@ -136,7 +135,10 @@ json_t *message_voices(const struct net *net) {
 
 json_t *message_health(const struct net *net) {
     const char *status = net->ready ? "ok" : net->unavailable ? "unavailable" : "starting";
-    const char *cluster = net->pipeline->metrics->values[METRIC_CLUSTER_UP] > 0 ? "up" : "away";
+    const char *cluster = net->pipeline->metrics->values[METRIC_CLUSTER_UP] > 0 &&
+                                  net->pipeline->metrics->values[METRIC_BUS_UP] > 0
+                              ? "up"
+                              : "away";
     return json_pack("{ss ss* ss si ss*}", "status", status, "reason", net->unavailable, "server",
                      "faccia/" FACCIA_VERSION, "connections", (int)net->connections, "cluster",
                      net->options.shares ? cluster : NULL);
@@ -226,6 +228,24 @@ int request_from_json(struct speech_request *request, const json_t *object, stru
             return -1;
     }
     return 0;
+}
+
+json_t *request_to_json(const struct speech_request *request) {
+    json_t *object = json_object();
+    struct request_value v;
+    for (size_t i = 0; request_field(i); i++) {
+        if (!request_get(request, i, &v))
+            continue;
+        json_t *value = v.type == REQUEST_STRING   ? json_stringn(v.string, v.size)
+                        : v.type == REQUEST_NUMBER ? json_real(v.number)
+                                                   : json_boolean(v.number != 0);
+        if (!value) {
+            json_decref(object);
+            return NULL;
+        }
+        json_object_set_new(object, request_field(i), value);
+    }
+    return object;
 }
 
 int request_from_query(struct speech_request *request, const struct http_request *from, const char *except,

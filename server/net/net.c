@@ -3,6 +3,7 @@
 #include "server/net/net.h"
 #include "server/base/mem.h"
 #include "server/net/connection.h"
+#include "server/net/homes.h"
 #include "server/net/listener.h"
 #include "server/net/net_internal.h"
 #include <stdlib.h>
@@ -29,6 +30,8 @@ struct net *net_open(const struct pipeline *pipeline, const struct offer_source 
         return NULL;
     }
     open_handles(net);
+    if (options->bus)
+        homes_open(net, options->bus);
     return net;
 }
 
@@ -68,6 +71,7 @@ bool net_busy(const struct net *net) {
 }
 
 void net_dismiss(struct net *net, const char *reason) {
+    homes_close(net->homes);
     sockets_dismiss(net, reason);
 }
 
@@ -89,6 +93,7 @@ static void free_idle(uv_handle_t *idle) {
 }
 
 void net_close(struct net *net) {
+    homes_close(net->homes);
     listeners_close(net);
     keepalive_end(net);
     connections_close(net);

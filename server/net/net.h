@@ -9,6 +9,7 @@
 #include "server/net/offer.h"
 #include "server/stream/stream.h"
 
+struct bus;
 struct library;
 
 /* What the network is told; server/app/settings_table.c has the bounds and defaults of what are settings. */
@@ -25,6 +26,7 @@ struct net_options {
     const char *web, *models;      /* folders */
     const char *media;             /* folder of recordings; NULL = none */
     bool shares;                   /* what is spoken, with other daemons */
+    struct bus *bus;               /* by which they share rooms; NULL = none */
     const char *scenes;            /* folder of scenes that operators keep; NULL = none */
     unsigned scene_bytes;          /* of one */
     unsigned scene_count;

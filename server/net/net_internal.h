@@ -37,6 +37,8 @@ struct net {
     char *read_buffer;
     struct channel *rooms;
     unsigned room_count;
+    const struct home_calls *home_calls; /* rooms are shared with other daemons; NULL: they are not */
+    struct homes *homes;
     struct hold hold;
     struct events *events;                  /* clients that follow a room over HTTP */
     struct askers askers;                   /* of the library */
@@ -49,6 +51,9 @@ struct net {
 
 /* Appends the event of that stream as a message. */
 void event_write(struct buf *out, const struct stream_event *event, const char *stream);
+
+/* What was sent in that text; a new reference, or NULL. */
+json_t *message_read(const struct queued_message *message);
 
 /* text_lines.c: the same as a line, for people who type. */
 void event_line(struct buf *line, const struct stream_event *event);
@@ -78,6 +83,7 @@ int message_bad_json(const json_error_t *why, struct error *e);
 
 /* Sets the request's fields from the members of a speak message, or from the query of an address. */
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e);
+json_t *request_to_json(const struct speech_request *request); /* NULL: its text is not UTF-8 */
 int request_from_query(struct speech_request *request, const struct http_request *from, const char *except,
                        struct error *e);
 

@@ -5,6 +5,7 @@
 #include "server/base/mem.h"
 #include "server/net/form.h"
 #include "server/net/net_internal.h"
+#include "server/net/room_order.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -68,21 +69,34 @@ static int open_upload(struct exchange *x, struct speech_request *request) {
     return 0;
 }
 
+/* A recording of the folder that the room's home has. */
+static int play_elsewhere(struct exchange *x, const char *name, const struct speech_request *request) {
+    struct error e;
+    if (name)
+        return room_order(x, json_pack("{ss s{ss*} so}", "type", "play", "message", "name", name, "request",
+                                       request_to_json(request)));
+    error_set(&e, ERROR_ROOM_AWAY, "another daemon speaks in this room: a recording is uploaded to that one");
+    return exchange_error(x, &e);
+}
+
 int play_post(struct exchange *x) {
     char value[512];
     struct speech_request request;
     struct recording_source source = {0};
     struct error e;
     int result = 0;
-    if (!room_asked(x, &result))
+    bool elsewhere = room_order_needed(x);
+    if (!elsewhere && !room_asked(x, &result))
         return result;
     request_init(&request);
     const char *name = exchange_query(x, "name", value, sizeof value);
     const char *type = http_header(exchange_request(x), "content-type");
     bool form = type && !strncasecmp(type, "multipart/form-data", 19);
     if (request_from_query(&request, exchange_request(x), "name", &e) ||
-        (name && media_source(exchange_net(x), &source, name, &e))) {
+        (name && !elsewhere && media_source(exchange_net(x), &source, name, &e))) {
         result = exchange_error(x, &e);
+    } else if (elsewhere) {
+        result = play_elsewhere(x, name, &request);
     } else if (name) {
         result = play(x, &source, &request);
     } else if (form) {

@@ -2,7 +2,9 @@
 /* Rooms over plain HTTP: to say something in one, to silence it. */
 #include "server/base/mem.h"
 #include "server/net/net_internal.h"
+#include "server/net/order_act.h"
 #include "server/net/post_text.h"
+#include "server/net/room_order.h"
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,51 +31,37 @@ void room_unheard(struct net *net, const char *room, const char *id, const struc
 
 struct say {
     struct post_text text;
+    struct room_order waits;
 };
-
-/* Nobody is there: it is kept, where that is wanted. */
-static int say_to_nobody(struct exchange *x, const char *room, const struct speech_request *request) {
-    struct net *net = exchange_net(x);
-    json_t *answer = json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", 0);
-    struct error e;
-    if (!net->options.hold_seconds)
-        return exchange_json(x, 202, answer);
-    json_object_set_new(answer, "held", json_integer(net->options.hold_seconds));
-    if (!hold_keep(net, room, request, &e))
-        return exchange_json(x, 202, answer);
-    json_decref(answer);
-    return exchange_error(x, &e);
-}
 
 static int say_end(void *self) {
     struct say *say = self;
     struct exchange *x = say->text.x;
     struct speech_request request;
     struct error e;
-    const char *room = http_query(exchange_request(x), "room");
-    int result;
+    json_t *answer = NULL, *wanted;
+    uint32_t utterance;
     request_init(&request);
-    struct channel *channel = channel_find(exchange_net(x), room);
-    if (post_text_request(&say->text, &request, &e)) {
-        result = exchange_error(x, &e);
-    } else if (channel && request.mode == SPEAK_QUIET && stream_busy(channel_stream(channel))) {
-        error_plain(&e, ERROR_BUSY);
-        result = exchange_error(x, &e);
-    } else if (channel && (channel_listeners(channel) || !exchange_net(x)->options.hold_seconds)) {
-        int listeners = (int)channel_listeners(channel);
-        stream_speak(channel_stream(channel), &request);
-        result = exchange_json(x, 202,
-                               json_pack("{ss ss si}", "type", "accepted", "room", channel_name(channel),
-                                         "listeners", listeners));
-    } else {
-        result = say_to_nobody(x, room, &request);
+    int failed = post_text_request(&say->text, &request, &e);
+    if (!failed && room_order_needed(x)) {
+        json_int_t payer = request.payer;
+        wanted = request_to_json(&request);
+        request_free(&request);
+        if (wanted)
+            return room_order_give(&say->waits, x,
+                                   json_pack("{ss so sI}", "type", "say", "request", wanted, "payer", payer));
+        return error_plain(&e, ERROR_BAD_UTF8), exchange_error(x, &e);
     }
+    if (!failed)
+        answer =
+            order_say(exchange_net(x), http_query(exchange_request(x), "room"), &request, &utterance, &e);
     request_free(&request);
-    return result;
+    return answer ? exchange_json(x, 202, answer) : exchange_error(x, &e);
 }
 
 static void say_free(void *self) {
     struct say *say = self;
+    room_order_forget(&say->waits);
     post_text_free(&say->text);
     free(say);
 }
@@ -96,8 +84,11 @@ int room_say(struct exchange *x) {
     return result;
 }
 
-static int direct(struct exchange *x, void (*act)(struct stream *stream), const char *done) {
+static int direct(struct exchange *x, const char *type, void (*act)(struct stream *stream),
+                  const char *done) {
     int result = 0;
+    if (room_order_needed(x))
+        return room_order(x, json_pack("{ss}", "type", type));
     struct channel *channel = room_asked(x, &result);
     if (!channel)
         return result;
@@ -106,13 +97,13 @@ static int direct(struct exchange *x, void (*act)(struct stream *stream), const 
 }
 
 int room_stop(struct exchange *x) {
-    return direct(x, stream_stop, "stopped");
+    return direct(x, "stop", stream_stop, "stopped");
 }
 
 int room_pause(struct exchange *x) {
-    return direct(x, stream_pause, "paused");
+    return direct(x, "pause", stream_pause, "paused");
 }
 
 int room_resume(struct exchange *x) {
-    return direct(x, stream_resume, "resumed");
+    return direct(x, "resume", stream_resume, "resumed");
 }

@@ -64,6 +64,9 @@ static int speak(struct writing_post *p, struct speech_request *request, struct 
         return error_in_field(e, ERROR_BAD_FIELD, "open",
                               "a text that is written comes as it is, not as JSON");
     struct channel *channel = channel_find(exchange_net(x), room);
+    if (channel && channel_elsewhere(channel))
+        return error_set(e, ERROR_ROOM_AWAY,
+                         "another daemon speaks in this room: a text that is being written goes to that one");
     if (!channel)
         return error_in_field(e, ERROR_UNKNOWN_ROOM, "room", "nobody is in a room '%s'", room);
     if (post_text_request(&p->text, request, e))

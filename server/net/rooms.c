@@ -54,6 +54,8 @@ struct channel *channel_room(struct net *net, const char *name, struct error *e)
     net->rooms = c;
     net->room_count++;
     metrics_add(net->pipeline->metrics, METRIC_ROOMS, 1);
+    if (net->home_calls)
+        net->home_calls->opened(c);
     return c;
 }
 

@@ -103,6 +103,8 @@ void socket_act(struct socket *s, const json_t *message) {
         socket_complain(s, &e);
         return;
     }
+    if (socket_order(s, type, message))
+        return;
     for (size_t i = 0; i < sizeof types / sizeof *types; i++)
         if (!strcmp(types[i].type, type)) {
             types[i].act(s, message);

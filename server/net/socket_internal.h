@@ -73,7 +73,7 @@ struct media_wish {
 /* -1 with *e. */
 int socket_set_media(struct socket *socket, const struct media_wish *wish, struct error *e);
 
-/* Speaks a request, or a text with its defaults. */
+/* socket_utter.c: speaks a request, or a text with its defaults. */
 void socket_speak_request(struct socket *socket, struct speech_request *request);
 void socket_speak(struct socket *socket, const char *text, size_t size);
 
@@ -150,6 +150,11 @@ void notice_answer(struct socket *socket, const json_t *message);
 void notice_show(struct socket *socket, const json_t *message);
 void notice_fit(struct socket *socket, const json_t *message);
 void notice_consent(struct socket *socket, const json_t *message);
+
+/* socket_order.c: what is asked of a room in which another daemon speaks. False: nobody else does, and it is
+ * to be done here. */
+bool socket_order(struct socket *socket, const char *type, const json_t *message);
+bool socket_order_speech(struct socket *socket, const struct speech_request *request);
 
 /* socket_write.c: utterances whose text is still being written. */
 void write_text(struct socket *socket, const json_t *message);

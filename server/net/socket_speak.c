@@ -123,30 +123,3 @@ int socket_may_speak(struct socket *s, struct error *e) {
         return -1;
     return s->net->draining ? error_set(e, ERROR_STOPPING, "the server is about to stop") : 0;
 }
-
-void socket_speak_request(struct socket *s, struct speech_request *request) {
-    unsigned limit = s->net->options.text_bytes;
-    struct error e;
-    int refused = socket_may_speak(s, &e) || passage_resolve(s->net, request, &e);
-    if (!refused && request->text_size > limit)
-        refused = error_in_field(&e, ERROR_TEXT_TOO_LONG, "text", "a text may have at most %u bytes", limit);
-    if (!refused && request->open)
-        refused = write_check(s, request, &e);
-    if (refused) {
-        socket_refuse(s, request->id, &e);
-        return;
-    }
-    request->payer = principal_payer(&s->principal);
-    uint32_t utterance = stream_speak(socket_stream(s), request);
-    if (request->open && utterance)
-        write_begin(s, request->id, utterance);
-}
-
-void socket_speak(struct socket *s, const char *text, size_t size) {
-    struct speech_request request;
-    struct error e;
-    request_copy(&request, &s->defaults);
-    request_set(&request, "text", (struct request_value){REQUEST_STRING, text, size, 0}, &e);
-    socket_speak_request(s, &request);
-    request_free(&request);
-}

@@ -145,7 +145,7 @@ void stream_end_utterance(struct stream *s, const char *reason) {
         metrics_add(metrics, METRIC_SPEECH_SECONDS, (double)t->sent / t->sample_rate);
     if (s->waiting)
         s->waiting--;
-    if (t->begun && (*reason == 's' || utterance_is_foreign(t)))
+    if (t->begun && (*reason != 'd' || utterance_is_foreign(t)))
         stream_cut_face(s);
     utterance_give(t, &s->sink, s->ctx,
                    (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});

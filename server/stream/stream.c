@@ -74,14 +74,35 @@ bool stream_busy(const struct stream *s) {
     return s->queue != NULL;
 }
 
-void stream_stop(struct stream *s) {
+uint32_t stream_number(const struct stream *s) {
+    return s->utterances;
+}
+
+void stream_number_above(struct stream *s, uint32_t number) {
+    if (s->utterances < number)
+        s->utterances = number;
+}
+
+/* e: what is said of each, or NULL. */
+static void end_all(struct stream *s, const char *reason, const struct error *e) {
     uv_timer_stop(s->timer);
-    while (s->queue)
-        stream_end_utterance(s, "stopped");
+    while (s->queue) {
+        if (e)
+            give(s->queue, (struct stream_event){.kind = STREAM_ERROR, .error = e});
+        stream_end_utterance(s, reason);
+    }
     stream_forget_unheard(s);
     stream_resume(s);
     if (s->idle)
         stream_wake(s, 0);
+}
+
+void stream_stop(struct stream *s) {
+    end_all(s, "stopped", NULL);
+}
+
+void stream_fail(struct stream *s, const struct error *e) {
+    end_all(s, "failed", e);
 }
 
 /* Another seed, or more or less of life: for what speaks, too. */

@@ -110,6 +110,14 @@ void stream_idle(struct stream *stream, const struct idle_options *options);
 
 /* Sets the stream's mood, from the next media on, until it is set anew. -1 with *e as mood_set. */
 int stream_express(struct stream *stream, const struct mood_request *mix, struct error *e);
+
+/* The number of the last utterance; and the next one has a higher number than that. */
+uint32_t stream_number(const struct stream *stream);
+void stream_number_above(struct stream *stream, uint32_t number);
+
+/* All that speaks and waits gets its ERROR and its END, "failed". Ends a pause. */
+void stream_fail(struct stream *stream, const struct error *e);
+
 /* Does it speak, or does anything wait? */
 bool stream_busy(const struct stream *stream);
 

@@ -156,6 +156,32 @@ const char *request_field(size_t i) {
     return i < sizeof fields / sizeof *fields ? fields[i].name : NULL;
 }
 
+/* A number that is not given is outside its range. */
+bool request_get(const struct speech_request *request, size_t i, struct request_value *value) {
+    const struct field *f = &fields[i];
+    const void *member = (const char *)request + f->offset;
+    double number = f->type == NUMBER || f->type == INTEGER ? *(const double *)member : 0;
+    const char *string = f->type == TEXT || f->type == STRING ? *(char *const *)member
+                         : f->type == CHOICE                  ? f->words[*(const unsigned *)member]
+                                                              : NULL;
+    switch (f->type) {
+    case NUMBER:
+    case INTEGER:
+        *value = (struct request_value){REQUEST_NUMBER, NULL, 0, number};
+        return number >= f->min && number <= f->max;
+    case FLAG:
+        *value = (struct request_value){REQUEST_BOOL, NULL, 0, *(const bool *)member};
+        return true;
+    default:
+        *value = (struct request_value){REQUEST_STRING, string,
+                                        f->type == TEXT ? request->text_size
+                                        : string        ? strlen(string)
+                                                        : 0,
+                                        0};
+        return string != NULL;
+    }
+}
+
 int request_set(struct speech_request *request, const char *name, struct request_value value,
                 struct error *e) {
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {

@@ -82,6 +82,9 @@ const char *request_gender(const struct speech_request *request);
 /* The name of the i-th field; NULL: there are no more. */
 const char *request_field(size_t i);
 
+/* The value of the i-th field, as JSON has it; borrowed. False: it was not given. */
+bool request_get(const struct speech_request *request, size_t i, struct request_value *value);
+
 /* Sets the field of that name. 0; 1 when there is no such field (nothing is done); -1 with *e "bad-field"
  * when the value is not of the field's type or range. */
 int request_set(struct speech_request *request, const char *name, struct request_value value,

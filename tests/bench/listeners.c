@@ -1,16 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many WebSocket listeners (RFC 6455) in one process, for broadcast.mjs. Usage:
- * listeners PORT PATH COUNT [RECORD]. Prints "ready" when all are connected and have heard nothing for half a
- * second; then counts what each hears from the event "begin" to the event "end" of an utterance, prints what
- * came as one line of JSON, and ends with its standard input. The late column is how much later than the
- * first listener a listener got a message. RECORD gets the messages of one listener: ms from the first on
- * (u32), opcode (u8), size (u32), bytes. */
+/* Many WebSocket listeners (RFC 6455) in one process, for broadcast.mjs and cluster-rooms.mjs. Usage:
+ * listeners PORT[,PORT]... PATH COUNT [RECORD]; they take turns with the ports. Prints "ready" when all are
+ * connected and have heard nothing for half a second; then counts what each hears from the event "begin" to
+ * the event "end" of an utterance, prints what came as one line of JSON, and ends with its standard input.
+ * The late column is how much later than the first listener a listener got a message. RECORD gets the
+ * messages of one listener: ms from the first on (u32), opcode (u8), size (u32), bytes. */
 #include "client.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MESSAGES_MAX = 1 << 14, BATCH = 64 };
+enum { MESSAGES_MAX = 1 << 14, BATCH = 64, PORTS_MAX = 16 };
 
 struct listener {
     struct client client; /* first */
@@ -77,9 +77,18 @@ static void report(struct media_segment *s) {
     fflush(stdout);
 }
 
+static size_t read_ports(char *list, int ports[PORTS_MAX]) {
+    size_t count = 0;
+    for (char *port = strtok(list, ","); port && count < PORTS_MAX; port = strtok(NULL, ","))
+        ports[count++] = atoi(port);
+    return count;
+}
+
 int main(int argc, char **argv) {
     struct media_segment s = {.clients = {.message = on_message, .ctx = &s}};
-    if (argc < 4)
+    int ports[PORTS_MAX];
+    size_t port_count = argc > 3 ? read_ports(argv[1], ports) : 0;
+    if (!port_count)
         return 2;
     clients_open(&s.clients);
     s.count = strtoul(argv[3], NULL, 10);
@@ -89,8 +98,8 @@ int main(int argc, char **argv) {
     s.late = malloc(s.late_cap * sizeof *s.late);
     s.record = argc > 4 ? fopen(argv[4], "wb") : NULL;
     for (size_t dialled = 0; dialled < s.count;) {
-        for (size_t i = 0; i < BATCH && dialled < s.count; i++)
-            client_dial(&s.clients, &s.all[dialled++].client, atoi(argv[1]), argv[2]);
+        for (size_t i = 0; i < BATCH && dialled < s.count; i++, dialled++)
+            client_dial(&s.clients, &s.all[dialled].client, ports[dialled % port_count], argv[2]);
         while (s.clients.opened < dialled)
             clients_serve(&s.clients, 1000);
     }

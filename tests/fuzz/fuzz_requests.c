@@ -30,6 +30,22 @@ static void check_error(const struct error *e) {
     buf_free(&out);
 }
 
+/* What one daemon tells another of a request is that request. */
+static void check_told(const struct speech_request *request) {
+    struct speech_request heard;
+    struct error e;
+    json_t *told = request_to_json(request);
+    if (!told)
+        return; /* no UTF-8 */
+    request_init(&heard);
+    FUZZ_CHECK(!request_from_json(&heard, told, &e));
+    json_t *again = request_to_json(&heard);
+    FUZZ_CHECK(json_equal(told, again));
+    json_decref(again);
+    json_decref(told);
+    request_free(&heard);
+}
+
 static void take_message(const json_t *message) {
     struct speech_request request, copy;
     struct idle_options idle;
@@ -40,6 +56,7 @@ static void take_message(const json_t *message) {
     if (request_from_json(&request, message, &e))
         check_error(&e);
     check_request(&request);
+    check_told(&request);
     request_copy(&copy, &request);
     check_request(&copy);
     if (live_idle(message, &request, 1, &idle, &on, &e))

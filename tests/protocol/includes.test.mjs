@@ -23,7 +23,7 @@ const BELOW = {
   export: ['codec', 'stream', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
   library: ['base'],
   publish: ['library', 'export', 'synthesis', 'face', 'voice', 'markup', 'protocol', 'base'],
-  net: ['library', 'access', 'stream', 'export', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
+  net: ['library', 'access', 'cluster', 'stream', 'export', 'synthesis', 'codec', 'expression', 'markup', 'protocol', 'base'],
   align: ['face', 'voice', 'markup', 'base'],
   hear: ['face', 'voice', 'protocol', 'base'],
   fit: ['face', 'voice', 'protocol', 'base'],

@@ -1,0 +1,236 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/cluster/redis_bus.h"
+#include "server/base/mem.h"
+#include "server/cluster/redis_bus_scripts.h"
+#include "server/cluster/redis_link.h"
+#include "server/cluster/redis_names.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+_Static_assert((int)BUS_NAME_BYTES == (int)REDIS_ID_BYTES, "a name on the bus is such an id");
+
+enum { LEASE_BYTES = 96, KEY_BYTES = 128, HOLDER_BYTES = 64, CHANNEL_BYTES = 64, RECEIVERS_AT_ONCE = 8 };
+
+struct redis_bus {
+    struct bus bus;
+    uv_loop_t *loop;
+    struct redis_link *says, *hears;
+    const struct bus_ear *ear; /* NULL: nobody */
+    void *ctx;
+    char name[BUS_NAME_BYTES];
+    struct metrics *metrics;
+    uv_timer_t telling;
+    unsigned users; /* questions on their way, and the timer: the bus stays for them */
+    bool up, told;
+    bool lost; /* since it was told last */
+};
+
+/* A claim, or something sent under a lease, whose answer is waited for. */
+struct asked {
+    struct redis_bus *bus;
+    char lease[LEASE_BYTES];
+    uint64_t token, at;
+};
+
+static struct link_text text_of(const char *text) {
+    return (struct link_text){text, strlen(text)};
+}
+
+static void key_of(const char *lease, char key[KEY_BYTES]) {
+    snprintf(key, KEY_BYTES, "faccia:lease:%s", lease);
+}
+
+static void channel_of(const char *name, char channel[CHANNEL_BYTES]) {
+    snprintf(channel, CHANNEL_BYTES, "faccia:to:%s", name);
+}
+
+static struct asked *asked_new(struct redis_bus *b, const char *lease, uint64_t token) {
+    struct asked *a = mem_alloc(sizeof *a);
+    a->bus = b;
+    a->token = token;
+    a->at = uv_now(b->loop);
+    snprintf(a->lease, sizeof a->lease, "%s", lease);
+    b->users++;
+    return a;
+}
+
+static void done_with(struct redis_bus *b) {
+    if (!--b->users)
+        free(b);
+}
+
+static void asked_free(struct asked *a) {
+    struct redis_bus *b = a->bus;
+    free(a);
+    done_with(b);
+}
+
+static void on_claimed(void *ctx, const redisReply *reply) {
+    struct asked *a = ctx;
+    const struct redis_bus *b = a->bus;
+    if (reply && b->ear) {
+        char holder[BUS_NAME_BYTES] = "";
+        uint64_t token = 0;
+        bool held =
+            reply->type == REDIS_REPLY_STRING && sscanf(reply->str, "%32s %" SCNu64, holder, &token) == 2;
+        b->ear->claimed(b->ctx, a->lease, held ? holder : NULL, token, a->at);
+    }
+    asked_free(a);
+}
+
+static void claim(struct bus *bus, const char *lease, uint64_t above) {
+    struct redis_bus *b = (struct redis_bus *)bus;
+    char key[KEY_BYTES], ms[16], least[24];
+    struct asked *a = asked_new(b, lease, 0);
+    key_of(lease, key);
+    snprintf(ms, sizeof ms, "%d", BUS_LEASE_MS);
+    snprintf(least, sizeof least, "%" PRIu64, above);
+    const struct link_text words[] = {text_of("EVAL"), text_of(SCRIPT_CLAIM),   text_of("2"),
+                                      text_of(key),    text_of("faccia:token"), text_of(b->name),
+                                      text_of(ms),     text_of(least)};
+    if (!redis_link_send(b->says, words, 8, on_claimed, a))
+        asked_free(a);
+}
+
+static void on_sent(void *ctx, const redisReply *reply) {
+    struct asked *a = ctx;
+    const struct redis_bus *b = a->bus;
+    if (reply && reply->type == REDIS_REPLY_INTEGER && !reply->integer && b->ear)
+        b->ear->refused(b->ctx, a->lease, a->token);
+    asked_free(a);
+}
+
+/* To a few of them. */
+static void run(struct redis_bus *b, const char *script, const struct bus_right *right,
+                const struct bus_receivers *to, const struct link_text *data) {
+    char key[KEY_BYTES], holder[HOLDER_BYTES], channels[RECEIVERS_AT_ONCE][CHANNEL_BYTES];
+    key_of(right->lease, key);
+    snprintf(holder, sizeof holder, "%s %" PRIu64, b->name, right->token);
+    struct link_text words[6 + RECEIVERS_AT_ONCE] = {text_of("EVAL"), text_of(script), text_of("1"),
+                                                     text_of(key),    text_of(holder), *data};
+    for (size_t i = 0; i < to->count; i++) {
+        channel_of(to->names[i], channels[i]);
+        words[6 + i] = text_of(channels[i]);
+    }
+    struct asked *a = asked_new(b, right->lease, right->token);
+    if (!redis_link_send(b->says, words, 6 + (int)to->count, on_sent, a))
+        asked_free(a);
+}
+
+static void publish(struct redis_bus *b, const char *name, const struct link_text *data) {
+    char channel[CHANNEL_BYTES];
+    channel_of(name, channel);
+    redis_link_send(b->says, (struct link_text[]){text_of("PUBLISH"), text_of(channel), *data}, 3, NULL,
+                    NULL);
+}
+
+static void send_data(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
+                      const void *data, size_t size) {
+    struct redis_bus *b = (struct redis_bus *)bus;
+    const struct link_text text = {data, size};
+    metrics_add(b->metrics, METRIC_BUS_SENT, (double)to->count);
+    for (size_t i = 0; i < to->count && !right; i++)
+        publish(b, to->names[i], &text);
+    for (size_t i = 0; i < to->count && right; i += RECEIVERS_AT_ONCE) {
+        size_t left = to->count - i;
+        const struct bus_receivers some = {to->names + i,
+                                           left < RECEIVERS_AT_ONCE ? left : RECEIVERS_AT_ONCE};
+        run(b, SCRIPT_SEND, right, &some, &text);
+    }
+    redis_link_flush(b->says); /* before it goes to many here */
+}
+
+static void leave(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,
+                  const void *data, size_t size) {
+    struct redis_bus *b = (struct redis_bus *)bus;
+    const struct link_text text = {data, size};
+    size_t first = to->count < RECEIVERS_AT_ONCE ? to->count : RECEIVERS_AT_ONCE;
+    run(b, SCRIPT_GIVE_UP, right, &(struct bus_receivers){to->names, first}, &text);
+    for (size_t i = first; i < to->count; i++)
+        publish(b, to->names[i], &text);
+}
+
+static void tell(struct redis_bus *b, bool up) {
+    b->told = up;
+    if (b->ear)
+        b->ear->changed(b->ctx, up);
+}
+
+static void on_telling(uv_timer_t *timer) {
+    struct redis_bus *b = timer->data;
+    if (b->lost && b->told)
+        tell(b, false);
+    b->lost = false;
+    if (b->up && !b->told)
+        tell(b, true);
+}
+
+/* A link may be lost while something is sent by it: then it is told later. */
+static void on_changed(void *ctx, bool up) {
+    struct redis_bus *b = ctx;
+    (void)up;
+    bool is = redis_link_up(b->says) && redis_link_up(b->hears);
+    if (is == b->up)
+        return;
+    b->up = is;
+    b->lost |= !is;
+    metrics_add(b->metrics, METRIC_BUS_UP, is ? 1 : -1);
+    uv_timer_start(&b->telling, on_telling, 0, 0);
+}
+
+static void on_heard(void *ctx, const void *data, size_t size) {
+    struct redis_bus *b = ctx;
+    metrics_add(b->metrics, METRIC_BUS_HEARD, 1);
+    if (b->ear && b->up && b->told)
+        b->ear->heard(b->ctx, data, size);
+}
+
+static const char *name(const struct bus *bus) {
+    return ((const struct redis_bus *)bus)->name;
+}
+
+static bool up(const struct bus *bus) {
+    return ((const struct redis_bus *)bus)->up;
+}
+
+static void set_ear(struct bus *bus, const struct bus_ear *ear, void *ctx) {
+    struct redis_bus *b = (struct redis_bus *)bus;
+    b->ear = ear;
+    b->ctx = ctx;
+}
+
+static void on_closed(uv_handle_t *timer) {
+    done_with(timer->data);
+}
+
+static void close_bus(struct bus *bus) {
+    struct redis_bus *b = (struct redis_bus *)bus;
+    b->ear = NULL;
+    redis_link_close(b->hears);
+    redis_link_close(b->says);
+    uv_close((uv_handle_t *)&b->telling, on_closed);
+}
+
+static const struct bus_engine redis_bus_engine = {name, up, set_ear, claim, leave, send_data, close_bus};
+
+struct bus *redis_bus_open(uv_loop_t *loop, const char *address, struct metrics *metrics, struct error *e) {
+    struct redis_address says, hears;
+    char channel[CHANNEL_BYTES];
+    if (redis_address_read(address, &says, e) || redis_address_read(address, &hears, e))
+        return NULL;
+    struct redis_bus *b = mem_alloc(sizeof *b);
+    b->bus.engine = &redis_bus_engine;
+    b->loop = loop;
+    b->metrics = metrics;
+    b->users = 1;
+    uv_timer_init(loop, &b->telling);
+    b->telling.data = b;
+    redis_id_make(b->name);
+    channel_of(b->name, channel);
+    b->says = redis_link_open(loop, &says, on_changed, b);
+    b->hears = redis_link_open(loop, &hears, on_changed, b);
+    redis_link_hear(b->hears, channel, on_heard, b);
+    return &b->bus;
+}

@@ -1,0 +1,212 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* The other daemons that follow a room whose home is here. In the room they are followers that stand for
+ * theirs; what is said is sent to each of them once. */
+#include "protocol/compact.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/net/homes_internal.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* The bus takes what is said, not they. */
+static void deliver_nothing(struct follower *f, struct queued_message *const *messages, size_t count) {
+    (void)f, (void)messages, (void)count;
+}
+
+static struct branch *find(const struct home *h, const char *name) {
+    struct branch *b = h->branches;
+    while (b && strcmp(b->name, name) != 0)
+        b = b->next;
+    return b;
+}
+
+static void drop(struct home *h, struct branch **at) {
+    struct branch *b = *at;
+    *at = b->next;
+    for (size_t i = 0; i < BRANCH_ENCODINGS; i++)
+        channel_leave(&b->media[i]);
+    channel_leave(&b->all);
+    log_info("room %s: the daemon %.8s follows no more", h->channel->name, b->name);
+    free(b);
+}
+
+static struct branch *branch_new(struct home *h, const char *name) {
+    struct branch *b = mem_alloc(sizeof *b);
+    snprintf(b->name, sizeof b->name, "%s", name);
+    b->next = h->branches;
+    h->branches = b;
+    b->all = (struct follower){.abroad = &b->abroad, .watches = true, .deliver = deliver_nothing};
+    channel_join(h->channel, &b->all);
+    log_info("room %s: the daemon %.8s follows", h->channel->name, b->name);
+    return b;
+}
+
+static void take_idling(struct branch *b, const json_t *idle) {
+    const struct idle_options options = {
+        .life = json_number_value(json_object_get(idle, "life")),
+        .seed = (uint64_t)json_integer_value(json_object_get(idle, "seed")),
+        .fps = json_number_value(json_object_get(idle, "fps")),
+        .still = json_is_true(json_object_get(idle, "still")),
+    };
+    bool good = options.life >= 0 && options.life <= 2 && options.fps >= 1 && options.fps <= 120;
+    if ((idle && good) != b->all.idle)
+        channel_idle(&b->all, idle && good ? &options : NULL);
+}
+
+/* -1: it is none. */
+static int read_encoding(const json_t *wish, struct encoding *encoding) {
+    *encoding = (struct encoding){.audio = (uint8_t)json_integer_value(json_array_get(wish, 0)),
+                                  .fap = (uint8_t)json_integer_value(json_array_get(wish, 1)),
+                                  .kilobits = (uint8_t)json_integer_value(json_array_get(wish, 2)),
+                                  .packed = json_is_true(json_array_get(wish, 3))};
+    bool known = encoding->audio <= CHUNK_AUDIO_OPUS && encoding->fap <= CHUNK_FAP_FAPC;
+    return known && encoding_possible(encoding) ? 0 : -1;
+}
+
+static struct follower *media_of(struct branch *b, const struct encoding *encoding) {
+    for (size_t i = 0; i < BRANCH_ENCODINGS; i++)
+        if (b->media[i].channel && encoding_same(&b->media[i].encoding, encoding))
+            return &b->media[i];
+    return NULL;
+}
+
+static void want(struct home *h, struct branch *b, const struct encoding *encoding) {
+    static const struct abroad nobody = {0};
+    for (size_t i = 0; i < BRANCH_ENCODINGS; i++)
+        if (!b->media[i].channel) {
+            b->media[i] = (struct follower){.abroad = &nobody,
+                                            .watches = true,
+                                            .media = true,
+                                            .encoding = *encoding,
+                                            .deliver = deliver_nothing};
+            channel_join(h->channel, &b->media[i]);
+            return;
+        }
+}
+
+static void take_wishes(struct home *h, struct branch *b, const json_t *wants) {
+    bool wanted[BRANCH_ENCODINGS] = {false};
+    struct encoding encoding;
+    for (size_t i = 0; i < json_array_size(wants); i++) {
+        if (read_encoding(json_array_get(wants, i), &encoding))
+            continue;
+        if (!media_of(b, &encoding))
+            want(h, b, &encoding);
+        const struct follower *f = media_of(b, &encoding);
+        if (f)
+            wanted[f - b->media] = true;
+    }
+    for (size_t i = 0; i < BRANCH_ENCODINGS; i++)
+        if (!wanted[i])
+            channel_leave(&b->media[i]);
+}
+
+/* A text message with its line, as the branch hands it on. */
+static void pack_text(const struct home *h, const struct queued_message *message, struct buf *out) {
+    size_t line = message->line ? message->line->size : 0;
+    json_t *head = packet_begin("text", h->channel->name);
+    json_object_set_new(head, "token", json_integer((json_int_t)h->token));
+    json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
+    json_object_set_new(head, "event", json_string(message->event));
+    json_object_set_new(head, "line", json_integer((json_int_t)line));
+    packet_write(out, head, queued_message_body(message), message->size);
+    if (line)
+        buf_add(out, queued_message_body(message->line), line);
+}
+
+static void pack_media(const struct home *h, const struct channel_item *item, struct buf *out) {
+    const struct encoding *e = &item->encoding;
+    json_t *head = packet_begin("media", h->channel->name);
+    json_object_set_new(head, "token", json_integer((json_int_t)h->token));
+    json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
+    json_object_set_new(head, "as", json_pack("[iiib]", e->audio, e->fap, e->kilobits, e->packed));
+    json_object_set_new(head, "begin", json_boolean(item->begin));
+    json_object_set_new(head, "idle", json_boolean(item->idle));
+    packet_write(out, head, queued_message_body(item->message), item->message->size);
+}
+
+struct recap {
+    const struct home *home;
+    struct bus_receivers to;
+};
+
+static void recap_text(void *ctx, struct queued_message *message) {
+    const struct recap *r = ctx;
+    struct buf data = {0};
+    pack_text(r->home, message, &data);
+    home_send(r->home, &r->to, &data);
+    buf_free(&data);
+}
+
+static void recap(const struct home *h, const struct branch *b) {
+    const char *name = b->name;
+    struct recap r = {h, {&name, 1}};
+    struct buf data = {0};
+    json_t *head = packet_begin("recap", h->channel->name);
+    json_object_set_new(head, "token", json_integer((json_int_t)h->token));
+    json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
+    packet_write(&data, head, NULL, 0);
+    home_send(h, &r.to, &data);
+    buf_free(&data);
+    catch_up_tell(&h->channel->catch_up, recap_text, &r);
+    notice_board_tell(&h->channel->notices, recap_text, &r);
+}
+
+/* What is said from here on comes after what it is told first. */
+void branches_here(struct home *h, const struct packet *p) {
+    struct branch *b = find(h, p->from);
+    bool fresh = json_is_true(json_object_get(p->head, "fresh"));
+    if (!*p->from || strlen(p->from) >= BUS_NAME_BYTES)
+        return;
+    if (!b)
+        b = branch_new(h, p->from);
+    b->until = home_now(h->homes) + BRANCH_MS;
+    b->abroad.followers = packet_number(p, "followers");
+    b->abroad.listeners = packet_number(p, "listeners");
+    if (fresh)
+        recap(h, b);
+    take_wishes(h, b, json_object_get(p->head, "wants"));
+    for (size_t i = 0; i < BRANCH_ENCODINGS && json_is_true(json_object_get(p->head, "begin")); i++)
+        if (b->media[i].channel)
+            channel_resume(&b->media[i]);
+    take_idling(b, json_object_get(p->head, "idle"));
+    if (b->all.watches != !b->abroad.listeners)
+        channel_watch(&b->all, !b->abroad.listeners);
+}
+
+static bool wants(struct branch *b, const struct channel_item *item) {
+    return !item->media || (media_of(b, &item->encoding) && (!item->idle || b->all.idle));
+}
+
+void branches_said(const struct home *h, const struct channel_item *item) {
+    const char *names[BRANCHES_MOST];
+    struct bus_receivers to = {names, 0};
+    struct buf data = {0};
+    for (struct branch *b = h->branches; b && to.count < BRANCHES_MOST; b = b->next)
+        if (wants(b, item))
+            names[to.count++] = b->name;
+    if (!to.count)
+        return;
+    if (item->media)
+        pack_media(h, item, &data);
+    else
+        pack_text(h, item->message, &data);
+    home_send(h, &to, &data);
+    buf_free(&data);
+}
+
+void branches_look(struct home *h) {
+    uint64_t now = home_now(h->homes);
+    for (struct branch **at = &h->branches; *at;) {
+        if ((*at)->until <= now)
+            drop(h, at);
+        else
+            at = &(*at)->next;
+    }
+}
+
+void branches_drop(struct home *h) {
+    while (h->branches)
+        drop(h, &h->branches);
+}

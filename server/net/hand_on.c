@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the home of a room has said goes to those who follow in a branch, which keeps of it what late joiners
+ * have to be told. */
+#include "server/net/homes_internal.h"
+#include <string.h>
+
+/* -1: it is no event of a stream. */
+static int kind_of(const char *event) {
+    for (int kind = STREAM_BEGIN; kind <= STREAM_END; kind++)
+        if (!strcmp(event_name((enum stream_event_kind)kind), event))
+            return kind;
+    return -1;
+}
+
+/* What is no event of a stream, by a name that lasts. */
+static const char *notice_name(const char *event) {
+    static const char *const names[] = {"choices", "chosen", "state", "calibrated", "expressed", "consent"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        if (!strcmp(names[i], event))
+            return names[i];
+    return "notice";
+}
+
+/* The mood holds here, too, when this daemon is the room's next home. */
+static void take_mood(struct channel *c, const json_t *told, struct queued_message *message) {
+    struct mood_request mix;
+    struct error e;
+    if (live_express(told, &mix, &e) || stream_express(c->stream, &mix, &e))
+        return;
+    notice_board_mood(&c->notices, mix.count ? message : NULL);
+}
+
+static void keep_notice(struct channel *c, struct queued_message *message) {
+    struct notice_board *board = &c->notices;
+    const char *event = message->event;
+    json_t *told = message_read(message);
+    if (!told)
+        return;
+    if (!strcmp(event, "choices")) {
+        bool any = json_array_size(json_object_get(told, "choices"));
+        notice_board_choices(board, any ? message : NULL, any ? told : NULL);
+    } else if (!strcmp(event, "chosen")) {
+        notice_board_choices(board, NULL, NULL);
+    } else if (!strcmp(event, "state")) {
+        notice_board_state(board, message);
+    } else if (!strcmp(event, "calibrated")) {
+        notice_board_calibration(board, json_object_get(told, "reset") ? NULL : message);
+    } else if (!strcmp(event, "expressed")) {
+        take_mood(c, told, message);
+    } else if (!strcmp(event, "consent")) {
+        const char *word = json_string_value(json_object_get(told, "consent"));
+        bool any = word && strcmp(word, "none") != 0;
+        notice_board_consent(board, any ? message : NULL, any ? told : NULL);
+    }
+    json_decref(told);
+}
+
+static void forget_ended(struct home *h, const struct queued_message *message) {
+    json_t *told = message_read(message);
+    home_waits_no_more(h, (uint32_t)json_integer_value(json_object_get(told, "utterance")));
+    json_decref(told);
+}
+
+static void hand_on_text(struct home *h, const struct packet *p) {
+    struct channel *c = h->channel;
+    const char *event = json_string_value(json_object_get(p->head, "event"));
+    size_t line = packet_number(p, "line");
+    if (!event || line > p->size)
+        return;
+    int kind = kind_of(event);
+    struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, p->body, p->size - line);
+    message->event = kind < 0 ? notice_name(event) : event_name((enum stream_event_kind)kind);
+    message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
+    if (kind < 0)
+        keep_notice(c, message);
+    if (kind == STREAM_END && h->waiting)
+        forget_ended(h, message);
+    channel_hand_on(c, &(struct channel_item){.message = message,
+                                              .notice = kind < 0,
+                                              .kind = kind < 0 ? 0 : (enum stream_event_kind)kind});
+}
+
+static void hand_on_media(struct channel *c, const struct packet *p) {
+    const json_t *as = json_object_get(p->head, "as");
+    const struct encoding encoding = {.audio = (uint8_t)json_integer_value(json_array_get(as, 0)),
+                                      .fap = (uint8_t)json_integer_value(json_array_get(as, 1)),
+                                      .kilobits = (uint8_t)json_integer_value(json_array_get(as, 2)),
+                                      .packed = json_is_true(json_array_get(as, 3))};
+    struct queued_message *message = queued_message_new(WEBSOCKET_BINARY, p->body, p->size);
+    message->born = uv_now(c->net->pipeline->loop);
+    channel_hand_on(c, &(struct channel_item){.message = message,
+                                              .media = true,
+                                              .encoding = encoding,
+                                              .begin = json_is_true(json_object_get(p->head, "begin")),
+                                              .idle = json_is_true(json_object_get(p->head, "idle"))});
+}
+
+/* All that stood here was another home's. */
+static void forget(struct channel *c) {
+    catch_up_free(&c->catch_up);
+    c->catch_up = (struct catch_up){0};
+    notice_board_free(&c->notices);
+}
+
+void hand_on(struct home *h, const struct packet *p) {
+    struct channel *c = h->channel;
+    if (h->role != HOME_ELSEWHERE || packet_number(p, "token") != h->token)
+        return;
+    if (!strcmp(p->kind, "recap")) {
+        forget(c);
+        h->recapped = true;
+    }
+    if (!h->recapped)
+        return;
+    stream_number_above(c->stream, (uint32_t)packet_number(p, "number"));
+    if (!strcmp(p->kind, "text"))
+        hand_on_text(h, p);
+    else if (!strcmp(p->kind, "media"))
+        hand_on_media(c, p);
+}

@@ -1,0 +1,101 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Who speaks in a room that daemons share: from one answer to the next. */
+#include "server/base/log.h"
+#include "server/net/homes_internal.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <string.h>
+
+static void count(const struct home *h, int by) {
+    static const int metrics[HOME_ROLES] = {[HOME_SEEKING] = -1,
+                                            [HOME_HERE] = METRIC_ROOMS_HERE,
+                                            [HOME_ELSEWHERE] = METRIC_ROOMS_ELSEWHERE,
+                                            [HOME_ALONE] = METRIC_ROOMS_ALONE};
+    if (metrics[h->role] >= 0)
+        metrics_add(h->homes->net->pipeline->metrics, (enum metric)metrics[h->role], by);
+}
+
+void home_set_role(struct home *h, enum home_role role) {
+    count(h, -1);
+    h->role = role;
+    count(h, 1);
+}
+
+/* What another daemon spoke here has come to its end. */
+static void cut(struct home *h) {
+    struct error e;
+    home_error(&e);
+    if (h->role != HOME_ELSEWHERE)
+        return;
+    home_waits_no_more(h, channel_cut(h->channel, &e));
+    home_waits_in_vain(h, &e);
+}
+
+/* What this one speaks comes to its end. */
+static void fail(struct home *h) {
+    struct error e;
+    home_error(&e);
+    if (stream_busy(h->channel->stream))
+        stream_fail(h->channel->stream, &e);
+}
+
+void home_be_alone(struct home *h) {
+    enum home_role was = h->role;
+    cut(h);
+    branches_drop(h);
+    home_set_role(h, HOME_ALONE);
+    h->heal_by = 0;
+    h->channel->speaks_until = UINT64_MAX;
+    if (was == HOME_ELSEWHERE)
+        channel_take(h->channel, false);
+}
+
+static void be_here(struct home *h, uint64_t token, uint64_t asked) {
+    enum home_role was = h->role;
+    cut(h);
+    /* the branches know the old token: for them it has ended */
+    if (was == HOME_HERE && token != h->token && h->branches)
+        fail(h);
+    home_set_role(h, HOME_HERE);
+    if (token != h->token || was != HOME_HERE)
+        log_info("room %s: spoken by this daemon from now on (%" PRIu64 ")", h->channel->name, token);
+    h->token = token;
+    h->channel->speaks_until = asked + BUS_LEASE_MS - LEASE_MARGIN_MS;
+    if (was == HOME_ELSEWHERE)
+        channel_take(h->channel, false);
+}
+
+static void be_elsewhere(struct home *h, const char *holder, uint64_t token) {
+    cut(h);
+    branches_drop(h);
+    home_set_role(h, HOME_ELSEWHERE);
+    snprintf(h->holder, sizeof h->holder, "%s", holder);
+    h->token = token;
+    h->recapped = false;
+    h->channel->speaks_until = 0;
+    fail(h);
+    channel_take(h->channel, true);
+    log_info("room %s: spoken by the daemon %.8s (%" PRIu64 ")", h->channel->name, holder, token);
+    h->begin = true;
+    home_here(h);
+}
+
+static bool comes_to_its_end(const struct home *h) {
+    return h->role == HOME_ALONE && stream_busy(h->channel->stream) && home_now(h->homes) < h->heal_by;
+}
+
+void home_claimed(struct home *h, const char *holder, uint64_t token, uint64_t asked) {
+    bool mine = holder && !strcmp(holder, bus_name(h->homes->bus));
+    if (token > h->above)
+        h->above = token;
+    if (!holder) {
+        if (h->role != HOME_ALONE)
+            home_be_alone(h);
+    } else if (mine) {
+        be_here(h, token, asked);
+    } else if (h->role == HOME_ELSEWHERE && token == h->token && !strcmp(holder, h->holder)) {
+        return;
+    } else if (!comes_to_its_end(h)) {
+        be_elsewhere(h, holder, token);
+    }
+}

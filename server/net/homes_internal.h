@@ -1,0 +1,116 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What the files of shared rooms have in common. */
+#ifndef FACCIA_NET_HOMES_INTERNAL_H
+#define FACCIA_NET_HOMES_INTERNAL_H
+
+#include "server/cluster/bus.h"
+#include "server/net/channel_internal.h"
+#include "server/net/homes.h"
+#include "server/net/net_internal.h"
+#include "server/net/packet.h"
+
+enum home_role {
+    HOME_SEEKING,   /* nobody has answered yet who speaks */
+    HOME_HERE,      /* this daemon */
+    HOME_ELSEWHERE, /* another one */
+    HOME_ALONE,     /* each for its own followers */
+    HOME_ROLES,
+};
+
+enum {
+    BRANCH_MS = 3000, /* one that says nothing for so long is gone */
+    HERE_MS = 1000,   /* it says so at least so often */
+    BRANCHES_MOST = 256,
+    BRANCH_ENCODINGS = 16, /* ways in which one may want media */
+    LEASE_MARGIN_MS = 200, /* so long before its end the home waits for the new one */
+    ORDER_MS = 1500,       /* an order is answered within that time, or not */
+};
+
+/* Of a room whose home is here. */
+struct branch {
+    struct branch *next;
+    char name[BUS_NAME_BYTES];
+    uint64_t until; /* loop time */
+    struct abroad abroad;
+    struct follower all;                     /* stands for all who follow there */
+    struct follower media[BRANCH_ENCODINGS]; /* in the room where media are wanted in that way */
+};
+
+struct home {
+    struct homes *homes;
+    struct channel *channel;
+    enum home_role role;
+    char holder[BUS_NAME_BYTES]; /* who speaks; of ELSEWHERE */
+    uint64_t token;              /* under which that is */
+    uint64_t above;              /* the highest that was heard of */
+    uint64_t heal_by;            /* loop time; of ALONE, when the bus is there */
+    uint64_t kept_until;         /* loop time; 0: it is not kept */
+    struct branch *branches;
+    struct waiting *waiting; /* home_waits.c */
+    bool recapped;           /* a branch has been told what goes on */
+    bool begin;              /* somebody waits for media that one can begin with */
+    bool stale;              /* the home knows less than is */
+    uint64_t here;           /* loop time when a branch has said last that it is there */
+};
+
+struct homes {
+    struct net *net;
+    struct bus *bus;
+    uv_timer_t *tick, *soon;
+    struct order *orders;
+    uint64_t order_number;
+};
+
+/* home_base.c */
+struct home *home_find(const struct homes *homes, const char *room);
+uint64_t home_now(const struct homes *homes);
+void home_claim(const struct home *home);
+
+/* Sends it to one, under no lease; drops the head. */
+void home_tell(const struct homes *homes, const char *to, json_t *head);
+
+/* As the home. */
+void home_send(const struct home *home, const struct bus_receivers *to, const struct buf *data);
+
+/* It is this daemon's no more, and the branches hear of it. */
+void home_give_up(const struct home *home);
+
+/* The room stays with its home for so long, though nobody follows: something waits there to be heard. */
+void home_keep(struct home *home, uint64_t ms);
+
+/* Why what was spoken, or ordered, is not. */
+void home_error(struct error *e);
+
+/* home_waits.c: that utterance of a branch has been taken by the home; it has ended; the home is lost, and
+ * their ends are told (e NULL: to nobody). */
+void home_waits(struct home *home, uint32_t utterance, const char *id);
+void home_waits_no_more(struct home *home, uint32_t utterance);
+void home_waits_in_vain(struct home *home, const struct error *e);
+
+/* orders.c */
+void orders_close(struct homes *homes);
+void orders_look(struct homes *homes); /* what has waited too long is answered */
+void orders_role(struct home *home);   /* those of that room, whose home is another */
+void orders_heard(struct homes *homes, const struct packet *packet);    /* one from a branch */
+void orders_answered(struct homes *homes, const struct packet *packet); /* to one of this daemon's */
+
+/* home_roles.c */
+void home_set_role(struct home *home, enum home_role role);
+void home_be_alone(struct home *home);
+
+/* The answer to a claim. */
+void home_claimed(struct home *home, const char *holder, uint64_t token, uint64_t asked);
+
+/* home_here.c: tells the home that the branch is there, and what it wants. */
+void home_here(struct home *home);
+
+/* branches.c */
+void branches_here(struct home *home, const struct packet *packet);
+void branches_said(const struct home *home, const struct channel_item *item);
+void branches_look(struct home *home);
+void branches_drop(struct home *home);
+
+/* hand_on.c: what the home has said goes to those who follow here. */
+void hand_on(struct home *home, const struct packet *packet);
+
+#endif

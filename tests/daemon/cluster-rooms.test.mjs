@@ -1,0 +1,356 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A room that three daemons share, by a real Redis: one speaks, all are heard by, and any may die.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import WebSocket from 'ws';
+import { Daemon, eventually } from '../lib/daemon.mjs';
+import { Redis } from '../lib/redis.mjs';
+
+const TEXT = 'La mamma parla piano con Beppe, e il vento porta via le foglie del viale.';
+const LONG = Array.from({ length: 12 }, (_, i) => `Questa è la frase numero ${i + 1}, che nessuno ha fretta di finire.`).join(' ');
+let redis;
+let daemons = [];
+const start = async () => {
+  const daemon = await Daemon.start(['--cluster', redis.url, '--hold', '60']);
+  daemons.push(daemon);
+  await up(daemon);
+  return daemon;
+};
+const up = (daemon, state = 'up') => eventually(async () => (await (await daemon.get('/healthz')).json()).cluster === state, `the cluster to be ${state}`);
+const post = async (daemon, path, body, type = 'text/plain') => {
+  const response = await daemon.get(path, { method: 'POST', body, headers: { 'content-type': type } });
+  return { status: response.status, ...(await response.json()) };
+};
+const end = (daemon, signal = 'SIGKILL') => {
+  daemon.process.kill('SIGCONT');
+  daemon.process.kill(signal);
+  daemons = daemons.filter((other) => other !== daemon);
+  return daemon.exited;
+};
+
+/** All that a listener of a room gets, as the bytes are. */
+class Listener {
+  static async open(daemon, room, query = '&audio=pcm&fap=plain') {
+    const listener = Object.assign(new Listener(), { frames: [], daemon });
+    listener.socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream?lang=it&room=${room}${query}`, { perMessageDeflate: false });
+    listener.socket.on('error', () => {});
+    listener.socket.on('message', (data, binary) => listener.frames.push(binary ? { hex: data.toString('hex'), size: data.length } : JSON.parse(data)));
+    await new Promise((resolve, reject) => listener.socket.on('open', resolve).on('error', reject));
+    await listener.heard({ type: 'joined' });
+    return listener;
+  }
+
+  send(message) {
+    this.socket.send(JSON.stringify(message));
+  }
+
+  find(pattern, from = 0) {
+    return this.frames.slice(from).find((frame) => Object.entries(pattern).every(([name, value]) => frame[name] === value));
+  }
+
+  heard(pattern, from = 0) {
+    return eventually(() => this.find(pattern, from), `${JSON.stringify(pattern)}; heard ${JSON.stringify(this.frames.slice(-4))}`);
+  }
+
+  media() {
+    return this.frames.filter((frame) => frame.hex);
+  }
+
+  /** What the room said, without what concerns this client alone. */
+  said() {
+    return this.frames.filter((frame) => frame.hex || !['hello', 'joined', 'left'].includes(frame.type));
+  }
+
+  close() {
+    this.socket.terminate();
+  }
+}
+
+/** The daemon that speaks in the room, and the others. */
+async function homeOf(room) {
+  const lease = await eventually(() => redis.cli('get', `faccia:lease:room:${room}`), `somebody to have ${room}`);
+  const token = lease.split(' ')[1];
+  const home = await eventually(() => daemons.find((daemon) => daemon.log.includes(`room ${room}: spoken by this daemon from now on (${token})`)), `the home of ${room}`);
+  return { home, token: Number(token), others: daemons.filter((daemon) => daemon !== home) };
+}
+/** Who joined is known to the home with what it wants. */
+const followed = async (room, count) => {
+  const { home } = await homeOf(room);
+  await eventually(async () => (await (await home.get('/v1/rooms')).json()).rooms.find(({ name }) => name === room)?.listeners === count, `${count} listeners in ${room}`);
+};
+
+before(async () => {
+  redis = await Redis.start();
+  await Promise.all([start(), start(), start()]);
+});
+after(async () => {
+  for (const daemon of daemons) {
+    daemon.process.kill('SIGCONT');
+    assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+  }
+  redis.stop();
+});
+
+for (const [what, query] of [
+  ['PCM', '&audio=pcm&fap=plain'],
+  ['Opus with packed events', '&audio=opus&fap=fapc&events=packed'],
+])
+  test(`listeners at three daemons hear the same bytes, each once, in order: ${what}`, async () => {
+    const room = `same-${query.length}`;
+    const listeners = [];
+    for (const daemon of daemons) listeners.push(await Listener.open(daemon, room, query), await Listener.open(daemon, room, query));
+    await followed(room, 6);
+    const { home, others } = await homeOf(room);
+    assert.equal(home, daemons[0]);
+    const answer = await post(others[1], `/v1/say?room=${room}&lang=it`, TEXT);
+    assert.deepEqual(answer, { status: 202, type: 'accepted', room, listeners: 6 });
+    const isEnd = (listener) => listener.find({ type: 'end', reason: 'done' }) || (query.includes('packed') && listener.media().length > 15 && Date.now() - listener.last > 1500);
+    for (const listener of listeners) listener.socket.on('message', () => (listener.last = Date.now()));
+    for (const listener of listeners) await eventually(() => isEnd(listener), 'the end');
+    const expected = listeners[0].said();
+    assert.ok(expected.filter(({ hex }) => hex).length >= 15, `${expected.length} messages`);
+    for (const listener of listeners) assert.deepEqual(listener.said(), expected);
+    for (const listener of listeners) listener.close();
+  });
+
+test('who joins late is told what goes on, wherever it comes in', async () => {
+  const room = 'late';
+  const [one, two] = [await Listener.open(daemons[0], room), await Listener.open(daemons[1], room)];
+  await followed(room, 2);
+  two.send({ type: 'express', mix: [{ name: 'joy', intensity: 0.5 }] });
+  two.send({ type: 'state', state: 'thinking', text: 'un momento' });
+  two.send({ type: 'choices', id: 'q', question: 'Vieni?', choices: ['Sì', 'No'] });
+  two.send({ type: 'consent', consent: 'asked', text: 'Si registra?' });
+  two.send({ type: 'speak', id: 'long', text: LONG });
+  await one.heard({ type: 'word', text: 'frase' });
+  const late = [];
+  for (const daemon of daemons) late.push(await Listener.open(daemon, room));
+  for (const listener of late) {
+    await eventually(() => listener.media().length > 3, 'media');
+    const told = listener.said().filter(({ hex }) => !hex).map(({ type }) => type);
+    for (const type of ['begin', 'sentence', 'word', 'expressed', 'consent', 'state', 'choices']) assert.ok(told.includes(type), `${type} of ${told}`);
+    assert.equal(listener.find({ type: 'begin' }).id, 'long');
+    assert.equal(listener.find({ type: 'state' }).text, 'un momento');
+  }
+  late[2].send({ type: 'choose', id: 'q', choice: 1 });
+  for (const listener of [one, two, ...late]) assert.equal((await listener.heard({ type: 'chosen' })).text, 'No');
+  two.send({ type: 'stop' });
+  for (const listener of [one, two, ...late]) await listener.heard({ type: 'end', id: 'long', reason: 'stopped' });
+  const all = one.media().map(({ hex }) => hex);
+  for (const listener of [two, ...late]) {
+    const heard = listener.media().map(({ hex }) => hex);
+    assert.deepEqual(heard, all.slice(all.length - heard.length));
+  }
+  for (const listener of [one, two, ...late]) listener.close();
+});
+
+test('what is asked of a room at any daemon is done, and what is wrong is answered there', async () => {
+  const room = 'asked';
+  const [one, two, three] = [await Listener.open(daemons[0], room), await Listener.open(daemons[1], room), await Listener.open(daemons[2], room)];
+  await followed(room, 3);
+  await post(daemons[2], `/v1/say?room=${room}&lang=it`, LONG);
+  await one.heard({ type: 'begin' });
+  assert.deepEqual(await post(daemons[1], `/v1/pause?room=${room}`), { status: 200, type: 'paused', room });
+  await three.heard({ type: 'paused' });
+  three.send({ type: 'resume' });
+  for (const listener of [one, two, three]) await listener.heard({ type: 'resumed' });
+  assert.equal((await post(daemons[2], `/v1/say?room=${room}&mode=quiet`, 'Zitta.')).code, 'busy');
+  assert.equal((await post(daemons[1], `/v1/state?room=${room}`, '{"state":"nonsense"}', 'application/json')).field, 'state');
+  assert.equal((await post(daemons[1], `/v1/state?room=${room}`, '{"state":"muted"}', 'application/json')).listeners, 3);
+  await three.heard({ type: 'state', state: 'muted' });
+  two.send({ type: 'jump', mark: 'nowhere' });
+  await two.heard({ type: 'error', code: 'unknown-mark' });
+  two.send({ type: 'express', mix: [{ name: 'hapiness' }] });
+  await two.heard({ type: 'error', code: 'unknown-expression' });
+  two.send({ type: 'speak', id: 'open', text: 'Scritto', open: true });
+  await two.heard({ type: 'error', code: 'room-away', id: 'open' });
+  two.send({ type: 'cancel', id: 'nobody' });
+  await two.heard({ type: 'error', code: 'unknown-utterance' });
+  assert.ok(!one.find({ type: 'error' }) && !three.find({ type: 'error' }));
+  two.send({ type: 'speak', id: 'bad', voice: 'no:such', text: 'Ciao' });
+  for (const listener of [one, two, three]) await listener.heard({ type: 'end', id: 'bad', reason: 'failed' });
+  assert.equal((await post(daemons[2], `/v1/stop?room=${room}`)).type, 'stopped');
+  for (const listener of [one, two, three]) await listener.heard({ type: 'end', reason: 'stopped' });
+  assert.equal((await post(daemons[2], '/v1/stop?room=empty')).code, 'unknown-room');
+  for (const listener of [one, two, three]) listener.close();
+  await eventually(() => !redis.cli('keys', `faccia:lease:*`), 'all leases to be given up');
+});
+
+test('of those who come at once one speaks, and all hear it once', async () => {
+  const rooms = Array.from({ length: 8 }, (_, i) => `at-once-${i}`);
+  const all = await Promise.all(rooms.map((room) => Promise.all(daemons.map((daemon) => Listener.open(daemon, room)))));
+  await Promise.all(
+    rooms.map(async (room, i) => {
+      await followed(room, 3);
+      daemons.forEach((daemon, k) => all[i][k].send({ type: 'speak', id: `from-${k}`, text: 'Uno.' }));
+      for (const listener of all[i]) await eventually(() => listener.frames.filter(({ type }) => type === 'end').length >= 3, 'three ends');
+      const expected = all[i][0].said();
+      assert.deepEqual(expected.filter(({ type }) => type === 'end').map(({ id }) => id).sort(), ['from-0', 'from-1', 'from-2']);
+      for (const listener of all[i]) assert.deepEqual(listener.said(), expected);
+    }),
+  );
+  for (const listener of all.flat()) listener.close();
+});
+
+test('what is said to nobody waits for who comes, wherever that is', async () => {
+  const room = 'held';
+  assert.equal((await post(daemons[1], `/v1/say?room=${room}&lang=it&id=one`, 'Uno.')).held, 60);
+  assert.equal((await post(daemons[2], `/v1/say?room=${room}&lang=it&id=two`, 'Due.')).held, 60);
+  const listener = await Listener.open(daemons[0], room);
+  for (const id of ['one', 'two']) await listener.heard({ type: 'end', id, reason: 'done' });
+  listener.close();
+});
+
+test('a daemon that stops leaves its rooms to the others at once', async () => {
+  const fourth = await start();
+  const room = 'left';
+  const there = await Listener.open(fourth, room);
+  const here = await Listener.open(daemons[0], room);
+  await followed(room, 2);
+  const { token } = await homeOf(room);
+  assert.deepEqual(await end(fourth, 'SIGTERM'), { code: 0, signal: null });
+  assert.ok((await homeOf(room)).token > token);
+  here.send({ type: 'speak', id: 'next', text: 'Uno.' });
+  await here.heard({ type: 'end', id: 'next', reason: 'done' });
+  here.close();
+  there.close();
+});
+
+test('a home that dies while it speaks: the listeners are told, and another daemon speaks on', async () => {
+  const fourth = await start();
+  const room = 'killed';
+  const there = await Listener.open(fourth, room);
+  const others = [await Listener.open(daemons[0], room), await Listener.open(daemons[1], room)];
+  await followed(room, 3);
+  others[0].send({ type: 'speak', id: 'cut', text: LONG });
+  for (const listener of others) await listener.heard({ type: 'word', text: 'frase' });
+  const { token } = await homeOf(room);
+  others[1].send({ type: 'speak', id: 'waited', text: TEXT });
+  assert.equal((await post(daemons[0], `/v1/say?room=${room}&lang=it&id=posted`, TEXT)).listeners, 3);
+  const died = Date.now();
+  await end(fourth);
+  for (const listener of others) {
+    assert.equal((await listener.heard({ type: 'error', id: 'cut' })).code, 'room-away');
+    const { utterance, duration } = await listener.heard({ type: 'end', id: 'cut', reason: 'failed' });
+    assert.ok(utterance === listener.find({ type: 'begin' }).utterance && duration > 0);
+  }
+  // what waited has its end where it was asked for
+  await others[1].heard({ type: 'end', id: 'waited', reason: 'failed' });
+  await others[0].heard({ type: 'end', id: 'posted', reason: 'failed' });
+  const next = await homeOf(room);
+  assert.ok(next.token > token);
+  console.log(`# taken over within ${Date.now() - died} ms`);
+  others[1].send({ type: 'speak', id: 'next', text: 'Uno.' });
+  for (const listener of others) {
+    await listener.heard({ type: 'end', id: 'next', reason: 'done' });
+    assert.ok(listener.find({ type: 'begin', id: 'next' }).utterance > listener.find({ type: 'begin', id: 'cut' }).utterance);
+    assert.equal(listener.frames.filter(({ type }) => type === 'end').length, 3);
+    listener.close();
+  }
+  there.close();
+});
+
+test('a home that stood still and wakes cannot speak into the room', async () => {
+  const room = 'frozen';
+  const [there, one, two] = [await Listener.open(daemons[0], room), await Listener.open(daemons[1], room), await Listener.open(daemons[2], room)];
+  await followed(room, 3);
+  const { home } = await homeOf(room);
+  assert.equal(home, daemons[0]);
+  one.send({ type: 'speak', id: 'cut', text: LONG });
+  await two.heard({ type: 'word', text: 'frase' });
+  home.process.kill('SIGSTOP');
+  // who asks meanwhile is told that nobody answers
+  const lost = post(daemons[1], `/v1/say?room=${room}`, 'Chi mi sente?');
+  assert.equal((await lost).code, 'room-away');
+  for (const listener of [one, two]) await listener.heard({ type: 'end', id: 'cut', reason: 'failed' });
+  two.send({ type: 'speak', id: 'next', text: TEXT });
+  for (const listener of [one, two]) await listener.heard({ type: 'begin', id: 'next' });
+  const before = one.said().length;
+  home.process.kill('SIGCONT');
+  await there.heard({ type: 'end', id: 'cut', reason: 'failed' });
+  for (const listener of [one, two, there]) await listener.heard({ type: 'end', id: 'next', reason: 'done' });
+  assert.deepEqual(one.said(), two.said());
+  assert.ok(one.said().length > before);
+  const last = there.said().findIndex(({ id, type }) => id === 'cut' && type === 'end');
+  const after = there.said().slice(last + 1).filter(({ hex }) => hex).map(({ hex }) => hex);
+  const expected = one.media().map(({ hex }) => hex);
+  assert.deepEqual(after, expected.slice(expected.length - after.length));
+  // and it follows now
+  one.send({ type: 'speak', id: 'third', text: 'Uno.' });
+  for (const listener of [one, two, there]) await listener.heard({ type: 'end', id: 'third', reason: 'done' });
+  for (const listener of [one, two, there]) listener.close();
+});
+
+test('without Redis each daemon speaks for its own, and they heal', async () => {
+  const room = 'split';
+  const listeners = [];
+  for (const daemon of daemons) listeners.push(await Listener.open(daemon, room));
+  await followed(room, 3);
+  const { home } = await homeOf(room);
+  const mine = listeners.find(({ daemon }) => daemon === home), others = listeners.filter((listener) => listener !== mine);
+  mine.send({ type: 'speak', id: 'through', text: TEXT });
+  for (const listener of listeners) await listener.heard({ type: 'word' });
+  redis.stop();
+  for (const listener of others) await listener.heard({ type: 'end', id: 'through', reason: 'failed' });
+  await mine.heard({ type: 'end', id: 'through', reason: 'done' });
+  for (const daemon of daemons) await up(daemon, 'away');
+  assert.equal(await home.metric('faccia_cluster_rooms{home="alone"}'), 1);
+  others[0].send({ type: 'speak', id: 'own', text: 'Uno.' });
+  await others[0].heard({ type: 'end', id: 'own', reason: 'done' });
+  assert.ok(!others[1].find({ id: 'own' }) && !mine.find({ id: 'own' }));
+  // one that is speaking when they can meet again comes to its end
+  others[1].send({ type: 'speak', id: 'last', text: TEXT });
+  await others[1].heard({ type: 'begin', id: 'last' });
+  redis.again();
+  for (const daemon of daemons) await up(daemon);
+  await others[1].heard({ type: 'end', id: 'last', reason: 'done' });
+  await followed(room, 3);
+  others[0].send({ type: 'speak', id: 'healed', text: 'Due.' });
+  for (const listener of listeners) await listener.heard({ type: 'end', id: 'healed', reason: 'done' });
+  const healed = (listener) => listener.said().slice(listener.said().findIndex(({ id }) => id === 'healed'));
+  for (const listener of listeners) assert.deepEqual(healed(listener), healed(listeners[0]));
+  for (const listener of listeners) listener.close();
+});
+
+test('a Redis that forgets everything, or stands still, costs one utterance at most', async () => {
+  const room = 'forgot';
+  const listeners = [];
+  for (const daemon of daemons) listeners.push(await Listener.open(daemon, room));
+  for (const [id, harm] of [
+    ['flushed', () => redis.cli('flushall')],
+    ['stands', () => redis.process.kill('SIGSTOP')],
+  ]) {
+    await followed(room, 3);
+    const { token } = await homeOf(room);
+    listeners[1].send({ type: 'speak', id, text: TEXT });
+    for (const listener of listeners) await listener.heard({ type: 'begin', id });
+    harm();
+    for (const listener of listeners) await listener.heard({ type: 'end', id });
+    redis.process.kill('SIGCONT');
+    for (const daemon of daemons) await up(daemon);
+    await eventually(async () => (await homeOf(room)).token > token, 'a new token');
+    await followed(room, 3);
+    for (const listener of listeners) listener.send({ type: 'speak', id: `${id}-after`, text: 'Uno.' });
+    for (const listener of listeners) {
+      await eventually(() => listener.frames.filter((frame) => frame.type === 'end' && frame.id === `${id}-after`).length === 3, 'three ends');
+      assert.equal(listener.frames.filter((frame) => frame.type === 'end' && frame.id === id).length, 1);
+    }
+  }
+  for (const listener of listeners) listener.close();
+});
+
+test('what is no message of another daemon is passed over', async () => {
+  const listener = await Listener.open(daemons[0], 'nonsense');
+  const { token } = await homeOf('nonsense');
+  const channels = redis.cli('pubsub', 'channels', 'faccia:to:*').split('\n');
+  assert.equal(channels.length, daemons.length);
+  const heads = ['', '{', '{}\n', '{"v":2,"kind":"here","room":"nonsense"}\n', '{"v":1,"kind":"here","room":"nonsense"}\n'];
+  for (const kind of ['here', 'recap', 'text', 'media', 'gone', 'order', 'answer', 'what'])
+    for (const rest of ['{}', '{"from":"x","wants":[[9,9,9,1],[0],7],"idle":{"life":-1},"fresh":true,"begin":true}', `{"token":${token},"event":"begin","line":99,"as":3}`, '{"order":{"type":"speak","request":{"text":7}},"number":1,"status":200,"from":"x"}'])
+      heads.push(`${JSON.stringify({ v: 1, kind, room: 'nonsense', ...JSON.parse(rest) })}\nbody`);
+  for (const channel of channels) for (const head of heads) redis.cli('publish', channel, head);
+  listener.send({ type: 'speak', id: 'still', text: 'Uno.' });
+  await listener.heard({ type: 'end', id: 'still', reason: 'done' });
+  assert.ok(!listener.find({ type: 'begin', id: undefined }));
+  listener.close();
+});
