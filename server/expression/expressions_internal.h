@@ -17,7 +17,7 @@
 enum { EXPRESSIONS_MAX = 256 };
 
 struct expressions {
-    atomic_uint others; /* who shares it, besides the first */
+    atomic_uint others;       /* who shares it, besides the first */
     struct expression *items; /* by kind, in the order of the file */
     size_t count, cap;
     struct expression_name {

@@ -13,7 +13,8 @@ static void forget(struct mood_mix *mix) {
 }
 
 void mood_mix_open(struct mood_mix *mix, const struct expressions *expressions) {
-    *mix = (struct mood_mix){.expressions = expressions_share(expressions), .mood = expressions ? mood_new(expressions) : NULL};
+    *mix = (struct mood_mix){.expressions = expressions_share(expressions),
+                             .mood = expressions ? mood_new(expressions) : NULL};
 }
 
 void mood_mix_close(struct mood_mix *mix) {

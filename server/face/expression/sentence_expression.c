@@ -57,7 +57,8 @@ double activity_at(const struct activity *activity, double t, size_t *cursor) {
 
 void sentence_expression_from(const struct sentence_audio *u, const struct phone_segments *g,
                               const struct face_options *options, struct sentence_expression *out) {
-    *out = (struct sentence_expression){.expressions = expressions_share(options->expressions), .rule = options->blend};
+    *out = (struct sentence_expression){.expressions = expressions_share(options->expressions),
+                                        .rule = options->blend};
     if (options->expressions)
         cue_envelopes_from(u, options->expressions, options->blend, &out->envelopes);
     activity_from(g, &out->activity);
