@@ -45,7 +45,7 @@ test('it speaks where nothing can be written', () => {
   execFileSync('mount', ['--bind', '-o', 'ro', mounted, mounted]);
   try {
     const check = health[2].replace('8080', '8099');
-    const script = `facciad --port 8099 2>/dev/null & daemon=$!
+    const script = `facciad --port 8099 & daemon=$!
       for i in $(seq 100); do (exec 3<>/dev/tcp/127.0.0.1/8099) 2>/dev/null && break; sleep 0.1; done
       exec 3<>/dev/tcp/127.0.0.1/8099
       printf 'GET /v1/speech?text=Mamma&format=fap HTTP/1.0\\r\\nHost: localhost\\r\\n\\r\\n' >&3
