@@ -58,6 +58,7 @@ void pool_start_open(struct voice_pool *pool, double seconds) {
     uv_timer_init(pool->loop, &pool->start);
     pool->start.data = pool;
     pool->open_handles++;
+    uv_update_time(pool->loop); /* reading the models took a while */
     uv_timer_start(&pool->start, on_late, (uint64_t)((seconds > 0 ? seconds : START_SECONDS) * 1000) + 1, 0);
 }
 
