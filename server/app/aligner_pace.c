@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/aligner_pace.h"
+#include "server/voice/memory_limit.h"
 #include <math.h>
 #include <sched.h>
 #include <signal.h>
@@ -17,19 +18,11 @@ static double clock_of(clockid_t id) {
 
 void pace_give_way(unsigned megabytes) {
     const struct sched_param none = {0};
-    const struct rlimit nothing = {0, 0};
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
     setpriority(PRIO_PROCESS, 0, LOWEST);
     sched_setscheduler(0, SCHED_IDLE, &none);
-    setrlimit(RLIMIT_CORE, &nothing);
-#if !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__ /* they map terabytes */
-    const rlim_t bytes = (rlim_t)megabytes << 20;
-    const struct rlimit space = {bytes, bytes};
-    setrlimit(RLIMIT_AS, &space);
-#else
-    (void)megabytes;
-#endif
+    memory_limit(megabytes);
 }
 
 static void limit_step(void) {

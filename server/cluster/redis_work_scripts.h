@@ -21,7 +21,7 @@
 
 #define WORK_RING "redis.call('XADD', KEYS[1]..':bell', 'MAXLEN', '1', '*', 'x', '1') "
 
-/* Is ARGV[1] the one who has the entry, and is it still wanted? */
+/* Is ARGV[1] the consumer that has the entry, and is it still wanted? */
 #define WORK_MINE                                                                                            \
     "local function mine(key, id) "                                                                          \
     "local p = redis.pcall('XPENDING', key, 'w', id, id, 1) "                                                \

@@ -132,7 +132,7 @@ void redis_task_piece(struct redis_work *w, const void *data, size_t size) {
     }
     if (strcmp(t->attempt, piece.attempt) != 0 || piece.index != t->pieces ||
         t->body.size + piece.size > WORK_BODY_MOST)
-        return; /* of one who had lost it; what is missing is missed (on_looked) */
+        return; /* of a worker that had lost it; what is missing is missed (on_looked) */
     t->pieces++;
     t->missed = 0;
     buf_add(&t->body, piece.body, piece.size);

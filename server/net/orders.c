@@ -73,7 +73,7 @@ static void go_on(struct order *o) {
         break;
     case HOME_HERE:
     case HOME_ALONE:
-        if (o->sent) /* to one who is gone: nobody knows whether he did it */
+        if (o->sent) /* to a home that is gone: nobody knows whether it was done */
             fail(o);
         else
             act(o);

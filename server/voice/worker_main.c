@@ -2,6 +2,7 @@
 /* faccia-voice PLUGIN.so: runs one voice plugin for the daemon, which starts it with a socket on descriptor
  * WIRE_FD. */
 #include "server/base/log.h"
+#include "server/voice/memory_limit.h"
 #include "server/voice/plugin_allowed.h"
 #include "server/voice/plugin_loader.h"
 #include "server/voice/sandbox.h"
@@ -20,19 +21,6 @@
 #include <unistd.h>
 
 #define SEND_BUFFER (1 << 20)
-
-/* A plugin that asks for more memory is out of it, alone. */
-static void limit_memory(uint32_t megabytes) {
-    const struct rlimit none = {0, 0};
-    setrlimit(RLIMIT_CORE, &none);
-#if !defined __SANITIZE_ADDRESS__ && !defined __SANITIZE_THREAD__ /* they map terabytes */
-    const rlim_t bytes = (rlim_t)megabytes << 20;
-    const struct rlimit space = {bytes, bytes};
-    setrlimit(RLIMIT_AS, &space);
-#else
-    (void)megabytes;
-#endif
-}
 
 /* So much more processor time from now on; then SIGXCPU. What it starts may have no more either. */
 static void limit_processor(uint32_t seconds) {
@@ -149,7 +137,7 @@ static int run(const struct opening *opening, const char *plugin) {
     struct loaded_plugin host = {0};
     struct allowed allowed;
     char message[256];
-    limit_memory(opening->limits.megabytes);
+    memory_limit(opening->limits.megabytes);
     limit_processor(opening->limits.seconds);
     int result = allowed_read(&allowed, opening->config, message, sizeof message);
     allowed_add_packs(&allowed);
