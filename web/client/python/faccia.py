@@ -35,7 +35,7 @@ __all__ = ["CLIENT_MESSAGES", "SERVER_MESSAGES", "ChunkError", "Client", "Media"
 #: Types of messages, by who says them (protocol/asyncapi.json).
 CLIENT_MESSAGES = frozenset(
     "speak text flush close cancel stop pause resume rate jump play idle express media join leave authorize model ping "
-    "choices choose state calibrate consent".split()
+    "choices choose state calibrate consent voice".split()
 )
 SERVER_MESSAGES = frozenset(
     "hello begin sentence word phone mark paused resumed jumped warning error end joined left authorized model pong "
