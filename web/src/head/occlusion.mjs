@@ -76,8 +76,8 @@ class DepthPicture {
     }
   }
 
-  /** How much of the light from there reaches a projected point, of hair or not: 0..1, by the four texels round it. */
-  reaches(points, i, hairy) {
+  /** How much of the light from there reaches a projected point, which hair stops whole or not: 0..1, by the four texels round it. */
+  reaches(points, i, stopped) {
     const x = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i] - 0.5)));
     const y = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i + 1] - 0.5)));
     const [fx, fy] = [Math.min(1, points[i] - 0.5 - x), Math.min(1, points[i + 1] - 0.5 - y)];
@@ -85,7 +85,7 @@ class DepthPicture {
     const open = (k) => {
       const below = this.depth[k] - points[i + 2] - BIAS_MM;
       if (below <= 0) return 1;
-      return this.airy[k] && !hairy ? throughHair(below) : 0;
+      return this.airy[k] && !stopped ? throughHair(below) : 0;
     };
     const row = (k) => open(k) * (1 - fx) + open(k + 1) * fx;
     return row(at) * (1 - fy) + row(at + SIZE) * fy;
@@ -107,7 +107,7 @@ export function* bakeOcclusion(parts) {
     { directions: directions(SKY_DIRECTIONS, [0, 1, 0], 0), sky: true },
     { directions: directions(LAMP_DIRECTIONS, KEY.direction, LAMP_RADIUS) },
     { directions: directions(LAMP_DIRECTIONS, FILL.direction, LAMP_RADIUS) },
-    { directions: directions(LAMP_DIRECTIONS, RIM.direction, LAMP_RADIUS) },
+    { directions: directions(LAMP_DIRECTIONS, RIM.direction, LAMP_RADIUS), stopped: true }, // from behind it would have to come through all the hair
   ];
   const sums = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
   const weights = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
@@ -121,7 +121,7 @@ export function* bakeOcclusion(parts) {
           // What faces away from the sky's part gets nothing from it anyway.
           const facing = light.sky ? dot(seen.normal.subarray(v, v + 3), direction) : 1;
           if (facing <= 0) continue;
-          sums[i][l][v / 3] += facing * picture.reaches(points, v, airy);
+          sums[i][l][v / 3] += facing * picture.reaches(points, v, airy || light.stopped);
           weights[i][l][v / 3] += facing;
         }
       });
