@@ -12,7 +12,7 @@ import { descendantSeconds, median } from './figures.mjs';
 const { values: options } = parseArgs({ options: { turns: { type: 'string', default: '3' }, before: { type: 'string' } } });
 const daemons = { now: await Daemon.start(), ...(options.before ? { before: await Daemon.start([], { FACCIA_WEB: path.resolve(options.before) }) } : {}) };
 const spent = () => descendantSeconds(Object.values(daemons).map(({ process: { pid } }) => pid));
-const browser = await launch();
+const browser = await launch({ idling: true });
 
 async function once({ url }, names) {
   const face = (name) => `<talking-head style="inline-size:320px;block-size:400px" src="${url.replace('http', 'ws')}/v1/stream" model="${name}" quality="low" captions="off" poster="off" still></talking-head>`;

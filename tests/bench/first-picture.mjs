@@ -8,7 +8,7 @@ import { servePages } from '../lib/page-server.mjs';
 
 const turns = Number(process.argv[2] ?? 3);
 const daemon = await Daemon.start();
-const browser = await launch();
+const browser = await launch({ idling: true });
 const { models } = await (await daemon.get('/v1/models')).json();
 const body = (name) => `<!doctype html><link rel="icon" href="data:,"><script type="module" src="${daemon.url}/talking-head.js"></script>
   <talking-head src="${daemon.url.replace('http', 'ws')}/v1/stream" model="${name}" quality="low" captions="off"></talking-head>`;

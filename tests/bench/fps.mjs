@@ -29,7 +29,7 @@ if (options.before) {
   before = await Daemon.start([], { FACCIA_WEB: path.resolve(options.before) });
   daemons.push(before.process.pid);
 }
-const browser = await launch({ forced: options.forced });
+const browser = await launch({ forced: options.forced, idling: true });
 const spent = () => descendantSeconds(daemons);
 
 /** Frames that a page draws in a while, by a counter that it keeps, and what each costs. */

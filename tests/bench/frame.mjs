@@ -129,7 +129,7 @@ window.run = (name, frames) => {
   };
 };
 `;
-const browser = await launch();
+const browser = await launch({ idling: true });
 async function open(web) {
   const page = await browser.newPage({ viewport: { width: 800, height: 600 } });
   page.on('pageerror', (error) => console.error(error));

@@ -11,7 +11,7 @@ const [HEIGHT, KIOSK, DESK, GAP] = [860, 720, 1080, 20];
 const QUESTION = ['Shall we eat together?', 'Yes', 'In a minute'];
 
 const daemon = await Daemon.start();
-const browser = await launch();
+const browser = await launch({ idling: true });
 const open = async (address, width) => {
   const page = await browser.newPage({ locale: 'en-GB', timezoneId: 'Europe/Rome', colorScheme: 'dark', viewport: { width, height: HEIGHT } });
   await page.goto(`${daemon.url}/${address}`);

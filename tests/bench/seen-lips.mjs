@@ -123,7 +123,7 @@ writeSpeaker();
 const takes = wanted.sentences.split(',').map((n) => ({ n, ...speak(SENTENCES[n], n) }));
 const missing = takes.filter(({ n, frames }) => !fs.existsSync(path.join(folder, `film${n}`, `${String(frames.length).padStart(4, '0')}.png`)));
 if (!marked && missing.length) {
-  const browser = await launch();
+  const browser = await launch({ idling: true });
   const page = await headPage(browser);
   await page.load('head', JSON.parse(fs.readFileSync(path.join(root, `build/models/heads/${name}.json`), 'utf8')));
   for (const { n, frames } of missing) await shoot(page, 'head', frames, path.join(folder, `film${n}`));

@@ -60,7 +60,7 @@ const say = (name, late) => {
 };
 
 const daemon = await Daemon.start();
-const browser = await launch();
+const browser = await launch({ idling: true });
 const page = await openPage(browser, daemon.url, { quality: 'low' });
 await page.evaluate(() => Object.assign(document.querySelector('talking-head').style,
   { width: '640px', height: '480px', position: 'fixed', inset: 0, maxWidth: 'none' }));

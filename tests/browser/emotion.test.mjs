@@ -10,7 +10,7 @@ import path from 'node:path';
 let daemon, browser, page;
 before(async () => {
   daemon = await Daemon.start();
-  browser = await launch();
+  browser = await launch({ idling: true });
   page = await openPage(browser, `${daemon.url}/emotion.html`);
 });
 after(async () => {

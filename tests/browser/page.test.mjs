@@ -14,7 +14,7 @@ const text = 'La mamma e il papà parlano, e Beppe beve.';
 let daemon, browser, page;
 before(async () => {
   daemon = await Daemon.start();
-  browser = await launch();
+  browser = await launch({ idling: true });
   page = await openPage(browser, daemon.url);
 });
 after(async () => {

@@ -9,7 +9,7 @@ import { servePages } from '../lib/page-server.mjs';
 let daemon, browser, server;
 before(async () => {
   daemon = await Daemon.start();
-  browser = await launch();
+  browser = await launch({ idling: true });
   server = await servePages({
     '/': `<!doctype html><html lang="en"><meta charset="utf-8"><title>Test</title><link rel="icon" href="data:,">
       <style>body { margin: 0; block-size: 4000px } talking-head { inline-size: 300px; block-size: 400px; margin: 100px }</style>

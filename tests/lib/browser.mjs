@@ -14,12 +14,20 @@ const PLAIN = ['--disable-gpu'];
 const FORCED = ['--use-angle=swiftshader'];
 
 /**
- * @param {{webgl?: boolean, forced?: boolean, flags?: string[]}} [options] webgl: false where nobody looks at the face, which takes most
- *   of the time; forced: see FORCED; flags: more of the browser's
+ * @param {{webgl?: boolean, forced?: boolean, idling?: boolean, flags?: string[]}} [options] webgl: false where nobody looks at the face,
+ *   which takes most of the time; forced: see FORCED; idling: faces idle, which takes most of a processor: else pages are as for people
+ *   who asked for less motion, unless newPage says otherwise; flags: more of the browser's
  */
-export async function launch({ webgl = true, forced = true, flags: more = [] } = {}) {
+export async function launch({ webgl = true, forced = true, idling = false, flags: more = [] } = {}) {
   const args = [...flags, ...(forced ? FORCED : PLAIN), ...more, ...(webgl ? [] : ['--disable-3d-apis'])];
-  return chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args });
+  const browser = await chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args });
+  if (!idling) {
+    for (const opens of ['newPage', 'newContext']) {
+      const open = browser[opens].bind(browser);
+      browser[opens] = (options) => open({ reducedMotion: 'reduce', ...options });
+    }
+  }
+  return browser;
 }
 
 /** The demo page in Italian, or as the options of newPage say, with the head loaded. Errors of the page fail the test that looks at page.problems. */
