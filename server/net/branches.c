@@ -164,6 +164,7 @@ void branches_here(struct home *h, const struct packet *p) {
     b->until = home_now(h->homes) + BRANCH_MS;
     b->abroad.followers = packet_number(p, "followers");
     b->abroad.listeners = packet_number(p, "listeners");
+    stream_number_above(h->channel->stream, (uint32_t)packet_number(p, "number"));
     if (fresh)
         recap(h, b);
     take_wishes(h, b, json_object_get(p->head, "wants"));

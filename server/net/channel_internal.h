@@ -72,9 +72,13 @@ void channel_coded(void *variant, void *item, const struct encoded *encoded);
 /* What another daemon has said in the room goes to those who follow here. Takes the item's message over. */
 void channel_hand_on(struct channel *channel, const struct channel_item *item);
 
-/* What speaks has come to an end for those who follow here, and a pause, too: e says why. Returns the number
- * of its utterance, or 0. */
-uint32_t channel_cut(struct channel *channel, const struct error *e);
+/* What speaks has come to an end for those who follow here, and a pause, too: e says why. again: it is
+ * spoken again, and has a warning instead. */
+void channel_cut(struct channel *channel, const struct error *e, bool again);
+
+/* The utterance that is heard here, 0 for none; and whether it says of itself that it is spoken again when it
+ * is lost. */
+uint32_t channel_utterance(const struct channel *channel, bool *again);
 
 /* The room is spoken in here, or not any more. */
 void channel_take(struct channel *channel, bool elsewhere);

@@ -157,6 +157,13 @@ static void add_event(struct channel *c, const struct stream_event *event) {
     buf_free(&text);
 }
 
+/* It ends here, and nobody is told. */
+static void add_end(struct channel *c) {
+    struct channel_item *item = add(c);
+    item->kind = STREAM_END;
+    item->ready = true;
+}
+
 void channel_notice(struct channel *c, struct queued_message *message) {
     struct channel_item *item = add(c);
     item->notice = item->ready = true;
@@ -182,20 +189,30 @@ static bool is_of_chunk(enum stream_event_kind kind) {
 static void on_event(void *ctx, const struct stream_event *event) {
     struct channel *c = ctx;
     for (struct variant *v = c->variants; v && event->kind == STREAM_END; v = v->next)
-        encoder_end(v->encoder, !strcmp(event->reason, "done"), add_media(c, v, false));
+        encoder_end(v->encoder, event->reason && !strcmp(event->reason, "done"), add_media(c, v, false));
     for (struct variant *v = c->variants; v; v = v->next)
         if (encoding_packs(&v->encoding, event->kind))
             encoder_event(v->encoder, event);
-    if (is_text(c, event->kind))
+    if (event->kind == STREAM_END && !event->reason)
+        add_end(c);
+    else if (is_text(c, event->kind))
         add_event(c, event);
     if (!is_of_chunk(event->kind))
         say(c);
 }
 
 /* What the begin told, and how far its words have come. */
-uint32_t channel_cut(struct channel *c, const struct error *e) {
+uint32_t channel_utterance(const struct channel *c, bool *again) {
+    json_t *begin = c->catch_up.begin ? message_read(c->catch_up.begin) : NULL;
+    json_int_t number = json_integer_value(json_object_get(begin, "utterance"));
+    *again = json_is_true(json_object_get(begin, "again"));
+    json_decref(begin);
+    return (uint32_t)number;
+}
+
+void channel_cut(struct channel *c, const struct error *e, bool again) {
     const struct catch_up *up = &c->catch_up;
-    struct stream_event event = {.kind = STREAM_ERROR, .error = e, .reason = "failed", .idle = -1};
+    struct stream_event event = {.error = e, .idle = -1};
     json_t *begin = up->begin ? message_read(up->begin) : NULL;
     json_t *last = up->text_count ? message_read(up->texts[up->text_count - 1]) : NULL;
     if (begin) {
@@ -203,15 +220,16 @@ uint32_t channel_cut(struct channel *c, const struct error *e) {
         event.id = json_string_value(json_object_get(begin, "id"));
         event.sample_rate = (uint32_t)json_integer_value(json_object_get(begin, "rate"));
         event.duration = (uint32_t)json_integer_value(json_object_get(last, "sample"));
+        event.kind = again ? STREAM_WARNING : STREAM_ERROR;
         on_event(c, &event);
         event.kind = STREAM_END;
+        event.reason = again ? NULL : "failed";
         on_event(c, &event);
     }
     if (up->paused)
         on_event(c, &(struct stream_event){.kind = STREAM_RESUMED, .idle = -1});
     json_decref(begin);
     json_decref(last);
-    return event.utterance;
 }
 
 static void on_media(void *ctx, const struct media *media) {

@@ -117,6 +117,8 @@ static void put_begin(struct buf *out, const struct stream_event *e) {
         put_member(out, "captions");
         put(out, "false");
     }
+    if (e->again)
+        put(out, ",\"again\":true");
     if (e->idle >= 0)
         put_real(out, "idle", e->idle);
 }

@@ -55,10 +55,24 @@ static void keep_notice(struct channel *c, struct queued_message *message) {
     json_decref(told);
 }
 
-static void forget_ended(struct home *h, const struct queued_message *message) {
+/* Has it been told as ended here, when this daemon had lost the home for a while? Of what is so, nothing is
+ * handed on, media neither. */
+static bool is_past(struct home *h, int kind, const struct queued_message *message) {
+    if (!h->past_count && (kind != STREAM_END || !h->homes->orders))
+        return false;
     json_t *told = message_read(message);
-    home_waits_no_more(h, (uint32_t)json_integer_value(json_object_get(told, "utterance")));
+    uint32_t utterance = (uint32_t)json_integer_value(json_object_get(told, "utterance"));
     json_decref(told);
+    bool past = false;
+    for (unsigned i = 0; i < h->past_count && i < PAST_MOST && utterance; i++)
+        past |= h->past[i] == utterance;
+    if (kind == STREAM_BEGIN)
+        h->deaf = past;
+    if (kind == STREAM_END && past)
+        h->deaf = false;
+    if (kind == STREAM_END)
+        orders_ended(h, utterance);
+    return past;
 }
 
 static void hand_on_text(struct home *h, const struct packet *p) {
@@ -71,10 +85,12 @@ static void hand_on_text(struct home *h, const struct packet *p) {
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, p->body, p->size - line);
     message->event = kind < 0 ? notice_name(event) : event_name((enum stream_event_kind)kind);
     message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
-    if (kind < 0)
+    if (kind < 0) {
         keep_notice(c, message);
-    if (kind == STREAM_END && h->waiting)
-        forget_ended(h, message);
+    } else if (is_past(h, kind, message)) {
+        queued_message_release(message);
+        return;
+    }
     channel_hand_on(c, &(struct channel_item){.message = message,
                                               .notice = kind < 0,
                                               .kind = kind < 0 ? 0 : (enum stream_event_kind)kind});
@@ -108,6 +124,7 @@ void hand_on(struct home *h, const struct packet *p) {
         return;
     if (!strcmp(p->kind, "recap")) {
         forget(c);
+        h->deaf = false;
         h->recapped = true;
     }
     if (!h->recapped)
@@ -115,6 +132,6 @@ void hand_on(struct home *h, const struct packet *p) {
     stream_number_above(c->stream, (uint32_t)packet_number(p, "number"));
     if (!strcmp(p->kind, "text"))
         hand_on_text(h, p);
-    else if (!strcmp(p->kind, "media"))
+    else if (!strcmp(p->kind, "media") && !h->deaf)
         hand_on_media(c, p);
 }

@@ -39,6 +39,10 @@ void home_send(const struct home *h, const struct bus_receivers *to, const struc
 }
 
 void home_give_up(const struct home *h) {
+    home_give_up_as(h, h->token);
+}
+
+void home_give_up_as(const struct home *h, uint64_t token) {
     char name[LEASE_NAME_BYTES];
     const char *names[BRANCHES_MOST];
     struct bus_receivers to = {names, 0};
@@ -49,7 +53,7 @@ void home_give_up(const struct home *h) {
         names[to.count++] = b->name;
     json_object_set_new(head, "from", json_string(bus_name(h->homes->bus)));
     packet_write(&data, head, NULL, 0);
-    bus_leave(h->homes->bus, &(struct bus_right){name, h->token}, &to, data.data, data.size);
+    bus_leave(h->homes->bus, &(struct bus_right){name, token}, &to, data.data, data.size);
     buf_free(&data);
 }
 

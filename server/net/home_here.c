@@ -9,6 +9,7 @@ void home_here(struct home *h) {
         json_array_append_new(wants, json_pack("[iiib]", v->encoding.audio, v->encoding.fap,
                                                v->encoding.kilobits, v->encoding.packed));
     json_object_set_new(head, "wants", wants);
+    json_object_set_new(head, "number", json_integer(stream_number(c->stream)));
     json_object_set_new(head, "followers", json_integer((json_int_t)channel_followers(c)));
     json_object_set_new(head, "listeners", json_integer((json_int_t)channel_listeners(c)));
     json_object_set_new(head, "begin", json_boolean(h->begin));

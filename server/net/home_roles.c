@@ -21,14 +21,19 @@ void home_set_role(struct home *h, enum home_role role) {
     count(h, 1);
 }
 
-/* What another daemon spoke here has come to its end. */
-static void cut(struct home *h) {
+/* What another daemon spoke here has come to its end. next: there is another home, which is asked anew for
+ * what wishes that, by all who asked. */
+static void cut(struct home *h, bool next) {
     struct error e;
+    bool again;
     home_error(&e);
     if (h->role != HOME_ELSEWHERE)
         return;
-    home_waits_no_more(h, channel_cut(h->channel, &e));
-    home_waits_in_vain(h, &e);
+    uint32_t told = channel_utterance(h->channel, &again);
+    again = again && (next || orders_again(h, told));
+    channel_cut(h->channel, &e, again);
+    orders_lost(h, told, &e);
+    home_is_past(h, told);
 }
 
 /* What this one speaks comes to its end. */
@@ -41,10 +46,12 @@ static void fail(struct home *h) {
 
 void home_be_alone(struct home *h) {
     enum home_role was = h->role;
-    cut(h);
+    cut(h, false);
     branches_drop(h);
     home_set_role(h, HOME_ALONE);
+    stream_spare_none(h->channel->stream);
     h->heal_by = 0;
+    h->split = h->above;
     h->channel->speaks_until = UINT64_MAX;
     if (was == HOME_ELSEWHERE)
         channel_take(h->channel, false);
@@ -52,7 +59,7 @@ void home_be_alone(struct home *h) {
 
 static void be_here(struct home *h, uint64_t token, uint64_t asked) {
     enum home_role was = h->role;
-    cut(h);
+    cut(h, true);
     /* the branches know the old token: for them it has ended */
     if (was == HOME_HERE && token != h->token && h->branches)
         fail(h);
@@ -66,8 +73,10 @@ static void be_here(struct home *h, uint64_t token, uint64_t asked) {
 }
 
 static void be_elsewhere(struct home *h, const char *holder, uint64_t token) {
-    cut(h);
+    cut(h, true);
     branches_drop(h);
+    if (strcmp(h->holder, holder) != 0)
+        h->past_count = 0;
     home_set_role(h, HOME_ELSEWHERE);
     snprintf(h->holder, sizeof h->holder, "%s", holder);
     h->token = token;
@@ -91,6 +100,10 @@ void home_claimed(struct home *h, const char *holder, uint64_t token, uint64_t a
     if (!holder) {
         if (h->role != HOME_ALONE)
             home_be_alone(h);
+    } else if (mine && h->role == HOME_ALONE && token <= h->split) {
+        /* what was asked under it has been given up by who asked */
+        home_give_up_as(h, token);
+        home_claim(h);
     } else if (mine) {
         be_here(h, token, asked);
     } else if (h->role == HOME_ELSEWHERE && token == h->token && !strcmp(holder, h->holder)) {

@@ -134,7 +134,7 @@ static void closed(struct channel *c) {
     if (h->role == HOME_HERE && bus_up(h->homes->bus))
         home_give_up(h);
     home_set_role(h, HOME_SEEKING);
-    home_waits_in_vain(h, NULL);
+    orders_forget_room(h);
     c->home = NULL;
     free(h);
 }

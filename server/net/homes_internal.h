@@ -21,9 +21,10 @@ enum {
     BRANCH_MS = 3000, /* one that says nothing for so long is gone */
     HERE_MS = 1000,   /* it says so at least so often */
     BRANCHES_MOST = 256,
+    PAST_MOST = 64,        /* more than wait in a room, as a rule */
     BRANCH_ENCODINGS = 16, /* ways in which one may want media */
     LEASE_MARGIN_MS = 200, /* so long before its end the home waits for the new one */
-    ORDER_MS = 1500,       /* an order is answered within that time, or not */
+    ORDER_MS = 4000,       /* an order is answered within that time, or not: longer than a lease */
 };
 
 /* Of a room whose home is here. */
@@ -46,11 +47,14 @@ struct home {
     uint64_t heal_by;            /* loop time; of ALONE, when the bus is there */
     uint64_t kept_until;         /* loop time; 0: it is not kept */
     struct branch *branches;
-    struct waiting *waiting; /* home_waits.c */
-    bool recapped;           /* a branch has been told what goes on */
-    bool begin;              /* somebody waits for media that one can begin with */
-    bool stale;              /* the home knows less than is */
-    uint64_t here;           /* loop time when a branch has said last that it is there */
+    uint64_t split;           /* the highest token before this daemon was alone: nobody goes on under it */
+    uint32_t past[PAST_MOST]; /* of ELSEWHERE: utterances of that home that have been told as ended here */
+    unsigned past_count;      /* ever: the oldest make room */
+    bool deaf;                /* such a one is spoken */
+    bool recapped;            /* a branch has been told what goes on */
+    bool begin;               /* somebody waits for media that one can begin with */
+    bool stale;               /* the home knows less than is */
+    uint64_t here;            /* loop time when a branch has said last that it is there */
 };
 
 struct homes {
@@ -74,6 +78,7 @@ void home_send(const struct home *home, const struct bus_receivers *to, const st
 
 /* It is this daemon's no more, and the branches hear of it. */
 void home_give_up(const struct home *home);
+void home_give_up_as(const struct home *home, uint64_t token);
 
 /* The room stays with its home for so long, though nobody follows: something waits there to be heard. */
 void home_keep(struct home *home, uint64_t ms);
@@ -81,18 +86,29 @@ void home_keep(struct home *home, uint64_t ms);
 /* Why what was spoken, or ordered, is not. */
 void home_error(struct error *e);
 
-/* home_waits.c: that utterance of a branch has been taken by the home; it has ended; the home is lost, and
- * their ends are told (e NULL: to nobody). */
-void home_waits(struct home *home, uint32_t utterance, const char *id);
-void home_waits_no_more(struct home *home, uint32_t utterance);
-void home_waits_in_vain(struct home *home, const struct error *e);
-
 /* orders.c */
 void orders_close(struct homes *homes);
 void orders_look(struct homes *homes); /* what has waited too long is answered */
 void orders_role(struct home *home);   /* those of that room, whose home is another */
 void orders_heard(struct homes *homes, const struct packet *packet);    /* one from a branch */
 void orders_answered(struct homes *homes, const struct packet *packet); /* to one of this daemon's */
+
+/* order_ends.c: that utterance, which had been ordered here, has ended. */
+void orders_ended(struct home *home, uint32_t utterance);
+
+/* Has that utterance been ordered here, and is it to be spoken again? */
+bool orders_again(const struct home *home, uint32_t utterance);
+
+/* The home is lost with all that was asked of it: what is to be spoken again waits for the next one, the
+ * others end. The utterance `told` (or 0) has had its end. */
+void orders_lost(struct home *home, uint32_t told, const struct error *e);
+
+/* An utterance of the home has been told as ended here, or is asked of another: what comes of it yet is not
+ * handed on. */
+void home_is_past(struct home *home, uint32_t utterance);
+
+/* The room is here no more: nobody follows who could be told. */
+void orders_forget_room(struct home *home);
 
 /* home_roles.c */
 void home_set_role(struct home *home, enum home_role role);

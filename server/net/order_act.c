@@ -13,6 +13,7 @@ struct acting {
     struct channel *channel; /* NULL: nobody is there */
     const json_t *order, *message;
     const char *by;
+    bool abroad;
     unsigned status; /* of an answer that is none to an error */
 };
 
@@ -64,15 +65,22 @@ static void number(json_t *answer, uint32_t utterance) {
         json_object_set_new(answer, "utterance", json_integer(utterance));
 }
 
+/* -1 with *e. */
+static int read_speech(const struct acting *a, struct speech_request *request, struct error *e) {
+    request_init(request);
+    request->payer = (uint32_t)json_integer_value(json_object_get(a->order, "payer"));
+    if (a->net->draining)
+        return error_plain(e, ERROR_STOPPING), -1;
+    int failed = request_from_json(request, json_object_get(a->order, "request"), e);
+    request->spared = a->abroad && request->again;
+    return failed;
+}
+
 static json_t *say(struct acting *a, struct error *e) {
     struct speech_request request;
     uint32_t utterance = 0;
     json_t *answer = NULL;
-    request_init(&request);
-    request.payer = (uint32_t)json_integer_value(json_object_get(a->order, "payer"));
-    if (a->net->draining)
-        error_plain(e, ERROR_STOPPING);
-    else if (!request_from_json(&request, json_object_get(a->order, "request"), e))
+    if (!read_speech(a, &request, e))
         answer = order_say(a->net, a->room, &request, &utterance, e);
     number(answer, utterance);
     a->status = 202;
@@ -83,11 +91,7 @@ static json_t *say(struct acting *a, struct error *e) {
 static json_t *speak(struct acting *a, struct error *e) {
     struct speech_request request;
     json_t *answer = NULL;
-    request_init(&request);
-    request.payer = (uint32_t)json_integer_value(json_object_get(a->order, "payer"));
-    if (a->net->draining)
-        error_plain(e, ERROR_STOPPING);
-    else if (!request_from_json(&request, json_object_get(a->order, "request"), e)) {
+    if (!read_speech(a, &request, e)) {
         answer = accepted(a);
         number(answer, stream_speak(stream_of(a), &request));
     }
@@ -106,8 +110,9 @@ static json_t *play(struct acting *a, struct error *e) {
     else if (!request_from_json(&request, json_object_get(a->order, "request"), e) &&
              !media_source(a->net, &source, name, e)) {
         source.id = request.id ? mem_strdup(request.id) : NULL;
-        stream_play(stream_of(a), &source, &request);
+        uint32_t utterance = stream_play(stream_of(a), &source, &request);
         answer = answer_of(a, 202, "accepted");
+        number(answer, utterance);
     }
     recording_source_free(&source);
     request_free(&request);
@@ -208,7 +213,7 @@ static json_t *act(struct acting *a, struct error *e) {
     return NULL;
 }
 
-json_t *order_act(struct net *net, const char *room, const json_t *order, unsigned *status) {
+json_t *order_act(struct net *net, const char *room, const json_t *order, bool abroad, unsigned *status) {
     const char *by = json_string_value(json_object_get(order, "by"));
     struct channel *c = channel_find(net, room);
     struct acting a = {.net = net,
@@ -216,6 +221,7 @@ json_t *order_act(struct net *net, const char *room, const json_t *order, unsign
                        .channel = c && channel_followers(c) ? c : NULL,
                        .order = order,
                        .message = json_object_get(order, "message"),
+                       .abroad = abroad,
                        .by = by ? by : ""};
     struct error e;
     json_t *answer = act(&a, &e);

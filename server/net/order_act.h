@@ -7,14 +7,15 @@
 
 #include "server/base/error.h"
 #include <jansson.h>
+#include <stdbool.h>
 #include <stdint.h>
 
 struct net;
 struct speech_request;
 
-/* The answer, as HTTP has it; a new reference. `utterance`, which HTTP has not, is the number of what will be
- * spoken. */
-json_t *order_act(struct net *net, const char *room, const json_t *order, unsigned *status);
+/* abroad: another daemon asks, which knows what to do when this one is lost. The answer, as HTTP has it; a
+ * new reference. `utterance`, which HTTP has not, is the number of what will be spoken. */
+json_t *order_act(struct net *net, const char *room, const json_t *order, bool abroad, unsigned *status);
 
 /* Speaks the request to who is in the room, under the number *utterance (0: it is refused, or kept until
  * somebody is there). NULL with *e. */

@@ -1,26 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/net/orders.h"
 #include "server/base/mem.h"
-#include "server/net/homes_internal.h"
 #include "server/net/order_act.h"
+#include "server/net/orders_internal.h"
 #include <stdlib.h>
 #include <string.h>
 #include <utlist.h>
 
 enum { TRIES_AT_ONCE = 3 }; /* the next follow from the claims that are made anyway */
-
-struct order {
-    struct order *prev, *next;
-    struct homes *homes;
-    struct channel *channel; /* kept */
-    uint64_t number;
-    uint64_t until; /* loop time */
-    json_t *asked;
-    bool sent;
-    unsigned tries;
-    order_done done; /* NULL: nobody waits */
-    void *ctx;
-};
 
 bool order_needed(const struct net *net, const char *room) {
     const struct channel *c = net->homes ? channel_find(net, room) : NULL;
@@ -29,14 +15,21 @@ bool order_needed(const struct net *net, const char *room) {
     return !c || c->home->role == HOME_SEEKING || c->home->role == HOME_ELSEWHERE;
 }
 
-/* It has left the list when its giver is called. */
+/* It has left the list when its giver is called. Who gave one that is asked anew waits for no answer: that it
+ * failed is told as its end. */
 static void end(struct order *o, unsigned status, const json_t *answer) {
-    DL_DELETE(o->homes->orders, o);
-    if (o->done)
-        o->done(o->ctx, status, answer);
-    json_decref(o->asked);
-    channel_let_go(o->channel);
-    free(o);
+    struct channel *c = o->channel;
+    struct error e;
+    home_error(&e);
+    if (o->again && !o->done && status >= 400)
+        order_tell_failed(o, &e);
+    order_done done = o->done;
+    void *ctx = o->ctx;
+    channel_keep(c);
+    order_free(o);
+    if (done)
+        done(ctx, status, answer);
+    channel_let_go(c);
 }
 
 static void fail(struct order *o) {
@@ -49,7 +42,7 @@ static void fail(struct order *o) {
 
 static void act(struct order *o) {
     unsigned status;
-    json_t *answer = order_act(o->homes->net, o->channel->name, o->asked, &status);
+    json_t *answer = order_act(o->homes->net, o->channel->name, o->asked, false, &status);
     json_object_del(answer, "utterance"); /* its end is told by the stream that is here */
     end(o, status, answer);
     json_decref(answer);
@@ -59,6 +52,7 @@ static void send_order(struct order *o) {
     const struct home *h = o->channel->home;
     json_t *head = packet_begin("order", o->channel->name);
     json_object_set_new(head, "number", json_integer((json_int_t)o->number));
+    json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set(head, "order", o->asked);
     home_tell(o->homes, h->holder, head);
     o->sent = true;
@@ -117,7 +111,7 @@ void order_forget(struct order *o) {
 /* Those that fit, each once, whatever the ends of others do to the list. */
 static struct order *next_after(const struct homes *homes, uint64_t number, const struct channel *c) {
     struct order *o = homes->orders;
-    while (o && (o->number <= number || (c && o->channel != c)))
+    while (o && (o->utterance || o->number <= number || (c && o->channel != c)))
         o = o->next;
     return o;
 }
@@ -142,8 +136,8 @@ void orders_look(struct homes *homes) {
 }
 
 void orders_close(struct homes *homes) {
-    while (homes->orders)
-        fail(homes->orders);
+    for (struct order *o; (o = next_after(homes, 0, NULL));)
+        fail(o);
 }
 
 void orders_heard(struct homes *homes, const struct packet *p) {
@@ -151,19 +145,25 @@ void orders_heard(struct homes *homes, const struct packet *p) {
     json_t *asked = json_object_get(p->head, "order"), *head = packet_begin("answer", p->room);
     unsigned status = 0;
     json_object_set(head, "number", json_object_get(p->head, "number"));
-    if (h && h->role == HOME_HERE && json_is_object(asked))
-        json_object_set_new(head, "answer", order_act(homes->net, p->room, asked, &status));
+    json_object_set(head, "token", json_object_get(p->head, "token"));
+    /* asked under another token, it has been given up by who asked */
+    if (h && h->role == HOME_HERE && json_is_object(asked) && packet_number(p, "token") == h->token)
+        json_object_set_new(head, "answer", order_act(homes->net, p->room, asked, true, &status));
     json_object_set_new(head, "status", json_integer(status));
     home_tell(homes, p->from, head);
 }
 
-static void take_utterance(const struct order *o, json_t *answer) {
-    const json_t *utterance = json_object_get(answer, "utterance");
-    const json_t *request = json_object_get(o->asked, "request");
-    if (utterance)
-        home_waits(o->channel->home, (uint32_t)json_integer_value(utterance),
-                   json_string_value(json_object_get(request, "id")));
-    json_object_del(answer, "utterance");
+/* What is to be spoken stays among the orders until its end. */
+static void take(struct order *o, uint32_t utterance, unsigned status, const json_t *answer) {
+    order_done done = o->done;
+    void *ctx = o->ctx;
+    struct channel *c = o->channel;
+    o->done = NULL;
+    o->utterance = utterance;
+    stream_number_above(c->stream, utterance);
+    if (done)
+        done(ctx, status, answer);
+    channel_let_go(c);
 }
 
 void orders_answered(struct homes *homes, const struct packet *p) {
@@ -172,8 +172,13 @@ void orders_answered(struct homes *homes, const struct packet *p) {
     while (o && o->number != number)
         o = o->next;
     json_t *answer = json_object_get(p->head, "answer");
-    if (o && status) {
-        take_utterance(o, answer);
+    uint32_t utterance = (uint32_t)json_integer_value(json_object_get(answer, "utterance"));
+    json_object_del(answer, "utterance");
+    if (o && (o->utterance || !o->sent || packet_number(p, "token") != o->channel->home->token)) {
+        return; /* a late one, of a home that was lost */
+    } else if (o && status && utterance) {
+        take(o, utterance, (unsigned)status, answer);
+    } else if (o && status) {
         end(o, (unsigned)status, answer);
     } else if (o) { /* it is not the home, and did nothing: who is? */
         o->sent = false;

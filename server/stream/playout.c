@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What drives a stream: media go out as they are due, those of the first turn or of idling. */
 #include "server/stream/stream_internal.h"
+#include <string.h>
 
 /* Asked again this soon when the sink is not ready, ms. */
 enum { RETRY_MS = 20 };
@@ -58,8 +59,10 @@ static void say_begin(struct utterance *t) {
     if (!t->heard && (!t->synthesis || !synthesis_request(t->synthesis)->open)) /* its writer may take long */
         metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->segments[0].audio->sample_rate;
-    struct stream_event begin = {
-        .kind = STREAM_BEGIN, .fps = utterance_fps(t), .idle = stream_idle_time(s, start)};
+    struct stream_event begin = {.kind = STREAM_BEGIN,
+                                 .fps = utterance_fps(t),
+                                 .idle = stream_idle_time(s, start),
+                                 .again = t->spared};
     if (t->recording) {
         begin.play = recording_name(t->recording);
     } else if (t->heard) {
@@ -141,17 +144,18 @@ void stream_resume_utterance(struct stream *s, uint64_t at) {
 void stream_end_utterance(struct stream *s, const char *reason) {
     struct utterance *t = s->queue;
     struct metrics *metrics = s->pipeline->metrics;
+    bool done = reason && !strcmp(reason, "done");
     s->queue = t->next;
     metrics_add(metrics,
-                *reason == 'd'   ? METRIC_UTTERANCES_DONE
-                : *reason == 's' ? METRIC_UTTERANCES_STOPPED
-                                 : METRIC_UTTERANCES_FAILED,
+                done                                   ? METRIC_UTTERANCES_DONE
+                : reason && !strcmp(reason, "stopped") ? METRIC_UTTERANCES_STOPPED
+                                                       : METRIC_UTTERANCES_FAILED,
                 1);
     if (t->sample_rate)
         metrics_add(metrics, METRIC_SPEECH_SECONDS, (double)t->sent / t->sample_rate);
     if (s->waiting)
         s->waiting--;
-    if (t->begun && (*reason != 'd' || utterance_is_foreign(t)))
+    if (t->begun && (!done || utterance_is_foreign(t)))
         stream_cut_face(s);
     utterance_give(t, &s->sink, s->ctx,
                    (struct stream_event){.kind = STREAM_END, .duration = t->sent, .reason = reason});

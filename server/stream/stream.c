@@ -87,9 +87,11 @@ void stream_number_above(struct stream *s, uint32_t number) {
 static void end_all(struct stream *s, const char *reason, const struct error *e) {
     uv_timer_stop(s->timer);
     while (s->queue) {
-        if (e)
-            give(s->queue, (struct stream_event){.kind = STREAM_ERROR, .error = e});
-        stream_end_utterance(s, reason);
+        const struct utterance *t = s->queue;
+        bool spared = e && t->spared;
+        if (e && (!spared || t->begun))
+            give(t, (struct stream_event){.kind = spared ? STREAM_WARNING : STREAM_ERROR, .error = e});
+        stream_end_utterance(s, spared ? NULL : reason);
     }
     stream_forget_unheard(s);
     stream_resume(s);
@@ -99,6 +101,11 @@ static void end_all(struct stream *s, const char *reason, const struct error *e)
 
 void stream_stop(struct stream *s) {
     end_all(s, "stopped", NULL);
+}
+
+void stream_spare_none(struct stream *s) {
+    for (struct utterance *t = s->queue; t; t = t->next)
+        t->spared = false;
 }
 
 void stream_fail(struct stream *s, const struct error *e) {

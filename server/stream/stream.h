@@ -52,9 +52,11 @@ struct stream_event {
     const char *text;          /* WORD: end - start bytes that stand there; MARK, JUMPED: its name;
                                   PHONE: its IPA */
     const struct error *error; /* WARNING, ERROR */
-    const char *reason;        /* END: "done", "stopped", "failed" */
+    const char *reason;        /* END: "done", "stopped", "failed"; NULL: it is spoken again elsewhere,
+                                  nobody is told of an end */
     const char *voice, *lang, *engine, *markup; /* BEGIN */
     double fps;                                 /* BEGIN */
+    bool again;                                 /* BEGIN: it is spoken again when it is lost */
     const char *play;                           /* BEGIN of a recording: its name, else NULL */
     bool heard;                                 /* BEGIN: somebody's own voice, whose words nobody knows */
     unsigned lookahead;                         /* the same: ms */
@@ -104,8 +106,8 @@ unsigned stream_cancel(struct stream *stream, const char *id);
 
 /* The same for a recording, of whose request the id, mode and priority count; it is opened when its turn
  * comes: what is wrong with it is said then. */
-void stream_play(struct stream *stream, struct recording_source *source,
-                 const struct speech_request *request);
+uint32_t stream_play(struct stream *stream, struct recording_source *source,
+                     const struct speech_request *request);
 
 /* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END. */
 void stream_refuse(struct stream *stream, const char *id, const struct error *e);
@@ -124,8 +126,12 @@ int stream_express(struct stream *stream, const struct mood_request *mix, struct
 uint32_t stream_number(const struct stream *stream);
 void stream_number_above(struct stream *stream, uint32_t number);
 
-/* All that speaks and waits gets its ERROR and its END, "failed". Ends a pause. */
+/* All that speaks and waits gets its ERROR and its END, "failed"; what is spared (speech_request.h) a WARNING
+ * if it has begun. Ends a pause. */
 void stream_fail(struct stream *stream, const struct error *e);
+
+/* Nobody else will speak what is spared. */
+void stream_spare_none(struct stream *stream);
 
 /* Does it speak, or does anything wait? */
 bool stream_busy(const struct stream *stream);

@@ -132,6 +132,7 @@ uint32_t stream_speak(struct stream *s, const struct speech_request *request) {
         stream_refuse(s, request->id, &e);
         return 0;
     }
+    t->spared = request->spared;
     synthesis_keep(t->synthesis);
     enqueue(s, t, &turn);
     return t->number;
@@ -154,16 +155,18 @@ uint32_t stream_hear(struct stream *s, const struct heard_request *request) {
     return t->number;
 }
 
-void stream_play(struct stream *s, struct recording_source *source, const struct speech_request *request) {
+uint32_t stream_play(struct stream *s, struct recording_source *source,
+                     const struct speech_request *request) {
     struct turn turn = turn_of(request);
     struct error e;
     if (may_come(s, &turn, &e)) {
         stream_refuse(s, source->id, &e);
         recording_source_free(source);
-        return;
+        return 0;
     }
     struct utterance *t = utterance_new(s);
     t->recording =
         recording_open(s->pipeline->loop, s->pipeline->high_level, source, &utterance_callbacks, t);
     enqueue(s, t, &turn);
+    return t->number;
 }

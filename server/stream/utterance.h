@@ -24,6 +24,7 @@ struct utterance {
     struct segment_cut cut;
     uint64_t asked; /* uv_hrtime of the request */
     bool started, begun, sentence_said;
+    bool spared;                 /* as its request (speech_request.h) */
     bool finished;               /* no further segment comes */
     size_t spoken;               /* segments that came */
     uint32_t sent, sample_rate;  /* samples that left */

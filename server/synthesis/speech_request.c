@@ -52,6 +52,7 @@ static const struct field {
     {"priority", CHOICE, offsetof(struct speech_request, priority), 0, 0, priorities},
     {"topic", STRING, offsetof(struct speech_request, topic), 1, 64, NULL},
     {"open", FLAG, offsetof(struct speech_request, open), 0, 1, NULL},
+    {"again", FLAG, offsetof(struct speech_request, again), 0, 1, NULL},
     {"phones", FLAG, offsetof(struct speech_request, phones), 0, 1, NULL},
     {"still", FLAG, offsetof(struct speech_request, still), 0, 1, NULL},
 };

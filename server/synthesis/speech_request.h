@@ -50,6 +50,8 @@ struct speech_request {
     enum face_contacts contacts; /* whether lips that must touch do, whatever the engine makes */
     bool still;                  /* only the lips move */
     bool phones;                 /* its phones are events, too */
+    bool again;                  /* what is lost with the daemon that was to speak it is asked of the next */
+    bool spared;                 /* so by who asked for it, on another daemon. No field */
     bool ahead;                  /* nobody waits for it: its sentences are to be kept (voice_pool.h) */
     bool open;                   /* the text is still being written: see synthesis_write */
     enum speech_mode mode;

@@ -2,13 +2,17 @@
 // What `faccia hear` sees in the voices of people that it was not trained on, beside a follower of loudness and chance: closed lips, teeth on the lip, rounding,
 // +-40 ms about where `faccia align` with the text finds them, at each lookahead, in noise and in the band of a telephone; and how much of a core it takes.
 // Wants Debian's asterisk-core-sounds-it and -it-wav (Italian, one man, 8 kHz) and pocketsphinx-testdata (English, five sentences of a reader).
-// node tests/bench/hear.mjs [PROMPTS, 120]
+// node tests/bench/hear.mjs [PROMPTS, 120] [--others FOLDER]
+// FOLDER: where `npm install rhubarb-lip-sync-wasm wawa-lipsync` was run; then they hear the same in the same run, and, with ffmpeg, what Opus leaves of it is
+// heard, too. Rhubarb takes twice as long as somebody speaks: 12 prompts are enough for it.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
+import { parseArgs } from 'node:util';
 import { build } from '../lib/daemon.mjs';
 import { added, compared, correlation, follower, inNoise, kinds, lipGaps, telephone } from '../lib/hearing.mjs';
+import { rhubarb, versionOf, wawa } from '../lib/hearing-others.mjs';
 import { alignedPhones, prompts } from '../lib/prompts.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
@@ -34,7 +38,8 @@ function english() {
   });
 }
 
-const all = prompts(), wanted = Number(process.argv[2] ?? 120);
+const { values: { others }, positionals: [count] } = parseArgs({ options: { others: { type: 'string' } }, allowPositionals: true });
+const all = prompts(), wanted = Number(count ?? 120);
 const chosen = all.filter((_, i) => Math.floor(((i + 1) * wanted) / all.length) > Math.floor((i * wanted) / all.length));
 const italian = chosen.map((prompt) => ({ sound: prompt.sound, phones: alignedPhones(faccia, prompt, folder) })).filter((p) => p.phones);
 const sets = { Italian: italian, English: english() };
@@ -45,31 +50,42 @@ const hearing = (samples, rate, lookahead, lang) => {
   return JSON.parse(fs.readFileSync(file('x.json'))).phones;
 };
 
+/** Through Opus at 8 kbit/s and back, at 16 kHz. */
+function opus(samples, rate) {
+  const wav = wavOf(Int16Array.from(samples, (x) => Math.max(-32768, Math.min(32767, Math.round(32768 * x)))), rate);
+  const ogg = execFileSync('ffmpeg', ['-v', 'error', '-i', '-', '-c:a', 'libopus', '-b:a', '8k', '-application', 'voip', '-f', 'ogg', '-'], { input: wav, maxBuffer: 1 << 26 });
+  const raw = execFileSync('ffmpeg', ['-v', 'error', '-i', '-', '-f', 's16le', '-ar', '16000', '-ac', '1', '-'], { input: ogg, maxBuffer: 1 << 26 });
+  return Float64Array.from({ length: raw.length >> 1 }, (_, i) => raw.readInt16LE(2 * i) / 32768);
+}
+
 const percent = (a, b) => (b ? `${Math.round((100 * a) / b)}` : '-').padStart(3);
-function table(name, list, lang) {
+const ears = others ? { rhubarb: await rhubarb(others), wawa: await wawa(others) } : {};
+async function table(name, list, lang) {
   const seconds = list.reduce((sum, { phones }) => sum + phones.at(-1).end, 0);
   console.log(`\n${name}: ${list.length} recordings, ${seconds.toFixed(0)} s\n`);
   console.log('| sound | how | closed: found, false | teeth: found, false | rounded: found, false | by chance found |\n|---|---|---|---|---|---|');
+  const same = (x) => x, loudness = (samples, rate) => follower(samples, rate), at = (ms) => (samples, rate) => hearing(samples, rate, ms, lang);
   const conditions = [
-    ...[0, 40, 80, 120].map((ms) => ['clean', ms, (x) => x]),
-    ...[20, 10, 5].map((db) => [`noise ${db} dB`, 80, (x) => inNoise(x, db)]),
-    ['telephone', 80, telephone],
-    ['clean', null, (x) => x],
-    ['noise 10 dB', null, (x) => inNoise(x, 10)],
+    ...[0, 40, 80, 120].map((ms) => ['clean', `${ms} ms`, same, at(ms)]),
+    ...[20, 10, 5].map((db) => [`noise ${db} dB`, '80 ms', (x) => inNoise(x, db), at(80)]),
+    ['telephone', '80 ms', telephone, at(80)],
+    ...(others ? [['Opus 8 kbit/s', '80 ms', opus, (samples) => hearing(samples, 16000, 80, lang)]] : []),
+    ['clean', 'loudness', same, loudness],
+    ['noise 10 dB', 'loudness', (x) => inNoise(x, 10), loudness],
+    ...(others ? [['clean', `rhubarb-lip-sync-wasm ${versionOf(others, 'rhubarb-lip-sync-wasm')}`, same, ears.rhubarb], ['clean', `wawa-lipsync ${versionOf(others, 'wawa-lipsync')}`, same, ears.wawa]] : []),
   ];
-  for (const [what, lookahead, through] of conditions) {
+  for (const [what, how, through, ear] of conditions) {
     const sums = {}, chance = {};
     for (const { sound, phones } of list) {
-      const { rate, samples } = samplesOf(sound), changed = through(samples, rate);
-      const heard = lookahead === null ? follower(changed, rate) : hearing(changed, rate, lookahead, lang);
+      const { rate, samples } = samplesOf(sound), heard = await ear(through(samples, rate), rate);
       for (const kind of kinds) {
         sums[kind] = added(sums[kind], compared(kind, phones, heard));
         for (const shift of [-0.3, -0.2, 0.2, 0.3]) chance[kind] = added(chance[kind], compared(kind, phones, heard, { shift }));
       }
     }
-    const cells = kinds.map((kind) => (lookahead === null && kind !== 'closed' ? '-' : `${percent(sums[kind].found, sums[kind].said)} %, ${percent(sums[kind].wrong, sums[kind].shown)} %`));
-    const lucky = kinds.map((kind) => (lookahead === null && kind !== 'closed' ? '-' : percent(chance[kind].found, chance[kind].said).trim())).join(', ');
-    console.log(`| ${what} | ${lookahead === null ? 'loudness' : `${lookahead} ms`} | ${cells.join(' | ')} | ${lucky} % |`);
+    const cells = kinds.map((kind) => (how === 'loudness' && kind !== 'closed' ? '-' : `${percent(sums[kind].found, sums[kind].said)} %, ${percent(sums[kind].wrong, sums[kind].shown)} %`));
+    const lucky = kinds.map((kind) => (how === 'loudness' && kind !== 'closed' ? '-' : percent(chance[kind].found, chance[kind].said).trim())).join(', ');
+    console.log(`| ${what} | ${how} | ${cells.join(' | ')} | ${lucky} % |`);
   }
   console.log(`\nsaid: ${kinds.map((kind) => `${kind} ${list.reduce((sum, { phones }) => sum + compared(kind, phones, []).said, 0)}`).join(', ')}`);
 }
@@ -98,8 +114,8 @@ function openings(name, list, lang) {
   });
   console.log(`\n${name}, how far the lips are apart, correlation with the face made with the text: ${told.join(', ')}; lips that open with the amplitude ${loudness.toFixed(2)}`);
 }
-table('Italian (asterisk-core-sounds-it-wav)', sets.Italian, 'it');
-table('English (pocketsphinx-testdata, librivox)', sets.English, 'en');
+await table('Italian (asterisk-core-sounds-it-wav)', sets.Italian, 'it');
+await table('English (pocketsphinx-testdata, librivox)', sets.English, 'en');
 openings('Italian', sets.Italian, 'it');
 openings('English', sets.English, 'en');
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Contacts and openings of 25 sentences a language, at four rates, neutral and in five emotions, by both blends, with all engines of the
-// language. Usage: node tests/bench/mouth.mjs [--pixels [--sentences 3 | --all]] [--contacts on|off|engine] [--rates 80,320] [--list] [LANG]...
+// language. Usage: node tests/bench/mouth.mjs [--pixels [--sentences 3 | --all]] [--contacts on|off|engine] [--rates 80,320]
+// [--engines dominance,syllable] [--list] [LANG]...
 // In mm, from the FAPs at 50 frames a second; with --pixels as drawn at 25, while the sounds are heard: of the first --sentences (3), neutral and in
 // two emotions at 320 words a minute, or of --all. --list names what fails.
 import path from 'node:path';
@@ -14,7 +15,7 @@ import { sentences } from '../lib/sentences.mjs';
 
 const { values: wanted, positionals } = parseArgs({
   allowPositionals: true,
-  options: { pixels: { type: 'boolean' }, all: { type: 'boolean' }, contacts: { type: 'string', default: 'on' }, rates: { type: 'string' }, sentences: { type: 'string', default: '3' }, list: { type: 'boolean' } },
+  options: { pixels: { type: 'boolean' }, all: { type: 'boolean' }, contacts: { type: 'string', default: 'on' }, rates: { type: 'string' }, engines: { type: 'string' }, sentences: { type: 'string', default: '3' }, list: { type: 'boolean' } },
 });
 const few = wanted.pixels && !wanted.all;
 const rates = (wanted.rates ?? (few ? '320' : '80,160,240,320')).split(',');
@@ -22,7 +23,7 @@ const emotions = few ? [null, 'anger', 'happiness'] : [null, 'anger', 'happiness
 const blends = few ? ['regions'] : ['regions', 'weighted'];
 const own = { 'pt-BR': ['context'], tr: ['syllable'] };
 for (const [name, at] of [['MODELS', 'models'], ['PLUGINS', 'server/plugins'], ['WORKER', 'server/voice/faccia-voice']]) process.env[`FACCIA_${name}`] ??= path.join(build, at);
-const browser = wanted.pixels ? await launch() : undefined;
+const browser = wanted.pixels ? await launch({ forced: false }) : undefined;
 const screen = browser && (await mouthPixels(browser));
 
 async function speak(lang, engine, rate, emotion, blend) {
@@ -44,6 +45,7 @@ console.log(`contacts ${wanted.contacts}, ${screen ? 'as drawn at 25 frames a se
 const short = {};
 for (const lang of langs)
   for (const engine of ['dominance', ...(own[lang] ?? []), 'cohen-massaro', 'table']) {
+    if (wanted.engines && !wanted.engines.split(',').includes(engine)) continue;
     const cells = [];
     let count;
     for (const rate of rates) {

@@ -6,7 +6,8 @@ import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { violations } from '../lib/axe.mjs';
 import { launch, picture } from '../lib/browser.mjs';
-import { artefacts, Daemon } from '../lib/daemon.mjs';
+import { artefacts, build, Daemon } from '../lib/daemon.mjs';
+import { photograph, writePng } from '../lib/drawn-photographs.mjs';
 
 const astronaut = '/usr/lib/python3/dist-packages/skimage/data/astronaut.png';
 const state = (page, word) => page.waitForFunction((text) => document.querySelector('#state').textContent.includes(text), word, { timeout: 120000 });
@@ -90,5 +91,28 @@ test('a picture becomes a head that speaks, and never leaves the page', async ()
   }
   assert.ok(sent.every((payload) => typeof payload === 'string' && payload.length < 2000), 'what is sent is small and text');
   assert.deepEqual(complaints, []);
+  await page.close();
+});
+
+test('a picture from the side is taken as a profile, beside one from the front', async () => {
+  const heads = path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads');
+  const files = [];
+  for (const yaw of [90, 0]) {
+    files.push(path.join(artefacts, `photograph-mei-${yaw}.png`));
+    await writePng(await photograph(heads, 'mei', yaw), files.at(-1));
+  }
+  const page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });
+  await page.goto(`${daemon.url}/avatar.html`);
+  await page.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });
+  await page.setInputFiles('#files', files[0]);
+  await state(page, 'Taken as a profile');
+  assert.ok(await page.locator('#making').isHidden(), 'alone it makes no head');
+  assert.deepEqual(await violations(page), []);
+  await page.setInputFiles('#files', files[1]);
+  await state(page, 'Found.');
+  await page.screenshot({ path: path.join(artefacts, 'portrait-profile.png'), fullPage: true });
+  await page.selectOption('#like', 'luca');
+  await page.click('#make');
+  await state(page, 'Done');
   await page.close();
 });

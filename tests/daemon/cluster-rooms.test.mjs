@@ -250,6 +250,85 @@ test('a home that dies while it speaks: the listeners are told, and another daem
   there.close();
 });
 
+for (const [how, signal] of [
+  ['dies', 'SIGKILL'],
+  ['stands still', 'SIGSTOP'],
+])
+  test(`what was asked to be spoken again, is, when the home ${how}: in its order, with one end`, async () => {
+    const fourth = await start();
+    const room = `again-${signal}`;
+    const there = await Listener.open(fourth, room);
+    const others = [await Listener.open(daemons[0], room), await Listener.open(daemons[1], room)];
+    await followed(room, 3);
+    const wishes = { zero: true, one: true, two: false, three: true };
+    for (const [id, again] of Object.entries(wishes)) others[0].send({ type: 'speak', id, text: id === 'zero' ? TEXT : `${id}.`, again });
+    there.send({ type: 'speak', id: 'own', text: 'Mia.', again: true });
+    assert.equal((await post(daemons[1], `/v1/say?room=${room}&lang=it&id=posted&again=1`, 'Postata.')).listeners, 3);
+    for (const listener of others) {
+      await listener.heard({ type: 'word', text: 'piano' });
+      assert.equal(listener.find({ type: 'begin', id: 'zero' }).again, true);
+    }
+    if (signal === 'SIGKILL') await end(fourth);
+    else fourth.process.kill('SIGSTOP');
+    // who asks meanwhile comes after those
+    others[0].send({ type: 'speak', id: 'later', text: 'Poi.', again: true });
+    for (const listener of others) {
+      for (const id of ['zero', 'one', 'three', 'posted', 'later']) await listener.heard({ type: 'end', id, reason: 'done' });
+      const cut = listener.find({ type: 'warning', id: 'zero' });
+      assert.equal(cut.code, 'room-away');
+      assert.equal(cut.utterance, listener.find({ type: 'begin', id: 'zero' }).utterance);
+      for (const id of [...Object.keys(wishes), 'posted', 'later'].filter((each) => wishes[each] !== false)) {
+        assert.equal(listener.frames.filter((frame) => frame.type === 'end' && frame.id === id).length, 1, id);
+        assert.equal(listener.frames.filter((frame) => frame.type === 'begin' && frame.id === id).length, id === 'zero' ? 2 : 1, id);
+      }
+      const order = listener.frames.filter(({ type }) => type === 'end').map(({ id }) => id);
+      assert.deepEqual(order.filter((id) => ['zero', 'one', 'three', 'later'].includes(id)), ['zero', 'one', 'three', 'later']);
+    }
+    // what did not ask for it has failed where it was asked for, and only there
+    await others[0].heard({ type: 'end', id: 'two', reason: 'failed' });
+    assert.ok(!others[1].find({ id: 'two' }) && !others[1].find({ id: 'own' }));
+    if (signal === 'SIGSTOP') {
+      fourth.process.kill('SIGCONT');
+      await there.heard({ type: 'end', id: 'own', reason: 'failed' });
+      others[1].send({ type: 'speak', id: 'last', text: 'Fine.' });
+      await there.heard({ type: 'end', id: 'last', reason: 'done' });
+      const ends = there.frames.filter(({ type }) => type === 'end').map(({ id }) => id);
+      assert.equal(new Set(ends).size, ends.length, String(ends));
+      await end(fourth, 'SIGTERM');
+    }
+    for (const listener of [there, ...others]) listener.close();
+  });
+
+test('a daemon that loses Redis for a moment hears nothing anew that was told to have failed', async () => {
+  const room = 'blink';
+  const listeners = [];
+  for (const daemon of daemons) listeners.push(await Listener.open(daemon, room));
+  await followed(room, 3);
+  const { home } = await homeOf(room);
+  const mine = listeners.find(({ daemon }) => daemon === home), others = listeners.filter((listener) => listener !== mine);
+  mine.send({ type: 'speak', id: 'own', text: TEXT });
+  others[0].send({ type: 'speak', id: 'asked', text: 'Uno.' });
+  others[0].send({ type: 'speak', id: 'again', text: 'Due.', again: true });
+  for (const listener of listeners) await listener.heard({ type: 'word', text: 'piano' });
+  // every connection is cut, and made anew at once
+  redis.cli('client', 'kill', 'type', 'normal');
+  redis.cli('client', 'kill', 'type', 'pubsub');
+  for (const listener of others) await listener.heard({ type: 'end', id: 'own', reason: 'failed' });
+  await others[0].heard({ type: 'end', id: 'asked', reason: 'failed' });
+  await mine.heard({ type: 'end', id: 'asked', reason: 'done' });
+  await others[0].heard({ type: 'end', id: 'again', reason: 'done' });
+  for (const daemon of daemons) await up(daemon);
+  await followed(room, 3);
+  for (const listener of listeners) listener.send({ type: 'speak', id: `after-${listeners.indexOf(listener)}`, text: 'Tre.' });
+  for (const listener of listeners)
+    for (const i of listeners.keys()) await listener.heard({ type: 'end', id: `after-${i}`, reason: 'done' });
+  for (const listener of listeners) {
+    const ends = listener.frames.filter(({ type }) => type === 'end').map(({ id }) => id);
+    assert.equal(new Set(ends).size, ends.length, String(ends));
+    listener.close();
+  }
+});
+
 test('a home that stood still and wakes cannot speak into the room', async () => {
   const room = 'frozen';
   const [there, one, two] = [await Listener.open(daemons[0], room), await Listener.open(daemons[1], room), await Listener.open(daemons[2], room)];

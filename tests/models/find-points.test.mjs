@@ -12,6 +12,7 @@ import { readScene } from '../../models/tools/import/make-head.mjs';
 import { checkEyelids, checkLipsMoveAsOne } from '../../models/tools/lib/check.mjs';
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/sight.mjs';
+import { writeGlb, writeObj } from '../lib/plain-files.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
 const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
@@ -22,45 +23,6 @@ const ours = (name) => load(path.join(models, `heads/${name}.json`));
 const faccia = (...words) => spawnSync(path.join(build, 'server/app/faccia'), ['--models', models, 'head', ...words], { encoding: 'utf8', cwd: folder });
 after(() => fs.rmSync(folder, { recursive: true }));
 
-/** @param {(p: number[]) => number[]} place where a point of the head is in the file */
-function writeObj(file, head, place) {
-  let from = 1;
-  const text = head.parts.map((part, i) => {
-    const lines = [`o thing${i}`];
-    for (let v = 0; v < part.position.length; v += 3) lines.push(`v ${place([...part.position.slice(v, v + 3)]).map((x) => x.toFixed(6)).join(' ')}`);
-    for (let t = 0; t < part.index.length; t += 3) lines.push(`f ${[0, 1, 2].map((k) => from + part.index[t + k]).join(' ')}`);
-    from += part.position.length / 3;
-    return lines.join('\n');
-  });
-  fs.writeFileSync(file, `${text.join('\n')}\n`);
-}
-
-/** As GLB: nothing but places and triangles. */
-function writeGlb(file, head, place) {
-  const [blocks, json] = [[], { asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [] }], nodes: [], meshes: [], accessors: [], bufferViews: [], buffers: [] }];
-  let size = 0;
-  const add = (array, accessor) => {
-    json.bufferViews.push({ buffer: 0, byteOffset: size, byteLength: array.byteLength });
-    json.accessors.push({ bufferView: json.bufferViews.length - 1, ...accessor });
-    blocks.push(Buffer.from(array.buffer));
-    size += array.byteLength;
-    return json.accessors.length - 1;
-  };
-  for (const part of head.parts) {
-    const position = new Float32Array(part.position.length);
-    for (let v = 0; v < position.length; v += 3) position.set(place([...part.position.slice(v, v + 3)]), v);
-    const [low, high] = [Math.min, Math.max].map((pick) => [0, 1, 2].map((k) => position.reduce((best, x, i) => (i % 3 === k ? pick(best, x) : best), position[k])));
-    const POSITION = add(position, { componentType: 5126, type: 'VEC3', count: position.length / 3, min: low, max: high });
-    json.meshes.push({ primitives: [{ attributes: { POSITION }, indices: add(Uint32Array.from(part.index), { componentType: 5125, type: 'SCALAR', count: part.index.length }) }] });
-    json.scenes[0].nodes.push(json.nodes.push({ mesh: json.meshes.length - 1 }) - 1);
-  }
-  json.buffers.push({ byteLength: size });
-  const text = JSON.stringify(json);
-  const padded = Buffer.from(text.padEnd(4 * Math.ceil(text.length / 4)));
-  const words = (...list) => Buffer.from(Uint32Array.from(list).buffer);
-  fs.writeFileSync(file, Buffer.concat([words(0x46546c67, 2, 28 + padded.length + size, padded.length, 0x4e4f534a), padded, words(size, 0x004e4942), ...blocks]));
-}
-
 const MOUTH = ['2.2', '2.3', '2.4', '2.5', '2.6', '2.7', '2.8', '2.9', '8.1', '8.3', '8.4', '9.15'];
 const LIDS = ['3.1', '3.2', '3.3', '3.4', '3.5', '3.6'];
 const OTHERS = ['2.1', '2.10', '4.1', '4.2', '4.3', '4.4', '4.5', '4.6', '8.2', '8.5', '8.6', '8.7', '8.8', '9.1', '9.2', '9.3'];
@@ -70,7 +32,7 @@ async function foundAlone(name, file, back) {
   const others = fs.readdirSync(path.join(models, 'heads')).filter((one) => one.endsWith('.json') && one !== `${name}.json`).map((one) => path.join(models, 'heads', one));
   assert.equal(others.length, 7);
   const tool = new URL('../../models/tools/import/make-template.mjs', import.meta.url).pathname;
-  const { stdout } = spawnSync(process.execPath, [tool, path.join(build, 'web/face-points.json'), ...others], { encoding: 'utf8', maxBuffer: 1 << 24 });
+  const { stdout } = spawnSync(process.execPath, [tool, path.join(process.env.FACCIA_WEB ?? path.join(build, 'web'), 'face-points.json'), ...others], { encoding: 'utf8', maxBuffer: 1 << 24 });
   const { openEye } = await import(path.join(models, 'tools/import/faccia-eye.mjs'));
   const scene = await readScene(at(file));
   const { points } = await findPoints(scene, await openEye(), { template: JSON.parse(stdout) });

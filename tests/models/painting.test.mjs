@@ -5,7 +5,9 @@ import { test } from 'node:test';
 import { packIslands } from '../../models/tools/lib/atlas.mjs';
 import { DepthMap } from '../../models/tools/lib/depth.mjs';
 import { distanceTo } from '../../models/tools/lib/near-hair.mjs';
+import { neckPaint } from '../../models/tools/lib/paint-neck.mjs';
 import { rounded } from '../../models/tools/lib/refine.mjs';
+import { wideEnough } from '../../models/tools/lib/strips.mjs';
 
 /** A square of 40 mm in the plane z = 10. */
 const square = () => ({
@@ -22,6 +24,7 @@ test('a picture of heights knows what hides what, and sees through what is not o
   assert.ok(!map.hides(30, 0, 0, 1));
   assert.equal(map.reaches(0, 0, 0, 1), 0);
   assert.equal(map.reaches(30, 0, 0, 1), 1);
+  assert.equal(map.reaches(0, 0, 0, 1, (mm) => mm / 20), 0.45, 'what comes through, by how far it lies below');
   const edge = map.reaches(20, 0, 0, 1);
   assert.ok(edge > 0.1 && edge < 0.9, `${edge}`);
   const half = new DepthMap([0, 0, 1], size);
@@ -60,4 +63,24 @@ test('a thing of few faces gets no edge longer than it may', () => {
       const length = Math.hypot(...[0, 1, 2].map((k) => position[a * 3 + k] - position[b * 3 + k]));
       assert.ok(length <= 12, `${length}`);
     }
+});
+
+test('a strip that hangs together with nothing and is thin is found, a broad one is kept', () => {
+  const at = [[0, 0, 0], [40, 0, 0], [40, 20, 0], [0, 20, 0], [60, 0, 0], [60, 100, 0], [61, 100, 0], [61, 0, 0]];
+  const faces = [{ v: [0, 1, 2, 3] }, { v: [4, 5, 6, 7] }];
+  assert.deepEqual(faces.map(wideEnough(faces, (v) => at[v], 3)), [true, false]);
+  assert.deepEqual(faces.map(wideEnough(faces, (v) => at[v], 0.5)), [true, true]);
+});
+
+test('tendons, collar bones and the hollow between them are painted where they are, the same on both sides', () => {
+  const joints = { 'joint-l-clavicle': [23, -209, -91], 'joint-l-scapula': [90, -189, -89] };
+  const ctx = { fdp: { '2.1': [0, -93, 22], '10.5': [65, -46, -66] }, point: ({ group }) => joints[group] };
+  const skin = [200, 150, 130];
+  const light = (spec, x, y) => neckPaint(ctx, spec, 0.3)(skin, [x, y, -20], [0, 0, 1]).reduce((a, b) => a + b) / 480;
+  const spec = { tendons: 4, collar: 4, larynx: 3 };
+  const column = (x) => Array.from({ length: 60 }, (_, i) => light(spec, x, -225 + i));
+  for (const x of [40, -40]) assert.ok(Math.max(...column(x)) > 1.02 && Math.min(...column(x)) < 0.98, `a collar bone at ${x}`);
+  assert.ok(light(spec, 0, -203) < 0.9, 'the hollow is dark');
+  assert.deepEqual(neckPaint(ctx, spec, 0.3)(skin, [10, -60, 0], [0, 0, 1]), skin, 'nothing on the face');
+  assert.equal(light(undefined, 40, -207), 1);
 });

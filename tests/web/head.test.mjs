@@ -7,7 +7,7 @@ import { Drive, influencesOf, packInfluences, turned, WHOLE_HEAD } from '../../w
 import { httpBase, ModelAssembler } from '../../web/src/head/loader.mjs';
 import { ModelError, readModel } from '../../web/src/head/model.mjs';
 import { Normals } from '../../web/src/head/normals.mjs';
-import { bakeOcclusion } from '../../web/src/head/occlusion.mjs';
+import { bakeOcclusion, throughHair } from '../../web/src/head/occlusion.mjs';
 import { Governor, LEVELS } from '../../web/src/head/quality.mjs';
 
 const base64 = (array) => Buffer.from(array.buffer).toString('base64');
@@ -180,7 +180,7 @@ test('what stands over a place takes light from it', () => {
   const ground = sheet(4, (x, y) => [x - 20, 0, 20 - y]);
   const roof = sheet(4, (x, y) => [x - 20, 8, y - 20]);
   const up = (value, count) => Float32Array.from({ length: 3 * count }, (_, i) => (i % 3 === 1 ? value : 0));
-  const part = (one, normal, shades) => ({ ...one, shades, seen: { position: one.position, normal } });
+  const part = (one, normal, shades, airy = false) => ({ ...one, shades, airy, seen: { position: one.position, normal } });
   const bake = (...parts) => {
     const work = bakeOcclusion(parts);
     for (;;) {
@@ -195,6 +195,13 @@ test('what stands over a place takes light from it', () => {
   assert.ok(covered[middle] < 60, `sky ${covered[middle]}`);
   assert.ok(covered[0] > covered[middle] + 60, 'more at the corner');
   assert.deepEqual(bake(part(ground, up(1, 25), true), part(roof, up(1, 25), false)), open, 'unless it is thin');
+  const hair = (height) => part(sheet(4, (x, y) => [x - 20, height, y - 20]), up(1, 25), true, true);
+  const near = bake(part(ground, up(1, 25), true), hair(8));
+  assert.ok(near[middle] > covered[middle] + 40 && near[middle] < open[middle] - 40, `below hair ${near[middle]}`);
+  assert.ok(near[middle + 1] > 40, `of the lamp ${near[middle + 1]}`);
+  assert.ok(throughHair(1) < 1 && throughHair(1) > throughHair(12) && throughHair(12) > throughHair(40) && throughHair(40) === 0);
+  const self = bake(part(ground, up(1, 25), true, true), hair(8));
+  assert.deepEqual(self, covered, 'hair shades hair as all else does');
 });
 
 test('the model comes over HTTP from where the stream is', () => {

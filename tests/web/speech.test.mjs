@@ -200,6 +200,43 @@ test('when the link is lost what has come is played out, then it fails', async (
   assert.deepEqual(await promise, { type: 'end', reason: 'failed', code: 'connection-lost', id: 7 });
 });
 
+test('what another daemon speaks again begins anew, and has one end', async () => {
+  const { speech, hear, chunk, play, names, events } = rig();
+  const promise = speech.speak('a', { again: true });
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0, 'uno'));
+  chunk(1, 0, 100);
+  play(50);
+  hear({ type: 'warning', id: 'u1', utterance: 1, code: 'room-away' });
+  hear(begin('u1', 4));
+  hear(word('u1', 4, 0, 'uno'));
+  chunk(1, 100, 100);
+  chunk(4, 0, 200);
+  hear({ type: 'end', id: 'u1', utterance: 4, reason: 'done' });
+  play(101);
+  play(300);
+  assert.deepEqual(names(), ['begin', 'uno', 'warning', 'begin', 'uno', 'done']);
+  assert.equal((await promise).reason, 'done');
+  assert.equal(events.at(-1)[1].utterance, 4);
+  assert.equal(speech.busy, false);
+});
+
+test('somebody else\'s that another daemon speaks again is another one', () => {
+  const { speech, hear, chunk, play, names } = rig();
+  speech.adopts = true;
+  hear({ ...begin('theirs', 1), id: undefined });
+  chunk(1, 0, 100);
+  play(0);
+  hear({ type: 'warning', utterance: 1, code: 'room-away' });
+  hear({ ...begin('theirs', 2), id: undefined });
+  chunk(2, 0, 100);
+  hear({ type: 'end', utterance: 2, reason: 'done' });
+  play(101);
+  play(200);
+  assert.deepEqual(names(), ['begin', 'warning', 'failed', 'begin', 'done']);
+  assert.equal(speech.busy, false);
+});
+
 test('what is asked for before there is a link goes out when there is one', () => {
   const { speech, sent, link } = rig({ linked: false });
   speech.speak('a');

@@ -2,6 +2,7 @@
 // A head out of pictures of the reader's face. They are read, looked at and used in this page; no request carries them.
 import { words } from './avatar-words.js';
 import { PictureBox } from './avatar-picture.js';
+import { ProfileBox } from './avatar-profile.js';
 import { takeTurn } from './avatar-turn.js';
 import { Frame } from './frame.js';
 import { fill, primary, spokenLanguage } from './languages.js';
@@ -48,13 +49,19 @@ async function add(source) {
   tell('looking');
   await new Promise((resolve) => setTimeout(resolve)); // so that it can be read
   const picture = await all.readPicture(source);
-  put({ picture, landmarks: await all.find(picture) });
-  tell('found');
+  try {
+    put({ picture, landmarks: await all.find(picture) });
+    tell('found');
+  } catch (error) {
+    if (error.code !== 'no_face') throw error;
+    put(all.asProfile(picture, all.table)); // or it is none, and says so
+    tell('profile');
+  }
 }
 
 /** A picture in which a face was found. */
 function put(view) {
-  const box = new PictureBox(view, tools, { say, remove: () => remove(box) });
+  const box = new (view.landmarks ? PictureBox : ProfileBox)(view, tools, { say, remove: () => remove(box) });
   boxes.push(box);
   show();
 }
@@ -91,10 +98,11 @@ const option = (value, label) => Object.assign(document.createElement('option'),
 function show() {
   $('pictures').replaceChildren(...boxes.map(({ item }) => item));
   boxes.forEach((box, i) => box.translate(i + 1));
-  making.hidden = !boxes.length;
-  if (!boxes.length || !tools) return;
+  const front = boxes.find(({ view }) => view.landmarks);
+  making.hidden = !front;
+  if (!front || !tools) return;
   const known = models.filter(({ name }) => tools.table[name]);
-  const nearest = tools.nearest(boxes[0].view, tools.table).find(({ name }) =>
+  const nearest = tools.nearest(front.view, tools.table).find(({ name }) =>
     known.some((model) => model.name === name))?.name;
   const titleOf = (name) => known.find((model) => model.name === name)?.title ?? '';
   for (const id of ['like', 'eyes']) {

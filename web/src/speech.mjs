@@ -156,7 +156,8 @@ export class Speech {
       return;
     }
     if (!utterance) return;
-    if (message.type === 'end') this.#close(utterance, message);
+    if (message.type === 'warning' && message.code === 'room-away') this.#lose(utterance);
+    else if (message.type === 'end') this.#close(utterance, message);
     else if (utterance.cancelled) return;
     else if (message.type === 'begin') this.#begin(utterance, message);
     else if (utterance.item && ['sentence', 'word', 'mark', 'phone'].includes(message.type))
@@ -286,6 +287,20 @@ export class Speech {
     clearTimeout(utterance.timer);
     if (utterance.sent || (this.state() === 'open' && !this.turns.has(utterance))) return;
     utterance.timer = this.setTimeout(() => this.#refuse(utterance, 'no-connection', 'There is no connection.'), PATIENCE_MS);
+  }
+
+  /** The daemon that spoke is lost, and another speaks it again: it begins anew; that of somebody else, as another one. */
+  #lose(utterance) {
+    if (utterance.key === null) {
+      this.#close(utterance, { type: 'end', reason: 'failed', code: 'room-away' });
+      return;
+    }
+    if (!utterance.item) return;
+    this.player.write(utterance.rest());
+    this.player.finish();
+    this.timeline.remove(utterance.item);
+    utterance.item = null;
+    utterance.number = null;
   }
 
   #begin(utterance, message) {

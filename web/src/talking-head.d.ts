@@ -54,6 +54,7 @@ export interface SpeakOptions {
   still?: boolean;
   seed?: number;
   phones?: boolean;
+  again?: boolean;
 }
 
 /** Feature points by MPEG-4's numbers ("8.4"): mm in the head's axes; places on the texture from 0 to 1. */

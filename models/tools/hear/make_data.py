@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Speech with known phones, as features: synthetic voices say words from Debian's lists, and microphones of all kinds hear it.
 
-python3 make_data.py BUILD FEATURES OUT.npz [--minutes N]
-BUILD: where faccia was built; FEATURES: BUILD/server/hear/hear-features (ninja -C BUILD server/hear/hear-features). Wants
+python3 make_data.py BUILD FEATURES OUT.npz [--minutes N] [--people FILE.npz] [--times N]
+FILE.npz: of people.py. BUILD: where faccia was built; FEATURES: BUILD/server/hear/hear-features (ninja -C BUILD server/hear/hear-features). Wants
 python3-scipy, witalian, wbrazilian, wamerican, hunspell-tr, and the voices of espeak-ng and Festival. Seeds are fixed.
 """
 import argparse
@@ -15,6 +15,7 @@ import wave
 
 import numpy as np
 from scipy import signal
+from people import HELD, pieces
 from sounds import RATE, augmented, classes_of, labels
 
 LISTS = {
@@ -39,6 +40,7 @@ VOICES = [
     ('espeak:ro+f2', 'ro', 'it', 0.7), ('espeak:nl', 'nl', 'en', 0.7), ('espeak:sv+f2', 'sv', 'en', 0.7),
 ]  # voice, language, list of words, share
 PIECE = 6.0  # seconds
+LENGTH = int(PIECE / 1.25 * 100) - 5  # frames of the shortest
 
 
 def words_of(name):
@@ -78,46 +80,68 @@ def frames_of(program, sound):
     return np.frombuffer(done.stdout, '<f4').reshape(-1, 33)
 
 
-def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument('build')
-    parser.add_argument('features')
-    parser.add_argument('out')
-    parser.add_argument('--minutes', type=float, default=150, help='of speech before it is heard through two microphones')
-    parser.add_argument('--seed', type=int, default=1)
-    options = parser.parse_args()
-    rng = np.random.default_rng(options.seed)
+class Collected:
+    """Pieces of PIECE seconds as microphones hear them: features and classes, several times each."""
+
+    def __init__(self, rng, program, times, keep):
+        self.rng, self.program, self.times, self.keep = rng, program, times, keep
+        self.features, self.classes = [], []
+
+    def add(self, sound, phones, other):
+        """Sound at RATE and its phones, from 0 s; somebody else's sound, for the noise."""
+        for start in np.arange(0, len(sound) / RATE - PIECE, PIECE):
+            if self.rng.random() > self.keep:
+                continue
+            piece = sound[int(start * RATE) : int((start + PIECE) * RATE)]
+            for _ in range(self.times):
+                # of a smaller or larger head: all that sounds higher is faster, too
+                factor = float(np.clip(self.rng.normal(1, 0.1), 0.8, 1.25))
+                heard = augmented(self.rng, signal.resample(piece, int(len(piece) / factor)), other)
+                found = frames_of(self.program, heard)[:LENGTH]
+                self.features.append(found.astype(np.float16))
+                self.classes.append(labels(phones, len(found), lambda k: start + (k * 0.01 + 0.0125) * factor))  # noqa: B023
+
+
+def synthetic(options, rng, collected):
     lists = {name: words_of(name) for name in LISTS}
     whole = sum(v[3] for v in VOICES)
-    features, classes, unknown, seconds = [], [], {}, {}
+    unknown = {}
     with tempfile.TemporaryDirectory() as folder:
         for voice, lang, name, share in VOICES:
-            wanted = options.minutes * 60 * share / whole
             had = 0
-            while had < wanted:
+            while had < options.minutes * 60 * share / whole:
                 sound, phones = spoken(options.build, voice, lang, text_of(rng, lists[name], OFTEN[name].split()), rng, folder)
                 had += len(sound) / RATE
                 for p in phones:
                     if 255 in classes_of(p['ipa']):
                         unknown[p['ipa']] = unknown.get(p['ipa'], 0) + 1
-                for start in np.arange(0, len(sound) / RATE - PIECE, PIECE):
-                    piece = sound[int(start * RATE) : int((start + PIECE) * RATE)]
-                    for _ in range(2):
-                        # of a smaller or larger head: all that sounds higher is faster, too
-                        factor = float(np.clip(rng.normal(1, 0.09), 0.8, 1.25))
-                        heard = signal.resample(piece, int(len(piece) / factor))
-                        heard = augmented(rng, heard, sound)
-                        found = frames_of(options.features, heard)
-                        features.append(found.astype(np.float16))
-                        classes.append(labels(phones, len(found), lambda k: start + (k * 0.01 + 0.0125) * factor))  # noqa: B023
-            seconds[voice] = round(had)
+                collected.add(sound, phones, sound)
             print(voice, round(had), 's', flush=True)
     print('phones without a class:', unknown)
-    counts = np.bincount(np.concatenate(classes), minlength=15)
-    print('frames', sum(map(len, classes)), 'of each class', counts[:14])
-    length = min(map(len, classes))
-    length = int(PIECE / 1.25 * 100) - 5 if length > 400 else length
-    np.savez(options.out, features=np.stack([f[:length] for f in features]), classes=np.stack([c[:length] for c in classes]))
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument('build')
+    parser.add_argument('features')
+    parser.add_argument('out')
+    parser.add_argument('--minutes', type=float, default=150, help='of synthetic speech')
+    parser.add_argument('--people', nargs='*', default=[])
+    parser.add_argument('--times', type=int, default=2, help='by how many microphones each piece is heard')
+    parser.add_argument('--keep', type=float, default=1, help='how much of the pieces')
+    parser.add_argument('--seed', type=int, default=1)
+    options = parser.parse_args()
+    rng = np.random.default_rng(options.seed)
+    collected = Collected(rng, options.features, options.times, options.keep)
+    if options.minutes:
+        synthetic(options, rng, collected)
+    for path in options.people:
+        for speaker, sound, phones, other in pieces(rng, path, PIECE):
+            if speaker not in HELD:
+                collected.add(sound, phones, other)
+    classes = np.stack(collected.classes)
+    print('pieces', len(classes), 'frames of each class', np.bincount(classes.reshape(-1), minlength=15)[:14])
+    np.savez(options.out, features=np.stack(collected.features), classes=classes)
 
 
 if __name__ == '__main__':

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Phones by what is seen of them, and what happens to sound between a mouth and a microphone."""
+import subprocess
 import unicodedata
 
 import numpy as np
@@ -95,6 +96,17 @@ def telephone(rng, sound):
     return signal.resample_poly(narrow, 2, 1)[: len(sound)]
 
 
+def coded(rng, sound):
+    """Through Opus at 8 to 16 kbit/s, as calls have it. Its length and place stay."""
+    raw = np.round(np.clip(sound / (np.max(np.abs(sound)) + 1e-9) * 0.7, -1, 1) * 32767).astype('<i2').tobytes()
+    form = ['-f', 's16le', '-ar', str(RATE), '-ac', '1']
+    quiet = ['ffmpeg', '-v', 'error', '-threads', '1']
+    rate = ['-b:a', f'{rng.integers(8, 17)}k', '-application', 'voip', '-frame_duration', str(rng.choice([20, 40, 60]))]
+    packets = subprocess.run([*quiet, *form, '-i', '-', '-c:a', 'libopus', *rate, '-f', 'ogg', '-'], input=raw, capture_output=True, check=True).stdout
+    back = np.frombuffer(subprocess.run([*quiet, '-i', '-', *form, '-'], input=packets, capture_output=True, check=True).stdout, '<i2') / 32768
+    return np.pad(back, (0, max(0, len(sound) - len(back))))[: len(sound)]
+
+
 def with_noise(rng, sound, other, low, high):
     kind = rng.integers(4)
     noise = coloured(rng, len(sound), [0, 1, 2, 1][kind])
@@ -113,8 +125,11 @@ def augmented(rng, sound, other):
         sound = in_room(rng, sound)
     if rng.random() < 0.55:
         sound = with_noise(rng, sound, other, 3, 35)
-    if rng.random() < 0.45:
+    line = rng.random()
+    if line < 0.42:
         sound = telephone(rng, sound)
+    elif line < 0.45:
+        sound = coded(rng, sound)
     sound = sound / (np.max(np.abs(sound)) + 1e-9) * 10 ** (-rng.uniform(0, 30) / 20)
     if rng.random() < 0.1:
         sound = np.clip(sound * rng.uniform(1, 4), -np.max(np.abs(sound)), np.max(np.abs(sound)))

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Trains the network of server/hear/hear_network.h and writes it with what it answers to a piece of its data.
 
-python3 train.py DATA.npz OUT.bin VECTORS.bin [--minutes N]
-Wants python3-torch. One thread, fixed seeds; how far it gets in N minutes depends on the machine, so the card tells how many steps it had.
+python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--minutes N] [--begin NETWORK.bin] [--size UNITS]
+SHARE: how much of each step is of that file. Wants python3-torch. Fixed seeds; how far it gets in N minutes depends on the machine, so the card
+tells how many steps it had.
 """
 import argparse
 import time
@@ -19,14 +20,14 @@ LEAD = 20  # frames that the network hears before it is asked
 
 
 class Hearing(nn.Module):
-    def __init__(self):
+    def __init__(self, taps=TAPS, middle=MIDDLE, size=SIZE):
         super().__init__()
-        self.conv = nn.Conv1d(INPUTS, MIDDLE, TAPS)
-        self.gru = nn.GRU(MIDDLE, SIZE, num_layers=2, batch_first=True)
-        self.heads = nn.ModuleList(nn.Linear(SIZE, CLASSES) for _ in DELAYS)
+        self.conv = nn.Conv1d(INPUTS, middle, taps)
+        self.gru = nn.GRU(middle, size, num_layers=2, batch_first=True)
+        self.heads = nn.ModuleList(nn.Linear(size, CLASSES) for _ in DELAYS)
 
     def forward(self, x):
-        x = nn.functional.pad(x.transpose(1, 2), (TAPS - 1, 0))
+        x = nn.functional.pad(x.transpose(1, 2), (self.conv.kernel_size[0] - 1, 0))
         x, _ = self.gru(torch.relu(self.conv(x)).transpose(1, 2))
         return [head(x) for head in self.heads]
 
@@ -67,58 +68,127 @@ def parts(model):
 def write(model, path):
     with open(path, 'wb') as file:
         file.write(b'FACHEAR1')
-        file.write(np.array([INPUTS, TAPS, MIDDLE, SIZE, CLASSES, len(DELAYS), *DELAYS], '<u4').tobytes())
+        middle, _, taps = model.conv.weight.shape
+        file.write(np.array([INPUTS, taps, middle, model.gru.hidden_size, CLASSES, len(DELAYS), *DELAYS], '<u4').tobytes())
         for part in parts(model):
             file.write(part.detach().numpy().astype('<f2').tobytes())
 
 
+def load(path):
+    with open(path, 'rb') as file:
+        data = file.read()
+    _, taps, middle, size, _, _ = np.frombuffer(data, '<u4', 6, 8)
+    model, at = Hearing(int(taps), int(middle), int(size)), 0
+    values = torch.from_numpy(np.frombuffer(data, '<f2', offset=32 + 4 * len(DELAYS)).astype(np.float32))
+    with torch.no_grad():
+        for part in parts(model):
+            part.copy_(values[at : at + part.numel()].reshape(part.shape))
+            at += part.numel()
+    return model
+
+
+def widened(old, size):
+    """A network of more units that answers as the old one: what is new is heard by nobody yet."""
+    (middle, _, taps), had = old.conv.weight.shape, old.gru.hidden_size
+    new = Hearing(taps, middle, size)
+    new.conv.load_state_dict(old.conv.state_dict())
+    with torch.no_grad():
+        for layer in range(2):
+            for name in ('weight_ih', 'weight_hh', 'bias_ih', 'bias_hh'):
+                a, b = getattr(old.gru, f'{name}_l{layer}'), getattr(new.gru, f'{name}_l{layer}')
+                for gate in range(3):
+                    rows = slice(gate * size, gate * size + had)
+                    if b.dim() == 1:
+                        b[rows] = a[gate * had : (gate + 1) * had]
+                    else:
+                        b[rows] = 0
+                        b[rows, : a.shape[1]] = a[gate * had : (gate + 1) * had]
+        for a, b in zip(old.heads, new.heads):
+            b.weight.zero_()
+            b.weight[:, :had] = a.weight
+            b.bias.copy_(a.bias)
+    return new
+
+
+class Data:
+    """Of one file: pieces to train on, and some that are kept back. The microphones of a piece stay together as neighbours."""
+
+    def __init__(self, path, share, rng):
+        data = np.load(path)
+        self.features, self.classes, self.share = torch.from_numpy(data['features']), torch.from_numpy(data['classes']), share
+        blocks = rng.permutation(len(self.features) // 40)
+        self.held = np.concatenate([np.arange(40 * k, 40 * k + 40) for k in blocks[:1]])
+        self.kept = np.setdiff1d(np.arange(len(self.features)), self.held)
+
+    def some(self, rng, count):
+        batch, at = self.kept[rng.integers(len(self.kept), size=count)], rng.integers(self.features.shape[1] - CROP)
+        return self.features[batch, at : at + CROP].float(), self.classes[batch, at : at + CROP].long()
+
+
+def masked(rng, features):
+    """Some bands of each piece are not heard, so that it does not lean on any (SpecAugment: D. Park et al., Interspeech 2019)."""
+    for piece in features:
+        if rng.random() < 0.4:
+            width = rng.integers(1, 6)
+            at = rng.integers(INPUTS - width)
+            piece[:, at : at + width] = 0
+    return features
+
+
 def main():
     parser = argparse.ArgumentParser()
-    parser.add_argument('data')
     parser.add_argument('out')
     parser.add_argument('vectors')
+    parser.add_argument('data', nargs='+')
     parser.add_argument('--minutes', type=float, default=15)
+    parser.add_argument('--begin', help='a network to go on from')
+    parser.add_argument('--size', type=int, default=0, help='units of a recurrent layer; 96, or as the network has that it begins with')
+    parser.add_argument('--rate', type=float, default=3e-3)
+    parser.add_argument('--batch', type=int, default=24)
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
     torch.set_num_threads(1)
     torch.manual_seed(options.seed)
     rng = np.random.default_rng(options.seed)
-    data = np.load(options.data)
-    features, classes = torch.from_numpy(data['features']), torch.from_numpy(data['classes'].astype(np.int64))
-    # the two microphones of a piece stay together
-    order = rng.permutation(len(features) // 2)
-    pick = lambda pairs: np.concatenate([2 * pairs, 2 * pairs + 1])  # noqa: E731
-    kept, held = pick(order[40:]), pick(order[:40])
-    counts = np.bincount(classes.numpy().reshape(-1), minlength=CLASSES)[:CLASSES]
-    weight = torch.tensor((counts.mean() / np.maximum(counts, 1)) ** 0.3, dtype=torch.float32).clamp(0.5, 2)
+    files = [Data(name.rsplit('=')[0], float(name.rsplit('=')[1]), rng) for name in options.data]
+    counts = sum(f.share * np.bincount(f.classes.numpy().reshape(-1), minlength=256)[:CLASSES] / f.classes.numel() for f in files)
+    weight = torch.tensor((counts.mean() / np.maximum(counts, 1e-6)) ** 0.3, dtype=torch.float32).clamp(0.5, 2)
     weight[CLOSED] *= 1.3  # a missed closure is worse than one too many
-    model = Hearing()
-    print('weights:', sum(p.numel() for p in model.parameters()), 'pieces:', len(kept), 'of', features.shape[1], 'frames', flush=True)
+    model = load(options.begin) if options.begin else Hearing(size=options.size or SIZE)
+    if options.size and options.size != model.gru.hidden_size:
+        model = widened(model, options.size)
+    print('weights:', sum(p.numel() for p in model.parameters()), 'pieces:', [len(f.kept) for f in files], 'share of each class:', np.round(counts, 3), flush=True)
+
+    def judge():
+        for file in files:
+            tell(model, file.features[file.held].float(), file.classes[file.held].long())
+
     optimiser = torch.optim.Adam(model.parameters(), lr=2e-3)
+    whole = sum(f.share for f in files)
     began, step, recent = time.time(), 0, []
     while (done := (time.time() - began) / 60 / options.minutes) < 1:
         for group in optimiser.param_groups:  # up quickly, then down along a cosine
-            group['lr'] = 3e-3 * min(1, (step + 1) / 60) * (0.5 + 0.5 * np.cos(np.pi * done)) + 1e-5
-        batch, at = kept[rng.integers(len(kept), size=24)], rng.integers(features.shape[1] - CROP)
-        loss = loss_of(model(features[batch, at : at + CROP].float()), classes[batch, at : at + CROP], weight)
+            group['lr'] = options.rate * min(1, (step + 1) / 60) * (0.5 + 0.5 * np.cos(np.pi * done)) + 1e-5
+        batches = [f.some(rng, round(options.batch * f.share / whole)) for f in files]
+        features, classes = (torch.cat([b[i] for b in batches]) for i in (0, 1))
+        loss = loss_of(model(masked(rng, features)), classes, weight)
         optimiser.zero_grad()
         loss.backward()
         nn.utils.clip_grad_norm_(model.parameters(), 2.0)
         optimiser.step()
         recent.append(loss.item())
         step += 1
-        if step % 100 == 0:
-            print(f'{step} steps, {done * options.minutes:.1f} min, loss {np.mean(recent[-100:]):.3f}', flush=True)
-            if step % 500 == 0:
-                tell(model, features[held].float(), classes[held])
+        if step % 50 == 0:
+            print(f'{step} steps, {done * options.minutes:.1f} min, loss {np.mean(recent[-50:]):.3f}', flush=True)
+            if step % 100 == 0:
                 write(model, options.out)
     print(f'{step} steps')
     with torch.no_grad():
         for p in model.parameters():  # what the file holds is what answers
             p.copy_(p.half().float())
-    tell(model, features[held].float(), classes[held])
+    judge()
     write(model, options.out)
-    piece = features[held[:1]].float()[:, :80]
+    piece = files[0].features[files[0].held[:1]].float()[:, :80]
     with torch.no_grad():
         answers = torch.stack([torch.softmax(head, -1) for head in model(piece)], 2)[0]
     with open(options.vectors, 'wb') as file:

@@ -75,11 +75,12 @@ function tell(json) {
 }
 
 /** The detector is a file of its own: only this needs it. */
-async function find(scene, up) {
+async function find(scene, up, points) {
+  if (points?.landmarks) return findPoints(scene, null, { up, points });
   const beside = new URL('./faccia-eye.mjs', import.meta.url);
   if (!fs.existsSync(beside)) throw new FileError('', 'it brings no feature points: --points FILE (the program that finds them was not built)');
   const { openEye } = await import(beside.href);
-  return findPoints(scene, await openEye(), { up });
+  return findPoints(scene, await openEye(), { up, points });
 }
 
 async function importHead(file, values) {
@@ -88,13 +89,13 @@ async function importHead(file, values) {
   const points = values.points ? pointsOf(values.points) : null;
   const scene = await readScene(file);
   const own = scene.points;
-  const found = points || own ? null : await find(scene, values.up);
+  const found = points ? points.find && (await find(scene, values.up, points)) : own ? null : await find(scene, values.up, null);
   const name = (values.name ?? path.basename(file, path.extname(file))).toLowerCase().replace(/[^a-z0-9_-]+/g, '-');
   const options = {
     name, title: values.title ?? name, unit: values.unit, up: found ? 'y' : values.up,
     licence: values.licence ?? scene.licence ?? 'LicenseRef-unknown', credits: values.credit ?? scene.credits ?? (scene.copyright ? [String(scene.copyright)] : []),
   };
-  const chosen = points ? { ...points, origin: points.frame === 'head' ? own?.origin : undefined } : (own ?? found.points);
+  const chosen = found ? found.points : points ? { ...points, origin: points.frame === 'head' ? own?.origin : undefined } : own;
   const { head, notes, used } = makeHead(scene, chosen, options);
   readModel(head); // as clients will
   const out = values.output ?? `${name}.json`;

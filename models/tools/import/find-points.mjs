@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Feature points of a mesh that brings none: it is drawn from the front and from both sides, the detector finds the landmarks of the face,
- * and where they are seen on the surface, the points of a mean face (face-template.json) are laid.
+ * Feature points of a mesh that brings none, or some: it is drawn from the front and from both sides, the detector finds the landmarks of the face,
+ * and where they are seen on the surface (or a file tells them to be), the points of a mean face (face-template.json) are laid.
  */
 import fs from 'node:fs';
 import { align } from '../../../web/src/portrait/align.mjs';
@@ -11,6 +11,8 @@ import { FileError } from './file-error.mjs';
 import { guessParts, splitBalls } from './guess-parts.mjs';
 import { lidMargins, lipLine } from './margins.mjs';
 import { addEyes, cutLips } from './open-face.mjs';
+import { landmarksOf, layTold } from './told-landmarks.mjs';
+import { placeOf } from './vertex.mjs';
 import { viewOf } from './views.mjs';
 
 const MEAN_FACE = JSON.parse(fs.readFileSync(new URL('face-template.json', import.meta.url), 'utf8'));
@@ -142,56 +144,106 @@ function trusted(points, template) {
   return { which, onto };
 }
 
-/**
- * Turns the scene to a head's directions, cuts eyes out of it, and names its meshes where they have no names that tell.
- * @param {object} scene of a reader @param {(picture: object) => Promise<number[][]>} eye @param {{up?: string, template?: object}} options template: the mean face
- * @returns {Promise<{points: object, notes: string[]}>} points as of points.mjs, in the file's units
- */
-export async function findPoints(scene, eye, { up, template = MEAN_FACE } = {}) {
-  splitBalls(scene);
+/** The whole scene in a head's directions. */
+function turnScene(scene, turn) {
+  for (const mesh of scene.meshes) {
+    mesh.position = turnAll(mesh.position, turn);
+    for (const [name, deltas] of Object.entries(mesh.targets)) mesh.targets[name] = turnAll(deltas, turn);
+    if (mesh.ball) mesh.ball = { ...mesh.ball, centre: turn(mesh.ball.centre) };
+  }
+}
+
+/** The face as the detector sees it. */
+async function seeFace(scene, eye, { up, template }) {
   const found = await findFace(scene, eye, up && `${up} up`);
   if (!found) throw new FileError('', 'no face was found in its views: --points FILE says where it is');
-  for (const mesh of scene.meshes) {
-    mesh.position = turnAll(mesh.position, found.turn);
-    for (const [name, deltas] of Object.entries(mesh.targets)) mesh.targets[name] = turnAll(deltas, found.turn);
-    if (mesh.ball) mesh.ball = { ...mesh.ball, centre: found.turn(mesh.ball.centre) };
-  }
+  turnScene(scene, found.turn);
   const { views, at } = await look(looks(scene), found, eye);
   if (!views[0]) throw new FileError('', 'no face was found in its views: --points FILE says where it is');
   const { points, apart, count } = gather(views, template);
   const sure = trusted(points, template);
   if (!sure) throw new FileError('', 'what was found in its views is no face: --points FILE says where it is');
   const { which, onto } = sure;
+  const text = apart / onto.scale > UNSURE || which.length < 300 ? 'not sure: look at it, or give --points' : 'sure';
+  const note = `feature points found by themselves: ${which.length} of ${points.filter(Boolean).length} landmarks in ${count} views, which agree within ${(apart / onto.scale).toFixed(1)} mm (${text})`;
+  return { ...found, front: views[0], at, points, which, onto, note };
+}
+
+/** The face as a file of points tells it: nothing is looked for. @param {Map<number, number[]>} landmarks in the file's coordinates */
+function toldFace(scene, landmarks, { up, template }) {
+  const turns = Object.entries(TURNS).filter(([name]) => !up || name.startsWith(`${up} up`));
+  const { name, turn, onto, which, points, all, off } = layTold(landmarks, template, Object.fromEntries(turns));
+  turnScene(scene, turn);
+  const height = onto.scale * distance(template.at[10], template.at[152]);
+  const at = [0, -0.05 * height, 0].map((x, k) => all[168][k] + x);
+  const view = viewOf(looks(scene), { middle: at, width: AROUND * height, yaw: 0 }, SIZE.close);
+  const mean = template.at.map((p) => onto.apply(p ?? template.at[168]));
+  const marks = all.map((p, i) => [SIZE.close / 2 + ((p ?? mean[i])[0] - at[0]) * view.scale, SIZE.close / 2 - ((p ?? mean[i])[1] - at[1]) * view.scale]);
+  const front = { yaw: 0, view, marks, points: marks.map(([u, v]) => view.at(u, v)) };
+  return { name, turn, height, front, at, points, which, onto, told: true, note: `feature points by ${which.length} landmarks, ${off.toFixed(1)} mm from a mean face's` };
+}
+
+/**
+ * Turns the scene to a head's directions, cuts eyes out of it, and names its meshes where they have no names that tell.
+ * @param {object} scene of a reader @param {(picture: object) => Promise<number[][]>} eye not needed where landmarks are told
+ * @param {{up?: string, template?: object, points?: object|null}} options template: the mean face; points: what of them is told (points.mjs)
+ * @returns {Promise<{points: object, notes: string[]}>} points as of points.mjs, in the file's units
+ */
+export async function findPoints(scene, eye, { up, template = MEAN_FACE, points: given = null } = {}) {
+  const known = placesOf(scene, given); // by the file's own vertices, which cutting counts anew
+  splitBalls(scene);
+  const face = known.landmarks ? toldFace(scene, known.landmarks, { up, template }) : await seeFace(scene, eye, { up, template });
+  const { front, at, points, which, onto, height } = face;
   const hits = new Map();
-  for (const i of STEADY) if (views[0].points[i]) hits.set(views[0].points[i].mesh, (hits.get(views[0].points[i].mesh) ?? 0) + 1);
+  for (const i of STEADY) if (front.points[i]) hits.set(front.points[i].mesh, (hits.get(front.points[i].mesh) ?? 0) + 1);
+  if (!hits.size) throw new FileError('landmarks', 'no mesh is where they are');
   const skin = [...hits].sort((a, b) => b[1] - a[1])[0][0];
 
-  const pairs = which.filter((i) => views[0].points[i]?.mesh === skin).map((i) => [template.at[i], points[i]]);
+  const asTold = Object.fromEntries([...Object.entries(known.fdp).map(([name, p]) => [name, face.turn(p)]), ...Object.entries(known.byLandmark).map(([name, i]) => {
+    if (!points[i]) throw new FileError(`fdp.${name}`, `landmark ${i} is ${face.told ? 'not told' : 'nowhere seen on the mesh'}`);
+    return [name, points[i]];
+  })]);
+  const leads = Object.entries(asTold).filter(([name]) => template.fdp[name] && !INNER.includes(name)).map(([name, p]) => [template.fdp[name], p]);
+  const pairs = which.filter((i) => face.told || front.points[i]?.mesh === skin).map((i) => [template.at[i], points[i]]);
   const warp = (more) => {
-    const all = [...pairs, ...more];
+    // two that the mean face has at one place would ask for two places at once
+    const all = [...more, ...pairs].filter(([p], i, list) => list.findIndex(([q]) => distance(p, q) < 0.05) === i);
     return rbf(all.flatMap(([from]) => from), all.flatMap(([, to]) => to), { smooth: SMOOTH });
   };
   const lay = (one) => Object.fromEntries(Object.entries(template.fdp).map(([name, p]) => [name, one.at(p)]));
-  let fdp = lay(warp([]));
+  let fdp = { ...lay(warp(leads)), ...asTold };
   const eyesApart = distance(fdp['3.5'], fdp['3.6']);
-  const made = addEyes(scene, views[0], { template, onto });
-  const seen = { fdp, eyesApart, marks: views[0].marks, camera: { middle: at, width: AROUND * found.height, yaw: 0 } };
+  const made = addEyes(scene, front, { template, onto });
+  const seen = { fdp, eyesApart, marks: front.marks, camera: { middle: at, width: AROUND * height, yaw: 0 } };
   let { own, notes } = margins(scene, looks(scene), skin, seen);
-  if (!own['2.2'] && cutLips(scene.meshes[skin], views[0], onto.scale)) {
+  if (!own['2.2'] && cutLips(scene.meshes[skin], front, onto.scale)) {
     ({ own, notes } = margins(scene, looks(scene), skin, seen));
     notes.push('the lips are one surface: they were cut apart where they meet');
   }
   if (made.length) notes.push(`there are holes for eyes, and none in them: ${made.join(', ')} were made`);
-  const told = Object.entries(own).filter(([name]) => template.fdp[name] && !INNER.includes(name)).map(([name, p]) => [template.fdp[name], p]);
-  fdp = { ...lay(warp(told)), ...own };
+  const told = Object.entries(own).filter(([name]) => template.fdp[name] && !INNER.includes(name) && !asTold[name]).map(([name, p]) => [template.fdp[name], p]);
+  fdp = { ...lay(warp([...leads, ...told])), ...own, ...asTold };
   const guessed = guessParts(scene, fdp, scene.meshes[skin]);
-  for (const [name, part] of [['3.5', 'eye_l'], ['3.6', 'eye_r']]) if (scene.meshes.some((mesh) => mesh.name === part)) delete fdp[name];
-  const mm = (x) => (x / onto.scale).toFixed(1);
+  for (const [name, part] of [['3.5', 'eye_l'], ['3.6', 'eye_r']]) if (!asTold[name] && scene.meshes.some((mesh) => mesh.name === part)) delete fdp[name];
   const unit = chooseUnit(scene, eyesApart, onto, notes);
-  const text = apart / onto.scale > UNSURE || which.length < 300 ? 'not sure: look at it, or give --points' : 'sure';
-  notes.unshift(`feature points found by themselves: ${which.length} of ${points.filter(Boolean).length} landmarks in ${count} views, which agree within ${mm(apart)} mm (${text}); ${found.name}, ${unit} mm a unit`);
+  notes.unshift(`${face.note}; ${face.name}, ${unit} mm a unit`);
+  if (Object.keys(asTold).length) notes.push(`feature points as they were told: ${Object.keys(asTold).join(', ')}`);
   if (guessed.length) notes.push(`parts by where they lie: ${[...new Set(guessed)].join(', ')}`);
-  return { points: { frame: 'file', fdp, parts: {}, influences: [] }, notes };
+  return { points: { frame: 'file', fdp, parts: given?.parts ?? {}, influences: [] }, notes };
+}
+
+/** What a file of points tells, in the file's coordinates. */
+function placesOf(scene, given) {
+  const [fdp, byLandmark] = [{}, {}];
+  for (const [name, value] of Object.entries(given?.fdp ?? {}))
+    if (Number.isInteger(value?.landmark)) byLandmark[name] = given.landmarks ? landmarksOf(given.landmarks)[value.landmark] : value.landmark;
+    else fdp[name] = placeOf(scene, `fdp.${name}`, value);
+  if (!given?.landmarks) return { fdp, byLandmark, landmarks: null };
+  const numbers = landmarksOf(given.landmarks);
+  const { vertices } = given.landmarks;
+  const landmarks = new Map();
+  vertices.forEach((value, i) => value !== null && landmarks.set(numbers[i], placeOf(scene, `landmarks.vertices[${i}]`, value)));
+  return { fdp, byLandmark, landmarks };
 }
 
 const INNER = ['2.2', '2.3', '2.6', '2.7', '2.8', '2.9']; // two at one place each: the warp takes one alone

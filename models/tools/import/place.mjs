@@ -3,6 +3,7 @@
 import { measureUnits } from '../../../web/src/head/calibrate.mjs';
 import { FileError } from './file-error.mjs';
 import { ballOf } from './parts.mjs';
+import { placeOf } from './vertex.mjs';
 
 const USUAL_ES = 62; // mm between the pupils of a grown person
 const UNITS = { mm: 1, cm: 10, m: 1000, in: 25.4, dm: 100 };
@@ -11,18 +12,6 @@ const PUPIL_DEPTH = 12; // mm before the eyeball's centre, where there is no eye
 const NEEDED = ['2.1', '2.2', '2.3', '3.1', '3.2', '3.3', '3.4', '8.3', '8.4', '9.15'];
 
 const swap = (p) => p.map((_, i) => (i % 3 === 0 ? p[i] : i % 3 === 1 ? p[i + 1] : -p[i - 1])); // z up, the face to -y
-
-/** Where a point of the file is, in the file's coordinates. */
-function locate(scene, name, value) {
-  if (Array.isArray(value)) return value;
-  const [mesh, vertex] = typeof value === 'number' ? [null, value] : [value.mesh, value.vertex];
-  const numbered = /_(\d+)$/.exec(mesh ?? '');
-  const found =
-    scene.meshes.find((one) => (mesh ? one.name === mesh : one.part === 'skin')) ?? scene.meshes[Number(numbered?.[1]) - 1] ?? scene.meshes.find(({ part }) => part === 'skin');
-  const own = found.from ? found.from.indexOf(vertex) : vertex;
-  if (own < 0 || own >= found.position.length / 3) throw new FileError(`fdp.${name}`, `there is no vertex ${vertex} in ${found.name}`);
-  return [0, 1, 2].map((k) => found.position[3 * own + k]);
-}
 
 /**
  * Changes the scene's meshes in place. @param {object} points see points.mjs
@@ -36,7 +25,7 @@ export function placeHead(scene, points, { unit, up = 'y' }) {
   };
   const balls = ['eye_l', 'eye_r'].map(eyeOf);
   const inFile = {};
-  if (points.frame === 'file') for (const [name, value] of Object.entries(points.fdp)) inFile[name] = turn(locate(scene, name, value));
+  if (points.frame === 'file') for (const [name, value] of Object.entries(points.fdp)) inFile[name] = turn(placeOf(scene, `fdp.${name}`, value));
   const scale = UNITS[unit] ?? scene.unit ?? guessUnit(balls, inFile);
   const middle = (list) => list[0].map((_, k) => (list[0][k] + list[1][k]) / 2);
   let origin;
@@ -56,7 +45,7 @@ export function placeHead(scene, points, { unit, up = 'y' }) {
     fdp[name] = front ? [front[0], front[1], front[2] + balls[i].radius * scale] : fdp[name];
   });
   const missing = [...NEEDED, '3.5', '3.6'].filter((name) => !fdp[name]);
-  if (missing.length) throw new FileError('fdp', `${missing.join(', ')} are missing: the face's units are measured from them`);
+  if (missing.length) throw new FileError('fdp', `${missing.join(', ')} are missing: the face's units are measured from them ("find": true has what is not told found)`);
   const fapu = measureUnits(fdp);
   for (const [name, value] of Object.entries(fapu))
     if (!(value > 1 && value < 250)) throw new FileError('fdp', `${name} would be ${value.toFixed(1)} mm: points, unit (${scale} mm) or axes (--up) are wrong`);

@@ -1,11 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
- * Feature points for an import. Our JSON: {"frame": "file" | "head", "fdp": {"2.1": [x, y, z] | vertex | {"mesh": name, "vertex": n}}}, a built
- * head's own file (frame head: mm, the origin between the eyes), or Xface's .fdp (XML) with its weights.
+ * Feature points for an import. Our JSON: {"frame": "file" | "head", "fdp": {"2.1": [x, y, z] | vertex | {"mesh": name, "vertex": n} |
+ * {"landmark": n}}, "landmarks": {"scheme": "mediapipe" | "ibug", "vertices": [...]}, "find": true}, a built head's own file (frame head: mm, the origin between the eyes), or Xface's .fdp (XML) with its weights.
  */
 import { isFeaturePoint } from '../../../web/src/head/calibration-check.mjs';
 import { FAPS } from '../lib/faps.mjs';
+import { COUNT } from '../../../web/src/portrait/landmarks.mjs';
 import { FileError } from './file-error.mjs';
+import { SCHEMES, landmarksOf } from './told-landmarks.mjs';
 
 const lineAt = (text, at) => text.slice(0, at).split('\n').length;
 
@@ -18,16 +20,39 @@ export function readPoints(text) {
     const at = /position (\d+)/.exec(error.message);
     throw new FileError(at ? `line ${lineAt(text, Number(at[1]))}` : '', error.message);
   }
-  if (typeof json?.fdp !== 'object' || json.fdp === null) throw new FileError('fdp', 'is missing');
+  const isMap = (value) => typeof value === 'object' && value !== null && !Array.isArray(value);
+  if (!isMap(json) || !isMap(json.landmarks ? (json.fdp ?? {}) : json.fdp)) throw new FileError('fdp', 'is missing');
+  if (json.landmarks !== undefined && !isMap(json.landmarks)) throw new FileError('landmarks', 'must have a scheme and vertices');
   const frame = json.format === 'faccia-head' ? 'head' : (json.frame ?? 'file');
   if (!['file', 'head'].includes(frame)) throw new FileError('frame', 'must be file or head');
-  for (const [name, value] of Object.entries(json.fdp)) {
+  const landmarks = json.landmarks === undefined ? null : readLandmarks(json.landmarks);
+  const most = landmarks ? landmarksOf(landmarks).length : COUNT;
+  for (const [name, value] of Object.entries(json.fdp ?? {})) {
     if (!isFeaturePoint(name)) throw new FileError(`fdp.${name}`, 'there is no such feature point');
-    const vertex = typeof value === 'object' && !Array.isArray(value) ? value?.vertex : value;
-    const place = Array.isArray(value) && value.length === 3 && value.every(Number.isFinite);
-    if (!place && !(Number.isInteger(vertex) && vertex >= 0)) throw new FileError(`fdp.${name}`, 'must be three numbers, a vertex, or a mesh with a vertex');
+    const isLandmark = Number.isInteger(value?.landmark) && value.landmark >= 0 && value.landmark < most;
+    if (!isLandmark && !isPlace(value)) throw new FileError(`fdp.${name}`, `must be three numbers, a vertex, a mesh with a vertex, or a landmark (0 to ${most - 1})`);
   }
-  return { frame, fdp: json.fdp, parts: json.parts ?? {}, influences: [] };
+  const find = json.find === true || Boolean(landmarks) || Object.values(json.fdp ?? {}).some((value) => value?.landmark !== undefined);
+  if (find && frame === 'head') throw new FileError('frame', 'must be file where landmarks are told or points are to be found');
+  return { frame, fdp: json.fdp ?? {}, parts: json.parts ?? {}, influences: [], landmarks, find };
+}
+
+function isPlace(value) {
+  const vertex = typeof value === 'object' && !Array.isArray(value) ? value?.vertex : value;
+  return (Array.isArray(value) && value.length === 3 && value.every(Number.isFinite)) || (Number.isInteger(vertex) && vertex >= 0);
+}
+
+/** A list of landmarks; without one, the mesh's vertices are counted as the landmarks are. */
+function readLandmarks({ scheme, vertices } = {}) {
+  const known = SCHEMES[scheme];
+  if (!known) throw new FileError('landmarks.scheme', `must be one of ${Object.keys(SCHEMES).join(', ')}`);
+  if (vertices === undefined && scheme === 'mediapipe') return { scheme, vertices: Array.from({ length: 468 }, (_, i) => i) };
+  const lengths = scheme === 'ibug' ? [51, 68] : [468, 478];
+  if (!Array.isArray(vertices) || !lengths.includes(vertices.length)) throw new FileError('landmarks.vertices', `must be a list of ${lengths.join(' or ')}`);
+  vertices.forEach((value, i) => {
+    if (value !== null && !isPlace(value)) throw new FileError(`landmarks.vertices[${i}]`, 'must be a vertex, three numbers, a mesh with a vertex, or null');
+  });
+  return { scheme, vertices };
 }
 
 /** Tags of an XML file with their attributes and lines; what they close is checked. */

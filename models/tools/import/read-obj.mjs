@@ -98,5 +98,6 @@ export function readObj(file, bytes) {
     materials,
     notes,
     unit: null,
+    counted: 'whole', // vertices: through all meshes
   };
 }

@@ -93,6 +93,7 @@ export function eyeActions(actions, ctx, tuning) {
       axis: [1, 0, 0],
       radians: lids.angle.upper / 1024,
       at: (v) => lids.upper[v],
+      spared: ['brows'], // their hairs reach below where the skin begins to go with the lid
     });
     actions.turn({
       name: `lid_${side}_lower`,

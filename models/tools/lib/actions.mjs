@@ -44,12 +44,12 @@ export class Actions {
     this.moves.push({ fap, sign, field });
   }
 
-  /** Adds a turn with its weight at each base vertex; `rigid` gives whole parts one weight. */
-  turn({ name, fap, pivot, axis, radians, at = () => 0, rigid = {} }) {
+  /** Adds a turn with its weight at each base vertex; `rigid` gives whole parts one weight, `spared` parts none. */
+  turn({ name, fap, pivot, axis, radians, at = () => 0, rigid = {}, spared = [] }) {
     const { p } = this.face;
     const weights = new Float64Array(p.length / 3);
     for (let v = 0; v < weights.length; v++) weights[v] = at(v, p[v * 3], p[v * 3 + 1], p[v * 3 + 2]);
-    this.turns.push({ name, fap, pivot, axis, radians, weights, rigid });
+    this.turns.push({ name, fap, pivot, axis, radians, weights, rigid, spared });
   }
 }
 

@@ -65,8 +65,11 @@ export class DepthMap {
     return i >= 0 && j >= 0 && i < n && j < n && this.depth[j * n + i] > this.#along(this.dir, x, y, z) + slack;
   }
 
-  /** The share of the light from there that reaches a place: 0..1, by the four points round it. */
-  reaches(x, y, z, slack) {
+  /**
+   * The share of the light from there that reaches a place: 0..1, by the four points round it.
+   * @param {(mm: number) => number} [through] what comes through to a place that lies so far below
+   */
+  reaches(x, y, z, slack, through = () => 0) {
     const u = (this.#along(this.right, x, y, z) + this.reach) * this.scale - 0.5,
       v = (this.#along(this.top, x, y, z) + this.reach) * this.scale - 0.5;
     const i = Math.floor(u),
@@ -77,8 +80,8 @@ export class DepthMap {
     const fx = u - i,
       fy = v - j,
       at = j * n + i;
-    const low = (depth[at] > limit ? 0 : 1 - fx) + (depth[at + 1] > limit ? 0 : fx);
-    const high = (depth[at + n] > limit ? 0 : 1 - fx) + (depth[at + n + 1] > limit ? 0 : fx);
-    return low * (1 - fy) + high * fy;
+    const open = (k) => (depth[k] > limit ? through(depth[k] - limit) : 1);
+    const row = (k) => open(k) * (1 - fx) + open(k + 1) * fx;
+    return row(at) * (1 - fy) + row(at + n) * fy;
   }
 }

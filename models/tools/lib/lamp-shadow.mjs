@@ -3,9 +3,9 @@
  * The shadows that nose, lips, chin, brows, hair, collar and glasses throw on the skin at rest. Clients know how much light reaches
  * each vertex, which is too coarse for them; here they are found for every texel, and painted as far as the client will not see them.
  */
-import { bakeOcclusion } from '../../../web/src/head/occlusion.mjs';
+import { bakeOcclusion, throughHair } from '../../../web/src/head/occlusion.mjs';
 import { KEY } from '../../../web/src/head/lights.mjs';
-import { CLEAR } from '../../../web/src/head/surfaces.mjs';
+import { CLEAR, isAiry } from '../../../web/src/head/surfaces.mjs';
 import { dilate, eachTexel } from './bake.mjs';
 import { DepthMap } from './depth.mjs';
 import { normals } from './mesh.mjs';
@@ -39,14 +39,18 @@ function rays() {
  * @returns {(x: number, y: number, z: number) => number} share of the lamp that reaches a place a little above the surface
  */
 function lampReach(casters) {
-  const maps = rays().map((dir) => {
+  const mapOf = (dir, some) => {
     const map = new DepthMap(dir, PLACE);
-    for (const { part, opaque } of casters) map.draw(part, opaque);
+    for (const { part, opaque } of some) map.draw(part, opaque);
     return map;
-  });
+  };
+  const maps = rays().map((dir) => ({
+    solid: mapOf(dir, casters.filter(({ part }) => !isAiry(part.name))),
+    airy: mapOf(dir, casters.filter(({ part }) => isAiry(part.name))),
+  }));
   return (x, y, z) => {
     let sum = 0;
-    for (const map of maps) sum += map.reaches(x, y, z, SLACK);
+    for (const { solid, airy } of maps) sum += solid.reaches(x, y, z, SLACK) * airy.reaches(x, y, z, SLACK, throughHair);
     return sum / RAYS;
   };
 }
@@ -59,7 +63,7 @@ function clientReach(parts, skin, seen, seenNormals, opaqueOf) {
       const position = Float32Array.from(part.position);
       const normal = own ? seenNormals : normals(part.position, part.index, part.smooth);
       return {
-        position, index: Uint16Array.from(part.index), shades: !CLEAR.includes(part.name),
+        position, index: Uint16Array.from(part.index), shades: !CLEAR.includes(part.name), airy: isAiry(part.name),
         uv: part.uv, opaque: opaqueOf(part),
         seen: { position: own ? Float32Array.from(seen) : position, normal: Float32Array.from(normal) },
       };

@@ -15,6 +15,7 @@ import { distanceTo } from './near-hair.mjs';
 import { fractal, noise } from './noise.mjs';
 import { eyeLines, lidPaint } from './paint-lids.mjs';
 import { lipPaint, lipParameter } from './paint-lips.mjs';
+import { neckPaint } from './paint-neck.mjs';
 import { ellipsoid, smoothstep } from './zones.mjs';
 
 const MOST_LIGHT = 1.1; // times what the client sees: where its own shadow is too wide
@@ -56,6 +57,7 @@ export async function paintSkin(spec, scene) {
   const [lipT, lipDepth, lipS] = [lips.t, lips.depth, ctx.grid.s].map(onPart);
   const lids = eyeLines(ctx);
   const grown = hairRoots(look, parts, opaque);
+  const neck = neckPaint(ctx, look.neck, recipe.materials.skin.subsurface);
   const ear = earZone(ctx.fdp, look.scalp.ears);
   const scalp = hex(look.scalp.colour);
   const lidLook = { ...look.lids, tone: alike(hex(look.lids.tone)), rim: alike(hex(look.lids.rim)) };
@@ -79,7 +81,7 @@ export async function paintSkin(spec, scene) {
         const w = z.weight(q[0], q[1], q[2]);
         if (w > 0) colour = mix(colour, z.colour, w * z.strength);
       }
-      colour = mottle(colour, q, look);
+      colour = neck(mottle(colour, q, look), q, [0, 1, 2].map((k) => at(vertexNormals, 3, k)));
       colour = lidPaint(colour, q, lids, lidLook);
       const t = attribute(lipT);
       colour = lipPaint(colour, q, t, attribute(lipDepth), attribute(lipS), look.lips);

@@ -6,6 +6,7 @@
 import { readProxy } from './assets.mjs';
 import { EYE_MARGIN } from './hm08.mjs';
 import { triangulate } from './mesh.mjs';
+import { wideEnough } from './strips.mjs';
 import { ellipsoid, nearestOnLine } from './zones.mjs';
 
 /**
@@ -58,7 +59,8 @@ export function proxyPart(ctx, name, spec, keep) {
     const q = fitted(i);
     return !spec.cut || (q[1] > spec.cut.y && Math.abs(q[0]) < spec.cut.x);
   };
-  const mesh = triangulate(proxy.faces, proxy.uvs, (f) => f.v.every(inside) && (!keep || keep(f, refs)));
+  const wide = spec.thinnest ? wideEnough(proxy.faces, fitted, spec.thinnest) : () => true;
+  const mesh = triangulate(proxy.faces, proxy.uvs, (f) => f.v.every(inside) && wide(f) && (!keep || keep(f, refs)));
   return {
     ...finish(
       name,
@@ -107,6 +109,7 @@ export function applyActions(part, actions, least) {
     if (vertices.length) part.moves.push({ fap, sign, vertices, deltas });
   }
   for (const turn of actions.turns) {
+    if (turn.spared.includes(part.name)) continue;
     if (turn.rigid[part.name] !== undefined) {
       part.turns.push({ turn: turn.name, weight: turn.rigid[part.name] });
       continue;

@@ -6,7 +6,7 @@
 import sharp from 'sharp';
 import { bakeOcclusion } from '../../../web/src/head/occlusion.mjs';
 import { mouthLight, openingOf } from '../../../web/src/head/mouth-light.mjs';
-import { CLEAR, eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/src/head/surfaces.mjs';
+import { CLEAR, isAiry, eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/src/head/surfaces.mjs';
 import { pose } from './deform.mjs';
 import { normals } from './mesh.mjs';
 import { shadePoint, toLinear } from './shading.mjs';
@@ -115,6 +115,7 @@ function bake(scene) {
       uv,
       opaque: texture && (alpha === 'cutout' || alpha === 'blend') ? opaqueIn(texture) : null,
       shades: !CLEAR.includes(name),
+      airy: isAiry(name),
       seen: { position: Float32Array.from(position), normal: Float32Array.from(normal) },
     })),
   );

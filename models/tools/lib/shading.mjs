@@ -75,6 +75,7 @@ function shine(kind, look, n, v, base, reach, fibre) {
   const fill = highlight(n, v, FILL.direction, rough),
     back = highlight(n, v, RIM.direction, rough);
   const up = 0.5 + 0.5 * (2 * dot(n, v) * n[1] - v[1]);
+  const bare = kind === 'skin' ? step(0.004, 0.02, 0.3 * base[0] + 0.6 * base[1] + 0.1 * base[2]) : 1; // roots of hair are painted on skin, and do not shine
   return [0, 1, 2].map(
     (k) =>
       (KEY.color[k] * key * (0.028 + rim * 0.4) * reach[1] +
@@ -82,7 +83,8 @@ function shine(kind, look, n, v, base, reach, fibre) {
         RIM.color[k] * back * (0.028 + rim * 0.3) * reach[3] +
         (GROUND[k] + (SKY[k] - GROUND[k]) * up) * (0.028 + rim * 0.25) * reach[0] * reach[0] * 0.6) *
       specular *
-      2.6,
+      2.6 *
+      bare,
   );
 }
 

@@ -10,7 +10,7 @@ import fs from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { parseArgs } from 'node:util';
-import { makeHead, nearest, inOrder } from '../../../web/src/portrait/portrait.mjs';
+import { asProfile, makeHead, nearest, inOrder } from '../../../web/src/portrait/portrait.mjs';
 import { PortraitError } from '../../../web/src/portrait/problem.mjs';
 import { openSource, SourceError } from '../pictures/sources.mjs';
 import { listOf, nameOf, withOwnActions } from './actions/actions.mjs';
@@ -55,7 +55,12 @@ const head = (which) => JSON.parse(fs.readFileSync(path.join(heads, `${which}.js
 async function look(eye, file) {
   try {
     const picture = await flat(file);
-    return { picture, landmarks: await eye(picture) };
+    try {
+      return { picture, landmarks: await eye(picture) };
+    } catch (error) {
+      if (error.code !== 'no_face') throw error;
+      return asProfile(picture, table);
+    }
   } catch (error) {
     if (error instanceof PortraitError) error.message = `${file}: ${error.message}`;
     throw error;
@@ -68,7 +73,9 @@ try {
   const eye = await openEye();
   const views = [];
   for (const photo of photos) views.push(await look(eye, photo));
-  const [front] = inOrder(views, Object.values(table)[0]);
+  const seen = views.filter(({ landmarks }) => landmarks);
+  if (!seen.length) throw new PortraitError('turned', `${photos[0]}: one picture must show the face from the front`);
+  const [front] = inOrder(seen, Object.values(table)[0]);
   const like = values.like ?? nearest(front, table)[0].name;
   const made = await makeHead(head(like), table[like], views, textures, {
     name, title: values.title, keep: values.keep?.split(','), eyes: values.eyes ? head(values.eyes) : null,
@@ -77,7 +84,7 @@ try {
   for (const reason of own?.unfit ?? []) console.log(`${reason.replace(': ', ': unfit: ')}`);
   fs.writeFileSync(`${values.out}.part`, JSON.stringify(own?.head ?? made.head));
   fs.renameSync(`${values.out}.part`, values.out);
-  const notes = [`like ${like}`, `${made.sides} pictures from the side`, ...(made.parted ? ['the lips are parted: a picture with closed lips gives a better mouth'] : []),
+  const notes = [`like ${like}`, `${made.sides} pictures half from the side, ${made.profiles} from the side`, ...(made.parted ? ['the lips are parted: a picture with closed lips gives a better mouth'] : []),
     ...(own ? [`${own.taken.length} poses, ${own.actions} actions of its own`] : [])];
   console.log(`${values.out}: ${notes.join('; ')}`);
 } catch (error) {

@@ -6,6 +6,7 @@ import {
 import { faceValues } from '../face-mixer.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
 import { grainTexture } from './grain.mjs';
+import { lidsAt, lidsOf } from './lids.mjs';
 import { mouthUniforms, openingOf } from './mouth-light.mjs';
 import { bared, reachesOf } from './reach.mjs';
 import { headTurnOf, Shape } from './shape.mjs';
@@ -20,6 +21,9 @@ import { loadTexture, setTextureQuality, whiteTexture } from './textures.mjs';
 
 const INSIDE = /^(teeth|tongue)/; // nothing is seen of these when the lips meet
 const CUT = 0.5; // of the alpha of hair that is drawn as if it were opaque
+
+/** Brows are drawn as if they stood some 3 mm before the skin: the lid that closes comes out below them. */
+const OVER_LIDS = { polygonOffset: true, polygonOffsetFactor: 0, polygonOffsetUnits: -6000 };
 
 /** Colours come multiplied by alpha. */
 function blended(material) {
@@ -51,6 +55,7 @@ export class Head {
     this.drive = new Drive(model);
     this.group = new Group();
     this.parts = []; // {part, influences, geometry, shapes: the whole one, then with fewer triangles; shape: the one drawn}
+    this.eyes = []; // {lids, lidUpper, lidLower: as they stand}
     this.faps = faceValues({});
     this.materials = [];
     const creases = wrinklePlace(model.fdp, model.fapu);
@@ -132,7 +137,10 @@ export class Head {
 
   #eyeUniforms(part) {
     const [center, iris] = this.#eye(part);
-    return { eyeCenter: { value: new Vector3(...center) }, irisRadius: { value: iris } };
+    const radius = Math.hypot(...center.map((value, k) => part.position[k] - value));
+    const eye = { lids: lidsOf(this.model, center, radius), lidUpper: { value: new Vector4() }, lidLower: { value: new Vector4() } };
+    this.eyes.push(eye);
+    return { eyeCenter: { value: new Vector3(...center) }, irisRadius: { value: iris }, lidUpper: eye.lidUpper, lidLower: eye.lidLower };
   }
 
   #skinUniforms({ moist = [0.58, 0.72], relief = 1 }) {
@@ -210,6 +218,7 @@ export class Head {
         ...(this.software ? { STORED: 1 } : {}),
       },
     });
+    if (part.name.startsWith('brows')) Object.assign(material, OVER_LIDS);
     if (!opaque) {
       material.transparent = true;
       blended(material);
@@ -259,6 +268,11 @@ export class Head {
       this.uniforms.folds.value.set(...foldsOf(values));
     }
     this.uniforms.opening.value = openingOf(this.model, values);
+    for (const { lids, lidUpper, lidLower } of this.eyes) {
+      const { upper, lower } = lidsAt(lids, values);
+      lidUpper.value.set(...upper);
+      lidLower.value.set(...lower);
+    }
   }
 
   /** It is about to be drawn. @param {Vector3} eye from where, a direction */

@@ -8,10 +8,15 @@ const SKY_DIRECTIONS = 40;
 const LAMP_DIRECTIONS = 9; // of each lamp, which has a size
 const LAMP_RADIUS = 0.2; // radians
 const LEAST_SKY = 0.12; // some light gets everywhere: no skin is black under hair
+const AIRY_MM = 22; // hair is hairs: what lies just below it gets some of the light,
+const AIRY = 0.7; // this much, and less with the distance
 
 const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const unit = (v) => v.map((value) => value / Math.hypot(...v));
+
+/** The share of the light that comes through hair to what lies so many mm below it. */
+export const throughHair = (mm) => AIRY * Math.max(0, 1 - mm / AIRY_MM);
 
 /** Two directions at right angles to `d` and each other. */
 export function across(d) {
@@ -38,6 +43,7 @@ class DepthPicture {
     this.scale = SIZE / (2 * radius);
     this.center = center;
     this.depth = new Float32Array(SIZE * SIZE).fill(-Infinity);
+    this.airy = new Uint8Array(SIZE * SIZE); // where it is hair
   }
 
   /** Positions as (column, row, height), flat. */
@@ -52,15 +58,17 @@ class DepthPicture {
     return out;
   }
 
-  draw(points, { index, uv, opaque }) {
-    const { depth } = this;
+  draw(points, { index, uv, opaque, airy = false }) {
+    const { depth, airy: hair } = this;
     let corners;
     const there = (wb, wc) => opaque(...[0, 1].map((k) => {
       const [a, b, c] = corners.map((v) => uv[2 * v + k]);
       return a + wb * (b - a) + wc * (c - a);
     }));
     const nearest = (at, height, wb, wc) => {
-      if (height > depth[at] && (!opaque || there(wb, wc))) depth[at] = height;
+      if (height <= depth[at] || (opaque && !there(wb, wc))) return;
+      depth[at] = height;
+      hair[at] = Number(airy);
     };
     for (let t = 0; t < index.length; t += 3) {
       corners = [index[t], index[t + 1], index[t + 2]];
@@ -68,13 +76,17 @@ class DepthPicture {
     }
   }
 
-  /** How much of the light from there reaches a projected point: 0..1, by the four texels round it. */
-  reaches(points, i) {
+  /** How much of the light from there reaches a projected point, which hair stops whole or not: 0..1, by the four texels round it. */
+  reaches(points, i, stopped) {
     const x = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i] - 0.5)));
     const y = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i + 1] - 0.5)));
     const [fx, fy] = [Math.min(1, points[i] - 0.5 - x), Math.min(1, points[i + 1] - 0.5 - y)];
     const at = y * SIZE + x;
-    const open = (k) => (this.depth[k] <= points[i + 2] + BIAS_MM ? 1 : 0);
+    const open = (k) => {
+      const below = this.depth[k] - points[i + 2] - BIAS_MM;
+      if (below <= 0) return 1;
+      return this.airy[k] && !stopped ? throughHair(below) : 0;
+    };
     const row = (k) => open(k) * (1 - fx) + open(k + 1) * fx;
     return row(at) * (1 - fy) + row(at + SIZE) * fy;
   }
@@ -84,9 +96,9 @@ class DepthPicture {
  * How much light reaches each vertex of a head, when every part can stand in the way of every other: of the open sky
  * round it, and of the key, fill and rim light. A generator that yields after each direction, so that the work can be
  * spread; it returns the parts' lists.
- * @param {{position: Float32Array, index: Uint16Array, shades: boolean, uv?: ArrayLike<number>,
+ * @param {{position: Float32Array, index: Uint16Array, shades: boolean, airy?: boolean, uv?: ArrayLike<number>,
  *   opaque?: ((u: number, v: number) => boolean)|null, seen: {position: Float32Array, normal: Float32Array}}[]} parts
- *   `position`: where it stands in the way, if it `shades` and is `opaque`; `seen`: where the light on it is asked for
+ *   `position`: where it stands in the way, if it `shades` and is `opaque`; `airy`: it is hair; `seen`: where the light on it is asked for
  * @returns {Generator<void, Uint8Array[]>} for each part four bytes a vertex: sky, key, fill, rim
  */
 export function* bakeOcclusion(parts) {
@@ -95,7 +107,7 @@ export function* bakeOcclusion(parts) {
     { directions: directions(SKY_DIRECTIONS, [0, 1, 0], 0), sky: true },
     { directions: directions(LAMP_DIRECTIONS, KEY.direction, LAMP_RADIUS) },
     { directions: directions(LAMP_DIRECTIONS, FILL.direction, LAMP_RADIUS) },
-    { directions: directions(LAMP_DIRECTIONS, RIM.direction, LAMP_RADIUS) },
+    { directions: directions(LAMP_DIRECTIONS, RIM.direction, LAMP_RADIUS), stopped: true }, // from behind it would have to come through all the hair
   ];
   const sums = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
   const weights = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
@@ -103,13 +115,13 @@ export function* bakeOcclusion(parts) {
     for (const direction of light.directions) {
       const picture = new DepthPicture(direction, radius, [0, 0, 0]);
       for (const part of parts) if (part.shades) picture.draw(picture.project(part.position), part);
-      parts.forEach(({ seen }, i) => {
+      parts.forEach(({ seen, airy }, i) => {
         const points = picture.project(seen.position);
         for (let v = 0; v < points.length; v += 3) {
           // What faces away from the sky's part gets nothing from it anyway.
           const facing = light.sky ? dot(seen.normal.subarray(v, v + 3), direction) : 1;
           if (facing <= 0) continue;
-          sums[i][l][v / 3] += facing * picture.reaches(points, v);
+          sums[i][l][v / 3] += facing * picture.reaches(points, v, airy || light.stopped);
           weights[i][l][v / 3] += facing;
         }
       });

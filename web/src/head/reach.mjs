@@ -5,7 +5,7 @@ import { bakeOcclusion } from './occlusion.mjs';
 import { opaqueOfPart } from './opacity.mjs';
 import { LIT_POSE, SHADOW_POSE } from './poses.mjs';
 import { sliced } from './slices.mjs';
-import { CLEAR } from './surfaces.mjs';
+import { CLEAR, isAiry } from './surfaces.mjs';
 
 /** @param {import('./head.mjs').Head} head @returns {Promise<Uint8Array[]>} for each part: see bakeOcclusion */
 export function reachesOf(head) {
@@ -21,6 +21,7 @@ export function reachesOf(head) {
       uv: geometry.attributes.uv.array,
       opaque: opaqueOfPart(head, part),
       shades: !CLEAR.includes(part.name),
+      airy: isAiry(part.name),
       seen: lit[i],
     })),
   );

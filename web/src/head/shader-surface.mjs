@@ -2,6 +2,7 @@
 // How the surfaces of a head look. KIND says what is drawn (skin, hair, eye, mouth, other), FINE the quality.
 import { grainGlsl } from './grain.mjs';
 import { deformGlsl } from './shader-deform.mjs';
+import { lidFragmentGlsl, lidVertexGlsl } from './lids.mjs';
 import { mouthLightGlsl } from './mouth-light.mjs';
 import { wrinkleGlsl } from './wrinkles.mjs';
 import { lightGlsl } from './shader-light.mjs';
@@ -29,6 +30,7 @@ WITHIN varying vec4 surfaceLight; // open sky, key, fill and rim light: how much
 WITHIN varying vec3 surfaceFibre;
 #elif KIND == 3
 uniform vec3 eyeCenter;
+WITHIN varying vec2 lidGap; // mm below the upper margin, above the lower one
 uniform float irisRadius; // as a share of the eyeball's radius
 WITHIN varying vec3 eyePlace; // on the unit eyeball, looking along z
 #endif
@@ -52,6 +54,8 @@ attribute vec3 fibre;
 #endif
 #if KIND == 4
 ${mouthLightGlsl}
+#elif KIND == 3
+${lidVertexGlsl}
 #endif
 #if !FINE
 varying vec3 vertexLight;
@@ -65,6 +69,7 @@ void main() {
   light = mouthLight(transpose(mat3(headTurn)) * (p - headTurn[3].xyz)); // as the head stands upright
 #elif KIND == 3
   eyePlace = normalize(rest - eyeCenter);
+  lidGap = belowLids(transpose(mat3(headTurn)) * (p - headTurn[3].xyz) - eyeCenter); // as the head stands upright
 #endif
   surfaceUv = uv;
 #ifdef FULL
@@ -93,6 +98,8 @@ export const fragmentGlsl = /* glsl */ `
 ${commonGlsl}
 #if FINE && KIND == 1
 ${grainGlsl}
+#elif KIND == 3
+${lidFragmentGlsl}
 #endif
 uniform sampler2D map;
 uniform float roughness;
@@ -198,7 +205,9 @@ vec4 shaded(vec4 base) {
   vec3 color = base.rgb * vertexLight;
 #endif
 #if KIND == 3
-  color += catchLight(n, v, min(1.0, 0.15 + reach.x * 1.6));
+  color *= lidShade(lidGap);
+  color += catchLight(n, v, min(1.0, 0.15 + reach.x * 1.6)) * smoothstep(-0.4, 1.2, lidGap.x);
+  color += 0.16 * wetEdge(lidGap.y) * (SKY + KEY_COLOR * reach.y * max(0.0, dot(n, KEY_DIRECTION)));
 #endif
   float alpha = max(base.a, opaque) * smoothstep(0.0, 1.0, gl_FragCoord.y / fade);
   return vec4(toDisplay(clamp(filmic(color), 0.0, 1.0)) * alpha, alpha);

@@ -6,6 +6,9 @@ export const THIN = ['lashes', 'brows'];
 /** What takes no light from the rest: thin things, and lenses. */
 export const CLEAR = [...THIN, 'glasses'];
 
+/** Hairs beside each other, between which some light comes through to the skin. */
+export const isAiry = (name) => /^(hair|beard)/.test(name);
+
 /** What the name of a part says about the way it is drawn. */
 export function kindOf(name) {
   if (/^(hair|beard|lashes|brows)/.test(name)) return 'hair';

@@ -4,12 +4,12 @@
 // Pictures stay in the page: nothing here sends anything.
 import { detectorSettings, findFace } from './detect.mjs';
 import { base64 } from './pack.mjs';
-import { inOrder, makeHead, nearest } from './portrait.mjs';
+import { asProfile, inOrder, makeHead, nearest } from './portrait.mjs';
 import { PortraitError } from './problem.mjs';
 
 export { HANDLES, withMoved } from './landmarks.mjs';
 export { TurnPicker } from './turn.mjs';
-export { inOrder, makeHead, nearest, PortraitError };
+export { asProfile, inOrder, makeHead, nearest, PortraitError };
 
 const LONGEST = 3000; // pixels: more is not needed for a texture
 const MOST_PIXELS = 100e6;

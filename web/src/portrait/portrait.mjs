@@ -5,6 +5,7 @@ import { fitShape, isFront, laid, tooTurned, unlikeness } from './fit.mjs';
 import { morph } from './morph.mjs';
 import { packPositions } from './pack.mjs';
 import { PortraitError } from './problem.mjs';
+import { layProfile, outlinesOf, withProfiles } from './profile.mjs';
 import { paintSkin, toneOf } from './skin.mjs';
 
 const WORN_MM = 2; // what a beard or glasses cost there: their roots and shadows stay on the skin
@@ -24,6 +25,27 @@ export function inOrder(views, base) {
 }
 
 /**
+ * A picture in which no landmarks are found, as one from the side: like one of the base heads it must be.
+ * @param {object} picture @param {Record<string, import('./fit.mjs').Points>} table of base heads
+ * @returns {{picture: object, outlines: object, points: number[][]}} points: of the line that was found, in the picture
+ * @throws {PortraitError}
+ */
+export function asProfile(picture, table) {
+  const outlines = outlinesOf(picture);
+  let best = null;
+  for (const { at } of Object.values(table)) {
+    try {
+      const laid = layProfile(picture, outlines, at);
+      if (!best || laid.cost < best.cost) best = laid;
+    } catch (error) {
+      if (!(error instanceof PortraitError)) throw error;
+    }
+  }
+  if (!best) throw new PortraitError('no_face', 'there is no face to be found in the picture');
+  return { picture, outlines, points: best.points };
+}
+
+/**
  * Heads by how near they are to a face, the nearest first. @returns {{name: string, mm: number, tone: number, worn:
  * number}[]}
  */
@@ -36,24 +58,28 @@ export function nearest({ picture, landmarks }, table) {
 
 /**
  * @param {object} json the base head (protocol/head-model.md) @param {import('./fit.mjs').Points} base its landmarks
- * @param {{picture: {width: number, height: number, data: ArrayLike<number>}, landmarks: number[][]}[]} views upright
- *   pictures in RGBA
+ * @param {{picture: {width: number, height: number, data: ArrayLike<number>}, landmarks?: number[][], outlines?:
+ *   object}[]} views upright
+ *   pictures in RGBA; outlines in place of landmarks: of asProfile
  * @param {{read: (texture: object) => Promise<object>, write: (image: object) => Promise<object>}} images read: a texture of
  *   a head as
  *   RGBA; write: RGBA as a texture
  * @param {{name?: string, title?: string, keep?: string[], eyes?: object|null}} [options]
  *   keep: of what the base wears (beard, glasses); eyes: the head that they are taken from
- * @returns {Promise<{head: object, parted: boolean, sides: number}>} parted: the lips are, so the mouth is less the face's own
+ * @returns {Promise<{head: object, parted: boolean, sides: number, profiles: number}>} parted: the lips are, so the
+ *   mouth is less the face's own
  */
 export async function makeHead(json, base, views, images, options = {}) {
-  const ordered = inOrder(views, base);
+  const ordered = inOrder(views.filter(({ landmarks }) => landmarks), base);
   const fitted = fitShape(ordered, base);
+  const profiles = views.filter(({ outlines }) => outlines);
+  const target = withProfiles(fitted.target, profiles);
   const model = readModel(json);
   const part = model.parts.find(({ name }) => name === 'skin');
   const eyes = model.parts.filter(({ name }) => name.startsWith('eye'));
   const texture = json.textures[model.materials[part.material].texture];
   const skin = paintSkin({ part, texture: await images.read(texture), eyes, base, isLid: (turn) => model.turns[turn].name.startsWith('lid') }, ordered, fitted.views);
-  const changed = morph(model, base, fitted.target);
+  const changed = morph(model, base, target);
   const gone = WORN.filter((name) => !(options.keep ?? []).includes(name));
   const head = {
     ...json,
@@ -61,7 +87,7 @@ export async function makeHead(json, base, views, images, options = {}) {
     title: options.title ?? options.name ?? 'Portrait',
     about: 'Made from a picture',
     licence: 'LicenseRef-portrait',
-    credits: [...json.credits, `Shape and skin: made from ${ordered.length > 1 ? 'pictures' : 'a picture'}, whose rights are those of the person in it and of who took it`],
+    credits: [...json.credits, `Shape and skin: made from ${views.length > 1 ? 'pictures' : 'a picture'}, whose rights are those of the person in it and of who took it`],
     fapu: changed.fapu,
     fdp: changed.fdp,
     turns: changed.turns,
@@ -74,7 +100,7 @@ export async function makeHead(json, base, views, images, options = {}) {
   delete head.rank;
   if (options.eyes) swapEyes(head, options.eyes);
   dropUnused(head);
-  return { head, parted: fitted.parted, sides: ordered.length - 1 };
+  return { head, parted: fitted.parted, sides: ordered.length - 1, profiles: profiles.length };
 }
 
 /** Another head's irises: all eyes are painted alike. */

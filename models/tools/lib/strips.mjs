@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Strips of a mesh that hang together with nothing else: hair has some of a millimetre or two, which fly beside it as dotted lines. */
+
+const away = (a, b) => a.map((x, k) => x - b[k]);
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+/**
+ * @param {{v: number[]}[]} faces @param {(v: number) => number[]} at where a vertex is @param {number} thinnest mm
+ * @returns {(f: {v: number[]}) => boolean} whether what a face belongs to is that wide, in the mean, for its length
+ */
+export function wideEnough(faces, at, thinnest) {
+  const one = new Map(); // of each vertex another of the same strip, down to the first
+  const first = (v) => {
+    while (one.get(v) !== undefined) v = one.get(v);
+    return v;
+  };
+  for (const { v } of faces)
+    for (const other of v.slice(1)) if (first(other) !== first(v[0])) one.set(first(other), first(v[0]));
+  const strips = new Map();
+  for (const { v } of faces) {
+    const name = first(v[0]);
+    const strip = strips.get(name) ?? { area: 0, low: [Infinity, Infinity, Infinity], high: [-Infinity, -Infinity, -Infinity] };
+    strips.set(name, strip);
+    const points = v.map(at);
+    for (let i = 2; i < points.length; i++)
+      strip.area += Math.hypot(...cross(away(points[i - 1], points[0]), away(points[i], points[0]))) / 2;
+    strip.low = strip.low.map((x, k) => Math.min(x, ...points.map((q) => q[k])));
+    strip.high = strip.high.map((x, k) => Math.max(x, ...points.map((q) => q[k])));
+  }
+  return ({ v }) => {
+    const { area, low, high } = strips.get(first(v[0]));
+    return area >= thinnest * Math.hypot(...away(high, low));
+  };
+}

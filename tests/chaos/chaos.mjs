@@ -1,0 +1,156 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// See run.sh. Speakers ask for more than is spoken, half of them with `again`; listeners come in at any daemon, and come back elsewhere
+// when theirs goes.
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { setTimeout as sleep } from 'node:timers/promises';
+import WebSocket from 'ws';
+import { Chance } from '../lib/chaos.mjs';
+import { build, Daemon } from '../lib/daemon.mjs';
+import { Redis } from '../lib/redis.mjs';
+import { Worker } from '../lib/worker.mjs';
+import { Checker, Ear } from './checker.mjs';
+import { faultsOf } from './faults.mjs';
+import { SlowRoad } from './slow-road.mjs';
+
+const [minutes = 10, speakers = 200, listeners = 2000, seed = Date.now() % 1e6] = process.argv.slice(2).map(Number);
+const DAEMONS = 4, WORKERS = 2, ROOMS = Math.max(1, Math.round(speakers / 10)), SETTLE_MS = 60000;
+const TEXTS = ['Buongiorno.', 'Il vento porta via le foglie del viale.', 'Uno, due. E tre.', 'La mamma parla piano.'];
+const disk = process.env.FACCIA_CHAOS_DISK || null, netem = process.env.FACCIA_CHAOS_NETEM === '1';
+const chance = new Chance(seed);
+const checker = new Checker();
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-chaos-'));
+const plugin = (name) => {
+  const at = path.join(folder, name);
+  fs.mkdirSync(at);
+  fs.symlinkSync(path.join(build, `server/plugins/${name}.so`), path.join(at, `${name}.so`));
+  return at;
+};
+const near = plugin('espeak'), far = plugin('command');
+const config = path.join(folder, 'voices.json');
+fs.writeFileSync(config, JSON.stringify({ command: { voices: [{ id: 'dear', lang: 'it', raw: 16000, argv: ['sh', '-c', 'sleep 0.1; head -c 24000 /dev/zero', 'sh', '{text}'] }] } }));
+
+const redis = await Redis.start();
+const road = await SlowRoad.open(redis.port);
+let made = 0, over = false, quiet = false;
+const codes = {};
+const world = {
+  redis, road, disk, netem,
+  startDaemon: () => {
+    const cache = disk ? ['--cache-file', path.join(disk, `cache-${made++ % (2 * DAEMONS)}`)] : [];
+    return Daemon.start(['--cluster', road.url, '--plugins', near, '--max-connections', '10000', ...cache]);
+  },
+  startWorker: () => Worker.start(['--cluster', road.url, '--plugins', far, '--voice-config', config, '--sandbox', 'off']),
+};
+world.daemons = await Promise.all(Array.from({ length: DAEMONS }, world.startDaemon));
+world.workers = await Promise.all(Array.from({ length: WORKERS }, world.startWorker));
+
+const roomOf = (i) => `room-${i % ROOMS}`;
+/** A connection to any daemon that is there; NULL when it could not be made. */
+async function enter(room, query) {
+  const { port, process: child } = world.daemons[chance.below(DAEMONS)];
+  if (child.exitCode !== null || child.signalCode) return null;
+  const socket = new WebSocket(`ws://127.0.0.1:${port}/v1/stream?lang=it&room=${room}${query}`, { perMessageDeflate: false, handshakeTimeout: 8000 });
+  const closed = new Promise((resolve) => socket.on('close', resolve));
+  socket.on('error', () => {});
+  return { socket, closed };
+}
+
+/** Its connection is as long as its daemon lives; it tells nobody when that is frozen, and nobody gives up by itself. */
+async function speak(i) {
+  const room = roomOf(i);
+  for (let number = 0; !over; ) {
+    const way = await enter(room, '&audio=none&fap=none&watch=1');
+    if (!way) {
+      await sleep(200);
+      continue;
+    }
+    const waiting = new Map();
+    let joined = false, wake = () => {};
+    way.socket.on('message', (data, binary) => {
+      if (binary) return;
+      const message = JSON.parse(data);
+      if (message.type === 'joined') joined = true;
+      if (message.type === 'error' && message.id?.startsWith(`s${i}-`)) codes[message.code] = (codes[message.code] ?? 0) + 1;
+      if (message.type === 'end' && message.id?.startsWith(`s${i}-`)) {
+        checker.answer(message.id, message.reason);
+        waiting.delete(message.id);
+      }
+      wake();
+    });
+    let open = true;
+    way.closed.then(() => {
+      open = false;
+      wake();
+    });
+    while (open && !(over && !waiting.size)) {
+      if (joined && !quiet && waiting.size < 2) {
+        const id = `s${i}-${number++}`, again = chance.one(2);
+        waiting.set(id, true);
+        checker.ask(id, { room, again });
+        way.socket.send(JSON.stringify({ type: 'speak', id, text: chance.of(TEXTS), again, voice: chance.one(4) ? 'command:dear' : undefined }));
+      } else {
+        const timer = sleep(1000);
+        await Promise.race([timer, new Promise((resolve) => (wake = resolve))]);
+        if (!quiet) await sleep(chance.below(2000));
+      }
+    }
+    for (const id of waiting.keys()) checker.lose(id);
+    way.socket.terminate();
+  }
+}
+
+async function listen(i) {
+  for (let visit = 0; !over; visit++) {
+    const way = await enter(roomOf(i), '&audio=none&fap=plain');
+    if (!way) {
+      await sleep(200);
+      continue;
+    }
+    const ear = new Ear(checker, roomOf(i), `l${i}.${visit}`);
+    way.socket.on('message', (data, binary) => {
+      if (binary) ear.media(data.readUInt32LE(4), data.readUInt32LE(16), data.readUInt32LE(20));
+      else ear.message(JSON.parse(data));
+    });
+    await Promise.race([way.closed, ended]);
+    way.socket.terminate();
+  }
+}
+
+let finish;
+const ended = new Promise((resolve) => (finish = resolve));
+const all = [...Array.from({ length: speakers }, (_, i) => speak(i)), ...Array.from({ length: listeners }, (_, i) => listen(i))];
+console.log(`${minutes} min, ${DAEMONS} daemons, ${WORKERS} workers, ${speakers} speakers in ${ROOMS} rooms, ${listeners} listeners, seed ${seed}`);
+console.log(`left out: ${[netem ? '' : 'tc netem (the way to Redis is slow by a proxy)', disk ? '' : 'a full disk (tmpfs)', 'a clock that is stepped (libfaketime)'].filter(Boolean).join(', ')}`);
+const faults = faultsOf(world, chance);
+const happened = Object.fromEntries(Object.keys(faults).map((name) => [name, 0]));
+const until = Date.now() + minutes * 60000;
+await sleep(5000);
+const busy = new Set();
+while (Date.now() < until) {
+  const name = chance.of(Object.keys(faults));
+  // not the same twice at once, so that each is put right
+  const kind = name.split(' ')[1] === 'daemon' || name.split(' ')[1] === 'worker' ? name.split(' ')[1] : name.includes('Redis') ? 'Redis' : name;
+  if (!busy.has(kind)) {
+    busy.add(kind);
+    happened[name]++;
+    if (process.env.FACCIA_CHAOS_TRACE) console.log(`# ${((Date.now() - until) / 1000 + minutes * 60).toFixed(1)} s: ${name}`);
+    faults[name]().catch((e) => console.log(`# ${name}: ${e.message}`)).finally(() => busy.delete(kind));
+  }
+  await sleep(chance.below(4000));
+}
+while (busy.size) await sleep(100);
+quiet = true;
+const settled = Date.now();
+const waiting = () => [...checker.asked.values()].some(({ ends, lost }) => !ends.length && !lost);
+while (waiting() && Date.now() < settled + SETTLE_MS) await sleep(100);
+over = true;
+finish();
+const tally = checker.tally();
+for (const { process: child } of [...world.daemons, ...world.workers, redis]) child.kill('SIGKILL');
+await Promise.race([Promise.all(all), sleep(3000)]);
+fs.rmSync(folder, { recursive: true });
+console.log(JSON.stringify({ happened, errors: codes, settled: `${((Date.now() - settled) / 1000).toFixed(1)} s`, ...tally }, null, 2));
+for (const line of checker.examples) console.log(`! ${line}`);
+process.exit(Object.values(tally.broken).some(Boolean) ? 1 : 0);

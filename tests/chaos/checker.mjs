@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Knows what was asked and what was heard, and tells which promises were broken:
+// - every `speak` has exactly one `end`, told to who asked, as long as its connection stands;
+// - nothing is heard twice: what begins anew has been told to (`warning` `room-away`), and nothing begins after its end;
+// - order: what one speaker asked for begins in that order; what two listeners of a room both hear, they hear in the same order;
+// - no gap in media that was not told.
+
+const PROMISES = ['no end', 'two ends', 'heard twice', 'out of order', 'another order', 'a gap', 'nonsense'];
+
+export class Checker {
+  constructor() {
+    this.broken = Object.fromEntries(PROMISES.map((name) => [name, 0]));
+    this.examples = [];
+    this.asked = new Map(); // id -> what became of it
+    this.pairs = new Map(); // 'room a b' of what followed each other
+    this.heard = { begins: 0, chunks: 0, ends: 0, again: 0, late: 0 };
+  }
+
+  break(promise, what) {
+    this.broken[promise]++;
+    if (this.broken[promise] <= 6) this.examples.push(`${promise}: ${what}`);
+  }
+
+  ask(id, about) {
+    this.asked.set(id, { ...about, ends: [], lost: false });
+  }
+
+  /** To who asked. */
+  answer(id, end) {
+    const asked = this.asked.get(id);
+    if (!asked) return;
+    asked.ends.push(end);
+    if (asked.ends.length === 2) this.break('two ends', `${id} ${JSON.stringify(asked)}`);
+  }
+
+  /** The connection by which it was asked is gone. */
+  lose(id) {
+    const asked = this.asked.get(id);
+    if (asked && !asked.ends.length) asked.lost = true;
+  }
+
+  tally() {
+    const all = [...this.asked.values()];
+    const count = (fits) => all.filter(fits).length;
+    for (const [id, asked] of this.asked) if (!asked.ends.length && !asked.lost) this.break('no end', `${id} ${JSON.stringify(asked)}`);
+    return {
+      asked: all.length,
+      done: count(({ ends }) => ends[0] === 'done'),
+      failed: count(({ ends }) => ends[0] === 'failed'),
+      stopped: count(({ ends }) => ends[0] === 'stopped'),
+      'lost with the connection of who asked': count(({ lost, ends }) => lost && !ends.length),
+      ...this.heard,
+      broken: this.broken,
+    };
+  }
+}
+
+/** Who hears a room, by one connection. */
+export class Ear {
+  constructor(checker, room, name) {
+    Object.assign(this, { checker, room, name, known: new Map(), numbers: new Map(), last: new Map(), previous: null, first: true });
+  }
+
+  message(message) {
+    const { checker } = this;
+    if (message.type === 'begin') this.#begin(message);
+    const it = this.numbers.get(message.utterance);
+    if (!it) return;
+    if (message.type === 'warning' && message.code === 'room-away') it.again = true;
+    if (message.type === 'warning' && message.code === 'skipped') it.next = null;
+    if (message.type === 'end') {
+      checker.heard.ends++;
+      if (it.ended) checker.break('two ends', `${this.name} ${it.id}`);
+      it.ended = true;
+      const whole = Math.round(message.duration * it.rate);
+      if (message.reason === 'done' && it.next !== null && Math.abs(whole - it.next) > 1) checker.break('a gap', `${this.name} ${it.id}: ${it.next} samples of ${whole}`);
+    }
+  }
+
+  #begin(message) {
+    const { checker } = this;
+    const { id, utterance, rate } = message;
+    checker.heard.begins++;
+    const before = this.known.get(id);
+    if (before && (before.ended || !before.again)) checker.break('heard twice', `${this.name} ${id}, ${before.ended ? 'ended' : 'not ended'}`);
+    if (before) checker.heard.again++;
+    const it = { id, rate, next: this.first ? null : 0, ended: false, again: false };
+    this.first = false;
+    this.known.set(id, it);
+    this.numbers.set(utterance, it);
+    const [speaker, number] = [id?.split('-')[0], Number(id?.split('-')[1])];
+    if (this.last.get(speaker) > number) checker.break('out of order', `${this.name}: ${id} after ${this.last.get(speaker)}`);
+    this.last.set(speaker, number);
+    if (this.previous && !before) {
+      checker.pairs.set(`${this.room} ${this.previous} ${id}`, this.name);
+      const other = checker.pairs.get(`${this.room} ${id} ${this.previous}`);
+      if (other) checker.break('another order', `${this.name}: ${this.previous} ${id}, ${other} the other way`);
+    }
+    this.previous = before ? null : id;
+  }
+
+  /** A media chunk's beginning and length. */
+  media(utterance, start, samples) {
+    this.checker.heard.chunks++;
+    const it = this.numbers.get(utterance);
+    if (!it || !utterance) return;
+    if (it.ended) this.checker.break('nonsense', `${this.name}: media of ${it.id} after its end`);
+    // who came in the middle, or was moved on, goes on from where it is
+    if (it.next === null) this.checker.heard.late++;
+    else if (start !== it.next) this.checker.break('a gap', `${this.name} ${it.id}: ${start} after ${it.next}`);
+    it.next = start + samples;
+  }
+}

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The way to Redis, which can be made slow: what comes leaves so many ms later, in its order.
+import net from 'node:net';
+
+export class SlowRoad {
+  delay = 0;
+
+  static async open(port) {
+    const road = new SlowRoad();
+    const server = net.createServer((near) => {
+      const far = net.connect(port, '127.0.0.1');
+      road.#carry(near, far);
+      road.#carry(far, near);
+    });
+    await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
+    road.url = `redis://localhost:${server.address().port}/0`;
+    return road;
+  }
+
+  #carry(from, to) {
+    let due = 0;
+    const later = (act) => {
+      due = Math.max(due, Date.now() + this.delay);
+      if (due <= Date.now()) act();
+      else setTimeout(act, due - Date.now());
+    };
+    from.setNoDelay(true);
+    from.on('data', (data) => later(() => to.destroyed || to.write(data)));
+    from.on('close', () => later(() => to.destroy()));
+    from.on('error', () => {});
+  }
+}
