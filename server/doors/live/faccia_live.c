@@ -75,8 +75,8 @@ static void hang_up(struct live *l) {
 
 /* A voice begins when it is heard: until then a file sends silence, and while it is paused. */
 static void add_silence(const struct live *l, struct buf *samples) {
-    const size_t count = live_sound_rate(l->sound) * TICK_MS / 1000;
-    const size_t size = 2 * live_sound_channels(l->sound) * count;
+    const size_t count = (size_t)live_sound_rate(l->sound) * TICK_MS / 1000;
+    const size_t size = 2 * count * live_sound_channels(l->sound);
     memset(buf_reserve(samples, size), 0, size);
     samples->size += size;
 }

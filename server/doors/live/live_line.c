@@ -187,7 +187,7 @@ static void write_path(struct buf *path, CURL *easy, const char *prefix,
 
 static int open_line(struct live_line *l, const struct place *place, const struct remote_member *members) {
     const char *host = strstr(place->url, "://");
-    if (!host || (strncmp(place->url, "http://", 7) && strncmp(place->url, "https://", 8)))
+    if (!host || (strncmp(place->url, "http://", 7) != 0 && strncmp(place->url, "https://", 8) != 0))
         return fail(place->url, "it is no address of a daemon, such as http://127.0.0.1:8080");
     host += 3;
     struct buf name = {0}, path = {0};

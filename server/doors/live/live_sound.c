@@ -128,7 +128,7 @@ static bool read_file(struct live_sound *s, size_t count, struct buf *out) {
 
 static bool read_pipe(struct live_sound *s, size_t count, struct buf *out) {
     struct pollfd look = {.fd = s->fd, .events = POLLIN};
-    const size_t frame = 2 * s->channels, want = count * frame - s->odd.size;
+    const size_t frame = 2 * (size_t)s->channels, want = count * frame - s->odd.size;
     if (poll(&look, 1, 0) <= 0)
         return true;
     ssize_t got = read(s->fd, buf_reserve(&s->odd, want), want);
