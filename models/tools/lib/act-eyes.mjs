@@ -65,6 +65,11 @@ export function lidWeights(ctx, side, tuning) {
   const lashes = [1, 2].map((n) => ctx.inGroup(`helper-${side}-eyelashes-${n}`));
   const weights = { upper: new Float64Array(p.length / 3), lower: new Float64Array(p.length / 3) };
   const skin = new Set(topology.faces.flatMap((f) => f.v));
+  // What the eye's opening folded is to unfold when it closes, so what goes with the lid is what did so when it was opened: by the
+  // distances over the fold, its edge would go farther than the skin under it.
+  const first = !ctx.lidShares?.[side];
+  const shares = first ? new Float32Array(weights.upper.length) : ctx.lidShares[side];
+  ctx.lidShares = { ...ctx.lidShares, [side]: shares };
   const belowBrow = browLine(ctx.fdp, side);
   for (let v = 0; v < weights.upper.length; v++) {
     const lash = lashes[0][v] || lashes[1][v];
@@ -75,7 +80,8 @@ export function lidWeights(ctx, side, tuning) {
     const isUpper = lash ? lashes[1][v] : near.value[1] > 0.5;
     const reach = isUpper ? tuning.upperReach : tuning.lowerReach;
     const free = isUpper ? smoothstep(...BELOW_BROW, belowBrow(q)) : 1;
-    const fade = lash || inside.has(v) ? 1 : free * plateau(near.distance, tuning.rigid, reach);
+    if (first) shares[v] = free * plateau(near.distance, tuning.rigid, reach);
+    const fade = lash || inside.has(v) ? 1 : shares[v];
     const lid = isUpper ? 'upper' : 'lower';
     weights[lid][v] = Math.min(1, (fade * near.value[0]) / angle[lid]);
   }
