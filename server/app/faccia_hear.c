@@ -18,7 +18,7 @@ static const char usage[] =
     "--raw it is standard input, 16 bit samples as a microphone gives them:\n"
     "arecord -f S16_LE -r 16000 -t raw | faccia hear --raw 16000 -\n"
     "Where the text is known 'faccia align' is the better way. Without a file to write, lines of JSON go to "
-    "standard output.\n"
+    "standard output. In a room of a daemon: faccia-live.\n"
     "\n"
     "  -l, --lang TAG       whose lips: it, pt-BR, tr, en or any other (it)\n"
     "      --lookahead MS   what is heard after a moment before it is shown: 0, 40, 80 or 120 (80)\n"
@@ -130,6 +130,13 @@ static int run(struct hear *h, const struct stages *stages, const struct setting
     return status;
 }
 
+static int on_text(void *ctx, const char *name, const char *text) {
+    (void)ctx;
+    cli_complain("--%s: the text is not used here: 'faccia align SOUND --text %s' is the better way", name,
+                 text);
+    return EXIT_USAGE;
+}
+
 int hear_main(int argc, char **argv, const struct settings *settings) {
     struct hear h = {.lang = "it", .lookahead = 80, .channels = 1, .fps = 25};
     const struct cli_option options[] = {{"lang", 'l', CLI_TEXT, .out = &h.lang},
@@ -141,6 +148,7 @@ int hear_main(int argc, char **argv, const struct settings *settings) {
                                          {"fap", 0, CLI_TEXT, .out = &h.write.fap.path},
                                          {"json", 0, CLI_TEXT, .out = &h.write.json.path},
                                          {"ndjson", 0, CLI_TEXT, .out = &h.write.lines.path},
+                                         {"text", 0, CLI_CALL, .take = on_text},
                                          {0}};
     int status = cli_options(argc, argv, usage, options, NULL);
     if (status >= 0)

@@ -15,23 +15,20 @@
 
 static const char usage[] =
     "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
-    "Speaks TEXT, a file, or standard input (-). Without a file to write, the timing goes to standard "
-    "output.\n"
+    "Speaks TEXT, a file, or standard input (-); recordings: faccia hear. Without FILE the timing is told.\n"
     "\n"
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "  -v, --voice ID       a voice that 'faccia voices' lists\n"
     "      --gender WORD    female or male: of the voice, where none is named\n"
     "  -r, --rate WPM       words per minute, 40 to 500\n"
-    "      --pitch FACTOR   0.25 to 4 (1)\n"
-    "      --volume FACTOR  0.25 to 4 (1)\n"
+    "      --pitch FACTOR, --volume FACTOR  0.25 to 4 (1)\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
     "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro, context, syllable or table\n"
     "      --markup KIND    auto, plain, apml, jsml, ssml, emotionml, bml, fml (auto)\n"
     "      --life FACTOR    strength of the signs of life, 0 to 2 (1)\n"
     "      --blend RULE     how expressions share the mouth with speech: auto, regions or weighted (auto)\n"
-    "      --contacts HOW   lips that must touch do, whatever the engine makes: on, off, or engine: off for "
-    "the baselines\n"
-    "                       cohen-massaro and table, on for the others (engine)\n"
+    "      --contacts HOW   lips that must touch do, whatever the engine makes: on, off, or engine:\n"
+    "                       off for the baselines cohen-massaro and table, on for the others (engine)\n"
     "      --still          only the lips move\n"
     "      --seed N         another life of the face; the same number gives the same face (0)\n"
     "  -f, --file FILE      the text\n"
@@ -43,8 +40,7 @@ static const char usage[] =
     "      --ogg FILE       the sound as Opus in Ogg\n"
     "      --ndjson FILE    a line for each event and each frame\n"
     "      --json FILE      phones, words and marks with their times\n"
-    "      --arkit FILE     the face as weights of ARKit's 52 shapes, in the columns of Live Link Face "
-    "(CSV)\n"
+    "      --arkit FILE     the face as weights of ARKit's 52 shapes, in Live Link Face's columns (CSV)\n"
     "      --arkit-ndjson FILE  the same weights as lines of JSON\n"
     "      --visemes FILE   visemes with their times, and the 15 weights of each frame (lines of JSON)\n"
     "      --vtt FILE       captions with word times; --textgrid FILE sentences, words, phones for Praat\n"
@@ -204,6 +200,7 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         {"textgrid", 1, NULL, OUTPUT_OPTION + TEXTGRID},
         {"osc", 1, NULL, 'P'},
         {"contacts", 1, NULL, 1},
+        {"voice-file", 1, NULL, 'S'},
         {"help", 0, NULL, 'h'},
         {0},
     };
@@ -227,6 +224,9 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
         case 'P':
             s->puppet = optarg;
             break;
+        case 'S':
+            cli_complain("--voice-file: recordings are for 'faccia align', with a text, or 'faccia hear'");
+            return EXIT_USAGE;
         case 'h':
             fputs(usage, stdout);
             return EXIT_DONE;

@@ -32,6 +32,8 @@ struct settings {
     const char *token_file;      /* NULL = none */
     unsigned log_format;         /* 0 text, 1 JSON */
     unsigned stop_seconds;
+    unsigned heard_most;    /* people's own voices, at a time */
+    unsigned heard_seconds; /* of sound that waits, of each */
 };
 
 /* The others have those of the settings that concern them. */

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/stages.h"
 #include "server/expression/gestures.h"
+#include "server/hear/hear_network.h"
 #include <stdio.h>
+#include <unistd.h>
 
 enum { PATH_BYTES = 4096 };
 
@@ -38,6 +40,18 @@ static int load_boundaries(struct stages *s, const char *path, struct error *e) 
     return s->boundaries ? 0 : fail_in(path, &inner, e);
 }
 
+/* A folder of models may do without: then nobody can be heard. */
+static int load_hearing(struct stages *s, const struct settings *settings, const char *path,
+                        struct error *e) {
+    struct error inner = {0};
+    s->heard = (struct heard_pool){.most = settings->heard_most, .seconds = settings->heard_seconds};
+    s->pipeline.heard = &s->heard;
+    if (access(path, F_OK))
+        return 0;
+    s->heard.network = hear_network_load(path, &inner);
+    return s->heard.network ? 0 : fail_in(path, &inner, e);
+}
+
 int stages_load(struct stages *s, const struct settings *settings, unsigned wanted, uv_loop_t *loop,
                 struct error *e) {
     char path[PATH_BYTES];
@@ -55,6 +69,9 @@ int stages_load(struct stages *s, const struct settings *settings, unsigned want
         normalizers_load(&s->normalizers, in_models(settings, "normalization", path), e))
         return -1;
     if (wanted & STAGES_BOUNDARIES && load_boundaries(s, in_models(settings, "boundaries.json", path), e))
+        return -1;
+    if (wanted & STAGES_HEARING &&
+        load_hearing(s, settings, in_models(settings, "hear/network.bin", path), e))
         return -1;
     if (s->pipeline.expressions && s->packs.count)
         s->high_level =
@@ -83,5 +100,6 @@ void stages_free(struct stages *s) {
     face_high_level_free(s->high_level);
     normalizers_free(&s->normalizers);
     boundary_table_free(s->boundaries);
+    hear_network_free(s->heard.network);
     *s = (struct stages){0};
 }

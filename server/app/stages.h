@@ -5,6 +5,7 @@
 #define FACCIA_APP_STAGES_H
 
 #include "server/app/settings.h"
+#include "server/synthesis/heard_voice.h"
 #include "server/synthesis/synthesis.h"
 
 /* What is wanted of them. */
@@ -13,7 +14,9 @@ enum {
     STAGES_EXPRESSIONS = 1u << 1,   /* with the packs: what FAP 1 and 2 mean, too */
     STAGES_NORMALIZATION = 1u << 2, /* words for digits, dates and sums */
     STAGES_BOUNDARIES = 1u << 3,    /* where voices' phones are heard */
-    STAGES_ALL = STAGES_SPEECH | STAGES_EXPRESSIONS | STAGES_NORMALIZATION | STAGES_BOUNDARIES,
+    STAGES_HEARING = 1u << 4,       /* people's own voices, where the models have a network for them */
+    STAGES_ALL =
+        STAGES_SPEECH | STAGES_EXPRESSIONS | STAGES_NORMALIZATION | STAGES_BOUNDARIES | STAGES_HEARING,
 };
 
 struct stages {
@@ -21,6 +24,7 @@ struct stages {
     struct face_high_level *high_level;
     struct normalizers normalizers;
     struct boundary_table *boundaries;
+    struct heard_pool heard;
     struct pipeline
         pipeline; /* all of that, and the expressions; what else it has is for the caller to fill in */
 };

@@ -51,6 +51,7 @@
     /* limits */ \
     X(QUEUE_FULL, "queue-full", 503, "too many utterances wait already") \
     X(TOO_MANY_OPEN, "too-many-open", 503, "too many texts are being written") \
+    X(TOO_MANY_VOICES, "too-many-voices", 503, "too many people are heard already") \
     X(TOO_MANY_ROOMS, "too-many-rooms", 503, "there are too many rooms already") \
     X(TOO_MANY_REQUESTS, "too-many-requests", 429, "too many requests in this minute") \
     X(TOO_MANY_PER_ADDRESS, "too-many-per-address", 429, "too many connections from there are open") \

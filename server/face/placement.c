@@ -114,6 +114,29 @@ void face_placement_sample(struct face_placement *p, double t, struct fap_frame 
     face_limits_apply(fapu, faps, frame);
 }
 
+/* Jaw, lips, tongue: groups 2, 6 and 8 of MPEG-4. */
+static bool is_of_mouth(int n) {
+    return fap_table[n].group == 2 || fap_table[n].group == 6 || fap_table[n].group == 8;
+}
+
+enum { CORNERS = 4 };
+static const int corners[CORNERS] = {12, 13, 59, 60};
+
+void face_placement_sample_around(struct face_placement *p, double t, const struct fap_frame *mouth,
+                                  struct fap_frame *frame) {
+    double faps[FAP_COUNT + 1] = {0};
+    int32_t drawn[CORNERS];
+    face_placement_sample(p, t, frame);
+    for (int i = 0; i < CORNERS; i++)
+        drawn[i] = frame->value[corners[i]];
+    for (int n = 3; n <= FAP_COUNT; n++)
+        faps[n] = is_of_mouth(n) ? mouth->value[n] : frame->value[n];
+    for (int i = 0; i < CORNERS; i++)
+        faps[corners[i]] += drawn[i];
+    frame->viseme = mouth->viseme;
+    face_limits_apply(face_idle_fapu, faps, frame);
+}
+
 void face_track_sample(const struct face_track *track, double t, struct fap_frame *frame) {
     struct face_placement alone;
     begin(&alone, track);

@@ -23,4 +23,9 @@ void face_placement_add(struct face_placement *placement, struct face_layer laye
  * to FAP units. Cheapest when t does not go backwards. Cost does not depend on the sentence's length. */
 void face_placement_sample(struct face_placement *placement, double t, struct fap_frame *frame);
 
+/* Around a mouth that somebody else moves: its jaw, lips and tongue are those of that frame, but that the
+ * mood draws the corners up or down, which opens and closes nothing. */
+void face_placement_sample_around(struct face_placement *placement, double t, const struct fap_frame *mouth,
+                                  struct fap_frame *frame);
+
 #endif

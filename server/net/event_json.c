@@ -114,6 +114,11 @@ static void put_begin(struct buf *out, const struct stream_event *e) {
     put_text(out, "markup", e->markup);
     if (e->again)
         put(out, ",\"again\":true");
+    if (e->heard) {
+        put_count(out, "lookahead", e->lookahead);
+        put_member(out, "captions");
+        put(out, "false");
+    }
     if (e->idle >= 0)
         put_real(out, "idle", e->idle);
 }

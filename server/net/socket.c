@@ -42,7 +42,7 @@ static void piece(void *ctx, const uint8_t *bytes, size_t size, bool binary, boo
     if (s->closing)
         return;
     s->too_long |= s->message.size + size > s->net->options.message_bytes;
-    if (!binary && !s->too_long)
+    if (!s->too_long && (!binary || s->voice))
         buf_add(&s->message, bytes, size);
     if (last)
         socket_hear(s, binary);

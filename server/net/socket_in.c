@@ -95,7 +95,8 @@ void socket_act(struct socket *s, const json_t *message) {
                  {"leave", leave_room},        {"authorize", authorise},  {"ping", pong},
                  {"choices", notice_offer},    {"choose", notice_answer}, {"state", notice_show},
                  {"text", write_text},         {"flush", write_flush},    {"close", write_close},
-                 {"cancel", write_cancel},     {"calibrate", notice_fit}, {"consent", notice_consent}};
+                 {"cancel", write_cancel},     {"calibrate", notice_fit}, {"consent", notice_consent},
+                 {"voice", voice_begin}};
     const char *type = json_string_value(json_object_get(message, "type"));
     struct error e;
     if (!json_is_object(message) || !type) {
@@ -154,8 +155,7 @@ void socket_hear(struct socket *s, bool binary) {
                   s->net->options.message_bytes);
         socket_complain(s, &e);
     } else if (binary) {
-        error_set(&e, ERROR_BINARY_MESSAGE, "binary messages are not accepted");
-        socket_complain(s, &e);
+        voice_sound(s, s->message.data, s->message.size);
     } else {
         s->hear(s, s->message.size ? (const char *)s->message.data : "", s->message.size);
     }

@@ -22,7 +22,8 @@ struct socket {
     void (*more)(struct socket *socket); /* says what comes once nothing waits to leave; NULL = nothing */
     struct follower follower;            /* of its own stream, or of a room's */
     struct speech_request defaults;      /* from the address */
-    struct written *written;             /* texts that it is writing */
+    struct written *written;             /* texts that it is writing, and what it says itself */
+    uint32_t voice;                      /* the utterance that it speaks itself; 0 = none */
     size_t written_count, written_cap;
     struct websocket_reader reader;
     struct buf message; /* being received */
@@ -161,6 +162,10 @@ void write_text(struct socket *socket, const json_t *message);
 void write_flush(struct socket *socket, const json_t *message);
 void write_close(struct socket *socket, const json_t *message);
 void write_cancel(struct socket *socket, const json_t *message);
+
+/* socket_voice.c: the client's own voice: begins, and goes on with each message of sound. */
+void voice_begin(struct socket *socket, const json_t *message);
+void voice_sound(struct socket *socket, const uint8_t *bytes, size_t size);
 
 /* socket_written.c: which those are. On the stream that the client is on; the utterance may have ended. */
 struct written {

@@ -59,6 +59,7 @@ void write_leave(struct socket *s) {
             stream_close(stream_of(s), w->utterance, &e);
         written_drop(s, w);
     }
+    s->voice = 0;
     free(s->written);
     s->written = NULL;
     s->written_cap = 0;

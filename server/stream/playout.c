@@ -33,7 +33,8 @@ void stream_cut_face(struct stream *s) {
 static void place(struct utterance *t) {
     struct stream *s = t->stream;
     struct placement_options options = t->segments[0].alone;
-    if (t->synthesis && synthesis_request(t->synthesis)->life < 0)
+    if ((t->synthesis && synthesis_request(t->synthesis)->life < 0) ||
+        (t->heard && heard_voice_request(t->heard)->life < 0))
         options.life = s->idling.life;
     if (!utterance_is_apart(t)) {
         options.seed = s->idling.seed;
@@ -55,7 +56,7 @@ static void say_begin(struct utterance *t) {
     t->begun = true;
     if (utterance_is_foreign(t))
         stream_cut_face(s);
-    if (!t->synthesis || !synthesis_request(t->synthesis)->open) /* its writer may take long */
+    if (!t->heard && (!t->synthesis || !synthesis_request(t->synthesis)->open)) /* its writer may take long */
         metrics_first_media(t->stream->pipeline->metrics, (double)(uv_hrtime() - t->asked) / 1e9);
     t->sample_rate = t->segments[0].audio->sample_rate;
     struct stream_event begin = {.kind = STREAM_BEGIN,
@@ -64,6 +65,11 @@ static void say_begin(struct utterance *t) {
                                  .again = t->spared};
     if (t->recording) {
         begin.play = recording_name(t->recording);
+    } else if (t->heard) {
+        begin.heard = true;
+        begin.lookahead = heard_voice_lookahead(t->heard);
+        begin.lang = heard_voice_lang(t->heard);
+        begin.engine = heard_voice_engine(t->heard);
     } else {
         begin.voice = synthesis_voice(t->synthesis)->id;
         begin.lang = synthesis_lang(t->synthesis);
@@ -182,15 +188,18 @@ static void pump(struct stream *s) {
             return;
         }
         uint64_t now = uv_now(s->pipeline->loop);
-        uint64_t lead = speaks ? STREAM_LEAD_MS : waits ? STREAM_WAIT_MS : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
-        uint64_t until = speaks && !t->begun ? s->spoken_until : s->played_until;
-        if (until >= now + lead) {
-            stream_wake(s, until - now - lead + 1);
+        int64_t lead = speaks  ? STREAM_LEAD_MS
+                       : waits ? utterance_patience(t)
+                               : IDLE_LEAD_MS - IDLE_CHUNK_MS + 1;
+        int64_t early =
+            (int64_t)(speaks && !t->begun ? s->spoken_until : s->played_until) - (int64_t)now - lead;
+        if (early >= 0) {
+            stream_wake(s, (uint64_t)early + 1);
             return;
         }
         if (waits)
             utterance_wait(t);
-        if (speaks || waits)
+        else if (speaks)
             send_speech(t);
         else
             send_idle(s, NULL, 0, 0);

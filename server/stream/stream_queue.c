@@ -18,7 +18,9 @@ static struct turn turn_of(const struct speech_request *request) {
 }
 
 static const char *topic_of(const struct utterance *t) {
-    return t->synthesis ? synthesis_request(t->synthesis)->topic : NULL;
+    return t->synthesis ? synthesis_request(t->synthesis)->topic
+           : t->heard   ? heard_voice_request(t->heard)->topic
+                        : NULL;
 }
 
 static void forget(struct stream *s, struct utterance **at, const char *reason) {
@@ -165,6 +167,23 @@ uint32_t stream_speak(struct stream *s, const struct speech_request *request) {
     t->abroad = request->abroad;
     t->spared = request->abroad != 0 && request->again;
     synthesis_keep(t->synthesis);
+    enqueue(s, t, &turn);
+    return t->number;
+}
+
+uint32_t stream_hear(struct stream *s, const struct heard_request *request) {
+    struct turn turn = turn_of(request->speech);
+    struct utterance *t = NULL;
+    struct error e;
+    if (!may_come(s, &turn, &e)) {
+        t = utterance_new(s);
+        t->heard = heard_voice_open(s->pipeline, request, &utterance_callbacks, t, &e);
+    }
+    if (!t || !t->heard) {
+        free(t);
+        stream_refuse(s, request->speech->id, &e);
+        return 0;
+    }
     enqueue(s, t, &turn);
     return t->number;
 }

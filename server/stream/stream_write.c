@@ -1,18 +1,33 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Utterances that somebody still has in hand: whose text is being written, or that are cancelled by name. */
+/* Utterances that somebody still has in hand: whose text is being written, who is heard, or that are
+ * cancelled by name. */
 #include "server/stream/stream_internal.h"
 #include <string.h>
 
-static struct utterance *find(const struct stream *s, uint32_t number) {
+static struct utterance *numbered(const struct stream *s, uint32_t number) {
     struct utterance *t = s->queue;
     while (t && t->number != number)
         t = t->next;
+    return t;
+}
+
+static struct utterance *find(const struct stream *s, uint32_t number) {
+    struct utterance *t = numbered(s, number);
     return t && t->synthesis ? t : NULL;
 }
 
+static bool is_open(const struct utterance *t) {
+    return t && (t->heard ? heard_voice_is_open(t->heard) : t->synthesis && synthesis_is_open(t->synthesis));
+}
+
 bool stream_is_open(const struct stream *s, uint32_t number) {
-    const struct utterance *t = find(s, number);
-    return t && synthesis_is_open(t->synthesis);
+    return is_open(numbered(s, number));
+}
+
+void stream_sound(struct stream *s, uint32_t number, const uint8_t *bytes, size_t size) {
+    struct utterance *t = numbered(s, number);
+    if (t && t->heard)
+        heard_voice_write(t->heard, bytes, size);
 }
 
 int stream_write(struct stream *s, uint32_t number, const char *text, size_t size, size_t most,
@@ -28,23 +43,22 @@ void stream_flush(struct stream *s, uint32_t number) {
 }
 
 void stream_close(struct stream *s, uint32_t number, const struct error *why) {
-    struct utterance *t = find(s, number);
-    if (!t || !synthesis_is_open(t->synthesis))
+    struct utterance *t = numbered(s, number);
+    if (!is_open(t))
         return;
     if (why)
         utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_WARNING, .error = why});
-    synthesis_close(t->synthesis);
-}
-
-static const char *id_of(const struct utterance *t) {
-    return t->recording ? recording_id(t->recording) : synthesis_request(t->synthesis)->id;
+    if (t->heard)
+        heard_voice_close(t->heard);
+    else
+        synthesis_close(t->synthesis);
 }
 
 unsigned stream_cancel(struct stream *s, const char *id) {
     unsigned count = 0;
     bool first = false;
     for (struct utterance **at = &s->queue; *at;) {
-        const char *own = id_of(*at);
+        const char *own = utterance_id(*at);
         if (!own || strcmp(own, id)) {
             at = &(*at)->next;
             continue;

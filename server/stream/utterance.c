@@ -4,28 +4,35 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Of what is no recording. */
+static const struct speech_request *request_of(const struct utterance *t) {
+    return t->heard ? heard_voice_request(t->heard) : synthesis_request(t->synthesis);
+}
+
 void utterance_start(struct utterance *t) {
     if (t->started)
         return;
     t->started = true;
     if (t->recording)
         recording_start(t->recording);
+    else if (t->heard)
+        heard_voice_start(t->heard);
     else
         synthesis_start(t->synthesis);
 }
 
 double utterance_fps(const struct utterance *t) {
-    return t->recording ? recording_fps(t->recording) : synthesis_request(t->synthesis)->fps;
+    return t->recording ? recording_fps(t->recording) : request_of(t)->fps;
 }
 
-static const char *id_of(const struct utterance *t) {
-    return t->recording ? recording_id(t->recording) : synthesis_request(t->synthesis)->id;
+const char *utterance_id(const struct utterance *t) {
+    return t->recording ? recording_id(t->recording) : request_of(t)->id;
 }
 
 void utterance_give(const struct utterance *t, const struct stream_sink *sink, void *ctx,
                     struct stream_event event) {
     event.utterance = t->number;
-    event.id = t->synthesis || t->recording ? id_of(t) : event.id;
+    event.id = t->synthesis || t->recording || t->heard ? utterance_id(t) : event.id;
     event.sample_rate = t->sample_rate;
     sink->event(ctx, &event);
 }
@@ -36,11 +43,11 @@ void utterance_add_segment(struct utterance *t, struct media_segment segment) {
 }
 
 bool utterance_is_apart(const struct utterance *t) {
-    return t->recording || synthesis_request(t->synthesis)->seed >= 0;
+    return t->recording || (t->synthesis && synthesis_request(t->synthesis)->seed >= 0);
 }
 
 bool utterance_is_foreign(const struct utterance *t) {
-    return utterance_is_apart(t) || synthesis_request(t->synthesis)->life >= 0;
+    return utterance_is_apart(t) || t->heard || synthesis_request(t->synthesis)->life >= 0;
 }
 
 void utterance_unplace(struct utterance *t) {
@@ -48,8 +55,10 @@ void utterance_unplace(struct utterance *t) {
     t->face = NULL;
 }
 
+/* What lives beside a voice that is heard goes on from one piece of it to the next. */
 static void drop_segment(struct utterance *t) {
-    utterance_unplace(t);
+    if (!t->heard)
+        utterance_unplace(t);
     media_segment_free(&t->segments[0]);
     t->segment_count--;
     memmove(t->segments, t->segments + 1, t->segment_count * sizeof *t->segments);
@@ -66,6 +75,8 @@ void utterance_drop_segment_if_done(struct utterance *t) {
         return;
     if (t->recording)
         recording_release(t->recording);
+    else if (t->heard)
+        heard_voice_release(t->heard);
     else
         synthesis_release(t->synthesis);
 }
@@ -73,8 +84,10 @@ void utterance_drop_segment_if_done(struct utterance *t) {
 void utterance_free(struct utterance *t) {
     while (t->segment_count)
         drop_segment(t);
+    utterance_unplace(t);
     synthesis_free(t->synthesis);
     recording_free(t->recording);
+    heard_voice_free(t->heard);
     mood_free(t->mood);
     free(t->segments);
     free(t);
@@ -139,11 +152,20 @@ void utterance_cut(struct utterance *t, const struct stream_sink *sink, void *ct
 }
 
 bool utterance_awaits_text(const struct utterance *t) {
-    return t->begun && !t->segment_count && t->synthesis && synthesis_awaits_text(t->synthesis);
+    if (!t->begun || t->segment_count)
+        return false;
+    return t->heard ? heard_voice_awaits(t->heard) : t->synthesis && synthesis_awaits_text(t->synthesis);
+}
+
+int64_t utterance_patience(const struct utterance *t) {
+    return t->heard && !heard_voice_stalls(t->heard) ? -HEARD_STALL_MS : STREAM_WAIT_MS;
 }
 
 void utterance_wait(struct utterance *t) {
-    utterance_add_segment(t, synthesis_wait(t->synthesis, STREAM_WAIT_MS));
+    if (t->heard)
+        heard_voice_wait(t->heard, STREAM_WAIT_MS);
+    else
+        utterance_add_segment(t, synthesis_wait(t->synthesis, STREAM_WAIT_MS));
 }
 
 uint32_t utterance_heard(const struct utterance *t, uint64_t unheard) {

@@ -1,20 +1,22 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* One utterance of a stream: a speech or a recording that is heard or waits, and the segments of it that are
- * ready. It says its events and cuts its media; the stream decides when. */
+/* One utterance of a stream: a speech, a recording or somebody's own voice that is heard or waits, and the
+ * segments of it that are ready. It says its events and cuts its media; the stream decides when. */
 #ifndef FACCIA_STREAM_UTTERANCE_H
 #define FACCIA_STREAM_UTTERANCE_H
 
 #include "server/base/utf8.h"
 #include "server/stream/segment_cut.h"
 #include "server/stream/stream.h"
+#include "server/synthesis/heard_voice.h"
 #include "server/synthesis/recording.h"
 #include "server/synthesis/synthesis.h"
 
 struct utterance {
     struct utterance *next;
     struct stream *stream;
-    struct synthesis *synthesis; /* one of the two */
+    struct synthesis *synthesis; /* one of the three */
     struct recording *recording;
+    struct heard_voice *heard;
     uint32_t number;
     enum speech_priority priority;
     struct media_segment *segments; /* the first is being cut */
@@ -43,10 +45,15 @@ void utterance_give(const struct utterance *utterance, const struct stream_sink 
 
 void utterance_add_segment(struct utterance *utterance, struct media_segment segment);
 
-/* Whether nothing is left to be heard of a speech whose text is still being written; and silence for a while.
+/* Whether nothing is left to be heard of what is still being written or said; and silence for a while. For so
+ * many ms more what has been sent may last before that is wanted; below 0: it was all heard that long ago.
  */
 bool utterance_awaits_text(const struct utterance *utterance);
+int64_t utterance_patience(const struct utterance *utterance);
 void utterance_wait(struct utterance *utterance);
+
+/* The client's own name for it, or NULL. */
+const char *utterance_id(const struct utterance *utterance);
 
 /* Whether its face belongs to no clock but its own: it is the same whenever it is played. */
 bool utterance_is_apart(const struct utterance *utterance);

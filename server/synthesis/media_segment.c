@@ -1,23 +1,38 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/media_segment.h"
 #include <math.h>
+#include <stdlib.h>
 
 void media_segment_free(struct media_segment *segment) {
     sentence_audio_free(segment->audio);
     face_track_free(segment->track);
+    free(segment->own);
     *segment = (struct media_segment){0};
 }
 
 struct face_placement *media_segment_place(const struct media_segment *segment,
                                            const struct placement_options *options) {
+    if (segment->mouth)
+        return face_placement_new(NULL, NULL, options);
     return segment->track ? face_placement_new(segment->track, segment->audio, options) : NULL;
+}
+
+static const struct fap_frame *frame_of(const struct media_segment *segment, uint32_t k) {
+    static const struct fap_frame rest;
+    size_t at = k > segment->first_frame ? k - segment->first_frame : 0;
+    if (!segment->frame_count)
+        return &rest;
+    return &segment->frames[at < segment->frame_count ? at : segment->frame_count - 1];
 }
 
 void media_segment_frame(const struct media_segment *segment, struct face_placement *placement, double fps,
                          uint32_t k, struct fap_frame *frame) {
     if (!placement) {
-        size_t last = segment->frame_count - 1;
-        *frame = segment->frame_count ? segment->frames[k < last ? k : last] : (struct fap_frame){0};
+        *frame = *frame_of(segment, k);
+        return;
+    }
+    if (segment->mouth) {
+        face_placement_sample_around(placement, k / fps, frame_of(segment, k), frame);
         return;
     }
     face_placement_sample(placement, k / fps - (double)segment->start / segment->audio->sample_rate, frame);

@@ -17,11 +17,15 @@ struct media_segment {
     struct placement_options alone; /* how its face is placed when nothing is played but this speech */
     const struct fap_frame *frames; /* of the whole recording, borrowed; the last one stays */
     size_t frame_count;
+    uint32_t first_frame;  /* the number of the first of them, of a voice that is heard */
+    struct fap_frame *own; /* the same, where they are the segment's own; else NULL */
+    bool mouth;            /* they are the mouth's: the rest of the face lives */
 };
 
 void media_segment_free(struct media_segment *segment);
 
-/* A placement of its track, for media_segment_frame; NULL when it has none. */
+/* A placement of its track, or of what lives beside the mouth, for media_segment_frame; NULL when it has
+ * neither. */
 struct face_placement *media_segment_place(const struct media_segment *segment,
                                            const struct placement_options *options);
 

@@ -60,6 +60,11 @@ async def main(url, path):
             await written.write(token)
         await written.close()
         found["written"] = (await written.done())["reason"]
+        said = client.voice(16000, lang="it")
+        for _ in range(25):
+            await said.sound(b"\0" * 640)
+        await said.close()
+        found["said"] = [event["reason"] if not isinstance(event, faccia.Media) and event["type"] == "end" else "" async for event in said][-1]
         found["refused"] = [event.get("code", event.get("reason")) async for event in client.speak("Ciao.", lang="xx")]
         lost = client.speak("Una frase lunga che non finisce mai, perché la connessione si perde.", lang="it")
         async for event in lost:

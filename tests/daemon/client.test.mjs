@@ -73,6 +73,17 @@ test('text as it is written, cancelled, refused; two at once are told apart', as
   client.close();
 });
 
+test('what somebody says himself comes back with a face', async () => {
+  const client = await open(), said = client.voice({ rate: 16000, lang: 'it' }), events = all(said);
+  for (let i = 0; i < 25; i++) assert.ok(said.sound(new Int16Array(320).fill(i)));
+  said.close();
+  const media = (await events).filter(({ type }) => type === 'media');
+  assert.equal((await said.done).reason, 'done');
+  assert.equal(media.reduce((sum, { samples }) => sum + samples, 0), 8000);
+  assert.ok(media.flatMap(({ frames }) => frames).length >= 12);
+  client.close();
+});
+
 test('who listens in a room hears what others say there', async () => {
   const [listener, speaker] = await Promise.all([open({ room: 'sala' }), open({ room: 'sala' })]);
   const heard = new Promise((resolve) => listener.addEventListener('message', ({ detail }) => detail.type === 'word' && resolve(detail.text)));
@@ -107,7 +118,7 @@ test('the client of Python: the same, in one file with types', async () => {
   const env = { ...process.env, PYTHONPATH: home, PYTHONDONTWRITEBYTECODE: '1' };
   const { stdout } = await promisify(execFile)('/usr/bin/python3', [path.join(import.meta.dirname, 'client.py'), daemon.url, path.join(root, 'protocol/vectors/chunks.json')], { env });
   const { spoken, client, server, ...found } = JSON.parse(stdout);
-  assert.deepEqual(found, { wrong: [], protocol: 1, heard: 'La', written: 'done', refused: ['unknown-language', 'failed'], lost: ['lost', 'lost'] });
+  assert.deepEqual(found, { wrong: [], protocol: 1, heard: 'La', written: 'done', said: 'done', refused: ['unknown-language', 'failed'], lost: ['lost', 'lost'] });
   assert.deepEqual([spoken.words, spoken.reason], [['La', 'mamma', 'parla', 'piano'], 'done']);
   assert.equal(spoken.samples, Math.round(spoken.duration * 22050));
   assert.ok(spoken.opened > 100);

@@ -148,6 +148,7 @@ for (const [what, args, status, message] of [
   ['a rate out of range', ['--raw', '7000', '-'], 2, /--raw: must be a whole number from 8000 to 96000/],
   ['two files to standard output', ['--fap', '-', '--json', '-', 'rest.wav'], 1, /only one file can go to standard output/],
   ['no sound', [], 2, /one sound is needed/],
+  ['with its text', ['--text', 'a.txt', 'rest.wav'], 2, /faccia align SOUND --text a\.txt/],
 ])
   test(`${what}: told, and nothing is written`, () => {
     sound('rest.wav', 0.2, 16000, 1, () => 0);

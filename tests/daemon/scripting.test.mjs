@@ -58,7 +58,7 @@ for (const { language, room, needs, stdin, code } of examples) {
   test(`${language}: ${code.split('\n')[0]}`, { skip: missing && `${needs} is not installed` }, async () => {
     const listener = room && (await daemon.stream(`?room=${room}`));
     await listener?.wait({ type: 'joined' });
-    const out = await interpreters[language](code.replaceAll('127.0.0.1:8080', `127.0.0.1:${daemon.port}`), stdin);
+    const out = await interpreters[language](code.replaceAll('127.0.0.1:8080', `127.0.0.1:${daemon.port}`), stdin ?? (code.includes('sys.stdin') && 'text'));
     assert.doesNotMatch(out, /error/);
     if (!/-o /.test(code) && !room) assert.match(out, /mamma/);
     if (code.includes('faccia.text.v1')) assert.match(out, /word [\d.]+ mamma[^]*end done/);

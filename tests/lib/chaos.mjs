@@ -61,6 +61,7 @@ const kinds = [
   (c) => ({ type: 'speak', open: true, id: c.of(['w', 'v']), text: c.of([undefined, ...texts]), markup: c.of([undefined, 'plain', 'ssml', 'bml']), mode: c.of(['queue', 'replace', 'interrupt']) }),
   (c) => ({ type: 'text', id: c.of(['w', 'v', 'a']), text: c.one(2) ? c.of(texts) : c.of(documents).toString().slice(c.below(400), 400 + c.below(400)) }),
   (c) => ({ type: c.of(['flush', 'close', 'cancel']), id: c.of(['w', 'v', 'a', 'b']) }),
+  (c) => ({ type: 'voice', id: c.of(['v', 'a']), codec: c.of([undefined, 'pcm', 'opus']), rate: c.of([8000, 16000, 48000, 96000]), channels: c.of([undefined, 1, 2, 8]), lookahead: c.of([undefined, 0, 120, 50]), fps: c.of([undefined, 1, 120]), mode: c.of([undefined, 'replace', 'interrupt']) }),
 ];
 
 /** Bytes changed, taken away, doubled, put in. */
@@ -105,7 +106,7 @@ export function webSocketFrames(c, text) {
     case 0: return [frame(c, text.subarray(0, cut), { fin: false }), frame(c, Buffer.from('p'), { opcode: 9 }), frame(c, text.subarray(cut), { opcode: 0 })];
     case 1: return [...text.subarray(0, 40)].map((byte, i) => frame(c, Buffer.from([byte]), { opcode: i ? 0 : 1, fin: false })).concat(frame(c, text.subarray(40), { opcode: text.length ? 0 : 1 }));
     case 2: return Array.from({ length: 1 + c.below(50) }, () => frame(c, c.bytes(c.below(126)), { opcode: c.of([9, 10]) }));
-    case 3: return c.one(2) ? [frame(c, c.bytes(c.below(300)), { opcode: 2 })] : [frame(c, Buffer.concat([text, Buffer.from([0xc3, 0x28])]))];
+    case 3: return c.one(2) ? [frame(c, c.bytes(c.below(c.of([300, 40000]))), { opcode: 2 })] : [frame(c, Buffer.concat([text, Buffer.from([0xc3, 0x28])]))];
     case 4: return c.one(2) ? [frame(c, text)] : [c.of([
       () => frame(c, text, { reserved: 1 + c.below(7) }),
       () => frame(c, text, { masked: false }),

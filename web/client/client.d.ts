@@ -5,6 +5,7 @@ import type { ServerMessage } from './server-messages.js';
 export type { ClientMessage, ServerMessage };
 
 type Speak = Extract<ClientMessage, { type: 'speak' }>;
+type Voice = Extract<ClientMessage, { type: 'voice' }>;
 
 /** What came for one stretch of time. */
 export interface Media {
@@ -40,6 +41,7 @@ export declare class Utterance implements AsyncIterable<Exclude<ServerMessage, {
   readonly errors: Extract<ServerMessage, { type: 'error' }>[];
   readonly done: Promise<End>;
   write(text: string): boolean;
+  sound(samples: Int16Array | Uint8Array): boolean;
   flush(): boolean;
   close(): boolean;
   cancel(): boolean;
@@ -61,6 +63,7 @@ export declare class Client extends EventTarget {
   speak(text: string, options?: Partial<Omit<Speak, 'type' | 'text'>>): Utterance;
   open(options?: Partial<Omit<Speak, 'type' | 'text' | 'open'>>): Utterance;
   play(name: string, options?: { id?: string; mode?: 'queue' | 'replace' | 'interrupt' | 'quiet' }): Utterance;
+  voice(options: Partial<Omit<Voice, 'type'>>): Utterance;
   close(): void;
   addEventListener<K extends keyof ClientEvents>(type: K, listener: (event: ClientEvents[K]) => void, options?: boolean | AddEventListenerOptions): void;
   addEventListener(type: string, listener: EventListenerOrEventListenerObject | null, options?: boolean | AddEventListenerOptions): void;

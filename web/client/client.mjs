@@ -34,7 +34,15 @@ export class Utterance {
     return this.client.send({ type: 'flush', id: this.id });
   }
 
-  /** All of it has been written. */
+  /**
+   * More of what was begun with `voice`, as it is spoken.
+   * @param {Int16Array|Uint8Array} samples @returns {boolean} whether it went out
+   */
+  sound(samples) {
+    return this.client.connection.sendSound(samples);
+  }
+
+  /** All of it has been written, or said. */
   close() {
     return this.client.send({ type: 'close', id: this.id });
   }
@@ -120,6 +128,11 @@ export class Client extends EventTarget {
   /** A recording of the server's folder. */
   play(name, options = {}) {
     return this.#say({ type: 'play', name, ...options });
+  }
+
+  /** Somebody speaks himself: sound(), close(). @param {object} options the members of `voice`: rate, lang, codec, mode... */
+  voice(options) {
+    return this.#say({ type: 'voice', ...options });
   }
 
   close() {

@@ -2,6 +2,7 @@
 import { applyStyles } from './stylesheet.mjs';
 import { Controls } from './controls.mjs';
 import { readMix } from './expression.mjs';
+import { Following, Listening } from './listening.mjs';
 import { Player } from './audio/player.mjs';
 import { Poster } from './poster.mjs';
 import { Presentation } from './presentation.mjs';
@@ -39,12 +40,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     turns,
     state: () => this.#session.state,
     send: (message) => this.#session.send(message),
+    sendSound: (samples) => this.#session.sendSound(samples),
     emit: (type, detail) => this.#emit(type, detail),
     idle: (chunk) => this.#presentation.idle.face.take(chunk, performance.now() / 1000),
   });
   #presentation;
   #reader;
   #session;
+  #listening = new Set(); // Listening, Following
+  #followed = null; // what `for` names, where that is a sound
 
   constructor() {
     super();
@@ -65,7 +69,10 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#controls = controls;
     this.#presentation = presentation;
     this.#session = new Session(this, { controls, poster, speech, presentation }, {
-      emit: (type, detail) => this.#emit(type, detail),
+      emit: (type, detail) => {
+        this.#emit(type, detail);
+        if (type === 'hello') for (const listening of this.#listening) listening.linked?.();
+      },
       fail: (name, values) => this.#fail(name, values),
       show: (json) => this.#show(json),
       unfit: (error) => this.#unfit(error),
@@ -100,6 +107,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   }
 
   attributeChangedCallback(name, before, value) {
+    if (name === 'for' && this.#opened) this.#followFor();
     if (name === 'polite') {
       this.#speech.waits = this.polite;
       turns.next();
@@ -170,6 +178,57 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   read(from) {
     this.#player.open(); // while the user's gesture counts
     return this.#reader.read(from);
+  }
+
+  /**
+   * Moves her lips to somebody's voice, without a text, until the stream ends or it is stopped.
+   * @param {MediaStream|MediaStreamTrack|null} [stream] a call's, say; without one the user's microphone, which may be asked
+   *   for while the user does something only
+   * @param {object} [options] members of the protocol's `voice` message; sound: false = she is not heard here
+   * @returns {{stop(): void, done: Promise<object>}} done: as of `speak`
+   */
+  listen(stream = null, options = {}) {
+    this.#player.open(); // while the user's gesture counts
+    return this.#hear(new Listening(this.#ears, stream, this.#speakOptions(options)));
+  }
+
+  /**
+   * Moves her lips to a sound of the page, whenever it plays. It is heard when they are seen, somewhat later.
+   * @param {HTMLMediaElement} media @param {object} [options] as of `listen` @returns {{stop(): void}}
+   */
+  follow(media, options = {}) {
+    return this.#hear(new Following(this.#ears, media, this.#speakOptions(options)));
+  }
+
+  #hear(listening) {
+    this.#listening.add(listening);
+    this.#presentation.wake();
+    return listening;
+  }
+
+  get #ears() {
+    return {
+      speak: (options) => {
+        const voice = this.#speech.listen(options);
+        this.#presentation.wake();
+        return voice;
+      },
+      fail: (error) => this.#emit('error', { type: 'error', code: 'no-listening', message: String(error.message) }),
+    };
+  }
+
+  /** Where `for` names a sound she speaks along with it. */
+  #followFor() {
+    const page = this.ownerDocument, named = this.for && page.getElementById(this.for);
+    const media = named instanceof globalThis.HTMLMediaElement ? named : null;
+    if (media === (this.#followed?.media ?? null)) return;
+    this.#forget(this.#followed);
+    this.#followed = media && this.follow(media);
+  }
+
+  #forget(listening) {
+    listening?.stop();
+    this.#listening.delete(listening);
   }
 
   /** Silence at once; what is queued is forgotten. */
@@ -351,11 +410,14 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#showCaptions();
     this.#express();
     this.#session.open();
+    this.#followFor();
   }
 
   #close() {
     this.#opened = false;
     this.#reader.close();
+    for (const listening of [...this.#listening]) this.#forget(listening);
+    this.#followed = null;
     this.#speech.stop();
     this.#session.close();
     this.#player.close();

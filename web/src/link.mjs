@@ -86,6 +86,11 @@ export class Link {
     return this.#connection?.send(message) ?? false;
   }
 
+  /** @param {Int16Array} samples @returns {boolean} whether they went out */
+  sendSound(samples) {
+    return this.#connection?.sendSound(samples) ?? false;
+  }
+
   hurry() {
     this.#connection?.hurry();
   }

@@ -100,6 +100,11 @@ export class Session {
     return this.#link.send(message);
   }
 
+  /** @param {Int16Array} samples of a voice @returns {boolean} whether they could be sent */
+  sendSound(samples) {
+    return this.#link.sendSound(samples);
+  }
+
   /** Connects anew; once for all attributes that are changed together. */
   connectSoon() {
     if (this.#reconnecting) return;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { HeardCaptions } from './captions.mjs';
+import { OwnVoice } from './own-voice.mjs';
 import { Timeline } from './timeline.mjs';
 import { Turns } from './turns.mjs';
 import { Utterance } from './utterance.mjs';
@@ -17,14 +18,14 @@ const DIRECTIONS = ['paused', 'resumed', 'jumped']; // what the server says at o
  */
 export class Speech {
   /**
-   * @param {object} ports player; send(message) -> boolean; emit(type, detail); idle(chunk): media of nobody's; state(): of
-   *   the connection; turns that it takes with others; setTimeout of tests
+   * @param {object} ports player; send(message), sendSound(samples) -> boolean; emit(type, detail); idle(chunk): media of
+   *   nobody's; state(): of the connection; turns that it takes with others; setTimeout of tests
    */
   constructor({
-    player, send, emit, idle = () => {}, state = () => 'open', turns = new Turns(),
+    player, send, sendSound = () => false, emit, idle = () => {}, state = () => 'open', turns = new Turns(),
     setTimeout = (...args) => globalThis.setTimeout(...args),
   }) {
-    Object.assign(this, { player, send, emit, idle, state, turns, setTimeout });
+    Object.assign(this, { player, send, sendSound, emit, idle, state, turns, setTimeout });
     this.timeline = new Timeline();
     /** @type {Set<Utterance>} */
     this.open = new Set();
@@ -71,6 +72,13 @@ export class Speech {
     const writing = new Writing(this.send, (cancelled) => this.#cancel(cancelled));
     writing.done = this.speak('', { ...options, open: true }, writing);
     return writing;
+  }
+
+  /** Has somebody speak himself. @param {object} options members of the `voice` message @returns {OwnVoice} */
+  listen(options = {}) {
+    const voice = new OwnVoice(this.send, this.sendSound, (cancelled) => this.#cancel(cancelled));
+    voice.done = this.speak('', options, voice);
+    return voice;
   }
 
   /** It is the turn of what was asked for before. */
@@ -165,7 +173,8 @@ export class Speech {
     for (const utterance of this.open)
       if (utterance.number === chunk.utterance && utterance.item && !utterance.cancelled) {
         this.#tellMedia(utterance, chunk);
-        this.player.write(utterance.take(chunk));
+        const samples = utterance.take(chunk);
+        this.player.write(utterance.options.sound === false ? samples.fill(0) : samples);
       }
   }
 

@@ -9,6 +9,29 @@ export type AssistantState = 'idle' | 'listening' | 'thinking' | 'muted' | 'asle
 
 export type Consent = 'asked' | 'given' | 'declined' | 'none';
 
+/** Of a voice without a text: see the protocol's `voice`. */
+export interface ListenOptions {
+  lang?: string;
+  engine?: string;
+  fps?: number;
+  life?: number;
+  still?: boolean;
+  /** What is heard after a moment before it is shown, ms. */
+  lookahead?: 0 | 40 | 80 | 120;
+  mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
+  priority?: 'background' | 'chat' | 'alarm';
+  topic?: string;
+  id?: string;
+  /** false: it is seen here, and not heard. */
+  sound?: boolean;
+}
+
+export interface Listening {
+  stop(): void;
+  /** As of `speak`; fails where there is no microphone, or it is refused. */
+  done: Promise<EndMessage>;
+}
+
 export interface SpeakOptions {
   id?: string;
   mode?: 'queue' | 'replace' | 'interrupt' | 'quiet';
@@ -215,6 +238,9 @@ export class TalkingHead extends HTMLElement {
   showHead(json: object): Promise<void>;
   read(from?: Range | StaticRange | Node): Promise<ReadResult>;
   open(source?: ReadableStream<string | Uint8Array> | AsyncIterable<string | Uint8Array> | null, options?: SpeakOptions): Writing;
+  /** Without a stream: the user's microphone, only while the user does something. */
+  listen(stream?: MediaStream | MediaStreamTrack | null, options?: ListenOptions): Listening;
+  follow(media: HTMLMediaElement, options?: ListenOptions): { stop(): void };
   stop(): void;
   pause(): void;
   resume(): void;

@@ -16,12 +16,34 @@ export function readBeside(file, name, place) {
   try {
     wanted = fs.realpathSync(path.resolve(folder, decodeURIComponent(name.replaceAll('\\', '/'))));
   } catch {
-    throw new FileError(place, `there is no file "${name.slice(0, 80)}" beside it`);
+    throw Object.assign(new FileError(place, `there is no file "${name.slice(0, 80)}" beside it`), { missing: true });
   }
   if (!wanted.startsWith(folder + path.sep)) throw new FileError(place, `"${name.slice(0, 80)}" leads out of the model's folder`);
   const { size } = fs.statSync(wanted);
   if (size > MOST.bytes) throw new FileError(place, `"${name.slice(0, 80)}" has ${size} bytes, more than ${MOST.bytes}`);
   return fs.readFileSync(wanted);
+}
+
+/** The same, or null where it is not there and that is noted: many a file has the place of a picture on its maker's machine, and comes without it. */
+export function readIfBeside(file, name, place, notes) {
+  const plain = path.basename(name.replaceAll('\\', '/'));
+  for (const one of [name, plain]) {
+    try {
+      return readBeside(file, one, place);
+    } catch (error) {
+      if (!error.missing) throw error;
+    }
+  }
+  notes.push(`${place}: there is no file "${plain.slice(0, 80)}" beside it: left out`);
+  return null;
+}
+
+/** A picture that a model names, or null: then it is noted why. */
+export function pictureBeside(file, name, place, notes) {
+  const data = readIfBeside(file, name, place, notes);
+  const seen = data && data.length <= MOST.image && pictureOf(data);
+  if (data && !seen?.width) notes.push(`${place}: no PNG, JPEG or WebP of at most ${MOST.image} bytes: left out`);
+  return seen?.width ? { ...seen, data } : null;
 }
 
 /** What kind of picture it is, and its size, from its first bytes. @returns {{type, width, height}|null} */

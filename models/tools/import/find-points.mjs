@@ -22,6 +22,7 @@ const AROUND = 2.1; // of the face's height
 const TALL = 1.7; // higher than wide by so much: a whole body, whose head is looked at first
 const SIDE = 25; // degrees
 const ASIDE = 15; // mm from the middle: so far out the side is seen better from there
+const LIKE = 5; // mm from where the mean face has it: surely one
 const OUTLIER = 14; // mm from where the mean face has it
 const SMOOTH = 0.02;
 const GROWN = [45, 85]; // mm between the eyes
@@ -37,6 +38,8 @@ const TURNS = {
   'y up, looking to -x': ([x, y, z]) => [z, y, -x],
   'z up, looking to +x': ([x, y, z]) => [y, z, x],
   'z up, looking to -x': ([x, y, z]) => [-y, z, -x],
+  'y down, looking to -z': ([x, y, z]) => [x, -y, -z], // as cameras have it
+  'y down, looking to +z': ([x, y, z]) => [-x, -y, z],
 };
 
 const distance = (a, b) => Math.hypot(...a.map((x, k) => x - b[k]));
@@ -84,9 +87,19 @@ async function see(eye, picture) {
   }
 }
 
-/** Which way it looks, and where its face is. */
-async function findFace(scene, eye, up) {
+/** How far the landmarks of a view are from where the mean face would have them, in its mm: one half is nearer. */
+function unlike(points, template) {
+  const which = STEADY.filter((i) => points[i] && template.at[i]);
+  if (which.length < STEADY.length / 2) return Infinity;
+  const onto = align(template.at.map((p) => p ?? [0, 0, 0]), points.map((p) => p ?? [0, 0, 0]), which);
+  const off = which.map((i) => distance(onto.apply(template.at[i]), points[i]) / onto.scale).sort((a, b) => a - b);
+  return off[off.length >> 1];
+}
+
+/** Which way it looks, and where its face is. One upside down may be taken for a face, too, but not lies like one. */
+async function findFace(scene, eye, { up, template }) {
   const meshes = looks(scene);
+  let best = null;
   for (const [name, turn] of Object.entries(TURNS)) {
     if (up && !name.startsWith(up)) continue;
     const turned = meshes.map((mesh) => ({ ...mesh, position: turnAll(mesh.position, turn), ball: mesh.ball && { ...mesh.ball, centre: turn(mesh.ball.centre) } }));
@@ -95,10 +108,13 @@ async function findFace(scene, eye, up) {
       const marks = await see(eye, view.picture);
       if (!marks || marks[10][1] > marks[152][1] || Math.abs(marks[10][0] - marks[152][0]) > 0.5 * (marks[152][1] - marks[10][1])) continue;
       const nose = view.at(marks[168][0], marks[168][1])?.point;
-      if (nose) return { name, turn, middle: nose, height: (marks[152][1] - marks[10][1]) / view.scale };
+      if (!nose) continue;
+      const off = unlike(marks.map(([u, v]) => view.at(u, v)?.point), template);
+      if (!best || off < best.off) best = { name, turn, middle: nose, height: (marks[152][1] - marks[10][1]) / view.scale, off };
+      if (off < LIKE) return best;
     }
   }
-  return null;
+  return best;
 }
 
 /** Where the landmarks are seen on the surface, from the front and from both sides. */
@@ -155,7 +171,7 @@ function turnScene(scene, turn) {
 
 /** The face as the detector sees it. */
 async function seeFace(scene, eye, { up, template }) {
-  const found = await findFace(scene, eye, up && `${up} up`);
+  const found = await findFace(scene, eye, { up: up && `${up} up`, template });
   if (!found) throw new FileError('', 'no face was found in its views: --points FILE says where it is');
   turnScene(scene, found.turn);
   const { views, at } = await look(looks(scene), found, eye);

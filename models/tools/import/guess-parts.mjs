@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** What meshes without names are, by where they lie on a face whose points have been found. */
-import { ballOf, guessPart, piece } from './parts.mjs';
+import { ballOf, partOf, piece } from './parts.mjs';
 
 const BALL = { least: 40, most: 20000, off: 0.09, flat: 0.5 }; // vertices; of the radius; of the diameter
 
@@ -68,7 +68,7 @@ export function splitBalls(scene) {
  */
 export function guessParts(scene, fdp, skin) {
   const guessed = [];
-  const named = (mesh) => guessPart(mesh.name) ?? guessPart(scene.materials[mesh.material]?.name ?? mesh.materialName ?? '');
+  const named = (mesh) => partOf(mesh, scene);
   const call = (mesh, part) => {
     if (mesh.name !== part) guessed.push(part);
     mesh.name = part;

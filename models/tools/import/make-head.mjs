@@ -2,18 +2,21 @@
 /** From a scene as read to a head in the format of protocol/head-model.md. */
 import fs from 'node:fs';
 import path from 'node:path';
+import zlib from 'node:zlib';
 import { encodeDeltas, decode } from '../lib/codec.mjs';
 import { FAPS } from '../lib/faps.mjs';
 import { FileError, MOST } from './file-error.mjs';
 import { at, nearestVertex, xfaceField, zoneFields } from './fields.mjs';
 import { packModel } from './pack-model.mjs';
 import { gatherParts, nameParts } from './parts.mjs';
+import { paintColors } from './paint.mjs';
 import { placeHead } from './place.mjs';
 import { readFbx } from './read-fbx.mjs';
 import { readGltf } from './read-gltf.mjs';
 import { readObj } from './read-obj.mjs';
 import { readPly } from './read-ply.mjs';
 import { readVrml } from './read-vrml.mjs';
+import { faceOutward } from './winding.mjs';
 import { actFromTargets, moveOf } from './targets.mjs';
 import { jawPivot, jawTurn, lidsAndEyes, neck, some } from './turns.mjs';
 
@@ -22,7 +25,16 @@ const REACH = 14; // mm: what is farther from the skin does not follow
 const TONGUE = [43, 44, 45, 46];
 const LOOKS = { skin: { roughness: 0.55, specular: 0.35, subsurface: 0.3 }, eye_l: { roughness: 0.12, specular: 0.6 }, eye_r: { roughness: 0.12, specular: 0.6 } };
 
-const READERS = { glb: readGltf, gltf: readGltf, vrm: readGltf, fbx: readFbx, obj: readObj, ply: readPly, wrl: readVrml, vrml: readVrml };
+const READERS = { glb: readGltf, gltf: readGltf, vrm: readGltf, fbx: readFbx, obj: readObj, ply: readPly, wrl: readVrml, vrml: readVrml, wrz: readVrml };
+
+/** VRML and PLY come packed by gzip, and are not always named so. */
+function unzipped(bytes) {
+  try {
+    return zlib.gunzipSync(bytes, { maxOutputLength: MOST.bytes });
+  } catch (error) {
+    throw new FileError('', `cannot be unpacked: ${error.message}`);
+  }
+}
 
 export async function readScene(file) {
   const kind = path.extname(file).slice(1).toLowerCase();
@@ -30,7 +42,8 @@ export async function readScene(file) {
   const { size } = fs.statSync(file);
   if (size > MOST.bytes) throw new FileError('', `${size} bytes are more than ${MOST.bytes}`);
   try {
-    return await READERS[kind](file, fs.readFileSync(file));
+    const bytes = fs.readFileSync(file);
+    return await READERS[kind](file, bytes[0] === 0x1f && bytes[1] === 0x8b ? unzipped(bytes) : bytes);
   } catch (error) {
     // members of another type than their format has, deep within: the engine says which
     if (error instanceof TypeError || error instanceof RangeError) throw new FileError('', `is not built as .${kind} files are: ${error.message}`);
@@ -114,10 +127,11 @@ function looksOf(scene, parts) {
  * @returns {{head: object, notes: string[], used: string[]}} the head's file; what was left out; the targets that its actions are made of
  */
 export function makeHead(scene, points, options) {
-  const notes = [...scene.notes];
   nameParts(scene, points.parts ?? {});
   const { fdp, fapu } = placeHead(scene, points, options);
+  scene.notes.push(...faceOutward(scene), ...paintColors(scene, fapu));
   const parts = gatherParts(scene);
+  const notes = [...scene.notes];
   const skin = parts.find(({ name }) => name === 'skin');
   const pivot = jawPivot(fdp, fapu);
   const face = { skin, fdp, fapu, pivot };

@@ -25,6 +25,11 @@ export function matrixOf({ matrix, translation = [0, 0, 0], rotation = [0, 0, 0,
   return [...axes.flatMap((axis, k) => [...axis.map((value) => value * scale[k]), 0]), ...translation, 1];
 }
 
+/** Whether what it is applied to is mirrored: what was in front is then behind. */
+export function mirrors(m) {
+  return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]) < 0;
+}
+
 /** Directions: without the shift. */
 export function linear(m, p) {
   const out = new Float64Array(p.length);

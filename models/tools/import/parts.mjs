@@ -5,16 +5,29 @@ import { FileError } from './file-error.mjs';
 const MOST_VERTICES = 65535;
 export const NAMES = ['skin', 'hair', 'eye_l', 'eye_r', 'teeth_upper', 'teeth_lower', 'tongue', 'mouth', 'lashes', 'brows', 'clothes', 'beard', 'glasses'];
 
+/** An eye's name that ends in a side's letter (eyeL, eye_l, Eye.L.001), not in a word's (eyeball, eye cover). */
+const sided = (side) => new RegExp(`([Ee]ye|EYE|[Cc]ornea|[Ii]ris|[Ss]clera).*((?<=[_. -])[${side}${side.toLowerCase()}]|(?<=[a-z])${side})(?![A-Za-z])`);
+
 /** In this order: what is named first wins. */
 const WORDS = [
-  [/lash/i, 'lashes'], [/brow/i, 'brows'], [/glass|spectacle/i, 'glasses'], [/beard|moustache|mustache/i, 'beard'], [/tongue/i, 'tongue'],
+  [/lash|eyeline/i, 'lashes'], [/brow/i, 'brows'], [/glass|spectacle/i, 'glasses'], [/beard|moustache|mustache/i, 'beard'], [/tongue/i, 'tongue'],
   [/(teeth|tooth|gum).*(up|top)|(up|top).*(teeth|tooth|gum)/i, 'teeth_upper'], [/(teeth|tooth|gum).*(low|bot)|(low|bot).*(teeth|tooth|gum)/i, 'teeth_lower'],
-  [/teeth|tooth|denture|gum/i, 'teeth'], [/(eye|cornea|iris|sclera).*(left|_l\b|\.l\b|l$)|left.*eye/i, 'eye_l'], [/(eye|cornea|iris|sclera).*(right|_r\b|\.r\b|r$)|right.*eye/i, 'eye_r'],
+  [/teeth|tooth|denture|gum/i, 'teeth'], [/(eye|cornea|iris|sclera).*left|left.*eye|^l[_. -]?eye/i, 'eye_l'], [sided('L'), 'eye_l'], [/(eye|cornea|iris|sclera).*right|right.*eye|^r[_. -]?eye/i, 'eye_r'], [sided('R'), 'eye_r'],
   [/eye|cornea|sclera/i, 'eyes'], [/mouth|oral|cavity/i, 'mouth'], [/hair|scalp/i, 'hair'], [/cloth|shirt|outfit|jacket|dress|collar|suit|top\b/i, 'clothes'], [/skin|head|face|body/i, 'skin'],
 ];
 
 /** @param {string} text a name @returns {string|undefined} the part that it tells of */
 export const guessPart = (text) => (NAMES.includes(text) ? text : WORDS.find(([pattern]) => pattern.test(text))?.[1]);
+
+/**
+ * What a mesh is by its name, its node's or its material's. A mesh that is called a head may be all of it: then what it is of says which.
+ * @returns {string|undefined}
+ */
+export function partOf(mesh, { materials }) {
+  const name = guessPart(mesh.name) ?? guessPart(mesh.also ?? '');
+  const material = guessPart(materials[mesh.material]?.name ?? mesh.materialName ?? '');
+  return name === 'skin' && mesh.name !== 'skin' && material ? material : (name ?? material);
+}
 
 /** @param {Record<string, string>} binding from a file: mesh (or material) -> part */
 export function nameParts(scene, binding) {
@@ -23,7 +36,7 @@ export function nameParts(scene, binding) {
   scene.meshes.forEach((mesh, i) => {
     const material = scene.materials[mesh.material]?.name ?? mesh.materialName ?? '';
     const numbered = Object.entries(binding).find(([from]) => Number(/_(\d+)$/.exec(from)?.[1]) === i + 1)?.[1];
-    mesh.part = binding[mesh.name] ?? binding[material] ?? numbered ?? guessPart(mesh.name) ?? guessPart(material) ?? null;
+    mesh.part = binding[mesh.name] ?? binding[material] ?? numbered ?? partOf(mesh, scene) ?? null;
   });
   if (!scene.meshes.some(({ part }) => part === 'skin')) {
     const free = scene.meshes.filter(({ part }) => !part).sort((a, b) => b.index.length - a.index.length)[0];
@@ -109,7 +122,7 @@ export function piece(mesh, wanted) {
     order.forEach((v, i) => { for (let k = 0; k < width; k++) out[width * i + k] = list[width * v + k]; });
     return out;
   };
-  return { ...mesh, position: gather(mesh.position, 3), uv: gather(mesh.uv, 2), index: Uint32Array.from(index), from: order.map((v) => mesh.from?.[v] ?? v), targets: Object.fromEntries(Object.entries(mesh.targets).map(([name, deltas]) => [name, gather(deltas, 3)])) };
+  return { ...mesh, position: gather(mesh.position, 3), uv: gather(mesh.uv, 2), colors: gather(mesh.colors, 3), index: Uint32Array.from(index), from: order.map((v) => mesh.from?.[v] ?? v), targets: Object.fromEntries(Object.entries(mesh.targets).map(([name, deltas]) => [name, gather(deltas, 3)])) };
 }
 
 /** Both eyes, or both rows of teeth, in one mesh: cut in two by the side on which a triangle lies. */
@@ -119,6 +132,14 @@ function cut(mesh, axis, middle, [above, below]) {
     const one = side(want);
     return one ? [{ ...one, part }] : [];
   });
+}
+
+/** The material of the largest of a part's meshes, of those with a picture if there are any: a part has one. */
+function materialOf(name, meshes, { materials, notes }) {
+  const pictures = new Set(meshes.map(({ material }) => materials[material]?.picture).filter(Boolean));
+  const [{ material }] = meshes.filter((mesh) => !pictures.size || materials[mesh.material]?.picture).sort((a, b) => b.index.length - a.index.length);
+  if (pictures.size > 1) notes.push(`${name}: of its ${pictures.size} pictures only that of ${materials[material].name} is shown: bake them into one`);
+  return material;
 }
 
 /** @returns {object[]} the parts, merged, in the order of NAMES */
@@ -131,6 +152,6 @@ export function gatherParts(scene) {
   });
   return NAMES.flatMap((name) => {
     const own = meshes.filter(({ part }) => part === name);
-    return own.length ? [merge(name, own)] : [];
+    return own.length ? [{ ...merge(name, own), material: materialOf(name, own, scene) }] : [];
   });
 }

@@ -4,6 +4,8 @@
  * That reader is made for pages: what it asks of one for pictures, it gets here.
  */
 import { pictureOf, readBeside } from './beside.mjs';
+import { turnedOver } from './corners.mjs';
+import { fromLinear } from './paint.mjs';
 import { BINARY, checkFbx } from './check-fbx.mjs';
 import { FileError, MOST } from './file-error.mjs';
 
@@ -51,11 +53,11 @@ async function pictureFor(address, file, blobs, name, notes) {
 }
 
 /** A corner of each triangle as the reader has it; here corners that are one in all that is known of them are one. */
-function welded({ position, uv, shapes }, from, to) {
+function welded({ position, uv, color, shapes }, from, to) {
   const [places, index, first] = [new Map(), [], []];
   for (let v = from; v < to; v++) {
     const at = (list, width) => Array.from({ length: width }, (_, k) => list[width * v + k]);
-    const key = [...at(position, 3), ...(uv ? at(uv, 2) : []), ...shapes.flatMap((one) => at(one, 3))].join();
+    const key = [...at(position, 3), ...(uv ? at(uv, 2) : []), ...(color ? at(color, 3) : []), ...shapes.flatMap((one) => at(one, 3))].join();
     if (!places.has(key)) places.set(key, first.push(v) - 1);
     index.push(places.get(key));
   }
@@ -65,22 +67,24 @@ function welded({ position, uv, shapes }, from, to) {
 
 function meshesOf(mesh, materialOf) {
   const { geometry } = mesh;
-  const { position, uv } = geometry.attributes;
+  const { position, uv, color: tints } = geometry.attributes;
+  const color = tints?.itemSize === 3 && tints.array.some((x, i) => Math.abs(x - tints.array[i % 3]) > 0.01) ? tints : null;
   if (!position?.count || geometry.index) return [];
-  for (const list of [position.array, ...(uv ? [uv.array] : []), ...(geometry.morphAttributes.position ?? []).map(({ array }) => array)]) {
+  for (const list of [position.array, ...(uv ? [uv.array] : []), ...(color ? [color.array] : []), ...(geometry.morphAttributes.position ?? []).map(({ array }) => array)]) {
     const bad = list.findIndex((x) => !Number.isFinite(x));
     if (bad >= 0) throw new FileError(`mesh ${mesh.name}`, `corner ${Math.floor((bad * position.count) / list.length)} is at no place`);
   }
   const placed = position.clone().applyMatrix4(mesh.matrixWorld).array;
+  const turned = mesh.matrixWorld.determinant() < 0;
   const linear = mesh.matrixWorld.clone().setPosition(0, 0, 0);
   const names = Object.entries(mesh.morphTargetDictionary ?? {});
   const shapes = (geometry.morphAttributes.position ?? []).map((one) => one.clone().applyMatrix4(linear).array);
   const groups = Array.isArray(mesh.material) && geometry.groups.length ? geometry.groups : [{ start: 0, count: position.count, materialIndex: 0 }];
   return groups.map(({ start, count, materialIndex }) => {
     const to = Math.min(position.count, start + count);
-    const { index, pick } = welded({ position: placed, uv: uv?.array, shapes }, start, to - ((to - start) % 3));
+    const { index, pick } = welded({ position: placed, uv: uv?.array, color: color?.array, shapes }, start, to - ((to - start) % 3));
     const targets = Object.fromEntries(names.filter(([, i]) => shapes[i]).map(([name, i]) => [name, pick(shapes[i], 3)]));
-    return { name: mesh.name || 'mesh', material: materialOf(mesh.material, materialIndex), position: pick(placed, 3), uv: uv ? pick(uv.array, 2) : null, index, targets };
+    return { name: mesh.name || 'mesh', material: materialOf(mesh.material, materialIndex), position: pick(placed, 3), uv: uv ? pick(uv.array, 2) : null, colors: color ? pick(color.array, color.itemSize).map(fromLinear) : null, index: turned ? turnedOver(index) : index, targets };
   }).filter(({ index }) => index.length);
 }
 

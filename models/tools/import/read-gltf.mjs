@@ -3,11 +3,14 @@
  * glTF 2.0 and GLB (Khronos 2021), with KHR_mesh_quantization, what is packed by meshopt, Draco and Basis Universal, and EXT_texture_webp. Every
  * count is held against the bytes that are there before anything is made of it, so that a damaged file is told by the member that is wrong.
  */
-import { pictureOf, readBeside } from './beside.mjs';
+import { pictureOf, readBeside, readIfBeside } from './beside.mjs';
 import { FileError, MOST } from './file-error.mjs';
 import { pictureAsPng } from './png.mjs';
 import { readPoints } from './points.mjs';
-import { apply, linear, matrixOf, product } from './matrix.mjs';
+import { asTriangles, turnedOver } from './corners.mjs';
+import { fromLinear } from './paint.mjs';
+import { textOf } from './text.mjs';
+import { apply, linear, matrixOf, mirrors, product } from './matrix.mjs';
 
 const TYPES = { 5120: [Int8Array, 1, 127], 5121: [Uint8Array, 1, 255], 5122: [Int16Array, 2, 32767], 5123: [Uint16Array, 2, 65535], 5125: [Uint32Array, 4, 1], 5126: [Float32Array, 4, 1] };
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT4: 16 };
@@ -19,7 +22,7 @@ const LISTS = ['accessors', 'bufferViews', 'buffers', 'extensionsRequired', 'ima
 const whole = (value) => Number.isInteger(value) && value >= 0;
 
 function chunksOf(bytes) {
-  if (bytes.length < 20 || bytes.toString('latin1', 0, 4) !== 'glTF') return { text: bytes.toString('utf8'), binary: null };
+  if (bytes.length < 20 || bytes.toString('latin1', 0, 4) !== 'glTF') return { text: textOf(bytes), binary: null };
   if (bytes.readUInt32LE(4) !== 2) throw new FileError('byte 4', `version ${bytes.readUInt32LE(4)} is not known, only 2 is`);
   if (bytes.readUInt32LE(8) !== bytes.length) throw new FileError('byte 8', `the file says that it has ${bytes.readUInt32LE(8)} bytes, and has ${bytes.length}`);
   const found = {};
@@ -163,7 +166,8 @@ class Gltf {
     }
     const image = this.member('images', source, `textures[${i}]`);
     const at = `images[${source}]`;
-    const bytes = image.bufferView !== undefined ? this.view(image.bufferView, at) : readBeside(this.file, String(image.uri ?? ''), `${at}.uri`);
+    const bytes = image.bufferView !== undefined ? this.view(image.bufferView, at) : readIfBeside(this.file, String(image.uri ?? ''), `${at}.uri`, this.notes);
+    if (!bytes) return null;
     if (texture.extensions?.[BASIS]) return this.transcoded(bytes, at);
     const seen = pictureOf(bytes);
     if (!seen || !seen.width || bytes.length > MOST.image) {
@@ -194,27 +198,56 @@ function materialsOf(gltf) {
       roughness: Number.isFinite(look.roughnessFactor) ? look.roughnessFactor : 1,
       alpha: { MASK: 'cutout', BLEND: 'blend' }[material?.alphaMode] ?? 'opaque',
       double_sided: Boolean(material?.doubleSided),
+      laid: laidOn(look.baseColorTexture, at),
       picture: look.baseColorTexture ? gltf.picture(look.baseColorTexture.index, `${at}.pbrMetallicRoughness.baseColorTexture`) : null,
     };
   });
 }
 
-function readPrimitive(gltf, mesh, primitive, at, matrix) {
-  if ((primitive.mode ?? 4) !== 4) {
-    gltf.notes.push(`${at} is no list of triangles: left out`);
+/** Which of a mesh's coordinates a texture takes, and how it changes them. */
+function laidOn(texture, at) {
+  const change = texture?.extensions?.KHR_texture_transform;
+  const { offset = [0, 0], scale = [1, 1], rotation = 0 } = change ?? {};
+  if (![...offset, ...scale, rotation].every(Number.isFinite)) throw new FileError(`${at}.pbrMetallicRoughness.baseColorTexture`, 'its KHR_texture_transform must be of numbers');
+  const [c, s] = [Math.cos(rotation), Math.sin(rotation)];
+  const lay = (list) => list.map((_, i) => {
+    const [u, v] = [list[i & ~1] * scale[0], list[i | 1] * scale[1]];
+    return i & 1 ? v * c - u * s + offset[1] : u * c + v * s + offset[0];
+  });
+  return { set: `TEXCOORD_${change?.texCoord ?? texture?.texCoord ?? 0}`, lay: change ? lay : (list) => list };
+}
+
+/** Colours of vertices, as a picture has them; none where all are the same. */
+function colorsOf(gltf, i, count, at, factor = [1, 1, 1]) {
+  if (i === undefined) return null;
+  const width = WIDTHS[gltf.member('accessors', i, at).type];
+  const list = gltf.accessor(i, width === 4 ? 4 : 3, at);
+  if (list.length !== width * count) throw new FileError(at, `must have ${count} elements`);
+  const colors = Float64Array.from({ length: 3 * count }, (_, k) => fromLinear(factor[k % 3] * list[width * Math.floor(k / 3) + (k % 3)]));
+  return colors.some((x, k) => Math.abs(x - colors[k % 3]) > 0.01) ? colors : null;
+}
+
+function readPrimitive(gltf, mesh, primitive, at, matrix, look) {
+  const { mode = 4 } = primitive;
+  if (![4, 5, 6].includes(mode)) {
+    gltf.notes.push(`${at} is not of triangles: left out`);
     return null;
   }
   const attributes = primitive.attributes ?? {};
   const unpacked = primitive.extensions?.[DRACO] ? gltf.unpack(primitive, at) : null;
   const raw = unpacked?.position ?? gltf.accessor(attributes.POSITION, 3, `${at}.attributes.POSITION`);
   const count = raw.length / 3;
-  const index = unpacked ? unpacked.index : primitive.indices === undefined ? Uint32Array.from({ length: count }, (_, i) => i) : gltf.accessor(primitive.indices, 1, `${at}.indices`, false);
-  if (index.length % 3) throw new FileError(`${at}.indices`, 'there must be three for each triangle');
-  const past = index.findIndex((v) => v >= count);
-  if (past >= 0) throw new FileError(`accessors[${primitive.indices}]`, `element ${past} is vertex ${index[past]}, but there are ${count}`);
-  const places = unpacked?.uv ?? (attributes.TEXCOORD_0 === undefined ? null : gltf.accessor(attributes.TEXCOORD_0, 2, `${at}.attributes.TEXCOORD_0`));
-  const uv = places?.map((x, i) => (i % 2 ? 1 - x : x)) ?? null;
-  if (uv && uv.length !== 2 * count) throw new FileError(`${at}.attributes.TEXCOORD_0`, `must have ${count} elements`);
+  const corners = unpacked ? unpacked.index : primitive.indices === undefined ? Uint32Array.from({ length: count }, (_, i) => i) : gltf.accessor(primitive.indices, 1, `${at}.indices`, false);
+  const past = corners.findIndex((v) => v >= count);
+  if (past >= 0) throw new FileError(`accessors[${primitive.indices}]`, `element ${past} is vertex ${corners[past]}, but there are ${count}`);
+  const cut = mode === 4 || unpacked ? corners : asTriangles(mode, corners);
+  if (cut.length % 3) throw new FileError(`${at}.indices`, 'there must be three for each triangle');
+  const index = mirrors(matrix) ? turnedOver(cut) : cut;
+  const set = attributes[look?.laid.set] === undefined ? 'TEXCOORD_0' : look.laid.set;
+  const places = unpacked?.uv ?? (attributes[set] === undefined ? null : gltf.accessor(attributes[set], 2, `${at}.attributes.${set}`));
+  if (places && places.length !== 2 * count) throw new FileError(`${at}.attributes.${set}`, `must have ${count} elements`);
+  const uv = places && (look?.laid.lay(places) ?? places).map((x, i) => (i % 2 ? 1 - x : x));
+  const colors = unpacked ? null : colorsOf(gltf, attributes.COLOR_0, count, `${at}.attributes.COLOR_0`, look?.color);
   const names = mesh.extras?.targetNames ?? primitive.extras?.targetNames ?? [];
   const targets = {};
   (primitive.targets ?? []).forEach((target, i) => {
@@ -223,7 +256,7 @@ function readPrimitive(gltf, mesh, primitive, at, matrix) {
     if (deltas.length !== raw.length) throw new FileError(`${at}.targets[${i}].POSITION`, `must have ${count} elements`);
     targets[String(names[i] ?? i)] = linear(matrix, deltas);
   });
-  return { position: apply(matrix, raw), index, uv, targets };
+  return { position: apply(matrix, raw), index, uv, colors, targets };
 }
 
 /** @param {string} file @param {Buffer} bytes */
@@ -257,9 +290,9 @@ export async function readGltf(file, bytes) {
     const place = node.skin === undefined ? matrix : skinMatrix(gltf, node.skin, world, `nodes[${i}].skin`);
     (mesh.primitives ?? []).forEach((primitive, k) => {
       if (meshes.length >= MOST.meshes) throw new FileError(`meshes[${node.mesh}]`, `more than ${MOST.meshes} meshes are no head`);
-      const read = readPrimitive(gltf, mesh, primitive, `meshes[${node.mesh}].primitives[${k}]`, place);
       if (primitive.material !== undefined) gltf.member('materials', primitive.material, `meshes[${node.mesh}].primitives[${k}].material`);
-      if (read) meshes.push({ name: String(mesh.name ?? node.name ?? `mesh ${node.mesh}`), material: primitive.material ?? -1, ...read });
+      const read = readPrimitive(gltf, mesh, primitive, `meshes[${node.mesh}].primitives[${k}]`, place, materials[primitive.material]);
+      if (read) meshes.push({ name: String(mesh.name ?? node.name ?? `mesh ${node.mesh}`), also: String(node.name ?? ''), material: primitive.material ?? -1, ...read });
     });
   }
   if (!meshes.length) throw new FileError('scenes', 'there is no mesh in it');

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Wavefront's OBJ with MTL. Lines are told where they are wrong. */
 import path from 'node:path';
-import { pictureOf, readBeside } from './beside.mjs';
+import { pictureBeside, readIfBeside } from './beside.mjs';
+import { cutFace } from './corners.mjs';
 import { FileError, MOST } from './file-error.mjs';
+import { rowsOf } from './text.mjs';
 
 function numbers(words, count, line) {
   const values = words.slice(0, count).map(Number);
@@ -10,10 +12,25 @@ function numbers(words, count, line) {
   return values;
 }
 
+/** Numbers that an option of a map may have after it; at least those, at most these. */
+const OPTIONS = { '-o': 3, '-s': 3, '-t': 3, '-mm': 2 };
+
+/** A map's file: what stands behind its options, blanks and all. */
+function mapName(words) {
+  let i = 0;
+  while (/^-[a-z]/.test(words[i] ?? '') && i < words.length - 1) {
+    const most = OPTIONS[words[i]];
+    if (!most) i += 2;
+    else for (const last = ++i + most; i < last && i < words.length - 1 && Number.isFinite(Number(words[i])); i++);
+  }
+  return words.slice(i).join(' ');
+}
+
 function readMtl(file, name, line, notes) {
   const materials = [];
-  const text = readBeside(file, name, `line ${line}`).toString('utf8');
-  text.split('\n').forEach((row, i) => {
+  const bytes = readIfBeside(file, name, `line ${line}`, notes);
+  if (!bytes) return [];
+  rowsOf(bytes).forEach((row, i) => {
     const [word, ...rest] = row.trim().split(/\s+/);
     const at = `${path.basename(name)}, line ${i + 1}`;
     const one = materials.at(-1);
@@ -25,26 +42,30 @@ function readMtl(file, name, line, notes) {
       one.color = color.map((x) => Math.min(1, Math.max(0, x)));
     } else if (word === 'd' && Number(rest[0]) < 1) one.alpha = 'blend';
     else if (word === 'map_Kd') {
-      const bytes = readBeside(file, rest.at(-1) ?? '', at);
-      const seen = pictureOf(bytes);
-      if (seen && bytes.length <= MOST.image) Object.assign(one, { picture: { ...seen, data: bytes }, color: [1, 1, 1] });
-      else notes.push(`${at}: no PNG, JPEG or WebP: left out`);
+      const picture = pictureBeside(file, mapName(rest), at, notes);
+      if (picture) Object.assign(one, { picture, color: [1, 1, 1] });
     }
   });
   return materials;
 }
 
+/** Colours from 0 to 1: some programs write them up to 255. */
+function asShares(list) {
+  const full = list.some((x) => x > 1.5) ? 255 : 1;
+  return Float64Array.from(list, (x) => x / full);
+}
+
 /** Faces of many corners become triangles; a corner is a vertex by its place and its place on the texture. */
 export function readObj(file, bytes) {
   const notes = [];
-  const [places, uvs] = [[], []];
+  const [places, uvs, tints] = [[], [], []];
   let materials = [];
   const meshes = new Map();
   let [object, material] = ['mesh', ''];
   let count = 0;
   const meshOf = () => {
     const key = `${object}\n${material}`;
-    if (!meshes.has(key)) meshes.set(key, { name: object, materialName: material, position: [], uv: [], index: [], corners: new Map(), places: [], textured: false });
+    if (!meshes.has(key)) meshes.set(key, { name: object, materialName: material, position: [], uv: [], colors: [], index: [], corners: new Map(), places: [], textured: false });
     return meshes.get(key);
   };
   const pick = (text, list, width, line, what) => {
@@ -53,11 +74,13 @@ export function readObj(file, bytes) {
     if (!Number.isInteger(n) || i < 0 || i >= list.length / width) throw new FileError(`line ${line}`, `there is no ${what} ${text.slice(0, 20)}`);
     return i;
   };
-  bytes.toString('utf8').split('\n').forEach((row, i) => {
+  rowsOf(bytes, '\\').forEach((row, i) => {
     const line = i + 1;
     const [word, ...rest] = row.trim().split(/\s+/);
-    if (word === 'v') places.push(...numbers(rest, 3, line));
-    else if (word === 'vt') uvs.push(...numbers(rest, 2, line));
+    if (word === 'v') {
+      places.push(...numbers(rest, 3, line));
+      if (rest.length >= 6) tints[places.length / 3 - 1] = numbers(rest.slice(3), 3, line); // not of the format, but of many programs
+    } else if (word === 'vt') uvs.push(...numbers(rest, 2, line));
     else if (word === 'o' || word === 'g') object = rest.join(' ') || 'mesh';
     else if (word === 'usemtl') material = rest.join(' ');
     else if (word === 'mtllib') materials = materials.concat(readMtl(file, rest.join(' '), line, notes));
@@ -72,25 +95,27 @@ export function readObj(file, bytes) {
         if (!mesh.corners.has(key)) {
           mesh.corners.set(key, mesh.position.length / 3);
           mesh.position.push(...places.slice(3 * p, 3 * p + 3));
+          if (tints.length) mesh.colors.push(...(tints[p] ?? [1, 1, 1]));
           mesh.uv.push(...(t < 0 ? [0, 0] : uvs.slice(2 * t, 2 * t + 2)));
           mesh.textured ||= t >= 0;
           mesh.places.push(p);
         }
         return mesh.corners.get(key);
       });
-      for (let k = 2; k < corners.length; k++) mesh.index.push(corners[0], corners[k - 1], corners[k]);
+      cutFace(corners, (v) => mesh.position.slice(3 * v, 3 * v + 3), (...three) => mesh.index.push(...three));
       count += corners.length;
       if (count > MOST.numbers / 3) throw new FileError(`line ${line}`, 'more faces than a head has');
     }
   });
   if (!meshes.size) throw new FileError('', 'there are no faces in it');
   return {
-    meshes: [...meshes.values()].map(({ name, materialName, position, uv, index, textured, places: from }) => ({
+    meshes: [...meshes.values()].map(({ name, materialName, position, uv, colors, index, textured, places: from }) => ({
       name,
       material: materials.findIndex((one) => one.name === materialName),
       materialName,
       position: Float64Array.from(position),
       uv: textured ? Float64Array.from(uv) : null,
+      colors: colors.length ? asShares(colors) : null,
       index: Uint32Array.from(index),
       targets: {},
       from,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Stanford's PLY, as text and binary: one mesh, whose texture (if any) a comment "TextureFile" names. */
-import { pictureOf, readBeside } from './beside.mjs';
+import { pictureBeside } from './beside.mjs';
+import { cutFace, cutStrip } from './corners.mjs';
 import { FileError, MOST } from './file-error.mjs';
 
 const READ = {
@@ -9,11 +10,15 @@ const READ = {
   double: ['Float64', 8], float64: ['Float64', 8],
 };
 
+const COLORS = [['red', 'diffuse_red'], ['green', 'diffuse_green'], ['blue', 'diffuse_blue']];
+const IDLE = /^(n[xyz]|quality|alpha|confidence|intensity|radius|curvature)$/; // what is not used may be no number
+
 function readHead(bytes) {
   const end = bytes.indexOf('end_header');
   if (bytes.toString('latin1', 0, 3) !== 'ply' || end < 0 || end > 65536) throw new FileError('line 1', 'this is no PLY: it must begin with "ply" and have an end_header');
-  const lines = bytes.toString('latin1', 0, end).split(/\r?\n/);
-  const head = { elements: [], texture: null, lines: lines.length, data: bytes.indexOf(10, end) + 1 };
+  const lines = bytes.toString('latin1', 0, end).split(/\r\n|\r|\n/);
+  const after = end + 'end_header'.length;
+  const head = { elements: [], texture: null, lines: lines.length, data: after + (/^ *(\r\n|\r|\n)/.exec(bytes.toString('latin1', after, after + 80))?.[0].length ?? 0) };
   lines.forEach((line, i) => {
     const words = line.trim().split(/\s+/);
     const at = `line ${i + 1}`;
@@ -40,11 +45,11 @@ function source(bytes, head) {
   let at = head.data;
   if (head.format === 'ascii') {
     const text = bytes.toString('latin1', at);
-    const words = /\S+|\n/g;
+    const words = /\S+|\r\n|\r|\n/g;
     let line = head.lines + 1;
     const next = () => {
       for (let word; (word = words.exec(text)); ) {
-        if (word[0] !== '\n') return Number(word[0]);
+        if (!/[\r\n]/.test(word[0])) return Number(word[0]);
         line++;
       }
       return NaN;
@@ -65,20 +70,31 @@ function source(bytes, head) {
 export function readPly(file, bytes) {
   const head = readHead(bytes);
   const { next, place } = source(bytes, head);
-  const [position, uv, index, notes] = [[], [], [], []];
-  const number = (type) => {
+  const [position, uv, colors, index, notes] = [[], [], [], [], []];
+  const wedges = new Map(); // a corner with its own place on the texture is a vertex of its own
+  const from = [];
+  const wedge = (v, s, t) => {
+    const key = `${v}/${s}/${t}`;
+    if (!wedges.has(key)) {
+      wedges.set(key, from.push(v) - 1);
+      uv.push(s, t);
+    }
+    return wedges.get(key);
+  };
+  const add = (...three) => index.push(...three);
+  const number = (type, name) => {
     const value = next(type);
-    if (!Number.isFinite(value)) throw new FileError(place(), 'a number is missing, or is none');
+    if (!Number.isFinite(value) && !IDLE.test(name)) throw new FileError(place(), 'a number is missing, or is none');
     return value;
   };
   for (const { name, count, properties } of head.elements)
     for (let i = 0; i < count; i++) {
       const values = {};
       for (const property of properties) {
-        if (!property.list) values[property.name] = number(property.types[0]);
+        if (!property.list) values[property.name] = number(property.types[0], property.name);
         else {
           const length = number(property.types[0]);
-          if (length > 256 || length < 0) throw new FileError(place(), `a list of ${length} numbers is no face`);
+          if (length > (name === 'tristrips' ? MOST.numbers : 256) || length < 0) throw new FileError(place(), `a list of ${length} numbers is no face`);
           values[property.name] = Array.from({ length }, () => number(property.types[1]));
         }
       }
@@ -87,24 +103,29 @@ export function readPly(file, bytes) {
         position.push(values.x, values.y, values.z);
         const [s, t] = [values.s ?? values.u ?? values.texture_u, values.t ?? values.v ?? values.texture_v];
         if (s !== undefined) uv.push(s, t);
+        const color = COLORS.map(([one, other]) => values[one] ?? values[other]);
+        if (color.every(Number.isFinite)) colors.push(...color);
       }
-      const corners = values.vertex_indices ?? values.vertex_index;
-      if (name === 'face' && corners) {
-        const past = corners.find((v) => !Number.isInteger(v) || v < 0 || v >= position.length / 3);
-        if (past !== undefined) throw new FileError(place(), `there is no vertex ${past}`);
-        for (let k = 2; k < corners.length; k++) index.push(corners[0], corners[k - 1], corners[k]);
-      }
+      const corners = ['face', 'tristrips'].includes(name) && (values.vertex_indices ?? values.vertex_index);
+      if (!corners) continue;
+      const past = corners.find((v) => !Number.isInteger(v) || (v < 0 && name === 'face') || v >= position.length / 3);
+      if (past !== undefined) throw new FileError(place(), `there is no vertex ${past}`);
+      if (name === 'tristrips') cutStrip(corners, add);
+      else if (values.texcoord && values.texcoord.length === 2 * corners.length && (from.length || !index.length)) {
+        const own = corners.map((v, k) => wedge(v, values.texcoord[2 * k], values.texcoord[2 * k + 1]));
+        cutFace(own, (v) => position.slice(3 * from[v], 3 * from[v] + 3), add);
+      } else if (from.length) cutFace(corners.map((v) => wedge(v, 0, 0)), (v) => position.slice(3 * from[v], 3 * from[v] + 3), add);
+      else cutFace(corners, (v) => position.slice(3 * v, 3 * v + 3), add);
     }
   if (!index.length) throw new FileError('', 'there are no faces in it');
-  let picture = null;
-  if (head.texture) {
-    const data = readBeside(file, head.texture.name, head.texture.at);
-    const seen = pictureOf(data);
-    if (seen) picture = { ...seen, data };
-    else notes.push(`${head.texture.name} is no PNG, JPEG or WebP: left out`);
-  }
+  const picture = head.texture ? pictureBeside(file, head.texture.name, head.texture.at, notes) : null;
+  const asFaces = (list) => (from.length ? Float64Array.from({ length: 3 * from.length }, (_, i) => list[3 * from[Math.floor(i / 3)] + (i % 3)]) : Float64Array.from(list));
+  const full = head.elements.some(({ properties }) => properties.some(({ name, types }) => COLORS.flat().includes(name) && /char|int8/.test(types[0]))) ? 255 : 1;
   return {
-    meshes: [{ name: 'mesh', material: 0, position: Float64Array.from(position), uv: uv.length ? Float64Array.from(uv) : null, index: Uint32Array.from(index), targets: {} }],
+    meshes: [{
+      name: 'mesh', material: 0, position: asFaces(position), uv: uv.length ? Float64Array.from(uv) : null, index: Uint32Array.from(index), targets: {},
+      colors: colors.length === position.length ? asFaces(colors).map((x) => x / full) : null, ...(from.length ? { from } : {}),
+    }],
     materials: [{ name: 'mesh', color: picture ? [1, 1, 1] : [0.8, 0.62, 0.54], roughness: 0.6, alpha: 'opaque', double_sided: false, picture }],
     notes,
     unit: null,

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** VRML97 (ISO/IEC 14772-1), as modelling programs write it: the scene's IndexedFaceSets with transforms, materials and textures. */
-import { pictureOf, readBeside } from './beside.mjs';
+import { pictureBeside } from './beside.mjs';
+import { cutFace, turnedOver } from './corners.mjs';
 import { FileError, MOST } from './file-error.mjs';
-import { apply, matrixOf, product } from './matrix.mjs';
+import { apply, matrixOf, mirrors, product } from './matrix.mjs';
+import { textOf } from './text.mjs';
 
-const TOKEN = /#[^\n]*|"(?:[^"\\]|\\.)*"|[[\]{}]|[^\s,[\]{}"#]+|\n/g;
+const TOKEN = /#[^\r\n]*|"(?:[^"\\]|\\.)*"|[[\]{}]|[^\s,[\]{}"#]+|\r\n|\r|\n/g;
 
 class Reader {
   constructor(text) {
@@ -17,7 +19,7 @@ class Reader {
 
   *tokens() {
     for (const [word] of this.text.matchAll(TOKEN)) {
-      if (word === '\n') this.line++;
+      if (word === '\n' || word[0] === '\r') this.line++;
       else if (word[0] === '"') {
         yield word;
         this.line += word.split('\n').length - 1;
@@ -56,12 +58,23 @@ class Reader {
       if (this.word === undefined) this.fail(`the file ends within a ${node.type}`);
       const field = this.advance();
       if (!/^[A-Za-z_]/.test(field)) this.fail(`"${field.slice(0, 40)}" is no field of a ${node.type}`);
-      if (field === 'ROUTE' || field === 'PROTO') this.fail(`${field} is not read`);
+      if (field === 'ROUTE') {
+        this.skipRoute();
+        continue;
+      }
+      if (/^(EXTERN)?PROTO$/.test(field)) this.fail(`${field} is not read`);
       node.fields[field] = this.value(depth);
     }
     this.advance();
     if (name) this.defined.set(name, node);
     return node;
+  }
+
+  /** What changes when: a head at rest has no use for it. */
+  skipRoute() {
+    this.advance();
+    if (this.advance() !== 'TO') this.fail('ROUTE wants TO');
+    this.advance();
   }
 
   value(depth) {
@@ -123,27 +136,34 @@ function facesOf({ fields, line }, matrix, name, material, meshes) {
   const points = listOf(fields.coord?.fields?.point);
   if (!points.length || points.length % 3) fail('an IndexedFaceSet without the points of its corners');
   const texture = listOf(fields.texCoord?.fields?.point);
+  const tints = listOf(fields.color?.fields?.color);
+  const tintIndex = listOf(fields.colorIndex);
   const coordIndex = listOf(fields.coordIndex);
   const texIndex = listOf(fields.texCoordIndex);
-  const mesh = { name, material, position: [], uv: [], index: [], targets: {}, from: [] };
+  const mesh = { name, material, position: [], uv: [], colors: [], index: [], targets: {}, from: [] };
+  let ofFace = 0;
   const known = new Map();
   let face = [];
   const close = () => {
     if (face.length && face.length < 3) fail('a face must have three corners or more');
     const corners = fields.ccw === false ? face.reverse() : face;
-    for (let k = 2; k < corners.length; k++) mesh.index.push(corners[0], corners[k - 1], corners[k]);
+    if (corners.length) cutFace(corners, (v) => mesh.position.slice(3 * v, 3 * v + 3), (...three) => mesh.index.push(...three));
     face = [];
+    ofFace++;
   };
   coordIndex.forEach((p, i) => {
     if (p === -1) return close();
     if (!Number.isInteger(p) || p < 0 || p >= points.length / 3) fail(`coordIndex ${i} is ${p}, but there are ${points.length / 3} points`);
     const t = texture.length ? (texIndex[i] ?? p) : -1;
     if (t >= texture.length / 2) fail(`texCoordIndex ${i} is ${t}, but there are ${texture.length / 2} points`);
-    const key = `${p}/${t}`;
+    const c = !tints.length ? -1 : fields.colorPerVertex === false ? (tintIndex[ofFace] ?? ofFace) : (tintIndex[i] ?? p);
+    if (c >= tints.length / 3) fail(`the colour of coordIndex ${i} is ${c}, but there are ${tints.length / 3}`);
+    const key = `${p}/${t}/${c}`;
     if (!known.has(key)) {
       known.set(key, mesh.position.length / 3);
       mesh.position.push(points[3 * p], points[3 * p + 1], points[3 * p + 2]);
       mesh.uv.push(...(t < 0 ? [0, 0] : [texture[2 * t], texture[2 * t + 1]]));
+      if (c >= 0) mesh.colors.push(...tints.slice(3 * c, 3 * c + 3));
       mesh.from.push(p);
     }
     face.push(known.get(key));
@@ -151,33 +171,40 @@ function facesOf({ fields, line }, matrix, name, material, meshes) {
   });
   close();
   if (!mesh.index.length) return;
-  meshes.push({ ...mesh, position: apply(matrix, mesh.position), uv: texture.length ? Float64Array.from(mesh.uv) : null, index: Uint32Array.from(mesh.index) });
+  const index = Uint32Array.from(mesh.index);
+  meshes.push({ ...mesh, position: apply(matrix, mesh.position), uv: texture.length ? Float64Array.from(mesh.uv) : null, index: mirrors(matrix) ? turnedOver(index) : index, colors: tints.length ? Float64Array.from(mesh.colors) : null });
 }
 
 export function readVrml(file, bytes) {
-  const text = bytes.toString('utf8');
+  const text = textOf(bytes);
   if (!/^#VRML V2\.0 utf8/.test(text)) throw new FileError('line 1', 'this is no VRML97: it must begin with "#VRML V2.0 utf8"');
   const reader = new Reader(text);
   const roots = [];
-  while (reader.word !== undefined) roots.push(reader.node(0));
+  while (reader.word !== undefined) {
+    if (reader.word !== 'ROUTE') roots.push(reader.node(0));
+    else {
+      reader.advance();
+      reader.skipRoute();
+    }
+  }
   const [meshes, materials, notes] = [[], [], []];
   const known = new Map();
-  const materialOf = (appearance) => {
+  const materialOf = (appearance, solid) => {
     if (!appearance?.fields) return -1;
-    if (!known.has(appearance)) {
-      known.set(appearance, materials.length);
+    const sides = known.get(appearance) ?? {};
+    known.set(appearance, sides);
+    if (sides[solid] === undefined) {
+      sides[solid] = materials.length;
       const { diffuseColor, transparency } = appearance.fields.material?.fields ?? {};
-      const look = { name: appearance.fields.material?.name ?? appearance.name ?? `material ${materials.length}`, color: diffuseColor ?? [0.8, 0.8, 0.8], roughness: 0.6, alpha: listOf(transparency)[0] > 0 ? 'blend' : 'opaque', double_sided: false, picture: null };
+      const look = { name: appearance.fields.material?.name ?? appearance.name ?? `material ${materials.length}`, color: diffuseColor ?? [0.8, 0.8, 0.8], roughness: 0.6, alpha: listOf(transparency)[0] > 0 ? 'blend' : 'opaque', double_sided: !solid, picture: null };
       const url = listOf(appearance.fields.texture?.fields?.url)[0];
       if (typeof url === 'string') {
-        const data = readBeside(file, url, `line ${appearance.fields.texture.line}`);
-        const seen = pictureOf(data);
-        if (seen) Object.assign(look, { picture: { ...seen, data }, color: [1, 1, 1] });
-        else notes.push(`${url} is no PNG, JPEG or WebP: left out`);
+        const picture = pictureBeside(file, url, `line ${appearance.fields.texture.line}`, notes);
+        if (picture) Object.assign(look, { picture, color: [1, 1, 1] });
       }
       materials.push(look);
     }
-    return known.get(appearance);
+    return sides[solid];
   };
   let visited = 0;
   const walk = (node, matrix, name) => {
@@ -186,12 +213,15 @@ export function readVrml(file, bytes) {
     const own = node.name ?? name;
     if (node.type === 'Shape') {
       const { geometry, appearance } = node.fields;
-      if (geometry?.type === 'IndexedFaceSet') facesOf(geometry, matrix, geometry.name ?? own ?? `mesh ${meshes.length}`, materialOf(appearance), meshes);
+      if (geometry?.type === 'IndexedFaceSet') facesOf(geometry, matrix, geometry.name ?? own ?? `mesh ${meshes.length}`, materialOf(appearance, geometry.fields.solid !== false), meshes);
       if (meshes.length > MOST.meshes) throw new FileError(`line ${node.line}`, `more than ${MOST.meshes} meshes are no head`);
       return;
     }
     const inner = node.type === 'Transform' ? product(matrix, transformOf(node)) : matrix;
-    for (const child of listOf(node.fields.children)) walk(child, inner, own);
+    const { children, choice, whichChoice = -1, level } = node.fields;
+    // of what is drawn one way or another: what is chosen, and the nearest
+    const shown = node.type === 'Switch' ? listOf(choice).slice(whichChoice, whichChoice < 0 ? 0 : whichChoice + 1) : node.type === 'LOD' ? listOf(level).slice(0, 1) : listOf(children);
+    for (const child of shown) walk(child, inner, own);
   };
   for (const root of roots) walk(root, matrixOf({}, ''), null);
   if (!meshes.length) throw new FileError('', 'there is no IndexedFaceSet in it');

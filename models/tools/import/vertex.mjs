@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Where what a file of points tells is on a mesh. */
 import { FileError } from './file-error.mjs';
-import { guessPart } from './parts.mjs';
+import { partOf } from './parts.mjs';
 
 /** The mesh that numbers without a name are of. */
-function skinOf({ meshes, materials }) {
-  const named = (mesh) => (guessPart(mesh.name) ?? guessPart(materials[mesh.material]?.name ?? mesh.materialName ?? '')) === 'skin';
+function skinOf(scene) {
+  const { meshes } = scene;
+  const named = (mesh) => partOf(mesh, scene) === 'skin';
   const largest = (list) => [...list].sort((a, b) => b.index.length - a.index.length)[0];
   return meshes.find(({ part }) => part === 'skin') ?? largest(meshes.filter(named)) ?? largest(meshes);
 }

@@ -2,15 +2,13 @@
 #include "server/doors/lva/websocket_client.h"
 #include "server/base/buf.h"
 #include "server/base/mem.h"
-#include <openssl/evp.h>
+#include "server/doors/websocket_ask.h"
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/random.h>
-#include <wslay/wslay.h>
 
-enum { AGAIN_MS = 500, AGAIN_MOST_MS = 10000, HEAD_MOST = 16384 };
+enum { AGAIN_MS = 500, AGAIN_MOST_MS = 10000 };
 
 struct websocket_client {
     uv_loop_t *loop;
@@ -31,7 +29,7 @@ struct wire {
     wslay_event_context_ptr frames;
     struct buf come;
     size_t taken;
-    char answer[64]; /* that the server has to give, RFC 6455, 4.2.2 */
+    char answer[WEBSOCKET_ANSWER_BYTES];
     bool looks_up, open, closing;
 };
 
@@ -114,12 +112,6 @@ static ssize_t on_frames_take(wslay_event_context_ptr frames, uint8_t *data, siz
     return (ssize_t)count;
 }
 
-static int on_mask(wslay_event_context_ptr frames, uint8_t *mask, size_t size, void *ctx) {
-    (void)frames;
-    (void)ctx;
-    return getrandom(mask, size, 0) == (ssize_t)size ? 0 : -1;
-}
-
 static void on_message(wslay_event_context_ptr frames, const struct wslay_event_on_msg_recv_arg *message,
                        void *ctx) {
     struct wire *w = ctx;
@@ -128,58 +120,32 @@ static void on_message(wslay_event_context_ptr frames, const struct wslay_event_
         w->client->calls.text(w->client->ctx, (const char *)message->msg, message->msg_length);
 }
 
-static void base64(char *out, const uint8_t *bytes, int size) {
-    EVP_EncodeBlock((unsigned char *)out, bytes, size);
-}
-
 static void ask(struct wire *w) {
-    static const char magic[] = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
     struct websocket_client *c = w->client;
-    uint8_t number[16] = {0}, sum[EVP_MAX_MD_SIZE];
-    char key[32], text[96];
-    unsigned size = 0;
-    struct buf head = {0};
-    if (getrandom(number, sizeof number, 0) != sizeof number)
-        number[0] = (uint8_t)uv_hrtime();
-    base64(key, number, sizeof number);
-    snprintf(text, sizeof text, "%s%s", key, magic);
-    EVP_Digest(text, strlen(text), sum, &size, EVP_sha1(), NULL);
-    base64(w->answer, sum, (int)size);
-    buf_printf(&head,
-               "GET %s HTTP/1.1\r\nHost: %s:%s\r\nUpgrade: websocket\r\nConnection: "
-               "Upgrade\r\nSec-WebSocket-Key: %s\r\n"
-               "Sec-WebSocket-Version: 13\r\n\r\n",
-               c->path, c->host, c->port, key);
+    struct buf head = {0}, host = {0};
+    buf_printf(&host, "%s:%s", c->host, c->port);
+    buf_add(&host, "", 1);
+    websocket_ask(&head, (char *)host.data, c->path, NULL, w->answer);
     send_bytes(w, head.data, head.size);
+    buf_free(&host);
     buf_free(&head);
-}
-
-/* The value of a header, up to the end of its line. */
-static bool has_header(const char *head, const char *name, const char *value) {
-    size_t length = strlen(name);
-    for (const char *line = strstr(head, "\r\n"); line; line = strstr(line + 2, "\r\n"))
-        if (!strncasecmp(line + 2, name, length) && line[2 + length] == ':') {
-            const char *at = line + 3 + length + strspn(line + 3 + length, " \t");
-            return !strncasecmp(at, value, strlen(value));
-        }
-    return false;
 }
 
 /* The server's answer: true when what follows are frames. */
 static bool take_head(struct wire *w) {
     static const struct wslay_event_callbacks callbacks = {.recv_callback = on_frames_take,
                                                            .send_callback = on_frames_send,
-                                                           .genmask_callback = on_mask,
+                                                           .genmask_callback = websocket_mask,
                                                            .on_msg_recv_callback = on_message};
     char *end = w->come.size ? memmem(w->come.data, w->come.size, "\r\n\r\n", 4) : NULL;
     if (!end) {
-        if (w->come.size > HEAD_MOST)
+        if (w->come.size > WEBSOCKET_HEAD_MOST)
             lose(w, "its answer is too long");
         return false;
     }
     end[2] = '\0';
     const char *head = (char *)w->come.data;
-    if (strncmp(head, "HTTP/1.1 101", 12) || !has_header(head, "Sec-WebSocket-Accept", w->answer)) {
+    if (!websocket_answered(head, w->answer)) {
         lose(w, "there is no WebSocket");
         return false;
     }

@@ -220,8 +220,8 @@ static void look(const struct folder *f, const struct recorded *r, struct record
 bool folder_is_current(const struct folder *f, const struct recorded *r) {
     struct recorded_file now[3];
     look(f, r, now);
-    const int files = r->reading && r->reading->complete && !r->reading->keep_phones ? 2 : 3; /* not its own times */
-    for (int i = 0; i < files; i++)
+    const struct aligned_recording *own = r->reading; /* its own times do not count */
+    for (int i = 0, files = own && own->complete && !own->keep_phones ? 2 : 3; i < files; i++)
         if (now[i].size != r->made_of[i].size || now[i].modified != r->made_of[i].modified)
             return false;
     return true;

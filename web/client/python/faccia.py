@@ -35,7 +35,7 @@ __all__ = ["CLIENT_MESSAGES", "SERVER_MESSAGES", "ChunkError", "Client", "Media"
 #: Types of messages, by who says them (protocol/asyncapi.json).
 CLIENT_MESSAGES = frozenset(
     "speak text flush close cancel stop pause resume rate jump play idle express media join leave authorize model ping "
-    "choices choose state calibrate consent".split()
+    "choices choose state calibrate consent voice".split()
 )
 SERVER_MESSAGES = frozenset(
     "hello begin sentence word phone mark paused resumed jumped warning error end joined left authorized model pong "
@@ -152,8 +152,12 @@ class Utterance:
         """More of a text that was begun with `open`."""
         await self.client.send({"type": "text", "id": self.id, "text": text})
 
+    async def sound(self, data: bytes) -> None:
+        """More of what was begun with `voice`, as it is spoken."""
+        self.client._waiting.put_nowait(data)
+
     async def close(self) -> None:
-        """All of it has been written."""
+        """All of it has been written, or said."""
         await self.client.send({"type": "close", "id": self.id})
 
     async def cancel(self) -> None:
@@ -171,7 +175,7 @@ class Client:
 
     def __init__(self, socket: Any) -> None:
         self._socket = socket
-        self._waiting: "asyncio.Queue[Message]" = asyncio.Queue()
+        self._waiting: "asyncio.Queue[Union[Message, bytes]]" = asyncio.Queue()
         self._utterances: Dict[str, Utterance] = {}
         self._listeners: "List[asyncio.Queue[Optional[Event]]]" = []
         self._numbers = count(1)
@@ -190,6 +194,10 @@ class Client:
     def play(self, name: str, **members: Any) -> Utterance:
         """A recording of the server's folder."""
         return self._say({"type": "play", "name": name, **members})
+
+    def voice(self, rate: int, **members: Any) -> Utterance:
+        """Somebody speaks himself: sound(), close(); members as of `voice`: lang, codec, channels, lookahead, mode..."""
+        return self._say({"type": "voice", "rate": rate, **members})
 
     async def send(self, message: Message) -> None:
         """Any message of the protocol."""
@@ -221,7 +229,8 @@ class Client:
 
     async def _send_all(self) -> None:
         while True:
-            await self._socket.send(json.dumps(await self._waiting.get()))
+            message = await self._waiting.get()
+            await self._socket.send(message if isinstance(message, bytes) else json.dumps(message))
 
     async def _read(self) -> None:
         try:

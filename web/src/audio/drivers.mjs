@@ -6,7 +6,8 @@ import { PlayoutBuffer } from './playout-buffer.mjs';
 const WORKLET = 'talking-head-worklet.js'; // pages may forbid scripts that are no files
 const loaded = new WeakMap(); // context -> promise of its worklet module
 
-function loadWorklet(context) {
+/** @param {AudioContext} context @returns {Promise<void>} when it has the element's worklets */
+export function loadWorklet(context) {
   if (!loaded.has(context)) loaded.set(context, context.audioWorklet.addModule(companion(WORKLET)));
   return loaded.get(context);
 }

@@ -18,3 +18,32 @@ registerProcessor(
     }
   },
 );
+
+const BLOCK_SECONDS = 0.02;
+
+/** Hands on what comes in, mixed to one channel. */
+registerProcessor(
+  'faccia-capture',
+  class extends AudioWorkletProcessor {
+    constructor() {
+      super();
+      this.block = new Float32Array(Math.round(BLOCK_SECONDS * sampleRate));
+      this.filled = 0;
+      this.closed = false;
+      this.port.onmessage = () => (this.closed = true);
+    }
+
+    process([channels]) {
+      const length = channels[0]?.length ?? 0; // nothing is connected, or it has ended
+      for (let i = 0; i < length; i++) {
+        let sum = 0;
+        for (const channel of channels) sum += channel[i];
+        this.block[this.filled++] = sum / channels.length;
+        if (this.filled < this.block.length) continue;
+        this.port.postMessage(this.block);
+        this.filled = 0;
+      }
+      return !this.closed;
+    }
+  },
+);

@@ -138,9 +138,10 @@ export class Head {
   #eyeUniforms(part) {
     const [center, iris] = this.#eye(part);
     const radius = Math.hypot(...center.map((value, k) => part.position[k] - value));
-    const eye = { lids: lidsOf(this.model, center, radius), lidUpper: { value: new Vector4() }, lidLower: { value: new Vector4() } };
+    const [lidUpper, lidLower] = [new Vector4(), new Vector4()].map((value) => ({ value }));
+    const eye = { lids: lidsOf(this.model, center, radius), lidUpper, lidLower };
     this.eyes.push(eye);
-    return { eyeCenter: { value: new Vector3(...center) }, irisRadius: { value: iris }, lidUpper: eye.lidUpper, lidLower: eye.lidLower };
+    return { eyeCenter: { value: new Vector3(...center) }, irisRadius: { value: iris }, lidUpper, lidLower };
   }
 
   #skinUniforms({ moist = [0.58, 0.72], relief = 1 }) {

@@ -23,7 +23,10 @@ function cubic(points) {
   return POWERS.map((i) => rows[i][4] / rows[i][i]);
 }
 
-/** The margin of one lid: angles above the horizontal, as a cubic over x. @param {1|-1} up -1: the upper lid, whose margin is its lowest part */
+/**
+ * The margin of one lid: angles above the horizontal, as a cubic over x.
+ * @param {1|-1} up -1: the upper lid, whose margin is its lowest part
+ */
 function margin(skin, turnNumber, center, radius, up) {
   const turn = skin.turns.find((one) => one.turn === turnNumber && one.vertices);
   if (!turn) return null;
@@ -63,7 +66,10 @@ export function lidsOf(model, center, radius) {
   return upper && lower ? { upper, lower, faps } : { ...NONE, faps };
 }
 
-/** The margins as they stand: each point of one goes to the other as its lid closes. @param {Float32Array} values by FAP number */
+/**
+ * The margins as they stand: each point of one goes to the other as its lid closes.
+ * @param {Float32Array} values by FAP number
+ */
 export function lidsAt({ upper, lower, faps }, values) {
   const [down, up] = faps.map((fap) => values[fap] / 1024);
   return {

@@ -76,7 +76,7 @@ class DepthPicture {
     }
   }
 
-  /** How much of the light from there reaches a projected point, which hair stops whole or not: 0..1, by the four texels round it. */
+  /** How much of the light from there reaches a projected point, which hair stops whole or not: 0..1, by four texels. */
   reaches(points, i, stopped) {
     const x = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i] - 0.5)));
     const y = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i + 1] - 0.5)));
@@ -98,7 +98,8 @@ class DepthPicture {
  * spread; it returns the parts' lists.
  * @param {{position: Float32Array, index: Uint16Array, shades: boolean, airy?: boolean, uv?: ArrayLike<number>,
  *   opaque?: ((u: number, v: number) => boolean)|null, seen: {position: Float32Array, normal: Float32Array}}[]} parts
- *   `position`: where it stands in the way, if it `shades` and is `opaque`; `airy`: it is hair; `seen`: where the light on it is asked for
+ *   `position`: where it stands in the way, if it `shades` and is `opaque`; `airy`: it is hair; `seen`: where the light on
+ *   it is asked for
  * @returns {Generator<void, Uint8Array[]>} for each part four bytes a vertex: sky, key, fill, rim
  */
 export function* bakeOcclusion(parts) {
@@ -107,7 +108,8 @@ export function* bakeOcclusion(parts) {
     { directions: directions(SKY_DIRECTIONS, [0, 1, 0], 0), sky: true },
     { directions: directions(LAMP_DIRECTIONS, KEY.direction, LAMP_RADIUS) },
     { directions: directions(LAMP_DIRECTIONS, FILL.direction, LAMP_RADIUS) },
-    { directions: directions(LAMP_DIRECTIONS, RIM.direction, LAMP_RADIUS), stopped: true }, // from behind it would have to come through all the hair
+    // from behind it would have to come through all the hair
+    { directions: directions(LAMP_DIRECTIONS, RIM.direction, LAMP_RADIUS), stopped: true },
   ];
   const sums = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
   const weights = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));

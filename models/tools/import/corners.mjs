@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Triangles of what files have instead: faces of many corners, strips and fans. */
+
+const minus = (a, b) => a.map((x, k) => x - b[k]);
+
+/** The face laid flat, so that its corners run to the left. @returns {number[][]|null} null where it has no area */
+function flat(points) {
+  const normal = [0, 0, 0];
+  points.forEach((p, i) => {
+    const q = points[(i + 1) % points.length];
+    for (let k = 0; k < 3; k++) normal[k] += (p[(k + 1) % 3] - q[(k + 1) % 3]) * (p[(k + 2) % 3] + q[(k + 2) % 3]);
+  });
+  const k = normal.reduce((best, x, i) => (Math.abs(x) > Math.abs(normal[best]) ? i : best), 0);
+  if (!normal[k]) return null;
+  return points.map((p) => (normal[k] > 0 ? [p[(k + 1) % 3], p[(k + 2) % 3]] : [p[(k + 2) % 3], p[(k + 1) % 3]]));
+}
+
+const left = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+
+/**
+ * A face from its first corner, or, where that would leave it, ear after ear.
+ * @param {number[]} corners @param {(corner: number) => number[]} at where a corner is @param {(a: number, b: number, c: number) => void} add
+ */
+export function cutFace(corners, at, add) {
+  const fan = (list) => {
+    for (let i = 2; i < list.length; i++) add(list[0], list[i - 1], list[i]);
+  };
+  if (corners.length === 3) return fan(corners);
+  const first = at(corners[0]);
+  const points = flat(corners.map((v) => minus(at(v), first)));
+  const around = (list, i) => [list.at(i - 1), list[i], list[(i + 1) % list.length]];
+  if (!points || points.every((_, i) => left(...around(points, i)) >= 0)) return fan(corners);
+  const rest = corners.map((v, i) => ({ v, p: points[i] }));
+  while (rest.length > 3) {
+    const ear = rest.findIndex((one, i) => {
+      const [a, b, c] = around(rest, i);
+      if (left(a.p, b.p, c.p) <= 0) return false;
+      const same = (p, q) => p[0] === q[0] && p[1] === q[1];
+      return rest.every(({ p }) => [a, b, c].some((q) => same(p, q.p)) || left(a.p, b.p, p) < 0 || left(b.p, c.p, p) < 0 || left(c.p, a.p, p) < 0);
+    });
+    if (ear < 0) break; // it crosses itself
+    add(...around(rest, ear).map(({ v }) => v));
+    rest.splice(ear, 1);
+  }
+  return fan(rest.map(({ v }) => v));
+}
+
+/** Strips, with a break where a corner is negative: every other triangle is wound the other way. */
+export function cutStrip(corners, add) {
+  let from = 0;
+  corners.forEach((c, i) => {
+    if (c < 0) from = i + 1;
+    if (c < 0 || i - from < 2) return;
+    const [a, b] = (i - from) % 2 ? [corners[i - 1], corners[i - 2]] : [corners[i - 2], corners[i - 1]];
+    if (a !== b && b !== c && a !== c) add(a, b, c);
+  });
+}
+
+/** glTF's modes 5 and 6 as 4. */
+export function asTriangles(mode, index) {
+  const out = [];
+  const add = (...three) => out.push(...three);
+  if (mode === 5) cutStrip([...index], add);
+  else for (let i = 2; i < index.length; i++) add(index[i - 1], index[i], index[0]);
+  return Uint32Array.from(out);
+}
+
+/** The same triangles, seen from behind. */
+export const turnedOver = (index) => index.map((v, i) => (i % 3 === 0 ? v : i % 3 === 1 ? index[i + 1] : index[i - 1]));

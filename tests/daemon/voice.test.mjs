@@ -1,0 +1,376 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// People who speak themselves: their sound goes to the daemon while it is spoken, and comes back with a face. The speaker here is a voice of espeak-ng that the
+// network was not trained on, in real time.
+import assert from 'node:assert/strict';
+import { spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { setTimeout as sleep } from 'node:timers/promises';
+import { build, Daemon, eventually, framesOf } from '../lib/daemon.mjs';
+import { MOUTH } from '../lib/face.mjs';
+import { compared } from '../lib/hearing.mjs';
+import { violations } from '../lib/schema.mjs';
+import { bearer, sign } from '../lib/tokens.mjs';
+import { wavOf } from '../lib/wav.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
+const file = (name) => path.join(folder, name);
+const faccia = (...args) => {
+  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { maxBuffer: 1 << 28 });
+  assert.equal(status, 0, String(stderr));
+  return String(stdout);
+};
+
+let daemon, spoken;
+before(async () => {
+  faccia('say', '-l', 'es', '-v', 'espeak:es', '--wav', file('es.wav'), '--json', file('es.json'), 'Mi primo Pablo compra pan y tomates en la plaza.');
+  const data = fs.readFileSync(file('es.wav'));
+  spoken = { rate: data.readUInt32LE(24), samples: new Int16Array(data.buffer.slice(data.byteOffset + 44)), phones: JSON.parse(fs.readFileSync(file('es.json'))).phones };
+  daemon = await Daemon.start(['--open-seconds', '4', '--max-voices', '3', '--max-queue', '2']);
+});
+after(async () => {
+  fs.rmSync(folder, { recursive: true });
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+/** The sound at another rate, the same in all channels. */
+const resampled = (rate, channels = 1) =>
+  Int16Array.from({ length: Math.floor((spoken.samples.length / spoken.rate) * rate) * channels }, (_, i) => {
+    const x = (Math.floor(i / channels) / rate) * spoken.rate, k = Math.min(spoken.samples.length - 2, Math.floor(x));
+    return spoken.samples[k] + (x - k) * (spoken.samples[k + 1] - spoken.samples[k]);
+  });
+const bytesOf = (samples) => Buffer.from(samples.buffer, samples.byteOffset, samples.byteLength);
+
+/** Sends as a microphone does, `speed` times as fast: what is due by the clock. */
+async function pour(stream, bytes, bytesASecond, { speed = 1, ms = 20 } = {}) {
+  const begin = performance.now();
+  for (let at = 0; at < bytes.length;) {
+    const due = Math.min(bytes.length, Math.ceil(((performance.now() - begin + ms) / 1000) * speed * bytesASecond));
+    for (; at < due; at = Math.min(due, at + 200000)) stream.socket.send(bytes.subarray(at, Math.min(due, at + 200000)));
+    await sleep(ms);
+  }
+}
+const begin = (stream, id, more = {}) => stream.send({ type: 'voice', id, codec: 'pcm_s16le', rate: spoken.rate, lang: 'es', ...more });
+const ended = (stream, id) => stream.wait({ type: 'end', id });
+const valid = (stream) => stream.messages.forEach(({ arrived, ...message }) => assert.equal(violations('server', message), null, `${arrived} ${JSON.stringify(message)}`));
+const soundOf = (chunks) => chunks.flatMap((c) => [...(c.audio ?? new Int16Array(c.samples))]);
+const mouth = ({ values }) => MOUTH.filter((n) => n !== 12 && n !== 13 && n !== 59 && n !== 60).map((n) => values[n] ?? 0).join();
+const told = (stream, type) => stream.messages.filter((m) => m.type === type).map((m) => m.code);
+
+test('the sound comes back to the bit, with the face that `faccia hear` makes of it', async () => {
+  const stream = await daemon.stream();
+  begin(stream, 'v', { still: true, fps: 50 });
+  await pour(stream, bytesOf(spoken.samples), 2 * spoken.rate);
+  stream.send({ type: 'close', id: 'v' });
+  const end = await ended(stream, 'v'), first = stream.messages.find((m) => m.type === 'begin');
+  assert.equal(end.reason, 'done');
+  assert.deepEqual([first.rate, first.fps, first.lang, first.engine, first.lookahead, first.captions], [spoken.rate, 50, 'es', 'dominance', 80, false]);
+  assert.ok(!('voice' in first) && !('markup' in first));
+  assert.deepEqual(told(stream, 'error').concat(told(stream, 'warning')), []);
+  assert.deepEqual(stream.messages.map((m) => m.type), ['hello', 'begin', 'end']);
+  valid(stream);
+  const sound = soundOf(stream.chunks);
+  assert.equal(sound.length, Math.round(end.duration * spoken.rate));
+  assert.deepEqual(sound, [...spoken.samples]);
+  fs.writeFileSync(file('v.wav'), wavOf(spoken.samples, spoken.rate));
+  const held = faccia('hear', '-l', 'es', '--fps', '50', '--ndjson', '-', '--json', file('v.json'), file('v.wav')).trim().split('\n').map((line) => JSON.parse(line)).filter((l) => l.type === 'frame');
+  const frames = framesOf(stream.chunks);
+  assert.equal(frames.length, held.length);
+  frames.forEach((frame, k) => assert.equal(mouth(frame), mouth({ values: held[k].faps }), `frame ${k}`));
+  // and what was said is seen: most of its /p b m/ are closed
+  const found = compared('closed', spoken.phones, JSON.parse(fs.readFileSync(file('v.json'))).phones);
+  assert.ok(found.said >= 8 && found.found >= 0.7 * found.said, `${found.found} of ${found.said}`);
+  const gap = ({ values }) => -((values[4] ?? 0) + (values[5] ?? 0));
+  assert.ok(frames.filter((f) => gap(f) > 50).length > 10);
+  await stream.close();
+});
+
+test('in whatever pieces it comes, a byte at a time', async () => {
+  const stream = await daemon.stream();
+  begin(stream, 'v');
+  const bytes = bytesOf(spoken.samples).subarray(0, spoken.rate);
+  for (let at = 0, n = 0; at < bytes.length; n++) {
+    const size = [1, 3, 0, 700][n % 4];
+    stream.socket.send(bytes.subarray(at, at + size));
+    at += size;
+  }
+  stream.send({ type: 'close', id: 'v' });
+  await ended(stream, 'v');
+  assert.deepEqual(soundOf(stream.chunks), [...spoken.samples.subarray(0, spoken.rate / 2)]);
+  await stream.close();
+});
+
+for (const [rate, channels, codec] of [[8000, 1], [44100, 2], [96000, 8], [48000, 1, 'pcm']])
+  test(`${rate} Hz, ${channels} channels`, async () => {
+    const stream = await daemon.stream(), sound = bytesOf(resampled(rate, channels));
+    begin(stream, 'v', { rate, channels, codec });
+    await pour(stream, sound, 2 * rate * channels);
+    stream.send({ type: 'close', id: 'v' });
+    const { duration, reason } = await ended(stream, 'v');
+    assert.equal(reason, 'done');
+    assert.ok(Math.abs(duration - spoken.samples.length / spoken.rate) < 0.01, `${duration}`);
+    const frames = framesOf(stream.chunks), gaps = frames.map(({ values }) => -((values[4] ?? 0) + (values[5] ?? 0)));
+    assert.ok(gaps.filter((g) => g > 50).length > 5 && gaps.filter((g) => g <= 0).length > 5);
+    await stream.close();
+  });
+
+test('a client that does not say more: silence, the lips go to rest, and then it is closed', async () => {
+  const stream = await daemon.stream();
+  begin(stream, 'v', { still: true });
+  await pour(stream, bytesOf(spoken.samples), 2 * spoken.rate);
+  const end = await ended(stream, 'v');
+  assert.equal(end.reason, 'done');
+  assert.deepEqual(told(stream, 'warning'), ['unfinished']);
+  const frames = framesOf(stream.chunks), seconds = spoken.samples.length / spoken.rate;
+  assert.ok(end.duration > seconds + 1, `${end.duration}`);
+  const rest = frames.filter((f) => f.time > seconds + 0.7);
+  assert.ok(rest.length > 10 && rest.every((f) => Object.entries(f.values).every(([n, x]) => !MOUTH.includes(Number(n)) || !x)), JSON.stringify(rest[0]));
+  await stream.close();
+});
+
+test('one that stalls and goes on is heard again', async () => {
+  const stream = await daemon.stream();
+  begin(stream, 'v');
+  const half = bytesOf(spoken.samples).subarray(0, 2 * Math.floor(spoken.samples.length / 2)), rest = bytesOf(spoken.samples).subarray(half.length);
+  await pour(stream, half, 2 * spoken.rate);
+  await stream.until(() => stream.chunks.at(-1).start + stream.chunks.at(-1).samples > spoken.samples.length / 2 + spoken.rate / 5);
+  await pour(stream, rest, 2 * spoken.rate);
+  stream.send({ type: 'close', id: 'v' });
+  const end = await ended(stream, 'v'), sound = soundOf(stream.chunks);
+  assert.equal(end.reason, 'done');
+  assert.deepEqual(sound.slice(0, half.length / 2), [...spoken.samples.subarray(0, half.length / 2)]);
+  assert.deepEqual(sound.slice(-rest.length / 2), [...spoken.samples.subarray(half.length / 2)]);
+  await stream.close();
+});
+
+test('faster than it can be heard: told once, the rest of it left out, and others notice nothing', async () => {
+  const [fast, other] = [await daemon.stream(), await daemon.stream()];
+  const minute = Buffer.alloc(2 * 96000 * 60, bytesOf(resampled(96000)));
+  begin(fast, 'v', { rate: 96000 });
+  begin(other, 'o');
+  const speaking = pour(other, bytesOf(spoken.samples), 2 * spoken.rate);
+  for (let at = 0; at < minute.length; at += 100000) fast.socket.send(minute.subarray(at, at + 100000));
+  fast.send({ type: 'close', id: 'v' });
+  await speaking;
+  other.send({ type: 'close', id: 'o' });
+  const end = await ended(fast, 'v');
+  assert.equal(end.reason, 'done');
+  assert.ok(end.duration < 6, `${end.duration}`);
+  assert.deepEqual(told(fast, 'warning'), ['skipped']);
+  assert.equal((await ended(other, 'o')).reason, 'done');
+  assert.deepEqual(told(other, 'warning'), []);
+  await Promise.all([fast.close(), other.close()]);
+});
+
+test('a clock that runs 3 % fast is followed', async () => {
+  const stream = await daemon.stream();
+  begin(stream, 'v');
+  const five = new Int16Array(12 * spoken.rate).map((_, i) => spoken.samples[i % spoken.samples.length]);
+  await pour(stream, bytesOf(five), 2 * spoken.rate, { speed: 1.03 });
+  stream.send({ type: 'close', id: 'v' });
+  const end = await ended(stream, 'v');
+  assert.equal(end.reason, 'done');
+  // it was sent within 12 / 1.03 s
+  assert.ok(end.duration < 11.95, `${end.duration} s are heard of 12, which came in ${(12 / 1.03).toFixed(2)}`);
+  assert.deepEqual(told(stream, 'warning'), []);
+  await stream.close();
+});
+
+test('an operator speaks, the kiosk is heard; what is more urgent cuts him, and he the rest', async () => {
+  const [kiosk, desk] = [await daemon.stream('?room=k'), await daemon.stream('?room=k&watch=1&audio=none&fap=none')];
+  await kiosk.wait({ type: 'joined' });
+  kiosk.send({ type: 'speak', id: 'low', priority: 'background', lang: 'it', text: 'Una frase lunga che nessuno sentirà fino alla fine, perché qualcuno vuole parlare.' });
+  await kiosk.wait({ type: 'begin', id: 'low' });
+  begin(desk, 'v');
+  const speaking = pour(desk, bytesOf(spoken.samples), 2 * spoken.rate);
+  assert.equal((await ended(kiosk, 'low')).reason, 'stopped');
+  const { utterance, captions } = await kiosk.wait({ type: 'begin', id: 'v' });
+  assert.equal(captions, false);
+  await kiosk.until(() => framesOf(kiosk.chunks, utterance).length > 10);
+  kiosk.send({ type: 'speak', id: 'fire', priority: 'alarm', lang: 'it', text: 'Attenzione!' });
+  assert.equal((await ended(kiosk, 'v')).reason, 'stopped');
+  await ended(kiosk, 'fire');
+  await speaking; // passed over
+  assert.deepEqual(told(desk, 'error'), []);
+  desk.send({ type: 'close', id: 'v' });
+  desk.send({ type: 'ping', id: 'p' });
+  await desk.wait({ type: 'pong', id: 'p' });
+  assert.deepEqual(told(desk, 'error'), []);
+  valid(kiosk);
+  await Promise.all([kiosk.close(), desk.close()]);
+});
+
+test('what is said before its turn, and in a pause, is passed over; he who goes is ended', async () => {
+  const stream = await daemon.stream();
+  stream.send({ type: 'speak', id: 'a', lang: 'it', text: 'Prima questa frase, che dura un poco.' });
+  begin(stream, 'v');
+  await pour(stream, bytesOf(spoken.samples), 2 * spoken.rate);
+  await stream.wait({ type: 'begin', id: 'v' });
+  stream.send({ type: 'pause' });
+  await stream.wait({ type: 'paused' });
+  await pour(stream, bytesOf(spoken.samples), 2 * spoken.rate);
+  const before = stream.chunks.length;
+  stream.send({ type: 'resume' });
+  await stream.until(() => stream.chunks.length > before);
+  stream.send({ type: 'cancel', id: 'v' });
+  const end = await ended(stream, 'v');
+  assert.equal(end.reason, 'stopped');
+  assert.ok(end.duration < 3 * (spoken.samples.length / spoken.rate) - 1, `${end.duration}`);
+  begin(stream, 'w');
+  await pour(stream, bytesOf(spoken.samples).subarray(0, 2 * spoken.rate), 2 * spoken.rate);
+  await stream.wait({ type: 'begin', id: 'w' });
+  await stream.close();
+});
+
+test('with the mood of the stream the rest of the face lives, the mouth is the voice\'s', async () => {
+  const stream = await daemon.stream();
+  stream.send({ type: 'idle', seed: 3 });
+  stream.send({ type: 'express', mix: [{ name: 'joy' }], ease: 0 });
+  begin(stream, 'v', { fps: 50 });
+  await pour(stream, bytesOf(spoken.samples), 2 * spoken.rate);
+  stream.send({ type: 'close', id: 'v' });
+  await ended(stream, 'v');
+  const { utterance, idle } = stream.messages.find((m) => m.type === 'begin');
+  assert.ok(idle >= 0);
+  const frames = framesOf(stream.chunks, utterance);
+  assert.ok(frames.some((f) => f.values[48]) && frames.filter((f) => (f.values[59] ?? 0) > 50).length > frames.length / 2, 'the head moves, the corners are up');
+  const closed = JSON.parse(fs.readFileSync(file('v.json'))).phones.filter((p) => p.class === 'closed' && p.end - p.start > 0.05);
+  const shut = closed.filter((p) => frames.some((f) => f.time >= p.start - 0.01 && f.time <= p.end + 0.01 && (f.values[4] ?? 0) + (f.values[5] ?? 0) >= 0));
+  assert.ok(closed.length > 4 && shut.length >= 0.9 * closed.length, `${shut.length} of ${closed.length}`);
+  await stream.close();
+});
+
+for (const [what, more, code, field] of [
+  ['no rate', { rate: undefined }, 'missing-field', 'rate'],
+  ['too slow', { rate: 7999 }, 'bad-field', 'rate'],
+  ['too fast', { rate: 96001 }, 'bad-field', 'rate'],
+  ['half a sample', { rate: 16000.5 }, 'bad-field', 'rate'],
+  ['a rate of words', { rate: 'fast' }, 'bad-field', 'rate'],
+  ['no channels', { channels: 0 }, 'bad-field', 'channels'],
+  ['nine channels', { channels: 9 }, 'bad-field', 'channels'],
+  ['a lookahead that is none', { lookahead: 50 }, 'bad-field', 'lookahead'],
+  ['a codec that is none', { codec: 'shellac' }, 'unknown-codec', 'codec'],
+  ['a codec of numbers', { codec: 7 }, 'bad-field', 'codec'],
+  ['Opus at 44.1 kHz', { codec: 'opus', rate: 44100 }, 'bad-field', 'rate'],
+  ['Opus with three channels', { codec: 'opus', rate: 48000, channels: 3 }, 'bad-field', 'channels'],
+  ['no id', { id: undefined }, 'missing-field', 'id'],
+  ['an engine that is none', { engine: 'x' }, 'unknown-engine', 'engine'],
+  ['frames that are none', { fps: 500 }, 'bad-field', 'fps'],
+])
+  test(`${what}: ${code}`, async () => {
+    const stream = await daemon.stream();
+    begin(stream, 'v', more);
+    const error = await stream.wait({ type: 'error' });
+    assert.deepEqual([error.code, error.field], [code, field], error.message);
+    assert.equal((await stream.wait({ type: 'end' })).reason, 'failed');
+    valid(stream);
+    await stream.close();
+  });
+
+test('sound without a voice, an empty voice, half a sample, too many voices', async () => {
+  const stream = await daemon.stream(), others = [];
+  stream.socket.send(Buffer.alloc(320));
+  await stream.wait({ type: 'error', code: 'binary-message' });
+  begin(stream, 'v');
+  stream.send({ type: 'close', id: 'v' });
+  assert.equal((await ended(stream, 'v')).reason, 'failed');
+  assert.equal(stream.messages.find((m) => m.type === 'error' && m.id === 'v').code, 'bad-sound');
+  begin(stream, 'w');
+  stream.socket.send(Buffer.alloc(3201));
+  stream.send({ type: 'close', id: 'w' });
+  await ended(stream, 'w');
+  const warning = stream.messages.find((m) => m.type === 'warning');
+  assert.deepEqual([warning.code, warning.byte, warning.id], ['bad-sound', 3201, 'w']);
+  for (let i = 0; i < 4; i++) {
+    others.push(await daemon.stream());
+    begin(others[i], `x${i}`);
+    others[i].send({ type: 'ping' });
+    await others[i].wait({ type: 'pong' });
+  }
+  assert.deepEqual(others.map((o) => told(o, 'error')), [[], [], [], ['too-many-voices']]);
+  await Promise.all(others.slice(0, 3).map((o) => o.close()));
+  await eventually(async () => {
+    const id = `again ${others[3].messages.length}`;
+    begin(others[3], id);
+    others[3].socket.send(bytesOf(spoken.samples).subarray(0, spoken.rate));
+    return (await others[3].wait((m) => m.id === id)).type === 'begin';
+  }, 'room for another');
+  await Promise.all([stream.close(), others[3].close()]);
+});
+
+test('another voice of the same client takes the place of the first', async () => {
+  const stream = await daemon.stream();
+  begin(stream, 'a');
+  stream.socket.send(bytesOf(spoken.samples).subarray(0, spoken.rate));
+  begin(stream, 'b');
+  stream.socket.send(bytesOf(spoken.samples).subarray(0, spoken.rate));
+  stream.send({ type: 'close', id: 'b' });
+  assert.equal((await ended(stream, 'a')).reason, 'done');
+  assert.equal((await ended(stream, 'b')).reason, 'done');
+  await stream.close();
+});
+
+test('a token has to allow it', async () => {
+  const secret = 'a secret of at least thirty-two bytes';
+  fs.writeFileSync(file('secret'), secret, { mode: 0o600 });
+  const guarded = await Daemon.start(['--token-file', file('secret')], {}, { voices: false });
+  const stream = await guarded.stream('', bearer(sign({ secret, claims: { rights: 'listen' } })));
+  begin(stream, 'v');
+  assert.equal((await stream.wait({ type: 'error', id: 'v' })).code, 'forbidden');
+  const speaker = await guarded.stream('', bearer(sign({ secret })));
+  begin(speaker, 'v');
+  speaker.socket.send(bytesOf(spoken.samples).subarray(0, spoken.rate));
+  await speaker.wait({ type: 'begin', id: 'v' });
+  await Promise.all([stream.close(), speaker.close()]);
+  assert.deepEqual(await guarded.stop(), { code: 0, signal: null });
+});
+
+/** Packets of 20 ms as the daemon itself makes them. */
+async function opusPackets() {
+  const stream = await daemon.stream('?audio=opus&fap=fapc');
+  stream.send({ type: 'speak', id: 'o', lang: 'es', text: 'Mi primo Pablo compra pan y tomates en la plaza.' });
+  await ended(stream, 'o');
+  const packets = stream.chunks.flatMap((c) => (Array.isArray(c.audio) ? c.audio : []));
+  await stream.close();
+  return packets;
+}
+async function pourPackets(stream, packets) {
+  for (const [i, packet] of packets.entries()) {
+    stream.socket.send(packet);
+    if (i % 5 === 4) await sleep(100);
+  }
+}
+
+test('Opus, a packet in each message', async () => {
+  const packets = await opusPackets(), stream = await daemon.stream();
+  assert.ok(packets.length > 50);
+  begin(stream, 'v', { codec: 'opus', rate: undefined });
+  await pourPackets(stream, packets);
+  stream.send({ type: 'close', id: 'v' });
+  const end = await ended(stream, 'v');
+  assert.equal(end.reason, 'done');
+  assert.equal(stream.messages.find((m) => m.type === 'begin').rate, 48000);
+  assert.deepEqual(told(stream, 'warning'), []);
+  assert.ok(Math.abs(end.duration - packets.length / 50) < 0.15, `${end.duration}`);
+  const gaps = framesOf(stream.chunks).map(({ values }) => -((values[4] ?? 0) + (values[5] ?? 0)));
+  assert.ok(gaps.filter((g) => g > 50).length > 5 && gaps.filter((g) => g <= 0).length > 5);
+  await stream.close();
+});
+
+test('packets that are cut, or none: told once, with the byte, and it goes on', async () => {
+  const packets = await opusPackets(), stream = await daemon.stream();
+  begin(stream, 'v', { codec: 'opus', rate: 24000, channels: 2 });
+  const broken = packets.map((packet, i) => (i % 10 === 7 ? Buffer.alloc(i % 20 === 7 ? 0 : 3, 0xff) : i % 10 === 3 ? packet.subarray(0, packet.length / 2) : packet));
+  await pourPackets(stream, broken);
+  stream.send({ type: 'close', id: 'v' });
+  const end = await ended(stream, 'v');
+  assert.equal(end.reason, 'done');
+  const warnings = stream.messages.filter((m) => m.type === 'warning');
+  assert.equal(warnings.length, 1);
+  assert.equal(warnings[0].code, 'bad-sound');
+  assert.equal(warnings[0].byte, broken.slice(0, 7).reduce((sum, { length }) => sum + length, 0));
+  assert.ok(end.duration > packets.length / 50 - 0.3, `${end.duration}`);
+  await stream.close();
+});

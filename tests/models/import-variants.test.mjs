@@ -1,0 +1,262 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Files as people have them: one head in many of the ways in which a format lets it be written, and each time the same surface is read, with
+// the same side out; and what is made of colours, of mirrored files, of other axes and units.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import test, { after } from 'node:test';
+import zlib from 'node:zlib';
+import { PNG } from 'pngjs';
+import { findPoints } from '../../models/tools/import/find-points.mjs';
+import { makeHead, readScene } from '../../models/tools/import/make-head.mjs';
+import { gatherParts, guessPart, partOf } from '../../models/tools/import/parts.mjs';
+import { unpack } from '../../models/tools/lib/deform.mjs';
+import { strip, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
+
+const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
+const models = process.env.FACCIA_MODELS ?? path.join(build, 'models');
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-variants-'));
+const at = (name) => path.join(folder, name);
+after(() => fs.rmSync(folder, { recursive: true }));
+
+const mara = unpack(JSON.parse(fs.readFileSync(path.join(models, 'heads/mara.json'), 'utf8')));
+const parts = ['skin', 'eye_l', 'eye_r', 'teeth_lower'].map((name) => mara.parts.find((part) => part.name === name)).map(({ name, position, uv, index }) => ({ name, position: [...position], uv: [...uv], index: [...index] }));
+const placed = (place) => parts.map((part) => ({ ...part, position: Array.from({ length: part.position.length / 3 }, (_, v) => place(part.position.slice(3 * v, 3 * v + 3))).flat() }));
+const toldIn = (place) => ({ frame: 'file', fdp: Object.fromEntries(Object.entries(mara.fdp).map(([name, p]) => [name, place(p)])), parts: {}, influences: [] });
+
+/** What a surface is, whatever its corners are called: extent, area, the way it looks, and what it holds about its middle, below 0 where it is inside out. */
+function measure({ position, index }) {
+  const p = (v) => [position[3 * v], position[3 * v + 1], position[3 * v + 2]];
+  let [area, volume] = [0, 0];
+  const normal = [0, 0, 0];
+  const [low, high] = [[Infinity, Infinity, Infinity], [-Infinity, -Infinity, -Infinity]];
+  for (const v of index) p(v).forEach((x, k) => { low[k] = Math.min(low[k], x); high[k] = Math.max(high[k], x); });
+  const middle = low.map((x, k) => (x + high[k]) / 2);
+  for (let t = 0; t < index.length; t += 3) {
+    const [a, b, c] = [0, 1, 2].map((k) => p(index[t + k]));
+    const [u, v] = [b, c].map((q) => q.map((x, k) => x - a[k]));
+    const n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]];
+    area += Math.hypot(...n) / 2;
+    volume += n.reduce((sum, x, k) => sum + (a[k] - middle[k]) * x, 0) / 6;
+    n.forEach((x, k) => { normal[k] += x / 2; });
+  }
+  return { area, volume, normal, extent: high.map((x, k) => x - low[k]), corners: index.length };
+}
+
+/** Meshes of one name are one. */
+function together(meshes, name) {
+  const [position, index] = [[], []];
+  for (const mesh of meshes.filter((one) => one.name === name)) {
+    const from = position.length / 3;
+    for (const x of mesh.position) position.push(x);
+    for (const v of mesh.index) index.push(from + v);
+  }
+  return { position, index };
+}
+
+function same(meshes, wanted, what, { triangles = true } = {}) {
+  for (const part of wanted) {
+    const [one, other] = [measure(together(meshes, part.name)), measure(part)];
+    if (triangles) assert.equal(one.corners, other.corners, `${what}: triangles of ${part.name}`);
+    const size = Math.max(...other.extent);
+    assert.ok(one.extent.every((x, k) => Math.abs(x - other.extent[k]) < 1e-3 * size), `${what}: ${part.name} extends ${one.extent}, not ${other.extent}`);
+    assert.ok(Math.abs(one.area / other.area - 1) < 1e-3, `${what}: ${part.name} has ${one.area} of surface, not ${other.area}`);
+    assert.ok(Math.abs(one.volume / other.volume - 1) < 2e-2, `${what}: ${part.name} holds ${one.volume}, not ${other.volume}`);
+  }
+}
+
+const metres = placed(([x, y, z]) => [x / 1000, y / 1000, z / 1000]);
+const expanded = metres.map((part) => ({ ...part, position: [...part.index].flatMap((v) => part.position.slice(3 * v, 3 * v + 3)), uv: [...part.index].flatMap((v) => part.uv.slice(2 * v, 2 * v + 2)), index: part.index.map((_, i) => i) }));
+const mirrored = metres.map((part) => ({ ...part, position: part.position.map((x, i) => (i % 3 ? x : -x)), index: part.index.map((_, i, list) => list[i - (i % 3) + [0, 2, 1][i % 3]]) }));
+const half = Math.SQRT1_2;
+
+test('glTF: each layout of its bytes, each kind of index, strips, nodes within nodes and mirrored ones', async () => {
+  for (const [what, file, list, how] of [
+    ['32-bit indices', 'a.glb', metres, {}],
+    ['16-bit indices', 'b.glb', metres, { index: Uint16Array }],
+    ['no indices', 'c.glb', expanded, { index: 'none' }],
+    ['a strip', 'd.glb', metres, { mode: 5, cornersOf: strip }],
+    ['several meshes', 'e.glb', metres, { cut: 3 }],
+    ['woven', 'f.glb', metres, { layout: 'woven' }],
+    ['quantised', 'g.glb', metres, { layout: 'short' }],
+    ['sparse', 'h.glb', metres, { layout: 'sparse' }],
+    ['bytes within the text, with a mark before it', 'i.gltf', metres, {}],
+    ['no texture coordinates', 'j.glb', metres, { uv: false }],
+    ['a mirrored node', 'k.glb', mirrored, { node: { scale: [-1, 1, 1] } }],
+    ['mirrored by a matrix', 'l.glb', mirrored, { node: { matrix: [-1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1] } }],
+    ['mirrored twice', 'm.glb', metres, { node: { scale: [-1, 1, 1] }, above: [{ scale: [-1, 1, 1] }] }],
+    ['nodes within nodes', 'n.glb', metres, { above: [{ rotation: [half, 0, 0, half], scale: [2, 2, 2] }, { rotation: [-half, 0, 0, half], translation: [0, 4, 1], scale: [0.5, 0.5, 0.5] }] }],
+  ]) {
+    writeGltf(at(file), list, how);
+    same((await readScene(at(file))).meshes, metres, what);
+  }
+});
+
+const comb = { name: 'comb', position: [0, 0, 0, 8, 0, 0, 8, 6, 0, 6, 6, 0, 6, 2, 0, 5, 2, 0, 5, 6, 0, 3, 6, 0, 3, 2, 0, 2, 2, 0, 2, 6, 0, 0, 6, 0], uv: Array(24).fill(0.5) };
+
+test('faces of many corners, hollow ones too, wherever they begin and however they lie', async () => {
+  const turns = [([x, y, z]) => [x, y, z], ([x, y, z]) => [z, x, y], ([x, y, z]) => [-x, 0.6 * y - 0.8 * z, -0.8 * y - 0.6 * z]];
+  for (const [t, turn] of turns.entries())
+    for (let first = 0; first < 12; first++) {
+      const place = Array.from({ length: 12 }, (_, v) => turn(comb.position.slice(3 * v, 3 * v + 3)));
+      const face = Array.from({ length: 12 }, (_, v) => (v + first) % 12);
+      const part = { ...comb, position: place.flat(), faces: [face] };
+      const name = `comb${t}-${first}`;
+      writeObjAs(at(`${name}.obj`), [part]);
+      writePlyAs(at(`${name}.ply`), [part]);
+      fs.writeFileSync(at(`${name}.wrl`), vrmlOf([part], { fields: 'convex FALSE' }));
+      for (const kind of ['obj', 'ply', 'wrl']) {
+        const { meshes } = await readScene(at(`${name}.${kind}`));
+        const { area, normal } = measure(meshes[0]);
+        assert.ok(Math.abs(area - 40) < 1e-3, `${name}.${kind}: ${area}`);
+        assert.ok(turn([0, 0, 1]).every((x, k) => Math.abs(40 * x - normal[k]) < 1e-3), `${name}.${kind}: it looks to ${normal}`);
+      }
+    }
+});
+
+const shade = ([, y]) => (y > 0 ? [1, 0.5, 0.25] : [0.25, 0.5, 1]);
+
+test('OBJ and PLY: line ends, marks, corners counted back, lines that go on, strips, pictures that are gone', async () => {
+  const [, ...small] = parts;
+  const skin = small.slice(0, 1);
+  const one = (list) => list.map((part) => ({ ...part, name: 'mesh' }));
+  for (const [what, file, list, write] of [
+    ['CR LF', 'a.obj', small, (f) => writeObjAs(f, small, { end: '\r\n' })],
+    ['CR', 'b.obj', small, (f) => writeObjAs(f, small, { end: '\r' })],
+    ['a mark before the text', 'c.obj', small, (f) => writeObjAs(f, small, { before: '\uFEFF' })],
+    ['counted back', 'd.obj', small, (f) => writeObjAs(f, small, { back: true })],
+    ['lines that go on', 'e.obj', small, (f) => writeObjAs(f, small, { goesOn: true })],
+    ['no texture coordinates', 'f.obj', small, (f) => writeObjAs(f, small, { uv: false })],
+    ['a library that is gone', 'g.obj', small, (f) => writeObjAs(f, small, { library: 'gone.mtl' })],
+    ['CR LF', 'a.ply', one(skin), (f) => writePlyAs(f, skin, { end: '\r\n' })],
+    ['CR', 'b.ply', one(skin), (f) => writePlyAs(f, skin, { end: '\r' })],
+    ['a strip', 'c.ply', one(skin), (f) => writePlyAs(f, skin, { strips: strip(skin[0].index) })],
+    ['places on the texture for each corner', 'd.ply', one(skin), (f) => writePlyAs(f, skin, { wedges: true })],
+    ['normals that are no numbers', 'e.ply', one(skin), (f) => writePlyAs(f, skin, { noNormals: true })],
+  ]) {
+    write(at(file));
+    const scene = await readScene(at(file));
+    same(scene.meshes, list, `${file}: ${what}`);
+    if (file === 'g.obj') assert.match(scene.notes.join('\n'), /line 1: there is no file "gone\.mtl" beside it: left out/);
+    if (file === 'd.ply') {
+      assert.match(scene.notes.join('\n'), /gone\.png/);
+      const { uv, from } = scene.meshes[0];
+      assert.ok(from.every((v, i) => [0, 1].every((k) => Math.abs(uv[2 * i + k] - skin[0].uv[2 * v + k]) < 1e-5)), 'each where it was');
+    }
+  }
+});
+
+test("an OBJ's map has options, blanks and a place on its maker's machine, and is found beside it", async () => {
+  fs.writeFileSync(at('her skin.png'), PNG.sync.write(new PNG({ width: 2, height: 2 })));
+  for (const words of ['her skin.png', '-s 1 1 1 -o 0.5 her skin.png', '-bm 0.3 -clamp on her skin.png', 'C:\\Users\\she\\her skin.png', '/home/she/her skin.png']) {
+    fs.writeFileSync(at('map.mtl'), `newmtl eye_l\r\nmap_Kd ${words}\r\n`);
+    writeObjAs(at('map.obj'), parts.slice(1, 2), { library: 'map.mtl' });
+    const { materials, notes } = await readScene(at('map.obj'));
+    assert.equal(materials[0].picture?.width, 2, `${words}: ${notes}`);
+  }
+});
+
+test('VRML97: its many ways', async () => {
+  const eyes = parts.slice(1, 3);
+  const far = eyes.map((part) => ({ ...part, position: part.position.map((x, i) => x / 10 - [1, 2, 3][i % 3]) }));
+  const back = eyes.map((part) => ({ ...part, position: part.position.map((x, i) => (i % 3 ? x : -x)), index: part.index.map((_, i, list) => list[i - (i % 3) + [0, 2, 1][i % 3]]) }));
+  const behind = (face) => [...face].reverse();
+  const inTransform = (fields) => (shape, { name }) => `DEF ${name} Transform { ${fields} children [ ${shape} ] }`;
+  const named = inTransform('');
+  for (const [what, list, how] of [
+    ['no commas', eyes, { wrap: named }],
+    ['commas', eyes, { comma: ', ', wrap: named }],
+    ['CR', eyes, { end: '\r', wrap: named }],
+    ['ccw FALSE', eyes, { fields: 'ccw FALSE', faceOf: behind, wrap: named }],
+    ['solid and creaseAngle', eyes, { fields: 'solid FALSE creaseAngle 1.57 normalPerVertex TRUE', wrap: named }],
+    ['scale and shift', far, { wrap: inTransform('translation 10 20 30 scale 10 10 10') }],
+    ['turned there and back', eyes, { wrap: (shape, { name }) => `DEF ${name} Transform { rotation 1 0 0 1.5708 center 1 2 3 children Transform { rotation -1 0 0 1.5708 center 1 2 3 children ${shape} } }` }],
+    ['a mirror', back, { wrap: inTransform('scale -1 1 1') }],
+    ['a mirror, ccw FALSE', back, { wrap: inTransform('scale -1 1 1'), fields: 'ccw FALSE', faceOf: behind }],
+    ['the nearest of some', eyes, { wrap: (shape, { name }) => `DEF ${name} LOD { range [ 10 ] level [ ${shape} Shape { geometry Box { } } ] }` }],
+    ['what is chosen', eyes, { wrap: (shape, { name }) => `DEF ${name} Switch { whichChoice 1 choice [ Group { } ${shape} ] }` }],
+    ['routes', eyes, { wrap: named, tail: 'DEF T TimeSensor { cycleInterval 2 loop TRUE }\nROUTE T.fraction_changed TO T.set_x\n', head: 'NavigationInfo { type [ "EXAMINE" "ANY" ] speed 1.0 } Viewpoint { position 0 0 10 }' }],
+  ]) {
+    fs.writeFileSync(at('way.wrl'), vrmlOf(list, how));
+    const scene = await readScene(at('way.wrl'));
+    same(scene.meshes, eyes, what);
+    if (what.startsWith('solid')) assert.ok(scene.materials.every(({ double_sided }) => double_sided));
+  }
+  const [eye] = eyes;
+  const twice = `${vrmlOf([eye], { wrap: (shape) => `DEF eye_l Transform { children [ DEF S ${shape} ] }` })}\nDEF eye_r Transform { translation -60 0 0 children [ USE S ] }`;
+  fs.writeFileSync(at('use.wrz'), zlib.gzipSync(`\uFEFF${twice}`));
+  const { meshes } = await readScene(at('use.wrz'));
+  same(meshes, [together([eye, { ...eye, position: eye.position.map((x, i) => (i % 3 ? x : x - 60)) }].map((one) => ({ ...one, name: 'S' })), 'S')].map((one) => ({ ...one, name: 'S' })), 'USE, packed');
+  fs.writeFileSync(at('cut.wrz'), zlib.gzipSync(twice).subarray(0, 4000));
+  await assert.rejects(readScene(at('cut.wrz')), /cannot be unpacked/);
+});
+
+test('colours of vertices become a picture of the skin', async (t) => {
+  const skin = parts.slice(0, 1);
+  const linear = (p) => shade(p).map((x) => ((x + 0.055) / 1.055) ** 2.4);
+  const metric = placed(([x, y, z]) => [x / 1000, y / 1000, z / 1000]).slice(0, 1);
+  fs.writeFileSync(at('c.wrl'), vrmlOf(skin, { color: shade }));
+  writePlyAs(at('c.ply'), skin, { color: shade });
+  writeObjAs(at('c.obj'), skin, { color: shade });
+  writeGltf(at('c.glb'), metric, { color: linear });
+  for (const file of ['c.ply', 'c.obj', 'c.wrl', 'c.glb']) {
+    const scene = await readScene(at(file));
+    const [{ colors, position: places }] = scene.meshes;
+    for (let v = 0; v < places.length / 3; v++) assert.ok(shade([0, places[3 * v + 1]]).every((c, k) => Math.abs(colors[3 * v + k] - c) < 0.01), `${file}: vertex ${v}`);
+    if (file !== 'c.ply') continue;
+    const { head, notes } = makeHead(scene, toldIn((p) => p), { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] });
+    assert.match(notes.join('\n'), /skin: the colours of its vertices were painted/, file);
+    const { width, data } = PNG.sync.read(Buffer.from(head.textures.skin.data, 'base64'));
+    const { position, uv } = unpack(head).parts.find(({ name }) => name === 'skin');
+    let [right, front] = [0, 0];
+    for (let v = 0; v < uv.length / 2; v++) {
+      if (position[3 * v + 2] < -20 || Math.abs(position[3 * v + 1]) < 3) continue;
+      const x = Math.min(width - 1, Math.floor(uv[2 * v] * width));
+      const y = Math.min(width - 1, Math.floor((1 - uv[2 * v + 1]) * width));
+      const wanted = shade([0, position[3 * v + 1]]);
+      front++;
+      if (wanted.every((c, k) => Math.abs(255 * c - data[4 * (y * width + x) + k]) < 8)) right++;
+    }
+    t.diagnostic(`${file}: ${right} of ${front} vertices of the face have their colour`);
+    assert.ok(right > 0.97 * front && front > 2000, `${file}: ${right} of ${front}`);
+  }
+});
+
+test('names: of what a node is called, of which material a head has, and of words that end like a side', () => {
+  for (const [name, part] of [['eyeL', 'eye_l'], ['Eye.R.001', 'eye_r'], ['eye_l_low', 'eye_l'], ['L_eye', 'eye_l'], ['Eyeball', 'eyes'], ['EyeMaterial', 'eyes'], ['Eye Cover', 'eyes'], ['EyeLeft', 'eye_l'], ['FaceEyeline', 'lashes']]) assert.equal(guessPart(name), part, name);
+  const materials = [{ name: 'Teeth' }, { name: 'Material.001' }];
+  assert.equal(partOf({ name: 'Sphere.003', also: 'Eye_L', material: 1 }, { materials }), 'eye_l');
+  assert.equal(partOf({ name: 'Head', also: '', material: 0 }, { materials }), 'teeth');
+  assert.equal(partOf({ name: 'Head', also: '', material: 1 }, { materials }), 'skin');
+});
+
+test('a part of several materials has that of its largest mesh with a picture, and it is said', () => {
+  const picture = { type: 'image/png', width: 1, height: 1, data: Buffer.alloc(1) };
+  const materials = [{ name: 'nails', picture }, { name: 'face', picture: { ...picture } }, { name: 'plain', picture: null }];
+  const [skin, eye] = parts;
+  const meshOf = ({ position, index }, material) => ({ name: 'x', part: 'skin', material, position, uv: null, index, targets: {} });
+  const scene = { meshes: [meshOf(eye, 0), meshOf(skin, 1), meshOf(skin, 2)], materials, notes: [] };
+  const [part] = gatherParts(scene);
+  assert.equal(part.material, 1);
+  assert.match(scene.notes.join('\n'), /skin: of its 2 pictures only that of face is shown/);
+});
+
+test('in any unit and axes, and inside out: the face is found, with its outside out', async (t) => {
+  const { openEye } = await import(path.join(models, 'tools/import/faccia-eye.mjs'));
+  const eye = await openEye();
+  const turn = (part, over) => (over ? { ...part, index: part.index.map((_, i, list) => list[i - (i % 3) + [0, 2, 1][i % 3]]) } : part);
+  for (const [what, place, over, axes, unit] of [
+    ['inches, as a camera has it, inside out', ([x, y, z]) => [x / 25.4, -y / 25.4, -z / 25.4 + 16], true, 'y down, looking to -z', 25.4],
+  ]) {
+    writeObjAs(at('axes.obj'), placed(place).map((part) => turn(part, over)));
+    const scene = await readScene(at('axes.obj'));
+    const { points, notes } = await findPoints(scene, eye);
+    assert.match(notes[0], new RegExp(`${axes.replace('+', '\\+')}, ${unit} mm a unit`), what);
+    const { head, notes: made } = makeHead(scene, points, { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] });
+    assert.equal(made.some((note) => /inside out/.test(note)), over, what);
+    const found = unpack(head);
+    same(found.parts, parts, what);
+    t.diagnostic(`${what}: mouth ${found.fapu.MW.toFixed(1)} for ${mara.fapu.MW.toFixed(1)} mm`);
+  }
+});
