@@ -139,13 +139,17 @@ static void recap_text(void *ctx, struct queued_message *message) {
     buf_free(&data);
 }
 
-static void recap(const struct home *h, const struct branch *b) {
+/* past: what speaks has been told as ended there. */
+static void recap(const struct home *h, const struct branch *b, bool past) {
     const char *name = b->name;
     struct recap r = {h, {&name, 1}};
+    bool again;
     struct buf data = {0};
     json_t *head = packet_begin("recap", h->channel->name);
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
+    json_object_set_new(head, "past", json_boolean(past));
+    json_object_set_new(head, "speaks", json_integer(channel_utterance(h->channel, &again)));
     packet_write(&data, head, NULL, 0);
     home_send(h, &r.to, &data);
     buf_free(&data);
@@ -156,7 +160,7 @@ static void recap(const struct home *h, const struct branch *b) {
 /* What is said from here on comes after what it is told first. */
 void branches_here(struct home *h, const struct packet *p) {
     struct branch *b = find(h, p->from);
-    bool fresh = json_is_true(json_object_get(p->head, "fresh"));
+    uint32_t visit = (uint32_t)packet_number(p, "visit");
     if (!*p->from || strlen(p->from) >= BUS_NAME_BYTES)
         return;
     if (!b)
@@ -165,8 +169,9 @@ void branches_here(struct home *h, const struct packet *p) {
     b->abroad.followers = packet_number(p, "followers");
     b->abroad.listeners = packet_number(p, "listeners");
     stream_number_above(h->channel->stream, (uint32_t)packet_number(p, "number"));
-    if (fresh)
-        recap(h, b);
+    if (visit != b->visit) /* it says so until it has been told, which may take a while */
+        recap(h, b, stream_forget_earlier(h->channel->stream, home_abroad(p)));
+    b->visit = visit;
     take_wishes(h, b, json_object_get(p->head, "wants"));
     for (size_t i = 0; i < BRANCH_ENCODINGS && json_is_true(json_object_get(p->head, "begin")); i++)
         if (b->media[i].channel)

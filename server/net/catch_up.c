@@ -24,7 +24,8 @@ static void keep(struct catch_up *catch_up, struct queued_message *message) {
     message->refs++;
 }
 
-void catch_up_event(struct catch_up *catch_up, enum stream_event_kind kind, struct queued_message *message) {
+void catch_up_event(struct catch_up *catch_up, enum stream_event_kind kind, uint32_t utterance,
+                    struct queued_message *message) {
     switch (kind) {
     case STREAM_PAUSED:
         replace(&catch_up->paused, message);
@@ -34,8 +35,11 @@ void catch_up_event(struct catch_up *catch_up, enum stream_event_kind kind, stru
         break;
     case STREAM_BEGIN:
     case STREAM_END:
+        if (kind == STREAM_END && utterance != catch_up->utterance)
+            break;
         forget_sentence(catch_up);
         replace(&catch_up->begin, kind == STREAM_BEGIN ? message : NULL);
+        catch_up->utterance = kind == STREAM_BEGIN ? utterance : 0;
         break;
     case STREAM_SENTENCE:
         forget_sentence(catch_up);

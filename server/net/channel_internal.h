@@ -25,6 +25,8 @@ struct channel_item {
     bool media;
     bool notice;                 /* no event of the stream */
     enum stream_event_kind kind; /* of an event */
+    bool elsewhere;              /* from when another daemon spoke: only those here are told */
+    uint32_t utterance;          /* of a beginning or an end */
     struct variant *variant;     /* of media, until they are ready */
     struct encoding encoding;    /* for whom media are */
     bool begin, idle;            /* of media: one can begin with them; they are those of idling */

@@ -15,6 +15,7 @@ enum {
 
 static struct channel_item *add(struct channel *c) {
     struct channel_item *item = mem_alloc(sizeof *item);
+    item->elsewhere = c->elsewhere;
     *c->last = item;
     c->last = &item->next;
     return item;
@@ -51,9 +52,9 @@ static bool wants(struct follower *f, const struct channel_item *item) {
 static void give(struct channel *c, struct channel_item **items, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!items[i]->media && !items[i]->notice)
-            catch_up_event(&c->catch_up, items[i]->kind, items[i]->message);
+            catch_up_event(&c->catch_up, items[i]->kind, items[i]->utterance, items[i]->message);
     for (size_t i = 0; i < count && c->home; i++)
-        if (items[i]->message)
+        if (items[i]->message && !items[i]->elsewhere)
             c->net->home_calls->said(c, items[i]);
     for (struct follower *f = c->followers; f; f = f->next) {
         struct queued_message *messages[BATCH];
@@ -150,6 +151,7 @@ static void add_event(struct channel *c, const struct stream_event *event) {
     event_write(&text, event, c->name);
     struct channel_item *item = add(c);
     item->kind = event->kind;
+    item->utterance = event->utterance;
     item->ready = true;
     item->message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
     item->message->event = event_name(event->kind);
@@ -158,9 +160,10 @@ static void add_event(struct channel *c, const struct stream_event *event) {
 }
 
 /* It ends here, and nobody is told. */
-static void add_end(struct channel *c) {
+static void add_end(struct channel *c, uint32_t utterance) {
     struct channel_item *item = add(c);
     item->kind = STREAM_END;
+    item->utterance = utterance;
     item->ready = true;
 }
 
@@ -176,6 +179,7 @@ void channel_hand_on(struct channel *c, const struct channel_item *said) {
     struct channel_item *item = add(c);
     *item = *said;
     item->next = NULL;
+    item->elsewhere = true;
     item->ready = true;
     say(c);
 }
@@ -194,16 +198,34 @@ static void on_event(void *ctx, const struct stream_event *event) {
         if (encoding_packs(&v->encoding, event->kind))
             encoder_event(v->encoder, event);
     if (event->kind == STREAM_END && !event->reason)
-        add_end(c);
+        add_end(c, event->utterance);
     else if (is_text(c, event->kind))
         add_event(c, event);
     if (!is_of_chunk(event->kind))
         say(c);
 }
 
+/* The begin of what will not have ended when all has been said that waits for coders. */
+static const struct queued_message *begin_of(const struct channel *c) {
+    const struct queued_message *begin = c->catch_up.begin;
+    uint32_t utterance = c->catch_up.utterance;
+    for (const struct channel_item *item = c->first; item; item = item->next) {
+        if (item->media || item->notice)
+            continue;
+        if (item->kind == STREAM_BEGIN) {
+            begin = item->message;
+            utterance = item->utterance;
+        } else if (item->kind == STREAM_END && item->utterance == utterance) {
+            begin = NULL;
+        }
+    }
+    return begin;
+}
+
 /* What the begin told, and how far its words have come. */
 uint32_t channel_utterance(const struct channel *c, bool *again) {
-    json_t *begin = c->catch_up.begin ? message_read(c->catch_up.begin) : NULL;
+    const struct queued_message *message = begin_of(c);
+    json_t *begin = message ? message_read(message) : NULL;
     json_int_t number = json_integer_value(json_object_get(begin, "utterance"));
     *again = json_is_true(json_object_get(begin, "again"));
     json_decref(begin);
@@ -213,7 +235,8 @@ uint32_t channel_utterance(const struct channel *c, bool *again) {
 void channel_cut(struct channel *c, const struct error *e, bool again) {
     const struct catch_up *up = &c->catch_up;
     struct stream_event event = {.error = e, .idle = -1};
-    json_t *begin = up->begin ? message_read(up->begin) : NULL;
+    const struct queued_message *message = begin_of(c);
+    json_t *begin = message ? message_read(message) : NULL;
     json_t *last = up->text_count ? message_read(up->texts[up->text_count - 1]) : NULL;
     if (begin) {
         event.utterance = (uint32_t)json_integer_value(json_object_get(begin, "utterance"));

@@ -55,24 +55,34 @@ static void keep_notice(struct channel *c, struct queued_message *message) {
     json_decref(told);
 }
 
-/* Has it been told as ended here, when this daemon had lost the home for a while? Of what is so, nothing is
- * handed on, media neither. */
-static bool is_past(struct home *h, int kind, const struct queued_message *message) {
-    if (!h->past_count && (kind != STREAM_END || !h->homes->orders))
-        return false;
+static uint32_t utterance_of(const struct queued_message *message) {
     json_t *told = message_read(message);
     uint32_t utterance = (uint32_t)json_integer_value(json_object_get(told, "utterance"));
     json_decref(told);
-    bool past = false;
-    for (unsigned i = 0; i < h->past_count && i < PAST_MOST && utterance; i++)
-        past |= h->past[i] == utterance;
+    return utterance;
+}
+
+/* Has it been told as ended here, when this daemon had lost the home for a while? Of what is so, nothing is
+ * handed on, media neither. */
+static bool is_past(struct home *h, int kind, uint32_t utterance) {
+    bool past = home_was_past(h, utterance);
     if (kind == STREAM_BEGIN)
-        h->deaf = past;
-    if (kind == STREAM_END && past)
-        h->deaf = false;
+        h->deaf = past ? utterance : 0;
+    if (kind == STREAM_END && utterance == h->deaf)
+        h->deaf = 0;
     if (kind == STREAM_END)
         orders_ended(h, utterance);
     return past;
+}
+
+/* Who listens here had followed the room before: what was said of it meanwhile is missing. */
+static void tell_missed(struct home *h) {
+    struct error e;
+    error_plain(&e, ERROR_SKIPPED);
+    channel_sink.event(
+        h->channel,
+        &(struct stream_event){.kind = STREAM_WARNING, .utterance = h->amid, .error = &e, .idle = -1});
+    h->amid = 0;
 }
 
 static void hand_on_text(struct home *h, const struct packet *p) {
@@ -85,15 +95,20 @@ static void hand_on_text(struct home *h, const struct packet *p) {
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, p->body, p->size - line);
     message->event = kind < 0 ? notice_name(event) : event_name((enum stream_event_kind)kind);
     message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
+    bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && h->past_count);
+    uint32_t utterance = asks ? utterance_of(message) : 0;
     if (kind < 0) {
         keep_notice(c, message);
-    } else if (is_past(h, kind, message)) {
+    } else if (is_past(h, kind, utterance)) {
         queued_message_release(message);
         return;
     }
     channel_hand_on(c, &(struct channel_item){.message = message,
                                               .notice = kind < 0,
-                                              .kind = kind < 0 ? 0 : (enum stream_event_kind)kind});
+                                              .kind = kind < 0 ? 0 : (enum stream_event_kind)kind,
+                                              .utterance = utterance});
+    if (kind == STREAM_BEGIN && h->amid)
+        tell_missed(h);
 }
 
 static void hand_on_media(struct channel *c, const struct packet *p) {
@@ -122,9 +137,15 @@ void hand_on(struct home *h, const struct packet *p) {
     struct channel *c = h->channel;
     if (h->role != HOME_ELSEWHERE || packet_number(p, "token") != h->token)
         return;
-    if (!strcmp(p->kind, "recap")) {
+    if (!strcmp(p->kind, "recap") && h->recapped) {
+        home_missed(h);
+    } else if (!strcmp(p->kind, "recap")) {
         forget(c);
-        h->deaf = false;
+        h->deaf = 0;
+        uint32_t speaks = (uint32_t)packet_number(p, "speaks");
+        if (json_is_true(json_object_get(p->head, "past")))
+            home_is_past(h, speaks);
+        h->amid = h->knew && !home_was_past(h, speaks) ? speaks : 0;
         h->recapped = true;
     }
     if (!h->recapped)

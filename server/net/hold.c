@@ -70,7 +70,7 @@ int hold_keep(struct net *net, const char *room, const struct speech_request *re
     snprintf(held->room, sizeof held->room, "%s", room);
     held->until = uv_now(net->pipeline->loop) + (uint64_t)net->options.hold_seconds * 1000;
     request_copy(&held->request, request);
-    held->request.spared = false; /* who asked knows nothing of it any more */
+    held->request.abroad = 0; /* who asked knows nothing of it any more */
     net->hold.count++;
     return 0;
 }

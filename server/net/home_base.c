@@ -32,6 +32,18 @@ void home_tell(const struct homes *homes, const char *to, json_t *head) {
     buf_free(&data);
 }
 
+/* FNV-1a of 32 bits. */
+uint64_t home_of(const char *name) {
+    uint32_t hash = 2166136261u;
+    for (const char *c = name; *c; c++)
+        hash = (hash ^ (uint8_t)*c) * 16777619u;
+    return (uint64_t)(hash ? hash : 1) << 32;
+}
+
+uint64_t home_abroad(const struct packet *p) {
+    return home_of(p->from) | (uint32_t)packet_number(p, "visit");
+}
+
 void home_send(const struct home *h, const struct bus_receivers *to, const struct buf *data) {
     char name[LEASE_NAME_BYTES];
     name_lease(h, name);

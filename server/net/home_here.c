@@ -13,7 +13,7 @@ void home_here(struct home *h) {
     json_object_set_new(head, "followers", json_integer((json_int_t)channel_followers(c)));
     json_object_set_new(head, "listeners", json_integer((json_int_t)channel_listeners(c)));
     json_object_set_new(head, "begin", json_boolean(h->begin));
-    json_object_set_new(head, "fresh", json_boolean(!h->recapped));
+    json_object_set_new(head, "visit", json_integer(h->visit));
     if (c->idles)
         json_object_set_new(head, "idle",
                             json_pack("{sf sI sf sb}", "life", c->idling.life, "seed",

@@ -32,8 +32,23 @@ static void cut(struct home *h, bool next) {
     uint32_t told = channel_utterance(h->channel, &again);
     again = again && (next || orders_again(h, told));
     channel_cut(h->channel, &e, again);
-    orders_lost(h, told, &e);
+    orders_lost(h, told, true, &e);
     home_is_past(h, told);
+}
+
+void home_missed(struct home *h) {
+    struct error e;
+    bool again;
+    home_error(&e);
+    uint32_t told = channel_utterance(h->channel, &again);
+    channel_cut(h->channel, &e, false);
+    orders_lost(h, told, false, &e);
+    home_is_past(h, told);
+    h->recapped = false;
+    h->knew = true;
+    h->visit = ++h->homes->visits;
+    h->begin = true;
+    home_here(h);
 }
 
 /* What this one speaks comes to its end. */
@@ -49,7 +64,7 @@ void home_be_alone(struct home *h) {
     cut(h, false);
     branches_drop(h);
     home_set_role(h, HOME_ALONE);
-    stream_spare_none(h->channel->stream);
+    stream_go_alone(h->channel->stream);
     h->heal_by = 0;
     h->split = h->above;
     h->channel->speaks_until = UINT64_MAX;
@@ -75,12 +90,12 @@ static void be_here(struct home *h, uint64_t token, uint64_t asked) {
 static void be_elsewhere(struct home *h, const char *holder, uint64_t token) {
     cut(h, true);
     branches_drop(h);
-    if (strcmp(h->holder, holder) != 0)
-        h->past_count = 0;
+    h->knew = h->role != HOME_SEEKING;
     home_set_role(h, HOME_ELSEWHERE);
     snprintf(h->holder, sizeof h->holder, "%s", holder);
     h->token = token;
     h->recapped = false;
+    h->visit = ++h->homes->visits;
     h->channel->speaks_until = 0;
     fail(h);
     channel_take(h->channel, true);

@@ -156,6 +156,7 @@ static void begin(struct channel *c) {
 }
 
 static void said(struct channel *c, const struct channel_item *item) {
+    home_hears(c->home, item);
     if (c->home->role == HOME_HERE)
         branches_said(c->home, item);
 }

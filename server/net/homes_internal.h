@@ -32,6 +32,7 @@ struct branch {
     struct branch *next;
     char name[BUS_NAME_BYTES];
     uint64_t until; /* loop time */
+    uint32_t visit; /* of the branch: which it has been told for what goes on */
     struct abroad abroad;
     struct follower all;                     /* stands for all who follow there */
     struct follower media[BRANCH_ENCODINGS]; /* in the room where media are wanted in that way */
@@ -47,14 +48,19 @@ struct home {
     uint64_t heal_by;            /* loop time; of ALONE, when the bus is there */
     uint64_t kept_until;         /* loop time; 0: it is not kept */
     struct branch *branches;
-    uint64_t split;           /* the highest token before this daemon was alone: nobody goes on under it */
-    uint32_t past[PAST_MOST]; /* of ELSEWHERE: utterances of that home that have been told as ended here */
-    unsigned past_count;      /* ever: the oldest make room */
-    bool deaf;                /* such a one is spoken */
-    bool recapped;            /* a branch has been told what goes on */
-    bool begin;               /* somebody waits for media that one can begin with */
-    bool stale;               /* the home knows less than is */
-    uint64_t here;            /* loop time when a branch has said last that it is there */
+    uint64_t split;            /* the highest token before this daemon was alone: nobody goes on under it */
+    uint64_t past[PAST_MOST];  /* what has been told as ended here: its number, and whose (home_of) */
+    unsigned past_count;       /* ever: the oldest make room */
+    uint32_t ended[PAST_MOST]; /* what this daemon has spoken to its end: as the above */
+    unsigned ended_count;
+    uint32_t deaf;  /* such a one, that is spoken */
+    bool knew;      /* the room was followed here before that home was found */
+    bool recapped;  /* a branch has been told what goes on */
+    uint32_t visit; /* which time it follows a home */
+    uint32_t amid;  /* the utterance in whose middle it came to follow, until its begin is told */
+    bool begin;     /* somebody waits for media that one can begin with */
+    bool stale;     /* the home knows less than is */
+    uint64_t here;  /* loop time when a branch has said last that it is there */
 };
 
 struct homes {
@@ -63,6 +69,7 @@ struct homes {
     uv_timer_t *tick, *soon;
     struct order *orders;
     uint64_t order_number;
+    uint32_t visits; /* counted over all rooms: one that is left and entered anew is another visit, too */
 };
 
 /* home_base.c */
@@ -72,6 +79,12 @@ void home_claim(const struct home *home);
 
 /* Sends it to one, under no lease; drops the head. */
 void home_tell(const struct homes *homes, const char *to, json_t *head);
+
+/* Which daemon sent that, and which time it follows (speech_request.h). */
+uint64_t home_abroad(const struct packet *packet);
+
+/* A daemon as a number of 32 bits, in the upper ones; not 0. */
+uint64_t home_of(const char *name);
 
 /* As the home. */
 void home_send(const struct home *home, const struct bus_receivers *to, const struct buf *data);
@@ -99,13 +112,19 @@ void orders_ended(struct home *home, uint32_t utterance);
 /* Has that utterance been ordered here, and is it to be spoken again? */
 bool orders_again(const struct home *home, uint32_t utterance);
 
-/* The home is lost with all that was asked of it: what is to be spoken again waits for the next one, the
- * others end. The utterance `told` (or 0) has had its end. */
-void orders_lost(struct home *home, uint32_t told, const struct error *e);
+/* The home is lost with all that was asked of it: what is to be spoken again waits for the next one (again:
+ * at all), the others end. The utterance `told` (or 0) has had its end. */
+void orders_lost(struct home *home, uint32_t told, bool again, const struct error *e);
 
 /* An utterance of the home has been told as ended here, or is asked of another: what comes of it yet is not
  * handed on. */
 void home_is_past(struct home *home, uint32_t utterance);
+bool home_was_past(const struct home *home, uint32_t utterance);
+
+/* The home has told its own followers the end of that utterance, or that it is spoken: they are not to hear
+ * it twice. */
+bool home_has_heard(const struct home *home, uint32_t utterance);
+void home_hears(struct home *home, const struct channel_item *item);
 
 /* The room is here no more: nobody follows who could be told. */
 void orders_forget_room(struct home *home);
@@ -113,6 +132,9 @@ void orders_forget_room(struct home *home);
 /* home_roles.c */
 void home_set_role(struct home *home, enum home_role role);
 void home_be_alone(struct home *home);
+
+/* Something that the home said has not been heard here: follows it anew. */
+void home_missed(struct home *home);
 
 /* The answer to a claim. */
 void home_claimed(struct home *home, const char *holder, uint64_t token, uint64_t asked);

@@ -13,7 +13,7 @@ struct acting {
     struct channel *channel; /* NULL: nobody is there */
     const json_t *order, *message;
     const char *by;
-    bool abroad;
+    uint64_t abroad;
     unsigned status; /* of an answer that is none to an error */
 };
 
@@ -72,7 +72,7 @@ static int read_speech(const struct acting *a, struct speech_request *request, s
     if (a->net->draining)
         return error_plain(e, ERROR_STOPPING), -1;
     int failed = request_from_json(request, json_object_get(a->order, "request"), e);
-    request->spared = a->abroad && request->again;
+    request->abroad = a->abroad;
     return failed;
 }
 
@@ -213,7 +213,7 @@ static json_t *act(struct acting *a, struct error *e) {
     return NULL;
 }
 
-json_t *order_act(struct net *net, const char *room, const json_t *order, bool abroad, unsigned *status) {
+json_t *order_act(struct net *net, const char *room, const json_t *order, uint64_t abroad, unsigned *status) {
     const char *by = json_string_value(json_object_get(order, "by"));
     struct channel *c = channel_find(net, room);
     struct acting a = {.net = net,

@@ -13,9 +13,9 @@
 struct net;
 struct speech_request;
 
-/* abroad: another daemon asks, which knows what to do when this one is lost. The answer, as HTTP has it; a
+/* abroad: which daemon asks (speech_request.h), 0: this one. The answer, as HTTP has it; a
  * new reference. `utterance`, which HTTP has not, is the number of what will be spoken. */
-json_t *order_act(struct net *net, const char *room, const json_t *order, bool abroad, unsigned *status);
+json_t *order_act(struct net *net, const char *room, const json_t *order, uint64_t abroad, unsigned *status);
 
 /* Speaks the request to who is in the room, under the number *utterance (0: it is refused, or kept until
  * somebody is there). NULL with *e. */

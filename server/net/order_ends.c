@@ -35,7 +35,30 @@ void order_tell_failed(const struct order *o, const struct error *e) {
 }
 
 void home_is_past(struct home *h, uint32_t utterance) {
-    h->past[h->past_count++ % PAST_MOST] = utterance;
+    h->past[h->past_count++ % PAST_MOST] = home_of(h->holder) | utterance;
+}
+
+bool home_was_past(const struct home *h, uint32_t utterance) {
+    for (unsigned i = 0; i < h->past_count && i < PAST_MOST && utterance; i++)
+        if (h->past[i] == (home_of(h->holder) | utterance))
+            return true;
+    return false;
+}
+
+void home_hears(struct home *h, const struct channel_item *item) {
+    if (h->role == HOME_ELSEWHERE || item->media || item->notice || item->kind != STREAM_END)
+        return;
+    h->ended[h->ended_count++ % PAST_MOST] = item->utterance;
+}
+
+bool home_has_heard(const struct home *h, uint32_t utterance) {
+    bool again;
+    if (utterance && utterance == channel_utterance(h->channel, &again))
+        return true;
+    for (unsigned i = 0; i < h->ended_count && i < PAST_MOST && utterance; i++)
+        if (h->ended[i] == utterance)
+            return true;
+    return false;
 }
 
 static struct order *find(const struct home *h, uint32_t utterance) {
@@ -58,8 +81,11 @@ bool orders_again(const struct home *h, uint32_t utterance) {
 
 /* It waits for the next home, from now on. */
 static void ask_again(struct order *o) {
-    if (o->utterance)
+    if (o->utterance) {
         channel_keep(o->channel);
+        o->was = o->utterance;
+        o->was_of = home_of(o->channel->home->holder);
+    }
     o->utterance = 0;
     o->sent = false;
     o->again = true;
@@ -67,14 +93,14 @@ static void ask_again(struct order *o) {
     o->until = home_now(o->homes) + ORDER_MS;
 }
 
-void orders_lost(struct home *h, uint32_t told, const struct error *e) {
+void orders_lost(struct home *h, uint32_t told, bool again, const struct error *e) {
     for (struct order *o = h->homes->orders, *next; o; o = next) {
         next = o->next;
         if (o->channel != h->channel || (!o->utterance && !o->sent))
             continue;
         if (o->utterance)
             home_is_past(h, o->utterance);
-        if (order_is_again(o)) {
+        if (again && order_is_again(o)) {
             ask_again(o);
         } else if (!o->utterance) {
             o->until = 0; /* nobody knows whether it was done */

@@ -42,7 +42,7 @@ static void fail(struct order *o) {
 
 static void act(struct order *o) {
     unsigned status;
-    json_t *answer = order_act(o->homes->net, o->channel->name, o->asked, false, &status);
+    json_t *answer = order_act(o->homes->net, o->channel->name, o->asked, 0, &status);
     json_object_del(answer, "utterance"); /* its end is told by the stream that is here */
     end(o, status, answer);
     json_decref(answer);
@@ -53,6 +53,9 @@ static void send_order(struct order *o) {
     json_t *head = packet_begin("order", o->channel->name);
     json_object_set_new(head, "number", json_integer((json_int_t)o->number));
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
+    json_object_set_new(head, "visit", json_integer(h->visit));
+    if (o->was && o->was_of == home_of(h->holder))
+        json_object_set_new(head, "was", json_integer(o->was));
     json_object_set(head, "order", o->asked);
     home_tell(o->homes, h->holder, head);
     o->sent = true;
@@ -146,9 +149,16 @@ void orders_heard(struct homes *homes, const struct packet *p) {
     unsigned status = 0;
     json_object_set(head, "number", json_object_get(p->head, "number"));
     json_object_set(head, "token", json_object_get(p->head, "token"));
+    json_object_set(head, "visit", json_object_get(p->head, "visit"));
     /* asked under another token, it has been given up by who asked */
-    if (h && h->role == HOME_HERE && json_is_object(asked) && packet_number(p, "token") == h->token)
-        json_object_set_new(head, "answer", order_act(homes->net, p->room, asked, true, &status));
+    bool here = h && h->role == HOME_HERE && json_is_object(asked) && packet_number(p, "token") == h->token;
+    if (here && home_has_heard(h, (uint32_t)packet_number(p, "was"))) {
+        struct error e;
+        home_error(&e);
+        status = (unsigned)error_status(e.code);
+        json_object_set_new(head, "answer", message_error(&e));
+    } else if (here)
+        json_object_set_new(head, "answer", order_act(homes->net, p->room, asked, home_abroad(p), &status));
     json_object_set_new(head, "status", json_integer(status));
     home_tell(homes, p->from, head);
 }
@@ -174,7 +184,12 @@ void orders_answered(struct homes *homes, const struct packet *p) {
     json_t *answer = json_object_get(p->head, "answer");
     uint32_t utterance = (uint32_t)json_integer_value(json_object_get(answer, "utterance"));
     json_object_del(answer, "utterance");
-    if (o && (o->utterance || !o->sent || packet_number(p, "token") != o->channel->home->token)) {
+    struct home *h = home_find(homes, p->room);
+    bool known = h && o && o->channel == h->channel && packet_number(p, "visit") == h->visit;
+    bool current = h && h->role == HOME_ELSEWHERE && packet_number(p, "token") == h->token;
+    if (current && utterance && !known) {
+        home_is_past(h, utterance); /* that order has been told to be lost, or given anew */
+    } else if (!current || !known || o->utterance || !o->sent) {
         return; /* a late one, of a home that was lost */
     } else if (o && status && utterance) {
         take(o, utterance, (unsigned)status, answer);

@@ -103,11 +103,6 @@ void stream_stop(struct stream *s) {
     end_all(s, "stopped", NULL);
 }
 
-void stream_spare_none(struct stream *s) {
-    for (struct utterance *t = s->queue; t; t = t->next)
-        t->spared = false;
-}
-
 void stream_fail(struct stream *s, const struct error *e) {
     end_all(s, "failed", e);
 }

@@ -130,8 +130,12 @@ void stream_number_above(struct stream *stream, uint32_t number);
  * if it has begun. Ends a pause. */
 void stream_fail(struct stream *stream, const struct error *e);
 
-/* Nobody else will speak what is spared. */
-void stream_spare_none(struct stream *stream);
+/* The daemons that asked for something have told its end by now: what waits of it is forgotten, and what
+ * speaks is this one's alone. */
+void stream_go_alone(struct stream *stream);
+
+/* The same of what that daemon asked for when it followed before. Is what speaks of it? */
+bool stream_forget_earlier(struct stream *stream, uint64_t abroad);
 
 /* Does it speak, or does anything wait? */
 bool stream_busy(const struct stream *stream);

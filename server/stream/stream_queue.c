@@ -23,13 +23,45 @@ static const char *topic_of(const struct utterance *t) {
                         : NULL;
 }
 
-void stream_forget(struct stream *s, struct utterance **at) {
+static void forget(struct stream *s, struct utterance **at, const char *reason) {
     struct utterance *t = *at;
     *at = t->next;
     s->waiting--;
-    utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_END, .reason = "stopped"});
+    utterance_give(t, &s->sink, s->ctx, (struct stream_event){.kind = STREAM_END, .reason = reason});
     metrics_add(s->pipeline->metrics, METRIC_UTTERANCES_STOPPED, 1);
     utterance_free(t);
+}
+
+void stream_forget(struct stream *s, struct utterance **at) {
+    forget(s, at, "stopped");
+}
+
+void stream_go_alone(struct stream *s) {
+    for (struct utterance **at = s->queue ? &s->queue->next : &s->queue; *at;) {
+        if ((*at)->abroad)
+            forget(s, at, (*at)->spared ? NULL : "failed");
+        else
+            at = &(*at)->next;
+    }
+    if (s->queue)
+        s->queue->spared = false;
+}
+
+static bool is_of_earlier(const struct utterance *t, uint64_t abroad) {
+    return t->abroad && t->abroad >> 32 == abroad >> 32 && t->abroad != abroad;
+}
+
+bool stream_forget_earlier(struct stream *s, uint64_t abroad) {
+    for (struct utterance **at = s->queue ? &s->queue->next : &s->queue; *at;) {
+        if (is_of_earlier(*at, abroad))
+            forget(s, at, (*at)->spared ? NULL : "failed");
+        else
+            at = &(*at)->next;
+    }
+    bool speaks = s->queue && is_of_earlier(s->queue, abroad);
+    if (speaks)
+        s->queue->spared = false;
+    return speaks;
 }
 
 /* Whether it cuts what speaks. */
@@ -132,7 +164,8 @@ uint32_t stream_speak(struct stream *s, const struct speech_request *request) {
         stream_refuse(s, request->id, &e);
         return 0;
     }
-    t->spared = request->spared;
+    t->abroad = request->abroad;
+    t->spared = request->abroad != 0 && request->again;
     synthesis_keep(t->synthesis);
     enqueue(s, t, &turn);
     return t->number;

@@ -24,7 +24,8 @@ struct utterance {
     struct segment_cut cut;
     uint64_t asked; /* uv_hrtime of the request */
     bool started, begun, sentence_said;
-    bool spared;                 /* as its request (speech_request.h) */
+    uint64_t abroad;             /* as its request (speech_request.h) */
+    bool spared;                 /* who asked has it spoken again when this daemon cannot */
     bool finished;               /* no further segment comes */
     size_t spoken;               /* segments that came */
     uint32_t sent, sample_rate;  /* samples that left */

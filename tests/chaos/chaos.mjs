@@ -18,6 +18,7 @@ const [minutes = 10, speakers = 200, listeners = 2000, seed = Date.now() % 1e6] 
 const DAEMONS = 4, WORKERS = 2, ROOMS = Math.max(1, Math.round(speakers / 10)), SETTLE_MS = 60000;
 const TEXTS = ['Buongiorno.', 'Il vento porta via le foglie del viale.', 'Uno, due. E tre.', 'La mamma parla piano.'];
 const disk = process.env.FACCIA_CHAOS_DISK || null, netem = process.env.FACCIA_CHAOS_NETEM === '1';
+const logs = process.env.FACCIA_CHAOS_LOGS; // a folder, for what the daemons log
 const chance = new Chance(seed);
 const checker = new Checker();
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-chaos-'));
@@ -34,12 +35,14 @@ fs.writeFileSync(config, JSON.stringify({ command: { voices: [{ id: 'dear', lang
 const redis = await Redis.start();
 const road = await SlowRoad.open(redis.port);
 let made = 0, over = false, quiet = false;
-const codes = {};
+const codes = {}, started = [];
 const world = {
   redis, road, disk, netem,
-  startDaemon: () => {
+  startDaemon: async () => {
     const cache = disk ? ['--cache-file', path.join(disk, `cache-${made++ % (2 * DAEMONS)}`)] : [];
-    return Daemon.start(['--cluster', road.url, '--plugins', near, '--max-connections', '10000', ...cache]);
+    const daemon = await Daemon.start(['--cluster', road.url, '--plugins', near, '--max-connections', '10000', ...(logs ? ['--log', 'json'] : []), ...cache]);
+    started.push(daemon);
+    return daemon;
   },
   startWorker: () => Worker.start(['--cluster', road.url, '--plugins', far, '--voice-config', config, '--sandbox', 'off']),
 };
@@ -54,7 +57,7 @@ async function enter(room, query) {
   const socket = new WebSocket(`ws://127.0.0.1:${port}/v1/stream?lang=it&room=${room}${query}`, { perMessageDeflate: false, handshakeTimeout: 8000 });
   const closed = new Promise((resolve) => socket.on('close', resolve));
   socket.on('error', () => {});
-  return { socket, closed };
+  return { socket, closed, port };
 }
 
 /** Its connection is as long as its daemon lives; it tells nobody when that is frozen, and nobody gives up by itself. */
@@ -88,7 +91,7 @@ async function speak(i) {
       if (joined && !quiet && waiting.size < 2) {
         const id = `s${i}-${number++}`, again = chance.one(2);
         waiting.set(id, true);
-        checker.ask(id, { room, again });
+        checker.ask(id, { room, again, port: way.port });
         way.socket.send(JSON.stringify({ type: 'speak', id, text: chance.of(TEXTS), again, voice: chance.one(4) ? 'command:dear' : undefined }));
       } else {
         const timer = sleep(1000);
@@ -108,7 +111,7 @@ async function listen(i) {
       await sleep(200);
       continue;
     }
-    const ear = new Ear(checker, roomOf(i), `l${i}.${visit}`);
+    const ear = new Ear(checker, roomOf(i), `l${i}.${visit} at ${way.port}`);
     way.socket.on('message', (data, binary) => {
       if (binary) ear.media(data.readUInt32LE(4), data.readUInt32LE(16), data.readUInt32LE(20));
       else ear.message(JSON.parse(data));
@@ -135,7 +138,7 @@ while (Date.now() < until) {
   if (!busy.has(kind)) {
     busy.add(kind);
     happened[name]++;
-    if (process.env.FACCIA_CHAOS_TRACE) console.log(`# ${((Date.now() - until) / 1000 + minutes * 60).toFixed(1)} s: ${name}`);
+    if (process.env.FACCIA_CHAOS_TRACE) console.log(`# ${((Date.now() - checker.from) / 1000).toFixed(1)} s: ${name}`);
     faults[name]().catch((e) => console.log(`# ${name}: ${e.message}`)).finally(() => busy.delete(kind));
   }
   await sleep(chance.below(4000));
@@ -151,6 +154,10 @@ const tally = checker.tally();
 for (const { process: child } of [...world.daemons, ...world.workers, redis]) child.kill('SIGKILL');
 await Promise.race([Promise.all(all), sleep(3000)]);
 fs.rmSync(folder, { recursive: true });
+if (logs) {
+  fs.mkdirSync(logs, { recursive: true });
+  for (const daemon of started) fs.writeFileSync(path.join(logs, `${daemon.port}.log`), daemon.log);
+}
 console.log(JSON.stringify({ happened, errors: codes, settled: `${((Date.now() - settled) / 1000).toFixed(1)} s`, ...tally }, null, 2));
 for (const line of checker.examples) console.log(`! ${line}`);
 process.exit(Object.values(tally.broken).some(Boolean) ? 1 : 0);

@@ -11,25 +11,27 @@ export class Checker {
   constructor() {
     this.broken = Object.fromEntries(PROMISES.map((name) => [name, 0]));
     this.examples = [];
+    this.from = Date.now();
     this.asked = new Map(); // id -> what became of it
     this.pairs = new Map(); // 'room a b' of what followed each other
     this.heard = { begins: 0, chunks: 0, ends: 0, again: 0, late: 0 };
   }
 
-  break(promise, what) {
+  /** heard: lines of what came before, which are shown with the first few. */
+  break(promise, what, heard = []) {
     this.broken[promise]++;
-    if (this.broken[promise] <= 6) this.examples.push(`${promise}: ${what}`);
+    if (this.broken[promise] <= 6) this.examples.push(`${promise}: ${what}`, ...(this.broken[promise] <= 2 ? heard : []));
   }
 
   ask(id, about) {
-    this.asked.set(id, { ...about, ends: [], lost: false });
+    this.asked.set(id, { ...about, at: `${((Date.now() - this.from) / 1000).toFixed(2)} s`, ends: [], lost: false });
   }
 
   /** To who asked. */
   answer(id, end) {
     const asked = this.asked.get(id);
     if (!asked) return;
-    asked.ends.push(end);
+    asked.ends.push(`${end} at ${((Date.now() - this.from) / 1000).toFixed(2)} s`);
     if (asked.ends.length === 2) this.break('two ends', `${id} ${JSON.stringify(asked)}`);
   }
 
@@ -45,9 +47,9 @@ export class Checker {
     for (const [id, asked] of this.asked) if (!asked.ends.length && !asked.lost) this.break('no end', `${id} ${JSON.stringify(asked)}`);
     return {
       asked: all.length,
-      done: count(({ ends }) => ends[0] === 'done'),
-      failed: count(({ ends }) => ends[0] === 'failed'),
-      stopped: count(({ ends }) => ends[0] === 'stopped'),
+      done: count(({ ends }) => ends[0]?.startsWith('done')),
+      failed: count(({ ends }) => ends[0]?.startsWith('failed')),
+      stopped: count(({ ends }) => ends[0]?.startsWith('stopped')),
       'lost with the connection of who asked': count(({ lost, ends }) => lost && !ends.length),
       ...this.heard,
       broken: this.broken,
@@ -58,11 +60,20 @@ export class Checker {
 /** Who hears a room, by one connection. */
 export class Ear {
   constructor(checker, room, name) {
-    Object.assign(this, { checker, room, name, known: new Map(), numbers: new Map(), last: new Map(), previous: null, first: true });
+    Object.assign(this, { checker, room, name, known: new Map(), numbers: new Map(), last: new Map(), previous: null, first: true, lines: [] });
+  }
+
+  #keep(line) {
+    if (this.lines.push(`    ${((Date.now() - this.checker.from) / 1000).toFixed(2)} s ${line}`) > 40) this.lines.shift();
+  }
+
+  #break(promise, what) {
+    this.checker.break(promise, `${this.name}, ${this.room}: ${what}`, this.lines);
   }
 
   message(message) {
     const { checker } = this;
+    if (message.utterance !== undefined && !['word', 'sentence'].includes(message.type)) this.#keep(`${message.type} ${message.utterance} ${message.id} ${message.reason ?? message.code ?? ''}`);
     if (message.type === 'begin') this.#begin(message);
     const it = this.numbers.get(message.utterance);
     if (!it) return;
@@ -70,10 +81,10 @@ export class Ear {
     if (message.type === 'warning' && message.code === 'skipped') it.next = null;
     if (message.type === 'end') {
       checker.heard.ends++;
-      if (it.ended) checker.break('two ends', `${this.name} ${it.id}`);
+      if (it.ended) this.#break('two ends', it.id);
       it.ended = true;
       const whole = Math.round(message.duration * it.rate);
-      if (message.reason === 'done' && it.next !== null && Math.abs(whole - it.next) > 1) checker.break('a gap', `${this.name} ${it.id}: ${it.next} samples of ${whole}`);
+      if (message.reason === 'done' && it.next !== null && Math.abs(whole - it.next) > 1) this.#break('a gap', `${it.id}: ${it.next} samples of ${whole}`);
     }
   }
 
@@ -82,19 +93,19 @@ export class Ear {
     const { id, utterance, rate } = message;
     checker.heard.begins++;
     const before = this.known.get(id);
-    if (before && (before.ended || !before.again)) checker.break('heard twice', `${this.name} ${id}, ${before.ended ? 'ended' : 'not ended'}`);
+    if (before && (before.ended || !before.again)) this.#break('heard twice', `${id}, ${before.ended ? 'ended' : 'not ended'}`);
     if (before) checker.heard.again++;
     const it = { id, rate, next: this.first ? null : 0, ended: false, again: false };
     this.first = false;
     this.known.set(id, it);
     this.numbers.set(utterance, it);
     const [speaker, number] = [id?.split('-')[0], Number(id?.split('-')[1])];
-    if (this.last.get(speaker) > number) checker.break('out of order', `${this.name}: ${id} after ${this.last.get(speaker)}`);
+    if (this.last.get(speaker) > number) this.#break('out of order', `${id} after ${this.last.get(speaker)}`);
     this.last.set(speaker, number);
     if (this.previous && !before) {
       checker.pairs.set(`${this.room} ${this.previous} ${id}`, this.name);
       const other = checker.pairs.get(`${this.room} ${id} ${this.previous}`);
-      if (other) checker.break('another order', `${this.name}: ${this.previous} ${id}, ${other} the other way`);
+      if (other) this.#break('another order', `${this.previous} ${id}, ${other} the other way`);
     }
     this.previous = before ? null : id;
   }
@@ -104,10 +115,10 @@ export class Ear {
     this.checker.heard.chunks++;
     const it = this.numbers.get(utterance);
     if (!it || !utterance) return;
-    if (it.ended) this.checker.break('nonsense', `${this.name}: media of ${it.id} after its end`);
+    if (it.ended) this.#break('nonsense', `media of ${it.id} (${utterance}) after its end`);
     // who came in the middle, or was moved on, goes on from where it is
     if (it.next === null) this.checker.heard.late++;
-    else if (start !== it.next) this.checker.break('a gap', `${this.name} ${it.id}: ${start} after ${it.next}`);
+    else if (start !== it.next) this.#break('a gap', `${it.id}: ${start} after ${it.next}`);
     it.next = start + samples;
   }
 }

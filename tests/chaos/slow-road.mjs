@@ -18,11 +18,15 @@ export class SlowRoad {
   }
 
   #carry(from, to) {
-    let due = 0;
+    // timers that are due at once come in any order
+    const waiting = [];
+    const leave = () => {
+      while (waiting.length && waiting[0].due <= performance.now()) waiting.shift().act();
+      if (waiting.length) setTimeout(leave, Math.ceil(waiting[0].due - performance.now()));
+    };
     const later = (act) => {
-      due = Math.max(due, Date.now() + this.delay);
-      if (due <= Date.now()) act();
-      else setTimeout(act, due - Date.now());
+      waiting.push({ act, due: Math.max(waiting.at(-1)?.due ?? 0, performance.now() + this.delay) });
+      if (waiting.length === 1) leave();
     };
     from.setNoDelay(true);
     from.on('data', (data) => later(() => to.destroyed || to.write(data)));
