@@ -19,7 +19,7 @@ export const artefacts = process.env.FACCIA_ARTEFACTS ?? path.join(root, 'build'
 // their own have a while. (A benchmark is no test.)
 const running = new Set();
 const kill = () => running.forEach((child) => child.kill('SIGKILL'));
-if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 5000).unref());
+if (process.execArgv.some((option) => option.startsWith('--test'))) after(() => void setTimeout(kill, 20000).unref());
 
 /** Waits until the condition, asked again and again, gives something true: for what nobody announces. */
 export async function eventually(condition, what = String(condition), milliseconds = 60000) {
