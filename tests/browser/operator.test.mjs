@@ -14,7 +14,7 @@ let daemon, browser, desk, kiosk;
 const problems = [];
 const scenes = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-scenes-'));
 const open = async (address, options) => {
-  const page = await browser.newPage({ locale: 'it-IT', ...options });
+  const page = await browser.newPage({ locale: 'it-IT', reducedMotion: 'no-preference', ...options });
   page.on('pageerror', (error) => problems.push(String(error)));
   await page.goto(`${daemon.url}/${address}`);
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 120000 });
