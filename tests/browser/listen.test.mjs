@@ -6,11 +6,12 @@ import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
-import { after, before, test } from 'node:test';
+import { after, before } from 'node:test';
 import { launch } from '../lib/browser.mjs';
 import { build, Daemon } from '../lib/daemon.mjs';
 import { isClosed } from '../lib/mouth.mjs';
 import { mouthPixels } from '../lib/mouth-pixels.mjs';
+import { patient } from '../lib/patient.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
 const SENTENCE = 'Papà beve. La mamma parla piano.', VOICE = 'espeak:it';
@@ -94,7 +95,7 @@ async function check(all) {
   return bilabials.map(around);
 }
 
-test('a sentence through the microphone moves her lips, and every /p b m/ of it is closed', async () => {
+patient('a sentence through the microphone moves her lips, and every /p b m/ of it is closed', async () => {
   const page = await visit();
   await page.waitForFunction(() => window.early);
   assert.equal(await page.evaluate(() => window.early), 'NotAllowedError', 'the microphone is asked for when the user does something');
@@ -109,7 +110,7 @@ test('a sentence through the microphone moves her lips, and every /p b m/ of it 
   });
   await page.click('#mic');
   const seconds = spoken.samples.length / spoken.rate + 2; // of the loop that the microphone plays
-  await page.waitForFunction((needed) => window.came.audio.length > needed * window.came.audioRate && window.came.audioRate, 2 * seconds + 1, { timeout: 120000 });
+  await page.waitForFunction((needed) => window.came.audio.length > needed * window.came.audioRate && window.came.audioRate, 2 * seconds + 1, { timeout: 60000 });
   await page.evaluate(() => window.listening.stop());
   const end = await page.evaluate(() => window.listening.done);
   assert.equal(end.reason, 'done');
@@ -121,7 +122,7 @@ test('a sentence through the microphone moves her lips, and every /p b m/ of it 
   await page.close();
 });
 
-test('she follows a sound of the page: <talking-head for>, whenever it plays; in pixels, too', async () => {
+patient('she follows a sound of the page: <talking-head for>, whenever it plays; in pixels, too', async () => {
   const page = await visit();
   // its first moment passes before the server listens
   const address = `/v1/speech?lang=it&voice=${VOICE}&markup=ssml&text=${encodeURIComponent(`<speak><break time="2s"/>${SENTENCE}</speak>`)}`;
@@ -136,7 +137,7 @@ test('she follows a sound of the page: <talking-head for>, whenever it plays; in
   }, address);
   await page.click('h1, header, main').catch(() => {});
   await page.evaluate(() => document.querySelector('#sound').play());
-  await page.waitForFunction(() => window.came.events.some((e) => e.type === 'end'), null, { timeout: 120000 });
+  await page.waitForFunction(() => window.came.events.some((e) => e.type === 'end'), null, { timeout: 60000 });
   const all = await came(page);
   assert.equal(all.events.find((e) => e.type === 'end').reason, 'done');
   assert.deepEqual(all.events.filter((e) => e.type === 'error'), []);
