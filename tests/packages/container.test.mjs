@@ -53,7 +53,9 @@ test('it speaks where nothing can be written', () => {
       (${check}) && echo healthy
       kill $daemon; wait
       (${check}) 2>/dev/null || echo gone`;
-    const { stdout, stderr } = spawnSync('chroot', ['--userspec=faccia', mounted, 'bash', '-c', script], { encoding: 'utf8' });
+    const { stdout, stderr } = spawnSync('chroot', ['--userspec=faccia', mounted, 'bash', '-c', script], {
+      encoding: 'utf8', env: { PATH: process.env.PATH }, // not where the tests have their models
+    });
     assert.match(stdout, /^HTTP\/1.. 200/, stderr);
     assert.ok(stdout.split('\n').length > 20);
     assert.match(stdout, /healthy\ngone\n$/);
