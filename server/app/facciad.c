@@ -137,7 +137,7 @@ static void reload(struct daemon *d) {
             log_warn(
                 "changed settings of listen, speech, voices, library, paths or cluster wait for a restart");
         log_info("settings read anew");
-        settings_free(&old);
+        settings_follow(&d->settings, &old);
         secrets_free(&old_secrets);
     }
     service_ready("running");

@@ -9,6 +9,15 @@
 void settings_free(struct settings *s) {
     for (size_t i = 0; i < settings_count; i++)
         setting_clear(s, &settings_table[i]);
+    if (s->before)
+        settings_free(s->before);
+    free(s->before);
+    s->before = NULL;
+}
+
+void settings_follow(struct settings *s, const struct settings *before) {
+    s->before = mem_alloc(sizeof *before);
+    *s->before = *before;
 }
 
 static void set_defaults(struct settings *s, const struct paths *paths) {

@@ -15,6 +15,7 @@
 /* Each stage's own section; what a stage is not told by settings is 0 in it. Texts and lists belong to the
  * settings. */
 struct settings {
+    struct settings *before; /* that these came in place of; NULL: none */
     struct net_options net;
     struct voice_pool_options voices;
     const char *models, *sounds; /* folders; sounds NULL = none */
@@ -53,6 +54,9 @@ struct settings_request {
 int settings_read(struct settings *settings, struct settings_request *request, enum program program, int argc,
                   char **argv, const struct paths *paths, struct error *e);
 void settings_free(struct settings *settings);
+
+/* Takes over those before: what waits for a restart may point into them as long as the program runs. */
+void settings_follow(struct settings *settings, const struct settings *before);
 
 /* Does the second differ from the first in what counts at the start only? */
 bool settings_need_restart(const struct settings *old, const struct settings *now);

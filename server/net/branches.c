@@ -31,6 +31,14 @@ static void drop(struct home *h, struct branch **at) {
     free(b);
 }
 
+/* Whoever can write to the bus may say that he is one. */
+static bool is_full(const struct home *h) {
+    size_t count = 0;
+    for (const struct branch *b = h->branches; b; b = b->next)
+        count++;
+    return count >= BRANCHES_MOST;
+}
+
 static struct branch *branch_new(struct home *h, const char *name) {
     struct branch *b = mem_alloc(sizeof *b);
     snprintf(b->name, sizeof b->name, "%s", name);
@@ -39,6 +47,8 @@ static struct branch *branch_new(struct home *h, const char *name) {
     b->all = (struct follower){.abroad = &b->abroad, .watches = true, .deliver = deliver_nothing};
     channel_join(h->channel, &b->all);
     log_info("room %s: the daemon %.8s follows", h->channel->name, b->name);
+    if (is_full(h))
+        log_warn("room %s: %d daemons follow; further ones are left out", h->channel->name, BRANCHES_MOST);
     return b;
 }
 
@@ -162,6 +172,8 @@ void branches_here(struct home *h, const struct packet *p) {
     struct branch *b = find(h, p->from);
     uint32_t visit = (uint32_t)packet_number(p, "visit");
     if (!*p->from || strlen(p->from) >= BUS_NAME_BYTES)
+        return;
+    if (!b && is_full(h))
         return;
     if (!b)
         b = branch_new(h, p->from);

@@ -18,9 +18,9 @@ enum home_role {
 };
 
 enum {
-    BRANCH_MS = 3000, /* one that says nothing for so long is gone */
-    HERE_MS = 1000,   /* it says so at least so often */
-    BRANCHES_MOST = 256,
+    BRANCH_MS = 3000,      /* one that says nothing for so long is gone */
+    HERE_MS = 1000,        /* it says so at least so often */
+    BRANCHES_MOST = 256,   /* of one room; further ones are told nothing */
     PAST_MOST = 64,        /* more than wait in a room, as a rule */
     BRANCH_ENCODINGS = 16, /* ways in which one may want media */
     LEASE_MARGIN_MS = 200, /* so long before its end the home waits for the new one */

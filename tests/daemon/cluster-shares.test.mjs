@@ -169,3 +169,13 @@ test('nonsense on the board is passed over, and what one daemon says of another 
   redis.cli('zadd', 'faccia:board', '1', ghost);
   await eventually(async () => (await status(b, as('ivo'))) === 'well', 'the ghost to go');
 });
+
+test('daemons without end that say they follow a room are left out', async () => {
+  await b.stream('?room=many', as('ada'));
+  const lease = await eventually(() => redis.cli('get', 'faccia:lease:room:many'), 'somebody to have the room');
+  const CROWD = `for i = 1, 600 do redis.call('PUBLISH', ARGV[1], string.format('{"v":2,"kind":"here","room":"many","from":"ghost%d","visit":1}\\n', i)) end`;
+  redis.cli('eval', CROWD, '0', `faccia:to:${lease.split(' ')[0]}`);
+  await eventually(() => b.log.includes('room many: 256 daemons follow; further ones are left out'), 'the limit');
+  await health(b, 'up');
+  assert.equal(b.log.match(/room many: the daemon ghost\S* follows$/gm).length, 256);
+});
