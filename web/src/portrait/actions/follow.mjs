@@ -9,6 +9,7 @@ import { unitLength } from '../moved.mjs';
 import { PortraitError } from '../problem.mjs';
 import { pictured, speakerOf } from '../speaker.mjs';
 import { bend } from './bend.mjs';
+import { PoseGuess } from './guess.mjs';
 import { modelOf, MOVED } from './model.mjs';
 import { POSES } from './poses.mjs';
 
@@ -37,7 +38,8 @@ export class Follower {
    */
   constructor(json, points, { picture, landmarks }) {
     this.points = points;
-    this.face = laid(landmarks, points).points;
+    this.guess = new PoseGuess(json, points, landmarks);
+    this.face = this.guess.face;
     this.speaker = speakerOf(json, points, landmarks, MOVED);
     this.jaw = json.fapu.MNS / this.speaker.skin.fapu.MNS; // the field of the jaw is told in the base's mm
     this.rest = new Layer(this.speaker, modelOf([]));
@@ -85,6 +87,7 @@ export class Follower {
    * @throws {PortraitError} also where it is not this face, or not that pose
    */
   follow(name, { picture, landmarks }) {
+    if (this.guess.isOther(landmarks)) throw new PortraitError('other_face', 'it is another face than the one at rest, or a turned one');
     const layer = new Layer(this.speaker, modelOf(POSES[name].moves));
     const found = this.lay(layer, { picture, landmarks });
     if (found.unlike > LOST * this.contrast)
