@@ -12,7 +12,7 @@ import { flat } from '../../models/tools/portrait/images.mjs';
 import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
 import { artefacts, build, Daemon } from '../lib/daemon.mjs';
-import { photograph, writePng } from '../lib/drawn-photographs.mjs';
+import { photograph, writeJpeg, writePng } from '../lib/drawn-photographs.mjs';
 import { othersOf, otherwise, posesOf, samePlaces, withHabits } from '../lib/habits.mjs';
 import { violations as wrongHead } from '../lib/schema.mjs';
 
@@ -43,8 +43,11 @@ before(async () => {
   fs.copyFileSync(file('front.png'), file('puff.png'));
   await writePng({ data: Buffer.alloc(200 * 200 * 4, 150), width: 200, height: 200 }, file('wall.png'));
   fs.writeFileSync(file('sad.png'), 'GIF89a no picture');
+  await writeJpeg(await photograph(heads, 'luca', 0, undefined, { ...SIZE, faps: poses.smile, change: withHabits }), file('smile.jpg'));
+  const frame = fs.readFileSync(file('smile.jpg'));
+  fs.writeFileSync(file('camera.mjpeg'), Buffer.concat(Array(8).fill(frame))); // what Chromium's camera of a file takes, again and again
   daemon = await Daemon.start();
-  browser = await launch();
+  browser = await launch({ flags: ['--use-fake-ui-for-media-stream', '--use-fake-device-for-media-stream', `--use-file-for-fake-video-capture=${file('camera.mjpeg')}`] });
   page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });
   page.on('request', (request) => asked.push(request));
   page.on('websocket', (socket) => socket.on('framesent', ({ payload }) => sent.push(payload)));
@@ -125,6 +128,20 @@ test('without pictures of poses the base moves again; in other languages the pag
   assert.equal(count(JSON.parse(fs.readFileSync(file('plain.json'), 'utf8'))), count(read('mara')));
   await page.selectOption('#page-lang', 'tr');
   assert.equal(await page.textContent('#posing-title'), 'Senin hareketlerin');
+});
+
+test('before the camera each pose is asked for; what does not show it is not kept', async () => {
+  await page.selectOption('#page-lang', 'en');
+  await page.click('#pose-camera');
+  await state(page, 'Now: brows as high');
+  await page.waitForFunction(() => document.querySelector('#poses li'), null, { timeout: 240000 });
+  await page.click('#pose-camera');
+  await state(page, 'Poses found');
+  const list = await items();
+  assert.ok(['smile', 'laugh', 'sneer'].includes(list[0][0]), `a smile was before it all the time: ${JSON.stringify(list)}`);
+  assert.ok(!list.some(([pose]) => pose.startsWith('brows')), JSON.stringify(list));
+  await page.click('#camera-off');
+  assert.equal(await page.evaluate(() => document.querySelector('#video').srcObject), null);
 });
 
 test('nothing of the pictures has left the page', () => {

@@ -23,3 +23,4 @@ export async function photograph(heads, name, yaw, wall = () => 200, { faps = {}
 }
 
 export const writePng = ({ data, width, height }, file) => sharp(data, { raw: { width, height, channels: 4 } }).png().toFile(file);
+export const writeJpeg = ({ data, width, height }, file) => sharp(data, { raw: { width, height, channels: 4 } }).removeAlpha().jpeg({ quality: 92 }).toFile(file);
