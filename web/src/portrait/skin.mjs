@@ -7,7 +7,7 @@ import { Normals } from '../head/normals.mjs';
 import { rbf } from '../head/rbf.mjs';
 import { bareColours, paintBare, underWorn } from './bare.mjs';
 import { COUNT, EYES, LOWER_LIP, OVAL, SKIN, UPPER_LIP } from './landmarks.mjs';
-import { lipLine } from './fit.mjs';
+import { lipLine, PARTED, partedLips } from './fit.mjs';
 import { eachTexel, smoothOver, visible } from './surface.mjs';
 
 const EVEN = 0.8; // how much of the slow changes is the base's
@@ -17,6 +17,7 @@ const RIM = [1, 17]; // mm inside the oval: where the picture begins, and is who
 const LASHES = [0.6, 2.6]; // mm from the lids' margins
 const LID = [0.2, 0.7]; // of a lid's turn: what moves so much when it closes is hidden, or shaded, while it is open
 const FACING = [0.2, 0.55]; // cosine towards the picture
+const BETWEEN = [1, 3.2]; // mm from where lips meet: of parted ones a picture shows the teeth there
 const DARK = [0.5, 0.8]; // of the skin's brightness: hair that hangs into the forehead
 const SHINE = [1.15, 0.35]; // what is brighter than its surroundings by so much shines, and keeps so much of that
 
@@ -116,6 +117,20 @@ function maskOf(base, { position: positions, turns }, isLid) {
   return mask;
 }
 
+/** mm of each vertex from the line where the lips meet. */
+function fromLipLine(base, position) {
+  const line = lipLine(base.at).sort((a, b) => a[0] - b[0]);
+  return Float32Array.from({ length: position.length / 3 }, (_, v) => {
+    const p = position.subarray(3 * v, 3 * v + 3);
+    return Math.min(...line.slice(1).map((b, i) => {
+      const [a, ab] = [line[i], b.map((x, k) => x - line[i][k])];
+      const along = ab.reduce((sum, x, k) => sum + x * (p[k] - a[k]), 0) / ab.reduce((sum, x) => sum + x * x, 1e-9);
+      const t = Math.min(1, Math.max(0, along));
+      return Math.hypot(...ab.map((x, k) => p[k] - a[k] - t * x));
+    }));
+  });
+}
+
 /** What changes slowly of colours on the skin: their mean over some mm, each counted by its weight. */
 function slowly(positions, colours, weights, chosen) {
   const sources = chosen.filter((v, i) => weights[v] > 0.3 && i % 3 === 0);
@@ -141,6 +156,7 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
   const { position, index } = part;
   const seen = visible(position, index, look, view.turn);
   const weight = new Float32Array(mask.length);
+  const lips = partedLips(landmarks) > PARTED ? fromLipLine(base, position) : null;
   for (let v = 0; v < weight.length; v++) {
     const facing = [0, 1, 2].reduce((sum, k) => sum + view.turn[k][2] * normals[3 * v + k], 0);
     weight[v] = mask[v] && seen[v] ? mask[v] * ramp(FACING, facing) : 0;
@@ -155,7 +171,10 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
     if (position[3 * v + 1] > top) weight[v] *= ramp(DARK, luma(c) / bright);
   }
   const soft = smoothOver(part, weight, 5);
-  for (let v = 0; v < weight.length; v++) weight[v] = Math.min(1, 1.15 * ramp([0.35, 0.95], soft[v]));
+  for (let v = 0; v < weight.length; v++) {
+    weight[v] = Math.min(1, 1.15 * ramp([0.35, 0.95], soft[v]));
+    if (lips) weight[v] *= ramp(BETWEEN, lips[v]);
+  }
   return { picture, places, weight, colours, chosen, slow: slowly(position, colours, weight, chosen) };
 }
 

@@ -3,7 +3,7 @@
  * From pictures of a face at rest and in poses to what the skin does in each: FAPs as the base has them, and what is left
  * over.
  */
-import { laid, partedLips } from '../fit.mjs';
+import { laid, PARTED, partedLips } from '../fit.mjs';
 import { Layer } from '../lay.mjs';
 import { unitLength } from '../moved.mjs';
 import { PortraitError } from '../problem.mjs';
@@ -18,7 +18,6 @@ const SEEN_AT = { // landmarks
   browOuterLeft: 300, browOuterRight: 70,
 };
 const JAW = 3;
-const PARTED = 0.1; // of the mouth's width
 // FAPs of which the front shows little: they do not say how strong a pose is
 const DIM = [16, 17, 18, 39, 40, 41, 42, 44, 45, 46, 61, 62, 63];
 const STRENGTH = [0.2, 2.5]; // of what the program asks for
