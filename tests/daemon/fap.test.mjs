@@ -46,7 +46,7 @@ test('every file of the test vectors is read as they say, or refused at its line
   assert.ok(cases.length > 40);
   for (const { file: name, error, version, name: title, fps, frames, note } of cases) {
     const at = path.join(vectors, 'fap', name);
-    const { status, text, stderr } = fap('info', at);
+    const { status, stdout, stderr } = fap('info', at);
     if (error) {
       assert.equal(status, 1, name);
       assert.ok(stderr.startsWith(`faccia: ${at}:${error.line}:${error.column}: `), `${name}: ${stderr}`);
@@ -54,7 +54,7 @@ test('every file of the test vectors is read as they say, or refused at its line
     }
     assert.equal(status, 0, `${name}: ${stderr}`);
     assert.equal(stderr, note ? `faccia: ${at}:${note.line}:${note.column}: warning: 69 flags, the last is ignored\n` : '', name);
-    const said = (key) => text.match(new RegExp(`^${key} +(.*)$`, 'm'))?.[1];
+    const said = (key) => stdout.match(new RegExp(`^${key} +(.*)$`, 'm'))?.[1];
     assert.equal(said('version'), version || '(no header)', name);
     assert.equal(said('name'), title || '(none)', name);
     assert.equal(Number(said('fps')), fps, name);
@@ -73,12 +73,12 @@ test('every file of the test vectors is read as they say, or refused at its line
 });
 
 test('info counts, measures and prices', () => {
-  const { text } = done('info', file('moving.fap'));
-  assert.match(text, /^duration +24\.000 s$/m);
-  assert.match(text, /^ *3 +open_jaw +600 +0 +600 +\d+\.\d$/m);
-  assert.match(text, /^ *48 +head_pitch +600 +0 +23960 +11980\.0$/m);
+  const { stdout } = done('info', file('moving.fap'));
+  assert.match(stdout, /^duration +24\.000 s$/m);
+  assert.match(stdout, /^ *3 +open_jaw +600 +0 +600 +\d+\.\d$/m);
+  assert.match(stdout, /^ *48 +head_pitch +600 +0 +23960 +11980\.0$/m);
   const [coarse, exact] = [...stdout.matchAll(/^coded +(\S+) kbit/gm)].map((m) => Number(m[1]));
-  assert.ok(coarse > 0 && coarse < exact, text);
+  assert.ok(coarse > 0 && coarse < exact, stdout);
   // the price is that of the file which encode writes
   assert.equal(coarse.toFixed(2), ((done('encode', file('moving.fap')).bytes.length * 8) / 1000 / 24).toFixed(2));
 });
