@@ -29,10 +29,13 @@ const acts = {
   },
 };
 
-self.addEventListener('message', ({ data: { id, act, ...rest } }) => {
+/** @param {{id: number, act: string}} message what a page asks @returns {object} what it is told */
+export function answer({ id, act, ...rest }) {
   try {
-    self.postMessage({ id, answer: acts[act](rest) });
+    return { id, answer: acts[act](rest) };
   } catch (error) {
-    self.postMessage({ id, error: { code: error instanceof PortraitError ? error.code : null, message: error.message } });
+    return { id, error: { code: error instanceof PortraitError ? error.code : null, message: error.message } };
   }
-});
+}
+
+globalThis.self?.addEventListener?.('message', ({ data }) => self.postMessage(answer(data)));
