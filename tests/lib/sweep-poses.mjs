@@ -80,12 +80,7 @@ export function apart(poses, faps, mm, head) {
     const whole = place.map(Math.floor).join();
     if (same.has(whole)) return;
     const cell = coarse.map((i) => Math.floor(place[i]));
-    const far = (other) => {
-      for (let i = 0; i < place.length; i++) if (Math.abs(other[i] - place[i]) > 1) return true;
-      return false;
-    };
-    const alone = around.every((step) => cells.get(key(cell.map((x, i) => x + step[i])))?.every(far) ?? true);
-    if (!alone) return;
+    if (around.some((step) => near(place, cells.get(key(cell.map((x, i) => x + step[i])))))) return;
     kept.push(poses[number]);
     same.add(whole);
     (cells.get(key(cell)) ?? cells.set(key(cell), []).get(key(cell))).push(place);
@@ -93,13 +88,32 @@ export function apart(poses, faps, mm, head) {
   return kept;
 }
 
-/** The numbers of the coordinates that differ most. */
+/** Whether one of the list is within 1 in all coordinates; it comes first from now on, since poses repeat. */
+function near(place, list = []) {
+  for (let k = 0; k < list.length; k++) {
+    const other = list[k];
+    let i = 0;
+    while (i < place.length && Math.abs(other[i] - place[i]) <= 1) i++;
+    if (i < place.length) continue;
+    [list[0], list[k]] = [list[k], list[0]];
+    return true;
+  }
+  return false;
+}
+
+const SAMPLE = 4000; // poses by which coordinates are chosen
+
+/** The numbers of the coordinates that differ most, each in what those before it do not say (a Cholesky decomposition with pivots). */
 function widest(places, count) {
-  const spread = Array.from(places[0] ?? [], (_, i) => {
-    const mean = places.reduce((sum, place) => sum + place[i], 0) / places.length;
-    return [places.reduce((sum, place) => sum + (place[i] - mean) ** 2, 0), i];
+  const some = places.filter((_, i) => i % Math.ceil(places.length / SAMPLE) === 0);
+  const mean = Array.from(places[0] ?? [], (_, i) => some.reduce((sum, place) => sum + place[i], 0) / some.length);
+  const rest = mean.map((_, i) => mean.map((_, j) => some.reduce((sum, place) => sum + (place[i] - mean[i]) * (place[j] - mean[j]), 0)));
+  return Array.from({ length: Math.min(count, mean.length) }, () => {
+    const pick = rest.reduce((best, row, i) => (row[i] > rest[best][best] ? i : best), 0);
+    const row = [...rest[pick]];
+    if (row[pick] > 0) for (const [i, other] of rest.entries()) rest[i] = other.map((x, j) => x - (row[i] * row[j]) / row[pick]);
+    return pick;
   });
-  return spread.sort((a, b) => b[0] - a[0]).slice(0, count).map(([, i]) => i);
 }
 
 /** All steps of -1, 0 or 1 in so many directions; none first. */

@@ -70,4 +70,5 @@ test('hair runs along strips, however these lie on the picture', () => {
   const along = (uv) => Math.abs(fibres(strip(uv))[0]);
   assert.ok(along([0, 0, 0.6, 0, 0.6, 0.1, 0, 0.1]) > 0.99, 'a strip that lies');
   assert.ok(along([0, 0.6, 0, 0, 0.1, 0, 0.1, 0.6]) > 0.99, 'a strip that stands');
+  assert.ok(along([0, 0, 0.3, 0, 0.3, 0.1, 0, 0.1]) < 0.01, 'a row of curls');
 });

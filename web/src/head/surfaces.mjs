@@ -44,7 +44,7 @@ export function volumeNormals({ position }, normals) {
   return out;
 }
 
-const LYING = 2; // times as wide as high on the texture: strands run along such a strip
+const LYING = 4; // times as wide as high on the texture: strands run along such a strip (less may be a row of curls)
 
 /** For each vertex whether the piece of the texture that it belongs to lies: its fibres run along u. */
 function lying({ uv, index, vertices }) {
@@ -69,9 +69,9 @@ function lying({ uv, index, vertices }) {
  * The direction in which the fibres run at each vertex: that of the texture's v, or of its u where a strip lies on it.
  * @param {import('./model.mjs').Part} part
  */
-export function fibres({ position, uv, index, smooth, vertices }) {
+export function fibres({ name, position, uv, index, smooth, vertices }) {
   const sums = new Float32Array(3 * vertices);
-  const lies = uv && lying({ uv, index, vertices });
+  const lies = uv && !THIN.includes(name) ? lying({ uv, index, vertices }) : []; // lashes stand beside each other
   const place = (v) => (smooth ? smooth[v] : v);
   for (let t = 0; uv && t < index.length; t += 3) {
     const [a, b, c] = [index[t], index[t + 1], index[t + 2]];
