@@ -1,26 +1,27 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-#include "server/access/quota.h"
+#include "server/access/quota_internal.h"
 #include "server/base/mem.h"
 #include <stdlib.h>
-#include <uthash.h>
 
 #define MINUTE_MS 60000
 
-struct quota_entry {
-    char *key;
-    unsigned open, asked;
-    uint64_t minute;
-    UT_hash_handle hh;
-};
-
-static struct quota_entry *find(const struct quota *quota, const char *key) {
+struct quota_entry *quota_find(const struct quota *quota, const char *key) {
     struct quota_entry *entry;
     HASH_FIND_STR(quota->entries, key, entry);
     return entry;
 }
 
-static struct quota_entry *find_or_add(struct quota *quota, const char *key) {
-    struct quota_entry *entry = find(quota, key);
+bool quota_closed(const struct quota_entry *entry) {
+    return !entry->own.open && !entry->others;
+}
+
+void quota_settle(struct quota *quota, const struct quota_entry *entry, bool was_closed) {
+    quota->closed += quota_closed(entry);
+    quota->closed -= was_closed;
+}
+
+struct quota_entry *quota_find_or_add(struct quota *quota, const char *key) {
+    struct quota_entry *entry = quota_find(quota, key);
     if (entry)
         return entry;
     entry = mem_alloc(sizeof *entry);
@@ -30,21 +31,34 @@ static struct quota_entry *find_or_add(struct quota *quota, const char *key) {
     return entry;
 }
 
-static void drop(struct quota *quota, struct quota_entry *entry) {
-    quota->closed -= !entry->open;
+static void tell(const struct quota *quota, const struct quota_entry *entry) {
+    if (quota->changed)
+        quota->changed(quota->ctx, entry->key, &entry->own);
+}
+
+void quota_tell(const struct quota *quota) {
+    for (const struct quota_entry *entry = quota->entries; entry; entry = entry->hh.next)
+        tell(quota, entry);
+}
+
+void quota_drop(struct quota *quota, struct quota_entry *entry) {
+    entry->own = (struct quota_use){0};
+    tell(quota, entry);
+    quota->closed -= quota_closed(entry);
     HASH_DEL(quota->entries, entry);
     free(entry->key);
     free(entry);
 }
 
-/* What was asked in an earlier minute is forgotten; so is the oldest, when that is too much. */
-static void sweep(struct quota *quota, uint64_t minute) {
+/* So are the oldest, when they are too many. */
+void quota_sweep(struct quota *quota, uint64_t now) {
     struct quota_entry *entry, *next;
+    uint64_t minute = now / MINUTE_MS;
     if (quota->swept == minute && quota->closed <= TALLY_CLOSED_MOST)
         return;
     HASH_ITER(hh, quota->entries, entry, next) {
-        if (!entry->open && (entry->minute < minute || quota->closed > TALLY_CLOSED_MOST / 2))
-            drop(quota, entry);
+        if (quota_closed(entry) && (entry->own.minute < minute || quota->closed > TALLY_CLOSED_MOST / 2))
+            quota_drop(quota, entry);
     }
     quota->swept = minute;
 }
@@ -52,42 +66,49 @@ static void sweep(struct quota *quota, uint64_t minute) {
 bool quota_enter(struct quota *quota, const char *key, unsigned limit) {
     if (limit && quota_open(quota, key) >= limit)
         return false;
-    struct quota_entry *entry = find_or_add(quota, key);
-    quota->closed -= !entry->open++;
+    struct quota_entry *entry = quota_find_or_add(quota, key);
+    bool was_closed = quota_closed(entry);
+    entry->own.open++;
+    quota_settle(quota, entry, was_closed);
+    tell(quota, entry);
     return true;
 }
 
 void quota_leave(struct quota *quota, const char *key) {
-    struct quota_entry *entry = find(quota, key);
-    if (!entry || --entry->open)
+    struct quota_entry *entry = quota_find(quota, key);
+    if (!entry || !entry->own.open)
         return;
-    quota->closed++;
-    if (!entry->asked)
-        drop(quota, entry);
+    entry->own.open--;
+    quota_settle(quota, entry, false);
+    if (quota_closed(entry) && !entry->own.asked)
+        quota_drop(quota, entry);
+    else
+        tell(quota, entry);
 }
 
 unsigned quota_open(const struct quota *quota, const char *key) {
-    const struct quota_entry *entry = find(quota, key);
-    return entry ? entry->open : 0;
+    const struct quota_entry *entry = quota_find(quota, key);
+    unsigned open = entry ? entry->own.open : 0;
+    for (const struct quota_other *o = entry ? entry->others : NULL; o; o = o->next)
+        open += o->use.open;
+    return open;
 }
 
 bool quota_ask(struct quota *quota, const char *key, unsigned limit, uint64_t now) {
+    uint64_t minute = now / MINUTE_MS;
     if (!limit)
         return true;
-    sweep(quota, now / MINUTE_MS);
-    struct quota_entry *entry = find_or_add(quota, key);
-    if (entry->minute != now / MINUTE_MS)
-        entry->asked = 0;
-    entry->minute = now / MINUTE_MS;
-    if (entry->asked >= limit)
+    quota_sweep(quota, now);
+    struct quota_entry *entry = quota_find_or_add(quota, key);
+    if (entry->own.minute != minute)
+        entry->own.asked = 0;
+    entry->own.minute = minute;
+    uint64_t asked = entry->own.asked;
+    for (const struct quota_other *o = entry->others; o; o = o->next)
+        asked += o->use.minute == minute ? o->use.asked : 0;
+    if (asked >= limit)
         return false;
-    entry->asked++;
+    entry->own.asked++;
+    tell(quota, entry);
     return true;
-}
-
-void quota_free(struct quota *quota) {
-    struct quota_entry *entry, *next;
-    HASH_ITER(hh, quota->entries, entry, next) {
-        drop(quota, entry);
-    }
 }

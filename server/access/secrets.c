@@ -39,9 +39,14 @@ static int check_file(FILE *file, const char *path, struct error *e) {
     return result;
 }
 
+void secrets_add(struct secrets *secrets, const char *secret) {
+    secrets->list = mem_resize(secrets->list, (secrets->count + 1) * sizeof *secrets->list);
+    secrets->list[secrets->count++] = mem_strdup(secret);
+}
+
 static int read_lines(struct secrets *secrets, FILE *file, const char *path, struct error *e) {
     char *line = NULL;
-    size_t cap = 0, list_cap = 0, number = 0;
+    size_t cap = 0, number = 0;
     int result = 0;
     for (ssize_t n; !result && (n = getline(&line, &cap, file)) >= 0;) {
         number++;
@@ -54,8 +59,7 @@ static int read_lines(struct secrets *secrets, FILE *file, const char *path, str
                                    "%s: a secret must have at least %d bytes", path, SECRET_BYTES_MIN);
             break;
         }
-        secrets->list = mem_grow(secrets->list, &list_cap, secrets->count + 1, sizeof *secrets->list);
-        secrets->list[secrets->count++] = mem_strdup(line);
+        secrets_add(secrets, line);
     }
     free(line);
     if (!result && !secrets->count)

@@ -24,4 +24,24 @@ void secrets_free(struct secrets *secrets);
 uint64_t secret_number(const char *secret);
 bool secrets_have(const struct secrets *secrets, uint64_t number);
 
+/* A secret's name among daemons, which gives away no more of it than a token does: the first half of
+ * HMAC-SHA256, with it as the key, of a text of ours, in hexadecimal digits. */
+enum { SECRET_MARK_BYTES = 33 };
+void secret_mark(const char *secret, char mark[SECRET_MARK_BYTES]);
+
+/* Adds a copy. */
+void secrets_add(struct secrets *secrets, const char *secret);
+
+/* secrets_revoked.c: secrets that count no more, by their marks. */
+struct secrets_revoked {
+    char (*marks)[SECRET_MARK_BYTES];
+    size_t count;
+};
+
+/* False: it is known, or no mark. */
+bool secrets_revoked_add(struct secrets_revoked *revoked, const char *mark);
+
+/* A copy of those that count. */
+struct secrets secrets_good(const struct secrets *secrets, const struct secrets_revoked *revoked);
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/cluster_place.h"
 #ifdef HAVE_REDIS
+#include "server/cluster/redis_board.h"
 #include "server/cluster/redis_bus.h"
 #include "server/cluster/redis_cluster.h"
 #include "server/cluster/redis_work.h"
@@ -16,6 +17,7 @@ int cluster_place_open(const struct settings *settings, uv_loop_t *loop, struct 
     const struct redis_work_options queue = {settings->cluster, settings->cluster_queue, metrics};
     if (!(out->cluster = redis_cluster_open(loop, &options, e)) ||
         !(out->bus = redis_bus_open(loop, settings->cluster, metrics, e)) ||
+        !(out->board = redis_board_open(loop, settings->cluster, metrics, e)) ||
         !(out->work = redis_work_open(loop, &queue, e)))
         return -1;
     return 0;
@@ -29,6 +31,7 @@ int cluster_place_open(const struct settings *settings, uv_loop_t *loop, struct 
 void cluster_place_close(struct cluster_place *place) {
     cluster_close(place->cluster);
     bus_close(place->bus);
+    board_close(place->board);
     work_close(place->work);
     *place = (struct cluster_place){0};
 }

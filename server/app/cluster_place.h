@@ -4,6 +4,7 @@
 #define FACCIA_APP_CLUSTER_PLACE_H
 
 #include "server/app/settings.h"
+#include "server/cluster/board.h"
 #include "server/cluster/bus.h"
 #include "server/cluster/cluster.h"
 #include "server/cluster/work_queue.h"
@@ -11,6 +12,7 @@
 struct cluster_place {
     struct cluster *cluster; /* what they share; NULL: it is alone */
     struct bus *bus;         /* by which they speak to each other */
+    struct board *board;     /* on which they count together */
     struct work *work;       /* what workers elsewhere speak */
 };
 

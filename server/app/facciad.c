@@ -74,6 +74,7 @@ static struct net_options net_options_of(struct daemon *d) {
     options.secrets = d->secrets.count ? &d->secrets : NULL;
     options.shares = d->place.cluster != NULL;
     options.bus = d->place.bus;
+    options.board = d->place.board;
     options.connections_above = NET_CONNECTIONS_ABOVE;
     descriptors_provide(&options, d->settings.voices.workers);
     return options;

@@ -93,9 +93,11 @@ const struct setting settings_table[] = {
      "how many rooms may have somebody in them"},
     {"limits.address_connections", "max-per-address", SETTING_NUMBER, MEMBER(net.address_connections),
      FOR_DAEMON, 0, 100000, "0", "N",
-     "how many of one address, or of one token's subject; 0 = no limit of its own"},
+     "how many of one address, or of one token's subject, on all daemons of a cluster; 0 = no limit of its "
+     "own"},
     {"limits.address_requests", "max-requests", SETTING_NUMBER, MEMBER(net.address_requests), FOR_DAEMON, 0,
-     1000000, "0", "N", "utterances and POSTs of one address or subject in a minute; 0 = no limit"},
+     1000000, "0", "N",
+     "utterances and POSTs of one address or subject in a minute, on all daemons of a cluster; 0 = no limit"},
     {"limits.send_bytes", "send-bytes", SETTING_NUMBER, MEMBER(net.send_bytes), FOR_DAEMON, 4096, 1 << 30,
      "262144", "N", "media for a client wait while so many bytes are unsent"},
     {"limits.send_bytes_max", "send-bytes-max", SETTING_NUMBER, MEMBER(net.send_bytes_max), FOR_DAEMON, 65536,

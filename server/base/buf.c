@@ -13,7 +13,7 @@ void buf_free(struct buf *b) {
 
 void *buf_reserve(struct buf *b, size_t extra) {
     b->data = mem_grow(b->data, &b->cap, b->size + extra, 1);
-    return b->data + b->size;
+    return b->data ? b->data + b->size : NULL; /* nothing was there, and nothing is wanted */
 }
 
 void buf_add(struct buf *b, const void *data, size_t size) {

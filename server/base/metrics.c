@@ -49,6 +49,10 @@ static const struct {
                            "Rooms of a cluster by which daemon speaks in them; alone: each for its own."},
     [METRIC_ROOMS_ELSEWHERE] = {"faccia_cluster_rooms", "{home=\"elsewhere\"}", "gauge", ""},
     [METRIC_ROOMS_ALONE] = {"faccia_cluster_rooms", "{home=\"alone\"}", "gauge", ""},
+    [METRIC_BOARD_UP] = {"faccia_board_up", "", "gauge",
+                         "1: the daemons of the cluster count together what addresses and subjects ask."},
+    [METRIC_CLUSTER_OTHERWISE] = {"faccia_cluster_otherwise", "", "gauge",
+                                  "Other daemons of the cluster whose version or limits are not this one's."},
     [METRIC_CLUSTER_QUEUE_LIVE] =
         {"faccia_cluster_queue_sentences", "{turn=\"live\"}", "gauge",
          "Sentences of all daemons that wait for workers elsewhere, or are spoken there."},

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { WORDS_MOST = 16 };
+enum { WORDS_MOST = 128 };
 
 struct redis_link {
     uv_loop_t *loop;

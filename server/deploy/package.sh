@@ -2,12 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 # Packages that people install. Safe to run again.
 set -eu
+umask 022 # whoever builds them
 
 usage() {
     cat <<'TEXT'
 Usage: sh server/deploy/package.sh [FOLDER]
 Builds faccia (server/run.sh --build-only does what is still to be done) and writes its Debian packages to FOLDER
-(build/packages).
+(build/packages), with a bill of materials (faccia_VERSION.cdx.json, CycloneDX).
 
 $DEBFULLNAME and $DEBEMAIL are their maintainer.
 
@@ -66,4 +67,5 @@ TEXT
     die "the packages cannot be built"
 }
 cp "$work"/*.deb "$work"/*.changes "$work"/*.buildinfo "$target/"
+SOURCE_DATE_EPOCH=$changed node "$root/server/deploy/sbom.mjs" "$target"
 (cd "$target" && ls -l *"_${version}_"*.deb | awk '{ printf "%9d  %s\n", $5, $NF }')

@@ -136,7 +136,8 @@ json_t *message_voices(const struct net *net) {
 json_t *message_health(const struct net *net) {
     const char *status = net->ready ? "ok" : net->unavailable ? "unavailable" : "starting";
     const char *cluster = net->pipeline->metrics->values[METRIC_CLUSTER_UP] > 0 &&
-                                  net->pipeline->metrics->values[METRIC_BUS_UP] > 0
+                                  net->pipeline->metrics->values[METRIC_BUS_UP] > 0 &&
+                                  net->pipeline->metrics->values[METRIC_BOARD_UP] > 0
                               ? "up"
                               : "away";
     return json_pack("{ss ss* ss si ss*}", "status", status, "reason", net->unavailable, "server",

@@ -6,6 +6,7 @@
 #include "server/net/homes.h"
 #include "server/net/listener.h"
 #include "server/net/net_internal.h"
+#include "server/net/sharing.h"
 #include <stdlib.h>
 
 static void open_handles(struct net *net) {
@@ -29,7 +30,10 @@ struct net *net_open(const struct pipeline *pipeline, const struct offer_source 
         net_free(net);
         return NULL;
     }
+    net->secrets = secrets_good(options->secrets, &net->revoked);
     open_handles(net);
+    if (options->board)
+        net->sharing = sharing_open(net, rights_renew);
     if (options->bus)
         homes_open(net, options->bus);
     return net;
@@ -41,7 +45,6 @@ void net_change(struct net *net, const struct net_options *options) {
     o->host_names = options->host_names;
     o->embed = options->embed;
     o->editing = options->editing;
-    o->secrets = options->secrets;
     o->text_bytes = options->text_bytes;
     o->message_bytes = options->message_bytes;
     o->play_bytes = options->play_bytes;
@@ -59,7 +62,8 @@ void net_change(struct net *net, const struct net_options *options) {
     o->stall_seconds = options->stall_seconds;
     o->ping_seconds = options->ping_seconds;
     o->hold_seconds = options->hold_seconds;
-    rights_revoke(net);
+    rights_replace(net, options->secrets);
+    sharing_change(net->sharing);
 }
 
 void net_drain(struct net *net) {
@@ -94,6 +98,7 @@ static void free_idle(uv_handle_t *idle) {
 
 void net_close(struct net *net) {
     homes_close(net->homes);
+    sharing_close(net->sharing);
     listeners_close(net);
     keepalive_end(net);
     connections_close(net);
@@ -106,6 +111,8 @@ void net_close(struct net *net) {
 void net_free(struct net *net) {
     assets_free(&net->assets);
     quota_free(&net->quota);
+    secrets_free(&net->secrets);
+    free(net->revoked.marks);
     hold_free(&net->hold);
     json_decref(net->more_languages);
     free(net->read_buffer);

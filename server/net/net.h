@@ -9,6 +9,7 @@
 #include "server/net/offer.h"
 #include "server/stream/stream.h"
 
+struct board;
 struct bus;
 struct library;
 
@@ -27,6 +28,7 @@ struct net_options {
     const char *media;             /* folder of recordings; NULL = none */
     bool shares;                   /* what is spoken, with other daemons */
     struct bus *bus;               /* by which they share rooms; NULL = none */
+    struct board *board;           /* on which they count together; NULL = none */
     const char *scenes;            /* folder of scenes that operators keep; NULL = none */
     unsigned scene_bytes;          /* of one */
     unsigned scene_count;

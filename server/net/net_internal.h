@@ -31,6 +31,9 @@ struct net {
     bool ready, draining;
     const char *unavailable; /* why nothing can be spoken, nor soon will be; or NULL */
     struct quota quota;
+    struct sharing *sharing; /* with other daemons; NULL: no */
+    struct secrets secrets;  /* those of options.secrets that count */
+    struct secrets_revoked revoked;
     struct socket *sockets; /* all that are open */
     uv_timer_t *keepalive;  /* over all connections; NULL: none */
     uv_idle_t *idle;        /* NULL: none */
@@ -234,7 +237,11 @@ int works_serve(struct exchange *x);
 int room_events(struct exchange *x); /* GET /v1/events?room= */
 void room_events_revoke(struct net *net);
 
-/* revoke.c: the secrets have changed: clients whose secret is gone lose their rights, and are told. */
-void rights_revoke(struct net *net);
+/* revoke.c: the secrets, or those that are revoked, have changed: clients whose secret is gone lose their
+ * rights, and are told. */
+void rights_renew(struct net *net);
+
+/* Those that come in place of the present ones: what is missing is revoked everywhere. */
+void rights_replace(struct net *net, const struct secrets *secrets);
 
 #endif

@@ -4,6 +4,7 @@
 #include "server/access/origin.h"
 #include "server/net/connection.h"
 #include "server/net/net_internal.h"
+#include "server/net/sharing.h"
 #include <string.h>
 #include <strings.h>
 #include <time.h>
@@ -27,7 +28,7 @@ int principal_check_host(const struct net *net, const struct http_request *reque
 
 bool principal_revoke(const struct net *net, struct principal *principal) {
     bool lost = principal->token.rights && net->options.secrets &&
-                !secrets_have(net->options.secrets, principal->token.secret);
+                !secrets_have(&net->secrets, principal->token.secret);
     if (lost)
         principal->token = (struct token){0};
     return lost;
@@ -76,7 +77,7 @@ int principal_show(struct net *net, struct principal *principal, const char *tex
     char key[sizeof principal->key];
     if (!net->options.secrets)
         return 0;
-    if (token_check(net->options.secrets, text, (long)time(NULL), &token, e)) {
+    if (token_check(&net->secrets, text, (long)time(NULL), &token, e)) {
         metrics_add(net->pipeline->metrics, METRIC_REFUSED_TOKEN, 1);
         return -1;
     }
@@ -121,8 +122,7 @@ int principal_may(const struct net *net, const struct principal *principal, enum
 }
 
 int principal_ask(struct net *net, const struct principal *principal, struct error *e) {
-    uint64_t now = uv_now(net->pipeline->loop);
-    if (quota_ask(&net->quota, principal->key, net->options.address_requests, now))
+    if (quota_ask(&net->quota, principal->key, net->options.address_requests, sharing_now(net)))
         return 0;
     metrics_add(net->pipeline->metrics, METRIC_REFUSED_LIMIT, 1);
     return error_set(e, ERROR_TOO_MANY_REQUESTS, "%u requests in a minute are the limit",

@@ -1,4 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/log.h"
+#include "server/net/sharing.h"
 #include "server/net/socket_internal.h"
 
 /* One that spoke on a stream of its own is cut; in a room others may have spoken, and it is put out. */
@@ -12,9 +14,25 @@ static void put_out(struct socket *s) {
         stream_stop(socket_stream(s));
 }
 
-void rights_revoke(struct net *net) {
+void rights_renew(struct net *net) {
+    const struct secrets *all = net->options.secrets;
+    secrets_free(&net->secrets);
+    net->secrets = secrets_good(all, &net->revoked);
+    if (all && net->secrets.count < all->count)
+        log_warn("%zu of the %zu secrets of the token file count no more: a daemon of this cluster has given "
+                 "them up",
+                 all->count - net->secrets.count, all->count);
     for (struct socket *s = net->sockets; s; s = s->next)
         if (principal_revoke(net, &s->principal))
             put_out(s);
     room_events_revoke(net);
+}
+
+/* Those that counted so far; the former list may have been changed in its place. */
+void rights_replace(struct net *net, const struct secrets *secrets) {
+    for (size_t i = 0; i < net->secrets.count; i++)
+        if (!secrets || !secrets_have(secrets, secret_number(net->secrets.list[i])))
+            sharing_revoke(net->sharing, net->secrets.list[i]);
+    net->options.secrets = secrets;
+    rights_renew(net);
 }

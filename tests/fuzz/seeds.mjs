@@ -2,6 +2,7 @@
 // Writes inputs for a fuzz target that are made of the repository's own files: node seeds.mjs TARGET FOLDER
 import { mkdirSync, readFileSync, readdirSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
+import { deflateSync } from 'node:zlib';
 import { Chance, httpRequest, messageText, upgradeRequest, webSocketFrames } from '../lib/chaos.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
@@ -86,6 +87,15 @@ const parts = {
       joined(audio, frame(7, event.word(0, 8, 2, 100, 0), event.word(3, 0, 3, 900, 1000), event.warning('no'))),
       joined(frame(1, text('{}'), u32(64), u32(5), u32(1), u32(0)), frame(4, text('{"name": "x", "capabilities": 3, "voices": [{"id": "b", "name": "B", "lang": "it", "gender": "male", "sample_rate": 16000, "rate": 150}, {"id": "b"}, {"id": ""}]}')), frame(5, text('no')), frame(3),
         frame(2, u32(5), text('it'), u32(1), u32(0), u32(3), Buffer.alloc(48), text('uno'), text('it'), text(null), text('digits'), text(null)))];
+  },
+  cluster: () => {
+    const short = (value) => joined(value.length, value);
+    const piece = (end, last, index, ...rest) => joined(1, 'fw1l', end, last, u32(index), ...rest);
+    const packet = (head, ...body) => joined(2, JSON.stringify(head), '\n', ...body);
+    const sound = Buffer.alloc(800, 3);
+    return [joined(0, 'fw1l', frame(2, u32(5))), joined(0, 'fw1b'), piece(0, 0, 0, short('q:abc:live:3 17-0'), short('w1'), frame(6, u32(16000), Buffer.alloc(32, 1))), piece(1, 1, 258, short('t'), short('a')),
+      packet({ v: 2, kind: 'here', room: 'hall', from: 'f'.repeat(32), ways: [1, 2], n: 7 }), packet({ v: 2, kind: 'media', room: 'hall', at: 0.1, token: 12 }, Buffer.alloc(64, 9)), packet({ v: 1, kind: 'gone', room: 'hall' }),
+      joined(3, 1, u32(sound.length), deflateSync(sound))];
   },
   packs: () => Array.from({ length: 16 }, (_, i) => joined(i % 8, u16(i * 7), i % 9, u16(3), 1, 'a')),
   tables: () => Array.from({ length: 15 }, (_, i) => joined(i % 5, u16(i * 11), i % 9, u16(3), 1, 'a')),

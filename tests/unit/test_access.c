@@ -140,6 +140,76 @@ static void origins(void **state) {
     }
 }
 
+/* The last that was told of a key. */
+struct told {
+    char key[8];
+    struct quota_use use;
+};
+
+static void on_told(void *ctx, const char *key, const struct quota_use *use) {
+    struct told *told = ctx;
+    snprintf(told->key, sizeof told->key, "%s", key);
+    told->use = *use;
+}
+
+static void tallies_of_others(void **state) {
+    (void)state;
+    struct told told = {0};
+    struct quota quota = {.changed = on_told, .ctx = &told};
+    quota_seen(&quota, "one", "a", &(struct quota_use){2, 3, 7});
+    quota_seen(&quota, "two", "a", &(struct quota_use){1, 1, 7});
+    assert_string_equal(told.key, ""); /* that was not this one's */
+    assert_int_equal(quota_open(&quota, "a"), 3);
+    assert_false(quota_enter(&quota, "a", 3));
+    assert_true(quota_enter(&quota, "a", 4));
+    assert_string_equal(told.key, "a");
+    assert_int_equal(told.use.open, 1);
+    assert_true(quota_ask(&quota, "a", 5, 7 * 60000));
+    assert_false(quota_ask(&quota, "a", 5, 7 * 60000));
+    assert_true(quota_ask(&quota, "a", 5, 8 * 60000)); /* what they asked was in another minute */
+    assert_int_equal(told.use.asked, 1);
+    assert_int_equal(told.use.minute, 8);
+    quota_seen(&quota, "one", "a", &(struct quota_use){0, 0, 0});
+    assert_int_equal(quota_open(&quota, "a"), 2);
+    quota_gone(&quota, "two");
+    assert_int_equal(quota_open(&quota, "a"), 1);
+    assert_int_equal(quota.others, 0);
+    quota_leave(&quota, "a");
+    quota_sweep(&quota, 9 * 60000);
+    assert_int_equal(told.use.open + told.use.asked, 0);
+    assert_null(quota.entries);
+    /* what nobody has open here stays as long as others count it, and goes with them */
+    for (int i = 0; i < TALLY_OTHERS_MOST + 5; i++) {
+        char key[24];
+        snprintf(key, sizeof key, "x%d", i);
+        quota_seen(&quota, "one", key, &(struct quota_use){1, 0, 0});
+    }
+    assert_int_equal(quota.others, TALLY_OTHERS_MOST);
+    assert_int_equal(quota.closed, 0);
+    quota_gone(&quota, NULL);
+    assert_null(quota.entries);
+    quota_free(&quota);
+}
+
+static void revoked_secrets(void **state) {
+    (void)state;
+    struct secrets all = both();
+    struct secrets_revoked revoked = {0};
+    char mark[SECRET_MARK_BYTES], other[SECRET_MARK_BYTES];
+    secret_mark(first, mark);
+    secret_mark(second, other);
+    assert_int_equal(strlen(mark), SECRET_MARK_BYTES - 1);
+    assert_string_not_equal(mark, other);
+    assert_false(secrets_revoked_add(&revoked, "no mark"));
+    assert_true(secrets_revoked_add(&revoked, mark));
+    assert_false(secrets_revoked_add(&revoked, mark));
+    struct secrets good = secrets_good(&all, &revoked);
+    assert_int_equal(good.count, 1);
+    assert_string_equal(good.list[0], second);
+    secrets_free(&good);
+    free(revoked.marks);
+}
+
 static void tallies(void **state) {
     (void)state;
     struct quota quota = {0};
@@ -176,10 +246,11 @@ static void tallies(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(there_and_back), cmocka_unit_test(old_secret_still_counts),
-        cmocka_unit_test(forgeries),      cmocka_unit_test(secret_files),
-        cmocka_unit_test(rights),         cmocka_unit_test(origins),
-        cmocka_unit_test(tallies),
+        cmocka_unit_test(there_and_back),  cmocka_unit_test(old_secret_still_counts),
+        cmocka_unit_test(forgeries),       cmocka_unit_test(secret_files),
+        cmocka_unit_test(rights),          cmocka_unit_test(origins),
+        cmocka_unit_test(tallies),         cmocka_unit_test(tallies_of_others),
+        cmocka_unit_test(revoked_secrets),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

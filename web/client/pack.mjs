@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Makes the npm package @faccia/client in a folder, ready for `npm pack` and `npm publish`: node pack.mjs FOLDER
 import { build } from 'esbuild';
-import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { chmodSync, copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { messageTypes } from './messages.mjs';
@@ -17,7 +17,8 @@ mkdirSync(out, { recursive: true });
 
 await build({
   entryPoints: [path.join(here, 'client.mjs')],
-  outfile: path.join(out, 'client.js'),
+  outfile: path.resolve(out, 'client.js'),
+  absWorkingDir: path.join(here, '../..'), // comments name files from there
   bundle: true, format: 'esm', target: 'es2022', legalComments: 'none', banner: { js: '// faccia, MIT' },
 });
 for (const side of ['client', 'server']) writeFileSync(path.join(out, `${side}-messages.d.ts`), await messageTypes(side));
@@ -38,3 +39,6 @@ writeFileSync(path.join(out, 'package.json'), `${JSON.stringify({
   exports: { '.': { types: './client.d.ts', default: './client.js' }, './package.json': './package.json' },
   files: ['client.js', '*.d.ts'],
 }, null, 2)}\n`);
+// npm packs files with their modes: the same whoever packs them.
+for (const file of readdirSync(out, { recursive: true, withFileTypes: true }))
+  if (file.isFile()) chmodSync(path.join(file.parentPath ?? file.path, file.name), 0o644);

@@ -2,7 +2,7 @@
 // Makes the npm package @faccia/talking-head in a folder, ready for `npm pack` and `npm publish`: node pack.mjs FOLDER [BUILT]
 // BUILT: where build.mjs has put the element (build/web).
 import { build } from 'esbuild';
-import { copyFileSync, mkdirSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
+import { chmodSync, copyFileSync, mkdirSync, readFileSync, readdirSync, rmSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { manifest } from './manifest.mjs';
@@ -73,3 +73,6 @@ The scripts contain three.js ${three} (MIT, three.js authors) with the decoders 
 and Binomial LLC), meshoptimizer (MIT, Arseny Kapoulkine) and
 opus-decoder ${opus} (MIT, Ethan Halsall) with libopus (BSD-3-Clause, Xiph.Org).
 `);
+// npm packs files with their modes: the same whoever packs them.
+for (const file of readdirSync(out, { recursive: true, withFileTypes: true }))
+  if (file.isFile()) chmodSync(path.join(file.parentPath ?? file.path, file.name), 0o644);

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/net/sharing.h"
+#include "server/base/log.h"
+#include "server/base/mem.h"
+#include "server/cluster/board.h"
+#include "server/net/net_internal.h"
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <utlist.h>
+
+enum { CLOCK_SLACK_MS = 500, OWNER_BYTES = 64 };
+
+/* The names of notes and marks. */
+static const char limits_note[] = "limits", use_note[] = "use ", secret_mark_name[] = "secret ";
+
+/* A daemon that has other limits than this one. */
+struct otherwise {
+    struct otherwise *next;
+    char owner[OWNER_BYTES], text[BOARD_TEXT_BYTES];
+};
+
+struct sharing {
+    struct net *net;
+    void (*revoked)(struct net *net);
+    struct board *board;
+    int64_t ahead; /* the clock of all, before that of the loop */
+    char limits[BOARD_TEXT_BYTES];
+    struct otherwise *otherwise;
+};
+
+static const char *after(const char *name, const char *prefix) {
+    size_t size = strlen(prefix);
+    return strncmp(name, prefix, size) ? NULL : name + size;
+}
+
+static void on_use(void *ctx, const char *key, const struct quota_use *use) {
+    struct sharing *s = ctx;
+    const struct net_options *o = &s->net->options;
+    char name[BOARD_NAME_BYTES], text[BOARD_TEXT_BYTES] = "";
+    bool counted = (o->address_connections || o->address_requests) && (use->open || use->asked);
+    snprintf(name, sizeof name, "%s%s", use_note, key);
+    if (counted)
+        snprintf(text, sizeof text, "%u %u %" PRIu64, use->open, use->asked, use->minute);
+    board_write(s->board, name, text);
+}
+
+static void forget_otherwise(struct sharing *s, const char *owner) {
+    struct otherwise *one, *next;
+    LL_FOREACH_SAFE(s->otherwise, one, next) {
+        if (owner && strcmp(one->owner, owner) != 0)
+            continue;
+        LL_DELETE(s->otherwise, one);
+        free(one);
+        metrics_add(s->net->pipeline->metrics, METRIC_CLUSTER_OTHERWISE, -1);
+    }
+}
+
+static void compare(struct sharing *s, const char *owner, const char *text) {
+    forget_otherwise(s, owner);
+    if (!*text || !strcmp(text, s->limits))
+        return;
+    struct otherwise *one = mem_alloc(sizeof *one);
+    snprintf(one->owner, sizeof one->owner, "%s", owner);
+    snprintf(one->text, sizeof one->text, "%s", text);
+    LL_PREPEND(s->otherwise, one);
+    metrics_add(s->net->pipeline->metrics, METRIC_CLUSTER_OTHERWISE, 1);
+    log_warn("cluster: a daemon has other settings than this one: %s; here: %s", text, s->limits);
+}
+
+static void on_seen(void *ctx, const char *owner, const char *name, const char *text) {
+    struct sharing *s = ctx;
+    struct quota_use use = {0};
+    const char *key = after(name, use_note);
+    if (!strcmp(name, limits_note))
+        compare(s, owner, text);
+    else if (key && (!*text || sscanf(text, "%9u %9u %18" SCNu64, &use.open, &use.asked, &use.minute) == 3))
+        quota_seen(&s->net->quota, owner, key, &use);
+}
+
+static void on_gone(void *ctx, const char *owner) {
+    struct sharing *s = ctx;
+    forget_otherwise(s, owner);
+    quota_gone(&s->net->quota, owner);
+}
+
+static void on_marked(void *ctx, const char *name) {
+    const struct sharing *s = ctx;
+    const char *mark = after(name, secret_mark_name);
+    if (mark && secrets_revoked_add(&s->net->revoked, mark))
+        s->revoked(s->net);
+}
+
+/* A little that the answer was slow does not move the minutes. */
+static void on_looked(void *ctx, uint64_t clock) {
+    struct sharing *s = ctx;
+    int64_t ahead = (int64_t)clock - (int64_t)uv_now(s->net->pipeline->loop);
+    if (llabs(ahead - s->ahead) > CLOCK_SLACK_MS)
+        s->ahead = ahead;
+    quota_sweep(&s->net->quota, sharing_now(s->net));
+}
+
+static const struct board_eye eye = {on_seen, on_gone, on_marked, on_looked};
+
+void sharing_change(struct sharing *s) {
+    if (!s)
+        return;
+    const struct net_options *o = &s->net->options;
+    snprintf(s->limits, sizeof s->limits, "version %s, %s, max-per-address %u, max-requests %u",
+             FACCIA_VERSION, o->secrets ? "tokens" : "no tokens", o->address_connections,
+             o->address_requests);
+    board_write(s->board, limits_note, s->limits);
+    struct otherwise *list = s->otherwise, *one, *next;
+    s->otherwise = NULL;
+    LL_FOREACH_SAFE(list, one, next) {
+        metrics_add(s->net->pipeline->metrics, METRIC_CLUSTER_OTHERWISE, -1);
+        compare(s, one->owner, one->text);
+        free(one);
+    }
+    quota_tell(&s->net->quota);
+}
+
+struct sharing *sharing_open(struct net *net, void (*revoked)(struct net *net)) {
+    struct sharing *s = mem_alloc(sizeof *s);
+    s->net = net;
+    s->revoked = revoked;
+    s->board = net->options.board;
+    board_look(s->board, &eye, s);
+    net->quota.changed = on_use;
+    net->quota.ctx = s;
+    sharing_change(s);
+    return s;
+}
+
+void sharing_revoke(struct sharing *s, const char *secret) {
+    char mark[SECRET_MARK_BYTES], name[BOARD_NAME_BYTES];
+    if (!s)
+        return;
+    secret_mark(secret, mark);
+    secrets_revoked_add(&s->net->revoked, mark);
+    snprintf(name, sizeof name, "%s%s", secret_mark_name, mark);
+    board_mark(s->board, name);
+}
+
+uint64_t sharing_now(const struct net *net) {
+    return uv_now(net->pipeline->loop) + (uint64_t)(net->sharing ? net->sharing->ahead : 0);
+}
+
+void sharing_close(struct sharing *s) {
+    if (!s)
+        return;
+    s->net->quota.changed = NULL;
+    s->net->sharing = NULL;
+    board_look(s->board, NULL, NULL);
+    forget_otherwise(s, NULL);
+    free(s);
+}

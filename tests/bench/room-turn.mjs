@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// One speech in a room to many listeners at several daemons that share it by Redis, or at one: what the processors do for it, in making,
+// sending and handing on, and how much later than the first listener of all a listener has a message.
+import { execFileSync, spawn } from 'node:child_process';
+import { once } from 'node:events';
+import readline from 'node:readline';
+import { Daemon, eventually } from '../lib/daemon.mjs';
+import { Redis } from '../lib/redis.mjs';
+import { cpuOf } from './figures.mjs';
+import { needProgram } from './need.mjs';
+
+const pin = (pid) => execFileSync('taskset', ['-a', '-c', '-p', '0', String(pid)]);
+
+/** Daemons and Redis on core 0, the listeners on core 1. */
+export async function roomTurn(daemonCount, count, text) {
+  const listeners = needProgram('listeners');
+  const redis = daemonCount > 1 ? await Redis.start() : null;
+  const options = ['--max-connections', String(count + 20), ...(redis ? ['--cluster', redis.url] : [])];
+  const daemons = [];
+  for (let i = 0; i < daemonCount; i++) daemons.push(await Daemon.start(options));
+  if (redis) for (const daemon of daemons) await eventually(async () => (await (await daemon.get('/healthz')).json()).cluster === 'up', 'the cluster');
+  const pids = [...daemons.map((daemon) => daemon.process.pid), ...(redis ? [redis.process.pid] : [])];
+  pids.forEach(pin);
+  const child = spawn('taskset', ['-c', '1', listeners, daemons.map(({ port }) => port).join(','), '/v1/stream?room=bench', String(count)], { stdio: ['pipe', 'pipe', 'inherit'] });
+  const ended = once(child, 'exit');
+  const lines = readline.createInterface(child.stdout)[Symbol.asyncIterator]();
+  const line = async () => (await lines.next()).value;
+  if ((await line()) !== 'ready') throw new Error('the listeners ended');
+  // the home knows of all
+  await eventually(async () => {
+    const rooms = await Promise.all(daemons.map(async (daemon) => (await (await daemon.get('/v1/rooms')).json()).rooms[0]?.listeners ?? 0));
+    return Math.max(...rooms) === count;
+  }, 'all to listen');
+  const before = pids.map(cpuOf);
+  const answer = await daemons.at(-1).get('/v1/say?room=bench&lang=it', { method: 'POST', body: text });
+  if (answer.status !== 202) throw new Error(await answer.text());
+  const heard = JSON.parse(await line());
+  const used = pids.map((pid, i) => cpuOf(pid) - before[i]);
+  const sent = redis ? (await Promise.all(daemons.map((daemon) => daemon.metric('faccia_bus_messages_total{way="sent"}')))).reduce((a, b) => a + b) : 0;
+  child.stdin.end();
+  await ended;
+  for (const daemon of daemons) await daemon.stop();
+  redis?.stop();
+  const sum = (list) => list.reduce((a, b) => a + b, 0);
+  return { ...heard, sent, all: sum(used), redis: redis ? used.at(-1) : 0 };
+}
