@@ -53,6 +53,15 @@ const portrait = await build({
   external: ['fs', 'worker_threads', 'perf_hooks', 'os'],
 });
 note(portrait.metafile);
+const poses = await build({
+  ...common,
+  entryPoints: [path.join(here, 'src/portrait/actions/worker.mjs')],
+  outfile: path.join(out, 'portrait-poses.js'),
+  format: 'iife', // a worker of any browser
+  banner: { js: '/* faccia, MIT. */' },
+  metafile: true,
+});
+note(poses.metafile);
 const wasm = 'tfjs-backend-wasm-simd.wasm';
 const nets = ['blazeface', 'facemesh', 'iris'].flatMap((net) => [`${net}.json`, `${net}.bin`]);
 for (const [folder, files] of [['@tensorflow/tfjs-backend-wasm/dist', [wasm]], ['@vladmandic/human/models', nets]])

@@ -3,7 +3,7 @@
  * does not claim it again within BUS_LEASE_MS loses it, and each new holder has a higher token than the one
  * before. What is sent under a lease leaves only while the sender still holds it under that token: the bus
  * itself looks, at the moment of sending, so that a home that slept cannot speak after another has taken
- * his place. What one daemon sends to another arrives in its order, or not at all.
+ * its place. What one daemon sends to another arrives in its order, or not at all.
  * An engine is one const table of functions, as in cluster.h. All belongs to the loop's thread; no function
  * waits. */
 #ifndef FACCIA_CLUSTER_BUS_H

@@ -64,7 +64,9 @@ static void on_look(uv_timer_t *timer) {
     DL_FOREACH(w->tasks, t)
     if (*t->name && !t->failed)
         buf_printf(&names, "%s ", t->name);
-    bool sent = redis_work_run(w->mouth, SCRIPT_WORK_LOOK,
+    /* voices whose answers could not be heard are none */
+    bool sent = redis_link_up(w->ear) &&
+                redis_work_run(w->mouth, SCRIPT_WORK_LOOK,
                                (struct link_text[]){{names.data ? names.data : (uint8_t *)"", names.size}}, 1,
                                on_looked, w);
     buf_free(&names);
@@ -72,20 +74,26 @@ static void on_look(uv_timer_t *timer) {
         w->sources.count = 0;
         set_metrics(w, 0, 0);
         tell(w);
+        redis_tasks_fail(w);
     }
 }
 
+static void look_now(struct redis_work *w) {
+    uv_timer_start(&w->look, on_look, 0, WORK_LOOK_MS);
+}
+
 static void on_mouth(void *ctx, bool up) {
-    struct redis_work *w = ctx;
     if (up)
-        uv_timer_start(&w->look, on_look, 0, WORK_LOOK_MS);
+        look_now(ctx);
     else
-        redis_tasks_fail(w);
+        redis_tasks_fail(ctx);
 }
 
 static void on_ear(void *ctx, bool up) {
-    if (up)
-        listen_on(ctx);
+    if (!up)
+        return;
+    listen_on(ctx);
+    look_now(ctx);
 }
 
 static void watch(struct work *work, work_seen seen, void *ctx) {

@@ -91,7 +91,7 @@ struct work_task *redis_task_put(struct work *work, const char *queue, enum work
     snprintf(lane, sizeof lane, "%u", (payer ? payer : w->lane) % (unsigned)atoi(REDIS_WORK_LANES));
     const struct link_text more[] = {link_text_of(queue),        link_text_of(number), link_text_of(lane),
                                      {packed.data, packed.size}, link_text_of(w->to),  link_text_of(w->most)};
-    if (!redis_link_up(w->ear) || !redis_work_run(w->mouth, SCRIPT_WORK_PUT, more, 6, on_put, t))
+    if (!redis_work_run(w->mouth, SCRIPT_WORK_PUT, more, 6, on_put, t))
         fail_soon(t, WORK_UNREACHED);
     buf_free(&packed);
     return &t->task;

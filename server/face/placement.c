@@ -15,6 +15,7 @@ struct face_placement {
     struct face_track *shared;
     bool expresses;
     struct face_layer life; /* none when still */
+    double liveliness;      /* of it; 0 = none */
     struct face_layer *layers;
     size_t layer_count, layer_cap;
     struct speech_cursor speech_cursor;
@@ -38,6 +39,7 @@ static void animate(struct face_placement *p, const struct sentence_audio *u,
         influence = expression_layer_influence(&p->express);
     }
     p->life = life_layer(options, u, influence);
+    p->liveliness = options->life;
 }
 
 struct face_placement *face_placement_new(struct face_track *track, const struct sentence_audio *u,
@@ -122,7 +124,27 @@ static bool is_of_mouth(int n) {
 enum { CORNERS = 4 };
 static const int corners[CORNERS] = {12, 13, 59, 60};
 
-void face_placement_sample_around(struct face_placement *p, double t, const struct fap_frame *mouth,
+/* What two have the lids do: the one that closes them takes the other's part away. */
+static double lids_of(double a, double b, double shut) {
+    return b > 0 ? b + a * (1 - fmin(1, b / shut)) : a + b * (1 - fmin(1, fmax(0, a) / shut));
+}
+
+/* Eyes that somebody else moves give up where life looks, and keep their target while its head moves. */
+static void add_heard(const struct fap_frame *heard, double strength, const struct fap_frame *lives,
+                      double faps[FAP_COUNT + 1]) {
+    for (int n = 19; n <= FAP_COUNT && strength > 0; n++) {
+        double more = strength * heard->value[n];
+        bool eye = n >= 23 && n <= 26, lid = n >= 19 && n <= 22;
+        if (is_of_mouth(n))
+            continue;
+        if (eye && fap_frame_has(heard, n))
+            faps[n] = more - (double)lives->value[n < 25 ? 49 : 48];
+        else
+            faps[n] = lid ? lids_of(faps[n], more, n < 21 ? 940 : 84) : faps[n] + more;
+    }
+}
+
+void face_placement_sample_around(struct face_placement *p, double t, const struct fap_frame *heard,
                                   struct fap_frame *frame) {
     double faps[FAP_COUNT + 1] = {0};
     int32_t drawn[CORNERS];
@@ -130,10 +152,11 @@ void face_placement_sample_around(struct face_placement *p, double t, const stru
     for (int i = 0; i < CORNERS; i++)
         drawn[i] = frame->value[corners[i]];
     for (int n = 3; n <= FAP_COUNT; n++)
-        faps[n] = is_of_mouth(n) ? mouth->value[n] : frame->value[n];
+        faps[n] = is_of_mouth(n) ? heard->value[n] : frame->value[n];
+    add_heard(heard, fmin(p->liveliness, 1), frame, faps);
     for (int i = 0; i < CORNERS; i++)
         faps[corners[i]] += drawn[i];
-    frame->viseme = mouth->viseme;
+    frame->viseme = heard->viseme;
     face_limits_apply(face_idle_fapu, faps, frame);
 }
 

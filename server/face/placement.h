@@ -24,8 +24,10 @@ void face_placement_add(struct face_placement *placement, struct face_layer laye
 void face_placement_sample(struct face_placement *placement, double t, struct fap_frame *frame);
 
 /* Around a mouth that somebody else moves: its jaw, lips and tongue are those of that frame, but that the
- * mood draws the corners up or down, which opens and closes nothing. */
-void face_placement_sample_around(struct face_placement *placement, double t, const struct fap_frame *mouth,
+ * mood draws the corners up or down, which opens and closes nothing. What the rest of that frame does is
+ * added to life, as strong as life is; where it has the eyes (FAPs 23 to 26 of its mask) they look where it
+ * says. */
+void face_placement_sample_around(struct face_placement *placement, double t, const struct fap_frame *heard,
                                   struct fap_frame *frame);
 
 #endif

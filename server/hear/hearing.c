@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/hear/hearing.h"
 #include "server/base/mem.h"
+#include "server/face/life/life_heard.h"
 #include "server/hear/hear_sound.h"
 #include <math.h>
 #include <stdlib.h>
@@ -12,6 +13,7 @@ struct hearing {
     struct hear_state *state;
     struct hear_decoder decoder;
     struct hear_face face;
+    struct life_heard *life; /* NULL: the mouth alone */
     size_t head;
     unsigned delay;   /* frames */
     uint32_t heard;   /* frames of features */
@@ -29,6 +31,8 @@ static void show(struct hearing *l, double until) {
     struct fap_frame frame;
     for (double t; (t = l->shown / l->options.fps) <= until && t < l->end; l->shown++) {
         hear_face_sample(&l->face, &l->decoder.now, t, &frame);
+        if (l->life)
+            life_heard_add(l->life, t, &frame);
         l->options.frame(l->options.ctx, l->shown, &frame);
     }
 }
@@ -38,6 +42,8 @@ static void on_features(void *ctx, const float features[HEAR_FEATURES]) {
     float likely[HEAR_CLASSES];
     struct hear_phone ended;
     hear_state_step(l->state, features, l->head, likely);
+    if (l->life)
+        life_heard_step(l->life);
     if (l->heard++ < l->delay || hear_seconds(l->decoder.now.end) >= l->end)
         return;
     if (hear_decoder_step(&l->decoder, likely, &ended)) {
@@ -49,7 +55,10 @@ static void on_features(void *ctx, const float features[HEAR_FEATURES]) {
 }
 
 static void on_sound(void *ctx, const float *samples, size_t count) {
-    hear_features_write(((struct hearing *)ctx)->features, samples, count);
+    struct hearing *l = ctx;
+    if (l->life)
+        life_heard_write(l->life, samples, count);
+    hear_features_write(l->features, samples, count);
 }
 
 static int choose_head(struct hearing *l, unsigned lookahead, struct error *e) {
@@ -77,6 +86,8 @@ struct hearing *hearing_new(const struct hearing_options *options, struct error 
     }
     l->features = hear_features_new(on_features, l);
     l->state = hear_state_new(options->network);
+    if (options->lives)
+        l->life = life_heard_new();
     return l;
 }
 
@@ -86,6 +97,7 @@ void hearing_free(struct hearing *l) {
     hear_sound_free(l->sound);
     hear_features_free(l->features);
     hear_state_free(l->state);
+    life_heard_free(l->life);
     free(l);
 }
 

@@ -15,6 +15,7 @@ struct hearing_options {
     unsigned rate, channels;
     unsigned lookahead; /* ms: one that the network has a head for */
     double fps;
+    bool lives; /* brows, lids, eyes and head follow the voice, too: see life_heard.h */
     /* The face at k / fps s of the sound. */
     void (*frame)(void *ctx, uint32_t k, const struct fap_frame *frame);
     /* A sound that has ended; may be NULL. */

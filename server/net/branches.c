@@ -153,13 +153,12 @@ static void recap_text(void *ctx, struct queued_message *message) {
 static void recap(const struct home *h, const struct branch *b, bool past) {
     const char *name = b->name;
     struct recap r = {h, {&name, 1}};
-    bool again;
     struct buf data = {0};
     json_t *head = packet_begin("recap", h->channel->name);
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
     json_object_set_new(head, "past", json_boolean(past));
-    json_object_set_new(head, "speaks", json_integer(channel_utterance(h->channel, &again)));
+    json_object_set_new(head, "speaks", json_integer(channel_utterance(h->channel)));
     packet_write(&data, head, NULL, 0);
     home_send(h, &r.to, &data);
     buf_free(&data);

@@ -78,9 +78,11 @@ void channel_hand_on(struct channel *channel, const struct channel_item *item);
  * spoken again, and has a warning instead. */
 void channel_cut(struct channel *channel, const struct error *e, bool again);
 
-/* The utterance that is heard here, 0 for none; and whether it says of itself that it is spoken again when it
- * is lost. */
-uint32_t channel_utterance(const struct channel *channel, bool *again);
+/* The utterance that is heard here, 0 for none. */
+uint32_t channel_utterance(const struct channel *channel);
+
+/* Whether it says of itself that it is spoken again when it is lost. */
+bool channel_is_again(const struct channel *channel);
 
 /* The room is spoken in here, or not any more. */
 void channel_take(struct channel *channel, bool elsewhere);

@@ -205,8 +205,8 @@ static void on_event(void *ctx, const struct stream_event *event) {
         say(c);
 }
 
-/* The begin of what will not have ended when all has been said that waits for coders. */
-static const struct queued_message *begin_of(const struct channel *c) {
+/* The begin of what will not have ended when all has been said that waits for coders, and its utterance. */
+static const struct queued_message *begin_of(const struct channel *c, uint32_t *of) {
     const struct queued_message *begin = c->catch_up.begin;
     uint32_t utterance = c->catch_up.utterance;
     for (const struct channel_item *item = c->first; item; item = item->next) {
@@ -219,27 +219,33 @@ static const struct queued_message *begin_of(const struct channel *c) {
             begin = NULL;
         }
     }
+    *of = begin ? utterance : 0;
     return begin;
 }
 
-/* What the begin told, and how far its words have come. */
-uint32_t channel_utterance(const struct channel *c, bool *again) {
-    const struct queued_message *message = begin_of(c);
-    json_t *begin = message ? message_read(message) : NULL;
-    json_int_t number = json_integer_value(json_object_get(begin, "utterance"));
-    *again = json_is_true(json_object_get(begin, "again"));
-    json_decref(begin);
-    return (uint32_t)number;
+uint32_t channel_utterance(const struct channel *c) {
+    uint32_t utterance;
+    begin_of(c, &utterance);
+    return utterance;
 }
 
+bool channel_is_again(const struct channel *c) {
+    uint32_t utterance;
+    const struct queued_message *message = begin_of(c, &utterance);
+    json_t *begin = message ? message_read(message) : NULL;
+    bool again = json_is_true(json_object_get(begin, "again"));
+    json_decref(begin);
+    return again;
+}
+
+/* What the begin told, and how far its words have come. */
 void channel_cut(struct channel *c, const struct error *e, bool again) {
     const struct catch_up *up = &c->catch_up;
     struct stream_event event = {.error = e, .idle = -1};
-    const struct queued_message *message = begin_of(c);
+    const struct queued_message *message = begin_of(c, &event.utterance);
     json_t *begin = message ? message_read(message) : NULL;
     json_t *last = up->text_count ? message_read(up->texts[up->text_count - 1]) : NULL;
     if (begin) {
-        event.utterance = (uint32_t)json_integer_value(json_object_get(begin, "utterance"));
         event.id = json_string_value(json_object_get(begin, "id"));
         event.sample_rate = (uint32_t)json_integer_value(json_object_get(begin, "rate"));
         event.duration = (uint32_t)json_integer_value(json_object_get(last, "sample"));

@@ -95,7 +95,7 @@ static void hand_on_text(struct home *h, const struct packet *p) {
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, p->body, p->size - line);
     message->event = kind < 0 ? notice_name(event) : event_name((enum stream_event_kind)kind);
     message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
-    bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && h->past_count);
+    bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && h->past.count);
     uint32_t utterance = asks ? utterance_of(message) : 0;
     if (kind < 0) {
         keep_notice(c, message);

@@ -21,29 +21,27 @@ void home_set_role(struct home *h, enum home_role role) {
     count(h, 1);
 }
 
-/* What another daemon spoke here has come to its end. next: there is another home, which is asked anew for
- * what wishes that, by all who asked. */
-static void cut(struct home *h, bool next) {
+/* What another daemon speaks here is not heard any more. again: it goes on in another way; orders_again:
+ * so does what was ordered, where that is wished. */
+static void lose(struct home *h, uint32_t told, bool again, bool orders_again) {
     struct error e;
-    bool again;
     home_error(&e);
-    if (h->role != HOME_ELSEWHERE)
-        return;
-    uint32_t told = channel_utterance(h->channel, &again);
-    again = again && (next || orders_again(h, told));
     channel_cut(h->channel, &e, again);
-    orders_lost(h, told, true, &e);
+    orders_lost(h, told, orders_again, &e);
     home_is_past(h, told);
 }
 
+/* What another daemon spoke here has come to its end. next: there is another home, which is asked anew for
+ * what wishes that, by all who asked. */
+static void cut(struct home *h, bool next) {
+    if (h->role != HOME_ELSEWHERE)
+        return;
+    uint32_t told = channel_utterance(h->channel);
+    lose(h, told, channel_is_again(h->channel) && (next || orders_again(h, told)), true);
+}
+
 void home_missed(struct home *h) {
-    struct error e;
-    bool again;
-    home_error(&e);
-    uint32_t told = channel_utterance(h->channel, &again);
-    channel_cut(h->channel, &e, false);
-    orders_lost(h, told, false, &e);
-    home_is_past(h, told);
+    lose(h, channel_utterance(h->channel), false, false);
     h->recapped = false;
     h->knew = true;
     h->visit = ++h->homes->visits;

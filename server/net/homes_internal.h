@@ -21,7 +21,7 @@ enum {
     BRANCH_MS = 3000,      /* one that says nothing for so long is gone */
     HERE_MS = 1000,        /* it says so at least so often */
     BRANCHES_MOST = 256,   /* of one room; further ones are told nothing */
-    PAST_MOST = 64,        /* more than wait in a room, as a rule */
+    RECENT_MOST = 64,      /* more than wait in a room, as a rule */
     BRANCH_ENCODINGS = 16, /* ways in which one may want media */
     LEASE_MARGIN_MS = 200, /* so long before its end the home waits for the new one */
     ORDER_MS = 4000,       /* an order is answered within that time, or not: longer than a lease */
@@ -38,6 +38,11 @@ struct branch {
     struct follower media[BRANCH_ENCODINGS]; /* in the room where media are wanted in that way */
 };
 
+struct recent {
+    uint64_t number[RECENT_MOST];
+    unsigned count; /* ever: the oldest make room */
+};
+
 struct home {
     struct homes *homes;
     struct channel *channel;
@@ -48,19 +53,17 @@ struct home {
     uint64_t heal_by;            /* loop time; of ALONE, when the bus is there */
     uint64_t kept_until;         /* loop time; 0: it is not kept */
     struct branch *branches;
-    uint64_t split;            /* the highest token before this daemon was alone: nobody goes on under it */
-    uint64_t past[PAST_MOST];  /* what has been told as ended here: its number, and whose (home_of) */
-    unsigned past_count;       /* ever: the oldest make room */
-    uint32_t ended[PAST_MOST]; /* what this daemon has spoken to its end: as the above */
-    unsigned ended_count;
-    uint32_t deaf;  /* such a one, that is spoken */
-    bool knew;      /* the room was followed here before that home was found */
-    bool recapped;  /* a branch has been told what goes on */
-    uint32_t visit; /* which time it follows a home */
-    uint32_t amid;  /* the utterance in whose middle it came to follow, until its begin is told */
-    bool begin;     /* somebody waits for media that one can begin with */
-    bool stale;     /* the home knows less than is */
-    uint64_t here;  /* loop time when a branch has said last that it is there */
+    uint64_t split;      /* the highest token before this daemon was alone: nobody goes on under it */
+    struct recent past;  /* what has been told as ended here: its number, and whose (home_of) */
+    struct recent ended; /* what this daemon has spoken to its end: its number */
+    uint32_t deaf;       /* such a one, that is spoken */
+    bool knew;           /* the room was followed here before that home was found */
+    bool recapped;       /* a branch has been told what goes on */
+    uint32_t visit;      /* which time it follows a home */
+    uint32_t amid;       /* the utterance in whose middle it came to follow, until its begin is told */
+    bool begin;          /* somebody waits for media that one can begin with */
+    bool stale;          /* the home knows less than is */
+    uint64_t here;       /* loop time when a branch has said last that it is there */
 };
 
 struct homes {

@@ -34,31 +34,33 @@ void order_tell_failed(const struct order *o, const struct error *e) {
     channel_sink.event(o->channel, &event);
 }
 
+static void add(struct recent *r, uint64_t number) {
+    r->number[r->count++ % RECENT_MOST] = number;
+}
+
+static bool has(const struct recent *r, uint64_t number) {
+    for (unsigned i = 0; i < r->count && i < RECENT_MOST; i++)
+        if (r->number[i] == number)
+            return true;
+    return false;
+}
+
 void home_is_past(struct home *h, uint32_t utterance) {
-    h->past[h->past_count++ % PAST_MOST] = home_of(h->holder) | utterance;
+    add(&h->past, home_of(h->holder) | utterance);
 }
 
 bool home_was_past(const struct home *h, uint32_t utterance) {
-    for (unsigned i = 0; i < h->past_count && i < PAST_MOST && utterance; i++)
-        if (h->past[i] == (home_of(h->holder) | utterance))
-            return true;
-    return false;
+    return utterance && has(&h->past, home_of(h->holder) | utterance);
 }
 
 void home_hears(struct home *h, const struct channel_item *item) {
     if (h->role == HOME_ELSEWHERE || item->media || item->notice || item->kind != STREAM_END)
         return;
-    h->ended[h->ended_count++ % PAST_MOST] = item->utterance;
+    add(&h->ended, item->utterance);
 }
 
 bool home_has_heard(const struct home *h, uint32_t utterance) {
-    bool again;
-    if (utterance && utterance == channel_utterance(h->channel, &again))
-        return true;
-    for (unsigned i = 0; i < h->ended_count && i < PAST_MOST && utterance; i++)
-        if (h->ended[i] == utterance)
-            return true;
-    return false;
+    return utterance && (utterance == channel_utterance(h->channel) || has(&h->ended, utterance));
 }
 
 static struct order *find(const struct home *h, uint32_t utterance) {

@@ -33,8 +33,8 @@ void stream_cut_face(struct stream *s) {
 static void place(struct utterance *t) {
     struct stream *s = t->stream;
     struct placement_options options = t->segments[0].alone;
-    if ((t->synthesis && synthesis_request(t->synthesis)->life < 0) ||
-        (t->heard && heard_voice_request(t->heard)->life < 0))
+    const struct speech_request *request = utterance_request(t);
+    if (request && request->life < 0)
         options.life = s->idling.life;
     if (!utterance_is_apart(t)) {
         options.seed = s->idling.seed;

@@ -134,7 +134,8 @@ void stream_fail(struct stream *stream, const struct error *e);
  * speaks is this one's alone. */
 void stream_go_alone(struct stream *stream);
 
-/* The same of what that daemon asked for when it followed before. Is what speaks of it? */
+/* The same of what that daemon asked for when it followed before (0: of what any has). Is what speaks of it?
+ */
 bool stream_forget_earlier(struct stream *stream, uint64_t abroad);
 
 /* Does it speak, or does anything wait? */

@@ -17,12 +17,6 @@ static struct turn turn_of(const struct speech_request *request) {
     return (struct turn){request->id, request->topic, request->mode, request->priority};
 }
 
-static const char *topic_of(const struct utterance *t) {
-    return t->synthesis ? synthesis_request(t->synthesis)->topic
-           : t->heard   ? heard_voice_request(t->heard)->topic
-                        : NULL;
-}
-
 static void forget(struct stream *s, struct utterance **at, const char *reason) {
     struct utterance *t = *at;
     *at = t->next;
@@ -36,19 +30,9 @@ void stream_forget(struct stream *s, struct utterance **at) {
     forget(s, at, "stopped");
 }
 
-void stream_go_alone(struct stream *s) {
-    for (struct utterance **at = s->queue ? &s->queue->next : &s->queue; *at;) {
-        if ((*at)->abroad)
-            forget(s, at, (*at)->spared ? NULL : "failed");
-        else
-            at = &(*at)->next;
-    }
-    if (s->queue)
-        s->queue->spared = false;
-}
-
+/* Of an earlier stay of that one; 0: of anybody abroad. */
 static bool is_of_earlier(const struct utterance *t, uint64_t abroad) {
-    return t->abroad && t->abroad >> 32 == abroad >> 32 && t->abroad != abroad;
+    return t->abroad && (!abroad || (t->abroad >> 32 == abroad >> 32 && t->abroad != abroad));
 }
 
 bool stream_forget_earlier(struct stream *s, uint64_t abroad) {
@@ -64,6 +48,10 @@ bool stream_forget_earlier(struct stream *s, uint64_t abroad) {
     return speaks;
 }
 
+void stream_go_alone(struct stream *s) {
+    stream_forget_earlier(s, 0);
+}
+
 /* Whether it cuts what speaks. */
 static bool cuts(const struct stream *s, const struct turn *turn) {
     const struct utterance *speaks = s->queue;
@@ -73,7 +61,8 @@ static bool cuts(const struct stream *s, const struct turn *turn) {
 
 /* Whether a later one of the same topic makes this one needless. */
 static bool is_replaced(const struct utterance *t, const struct turn *turn) {
-    const char *topic = topic_of(t);
+    const struct speech_request *request = utterance_request(t);
+    const char *topic = request ? request->topic : NULL;
     return (turn->topic && topic && !strcmp(topic, turn->topic)) ||
            (turn->mode == SPEAK_REPLACE && t->priority <= turn->priority);
 }

@@ -4,9 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of what is no recording. */
-static const struct speech_request *request_of(const struct utterance *t) {
-    return t->heard ? heard_voice_request(t->heard) : synthesis_request(t->synthesis);
+const struct speech_request *utterance_request(const struct utterance *t) {
+    return t->recording ? NULL : t->heard ? heard_voice_request(t->heard) : synthesis_request(t->synthesis);
 }
 
 void utterance_start(struct utterance *t) {
@@ -22,11 +21,11 @@ void utterance_start(struct utterance *t) {
 }
 
 double utterance_fps(const struct utterance *t) {
-    return t->recording ? recording_fps(t->recording) : request_of(t)->fps;
+    return t->recording ? recording_fps(t->recording) : utterance_request(t)->fps;
 }
 
 const char *utterance_id(const struct utterance *t) {
-    return t->recording ? recording_id(t->recording) : request_of(t)->id;
+    return t->recording ? recording_id(t->recording) : utterance_request(t)->id;
 }
 
 void utterance_give(const struct utterance *t, const struct stream_sink *sink, void *ctx,

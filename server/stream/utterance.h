@@ -37,6 +37,10 @@ struct utterance {
 };
 
 void utterance_start(struct utterance *utterance);
+
+/* What was asked for, or NULL: a recording. */
+const struct speech_request *utterance_request(const struct utterance *utterance);
+
 double utterance_fps(const struct utterance *utterance);
 
 /* Fills in what every event of the utterance says, and gives it to the sink. */

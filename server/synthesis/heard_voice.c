@@ -36,6 +36,7 @@ static int open_all(struct heard_voice *h, const struct heard_request *request, 
                                             .channels = 1,
                                             .lookahead = request->lookahead,
                                             .fps = h->request.fps,
+                                            .lives = !h->request.still && h->request.life != 0,
                                             .frame = heard_frame,
                                             .ctx = h};
     h->hearing = hearing_new(&options, e);

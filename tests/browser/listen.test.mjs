@@ -39,16 +39,22 @@ after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 
-/** A page that keeps what comes. */
-async function visit() {
+/** A page that keeps what comes, and how much sound it sends, in bytes; `plain`: of a browser that codes no sound. */
+async function visit({ plain = false } = {}) {
   const context = await browser.newContext();
   // Whatever is evaluated in a page counts as the user's doing, but not its own scripts.
   await context.addInitScript(() => addEventListener('DOMContentLoaded', () => {
     const asked = customElements.whenDefined('talking-head').then(() => document.querySelector('talking-head').listen().done);
     asked.then(() => (window.early = 'heard'), (error) => (window.early = error.name));
   }));
+  if (plain) await context.addInitScript(() => delete window.AudioEncoder);
   const page = await context.newPage();
   page.problems = [];
+  page.sent = { codec: null, bytes: [] };
+  page.on('websocket', (socket) => socket.on('framesent', ({ payload }) => {
+    if (typeof payload !== 'string') page.sent.bytes.push(payload.length);
+    else if (payload.includes('"voice"')) page.sent.codec = JSON.parse(payload).codec;
+  }));
   page.on('pageerror', (error) => page.problems.push(String(error)));
   await page.goto(daemon.url);
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().connection === 'open');
@@ -95,19 +101,29 @@ async function check(all) {
   return bilabials.map(around);
 }
 
-patient('a sentence through the microphone moves her lips, and every /p b m/ of it is closed', async () => {
+/** What it was sent in, and how much of that: a block of samples, or a packet, lasts 20 ms. */
+function checkSent({ sent }, codec, t) {
+  assert.equal(sent.codec, codec);
+  assert.ok(sent.bytes.length > 100, `${sent.bytes.length} messages`);
+  const kilobits = (8 * sent.bytes.reduce((sum, x) => sum + x, 0)) / (20 * sent.bytes.length);
+  t.diagnostic(`${codec}: ${kilobits.toFixed(1)} kbit/s`);
+  if (codec === 'opus') assert.ok(kilobits < 48, `${kilobits} kbit/s of Opus`);
+  else assert.ok(Math.abs(kilobits - 384) < 8, `${kilobits} kbit/s of samples`);
+}
+
+for (const codec of ['opus', 'pcm']) patient(`a sentence through the microphone moves her lips, and every /p b m/ of it is closed: ${codec}`, async (t) => {
   const page = await visit();
   await page.waitForFunction(() => window.early);
   assert.equal(await page.evaluate(() => window.early), 'NotAllowedError', 'the microphone is asked for when the user does something');
   assert.deepEqual((await came(page)).events, []);
-  await page.evaluate(() => {
+  await page.evaluate((codec) => {
     const button = document.createElement('button');
     button.id = 'mic';
     button.style.cssText = 'position: fixed; left: 0; top: 0; z-index: 9999';
     button.textContent = 'mic';
-    button.onclick = () => (window.listening = document.querySelector('talking-head').listen(null, { lang: 'it', sound: false }));
+    button.onclick = () => (window.listening = document.querySelector('talking-head').listen(null, { lang: 'it', sound: false, ...(codec === 'pcm' && { codec }) }));
     document.body.append(button);
-  });
+  }, codec);
   await page.click('#mic');
   const seconds = spoken.samples.length / spoken.rate + 2; // of the loop that the microphone plays
   await page.waitForFunction((needed) => window.came.audio.length > needed * window.came.audioRate && window.came.audioRate, 2 * seconds + 1, { timeout: 60000 });
@@ -118,12 +134,13 @@ patient('a sentence through the microphone moves her lips, and every /p b m/ of 
   assert.equal(begin.captions, false);
   assert.deepEqual(all.events.filter((e) => e.type === 'error'), []);
   assert.deepEqual(page.problems, []);
+  checkSent(page, codec === 'pcm' ? 'pcm_s16le' : codec, t);
   await check(all);
   await page.close();
 });
 
-patient('she follows a sound of the page: <talking-head for>, whenever it plays; in pixels, too', async () => {
-  const page = await visit();
+for (const plain of [false, true]) patient(`she follows a sound of the page: <talking-head for>, whenever it plays; in pixels, too: ${plain ? 'in a browser that codes no sound' : 'as Opus'}`, async (t) => {
+  const page = await visit({ plain });
   // its first moment passes before the server listens
   const address = `/v1/speech?lang=it&voice=${VOICE}&markup=ssml&text=${encodeURIComponent(`<speak><break time="2s"/>${SENTENCE}</speak>`)}`;
   await page.evaluate((src) => {
@@ -141,6 +158,7 @@ patient('she follows a sound of the page: <talking-head for>, whenever it plays;
   const all = await came(page);
   assert.equal(all.events.find((e) => e.type === 'end').reason, 'done');
   assert.deepEqual(all.events.filter((e) => e.type === 'error'), []);
+  checkSent(page, plain ? 'pcm_s16le' : 'opus', t);
   for (const [i, shown] of (await check(all)).entries()) {
     const areas = (await screen.look(shown)).map(({ area }) => area);
     assert.ok(Math.min(...areas) < 1, `/p b m/ ${i}: ${areas.map((area) => area.toFixed(1))} mm² are open`);

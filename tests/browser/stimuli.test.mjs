@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The listening test's page, opened from the disk as listeners open it: sound and face go together, the answers are saved.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { launch } from '../lib/browser.mjs';
-import { artefacts, build, Daemon, root } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
+import { artefacts, Daemon, root } from '../lib/daemon.mjs';
 import { servePages } from '../lib/page-server.mjs';
 
 const UPPER = 4;
 const LOWER = 5;
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 const kit = path.join(folder, 'kit');
-const faccia = (...args) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args);
-  return { status, stdout: String(stdout), stderr: String(stderr) };
-};
 
 let daemon, browser, page;
 before(async () => {
@@ -26,8 +22,8 @@ before(async () => {
   set.items = set.items.filter((item) => ['papa', 'lala'].includes(item.name));
   set.snrs = [-12];
   fs.writeFileSync(path.join(folder, 'set.json'), JSON.stringify(set));
-  const { status, stderr } = faccia('stimuli', '--out', kit, '--set', path.join(folder, 'set.json'), '--server', daemon.url,
-    '--engine', 'dominance', '--engine', 'still', '--faces', 'head,pictures');
+  const { status, stderr } = faccia(['stimuli', '--out', kit, '--set', path.join(folder, 'set.json'), '--server', daemon.url,
+    '--engine', 'dominance', '--engine', 'still', '--faces', 'head,pictures']);
   assert.equal(status, 0, stderr);
   browser = await launch();
   page = await browser.newPage({ viewport: { width: 800, height: 500 }, acceptDownloads: true });
@@ -137,7 +133,7 @@ test('a listener goes through all blocks, and the answers are analysed', async (
   assert.deepEqual([...new Set(modes)].sort(), ['audio', 'dominance', 'film', 'pictures', 'still']);
 
   fs.writeFileSync(path.join(folder, 'other.csv'), fs.readFileSync(file, 'utf8').replaceAll('Anna', 'Bea').replace(/,1,([\d.]+\r\n)/, ',0,$1'));
-  const { status, stdout } = faccia('anova', '--csv', file, '--csv', path.join(folder, 'other.csv'));
+  const { status, stdout } = faccia(['anova', '--csv', file, '--csv', path.join(folder, 'other.csv')]);
   assert.equal(status, 0);
   assert.match(stdout, /-12 {2}all +4 {4}5 /);
 });

@@ -8,6 +8,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
 import { errors } from '../lib/boundaries.mjs';
+import { faccia } from '../lib/command.mjs';
 import { build, Daemon, ordinary } from '../lib/daemon.mjs';
 import { checkOrder, largestStep, phones, say, words } from '../lib/speech.mjs';
 import { compareTempo } from '../lib/tempo.mjs';
@@ -22,10 +23,7 @@ const write = (name, data) => {
   fs.writeFileSync(file(name), data);
   return file(name);
 };
-const run = (args, from = build, env = {}) => {
-  const { status, stdout, stderr } = spawnSync(path.join(from, 'server/app/faccia'), args, { env: { ...process.env, ...env }, maxBuffer: 1 << 28 });
-  return { status, stdout: String(stdout), stderr: String(stderr) };
-};
+const run = (args, from = build, env = {}) => faccia(args, { from, env });
 /** A sound file of samples. */
 const wav = (name, pcm, rate) => write(name, wavOf(pcm, rate));
 const align = (sound, text, { lang = 'it', from = build, more = [] } = {}) => {

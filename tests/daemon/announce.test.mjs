@@ -7,6 +7,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
+import { saidBy } from '../lib/command.mjs';
 import { build, Daemon } from '../lib/daemon.mjs';
 
 let daemon, kiosk;
@@ -28,7 +29,7 @@ async function run(options, { input, url = daemon.url, env = {} } = {}) {
   child.stdout.resume();
   child.stdin.end(input);
   const [status] = await once(child, 'close');
-  return { status, stderr };
+  return { status, stderr: saidBy(stderr) };
 }
 const kitchen = ['--room', 'kitchen', '--lang', 'it'];
 

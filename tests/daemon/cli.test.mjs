@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The command line: files, standard streams, exit codes, messages.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { build } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const file = (name) => path.join(folder, name);
-const faccia = (args, input, env = {}) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, maxBuffer: 1 << 28, env: { ...process.env, ...env } });
-  return { status, stdout, stderr: String(stderr) };
-};
-const say = (args, input) => faccia(['say', ...args], input);
+const say = (args, input) => faccia(['say', ...args], { input });
 
 test('writes sound, face and timing that belong together', () => {
   const names = { wav: file('a.wav'), fap: file('a.fap'), json: file('a.json') };
@@ -45,11 +40,11 @@ test('settings come from a file, the environment and options, as those of the da
   const broken = path.join(folder, 'broken.json');
   fs.writeFileSync(config, JSON.stringify({ listen: { port: -5 }, speech: { lang: 'tr' }, voices: { sandbox: 'off' } }));
   fs.writeFileSync(broken, '{');
-  const langOf = (args, env = {}) => JSON.parse(faccia([...args, 'say', '--json', '-', 'Merhaba.'], '', env).stdout).lang;
+  const langOf = (args, env = {}) => JSON.parse(faccia([...args, 'say', '--json', '-', 'Merhaba.'], { env }).stdout).lang;
   assert.equal(langOf(['--config', config]), 'tr', 'what concerns the daemon alone is passed over');
   assert.equal(langOf([], { FACCIA_CONFIG: config, FACCIA_LANG: 'en' }), 'en');
   assert.equal(langOf(['--lang', 'pt-BR'], { FACCIA_LANG: 'en' }), 'pt-BR');
-  assert.equal(faccia(['voices'], '', { FACCIA_PORT: 'x' }).status, 0);
+  assert.equal(faccia(['voices'], { env: { FACCIA_PORT: 'x' } }).status, 0);
   for (const [args, why] of [
     [['--sandbox', 'maybe', 'voices'], /--sandbox: 'maybe' is not one of on\|off \(bad-field\)/],
     [['--config', broken, 'voices'], /--config: .*broken.json:1:1: .*\(bad-settings\)/],
@@ -65,21 +60,21 @@ test('settings come from a file, the environment and options, as those of the da
 });
 
 test('the limits of voices are those of the environment', () => {
-  const { status, stderr } = faccia(['say', 'Ciao.'], '', { FACCIA_DEADLINE_BASE: 'soon' });
+  const { status, stderr } = faccia(['say', 'Ciao.'], { env: { FACCIA_DEADLINE_BASE: 'soon' } });
   assert.equal(status, 2);
   assert.match(stderr, /FACCIA_DEADLINE_BASE: 'soon' is not a number from 0.1 to 3600/);
-  const small = faccia(['say', 'Ciao.'], '', { FACCIA_DEADLINE_BASE: '20', FACCIA_WORKER_MEMORY: '50' });
+  const small = faccia(['say', 'Ciao.'], { env: { FACCIA_DEADLINE_BASE: '20', FACCIA_WORKER_MEMORY: '50' } });
   assert.match(small.stderr, /FACCIA_WORKER_MEMORY: '50' is not a whole number from 64 to 1048576/);
-  assert.equal(faccia(['say', 'Ciao.'], '', { FACCIA_DEADLINE_BASE: '20', FACCIA_WORKER_PROCESSOR: '' }).status, 0);
+  assert.equal(faccia(['say', 'Ciao.'], { env: { FACCIA_DEADLINE_BASE: '20', FACCIA_WORKER_PROCESSOR: '' } }).status, 0);
 });
 
 test('standard streams', () => {
-  const { status, stdout } = say(['--wav', '-', '-'], 'Ciao.');
+  const { status, bytes } = say(['--wav', '-', '-'], 'Ciao.');
   assert.equal(status, 0);
-  assert.equal(stdout.toString('latin1', 0, 4), 'RIFF');
+  assert.equal(bytes.toString('latin1', 0, 4), 'RIFF');
   assert.ok(JSON.parse(say(['Ciao.']).stdout).phones.length > 3, 'without outputs the timing is printed');
   fs.writeFileSync(file('text'), 'Buongiorno.');
-  assert.match(String(say(['--file', file('text'), '--fap', '-']).stdout), /^2\.1 /);
+  assert.match(say(['--file', file('text'), '--fap', '-']).stdout, /^2\.1 /);
 });
 
 for (const [lang, text] of [['it', 'Buongiorno.'], ['pt-BR', 'Bom dia, coração.'], ['tr', 'Günaydın, nasılsınız?'], ['en', 'Good morning, how are you?']])
@@ -147,7 +142,7 @@ test('a timed transcription becomes a face without a voice', () => {
   fs.writeFileSync(file('timed.txt'), "0: 680 ##\n1: 1048 nn\n2: 3464 'a~\n3: 5686 uu\n4: 89546 ##\n5: 95270\n");
   const { status, stdout } = faccia(['timed', file('timed.txt')]);
   assert.equal(status, 0);
-  const lines = String(stdout).split('\n');
+  const lines = stdout.split('\n');
   assert.equal(lines[0], '2.1 faccia 30 90'); // 2.98 s
   assert.equal(lines.length, 1 + 2 * 90 + 1);
   fs.writeFileSync(file('wrong.txt'), '0: 680 ##\n1: 1048 qq\n2: 2000\n');

@@ -9,7 +9,8 @@ import path from 'node:path';
 import { after, test } from 'node:test';
 import { Worker } from 'node:worker_threads';
 import { errors } from '../lib/boundaries.mjs';
-import { build, ordinary, root } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
+import { ordinary, root } from '../lib/daemon.mjs';
 import { checkOrder, loudest, phones, say, words } from '../lib/speech.mjs';
 import { austen, manzoni } from '../lib/texts.mjs';
 
@@ -54,9 +55,8 @@ const speaks = (env, lang, id, text, ...options) => {
 
 /** The lips of a voice close on every p, b and m. */
 const closes = (env, lang, id, text) => {
-  const { stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'),
-    ['eval', '-l', lang, '-v', `command:${id}`, '-e', 'dominance', '-r', '170', '--json', '-', '-'], { input: text, env: { ...process.env, ...env } });
-  assert.equal(String(stderr), '');
+  const { stdout, stderr } = faccia(['eval', '-l', lang, '-v', `command:${id}`, '-e', 'dominance', '-r', '170', '--json', '-', '-'], { input: text, env });
+  assert.equal(stderr, '');
   for (const row of JSON.parse(stdout).rows) {
     assert.ok(row.bilabials > 10);
     assert.equal(row.lips_seen, 1, JSON.stringify(row));

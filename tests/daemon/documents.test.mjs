@@ -2,16 +2,16 @@
 // The documents of tests/documents through `faccia check`: what is understood, what is warned of, where errors are.
 // After a change that is meant: faccia check --score - <DOCUMENT >DOCUMENT.expected, and read the difference.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { test } from 'node:test';
-import { build, root } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
+import { root } from '../lib/daemon.mjs';
 
 const folder = path.join(root, 'tests/documents');
 const check = (args, input) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), ['check', ...args], { input });
-  return { status, stdout: String(stdout), stderr: String(stderr) };
+  const { status, stdout, stderr } = faccia(['check', ...args], { input });
+  return { status, stdout, stderr };
 };
 const documents = fs.readdirSync(folder).filter((name) => /\.(xml|txt)$/.test(name));
 

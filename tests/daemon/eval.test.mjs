@@ -6,7 +6,8 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { artefacts, build } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
+import { artefacts } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
 const UPPER = 4;
@@ -14,12 +15,8 @@ const LOWER = 5;
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const file = (name) => path.join(folder, name);
-const faccia = (args, input = '') => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, maxBuffer: 1 << 28 });
-  return { status, stdout: String(stdout), stderr: String(stderr) };
-};
 const json = (args, input) => {
-  const { status, stdout, stderr } = faccia(args, input);
+  const { status, stdout, stderr } = faccia(args, { input });
   assert.equal(status, 0, stderr);
   return JSON.parse(stdout);
 };
@@ -52,7 +49,7 @@ for (const [lang, text] of Object.entries(texts))
 
 test('the table, and a picture that can be drawn', () => {
   fs.writeFileSync(file('text'), texts.it);
-  const table = faccia(['eval', '--engine', 'dominance', '--rates', '100,300', '-'], texts.it);
+  const table = faccia(['eval', '--engine', 'dominance', '--rates', '100,300', '-'], { input: texts.it });
   assert.equal(table.status, 0, table.stderr);
   assert.match(table.stdout, /^dominance +100 +\d+ +100\.0 +100\.0 +100\.0 +100\.0 /m);
   assert.match(table.stdout, /^dominance +300 /m);
@@ -170,7 +167,7 @@ const means = `snr,mode,mean,variance,n
 -12,v+a,0.6396,0.0145,41
 `;
 test('the analysis of a printed table', () => {
-  const { status, stdout, stderr } = faccia(['anova', '--means', '-'], means);
+  const { status, stdout, stderr } = faccia(['anova', '--means', '-'], { input: means });
   assert.equal(status, 0, stderr);
   const f = (hypothesis) => Number(stdout.match(new RegExp(`^ *-12 +${hypothesis.replaceAll('+', '\\+')} +\\d+ +\\d+ +([\\d.]+)`, 'm'))[1]);
   // Costa, MSc thesis, UNICAMP 2009, table 6.2
@@ -184,7 +181,7 @@ test('the analysis of answers', () => {
   for (let listener = 0; listener < 4; listener++)
     for (const [mode, right] of [['audio', 2 + (listener % 2)], ['face', 7 - (listener % 2)]])
       for (let i = 0; i < 10; i++) lines.push(`l${listener},${mode},-18,${Number(i < right)}`);
-  const { status, stdout } = faccia(['anova', '--csv', '-'], lines.join('\n'));
+  const { status, stdout } = faccia(['anova', '--csv', '-'], { input: lines.join('\n') });
   assert.equal(status, 0);
   // means 0.25 and 0.65, both variances 0.01 / 3: F = 4 * 2 * 0.2^2 / (0.01 / 3) = 96
   assert.match(stdout, /-18 +audio = face +1 +6 +96\.0000 +<0\.001/);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Files of face animation on the command line: looked into, converted, coded, drawn; and .fapc as a format of speech.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
 import { FapcDecoder } from '../../protocol/fapc.mjs';
-import { build, Daemon, root } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
+import { Daemon, root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-fap-'));
@@ -15,11 +15,6 @@ after(() => fs.rmSync(folder, { recursive: true }));
 const file = (name) => path.join(folder, name);
 const vectors = path.join(root, 'protocol/vectors');
 
-/** Runs `faccia fap`; stdout as bytes. */
-function faccia(args, input = '') {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, maxBuffer: 1 << 28 });
-  return { status, stdout, text: String(stdout), stderr: String(stderr) };
-}
 const fap = (...args) => faccia(['fap', ...args]);
 const done = (...args) => {
   const result = fap(...args);
@@ -51,7 +46,7 @@ test('every file of the test vectors is read as they say, or refused at its line
   assert.ok(cases.length > 40);
   for (const { file: name, error, version, name: title, fps, frames, note } of cases) {
     const at = path.join(vectors, 'fap', name);
-    const { status, text, stderr } = fap('info', at);
+    const { status, stdout, stderr } = fap('info', at);
     if (error) {
       assert.equal(status, 1, name);
       assert.ok(stderr.startsWith(`faccia: ${at}:${error.line}:${error.column}: `), `${name}: ${stderr}`);
@@ -59,33 +54,33 @@ test('every file of the test vectors is read as they say, or refused at its line
     }
     assert.equal(status, 0, `${name}: ${stderr}`);
     assert.equal(stderr, note ? `faccia: ${at}:${note.line}:${note.column}: warning: 69 flags, the last is ignored\n` : '', name);
-    const said = (key) => text.match(new RegExp(`^${key} +(.*)$`, 'm'))?.[1];
+    const said = (key) => stdout.match(new RegExp(`^${key} +(.*)$`, 'm'))?.[1];
     assert.equal(said('version'), version || '(no header)', name);
     assert.equal(said('name'), title || '(none)', name);
     assert.equal(Number(said('fps')), fps, name);
     assert.equal(Number(said('frames')), frames.length, name);
     // what is written anew is version 2.1, and is read as the same
-    const anew = done('convert', at).stdout;
+    const anew = done('convert', at).bytes;
     assert.ok(anew.toString().startsWith('2.1 '), name);
-    assert.deepEqual(faccia(['fap', 'convert', '-'], anew).stdout, anew, name);
+    assert.deepEqual(faccia(['fap', 'convert', '-'], { input: anew }).bytes, anew, name);
     // coded without loss it is the same, too
     if (!frames.length) continue;
-    const coded = done('encode', '--quality', '0', at).stdout;
+    const coded = done('encode', '--quality', '0', at).bytes;
     const name_ = title || 'faccia';
     if (Math.abs(fps * 100 - Math.round(fps * 100)) < 1e-6 && name !== 'limits.fap')
-      assert.deepEqual(faccia(['fap', 'decode', '--name', name_, '-'], coded).text.split('\n').slice(1).map((l) => l.trim()), anew.toString().split('\n').slice(1).map((l) => l.trim()), name);
+      assert.deepEqual(faccia(['fap', 'decode', '--name', name_, '-'], { input: coded }).stdout.split('\n').slice(1).map((l) => l.trim()), anew.toString().split('\n').slice(1).map((l) => l.trim()), name);
   }
 });
 
 test('info counts, measures and prices', () => {
-  const { text } = done('info', file('moving.fap'));
-  assert.match(text, /^duration +24\.000 s$/m);
-  assert.match(text, /^ *3 +open_jaw +600 +0 +600 +\d+\.\d$/m);
-  assert.match(text, /^ *48 +head_pitch +600 +0 +23960 +11980\.0$/m);
-  const [coarse, exact] = [...text.matchAll(/^coded +(\S+) kbit/gm)].map((m) => Number(m[1]));
-  assert.ok(coarse > 0 && coarse < exact, text);
+  const { stdout } = done('info', file('moving.fap'));
+  assert.match(stdout, /^duration +24\.000 s$/m);
+  assert.match(stdout, /^ *3 +open_jaw +600 +0 +600 +\d+\.\d$/m);
+  assert.match(stdout, /^ *48 +head_pitch +600 +0 +23960 +11980\.0$/m);
+  const [coarse, exact] = [...stdout.matchAll(/^coded +(\S+) kbit/gm)].map((m) => Number(m[1]));
+  assert.ok(coarse > 0 && coarse < exact, stdout);
   // the price is that of the file which encode writes
-  assert.equal(coarse.toFixed(2), ((done('encode', file('moving.fap')).stdout.length * 8) / 1000 / 24).toFixed(2));
+  assert.equal(coarse.toFixed(2), ((done('encode', file('moving.fap')).bytes.length * 8) / 1000 / 24).toFixed(2));
 });
 
 test('convert reads and writes at another rate', () => {
@@ -97,11 +92,11 @@ test('convert reads and writes at another rate', () => {
   original.frames.forEach((frame, k) => assert.deepEqual(twice.frames[2 * k], frame));
   for (let k = 0; k < 599; k++)
     assert.ok(Math.abs(twice.frames[2 * k + 1][3] - (original.frames[k][3] + original.frames[k + 1][3]) / 2) <= 0.5);
-  assert.equal(parseFap(done('convert', '--fps', '10', file('moving.fap')).text).frames.length, 240);
+  assert.equal(parseFap(done('convert', '--fps', '10', file('moving.fap')).stdout).frames.length, 240);
 });
 
 test('a coded file lets readers begin every 10 s, and comes back as near as its quality says', () => {
-  const coded = done('encode', file('moving.fap')).stdout;
+  const coded = done('encode', file('moving.fap')).bytes;
   assert.equal(coded.readUInt32LE(4), 2500);
   const list = packets(coded);
   assert.equal(list.reduce((sum, p) => sum + p.frames, 0), 600);
@@ -109,14 +104,14 @@ test('a coded file lets readers begin every 10 s, and comes back as near as its 
   assert.ok(list.every((p) => p.frames === 5));
   const original = parseFap(fs.readFileSync(file('moving.fap'), 'utf8')).frames;
   fs.writeFileSync(file('moving.fapc'), coded);
-  const back = parseFap(done('decode', file('moving.fapc')).text);
+  const back = parseFap(done('decode', file('moving.fapc')).stdout);
   assert.equal(back.fps, 25);
   assert.equal(back.frames.length, 600);
   const off = Math.max(...back.frames.map((frame, k) => Math.abs(frame[3] - original[k][3])));
   assert.ok(off > 0 && off <= 12, `${off}`);
   // 120 ms where that is more than 5 frames
   fs.writeFileSync(file('fast.fap'), moving(300, 100));
-  assert.equal(packets(done('encode', file('fast.fap')).stdout)[0].frames, 12);
+  assert.equal(packets(done('encode', file('fast.fap')).bytes)[0].frames, 12);
   // JavaScript decodes the same
   const decoder = new FapcDecoder();
   const frames = list.flatMap((p) => decoder.decode(p.data, p.frames));
@@ -124,9 +119,9 @@ test('a coded file lets readers begin every 10 s, and comes back as near as its 
 });
 
 test('damage is told with its byte', () => {
-  const coded = done('encode', file('moving.fap')).stdout;
+  const coded = done('encode', file('moving.fap')).bytes;
   const refused = (bytes, pattern) => {
-    const { status, stderr } = faccia(['fap', 'info', '-'], bytes);
+    const { status, stderr } = faccia(['fap', 'info', '-'], { input: bytes });
     assert.equal(status, 1);
     assert.match(stderr, pattern);
   };
@@ -143,7 +138,7 @@ test('damage is told with its byte', () => {
   refused(Buffer.concat([coded.subarray(0, 8), Buffer.alloc(3 * 20000, Buffer.from([64, 0, 0]))]), /byte \d+: more frames than one file may have/);
   // any byte may be wrong: an answer or an error, never a crash
   for (let at = 8; at < 1000; at += 7) {
-    const { status } = faccia(['fap', 'decode', '-'], without(at, coded[at] ^ 0x55));
+    const { status } = faccia(['fap', 'decode', '-'], { input: without(at, coded[at] ^ 0x55) });
     assert.ok(status === 0 || status === 1, `byte ${at}: ${status}`);
   }
 });
@@ -153,7 +148,7 @@ test('plot draws what is asked for, or what moves most', () => {
   const svg = fs.readFileSync(file('most.svg'), 'utf8');
   for (const name of ['3 open_jaw', '4 lower_t_midlip', '48 head_pitch']) assert.ok(svg.includes(name), name);
   assert.ok(!svg.includes('raise_b_midlip'));
-  const one = done('plot', '--fap', 'open_jaw,5', '--from', '1', '--to', '2', file('moving.fap')).text;
+  const one = done('plot', '--fap', 'open_jaw,5', '--from', '1', '--to', '2', file('moving.fap')).stdout;
   assert.ok(one.includes('3 open_jaw') && one.includes('5 raise_b_midlip') && !one.includes('48 '));
   for (const [args, pattern] of [
     [['--fap', 'nose'], /--fap: 'nose' is no FAP/], [['--fap', '1'], /--fap: '1'/], [['--from', 'x'], /--from: 'x'/],
@@ -186,7 +181,7 @@ test('speech leaves as .fapc from the command line and the daemon, the same valu
   const said = faccia(['say', '-l', 'it', '--fap', file('say.fap'), '--fapc', file('say.fapc'), 'La mamma parla piano. Poi tace.']);
   assert.equal(said.status, 0, said.stderr);
   const coded = fs.readFileSync(file('say.fapc'));
-  const faces = [coded, done('encode', file('say.fap')).stdout].map((bytes) => parseFap(faccia(['fap', 'decode', '-'], bytes).text).frames);
+  const faces = [coded, done('encode', file('say.fap')).bytes].map((bytes) => parseFap(faccia(['fap', 'decode', '-'], { input: bytes }).stdout).frames);
   assert.ok(faces[0].length > 40);
   assert.deepEqual(faces[0], faces[1]);
   const daemon = await Daemon.start();

@@ -2,12 +2,12 @@
 // The Festival voices: sound without clicks, phones that the language packs know, words in their places, lips that close; and
 // what happens to a Festival that dies or hangs.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { build, Daemon, root } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
+import { Daemon, root } from '../lib/daemon.mjs';
 import { checkOrder, largestStep, loudest, phones, say, words } from '../lib/speech.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
@@ -36,9 +36,8 @@ for (const [voice, lang] of Object.entries(voices)) {
   });
 
   test(`the lips close on every bilabial of ${voice}`, () => {
-    const { stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'),
-      ['eval', '-l', lang, '-v', voice, '-e', 'dominance', '-r', '140,190,240', '--json', '-', '-'], { input: texts[lang] });
-    assert.equal(String(stderr), '');
+    const { stdout, stderr } = faccia(['eval', '-l', lang, '-v', voice, '-e', 'dominance', '-r', '140,190,240', '--json', '-', '-'], { input: texts[lang] });
+    assert.equal(stderr, '');
     const { rows } = JSON.parse(stdout);
     assert.equal(rows.length, 3);
     for (const row of rows) {

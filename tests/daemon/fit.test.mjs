@@ -7,15 +7,12 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
 import { isDeepStrictEqual } from 'node:util';
-import { build, root } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
+import { root } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
-const faccia = (args, env = {}) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { env: { ...process.env, ...env }, maxBuffer: 1 << 28 });
-  return { status, stdout: String(stdout), stderr: String(stderr) };
-};
 const MNS = 21; // mm, of the Italian pack's speaker
 
 const models = path.join(folder, 'models');
@@ -26,7 +23,7 @@ fs.copyFileSync(path.join(root, 'models/expressions.json'), path.join(models, 'e
  * stands before and behind it. */
 function record(file, text, seed, { lang = 'it', scale = 1 } = {}) {
   const name = path.join(folder, file);
-  const { status, stderr } = faccia(['say', '--still', '--lang', lang, '--fps', '100', '--fap', `${name}.fap`, '--json', `${name}.say.json`, text], { FACCIA_MODELS: models });
+  const { status, stderr } = faccia(['say', '--still', '--lang', lang, '--fps', '100', '--fap', `${name}.fap`, '--json', `${name}.say.json`, text], { env: { FACCIA_MODELS: models } });
   assert.equal(status, 0, stderr);
   const { phones, duration } = JSON.parse(fs.readFileSync(`${name}.say.json`));
   const { frames } = parseFap(fs.readFileSync(`${name}.fap`, 'utf8'));
@@ -64,12 +61,12 @@ test('one sentence of somebody who opens vowels more and whose jaw is lower in c
   const fitted = JSON.parse(fs.readFileSync(file));
   assert.equal(fitted.inherits, 'it');
   assert.ok(Object.keys(fitted.phones).length > 20, 'what was not recorded goes with what was');
-  const said = faccia(['say', '--lang', fitted.tag, 'Ana sala la sala.'], { FACCIA_MODELS: models });
+  const said = faccia(['say', '--lang', fitted.tag, 'Ana sala la sala.'], { env: { FACCIA_MODELS: models } });
   assert.equal(said.status, 0, said.stderr);
   assert.equal(JSON.parse(said.stdout).lang, fitted.tag, 'the voice speaks Italian, the lips are that speaker\'s');
   assert.ok(JSON.parse(said.stdout).phones.length > 8);
   for (const lang of ['it', 'it-CH'])
-    assert.equal(JSON.parse(faccia(['say', '--lang', lang, 'Ana.'], { FACCIA_MODELS: models }).stdout).lang, 'it', 'who does not ask for it does not get it');
+    assert.equal(JSON.parse(faccia(['say', '--lang', lang, 'Ana.'], { env: { FACCIA_MODELS: models } }).stdout).lang, 'it', 'who does not ask for it does not get it');
 });
 
 test('somebody who speaks as the pack does: nothing is changed, and it is said', () => {

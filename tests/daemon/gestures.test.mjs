@@ -1,18 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Named gestures: those of the models, those of an operator's own folder, in every markup, at their places, and what is wrong with them.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { build } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
 const own = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-gestures-'));
 after(() => fs.rmSync(own, { recursive: true }));
 
-const run = (input, ...args) => spawnSync(path.join(build, 'server/app/faccia'), args, { input, encoding: 'utf8', maxBuffer: 1 << 26 });
+const run = (input, ...args) => faccia(args, { input });
 const face = (text, ...before) => {
   const { status, stdout, stderr } = run(text, ...before, 'say', '--lang', 'it', '--seed', '1', '--life', '0', '--fap', '-', '-');
   assert.equal(status, 0, stderr);

@@ -6,6 +6,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
+import { faccia } from '../lib/command.mjs';
 import { build } from '../lib/daemon.mjs';
 import { compared } from '../lib/hearing.mjs';
 import { wavOf } from '../lib/wav.mjs';
@@ -13,11 +14,7 @@ import { wavOf } from '../lib/wav.mjs';
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const file = (name) => path.join(folder, name);
-const faccia = (args, input) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { input, maxBuffer: 1 << 28 });
-  return { status, stdout: String(stdout), stderr: String(stderr) };
-};
-const hear = (args, input) => faccia(['hear', ...args], input);
+const hear = (args, input) => faccia(['hear', ...args], { input });
 const sound = (name, seconds, rate, channels, of) => {
   const samples = Int16Array.from({ length: Math.round(seconds * rate) * channels }, (_, i) => Math.max(-32768, Math.min(32767, 32768 * of(Math.floor(i / channels) / rate, i % channels))));
   fs.writeFileSync(file(name), wavOf(samples, rate, channels));

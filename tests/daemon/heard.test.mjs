@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What a markup says is heard: several voices and languages in a sentence, sounds, ways of reading, given phones.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
+import { faccia } from '../lib/command.mjs';
 import { build, Daemon } from '../lib/daemon.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
@@ -31,8 +31,8 @@ after(() => fs.rmSync(folder, { recursive: true }));
 /** `faccia say` of an SSML document's content. */
 function say(content, { lang = 'it', voice = 'espeak:it', options = [] } = {}) {
   const wav = path.join(folder, 'out.wav');
-  const result = spawnSync(path.join(build, 'server/app/faccia'), ['say', '-l', lang, '-v', voice, '--audio', sounds, '--wav', wav, '--json', '-', ...options,
-    `<speak xml:lang="${lang}">${content}</speak>`], { encoding: 'utf8', env: { ...process.env, FACCIA_PLUGINS: plugins } });
+  const result = faccia(['say', '-l', lang, '-v', voice, '--audio', sounds, '--wav', wav, '--json', '-', ...options,
+    `<speak xml:lang="${lang}">${content}</speak>`], { env: { FACCIA_PLUGINS: plugins } });
   assert.equal(result.status, 0, result.stderr);
   const said = JSON.parse(result.stdout);
   const bytes = fs.readFileSync(wav);

@@ -2,11 +2,11 @@
 // The Kokoro voices, with their real weights: sound, phones that the language packs know, words in their places, lips that
 // close when the sound does. Where the weights are not installed (sh server/run.sh --with kokoro) these tests are skipped.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
+import { faccia } from '../lib/command.mjs';
 import { build, Daemon, root } from '../lib/daemon.mjs';
 import { checkOrder, largestStep, loudest, phones, say, words } from '../lib/speech.mjs';
 
@@ -78,9 +78,8 @@ for (const [id, lang] of Object.entries(voices))
   });
 
 test('the lips close on every bilabial', options, () => {
-  const { stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'),
-    ['eval', '-l', 'it', '-v', 'kokoro:if_sara', '-e', 'dominance', '-r', '150', '--json', '-', '-'], { input: texts.it });
-  assert.equal(String(stderr), '');
+  const { stdout, stderr } = faccia(['eval', '-l', 'it', '-v', 'kokoro:if_sara', '-e', 'dominance', '-r', '150', '--json', '-', '-'], { input: texts.it });
+  assert.equal(stderr, '');
   const { rows } = JSON.parse(stdout);
   for (const row of rows) {
     assert.ok(row.bilabials > 10);

@@ -9,6 +9,7 @@ import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
 import { setTimeout as sleep } from 'node:timers/promises';
+import { saidBy } from '../lib/command.mjs';
 import { build, Daemon, eventually, framesOf } from '../lib/daemon.mjs';
 import { sign } from '../lib/tokens.mjs';
 
@@ -42,7 +43,7 @@ function start(options, { url = daemon.url, stdin = 'pipe', env = {} } = {}) {
   child.text = '';
   child.stderr.setEncoding('utf8').on('data', (text) => (child.text += text));
   child.stdin?.on('error', () => {}); // it may be gone
-  child.exited = once(child, 'close').then(([status]) => ({ status, stderr: child.text, seconds: (performance.now() - began) / 1000 }));
+  child.exited = once(child, 'close').then(([status]) => ({ status, stderr: saidBy(child.text), seconds: (performance.now() - began) / 1000 }));
   return child;
 }
 const run = (...args) => {
@@ -196,6 +197,14 @@ test('a daemon that goes is told of, and one that is not there, or no daemon', a
   assert.equal(other.status, 1);
   assert.match(other.stderr, /no stream of a daemon/);
   odd.close();
+  const late = net.createServer((socket) => {
+    socket.on('error', () => {}).write('HTTP/1.1 503 Service Unavailable\r\n\r\n');
+    setTimeout(() => socket.end('{"message":"come back later"}'), 200);
+  }).listen(0, '127.0.0.1');
+  await once(late, 'listening');
+  const refused = await run([file('es.wav')], { url: `http://127.0.0.1:${late.address().port}` });
+  assert.deepEqual([refused.status, refused.stderr.split(': ').at(-1)], [1, 'come back later\n']);
+  late.close();
 });
 
 test('without the right token it is refused, and told so', async () => {

@@ -1,23 +1,19 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Engines beside people: the "people" are the face itself, written down as curves, so that the answers are known. And the layer of contacts by every door.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, test } from 'node:test';
-import { build, Daemon } from '../lib/daemon.mjs';
+import { faccia } from '../lib/command.mjs';
+import { Daemon } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 after(() => fs.rmSync(folder, { recursive: true }));
 const at = (name) => path.join(folder, name);
-const faccia = (...args) => {
-  const { status, stdout, stderr } = spawnSync(path.join(build, 'server/app/faccia'), args, { maxBuffer: 1 << 28 });
-  return { status, stdout: String(stdout), stderr: String(stderr) };
-};
 const run = (...args) => {
-  const { status, stdout, stderr } = faccia(...args);
+  const { status, stdout, stderr } = faccia(args);
   assert.equal(status, 0, stderr);
   return stdout;
 };
@@ -89,7 +85,7 @@ test('another person is brought to the same times', () => {
   assert.ok(other.aperture.r > 0.85, `${other.aperture.r}`);
   fs.writeFileSync(at('b.csv'), 'time,LI,LS\n0,0,0\n0.5,1,1\n');
   fs.writeFileSync(at('b.phones.csv'), 'start,end,ipa\n0,0.2,_\n0.2,0.4,k\n');
-  const different = faccia('eval', '--recording', at('one.csv'), '--phones', at('one.json'), '--other', at('b.csv'), '--other-phones', at('b.phones.csv'));
+  const different = faccia(['eval', '--recording', at('one.csv'), '--phones', at('one.json'), '--other', at('b.csv'), '--other-phones', at('b.phones.csv')]);
   assert.equal(different.status, 1);
   assert.match(different.stderr, /does not say the same/);
 });
@@ -113,7 +109,7 @@ test('what cannot be compared is named', () => {
     [['--contacts', 'maybe', 'a'], 2, /--contacts: must be one of/],
     [['--shift', '99', 'a'], 2, /--shift: must be/],
   ]) {
-    const { status, stderr } = faccia('eval', ...args);
+    const { status, stderr } = faccia(['eval', ...args]);
     assert.match(stderr, message, args.join(' '));
     assert.equal(status, code, args.join(' '));
   }

@@ -242,6 +242,26 @@ test('with the mood of the stream the rest of the face lives, the mouth is the v
   await stream.close();
 });
 
+test('where a phrase ends she nods and looks at the listener; without life nothing but the mouth moves', async () => {
+  const rest = new Int16Array(Math.round(1.2 * spoken.rate)), all = Int16Array.from([...spoken.samples, ...rest]);
+  const faces = [];
+  for (const life of [1, 0]) {
+    const stream = await daemon.stream();
+    begin(stream, 'v', { fps: 50, life });
+    await pour(stream, bytesOf(all), 2 * spoken.rate);
+    stream.send({ type: 'close', id: 'v' });
+    assert.equal((await ended(stream, 'v')).reason, 'done');
+    faces.push(framesOf(stream.chunks));
+    await stream.close();
+  }
+  const [lively, still] = faces, at = ({ values }, n) => values[n] ?? 0;
+  const loud = spoken.samples.findLastIndex((x) => Math.abs(x) > 300) / spoken.rate;
+  const after = lively.filter(({ time }) => time > loud + 0.5 && time < loud + 0.9);
+  assert.ok(after.length > 10 && after.every((f) => Math.abs(at(f, 23) + at(f, 49)) < 3 && Math.abs(at(f, 25) + at(f, 48)) < 3), 'her eyes are at the listener, wherever the head is');
+  assert.ok(Math.max(...after.map((f) => at(f, 48))) - Math.min(...after.map((f) => at(f, 48))) > 800, 'she nods');
+  assert.ok(still.length > 50 && still.every((f) => [19, 23, 25, 31, 33, 48, 49].every((n) => !at(f, n))));
+});
+
 for (const [what, more, code, field] of [
   ['no rate', { rate: undefined }, 'missing-field', 'rate'],
   ['too slow', { rate: 7999 }, 'bad-field', 'rate'],

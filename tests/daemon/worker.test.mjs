@@ -46,9 +46,12 @@ const has = (daemon, voice, is = true) => eventually(async () => (await voices(d
 
 let redis, one, two;
 const running = new Set();
+/** Its voices are announced anew before it is given: those of one that has gone are there for a while, too. */
 async function worker(...options) {
   const started = await Worker.start(['--cluster', redis.url, '--plugins', far, '--voice-config', config, '--sandbox', 'off', ...options]);
   running.add(started);
+  const ready = Date.now(), until = () => redis.cli('zrange', 'faccia:{work}:voices', '0', '-1', 'withscores').split('\n').map(Number);
+  await eventually(() => until().some((ms) => ms > ready + 4000), 'its voices to be announced');
   return started;
 }
 async function dismiss(...workers) {
@@ -290,6 +293,17 @@ test('what somebody else puts into Redis is thrown away, with a line in the log,
   assert.match(String(await say(one, 'nothing has happened')), /"duration"/);
   open(false);
   redis.cli('del', 'faccia:{work}:voices', 'faccia:{work}:voices:beef', 'faccia:{work}:q:beef:0:0');
+  await dismiss(speaker);
+});
+
+test('answers that cannot be heard for a moment wait', async () => {
+  const speaker = await worker();
+  await has(one, 'command:dear');
+  const listening = () => redis.cli('client', 'list').split('\n').filter((line) => line.includes('cmd=blpop')).map((line) => line.match(/^id=(\d+)/)[1]);
+  const before = await eventually(() => (listening().length === 2 ? listening() : null), 'both daemons to listen');
+  for (const id of before) redis.cli('client', 'kill', 'id', id);
+  assert.match(String(await say(one, 'Nessuno ascolta.')), /"duration"/);
+  assert.ok(!listening().some((id) => before.includes(id)));
   await dismiss(speaker);
 });
 

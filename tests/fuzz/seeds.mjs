@@ -104,6 +104,12 @@ const parts = {
   models: () => [joined(0, read('tests/fuzz/head.json')), ...Array.from({ length: 9 }, (_, i) => joined(1, u16(i * 5), i, u16(2), 1, 'a'))],
   people: () => Object.values(timesFiles).concat('start,end,ipa\n0,0.1,_\n0.1,0.3,a\n0.3,0.5,p\n', '0.1 100 SIL\n0.3 100 AA1\n0.5 100 P\n').flatMap((times) =>
     ['time,LI,LS\n0,0,0\n0.1,1,1\n0.2,5,2\n0.5,1,1\n', 't;ul_z;ll_z;jaw_z;tt_x\n0;1;2;3;4\n0.25;2;-3;3;4\n0.5;1;2;3;4\n'].map((curves) => `${curves}---\n${times}`)),
+  voice: () => {
+    const pcm = (count, channels = 1) => tone(16000, count, channels).subarray(44), begin = (kind, rate) => joined(kind, 4, u16(rate / 2));
+    const packets = [0x48, 0x68, 0xf8, 0x4b, 0x80].map((toc) => joined(toc, ...Array.from({ length: 20 }, (_, i) => (i * 73 + toc) % 256)));
+    return [[8000, 1], [16000, 2], [48000, 8]].map(([rate, channels]) => joined(begin(2 * (channels - 1), rate), sized(pcm(700, channels)), sized(pcm(333)), sized(Buffer.alloc(6001))))
+      .concat([8000, 24000, 48000].map((rate, i) => joined(begin(1 + 2 * (i % 2), rate), ...packets.map(sized), sized(Buffer.alloc(0)), sized(packets[2].subarray(0, 2)))));
+  },
   sound: () => [0, 1, 2, 3].flatMap((who) => [joined(who, tone(16000, 400)), joined(who, tone(44100, 300, 2))]),
   recording: () => Object.entries({ textgrid: 0, lab: 1, htk: 2, offsets: 3, json: 4 }).map(([format, ending]) =>
     joined(ending, sized('{"name": "Anna", "lang": "it", "gender": "female", "names": {"a": "a", "tS": "t͡ʃ"}}'), sized('Uno due. Tre, quattro!'), sized(timesFiles[format]), tone(16000, 8000))),

@@ -3,7 +3,7 @@
 import { pose, unitLength } from '../../models/tools/lib/deform.mjs';
 import { fitShape } from '../../web/src/portrait/fit.mjs';
 import { EYES, LOWER_LIP, UPPER_LIP } from '../../web/src/portrait/landmarks.mjs';
-import { POSES } from '../../models/tools/portrait/actions/poses.mjs';
+import { POSES } from '../../web/src/portrait/actions/poses.mjs';
 
 const skinOf = (head) => head.parts.find(({ name }) => name === 'skin');
 

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Speaks on the command line, and looks at what comes out: sound, phones, words.
 import assert from 'node:assert/strict';
-import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
+import { faccia } from './command.mjs';
 import { build } from './daemon.mjs';
 
 /** Runs `faccia say`. Gives {status, stderr, json, pcm, rate}; json and what follows only when it succeeded. */
@@ -12,10 +12,8 @@ export function say(args, text, env = {}, from = build) {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   const file = (name) => path.join(folder, name);
   try {
-    const { status, stderr } = spawnSync(path.join(from, 'server/app/faccia'),
-      ['say', '--still', '--wav', file('wav'), '--json', file('json'), ...args, '-'],
-      { input: text, env: { ...process.env, ...env } });
-    const result = { status, stderr: String(stderr) };
+    const { status, stderr } = faccia(['say', '--still', '--wav', file('wav'), '--json', file('json'), ...args, '-'], { input: text, env, from });
+    const result = { status, stderr };
     if (status !== 0) return result;
     const wav = fs.readFileSync(file('wav'));
     return {

@@ -69,17 +69,55 @@ export function sweepPoses(expressions, { blends = ['auto'], prose = false, once
  */
 export function apart(poses, faps, mm, head) {
   const unit = faps.map((n) => (unitLength(head, n) * (unitLength(head, n) < 1e-4 ? EYEBALL_MM : 1)) / mm);
-  const cells = new Map(); // by the coarsest three, so that few are compared
+  const places = poses.map((pose) => Float64Array.from(faps, (n, i) => pose.faps[n] * unit[i]));
+  const coarse = widest(places, 4); // only poses in neighbouring cells of these are compared
+  const cells = new Map();
+  const same = new Set(); // what shares a cell of all FAPs with one that is kept is near it for certain
   const kept = [];
-  for (const pose of poses) {
-    const place = faps.map((n, i) => pose.faps[n] * unit[i]);
-    const cell = place.slice(0, 3).map(Math.floor);
-    const near = [];
-    for (const dx of [-1, 0, 1]) for (const dy of [-1, 0, 1]) for (const dz of [-1, 0, 1]) near.push(...(cells.get(`${cell[0] + dx},${cell[1] + dy},${cell[2] + dz}`) ?? []));
-    if (near.some((other) => other.every((x, i) => Math.abs(x - place[i]) <= 1))) continue;
-    kept.push(pose);
-    const key = cell.join();
-    (cells.get(key) ?? cells.set(key, []).get(key)).push(place);
-  }
+  const key = (cell) => cell.reduce((sum, x) => sum * 4096 + x + 2048, 0);
+  const around = neighbours(coarse.length);
+  places.forEach((place, number) => {
+    const whole = place.map(Math.floor).join();
+    if (same.has(whole)) return;
+    const cell = coarse.map((i) => Math.floor(place[i]));
+    if (around.some((step) => near(place, cells.get(key(cell.map((x, i) => x + step[i])))))) return;
+    kept.push(poses[number]);
+    same.add(whole);
+    (cells.get(key(cell)) ?? cells.set(key(cell), []).get(key(cell))).push(place);
+  });
   return kept;
+}
+
+/** Whether one of the list is within 1 in all coordinates; it comes first from now on, since poses repeat. */
+function near(place, list = []) {
+  for (let k = 0; k < list.length; k++) {
+    const other = list[k];
+    let i = 0;
+    while (i < place.length && Math.abs(other[i] - place[i]) <= 1) i++;
+    if (i < place.length) continue;
+    [list[0], list[k]] = [list[k], list[0]];
+    return true;
+  }
+  return false;
+}
+
+const SAMPLE = 4000; // poses by which coordinates are chosen
+
+/** The numbers of the coordinates that differ most, each in what those before it do not say (a Cholesky decomposition with pivots). */
+function widest(places, count) {
+  const some = places.filter((_, i) => i % Math.ceil(places.length / SAMPLE) === 0);
+  const mean = Array.from(places[0] ?? [], (_, i) => some.reduce((sum, place) => sum + place[i], 0) / some.length);
+  const rest = mean.map((_, i) => mean.map((_, j) => some.reduce((sum, place) => sum + (place[i] - mean[i]) * (place[j] - mean[j]), 0)));
+  return Array.from({ length: Math.min(count, mean.length) }, () => {
+    const pick = rest.reduce((best, row, i) => (row[i] > rest[best][best] ? i : best), 0);
+    const row = [...rest[pick]];
+    if (row[pick] > 0) for (const [i, other] of rest.entries()) rest[i] = other.map((x, j) => x - (row[i] * row[j]) / row[pick]);
+    return pick;
+  });
+}
+
+/** All steps of -1, 0 or 1 in so many directions; none first. */
+function neighbours(count) {
+  const all = Array.from({ length: 3 ** count }, (_, n) => Array.from({ length: count }, (_, i) => (Math.floor(n / 3 ** i) % 3) - 1));
+  return all.sort((a, b) => Math.hypot(...a) - Math.hypot(...b));
 }

@@ -11,7 +11,8 @@ import { PNG } from 'pngjs';
 import { findPoints } from '../../models/tools/import/find-points.mjs';
 import { makeHead, readScene } from '../../models/tools/import/make-head.mjs';
 import { gatherParts, guessPart, partOf } from '../../models/tools/import/parts.mjs';
-import { unpack } from '../../models/tools/lib/deform.mjs';
+import { pose, unpack } from '../../models/tools/lib/deform.mjs';
+import { violations } from '../lib/schema.mjs';
 import { strip, vrmlOf, writeGltf, writeObjAs, writePlyAs } from '../lib/file-variants.mjs';
 
 const build = process.env.FACCIA_BUILD ?? new URL('../../build', import.meta.url).pathname;
@@ -231,15 +232,84 @@ test('names: of what a node is called, of which material a head has, and of word
   assert.equal(partOf({ name: 'Head', also: '', material: 1 }, { materials }), 'skin');
 });
 
-test('a part of several materials has that of its largest mesh with a picture, and it is said', () => {
+test('a part of several materials without a second picture has that of its largest mesh with one', () => {
   const picture = { type: 'image/png', width: 1, height: 1, data: Buffer.alloc(1) };
-  const materials = [{ name: 'nails', picture }, { name: 'face', picture: { ...picture } }, { name: 'plain', picture: null }];
+  const materials = [{ name: 'plain', picture: null }, { name: 'face', picture }, { name: 'other', picture: null }];
   const [skin, eye] = parts;
   const meshOf = ({ position, index }, material) => ({ name: 'x', part: 'skin', material, position, uv: null, index, targets: {} });
-  const scene = { meshes: [meshOf(eye, 0), meshOf(skin, 1), meshOf(skin, 2)], materials, notes: [] };
-  const [part] = gatherParts(scene);
+  const [part] = gatherParts({ meshes: [meshOf(eye, 0), meshOf(eye, 1), meshOf(skin, 2)], materials, notes: [] });
   assert.equal(part.material, 1);
-  assert.match(scene.notes.join('\n'), /skin: of its 2 pictures only that of face is shown/);
+});
+
+/** The skin as a face and a body, as programs cut it: by triangles. */
+function cutAt(height) {
+  const [skin] = parts;
+  const half = (above) => {
+    const index = skin.index.filter((_, i, list) => {
+      const corners = [0, 1, 2].map((k) => list[i - (i % 3) + k]);
+      return corners.every((v) => skin.position[3 * v + 1] > height) === above;
+    });
+    const kept = [...new Set(index)];
+    const number = new Map(kept.map((v, n) => [v, n]));
+    return { name: above ? 'face' : 'body', position: kept.flatMap((v) => skin.position.slice(3 * v, 3 * v + 3)), uv: kept.flatMap((v) => skin.uv.slice(2 * v, 2 * v + 2)), index: index.map((v) => number.get(v)) };
+  };
+  return [half(false), half(true)];
+}
+
+test('a skin of two pictures becomes two parts, the face first, that move as one', async () => {
+  const options = { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] };
+  for (const [name, side] of [['face', 2], ['body', 4]]) fs.writeFileSync(at(`${name}.png`), PNG.sync.write(new PNG({ width: side, height: side })));
+  const halves = [...cutAt(-100), ...parts.slice(1)];
+  fs.writeFileSync(at('two.mtl'), halves.map(({ name }) => `newmtl ${name}\nKd 1 1 1\n${['face', 'body'].includes(name) ? `map_Kd ${name}.png\n` : ''}`).join(''));
+  writeObjAs(at('two.obj'), halves, { library: 'two.mtl' });
+  writeObjAs(at('one.obj'), halves);
+  const made = [];
+  for (const file of ['two.obj', 'one.obj']) made.push(makeHead(await readScene(at(file)), toldIn((p) => p), options));
+  const [{ head, notes }, { head: whole }] = made;
+  assert.equal(violations('head-model', head), null);
+  assert.match(notes.join('\n'), /skin: its 2 pictures make it skin, skin_2/);
+  assert.deepEqual(head.parts.map(({ name }) => name).filter((name) => name.startsWith('skin')), ['skin', 'skin_2']);
+  const width = (name) => head.textures[head.materials[head.parts.find((part) => part.name === name).material].texture].width;
+  assert.deepEqual([width('skin'), width('skin_2')], [2, 4], 'each has its own picture');
+  assert.deepEqual(whole.parts.map(({ name }) => name).filter((name) => name.startsWith('skin')), ['skin']);
+  const gone = (json, faps) => {
+    const places = new Map();
+    const moving = unpack(json);
+    for (const part of moving.parts.filter(({ name }) => name.startsWith('skin'))) {
+      const posed = pose(moving, part, faps);
+      for (let v = 0; v < posed.length; v += 3) {
+        const key = [...part.position.slice(v, v + 3)].map((x) => Math.round(10 * x)).join();
+        const by = [0, 1, 2].map((k) => posed[v + k] - part.position[v + k]);
+        if (places.has(key)) assert.ok(Math.hypot(...by.map((x, k) => x - places.get(key)[k])) < 0.05, `${key} comes apart`);
+        places.set(key, by);
+      }
+    }
+    return places;
+  };
+  for (const faps of [{ 3: 500, 5: -200 }, { 48: 20000, 49: 30000 }, { 12: 300, 59: 300 }]) {
+    const [two, one] = [head, whole].map((json) => gone(json, faps));
+    let compared = 0;
+    for (const [key, by] of two) {
+      if (!one.has(key)) continue; // rounded another way
+      compared++;
+      assert.ok(Math.hypot(...by.map((x, k) => x - one.get(key)[k])) < 0.05, `${JSON.stringify(faps)}: ${key} goes by ${by}, not ${one.get(key)}`);
+    }
+    assert.ok(compared > 0.5 * one.size, `${compared} of ${one.size}`);
+  }
+});
+
+test('a part of too many vertices is refused, with its meshes', async () => {
+  const side = 250;
+  const grid = { name: 'body', position: [], uv: [], index: [] };
+  for (let j = 0; j < side; j++)
+    for (let i = 0; i < side; i++) {
+      grid.position.push(i, -120 - j, -40);
+      grid.uv.push(0, 0);
+      if (i && j) grid.index.push(j * side + i, j * side + i - 1, (j - 1) * side + i);
+    }
+  writeObjAs(at('many.obj'), [...parts, grid]);
+  const scene = await readScene(at('many.obj'));
+  assert.throws(() => makeHead(scene, toldIn((p) => p), { name: 'x', title: 'x', licence: 'CC0-1.0', credits: [] }), { message: /skin.*has \d{5} vertices \(skin \d+, body \d+\), more than 65535/ });
 });
 
 test('in any unit and axes, and inside out: the face is found, with its outside out', async (t) => {

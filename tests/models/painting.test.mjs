@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the tools find out about surfaces before they paint them.
 import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
 import { test } from 'node:test';
+import { fileURLToPath } from 'node:url';
 import { packIslands } from '../../models/tools/lib/atlas.mjs';
 import { DepthMap } from '../../models/tools/lib/depth.mjs';
 import { distanceTo } from '../../models/tools/lib/near-hair.mjs';
 import { neckPaint } from '../../models/tools/lib/paint-neck.mjs';
+import { unpack } from '../../models/tools/lib/deform.mjs';
+import { drawHead, seenAt } from '../../models/tools/lib/portrait.mjs';
 import { rounded } from '../../models/tools/lib/refine.mjs';
 import { wideEnough } from '../../models/tools/lib/strips.mjs';
 
@@ -83,4 +88,23 @@ test('tendons, collar bones and the hollow between them are painted where they a
   assert.ok(light(spec, 0, -203) < 0.9, 'the hollow is dark');
   assert.deepEqual(neckPaint(ctx, spec, 0.3)(skin, [10, -60, 0], [0, 0, 1]), skin, 'nothing on the face');
   assert.equal(light(undefined, 40, -207), 1);
+});
+
+test('pictures without a graphics processor have the shadow of the upper lid on the eye', async () => {
+  const built = process.env.FACCIA_MODELS ?? fileURLToPath(new URL('../../build/models', import.meta.url));
+  const head = unpack(JSON.parse(fs.readFileSync(path.join(built, 'heads/mara.json'))));
+  const [left, right] = ['eye_l', 'eye_r'].map((name) => head.turns.find((turn) => turn.name.startsWith(name)).pivot);
+  const crop = { x: 500, y: 900, width: 1000, height: 400 };
+  const { data, width } = await drawHead(head, { width: 2000, height: 2600, shadows: false, crop });
+  const light = (below) => {
+    const each = [[left, '3.1'], [right, '3.2']].map(([centre, point]) => {
+      const margin = head.fdp[point];
+      const place = [margin[0] + 7.5 * Math.sign(margin[0]), margin[1] - 1.5 - below, centre[2] + 10]; // the white beside the iris
+      const [x, y] = seenAt(head, { width: 2000, height: 2600 }, [place])[0].map(Math.round);
+      const at = 4 * ((y - crop.y) * width + x - crop.x);
+      return data[at] + data[at + 1] + data[at + 2];
+    });
+    return each[0] + each[1]; // the lamp stands on one side
+  };
+  assert.ok(light(2) < 0.97 * light(4), `${light(2)} below the lid and its lashes, ${light(4)} farther down`);
 });

@@ -3,6 +3,7 @@
 import assert from 'node:assert/strict';
 import { spawnSync } from 'node:child_process';
 import fs from 'node:fs';
+import { createRequire } from 'node:module';
 import os from 'node:os';
 import path from 'node:path';
 import { test } from 'node:test';
@@ -12,6 +13,7 @@ import { merge, readRecipe } from '../../models/tools/lib/recipe.mjs';
 import { violations } from '../lib/schema.mjs';
 
 const root = fileURLToPath(new URL('../../', import.meta.url));
+const sharp = createRequire(path.join(root, 'models/package.json'))('sharp');
 const recipes = path.join(root, 'models/heads');
 const built = path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models/heads');
 const names = fs.readdirSync(recipes).filter((file) => file.endsWith('.json')).map((file) => file.slice(0, -5));
@@ -43,6 +45,14 @@ for (const name of names)
     const poster = fs.readFileSync(path.join(built, `${name}.webp`));
     assert.equal(poster.toString('latin1', 8, 12), 'WEBP');
     assert.ok(poster.length > 3000 && poster.length < 20000, `poster of ${poster.length} bytes`);
+  });
+
+for (const name of names)
+  test(`the skin of ${name} has a colour everywhere`, async () => {
+    const { data, info } = await sharp(Buffer.from(head(name).textures.skin.data, 'base64')).removeAlpha().raw().toBuffer({ resolveWithObject: true });
+    let green = 0; // what is no number is nothing when it is written: of red and blue nothing would be left
+    for (let i = 0; i < data.length; i += info.channels) green += data[i + 1] > data[i] + 12;
+    assert.equal(green, 0, `${green} texels are greener than red`);
   });
 
 test('what is the same in two heads is the same to the byte', () => {

@@ -13,10 +13,12 @@ import { drawPoster } from '../../models/tools/lib/poster.mjs';
 import { openEye } from '../../models/tools/portrait/eye.mjs';
 import { flat, textures } from '../../models/tools/portrait/images.mjs';
 import { align, upright } from '../../web/src/portrait/align.mjs';
-import { partedLips } from '../../web/src/portrait/fit.mjs';
+import { lipLine, partedLips } from '../../web/src/portrait/fit.mjs';
 import { STEADY, withMoved } from '../../web/src/portrait/landmarks.mjs';
 import { inOrder, makeHead, nearest } from '../../web/src/portrait/portrait.mjs';
+import { photograph } from '../lib/drawn-photographs.mjs';
 import { violations } from '../lib/schema.mjs';
+import { readModel } from '../../web/src/head/model.mjs';
 
 const sharp = createRequire(new URL('../../models/package.json', import.meta.url))('sharp');
 const tool = (name) => fileURLToPath(new URL(`../../models/tools/${name}`, import.meta.url));
@@ -114,6 +116,49 @@ test('our own heads come back: each is the nearest to itself, and another head w
   const [before, now] = [apart(views.bruno.landmarks, views.mara.landmarks), apart(views.bruno.landmarks, again)];
   console.log(`Bruno on Mara: landmarks ${before.toFixed(2)} % of the face's height apart, then ${now.toFixed(2)} %`);
   assert.ok(now < 0.6 * before && now < 1.2, `${now.toFixed(2)} % of ${before.toFixed(2)} %`);
+});
+
+test('of parted lips the teeth are not painted where they close', async () => {
+  const base = JSON.parse(fs.readFileSync(path.join(built, 'models/heads/luca.json'), 'utf8'));
+  const skin = readModel(base).parts.find(({ name }) => name === 'skin');
+  const { head } = await makeHead(base, table.luca, [person], textures);
+  const { data, width, height } = await textures.read(head.textures[head.materials[head.parts.find(({ name }) => name === 'skin').material].texture]);
+  const line = lipLine(table.luca.at);
+  const close = [...Array(skin.vertices).keys()].filter((v) => line.some((p) => Math.hypot(...p.map((x, k) => x - skin.position[3 * v + k])) < 2));
+  const red = close.map((v) => {
+    const at = 4 * (Math.round((1 - skin.uv[2 * v + 1]) * height) * width + Math.round(skin.uv[2 * v] * width));
+    return data[at] / data[at + 1]; // white is 1
+  }).sort((a, b) => a - b);
+  const least = red[Math.floor(red.length / 10)];
+  console.log(`within 2 mm of the line of the lips red is ${least.toFixed(2)} times green or more in nine tenths of ${red.length} places`);
+  assert.ok(close.length > 40 && least > 1.25, `${least}`);
+});
+
+test('glasses that are left off leave no shadow on the temples', async () => {
+  const base = JSON.parse(fs.readFileSync(path.join(built, 'models/heads/rosa.json'), 'utf8'));
+  const picture = await photograph(path.join(built, 'models/heads'), 'mei', 0, undefined, { width: 480, height: 624 });
+  const view = { picture, landmarks: await eye(picture) };
+  const { parts } = readModel(base);
+  const [skin, glasses] = ['skin', 'glasses'].map((name) => parts.find((part) => part.name.startsWith(name)));
+  const far = (v) => {
+    let least = Infinity;
+    for (let i = 0; i < glasses.position.length; i += 3) least = Math.min(least, Math.hypot(...[0, 1, 2].map((k) => glasses.position[i + k] - skin.position[3 * v + k])));
+    return least;
+  };
+  const temple = [...Array(skin.vertices).keys()].filter((v) => Math.abs(skin.position[3 * v]) > 55 && skin.position[3 * v + 2] > -45 && far(v) < 14);
+  assert.ok(temple.length > 20, `${temple.length} vertices`);
+  const darkest = async (keep) => {
+    const { head } = await makeHead(base, table.rosa, [view], textures, { keep });
+    const { data, width, height } = await textures.read(head.textures[head.materials[head.parts.find(({ name }) => name === 'skin').material].texture]);
+    const bright = temple.flatMap((v) => [-6, -3, 0, 3, 6].map((dy) => { // texels about it: the shadow is a line
+      const [x, y] = [Math.round(skin.uv[2 * v] * width), Math.round((1 - skin.uv[2 * v + 1]) * height) + dy];
+      return data[4 * (y * width + x) + 1];
+    })).sort((a, b) => a - b);
+    return bright[Math.floor(bright.length / 20)] / bright[bright.length >> 1];
+  };
+  const [with_, without] = [await darkest(['glasses']), await darkest([])];
+  console.log(`the darkest twentieth of the temples has ${with_.toFixed(2)} of their brightness with the glasses, ${without.toFixed(2)} without`);
+  assert.ok(without > with_ + 0.1 && without > 0.8, `${with_} -> ${without}`);
 });
 
 test('pictures are put in order, and one of the side alone is refused', () => {

@@ -12,6 +12,7 @@ import { FAPS } from '../../models/tools/lib/faps.mjs';
 import { pose, unitLength, unpack } from '../../models/tools/lib/deform.mjs';
 import { openEye } from '../../models/tools/portrait/eye.mjs';
 import { flat } from '../../models/tools/portrait/images.mjs';
+import { VISEMES_TAKEN, viseme } from '../../web/src/portrait/actions/poses.mjs';
 import { film, headOf } from '../lib/film.mjs';
 import { othersOf, otherwise, posesOf, samePlaces, withHabits } from '../lib/habits.mjs';
 import { violations } from '../lib/schema.mjs';
@@ -85,4 +86,12 @@ test('poses are wanted with closed lips in front of them, and from a folder or a
   assert.match(run('--poses', path.join(drawn, '0001.png'), '-o', path.join(folder, 'x.json')).stderr, /--times/);
   assert.equal(run('--times', 'x.json', '-o', path.join(folder, 'x.json')).status, 2);
   assert.ok(!fs.existsSync(path.join(folder, 'x.json')));
+});
+
+test('mouths that are poses, too, are those that the engines make', () => {
+  const { poses: made } = JSON.parse(fs.readFileSync(new URL('../../models/pictures/poses.json', import.meta.url), 'utf8'));
+  for (const name of VISEMES_TAKEN) {
+    const faps = Object.entries(made.find((one) => one.name === name).faps).filter(([fap]) => FAPS[fap].name.match(/tongue/) === null);
+    assert.deepEqual(viseme(name), Object.fromEntries(faps), name);
+  }
 });

@@ -69,7 +69,54 @@ static void test_delay(void **state) {
     hear_network_free(n);
 }
 
+static void keep(void *ctx, uint32_t k, const struct fap_frame *frame) {
+    if (k < 250)
+        ((struct fap_frame *)ctx)[k] = *frame;
+}
+
+/* Brows, eyes and head follow the voice, or do not: the mouth is the same, to the unit. */
+static void test_mouth(void **state) {
+    static struct fap_frame frames[2][250];
+    (void)state;
+    struct error e;
+    struct hear_network *n = hear_network_load(SOURCE_ROOT "/models/hear/network.bin", &e);
+    struct speech_pack *pack = speech_pack_load(SOURCE_ROOT "/models/speech/it.json", &e);
+    for (int lives = 0; lives < 2; lives++) {
+        const struct hearing_options options = {.network = n,
+                                                .pack = pack,
+                                                .rate = 16000,
+                                                .channels = 1,
+                                                .lookahead = 80,
+                                                .fps = 25,
+                                                .lives = lives,
+                                                .frame = keep,
+                                                .ctx = frames[lives]};
+        struct hearing *h = hearing_new(&options, &e);
+        assert_non_null(h);
+        for (int i = 0; i < 160000; i++) {
+            double t = i / 16000.0, beat = fmod(t, 0.22), loud = fmod(t, 3) < 2 ? sin(M_PI * beat / 0.22) : 0;
+            float sample = (float)((0.1 + 0.1 * (fmod(t, 1.1) < 0.22)) * loud *
+                                   (sin(t * 800) + sin(t * 1600) + sin(t * 6000 * (1 + beat))));
+            hearing_write(h, &sample, 1);
+        }
+        hearing_end(h);
+        hearing_free(h);
+    }
+    int moved = 0, opened = 0;
+    for (int k = 0; k < 250; k++)
+        for (int fap = 3; fap <= FAP_COUNT; fap++) {
+            bool lives = (fap >= 19 && fap <= 26) || (fap >= 31 && fap <= 36) || (fap >= 48 && fap <= 50);
+            if (!lives)
+                assert_int_equal(frames[0][k].value[fap], frames[1][k].value[fap]);
+            opened += !lives && frames[1][k].value[fap];
+            moved += lives && frames[1][k].value[fap];
+        }
+    assert_true(opened > 250 && moved > 250);
+    speech_pack_free(pack);
+    hear_network_free(n);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_delay)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_delay), cmocka_unit_test(test_mouth)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

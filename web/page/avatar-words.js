@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
+import { poseWords } from './avatar-pose-words.js';
+
 /** What the page of portraits says. */
 export const words = {
   it: {
+    ...poseWords.it,
     title: 'Il tuo viso', pictures: 'Foto', picturesHint: 'Una foto di fronte, a labbra chiuse; meglio con altre due: mezzo girata da ogni lato per la pelle, o di profilo su uno sfondo uniforme per la forma. Le foto restano su questo computer.',
     turn: 'Girare la testa', turn_front: 'Guardare dritto nella fotocamera…', turn_left: 'Ora girare piano la testa verso la propria sinistra…', turn_right: 'Ora girare piano la testa verso la propria destra…',
     turn_on: 'Ancora un momento: di fronte, a sinistra, a destra…', turn_few: 'Non si sono visti tutti i lati: va bene anche così, o riprovare.',
@@ -20,6 +23,7 @@ export const words = {
     lipsInnerUpper: 'Labbro superiore, dentro', lipsInnerLower: 'Labbro inferiore, dentro', sample: 'Buongiorno! Adesso parlo con il mio viso.',
   },
   pt: {
+    ...poseWords.pt,
     title: 'Seu rosto', pictures: 'Fotos', picturesHint: 'Uma foto de frente, de lábios fechados; melhor com mais duas: meio virada para cada lado para a pele, ou de perfil diante de um fundo uniforme para a forma. As fotos ficam neste computador.',
     turn: 'Girar a cabeça', turn_front: 'Olhe direto para a câmera…', turn_left: 'Agora gire a cabeça devagar para a sua esquerda…', turn_right: 'Agora gire a cabeça devagar para a sua direita…',
     turn_on: 'Mais um momento: de frente, à esquerda, à direita…', turn_few: 'Nem todos os lados foram vistos: também serve, ou tente de novo.',
@@ -38,6 +42,7 @@ export const words = {
     lipsInnerUpper: 'Lábio superior, dentro', lipsInnerLower: 'Lábio inferior, dentro', sample: 'Bom dia! Agora falo com o meu rosto.',
   },
   tr: {
+    ...poseWords.tr,
     title: 'Senin yüzün', pictures: 'Fotoğraflar', picturesHint: 'Önden, dudakları kapalı bir fotoğraf; iki fotoğrafla daha iyi olur: cilt için iki yana yarım dönük, biçim için düz bir fon önünde yandan. Fotoğraflar bu bilgisayarda kalır.',
     turn: 'Başı çevir', turn_front: 'Kameraya dümdüz bakın…', turn_left: 'Şimdi başınızı yavaşça solunuza çevirin…', turn_right: 'Şimdi başınızı yavaşça sağınıza çevirin…',
     turn_on: 'Biraz daha: önden, soldan, sağdan…', turn_few: 'Her yan görülmedi: böyle de olur, ya da yeniden deneyin.',
@@ -56,6 +61,7 @@ export const words = {
     lipsInnerUpper: 'Üst dudak, iç', lipsInnerLower: 'Alt dudak, iç', sample: 'Günaydın! Artık kendi yüzümle konuşuyorum.',
   },
   en: {
+    ...poseWords.en,
     title: 'Your face', pictures: 'Pictures', picturesHint: 'One picture from the front, with closed lips; better with two more: half turned to each side for the skin, or from the side before an even background for the shape. The pictures stay on this computer.',
     turn: 'Turn the head', turn_front: 'Look straight into the camera…', turn_left: 'Now turn your head slowly to your left…', turn_right: 'Now turn your head slowly to your right…',
     turn_on: 'A moment more: front, left, right…', turn_few: 'Not all sides were seen: that will do, or try again.',

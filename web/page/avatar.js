@@ -2,6 +2,7 @@
 // A head out of pictures of the reader's face. They are read, looked at and used in this page; no request carries them.
 import { words } from './avatar-words.js';
 import { PictureBox } from './avatar-picture.js';
+import { Poses } from './avatar-poses.js';
 import { ProfileBox } from './avatar-profile.js';
 import { takeTurn } from './avatar-turn.js';
 import { Frame } from './frame.js';
@@ -16,8 +17,10 @@ let models = [];
 let boxes = [];
 let made = null; // the head, when it is
 let stream = null; // of the camera
-let turning = null; // AbortController of a turn before it
+let turning = null; // AbortController of a turn, or of poses, before it
 let said = null; // what the state says: its name and values
+
+const poses = new Poses($('poses'), { say, tell, focus: () => $('pose-files').focus() });
 
 function tell(name, values) {
   said = name && [name, values];
@@ -66,24 +69,40 @@ function put(view) {
   show();
 }
 
-/** A turn before the camera; or its end. */
-async function turn() {
+/** Something before the camera that takes a while; or its end. */
+async function before(button, act) {
   if (turning) {
     turning.abort();
     return;
   }
   turning = new AbortController();
-  $('turn').ariaPressed = 'true';
+  button.ariaPressed = 'true';
   try {
-    const all = await load();
-    const wants = (side) => tell(side ? `turn_${side}` : 'turn_on');
-    const views = await takeTurn($('video'), all, { signal: turning.signal, wants });
-    views.forEach(put);
-    tell(views.length === 3 ? 'found' : 'turn_few');
+    await act(turning.signal);
   } finally {
     turning = null;
-    $('turn').ariaPressed = 'false';
+    button.ariaPressed = 'false';
   }
+}
+
+const turn = () => before($('turn'), async (signal) => {
+  const all = await load();
+  const wants = (side) => tell(side ? `turn_${side}` : 'turn_on');
+  const views = await takeTurn($('video'), all, { signal, wants });
+  views.forEach(put);
+  tell(views.length === 3 ? 'found' : 'turn_few');
+});
+
+/** What poses are seen against: the base head that is chosen, and the picture from the front. */
+async function rest() {
+  const { json, base } = await headOf($('like').value || $('like').dataset.nearest);
+  const [view] = tools.inOrder(boxes.map((box) => box.view).filter(({ landmarks }) => landmarks), base);
+  return { json, base, view };
+}
+
+async function takePoses() {
+  if (!stream) await cameraOn();
+  if (stream) await before($('pose-camera'), async (signal) => poses.take($('video'), await load(), await rest(), signal));
 }
 
 function remove(box) {
@@ -99,7 +118,8 @@ function show() {
   $('pictures').replaceChildren(...boxes.map(({ item }) => item));
   boxes.forEach((box, i) => box.translate(i + 1));
   const front = boxes.find(({ view }) => view.landmarks);
-  making.hidden = !front;
+  making.hidden = $('posing').hidden = !front;
+  poses.show(tools);
   if (!front || !tools) return;
   const known = models.filter(({ name }) => tools.table[name]);
   const nearest = tools.nearest(front.view, tools.table).find(({ name }) =>
@@ -131,12 +151,25 @@ async function make() {
     const result = await tools.makeHead(base.json, base.base, boxes.map(({ view }) => view), tools.textures, { title: say('title'), eyes: eyes?.json });
     made = result.head;
     await head.showHead(made);
-    const seconds = new Intl.NumberFormat(frame.lang, { maximumFractionDigits: 1 }).format((performance.now() - start) / 1000);
-    tell('done', { seconds });
+    const seconds = new Intl.NumberFormat(frame.lang, { maximumFractionDigits: 1 });
+    const took = () => seconds.format((performance.now() - start) / 1000);
+    tell('done', { seconds: took() });
     if (result.parted) state.append(` ${say('parted')}`);
     $('save').disabled = false;
+    if (poses.named.length) await learnPoses(took);
   } finally {
     $('make').disabled = false;
+  }
+}
+
+async function learnPoses(took) {
+  try {
+    const learnt = await poses.learn(made, await rest());
+    if (learnt.actions) await head.showHead((made = learnt.head));
+    tell(learnt.taken ? 'pose_done' : 'pose_zero', { seconds: took(), poses: learnt.taken, actions: learnt.actions });
+  } catch (error) {
+    if (error.code !== 'parted') throw error;
+    tell('poses_parted');
   }
 }
 
@@ -176,6 +209,14 @@ $('files').addEventListener('change', ({ target }) =>
     target.value = '';
   }),
 );
+$('pose-files').addEventListener('change', ({ target }) =>
+  doing(async () => {
+    const files = [...target.files];
+    target.value = '';
+    await poses.addFiles(files, await load(), await rest());
+  }),
+);
+$('pose-camera').addEventListener('click', () => doing(takePoses));
 $('camera').addEventListener('click', () => doing(cameraOn));
 $('take').addEventListener('click', () => doing(() => add($('video'))));
 $('turn').addEventListener('click', () => doing(turn));

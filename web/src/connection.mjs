@@ -5,7 +5,7 @@ const PROTOCOL = 'faccia.v1';
 const STEADY_MS = 5000; // a connection that held so long was a good one
 const PING_MS = 20000;
 const PONG_PATIENCE_MS = 10000;
-const SOUND_BEHIND = 48000; // bytes, a second of a voice
+const SOUND_BEHIND = 1; // seconds of a voice
 
 /**
  * The link to the server: opens, listens, and opens again when it is lost.
@@ -59,10 +59,13 @@ export class Connection {
     return true;
   }
 
-  /** @param {Int16Array} samples @returns {boolean} whether they went out: not when the network is that far behind */
-  sendSound(samples) {
-    if (this.state !== 'open' || this.socket.bufferedAmount > SOUND_BEHIND) return false;
-    this.socket.send(samples);
+  /**
+   * @param {Int16Array|Uint8Array} sound @param {number} [bytes] of it a second
+   * @returns {boolean} whether it went out: not when the network is that far behind
+   */
+  sendSound(sound, bytes = 48000) {
+    if (this.state !== 'open' || this.socket.bufferedAmount > SOUND_BEHIND * bytes) return false;
+    this.socket.send(sound);
     return true;
   }
 

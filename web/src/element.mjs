@@ -40,7 +40,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     turns,
     state: () => this.#session.state,
     send: (message) => this.#session.send(message),
-    sendSound: (samples) => this.#session.sendSound(samples),
+    sendSound: (sound, bytes) => this.#session.sendSound(sound, bytes),
     emit: (type, detail) => this.#emit(type, detail),
     idle: (chunk) => this.#presentation.idle.face.take(chunk, performance.now() / 1000),
   });
@@ -184,7 +184,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
    * Moves her lips to somebody's voice, without a text, until the stream ends or it is stopped.
    * @param {MediaStream|MediaStreamTrack|null} [stream] a call's, say; without one the user's microphone, which may be asked
    *   for while the user does something only
-   * @param {object} [options] members of the protocol's `voice` message; sound: false = she is not heard here
+   * @param {object} [options] members of the protocol's `voice` message; sound: false = she is not heard here; codec: 'pcm'
    * @returns {{stop(): void, done: Promise<object>}} done: as of `speak`
    */
   listen(stream = null, options = {}) {

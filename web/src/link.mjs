@@ -86,9 +86,9 @@ export class Link {
     return this.#connection?.send(message) ?? false;
   }
 
-  /** @param {Int16Array} samples @returns {boolean} whether they went out */
-  sendSound(samples) {
-    return this.#connection?.sendSound(samples) ?? false;
+  /** @param {Int16Array|Uint8Array} sound @param {number} bytes of it a second @returns {boolean} whether it went out */
+  sendSound(sound, bytes) {
+    return this.#connection?.sendSound(sound, bytes) ?? false;
   }
 
   hurry() {

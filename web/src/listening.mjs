@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Voices of the page that the head speaks with: a microphone, a track of a call, the page's own sound.
 import { Capture } from './audio/capture.mjs';
+import { voiceCodec } from './audio/voice-coder.mjs';
 import { acquireContext, releaseContext } from './audio/shared-context.mjs';
 
 const sources = new WeakMap(); // media element -> {context, node}: there can be but one for each
@@ -49,8 +50,9 @@ export class Listening {
       const capture = await Capture.open(node, (samples) => this.#voice?.write(samples));
       this.#capture = capture;
       for (const track of tracks) track.addEventListener('ended', over);
+      const codec = await voiceCodec(options.codec);
       if (this.#stopped) throw new globalThis.DOMException('It was stopped.', 'AbortError');
-      this.#voice = ports.speak(options);
+      this.#voice = ports.speak({ ...options, codec });
       return await this.#voice.done;
     } finally {
       this.#capture?.close();
@@ -71,6 +73,7 @@ export class Following {
   #context = null;
   #node = null;
   #closed = false;
+  #asking = false;
 
   /** @param {object} ports as of Listening @param {HTMLMediaElement} media @param {object} options of `follow` */
   constructor(ports, media, options) {
@@ -100,8 +103,12 @@ export class Following {
   }
 
   #begin = async () => {
-    if (this.#voice || this.#closed) return;
-    const voice = this.ports.speak(this.options);
+    if (this.#voice || this.#closed || this.#asking) return;
+    this.#asking = true;
+    const codec = await voiceCodec(this.options.codec);
+    this.#asking = false;
+    if (this.#closed || this.media.paused) return;
+    const voice = this.ports.speak({ ...this.options, codec });
     this.#voice = voice;
     try {
       await this.#open();

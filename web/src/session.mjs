@@ -101,8 +101,8 @@ export class Session {
   }
 
   /** @param {Int16Array} samples of a voice @returns {boolean} whether they could be sent */
-  sendSound(samples) {
-    return this.#link.sendSound(samples);
+  sendSound(sound, bytes) {
+    return this.#link.sendSound(sound, bytes);
   }
 
   /** Connects anew; once for all attributes that are changed together. */

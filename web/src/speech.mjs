@@ -17,8 +17,10 @@ const DIRECTIONS = ['paused', 'resumed', 'jumped']; // what the server says at o
  * `resumed`, `jumped`, `media` at once.
  */
 export class Speech {
+  #own = null; // who speaks himself, of those the last
+
   /**
-   * @param {object} ports player; send(message), sendSound(samples) -> boolean; emit(type, detail); idle(chunk): media of
+   * @param {object} ports player; send(message), sendSound(sound, bytes) -> boolean; emit(type, detail); idle(chunk): media of
    *   nobody's; state(): of the connection; turns that it takes with others; setTimeout of tests
    */
   constructor({
@@ -75,9 +77,16 @@ export class Speech {
   }
 
   /** Has somebody speak himself. @param {object} options members of the `voice` message @returns {OwnVoice} */
-  listen(options = {}) {
-    const voice = new OwnVoice(this.send, this.sendSound, (cancelled) => this.#cancel(cancelled));
+  listen({ codec, ...options } = {}) {
+    const voice = new OwnVoice(this.send, this.sendSound, (cancelled) => this.#cancel(cancelled), {
+      codec,
+      before: () => {
+        if (this.#own !== voice) this.#own?.hangUp();
+        this.#own = voice;
+      },
+    });
     voice.done = this.speak('', options, voice);
+    voice.done.finally(() => voice.ended()).catch(() => {});
     return voice;
   }
 

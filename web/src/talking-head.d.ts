@@ -24,6 +24,8 @@ export interface ListenOptions {
   id?: string;
   /** false: it is seen here, and not heard. */
   sound?: boolean;
+  /** How the sound goes to the server: Opus where the browser codes it (left out), else PCM. */
+  codec?: 'opus' | 'pcm';
 }
 
 export interface Listening {

@@ -5,6 +5,7 @@ import path from 'node:path';
 import zlib from 'node:zlib';
 import { encodeDeltas, decode } from '../lib/codec.mjs';
 import { FAPS } from '../lib/faps.mjs';
+import { divide } from './divide.mjs';
 import { FileError, MOST } from './file-error.mjs';
 import { at, nearestVertex, xfaceField, zoneFields } from './fields.mjs';
 import { packModel } from './pack-model.mjs';
@@ -115,7 +116,7 @@ function looksOf(scene, parts) {
       color: look.color.map((x) => Math.min(1, Math.max(0, x))),
       roughness: Math.min(1, Math.max(0.05, look.roughness)),
       specular: 0.3, alpha: look.alpha, double_sided: look.double_sided, subsurface: 0,
-      ...(LOOKS[part.name] ?? {}),
+      ...(LOOKS[part.name.replace(/_\d+$/, '')] ?? {}),
     };
   }
   return { materials, textures };
@@ -149,8 +150,13 @@ export function makeHead(scene, points, options) {
   for (const part of made) for (const move of part.moves) checkScale(part, move);
   const size = Math.max(...skin.position.reduce((most, x, i) => ((most[i % 3] = Math.max(most[i % 3], Math.abs(x))), most), [0, 0, 0]));
   const view = { target: [0, -0.5 * fapu.ENS, 0], distance: Math.max(500, Math.min(620, 5 * size)), fov: 26 };
+  const divided = made.flatMap((part, i) => divide(part, scene, part.name === 'skin' ? nearestVertex(skin, fdp['9.3']) : -1, parts[i].material));
+  for (const { name, pieces } of made) {
+    const own = divided.filter(({ part }) => part.pieces === pieces).map(({ part }) => part.name);
+    if (own.length > 1) notes.push(`${name}: its ${own.length} pictures make it ${own.join(', ')}`);
+  }
   const about = { name: options.name, title: options.title, licence: options.licence, credits: options.credits };
-  return { head: packModel(about, { ...model, view, ...looksOf(scene, parts) }), notes: [...notes, ...more], used };
+  return { head: packModel(about, { ...model, parts: divided.map(({ part }) => part), view, ...looksOf(scene, divided.map(({ part, look }) => ({ name: part.name, material: look }))) }), notes: [...notes, ...more], used };
 }
 
 /** A feature point of the skin is the vertex that is nearest to it. */

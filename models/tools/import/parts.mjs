@@ -77,7 +77,10 @@ export function ballOf(position) {
 /** One mesh of several. */
 function merge(name, meshes) {
   const total = meshes.reduce((sum, { position }) => sum + position.length / 3, 0);
-  if (total > MOST_VERTICES) throw new FileError(name, `has ${total} vertices, more than ${MOST_VERTICES}: make the mesh coarser`);
+  if (total > MOST_VERTICES) {
+    const which = meshes.map((mesh) => `${mesh.name} ${mesh.position.length / 3}`).slice(0, 5).join(', ');
+    throw new FileError(name, `has ${total} vertices (${which}), more than ${MOST_VERTICES}: make the mesh coarser`);
+  }
   const out = { name, position: new Float64Array(3 * total), uv: new Float64Array(2 * total), index: [], targets: {}, material: meshes[0].material, pieces: [] };
   let at = 0;
   for (const mesh of meshes) {
@@ -134,11 +137,10 @@ function cut(mesh, axis, middle, [above, below]) {
   });
 }
 
-/** The material of the largest of a part's meshes, of those with a picture if there are any: a part has one. */
-function materialOf(name, meshes, { materials, notes }) {
+/** The material of the largest of a part's meshes, of those with a picture if there are any (divide.mjs has the others). */
+function materialOf(meshes, { materials }) {
   const pictures = new Set(meshes.map(({ material }) => materials[material]?.picture).filter(Boolean));
   const [{ material }] = meshes.filter((mesh) => !pictures.size || materials[mesh.material]?.picture).sort((a, b) => b.index.length - a.index.length);
-  if (pictures.size > 1) notes.push(`${name}: of its ${pictures.size} pictures only that of ${materials[material].name} is shown: bake them into one`);
   return material;
 }
 
@@ -152,6 +154,6 @@ export function gatherParts(scene) {
   });
   return NAMES.flatMap((name) => {
     const own = meshes.filter(({ part }) => part === name);
-    return own.length ? [{ ...merge(name, own), material: materialOf(name, own, scene) }] : [];
+    return own.length ? [{ ...merge(name, own), material: materialOf(own, scene) }] : [];
   });
 }

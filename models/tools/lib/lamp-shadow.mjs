@@ -97,10 +97,10 @@ export function paintedShadow(parts, seen, seenNormals, opaqueOf, { subsurface }
   const done = eachTexel(skin, size, (texel, a, b, c, wa, wb, wc) => {
     const at = (list, stride, k) => wa * list[a * stride + k] + wb * list[b * stride + k] + wc * list[c * stride + k];
     if (at(lamp, 3, 0) < 0.02) return;
-    const known = at(client, 4, 1) / 255;
+    const known = Math.max(0, at(client, 4, 1) / 255); // beside a triangle, where the picture begins, it goes on below nothing
     const key = reaches(...[0, 1, 2].map((k) => at(seen, 3, k) + LIFT * at(seenNormals, 3, k)));
     for (let k = 0; k < 3; k++) {
-      const [rest, light] = [at(other, 3, k), at(lamp, 3, k)];
+      const [rest, light] = [at(other, 3, k), at(lamp, 3, k)].map((x) => Math.max(0, x));
       out[texel * 3 + k] = (LEAST + rest + light * key ** SOFT[k]) / (LEAST + rest + light * known ** SOFT[k]);
     }
   });

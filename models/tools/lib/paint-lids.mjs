@@ -14,13 +14,21 @@ export function eyeLines(ctx) {
       centre: eyes[side],
       radius: eyes.radius,
       margin: line(EYE_MARGIN),
-      rim: line(EYE_MARGIN + 2),
       upper: upper.map((u) => [u ? 1 : 0]),
     };
   });
 }
 
-export function lidPaint(colour, q, lids, look) {
+/** For each vertex of the base mesh where it is beside the lids' margin, in pairs of rings of edges: 0 on it, 1 behind it, -1 before it and elsewhere. */
+export function behindMargin({ p, topology }) {
+  const out = new Float32Array(p.length / 3).fill(-1);
+  for (const loops of Object.values(topology.eye))
+    loops.forEach((loop, i) => loop.forEach((v) => (out[v] = Math.min(1, Math.max(-1, (i - EYE_MARGIN) / 2)))));
+  return out;
+}
+
+/** @param {number} behind of behindMargin: by places alone a deep fold of the lid would be taken for its margin, or its inside */
+export function lidPaint(colour, q, behind, lids, look) {
   for (const eye of lids) {
     const dx = q[0] - eye.centre[0],
       dy = q[1] - eye.centre[1],
@@ -29,13 +37,10 @@ export function lidPaint(colour, q, lids, look) {
     if (far > eye.radius + look.toneReach + 4) continue;
     const near = nearestOnLine(eye.margin, eye.upper, q, true);
     const upper = near.value[0];
-    const inside =
-      near.distance < 6 && nearestOnLine(eye.rim, eye.upper, q, true).distance < near.distance * 0.8;
     let c = mix(colour, look.tone, look.toneStrength * smoothstep(look.toneReach, 0.5, near.distance));
-    const line = upper > 0.5 ? look.upperLine : look.lowerLine;
+    const line = (upper > 0.5 ? look.upperLine : look.lowerLine) * smoothstep(-0.5, -0.3, behind);
     c = mix(c, hex(look.lineColour), line * smoothstep(look.lineWidth, 0.1, near.distance));
-    if (inside || far < eye.radius + 0.5) c = mix(c, look.rim, look.rimStrength);
-    return c;
+    return mix(c, look.rim, look.rimStrength * smoothstep(0.35, 0.65, behind));
   }
   return colour;
 }

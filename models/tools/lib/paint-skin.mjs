@@ -13,7 +13,7 @@ import { paintedShadow } from './lamp-shadow.mjs';
 import { normals } from './mesh.mjs';
 import { distanceTo } from './near-hair.mjs';
 import { fractal, noise } from './noise.mjs';
-import { eyeLines, lidPaint } from './paint-lids.mjs';
+import { behindMargin, eyeLines, lidPaint } from './paint-lids.mjs';
 import { lipPaint, lipParameter } from './paint-lips.mjs';
 import { neckPaint } from './paint-neck.mjs';
 import { ellipsoid, smoothstep } from './zones.mjs';
@@ -56,6 +56,7 @@ export async function paintSkin(spec, scene) {
   const lips = lipParameter(ctx);
   const [lipT, lipDepth, lipS] = [lips.t, lips.depth, ctx.grid.s].map(onPart);
   const lids = eyeLines(ctx);
+  const inner = onPart(behindMargin(ctx));
   const grown = hairRoots(look, parts, opaque);
   const neck = neckPaint(ctx, look.neck, recipe.materials.skin.subsurface);
   const ear = earZone(ctx.fdp, look.scalp.ears);
@@ -82,10 +83,10 @@ export async function paintSkin(spec, scene) {
         if (w > 0) colour = mix(colour, z.colour, w * z.strength);
       }
       colour = neck(mottle(colour, q, look), q, [0, 1, 2].map((k) => at(vertexNormals, 3, k)));
-      colour = lidPaint(colour, q, lids, lidLook);
+      colour = lidPaint(colour, q, attribute(inner), lids, lidLook);
       const t = attribute(lipT);
       colour = lipPaint(colour, q, t, attribute(lipDepth), attribute(lipS), look.lips);
-      return grown(pores(colour, q, look, t), q, behind, t);
+      return grown(pores(colour, [0, 1, 2].map((k) => at(seen, 3, k)), look, t), q, behind, t);
     };
     const colour = hairy === 1 ? scalp : mix(bare(), scalp, hairy);
     data.set(shade(darkened(colour, between(shadow, size / 2, texel, size), look.lampShadow), light, look.occlusion), texel * 3);

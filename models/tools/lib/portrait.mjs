@@ -5,6 +5,7 @@
  */
 import sharp from 'sharp';
 import { bakeOcclusion } from '../../../web/src/head/occlusion.mjs';
+import { lidsAt, lidsOf } from '../../../web/src/head/lids.mjs';
 import { mouthLight, openingOf } from '../../../web/src/head/mouth-light.mjs';
 import { CLEAR, isAiry, eyeNormals, fibres, kindOf, THIN, volumeNormals } from '../../../web/src/head/surfaces.mjs';
 import { pose } from './deform.mjs';
@@ -93,6 +94,7 @@ function makePart(head, part, faps, textures) {
     thing.centre = turn.pivot;
     thing.iris = head.fapu.IRISD / 2 / radius;
     n = eyeNormals(at, turn.pivot, thing.iris);
+    thing.gap = lidGaps(head, part, faps, turn.pivot, radius);
   }
   thing.normal = n;
   thing.reach = new Float32Array((position.length / 3) * 4).fill(1);
@@ -100,9 +102,30 @@ function makePart(head, part, faps, textures) {
   return thing;
 }
 
+/** As the head stands upright. */
+const upright = (head, part, faps) => pose(head, part, { ...faps, 48: 0, 49: 0, 50: 0 });
+
+const valuesOf = (faps) => Float32Array.from({ length: 69 }, (_, fap) => faps[fap] ?? 0);
+
+/** For each vertex of an eyeball mm below the upper lid's margin, and above the lower one's. */
+function lidGaps(head, part, faps, pivot, radius) {
+  const numbered = ({ turns, ...skin }) => ({ ...skin, turns: turns.map((one) => ({ ...one, turn: head.turns.findIndex(({ name }) => name === one.turn) })) });
+  const skin = head.parts.filter(({ name }) => name === 'skin').map(numbered);
+  const { upper, lower } = lidsAt(lidsOf({ parts: skin, turns: head.turns, fdp: head.fdp }, pivot, radius), valuesOf(faps));
+  const line = (factors, x) => factors.reduceRight((sum, factor) => sum * x + factor, 0);
+  const position = upright(head, part, faps);
+  const out = new Float32Array((position.length / 3) * 2);
+  for (let v = 0; v < out.length / 2; v++) {
+    const [x, y, z] = pivot.map((value, k) => position[v * 3 + k] - value);
+    const [angle, far] = [Math.atan2(y, z), Math.hypot(y, z)];
+    out.set([(line(upper, x) - angle) * far, (angle - line(lower, x)) * far], v * 2);
+  }
+  return out;
+}
+
 function lightMouth({ reach }, head, part, faps) {
-  const position = pose(head, part, { ...faps, 48: 0, 49: 0, 50: 0 }); // as the head stands upright
-  const opening = openingOf(head, Float32Array.from({ length: 69 }, (_, fap) => faps[fap] ?? 0));
+  const position = upright(head, part, faps);
+  const opening = openingOf(head, valuesOf(faps));
   for (let v = 0; v < position.length / 3; v++)
     reach.set(mouthLight(head, opening, [0, 1, 2].map((k) => position[v * 3 + k])), v * 4);
 }
@@ -239,6 +262,7 @@ function shade(thing, { eye }, v, w, texel, back) {
     fibre: thing.fibre && unit(three(thing.fibre, v, w)),
     place: thing.centre && unit(q.map((x, k) => x - thing.centre[k])),
     iris: thing.iris,
+    gap: thing.gap && [mixed(thing.gap, v, w, 2, 0), mixed(thing.gap, v, w, 2, 1)],
   });
 }
 

@@ -108,6 +108,28 @@ function catchLight(n, v, reach) {
   );
 }
 
+/** The shadow of the upper lid and its lashes, and the red that the lower one throws back. @param {number[]} gap mm below the upper margin, above the lower one */
+function lidShade([below, above]) {
+  const [under, over] = [step(-0.6, 3.2, below), step(-0.2, 1.4, above)];
+  return [0, 1, 2].map((k) => mixed([0.42, 0.36, 0.36][k], under) * mixed([0.86, 0.72, 0.68][k], over));
+}
+
+const mixed = (least, share) => least + (1 - least) * share;
+
+/** The film of tears that stands on the lower lid's edge. */
+function wetEdge(n, above, reach) {
+  const film = 0.16 * Math.max(0, 1 - ((above - 0.3) / 0.22) ** 2);
+  return [0, 1, 2].map((k) => film * (SKY[k] + KEY.color[k] * reach[1] * Math.max(0, dot(n, KEY.direction))));
+}
+
+/** What is seen of an eye: its own colour in this light, with what the lids do to it. */
+function eyeColour(b, light, n, v, reach, gap) {
+  const shade = lidShade(gap),
+    wet = wetEdge(n, gap[1], reach);
+  const bright = catchLight(n, v, Math.min(1, 0.15 + reach[0] * 1.6));
+  return b.map((x, k) => x * light[k] * shade[k] + bright[k] * step(-0.4, 1.2, gap[0]) + wet[k]);
+}
+
 function filmic(c) {
   const peak = Math.max(c[0], c[1], c[2]);
   if (peak <= 0.7) return c;
@@ -118,13 +140,17 @@ function filmic(c) {
 
 /**
  * @param {string} kind skin, hair, eye, mouth or other @param {object} look the material
- * @param {{base: number[], n: number[], v: number[], reach: number[], fibre?: number[], place?: number[], iris?: number}} at
+ * @param {{base: number[], n: number[], v: number[], reach: number[], fibre?: number[], place?: number[], iris?: number, gap?: number[]}} at of an eye:
+ *   `place` on the unit ball, `iris` the radius of that, `gap` mm to the margins of the upper and of the lower lid
  * @returns {number[]} the colour on the display, 0..1
  */
-export function shadePoint(kind, look, { base, n, v, reach, fibre, place, iris }) {
+export function shadePoint(kind, look, { base, n, v, reach, fibre, place, iris, gap }) {
   let b = kind === 'eye' ? eyeGlow(base, place, iris) : base;
   b = b.map((x, k) => x * (look.color?.[k] ?? 1));
   const light = diffuse(kind, look.subsurface ?? 0, n, reach);
-  const more = kind === 'eye' ? catchLight(n, v, Math.min(1, 0.15 + reach[0] * 1.6)) : shine(kind, look, n, v, b, reach, fibre);
-  return filmic(b.map((x, k) => x * light[k] + more[k])).map((x) => toDisplay(clamp(x)));
+  const colour = () => {
+    const more = shine(kind, look, n, v, b, reach, fibre);
+    return b.map((x, k) => x * light[k] + more[k]);
+  };
+  return filmic(kind === 'eye' ? eyeColour(b, light, n, v, reach, gap) : colour()).map((x) => toDisplay(clamp(x)));
 }

@@ -11,10 +11,10 @@ import { PortraitError } from '../../../web/src/portrait/problem.mjs';
 import { FileError } from '../import/file-error.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { PARAMETERS } from './articulation.mjs';
-import { UNKNOWNS } from './fap-moves.mjs';
-import { Layer } from './lay.mjs';
-import { landmarksOf } from './look.mjs';
-import { pictured, speakerOf } from './speaker.mjs';
+import { UNKNOWNS } from '../../../web/src/portrait/fap-moves.mjs';
+import { Layer } from '../../../web/src/portrait/lay.mjs';
+import { landmarksOf } from '../../../web/src/portrait/look.mjs';
+import { pictured, speakerOf } from '../../../web/src/portrait/speaker.mjs';
 
 const IRIS = 11.7; // mm: the horizontal diameter of an adult's, within half a mm (Hashemi and others 2015)
 const DRAWN_IRIS = 10.9; // mm: of our heads, by which the detector's habit falls out

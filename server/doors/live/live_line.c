@@ -125,13 +125,14 @@ static char *read_head(struct live_line *l) {
 }
 
 /* What the daemon says in its answer, if it is an error of its own. */
-static int refuse(struct live_line *l, const char *url, const char *body) {
+static int refuse(struct live_line *l, const char *url) {
     char why[400];
     size_t got = 0;
-    if (!*body && !wait_for(l, POLLIN) &&
-        !curl_easy_recv(l->easy, buf_reserve(&l->come, PIECE), PIECE - 1, &got))
-        l->come.data[l->come.size + got] = '\0';
-    json_t *answer = json_loads((char *)l->come.data + l->taken, JSON_DISABLE_EOF_CHECK, NULL);
+    if (l->come.size == l->taken && !wait_for(l, POLLIN) &&
+        !curl_easy_recv(l->easy, buf_reserve(&l->come, PIECE), PIECE, &got))
+        l->come.size += got;
+    json_t *answer =
+        json_loadb((char *)l->come.data + l->taken, l->come.size - l->taken, JSON_DISABLE_EOF_CHECK, NULL);
     const char *message = json_string_value(json_object_get(answer, "message"));
     snprintf(why, sizeof why, "%.380s", message ? message : "there is no stream of a daemon");
     json_decref(answer);
@@ -150,8 +151,7 @@ static int shake_hands(struct live_line *l, const struct place *place, const cha
     l->taken = (size_t)(end + 4 - (char *)l->come.data);
     if (websocket_answered((char *)l->come.data, answer))
         return 0;
-    buf_add(&l->come, "", 1);
-    return refuse(l, place->url, (char *)l->come.data + l->taken);
+    return refuse(l, place->url);
 }
 
 static int connect_to(struct live_line *l, const char *url) {

@@ -2,12 +2,16 @@
 // The relief of skin, pores and fine lines, as a picture that repeats: made here, so that nothing has to be loaded. Only fine
 // quality draws it.
 import { DataTexture, LinearFilter, LinearMipmapLinearFilter, LinearMipmapNearestFilter, RepeatWrapping } from 'three';
+import { turned } from './influences.mjs';
+import { kindOf } from './surfaces.mjs';
 
 const SIZE = 128;
 const TILE_MM = 15;
 const CELLS = [[9, 0.3], [19, 0.3], [37, 0.22]]; // bumps along a side, and how high they are
 const PORES = 17; // along a side
 const STEEP = 260; // slopes to bytes
+const LIDS_DOWN = [19, 20]; // FAPs that bring the upper lids down, at CLOSED
+const CLOSED = 1024;
 
 /** 0..1, the same everywhere. */
 function hash(x, y, seed) {
@@ -68,6 +72,26 @@ export function grainTexture(plain) {
     minFilter: plain ? LinearMipmapNearestFilter : LinearMipmapLinearFilter,
   });
   return texture;
+}
+
+/**
+ * By how many mm each vertex of the skin stands lower with the lids down. Pores are laid on it as it stands then: at rest the
+ * lids are folded away, and what is laid on them from the front would come out as streaks.
+ * @param {import('./model.mjs').Part} part @param {object[]} axes the model's turns
+ * @returns {Float32Array|undefined} of other parts nothing
+ */
+export function loweredBy(part, axes) {
+  if (kindOf(part.name) !== 'skin') return undefined;
+  const out = new Float32Array(part.vertices);
+  for (const { turn, vertices, weights } of part.turns) {
+    const { fap, radians } = axes[turn];
+    if (!LIDS_DOWN.includes(fap) || !vertices) continue;
+    vertices.forEach((v, i) => {
+      const rest = part.position.subarray(3 * v, 3 * v + 3);
+      out[v] += rest[1] - turned(rest, axes[turn], CLOSED * radians * weights[i])[1];
+    });
+  }
+  return out;
 }
 
 export const grainGlsl = /* glsl */ `

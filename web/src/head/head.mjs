@@ -5,7 +5,7 @@ import {
 } from 'three';
 import { faceValues } from '../face-mixer.mjs';
 import { Drive, influencesOf, packInfluences } from './influences.mjs';
-import { grainTexture } from './grain.mjs';
+import { grainTexture, loweredBy } from './grain.mjs';
 import { lidsAt, lidsOf } from './lids.mjs';
 import { mouthUniforms, openingOf } from './mouth-light.mjs';
 import { bared, reachesOf } from './reach.mjs';
@@ -98,7 +98,7 @@ export class Head {
     // Reading the influences may have made new slots.
     this.drive.slotValues = this.uniforms.slots.value = new Float32Array(Math.max(1, this.drive.slots.length));
     for (const { part, influences } of built) {
-      const look = { normals: this.#normals(part, influences.normals) };
+      const look = { normals: this.#normals(part, influences.normals), lowered: loweredBy(part, this.model.turns) };
       const shape = new Shape(part, influences, look, this.software ? this.drive : null);
       const { geometry, soft } = shape;
       this.parts.push({ part, influences, geometry, shape, shapes: [shape] });

@@ -4,6 +4,8 @@ import { Normals } from './normals.mjs';
 
 const TRIAL_MM = 2; // the normals' change is measured at about this displacement
 const TRIAL_RADIANS = 0.15;
+const LIDS = [19, 20]; // upper lids unfold as they come down: so their normals are right when they are down,
+const DOWN = 1024; // at this value
 const NOWHERE = [0, 0, 0];
 const LEAST_NORMAL_CHANGE = 0.004; // at the trial displacement: below, nobody sees it
 
@@ -115,7 +117,7 @@ export function influencesOf(part, drive) {
     const { fap, radians } = drive.turns[turn];
     if (!weights || turn >= drive.firstHeadTurn || !radians) continue;
     // Where neighbours turn by different angles the skin shears, and turning the normal alone would not say so.
-    const angle = (faps[fap].bidirectional ? 1 : Math.sign(radians)) * TRIAL_RADIANS;
+    const angle = LIDS.includes(fap) ? DOWN * radians : (faps[fap].bidirectional ? 1 : Math.sign(radians)) * TRIAL_RADIANS;
     const axis = { ...drive.turns[turn], pivot: [0, 0, 0] };
     for (const v of list)
       turned(part.position.subarray(3 * v, 3 * v + 3), drive.turns[turn], angle * weightOf.get(v)).forEach(

@@ -4,6 +4,7 @@ import { scan } from './raster.mjs';
 
 const SIZE = 192; // of a depth picture, in both directions
 const BIAS_MM = 2.5; // surfaces do not shade themselves
+const FOLD_MM = 4; // nor does what a lid is folded into while it is open shade it when it is down: so much more, at most
 const SKY_DIRECTIONS = 40;
 const LAMP_DIRECTIONS = 9; // of each lamp, which has a size
 const LAMP_RADIUS = 0.2; // radians
@@ -76,14 +77,17 @@ class DepthPicture {
     }
   }
 
-  /** How much of the light from there reaches a projected point, which hair stops whole or not: 0..1, by four texels. */
-  reaches(points, i, stopped) {
+  /**
+   * How much of the light from there reaches a projected point, which hair stops whole or not: 0..1, by four texels.
+   * @param {number} fold mm before it that take no light from it
+   */
+  reaches(points, i, stopped, fold) {
     const x = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i] - 0.5)));
     const y = Math.min(SIZE - 2, Math.max(0, Math.floor(points[i + 1] - 0.5)));
     const [fx, fy] = [Math.min(1, points[i] - 0.5 - x), Math.min(1, points[i + 1] - 0.5 - y)];
     const at = y * SIZE + x;
     const open = (k) => {
-      const below = this.depth[k] - points[i + 2] - BIAS_MM;
+      const below = this.depth[k] - points[i + 2] - BIAS_MM - fold;
       if (below <= 0) return 1;
       return this.airy[k] && !stopped ? throughHair(below) : 0;
     };
@@ -113,6 +117,8 @@ export function* bakeOcclusion(parts) {
   ];
   const sums = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
   const weights = parts.map(({ position }) => lights.map(() => new Float32Array(position.length / 3)));
+  const folds = parts.map(({ position, seen }) => Float32Array.from({ length: position.length / 3 }, (_, v) =>
+    Math.min(FOLD_MM, Math.hypot(...[0, 1, 2].map((k) => seen.position[3 * v + k] - position[3 * v + k])))));
   for (const [l, light] of lights.entries())
     for (const direction of light.directions) {
       const picture = new DepthPicture(direction, radius, [0, 0, 0]);
@@ -123,7 +129,7 @@ export function* bakeOcclusion(parts) {
           // What faces away from the sky's part gets nothing from it anyway.
           const facing = light.sky ? dot(seen.normal.subarray(v, v + 3), direction) : 1;
           if (facing <= 0) continue;
-          sums[i][l][v / 3] += facing * picture.reaches(points, v, airy || light.stopped);
+          sums[i][l][v / 3] += facing * picture.reaches(points, v, airy || light.stopped, folds[i][v / 3]);
           weights[i][l][v / 3] += facing;
         }
       });

@@ -36,6 +36,7 @@ WITHIN varying vec3 eyePlace; // on the unit eyeball, looking along z
 #endif
 #if FINE && KIND == 1
 ${wrinkleGlsl}
+WITHIN varying float grainDown; // see grain.mjs: loweredBy
 #endif
 
 `;
@@ -44,6 +45,9 @@ export const vertexGlsl = /* glsl */ `
 ${deformGlsl}
 ${commonGlsl}
 attribute vec4 reach;
+#if FINE && KIND == 1
+attribute float lowered;
+#endif
 #ifdef SOFTWARE
 attribute vec3 rest;
 #else
@@ -79,6 +83,7 @@ void main() {
 #endif
 #if FINE && KIND == 1
   restPlace = rest;
+  grainDown = lowered;
 #elif FINE && KIND == 2
   surfaceFibre = mat3(headTurn) * fibre;
 #endif
@@ -187,7 +192,7 @@ vec4 shaded(vec4 base) {
 #endif
 #if FINE && KIND == 1
   float deep = wrinkle(n);
-  float pores = grained(n, restPlace, 1.0 - 0.7 * lipsOf(base));
+  float pores = grained(n, restPlace - vec3(0.0, grainDown, 0.0), 1.0 - 0.7 * lipsOf(base));
   n = normalize(n);
   base.rgb *= (1.0 - vec3(0.26, 0.36, 0.38) * min(1.0, deep)) * (1.0 - vec3(0.1, 0.16, 0.18) * pores);
 #endif

@@ -20,12 +20,12 @@ const hides = ({ name }) => kindOf(name) === 'hair' && !THIN.includes(name);
 export class Shape {
   /**
    * @param {import('./model.mjs').Part} part @param {ReturnType<import('./influences.mjs').influencesOf>} influences
-   * @param {{normals: Float32Array, fibre?: Float32Array, reach?: Uint8Array}} look of each vertex: its normal as drawn, the
-   *   direction of hair, how much light reaches it
+   * @param {{normals: Float32Array, fibre?: Float32Array, reach?: Uint8Array, lowered?: Float32Array}} look of each vertex:
+   *   its normal as drawn, the direction of hair, how much light reaches it; of skin how far it comes down with the lids
    * @param {import('./influences.mjs').Drive|null} drive null: the graphics processor moves it
    * @param {boolean} [whole] of software-deform.mjs
    */
-  constructor(part, influences, { normals, fibre, reach }, drive, whole) {
+  constructor(part, influences, { normals, fibre, reach, lowered }, drive, whole) {
     Object.assign(this, { part, influences, front: Infinity, fringe: null });
     const hair = kindOf(part.name) === 'hair';
     const soft = (this.soft = drive && new SoftwareDeform(part, influences, normals, drive, whole));
@@ -35,6 +35,7 @@ export class Shape {
     set('normal', soft ? soft.normal : normals, 3);
     set('uv', part.uv ? part.uv.map((value, i) => (i % 2 ? 1 - value : value)) : new Float32Array(2 * part.vertices), 2);
     if (soft && !hair) set('rest', part.position, 3);
+    if (lowered) set('lowered', lowered, 1);
     if (hair) set('fibre', fibre ?? fibres(part), 3);
     set('reach', reach ?? new Uint8Array(4 * part.vertices).fill(255), 4, true);
     geometry.setIndex(new BufferAttribute(hides(part) && !drive ? outsideFirst(part, part.index) : part.index, 1));
@@ -110,6 +111,7 @@ export class Shape {
         normals: gather(rest.normal, 3, kept),
         fibre: geometry.attributes.fibre && gather(geometry.attributes.fibre.array, 3, kept),
         reach: gather(geometry.attributes.reach.array, 4, kept),
+        lowered: geometry.attributes.lowered && gather(geometry.attributes.lowered.array, 1, kept),
       },
       drive,
       this.soft.whole,

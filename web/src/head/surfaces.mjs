@@ -44,12 +44,34 @@ export function volumeNormals({ position }, normals) {
   return out;
 }
 
+const LYING = 4; // times as wide as high on the texture: strands run along such a strip (less may be a row of curls)
+
+/** For each vertex whether the piece of the texture that it belongs to lies: its fibres run along u. */
+function lying({ uv, index, vertices }) {
+  const piece = Uint32Array.from({ length: vertices }, (_, v) => v);
+  const root = (v) => {
+    while (piece[v] !== v) v = piece[v] = piece[piece[v]];
+    return v;
+  };
+  for (let i = 0; i < index.length; i += 3) for (const k of [1, 2]) piece[root(index[i + k])] = root(index[i]);
+  const boxes = Array.from({ length: vertices }, () => [Infinity, Infinity, -Infinity, -Infinity]);
+  for (const v of index) {
+    const box = boxes[root(v)];
+    for (const k of [0, 1]) [box[k], box[2 + k]] = [Math.min(box[k], uv[2 * v + k]), Math.max(box[2 + k], uv[2 * v + k])];
+  }
+  return Array.from(piece, (_, v) => {
+    const [left, top, right, bottom] = boxes[root(v)];
+    return right - left > LYING * (bottom - top);
+  });
+}
+
 /**
- * The direction in which the fibres run at each vertex: that of the texture's v.
+ * The direction in which the fibres run at each vertex: that of the texture's v, or of its u where a strip lies on it.
  * @param {import('./model.mjs').Part} part
  */
-export function fibres({ position, uv, index, smooth, vertices }) {
+export function fibres({ name, position, uv, index, smooth, vertices }) {
   const sums = new Float32Array(3 * vertices);
+  const lies = uv && !THIN.includes(name) ? lying({ uv, index, vertices }) : []; // lashes stand beside each other
   const place = (v) => (smooth ? smooth[v] : v);
   for (let t = 0; uv && t < index.length; t += 3) {
     const [a, b, c] = [index[t], index[t + 1], index[t + 2]];
@@ -60,7 +82,7 @@ export function fibres({ position, uv, index, smooth, vertices }) {
     for (let k = 0; k < 3; k++) {
       const e1 = position[3 * b + k] - position[3 * a + k];
       const e2 = position[3 * c + k] - position[3 * a + k];
-      const along = Math.sign(area) * (u1 * e2 - u2 * e1);
+      const along = Math.sign(area) * (lies[a] ? v2 * e1 - v1 * e2 : u1 * e2 - u2 * e1);
       for (const v of [a, b, c]) sums[3 * place(v) + k] += along;
     }
   }

@@ -12,7 +12,7 @@ const DEPTH = 0.6;
 /**
  * Lips that are further apart than this share of the mouth's width are parted: such a mouth tells little of the one at rest.
  */
-const PARTED = 0.1;
+export const PARTED = 0.1;
 const PARTED_TRUST = 0.45;
 const TURNED = 0.3; // rad of yaw: beyond it a picture is one of the side
 const MOST_FRONT = 0.42; // rad: what may still be the only picture

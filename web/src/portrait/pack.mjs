@@ -21,3 +21,13 @@ export function packPositions(positions) {
   const numbers = Int16Array.from(positions, (value, i) => Math.round((value - offset[i % 3]) / scale));
   return { data: base64(new Uint8Array(numbers.buffer)), scale, offset };
 }
+
+/** @param {number[]} numbers of vertices */
+export const packNumbers = (numbers) => base64(new Uint8Array(Uint16Array.from(numbers).buffer));
+
+/** @param {number[]} deltas three numbers each, mm @returns {{data: string, scale: number}} */
+export function packVectors(deltas) {
+  const reach = deltas.reduce((most, x) => Math.max(most, Math.abs(x)), 1e-6);
+  const scale = Math.ceil((reach / 32767) * 1e9) / 1e9;
+  return { data: base64(new Uint8Array(Int16Array.from(deltas, (x) => Math.round(x / scale)).buffer)), scale };
+}

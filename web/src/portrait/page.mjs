@@ -2,12 +2,15 @@
 // What a page needs to turn pictures into a head: it is bundled with the finder of faces into portrait.js, beside which the
 // nets lie.
 // Pictures stay in the page: nothing here sends anything.
-import { detectorSettings, findFace } from './detect.mjs';
+import { closeUp, detectorSettings, findFace } from './detect.mjs';
 import { base64 } from './pack.mjs';
 import { asProfile, inOrder, makeHead, nearest } from './portrait.mjs';
 import { PortraitError } from './problem.mjs';
 
+export { PoseGuess } from './actions/guess.mjs';
+export { LEFT_OUT, nameOf, POSES } from './actions/poses.mjs';
 export { HANDLES, withMoved } from './landmarks.mjs';
+export { landmarksOf } from './look.mjs';
 export { TurnPicker } from './turn.mjs';
 export { asProfile, inOrder, makeHead, nearest, PortraitError };
 
@@ -22,9 +25,10 @@ function canvasOf(width, height) {
 
 /**
  * A picture as RGBA, upright, on grey where it is clear.
- * @param {Blob|HTMLVideoElement} source @returns {Promise<ImageData>} @throws {PortraitError}
+ * @param {Blob|HTMLVideoElement} source @param {number} [longest] pixels of its longer side, at most
+ * @returns {Promise<ImageData>} @throws {PortraitError}
  */
-export async function readPicture(source) {
+export async function readPicture(source, longest = LONGEST) {
   let image;
   try {
     image = await createImageBitmap(source); // upright, as its camera says
@@ -32,7 +36,7 @@ export async function readPicture(source) {
     throw new PortraitError('no_picture', `this is no picture that can be read (${error.message})`);
   }
   if (image.width * image.height > MOST_PIXELS) throw new PortraitError('too_large', `the picture has more than ${MOST_PIXELS / 1e6} million pixels`);
-  const scale = Math.min(1, LONGEST / Math.max(image.width, image.height));
+  const scale = Math.min(1, longest / Math.max(image.width, image.height));
   const { canvas, context } = canvasOf(Math.max(1, Math.round(image.width * scale)),
     Math.max(1, Math.round(image.height * scale)));
   context.fillStyle = '#c8ccd0';
@@ -65,7 +69,7 @@ let human = null;
 
 /**
  * Loads the finder once. @param {string} folder where the nets lie, ends in "/" @returns {Promise<(picture: ImageData) =>
- * Promise<number[][]>>}
+ * Promise<number[][]>>} its member closeUp(picture, box) where the face's place is known
  */
 export async function openEye(folder) {
   human ??= (async () => {
@@ -76,7 +80,7 @@ export async function openEye(folder) {
   })();
   try {
     const ready = await human;
-    return (picture) => findFace(ready, picture);
+    return Object.assign((picture) => findFace(ready, picture), { closeUp: (picture, box) => closeUp(ready, picture, box) });
   } catch (error) {
     human = null;
     throw error;

@@ -78,9 +78,12 @@ export async function makeHead(json, base, views, images, options = {}) {
   const part = model.parts.find(({ name }) => name === 'skin');
   const eyes = model.parts.filter(({ name }) => name.startsWith('eye'));
   const texture = json.textures[model.materials[part.material].texture];
-  const skin = paintSkin({ part, texture: await images.read(texture), eyes, base, isLid: (turn) => model.turns[turn].name.startsWith('lid') }, ordered, fitted.views);
-  const changed = morph(model, base, target);
   const gone = WORN.filter((name) => !(options.keep ?? []).includes(name));
+  const worn = gone.includes('glasses') ? model.parts.filter(({ name }) => name.startsWith('glasses')) : [];
+  const isLid = (turn) => model.turns[turn].name.startsWith('lid');
+  const about = { part, texture: await images.read(texture), eyes, worn, base, isLid };
+  const skin = paintSkin(about, ordered, fitted.views);
+  const changed = morph(model, base, target);
   const head = {
     ...json,
     name: options.name ?? 'portrait',

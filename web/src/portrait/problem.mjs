@@ -3,8 +3,8 @@
 /** What is wrong with a picture, by an identifier that programs and pages know. */
 export class PortraitError extends Error {
   /**
-   * @param {'no_face'|'several_faces'|'too_small'|'turned'|'no_picture'|'too_large'|'too_few'} code @param {string} message
-   * in English
+   * @param {'no_face'|'several_faces'|'too_small'|'turned'|'no_picture'|'too_large'|'too_few'|'parted'|'unlike'|
+   *   'other_face'|'other_pose'|'left_out'} code the last five are of poses @param {string} message in English
    */
   constructor(code, message) {
     super(message);

@@ -5,9 +5,10 @@
 // itself, is the picture's. Where no picture sees the skin, and outside the face, is the base's skin in the face's tone.
 import { Normals } from '../head/normals.mjs';
 import { rbf } from '../head/rbf.mjs';
+import { bareColours, paintBare, underWorn } from './bare.mjs';
 import { COUNT, EYES, LOWER_LIP, OVAL, SKIN, UPPER_LIP } from './landmarks.mjs';
-import { lipLine } from './fit.mjs';
-import { smoothOver, visible } from './surface.mjs';
+import { lipLine, PARTED, partedLips } from './fit.mjs';
+import { eachTexel, smoothOver, visible } from './surface.mjs';
 
 const EVEN = 0.8; // how much of the slow changes is the base's
 const SLOW = 17; // mm: what is slower counts as light
@@ -16,6 +17,7 @@ const RIM = [1, 17]; // mm inside the oval: where the picture begins, and is who
 const LASHES = [0.6, 2.6]; // mm from the lids' margins
 const LID = [0.2, 0.7]; // of a lid's turn: what moves so much when it closes is hidden, or shaded, while it is open
 const FACING = [0.2, 0.55]; // cosine towards the picture
+const BETWEEN = [1, 3.2]; // mm from where lips meet: of parted ones a picture shows the teeth there
 const DARK = [0.5, 0.8]; // of the skin's brightness: hair that hangs into the forehead
 const SHINE = [1.15, 0.35]; // what is brighter than its surroundings by so much shines, and keeps so much of that
 
@@ -115,6 +117,20 @@ function maskOf(base, { position: positions, turns }, isLid) {
   return mask;
 }
 
+/** mm of each vertex from the line where the lips meet. */
+function fromLipLine(base, position) {
+  const line = lipLine(base.at).sort((a, b) => a[0] - b[0]);
+  return Float32Array.from({ length: position.length / 3 }, (_, v) => {
+    const p = position.subarray(3 * v, 3 * v + 3);
+    return Math.min(...line.slice(1).map((b, i) => {
+      const [a, ab] = [line[i], b.map((x, k) => x - line[i][k])];
+      const along = ab.reduce((sum, x, k) => sum + x * (p[k] - a[k]), 0) / ab.reduce((sum, x) => sum + x * x, 1e-9);
+      const t = Math.min(1, Math.max(0, along));
+      return Math.hypot(...ab.map((x, k) => p[k] - a[k] - t * x));
+    }));
+  });
+}
+
 /** What changes slowly of colours on the skin: their mean over some mm, each counted by its weight. */
 function slowly(positions, colours, weights, chosen) {
   const sources = chosen.filter((v, i) => weights[v] > 0.3 && i % 3 === 0);
@@ -140,6 +156,7 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
   const { position, index } = part;
   const seen = visible(position, index, look, view.turn);
   const weight = new Float32Array(mask.length);
+  const lips = partedLips(landmarks) > PARTED ? fromLipLine(base, position) : null;
   for (let v = 0; v < weight.length; v++) {
     const facing = [0, 1, 2].reduce((sum, k) => sum + view.turn[k][2] * normals[3 * v + k], 0);
     weight[v] = mask[v] && seen[v] ? mask[v] * ramp(FACING, facing) : 0;
@@ -154,23 +171,30 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
     if (position[3 * v + 1] > top) weight[v] *= ramp(DARK, luma(c) / bright);
   }
   const soft = smoothOver(part, weight, 5);
-  for (let v = 0; v < weight.length; v++) weight[v] = Math.min(1, 1.15 * ramp([0.35, 0.95], soft[v]));
+  for (let v = 0; v < weight.length; v++) {
+    weight[v] = Math.min(1, 1.15 * ramp([0.35, 0.95], soft[v]));
+    if (lips) weight[v] *= ramp(BETWEEN, lips[v]);
+  }
   return { picture, places, weight, colours, chosen, slow: slowly(position, colours, weight, chosen) };
 }
 
 /**
- * @param {{part: object, texture: object, eyes: object[], base: import('./fit.mjs').Points, isLid: (turn: number) =>
- *   boolean}} head part: the base's skin (model.mjs); texture:
- *   RGBA; eyes: parts that hide skin behind them; isLid: whether a turn of the model closes an eye
+ * @param {{part: object, texture: object, eyes: object[], worn: object[], base:
+ *   import('./fit.mjs').Points, isLid: (turn: number) => boolean}} head part: the base's skin (model.mjs); texture:
+ *   RGBA; eyes: parts that hide skin behind them; worn: glasses that the new head has not; isLid: whether
+ *   a turn of the model closes an eye
  * @param {{picture: object, landmarks: number[][]}[]} pictures the first is the front @param {object[]} views laid (fit.mjs)
  * @returns {{width: number, height: number, data: Uint8ClampedArray, tone: {was: number[], is: number[]}}}
  */
-export function paintSkin({ part, texture, eyes, base, isLid }, pictures, views) {
+export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, views) {
   const { position, uv, index } = part;
   const size = [texture.width, texture.height];
-  const own = new Float32Array(position.length);
+  let own = new Float32Array(position.length);
   for (let v = 0; v < part.vertices; v++) sample(texture, uv[2 * v] * size[0], (1 - uv[2 * v + 1]) * size[1],
     own.subarray(3 * v, 3 * v + 3));
+  const outer = Math.max(...Object.values(EYES).map((eye) => Math.abs(base.at[eye.outer]?.[0] ?? 0)));
+  const share = worn.length ? underWorn(position, worn.map((one) => one.position), outer) : null;
+  if (share) own = bareColours(part, own, share);
   const tone = { was: skinTone(base, position, own), is: toneOf(pictures[0].picture, pictures[0].landmarks) };
   const mask = maskOf(base, part, isLid);
   const normals = new Normals(part).rest;
@@ -185,8 +209,9 @@ export function paintSkin({ part, texture, eyes, base, isLid }, pictures, views)
       for (let k = 0; k < 3; k++) one.gain[3 * v + k] = Math.min(GAIN[1],
         Math.max(GAIN[0], ((slowOwn[3 * v + k] * ratio[k]) / (one.slow[3 * v + k] + 1e-4)) ** EVEN));
   }
-  share(layers);
+  divide(layers);
   const data = new Uint8ClampedArray(texture.data);
+  if (share) paintBare(part, { share, bare: own }, size, data, coded);
   const table = ratio.map((r) => Uint8ClampedArray.from({ length: 256 }, (_, i) => coded(linear[i] * r)));
   for (let i = 0; i < data.length; i += 4) for (let k = 0; k < 3; k++) data[i + k] = table[k][data[i + k]];
   paint(layers, { uv, index, size }, data);
@@ -194,7 +219,7 @@ export function paintSkin({ part, texture, eyes, base, isLid }, pictures, views)
 }
 
 /** Where several pictures see the skin, the one that looks straight at it wins, softly. */
-function share(layers) {
+function divide(layers) {
   const [{ weight: first }] = layers;
   for (let v = 0; v < first.length; v++) {
     const sum = layers.reduce((total, { weight }) => total + weight[v] ** 2, 0);
@@ -218,35 +243,22 @@ function skinTone(base, position, own) {
 
 function paint(layers, { uv, index, size }, data) {
   const colour = [0, 0, 0];
-  for (let t = 0; t < index.length; t += 3) {
-    const corners = [index[t], index[t + 1], index[t + 2]];
-    if (!layers.some(({ weight }) => corners.some((v) => weight[v] > 0))) continue;
-    const [ax, ay, bx, by, cx, cy] = corners.flatMap((v) => [uv[2 * v] * size[0] - 0.5, (1 - uv[2 * v + 1]) * size[1] - 0.5]);
-    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
-    if (Math.abs(area) < 1e-9) continue;
-    const [x0, x1] = [Math.max(0, Math.ceil(Math.min(ax, bx, cx))), Math.min(size[0] - 1, Math.floor(Math.max(ax, bx, cx)))];
-    const [y0, y1] = [Math.max(0, Math.ceil(Math.min(ay, by, cy))), Math.min(size[1] - 1, Math.floor(Math.max(ay, by, cy)))];
-    for (let y = y0; y <= y1; y++)
-      for (let x = x0; x <= x1; x++) {
-        const wa = ((bx - x) * (cy - y) - (by - y) * (cx - x)) / area;
-        const wb = ((cx - x) * (ay - y) - (cy - y) * (ax - x)) / area;
-        const wc = 1 - wa - wb;
-        if (wa < -1e-6 || wb < -1e-6 || wc < -1e-6) continue;
-        const mixed = (list, stride, k) => wa * list[corners[0] * stride + k] + wb * list[corners[1] * stride + k] + wc *
-          list[corners[2] * stride + k];
-        const at = (y * size[0] + x) * 4;
-        let rest = 1;
-        const sum = [0, 0, 0];
-        for (const { picture, places, weight, gain, slow } of layers) {
-          const w = mixed(weight, 1, 0);
-          if (w < 0.004) continue;
-          rest -= w;
-          sample(picture, mixed(places, 2, 0), mixed(places, 2, 1), colour);
-          const bright = luma(colour) / (luma([0, 1, 2].map((k) => mixed(slow, 3, k))) + 1e-4);
-          const dull = bright > SHINE[0] ? (SHINE[0] + (bright - SHINE[0]) * SHINE[1]) / bright : 1;
-          for (let k = 0; k < 3; k++) sum[k] += w * dull * colour[k] * mixed(gain, 3, k);
-        }
-        if (rest < 1) for (let k = 0; k < 3; k++) data[at + k] = coded(sum[k] + Math.max(0, rest) * linear[data[at + k]]);
-      }
-  }
+  const wanted = (corners) => layers.some(({ weight }) => corners.some((v) => weight[v] > 0));
+  eachTexel({ uv, index }, size, wanted, (texel, corners, share) => {
+    const mixed = (list, stride, k) => share[0] * list[corners[0] * stride + k] + share[1] * list[corners[1] * stride + k] +
+      share[2] * list[corners[2] * stride + k];
+    const at = 4 * texel;
+    let rest = 1;
+    const sum = [0, 0, 0];
+    for (const { picture, places, weight, gain, slow } of layers) {
+      const w = mixed(weight, 1, 0);
+      if (w < 0.004) continue;
+      rest -= w;
+      sample(picture, mixed(places, 2, 0), mixed(places, 2, 1), colour);
+      const bright = luma(colour) / (luma([0, 1, 2].map((k) => mixed(slow, 3, k))) + 1e-4);
+      const dull = bright > SHINE[0] ? (SHINE[0] + (bright - SHINE[0]) * SHINE[1]) / bright : 1;
+      for (let k = 0; k < 3; k++) sum[k] += w * dull * colour[k] * mixed(gain, 3, k);
+    }
+    if (rest < 1) for (let k = 0; k < 3; k++) data[at + k] = coded(sum[k] + Math.max(0, rest) * linear[data[at + k]]);
+  });
 }

@@ -68,3 +68,28 @@ export function smoothOver({ index, smooth, vertices }, values, rounds) {
   }
   return now;
 }
+
+/**
+ * Goes through the texels of the triangles that are wanted. @param {{uv: Float32Array, index: Uint16Array}} mesh
+ * @param {number[]} size of the texture @param {(corners: number[]) => boolean} wanted
+ * @param {(texel: number, corners: number[], shares: number[]) => void} act
+ */
+export function eachTexel({ uv, index }, size, wanted, act) {
+  for (let t = 0; t < index.length; t += 3) {
+    const corners = [index[t], index[t + 1], index[t + 2]];
+    if (!wanted(corners)) continue;
+    const [ax, ay, bx, by, cx, cy] = corners.flatMap((v) => [uv[2 * v] * size[0] - 0.5, (1 - uv[2 * v + 1]) * size[1] - 0.5]);
+    const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
+    if (Math.abs(area) < 1e-9) continue;
+    const [x0, x1] = [Math.max(0, Math.ceil(Math.min(ax, bx, cx))), Math.min(size[0] - 1, Math.floor(Math.max(ax, bx, cx)))];
+    const [y0, y1] = [Math.max(0, Math.ceil(Math.min(ay, by, cy))), Math.min(size[1] - 1, Math.floor(Math.max(ay, by, cy)))];
+    for (let y = y0; y <= y1; y++)
+      for (let x = x0; x <= x1; x++) {
+        const wa = ((bx - x) * (cy - y) - (by - y) * (cx - x)) / area;
+        const wb = ((cx - x) * (ay - y) - (cy - y) * (ax - x)) / area;
+        const wc = 1 - wa - wb;
+        if (wa < -1e-6 || wb < -1e-6 || wc < -1e-6) continue;
+        act(y * size[0] + x, corners, [wa, wb, wc]);
+      }
+  }
+}

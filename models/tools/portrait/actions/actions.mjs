@@ -1,21 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /** Somebody's own ways of moving, out of pictures of poses, for a head that was made of one at rest. */
+import { Follower, restsClosed } from '../../../../web/src/portrait/actions/follow.mjs';
+import { give } from '../../../../web/src/portrait/actions/give.mjs';
+import { learn } from '../../../../web/src/portrait/actions/learn.mjs';
+import { LEFT_OUT, POSES, nameOf } from '../../../../web/src/portrait/actions/poses.mjs';
+import { landmarksOf } from '../../../../web/src/portrait/look.mjs';
 import { PortraitError } from '../../../../web/src/portrait/problem.mjs';
-import { partedLips } from '../../../../web/src/portrait/fit.mjs';
 import { SourceError } from '../../pictures/sources.mjs';
 import { flat } from '../images.mjs';
-import { Follower } from './follow.mjs';
-import { give } from './give.mjs';
-import { learn } from './learn.mjs';
-import { LEFT_OUT, POSES } from './poses.mjs';
 
-const PARTED = 0.1; // of the mouth's width
-
-/** @param {string} word @returns {string|null} the pose that it names */
-export function nameOf(word) {
-  const name = word.toLowerCase().replace(/[ _]/g, '-');
-  return Object.hasOwn(POSES, name) || Object.hasOwn(LEFT_OUT, name) ? name : null;
-}
+export { nameOf };
 
 export const listOf = () => Object.entries(POSES).map(([name, { ask }]) => `  ${name.padEnd(12)} ${ask}`).join('\n');
 
@@ -25,13 +19,14 @@ export const listOf = () => Object.entries(POSES).map(([name, { ask }]) => `  ${
  * @returns {Promise<{head: object, taken: string[], actions: number, unfit: string[]}>} unfit: photographs that are not taken, and why
  */
 export async function withOwnActions(head, json, points, rest, photographs, eye) {
-  if (partedLips(rest.landmarks) > PARTED) throw new PortraitError('parted', 'poses are seen against a picture at rest with closed lips');
+  restsClosed(rest.landmarks);
   const follower = new Follower(json, points, rest);
   const [poses, unfit] = [[], []];
   for (const { name, label, read } of photographs) {
     try {
       if (LEFT_OUT[name]) throw new PortraitError('left_out', LEFT_OUT[name]);
-      poses.push({ ...(await follower.follow(name, eye, await flat(read()))), label });
+      const picture = await flat(read());
+      poses.push({ ...follower.follow(name, { picture, landmarks: await landmarksOf(eye, picture) }), label });
     } catch (error) {
       if (!(error instanceof PortraitError || error instanceof SourceError)) throw error;
       unfit.push(`${label}: ${error.message}`);

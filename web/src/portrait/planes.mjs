@@ -1,5 +1,8 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-/** A picture as two planes of numbers, brightness and redness, blurred to a width, and without what changes slowly over it: light does. */
+// SPDX-License-Identifier: MIT
+/**
+ * A picture as two planes of numbers, brightness and redness, blurred to a width, and without what changes slowly over it:
+ * light does.
+ */
 
 const SLOW = 7; // mm: the width of what counts as light
 const ENOUGH = 1.7; // pixels a mm
@@ -9,7 +12,8 @@ const RED = 2; // as much as brightness counts: redness differs less
 function blur(plane, width, height, deviation) {
   const radius = Math.round(Math.sqrt(deviation * deviation + 0.25) - 0.5);
   if (radius < 1) return plane;
-  let [a, b] = [plane, new Float32Array(plane.length)];
+  let a = plane;
+  const b = new Float32Array(plane.length);
   for (let round = 0; round < 3; round++) {
     sweep(a, b, width, height, 1, width, radius);
     const c = a === plane ? new Float32Array(plane.length) : a;
@@ -33,7 +37,8 @@ function sweep(from, to, count, lines, step, jump, r) {
 }
 
 /**
- * @param {{width: number, height: number, data: ArrayLike<number>}} picture RGBA @param {number[]} box column, row, columns, rows
+ * @param {{width: number, height: number, data: ArrayLike<number>}} picture RGBA
+ * @param {number[]} box column, row, columns, rows
  * @param {number} perMm pixels @param {number[]} widths mm, of each blur
  * @returns {object[]} for each width {x, y, width, height, planes}
  */
@@ -69,7 +74,10 @@ export function planesOf(picture, [bx, by, bw, bh], perMm, widths) {
   }));
 }
 
-/** Between the pixels' middles: into `out` the value, and how it grows with the column and the row. @returns {boolean} false: outside */
+/**
+ * Between the pixels' middles: into `out` the value, and how it grows with the column and the row.
+ * @returns {boolean} false: outside
+ */
 export function lookAt({ x, y, width, height, bin }, plane, u, v, out) {
   const p = (u - x) / bin - 0.5;
   const q = (v - y) / bin - 0.5;

@@ -1,10 +1,13 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: MIT
 /**
- * Laying a speaker's face (speaker.mjs) onto a picture: how the head stands and what lips and jaw do, such that every place of the skin looks
- * as it did at rest. Gauss and Newton's steps with weights by which what looks otherwise (teeth, shadows, an eye that blinks) does not count.
+ * Laying a speaker's face (speaker.mjs) onto a picture: how the head stands and what lips and jaw do, such that every
+ * place of the skin looks
+ * as it did at rest. Gauss and Newton's steps with weights by which what looks otherwise (teeth, shadows, an eye that
+ * blinks) does not count.
  */
 import { SPEECH } from './fap-moves.mjs';
 import { lookAt, planesOf } from './planes.mjs';
+import { solve } from './solve.mjs';
 
 const WIDTHS = [2.4, 1.2, 0.6]; // mm of blur, from coarse to fine
 const STEPS = [5, 5, 6];
@@ -13,8 +16,10 @@ const EACH = [4, 2, 1]; // of the places one in so many
 const POSE = 6;
 const JAW = 5;
 const NOISE = 0.3; // of 255: pictures are no truer
-const SURPRISE = 4; // what is unexpected by a standard deviation costs an opening that is tried as much as so many places that look otherwise
-const TRUST = 30; // as much counts what is expected: places beside each other say the same thing, and what is left over is no noise
+// what is unexpected by a standard deviation costs an opening that is tried as much as so many places that look otherwise
+const SURPRISE = 4;
+// as much counts what is expected: places beside each other say the same thing, and what is left over is no noise
+const TRUST = 30;
 const SIGHT = [0, 0, 0]; // what lookAt tells, again and again
 const AROUND = 12; // mm beside the face: lips and jaw go there
 const APART = 2.5; // mm of the lower lip: other openings
@@ -34,7 +39,8 @@ export const turned = ({ turn, scale, onto }, [rx, ry, rz, size, u, v]) => {
     [y * x * (1 - c) + z * s, c + y * y * (1 - c), y * z * (1 - c) - x * s],
     [z * x * (1 - c) - y * s, z * y * (1 - c) + x * s, c + z * z * (1 - c)],
   ];
-  return { turn: more.map((row) => turn[0].map((_, k) => row.reduce((sum, value, l) => sum + value * turn[l][k], 0))), scale: scale * Math.exp(size), onto: [onto[0] + u, onto[1] + v] };
+  const both = more.map((row) => turn[0].map((_, k) => row.reduce((sum, value, l) => sum + value * turn[l][k], 0)));
+  return { turn: both, scale: scale * Math.exp(size), onto: [onto[0] + u, onto[1] + v] };
 };
 
 export class Layer {
@@ -44,7 +50,10 @@ export class Layer {
 
   #fields;
 
-  /** @param {object} speaker of speakerOf @param {object} model what is looked for (fap-moves.mjs); the first six are those of speech */
+  /**
+   * @param {object} speaker of speakerOf
+   * @param {object} model what is looked for (fap-moves.mjs); the first six are those of speech
+   */
   constructor(speaker, model = SPEECH) {
     Object.assign(this, { speaker, model, still: new Float64Array(model.unknowns.length) });
     if (speaker.mouth) this.#mouth = new Layer(some(speaker, speaker.mouth), model);
@@ -113,7 +122,9 @@ export class Layer {
   /** What is seen at the places: of each width two lists. */
   seen(picture, stand, q) {
     const at = this.places(stand, q);
-    return this.planes(picture, stand).map((level) => level.planes.map((plane) => Float64Array.from({ length: this.speaker.count }, (_, i) => (lookAt(level, plane, at[2 * i], at[2 * i + 1], SIGHT) ? SIGHT[0] : NaN))));
+    const look = (level, plane, i) => (lookAt(level, plane, at[2 * i], at[2 * i + 1], SIGHT) ? SIGHT[0] : NaN);
+    return this.planes(picture, stand).map((level) =>
+      level.planes.map((plane) => Float64Array.from({ length: this.speaker.count }, (_, i) => look(level, plane, i))));
   }
 
   /**
@@ -145,7 +156,8 @@ export class Layer {
   }
 
   /**
-   * Lips and jaw go farther between two pictures than steps find the way: of several openings that which looks most like it, and the one after it that is
+   * Lips and jaw go farther between two pictures than steps find the way: of several openings that which looks most like
+   * it, and the one after it that is
    * no neighbour.
    */
   #starts(level, rest, { stand, q }) {
@@ -154,11 +166,13 @@ export class Layer {
       const now = Float64Array.from(from);
       for (const [name, mm] of Object.entries(changes)) now[this.model.unknowns.indexOf(name)] += mm;
       const [low, high] = [now[0], now[1]];
-      if (low + high < -0.5 || low > MOST.LI || low > now[JAW] + MOST.below || high > MOST.LS || now[JAW] > MOST.EM || now[JAW] < -1) return;
+      if (low + high < -0.5 || low > MOST.LI || low > now[JAW] + MOST.below || high > MOST.LS) return;
+      if (now[JAW] > MOST.EM || now[JAW] < -1) return;
       tried.push({ q: now, cost: this.#cost(level, rest, stand, now) });
     };
     for (const from of [q, this.still])
-      for (const LI of TRIALS.LI) for (const LS of TRIALS.LS) trial(Float64Array.from(q, (x, p) => (p < 2 ? from[p] : x)), { LI, LS });
+      for (const LI of TRIALS.LI)
+        for (const LS of TRIALS.LS) trial(Float64Array.from(q, (x, p) => (p < 2 ? from[p] : x)), { LI, LS });
     const best = (list) => list.reduce((a, b) => (a && a.cost <= b.cost ? a : b), null);
     const lips = best(tried);
     if (!lips) return [this.still];
@@ -181,7 +195,10 @@ export class Layer {
     return sum;
   }
 
-  /** The normal equations of a step: what a little more of each unknown would do to each place, against how much that looks otherwise. */
+  /**
+   * The normal equations of a step: what a little more of each unknown would do to each place, against how much that looks
+   * otherwise.
+   */
   #normal(level, rest, { stand, q }, each) {
     const { count, place } = this.speaker;
     const { turn: [ra, rb, rc], scale } = stand;
@@ -259,29 +276,13 @@ function middle(list, each) {
   return Float64Array.from(known).sort()[known.length >> 1] ?? 0;
 }
 
-/** By elimination: the equations are symmetric and positive, so no pivots are sought. */
-export function solve(a, b) {
-  const n = b.length;
-  const x = Float64Array.from(b);
-  for (let c = 0; c < n; c++)
-    for (let r = c + 1; r < n; r++) {
-      const factor = a[c][c] ? a[r][c] / a[c][c] : 0;
-      for (let k = c; k < n; k++) a[r][k] -= factor * a[c][k];
-      x[r] -= factor * x[c];
-    }
-  for (let r = n - 1; r >= 0; r--) {
-    for (let c = r + 1; c < n; c++) x[r] -= a[r][c] * x[c];
-    x[r] = a[r][r] ? x[r] / a[r][r] : 0;
-  }
-  return x;
-}
-
 /** A speaker of which only some places are looked at. */
 function some({ place, fields }, which) {
   const number = new Map(which.map((i, n) => [i, n]));
   const few = ({ at, mm }) => {
     const kept = [...at.keys()].filter((i) => number.has(Math.floor(at[i] / 3)));
-    return { at: Uint32Array.from(kept, (i) => 3 * number.get(Math.floor(at[i] / 3)) + (at[i] % 3)), mm: Float64Array.from(kept, (i) => mm[i]) };
+    const numbers = Uint32Array.from(kept, (i) => 3 * number.get(Math.floor(at[i] / 3)) + (at[i] % 3));
+    return { at: numbers, mm: Float64Array.from(kept, (i) => mm[i]) };
   };
   return {
     count: which.length, place: Float64Array.from(which.flatMap((i) => [...place.subarray(3 * i, 3 * i + 3)])),

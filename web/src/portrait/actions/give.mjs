@@ -1,7 +1,7 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: MIT
 /** Actions of somebody's own into a head: more moves of the skin, and of what hangs on it. */
-import { encode, encodeDeltas } from '../../lib/codec.mjs';
-import { unpack } from '../../lib/deform.mjs';
+import { readModel } from '../../head/model.mjs';
+import { packNumbers, packVectors } from '../pack.mjs';
 
 const HANGING = ['brows', 'beard', 'mouth'];
 const NEAR = 12; // mm: what is so far from the skin does not hang on it, what is nearer partly
@@ -12,7 +12,8 @@ function hangsOn({ position }, skin) {
   return Array.from({ length: position.length / 3 }, (_, v) => {
     let [best, least] = [-1, NEAR];
     for (let u = 0; u < skin.position.length; u += 3) {
-      const far = Math.hypot(position[3 * v] - skin.position[u], position[3 * v + 1] - skin.position[u + 1], position[3 * v + 2] - skin.position[u + 2]);
+      const far = Math.hypot(position[3 * v] - skin.position[u], position[3 * v + 1] - skin.position[u + 1],
+        position[3 * v + 2] - skin.position[u + 2]);
       if (far < least) [least, best] = [far, u / 3];
     }
     return best < 0 ? null : { on: best, share: 1 - (least / NEAR) ** 2 };
@@ -23,12 +24,17 @@ function moveOf({ fap, sign, own }, from, count) {
   const goes = (v) => [0, 1, 2].map((k) => (from(v) ? sign * from(v).share * own[3 * from(v).on + k] : 0));
   const vertices = Array.from({ length: count }, (_, v) => v).filter((v) => Math.hypot(...goes(v)) > WORTH);
   const deltas = vertices.flatMap(goes);
-  return vertices.length ? [{ fap, sign: sign > 0 ? 'positive' : 'negative', vertices: encode('uint16', vertices), deltas: encodeDeltas(deltas) }] : [];
+  const which = sign > 0 ? 'positive' : 'negative';
+  return vertices.length ? [{ fap, sign: which, vertices: packNumbers(vertices), deltas: packVectors(deltas) }] : [];
 }
 
-/** @param {object} json a head on the base's meshes @param {object[]} actions of learn.mjs @returns {object} the head with them */
+/**
+ * @param {object} json a head on the base's meshes
+ * @param {object[]} actions of learn.mjs
+ * @returns {object} the head with them
+ */
 export function give(json, actions) {
-  const { parts } = unpack(json);
+  const { parts } = readModel(json);
   const skin = parts.find(({ name }) => name === 'skin');
   const more = parts.map((part) => {
     if (part === skin) return actions.flatMap((action) => moveOf(action, (v) => ({ on: v, share: 1 }), part.vertices));
@@ -36,5 +42,6 @@ export function give(json, actions) {
     const on = hangsOn(part, skin);
     return actions.flatMap((action) => moveOf(action, (v) => on[v], part.vertices));
   });
-  return { ...json, parts: json.parts.map((part, i) => (more[i].length ? { ...part, moves: [...part.moves, ...more[i]] } : part)) };
+  const moved = json.parts.map((part, i) => (more[i].length ? { ...part, moves: [...part.moves, ...more[i]] } : part));
+  return { ...json, parts: moved };
 }

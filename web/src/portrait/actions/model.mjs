@@ -1,15 +1,20 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
-/** What lay.mjs looks for in a pose: what speech does, and with it corners, cheeks, nose and brows, each side for itself. All in mm. */
-import { SPEECH } from '../../lips/fap-moves.mjs';
+// SPDX-License-Identifier: MIT
+/**
+ * What lay.mjs looks for in a pose: what speech does, and with it corners, cheeks, nose and brows, each side for itself.
+ * All in mm.
+ */
+import { SPEECH } from '../fap-moves.mjs';
 
 /** Of each unknown more: its FAPs, and how far each goes with it. */
 const MORE = {
   cornerLeft: { 12: 1, 59: 1 }, cornerRight: { 13: 1, 60: 1 }, aside: { 6: 1, 53: 1, 7: -1, 54: -1 },
   cheekLeft: { 41: 1 }, cheekRight: { 42: 1 }, nostrilLeft: { 61: 1 }, nostrilRight: { 62: 1 }, noseUp: { 63: 1 },
-  browInnerLeft: { 31: 1 }, browInnerRight: { 32: 1 }, browMiddleLeft: { 33: 1 }, browMiddleRight: { 34: 1 }, browOuterLeft: { 35: 1 }, browOuterRight: { 36: 1 },
+  browInnerLeft: { 31: 1 }, browInnerRight: { 32: 1 }, browMiddleLeft: { 33: 1 }, browMiddleRight: { 34: 1 },
+  browOuterLeft: { 35: 1 }, browOuterRight: { 36: 1 },
   squeezeLeft: { 37: 1 }, squeezeRight: { 38: 1 },
 };
-const FAR = { cheekLeft: 2, cheekRight: 2, nostrilLeft: 1.5, nostrilRight: 1.5, noseUp: 1.5 }; // mm, standard deviation; of the others:
+// mm, standard deviation; of the others:
+const FAR = { cheekLeft: 2, cheekRight: 2, nostrilLeft: 1.5, nostrilRight: 1.5, noseUp: 1.5 };
 const USUAL = 5;
 const IDLE = 0.15; // of what a pose does not ask for
 
@@ -29,5 +34,6 @@ function fapsOf(q) {
 /** @param {string[]} moves unknowns that a pose has */
 export function modelOf(moves) {
   const wide = NAMES.map((name, i) => SPEECH.expected[i] ?? FAR[name] ?? USUAL);
-  return { unknowns: NAMES, moved: MOVED, fapsOf, expected: NAMES.map((name, i) => (moves.includes(name) ? wide[i] : Math.min(wide[i], IDLE))), links: NAMES.map((_, i) => SPEECH.links[i] ?? null) };
+  const expected = NAMES.map((name, i) => (moves.includes(name) ? wide[i] : Math.min(wide[i], IDLE)));
+  return { unknowns: NAMES, moved: MOVED, fapsOf, expected, links: NAMES.map((_, i) => SPEECH.links[i] ?? null) };
 }

@@ -1,16 +1,18 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: MIT
 /**
- * Where a face has gone in a pose beyond what FAPs as they are would do to it, by looks: points of a coarse grid over it are shifted, each with what lies about it
+ * Where a face has gone in a pose beyond what FAPs as they are would do to it, by looks: points of a coarse grid over it
+ * are shifted, each with what lies about it
  * (Rueckert and others, "Nonrigid registration using free-form deformations", 1999). Upper and lower lip are shifted apart.
  */
-import { lookAt } from '../../lips/planes.mjs';
-import { solve } from '../../lips/lay.mjs';
+import { lookAt } from '../planes.mjs';
+import { solve } from '../solve.mjs';
 
 const SPACING = 13; // mm between the points
 const REACH = 20; // mm
 const STEPS = [4, 4, 4]; // looks, from coarse to fine
 const USUAL = 2; // mm, standard deviation of a shift
-const TRUST = 120; // as much counts what is usual: places beside each other say the same thing, and light that changes is no motion
+// as much counts what is usual: places beside each other say the same thing, and light that changes is no motion
+const TRUST = 120;
 const NOISE = 1; // of 255
 const UNLIKE = 3; // deviations: what differs more is something else (teeth, a crease)
 const LEAST = 12; // places that a point must have
@@ -54,7 +56,10 @@ function gridOver({ count, place, skin: { fdp } }) {
 }
 
 /**
- * @param {import('../../lips/lay.mjs').Layer} layer @param {object} picture @param {number[][][]} rest of layer.seen @param {{stand: object, q: Float64Array}} found by layer.lay
+ * @param {import('../lay.mjs').Layer} layer
+ * @param {object} picture
+ * @param {number[][][]} rest of layer.seen
+ * @param {{stand: object, q: Float64Array}} found by layer.lay
  * @returns {Float64Array} mm to the left and up for each place
  */
 export function bend(layer, picture, rest, { stand, q }) {
@@ -73,8 +78,10 @@ export function bend(layer, picture, rest, { stand, q }) {
         const out = new Float64Array(3 * count).fill(NaN);
         for (let i = 0; i < count; i++) {
           const [dx, dy] = shift.subarray(2 * i, 2 * i + 2);
-          if (!lookAt(levels[l], plane, from[2 * i] + scale * (a[0] * dx + a[1] * dy), from[2 * i + 1] - scale * (b[0] * dx + b[1] * dy), sight)) continue;
-          out.set([sight[0] - rest[l][k][i], scale * (sight[1] * a[0] - sight[2] * b[0]), scale * (sight[1] * a[1] - sight[2] * b[1])], 3 * i);
+          const [u, v] = [scale * (a[0] * dx + a[1] * dy), scale * (b[0] * dx + b[1] * dy)];
+          if (!lookAt(levels[l], plane, from[2 * i] + u, from[2 * i + 1] - v, sight)) continue;
+          const [, gu, gv] = sight;
+          out.set([sight[0] - rest[l][k][i], scale * (gu * a[0] - gv * b[0]), scale * (gu * a[1] - gv * b[1])], 3 * i);
         }
         return out;
       });
@@ -92,7 +99,8 @@ const middle = (list) => Float64Array.from(list).sort()[list.length >> 1] ?? 0;
 
 function normal(looks, carried, gone) {
   const size = gone.length;
-  const a = Array.from({ length: size }, (_, n) => Float64Array.from({ length: size }, (__, m) => (n === m ? TRUST / USUAL ** 2 : 0)));
+  const a = Array.from({ length: size }, (_, n) =>
+    Float64Array.from({ length: size }, (__, m) => (n === m ? TRUST / USUAL ** 2 : 0)));
   const b = Float64Array.from(gone, (mm) => (-mm * TRUST) / USUAL ** 2);
   for (const look of looks) {
     const off = [];

@@ -1,12 +1,13 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: MIT
 /**
- * A speaker's face as a net of places on the skin, with what each FAP does to them: a base head laid onto the landmarks of the face at rest.
+ * A speaker's face as a net of places on the skin, with what each FAP does to them: a base head laid onto the landmarks
+ * of the face at rest.
  */
-import { readModel } from '../../../web/src/head/model.mjs';
-import { fitShape, laid } from '../../../web/src/portrait/fit.mjs';
-import { morph } from '../../../web/src/portrait/morph.mjs';
-import { pose, unpack, unitLength } from '../lib/deform.mjs';
+import { readModel } from '../head/model.mjs';
+import { fitShape, laid } from './fit.mjs';
+import { morph } from './morph.mjs';
 import { SPEECH } from './fap-moves.mjs';
+import { movedBy, unitLength } from './moved.mjs';
 
 const STEP = 1.25; // mm between the places
 const TRIAL = 3; // mm by which a FAP is tried
@@ -17,15 +18,17 @@ const LIDS = 0.02; // weight of a lid from which on a place counts as one
 
 /** The base head's skin in the shape of the face; moved: what a FAP does to it, in mm for a mm. */
 function skinOf(json, base, landmarks) {
-  const changed = morph(readModel(json), base, fitShape([{ landmarks }], base).target);
-  const head = unpack(json);
-  const which = head.parts.findIndex(({ name }) => name === 'skin');
-  const skin = { ...head.parts[which], position: Float64Array.from([...changed.positions.entries()][which][1]) };
-  const shaped = { ...head, turns: changed.turns };
-  const lids = new Float64Array(skin.position.length / 3);
+  const model = readModel(json);
+  const changed = morph(model, base, fitShape([{ landmarks }], base).target);
+  const part = model.parts.find(({ name }) => name === 'skin');
+  const skin = { ...part, position: changed.positions.get(part) };
+  const lids = new Float64Array(skin.vertices);
   for (const { turn, vertices, weights } of skin.turns)
-    if (turn.startsWith('lid')) vertices?.forEach((v, i) => (lids[v] = Math.max(lids[v], weights[i])));
-  const moved = (fap, mm) => pose(shaped, skin, { [fap]: mm / unitLength(head, fap) }).map((x, i) => (x - skin.position[i]) / Math.abs(mm));
+    if (model.turns[turn].name.startsWith('lid')) vertices?.forEach((v, i) => (lids[v] = Math.max(lids[v], weights[i])));
+  const moved = (fap, mm) => {
+    const unit = unitLength(model, fap);
+    return movedBy(skin, changed.turns, fap, mm / unit, unit).map((x) => x / Math.abs(mm));
+  };
   return { ...skin, moved, lids, fdp: changed.fdp, fapu: changed.fapu };
 }
 
@@ -40,9 +43,12 @@ function seenPlaces({ position: p, index, lids, fdp }) {
     const [ax, ay, bx, by, cx, cy] = [p[3 * a], p[3 * a + 1], p[3 * b], p[3 * b + 1], p[3 * c], p[3 * c + 1]];
     const area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
     if (area <= 0) continue; // from behind
-    const size = Math.hypot(area, (by - ay) * (p[3 * c + 2] - p[3 * a + 2]) - (p[3 * b + 2] - p[3 * a + 2]) * (cy - ay), (p[3 * b + 2] - p[3 * a + 2]) * (cx - ax) - (bx - ax) * (p[3 * c + 2] - p[3 * a + 2]));
-    const i0 = Math.max(0, Math.ceil((Math.min(ax, bx, cx) - x0) / STEP)), i1 = Math.min(columns - 1, Math.floor((Math.max(ax, bx, cx) - x0) / STEP));
-    const j0 = Math.max(0, Math.ceil((Math.min(ay, by, cy) - y0) / STEP)), j1 = Math.min(rows - 1, Math.floor((Math.max(ay, by, cy) - y0) / STEP));
+    const [bz, cz] = [p[3 * b + 2] - p[3 * a + 2], p[3 * c + 2] - p[3 * a + 2]];
+    const size = Math.hypot(area, (by - ay) * cz - bz * (cy - ay), bz * (cx - ax) - (bx - ax) * cz);
+    const within = (from, count, ...values) => [Math.max(0, Math.ceil((Math.min(...values) - from) / STEP)),
+      Math.min(count - 1, Math.floor((Math.max(...values) - from) / STEP))];
+    const [i0, i1] = within(x0, columns, ax, bx, cx);
+    const [j0, j1] = within(y0, rows, ay, by, cy);
     for (let j = j0; j <= j1; j++)
       for (let i = i0; i <= i1; i++) {
         const [x, y] = [x0 + i * STEP, y0 + j * STEP];
@@ -60,11 +66,14 @@ function seenPlaces({ position: p, index, lids, fdp }) {
 }
 
 /**
- * @param {object} json a base head @param {import('../../../web/src/portrait/fit.mjs').Points} base its landmarks
+ * @param {object} json a base head @param {import('./fit.mjs').Points} base its landmarks
  * @param {number[][]} landmarks of the speaker's face at rest @param {number[]} [moved] FAPs that may move
- * @returns {{count: number, place: Float64Array, fields: object[], mouth: number[], turn: number[][], scale: number, onto: number[]}} place: three numbers each,
- *   mm of the base head; fields: of each of `moved` what a mm of it does, up and down (`positive`, `negative`): which of those numbers it changes, and by how
- *   much; mouth: every second place that lips and jaw move; on: of each place the corners of its triangle of the skin, and their shares; the rest as pictured tells
+ * @returns {{count: number, place: Float64Array, fields: object[], mouth: number[], turn: number[][], scale: number,
+ *   onto: number[]}} place: three numbers each,
+ *   mm of the base head; fields: of each of `moved` what a mm of it does, up and down (`positive`, `negative`): which of
+ *   those numbers it changes, and by how
+ *   much; mouth: every second place that lips and jaw move; on: of each place the corners of its triangle of the skin, and
+ *   their shares; the rest as pictured tells
  */
 export function speakerOf(json, base, landmarks, moved = SPEECH.moved) {
   const skin = skinOf(json, base, landmarks);
@@ -84,17 +93,22 @@ export function speakerOf(json, base, landmarks, moved = SPEECH.moved) {
   const fields = moved.map((fap) => ({ positive: moving(fap, TRIAL), negative: moving(fap, -TRIAL) }));
   const stand = pictured(landmarks, base);
   const place = at(skin.position);
-  const opening = [fields[moved.indexOf(3)].positive, ...[4, 5, 8, 9, 10, 11].map((fap) => fields[moved.indexOf(fap)].negative)];
-  const opened = new Set(opening.flatMap(({ at: numbers, mm }) => [...numbers].filter((_, i) => Math.abs(mm[i]) > 0.1).map((i) => Math.floor(i / 3))));
+  const lips = [4, 5, 8, 9, 10, 11].map((fap) => fields[moved.indexOf(fap)].negative);
+  const opened = new Set([fields[moved.indexOf(3)].positive, ...lips].flatMap(({ at: numbers, mm }) =>
+    [...numbers].filter((_, i) => Math.abs(mm[i]) > 0.1).map((i) => Math.floor(i / 3))));
   const mouth = [...opened].filter((_, i) => i % 2);
   return { count: places.length, place, fields, mouth, skin, on: places, ...stand };
 }
 
-/** How the base's mm come into the picture: columns and rows are the first two of scale * turn * place, rows downward, from `onto`. */
+/**
+ * How the base's mm come into the picture: columns and rows are the first two of scale * turn * place, rows downward, from
+ * `onto`.
+ */
 export function pictured(landmarks, base) {
   const { turn, points } = laid(landmarks, base);
   const [a, b] = [10, 152];
-  const scale = Math.hypot(...[0, 1, 2].map((k) => landmarks[a][k] - landmarks[b][k])) / Math.hypot(...[0, 1, 2].map((k) => points[a][k] - points[b][k]));
+  const apart = (list) => Math.hypot(...[0, 1, 2].map((k) => list[a][k] - list[b][k]));
+  const scale = apart(landmarks) / apart(points);
   const back = turn[0].map((_, k) => turn.map((row) => row[k])); // transposed: out of the head into the picture
   const shown = (p) => [scale * dot(back[0], p), -scale * dot(back[1], p)];
   const [u, v] = shown(points[a]);

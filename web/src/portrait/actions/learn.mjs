@@ -1,13 +1,16 @@
-// SPDX-License-Identifier: GPL-3.0-or-later
+// SPDX-License-Identifier: MIT
 /**
- * What a face's poses say of its FAPs: to each action as much of what is left over as it was at work there, all poses at once (after Li, Weise and Pauly,
- * "Example-based facial rigging", 2010). MPEG-4 says what a FAP does to its feature point along its axis: that stays, and so do closed lips, and lids.
+ * What a face's poses say of its FAPs: to each action as much of what is left over as it was at work there, all poses at
+ * once (after Li, Weise and Pauly,
+ * "Example-based facial rigging", 2010). MPEG-4 says what a FAP does to its feature point along its axis: that stays, and
+ * so do closed lips, and lids.
  */
-import { smoothOver } from '../../../../web/src/portrait/surface.mjs';
-import { FAPS } from '../../lib/faps.mjs';
+import { FAPS } from '../moved.mjs';
+import { smoothOver } from '../surface.mjs';
 
 /**
- * FAPs that may get a way of their own: brows, corners of the mouth (the inner ones go with the outer ones), cheeks, nose. Not the jaw and the lips' middle: what is
+ * FAPs that may get a way of their own: brows, corners of the mouth (the inner ones go with the outer ones), cheeks,
+ * nose. Not the jaw and the lips' middle: what is
  * learnt of an open mouth is teeth and shadows, and made it worse (tests/bench/poses.mjs).
  */
 const ACTIONS = [31, 32, 33, 34, 35, 36, 37, 38, 41, 42, 53, 54, 59, 60, 61, 62, 63];
@@ -35,7 +38,10 @@ function onSkin({ on, skin }, shift) {
   }));
   const mesh = { index: skin.index, smooth: skin.smooth, vertices };
   const known = smoothOver(mesh, sum.map((w) => Math.min(1, w)), FADE);
-  return [x, y].map((list) => smoothOver(mesh, list.map((value, v) => (sum[v] > 0 ? value / sum[v] : 0)), SMOOTH).map((value, v) => value * known[v]));
+  return [x, y].map((list) => {
+    const mean = list.map((value, v) => (sum[v] > 0 ? value / sum[v] : 0));
+    return smoothOver(mesh, mean, SMOOTH).map((value, v) => value * known[v]);
+  });
 }
 
 /** mm from the line where the lips meet. */
@@ -43,7 +49,8 @@ function fromLine({ position, fdp }) {
   const points = LINE.map((name) => fdp[name]);
   const toSegment = (p, a, b) => {
     const ab = a.map((x, k) => b[k] - x);
-    const t = Math.max(0, Math.min(1, ab.reduce((sum, x, k) => sum + x * (p[k] - a[k]), 0) / ab.reduce((sum, x) => sum + x * x, 0)));
+    const along = ab.reduce((sum, x, k) => sum + x * (p[k] - a[k]), 0) / ab.reduce((sum, x) => sum + x * x, 0);
+    const t = Math.max(0, Math.min(1, along));
     return Math.hypot(...p.map((x, k) => x - a[k] - t * ab[k]));
   };
   return Float64Array.from({ length: position.length / 3 }, (_, v) => {
@@ -52,7 +59,10 @@ function fromLine({ position, fdp }) {
   });
 }
 
-/** What touches goes on touching: near the line of the lips each vertex does what those about it do, whatever lip they are of. */
+/**
+ * What touches goes on touching: near the line of the lips each vertex does what those about it do, whatever lip they are
+ * of.
+ */
 function together({ position }, far, own) {
   const near = [...far.keys()].filter((v) => far[v] < TOUCH.within + 2 * TOUCH.deviation);
   const out = own.slice();
@@ -61,7 +71,8 @@ function together({ position }, far, own) {
     const sum = [0, 0, 0];
     let all = 0;
     for (const u of near) {
-      const apart = [0, 1, 2].reduce((total, k) => total + (position[3 * v + k] - position[3 * u + k]) ** 2, 0) / TOUCH.deviation ** 2;
+      const between = [0, 1, 2].reduce((total, k) => total + (position[3 * v + k] - position[3 * u + k]) ** 2, 0);
+      const apart = between / TOUCH.deviation ** 2;
       if (apart > 6) continue;
       const w = Math.exp(-0.5 * apart);
       all += w;
@@ -80,11 +91,14 @@ function actionsOf({ skin }, poses) {
     const amounts = poses.map(({ faps }) => Math.max(0, sign * (faps.get(fap) ?? 0)));
     if (Math.max(...amounts) < LEAST || (sign < 0 && !FAPS[fap].bidirectional)) return null;
     const field = skin.moved(fap, sign * TRIAL);
-    const size = Float64Array.from({ length: vertices }, (_, v) => Math.hypot(field[3 * v], field[3 * v + 1], field[3 * v + 2]));
+    const size = Float64Array.from({ length: vertices }, (_, v) =>
+      Math.hypot(field[3 * v], field[3 * v + 1], field[3 * v + 2]));
     const reach = smoothOver({ index: skin.index, smooth: skin.smooth, vertices }, size, SPREAD);
     const free = reach.map((r, v) => (OWN * Math.max(r, size[v]) * step(1 - 4 * lids[v])) ** 2);
-    const axis = FAPS[fap].direction.findIndex((x) => x); // along it the feature point, and what goes with it, has its way already
-    const freely = [0, 1].map((k) => (k === axis ? free.map((x, v) => x * Math.max(0, 1 - Math.abs(field[3 * v + k])) ** 2) : free));
+    // along it the feature point, and what goes with it, has its way already
+    const axis = FAPS[fap].direction.findIndex((x) => x);
+    const along = (x, v, k) => x * Math.max(0, 1 - Math.abs(field[3 * v + k])) ** 2;
+    const freely = [0, 1].map((k) => (k === axis ? free.map((x, v) => along(x, v, k)) : free));
     return { fap, sign, amounts, field, free: freely };
   })).filter(Boolean);
 }
@@ -102,7 +116,8 @@ function held({ fap, sign, field }, own, { position, fdp }) {
 
 /**
  * @param {object} speaker of speakerOf @param {{faps: Map<number, number>, shift: Float64Array}[]} poses of follow.mjs
- * @returns {{fap: number, sign: number, own: Float64Array}[]} own: mm for a mm of the FAP in that direction, three numbers for each vertex of the skin
+ * @returns {{fap: number, sign: number, own: Float64Array}[]} own: mm for a mm of the FAP in that direction, three
+ *   numbers for each vertex of the skin
  */
 export function learn(speaker, poses) {
   const { skin } = speaker;
@@ -114,12 +129,16 @@ export function learn(speaker, poses) {
     for (let axis = 0; axis < 2; axis++) {
       const free = actions.map((action) => action.free[axis][v]);
       if (!free.some((x) => x > 0)) continue;
-      const said = poses.map((_, k) => poses.map((__, l) => actions.reduce((sum, { amounts }, f) => sum + free[f] * amounts[k] * amounts[l], k === l ? UNSURE ** 2 : 0)));
+      const said = poses.map((_, k) => poses.map((__, l) =>
+        actions.reduce((sum, { amounts }, f) => sum + free[f] * amounts[k] * amounts[l], k === l ? UNSURE ** 2 : 0)));
       const pull = inverted(said).map((row) => row.reduce((sum, x, l) => sum + x * left[l][axis][v], 0));
-      actions.forEach(({ amounts }, f) => (own[f][3 * v + axis] = free[f] * pull.reduce((sum, x, k) => sum + amounts[k] * x, 0)));
+      actions.forEach(({ amounts }, f) => {
+        own[f][3 * v + axis] = free[f] * pull.reduce((sum, x, k) => sum + amounts[k] * x, 0);
+      });
     }
   }
-  return actions.map((action, f) => ({ fap: action.fap, sign: action.sign, own: held(action, together(skin, far, own[f]), skin) }))
+  return actions
+    .map((action, f) => ({ fap: action.fap, sign: action.sign, own: held(action, together(skin, far, own[f]), skin) }))
     .filter(({ own: list }) => list.some((x) => Math.abs(x) > WORTH));
 }
 

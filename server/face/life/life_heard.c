@@ -1,0 +1,237 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* Rules as in life_gesture.c, life_gaze.c and life_blink.c, as far as they can be followed without knowing
+ * what comes: H. Graf et al. 2002 (nods, brows), A. Kendon 1967 (gaze at the ends of turns), A. Bentivoglio
+ * et al. 1997 (blinks). What is known too late to be in time begins at once. */
+#include "server/face/life/life_heard.h"
+#include "server/base/mem.h"
+#include "server/face/life/heard_prosody.h"
+#include "server/face/life/life_gesture.h"
+#include "server/face/life/life_random.h"
+#include <stdlib.h>
+#include <string.h>
+
+#define DEGREE 1745.33 /* in FAP angle units */
+
+/* Nods, degrees, s. */
+#define NOD_LEAST 0.8
+#define NOD_MOST 3.4
+#define NOD_PER_SEMITONE 0.06
+#define NOD_RISE 0.18
+#define NOD_FALL 0.36
+#define LAST_NOD 1.8
+#define NODS_AFTER 0.8 /* s that a phrase lasts at least */
+
+/* Brows, FAP units; how likely, and from which height on surely. */
+#define BROW_CHANCE 0.7
+#define BROW_LEAST 45
+#define BROW_MOST 95
+#define BROW_HOLD 0.08
+#define HIGH 3.0
+
+/* A turn begins after so much silence; s and degrees of the glance aside. */
+#define TURN_SILENCE 1.0
+#define ASIDE_CHANCE 0.6
+#define ASIDE_LEAST 0.5
+#define ASIDE_MOST 1.3
+#define ASIDE_YAW 9.0
+#define ASIDE_PITCH 5.0
+#define HEAD_SHARE 0.3
+/* At the listener, s: after a phrase, and on into the next. */
+#define LISTENER_AFTER 1.6
+#define LISTENER_ON 0.3
+
+#define BLINK_CHANCE 0.6
+#define BLINK_GAP 1.2
+#define CLOSING 0.085
+#define CLOSED 0.025
+#define OPENING 0.165
+#define LID_UPPER 940
+#define LID_LOWER 84
+#define LID_FOLLOWS 15.0 /* FAP units per degree */
+
+/* Of the liveliest voice, FAP units; how fast it comes, each step; how much more it nods. */
+#define WIDE_BROWS 40
+#define WIDE_LIDS 55
+#define WAKE 0.02
+#define NOD_MORE 0.4
+
+enum { CURVES = 12, GLANCES = 4 };
+
+struct look {
+    double at, until, yaw, pitch; /* s; degrees, as the FAPs' */
+};
+
+struct life_heard {
+    struct heard_prosody prosody;
+    float *waiting;
+    size_t count, cap;
+    uint32_t steps;
+    double shown; /* s, of the frame before */
+    struct dice dice;
+    struct gesture_curve curves[CURVES];
+    size_t curve_count;
+    struct look looks[GLANCES];
+    size_t look_count;
+    double blink; /* when it began */
+    double arousal, eased;
+};
+
+struct life_heard *life_heard_new(void) {
+    struct life_heard *l = mem_alloc(sizeof *l);
+    *l = (struct life_heard){.blink = -BLINK_GAP, .dice = dice_of(0, DICE_GESTURES, 0)};
+    heard_prosody_begin(&l->prosody);
+    return l;
+}
+
+void life_heard_free(struct life_heard *l) {
+    if (l)
+        free(l->waiting);
+    free(l);
+}
+
+void life_heard_write(struct life_heard *l, const float *samples, size_t count) {
+    l->waiting = mem_grow(l->waiting, &l->cap, l->count + count, sizeof *l->waiting);
+    if (count)
+        memcpy(l->waiting + l->count, samples, count * sizeof *samples);
+    l->count += count;
+}
+
+/* The oldest gives way: it is over, or there are too many. */
+static struct gesture_curve *gesture(struct life_heard *l, double at, double rise, double hold, double fall) {
+    if (l->curve_count == CURVES)
+        memmove(l->curves, l->curves + 1, --l->curve_count * sizeof *l->curves);
+    struct gesture_curve *g = &l->curves[l->curve_count++];
+    *g = (struct gesture_curve){fmax(at, l->shown), (float)rise, (float)hold, (float)fall, {0}};
+    return g;
+}
+
+static void look(struct life_heard *l, double at, double until, double yaw, double pitch) {
+    if (l->look_count == GLANCES)
+        memmove(l->looks, l->looks + 1, --l->look_count * sizeof *l->looks);
+    at = fmax(at, l->shown);
+    l->looks[l->look_count++] = (struct look){at, fmax(until, at), yaw, pitch};
+}
+
+static void nod(struct life_heard *l, double at, double degrees) {
+    double lively = 1 + NOD_MORE * l->eased;
+    gesture(l, at, NOD_RISE, 0, NOD_FALL)->amount[GESTURE_PITCH] = (float)(degrees * lively);
+}
+
+/* Looks aside while what is to be said is being thought of. */
+static void begin_turn(struct life_heard *l, double at) {
+    double roll = dice_roll(&l->dice), side = dice_roll(&l->dice) < 0.5 ? -1 : 1;
+    double yaw = side * ASIDE_YAW * dice_between(&l->dice, 0.6, 1.2);
+    double pitch = ASIDE_PITCH * dice_between(&l->dice, -1, 1);
+    double length = dice_between(&l->dice, ASIDE_LEAST, ASIDE_MOST);
+    if (roll > ASIDE_CHANCE)
+        return;
+    look(l, at, at + length, yaw, pitch);
+    look(l, at + length, at + length + LISTENER_ON, 0, 0);
+    struct gesture_curve *g = gesture(l, at, 0.45, fmax(0, length - 0.45), 0.5);
+    g->amount[GESTURE_YAW] = (float)(HEAD_SHARE * yaw);
+    g->amount[GESTURE_PITCH] = (float)(HEAD_SHARE * pitch);
+}
+
+static void begin_phrase(struct life_heard *l, double at, double silence) {
+    if (silence >= TURN_SILENCE)
+        begin_turn(l, at);
+    else
+        look(l, at, at + LISTENER_ON, 0, 0);
+}
+
+static void end_phrase(struct life_heard *l, double at, double length) {
+    double roll = dice_roll(&l->dice);
+    look(l, at, at + LISTENER_AFTER, 0, 0);
+    if (length >= NODS_AFTER)
+        nod(l, at, LAST_NOD * dice_between(&l->dice, 0.7, 1.2));
+    if (roll < BLINK_CHANCE && fmax(at, l->shown) > l->blink + BLINK_GAP)
+        l->blink = fmax(at, l->shown);
+}
+
+static void stress(struct life_heard *l, double at, const struct heard_moment *m) {
+    double roll = dice_roll(&l->dice), amount = dice_between(&l->dice, BROW_LEAST, BROW_MOST);
+    nod(l, at, (NOD_LEAST + (NOD_MOST - NOD_LEAST) * m->weight) * (1 + NOD_PER_SEMITONE * m->semitones));
+    if (m->semitones < HIGH && roll > BROW_CHANCE * m->weight)
+        return;
+    struct gesture_curve *g = gesture(l, at, NOD_RISE, BROW_HOLD, NOD_FALL);
+    g->amount[GESTURE_BROW_LEFT] = g->amount[GESTURE_BROW_RIGHT] = (float)amount;
+}
+
+void life_heard_step(struct life_heard *l) {
+    float samples[PROSODY_STEP] = {0};
+    size_t count = l->count < PROSODY_STEP ? l->count : PROSODY_STEP;
+    if (count) {
+        memcpy(samples, l->waiting, count * sizeof *samples);
+        l->count -= count;
+        memmove(l->waiting, l->waiting + count, l->count * sizeof *samples);
+    }
+    struct heard_moment m = heard_prosody_step(&l->prosody, samples);
+    double now = ++l->steps * (double)PROSODY_STEP / PROSODY_RATE;
+    if (m.begins)
+        begin_phrase(l, now - 0.05, l->steps > 100 ? m.seconds : TURN_SILENCE);
+    if (m.ends)
+        end_phrase(l, now, m.seconds);
+    if (m.stands_out)
+        stress(l, now - 0.08, &m);
+    /* twice, so that it neither begins nor ends with a jerk */
+    double goal = l->prosody.speaks ? heard_prosody_arousal(&l->prosody) : 0;
+    l->arousal += WAKE * (goal - l->arousal);
+    l->eased += WAKE * (l->arousal - l->eased);
+}
+
+static void gestures_at(struct life_heard *l, double t, double out[GESTURE_CHANNELS]) {
+    size_t kept = 0;
+    for (size_t i = 0; i < l->curve_count; i++) {
+        const struct gesture_curve g = l->curves[i];
+        double since = t - g.at, rise = (double)g.rise, down = rise + (double)g.hold, fall = (double)g.fall;
+        if (since > down + fall)
+            continue;
+        double part = since < down ? life_smooth(since / rise) : 1 - life_smooth((since - down) / fall);
+        for (int c = 0; c < GESTURE_CHANNELS; c++)
+            out[c] += part * (double)g.amount[c];
+        l->curves[kept++] = g;
+    }
+    l->curve_count = kept;
+}
+
+/* NULL: the eyes are free. */
+static const struct look *look_at(const struct life_heard *l, double t) {
+    const struct look *found = NULL;
+    for (size_t i = 0; i < l->look_count; i++)
+        if (l->looks[i].at <= t)
+            found = &l->looks[i];
+    return found && t < found->until ? found : NULL;
+}
+
+static double lids_at(const struct life_heard *l, double t) {
+    double since = t - l->blink;
+    return since < CLOSING ? life_smooth(since / CLOSING)
+                           : 1 - life_smooth((since - CLOSING - CLOSED) / OPENING);
+}
+
+static void add(struct fap_frame *frame, int n, double value) {
+    fap_frame_set(frame, n, fap_clamp(n, frame->value[n] + (int32_t)lrint(value)));
+}
+
+void life_heard_add(struct life_heard *l, double t, struct fap_frame *frame) {
+    static const struct look nowhere = {0};
+    double g[GESTURE_CHANNELS] = {0}, shut = lids_at(l, t), wide = l->eased;
+    const struct look *own = look_at(l, t), *where = own ? own : &nowhere;
+    gestures_at(l, t, g);
+    for (int side = 0; side < 2; side++) {
+        double brow = g[GESTURE_BROW_LEFT + side] + WIDE_BROWS * fmax(0, wide);
+        double eye = where->pitch - g[GESTURE_PITCH];
+        add(frame, 19 + side, shut * LID_UPPER + (1 - shut) * (LID_FOLLOWS * eye - WIDE_LIDS * wide));
+        add(frame, 21 + side, shut * LID_LOWER);
+        add(frame, 23 + side, DEGREE * (where->yaw - g[GESTURE_YAW]));
+        add(frame, 25 + side, DEGREE * eye);
+        add(frame, 31 + side, 0.8 * brow);
+        add(frame, 33 + side, brow);
+        add(frame, 35 + side, 0.9 * brow);
+    }
+    add(frame, 48, DEGREE * g[GESTURE_PITCH]);
+    add(frame, 49, DEGREE * g[GESTURE_YAW]);
+    for (int n = 23; n <= 26 && !own; n++)
+        frame->mask[(n - 1) / 8] &= (uint8_t) ~(1u << ((n - 1) % 8));
+    l->shown = t;
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: MIT
+/** What the page of portraits says of poses. */
+export const poseWords = {
+  it: {
+    posing: 'Il tuo modo di muoverti', posingHint: 'Più foto di fronte, nella stessa luce: sorriso, sopracciglia, vocali… Il nome di un file può dire la posa (smile.jpg, a.jpg); altrimenti si indovina. Anche queste foto restano su questo computer.',
+    poseFiles: 'Scegli foto di pose', poseCamera: 'Pose davanti alla fotocamera', pose: 'Posa', pose_choose: 'Scegliere la posa', pose_waits: 'Si vedrà quando la testa si crea.', pose_none: 'Non si capisce che posa è: sceglierla.',
+    pose_taken: 'Presa: mostra la posa al {percent} %.', pose_not: 'Non adatta: {why}', pose_many: 'Troppe foto: al massimo {most}.', pose_looking: 'Si guarda la posa {number} di {count}…', pose_learning: 'Si impara dalla posa {number} di {count}…',
+    pose_added: 'Pose trovate. Controllare che ognuna sia quella giusta, poi creare la testa.', pose_unfit: 'Non adatte: {list}', pose_done: 'Fatto, in {seconds} s: {poses} pose, {actions} movimenti propri. Ora può parlare.',
+    pose_zero: 'La testa è fatta; nessuna delle pose è adatta.', pose_now: 'Ora: {pose}…', unlike: 'Non somiglia al viso a riposo (altra luce?).', other_face: 'È un altro viso, o è girato.', other_pose: 'Non mostra questa posa.',
+    left_out: 'Questa posa da davanti non si vede.', poses_parted: 'Per le pose la foto di fronte deve avere le labbra chiuse.', no_front: 'Prima ci vuole la foto di fronte.',
+    'pose_brows-up': 'sopracciglia più in su possibile', 'pose_brows-down': 'sopracciglia giù e vicine', pose_sneer: 'naso arricciato, labbro superiore in su', pose_smile: 'un gran sorriso a labbra chiuse', pose_laugh: 'un gran sorriso che mostra i denti',
+    pose_sad: 'angoli della bocca in giù, sopracciglia in su al centro', 'pose_mouth-left': 'la bocca chiusa verso la tua sinistra', 'pose_mouth-right': 'la bocca chiusa verso la tua destra', pose_open: 'la bocca spalancata', pose_funnel: 'una O lunga',
+    pose_kiss: 'un bacio', pose_teeth: 'denti stretti e scoperti', pose_dimple: 'labbra chiuse e tirate di lato', pose_m: 'labbra strette, come per M', pose_a: 'una A lunga', pose_e: 'una E lunga', pose_i: 'una I lunga', pose_u: 'una U lunga', pose_f: 'una F lunga',
+  },
+  pt: {
+    posing: 'O seu jeito de se mexer', posingHint: 'Mais fotos de frente, na mesma luz: sorriso, sobrancelhas, vogais… O nome de um arquivo pode dizer a pose (smile.jpg, a.jpg); senão ela é adivinhada. Também estas fotos ficam neste computador.',
+    poseFiles: 'Escolher fotos de poses', poseCamera: 'Poses diante da câmera', pose: 'Pose', pose_choose: 'Escolher a pose', pose_waits: 'Será vista quando a cabeça for criada.', pose_none: 'Não se sabe que pose é: escolha-a.',
+    pose_taken: 'Aceita: mostra a pose a {percent} %.', pose_not: 'Não serve: {why}', pose_many: 'Fotos demais: no máximo {most}.', pose_looking: 'Olhando a pose {number} de {count}…', pose_learning: 'Aprendendo da pose {number} de {count}…',
+    pose_added: 'Poses encontradas. Confira se cada uma é a certa e crie a cabeça.', pose_unfit: 'Não servem: {list}', pose_done: 'Pronto, em {seconds} s: {poses} poses, {actions} movimentos próprios. Agora pode falar.',
+    pose_zero: 'A cabeça está pronta; nenhuma das poses serve.', pose_now: 'Agora: {pose}…', unlike: 'Não parece o rosto em repouso (outra luz?).', other_face: 'É outro rosto, ou está virado.', other_pose: 'Não mostra esta pose.',
+    left_out: 'Esta pose não se vê de frente.', poses_parted: 'Para as poses, a foto de frente precisa ter os lábios fechados.', no_front: 'Primeiro é preciso a foto de frente.',
+    'pose_brows-up': 'sobrancelhas o mais alto possível', 'pose_brows-down': 'sobrancelhas baixas e juntas', pose_sneer: 'nariz franzido, lábio superior para cima', pose_smile: 'um sorriso largo, lábios fechados', pose_laugh: 'um sorriso largo que mostra os dentes',
+    pose_sad: 'cantos da boca para baixo, sobrancelhas altas no meio', 'pose_mouth-left': 'a boca fechada para a sua esquerda', 'pose_mouth-right': 'a boca fechada para a sua direita', pose_open: 'a boca bem aberta', pose_funnel: 'um O longo',
+    pose_kiss: 'um beijo', pose_teeth: 'dentes juntos e à mostra', pose_dimple: 'lábios fechados e esticados', pose_m: 'lábios apertados, como para M', pose_a: 'um A longo', pose_e: 'um E longo', pose_i: 'um I longo', pose_u: 'um U longo', pose_f: 'um F longo',
+  },
+  tr: {
+    posing: 'Senin hareketlerin', posingHint: 'Önden, aynı ışıkta başka fotoğraflar: gülümseme, kaşlar, ünlüler… Dosya adı pozu söyleyebilir (smile.jpg, a.jpg); yoksa tahmin edilir. Bu fotoğraflar da bu bilgisayarda kalır.',
+    poseFiles: 'Poz fotoğrafları seç', poseCamera: 'Kamera önünde pozlar', pose: 'Poz', pose_choose: 'Pozu seçin', pose_waits: 'Baş oluşturulurken bakılacak.', pose_none: 'Hangi poz olduğu anlaşılmadı: seçin.',
+    pose_taken: 'Alındı: pozu %{percent} gösteriyor.', pose_not: 'Uygun değil: {why}', pose_many: 'Çok fazla fotoğraf: en çok {most}.', pose_looking: 'Poza bakılıyor: {number} / {count}…', pose_learning: 'Pozdan öğreniliyor: {number} / {count}…',
+    pose_added: 'Pozlar bulundu. Her birinin doğru olduğuna bakın, sonra başı oluşturun.', pose_unfit: 'Uygun olmayanlar: {list}', pose_done: '{seconds} saniyede hazır: {poses} poz, {actions} kendi hareketi. Artık konuşabilir.',
+    pose_zero: 'Baş hazır; pozların hiçbiri uygun değil.', pose_now: 'Şimdi: {pose}…', unlike: 'Dinlenen yüze benzemiyor (başka ışık mı?).', other_face: 'Başka bir yüz, ya da dönük.', other_pose: 'Bu pozu göstermiyor.',
+    left_out: 'Bu poz önden görülmez.', poses_parted: 'Pozlar için önden fotoğrafta dudaklar kapalı olmalı.', no_front: 'Önce önden fotoğraf gerekli.',
+    'pose_brows-up': 'kaşlar olabildiğince yukarıda', 'pose_brows-down': 'kaşlar aşağıda ve bitişik', pose_sneer: 'burun kırışık, üst dudak yukarıda', pose_smile: 'dudaklar kapalı, geniş bir gülümseme', pose_laugh: 'dişleri gösteren geniş bir gülümseme',
+    pose_sad: 'ağız köşeleri aşağıda, kaşların içi yukarıda', 'pose_mouth-left': 'kapalı ağız solunuza', 'pose_mouth-right': 'kapalı ağız sağınıza', pose_open: 'ağız ardına kadar açık', pose_funnel: 'uzun bir O',
+    pose_kiss: 'bir öpücük', pose_teeth: 'dişler sıkılı ve açıkta', pose_dimple: 'dudaklar kapalı ve yana gergin', pose_m: 'M der gibi sıkılmış dudaklar', pose_a: 'uzun bir A', pose_e: 'uzun bir E', pose_i: 'uzun bir İ', pose_u: 'uzun bir U', pose_f: 'uzun bir F',
+  },
+  en: {
+    posing: 'Your own movements', posingHint: 'More pictures from the front, in the same light: a smile, brows, vowels… A file’s name may say the pose (smile.jpg, a.jpg); else it is guessed. These pictures stay on this computer, too.',
+    poseFiles: 'Choose pictures of poses', poseCamera: 'Poses before the camera', pose: 'Pose', pose_choose: 'Choose the pose', pose_waits: 'It will be looked at when the head is made.', pose_none: 'It cannot be told which pose this is: choose it.',
+    pose_taken: 'Taken: it shows {percent} % of the pose.', pose_not: 'Unfit: {why}', pose_many: 'Too many pictures: {most} at most.', pose_looking: 'Looking at pose {number} of {count}…', pose_learning: 'Learning from pose {number} of {count}…',
+    pose_added: 'Poses found. See that each is the right one, then make the head.', pose_unfit: 'Unfit: {list}', pose_done: 'Done, in {seconds} s: {poses} poses, {actions} movements of its own. Now it can speak.',
+    pose_zero: 'The head is made; none of the poses is fit.', pose_now: 'Now: {pose}…', unlike: 'It does not look like the face at rest (another light?).', other_face: 'It is another face, or a turned one.', other_pose: 'It does not show this pose.',
+    left_out: 'This pose is not seen from the front.', poses_parted: 'For poses, the picture from the front must have closed lips.', no_front: 'The picture from the front is wanted first.',
+    'pose_brows-up': 'brows as high as they go', 'pose_brows-down': 'brows down and together', pose_sneer: 'nose wrinkled, upper lip up', pose_smile: 'a broad smile, lips closed', pose_laugh: 'a broad smile that shows the teeth',
+    pose_sad: 'corners of the mouth down, inner ends of the brows up', 'pose_mouth-left': 'the closed mouth to your left', 'pose_mouth-right': 'the closed mouth to your right', pose_open: 'the mouth wide open', pose_funnel: 'a long O',
+    pose_kiss: 'a kiss', pose_teeth: 'teeth together and bared', pose_dimple: 'lips closed and drawn aside', pose_m: 'lips pressed, as for M', pose_a: 'a long A', pose_e: 'a long E', pose_i: 'a long I', pose_u: 'a long U', pose_f: 'a long F',
+  },
+};

@@ -1,0 +1,75 @@
+// SPDX-License-Identifier: MIT
+/**
+ * Poses by which somebody's own ways of moving are told: those of Leone's thesis ("LUCIA-WebGL", 3.3) that say something,
+ * and some more. Of each what moves in it, of the unknowns in model.mjs; what it is in FAPs, up to how strong it is, as the
+ * program asks for it (models/expressions.json, models/pictures/poses.json); and what the person is asked to do.
+ */
+
+/** "6 7: 20; 3: -5" */
+const faps = (text) => Object.fromEntries(text.split('; ').flatMap((one) => {
+  const [list, value] = one.split(': ');
+  return list.split(' ').map((fap) => [fap, Number(value)]);
+}));
+const [UPPER, LOWER, WIDE, UP] = ['4 8 9 51 55 56', '5 10 11 52 57 58', '6 7 53 54', '12 13 59 60'];
+/** Mouths of models/pictures/poses.json, without the tongue. */
+const VISEMES = {
+  joy: '3: 130; 7 54: 143; 6 53: 158; 13 60: 342; 12 59: 378; 4: -230; 5: -110; 8: -305; 9: -276; 10: -95; 11: -86; 51: -196; 52: -94; 55: -259; 56: -234; 57: -80; 58: -73',
+  surprise: '3: 560; 4 6 7 53 54: -60; 5: -530; 8 9: -40; 10 11: -400; 12 13 59 60: -30; 51: -51; 52: -451; 55 56: -34; 57 58: -340',
+  o: '18: 17; 16: 67; 17: 103; 3: 387; 4: -90; 5: -309; 6 7 53 54: -92; 8 9: -17; 10 11: -203; 12 13 59 60: -73; 51: -77; 52: -263; 55 56: -14; 57 58: -173',
+  p1: '6 7 53 54: 20; 10 11: 25; 5: 34; 18: 46; 55 56: 71; 51: 76; 57 58: 156; 3: 171; 52: 177; 4: -19; 8 9: -11; 12 13 59 60: -15; 16: -18; 17: -36',
+  a: '6 7 53 54: 7; 3: 503; 4: -123; 5: -464; 8 9: -87; 10 11: -383; 12 13 59 60: -58; 16: -10; 17: -6; 51: -104; 52: -394; 55 56: -74; 57 58: -325',
+  e: '6 7 53 54: 17; 3: 431; 4: -123; 5: -391; 8 9: -89; 10 11: -323; 12 13 59 60: -47; 16: -17; 17: -23; 51: -104; 52: -333; 55 56: -75; 57 58: -274',
+  i1: '6 7 53 54: 55; 3: 231; 4: -119; 5: -262; 8 9: -93; 10 11: -212; 12 13 59 60: -12; 16: -37; 17: -56; 51: -101; 52: -223; 55 56: -79; 57 58: -180',
+  u: '18: 25; 16: 103; 17: 146; 3: 217; 4: -60; 5: -160; 6 7 53 54: -123; 8 9: -9; 10 11: -124; 12 13 59 60: -61; 51: -51; 52: -136; 55 56: -8; 57 58: -107',
+  f1: '12 13 59 60: 1; 6 7 53 54: 53; 3: 122; 4: -78; 5 8 9: -63; 10 11: -51; 16: -149; 17: -25; 51: -66; 52: -54; 55 56: -53; 57 58: -43',
+};
+/** @param {string} name of models/pictures/poses.json */
+export const viseme = (name) => faps(VISEMES[name]);
+export const VISEMES_TAKEN = Object.keys(VISEMES);
+
+const BROWS = ['browInnerLeft', 'browInnerRight', 'browMiddleLeft', 'browMiddleRight', 'browOuterLeft', 'browOuterRight'];
+const SQUEEZE = ['squeezeLeft', 'squeezeRight'];
+const CORNERS = ['cornerLeft', 'cornerRight', 'aside'];
+const CHEEKS = ['cheekLeft', 'cheekRight'];
+const NOSE = ['nostrilLeft', 'nostrilRight', 'noseUp'];
+const LIPS = ['LI', 'LS', 'AR', 'PI', 'PS', 'thinUpper', 'thinLower'];
+const OPEN = [...LIPS, 'EM', ...CORNERS];
+
+const pose = (moves, asked, ask) => ({ moves, faps: typeof asked === 'string' ? faps(asked) : asked, ask });
+export const POSES = {
+  'brows-up': pose([...BROWS, ...SQUEEZE], '31 32: 110; 33 34: 130; 35 36: 90', 'brows as high as they go'),
+  'brows-down': pose([...BROWS, ...SQUEEZE], '31 32: -95; 33 34: -70; 35 36: -25; 37 38: 45', 'brows down and together'),
+  sneer: pose([...BROWS, ...SQUEEZE, ...NOSE, ...CHEEKS, ...CORNERS, ...LIPS],
+    `${UPPER}: -150; 61 62: 40; 63: 60; 41 42: 150; 31 32: -60`, 'nose wrinkled, upper lip up'),
+  smile: pose([...CORNERS, ...CHEEKS, ...LIPS], `${UP}: 360; ${WIDE}: 150; 41 42: 230`, 'a broad smile, lips closed'),
+  laugh: pose([...OPEN, ...CHEEKS], { ...viseme('joy'), 41: 230, 42: 230 }, 'a broad smile that shows the teeth'),
+  sad: pose([...CORNERS, ...BROWS, ...SQUEEZE, ...LIPS],
+    `${UP}: -210; 31 32: 300; 33 34: 60; 35 36: -110; 37 38: 40`, 'corners of the mouth down, inner ends of the brows up'),
+  'mouth-left': pose([...CORNERS, ...LIPS], '6 53: 150; 7 54: -150', 'the closed mouth to your left'),
+  'mouth-right': pose([...CORNERS, ...LIPS], '6 53: -150; 7 54: 150', 'the closed mouth to your right'),
+  open: pose(OPEN, viseme('surprise'), 'the mouth wide open'),
+  funnel: pose(OPEN, viseme('o'), 'a long O'),
+  kiss: pose([...LIPS, ...CORNERS], `${WIDE}: -140; 16: 170; 17: 220`, 'a kiss'),
+  teeth: pose([...LIPS, ...CORNERS, ...CHEEKS], `${UPPER}: -200; ${LOWER}: -180; ${WIDE}: 90`, 'teeth together and bared'),
+  dimple: pose([...LIPS, ...CORNERS], `${WIDE}: 150`, 'lips closed and drawn aside'),
+  m: pose([...LIPS, ...CORNERS], viseme('p1'), 'lips pressed, as for M'),
+  a: pose(OPEN, viseme('a'), 'a long A'),
+  e: pose(OPEN, viseme('e'), 'a long E'),
+  i: pose(OPEN, viseme('i1'), 'a long I'),
+  u: pose(OPEN, viseme('u'), 'a long U'),
+  f: pose(OPEN, viseme('f1'), 'a long F'),
+};
+
+/** Of the thesis, too: why they are not taken. */
+export const LEFT_OUT = Object.fromEntries([
+  ['puff', 'the front does not show cheeks that come forward'],
+  ['jaw-front', 'the front does not show a jaw that comes forward'],
+  ...['lip-down', 'jaw-left', 'jaw-right', 'chew'].map((name) =>
+    [name, "jaw and the middle of the lips keep the base's way"]),
+]);
+
+/** @param {string} word a file's name, say @returns {string|null} the pose that it names, or one that is left out */
+export function nameOf(word) {
+  const name = word.toLowerCase().replace(/[ _]/g, '-');
+  return Object.hasOwn(POSES, name) || Object.hasOwn(LEFT_OUT, name) ? name : null;
+}
