@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The same sources give the same bytes: the scripts and the npm packages, made in another folder, at another time, with another umask,
+// The same sources give the same bytes: the scripts and the packages, made in another folder, at another time, with another umask,
 // zone and language.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
@@ -39,4 +39,12 @@ test('the npm packages', () => {
     });
     assert.deepEqual(other, one);
   }
+});
+
+test('the Debian packages and their bill of materials', () => {
+  const [, other] = WAYS, at = run(other, 'sh "$1" packages', path.resolve(web, '../server/deploy/package.sh'));
+  const kept = (folder) => Object.entries(all(folder)).filter(([name]) => /\.deb$|\.cdx\.json$/.test(name));
+  const packages = kept(process.env.FACCIA_PACKAGES);
+  assert.ok(packages.length > 5);
+  assert.deepEqual(kept(path.join(at, 'packages')), packages);
 });
