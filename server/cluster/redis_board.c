@@ -163,16 +163,17 @@ static void on_looked(void *ctx, const redisReply *reply) {
     done_with(b);
 }
 
-static struct link_text text_of(const char *text) {
-    return (struct link_text){text, strlen(text)};
-}
-
 static void look_now(struct redis_board *b) {
     struct link_text words[WORDS_BEFORE + 3 * BATCH];
     char known[NUMBER_BYTES], life[NUMBER_BYTES], most[NUMBER_BYTES];
-    const struct link_text before[WORDS_BEFORE] = {
-        text_of("EVAL"), text_of(SCRIPT_LOOK), text_of("1"), text_of(REDIS_BOARD),
-        text_of(b->id),  {known, 0},           {life, 0},    {most, 0}};
+    const struct link_text before[WORDS_BEFORE] = {link_text_of("EVAL"),
+                                                   link_text_of(SCRIPT_LOOK),
+                                                   link_text_of("1"),
+                                                   link_text_of(REDIS_BOARD),
+                                                   link_text_of(b->id),
+                                                   {known, 0},
+                                                   {life, 0},
+                                                   {most, 0}};
     memcpy(words, before, sizeof before);
     words[5].size = (size_t)snprintf(known, sizeof known, "%" PRIu64, b->known);
     words[6].size = (size_t)snprintf(life, sizeof life, "%d", BOARD_LIFE_MS);

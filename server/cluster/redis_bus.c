@@ -34,10 +34,6 @@ struct asked {
     uint64_t token, at;
 };
 
-static struct link_text text_of(const char *text) {
-    return (struct link_text){text, strlen(text)};
-}
-
 static void key_of(const char *lease, char key[KEY_BYTES]) {
     snprintf(key, KEY_BYTES, "faccia:lease:%s", lease);
 }
@@ -87,9 +83,9 @@ static void claim(struct bus *bus, const char *lease, uint64_t above) {
     key_of(lease, key);
     snprintf(ms, sizeof ms, "%d", BUS_LEASE_MS);
     snprintf(least, sizeof least, "%" PRIu64, above);
-    const struct link_text words[] = {text_of("EVAL"), text_of(SCRIPT_CLAIM),   text_of("2"),
-                                      text_of(key),    text_of("faccia:token"), text_of(b->name),
-                                      text_of(ms),     text_of(least)};
+    const struct link_text words[] = {
+        link_text_of("EVAL"),         link_text_of(SCRIPT_CLAIM), link_text_of("2"), link_text_of(key),
+        link_text_of("faccia:token"), link_text_of(b->name),      link_text_of(ms),  link_text_of(least)};
     if (!redis_link_send(b->says, words, 8, on_claimed, a))
         asked_free(a);
 }
@@ -108,11 +104,12 @@ static void run(struct redis_bus *b, const char *script, const struct bus_right 
     char key[KEY_BYTES], holder[HOLDER_BYTES], channels[RECEIVERS_AT_ONCE][CHANNEL_BYTES];
     key_of(right->lease, key);
     snprintf(holder, sizeof holder, "%s %" PRIu64, b->name, right->token);
-    struct link_text words[6 + RECEIVERS_AT_ONCE] = {text_of("EVAL"), text_of(script), text_of("1"),
-                                                     text_of(key),    text_of(holder), *data};
+    struct link_text words[6 + RECEIVERS_AT_ONCE] = {link_text_of("EVAL"), link_text_of(script),
+                                                     link_text_of("1"),    link_text_of(key),
+                                                     link_text_of(holder), *data};
     for (size_t i = 0; i < to->count; i++) {
         channel_of(to->names[i], channels[i]);
-        words[6 + i] = text_of(channels[i]);
+        words[6 + i] = link_text_of(channels[i]);
     }
     struct asked *a = asked_new(b, right->lease, right->token);
     if (!redis_link_send(b->says, words, 6 + (int)to->count, on_sent, a))
@@ -122,8 +119,8 @@ static void run(struct redis_bus *b, const char *script, const struct bus_right 
 static void publish(struct redis_bus *b, const char *name, const struct link_text *data) {
     char channel[CHANNEL_BYTES];
     channel_of(name, channel);
-    redis_link_send(b->says, (struct link_text[]){text_of("PUBLISH"), text_of(channel), *data}, 3, NULL,
-                    NULL);
+    redis_link_send(b->says, (struct link_text[]){link_text_of("PUBLISH"), link_text_of(channel), *data}, 3,
+                    NULL, NULL);
 }
 
 static void send_data(struct bus *bus, const struct bus_right *right, const struct bus_receivers *to,

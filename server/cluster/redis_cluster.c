@@ -42,14 +42,10 @@ struct gift {
     struct buf value, packed;
 };
 
-static struct link_text text_of(const char *text) {
-    return (struct link_text){text, strlen(text)};
-}
-
 static bool run_script(struct redis_cluster *c, const char *script, const struct redis_names *names,
                        const struct link_text *more, int count, link_answered answered, void *ctx) {
-    struct link_text words[8] = {text_of("EVAL"),       text_of(script),       text_of("2"),
-                                 text_of(names->value), text_of(names->claim), text_of(c->id)};
+    struct link_text words[8] = {link_text_of("EVAL"),       link_text_of(script),       link_text_of("2"),
+                                 link_text_of(names->value), link_text_of(names->claim), link_text_of(c->id)};
     for (int i = 0; i < count; i++)
         words[6 + i] = more[i];
     return redis_link_send(c->link, words, 6 + count, answered, ctx);
@@ -101,8 +97,8 @@ static bool send_ask(struct redis_ask *a) {
     struct redis_cluster *c = (struct redis_cluster *)a->ask.cluster;
     char ms[NUMBER_BYTES];
     snprintf(ms, sizeof ms, "%d", CLUSTER_CLAIM_MS);
-    a->sent = run_script(c, SCRIPT_ASK, &a->names, (struct link_text[]){text_of(ms), text_of(c->keep)}, 2,
-                         on_asked, a);
+    a->sent = run_script(c, SCRIPT_ASK, &a->names,
+                         (struct link_text[]){link_text_of(ms), link_text_of(c->keep)}, 2, on_asked, a);
     return a->sent;
 }
 
@@ -148,8 +144,8 @@ static void making(struct cluster *cluster, const struct buf *key) {
     char ms[NUMBER_BYTES];
     redis_names_of(key, &names);
     snprintf(ms, sizeof ms, "%d", CLUSTER_MAKING_MS);
-    run_script((struct redis_cluster *)cluster, SCRIPT_MAKING, &names, (struct link_text[]){text_of(ms)}, 1,
-               NULL, NULL);
+    run_script((struct redis_cluster *)cluster, SCRIPT_MAKING, &names, (struct link_text[]){link_text_of(ms)},
+               1, NULL, NULL);
 }
 
 static void leave(struct redis_cluster *c, const struct redis_names *names) {
@@ -178,7 +174,7 @@ static void pack(uv_work_t *work) {
 static void on_packed(uv_work_t *work, int status) {
     struct gift *gift = work->data;
     struct redis_cluster *c = gift->cluster;
-    const struct link_text more[] = {{gift->packed.data, gift->packed.size}, text_of(c->keep)};
+    const struct link_text more[] = {{gift->packed.data, gift->packed.size}, link_text_of(c->keep)};
     bool sent = !status && !c->closed && run_script(c, SCRIPT_GIVE, &gift->names, more, 2, on_given, gift);
     buf_free(&gift->value);
     buf_free(&gift->packed);

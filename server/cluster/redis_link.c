@@ -171,10 +171,6 @@ static void on_first_pong(void *ctx, const redisReply *reply) {
         come_up(link);
 }
 
-static struct link_text text_of(const char *text) {
-    return (struct link_text){text, strlen(text)};
-}
-
 static void on_connected(const redisAsyncContext *redis, int status) {
     struct redis_link *link = redis->data;
     const struct redis_address *a = &link->address;
@@ -186,14 +182,15 @@ static void on_connected(const redisAsyncContext *redis, int status) {
     }
     link->unanswered = 0;
     if (a->password && a->user)
-        ask(link, (struct link_text[]){text_of("AUTH"), text_of(a->user), text_of(a->password)}, 3,
+        ask(link,
+            (struct link_text[]){link_text_of("AUTH"), link_text_of(a->user), link_text_of(a->password)}, 3,
             on_greeted, link);
     else if (a->password)
-        ask(link, (struct link_text[]){text_of("AUTH"), text_of(a->password)}, 2, on_greeted, link);
+        ask(link, (struct link_text[]){link_text_of("AUTH"), link_text_of(a->password)}, 2, on_greeted, link);
     snprintf(number, sizeof number, "%d", a->number);
     if (a->number)
-        ask(link, (struct link_text[]){text_of("SELECT"), text_of(number)}, 2, on_greeted, link);
-    ask(link, (struct link_text[]){text_of("PING")}, 1, on_first_pong, link);
+        ask(link, (struct link_text[]){link_text_of("SELECT"), link_text_of(number)}, 2, on_greeted, link);
+    ask(link, (struct link_text[]){link_text_of("PING")}, 1, on_first_pong, link);
 }
 
 /* A connection has been begun, or has failed already. */
@@ -262,7 +259,7 @@ static void on_pulse(uv_timer_t *timer) {
         if (link->channel)
             hear(link);
         else
-            ask(link, (struct link_text[]){text_of("PING")}, 1, NULL, NULL);
+            ask(link, (struct link_text[]){link_text_of("PING")}, 1, NULL, NULL);
     }
 }
 

@@ -8,6 +8,7 @@
 #include <hiredis/hiredis.h>
 #include <stdbool.h>
 #include <stddef.h>
+#include <string.h>
 #include <uv.h>
 
 struct redis_link;
@@ -19,6 +20,10 @@ struct link_text {
     const void *data;
     size_t size;
 };
+
+static inline struct link_text link_text_of(const char *text) {
+    return (struct link_text){text, strlen(text)};
+}
 
 /* reply is good until it returns, and NULL when the connection was lost before the answer came. */
 typedef void (*link_answered)(void *ctx, const redisReply *reply);

@@ -54,27 +54,23 @@ bool notes_mark(struct notes *all, const char *name, bool known) {
     return true;
 }
 
-static struct link_text word_of(const char *text) {
-    return (struct link_text){text, strlen(text)};
-}
-
 /* Those that were taken away long ago come first: they stay in their list until the words have been sent. */
 int notes_batch(struct notes *all, struct link_text *words, int most, uint64_t now) {
     int count = 0;
     for (struct note *n = all->leaving; n && n->leaves <= now && !n->dirty && count < most;
          n = n->leaving_next, count++) {
-        words[3 * count] = word_of("f");
-        words[3 * count + 1] = word_of(n->name);
-        words[3 * count + 2] = word_of("");
+        words[3 * count] = link_text_of("f");
+        words[3 * count + 1] = link_text_of(n->name);
+        words[3 * count + 2] = link_text_of("");
         n->leaves = 1;
     }
     while (all->dirty && count < most) {
         struct note *n = all->dirty;
         DL_DELETE(all->dirty, n);
         n->dirty = false;
-        words[3 * count] = word_of(n->is_mark ? "m" : "n");
-        words[3 * count + 1] = word_of(n->name);
-        words[3 * count++ + 2] = word_of(n->text);
+        words[3 * count] = link_text_of(n->is_mark ? "m" : "n");
+        words[3 * count + 1] = link_text_of(n->name);
+        words[3 * count++ + 2] = link_text_of(n->text);
         if (n->is_mark)
             continue;
         all->written += !n->written;

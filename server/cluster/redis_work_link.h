@@ -4,14 +4,9 @@
 #define FACCIA_CLUSTER_REDIS_WORK_LINK_H
 
 #include "server/cluster/redis_link.h"
-#include <string.h>
 
 /* So long Redis holds back an answer while there is nothing to say; less than a link's patience. */
 enum { WORK_LISTEN_MS = 200 };
-
-static inline struct link_text link_text_of(const char *text) {
-    return (struct link_text){text, strlen(text)};
-}
 
 /* A script of redis_work_scripts.h with its ARGV. False, and no answer, when the link is not up. */
 bool redis_work_run(struct redis_link *link, const char *script, const struct link_text *more, int count,

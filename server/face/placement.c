@@ -5,6 +5,7 @@
 #include "server/face/expression/expression_layer.h"
 #include "server/face/face_limits.h"
 #include "server/face/life/life.h"
+#include "server/face/life/life_eyes.h"
 #include "server/face/track_internal.h"
 #include <math.h>
 #include <stdlib.h>
@@ -140,7 +141,7 @@ static void add_heard(const struct fap_frame *heard, double strength, const stru
         if (eye && fap_frame_has(heard, n))
             faps[n] = more - (double)lives->value[n < 25 ? 49 : 48];
         else
-            faps[n] = lid ? lids_of(faps[n], more, n < 21 ? 940 : 84) : faps[n] + more;
+            faps[n] = lid ? lids_of(faps[n], more, n < 21 ? LID_UPPER : LID_LOWER) : faps[n] + more;
     }
 }
 

@@ -31,7 +31,7 @@ static void drop(struct home *h, struct branch **at) {
     free(b);
 }
 
-/* Whoever can write to the bus may say that he is one. */
+/* Anybody who can write to the bus may name one. */
 static bool is_full(const struct home *h) {
     size_t count = 0;
     for (const struct branch *b = h->branches; b; b = b->next)

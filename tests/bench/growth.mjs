@@ -7,11 +7,9 @@
 import { spawn } from 'node:child_process';
 import { once } from 'node:events';
 import readline from 'node:readline';
-import { Daemon, eventually } from '../lib/daemon.mjs';
-import { Redis } from '../lib/redis.mjs';
 import { childrenOf, cpuOf, median } from './figures.mjs';
 import { needProgram } from './need.mjs';
-import { roomTurn } from './room-turn.mjs';
+import { roomTurn, startDaemons } from './room-turn.mjs';
 import { sentence, varied } from './text.mjs';
 
 const [listeners = 2000, speakers = 24, turns = 3, seconds = 8] = process.argv.slice(2).map(Number);
@@ -23,10 +21,7 @@ const sum = (list) => list.reduce((a, b) => a + b, 0);
 
 /** Processor time in ms for a second of speech. */
 async function speakTurn(count) {
-  const redis = count > 1 ? await Redis.start() : null;
-  const daemons = [];
-  for (let i = 0; i < count; i++) daemons.push(await Daemon.start(['--workers', '1', ...(redis ? ['--cluster', redis.url] : [])]));
-  if (redis) for (const daemon of daemons) await eventually(async () => (await (await daemon.get('/healthz')).json()).cluster === 'up', 'the cluster');
+  const { redis, daemons } = await startDaemons(count, ['--workers', '1']);
   const pids = [...daemons.flatMap((daemon) => [daemon.process.pid, ...childrenOf(daemon.process.pid)]), ...(redis ? [redis.process.pid] : [])];
   const each = speakers / count;
   const length = 13 * (SPREAD + WARM + seconds + 25);

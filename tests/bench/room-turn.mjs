@@ -11,14 +11,19 @@ import { needProgram } from './need.mjs';
 
 const pin = (pid) => execFileSync('taskset', ['-a', '-c', '-p', '0', String(pid)]);
 
+/** One daemon alone, or several that share a Redis. */
+export async function startDaemons(count, options) {
+  const redis = count > 1 ? await Redis.start() : null;
+  const daemons = [];
+  for (let i = 0; i < count; i++) daemons.push(await Daemon.start([...options, ...(redis ? ['--cluster', redis.url] : [])]));
+  if (redis) for (const daemon of daemons) await eventually(async () => (await (await daemon.get('/healthz')).json()).cluster === 'up', 'the cluster');
+  return { redis, daemons };
+}
+
 /** Daemons and Redis on core 0, the listeners on core 1. */
 export async function roomTurn(daemonCount, count, text) {
   const listeners = needProgram('listeners');
-  const redis = daemonCount > 1 ? await Redis.start() : null;
-  const options = ['--max-connections', String(count + 20), ...(redis ? ['--cluster', redis.url] : [])];
-  const daemons = [];
-  for (let i = 0; i < daemonCount; i++) daemons.push(await Daemon.start(options));
-  if (redis) for (const daemon of daemons) await eventually(async () => (await (await daemon.get('/healthz')).json()).cluster === 'up', 'the cluster');
+  const { redis, daemons } = await startDaemons(daemonCount, ['--max-connections', String(count + 20)]);
   const pids = [...daemons.map((daemon) => daemon.process.pid), ...(redis ? [redis.process.pid] : [])];
   pids.forEach(pin);
   const child = spawn('taskset', ['-c', '1', listeners, daemons.map(({ port }) => port).join(','), '/v1/stream?room=bench', String(count)], { stdio: ['pipe', 'pipe', 'inherit'] });

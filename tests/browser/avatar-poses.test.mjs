@@ -14,6 +14,7 @@ import { launch } from '../lib/browser.mjs';
 import { artefacts, build, Daemon } from '../lib/daemon.mjs';
 import { photograph, writeJpeg, writePng } from '../lib/drawn-photographs.mjs';
 import { othersOf, otherwise, posesOf, samePlaces, withHabits } from '../lib/habits.mjs';
+import { checkStayed, watchPage } from '../lib/page-private.mjs';
 import { violations as wrongHead } from '../lib/schema.mjs';
 
 const heads = path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads');
@@ -24,8 +25,7 @@ const file = (name) => path.join(folder, name);
 const told = (page) => page.textContent('#state');
 const state = (page, word) => page.waitForFunction((text) => document.querySelector('#state').textContent.includes(text), word, { timeout: 240000 });
 const SIZE = { width: 480, height: 624 };
-let daemon, browser, page;
-const [asked, sent, complaints] = [[], [], []];
+let daemon, browser, page, watched;
 
 async function draw(name, head, faps, change) {
   await writePng(await photograph(heads, head, 0, undefined, { ...SIZE, faps, change }), file(name));
@@ -49,10 +49,7 @@ before(async () => {
   daemon = await Daemon.start();
   browser = await launch({ flags: ['--use-fake-ui-for-media-stream', '--use-fake-device-for-media-stream', `--use-file-for-fake-video-capture=${file('camera.mjpeg')}`] });
   page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });
-  page.on('request', (request) => asked.push(request));
-  page.on('websocket', (socket) => socket.on('framesent', ({ payload }) => sent.push(payload)));
-  page.on('console', (message) => message.type() === 'error' && complaints.push(message.text()));
-  page.on('pageerror', (error) => complaints.push(String(error)));
+  watched = watchPage(page);
   await page.addInitScript(() => addEventListener('DOMContentLoaded', () => document.querySelector('talking-head').setAttribute('quality', 'low')));
   await page.goto(`${daemon.url}/avatar.html`);
   await page.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });
@@ -145,12 +142,6 @@ test('before the camera each pose is asked for; what does not show it is not kep
 });
 
 test('nothing of the pictures has left the page', () => {
-  assert.ok(asked.some((request) => request.url().endsWith('/portrait-poses.js')), 'a worker of its own');
-  for (const request of asked) {
-    assert.ok(request.url().startsWith(daemon.url) || /^(blob|data):/.test(request.url()), request.url());
-    assert.deepEqual([request.method(), request.postData()], ['GET', null], request.url());
-    assert.ok(request.url().startsWith('data:') || request.url().length < 300, request.url().slice(0, 300));
-  }
-  assert.ok(sent.every((payload) => typeof payload === 'string' && payload.length < 2000), 'what is sent is small and text');
-  assert.deepEqual(complaints, []);
+  assert.ok(watched.asked.some((request) => request.url().endsWith('/portrait-poses.js')), 'a worker of its own');
+  checkStayed(watched, daemon.url);
 });

@@ -11,6 +11,7 @@ import { drawHead } from '../../models/tools/lib/portrait.mjs';
 import { violations } from '../lib/axe.mjs';
 import { launch } from '../lib/browser.mjs';
 import { artefacts, Daemon, root } from '../lib/daemon.mjs';
+import { checkStayed, watchPage } from '../lib/page-private.mjs';
 
 const sharp = createRequire(new URL('../../models/package.json', import.meta.url))('sharp');
 const models = process.env.FACCIA_MODELS ?? path.join(root, 'build/models');
@@ -44,8 +45,7 @@ after(async () => {
 
 test('of a turn the front and both sides are taken, and a head is made of them', async () => {
   const page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });
-  const asked = [];
-  page.on('request', (request) => asked.push(request));
+  const watched = watchPage(page);
   await page.addInitScript(() => {
     window.told = [];
     addEventListener('DOMContentLoaded', () => new MutationObserver(() => window.told.push(document.querySelector('#state').textContent)).observe(document.querySelector('#state'), { childList: true }));
@@ -75,9 +75,6 @@ test('of a turn the front and both sides are taken, and a head is made of them',
   assert.equal(await page.evaluate(() => document.querySelector('#video').srcObject), null);
   await page.click('#make');
   await page.waitForFunction(() => document.querySelector('#state').textContent.includes('Done'), null, { timeout: 120000 });
-  for (const request of asked) {
-    assert.ok(request.url().startsWith(daemon.url) || /^(blob|data):/.test(request.url()), request.url());
-    assert.deepEqual([request.method(), request.postData()], ['GET', null], request.url());
-  }
+  checkStayed(watched, daemon.url);
   await page.close();
 });

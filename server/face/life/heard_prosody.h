@@ -4,12 +4,13 @@
 #ifndef FACCIA_FACE_LIFE_HEARD_PROSODY_H
 #define FACCIA_FACE_LIFE_HEARD_PROSODY_H
 
+#include "server/face/life/life_heard.h"
 #include <stdbool.h>
 #include <stdint.h>
 
 enum {
-    PROSODY_RATE = 16000,
-    PROSODY_STEP = 160,   /* samples */
+    PROSODY_RATE = LIFE_HEARD_RATE,
+    PROSODY_STEP = LIFE_HEARD_STEP,
     PROSODY_WINDOW = 640, /* what pitch is looked for in */
 };
 

@@ -2,20 +2,12 @@
 #include "server/face/life/life.h"
 #include "server/base/mem.h"
 #include "server/face/life/life_blink.h"
+#include "server/face/life/life_eyes.h"
 #include "server/face/life/life_gesture.h"
 #include "server/face/life/life_noise.h"
 #include "server/face/life/life_prosody.h"
 #include "server/face/life/life_random.h"
 #include <stdlib.h>
-
-#define DEGREE 1745.33 /* in FAP angle units, 1e-5 rad */
-
-/* Upper and lower lid meet after IRISD in all: 1024 FAP units. They follow the eye up and down, the upper one
- * nearly as far (on an eyeball of twice the iris's diameter, 1 degree is 1024 * pi / 180 units). */
-#define LID_UPPER 940
-#define LID_LOWER 84
-#define LID_UPPER_FOLLOWS 15.0 /* FAP units per degree */
-#define LID_LOWER_FOLLOWS 7.0
 
 /* Sway of the head, degrees each way; what speech adds to it. */
 #define SWAY_HZ 0.4 /* also of the eyes' drift */

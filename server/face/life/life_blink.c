@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/face/life/life_blink.h"
 #include "server/base/mem.h"
+#include "server/face/life/life_eyes.h"
 #include "server/face/life/life_prosody.h"
 #include "server/face/life/life_random.h"
 #include <stdlib.h>
@@ -10,11 +11,7 @@
 #define INTERVAL_DEVIATION 0.65
 #define INTERVAL_SHORTEST 0.6
 
-/* Durations, s: closing is about twice as fast as opening (C. Evinger et al., Invest. Ophthalmol. Vis. Sci.
- * 32, 1991). */
-#define CLOSING_MEDIAN 0.085
-#define CLOSED_MEDIAN 0.025
-#define OPENING_MEDIAN 0.165
+/* Of the durations, whose medians are those of life_eyes.h. */
 #define DURATION_DEVIATION 0.2
 #define SLOWEST 1.8
 #define FASTEST 0.6
@@ -51,9 +48,9 @@ static struct blink *add(struct blinks *blinks, struct dice *d, double at) {
     struct blink *b = &blinks->items[blinks->count++];
     double slow = exp(DURATION_DEVIATION * dice_normal(d));
     *b = (struct blink){.at = at,
-                        .closing = (float)(CLOSING_MEDIAN * slow),
-                        .closed = (float)(CLOSED_MEDIAN * slow),
-                        .opening = (float)(OPENING_MEDIAN * slow * dice_between(d, 0.8, 1.2)),
+                        .closing = (float)(BLINK_CLOSING * slow),
+                        .closed = (float)(BLINK_CLOSED * slow),
+                        .opening = (float)(BLINK_OPENING * slow * dice_between(d, 0.8, 1.2)),
                         .depth = 1,
                         .lag = (float)(LAG * dice_normal(d))};
     double roll = dice_roll(d);

@@ -164,6 +164,11 @@ void life_gestures_of(const struct prosody *p, uint64_t seed, struct life_gestur
     in_order(&out->slow);
 }
 
+double gesture_curve_at(const struct gesture_curve *g, double t) {
+    double since = t - g->at, rise = (double)g->rise, fall = since - rise - (double)g->hold;
+    return life_smooth(since < rise ? since / rise : fall < 0 ? 1 : 1 - fall / (double)g->fall);
+}
+
 static void add_at(struct gesture_curves *curves, double t, float out[GESTURE_CHANNELS]) {
     size_t i = curves->cursor;
     while (i && curves->items[i - 1].at > t - curves->longest)
@@ -173,11 +178,9 @@ static void add_at(struct gesture_curves *curves, double t, float out[GESTURE_CH
     curves->cursor = i;
     for (; i < curves->count && curves->items[i].at < t; i++) {
         const struct gesture_curve *g = &curves->items[i];
-        double since = t - g->at, rise = (double)g->rise, fall = since - rise - (double)g->hold;
-        if (fall >= (double)g->fall)
+        float shape = (float)gesture_curve_at(g, t);
+        if (shape <= 0)
             continue;
-        double x = since < rise ? since / rise : fall < 0 ? 1 : 1 - fall / (double)g->fall;
-        float shape = (float)life_smooth(x);
         for (int c = 0; c < GESTURE_CHANNELS; c++)
             out[c] += shape * g->amount[c];
     }

@@ -24,6 +24,9 @@ struct gesture_curve {
     float amount[GESTURE_CHANNELS];
 };
 
+/* How much of its amount there is at t, 0..1. */
+double gesture_curve_at(const struct gesture_curve *curve, double t);
+
 struct gesture_curves {
     struct gesture_curve *items; /* in order of time */
     size_t count, cap, cursor;

@@ -5,12 +5,11 @@
 #include "server/face/life/life_heard.h"
 #include "server/base/mem.h"
 #include "server/face/life/heard_prosody.h"
+#include "server/face/life/life_eyes.h"
 #include "server/face/life/life_gesture.h"
 #include "server/face/life/life_random.h"
 #include <stdlib.h>
 #include <string.h>
-
-#define DEGREE 1745.33 /* in FAP angle units */
 
 /* Nods, degrees, s. */
 #define NOD_LEAST 0.8
@@ -42,12 +41,6 @@
 
 #define BLINK_CHANCE 0.6
 #define BLINK_GAP 1.2
-#define CLOSING 0.085
-#define CLOSED 0.025
-#define OPENING 0.165
-#define LID_UPPER 940
-#define LID_LOWER 84
-#define LID_FOLLOWS 15.0 /* FAP units per degree */
 
 /* Of the liveliest voice, FAP units; how fast it comes, each step; how much more it nods. */
 #define WIDE_BROWS 40
@@ -183,10 +176,9 @@ static void gestures_at(struct life_heard *l, double t, double out[GESTURE_CHANN
     size_t kept = 0;
     for (size_t i = 0; i < l->curve_count; i++) {
         const struct gesture_curve g = l->curves[i];
-        double since = t - g.at, rise = (double)g.rise, down = rise + (double)g.hold, fall = (double)g.fall;
-        if (since > down + fall)
+        if (t - g.at > (double)g.rise + (double)g.hold + (double)g.fall)
             continue;
-        double part = since < down ? life_smooth(since / rise) : 1 - life_smooth((since - down) / fall);
+        double part = gesture_curve_at(&g, t);
         for (int c = 0; c < GESTURE_CHANNELS; c++)
             out[c] += part * (double)g.amount[c];
         l->curves[kept++] = g;
@@ -205,8 +197,8 @@ static const struct look *look_at(const struct life_heard *l, double t) {
 
 static double lids_at(const struct life_heard *l, double t) {
     double since = t - l->blink;
-    return since < CLOSING ? life_smooth(since / CLOSING)
-                           : 1 - life_smooth((since - CLOSING - CLOSED) / OPENING);
+    return since < BLINK_CLOSING ? life_smooth(since / BLINK_CLOSING)
+                                 : 1 - life_smooth((since - BLINK_CLOSING - BLINK_CLOSED) / BLINK_OPENING);
 }
 
 static void add(struct fap_frame *frame, int n, double value) {
@@ -221,7 +213,7 @@ void life_heard_add(struct life_heard *l, double t, struct fap_frame *frame) {
     for (int side = 0; side < 2; side++) {
         double brow = g[GESTURE_BROW_LEFT + side] + WIDE_BROWS * fmax(0, wide);
         double eye = where->pitch - g[GESTURE_PITCH];
-        add(frame, 19 + side, shut * LID_UPPER + (1 - shut) * (LID_FOLLOWS * eye - WIDE_LIDS * wide));
+        add(frame, 19 + side, shut * LID_UPPER + (1 - shut) * (LID_UPPER_FOLLOWS * eye - WIDE_LIDS * wide));
         add(frame, 21 + side, shut * LID_LOWER);
         add(frame, 23 + side, DEGREE * (where->yaw - g[GESTURE_YAW]));
         add(frame, 25 + side, DEGREE * eye);

@@ -9,7 +9,7 @@
 #include "protocol/fap.h"
 #include <stddef.h>
 
-enum { LIFE_HEARD_RATE = 16000, LIFE_HEARD_STEP = 160 };
+enum { LIFE_HEARD_RATE = 16000, LIFE_HEARD_STEP = 160 /* samples */ };
 
 struct life_heard;
 
