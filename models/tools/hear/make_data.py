@@ -52,9 +52,9 @@ def words_of(name):
 def text_of(rng, words, often):
     def word():
         chosen = often if rng.random() < 0.35 else words
-        return chosen[rng.integers(len(chosen))]
+        return chosen[rng.integers(len(chosen))] + (',' if rng.random() < 0.12 else '')
 
-    return ' '.join(' '.join(word() for _ in range(rng.integers(3, 12))).capitalize() + '.' for _ in range(14))
+    return ' '.join(' '.join(word() for _ in range(rng.integers(3, 12))).rstrip(',').capitalize() + '.' for _ in range(14))
 
 
 def spoken(build, voice, lang, text, rng, folder):
