@@ -8,15 +8,19 @@ import { gzipSync } from 'node:zlib';
 import { decoders } from './decoders.mjs';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
-const [out, depfile] = process.argv.slice(2);
+const [out, depfile, contents] = process.argv.slice(2);
 if (!out) {
-  console.error('usage: node build.mjs FOLDER [DEPFILE]');
+  console.error('usage: node build.mjs FOLDER [DEPFILE [CONTENTS]]');
   process.exit(2);
 }
 
 const common = { bundle: true, minify: true, format: 'esm', target: 'es2022', legalComments: 'none' };
 const inputs = new Set(['build.mjs', 'decoders.mjs'].map((file) => path.join(here, file)));
-const note = ({ inputs: found }) => Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
+const within = {}; // of each script, the files that something of is in it
+const note = ({ inputs: found, outputs }) => {
+  Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
+  for (const [script, { inputs: parts }] of Object.entries(outputs)) within[path.basename(script)] = Object.keys(parts).filter((file) => parts[file].bytesInOutput);
+};
 
 mkdirSync(out, { recursive: true });
 const result = await build({
@@ -131,3 +135,4 @@ if (depfile) {
   const escape = (file) => file.replaceAll(' ', '\\ ');
   writeFileSync(depfile, `${escape(path.join(out, 'talking-head.js'))}: ${[...inputs].map(escape).join(' ')}\n`);
 }
+if (contents) writeFileSync(contents, JSON.stringify(within));

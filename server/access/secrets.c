@@ -14,7 +14,7 @@ static bool others_write(const struct stat *status) {
 }
 
 /* Who may write the file, or put another in its place, makes the tokens. */
-static int check_file(FILE *file, const char *path, struct error *e) {
+static int check_file(FILE *file, const char *path, bool secret, struct error *e) {
     struct stat status, folder;
     char *real = realpath(path, NULL), *parent = real ? dirname(real) : NULL;
     bool open_folder =
@@ -33,10 +33,21 @@ static int check_file(FILE *file, const char *path, struct error *e) {
             error_set(e, ERROR_BAD_SECRETS,
                       "%s: others than its owner may replace it, as they may write its folder (mode %03o)",
                       path, (unsigned)(folder.st_mode & 0777));
-    else if (S_ISREG(status.st_mode) && status.st_mode & S_IROTH)
+    else if (secret && S_ISREG(status.st_mode) && status.st_mode & S_IROTH)
         log_warn("%s: everybody on this machine can read the secrets; 'chmod 600' helps", path);
     free(real);
     return result;
+}
+
+FILE *secrets_file_open(const char *path, bool secret, struct error *e) {
+    FILE *file = fopen(path, "r");
+    if (!file) {
+        error_set(e, ERROR_BAD_SECRETS, "%s: %s", path, strerror(errno));
+    } else if (check_file(file, path, secret, e)) {
+        fclose(file);
+        file = NULL;
+    }
+    return file;
 }
 
 void secrets_add(struct secrets *secrets, const char *secret) {
@@ -69,10 +80,10 @@ static int read_lines(struct secrets *secrets, FILE *file, const char *path, str
 
 int secrets_load(struct secrets *secrets, const char *path, struct error *e) {
     *secrets = (struct secrets){0};
-    FILE *file = fopen(path, "r");
+    FILE *file = secrets_file_open(path, true, e);
     if (!file)
-        return error_set(e, ERROR_BAD_SECRETS, "%s: %s", path, strerror(errno));
-    int result = check_file(file, path, e) || read_lines(secrets, file, path, e) ? -1 : 0;
+        return -1;
+    int result = read_lines(secrets, file, path, e);
     fclose(file);
     if (result)
         secrets_free(secrets);

@@ -7,6 +7,7 @@
 #include "server/base/error.h"
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 
 enum { SECRET_BYTES_MIN = 32 };
 
@@ -19,6 +20,10 @@ struct secrets {
  * or the line of a secret that is too short. One that all may read is worth a warning in the log. */
 int secrets_load(struct secrets *secrets, const char *path, struct error *e);
 void secrets_free(struct secrets *secrets);
+
+/* A file that decides who may come in, to be read: NULL with *e when others than its owner may write it.
+ * secret: nor should they read it, which is worth that warning. */
+FILE *secrets_file_open(const char *path, bool secret, struct error *e);
 
 /* Tells secrets from each other without holding them. */
 uint64_t secret_number(const char *secret);

@@ -3,12 +3,14 @@
 #include "server/base/mem.h"
 #include <jansson.h>
 #include <jwt.h>
+#include <openssl/evp.h>
+#include <openssl/rand.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
 /* A longer token than TOKEN_BYTES is nobody's. Clocks may differ by so many seconds. */
-enum { TOKEN_BYTES = 2048, RIGHTS_BYTES = 64, LEEWAY_SECONDS = 30 };
+enum { TOKEN_BYTES = 2048, RIGHTS_BYTES = 64, ID_BYTES = 16, LEEWAY_SECONDS = 30 };
 
 #define LATEST 253402300799.0 /* the year 9999 */
 
@@ -33,18 +35,36 @@ int rights_parse(const char *words, unsigned *rights, struct error *e) {
     return *rights ? 0 : error_in_field(e, ERROR_BAD_FIELD, "rights", "names no right");
 }
 
+/* In hexadecimal digits, with their end. */
+static void write_digits(const unsigned char *bytes, size_t count, char *digits) {
+    for (size_t i = 0; i < count; i++)
+        snprintf(digits + 2 * i, 3, "%02x", bytes[i]);
+}
+
+void token_digest(const char *value, char digest[TOKEN_DIGEST_BYTES]) {
+    unsigned char bytes[EVP_MAX_MD_SIZE];
+    EVP_Digest(value, strlen(value), bytes, NULL, EVP_sha256(), NULL);
+    write_digits(bytes, (TOKEN_DIGEST_BYTES - 1) / 2, digest);
+}
+
 char *token_make(const struct secrets *secrets, const struct token *token, struct error *e) {
-    char rights[RIGHTS_BYTES] = "", *text = NULL;
+    char rights[RIGHTS_BYTES] = "", id[2 * ID_BYTES + 1], *text = NULL;
+    unsigned char random[ID_BYTES];
     for (size_t i = 0; i < sizeof rights_words / sizeof *rights_words; i++)
         if (token->rights & rights_words[i].right)
             snprintf(rights + strlen(rights), sizeof rights - strlen(rights), "%s%s", *rights ? " " : "",
                      rights_words[i].word);
     jwt_t *jwt = NULL;
     const char *secret = secrets->list[0];
+    if (RAND_bytes(random, sizeof random) == 1)
+        write_digits(random, sizeof random, id);
+    else
+        return error_set(e, ERROR_BAD_TOKEN, "there is no randomness for the token's id"), NULL;
     if (jwt_new(&jwt) ||
         jwt_set_alg(jwt, JWT_ALG_HS256, (const unsigned char *)secret, (int)strlen(secret)) ||
         jwt_add_grant(jwt, "sub", token->subject) ||
         (*token->room && jwt_add_grant(jwt, "room", token->room)) || jwt_add_grant(jwt, "rights", rights) ||
+        jwt_add_grant(jwt, "jti", id) || (token->issued && jwt_add_grant_int(jwt, "iat", token->issued)) ||
         jwt_add_grant_int(jwt, "exp", token->expires) || !(text = jwt_encode_str(jwt)))
         error_set(e, ERROR_BAD_TOKEN, "the token could not be made");
     jwt_free(jwt);
@@ -77,18 +97,21 @@ static int copy_date(long *seconds, const json_t *claims, const char *name, bool
 
 static int read_claims(const json_t *claims, long now, struct token *token, struct error *e) {
     char rights[RIGHTS_BYTES];
-    long from = 0, made = 0;
+    long from = 0;
     if (copy_claim(token->subject, sizeof token->subject, claims, "sub", true, e) ||
         copy_claim(token->room, sizeof token->room, claims, "room", false, e) ||
         copy_claim(rights, sizeof rights, claims, "rights", true, e) ||
         copy_date(&token->expires, claims, "exp", true, e) || copy_date(&from, claims, "nbf", false, e) ||
-        copy_date(&made, claims, "iat", false, e))
+        copy_date(&token->issued, claims, "iat", false, e))
         return -1;
+    const char *id = json_string_value(json_object_get(claims, "jti"));
+    if (id && *id)
+        token_digest(id, token->id);
     if (rights_parse(rights, &token->rights, e))
         return error_set(e, ERROR_BAD_TOKEN, "the token names unknown rights");
     if (token->expires <= now)
         return error_set(e, ERROR_EXPIRED_TOKEN, "the token has expired");
-    if (from > now + LEEWAY_SECONDS || made > now + LEEWAY_SECONDS)
+    if (from > now + LEEWAY_SECONDS || token->issued > now + LEEWAY_SECONDS)
         return error_set(e, ERROR_EARLY_TOKEN, "the token is not valid yet");
     return 0;
 }
@@ -98,6 +121,14 @@ static json_t *object_of(char *text) {
     json_t *object = text ? json_loads(text, 0, NULL) : NULL;
     free(text);
     return object;
+}
+
+char *token_id(const char *text) {
+    jwt_t *jwt = NULL;
+    const char *id = jwt_decode(&jwt, text, NULL, 0) ? NULL : jwt_get_grant(jwt, "jti");
+    char *copy = id && *id ? mem_strdup(id) : NULL;
+    jwt_free(jwt);
+    return copy;
 }
 
 static int read_token(jwt_t *jwt, long now, struct token *token, struct error *e) {

@@ -9,7 +9,10 @@
 
 static const char usage[] =
     "Usage: faccia token --secret-file FILE --subject NAME [OPTION]...\n"
-    "Prints a token that a daemon started with --token-file FILE accepts.\n"
+    "       faccia token --secret-file FILE --revoke TOKEN\n"
+    "       faccia token --revoke-subject NAME [--expires TIME]\n"
+    "Prints a token that a daemon started with --token-file FILE accepts; or the line that\n"
+    "takes one back, or all that a subject has: it goes into the file of --revoked-file.\n"
     "\n"
     "      --secret-file FILE   a secret of at least 32 bytes in each line; the first signs.\n"
     "                           One can be made so: head -c 32 /dev/urandom | base64\n"
@@ -17,6 +20,9 @@ static const char usage[] =
     "      --room NAME          good in this room only\n"
     "      --rights WORDS       of listen, speak, operate, with commas (listen,speak)\n"
     "      --expires TIME       good for so long: 90s, 15m, 12h, 30d (15m)\n"
+    "      --revoke TOKEN       that one counts no more\n"
+    "      --revoke-subject NAME  those issued up to now for NAME count no more; --expires is how\n"
+    "                           long the longest of them is good for\n"
     "  -h, --help               print this and exit\n"
     "Exit status: 0 printed, 1 failed, 2 wrong usage.\n";
 
@@ -69,19 +75,44 @@ static int print(const char *secret_file, const struct token *token) {
     return EXIT_DONE;
 }
 
+static int print_revoked(const char *secret_file, const char *text) {
+    struct secrets secrets;
+    struct token token;
+    struct error e;
+    char *jti = NULL;
+    int result = EXIT_FAILED;
+    if (secrets_load(&secrets, secret_file, &e)) {
+        complain(&e);
+        return EXIT_FAILED;
+    }
+    if (token_check(&secrets, text, (long)time(NULL), &token, &e)) {
+        complain(&e);
+    } else if (!(jti = token_id(text))) {
+        cli_complain("the token has no 'jti': --revoke-subject takes back what '%s' has", token.subject);
+    } else {
+        printf("token %ld %s\n", token.expires, jti);
+        result = EXIT_DONE;
+    }
+    secrets_free(&secrets);
+    free(jti);
+    return result;
+}
+
 int token_main(int argc, char **argv, const struct settings *settings) {
     (void)settings;
-    enum { SECRET = 256, ROOM, RIGHTS, EXPIRES };
+    enum { SECRET = 256, ROOM, RIGHTS, EXPIRES, REVOKE, REVOKE_SUBJECT };
     static const struct option options[] = {{"secret-file", 1, NULL, SECRET},
                                             {"subject", 1, NULL, 's'},
                                             {"room", 1, NULL, ROOM},
                                             {"rights", 1, NULL, RIGHTS},
                                             {"expires", 1, NULL, EXPIRES},
+                                            {"revoke", 1, NULL, REVOKE},
+                                            {"revoke-subject", 1, NULL, REVOKE_SUBJECT},
                                             {"help", 0, NULL, 'h'},
                                             {0}};
     struct token token = {.rights = RIGHT_LISTEN | RIGHT_SPEAK};
     struct error e;
-    const char *secret_file = NULL;
+    const char *secret_file = NULL, *revoke = NULL, *revoke_subject = NULL;
     long seconds = 15 * 60;
     for (int c; (c = getopt_long(argc, argv, "s:h", options, NULL)) != -1;) {
         switch (c) {
@@ -106,6 +137,12 @@ int token_main(int argc, char **argv, const struct settings *settings) {
                 return EXIT_USAGE;
             }
             break;
+        case REVOKE:
+            revoke = optarg;
+            break;
+        case REVOKE_SUBJECT:
+            revoke_subject = optarg;
+            break;
         case 'h':
             fputs(usage, stdout);
             return EXIT_DONE;
@@ -114,10 +151,19 @@ int token_main(int argc, char **argv, const struct settings *settings) {
             return EXIT_USAGE;
         }
     }
-    if (!secret_file || !*token.subject || optind < argc) {
+    bool makes = *token.subject != '\0';
+    if (makes + (revoke != NULL) + (revoke_subject != NULL) != 1 || (!secret_file && !revoke_subject) ||
+        optind < argc) {
         fputs(usage, stderr);
         return EXIT_USAGE;
     }
-    token.expires = (long)time(NULL) + seconds;
+    if (revoke)
+        return print_revoked(secret_file, revoke);
+    token.issued = (long)time(NULL);
+    token.expires = token.issued + seconds;
+    if (revoke_subject) {
+        printf("subject %ld %ld %s\n", token.issued, token.expires, revoke_subject);
+        return EXIT_DONE;
+    }
     return print(secret_file, &token);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* facciad: the daemon. Puts the stages together on one loop, reads its settings anew on SIGHUP, and stops
  * cleanly when it is told to. */
+#include "server/app/access_place.h"
 #include "server/app/ahead_start.h"
 #include "server/app/cluster_place.h"
 #include "server/app/daemon_answer.h"
@@ -30,7 +31,7 @@ struct daemon {
     char **argv;
     struct paths paths;
     struct settings settings;
-    struct secrets secrets;
+    struct access_place access;
     int *sockets; /* from systemd */
     unsigned socket_count;
     struct stages stages;
@@ -71,7 +72,8 @@ static struct net_options net_options_of(struct daemon *d) {
     options.works = d->settings.library;
     options.listen_fds = d->sockets;
     options.listen_count = d->socket_count;
-    options.secrets = d->secrets.count ? &d->secrets : NULL;
+    options.secrets = d->access.secrets.count ? &d->access.secrets : NULL;
+    options.revocations = &d->access.revocations;
     options.shares = d->place.cluster != NULL;
     options.bus = d->place.bus;
     options.board = d->place.board;
@@ -112,22 +114,23 @@ static void on_ready(void *ctx) {
 static void reload(struct daemon *d) {
     struct settings settings;
     struct settings_request request;
-    struct secrets secrets = {0};
+    struct access_place access = {0};
     struct error e;
     service_reloading();
     if (settings_read(&settings, &request, PROGRAM_DAEMON, d->argc, d->argv, &d->paths, &e) ||
-        (settings.token_file && secrets_load(&secrets, settings.token_file, &e))) {
+        access_place_load(&access, &settings, &e)) {
         complain(&e);
         log_warn("the settings stay as they were");
         settings_free(&settings);
-    } else if (d->secrets.count && !secrets.count) {
+    } else if (d->access.secrets.count && !access.secrets.count) {
         log_warn("tokens cannot be given up while the daemon runs; the settings stay as they were");
         settings_free(&settings);
+        access_place_free(&access);
     } else {
         struct settings old = d->settings;
-        struct secrets old_secrets = d->secrets;
+        struct access_place old_access = d->access;
         d->settings = settings;
-        d->secrets = secrets;
+        d->access = access;
         struct net_options options = net_options_of(d);
         net_change(d->net, &options);
         d->stages.heard.most = settings.heard_most;
@@ -138,7 +141,7 @@ static void reload(struct daemon *d) {
                 "changed settings of listen, speech, voices, library, paths or cluster wait for a restart");
         log_info("settings read anew");
         settings_follow(&d->settings, &old);
-        secrets_free(&old_secrets);
+        access_place_free(&old_access);
     }
     service_ready("running");
 }
@@ -212,9 +215,7 @@ static int start(struct daemon *d, struct error *e) {
     const struct settings *s = &d->settings;
     struct voice_pool_options voices = s->voices;
     struct pipeline *pipeline = &d->stages.pipeline;
-    if (s->token_file && secrets_load(&d->secrets, s->token_file, e))
-        return -1;
-    if (stages_load(&d->stages, s, STAGES_ALL, &d->loop, e))
+    if (access_place_load(&d->access, s, e) || stages_load(&d->stages, s, STAGES_ALL, &d->loop, e))
         return -1;
     if (!speech_packs_find(&d->stages.packs, s->lang))
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "--lang", "no language '%s'", s->lang);
@@ -272,7 +273,7 @@ static int run(struct daemon *d) {
     daemon_offer_free(d->offer);
     uv_loop_close(&d->loop);
     stages_free(&d->stages);
-    secrets_free(&d->secrets);
+    access_place_free(&d->access);
     return status;
 }
 

@@ -31,6 +31,7 @@ struct settings {
     const char *lang;
     enum face_contacts contacts; /* of requests that say "engine" */
     const char *token_file;      /* NULL = none */
+    const char *revoked_file;    /* NULL = none */
     unsigned log_format;         /* 0 text, 1 JSON */
     unsigned stop_seconds;
     unsigned heard_most;    /* people's own voices, at a time */

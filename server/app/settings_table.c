@@ -23,6 +23,8 @@ const struct setting settings_table[] = {
      "let who may operate save gestures, and works into the library, over HTTP"},
     {"access.token_file", "token-file", SETTING_STRING, MEMBER(token_file), FOR_DAEMON, 0, 0, NULL, "FILE",
      "demand tokens signed with a secret of this file (one in each line)"},
+    {"access.revoked_file", "revoked-file", SETTING_STRING, MEMBER(revoked_file), FOR_DAEMON, 0, 0, NULL,
+     "FILE", "tokens that count no more, as 'faccia token --revoke' writes them (one in each line)"},
     {"speech.lang", "lang", SETTING_STRING, MEMBER(lang), FOR_BOTH, 0, 0, "it", "TAG",
      "language of requests that name none"},
     {"speech.contacts", "contacts", SETTING_CHOICE, MEMBER(contacts), FOR_BOTH, 0, 0, "engine",

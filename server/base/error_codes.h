@@ -93,7 +93,7 @@
     X(BAD_TOKEN, "bad-token", 401, "the token is not one of this server's") \
     X(EXPIRED_TOKEN, "expired-token", 401, "the token has expired") \
     X(EARLY_TOKEN, "early-token", 401, "the token is not valid yet") \
-    X(REVOKED_TOKEN, "revoked-token", 401, "the token's secret is not one of this server's any more") \
+    X(REVOKED_TOKEN, "revoked-token", 401, "the token counts no more") \
     X(FORBIDDEN, "forbidden", 403, "the token does not give the right to do that") \
     X(FORBIDDEN_ORIGIN, "forbidden-origin", 403, "pages from there may not use this server") \
     X(UNKNOWN_HOST, "unknown-host", 421, "this server is not known by that name") \
@@ -138,7 +138,7 @@
     X(BAD_VOICE_CONFIG, "bad-voice-config", 0, "these are no settings of voices") \
     X(BAD_VOICE_LIST, "bad-voice-list", 0, "this is no list of voices") \
     X(BAD_SETTINGS, "bad-settings", 0, "this is no file of settings") \
-    X(BAD_SECRETS, "bad-secrets", 0, "this is no file of secrets") \
+    X(BAD_SECRETS, "bad-secrets", 0, "this is no file of secrets, or of what is revoked") \
     X(BAD_WORK, "bad-work", 400, "this is no work that can be read") \
     X(BAD_INDEX, "bad-index", 0, "this is no index of a library") \
     X(BAD_CACHE, "bad-cache", 0, "this is no cache of sentences") \

@@ -10,8 +10,8 @@ void board_write(struct board *board, const char *name, const char *text) {
     board->engine->write(board, name, text);
 }
 
-void board_mark(struct board *board, const char *name) {
-    board->engine->mark(board, name);
+void board_mark(struct board *board, const char *name, uint64_t until) {
+    board->engine->mark(board, name, until);
 }
 
 void board_close(struct board *board) {

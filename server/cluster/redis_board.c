@@ -109,8 +109,9 @@ static void read_row(struct redis_board *b, const redisReply *rows, size_t at) {
     if (!*name || strlen(name) >= BOARD_NAME_BYTES || strlen(text) >= BOARD_TEXT_BYTES || !b->eye)
         return;
     if (!strcmp(who, "*")) {
-        if (notes_mark(&b->notes, name, true))
-            b->eye->marked(b->ctx, name);
+        uint64_t until = strtoull(text, NULL, 10);
+        if (notes_mark(&b->notes, name, until, true))
+            b->eye->marked(b->ctx, name, until);
     } else if (owner_of(b, who, false)) {
         b->eye->seen(b->ctx, who, name, text);
     }
@@ -132,8 +133,10 @@ static void read_look(struct redis_board *b, const redisReply *reply) {
     b->told = false;
     if (number(reply, LOOK_FRESH))
         forget_all(b);
+    notes_end(&b->notes, (uint64_t)number(reply, LOOK_CLOCK));
+    unsigned marks = HASH_COUNT(b->notes.marks);
     if (number(reply, LOOK_FRESH) || number(reply, LOOK_NOTES) < b->notes.written ||
-        number(reply, LOOK_MARKS) < HASH_COUNT(b->notes.marks))
+        number(reply, LOOK_MARKS) < (marks < BOARD_MARKS_MOST ? marks : BOARD_MARKS_MOST))
         notes_again(&b->notes);
     b->known = (uint64_t)number(reply, LOOK_KNOWN);
     read_owners(b, reply->element[LOOK_OWNERS]);
@@ -208,8 +211,8 @@ static void write_note(struct board *board, const char *name, const char *text) 
     notes_write(&((struct redis_board *)board)->notes, name, text);
 }
 
-static void mark(struct board *board, const char *name) {
-    notes_mark(&((struct redis_board *)board)->notes, name, false);
+static void mark(struct board *board, const char *name, uint64_t until) {
+    notes_mark(&((struct redis_board *)board)->notes, name, until, false);
 }
 
 static void on_closed(uv_handle_t *timer) {

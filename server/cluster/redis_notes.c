@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cluster/redis_notes.h"
 #include "server/base/mem.h"
+#include <inttypes.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -42,16 +43,33 @@ void notes_write(struct notes *all, const char *name, const char *text) {
     want(all, note);
 }
 
-bool notes_mark(struct notes *all, const char *name, bool known) {
+bool notes_mark(struct notes *all, const char *name, uint64_t until, bool known) {
     struct note *mark;
     HASH_FIND_STR(all->marks, name, mark);
-    if (mark || (known && HASH_COUNT(all->marks) >= BOARD_MARKS_MOST))
+    if (mark)
         return false;
+    if (known && HASH_COUNT(all->marks) >= BOARD_MARKS_MOST)
+        return true;
     mark = note_new(name, true);
+    mark->until = until;
+    if (until)
+        snprintf(mark->text, sizeof mark->text, "%" PRIu64, until);
     HASH_ADD_STR(all->marks, name, mark);
     if (!known)
         want(all, mark);
     return true;
+}
+
+void notes_end(struct notes *all, uint64_t clock) {
+    struct note *mark, *next;
+    HASH_ITER(hh, all->marks, mark, next) {
+        if (!mark->until || mark->until > clock)
+            continue;
+        if (mark->dirty)
+            DL_DELETE(all->dirty, mark);
+        HASH_DEL(all->marks, mark);
+        free(mark);
+    }
 }
 
 /* Those that were taken away long ago come first: they stay in their list until the words have been sent. */

@@ -12,6 +12,7 @@ enum { NOTE_LEAVES_MS = 4 * BOARD_LIFE_MS };
 
 struct note {
     bool is_mark, dirty, written; /* it wants to be written; it has been */
+    uint64_t until;               /* of a mark, as board_mark has it */
     uint64_t leaves;              /* loop time at which it is forgotten; 0: it stays */
     struct note *prev, *next;     /* of the dirty ones */
     struct note *leaving_prev, *leaving_next;
@@ -27,8 +28,12 @@ struct notes {
 
 void notes_write(struct notes *all, const char *name, const char *text);
 
-/* False: it was known. known: it is on the board already. */
-bool notes_mark(struct notes *all, const char *name, bool known);
+/* False: it was known. known: it is on the board already; of more than BOARD_MARKS_MOST it is not
+ * remembered. */
+bool notes_mark(struct notes *all, const char *name, uint64_t until, bool known);
+
+/* Forgets the marks that have ended. */
+void notes_end(struct notes *all, uint64_t clock);
 
 /* Writes out, by threes of words, what the board has to be told next; at most `most` notes. What they
  * point to stays until notes_sent. */

@@ -8,7 +8,8 @@ usage() {
     cat <<'TEXT'
 Usage: sh server/deploy/package.sh [FOLDER]
 Builds faccia (server/run.sh --build-only does what is still to be done) and writes its Debian packages to FOLDER
-(build/packages), with a bill of materials (faccia_VERSION.cdx.json, CycloneDX).
+(build/packages), with a bill of materials (faccia_VERSION.cdx.json, CycloneDX). Those of the container and the npm packages are made by
+sbom-container.mjs and sbom-npm.mjs beside it.
 
 $DEBFULLNAME and $DEBEMAIL are their maintainer.
 

@@ -34,6 +34,7 @@ struct net *net_open(const struct pipeline *pipeline, const struct offer_source 
     open_handles(net);
     if (options->board)
         net->sharing = sharing_open(net, rights_renew);
+    rights_revoke_all(net, options->revocations);
     if (options->bus)
         homes_open(net, options->bus);
     return net;
@@ -62,6 +63,7 @@ void net_change(struct net *net, const struct net_options *options) {
     o->stall_seconds = options->stall_seconds;
     o->ping_seconds = options->ping_seconds;
     o->hold_seconds = options->hold_seconds;
+    rights_revoke_all(net, options->revocations);
     rights_replace(net, options->secrets);
     sharing_change(net->sharing);
 }
@@ -113,6 +115,7 @@ void net_free(struct net *net) {
     quota_free(&net->quota);
     secrets_free(&net->secrets);
     free(net->revoked.marks);
+    revocations_free(&net->revocations);
     hold_free(&net->hold);
     json_decref(net->more_languages);
     free(net->read_buffer);

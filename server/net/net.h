@@ -24,13 +24,14 @@ struct net_options {
     char *const *host_names;       /* by which it is asked, see access/host.h; NULL: its own alone */
     char *const *embed;            /* origins whose pages may frame its own; NULL: none */
     const struct secrets *secrets; /* tokens are demanded; NULL = anybody may do all */
-    const char *web, *models;      /* folders */
-    const char *media;             /* folder of recordings; NULL = none */
-    bool shares;                   /* what is spoken, with other daemons */
-    struct bus *bus;               /* by which they share rooms; NULL = none */
-    struct board *board;           /* on which they count together; NULL = none */
-    const char *scenes;            /* folder of scenes that operators keep; NULL = none */
-    unsigned scene_bytes;          /* of one */
+    const struct revocations *revocations; /* are added to those that are known; read at once; or NULL */
+    const char *web, *models;              /* folders */
+    const char *media;                     /* folder of recordings; NULL = none */
+    bool shares;                           /* what is spoken, with other daemons */
+    struct bus *bus;                       /* by which they share rooms; NULL = none */
+    struct board *board;                   /* on which they count together; NULL = none */
+    const char *scenes;                    /* folder of scenes that operators keep; NULL = none */
+    unsigned scene_bytes;                  /* of one */
     unsigned scene_count;
     struct library *library;      /* NULL = none */
     bool editing;                 /* who may operate saves gestures and works */
@@ -75,7 +76,7 @@ void net_set_ready(struct net *net);
  * one after all. */
 void net_set_unavailable(struct net *net, const char *reason);
 
-/* Takes the limits, origins and secrets of options; the rest stays as it is. */
+/* Takes the limits, origins, secrets and revocations of options; the rest stays as it is. */
 void net_change(struct net *net, const struct net_options *options);
 
 /* Takes no new connection and no new utterance. */

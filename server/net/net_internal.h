@@ -4,6 +4,7 @@
 #define FACCIA_NET_NET_INTERNAL_H
 
 #include "server/access/quota.h"
+#include "server/access/revocations.h"
 #include "server/base/buf.h"
 #include "server/net/askers.h"
 #include "server/net/assets.h"
@@ -34,6 +35,7 @@ struct net {
     struct sharing *sharing; /* with other daemons; NULL: no */
     struct secrets secrets;  /* those of options.secrets that count */
     struct secrets_revoked revoked;
+    struct revocations revocations;
     struct socket *sockets; /* all that are open */
     uv_timer_t *keepalive;  /* over all connections; NULL: none */
     uv_idle_t *idle;        /* NULL: none */
@@ -237,11 +239,18 @@ int works_serve(struct exchange *x);
 int room_events(struct exchange *x); /* GET /v1/events?room= */
 void room_events_revoke(struct net *net);
 
-/* revoke.c: the secrets, or those that are revoked, have changed: clients whose secret is gone lose their
+/* revoke.c: the secrets, or what is revoked, have changed: clients whose secret or token is gone lose their
  * rights, and are told. */
 void rights_renew(struct net *net);
 
 /* Those that come in place of the present ones: what is missing is revoked everywhere. */
 void rights_replace(struct net *net, const struct secrets *secrets);
+
+/* What is taken back counts no more from now on, for any daemon; rights_renew puts it out. */
+void rights_revoke(struct net *net, const struct revoked *one);
+void rights_revoke_all(struct net *net, const struct revocations *all); /* NULL: none */
+
+/* revoke_http.c: POST /v1/revoke */
+int revoke_post(struct exchange *x);
 
 #endif

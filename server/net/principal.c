@@ -28,7 +28,8 @@ int principal_check_host(const struct net *net, const struct http_request *reque
 
 bool principal_revoke(const struct net *net, struct principal *principal) {
     bool lost = principal->token.rights && net->options.secrets &&
-                !secrets_have(&net->secrets, principal->token.secret);
+                (!secrets_have(&net->secrets, principal->token.secret) ||
+                 revocations_have(&net->revocations, &principal->token));
     if (lost)
         principal->token = (struct token){0};
     return lost;
@@ -72,12 +73,16 @@ static void find_token(const struct http_request *request, char token[TOKEN_BYTE
         find_in_protocols(request, token);
 }
 
+static int check_revoked(const struct net *net, const struct token *token, struct error *e) {
+    return revocations_have(&net->revocations, token) ? error_plain(e, ERROR_REVOKED_TOKEN) : 0;
+}
+
 int principal_show(struct net *net, struct principal *principal, const char *text, struct error *e) {
     struct token token;
     char key[sizeof principal->key];
     if (!net->options.secrets)
         return 0;
-    if (token_check(&net->secrets, text, (long)time(NULL), &token, e)) {
+    if (token_check(&net->secrets, text, (long)time(NULL), &token, e) || check_revoked(net, &token, e)) {
         metrics_add(net->pipeline->metrics, METRIC_REFUSED_TOKEN, 1);
         return -1;
     }

@@ -23,7 +23,7 @@ bool principal_origin_allowed(const struct net *net, const struct http_request *
 int principal_check_host(const struct net *net, const struct http_request *request, struct error *e);
 
 /* Lets him in, with the token of his headers (Authorization: Bearer, or token= in the address) if there is
- * one. -1 with *e: "bad-token", "expired-token", "too-many-per-address". */
+ * one. -1 with *e: "bad-token", "expired-token", "revoked-token", "too-many-per-address". */
 int principal_enter(struct net *net, const struct http_request *request, struct principal *principal,
                     struct error *e);
 
@@ -33,7 +33,7 @@ int principal_show(struct net *net, struct principal *principal, const char *tok
 /* Stands for the room that the token is for, or any. */
 extern const char principal_own_room[];
 
-/* His secret is gone: then so are his rights. True: he had some. */
+/* His secret or token counts no more: then so are his rights. True: he had some. */
 bool principal_revoke(const struct net *net, struct principal *principal);
 
 /* Him as a number, for those who are to come by turns (speech_request.h); never 0. */

@@ -2,6 +2,7 @@
 #include "server/base/log.h"
 #include "server/net/sharing.h"
 #include "server/net/socket_internal.h"
+#include <time.h>
 
 /* One that spoke on a stream of its own is cut; in a room others may have spoken, and it is put out. */
 static void put_out(struct socket *s) {
@@ -16,9 +17,10 @@ static void put_out(struct socket *s) {
 
 void rights_renew(struct net *net) {
     const struct secrets *all = net->options.secrets;
+    size_t before = net->secrets.count;
     secrets_free(&net->secrets);
     net->secrets = secrets_good(all, &net->revoked);
-    if (all && net->secrets.count < all->count)
+    if (all && net->secrets.count < all->count && net->secrets.count != before)
         log_warn("%zu of the %zu secrets of the token file count no more: a daemon of this cluster has given "
                  "them up",
                  all->count - net->secrets.count, all->count);
@@ -35,4 +37,18 @@ void rights_replace(struct net *net, const struct secrets *secrets) {
             sharing_revoke(net->sharing, net->secrets.list[i]);
     net->options.secrets = secrets;
     rights_renew(net);
+}
+
+void rights_revoke(struct net *net, const struct revoked *one) {
+    if (revocations_add(&net->revocations, one, (long)time(NULL)))
+        sharing_revoke_token(net->sharing, one);
+}
+
+static void revoke_one(void *ctx, const struct revoked *one) {
+    rights_revoke(ctx, one);
+}
+
+void rights_revoke_all(struct net *net, const struct revocations *all) {
+    if (all)
+        revocations_each(all, revoke_one, net);
 }

@@ -83,6 +83,7 @@ static const struct route {
     {"/v1/calibrate", NULL, room_calibrate, NULL, RIGHT_SPEAK, SCOPE_ROOM, &only_room, false, false},
     {"/v1/play", NULL, play_post, NULL, RIGHT_SPEAK, SCOPE_ROOM, &for_play, false, false},
     {"/v1/scenes", NULL, NULL, scenes_serve, RIGHT_SPEAK, SCOPE_OWN, &none, true, true},
+    {"/v1/revoke", NULL, revoke_post, NULL, RIGHT_OPERATE, SCOPE_ALL, &none, false, false},
     {"/v1/stream", NULL, NULL, NULL, 0, SCOPE_ALL, NULL, false, false},
     {"/metrics", NULL, NULL, metrics, RIGHT_OPERATE, SCOPE_ALL, &none, false, false},
 };

@@ -8,12 +8,14 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 #include <utlist.h>
 
-enum { CLOCK_SLACK_MS = 500, OWNER_BYTES = 64 };
+enum { CLOCK_SLACK_MS = 500, OWNER_BYTES = 64, MS = 1000 };
 
 /* The names of notes and marks. */
-static const char limits_note[] = "limits", use_note[] = "use ", secret_mark_name[] = "secret ";
+static const char limits_note[] = "limits", use_note[] = "use ", secret_mark_name[] = "secret ",
+                  token_mark_name[] = "token ";
 
 /* A daemon that has other limits than this one. */
 struct otherwise {
@@ -25,6 +27,7 @@ struct sharing {
     struct net *net;
     void (*revoked)(struct net *net);
     struct board *board;
+    bool longer;   /* what is revoked: of this look */
     int64_t ahead; /* the clock of all, before that of the loop */
     char limits[BOARD_TEXT_BYTES];
     struct otherwise *otherwise;
@@ -85,11 +88,15 @@ static void on_gone(void *ctx, const char *owner) {
     quota_gone(&s->net->quota, owner);
 }
 
-static void on_marked(void *ctx, const char *name) {
-    const struct sharing *s = ctx;
-    const char *mark = after(name, secret_mark_name);
-    if (mark && secrets_revoked_add(&s->net->revoked, mark))
-        s->revoked(s->net);
+static void on_marked(void *ctx, const char *name, uint64_t until) {
+    struct sharing *s = ctx;
+    (void)until; /* it says so itself */
+    const char *mark = after(name, secret_mark_name), *text = after(name, token_mark_name);
+    struct revoked one;
+    if (mark)
+        s->longer |= secrets_revoked_add(&s->net->revoked, mark);
+    else if (text && revoked_read(&one, text))
+        s->longer |= revocations_add(&s->net->revocations, &one, (long)time(NULL));
 }
 
 /* A little that the answer was slow does not move the minutes. */
@@ -99,6 +106,9 @@ static void on_looked(void *ctx, uint64_t clock) {
     if (llabs(ahead - s->ahead) > CLOCK_SLACK_MS)
         s->ahead = ahead;
     quota_sweep(&s->net->quota, sharing_now(s->net));
+    if (s->longer)
+        s->revoked(s->net);
+    s->longer = false;
 }
 
 static const struct board_eye eye = {on_seen, on_gone, on_marked, on_looked};
@@ -140,7 +150,16 @@ void sharing_revoke(struct sharing *s, const char *secret) {
     secret_mark(secret, mark);
     secrets_revoked_add(&s->net->revoked, mark);
     snprintf(name, sizeof name, "%s%s", secret_mark_name, mark);
-    board_mark(s->board, name);
+    board_mark(s->board, name, 0);
+}
+
+void sharing_revoke_token(struct sharing *s, const struct revoked *one) {
+    char text[REVOCATION_BYTES], name[BOARD_NAME_BYTES];
+    if (!s)
+        return;
+    revoked_write(one, text);
+    snprintf(name, sizeof name, "%s%s", token_mark_name, text);
+    board_mark(s->board, name, (uint64_t)one->until * MS);
 }
 
 uint64_t sharing_now(const struct net *net) {

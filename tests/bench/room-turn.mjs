@@ -20,8 +20,11 @@ export async function startDaemons(count, options) {
   return { redis, daemons };
 }
 
-/** Daemons and Redis on core 0, the listeners on core 1. */
-export async function roomTurn(daemonCount, count, text) {
+/**
+ * Daemons and Redis on core 0, the listeners on core 1. restSeconds: looks so long at what they do while nothing is said; `rest` is then what
+ * they would have done of that in the time that the speech took.
+ */
+export async function roomTurn(daemonCount, count, text, restSeconds = 0) {
   const listeners = needProgram('listeners');
   const { redis, daemons } = await startDaemons(daemonCount, ['--max-connections', String(count + 20)]);
   const pids = [...daemons.map((daemon) => daemon.process.pid), ...(redis ? [redis.process.pid] : [])];
@@ -36,16 +39,19 @@ export async function roomTurn(daemonCount, count, text) {
     const rooms = await Promise.all(daemons.map(async (daemon) => (await (await daemon.get('/v1/rooms')).json()).rooms[0]?.listeners ?? 0));
     return Math.max(...rooms) === count;
   }, 'all to listen');
-  const before = pids.map(cpuOf);
+  const atRest = pids.map(cpuOf), restFrom = performance.now();
+  if (restSeconds) await new Promise((resolve) => setTimeout(resolve, 1000 * restSeconds));
+  const before = pids.map(cpuOf), from = performance.now();
   const answer = await daemons.at(-1).get('/v1/say?room=bench&lang=it', { method: 'POST', body: text });
   if (answer.status !== 202) throw new Error(await answer.text());
   const heard = JSON.parse(await line());
-  const used = pids.map((pid, i) => cpuOf(pid) - before[i]);
+  const used = pids.map((pid, i) => cpuOf(pid) - before[i]), took = performance.now() - from;
   const sent = redis ? (await Promise.all(daemons.map((daemon) => daemon.metric('faccia_bus_messages_total{way="sent"}')))).reduce((a, b) => a + b) : 0;
   child.stdin.end();
   await ended;
   for (const daemon of daemons) await daemon.stop();
   redis?.stop();
   const sum = (list) => list.reduce((a, b) => a + b, 0);
-  return { ...heard, sent, all: sum(used), redis: redis ? used.at(-1) : 0 };
+  const rest = restSeconds ? (sum(before.map((value, i) => value - atRest[i])) * took) / (from - restFrom) : 0;
+  return { ...heard, sent, all: sum(used), redis: redis ? used.at(-1) : 0, rest };
 }

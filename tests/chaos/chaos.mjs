@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // See run.sh. Speakers ask for more than is spoken, half of them with `again`; listeners come in at any daemon, and come back elsewhere
 // when theirs goes.
+import { spawn } from 'node:child_process';
+import { once } from 'node:events';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
+import { parseArgs } from 'node:util';
 import { setTimeout as sleep } from 'node:timers/promises';
 import WebSocket from 'ws';
 import { Chance } from '../lib/chaos.mjs';
@@ -11,13 +14,26 @@ import { build, Daemon } from '../lib/daemon.mjs';
 import { Redis } from '../lib/redis.mjs';
 import { Worker } from '../lib/worker.mjs';
 import { Checker, Ear } from './checker.mjs';
+import { clocksIn } from './clocks.mjs';
 import { faultsOf } from './faults.mjs';
 import { SlowRoad } from './slow-road.mjs';
+import { waysOf } from './ways.mjs';
 
-const [minutes = 10, speakers = 200, listeners = 2000, seed = Date.now() % 1e6] = process.argv.slice(2).map(Number);
+// run.sh makes the network and the disk, if the machine lets it
+if (!process.env.FACCIA_CHAOS_PLACE) {
+  const run = spawn('sh', [path.join(import.meta.dirname, 'run.sh'), ...process.argv.slice(2)], { stdio: 'inherit' });
+  process.exit((await once(run, 'exit'))[0] ?? 1);
+}
+const type = 'string';
+const { values, positionals } = parseArgs({ allowPositionals: true, options: { minutes: { type }, speakers: { type }, listeners: { type }, seed: { type }, only: { type } } });
+const [minutes, speakers, listeners, seed] = [['minutes', 10], ['speakers', 200], ['listeners', 2000], ['seed', Date.now() % 1e6]].map(([name, otherwise], i) => Number(values[name] ?? positionals[i] ?? otherwise));
+if ([minutes, speakers, listeners, seed].some((number) => !(number >= 0))) {
+  console.error('minutes, speakers, listeners and seed are numbers: see run.sh --help');
+  process.exit(2);
+}
 const DAEMONS = 4, WORKERS = 2, ROOMS = Math.max(1, Math.round(speakers / 10)), SETTLE_MS = 60000;
 const TEXTS = ['Buongiorno.', 'Il vento porta via le foglie del viale.', 'Uno, due. E tre.', 'La mamma parla piano.'];
-const disk = process.env.FACCIA_CHAOS_DISK || null, netem = process.env.FACCIA_CHAOS_NETEM === '1';
+const disk = process.env.FACCIA_CHAOS_DISK || null;
 const logs = process.env.FACCIA_CHAOS_LOGS; // a folder, for what the daemons log
 const chance = new Chance(seed);
 const checker = new Checker();
@@ -32,21 +48,23 @@ const near = plugin('espeak'), far = plugin('command');
 const config = path.join(folder, 'voices.json');
 fs.writeFileSync(config, JSON.stringify({ command: { voices: [{ id: 'dear', lang: 'it', raw: 16000, argv: ['sh', '-c', 'sleep 0.1; head -c 24000 /dev/zero', 'sh', '{text}'] }] } }));
 
-const redis = await Redis.start();
+const clocks = clocksIn(folder);
+const redis = await Redis.start({ env: clocks?.env('redis', 'redis-server') });
+const ways = waysOf(redis.port);
 const road = await SlowRoad.open(redis.port);
 let made = 0, over = false, quiet = false;
 const codes = {}, started = [];
 const world = {
-  redis, road, disk, netem,
-  startDaemon: async () => {
+  redis, road, disk, ways, clocks,
+  startDaemon: async (at) => {
     const cache = disk ? ['--cache-file', path.join(disk, `cache-${made++ % (2 * DAEMONS)}`)] : [];
-    const daemon = await Daemon.start(['--cluster', road.url, '--plugins', near, '--max-connections', '10000', ...(logs ? ['--log', 'json'] : []), ...cache]);
+    const daemon = await Daemon.start(['--cluster', road.url, '--plugins', near, '--max-connections', '10000', ...(logs ? ['--log', 'json'] : []), ...cache], clocks?.env(at, 'facciad'));
     started.push(daemon);
     return daemon;
   },
   startWorker: () => Worker.start(['--cluster', road.url, '--plugins', far, '--voice-config', config, '--sandbox', 'off']),
 };
-world.daemons = await Promise.all(Array.from({ length: DAEMONS }, world.startDaemon));
+world.daemons = await Promise.all(Array.from({ length: DAEMONS }, (_, at) => world.startDaemon(at)));
 world.workers = await Promise.all(Array.from({ length: WORKERS }, world.startWorker));
 
 const roomOf = (i) => `room-${i % ROOMS}`;
@@ -125,8 +143,9 @@ let finish;
 const ended = new Promise((resolve) => (finish = resolve));
 const all = [...Array.from({ length: speakers }, (_, i) => speak(i)), ...Array.from({ length: listeners }, (_, i) => listen(i))];
 console.log(`${minutes} min, ${DAEMONS} daemons, ${WORKERS} workers, ${speakers} speakers in ${ROOMS} rooms, ${listeners} listeners, seed ${seed}`);
-console.log(`left out: ${[netem ? '' : 'tc netem (the way to Redis is slow by a proxy)', disk ? '' : 'a full disk (tmpfs)', 'a clock that is stepped (libfaketime)'].filter(Boolean).join(', ')}`);
-const faults = faultsOf(world, chance);
+const missing = [[ways.netem, 'tc netem (the way to Redis is slow by a proxy)'], [ways.netem ?? ways.tbf, 'tc tbf'], [ways.loss, 'lost packets (iptables)'], [disk, 'a full disk (tmpfs)'], [clocks, 'stepped clocks']];
+console.log(`left out: ${missing.filter(([there]) => !there).map(([, what]) => what).join(', ') || 'nothing'}`);
+const faults = Object.fromEntries(Object.entries(faultsOf(world, chance)).filter(([name]) => !values.only || name.includes(values.only)));
 const happened = Object.fromEntries(Object.keys(faults).map((name) => [name, 0]));
 const until = Date.now() + minutes * 60000;
 await sleep(5000);

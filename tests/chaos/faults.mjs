@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What goes wrong, one thing after the other or several at once; each is put right again.
-import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import { setTimeout as sleep } from 'node:timers/promises';
 
-/** @param {object} world daemons, workers, redis, startDaemon, startWorker, disk, netem @param {import('../lib/chaos.mjs').Chance} chance */
+/** @param {object} world daemons, workers, redis, startDaemon, startWorker, road, disk, ways, clocks @param {import('../lib/chaos.mjs').Chance} chance */
 export function faultsOf(world, chance) {
   const between = (low, high) => low + chance.below(high - low);
   const freeze = async ({ process }, ms) => {
@@ -21,12 +20,12 @@ export function faultsOf(world, chance) {
       dead.process.kill('SIGKILL');
       await dead.exited;
       await sleep(between(500, 4000));
-      world.daemons[at] = await world.startDaemon();
+      world.daemons[at] = await world.startDaemon(at);
     },
     'a daemon stopped in order': async () => {
       const at = anyDaemon();
       await world.daemons[at].stop();
-      world.daemons[at] = await world.startDaemon();
+      world.daemons[at] = await world.startDaemon(at);
     },
     'a daemon frozen': () => freeze(world.daemons[anyDaemon()], between(300, 6000)),
     'a worker killed': async () => {
@@ -52,13 +51,30 @@ export function faultsOf(world, chance) {
     await sleep(between(500, 5000));
     world.road.delay = 0;
   };
-  if (world.netem)
-    faults['the network slow'] = async () => {
-      const rule = (...words) => execFileSync('tc', ['qdisc', 'change', 'dev', 'lo', 'root', 'netem', ...words]);
-      rule('delay', `${between(5, 150)}ms`, '20ms', 'loss', `${chance.below(3)}%`);
-      await sleep(between(1000, 6000));
-      rule('delay', '0ms');
+  faults['the way to Redis stands still'] = async () => {
+    world.road.delay = Infinity;
+    await sleep(between(200, 4000));
+    world.road.delay = 0;
+  };
+  const { netem, tbf, loss } = world.ways;
+  const forAWhile = async (end) => {
+    await sleep(between(1000, 6000));
+    end();
+  };
+  if (netem) faults['the network slow'] = () => forAWhile(netem(between(5, 150), chance.below(3)));
+  else if (tbf) faults['the network narrow'] = () => forAWhile(tbf(between(4, 40)));
+  if (loss) faults['packets to and from Redis lost'] = () => forAWhile(loss(between(5, 50)));
+  if (world.clocks) {
+    // as an operator or NTP sets them, by moments or by an hour, back and forth; and right again
+    const step = async (name) => {
+      const seconds = chance.of([2, 5, 30, 3600]) * chance.of([1, -1]);
+      world.clocks.step(name, seconds);
+      await sleep(between(1500, 8000));
+      world.clocks.step(name, 0);
     };
+    faults["a daemon's clock stepped"] = () => step(anyDaemon());
+    faults['the clock of Redis stepped'] = () => step('redis');
+  }
   if (world.disk)
     faults['the disk full'] = async () => {
       const filler = path.join(world.disk, 'filler');

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The way to Redis, which can be made slow: what comes leaves so many ms later, in its order.
+// The way to Redis, which can be made slow: what comes leaves so many ms later, in its order; with Infinity not before that
+// is over.
 import net from 'node:net';
 
 export class SlowRoad {
@@ -21,11 +22,11 @@ export class SlowRoad {
     // timers that are due at once come in any order
     const waiting = [];
     const leave = () => {
-      while (waiting.length && waiting[0].due <= performance.now()) waiting.shift().act();
-      if (waiting.length) setTimeout(leave, Math.ceil(waiting[0].due - performance.now()));
+      while (waiting.length && this.delay !== Infinity && waiting[0].due <= performance.now()) waiting.shift().act();
+      if (waiting.length) setTimeout(leave, Math.max(1, Math.ceil(waiting[0].due - performance.now())));
     };
     const later = (act) => {
-      waiting.push({ act, due: Math.max(waiting.at(-1)?.due ?? 0, performance.now() + this.delay) });
+      waiting.push({ act, due: Math.max(waiting.at(-1)?.due ?? 0, performance.now() + (this.delay === Infinity ? 0 : this.delay)) });
       if (waiting.length === 1) leave();
     };
     from.setNoDelay(true);

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Who may come in. Byte 0: what the rest is, a token as somebody may forge it, the header and the claims of a
  * JWT (a line each) to be signed with the right secret, what a token is to say, an origin with host and
- * list (a line each), or a file of secrets. */
+ * list (a line each), or a file of secrets, and one of what is revoked. */
 #include "server/access/origin.h"
+#include "server/access/revocations.h"
 #include "server/access/secrets.h"
 #include "server/access/token.h"
 #include "server/base/mem.h"
@@ -93,6 +94,25 @@ static void secrets_file(struct fuzz_input *in) {
     secrets_free(&loaded);
 }
 
+static void check_revoked(void *ctx, const struct revoked *one) {
+    char text[REVOCATION_BYTES];
+    struct revoked again;
+    (void)ctx;
+    FUZZ_CHECK(one->until > NOW && one->issued >= 0);
+    revoked_write(one, text);
+    FUZZ_CHECK(revoked_read(&again, text) && !strcmp(again.key, one->key));
+}
+
+static void revoked_file(struct fuzz_input *in) {
+    struct revocations loaded = {0};
+    struct error e = {0};
+    char path[FUZZ_PATH];
+    fuzz_write("revoked", in->at, fuzz_left(in), path);
+    FUZZ_CHECK(!revocations_load(&loaded, path, NOW, &e) || e.code);
+    revocations_each(&loaded, check_revoked, NULL);
+    revocations_free(&loaded);
+}
+
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     struct fuzz_input in = fuzz_input(data, size);
     char *text;
@@ -110,8 +130,9 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
     case 3:
         origin(&in);
         break;
-    default:
+    default: /* the same bytes as either */
         secrets_file(&in);
+        revoked_file(&in);
     }
     return 0;
 }

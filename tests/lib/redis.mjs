@@ -12,9 +12,9 @@ const freePort = () =>
   });
 
 export class Redis {
-  /** @param {{password?: string, database?: number}} options */
-  static async start({ password, database = 0 } = {}) {
-    const redis = Object.assign(new Redis(), { password, database, port: await freePort() });
+  /** @param {{password?: string, database?: number, env?: object}} options env: further variables */
+  static async start({ password, database = 0, env = {} } = {}) {
+    const redis = Object.assign(new Redis(), { password, database, env, port: await freePort() });
     const login = password ? `:${encodeURIComponent(password)}@` : '';
     redis.url = `redis://${login}localhost:${redis.port}/${database}`;
     redis.again();
@@ -24,7 +24,7 @@ export class Redis {
   /** After it was killed, with nothing in it. */
   again() {
     const login = this.password ? ['--requirepass', this.password] : [];
-    this.process = spawn('redis-server', ['--port', this.port, '--bind', '127.0.0.1', '--save', '', ...login], { stdio: 'ignore' });
+    this.process = spawn('redis-server', ['--port', this.port, '--bind', '127.0.0.1', '--save', '', ...login], { stdio: 'ignore', env: { ...process.env, ...this.env } });
   }
 
   /** What redis-cli says. */

@@ -6,6 +6,7 @@ import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
 import { after, before, test } from 'node:test';
+import { checkBill } from '../lib/bill.mjs';
 import { freshArchive } from './fresh.mjs';
 
 const packages = process.env.FACCIA_PACKAGES;
@@ -32,6 +33,20 @@ after(() => {
 test('it is small: 150 MB at most', () => {
   const bytes = Number(execFileSync('du', ['-sb', mounted], { encoding: 'utf8' }).split('\t')[0]);
   assert.ok(bytes < 150e6, `${bytes} bytes`);
+});
+
+test('its bill of materials names every package that is in it, in its version', () => {
+  execFileSync('node', [path.join(root, 'server/deploy/sbom-container.mjs'), mounted, packages]);
+  const bom = JSON.parse(fs.readFileSync(path.join(packages, fs.readdirSync(packages).find((name) => /^faccia-container_.*\.cdx\.json$/.test(name))), 'utf8'));
+  checkBill(bom);
+  const debs = bom.components.filter((one) => one.purl.startsWith('pkg:deb/'));
+  const installed = execFileSync('dpkg-query', ['--admindir', path.join(mounted, 'var/lib/dpkg'), '-W', '-f', '${Package} ${Version}\n'], { encoding: 'utf8' }).trim().split('\n');
+  assert.deepEqual(debs.map((one) => `${one.name} ${one.version}`).sort(), installed.sort());
+  const named = (name) => bom.components.find((one) => one.name === name);
+  assert.match(named('faccia').purl, /^pkg:deb\/faccia\//);
+  for (const name of ['faccia', 'faccia-data', 'three']) assert.ok(named(name).licenses.length, name);
+  const next = (name) => bom.dependencies.find(({ ref }) => ref === named(name).purl).dependsOn;
+  for (const name of ['libc6', 'faccia-data']) assert.ok(next('faccia').includes(named(name).purl), name);
 });
 
 test('it is nobody in particular, and says how it is', () => {
