@@ -124,7 +124,7 @@ rm -f "$artefacts"/*.count
     esac
 } &
 case " $* " in *' browser '*)
-    faceless=$(grep -l 'launch({ webgl: false })' "$root"/tests/browser/*.test.mjs | xargs grep -L 'launch()')
+    faceless=$(grep -l 'launch({ webgl: false' "$root"/tests/browser/*.test.mjs | xargs grep -L 'launch()')
     files browser | grep -vxF "$faceless" | dearest browser foreign avatar-poses people listen portrait | sed 's/^/browser /' | run 1
     echo "$faceless" | dearest browser operator page-axe page-speak page-layout | sed 's/^/browser /' | run 2
     ;;
