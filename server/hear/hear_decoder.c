@@ -1,9 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/hear/hear_decoder.h"
 
-/* By how much closed lips and teeth on the lip are taken before others. */
-#define CLOSED_FIRST 2.0F
-#define TEETH_FIRST 1.3F
 /* As long as it is that likely a closure goes on. */
 #define CLOSED_HOLD 0.3F
 /* What is that likely begins at once, all else once it has lasted so many frames. */
@@ -15,16 +12,11 @@ static bool touches(enum hear_class class) {
 }
 
 static enum hear_class best(const float likely[HEAR_CLASSES]) {
-    enum hear_class found = HEAR_SILENCE;
-    float most = -1;
-    for (int i = 0; i < HEAR_CLASSES; i++) {
-        float x = likely[i] * (i == HEAR_CLOSED ? CLOSED_FIRST : i == HEAR_TEETH ? TEETH_FIRST : 1);
-        if (x > most) {
-            most = x;
-            found = (enum hear_class)i;
-        }
-    }
-    return found;
+    int found = HEAR_SILENCE;
+    for (int i = 1; i < HEAR_CLASSES; i++)
+        if (likely[i] > likely[found])
+            found = i;
+    return (enum hear_class)found;
 }
 
 void hear_decoder_begin(struct hear_decoder *d) {

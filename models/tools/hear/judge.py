@@ -17,8 +17,8 @@ from train import CLASSES, DELAYS, load
 
 KINDS = {'closed': (r'[pbm]', {1}), 'teeth': (r'[fv]', {2}), 'rounded': (r't͡ʃ|d͡ʒ|tʃ|dʒ|[ʃʒuwoɔʊ]', {3, 11, 13})}
 SLACK, FIRST = 0.04, 0.0075
-# As server/hear/hear_decoder.c has them.
-DECODER = {'closed': 2.0, 'teeth': 1.3, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
+# As server/hear/hear_decoder.c has them; there closed lips and teeth on the lip count as they are likely, here more or less on request.
+DECODER = {'closed': 1.0, 'teeth': 1.0, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
 
 
 def decoded(likely, d):
@@ -139,7 +139,7 @@ def main():
             for name in sorted({n for n, _ in sums}):
                 print(network, f'{10 * delay:3d} ms {name:12s}', ' | '.join(f'{kind} {cell(sums[name, kind])}' for kind in KINDS), flush=True)
             if options.search:
-                for closed in (1, 1.4, 2, 2.8):
+                for closed in (0.5, 0.7, 1, 1.4, 2):
                     for hold, contact in ((0.15, 3), (0.3, 3), (0.3, 4), (0.3, 5), (0.5, 4)):
                         sums = table(heard, {**DECODER, 'closed': closed, 'hold': hold, 'contact': contact, 'teeth': closed}, ())
                         print(closed, hold, contact, ' | '.join(f'{kind} {cell(sums["all", kind])}' for kind in ('closed', 'teeth')), flush=True)

@@ -52,9 +52,9 @@ def words_of(name):
 def text_of(rng, words, often):
     def word():
         chosen = often if rng.random() < 0.35 else words
-        return chosen[rng.integers(len(chosen))]
+        return chosen[rng.integers(len(chosen))] + (',' if rng.random() < 0.12 else '')
 
-    return ' '.join(' '.join(word() for _ in range(rng.integers(3, 12))).capitalize() + '.' for _ in range(14))
+    return ' '.join(' '.join(word() for _ in range(rng.integers(3, 12))).rstrip(',').capitalize() + '.' for _ in range(14))
 
 
 def spoken(build, voice, lang, text, rng, folder):
@@ -83,8 +83,8 @@ def frames_of(program, sound):
 class Collected:
     """Pieces of PIECE seconds as microphones hear them: features and classes, several times each."""
 
-    def __init__(self, rng, program, times, keep):
-        self.rng, self.program, self.times, self.keep = rng, program, times, keep
+    def __init__(self, rng, program, times, keep, later):
+        self.rng, self.program, self.times, self.keep, self.later = rng, program, times, keep, later
         self.features, self.classes = [], []
 
     def add(self, sound, phones, other):
@@ -99,7 +99,7 @@ class Collected:
                 heard = augmented(self.rng, signal.resample(piece, int(len(piece) / factor)), other)
                 found = frames_of(self.program, heard)[:LENGTH]
                 self.features.append(found.astype(np.float16))
-                self.classes.append(labels(phones, len(found), lambda k: start + (k * 0.01 + 0.0125) * factor))  # noqa: B023
+                self.classes.append(labels(phones, len(found), lambda k: start - self.later + (k * 0.01 + 0.0125) * factor))  # noqa: B023
 
 
 def synthetic(options, rng, collected):
@@ -129,10 +129,11 @@ def main():
     parser.add_argument('--people', nargs='*', default=[])
     parser.add_argument('--times', type=int, default=2, help='by how many microphones each piece is heard')
     parser.add_argument('--keep', type=float, default=1, help='how much of the pieces')
+    parser.add_argument('--later', type=float, default=0, help='seconds by which the phones are later than is said')
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    collected = Collected(rng, options.features, options.times, options.keep)
+    collected = Collected(rng, options.features, options.times, options.keep, options.later)
     if options.minutes:
         synthetic(options, rng, collected)
     for path in options.people:

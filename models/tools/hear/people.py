@@ -3,7 +3,8 @@
 
 python3 people.py BUILD PLACE OUT.npz [--only WORD]
 PLACE: where festvox-ru, tuxpaint-stamps-default and asterisk-prompt-it-menardi-wav were unpacked (`apt-get download PACKAGE`,
-`dpkg -x PACKAGE*.deb PLACE`). Wants sox, python3-numpy and asterisk-core-sounds-it, for the text of the last. Nobody here is among those that
+`dpkg -x PACKAGE*.deb PLACE`). Wants sox, python3-numpy, asterisk-core-sounds-it for the text of the last; with --only kal, Festival's KAL in
+English instead. Nobody here is among those that
 tests/bench/hear.mjs hears.
 """
 import argparse
@@ -24,12 +25,33 @@ RUSSIAN = 'usr/share/festival/voices/russian/msu_ru_nsh_clunits'
 PROMPTS = 'usr/share/asterisk/sounds'
 STAMPS_OF_A_LANGUAGE = 130
 # Kept for choices: nobody of these is trained on.
-HELD = ('tuxpaint-es', 'tuxpaint-en', 'menardi')
+HELD = ('tuxpaint-es', 'tuxpaint-en', 'menardi', 'kal')
 # festvox-ru's names; a doubled consonant is the palatalised one.
 RUSSIAN_IPA = {
     'pau': '', 'a': 'a', 'aa': 'a', 'ay': 'ʌ', 'ae': 'ə', 'e': 'e', 'ee': 'e', 'i': 'i', 'ii': 'i', 'oo': 'o', 'u': 'u', 'uu': 'u', 'ur': 'u',
     'y': 'ɨ', 'yy': 'ɨ', 'j': 'j', 'c': 's', 'ch': 'ʃ', 'sh': 'ʂ', 'sch': 'ɕ', 'zh': 'ʐ', 'h': 'x', 'hh': 'x',
 }  # fmt: skip
+
+
+# What Festival's KAL says, for choices in English.
+SAID = (
+    'My brother put the paper boat in the bath before five.', 'Every Friday we visit the village by the river.',
+    'Please move the blue van from in front of my gate.', 'The baby began to laugh when the puppy barked.', 'Never leave the oven on for more than half an hour.',
+    'I believe the map was published above a bookshop.', 'Perhaps the farmer will buy some sheep and a bull.', 'We climbed up the steep path with heavy bags.',
+    'What have you done with the money that I gave you?', 'The chief of police found a knife behind the shelf.', 'She wore a purple velvet jumper at the office party.',
+    'Both of them love fresh bread with butter and jam.', 'The number of bees in my garden has gone up again.', 'Can you help me find a cheap room for a week?',
+    'Five brave women saved a family from the flood.', 'It may rain, but the film begins at half past seven.', 'Tom keeps a map of Europe pinned up in his cabin.',
+    'The lamp on top of the wardrobe fell and broke.', 'Give me a moment to fasten the belt of my bag.', 'Nobody remembers when the mill was built.',
+)  # fmt: skip
+
+
+def kal(build):
+    for k, text in enumerate(SAID):
+        with tempfile.TemporaryDirectory() as folder:
+            wav, out = os.path.join(folder, f'kal-{k}.wav'), os.path.join(folder, 'a.json')
+            subprocess.run([f'{build}/server/app/faccia', 'say', '-l', 'en', '-v', 'festival:kal', '--wav', wav, '--json', out, text], capture_output=True, check=True)
+            with open(out, encoding='utf-8') as file:
+                yield {'speaker': 'kal', 'sound': wav, 'phones': json.load(file)['phones'], 'heard': read(wav)}
 
 
 def read(path):
@@ -126,14 +148,15 @@ def main():
     parser.add_argument('out')
     parser.add_argument('--only', default='', help='speakers whose name has this in it')
     options = parser.parse_args()
-    items = [i for source in (russian, stamps, menardi) for i in source(options.place) if options.only in i['speaker']]
+    sources = [russian(options.place), stamps(options.place), menardi(options.place), *([kal(options.build)] if options.only == 'kal' else [])]
+    items = [i for source in sources for i in source if options.only in i['speaker']]
     sounds, kept, told = [], [], {}
     with ThreadPoolExecutor(2) as pool:
         for item, phones in zip(items, pool.map(lambda i: aligned(options.build, i), items)):
             count = told.setdefault(item['speaker'], [0, 0, 0.0])
             count[1] += 1
             if phones:
-                sound = read(item['sound'])
+                sound = item['heard'] if 'heard' in item else read(item['sound'])
                 count[0] += 1
                 count[2] += len(sound) / RATE
                 sounds.append(sound)

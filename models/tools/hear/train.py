@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Trains the network of server/hear/hear_network.h and writes it with what it answers to a piece of its data.
 
-python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--minutes N] [--begin NETWORK.bin] [--size UNITS]
-SHARE: how much of each step is of that file. Wants python3-torch. Fixed seeds; how far it gets in N minutes depends on the machine, so the card
+python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--minutes N] [--begin NETWORK.bin] [--size UNITS] [--middle OUTPUTS]
+SHARE: how much of each step is of that file, which is read again whenever it has been written anew. Wants python3-torch. Fixed seeds; how far it gets in N minutes depends on the machine, so the card
 tells how many steps it had.
 """
 import argparse
+import copy
+import os
 import time
 
 import numpy as np
@@ -14,6 +16,10 @@ from torch import nn
 
 INPUTS, TAPS, MIDDLE, SIZE, CLASSES = 33, 5, 64, 96, 14
 DELAYS = [0, 4, 8, 12]  # frames of 10 ms, one head each
+SHARES = [0.6, 0.8, 2.0, 0.6]  # how much each counts
+DROPPED = 0.1
+# Where a phone begins is not known to the frame: so a frame is partly of its neighbours' classes.
+BLUR = [1 / 9, 2 / 9, 3 / 9, 2 / 9, 1 / 9]
 CLOSED, TEETH = 1, 2
 CROP = 300  # frames of a piece at a time
 LEAD = 20  # frames that the network hears before it is asked
@@ -23,28 +29,32 @@ class Hearing(nn.Module):
     def __init__(self, taps=TAPS, middle=MIDDLE, size=SIZE):
         super().__init__()
         self.conv = nn.Conv1d(INPUTS, middle, taps)
-        self.gru = nn.GRU(middle, size, num_layers=2, batch_first=True)
+        self.dropped = nn.Dropout(DROPPED)
+        self.gru = nn.GRU(middle, size, num_layers=2, batch_first=True, dropout=DROPPED)
         self.heads = nn.ModuleList(nn.Linear(size, CLASSES) for _ in DELAYS)
 
     def forward(self, x):
         x = nn.functional.pad(x.transpose(1, 2), (self.conv.kernel_size[0] - 1, 0))
-        x, _ = self.gru(torch.relu(self.conv(x)).transpose(1, 2))
+        x, _ = self.gru(self.dropped(torch.relu(self.conv(x))).transpose(1, 2))
         return [head(x) for head in self.heads]
 
 
 def loss_of(heads, classes, weight):
+    """Cross entropy beside blurred classes; an unknown one (255) counts nothing."""
+    wanted = nn.functional.one_hot(classes.clamp(max=CLASSES), CLASSES + 1)[..., :CLASSES].float().transpose(1, 2)
+    wanted = nn.functional.conv1d(wanted.reshape(-1, 1, wanted.shape[2]), torch.tensor(BLUR)[None, None], padding=len(BLUR) // 2).reshape(wanted.shape)
+    wanted = wanted.transpose(1, 2) * weight
     total = 0
-    for head, delay in zip(heads, DELAYS):
-        said = head[:, LEAD:].reshape(-1, CLASSES)
-        wanted = classes[:, LEAD - delay : classes.shape[1] - delay].reshape(-1)
-        total = total + nn.functional.cross_entropy(said, wanted, weight=weight, ignore_index=255)
-    return total / len(DELAYS)
+    for head, delay, share in zip(heads, DELAYS, SHARES):
+        there = wanted[:, LEAD - delay : classes.shape[1] - delay]
+        total = total - share / sum(SHARES) * (there * torch.log_softmax(head[:, LEAD:], -1)).sum() / there.sum()
+    return total
 
 
 def tell(model, features, classes):
     """What it does on pieces that it was not trained on."""
     with torch.no_grad():
-        heads = model(features)
+        heads = model.eval()(features)
     for head, delay in zip(heads, DELAYS):
         said = head[:, LEAD:].argmax(-1).numpy()
         wanted = classes[:, LEAD - delay : classes.shape[1] - delay].numpy()
@@ -78,7 +88,7 @@ def load(path):
     with open(path, 'rb') as file:
         data = file.read()
     _, taps, middle, size, _, _ = np.frombuffer(data, '<u4', 6, 8)
-    model, at = Hearing(int(taps), int(middle), int(size)), 0
+    model, at = Hearing(int(taps), int(middle), int(size)).eval(), 0
     values = torch.from_numpy(np.frombuffer(data, '<f2', offset=32 + 4 * len(DELAYS)).astype(np.float32))
     with torch.no_grad():
         for part in parts(model):
@@ -114,15 +124,43 @@ class Data:
     """Of one file: pieces to train on, and some that are kept back. The microphones of a piece stay together as neighbours."""
 
     def __init__(self, path, share, rng):
-        data = np.load(path)
-        self.features, self.classes, self.share = torch.from_numpy(data['features']), torch.from_numpy(data['classes']), share
-        blocks = rng.permutation(len(self.features) // 40)
-        self.held = np.concatenate([np.arange(40 * k, 40 * k + 40) for k in blocks[:1]])
+        self.path, self.share, self.written = path, share, None
+        self.look()
+        first = 40 * rng.integers(len(self.features) // 40)
+        self.held = np.arange(first, first + 40)
         self.kept = np.setdiff1d(np.arange(len(self.features)), self.held)
 
+    def look(self):
+        """Reads it, when it is new."""
+        written = os.stat(self.path).st_mtime
+        if written != self.written:
+            data = np.load(self.path)
+            self.features, self.classes, self.written = torch.from_numpy(data['features']), torch.from_numpy(data['classes']), written
+            if hasattr(self, 'held'):
+                self.kept = np.setdiff1d(np.arange(len(self.features)), self.held)
+                print(self.path, 'again:', len(self.kept), 'pieces', flush=True)
+
     def some(self, rng, count):
-        batch, at = self.kept[rng.integers(len(self.kept), size=count)], rng.integers(self.features.shape[1] - CROP)
-        return self.features[batch, at : at + CROP].float(), self.classes[batch, at : at + CROP].long()
+        """Spoken up to an eighth faster or slower than it was."""
+        pace = rng.uniform(0.88, 1.14, (count, 1))
+        at = rng.uniform(0, self.features.shape[1] - 2 - CROP * pace)
+        times = torch.from_numpy(at + np.arange(CROP) * pace)
+        piece, before = torch.from_numpy(self.kept[rng.integers(len(self.kept), size=(count, 1))]), times.floor().long()
+        part = (times - before).float()[..., None]
+        features = self.features[piece, before].float() * (1 - part) + self.features[piece, before + 1].float() * part
+        return features, self.classes[piece, times.round().long()].long()
+
+
+def bent(rng, features):
+    """Heads of other sizes: the bands up or down by up to 6 %. The last number, the loudness, stays."""
+    count, bands = len(features), INPUTS - 1
+    there = np.clip(np.arange(bands) * rng.uniform(0.94, 1.06, (count, 1)) + rng.uniform(-0.3, 0.3, (count, 1)), 0, bands - 1.001)
+    matrix, low = np.zeros((count, INPUTS, INPUTS), np.float32), there.astype(int)
+    piece, band = np.arange(count)[:, None], np.arange(bands)[None]
+    matrix[piece, low, band] = 1 - (there - low)
+    matrix[piece, low + 1, band] = there - low
+    matrix[:, bands, bands] = 1
+    return features @ torch.from_numpy(matrix)
 
 
 def masked(rng, features):
@@ -143,8 +181,9 @@ def main():
     parser.add_argument('--minutes', type=float, default=15)
     parser.add_argument('--begin', help='a network to go on from')
     parser.add_argument('--size', type=int, default=0, help='units of a recurrent layer; 96, or as the network has that it begins with')
+    parser.add_argument('--middle', type=int, default=MIDDLE, help='outputs of the convolution of a new network')
     parser.add_argument('--rate', type=float, default=3e-3)
-    parser.add_argument('--batch', type=int, default=24)
+    parser.add_argument('--batch', type=int, default=64)
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
     torch.set_num_threads(1)
@@ -154,14 +193,18 @@ def main():
     counts = sum(f.share * np.bincount(f.classes.numpy().reshape(-1), minlength=256)[:CLASSES] / f.classes.numel() for f in files)
     weight = torch.tensor((counts.mean() / np.maximum(counts, 1e-6)) ** 0.3, dtype=torch.float32).clamp(0.5, 2)
     weight[CLOSED] *= 1.3  # a missed closure is worse than one too many
-    model = load(options.begin) if options.begin else Hearing(size=options.size or SIZE)
+    model = load(options.begin) if options.begin else Hearing(middle=options.middle, size=options.size or SIZE)
     if options.size and options.size != model.gru.hidden_size:
         model = widened(model, options.size)
     print('weights:', sum(p.numel() for p in model.parameters()), 'pieces:', [len(f.kept) for f in files], 'share of each class:', np.round(counts, 3), flush=True)
 
+    model.train()
+    mean = copy.deepcopy(model).eval()  # of the last some hundred steps: this is what is written
+
     def judge():
         for file in files:
-            tell(model, file.features[file.held].float(), file.classes[file.held].long())
+            print(os.path.basename(file.path))
+            tell(mean, file.features[file.held].float(), file.classes[file.held].long())
 
     optimiser = torch.optim.Adam(model.parameters(), lr=2e-3)
     whole = sum(f.share for f in files)
@@ -171,26 +214,32 @@ def main():
             group['lr'] = options.rate * min(1, (step + 1) / 60) * (0.5 + 0.5 * np.cos(np.pi * done)) + 1e-5
         batches = [f.some(rng, round(options.batch * f.share / whole)) for f in files]
         features, classes = (torch.cat([b[i] for b in batches]) for i in (0, 1))
-        loss = loss_of(model(masked(rng, features)), classes, weight)
+        loss = loss_of(model(masked(rng, bent(rng, features))), classes, weight)
         optimiser.zero_grad()
         loss.backward()
         nn.utils.clip_grad_norm_(model.parameters(), 2.0)
         optimiser.step()
+        with torch.no_grad():
+            for a, b in zip(mean.parameters(), model.parameters()):
+                a.lerp_(b, max(0.003, 1 / (step + 1)))
         recent.append(loss.item())
         step += 1
         if step % 50 == 0:
             print(f'{step} steps, {done * options.minutes:.1f} min, loss {np.mean(recent[-50:]):.3f}', flush=True)
+            for file in files:
+                file.look()
             if step % 100 == 0:
-                write(model, options.out)
+                write(mean, options.out)
     print(f'{step} steps')
     with torch.no_grad():
-        for p in model.parameters():  # what the file holds is what answers
+        for p in mean.parameters():  # what the file holds is what answers
             p.copy_(p.half().float())
     judge()
-    write(model, options.out)
+    mean.eval()
+    write(mean, options.out)
     piece = files[0].features[files[0].held[:1]].float()[:, :80]
     with torch.no_grad():
-        answers = torch.stack([torch.softmax(head, -1) for head in model(piece)], 2)[0]
+        answers = torch.stack([torch.softmax(head, -1) for head in mean(piece)], 2)[0]
     with open(options.vectors, 'wb') as file:
         file.write(np.array([piece.shape[1], INPUTS, len(DELAYS), CLASSES], '<u4').tobytes())
         file.write(piece[0].numpy().astype('<f4').tobytes())
