@@ -10,7 +10,7 @@ const flags = ['--no-sandbox', '--enable-unsafe-swiftshader', '--disable-quic', 
   '--disable-component-update', '--disable-sync'];
 /** As Chromium is where there is no graphics processor: WebGL is drawn by SwiftShader, the page by the browser itself. */
 const PLAIN = ['--disable-gpu'];
-/** The page is drawn by SwiftShader, too, as by a graphics processor: a page that has no face takes several times what it takes without. */
+/** The page is drawn by SwiftShader, too, as by a graphics processor: one that shows no face takes more than without. */
 const FORCED = ['--use-angle=swiftshader'];
 
 /**
