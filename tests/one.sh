@@ -10,9 +10,12 @@ name=$what-$(basename "$file" .test.mjs)
 log="$artefacts/$name.tap"
 status=0
 begun=$(date +%s)
-case $what in
-daemon) export FACCIA_BUILD="$root/build/sanitized" ;;
+case $what-$file in
+daemon-* | long-*/daemon/*) export FACCIA_BUILD="$root/build/sanitized" ;;
 *) export FACCIA_BUILD="$root/build" ;;
+esac
+case $what in
+long) export FACCIA_LONG=1 FACCIA_FUZZ_SECONDS="${FACCIA_FUZZ_SECONDS:-60}" ;;
 esac
 case $file in
 */fuzz_*)
@@ -24,8 +27,9 @@ case $file in
 esac
 case $what-$file in
 packages-*) timeout -k 10 1800 node --test-reporter=tap "$file" ;;
-fuzz-*) fuzz_run "$file" "$target" "$artefacts/$name-" ;;
+fuzz-* | long-*/fuzz_*) fuzz_run "$file" "$target" "$artefacts/$name-" ;;
 */fuzz_*) timeout -k 10 900 "$file" "$TMPDIR/seeds" "$root/tests/fuzz/corpus/$target" ;;
+long-*) timeout -k 10 3600 node --test --test-reporter=tap "$file" ;;
 *.mjs) timeout -k 10 900 node --test-reporter=tap "$file" ;;
 *) CMOCKA_MESSAGE_OUTPUT=TAP timeout -k 10 900 "$file" ;;
 esac >"$log" 2>&1 || status=$?

@@ -7,8 +7,9 @@ usage() {
     cat <<'TEXT'
 Usage: sh tests/run.sh [WHAT]...
 Installs, builds and runs the tests; the last line says how many passed and failed.
-WHAT is one or more of: unit limits fuzz protocol models web daemon browser (all of these when left out), and packages: the
-Debian packages and the container, built and tried in a fresh Debian (ten minutes; wants root).
+WHAT is one or more of: unit limits fuzz protocol models web daemon browser (all of these when left out), long: what of these has
+more cases than are tried each time, with all of them, and the fuzz targets for a minute each; and packages: the Debian packages
+and the container, built and tried in a fresh Debian (ten minutes; wants root).
 
   -h, --help   print this and exit
 
@@ -28,7 +29,7 @@ for what in "$@"; do
         usage
         exit 0
         ;;
-    *) case " $all packages " in *" $what "*) ;; *) die "no tests '$what'; there are: $all packages" ;; esac ;;
+    *) case " $all long packages " in *" $what "*) ;; *) die "no tests '$what'; there are: $all long packages" ;; esac ;;
     esac
 done
 [ $# -gt 0 ] || set -- $all
@@ -36,7 +37,7 @@ done
 root=$(cd "$(dirname "$0")/.." && pwd)
 . "$root/server/setup.sh"
 
-need_packages libcmocka-dev g++ strace mosquitto mosquitto-clients speech-dispatcher haproxy nginx-light redis-server openssl chromium curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets mypy sox iproute2 systemd \
+need_packages libcmocka-dev g++ strace mosquitto mosquitto-clients speech-dispatcher haproxy nginx-light redis-server openssl chromium chromium-headless-shell curl epubcheck espeak-ng ffmpeg firefox-esr hunspell-tr librsvg2-bin pocketsphinx-testdata python3-bibtexparser python3-feedparser python3-skimage python3-websockets mypy sox iproute2 systemd \
     sqlite3 wamerican wbrazilian witalian asterisk-core-sounds-it asterisk-core-sounds-it-wav festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts festvox-kallpc16k flite gstreamer1.0-tools gstreamer1.0-plugins-base gstreamer1.0-plugins-good
 need_modules "$root/tests"
 # A build that was configured before the tests' packages were there has no unit tests.
@@ -49,7 +50,7 @@ sh "$root/server/run.sh" --build-only
 build "$root/build/sanitized" -Db_sanitize=address,undefined -Db_lundef=false -Dwerror=true -Dc_args=-Wno-format-truncation
 # Nobody runs the benchmarks here, but they must go on building.
 ninja -C "$root/build/sanitized" --quiet benchmarks || die "the benchmarks cannot be built"
-case " $* " in *' fuzz '*)
+case " $* " in *' fuzz '* | *' long '*)
     need_packages clang libclang-rt-14-dev
     . "$root/tests/fuzz/setup.sh"
     fuzz_build || die "the fuzz targets cannot be built"
@@ -68,44 +69,68 @@ export FACCIA_ARTEFACTS="$artefacts" FACCIA_MODELS="$root/build/models" FACCIA_W
 export LSAN_OPTIONS="suppressions=$root/tests/lsan.supp:print_suppressions=0"
 export ASAN_OPTIONS="detect_leaks=1:abort_on_error=0:quarantine_size_mb=16" UBSAN_OPTIONS="halt_on_error=1:print_stacktrace=1"
 
-# run WHAT JOBS: the test files that standard input names, so many side by side. A test file is one job: tests/one.sh says how
-# it went and leaves its counts in the artefacts.
-run() {
-    sort | xargs -r -P "$2" -n 1 sh "$root/tests/one.sh" "$1" || true # the counts tell
-}
-
-# group WHAT: the tests of that name.
-group() {
+# files WHAT: the tests of that name, one a line.
+files() {
     case $1 in
     unit)
         # the corpora of the fuzz targets, too
         find "$root/build/sanitized/tests/unit" "$root/build/sanitized/tests/fuzz" -maxdepth 1 \
-            \( -name 'test_*' -o -name 'fuzz_*' \) -type f -perm -u+x | run unit 2
+            \( -name 'test_*' -o -name 'fuzz_*' \) -type f -perm -u+x | sort
         ;;
-    fuzz) find "$root/build/fuzz/tests/fuzz" -maxdepth 1 -name 'fuzz_*' -type f -perm -u+x | run fuzz 2 ;;
+    fuzz) find "$root/build/fuzz/tests/fuzz" -maxdepth 1 -name 'fuzz_*' -type f -perm -u+x | sort ;;
     limits) # once more in the ordinary build: a sanitized program takes more memory than any limit
-        printf '%s\n' "$root/build/tests/unit/test_limits" "$root/tests/daemon/limits.test.mjs" | run limits 2
+        printf '%s\n' "$root/build/tests/unit/test_limits" "$root/tests/daemon/limits.test.mjs"
         ;;
-    daemon) # they wait for speech most of their time
-        find "$root/tests/daemon" -name '*.test.mjs' | run daemon 3
+    long)
+        grep -l "lib/long.mjs'" "$root"/tests/*/*.test.mjs
+        files fuzz
         ;;
-    packages) find "$root/tests/packages" -name '*.test.mjs' | run packages 1 ;;
-    *) find "$root/tests/$1" -name '*.test.mjs' | run "$1" 2 ;;
+    *) find "$root/tests/$1" -name '*.test.mjs' | sort ;;
     esac
 }
 
+# dearest FOLDER FILE...: the lines of standard input, those of these files first, so that none of them is left for the end alone.
+dearest() {
+    folder=$1
+    shift
+    lines=$(cat)
+    {
+        for name in "$@"; do echo "$lines" | grep "/$folder/$name\.test\.mjs$" || true; done
+        echo "$lines"
+    } | awk '!seen[$0]++'
+}
+
+# run JOBS: runs the lines "WHAT FILE" of standard input, so many side by side. tests/one.sh says how a file went and leaves its
+# counts in the artefacts.
+run() {
+    grep . | xargs -r -P "$1" -n 2 sh "$root/tests/one.sh" || true # the counts tell
+}
+
 rm -f "$artefacts"/*.count
-# What draws a face goes one by one, for want of a graphics card; it leaves room for all others beside it.
-for what in "$@"; do
-    [ "$what" = browser ] || group "$what"
-done &
+# What draws a face goes one by one, for want of a graphics card; it leaves room for all others beside it. The daemon's wait for speech
+# most of their time. Packages are built and tried when nothing else runs.
+{
+    for what in "$@"; do
+        case $what in
+        browser | daemon | packages) ;;
+        models) files models | dearest models import make-set crossing find-points profile | sed 's/^/models /' ;;
+        *) files "$what" | sed "s/^/$what /" ;;
+        esac
+    done | run 2
+    case " $* " in *' daemon '*)
+        files daemon | dearest daemon festival align fit cluster hear command-examples cluster-rooms http-strict heard eval worker |
+            sed 's/^/daemon /' | run 4
+        ;;
+    esac
+} &
 case " $* " in *' browser '*)
-    faceless=$(grep -l 'launch({ webgl: false })' "$root"/tests/browser/*.test.mjs | xargs grep -L 'launch()')
-    printf '%s\n' "$root"/tests/browser/*.test.mjs | grep -vxF "$faceless" | run browser 1
-    printf '%s\n' "$faceless" | run browser 2
+    faceless=$(grep -l 'launch({ webgl: false' "$root"/tests/browser/*.test.mjs | xargs grep -L 'launch()')
+    files browser | grep -vxF "$faceless" | dearest browser foreign avatar-poses people listen portrait | sed 's/^/browser /' | run 1
+    echo "$faceless" | dearest browser operator page-axe page-speak page-layout | sed 's/^/browser /' | run 2
     ;;
 esac
 wait
+case " $* " in *' packages '*) files packages | sed 's/^/packages /' | run 1 ;; esac
 
 passed=$(cat "$artefacts"/*.count | awk '{ sum += $1 } END { print sum + 0 }')
 failed=$(cat "$artefacts"/*.count | awk '{ sum += $2 } END { print sum + 0 }')

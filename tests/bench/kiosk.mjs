@@ -10,7 +10,7 @@ import { kilobytesOf } from './figures.mjs';
 
 const { values: options } = parseArgs({ options: { hours: { type: 'string', default: '8' }, says: { type: 'string', default: '6' }, webgl: { type: 'boolean', default: false } } });
 const daemon = await Daemon.start();
-const browser = await launch({ webgl: options.webgl, idling: true });
+const browser = await launch({ webgl: options.webgl, idling: true, forced: true, whole: true });
 const started = performance.now();
 console.log(' hour   heap kB   nodes   listeners   sound nodes   timers   daemon kB');
 let hour = 0;

@@ -43,7 +43,7 @@ const set = JSON.parse(fs.readFileSync(process.argv[2] ?? path.join(process.env.
 
 const { build: bundle } = createRequire(path.join(web, 'package.json'))('esbuild');
 const { outputFiles } = await bundle({ stdin: { contents: script, resolveDir: web }, bundle: true, format: 'esm', write: false });
-const browser = await launch({ webgl: false, idling: true });
+const browser = await launch({ webgl: false, idling: true, forced: true, whole: true });
 const page = await browser.newPage();
 await page.setContent('<canvas></canvas>');
 await page.addScriptTag({ type: 'module', content: outputFiles[0].text });

@@ -19,7 +19,7 @@ async function serve(name, env = {}) {
   return daemon;
 }
 const daemon = await serve('index'), before = other ? await serve('other', { FACCIA_WEB: other }) : null;
-const browser = await launch({ webgl: false, idling: true });
+const browser = await launch({ webgl: false, idling: true, forced: true, whole: true });
 const median = (list) => list.sort((a, b) => a - b)[list.length >> 1];
 
 /** Notes when the line stands there, after the picture with it. */

@@ -8,7 +8,7 @@ import { Daemon } from '../lib/daemon.mjs';
 let daemon, browser;
 before(async () => {
   daemon = await Daemon.start();
-  browser = await launch();
+  browser = await launch({ webgl: false });
 });
 after(async () => {
   await browser?.close();

@@ -25,7 +25,7 @@ before(async () => {
   fs.mkdirSync(artefacts, { recursive: true });
   fs.mkdirSync(scenes, { recursive: true });
   daemon = await Daemon.start(['--scenes', scenes]);
-  browser = await launch({ webgl: false });
+  browser = await launch({ webgl: false, forced: true, whole: true });
   kiosk = await open('room.html?room=cucina&clock', { viewport: { width: 1024, height: 768 } });
   desk = await open('operator.html?room=cucina&name=Anna', { viewport: { width: 1280, height: 1000 } });
 });

@@ -9,7 +9,7 @@ const sentences = ['La mamma mangia la banana.', 'Il papà beve il vino rosso de
 let daemon, browser, pages;
 before(async () => {
   daemon = await Daemon.start();
-  browser = await launch();
+  browser = await launch({ webgl: false });
   pages = await Promise.all([1, 2].map(() => openPage(browser, daemon.url)));
   for (const page of pages) await page.setViewportSize({ width: 360, height: 480 }); // both are drawn at once: small pictures
 });

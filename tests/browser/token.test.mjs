@@ -17,7 +17,7 @@ const token = (...options) => spawnSync(path.join(build, 'server/app/faccia'), [
 let daemon, browser, page;
 before(async () => {
   daemon = await Daemon.start(['--token-file', secrets]);
-  browser = await launch();
+  browser = await launch({ webgl: false });
   page = await browser.newPage();
   await page.goto(daemon.url);
 });

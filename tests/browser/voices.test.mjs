@@ -8,7 +8,7 @@ import { Daemon } from '../lib/daemon.mjs';
 let daemon, browser, page;
 before(async () => {
   daemon = await Daemon.start();
-  browser = await launch();
+  browser = await launch({ webgl: false });
   page = await openPage(browser, `${daemon.url}/voices.html`);
   await page.waitForSelector('#voices button');
 });

@@ -8,6 +8,7 @@ import path from 'node:path';
 import { after, test } from 'node:test';
 import { faccia } from '../lib/command.mjs';
 import { Daemon, root } from '../lib/daemon.mjs';
+import { cases } from '../lib/long.mjs';
 import { checkOrder, largestStep, loudest, phones, say, words } from '../lib/speech.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
@@ -121,7 +122,8 @@ test('emotions change rate and pitch by what the table of expressions says', () 
   };
   for (const voice of ['festival:lp', 'festival:pc']) {
     const plain = speak(voice);
-    for (const name of ['joy', 'sadness', 'anger', 'fear', 'disgust', 'surprise']) {
+    // the table is the same for every voice; one goes up in pitch, one down
+    for (const name of voice === 'festival:lp' ? ['joy', 'sadness', 'anger', 'fear', 'disgust', 'surprise'] : cases(['joy', 'sadness'], ['anger', 'fear', 'disgust', 'surprise'])) {
       const { seconds, pitch } = speak(voice, name), { rate, pitch: factor } = affect[name].voice;
       assert.ok(Math.abs((seconds / plain.seconds) * rate - 1) < 0.02, `${voice} ${name}: ${seconds} s, ${plain.seconds} s`);
       assert.ok(Math.abs(pitch / plain.pitch / factor - 1) < 0.09, `${voice} ${name}: ${pitch} Hz, ${plain.pitch} Hz`);

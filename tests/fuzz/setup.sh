@@ -37,7 +37,7 @@ fuzz_dictionary() { # TARGET: libFuzzer's option, if there is a dictionary
 fuzz_run() {
     mkdir "$TMPDIR/found"
     # shellcheck disable=SC2046
-    "$1" -seed=1 -max_total_time="${FACCIA_FUZZ_SECONDS:-8}" -timeout=60 -rss_limit_mb=2048 -malloc_limit_mb=512 -verbosity=0 \
+    "$1" -seed=1 -max_total_time="${FACCIA_FUZZ_SECONDS:-4}" -timeout=60 -rss_limit_mb=2048 -malloc_limit_mb=512 -verbosity=0 \
         -print_final_stats=1 -artifact_prefix="$3" $(fuzz_dictionary "$2") "$TMPDIR/found" "$root/tests/fuzz/corpus/$2" "$TMPDIR/seeds" &&
-        echo "ok 1 - fuzzed for ${FACCIA_FUZZ_SECONDS:-8} s"
+        echo "ok 1 - fuzzed for ${FACCIA_FUZZ_SECONDS:-4} s"
 }

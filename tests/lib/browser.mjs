@@ -10,17 +10,18 @@ const flags = ['--no-sandbox', '--enable-unsafe-swiftshader', '--disable-quic', 
   '--disable-component-update', '--disable-sync'];
 /** As Chromium is where there is no graphics processor: WebGL is drawn by SwiftShader, the page by the browser itself. */
 const PLAIN = ['--disable-gpu'];
-/** The page is drawn by SwiftShader, too, as by a graphics processor: that takes several times what it takes without. */
+/** The page is drawn by SwiftShader, too, as by a graphics processor: one that shows no face takes more than without. */
 const FORCED = ['--use-angle=swiftshader'];
 
 /**
- * @param {{webgl?: boolean, forced?: boolean, idling?: boolean, flags?: string[]}} [options] webgl: false where nobody looks at the face,
- *   which takes most of the time; forced: see FORCED; idling: faces idle, which takes most of a processor: else pages are as for people
- *   who asked for less motion, unless newPage says otherwise; flags: more of the browser's
+ * @param {{webgl?: boolean, forced?: boolean, idling?: boolean, whole?: boolean, flags?: string[]}} [options] webgl: false where nobody looks
+ *   at the face, which takes most of the time; forced: see FORCED; idling: faces idle, which takes most of a processor: else pages are as for
+ *   people who asked for less motion, unless newPage says otherwise; whole: the browser with its windows, which are drawn around each page
+ *   though nobody sees them: else the same pages without any; flags: more of the browser's
  */
-export async function launch({ webgl = true, forced = true, idling = false, flags: more = [] } = {}) {
+export async function launch({ webgl = true, forced = webgl, idling = false, whole = webgl, flags: more = [] } = {}) {
   const args = [...flags, ...(forced ? FORCED : PLAIN), ...more, ...(webgl ? [] : ['--disable-3d-apis'])];
-  const browser = await chromium.launch({ executablePath: '/usr/bin/chromium', headless: true, args });
+  const browser = await chromium.launch({ executablePath: `/usr/bin/chromium${whole ? '' : '-headless-shell'}`, headless: true, args });
   if (!idling) {
     for (const opens of ['newPage', 'newContext']) {
       const open = browser[opens].bind(browser);
