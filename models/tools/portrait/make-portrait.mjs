@@ -85,6 +85,7 @@ try {
   fs.writeFileSync(`${values.out}.part`, JSON.stringify(own?.head ?? made.head));
   fs.renameSync(`${values.out}.part`, values.out);
   const notes = [`like ${like}`, `${made.sides} pictures half from the side, ${made.profiles} from the side`, ...(made.parted ? ['the lips are parted: a picture with closed lips gives a better mouth'] : []),
+    ...(made.bearded && !values.keep?.includes('beard') ? ['the beard is taken off: --like a head that has one and --keep beard give it another'] : []),
     ...(own ? [`${own.taken.length} poses, ${own.actions} actions of its own`] : [])];
   console.log(`${values.out}: ${notes.join('; ')}`);
 } catch (error) {

@@ -66,8 +66,8 @@ export function nearest({ picture, landmarks }, table) {
  *   RGBA; write: RGBA as a texture
  * @param {{name?: string, title?: string, keep?: string[], eyes?: object|null}} [options]
  *   keep: of what the base wears (beard, glasses); eyes: the head that they are taken from
- * @returns {Promise<{head: object, parted: boolean, sides: number, profiles: number}>} parted: the lips are, so the
- *   mouth is less the face's own
+ * @returns {Promise<{head: object, parted: boolean, sides: number, profiles: number, bearded: boolean}>} parted: the lips
+ *   are, so the mouth is less the face's own; bearded: the face is, and its beard is not in the skin
  */
 export async function makeHead(json, base, views, images, options = {}) {
   const ordered = inOrder(views.filter(({ landmarks }) => landmarks), base);
@@ -103,7 +103,7 @@ export async function makeHead(json, base, views, images, options = {}) {
   delete head.rank;
   if (options.eyes) swapEyes(head, options.eyes);
   dropUnused(head);
-  return { head, parted: fitted.parted, sides: ordered.length - 1, profiles: profiles.length };
+  return { head, parted: fitted.parted, sides: ordered.length - 1, profiles: profiles.length, bearded: skin.bearded };
 }
 
 /** Another head's irises: all eyes are painted alike. */

@@ -6,9 +6,10 @@
 import { Normals } from '../head/normals.mjs';
 import { rbf } from '../head/rbf.mjs';
 import { bareColours, paintBare, underWorn } from './bare.mjs';
+import { beardOf } from './beard.mjs';
 import { COUNT, EYES, LOWER_LIP, OVAL, SKIN, UPPER_LIP } from './landmarks.mjs';
 import { lipLine, PARTED, partedLips } from './fit.mjs';
-import { eachTexel, smoothOver, visible } from './surface.mjs';
+import { eachTexel, inside, smoothOver, visible } from './surface.mjs';
 
 const EVEN = 0.8; // how much of the slow changes is the base's
 const SLOW = 17; // mm: what is slower counts as light
@@ -51,18 +52,6 @@ export function toneOf(picture, landmarks) {
   const spread = Math.max(1, Math.hypot(landmarks[234][0] - landmarks[454][0], landmarks[234][1] - landmarks[454][1]) / 60);
   return medians(SKIN.flatMap((i) => [-1, 0, 1].flatMap((a) =>
     [-1, 0, 1].map((b) => sample(picture, landmarks[i][0] + a * spread, landmarks[i][1] + b * spread, [0, 0, 0])))));
-}
-
-/** Distance to the border of a polygon in the plane of the face, positive inside. */
-function inside(polygon, x, y) {
-  let [within, least] = [false, Infinity];
-  polygon.forEach(([ax, ay], i) => {
-    const [bx, by] = polygon[(i + 1) % polygon.length];
-    if (ay > y !== by > y && x < ((bx - ax) * (y - ay)) / (by - ay) + ax) within = !within;
-    const t = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1)));
-    least = Math.min(least, Math.hypot(x - ax - t * (bx - ax), y - ay - t * (by - ay)));
-  });
-  return within ? least : -least;
 }
 
 /** Which lip a place belongs to: below the line where they touch, or above. */
@@ -170,12 +159,16 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
     const c = sample(picture, places[2 * v], places[2 * v + 1], colours.subarray(3 * v, 3 * v + 3));
     if (position[3 * v + 1] > top) weight[v] *= ramp(DARK, luma(c) / bright);
   }
+  const brightness = (v) => luma(colours.subarray(3 * v, 3 * v + 3)) / bright;
+  const beard = beardOf(base, part, chosen.filter((v) => weight[v] > 0), brightness);
+  beard?.forEach((share, v) => (weight[v] *= 1 - share));
   const soft = smoothOver(part, weight, 5);
   for (let v = 0; v < weight.length; v++) {
     weight[v] = Math.min(1, 1.15 * ramp([0.35, 0.95], soft[v]));
     if (lips) weight[v] *= ramp(BETWEEN, lips[v]);
   }
-  return { picture, places, weight, colours, chosen, slow: slowly(position, colours, weight, chosen) };
+  const slow = slowly(position, colours, weight, chosen);
+  return { picture, places, weight, colours, chosen, slow, bearded: Boolean(beard) };
 }
 
 /**
@@ -184,7 +177,7 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
  *   RGBA; eyes: parts that hide skin behind them; worn: glasses that the new head has not; isLid: whether
  *   a turn of the model closes an eye
  * @param {{picture: object, landmarks: number[][]}[]} pictures the first is the front @param {object[]} views laid (fit.mjs)
- * @returns {{width: number, height: number, data: Uint8ClampedArray, tone: {was: number[], is: number[]}}}
+ * @returns {{width: number, height: number, data: Uint8ClampedArray, tone: {was: number[], is: number[]}, bearded: boolean}}
  */
 export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, views) {
   const { position, uv, index } = part;
@@ -215,7 +208,7 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, 
   const table = ratio.map((r) => Uint8ClampedArray.from({ length: 256 }, (_, i) => coded(linear[i] * r)));
   for (let i = 0; i < data.length; i += 4) for (let k = 0; k < 3; k++) data[i + k] = table[k][data[i + k]];
   paint(layers, { uv, index, size }, data);
-  return { width: size[0], height: size[1], data, tone };
+  return { width: size[0], height: size[1], data, tone, bearded: layers.some((one) => one.bearded) };
 }
 
 /** Where several pictures see the skin, the one that looks straight at it wins, softly. */

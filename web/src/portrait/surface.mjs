@@ -93,3 +93,15 @@ export function eachTexel({ uv, index }, size, wanted, act) {
       }
   }
 }
+
+/** Distance to the border of a polygon in the plane of the face, positive inside. */
+export function inside(polygon, x, y) {
+  let [within, least] = [false, Infinity];
+  polygon.forEach(([ax, ay], i) => {
+    const [bx, by] = polygon[(i + 1) % polygon.length];
+    if (ay > y !== by > y && x < ((bx - ax) * (y - ay)) / (by - ay) + ax) within = !within;
+    const t = Math.min(1, Math.max(0, ((x - ax) * (bx - ax) + (y - ay) * (by - ay)) / ((bx - ax) ** 2 + (by - ay) ** 2 || 1)));
+    least = Math.min(least, Math.hypot(x - ax - t * (bx - ax), y - ay - t * (by - ay)));
+  });
+  return within ? least : -least;
+}
