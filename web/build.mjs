@@ -19,7 +19,8 @@ const inputs = new Set(['build.mjs', 'decoders.mjs'].map((file) => path.join(her
 const within = {}; // of each script, the files that something of is in it
 const note = ({ inputs: found, outputs }) => {
   Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
-  for (const [script, { inputs: parts }] of Object.entries(outputs)) within[path.basename(script)] = Object.keys(parts).filter((file) => parts[file].bytesInOutput);
+  for (const [script, { inputs: parts }] of Object.entries(outputs))
+    within[path.basename(script)] = Object.keys(parts).filter((file) => parts[file].bytesInOutput);
 };
 
 mkdirSync(out, { recursive: true });
