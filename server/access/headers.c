@@ -4,10 +4,11 @@
 #include <string.h>
 
 /* A page has its scripts, styles, pictures and worklets from here, and nothing that is written into it
- * (Content Security Policy, level 3). Its decoder of Opus is WebAssembly. */
+ * (Content Security Policy, level 3). Its decoder of Opus is WebAssembly. A video may be a file that its
+ * reader has chosen (blob:, of the page's own making): it is played, and runs nothing. */
 static const char page_policy[] =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; "
-    "img-src 'self' data:; media-src 'self'; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "img-src 'self' data:; media-src 'self' blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
     "require-trusted-types-for 'script'; frame-ancestors";
 
 /* What is no page loads nothing, should a browser take it for one. */

@@ -30,7 +30,10 @@ function rig(t, { src = 'ws://there/v1/stream', token = null, refuses = null, fe
     ontrouble: (name, values, told) => said.push(name === null ? null : { name, ...values, ...(told ? { told } : {}) }),
   });
   link.open();
-  const settle = () => new Promise((resolve) => setTimeout(resolve, 10));
+  // One timer after the other: on a busy machine a single one is due before those that were set after it.
+  const settle = async () => {
+    for (let i = 0; i < 4; i++) await new Promise((resolve) => setTimeout(resolve, 5));
+  };
   const hear = (message) => sockets.at(-1).onmessage({ data: JSON.stringify(message) });
   return { link, page, said, sockets, settle, hear };
 }

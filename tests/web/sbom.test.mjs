@@ -41,6 +41,9 @@ test('@faccia/talking-head: three.js and the decoders, in the versions that are 
   }
   const within = bom.components.flatMap((one) => one.components ?? []).map((one) => one.name);
   for (const name of ['draco', 'basis_universal', 'libopus']) assert.ok(within.includes(name), name);
+  const licence = fs.readFileSync(path.join(folder, 'talking-head/LICENSE'), 'utf8');
+  for (const name of names) assert.ok(licence.includes(name), `LICENSE names ${name}`);
+  assert.ok(bom.metadata.component.components.some((one) => one.name === 'LICENSE.Apache-2.0.txt'), 'with the text of the licence that some have');
 });
 
 test('@faccia/client: nothing but faccia', () => {

@@ -40,6 +40,7 @@ for (const name of ['react', 'vue', 'svelte']) {
 const { version } = JSON.parse(readFileSync(path.join(web, 'package.json')));
 const { three, 'opus-decoder': opus } = JSON.parse(readFileSync(path.join(web, 'package.json'))).devDependencies;
 const script = 'dist/talking-head.js';
+const apache = 'LICENSE.Apache-2.0.txt';
 const types = (name) => ({ types: `./dist/${name}.d.ts`, default: `./dist/${name}.js` });
 writeFileSync(path.join(out, 'package.json'), `${JSON.stringify({
   name: '@faccia/talking-head',
@@ -71,8 +72,10 @@ copyFileSync(path.join(here, 'README.md'), path.join(out, 'README.md'));
 writeFileSync(path.join(out, 'LICENSE'), `${readFileSync(path.join(web, '../LICENSES/MIT.txt'), 'utf8')}
 The scripts contain three.js ${three} (MIT, three.js authors) with the decoders of Draco and Basis Universal (Apache-2.0, Google LLC
 and Binomial LLC), meshoptimizer (MIT, Arseny Kapoulkine) and
-opus-decoder ${opus} (MIT, Ethan Halsall) with libopus (BSD-3-Clause, Xiph.Org).
+opus-decoder ${opus} (MIT, Ethan Halsall) with libopus (BSD-3-Clause, Xiph.Org), @wasm-audio-decoders/common and simple-yenc (MIT,
+Ethan Halsall) and @eshaz/web-worker (Apache-2.0, its authors). The text of Apache-2.0: ${apache}
 `);
+copyFileSync(path.join(web, 'node_modules/@eshaz/web-worker/LICENSE'), path.join(out, apache));
 // npm packs files with their modes: the same whoever packs them.
 for (const file of readdirSync(out, { recursive: true, withFileTypes: true }))
   if (file.isFile()) chmodSync(path.join(file.parentPath ?? file.path, file.name), 0o644);

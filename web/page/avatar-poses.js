@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Pictures of the reader who smiles, frowns, says A...: which pose each shows, whether it is fit, and what is learnt of them.
 // What takes seconds is done by a worker; nothing leaves the page.
+import { throughFilm } from './avatar-film.js';
 
 const MOST = 40; // pictures
 const LONGEST = 1600; // pixels of one
@@ -9,6 +10,7 @@ const AROUND = 0.25; // of the face's height, on each side
 const LOOKS = 6; // at the camera for a pose
 const READ_MS = 1500; // to read what is asked for
 const SHOWS = { strength: 0.3, like: 0.3 }; // of a pose that was asked for
+const PLAIN = 0.5; // of a pose that nobody has named: what a face goes through on its way is weaker
 const WORKER = 'portrait-poses.js';
 
 /** Asks the worker one thing after the other. */
@@ -134,6 +136,10 @@ export class Poses {
       this.page.tell('pose_looking', { number: i + 1, count: files.length });
       await new Promise((resolve) => setTimeout(resolve)); // so that it can be read
       try {
+        if (file.type.startsWith('video/')) {
+          await this.#addFilm(file, tools, guess);
+          continue;
+        }
         const word = file.name.replace(/\.[^.]*$/, '');
         const named = tools.nameOf(word) ?? tools.nameOf(word.replace(/[-_ ]\d+$/, ''));
         if (tools.LEFT_OUT[named]) throw Object.assign(new Error(tools.LEFT_OUT[named]), { code: 'left_out' });
@@ -147,6 +153,27 @@ export class Poses {
     }
     if (unfit.length) this.page.tell('pose_unfit', { list: unfit.join(' ') });
     else this.page.tell('pose_added');
+  }
+
+  /** Of each pose that a video shows, the picture that shows it most. */
+  async #addFilm(file, tools, guess) {
+    const best = new Map(); // pose -> {picture, strength}
+    let faces = 0;
+    await throughFilm(file, async (still, share) => {
+      this.page.tell('pose_film', { percent: Math.round(100 * share) });
+      await new Promise((resolve) => setTimeout(resolve));
+      const picture = await tools.readPicture(still, LONGEST);
+      const landmarks = await tools.find(picture).catch(() => null); // no face just now
+      if (!landmarks || guess.isOther(landmarks)) return;
+      faces++;
+      const name = guess.best(landmarks);
+      const strength = guess.looks(landmarks).find((one) => one.name === name)?.strength;
+      if (strength > PLAIN && !(best.get(name)?.strength >= strength)) best.set(name, { picture, strength });
+    });
+    if (!best.size) throw Object.assign(new Error('no pose'), { code: faces ? 'film_none' : 'film_nobody' });
+    if (this.count + best.size > MOST) throw Object.assign(new Error('too many'), { code: 'film_many' });
+    for (const [name, { picture }] of best)
+      this.#add({ picture, landmarks: await tools.landmarksOf(tools.find, picture) }, name, tools);
   }
 
   guessOf(tools, { json, base, view }) {

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: MIT
 import { applyStyles } from './stylesheet.mjs';
 import { Controls } from './controls.mjs';
+import { Ears } from './ears.mjs';
 import { readMix } from './expression.mjs';
-import { Following, Listening } from './listening.mjs';
 import { Player } from './audio/player.mjs';
 import { Poster } from './poster.mjs';
 import { Presentation } from './presentation.mjs';
@@ -47,8 +47,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #presentation;
   #reader;
   #session;
-  #listening = new Set(); // Listening, Following
-  #followed = null; // what `for` names, where that is a sound
+  #ears = new Ears({
+    speak: (options) => {
+      const voice = this.#speech.listen(options);
+      this.#presentation.wake();
+      return voice;
+    },
+    fail: (error) => this.#emit('error', { type: 'error', code: 'no-listening', message: String(error.message) }),
+    wake: () => this.#presentation.wake(),
+  });
 
   constructor() {
     super();
@@ -71,7 +78,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     this.#session = new Session(this, { controls, poster, speech, presentation }, {
       emit: (type, detail) => {
         this.#emit(type, detail);
-        if (type === 'hello') for (const listening of this.#listening) listening.linked?.();
+        if (type === 'hello') this.#ears.linked();
       },
       fail: (name, values) => this.#fail(name, values),
       show: (json) => this.#show(json),
@@ -189,7 +196,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
    */
   listen(stream = null, options = {}) {
     this.#player.open(); // while the user's gesture counts
-    return this.#hear(new Listening(this.#ears, stream, this.#speakOptions(options)));
+    return this.#ears.listen(stream, this.#speakOptions(options));
   }
 
   /**
@@ -197,38 +204,11 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
    * @param {HTMLMediaElement} media @param {object} [options] as of `listen` @returns {{stop(): void}}
    */
   follow(media, options = {}) {
-    return this.#hear(new Following(this.#ears, media, this.#speakOptions(options)));
+    return this.#ears.follow(media, this.#speakOptions(options));
   }
 
-  #hear(listening) {
-    this.#listening.add(listening);
-    this.#presentation.wake();
-    return listening;
-  }
-
-  get #ears() {
-    return {
-      speak: (options) => {
-        const voice = this.#speech.listen(options);
-        this.#presentation.wake();
-        return voice;
-      },
-      fail: (error) => this.#emit('error', { type: 'error', code: 'no-listening', message: String(error.message) }),
-    };
-  }
-
-  /** Where `for` names a sound she speaks along with it. */
   #followFor() {
-    const page = this.ownerDocument, named = this.for && page.getElementById(this.for);
-    const media = named instanceof globalThis.HTMLMediaElement ? named : null;
-    if (media === (this.#followed?.media ?? null)) return;
-    this.#forget(this.#followed);
-    this.#followed = media && this.follow(media);
-  }
-
-  #forget(listening) {
-    listening?.stop();
-    this.#listening.delete(listening);
+    this.#ears.name(this.for && this.ownerDocument.getElementById(this.for), () => this.#speakOptions({}));
   }
 
   /** Silence at once; what is queued is forgotten. */
@@ -416,8 +396,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
   #close() {
     this.#opened = false;
     this.#reader.close();
-    for (const listening of [...this.#listening]) this.#forget(listening);
-    this.#followed = null;
+    this.#ears.close();
     this.#speech.stop();
     this.#session.close();
     this.#player.close();

@@ -25,7 +25,7 @@ function canvasOf(width, height) {
 
 /**
  * A picture as RGBA, upright, on grey where it is clear.
- * @param {Blob|HTMLVideoElement} source @param {number} [longest] pixels of its longer side, at most
+ * @param {Blob|HTMLVideoElement|HTMLCanvasElement} source @param {number} [longest] pixels of its longer side, at most
  * @returns {Promise<ImageData>} @throws {PortraitError}
  */
 export async function readPicture(source, longest = LONGEST) {
