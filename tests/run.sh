@@ -116,7 +116,7 @@ rm -f "$artefacts"/*.count
         models) files models | dearest models import make-set crossing find-points profile | sed 's/^/models /' ;;
         *) files "$what" | sed "s/^/$what /" ;;
         esac
-    done | run 2
+    done | run 3
     case " $* " in *' daemon '*)
         files daemon | dearest daemon festival align fit cluster hear command-examples cluster-rooms http-strict heard eval worker |
             sed 's/^/daemon /' | run 4
