@@ -108,3 +108,18 @@ test('a picture from the side is taken as a profile, beside one from the front',
   await state(page, 'Done');
   await page.close();
 });
+
+test('a dark beard is taken off, and the page says so', async () => {
+  const file = path.join(artefacts, 'photograph-bruno.png');
+  await writePng(await photograph(path.join(process.env.FACCIA_MODELS ?? path.join(build, 'models'), 'heads'), 'bruno', 0), file);
+  const page = await browser.newPage({ locale: 'en-GB', viewport: { width: 1100, height: 900 } });
+  await page.goto(`${daemon.url}/avatar.html`);
+  await page.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });
+  await page.setInputFiles('#files', file);
+  await state(page, 'Found.');
+  await page.selectOption('#like', 'mara');
+  await page.click('#make');
+  await state(page, 'The dark beard was taken off');
+  await picture(page, 'portrait-beardless', {});
+  await page.close();
+});

@@ -155,6 +155,7 @@ async function make() {
     const took = () => seconds.format((performance.now() - start) / 1000);
     tell('done', { seconds: took() });
     if (result.parted) state.append(` ${say('parted')}`);
+    if (result.bearded) state.append(` ${say('bearded')}`);
     $('save').disabled = false;
     if (poses.named.length) await learnPoses(took);
   } finally {
