@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/hear/hear_decoder.h"
+#include <string.h>
 
 /* As long as it is that likely a closure goes on. */
 #define CLOSED_HOLD 0.3F
@@ -19,6 +20,11 @@ static enum hear_class best(const float likely[HEAR_CLASSES]) {
     return (enum hear_class)found;
 }
 
+static void add(double sums[HEAR_CLASSES], const float likely[HEAR_CLASSES]) {
+    for (int i = 0; i < HEAR_CLASSES; i++)
+        sums[i] += (double)likely[i];
+}
+
 void hear_decoder_begin(struct hear_decoder *d) {
     *d = (struct hear_decoder){.now = {.class = HEAR_SILENCE}};
 }
@@ -28,24 +34,26 @@ bool hear_decoder_step(struct hear_decoder *d, const float likely[HEAR_CLASSES],
     struct hear_phone *now = &d->now;
     uint32_t frame = now->end++, age = frame - now->start;
     bool held = touches(now->class) && (age < CONTACT_FRAMES || likely[now->class] > CLOSED_HOLD);
-    now->likely += likely[now->class];
-    if (heard == now->class || (held && !touches(heard))) {
+    bool stays = heard == now->class || (held && !touches(heard));
+    if (!stays && (d->since >= frame || d->next != heard)) {
+        d->since = frame;
+        d->next = heard;
+        memset(d->next_likely, 0, sizeof d->next_likely);
+        memcpy(d->before, now->likely, sizeof d->before);
+    }
+    add(now->likely, likely);
+    if (stays) {
         d->since = now->end;
         return false;
     }
-    if (d->since >= frame || d->next != heard) {
-        d->since = frame;
-        d->next = heard;
-        d->next_likely = 0;
-        d->now_likely = now->likely - likely[now->class];
-    }
-    d->next_likely += likely[heard];
+    add(d->next_likely, likely);
     if (frame - d->since + 1 < LEAST_FRAMES && !touches(heard) && likely[heard] < SURE)
         return false;
     *ended = *now;
     ended->end = d->since;
-    ended->likely = d->now_likely;
-    *now = (struct hear_phone){heard, d->since, frame + 1, d->next_likely};
+    memcpy(ended->likely, d->before, sizeof d->before);
+    *now = (struct hear_phone){heard, d->since, frame + 1, {0}};
+    memcpy(now->likely, d->next_likely, sizeof now->likely);
     d->since = now->end;
     return ended->end > ended->start;
 }

@@ -15,15 +15,15 @@ enum { HEAR_FRAMES_A_SECOND = 100 };
 
 struct hear_phone {
     enum hear_class class;
-    uint32_t start, end; /* it ends where the next begins */
-    double likely;       /* sum over its frames of how likely its class was */
+    uint32_t start, end;         /* it ends where the next begins */
+    double likely[HEAR_CLASSES]; /* sums over its frames of how likely each class was */
 };
 
 struct hear_decoder {
-    struct hear_phone now;          /* end = what has been heard so far */
-    enum hear_class next;           /* may be about to begin */
-    uint32_t since;                 /* from that frame on; nothing is when this is now.end */
-    double next_likely, now_likely; /* over the frames of each */
+    struct hear_phone now; /* end = what has been heard so far */
+    enum hear_class next;  /* may be about to begin */
+    uint32_t since;        /* from that frame on; nothing is when this is now.end */
+    double next_likely[HEAR_CLASSES], before[HEAR_CLASSES]; /* over its frames; over now's before it */
 };
 
 void hear_decoder_begin(struct hear_decoder *decoder);

@@ -8,9 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAGIC_BYTES = 8, FIXED = 6, NUMBER_BYTES = 4, TAPS_MOST = 32, SIZE_MOST = 1024 };
+enum { MAGIC_BYTES = 8, FIXED = 7, NUMBER_BYTES = 4, TAPS_MOST = 32, SIZE_MOST = 1024 };
 
-static const char magic[MAGIC_BYTES + 1] = "FACHEAR1";
+static const char magic[MAGIC_BYTES + 1] = "FACHEAR2";
 
 static unsigned number_at(const uint8_t *at) {
     return at[0] | (unsigned)at[1] << 8 | (unsigned)at[2] << 16 | (unsigned)at[3] << 24;
@@ -51,10 +51,10 @@ static size_t read_sizes(struct hear_network *n, const uint8_t *data, size_t siz
     n->taps = numbers[1];
     n->middle = numbers[2];
     n->size = numbers[3];
-    n->head_count = numbers[5];
+    n->head_count = numbers[6];
     if (numbers[0] != HEAR_FEATURES || !n->taps || n->taps > TAPS_MOST || !n->middle ||
         n->middle > SIZE_MOST || !n->size || n->size > SIZE_MOST || numbers[4] != HEAR_CLASSES ||
-        !n->head_count || n->head_count > HEAR_HEADS_MOST ||
+        numbers[5] != PARAM_COUNT || !n->head_count || n->head_count > HEAR_HEADS_MOST ||
         size < MAGIC_BYTES + (FIXED + n->head_count) * NUMBER_BYTES)
         return 0;
     for (size_t i = 0; i < n->head_count; i++) {
@@ -64,7 +64,7 @@ static size_t read_sizes(struct hear_network *n, const uint8_t *data, size_t siz
     }
     size_t gates = 3 * n->size;
     return (n->taps * HEAR_FEATURES + 1) * n->middle + gates * (n->middle + n->size + 2) +
-           gates * (2 * n->size + 2) + n->head_count * (n->size + 1) * HEAR_CLASSES;
+           gates * (2 * n->size + 2) + n->head_count * (n->size + 1) * (HEAR_CLASSES + PARAM_COUNT);
 }
 
 static int read_all(struct hear_network *n, const uint8_t *data, size_t size, struct error *e) {
@@ -85,8 +85,10 @@ static int read_all(struct hear_network *n, const uint8_t *data, size_t size, st
     n->conv = take(&at, n->taps * HEAR_FEATURES, n->middle);
     take_layer(n, 0, n->middle, &at);
     take_layer(n, 1, n->size, &at);
-    for (size_t i = 0; i < n->head_count; i++)
+    for (size_t i = 0; i < n->head_count; i++) {
         n->heads[i] = take(&at, n->size, HEAR_CLASSES);
+        n->mouths[i] = take(&at, n->size, PARAM_COUNT);
+    }
     return 0;
 }
 

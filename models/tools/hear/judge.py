@@ -97,7 +97,7 @@ def likelihoods(model, told, delay):
     with torch.no_grad():
         for speaker, phones, features in told:
             heads = model(torch.from_numpy(features.copy())[None])
-            head = torch.softmax(heads[DELAYS.index(delay)][0], -1).numpy()
+            head = torch.softmax(heads[DELAYS.index(delay)][0, :, :CLASSES], -1).numpy()
             out.append((speaker, phones, head[delay:]))
     return out
 
