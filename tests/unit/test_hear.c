@@ -83,7 +83,7 @@ static void test_bad_networks(void **state) {
             {0, 0, 'F'},    {7, 0, 'F'},      {36, 0, 'F'},   {size - 1, 0, 'F'}, {size, 0, 'f'},
             {size, 8, 32},  {size, 12, 0},    {size, 12, 33}, {size, 17, 255},    {size, 23, 255},
             {size, 24, 13}, {size, 28, 8},    {size, 32, 0},  {size, 32, 9},      {size, 36, 101},
-            {size, 40, 0},  {size, 53, 0x7C}, /* a weight that is infinite, or no number */
+            {size, 40, 0},  {size, 55, 0x7F}, /* a row that is infinite, or no number */
         };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct error e = {0};

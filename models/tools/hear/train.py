@@ -84,25 +84,50 @@ def parts(model):
             yield head.bias[rows]
 
 
+def rounded(model):
+    """The weights as the file has them, row by row in whole numbers from -127 to 127; biases in half precision."""
+    with torch.no_grad():
+        for p in model.parameters():
+            if p.dim() == 1:
+                p.copy_(p.half().float())
+            else:
+                rows = p.reshape(len(p), -1)
+                one = rows.abs().amax(1, keepdim=True).clamp(min=1e-9) / 127
+                p.copy_(((rows / one).round() * one).reshape(p.shape))
+    return model
+
+
 def write(model, path):
     with open(path, 'wb') as file:
         file.write(b'FACHEAR2')
         middle, _, taps = model.conv.weight.shape
         file.write(np.array([INPUTS, taps, middle, model.gru.hidden_size, CLASSES, CURVES, len(DELAYS), *DELAYS], '<u4').tobytes())
         for part in parts(model):
-            file.write(part.detach().numpy().astype('<f2').tobytes())
+            values = part.detach().numpy()
+            if values.ndim == 1:
+                file.write(values.astype('<f2').tobytes())
+                continue
+            for row in values.reshape(len(values), -1):
+                one = np.float32(max(np.abs(row).max(), 1e-9) / 127)
+                file.write(one.astype('<f4').tobytes() + np.round(row / one).astype('<i1').tobytes())
 
 
 def load(path):
     with open(path, 'rb') as file:
         data = file.read()
     _, taps, middle, size, _, _, _ = np.frombuffer(data, '<u4', 7, 8)
-    model, at = Hearing(int(taps), int(middle), int(size)).eval(), 0
-    values = torch.from_numpy(np.frombuffer(data, '<f2', offset=36 + 4 * len(DELAYS)).astype(np.float32))
+    model, at = Hearing(int(taps), int(middle), int(size)).eval(), 36 + 4 * len(DELAYS)
     with torch.no_grad():
         for part in parts(model):
-            part.copy_(values[at : at + part.numel()].reshape(part.shape))
-            at += part.numel()
+            if part.dim() == 1:
+                values = np.frombuffer(data, '<f2', len(part), at).astype(np.float32)
+                at += 2 * len(part)
+            else:
+                row = np.dtype([('one', '<f4'), ('whole', '<i1', part[0].numel())])
+                rows = np.frombuffer(data, row, len(part), at)
+                values = rows['one'][:, None] * rows['whole'].astype(np.float32)
+                at += row.itemsize * len(part)
+            part.copy_(torch.from_numpy(values).reshape(part.shape))
     return model
 
 
@@ -242,9 +267,7 @@ def main():
             if step % 100 == 0:
                 write(mean, options.out)
     print(f'{step} steps')
-    with torch.no_grad():
-        for p in mean.parameters():  # what the file holds is what answers
-            p.copy_(p.half().float())
+    rounded(mean)  # what the file holds is what answers
     judge()
     mean.eval()
     write(mean, options.out)
