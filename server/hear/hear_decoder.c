@@ -9,8 +9,8 @@
 enum { LEAST_FRAMES = 2, CONTACT_FRAMES = 4 };
 /* A missed closure is worse than one too many: so much more it counts. But lips that the network's own mouth
  * has farther apart than that, mm, do not touch. models/hear/README.md has what was tried. */
-#define CLOSED_COUNTS 2
-#define APART 4.5
+#define CLOSED_COUNTS 1.4F
+#define APART 4.5F
 
 static bool touches(enum hear_class class) {
     return class == HEAR_CLOSED || class == HEAR_TEETH;

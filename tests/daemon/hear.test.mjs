@@ -37,7 +37,9 @@ const say = (name, lang, voice, text) => {
   return { wav: file(`${name}.wav`), phones: JSON.parse(fs.readFileSync(file(`${name}.json`))).phones };
 };
 // Spanish is not among what it was trained on
-const spoken = say('es', 'es', 'espeak:es', 'Mi primo Pablo compra pan y tomates en la plaza. Un poco más tarde prepara la sopa para mamá.');
+const spoken = say('es', 'es', 'espeak:es', `Mi primo Pablo compra pan y tomates en la plaza. Un poco más tarde prepara la sopa para mamá.
+  El tren de la mañana sale a las siete, y nosotros tenemos que llegar antes. ¿Dónde está la llave de la puerta grande? La busco desde el lunes.
+  En el jardín de mi abuela hay rosas, limones y un banco viejo. Todos los domingos comemos juntos bajo el árbol.`);
 
 for (const [what, of] of [['silence', () => 0], ['its mean alone', () => 0.4], ['a hum far below speech', (t) => 0.0005 * Math.sin(314 * t)]])
   test(`${what}: the lips rest`, () => {
@@ -113,7 +115,7 @@ for (const ms of [0, 40, 80, 120])
     const found = compared('closed', spoken.phones, phones), lucky = [-0.3, -0.2, 0.2, 0.3].map((shift) => compared('closed', spoken.phones, phones, { shift }));
     const chance = lucky.reduce((sum, x) => sum + x.found, 0) / lucky.reduce((sum, x) => sum + x.said, 0);
     assert.ok(found.said > 15 && found.found > 0.7 * found.said, `${found.found} of ${found.said}`);
-    assert.ok(found.found / found.said > chance + 0.15, `${found.found} of ${found.said}, by chance ${chance.toFixed(2)}`);
+    assert.ok(found.found / found.said > chance + 0.25, `${found.found} of ${found.said}, by chance ${chance.toFixed(2)}`);
     // and what is heard is shown: the lips meet, and they open for the vowels
     const closed = phones.filter((p) => p.class === 'closed' && p.end - p.start > 0.03);
     const shut = closed.filter((p) => frames.some((f) => f.time >= p.start - 0.01 && f.time <= p.end + 0.01 && gap(f) <= 0)).length;

@@ -262,7 +262,7 @@ static void test_decoder(void **state) {
 static void test_apart(void **state) {
     (void)state;
     for (int apart = 0; apart < 2; apart++) {
-        struct hear_answer answer = {.likely = {[HEAR_CLOSED] = 0.4F, [HEAR_BACK] = 0.6F}};
+        struct hear_answer answer = {.likely = {[HEAR_CLOSED] = 0.45F, [HEAR_BACK] = 0.55F}};
         struct hear_decoder d;
         struct hear_phone ended;
         hear_decoder_begin(&d);
