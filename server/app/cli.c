@@ -58,7 +58,11 @@ static int start_voices(struct cli *cli, const struct settings *settings) {
 int cli_open(struct cli *cli, const struct settings *settings) {
     *cli = (struct cli){0};
     uv_loop_init(&cli->loop);
-    return cli_load(&cli->stages, settings, STAGES_ALL, &cli->loop) || start_voices(cli, settings) ? -1 : 0;
+    /* nobody is heard: faccia hear reads the network itself */
+    return cli_load(&cli->stages, settings, STAGES_ALL & ~STAGES_HEARING, &cli->loop) ||
+                   start_voices(cli, settings)
+               ? -1
+               : 0;
 }
 
 void cli_close(struct cli *cli) {

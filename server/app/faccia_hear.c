@@ -25,9 +25,10 @@ static const char usage[] =
     "      --raw RATE       of standard input, 8000 to 96000 samples a second\n"
     "      --channels N     of standard input, 1 to 8 (1)\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
-    "  -e, --engine NAME    visible-speech engine: dominance, cohen-massaro or table (dominance)\n"
+    "  -e, --engine NAME    what moves the mouth: network, or the engine dominance, cohen-massaro or table "
+    "(network)\n"
     "      --fap FILE       the face, MPEG-4 FAPs as text (version 2.1)\n"
-    "      --json FILE      the sounds by what is seen of them, with their times and how sure they are\n"
+    "      --json FILE      the sounds by what is seen of them, with their times and how likely each was\n"
     "      --ndjson FILE    a line for each of them and each frame, as they come\n"
     "  -h, --help           print this and exit\n"
     "FILE - is standard output. Exit status: 0 done, 1 failed, 2 wrong usage.\n";
@@ -90,7 +91,7 @@ static int run(struct hear *h, const struct stages *stages, const struct setting
     struct error e;
     char path[4096], text[400];
     const struct speech_pack *pack = speech_packs_find(&stages->packs, h->lang);
-    if (!pack || !face_engine_speaks(h->engine, pack)) {
+    if (!pack || !hear_face_speaks(h->engine, pack)) {
         cli_complain(pack ? "engine: no engine '%s'" : "lang: no language '%s'", pack ? h->engine : h->lang);
         return EXIT_USAGE;
     }
@@ -132,8 +133,9 @@ static int run(struct hear *h, const struct stages *stages, const struct setting
 
 static int on_text(void *ctx, const char *name, const char *text) {
     (void)ctx;
-    cli_complain("--%s: the text is not used here: 'faccia align SOUND --text %s' is the better way", name,
-                 text);
+    cli_complain("--%s: the text '%s' is not used here: with a text 'faccia align SOUND --text FILE' is the "
+                 "better way",
+                 name, text);
     return EXIT_USAGE;
 }
 
@@ -149,15 +151,19 @@ int hear_main(int argc, char **argv, const struct settings *settings) {
                                          {"json", 0, CLI_TEXT, .out = &h.write.json.path},
                                          {"ndjson", 0, CLI_TEXT, .out = &h.write.lines.path},
                                          {"text", 0, CLI_CALL, .take = on_text},
+                                         {"voice-file", 0, CLI_TEXT, .out = &h.sound},
                                          {0}};
     int status = cli_options(argc, argv, usage, options, NULL);
     if (status >= 0)
         return status;
-    if (optind + 1 != argc || (!strcmp(argv[optind], "-") != !!h.raw)) {
-        cli_complain(optind + 1 != argc ? "one sound is needed" : "--raw and - belong together");
+    if (h.sound && optind < argc)
+        return on_text(NULL, "voice-file", argv[optind]);
+    if (!h.sound && optind + 1 == argc)
+        h.sound = argv[optind];
+    if (!h.sound || (!strcmp(h.sound, "-") != !!h.raw)) {
+        cli_complain(h.sound ? "--raw and - belong together" : "one sound is needed");
         return EXIT_USAGE;
     }
-    h.sound = argv[optind];
     struct stages stages;
     status = cli_load(&stages, settings, STAGES_SPEECH, NULL) ? EXIT_FAILED : run(&h, &stages, settings);
     stages_free(&stages);

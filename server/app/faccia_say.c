@@ -15,7 +15,7 @@
 
 static const char usage[] =
     "Usage: faccia say [OPTION]... (TEXT | --file FILE | -)\n"
-    "Speaks TEXT, a file, or standard input (-); recordings: faccia hear. Without FILE the timing is told.\n"
+    "Speaks TEXT, a file, or standard input (-). Without FILE the timing is told.\n"
     "\n"
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "  -v, --voice ID       a voice that 'faccia voices' lists\n"
@@ -32,6 +32,7 @@ static const char usage[] =
     "      --still          only the lips move\n"
     "      --seed N         another life of the face; the same number gives the same face (0)\n"
     "  -f, --file FILE      the text\n"
+    "      --voice-file FILE  somebody's recorded voice in place of a text, as 'faccia hear FILE'\n"
     "      --open           speak standard input (-) while it is written\n"
     "      --audio DIR      sound files that the text may name (SSML's audio); default $FACCIA_AUDIO\n"
     "      --wav FILE       the sound, mono 16 bit\n"
@@ -57,6 +58,7 @@ struct output {
 
 enum { WAV, FAP, JSON, OGG, NDJSON, FAPC, ARKIT, ARKIT_NDJSON, VISEMES, VTT, TEXTGRID, OUTPUTS };
 enum { OUTPUT_OPTION = 256 }; /* of the first of them */
+enum { HEARD = -2 };          /* a recording is to be heard: not for us */
 
 struct say {
     struct cli cli;
@@ -168,7 +170,7 @@ static void close_outputs(struct say *s) {
     }
 }
 
-/* The exit code, or -1 to go on. */
+/* The exit code, -1 to go on, or HEARD. */
 static int parse(int argc, char **argv, struct say *s, struct speech_request *request, struct buf *text) {
     static const struct option options[] = {
         {"lang", 1, NULL, 'l'},
@@ -214,19 +216,13 @@ static int parse(int argc, char **argv, struct say *s, struct speech_request *re
             s->outputs[c - OUTPUT_OPTION].path = optarg;
             continue;
         }
+        if (c == 'f' || c == 'A' || c == 'P') {
+            *(c == 'f' ? &path : c == 'A' ? &s->sounds : &s->puppet) = optarg;
+            continue;
+        }
         switch (c) {
-        case 'f':
-            path = optarg;
-            break;
-        case 'A':
-            s->sounds = optarg;
-            break;
-        case 'P':
-            s->puppet = optarg;
-            break;
         case 'S':
-            cli_complain("--voice-file: recordings are for 'faccia align', with a text, or 'faccia hear'");
-            return EXIT_USAGE;
+            return HEARD;
         case 'h':
             fputs(usage, stdout);
             return EXIT_DONE;
@@ -290,7 +286,10 @@ int say_main(int argc, char **argv, const struct settings *settings) {
     struct buf text = {0};
     request_init(&request);
     int status = parse(argc, argv, &s, &request, &text);
-    if (status < 0) {
+    if (status == HEARD) {
+        optind = 0; /* from the beginning */
+        status = hear_main(argc, argv, settings);
+    } else if (status < 0) {
         status = cli_open(&s.cli, settings) ? EXIT_FAILED : speak(&s, &request);
         cli_close(&s.cli);
     }

@@ -5,6 +5,9 @@
 #include <errno.h>
 #include <string.h>
 
+/* A class that was less likely over a sound is left out. */
+#define LEAST_LIKELY 0.005
+
 static struct hear_output *const *outputs_of(struct hear_write *w, struct hear_output *list[3]) {
     list[0] = &w->fap;
     list[1] = &w->json;
@@ -61,10 +64,19 @@ void hear_write_frame(void *ctx, uint32_t k, const struct fap_frame *frame) {
 
 void hear_write_phone(void *ctx, const struct hear_phone *p) {
     struct hear_write *w = ctx;
-    char text[200];
-    snprintf(text, sizeof text, "\"class\":\"%s\",\"ipa\":\"%s\",\"start\":%.4f,\"end\":%.4f,\"sure\":%.2f}",
-             hear_classes[p->class].name, hear_classes[p->class].ipa, hear_seconds(p->start),
-             hear_seconds(p->end), p->likely / (p->end - p->start));
+    char text[600];
+    int size =
+        snprintf(text, sizeof text,
+                 "\"class\":\"%s\",\"ipa\":\"%s\",\"start\":%.4f,\"end\":%.4f,\"sure\":%.2f,\"likely\":{",
+                 hear_classes[p->class].name, hear_classes[p->class].ipa, hear_seconds(p->start),
+                 hear_seconds(p->end), p->likely[p->class] / (p->end - p->start));
+    for (int i = 0, any = 0; i < HEAR_CLASSES; i++) {
+        double mean = p->likely[i] / (p->end - p->start);
+        if (mean >= LEAST_LIKELY)
+            size += snprintf(text + size, sizeof text - (size_t)size, "%s\"%s\":%.2f", any++ ? "," : "",
+                             hear_classes[i].name, mean);
+    }
+    snprintf(text + size, sizeof text - (size_t)size, "}}");
     if (w->json.path)
         fprintf(w->json.file.file, "%s\n  {%s", w->phones ? "," : "", text);
     if (w->lines.path)

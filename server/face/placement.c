@@ -21,6 +21,7 @@ struct face_placement {
     size_t layer_count, layer_cap;
     struct speech_cursor speech_cursor;
     size_t contact_cursor, opening_cursor, viseme_cursor;
+    const double *mouth; /* mm of the parameters, in place of the engine's; NULL = the engine's */
     struct expression_layer express;
 };
 
@@ -98,7 +99,10 @@ void face_placement_sample(struct face_placement *p, double t, struct fap_frame 
     *frame = (struct fap_frame){.viseme = visemes_at(&track->visemes, t, &p->viseme_cursor)};
     frame->mask[0] |= 1; /* FAP 1 */
     if (speaks) {
-        track->speech.add(track->speech.self, t, &p->speech_cursor, faps);
+        if (p->mouth)
+            fapmap_add(fapu, p->mouth, faps);
+        else
+            track->speech.add(track->speech.self, t, &p->speech_cursor, faps);
         contacts_at(&track->contacts, t, &p->contact_cursor, demand);
     }
     if (p->expresses) {
@@ -161,11 +165,17 @@ void face_placement_sample_around(struct face_placement *p, double t, const stru
     face_limits_apply(face_idle_fapu, faps, frame);
 }
 
-void face_track_sample(const struct face_track *track, double t, struct fap_frame *frame) {
+void face_track_sample_mouth(const struct face_track *track, double t, const double mm[PARAM_COUNT],
+                             struct fap_frame *frame) {
     struct face_placement alone;
     begin(&alone, track);
+    alone.mouth = mm;
     if (!track->still)
         animate(&alone, NULL, &(struct placement_options){0});
     face_placement_sample(&alone, t, frame);
     free_layer(&alone.life);
+}
+
+void face_track_sample(const struct face_track *track, double t, struct fap_frame *frame) {
+    face_track_sample_mouth(track, t, NULL, frame);
 }

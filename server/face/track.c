@@ -2,6 +2,7 @@
 #include "server/face/track.h"
 #include "server/base/mem.h"
 #include "server/face/engines/engine.h"
+#include "server/face/engines/fapmap.h"
 #include "server/face/track_internal.h"
 #include <stdlib.h>
 
@@ -46,6 +47,10 @@ void face_track_free(struct face_track *track) {
     openings_free(&track->openings);
     visemes_free(&track->visemes);
     free(track);
+}
+
+void face_track_read(const struct face_track *track, const struct fap_frame *frame, double mm[PARAM_COUNT]) {
+    fapmap_read(&track->fapu, frame, mm);
 }
 
 const struct viseme_key *face_track_visemes(const struct face_track *track, size_t *count) {

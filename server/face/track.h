@@ -8,6 +8,7 @@
 #include "protocol/fap.h"
 #include "server/face/face_options.h"
 #include "server/face/packs/speech_pack.h"
+#include "server/face/packs/speech_param.h"
 #include "server/voice/sentence_audio.h"
 
 struct face_track;
@@ -26,6 +27,14 @@ void face_track_free(struct face_track *track);
 /* The track alone at t seconds, as a placement without life and mood has it (placement.h, which is cheaper
  * for many frames). */
 void face_track_sample(const struct face_track *track, double t, struct fap_frame *frame);
+
+/* The same with a mouth that somebody else knows, in place of the engine's, or NULL: the track's contacts and openings
+ * hold for it, too. */
+void face_track_sample_mouth(const struct face_track *track, double t, const double mm[PARAM_COUNT],
+                             struct fap_frame *frame);
+
+/* What the parameters are in a frame of a still track, mm of the speaker that the pack models. */
+void face_track_read(const struct face_track *track, const struct fap_frame *frame, double mm[PARAM_COUNT]);
 
 /* What FAP 1 shows, sound by sound, in order; the first and the last are no sounds. They are the track's. */
 struct viseme_key;

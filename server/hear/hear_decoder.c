@@ -1,51 +1,72 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/hear/hear_decoder.h"
+#include <string.h>
 
 /* As long as it is that likely a closure goes on. */
 #define CLOSED_HOLD 0.3F
 /* What is that likely begins at once, all else once it has lasted so many frames. */
 #define SURE 0.75F
 enum { LEAST_FRAMES = 2, CONTACT_FRAMES = 4 };
+/* A missed closure is worse than one too many: so much more it counts. But lips that the network's own mouth
+ * has farther apart than that, mm, do not touch. models/hear/README.md has what was tried. */
+#define CLOSED_COUNTS 1.4F
+#define APART 4.5F
 
 static bool touches(enum hear_class class) {
     return class == HEAR_CLOSED || class == HEAR_TEETH;
 }
 
-static enum hear_class best(const float likely[HEAR_CLASSES]) {
+static enum hear_class best(const float likely[HEAR_CLASSES], bool apart) {
     int found = HEAR_SILENCE;
-    for (int i = 1; i < HEAR_CLASSES; i++)
-        if (likely[i] > likely[found])
+    float most = likely[HEAR_SILENCE];
+    for (int i = 1; i < HEAR_CLASSES; i++) {
+        float counts = likely[i] * (i != HEAR_CLOSED ? 1 : apart ? 0 : CLOSED_COUNTS);
+        if (counts > most) {
+            most = counts;
             found = i;
+        }
+    }
     return (enum hear_class)found;
+}
+
+static void add(double sums[HEAR_CLASSES], const float likely[HEAR_CLASSES]) {
+    for (int i = 0; i < HEAR_CLASSES; i++)
+        sums[i] += (double)likely[i];
 }
 
 void hear_decoder_begin(struct hear_decoder *d) {
     *d = (struct hear_decoder){.now = {.class = HEAR_SILENCE}};
 }
 
-bool hear_decoder_step(struct hear_decoder *d, const float likely[HEAR_CLASSES], struct hear_phone *ended) {
-    enum hear_class heard = best(likely);
+bool hear_decoder_step(struct hear_decoder *d, const struct hear_answer *answer, struct hear_phone *ended) {
+    const float *likely = answer->likely;
+    bool apart = answer->mouth[PARAM_LI] + answer->mouth[PARAM_LS] > APART;
+    enum hear_class heard = best(likely, apart);
     struct hear_phone *now = &d->now;
     uint32_t frame = now->end++, age = frame - now->start;
-    bool held = touches(now->class) && (age < CONTACT_FRAMES || likely[now->class] > CLOSED_HOLD);
-    now->likely += likely[now->class];
-    if (heard == now->class || (held && !touches(heard))) {
+    bool held =
+        touches(now->class) &&
+        (age < CONTACT_FRAMES || (likely[now->class] > CLOSED_HOLD && !(apart && now->class == HEAR_CLOSED)));
+    bool stays = heard == now->class || (held && !touches(heard));
+    if (!stays && (d->since >= frame || d->next != heard)) {
+        d->since = frame;
+        d->next = heard;
+        memset(d->next_likely, 0, sizeof d->next_likely);
+        memcpy(d->before, now->likely, sizeof d->before);
+    }
+    add(now->likely, likely);
+    if (stays) {
         d->since = now->end;
         return false;
     }
-    if (d->since >= frame || d->next != heard) {
-        d->since = frame;
-        d->next = heard;
-        d->next_likely = 0;
-        d->now_likely = now->likely - likely[now->class];
-    }
-    d->next_likely += likely[heard];
+    add(d->next_likely, likely);
     if (frame - d->since + 1 < LEAST_FRAMES && !touches(heard) && likely[heard] < SURE)
         return false;
     *ended = *now;
     ended->end = d->since;
-    ended->likely = d->now_likely;
-    *now = (struct hear_phone){heard, d->since, frame + 1, d->next_likely};
+    memcpy(ended->likely, d->before, sizeof d->before);
+    *now = (struct hear_phone){heard, d->since, frame + 1, {0}};
+    memcpy(now->likely, d->next_likely, sizeof now->likely);
     d->since = now->end;
     return ended->end > ended->start;
 }

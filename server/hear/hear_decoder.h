@@ -4,7 +4,7 @@
 #ifndef FACCIA_HEAR_HEAR_DECODER_H
 #define FACCIA_HEAR_HEAR_DECODER_H
 
-#include "server/hear/hear_classes.h"
+#include "server/hear/hear_network.h"
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -15,21 +15,21 @@ enum { HEAR_FRAMES_A_SECOND = 100 };
 
 struct hear_phone {
     enum hear_class class;
-    uint32_t start, end; /* it ends where the next begins */
-    double likely;       /* sum over its frames of how likely its class was */
+    uint32_t start, end;         /* it ends where the next begins */
+    double likely[HEAR_CLASSES]; /* sums over its frames of how likely each class was */
 };
 
 struct hear_decoder {
-    struct hear_phone now;          /* end = what has been heard so far */
-    enum hear_class next;           /* may be about to begin */
-    uint32_t since;                 /* from that frame on; nothing is when this is now.end */
-    double next_likely, now_likely; /* over the frames of each */
+    struct hear_phone now; /* end = what has been heard so far */
+    enum hear_class next;  /* may be about to begin */
+    uint32_t since;        /* from that frame on; nothing is when this is now.end */
+    double next_likely[HEAR_CLASSES], before[HEAR_CLASSES]; /* over its frames; over now's before it */
 };
 
 void hear_decoder_begin(struct hear_decoder *decoder);
 
 /* Takes the next frame. True: a phone has ended, which is in *ended. */
-bool hear_decoder_step(struct hear_decoder *decoder, const float likely[HEAR_CLASSES],
+bool hear_decoder_step(struct hear_decoder *decoder, const struct hear_answer *answer,
                        struct hear_phone *ended);
 
 #endif

@@ -10,6 +10,10 @@ enum { RATE = 1000, MS = RATE / HEAR_FRAMES_A_SECOND };
 /* A sound that is being heard goes on for a while: at least so long, and so much longer, ms. */
 enum { LASTS = 90, GOES_ON = 60, THEN_REST = 400 };
 
+bool hear_face_speaks(const char *engine, const struct speech_pack *pack) {
+    return !engine || !strcmp(engine, HEAR_ENGINE) || face_engine_speaks(engine, pack);
+}
+
 void hear_face_add(struct hear_face *f, const struct hear_phone *phone) {
     size_t old = f->count == HEAR_FACE_PHONES;
     while (old < f->count && f->phones[old].end + HEAR_FACE_REACH < phone->end)
@@ -25,7 +29,8 @@ static void put(struct phone *out, enum hear_class class, uint32_t start, uint32
     snprintf(out->sampa, sizeof out->sampa, "%s", hear_classes[class].sampa);
 }
 
-void hear_face_sample(struct hear_face *f, const struct hear_phone *now, double t, struct fap_frame *frame) {
+void hear_face_sample(struct hear_face *f, const struct hear_phone *now, const double mouth[PARAM_COUNT],
+                      double t, struct fap_frame *frame) {
     struct phone phones[HEAR_FACE_PHONES + 3];
     size_t count = 0;
     int64_t zero = (int64_t)(f->count ? f->phones[0].start : now->start) * MS - THEN_REST;
@@ -44,6 +49,7 @@ void hear_face_sample(struct hear_face *f, const struct hear_phone *now, double 
         .sample_rate = RATE, .samples = end + THEN_REST, .phones = phones, .phone_count = count};
     const struct face_options options = {.engine = f->engine, .still = true};
     struct face_track *track = face_track_new(f->pack, &audio, &options, NULL, NULL);
-    face_track_sample(track, t - HEAR_FIRST_SECONDS - (double)zero / RATE, frame);
+    face_track_sample_mouth(track, t - HEAR_FIRST_SECONDS - (double)zero / RATE, f->engine ? NULL : mouth,
+                            frame);
     face_track_free(track);
 }

@@ -84,7 +84,7 @@ static void softmax(float x[HEAR_CLASSES]) {
 }
 
 void hear_state_step(struct hear_state *s, const float frame[HEAR_FEATURES], size_t head,
-                     float likely[HEAR_CLASSES]) {
+                     struct hear_answer *answer) {
     const struct hear_network *n = s->network;
     size_t before = (n->taps - 1) * HEAR_FEATURES;
     memmove(s->frames, s->frames + HEAR_FEATURES, before * sizeof *s->frames);
@@ -94,6 +94,7 @@ void hear_state_step(struct hear_state *s, const float frame[HEAR_FEATURES], siz
         s->middle[i] = fmaxf(0, s->middle[i]);
     recur(s, 0, s->middle);
     recur(s, 1, s->memory[0]);
-    affine(&n->heads[head], s->memory[1], likely);
-    softmax(likely);
+    affine(&n->heads[head], s->memory[1], answer->likely);
+    softmax(answer->likely);
+    affine(&n->mouths[head], s->memory[1], answer->mouth);
 }

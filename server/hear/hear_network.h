@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A small recurrent network that tells from features, as they come, what a mouth does: a convolution over the
  * last frames, two layers of gated recurrent units (K. Cho et al., EMNLP 2014), and for each lookahead a
- * head. models/tools/hear trains it; its file is described in models/hear/README.md. */
+ * head for the sounds and one for the mouth. models/tools/hear trains it; its file is described in
+ * models/hear/README.md. */
 #ifndef FACCIA_HEAR_HEAR_NETWORK_H
 #define FACCIA_HEAR_HEAR_NETWORK_H
 
 #include "server/base/error.h"
+#include "server/face/packs/speech_param.h"
 #include "server/hear/hear_classes.h"
 #include "server/hear/hear_features.h"
 
@@ -24,8 +26,14 @@ size_t hear_network_delays(const struct hear_network *network, unsigned delays[H
 struct hear_state *hear_state_new(const struct hear_network *network);
 void hear_state_free(struct hear_state *state);
 
-/* Takes the next frame; how likely each class was that head's delay ago. They add up to 1. */
+/* What it tells of the instant that lies a head's delay ago. */
+struct hear_answer {
+    float likely[HEAR_CLASSES]; /* how likely each class is; they add up to 1 */
+    float mouth[PARAM_COUNT];   /* the articulatory parameters, mm */
+};
+
+/* Takes the next frame. */
 void hear_state_step(struct hear_state *state, const float frame[HEAR_FEATURES], size_t head,
-                     float likely[HEAR_CLASSES]);
+                     struct hear_answer *answer);
 
 #endif

@@ -16,7 +16,8 @@ struct hear_affine {
 struct hear_network {
     size_t taps, middle, size, head_count;
     unsigned delays[HEAR_HEADS_MOST];
-    struct hear_affine conv, input[HEAR_LAYERS], hidden[HEAR_LAYERS], heads[HEAR_HEADS_MOST];
+    struct hear_affine conv, input[HEAR_LAYERS], hidden[HEAR_LAYERS], heads[HEAR_HEADS_MOST],
+        mouths[HEAR_HEADS_MOST];
     float *values;
 };
 

@@ -3,14 +3,23 @@
 #include "server/hear/hear_network_internal.h"
 #include <errno.h>
 #include <math.h>
+#include <stdbool.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { MAGIC_BYTES = 8, FIXED = 6, NUMBER_BYTES = 4, TAPS_MOST = 32, SIZE_MOST = 1024 };
+enum {
+    MAGIC_BYTES = 8,
+    FIXED = 7,
+    NUMBER_BYTES = 4,
+    SINGLE_BYTES = 4,
+    HALF_BYTES = 2,
+    TAPS_MOST = 32,
+    SIZE_MOST = 1024
+};
 
-static const char magic[MAGIC_BYTES + 1] = "FACHEAR1";
+static const char magic[MAGIC_BYTES + 1] = "FACHEAR2";
 
 static unsigned number_at(const uint8_t *at) {
     return at[0] | (unsigned)at[1] << 8 | (unsigned)at[2] << 16 | (unsigned)at[3] << 24;
@@ -24,6 +33,59 @@ static float half_at(const uint8_t *at) {
                  : exponent     ? ldexpf(1024 + fraction, (int)exponent - 25)
                                 : ldexpf(fraction, -24);
     return bits >> 15 ? -size : size;
+}
+
+static float single_at(const uint8_t *at) {
+    uint32_t bits = number_at(at);
+    float value;
+    memcpy(&value, &bits, sizeof value);
+    return value;
+}
+
+/* A walk through the file's weights; without `to` they are only counted. */
+struct walk {
+    const uint8_t *at;
+    float *to;
+    size_t bytes, values;
+};
+
+/* Row by row: what 1 is worth, then whole numbers from -127 to 127. */
+static void walk_matrix(struct walk *w, size_t inputs, size_t outputs) {
+    for (size_t row = 0; w->to && row < outputs; row++) {
+        const uint8_t *at = w->at + w->bytes + row * (SINGLE_BYTES + inputs);
+        float one = single_at(at);
+        for (size_t i = 0; i < inputs; i++)
+            w->to[w->values + row * inputs + i] = one * (float)(int8_t)at[SINGLE_BYTES + i];
+    }
+    w->bytes += outputs * (SINGLE_BYTES + inputs);
+    w->values += outputs * inputs;
+}
+
+static void walk_biases(struct walk *w, size_t outputs) {
+    for (size_t i = 0; w->to && i < outputs; i++)
+        w->to[w->values + i] = half_at(w->at + w->bytes + HALF_BYTES * i);
+    w->bytes += HALF_BYTES * outputs;
+    w->values += outputs;
+}
+
+static void walk_affine(struct walk *w, size_t inputs, size_t outputs) {
+    walk_matrix(w, inputs, outputs);
+    walk_biases(w, outputs);
+}
+
+static void walk_all(const struct hear_network *n, struct walk *w) {
+    size_t gates = 3 * n->size;
+    walk_affine(w, n->taps * HEAR_FEATURES, n->middle);
+    for (int layer = 0; layer < HEAR_LAYERS; layer++) {
+        walk_matrix(w, layer ? n->size : n->middle, gates);
+        walk_matrix(w, n->size, gates);
+        walk_biases(w, gates);
+        walk_biases(w, gates);
+    }
+    for (size_t i = 0; i < n->head_count; i++) {
+        walk_affine(w, n->size, HEAR_CLASSES);
+        walk_affine(w, n->size, PARAM_COUNT);
+    }
 }
 
 static struct hear_affine take(const float **at, size_t inputs, size_t outputs) {
@@ -41,52 +103,53 @@ static void take_layer(struct hear_network *n, int layer, size_t inputs, const f
     *at += gates * (inputs + n->size + 2);
 }
 
-/* How many weights there have to be; 0: the numbers are wrong. */
-static size_t read_sizes(struct hear_network *n, const uint8_t *data, size_t size) {
+/* Whether the numbers are such as can be. */
+static bool read_sizes(struct hear_network *n, const uint8_t *data, size_t size) {
     unsigned numbers[FIXED];
     if (size < MAGIC_BYTES + FIXED * NUMBER_BYTES || memcmp(data, magic, MAGIC_BYTES) != 0)
-        return 0;
+        return false;
     for (size_t i = 0; i < FIXED; i++)
         numbers[i] = number_at(data + MAGIC_BYTES + i * NUMBER_BYTES);
     n->taps = numbers[1];
     n->middle = numbers[2];
     n->size = numbers[3];
-    n->head_count = numbers[5];
+    n->head_count = numbers[6];
     if (numbers[0] != HEAR_FEATURES || !n->taps || n->taps > TAPS_MOST || !n->middle ||
         n->middle > SIZE_MOST || !n->size || n->size > SIZE_MOST || numbers[4] != HEAR_CLASSES ||
-        !n->head_count || n->head_count > HEAR_HEADS_MOST ||
+        numbers[5] != PARAM_COUNT || !n->head_count || n->head_count > HEAR_HEADS_MOST ||
         size < MAGIC_BYTES + (FIXED + n->head_count) * NUMBER_BYTES)
-        return 0;
+        return false;
     for (size_t i = 0; i < n->head_count; i++) {
         n->delays[i] = number_at(data + MAGIC_BYTES + (FIXED + i) * NUMBER_BYTES);
         if (n->delays[i] > 100 || (i && n->delays[i] <= n->delays[i - 1]))
-            return 0;
+            return false;
     }
-    size_t gates = 3 * n->size;
-    return (n->taps * HEAR_FEATURES + 1) * n->middle + gates * (n->middle + n->size + 2) +
-           gates * (2 * n->size + 2) + n->head_count * (n->size + 1) * HEAR_CLASSES;
+    return true;
 }
 
 static int read_all(struct hear_network *n, const uint8_t *data, size_t size, struct error *e) {
-    size_t count = read_sizes(n, data, size);
-    if (!count)
+    struct walk all = {0};
+    if (!read_sizes(n, data, size))
         return error_plain(e, ERROR_BAD_NETWORK);
     size_t head = MAGIC_BYTES + (FIXED + n->head_count) * NUMBER_BYTES;
-    if (size - head != 2 * count)
-        return error_set(e, ERROR_BAD_NETWORK, "it should hold %zu weights, and holds %zu", count,
-                         (size - head) / 2);
-    n->values = mem_alloc(count * sizeof *n->values);
-    for (size_t i = 0; i < count; i++) {
-        n->values[i] = half_at(data + head + 2 * i);
+    walk_all(n, &all);
+    if (size - head != all.bytes)
+        return error_set(e, ERROR_BAD_NETWORK, "its weights should be %zu bytes, and are %zu", all.bytes,
+                         size - head);
+    n->values = mem_alloc(all.values * sizeof *n->values);
+    struct walk reading = {.at = data + head, .to = n->values};
+    walk_all(n, &reading);
+    for (size_t i = 0; i < all.values; i++)
         if (!isfinite(n->values[i]))
             return error_set(e, ERROR_BAD_NETWORK, "weight %zu is no number", i);
-    }
     const float *at = n->values;
     n->conv = take(&at, n->taps * HEAR_FEATURES, n->middle);
     take_layer(n, 0, n->middle, &at);
     take_layer(n, 1, n->size, &at);
-    for (size_t i = 0; i < n->head_count; i++)
+    for (size_t i = 0; i < n->head_count; i++) {
         n->heads[i] = take(&at, n->size, HEAR_CLASSES);
+        n->mouths[i] = take(&at, n->size, PARAM_COUNT);
+    }
     return 0;
 }
 

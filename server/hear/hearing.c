@@ -5,6 +5,11 @@
 #include "server/hear/hear_sound.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
+
+/* In silence the mouth goes to rest, to the bit: how much of the way it goes in a frame, and back. */
+#define FALLS_ASLEEP 0.05F
+#define WAKES 0.25F
 
 struct hearing {
     struct hearing_options options;
@@ -13,7 +18,9 @@ struct hearing {
     struct hear_state *state;
     struct hear_decoder decoder;
     struct hear_face face;
-    struct life_heard *life; /* NULL: the mouth alone */
+    float mouth[2][PARAM_COUNT]; /* mm, of the last two frames */
+    float awake;                 /* 0: at rest .. 1: as the network tells */
+    struct life_heard *life;     /* NULL: the mouth alone */
     size_t head;
     unsigned delay;   /* frames */
     uint32_t heard;   /* frames of features */
@@ -26,31 +33,50 @@ double hear_seconds(uint32_t frames) {
     return frames ? HEAR_FIRST_SECONDS + (double)frames / HEAR_FRAMES_A_SECOND : 0;
 }
 
+/* Between the middles of the last two frames. */
+static void mouth_at(const struct hearing *l, double t, double mm[PARAM_COUNT]) {
+    double last = hear_seconds(l->decoder.now.end) - 0.5 / HEAR_FRAMES_A_SECOND;
+    double before = fmax(0, fmin(1, (last - t) * HEAR_FRAMES_A_SECOND));
+    for (int p = 0; p < PARAM_COUNT; p++)
+        mm[p] = before * (double)l->mouth[0][p] + (1 - before) * (double)l->mouth[1][p];
+}
+
 /* The face as far as it is known. */
 static void show(struct hearing *l, double until) {
     struct fap_frame frame;
+    double mm[PARAM_COUNT];
     for (double t; (t = l->shown / l->options.fps) <= until && t < l->end; l->shown++) {
-        hear_face_sample(&l->face, &l->decoder.now, t, &frame);
+        mouth_at(l, t, mm);
+        hear_face_sample(&l->face, &l->decoder.now, mm, t, &frame);
         if (l->life)
             life_heard_add(l->life, t, &frame);
         l->options.frame(l->options.ctx, l->shown, &frame);
     }
 }
 
+static void take_mouth(struct hearing *l, const float mouth[PARAM_COUNT]) {
+    bool silent = l->decoder.now.class == HEAR_SILENCE;
+    l->awake = silent ? fmaxf(0, l->awake - FALLS_ASLEEP) : fminf(1, l->awake + WAKES);
+    memcpy(l->mouth[0], l->mouth[1], sizeof l->mouth[0]);
+    for (int p = 0; p < PARAM_COUNT; p++)
+        l->mouth[1][p] = l->awake * mouth[p];
+}
+
 static void on_features(void *ctx, const float features[HEAR_FEATURES]) {
     struct hearing *l = ctx;
-    float likely[HEAR_CLASSES];
+    struct hear_answer answer;
     struct hear_phone ended;
-    hear_state_step(l->state, features, l->head, likely);
+    hear_state_step(l->state, features, l->head, &answer);
     if (l->life)
         life_heard_step(l->life);
     if (l->heard++ < l->delay || hear_seconds(l->decoder.now.end) >= l->end)
         return;
-    if (hear_decoder_step(&l->decoder, likely, &ended)) {
+    if (hear_decoder_step(&l->decoder, &answer, &ended)) {
         hear_face_add(&l->face, &ended);
         if (l->options.phone)
             l->options.phone(l->options.ctx, &ended);
     }
+    take_mouth(l, answer.mouth);
     show(l, hear_seconds(l->decoder.now.end));
 }
 
@@ -75,7 +101,9 @@ static int choose_head(struct hearing *l, unsigned lookahead, struct error *e) {
 struct hearing *hearing_new(const struct hearing_options *options, struct error *e) {
     struct hearing *l = mem_alloc(sizeof *l);
     l->options = *options;
-    l->face = (struct hear_face){.pack = options->pack, .engine = options->engine};
+    l->face.pack = options->pack;
+    if (options->engine && strcmp(options->engine, HEAR_ENGINE) != 0)
+        l->face.engine = options->engine;
     l->end = INFINITY;
     hear_decoder_begin(&l->decoder);
     if (!choose_head(l, options->lookahead, e))

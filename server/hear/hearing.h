@@ -11,7 +11,7 @@
 struct hearing_options {
     const struct hear_network *network; /* borrowed, as is all else */
     const struct speech_pack *pack;
-    const char *engine; /* NULL = the default one */
+    const char *engine; /* see hear_face_speaks */
     unsigned rate, channels;
     unsigned lookahead; /* ms: one that the network has a head for */
     double fps;

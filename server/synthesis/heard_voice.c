@@ -14,7 +14,7 @@ static int choose(struct heard_voice *h, struct error *e) {
     h->pack = speech_packs_find(pipeline->packs, lang);
     if (!h->pack)
         return error_in_field(e, ERROR_UNKNOWN_LANGUAGE, "lang", "no language '%s'", lang);
-    if (!face_engine_speaks(h->request.engine, h->pack))
+    if (!hear_face_speaks(h->request.engine, h->pack))
         return error_in_field(e, ERROR_UNKNOWN_ENGINE, "engine", "no engine '%s' for '%s'", h->request.engine,
                               lang);
     return 0;
@@ -193,7 +193,7 @@ const char *heard_voice_lang(const struct heard_voice *h) {
 }
 
 const char *heard_voice_engine(const struct heard_voice *h) {
-    return h->request.engine ? h->request.engine : face_engines()[0];
+    return h->request.engine ? h->request.engine : HEAR_ENGINE;
 }
 
 unsigned heard_voice_lookahead(const struct heard_voice *h) {

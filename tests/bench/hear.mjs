@@ -11,7 +11,8 @@ import os from 'node:os';
 import path from 'node:path';
 import { parseArgs } from 'node:util';
 import { build } from '../lib/daemon.mjs';
-import { added, compared, correlation, follower, inNoise, kinds, lipGaps, telephone } from '../lib/hearing.mjs';
+import { parseFap } from '../lib/fapfile.mjs';
+import { added, compared, correlation, follower, inNoise, kinds, telephone } from '../lib/hearing.mjs';
 import { rhubarb, versionOf, wawa } from '../lib/hearing-others.mjs';
 import { alignedPhones, prompts } from '../lib/prompts.mjs';
 import { wavOf } from '../lib/wav.mjs';
@@ -90,34 +91,43 @@ async function table(name, list, lang) {
   console.log(`\nsaid: ${kinds.map((kind) => `${kind} ${list.reduce((sum, { phones }) => sum + compared(kind, phones, []).said, 0)}`).join(', ')}`);
 }
 
-/** How far the lips are apart beside the face that the same engine makes with the text, over the frames in which somebody speaks. */
-function openings(name, list, lang) {
-  const told = [];
+// What is seen of the lips, FAP units: how far they are apart in the middle, how wide the mouth is, how far they are pushed forward, how low the jaw is.
+const seen = { apart: (f) => -f[4] - f[5], wide: (f) => f[6] + f[7], forward: (f) => f[16] + f[17], jaw: (f) => f[3] };
+const framesOf = (name) => parseFap(fs.readFileSync(file(name), 'utf8')).frames;
+
+/** Beside the face that the default engine makes with the text, over the frames in which somebody speaks. */
+function mouths(name, list, lang) {
   const faces = list.map(({ sound, phones }) => {
-    const timing = file('phones.json');
-    fs.writeFileSync(timing, JSON.stringify({ phones }));
-    run('align', '-q', sound, '--timing', timing, '-l', lang, '--still', '--fap', file('text.fap'));
-    return lipGaps(fs.readFileSync(file('text.fap'), 'utf8'));
+    fs.writeFileSync(file('phones.json'), JSON.stringify({ phones }));
+    run('align', '-q', sound, '--timing', file('phones.json'), '-l', lang, '--still', '--fap', file('text.fap'));
+    return framesOf('text.fap');
   });
   const speaks = (phones, k) => k / 25 >= phones.find((p) => p.ipa).start && k / 25 <= phones.findLast((p) => p.ipa).end;
-  const over = (of) => correlation(list.flatMap((item, i) => of(item).flatMap((gap, k) => (k < faces[i].length && speaks(item.phones, k) ? [[faces[i][k], gap]] : []))));
-  for (const lookahead of [0, 40, 80, 120]) {
-    const value = over(({ sound }) => {
-      run('hear', '-l', lang, '--lookahead', String(lookahead), '--fap', file('x.fap'), sound);
-      return lipGaps(fs.readFileSync(file('x.fap'), 'utf8'));
-    });
-    told.push(`${lookahead} ms ${value.toFixed(2)}`);
-  }
-  const loudness = over(({ sound }) => {
+  /** of: an item's frames as they are heard, each as numbers in the order of `seen`; their correlations with the text's. */
+  const correlations = (of, kinds) => {
+    const heard = list.map(of);
+    return kinds.map((kind, n) => correlation(heard.flatMap((frames, i) => frames.flatMap((value, k) => (k < faces[i].length && speaks(list[i].phones, k) ? [[seen[kind](faces[i][k]), value[n]]] : [])))).toFixed(2));
+  };
+  const kinds = Object.keys(seen);
+  console.log(`\n${name}, correlation with the face made with the text\n\n| mouth | lookahead | ${kinds.join(' | ')} |\n|---|---|---|---|---|---|`);
+  for (const engine of ['network', 'dominance'])
+    for (const lookahead of [0, 40, 80, 120]) {
+      const heard = ({ sound }) => {
+        run('hear', '-l', lang, '-e', engine, '--lookahead', String(lookahead), '--fap', file('x.fap'), sound);
+        return framesOf('x.fap').map((f) => kinds.map((kind) => seen[kind](f)));
+      };
+      console.log(`| ${engine} | ${lookahead} ms | ${correlations(heard, kinds).join(' | ')} |`);
+    }
+  const loudness = ({ sound }) => {
     const { rate, samples } = samplesOf(sound), hop = rate / 25;
-    return Array.from({ length: Math.floor(samples.length / hop) }, (_, k) => Math.sqrt(samples.slice(Math.max(0, (k - 0.5) * hop), (k + 0.5) * hop).reduce((sum, x) => sum + x * x, 0) / hop));
-  });
-  console.log(`\n${name}, how far the lips are apart, correlation with the face made with the text: ${told.join(', ')}; lips that open with the amplitude ${loudness.toFixed(2)}`);
+    return Array.from({ length: Math.floor(samples.length / hop) }, (_, k) => [Math.sqrt(samples.slice(Math.max(0, (k - 0.5) * hop), (k + 0.5) * hop).reduce((sum, x) => sum + x * x, 0) / hop)]);
+  };
+  console.log(`| opens with the amplitude | - | ${correlations(loudness, ['apart'])[0]} | - | - | - |`);
 }
 await table('Italian (asterisk-core-sounds-it-wav)', sets.Italian, 'it');
 await table('English (pocketsphinx-testdata, librivox)', sets.English, 'en');
-openings('Italian', sets.Italian, 'it');
-openings('English', sets.English, 'en');
+mouths('Italian', sets.Italian, 'it');
+mouths('English', sets.English, 'en');
 
 // The processor's time for a minute, without that for the start.
 const { rate, samples } = samplesOf(sets.English[0].sound);

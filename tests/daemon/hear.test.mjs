@@ -8,7 +8,7 @@ import path from 'node:path';
 import { after, test } from 'node:test';
 import { faccia } from '../lib/command.mjs';
 import { build } from '../lib/daemon.mjs';
-import { compared } from '../lib/hearing.mjs';
+import { compared, correlation } from '../lib/hearing.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
@@ -37,7 +37,9 @@ const say = (name, lang, voice, text) => {
   return { wav: file(`${name}.wav`), phones: JSON.parse(fs.readFileSync(file(`${name}.json`))).phones };
 };
 // Spanish is not among what it was trained on
-const spoken = say('es', 'es', 'espeak:es', 'Mi primo Pablo compra pan y tomates en la plaza. Un poco más tarde prepara la sopa para mamá.');
+const spoken = say('es', 'es', 'espeak:es', `Mi primo Pablo compra pan y tomates en la plaza. Un poco más tarde prepara la sopa para mamá.
+  El tren de la mañana sale a las siete, y nosotros tenemos que llegar antes. ¿Dónde está la llave de la puerta grande? La busco desde el lunes.
+  En el jardín de mi abuela hay rosas, limones y un banco viejo. Todos los domingos comemos juntos bajo el árbol.`);
 
 for (const [what, of] of [['silence', () => 0], ['its mean alone', () => 0.4], ['a hum far below speech', (t) => 0.0005 * Math.sin(314 * t)]])
   test(`${what}: the lips rest`, () => {
@@ -113,7 +115,7 @@ for (const ms of [0, 40, 80, 120])
     const found = compared('closed', spoken.phones, phones), lucky = [-0.3, -0.2, 0.2, 0.3].map((shift) => compared('closed', spoken.phones, phones, { shift }));
     const chance = lucky.reduce((sum, x) => sum + x.found, 0) / lucky.reduce((sum, x) => sum + x.said, 0);
     assert.ok(found.said > 15 && found.found > 0.7 * found.said, `${found.found} of ${found.said}`);
-    assert.ok(found.found / found.said > chance + 0.15, `${found.found} of ${found.said}, by chance ${chance.toFixed(2)}`);
+    assert.ok(found.found / found.said > chance + 0.25, `${found.found} of ${found.said}, by chance ${chance.toFixed(2)}`);
     // and what is heard is shown: the lips meet, and they open for the vowels
     const closed = phones.filter((p) => p.class === 'closed' && p.end - p.start > 0.03);
     const shut = closed.filter((p) => frames.some((f) => f.time >= p.start - 0.01 && f.time <= p.end + 0.01 && gap(f) <= 0)).length;
@@ -121,6 +123,30 @@ for (const ms of [0, 40, 80, 120])
     const open = phones.filter((p) => p.class === 'open' && p.end - p.start > 0.06);
     assert.ok(open.filter((p) => frames.some((f) => f.time >= p.start && f.time <= p.end && gap(f) > 30)).length >= 0.8 * open.length);
   });
+
+test('the mouth is the network\'s own, unless an engine is named, which makes it of the same sounds', () => {
+  const [own, named, engine] = [[], ['-e', 'network'], ['-e', 'dominance']].map((args) => heard([...args, spoken.wav]));
+  assert.deepEqual(named, own);
+  assert.deepEqual(engine.phones, own.phones);
+  const wide = ({ faps }) => (faps[6] ?? 0) + (faps[7] ?? 0);
+  const between = (of) => correlation(own.frames.map((f, k) => [of(f), of(engine.frames[k])]));
+  for (const of of [gap, wide]) assert.ok(between(of) > 0.5 && between(of) < 0.99, `${between(of)}`);
+});
+
+test('say --voice-file: a recording in place of a text', () => {
+  const { status, stdout } = faccia(['say', '-l', 'it', '--fps', '30', '--voice-file', spoken.wav, '--json', '-']);
+  assert.equal(status, 0);
+  assert.equal(stdout, hear(['-l', 'it', '--fps', '30', '--json', '-', spoken.wav]).stdout);
+  for (const phone of JSON.parse(stdout).phones) {
+    const sum = Object.values(phone.likely).reduce((a, b) => a + b, 0);
+    assert.ok(phone.likely[phone.class] > 0 && Math.abs(sum - 1) < 0.15, JSON.stringify(phone));
+  }
+  for (const [args, message] of [[['ciao'], /'ciao' is not used here: .*faccia align/], [['--wav', 'a.wav'], /wav/]]) {
+    const refused = faccia(['say', '--voice-file', spoken.wav, ...args]);
+    assert.equal(refused.status, 2);
+    assert.match(refused.stderr, message);
+  }
+});
 
 test('a language that nobody has a pack for has the general lips, and they are named', () => {
   const { status, stdout, stderr } = hear(['-l', 'x"', '--json', '-', sound('rest.wav', 0.5, 16000, 1, () => 0)]);
@@ -145,7 +171,7 @@ for (const [what, args, status, message] of [
   ['a rate out of range', ['--raw', '7000', '-'], 2, /--raw: must be a whole number from 8000 to 96000/],
   ['two files to standard output', ['--fap', '-', '--json', '-', 'rest.wav'], 1, /only one file can go to standard output/],
   ['no sound', [], 2, /one sound is needed/],
-  ['with its text', ['--text', 'a.txt', 'rest.wav'], 2, /faccia align SOUND --text a\.txt/],
+  ['with its text', ['--text', 'a.txt', 'rest.wav'], 2, /'a\.txt' is not used here: with a text 'faccia align SOUND --text FILE'/],
 ])
   test(`${what}: told, and nothing is written`, () => {
     sound('rest.wav', 0.2, 16000, 1, () => 0);

@@ -66,7 +66,7 @@ test('the sound comes back to the bit, with the face that `faccia hear` makes of
   stream.send({ type: 'close', id: 'v' });
   const end = await ended(stream, 'v'), first = stream.messages.find((m) => m.type === 'begin');
   assert.equal(end.reason, 'done');
-  assert.deepEqual([first.rate, first.fps, first.lang, first.engine, first.lookahead, first.captions], [spoken.rate, 50, 'es', 'dominance', 80, false]);
+  assert.deepEqual([first.rate, first.fps, first.lang, first.engine, first.lookahead, first.captions], [spoken.rate, 50, 'es', 'network', 80, false]);
   assert.ok(!('voice' in first) && !('markup' in first));
   assert.deepEqual(told(stream, 'error').concat(told(stream, 'warning')), []);
   assert.deepEqual(stream.messages.map((m) => m.type), ['hello', 'begin', 'end']);

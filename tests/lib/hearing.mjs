@@ -74,18 +74,6 @@ export function telephone(samples, rate) {
   return [true, true, false, false].reduce((x, high) => pass(x, high ? 300 : 3400, high), samples);
 }
 
-/** How far the inner lips are apart in the middle in each frame of a .fap file, FAP units. */
-export function lipGaps(text) {
-  const lines = text.trim().split('\n').slice(1), gaps = [];
-  for (let i = 0; i + 1 < lines.length; i += 2) {
-    const flags = lines[i].trim().split(/\s+/), values = lines[i + 1].trim().split(/\s+/).slice(1).map(Number);
-    let at = (flags[0] === '1' ? 4 : 0) + (flags[1] === '1' ? 5 : 0); // FAP 1 and 2 are of more than one number
-    const value = flags.map((flag, n) => (n < 2 || flag !== '1' ? 0 : values[at++]));
-    gaps.push(-value[3] - value[4]);
-  }
-  return gaps;
-}
-
 /** Pearson's correlation of pairs. */
 export function correlation(pairs) {
   const mean = (k) => pairs.reduce((sum, p) => sum + p[k], 0) / pairs.length, [a, b] = [mean(0), mean(1)];

@@ -17,14 +17,16 @@ from train import CLASSES, DELAYS, load
 
 KINDS = {'closed': (r'[pbm]', {1}), 'teeth': (r'[fv]', {2}), 'rounded': (r't͡ʃ|d͡ʒ|tʃ|dʒ|[ʃʒuwoɔʊ]', {3, 11, 13})}
 SLACK, FIRST = 0.04, 0.0075
-# As server/hear/hear_decoder.c has them; there closed lips and teeth on the lip count as they are likely, here more or less on request.
-DECODER = {'closed': 1.0, 'teeth': 1.0, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
+# As server/hear/hear_decoder.c has them, where teeth on the lip count as they are likely.
+DECODER = {'closed': 1.4, 'apart': 4.5, 'teeth': 1.0, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
 
 
-def decoded(likely, d):
-    """hear_decoder.c: [(class, start, end)] in frames."""
+def decoded(likely, gap, d):
+    """hear_decoder.c: [(class, start, end)] in frames. gap: between the lips as the network's own mouth has them, mm."""
     weight = np.ones(CLASSES)
     weight[1], weight[2] = d['closed'], d['teeth']
+    likely = likely.copy()
+    likely[gap > d['apart'], 1] = 0
     best = np.argmax(likely * weight, 1)
     out, now, start, end, since, following = [], 0, 0, 0, 0, 0
     for k, heard in enumerate(best):
@@ -97,15 +99,15 @@ def likelihoods(model, told, delay):
     with torch.no_grad():
         for speaker, phones, features in told:
             heads = model(torch.from_numpy(features.copy())[None])
-            head = torch.softmax(heads[DELAYS.index(delay)][0], -1).numpy()
-            out.append((speaker, phones, head[delay:]))
+            head = heads[DELAYS.index(delay)][0, delay:]
+            out.append((speaker, phones, torch.softmax(head[:, :CLASSES], -1).numpy(), head[:, CLASSES : CLASSES + 2].sum(-1).numpy()))
     return out
 
 
 def table(heard, decoder, shifts=(-0.2, 0.2)):
     sums = {}
-    for speaker, phones, likely in heard:
-        spans = decoded(likely, decoder)
+    for speaker, phones, likely, gap in heard:
+        spans = decoded(likely, gap, decoder)
         for kind in KINDS:
             for name in (speaker, 'all'):
                 a = sums.setdefault((name, kind), np.zeros(6))
@@ -139,10 +141,10 @@ def main():
             for name in sorted({n for n, _ in sums}):
                 print(network, f'{10 * delay:3d} ms {name:12s}', ' | '.join(f'{kind} {cell(sums[name, kind])}' for kind in KINDS), flush=True)
             if options.search:
-                for closed in (0.5, 0.7, 1, 1.4, 2):
-                    for hold, contact in ((0.15, 3), (0.3, 3), (0.3, 4), (0.3, 5), (0.5, 4)):
-                        sums = table(heard, {**DECODER, 'closed': closed, 'hold': hold, 'contact': contact, 'teeth': closed}, ())
-                        print(closed, hold, contact, ' | '.join(f'{kind} {cell(sums["all", kind])}' for kind in ('closed', 'teeth')), flush=True)
+                for closed in (1, 1.4, 2, 3):
+                    for apart in (3.5, 4, 4.5, 5, 99):
+                        sums = table(heard, {**DECODER, 'closed': closed, 'apart': apart, 'teeth': closed})
+                        print(closed, apart, ' | '.join(f'{name} {kind} {cell(a)}' for (name, kind), a in sums.items() if kind != 'rounded'), flush=True)
 
 
 if __name__ == '__main__':

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Speech with known phones, as features: synthetic voices say words from Debian's lists, and microphones of all kinds hear it.
 
-python3 make_data.py BUILD FEATURES OUT.npz [--minutes N] [--people FILE.npz] [--times N]
-FILE.npz: of people.py. BUILD: where faccia was built; FEATURES: BUILD/server/hear/hear-features (ninja -C BUILD server/hear/hear-features). Wants
-python3-scipy, witalian, wbrazilian, wamerican, hunspell-tr, and the voices of espeak-ng and Festival. Seeds are fixed.
+python3 make_data.py BUILD OUT.npz [--minutes N] [--people FILE.npz] [--times N]
+FILE.npz: of people.py. BUILD: where faccia was built, with server/hear/hear-features and server/hear/hear-curves. Wants python3-scipy, witalian, wbrazilian, wamerican, hunspell-tr, and the voices of espeak-ng and Festival. Seeds are fixed.
 """
 import argparse
 import json
@@ -80,6 +79,13 @@ def frames_of(program, sound):
     return np.frombuffer(done.stdout, '<f4').reshape(-1, 33)
 
 
+def curves_of(build, classes):
+    """What a mouth does meanwhile, mm: pieces x frames x parameters."""
+    pack = os.path.join(os.path.dirname(os.path.abspath(__file__)), '../../speech/it.json')
+    done = subprocess.run([f'{build}/server/hear/hear-curves', pack, str(classes.shape[1])], input=classes.tobytes(), capture_output=True, check=True)
+    return np.frombuffer(done.stdout, '<f4').reshape(*classes.shape, -1).astype(np.float16)
+
+
 class Collected:
     """Pieces of PIECE seconds as microphones hear them: features and classes, several times each."""
 
@@ -123,7 +129,6 @@ def synthetic(options, rng, collected):
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument('build')
-    parser.add_argument('features')
     parser.add_argument('out')
     parser.add_argument('--minutes', type=float, default=150, help='of synthetic speech')
     parser.add_argument('--people', nargs='*', default=[])
@@ -133,7 +138,7 @@ def main():
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
-    collected = Collected(rng, options.features, options.times, options.keep, options.later)
+    collected = Collected(rng, f'{options.build}/server/hear/hear-features', options.times, options.keep, options.later)
     if options.minutes:
         synthetic(options, rng, collected)
     for path in options.people:
@@ -142,7 +147,7 @@ def main():
                 collected.add(sound, phones, other)
     classes = np.stack(collected.classes)
     print('pieces', len(classes), 'frames of each class', np.bincount(classes.reshape(-1), minlength=15)[:14])
-    np.savez(options.out, features=np.stack(collected.features), classes=classes)
+    np.savez(options.out, features=np.stack(collected.features), classes=classes, curves=curves_of(options.build, classes))
 
 
 if __name__ == '__main__':

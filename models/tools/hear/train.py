@@ -15,8 +15,12 @@ import torch
 from torch import nn
 
 INPUTS, TAPS, MIDDLE, SIZE, CLASSES = 33, 5, 64, 96, 14
+# Of each articulatory parameter (LI LS AR PI PS EM TH TA TB, mm) how far it usually is from its mean; an error counts by that.
+SPREAD = [2.5, 1.0, 4.7, 0.9, 1.2, 2.5, 3.1, 2.0, 3.2]
+CURVES = len(SPREAD)
 DELAYS = [0, 4, 8, 12]  # frames of 10 ms, one head each
 SHARES = [0.6, 0.8, 2.0, 0.6]  # how much each counts
+CURVES_COUNT = 0.4  # beside the classes
 DROPPED = 0.1
 # Where a phone begins is not known to the frame: so a frame is partly of its neighbours' classes.
 BLUR = [1 / 9, 2 / 9, 3 / 9, 2 / 9, 1 / 9]
@@ -31,7 +35,8 @@ class Hearing(nn.Module):
         self.conv = nn.Conv1d(INPUTS, middle, taps)
         self.dropped = nn.Dropout(DROPPED)
         self.gru = nn.GRU(middle, size, num_layers=2, batch_first=True, dropout=DROPPED)
-        self.heads = nn.ModuleList(nn.Linear(size, CLASSES) for _ in DELAYS)
+        # of each: first the classes, then the parameters in mm
+        self.heads = nn.ModuleList(nn.Linear(size, CLASSES + CURVES) for _ in DELAYS)
 
     def forward(self, x):
         x = nn.functional.pad(x.transpose(1, 2), (self.conv.kernel_size[0] - 1, 0))
@@ -39,29 +44,32 @@ class Hearing(nn.Module):
         return [head(x) for head in self.heads]
 
 
-def loss_of(heads, classes, weight):
-    """Cross entropy beside blurred classes; an unknown one (255) counts nothing."""
+def loss_of(heads, classes, curves, weight):
+    """Cross entropy beside blurred classes; an unknown one (255) counts nothing. And how far the curves are off, in units of their spread."""
     wanted = nn.functional.one_hot(classes.clamp(max=CLASSES), CLASSES + 1)[..., :CLASSES].float().transpose(1, 2)
     wanted = nn.functional.conv1d(wanted.reshape(-1, 1, wanted.shape[2]), torch.tensor(BLUR)[None, None], padding=len(BLUR) // 2).reshape(wanted.shape)
     wanted = wanted.transpose(1, 2) * weight
     total = 0
     for head, delay, share in zip(heads, DELAYS, SHARES):
-        there = wanted[:, LEAD - delay : classes.shape[1] - delay]
-        total = total - share / sum(SHARES) * (there * torch.log_softmax(head[:, LEAD:], -1)).sum() / there.sum()
+        then = slice(LEAD - delay, classes.shape[1] - delay)
+        there, of_classes, of_curves = wanted[:, then], head[:, LEAD:, :CLASSES], head[:, LEAD:, CLASSES:]
+        off = (of_curves - curves[:, then]) / torch.tensor(SPREAD)
+        total = total + share / sum(SHARES) * (CURVES_COUNT * (off**2).mean() - (there * torch.log_softmax(of_classes, -1)).sum() / there.sum())
     return total
 
 
-def tell(model, features, classes):
+def tell(model, features, classes, curves):
     """What it does on pieces that it was not trained on."""
     with torch.no_grad():
         heads = model.eval()(features)
     for head, delay in zip(heads, DELAYS):
-        said = head[:, LEAD:].argmax(-1).numpy()
+        said = head[:, LEAD:, :CLASSES].argmax(-1).numpy()
         wanted = classes[:, LEAD - delay : classes.shape[1] - delay].numpy()
         line = f'  {10 * delay:3d} ms: {100 * np.mean(said == wanted):.1f} % of frames right'
         for name, k in (('closed', CLOSED), ('teeth', TEETH), ('rounded', 3)):
             line += f'; {name} {100 * np.mean(said[wanted == k] == k):.0f} % found, {100 * np.mean(wanted[said == k] == k):.0f} % of those right'
-        print(line, flush=True)
+        off = head[:, LEAD:, CLASSES:] - curves[:, LEAD - delay : classes.shape[1] - delay]
+        print(line, '; curves off by', ' '.join(f'{x:.2f}' for x in (off**2).mean((0, 1)).sqrt()), 'mm', flush=True)
 
 
 def parts(model):
@@ -71,29 +79,55 @@ def parts(model):
         for name in ('weight_ih', 'weight_hh', 'bias_ih', 'bias_hh'):
             yield getattr(model.gru, f'{name}_l{layer}')
     for head in model.heads:
-        yield head.weight
-        yield head.bias
+        for rows in (slice(CLASSES), slice(CLASSES, None)):
+            yield head.weight[rows]
+            yield head.bias[rows]
+
+
+def rounded(model):
+    """The weights as the file has them, row by row in whole numbers from -127 to 127; biases in half precision."""
+    with torch.no_grad():
+        for p in model.parameters():
+            if p.dim() == 1:
+                p.copy_(p.half().float())
+            else:
+                rows = p.reshape(len(p), -1)
+                one = rows.abs().amax(1, keepdim=True).clamp(min=1e-9) / 127
+                p.copy_(((rows / one).round() * one).reshape(p.shape))
+    return model
 
 
 def write(model, path):
     with open(path, 'wb') as file:
-        file.write(b'FACHEAR1')
+        file.write(b'FACHEAR2')
         middle, _, taps = model.conv.weight.shape
-        file.write(np.array([INPUTS, taps, middle, model.gru.hidden_size, CLASSES, len(DELAYS), *DELAYS], '<u4').tobytes())
+        file.write(np.array([INPUTS, taps, middle, model.gru.hidden_size, CLASSES, CURVES, len(DELAYS), *DELAYS], '<u4').tobytes())
         for part in parts(model):
-            file.write(part.detach().numpy().astype('<f2').tobytes())
+            values = part.detach().numpy()
+            if values.ndim == 1:
+                file.write(values.astype('<f2').tobytes())
+                continue
+            for row in values.reshape(len(values), -1):
+                one = np.float32(max(np.abs(row).max(), 1e-9) / 127)
+                file.write(one.astype('<f4').tobytes() + np.round(row / one).astype('<i1').tobytes())
 
 
 def load(path):
     with open(path, 'rb') as file:
         data = file.read()
-    _, taps, middle, size, _, _ = np.frombuffer(data, '<u4', 6, 8)
-    model, at = Hearing(int(taps), int(middle), int(size)).eval(), 0
-    values = torch.from_numpy(np.frombuffer(data, '<f2', offset=32 + 4 * len(DELAYS)).astype(np.float32))
+    _, taps, middle, size, _, _, _ = np.frombuffer(data, '<u4', 7, 8)
+    model, at = Hearing(int(taps), int(middle), int(size)).eval(), 36 + 4 * len(DELAYS)
     with torch.no_grad():
         for part in parts(model):
-            part.copy_(values[at : at + part.numel()].reshape(part.shape))
-            at += part.numel()
+            if part.dim() == 1:
+                values = np.frombuffer(data, '<f2', len(part), at).astype(np.float32)
+                at += 2 * len(part)
+            else:
+                row = np.dtype([('one', '<f4'), ('whole', '<i1', part[0].numel())])
+                rows = np.frombuffer(data, row, len(part), at)
+                values = rows['one'][:, None] * rows['whole'].astype(np.float32)
+                at += row.itemsize * len(part)
+            part.copy_(torch.from_numpy(values).reshape(part.shape))
     return model
 
 
@@ -135,7 +169,8 @@ class Data:
         written = os.stat(self.path).st_mtime
         if written != self.written:
             data = np.load(self.path)
-            self.features, self.classes, self.written = torch.from_numpy(data['features']), torch.from_numpy(data['classes']), written
+            self.features, self.classes, self.curves = (torch.from_numpy(data[name]) for name in ('features', 'classes', 'curves'))
+            self.written = written
             if hasattr(self, 'held'):
                 self.kept = np.setdiff1d(np.arange(len(self.features)), self.held)
                 print(self.path, 'again:', len(self.kept), 'pieces', flush=True)
@@ -148,7 +183,8 @@ class Data:
         piece, before = torch.from_numpy(self.kept[rng.integers(len(self.kept), size=(count, 1))]), times.floor().long()
         part = (times - before).float()[..., None]
         features = self.features[piece, before].float() * (1 - part) + self.features[piece, before + 1].float() * part
-        return features, self.classes[piece, times.round().long()].long()
+        nearest = times.round().long()
+        return features, self.classes[piece, nearest].long(), self.curves[piece, nearest].float()
 
 
 def bent(rng, features):
@@ -204,7 +240,7 @@ def main():
     def judge():
         for file in files:
             print(os.path.basename(file.path))
-            tell(mean, file.features[file.held].float(), file.classes[file.held].long())
+            tell(mean, file.features[file.held].float(), file.classes[file.held].long(), file.curves[file.held].float())
 
     optimiser = torch.optim.Adam(model.parameters(), lr=2e-3)
     whole = sum(f.share for f in files)
@@ -213,8 +249,8 @@ def main():
         for group in optimiser.param_groups:  # up quickly, then down along a cosine
             group['lr'] = options.rate * min(1, (step + 1) / 60) * (0.5 + 0.5 * np.cos(np.pi * done)) + 1e-5
         batches = [f.some(rng, round(options.batch * f.share / whole)) for f in files]
-        features, classes = (torch.cat([b[i] for b in batches]) for i in (0, 1))
-        loss = loss_of(model(masked(rng, bent(rng, features))), classes, weight)
+        features, classes, curves = (torch.cat([b[i] for b in batches]) for i in range(3))
+        loss = loss_of(model(masked(rng, bent(rng, features))), classes, curves, weight)
         optimiser.zero_grad()
         loss.backward()
         nn.utils.clip_grad_norm_(model.parameters(), 2.0)
@@ -231,17 +267,15 @@ def main():
             if step % 100 == 0:
                 write(mean, options.out)
     print(f'{step} steps')
-    with torch.no_grad():
-        for p in mean.parameters():  # what the file holds is what answers
-            p.copy_(p.half().float())
+    rounded(mean)  # what the file holds is what answers
     judge()
     mean.eval()
     write(mean, options.out)
     piece = files[0].features[files[0].held[:1]].float()[:, :80]
     with torch.no_grad():
-        answers = torch.stack([torch.softmax(head, -1) for head in mean(piece)], 2)[0]
+        answers = torch.stack([torch.cat([torch.softmax(head[..., :CLASSES], -1), head[..., CLASSES:]], -1) for head in mean(piece)], 2)[0]
     with open(options.vectors, 'wb') as file:
-        file.write(np.array([piece.shape[1], INPUTS, len(DELAYS), CLASSES], '<u4').tobytes())
+        file.write(np.array([piece.shape[1], INPUTS, len(DELAYS), CLASSES, CURVES], '<u4').tobytes())
         file.write(piece[0].numpy().astype('<f4').tobytes())
         file.write(answers.numpy().astype('<f4').tobytes())
 
