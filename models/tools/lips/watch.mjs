@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * From pictures of a person who reads to rows of parameters (curves.mjs): the face at rest is made a net of places (speaker.mjs), which is laid onto
- * each picture (lay.mjs), the head's motion and the lips' at once; mm from the iris.
+ * each picture (lay.mjs), the head's motion and the lips' at once; LI and LS then by the lips' ends (edges.mjs); mm from the iris.
  */
 import fs from 'node:fs';
 import path from 'node:path';
@@ -11,6 +11,8 @@ import { PortraitError } from '../../../web/src/portrait/problem.mjs';
 import { FileError } from '../import/file-error.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { PARAMETERS } from './articulation.mjs';
+import { Edges } from './edges.mjs';
+import { hangOf, parted } from './parting.mjs';
 import { UNKNOWNS } from '../../../web/src/portrait/fap-moves.mjs';
 import { Layer } from '../../../web/src/portrait/lay.mjs';
 import { landmarksOf } from '../../../web/src/portrait/look.mjs';
@@ -20,6 +22,8 @@ const IRIS = 11.7; // mm: the horizontal diameter of an adult's, within half a m
 const DRAWN_IRIS = 10.9; // mm: of our heads, by which the detector's habit falls out
 const IRISES = [[469, 471], [474, 476]]; // landmarks across
 const PUPILS = [[468, 473]];
+const UPPER_LIP = [[0, 13]]; // landmarks: how high it is at rest,
+const MOUTH = [[61, 291]]; // and how wide the mouth
 const MOST_FRAMES = 500000;
 const REST_PICTURES = 6; // whose mean says how the face looks
 const SIDEWAYS = 0.35; // rad: beyond it the far half of the mouth is guessed
@@ -83,10 +87,15 @@ class Watcher {
     this.face = laid(landmarks, this.base.points).points;
     this.look = this.layer.seen(pictures[first - 1], speaker, STILL);
     const looks = [this.look];
+    const stands = [{ picture: pictures[first - 1], stand: speaker }];
     for (const picture of pictures.slice(first)) {
       const { stand } = this.layer.lay(picture, this.look, this.#now);
       looks.push(this.layer.seen(picture, stand, STILL));
+      stands.push({ picture, stand });
     }
+    this.edges = new Edges(speaker.skin);
+    this.edges.know(stands);
+    this.hang = hangOf(apart(this.face, UPPER_LIP) / apart(this.face, MOUTH));
     this.look = this.look.map((planes, l) => planes.map((plane, k) => plane.map((_, i) => looks.reduce((sum, look) => sum + look[l][k][i], 0) / looks.length)));
     this.contrast = Math.sqrt(this.look.at(-1)[0].reduce((sum, x) => sum + (x * x || 0), 0) / speaker.count);
     return true;
@@ -111,7 +120,9 @@ class Watcher {
       }
     }
     this.#now = found;
-    return found && { values: [...found.q.subarray(0, PARAMETERS.length)], confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
+    if (!found) return null;
+    const q = parted(found.q, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
+    return { values: q.slice(0, PARAMETERS.length), confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
   }
 }
 

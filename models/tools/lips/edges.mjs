@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * Where the lips end towards each other in a picture, to a fraction of a pixel: columns across the middle of the mouth are walked out of each lip, from
+ * where lay.mjs has it, until the picture changes as nothing on a lip does. What lay.mjs says is where to look, this is where it is. Each column
+ * counts from where its lips met at rest; what columns do not agree on is not told. mm of the base head, in the head's own turn.
+ */
+const COLUMNS = [-2, -1.5, -1, -0.5, 0, 0.5, 1, 1.5, 2]; // mm from the middle: beside them the lips' line bends
+const STEP = 0.1; // mm along a column
+const BLUR = 0.2; // mm, standard deviation: less than the dark line of closed lips is wide
+const WITHIN = { upper: 2.2, lower: 4 }; // mm that a walk begins within the lip: half of it
+const BEYOND = { upper: 2.5, lower: 5 }; // mm to which its end may be elsewhere than it is looked for; a sudden opening may be missed by so much
+const FIRST = { guess: 1, beyond: 5 }; // mm: where the lips' line may be on a face that the base head's shape is laid onto
+const STEEP = 0.2; // of the lip's own brightness, for a mm: more than its shading
+const RISE = 1.4; // times as bright as a dark line is what lies behind it,
+const SOON = 1.2; // mm after that
+const WIDE = 2.2; // mm: a wider one is the dark of the mouth,
+const DARK = 1.25; // as far as it is this many times as bright
+const PALE = 0.05; // of red among red and green, by which teeth are paler than a lip
+const ALIKE = 0.35; // mm: the median by which columns differ from what they say together
+const ENOUGH = 5; // columns
+
+const middle = (list) => Float64Array.from(list).sort()[list.length >> 1];
+const REACH = Math.ceil((2 * BLUR) / STEP);
+const WEIGHTS = Array.from({ length: 2 * REACH + 1 }, (_, i) => Math.exp(-0.5 * (((i - REACH) * STEP) / BLUR) ** 2));
+const WHOLE = WEIGHTS.reduce((a, b) => a + b);
+
+function blurred(list) {
+  const last = list.length - 1;
+  return list.map((_, i) => WEIGHTS.reduce((sum, w, n) => sum + w * list[Math.max(0, Math.min(last, i + n - REACH))], 0) / WHOLE);
+}
+
+/** Where an extreme at i is between the places of a list: a parabola's. */
+function between(list, i) {
+  const [a, b, c] = [list[i - 1], list[i], list[i + 1]];
+  const bend = a - 2 * b + c;
+  return i + (bend ? Math.max(-0.5, Math.min(0.5, (0.5 * (a - c)) / bend)) : 0);
+}
+
+/** The first dark line; where teeth follow it, halfway to where they begin: the shade of a lip ends there, that of closed lips is between both. */
+function darkLine({ light, red, slope }) {
+  const [near, soon] = [Math.round(0.3 / STEP), Math.round(SOON / STEP)];
+  for (let i = near; i < light.length - near; i++) {
+    const about = light.slice(i - near, i + near + 1);
+    if (light[i] > Math.min(...about)) continue;
+    const after = light.slice(i, i + soon + 1);
+    if (Math.max(...after) < RISE * light[i]) continue;
+    let [from, to] = [i, i];
+    while (from > 0 && light[from] < DARK * light[i]) from--;
+    while (to < light.length - 1 && light[to] < DARK * light[i]) to++;
+    if ((to - from) * STEP > WIDE) return null;
+    let steepest = i;
+    for (let n = i; n < Math.min(slope.length - 1, i + soon); n++) if (slope[n] > slope[steepest]) steepest = n;
+    const teeth = red[Math.max(0, i - soon)] - red[Math.min(red.length - 1, i + soon)] > PALE;
+    return teeth ? (between(light, i) + between(slope, steepest)) / 2 : between(light, i);
+  }
+  return null;
+}
+
+/** The first place that gets steeply darker, or paler at once. */
+function steepPlace({ red, slope, own }) {
+  const size = slope.map(Math.abs);
+  for (let i = 2; i < slope.length - 2; i++) {
+    if (size[i] < STEEP * own || size[i] < size[i - 1] || size[i] < size[i + 1]) continue;
+    if (slope[i] < 0 || red[i - 2] - red[Math.min(red.length - 1, i + 4)] > PALE) return between(size, i);
+  }
+  return null;
+}
+
+export class Edges {
+  #rest = null; // of each column where its line and its lower lip's end are
+
+  /** @param {object} skin of speakerOf */
+  constructor({ fdp }) {
+    this.middle = [0, 1, 2].map((k) => (fdp['2.2'][k] + fdp['2.3'][k]) / 2);
+  }
+
+  /** The face at rest. @param {{picture: object, stand: object}[]} pictures @returns {boolean} whether its lips are seen */
+  know(pictures) {
+    const found = pictures.map(({ picture, stand }) => {
+      const known = this.#walk(picture, stand, FIRST.guess, -1, darkLine, FIRST.beyond).filter((y) => y !== null);
+      if (known.length < ENOUGH) return { line: COLUMNS.map(() => null), lower: COLUMNS.map(() => null) };
+      const about = middle(known);
+      return { line: this.#walk(picture, stand, about, -1, darkLine), lower: this.#walk(picture, stand, about, 1, steepPlace) };
+    });
+    const each = (name) => COLUMNS.map((_, c) => {
+      const list = found.map((one) => one[name][c]).filter((y) => y !== null);
+      return 2 * list.length > found.length ? middle(list) : null;
+    });
+    const rest = { line: each('line'), lower: each('lower') };
+    const seen = (list) => list.filter((y) => y !== null).length >= ENOUGH;
+    this.#rest = seen(rest.line) && seen(rest.lower) ? rest : null;
+    return this.#rest !== null;
+  }
+
+  /**
+   * @param {object} picture @param {object} stand @param {number} rises how far up the upper lip's end is expected from rest, mm @param {number} falls
+   *   how far down the lower one's
+   * @returns {{rises: number|null, falls: number|null}} null: it is not to be told
+   */
+  seen(picture, stand, rises, falls) {
+    if (!this.#rest) return { rises: null, falls: null };
+    const { line, lower } = this.#rest;
+    const known = (list) => middle(list.filter((y) => y !== null));
+    const up = together(this.#walk(picture, stand, known(line) + rises, -1, darkLine), line);
+    const down = together(this.#walk(picture, stand, known(lower) - falls, 1, steepPlace), lower);
+    return { rises: up, falls: down === null ? null : -down };
+  }
+
+  /** Of each column where what is looked for is, from within a lip outward. @param {number} way -1: down, 1: up */
+  #walk(picture, stand, guess, way, find, beyond) {
+    const lip = way < 0 ? 'upper' : 'lower';
+    const from = guess - way * WITHIN[lip];
+    const steps = Math.round((WITHIN[lip] + (beyond ?? BEYOND[lip])) / STEP);
+    return COLUMNS.map((x) => {
+      const column = this.#column(picture, stand, x, from, way * STEP, steps);
+      const at = column && find(column);
+      return at === null ? null : from + way * STEP * at;
+    });
+  }
+
+  #column({ data, width, height }, { turn: [a, b], scale, onto }, x, from, step, steps) {
+    const [mx, my, mz] = this.middle;
+    const light = [];
+    const red = [];
+    for (let n = 0; n <= steps; n++) {
+      const [px, py] = [mx + x, my + from + step * n];
+      const u = onto[0] + scale * (a[0] * px + a[1] * py + a[2] * mz) - 0.5;
+      const v = onto[1] - scale * (b[0] * px + b[1] * py + b[2] * mz) - 0.5;
+      const [i, j] = [Math.floor(u), Math.floor(v)];
+      if (!(i >= 0 && j >= 0 && i < width - 1 && j < height - 1)) return null;
+      const at = 4 * (j * width + i);
+      const row = (k) => data[k] * (1 - u + i) + data[k + 4] * (u - i);
+      const [r, g, bl] = [0, 1, 2].map((k) => row(at + k) * (1 - v + j) + row(at + 4 * width + k) * (v - j));
+      light.push(0.3 * r + 0.6 * g + 0.1 * bl);
+      red.push(r / (r + g + 1));
+    }
+    const smooth = blurred(light);
+    const last = steps;
+    const slope = smooth.map((_, i) => (smooth[Math.min(last, i + 1)] - smooth[Math.max(0, i - 1)]) / (2 * STEP));
+    return { light: smooth, red: blurred(red), slope, own: middle(smooth.slice(0, Math.round(1 / STEP))) };
+  }
+}
+
+/** How far columns have gone from rest, where enough of them say the same. */
+function together(now, rest) {
+  const gone = now.map((y, c) => (y === null || rest[c] === null ? null : y - rest[c])).filter((y) => y !== null);
+  if (gone.length < ENOUGH) return null;
+  const all = middle(gone);
+  return middle(gone.map((y) => Math.abs(y - all))) <= ALIKE ? all : null;
+}

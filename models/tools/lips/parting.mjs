@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/**
+ * LI and LS by the lips' ends (edges.mjs). An end goes up and down with its lip, but not only: an upper lip that is pushed comes down over the teeth, the
+ * further the fuller it is.
+ */
+const HANGS = 10.5; // mm for a mm of PS, of a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
+const OPEN = 0.8; // mm between both ends: under it LI is left to the skin around, which sees lips press
+
+/** How far an upper lip comes down for a mm of PS. @param {number} fullness how high it is, the mouth's width being 1 */
+export const hangOf = (fullness) => HANGS * fullness;
+
+/**
+ * @param {Float64Array} q of UNKNOWNS, as lay.mjs has them @param {number} hang of hangOf @param {(rises: number, falls: number) => object} look where the
+ *   ends are, by where they are expected
+ * @returns {number[]} q with what was seen
+ */
+export function parted(q, hang, look) {
+  const [LI, LS, , , PS] = q;
+  const hangs = hang * Math.max(0, PS);
+  const { rises, falls } = look(LS - hangs, LI);
+  const out = [...q];
+  if (rises !== null) out[1] = rises + hangs;
+  if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls;
+  return out;
+}
