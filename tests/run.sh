@@ -119,7 +119,7 @@ rm -f "$artefacts"/*.count
     done | run 3
     case " $* " in *' daemon '*)
         files daemon | dearest daemon festival align fit cluster hear command-examples cluster-rooms http-strict heard eval worker |
-            sed 's/^/daemon /' | run 4
+            sed 's/^/daemon /' | run 5
         ;;
     esac
 } &

@@ -7,20 +7,19 @@
 /* What is that likely begins at once, all else once it has lasted so many frames. */
 #define SURE 0.75F
 enum { LEAST_FRAMES = 2, CONTACT_FRAMES = 4 };
-/* A missed closure is worse than one too many: so much more it counts. But lips that the network's own mouth
- * has farther apart than that, mm, do not touch. models/hear/README.md has what was tried. */
+/* A missed closure is worse than one too many: so much more it counts. models/hear/README.md has what was
+ * tried. */
 #define CLOSED_COUNTS 1.4F
-#define APART 4.5F
 
 static bool touches(enum hear_class class) {
     return class == HEAR_CLOSED || class == HEAR_TEETH;
 }
 
-static enum hear_class best(const float likely[HEAR_CLASSES], bool apart) {
+static enum hear_class best(const float likely[HEAR_CLASSES]) {
     int found = HEAR_SILENCE;
     float most = likely[HEAR_SILENCE];
     for (int i = 1; i < HEAR_CLASSES; i++) {
-        float counts = likely[i] * (i != HEAR_CLOSED ? 1 : apart ? 0 : CLOSED_COUNTS);
+        float counts = likely[i] * (i == HEAR_CLOSED ? CLOSED_COUNTS : 1);
         if (counts > most) {
             most = counts;
             found = i;
@@ -38,15 +37,11 @@ void hear_decoder_begin(struct hear_decoder *d) {
     *d = (struct hear_decoder){.now = {.class = HEAR_SILENCE}};
 }
 
-bool hear_decoder_step(struct hear_decoder *d, const struct hear_answer *answer, struct hear_phone *ended) {
-    const float *likely = answer->likely;
-    bool apart = answer->mouth[PARAM_LI] + answer->mouth[PARAM_LS] > APART;
-    enum hear_class heard = best(likely, apart);
+bool hear_decoder_step(struct hear_decoder *d, const float likely[HEAR_CLASSES], struct hear_phone *ended) {
+    enum hear_class heard = best(likely);
     struct hear_phone *now = &d->now;
     uint32_t frame = now->end++, age = frame - now->start;
-    bool held =
-        touches(now->class) &&
-        (age < CONTACT_FRAMES || (likely[now->class] > CLOSED_HOLD && !(apart && now->class == HEAR_CLOSED)));
+    bool held = touches(now->class) && (age < CONTACT_FRAMES || likely[now->class] > CLOSED_HOLD);
     bool stays = heard == now->class || (held && !touches(heard));
     if (!stays && (d->since >= frame || d->next != heard)) {
         d->since = frame;

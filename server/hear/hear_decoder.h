@@ -4,7 +4,7 @@
 #ifndef FACCIA_HEAR_HEAR_DECODER_H
 #define FACCIA_HEAR_HEAR_DECODER_H
 
-#include "server/hear/hear_network.h"
+#include "server/hear/hear_classes.h"
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -29,7 +29,7 @@ struct hear_decoder {
 void hear_decoder_begin(struct hear_decoder *decoder);
 
 /* Takes the next frame. True: a phone has ended, which is in *ended. */
-bool hear_decoder_step(struct hear_decoder *decoder, const struct hear_answer *answer,
+bool hear_decoder_step(struct hear_decoder *decoder, const float likely[HEAR_CLASSES],
                        struct hear_phone *ended);
 
 #endif

@@ -71,7 +71,7 @@ static void on_features(void *ctx, const float features[HEAR_FEATURES]) {
         life_heard_step(l->life);
     if (l->heard++ < l->delay || hear_seconds(l->decoder.now.end) >= l->end)
         return;
-    if (hear_decoder_step(&l->decoder, &answer, &ended)) {
+    if (hear_decoder_step(&l->decoder, answer.likely, &ended)) {
         hear_face_add(&l->face, &ended);
         if (l->options.phone)
             l->options.phone(l->options.ctx, &ended);

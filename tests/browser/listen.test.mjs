@@ -14,7 +14,7 @@ import { mouthPixels } from '../lib/mouth-pixels.mjs';
 import { patient } from '../lib/patient.mjs';
 import { wavOf } from '../lib/wav.mjs';
 
-const SENTENCE = 'Papà beve. La mamma parla piano.', VOICE = 'espeak:it';
+const SENTENCE = 'Papà beve. La mamma parla piano.', VOICE = 'festival:lp';
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
 let daemon, browser, painter, screen, spoken;
 

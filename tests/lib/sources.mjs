@@ -14,7 +14,7 @@ const bare = (text) =>
 export function sources(folder) {
   return fs
     .readdirSync(path.join(root, folder), { recursive: true })
-    .filter((file) => /\.[ch]$/.test(file))
+    .filter((file) => /\.[ch]$/.test(file) && !file.includes('node_modules'))
     .map((file) => {
       const name = path.posix.join(folder, file);
       const text = fs.readFileSync(path.join(root, name), 'utf8');

@@ -17,8 +17,8 @@ from train import CLASSES, DELAYS, load
 
 KINDS = {'closed': (r'[pbm]', {1}), 'teeth': (r'[fv]', {2}), 'rounded': (r't͡ʃ|d͡ʒ|tʃ|dʒ|[ʃʒuwoɔʊ]', {3, 11, 13})}
 SLACK, FIRST = 0.04, 0.0075
-# As server/hear/hear_decoder.c has them, where teeth on the lip count as they are likely.
-DECODER = {'closed': 1.4, 'apart': 4.5, 'teeth': 1.0, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
+# As server/hear/hear_decoder.c has them, where teeth on the lip count as they are likely, and closures wherever the lips are.
+DECODER = {'closed': 1.4, 'apart': 99.0, 'teeth': 1.0, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
 
 
 def decoded(likely, gap, d):
