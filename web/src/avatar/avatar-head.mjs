@@ -32,11 +32,12 @@ export class AvatarHead {
     this.controls = controls;
     this.solver = solver;
     this.found = found;
-    const { scale, origin, yaw } = found.place;
+    const { scale, origin, axes } = found.place;
     const placed = new Group();
     placed.matrixAutoUpdate = false;
     placed.matrix = new Matrix4().makeTranslation(...origin.map((value) => -value));
-    placed.matrix.multiply(new Matrix4().makeRotationY(yaw)).scale(new Vector3(scale, scale, scale));
+    const turn = new Matrix4().makeBasis(...axes.map((axis) => new Vector3(...axis))).transpose();
+    placed.matrix.multiply(turn).scale(new Vector3(scale, scale, scale));
     placed.add(gltf.scene);
     this.whole = new Group();
     this.whole.add(placed);
