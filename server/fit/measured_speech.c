@@ -18,8 +18,10 @@ enum { LEAST_FRAMES = 3 };
 void measured_speech_free(struct measured_speech *r) {
     free(r->phones);
     free(r->times);
-    for (int p = 0; p < PARAM_COUNT; p++)
+    for (int p = 0; p < PARAM_COUNT; p++) {
         free(r->curves[p]);
+        free(r->unseen[p]);
+    }
     *r = (struct measured_speech){0};
 }
 
@@ -166,6 +168,21 @@ static void add_curve(struct measured_speech *mean, const struct measured_speech
     gsl_interp_free(spline);
 }
 
+/* The frames in which r does not count, in the mean's time: by the nearer of r's. */
+static void add_unseen(struct measured_speech *mean, const struct measured_speech *r, int p) {
+    size_t k = 0;
+    if (!r->unseen[p])
+        return;
+    if (!mean->unseen[p])
+        mean->unseen[p] = mem_alloc((mean->frame_count + 1) * sizeof(bool));
+    for (size_t i = 0; i < mean->frame_count; i++) {
+        double t = warp(mean, r, mean->times[i]);
+        while (k + 1 < r->frame_count && fabs(r->times[k + 1] - t) <= fabs(r->times[k] - t))
+            k++;
+        mean->unseen[p][i] = mean->unseen[p][i] || r->unseen[p][k];
+    }
+}
+
 static void average(const struct measured_speech *const *same, size_t count, struct measured_speech *out) {
     *out = (struct measured_speech){.repetitions = count};
     average_phones(same, count, out);
@@ -182,6 +199,8 @@ static void average(const struct measured_speech *const *same, size_t count, str
         out->curves[p] = mem_alloc(out->frame_count * sizeof(double));
         for (size_t k = 0; k < count; k++)
             add_curve(out, same[k], p, 1.0 / (double)count);
+        for (size_t k = 0; k < count; k++)
+            add_unseen(out, same[k], p);
     }
 }
 

@@ -3,7 +3,7 @@
 // of it as the page draws them, swaying, are watched by `faccia head lips`, the curves compared with the FAPs that were played; and with --fit a pack is
 // fitted to two sentences: does it foretell the others, as the film shows them, and as they were played? With --markers eight markers on the face take
 // the place of the film.
-// node tests/bench/seen-lips.mjs [HEAD] [--sentences 0,1,2,3] [--lines 1080|720|480] [--crf N] [--iris] [--fps N] [--fit] [--markers]; pictures are kept in build/seen-lips. Lines are
+// node tests/bench/seen-lips.mjs [HEAD] [--sentences 0,1,2,3] [--lines 1080|720|480] [--crf N] [--iris] [--fps N] [--points 4] [--fit] [--fitted 2] [--markers]; pictures are kept in build/seen-lips. Lines are
 // those of a whole picture that shows 27 cm of height; with --crf they go through x264.
 // The scale is from the distance of the pupils, or with --iris from the iris.
 import { execFileSync, spawnSync } from 'node:child_process';
@@ -22,15 +22,16 @@ const root = fileURLToPath(new URL('../../', import.meta.url));
 const text = { type: 'string' };
 const { values: wanted, positionals: [name = 'samuel'] } = parseArgs({
   allowPositionals: true,
-  options: { sentences: { ...text, default: '0,1,2,3' }, lines: { ...text, default: '1080' }, crf: text, iris: { type: 'boolean' }, fps: { ...text, default: '25' }, fit: { type: 'boolean' }, markers: { type: 'boolean' } },
+  options: { sentences: { ...text, default: '0,1,2,3' }, lines: { ...text, default: '1080' }, crf: text, iris: { type: 'boolean' }, fps: { ...text, default: '25' }, points: { ...text, default: '4' }, fit: { type: 'boolean' }, fitted: { ...text, default: '2' }, markers: { type: 'boolean' } },
 });
 const [fps, lines, marked] = [Number(wanted.fps), Number(wanted.lines), wanted.markers];
-const folder = path.join(root, 'build/seen-lips', `${name}-${fps}${marked ? '-markers' : ''}`);
+const folder = path.join(root, 'build/seen-lips', `${name}-${fps}${marked ? '-markers' : wanted.points === '4' ? '' : `-${wanted.points}`}`);
 const models = path.join(folder, 'models');
 const faccia = path.join(root, 'build/server/app/faccia');
 const env = { ...process.env, FACCIA_MODELS: models };
-const SENTENCES = ['La barca scivola sul mare.', 'Una nuvola bianca passa piano.', 'Due gatti dormono sopra la sedia.', 'Sul prato fiorisce una rosa.'];
-const FITTED = 2; // the first of them; the others are to be foretold
+const SENTENCES = ['La barca scivola sul mare.', 'Una nuvola bianca passa piano.', 'Due gatti dormono sopra la sedia.', 'Sul prato fiorisce una rosa.', 'Mio padre beve il vino.', 'La pioggia batte sui vetri.',
+  'Domani vado a Bologna.', 'Che bella giornata di maggio!', 'Il fiume scorre sotto il ponte.', 'Vorrei una tazza di latte.', 'Le mele cadono dagli alberi.', 'Papà compra pane e burro.'];
+const FITTED = Number(wanted.fitted); // the first of them; the others are to be foretold
 const IRIS = 10.9; // mm: our heads'
 const REST = 0.3; // s before and behind, in which the mouth is still
 
@@ -126,7 +127,7 @@ if (!marked && missing.length) {
   const browser = await launch({ idling: true });
   const page = await headPage(browser);
   await page.load('head', JSON.parse(fs.readFileSync(path.join(root, `build/models/heads/${name}.json`), 'utf8')));
-  for (const { n, frames } of missing) await shoot(page, 'head', frames, path.join(folder, `film${n}`));
+  for (const { n, frames } of missing) await shoot(page, 'head', frames, path.join(folder, `film${n}`), Number(wanted.points));
   await browser.close();
 }
 for (const take of takes) {

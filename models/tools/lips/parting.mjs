@@ -12,7 +12,7 @@ export const hangOf = (fullness) => HANGS * fullness;
 /**
  * @param {Float64Array} q of UNKNOWNS, as lay.mjs has them @param {number} hang of hangOf @param {(rises: number, falls: number) => object} look where the
  *   ends are, by where they are expected
- * @returns {number[]} q with what was seen
+ * @returns {{q: number[], rises: number|null, falls: number|null}} q with what was seen; where the ends were
  */
 export function parted(q, hang, look) {
   const [LI, LS, , , PS] = q;
@@ -21,5 +21,5 @@ export function parted(q, hang, look) {
   const out = [...q];
   if (rises !== null) out[1] = rises + hangs;
   if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls;
-  return out;
+  return { q: out, rises, falls };
 }

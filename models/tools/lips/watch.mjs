@@ -121,8 +121,8 @@ class Watcher {
     }
     this.#now = found;
     if (!found) return null;
-    const q = parted(found.q, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
-    return { values: q.slice(0, PARAMETERS.length), confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
+    const { q, rises, falls } = parted(found.q, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
+    return { values: q.slice(0, PARAMETERS.length), own: found.q.slice(0, PARAMETERS.length), rises, falls, confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
   }
 }
 
@@ -148,7 +148,7 @@ export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like
     const aside = seen?.sideways > SIDEWAYS;
     if (aside) turned++;
     if (!seen) without.set(why, [...(without.get(why) ?? []), rows.length + 1]);
-    rows.push({ time: rows.length / fps, values: seen && seen.values.map((x) => x * scale), confidence: seen ? Math.max(0, seen.confidence) / (aside ? 2 : 1) : 0 });
+    rows.push({ time: rows.length / fps, values: seen && seen.values.map((x) => x * scale), confidence: seen ? Math.max(0, seen.confidence) / (aside ? 2 : 1) : 0, debug: seen && [seen.rises, seen.falls, ...seen.own] });
     tell(rows.length, count);
   }
   const notes = [...without].map(([why, list]) => `${list.length} frames without (from frame ${list[0]}): ${why}`);
