@@ -95,13 +95,16 @@ int measured_speech_subtract_rest(struct measured_speech *r, const struct speech
     if (r->phone_count < 3 || r->phones[0].ipa[0] || last_phone(r)->ipa[0])
         return error_set(e, ERROR_BAD_CURVES,
                          "must begin and end with a pause, so that the mouth can be seen at rest");
-    double start = r->phones[0].start, end = last_phone(r)->end;
-    if (r->frame_count < LEAST_FRAMES || r->times[0] > start + SHORT_CURVES ||
-        r->times[r->frame_count - 1] < end - SHORT_CURVES)
-        return error_set(e, ERROR_BAD_CURVES, "the curves do not cover the phones, %.3f to %.3f s", start,
-                         end);
-    /* A third of a pause that is too short for the mouth to come to rest is better than nothing. */
+    /* The pauses may be longer than the curves, which must show some of both. */
     double first_end = r->phones[0].end, last_start = last_phone(r)->start;
+    if (r->frame_count < LEAST_FRAMES || r->times[0] >= first_end ||
+        r->times[r->frame_count - 1] <= last_start)
+        return error_set(e, ERROR_BAD_CURVES,
+                         "the curves do not cover the phones with some of the pauses, %.3f to %.3f s",
+                         first_end, last_start);
+    double start = fmax(r->phones[0].start, r->times[0]),
+           end = fmin(last_phone(r)->end, r->times[r->frame_count - 1]);
+    /* A third of a pause that is too short for the mouth to come to rest is better than nothing. */
     double until = fmax(start + (first_end - start) / 3, first_end - rest->leave),
            since = fmin(end - (end - last_start) / 3, last_start + rest->reach);
     for (int p = 0; p < PARAM_COUNT; p++) {

@@ -42,7 +42,7 @@ int measured_speech_check(const struct measured_speech *r, struct error *e);
 
 /* Makes the curves relative to rest: the mean over those parts of the first and the last pause in which the
  * mouth rests. -1 (code "bad-curves") when it does not begin and end with a pause, or the curves do not
- * cover the phones. */
+ * cover what is spoken and some of both pauses. */
 int measured_speech_subtract_rest(struct measured_speech *r, const struct speech_rest *rest, struct error *e);
 
 /* Recordings of the same phones at about the same rate (RECORDING_SAME_RATE) become one, in the order of

@@ -91,7 +91,7 @@ test('what was not seen does not count, whatever stands there: by the frame, and
     const file = path.join(folder, `${name}.csv`);
     fs.writeFileSync(file, `${heading}\n${lines.map((line) => row(...line).join(',')).join('\n')}\n`);
     fs.copyFileSync(path.join(folder, 'seen.phones.csv'), path.join(folder, `${name}.phones.csv`));
-    return faccia(['fit', '--strength', '1', '--first', '1', '--then', '2', '--rest', file]);
+    return faccia(['fit', '--strength', '1', '--first', '1', '--then', '1', '--rest', file]);
   };
   const pack = (...args) => {
     const { status, stdout, stderr } = fit(...args);
@@ -110,7 +110,7 @@ test('what was not seen does not count, whatever stands there: by the frame, and
   assert.ok(!/^EM:/m.test(never.stderr), 'what is never seen is not fitted');
   const wrong = fit('unseen', 'time,LI,EM,EM_confidence', (t, li, em) => [t, li, em, 'sure']);
   assert.equal(wrong.status, 1);
-  assert.match(wrong.stderr, /unseen\.csv:2:1: EM_confidence: 'sure' is not a number|line 2.*EM_confidence/);
+  assert.match(wrong.stderr, /unseen\.csv: 2:1: EM_confidence: 'sure' is not a number/);
 });
 
 test('curves and phones in every form that is read, in one command: the same pack', () => {
