@@ -78,6 +78,8 @@ export const strangeCases = (whole) => ({
   'looks back': { bytes: () => strange(whole, { above: [{ rotation: [0, 1, 0, 0] }], rename: arkit((name) => name) }) },
   'looks back, with eyes': { bytes: () => strange(whole, { bones: skeleton(), above: [{ rotation: [0, 1, 0, 0] }], rename: arkit((name) => name) }) },
   'looks aside': { bytes: () => strange(whole, { turn: ([x, y, z]) => [z, y, -x], rename: arkit((name) => name) }) },
+  'looks half aside': { bytes: () => strange(whole, { above: [{ rotation: [0, Math.sin(0.25), 0, Math.cos(0.25)] }], rename: arkit((name) => name) }) },
+  'half aside, with eyes': { bytes: () => strange(whole, { bones: skeleton(), above: [{ rotation: [0, Math.sin(-0.4), 0, Math.cos(-0.4)] }], rename: arkit((name) => name) }) },
   giant: { bytes: () => strange(whole, { turn: (p) => p.map((x) => 5000 * x), rename: arkit((name) => name) }) },
   dwarf: { bytes: () => strange(whole, { turn: (p) => p.map((x) => x / 5000), rename: arkit((name) => name) }) },
   sparse: { bytes: () => strange(whole, { store: 'sparse', rename: arkit((name) => name) }) },

@@ -54,7 +54,7 @@ export class AvatarHead {
     this.model = {
       fapu: found.fapu,
       fdp: { 2.1: rest.chin, 2.2: rest.upper, 2.3: rest.lower, 2.4: rest.cornerL, 2.5: rest.cornerR },
-      view: viewOf(rest),
+      view: viewOf(rest, found.fapu.ES),
     };
     this.setFaps(faceValues({}));
   }
@@ -140,8 +140,8 @@ function lamp([colour, strength, place]) {
   return light;
 }
 
-/** The portrait: as wide as a face is high, whatever its make. */
-function viewOf({ chin, upper }) {
-  const size = Math.max(0.7, -upper[1] / 62);
+/** The portrait: as wide as a face is high, whatever its make; farther away where eyes are as far apart as drawn people's. */
+function viewOf({ chin, upper }, eyes) {
+  const size = Math.max(0.7, -upper[1] / 62, eyes / 64);
   return { target: [0, -22 * size, 0], distance: Math.max(620 * size, -chin[1] * 5.6), fov: 26 };
 }

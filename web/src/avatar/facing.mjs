@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: MIT
-// Where an avatar's face is: which way is up, and which way it looks, in quarters of a turn. glTF has y up and z forward, VRM 0 looks
+// Where an avatar's face is: which way is up, and which way it looks. glTF has y up and z forward, VRM 0 looks
 // back, and files are as they are. Its own shapes say it: what opens a mouth goes down, and lies before the middle of the head.
 import { OPENERS } from './controls.mjs';
 
 const DOWN = 1.5; // times as far as along any other axis
 const BEFORE = 0.1; // of the width of what moves
+const ASIDE = Math.cos(0.1); // by less than 6 degrees sides may be unlike each other: the axis itself is meant
 const [X, Y, Z] = [0, 1, 2];
 
 /** @typedef {{left: number[], up: number[], front: number[]}} Facing axes of the face, in the world's */
@@ -32,7 +33,10 @@ function middleOf(position, vertices, weightOf = () => 1) {
   return all > 0 ? sum.map((value) => value / all) : null;
 }
 
-const lengths = ({ deltas }) => Float64Array.from({ length: deltas.length / 3 }, (_, i) => Math.hypot(deltas[3 * i], deltas[3 * i + 1], deltas[3 * i + 2]));
+const lengths = ({ deltas }) => {
+  const far = (i) => Math.hypot(deltas[i], deltas[i + 1], deltas[i + 2]);
+  return Float64Array.from({ length: deltas.length / 3 }, (_, i) => far(3 * i));
+};
 
 /** From the right side's shapes to the left side's, as they are called. @returns {number[]} 0 where there are none */
 function sidesOf({ position, fields }) {
@@ -47,8 +51,10 @@ function sidesOf({ position, fields }) {
 }
 
 /**
- * @param {import('./rig.mjs').Rig} rig in the world @param {{leftEye?: number[], rightEye?: number[]}} bones places in the world
- * @param {{usual: number[], jaw: boolean}} told usual: where such files look; jaw: what opens the mouth is a bone, whose turn says nothing
+ * @param {import('./rig.mjs').Rig} rig in the world
+ * @param {{leftEye?: number[], rightEye?: number[]}} bones places in the world
+ * @param {{usual: number[], jaw: boolean}} told usual: where such files look; jaw: what opens the mouth is a bone, whose turn
+ *   says nothing
  * @returns {Facing & {swapped: boolean}} swapped: what is called left lies on the right
  */
 export function facingOf(rig, bones, { usual, jaw }) {
@@ -68,10 +74,15 @@ export function facingOf(rig, bones, { usual, jaw }) {
     }
     seen = before(position, opener.vertices, far, up);
   }
-  const left = [eyes, called].map((one) => less(one, up.map((value) => value * dot(one, up)))).find((one) => Math.hypot(...one) > 0);
-  const front = seen ?? (left ? axisOf(cross(left, up)) : usual);
-  const own = cross(up, front);
-  return { left: own, up, front, swapped: dot(Math.hypot(...eyes) ? eyes : called, own) < 0 };
+  const flat = (one) => less(one, up.map((value) => value * dot(one, up)));
+  const level = [eyes, called].map(flat).find((one) => Math.hypot(...one) > 0);
+  const front = seen ?? (level ? axisOf(cross(level, up)) : usual);
+  const left = cross(up, front);
+  if (!level) return { left, up, front, swapped: false };
+  const swapped = dot(level, left) < 0;
+  const exact = level.map((value) => ((swapped ? -1 : 1) * value) / Math.hypot(...level));
+  const turned = dot(exact, left) < ASIDE && dot(exact, left) > 0.5;
+  return turned ? { left: exact, up, front: cross(exact, up), swapped } : { left, up, front, swapped };
 }
 
 /** From the middle of the head to what the mouth moves, level. @returns {number[]|null} null: it says nothing */
@@ -81,7 +92,8 @@ function before(position, vertices, far, up) {
   if (!centre) return null;
   const level = (p) => less(p, up.map((value) => value * dot(p, up)));
   const place = (v) => less([position[3 * v], position[3 * v + 1], position[3 * v + 2]], centre);
-  const size = vertices.reduce((best, v, i) => (far[i] >= 0.3 * most ? Math.max(best, Math.hypot(...level(place(v)))) : best), 0);
+  const wide = (v, i) => (far[i] >= 0.3 * most ? Math.hypot(...level(place(v))) : 0);
+  const size = vertices.reduce((best, v, i) => Math.max(best, wide(v, i)), 0);
   const sum = [0, 0, 0];
   let count = 0;
   for (let v = 0; v < position.length / 3; v++) {

@@ -61,11 +61,12 @@ export function joinGlb({ json, binary }) {
   return bytes.buffer;
 }
 
-/** Names of targets where GLTFLoader looks for them; some write them beside each primitive, or call the targets' own numbers so. */
+/** Names of targets where GLTFLoader looks for them; some write them beside each primitive, or at the targets' own numbers. */
 function named(mesh, accessors) {
   const [first] = mesh.primitives;
   const count = first.targets?.length ?? 0;
-  const told = [mesh.extras?.targetNames, first.extras?.targetNames].find(Array.isArray) ?? first.targets?.map(({ POSITION }) => accessors[POSITION]?.name);
+  const lists = [mesh.extras?.targetNames, first.extras?.targetNames];
+  const told = lists.find(Array.isArray) ?? first.targets?.map(({ POSITION }) => accessors[POSITION]?.name);
   if (!count || !told?.some((name) => typeof name === 'string')) return mesh;
   const names = Array.from({ length: count }, (_, i) => (typeof told[i] === 'string' && told[i] ? told[i] : String(i)));
   const extras = { ...mesh.extras, targetNames: names.map((name, i) => (names.indexOf(name) === i ? name : String(i))) };

@@ -48,13 +48,15 @@ const HALVED = new Map([
 ]);
 for (const stem of ['jaw', 'mouth']) for (const [letter, side] of Object.entries(SIDES)) WHOLE.set(stem + letter, stem + side);
 for (const stem of HALVED.keys())
-  for (const [letter, side] of Object.entries(SIDES)) for (const end of [letter, side.toLowerCase()]) WHOLE.set(stem + end, HALVED.get(stem)(side));
+  for (const [letter, side] of Object.entries(SIDES))
+    for (const end of [letter, side.toLowerCase()]) WHOLE.set(stem + end, HALVED.get(stem)(side));
 
 /** Words that say what a face does: what is beside a name and has one of them is another shape, or several at once. */
 const TELLING = new Set([...WHOLE.values()].flatMap(wordsOf).filter((word) => !['viseme', 'v', 'e', 'i', 'o', 'u', 'aa'].includes(word)));
 const PARTS = new Set(['mouth', 'jaw', 'eye', 'brow', 'cheek', 'nose', 'tongue']); // of a mesh, before the name
 /** What may stand behind a name: anything else makes it one of a series, a correction, or a mix. */
-const BEHIND = /^(\d+|h|m|mesh|geo|geometry|shape|blendshape|bs|morph|target|key|ctrl|head|face|body|teeth|lashes|eyelashes|primitive|obj|object)$/;
+const BEHIND =
+  /^(\d+|h|m|mesh|geo|geometry|shape|blendshape|bs|morph|target|key|ctrl|head|face|body|teeth|lashes|eyelashes|obj|object)$/;
 
 /** How a name was understood, and by how many words that say nothing. @typedef {{shape: string, extra: number}} Read */
 
@@ -92,7 +94,10 @@ const LETTERS = { a: 'aa', i: 'ih', u: 'ou', e: 'ee', o: 'oh' };
 const PLAIN = new Map([...VISEMES.map((name) => [keyOf(name.slice(7)), name]), ...OPEN.map(([open, own]) => [open, `viseme_${own}`])]);
 const ENOUGH = 6; // consonants, so that names which end like visemes are taken for some
 
-/** Names that are alike but for their last word, numbers apart. @returns {Map<string, Map<string, string>>} by what is alike: name by last word */
+/**
+ * Names that are alike but for their last word, numbers apart.
+ * @returns {Map<string, Map<string, string>>} by what is alike: name by last word
+ */
 function rowsOf(names) {
   const rows = new Map();
   for (const name of names) {
@@ -109,7 +114,8 @@ export function rowShapes(names) {
   const rows = [...rowsOf(names).values()];
   for (const row of rows) {
     const found = [...row].filter(([word]) => PLAIN.has(word)).map(([word, name]) => [name, PLAIN.get(word)]);
-    if (found.filter(([, shape]) => CONSONANTS.includes(shape.slice(7))).length >= ENOUGH) for (const [name, shape] of found) out.set(name, shape);
+    const consonants = found.filter(([, shape]) => CONSONANTS.includes(shape.slice(7)));
+    if (consonants.length >= ENOUGH) for (const [name, shape] of found) out.set(name, shape);
   }
   for (const row of rows)
     for (const vowels of [Object.entries(LETTERS), Object.values(LETTERS).map((word) => [word, word])]) {
@@ -130,7 +136,8 @@ export function shapesAmong(names, rows) {
     if (one) plainest.set(one.shape, Math.min(one.extra, plainest.get(one.shape) ?? Infinity));
     return one ? [[name, one]] : [];
   });
-  return new Map(understood.filter(([, { shape, extra }]) => extra === plainest.get(shape)).map(([name, { shape }]) => [name, shape]));
+  const kept = understood.filter(([, { shape, extra }]) => extra === plainest.get(shape));
+  return new Map(kept.map(([name, { shape }]) => [name, shape]));
 }
 
 /** What VRM's expressions are called, in 1.0 and in 0. */

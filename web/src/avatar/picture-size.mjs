@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: MIT
 // How large a picture is, by its first bytes: one that is small as a file may be gigabytes when it is unpacked.
 
-/** @param {Uint8Array} bytes of a PNG, JPEG, WebP, AVIF or KTX2 @returns {[number, number]|null} null: it is none of these, or says nothing */
+/**
+ * @param {Uint8Array} bytes of a PNG, JPEG, WebP, AVIF or KTX2
+ * @returns {[number, number]|null} null: it is none of these, or says nothing
+ */
 export function pictureSize(bytes) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const text = (at, length) => String.fromCharCode(...bytes.subarray(at, at + length));

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
-// That what a GLB says of itself holds together, before anything is made of it: every number that names something names what is there, what is
-// read lies in its bytes, and all of it together is no more than a head can be.
+// That what a GLB says of itself holds together, before anything is made of it: every number that names something names
+// what is there, what is read lies in its bytes, and all of it together is no more than a head can be.
 import { AvatarProblem } from './problem.mjs';
 
 const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
@@ -41,8 +41,9 @@ export function checkReferences(json) {
       const { byteLength: all } = need('buffers', buffer, `${place}.buffer`);
       if (!isWhole(byteOffset) || !isWhole(byteLength) || byteOffset + byteLength > all) throw damaged(place, `goes beyond the ${all} bytes of buffers[${buffer}]`);
     }
-    if (packed && !(isWhole(packed.count) && isWhole(packed.byteStride) && packed.count * packed.byteStride === view.byteLength))
-      throw damaged(`bufferViews[${i}]`, `${packed.count} elements of ${packed.byteStride} bytes are not its ${view.byteLength} bytes`);
+    const { count, byteStride } = packed ?? {};
+    if (packed && !(isWhole(count) && isWhole(byteStride) && count * byteStride === view.byteLength))
+      throw damaged(`bufferViews[${i}]`, `${count} elements of ${byteStride} bytes are not its ${view.byteLength} bytes`);
     if (packed && view.byteLength > 4 * MOST_NUMBERS) throw tooLarge(`bufferViews[${i}]`, `has ${view.byteLength} bytes when it is unpacked`);
   });
 

@@ -7,7 +7,8 @@ const damaged = (mesh, what) => new AvatarProblem('damaged', `mesh "${mesh.name}
 /** The largest of an attribute's numbers. */
 function largest(attribute) {
   let most = -1;
-  for (let i = 0; i < attribute.count; i++) for (let k = 0; k < attribute.itemSize; k++) most = Math.max(most, attribute.getComponent(i, k));
+  for (let i = 0; i < attribute.count; i++)
+    for (let k = 0; k < attribute.itemSize; k++) most = Math.max(most, attribute.getComponent(i, k));
   return most;
 }
 
@@ -26,7 +27,8 @@ function finite(attribute) {
 }
 
 /**
- * Refuses triangles and bones that are not there; takes what is not a number for nothing: shifts of a target, and triangles of such places.
+ * Refuses triangles and bones that are not there; takes what is not a number for nothing: shifts of a target, and triangles
+ * of such places.
  * @param {import('three').Mesh[]} meshes @throws {AvatarProblem}
  */
 export function tidy(meshes) {
@@ -42,7 +44,8 @@ export function tidy(meshes) {
     if (!bad.size) continue;
     const corners = geometry.index ? Array.from(geometry.index.array) : Array.from({ length: position.count }, (_, v) => v);
     const kept = [];
-    for (let i = 0; i + 2 < corners.length; i += 3) if (![0, 1, 2].some((k) => bad.has(corners[i + k]))) kept.push(...corners.slice(i, i + 3));
+    for (let i = 0; i + 2 < corners.length; i += 3)
+      if (![0, 1, 2].some((k) => bad.has(corners[i + k]))) kept.push(...corners.slice(i, i + 3));
     geometry.setIndex(kept);
   }
 }
