@@ -13,18 +13,54 @@ static const char *const phone_columns[] = {"start", "end",     "ipa",   "phone"
 enum { START, END, NAME, NAMES_END = 8 };
 /* After the parameters, markers in mm: _x forward, _z up. The body of the tongue is rather where the rear one
  * is (with two speakers the packs' TB correlates by .75 with tr and by .54 with tb). */
-static const char *const curve_columns[] = {"time", "t",     "LI",   "LS",   "AR",   "PI",   "PS",
-                                            "EM",   "TH",    "TA",   "TB",   "ll_z", "ul_z", "ll_x",
-                                            "ul_x", "jaw_z", "tt_z", "tt_x", "tb_z", "tr_z", NULL};
+static const char *const curve_columns[] = {"time",
+                                            "t",
+                                            "LI",
+                                            "LS",
+                                            "AR",
+                                            "PI",
+                                            "PS",
+                                            "EM",
+                                            "TH",
+                                            "TA",
+                                            "TB",
+                                            "ll_z",
+                                            "ul_z",
+                                            "ll_x",
+                                            "ul_x",
+                                            "jaw_z",
+                                            "tt_z",
+                                            "tt_x",
+                                            "tb_z",
+                                            "tr_z",
+                                            "confidence",
+                                            "LI_confidence",
+                                            "LS_confidence",
+                                            "AR_confidence",
+                                            "PI_confidence",
+                                            "PS_confidence",
+                                            "EM_confidence",
+                                            "TH_confidence",
+                                            "TA_confidence",
+                                            "TB_confidence",
+                                            NULL};
 enum { TIME, T, PARAMETERS, MARKERS = PARAMETERS + PARAM_COUNT };
 static const struct {
     enum speech_param param;
     double sign;
 } markers[] = {{PARAM_LI, -1}, {PARAM_LS, 1}, {PARAM_PI, 1}, {PARAM_PS, 1}, {PARAM_EM, -1},
                {PARAM_TH, 1},  {PARAM_TA, 1}, {PARAM_TB, 1}, {PARAM_TB, 1}};
-enum { MARKER_COUNT = sizeof markers / sizeof *markers, MAX_WANTED = 24, NO_COLUMN = 1 << 20 };
-_Static_assert(sizeof curve_columns / sizeof *curve_columns == MARKERS + MARKER_COUNT + 1,
-               "the columns are the time, the parameters and the markers");
+enum {
+    MARKER_COUNT = sizeof markers / sizeof *markers,
+    CONFIDENCE = MARKERS + MARKER_COUNT, /* of the frame; behind it of each parameter */
+    MAX_WANTED = 32,
+    NO_COLUMN = 1 << 20
+};
+/* What is believed less was not seen. */
+#define LEAST_CONFIDENCE 0.25
+_Static_assert(sizeof curve_columns / sizeof *curve_columns == CONFIDENCE + 1 + PARAM_COUNT + 1,
+               "the columns are the time, the parameters, the markers and what is to be believed of them");
+_Static_assert(CONFIDENCE + 1 + PARAM_COUNT < MAX_WANTED, "a line has room for all columns");
 
 /* A table, line by line. */
 struct table {
@@ -141,8 +177,29 @@ static size_t find_sources(const struct table *t, size_t source[PARAM_COUNT], do
     return found;
 }
 
+/* The column that says how much is to be believed of each parameter: its own, or that of the frame. */
+static void find_confidences(const struct table *t, size_t of[PARAM_COUNT]) {
+    for (size_t p = 0; p < PARAM_COUNT; p++)
+        of[p] = t->column[CONFIDENCE + 1 + p] != NO_COLUMN ? CONFIDENCE + 1 + p : CONFIDENCE;
+}
+
+/* Of frame n, which has been read. */
+static int read_confidences(struct table *t, struct measured_speech *r, const size_t of[PARAM_COUNT],
+                            size_t n) {
+    for (size_t p = 0; p < PARAM_COUNT; p++) {
+        double confidence;
+        if (!r->unseen[p])
+            continue;
+        if (table_real(t, of[p], &confidence))
+            return -1;
+        r->unseen[p][n] = confidence < LEAST_CONFIDENCE;
+    }
+    return 0;
+}
+
 static int read_frames(struct table *t, struct measured_speech *r) {
-    size_t capacity = 0, source[PARAM_COUNT], time = t->column[TIME] == NO_COLUMN ? T : TIME;
+    size_t capacity = 0, sure[PARAM_COUNT], source[PARAM_COUNT],
+           time = t->column[TIME] == NO_COLUMN ? T : TIME;
     double sign[PARAM_COUNT];
     if (needs(t, time))
         return -1;
@@ -151,14 +208,18 @@ static int read_frames(struct table *t, struct measured_speech *r) {
             t->error, ERROR_BAD_CURVES, t->number, 1,
             "no column is named LI, LS, AR, PI, PS, EM, TH, TA, TB or like a marker (ll_z, ul_z, "
             "ll_x, ul_x, jaw_z, tt_z, tt_x, tb_z, tr_z)");
+    find_confidences(t, sure);
     while (table_next(t)) {
         size_t n = r->frame_count;
         if (n == capacity) {
             capacity = 2 * capacity + 256;
             r->times = mem_resize(r->times, capacity * sizeof(double));
             for (int p = 0; p < PARAM_COUNT; p++)
-                if (t->column[source[p]] != NO_COLUMN)
+                if (t->column[source[p]] != NO_COLUMN) {
                     r->curves[p] = mem_resize(r->curves[p], capacity * sizeof(double));
+                    if (t->column[sure[p]] != NO_COLUMN)
+                        r->unseen[p] = mem_resize(r->unseen[p], capacity * sizeof(bool));
+                }
         }
         if (table_real(t, time, &r->times[n]))
             return -1;
@@ -171,6 +232,8 @@ static int read_frames(struct table *t, struct measured_speech *r) {
                 return -1;
             r->curves[p][n] *= sign[p];
         }
+        if (read_confidences(t, r, sure, n))
+            return -1;
         r->frame_count++;
     }
     return r->frame_count ? 0

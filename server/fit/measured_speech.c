@@ -18,8 +18,10 @@ enum { LEAST_FRAMES = 3 };
 void measured_speech_free(struct measured_speech *r) {
     free(r->phones);
     free(r->times);
-    for (int p = 0; p < PARAM_COUNT; p++)
+    for (int p = 0; p < PARAM_COUNT; p++) {
         free(r->curves[p]);
+        free(r->unseen[p]);
+    }
     *r = (struct measured_speech){0};
 }
 
@@ -93,13 +95,16 @@ int measured_speech_subtract_rest(struct measured_speech *r, const struct speech
     if (r->phone_count < 3 || r->phones[0].ipa[0] || last_phone(r)->ipa[0])
         return error_set(e, ERROR_BAD_CURVES,
                          "must begin and end with a pause, so that the mouth can be seen at rest");
-    double start = r->phones[0].start, end = last_phone(r)->end;
-    if (r->frame_count < LEAST_FRAMES || r->times[0] > start + SHORT_CURVES ||
-        r->times[r->frame_count - 1] < end - SHORT_CURVES)
-        return error_set(e, ERROR_BAD_CURVES, "the curves do not cover the phones, %.3f to %.3f s", start,
-                         end);
-    /* A third of a pause that is too short for the mouth to come to rest is better than nothing. */
+    /* The pauses may be longer than the curves, which must show some of both. */
     double first_end = r->phones[0].end, last_start = last_phone(r)->start;
+    if (r->frame_count < LEAST_FRAMES || r->times[0] >= first_end ||
+        r->times[r->frame_count - 1] <= last_start)
+        return error_set(e, ERROR_BAD_CURVES,
+                         "the curves do not cover the phones with some of the pauses, %.3f to %.3f s",
+                         first_end, last_start);
+    double start = fmax(r->phones[0].start, r->times[0]),
+           end = fmin(last_phone(r)->end, r->times[r->frame_count - 1]);
+    /* A third of a pause that is too short for the mouth to come to rest is better than nothing. */
     double until = fmax(start + (first_end - start) / 3, first_end - rest->leave),
            since = fmin(end - (end - last_start) / 3, last_start + rest->reach);
     for (int p = 0; p < PARAM_COUNT; p++) {
@@ -166,6 +171,21 @@ static void add_curve(struct measured_speech *mean, const struct measured_speech
     gsl_interp_free(spline);
 }
 
+/* The frames in which r does not count, in the mean's time: by the nearer of r's. */
+static void add_unseen(struct measured_speech *mean, const struct measured_speech *r, int p) {
+    size_t k = 0;
+    if (!r->unseen[p])
+        return;
+    if (!mean->unseen[p])
+        mean->unseen[p] = mem_alloc((mean->frame_count + 1) * sizeof(bool));
+    for (size_t i = 0; i < mean->frame_count; i++) {
+        double t = warp(mean, r, mean->times[i]);
+        while (k + 1 < r->frame_count && fabs(r->times[k + 1] - t) <= fabs(r->times[k] - t))
+            k++;
+        mean->unseen[p][i] = mean->unseen[p][i] || r->unseen[p][k];
+    }
+}
+
 static void average(const struct measured_speech *const *same, size_t count, struct measured_speech *out) {
     *out = (struct measured_speech){.repetitions = count};
     average_phones(same, count, out);
@@ -182,6 +202,8 @@ static void average(const struct measured_speech *const *same, size_t count, str
         out->curves[p] = mem_alloc(out->frame_count * sizeof(double));
         for (size_t k = 0; k < count; k++)
             add_curve(out, same[k], p, 1.0 / (double)count);
+        for (size_t k = 0; k < count; k++)
+            add_unseen(out, same[k], p);
     }
 }
 

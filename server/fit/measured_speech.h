@@ -26,6 +26,7 @@ struct measured_speech {
     double *times; /* s, rising strictly */
     size_t frame_count;
     double *curves[PARAM_COUNT]; /* mm at times; NULL = not recorded */
+    bool *unseen[PARAM_COUNT];   /* frames that do not count: a guess; NULL = all count */
     size_t repetitions;          /* that it is the mean of; 1 as recorded */
 };
 
@@ -41,13 +42,14 @@ int measured_speech_check(const struct measured_speech *r, struct error *e);
 
 /* Makes the curves relative to rest: the mean over those parts of the first and the last pause in which the
  * mouth rests. -1 (code "bad-curves") when it does not begin and end with a pause, or the curves do not
- * cover the phones. */
+ * cover what is spoken and some of both pauses. */
 int measured_speech_subtract_rest(struct measured_speech *r, const struct speech_rest *rest, struct error *e);
 
 /* Recordings of the same phones at about the same rate (RECORDING_SAME_RATE) become one, in the order of
  * their first: its phones have their mean lengths, and each repetition's curves, stretched linearly between
  * the boundaries of the phones and resampled by cubic splines, are averaged. A curve is kept when all
- * repetitions have it. All begin at 0 s. Returns a list for measured_speech_free_all. */
+ * repetitions have it, a frame counts when it does in all of them. All begin at 0 s. Returns a list for
+ * measured_speech_free_all. */
 struct measured_speech *measured_speech_average_all(const struct measured_speech *list, size_t count,
                                                     size_t *out_count);
 

@@ -153,7 +153,7 @@ static double amplitude(const struct task *task) {
         targets_curve(task->pack, &t->segments, task->options->function, task->param, &curve);
         for (size_t i = 0; i < t->recording->frame_count; i++) {
             double y = curve_at(&curve, t->recording->times[i], &cursor);
-            if (t->folds[i] == FOLD_NONE)
+            if (!task_tells(task, t, i))
                 continue;
             sum += y;
             squares += y * y;

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Do the lips of a film come back? A head of ours speaks sentences with another's habits (vowels half as wide open again, consonants narrower); pictures
 // of it as the page draws them, swaying, are watched by `faccia head lips`, the curves compared with the FAPs that were played; and with --fit a pack is
-// fitted to two sentences: does it foretell the others, as the film shows them, and as they were played? With --markers eight markers on the face take
+// fitted to some sentences: does it foretell the others, as the film shows them, and as they were played? With --markers eight markers on the face take
 // the place of the film.
-// node tests/bench/seen-lips.mjs [HEAD] [--sentences 0,1,2,3] [--lines 1080|720|480] [--crf N] [--iris] [--fps N] [--fit] [--markers]; pictures are kept in build/seen-lips. Lines are
+// node tests/bench/seen-lips.mjs [HEAD] [--sentences 0,1,2,3] [--lines 1080|720|480] [--crf N] [--iris] [--fps N] [--points 4] [--fit] [--fitted 2] [--markers]; pictures are kept in build/seen-lips. Lines are
 // those of a whole picture that shows 27 cm of height; with --crf they go through x264.
 // The scale is from the distance of the pupils, or with --iris from the iris.
 import { execFileSync, spawnSync } from 'node:child_process';
@@ -22,16 +22,18 @@ const root = fileURLToPath(new URL('../../', import.meta.url));
 const text = { type: 'string' };
 const { values: wanted, positionals: [name = 'samuel'] } = parseArgs({
   allowPositionals: true,
-  options: { sentences: { ...text, default: '0,1,2,3' }, lines: { ...text, default: '1080' }, crf: text, iris: { type: 'boolean' }, fps: { ...text, default: '25' }, fit: { type: 'boolean' }, markers: { type: 'boolean' } },
+  options: { sentences: { ...text, default: '0,1,2,3' }, lines: { ...text, default: '1080' }, crf: text, iris: { type: 'boolean' }, fps: { ...text, default: '25' }, points: { ...text, default: '4' }, fit: { type: 'boolean' }, fitted: { ...text, default: '2' }, markers: { type: 'boolean' } },
 });
 const [fps, lines, marked] = [Number(wanted.fps), Number(wanted.lines), wanted.markers];
-const folder = path.join(root, 'build/seen-lips', `${name}-${fps}${marked ? '-markers' : ''}`);
+const folder = path.join(root, 'build/seen-lips', `${name}-${fps}${marked ? '-markers' : wanted.points === '4' ? '' : `-${wanted.points}`}`);
 const models = path.join(folder, 'models');
 const faccia = path.join(root, 'build/server/app/faccia');
 const env = { ...process.env, FACCIA_MODELS: models };
-const SENTENCES = ['La barca scivola sul mare.', 'Una nuvola bianca passa piano.', 'Due gatti dormono sopra la sedia.', 'Sul prato fiorisce una rosa.'];
-const FITTED = 2; // the first of them; the others are to be foretold
+const SENTENCES = ['La barca scivola sul mare.', 'Una nuvola bianca passa piano.', 'Due gatti dormono sopra la sedia.', 'Sul prato fiorisce una rosa.', 'Mio padre beve il vino.', 'La pioggia batte sui vetri.',
+  'Domani vado a Bologna.', 'Che bella giornata di maggio!', 'Il fiume scorre sotto il ponte.', 'Vorrei una tazza di latte.', 'Le mele cadono dagli alberi.', 'Papà compra pane e burro.'];
+const FITTED = Number(wanted.fitted); // the first of them; the others are to be foretold
 const IRIS = 10.9; // mm: our heads'
+const BELIEVED = 0.25; // as faccia fit has it
 const REST = 0.3; // s before and behind, in which the mouth is still
 
 fs.mkdirSync(models, { recursive: true });
@@ -66,14 +68,16 @@ const told = (head, f) => {
   return [-f[5] * mns, -f[4] * mns, (f[6] + f[7]) * mw, f[16] * mns, f[17] * mns, f[3] * mns];
 };
 
-/** Curves beside what was played: as they are, without their mean, and after the line that fits best. */
+/** Curves beside what was played: as they are, without their mean, and after the line that fits best; and where they say themselves that it is seen. */
 function compare(head, takes) {
   for (const [p, parameter] of PARAMETERS.entries()) {
     const pairs = takes.flatMap(({ csv, frames }) => {
       const [names, ...rows] = fs.readFileSync(csv, 'utf8').trim().split('\n').map((line) => line.split(','));
-      const column = names.indexOf(parameter);
-      return rows.map((row) => [Number(row[column]), told(head, frames[Math.round(row[0] * fps)])[p]]);
+      const [column, sure] = [parameter, `${parameter}_confidence`].map((one) => names.indexOf(one));
+      return rows.map((row) => [Number(row[column]), told(head, frames[Math.round(row[0] * fps)])[p], sure < 0 || row[sure] >= BELIEVED]);
     });
+    const seen = pairs.filter(([, , believed]) => believed).map(([a, b]) => a - b);
+    const rmsSeen = seen.length ? `${Math.sqrt(seen.reduce((sum, x) => sum + x * x, 0) / seen.length).toFixed(2)} mm rms, the median ${seen.map(Math.abs).sort((a, b) => a - b)[seen.length >> 1].toFixed(2)}` : 'none';
     const mean = (of) => pairs.reduce((sum, pair) => sum + of(pair), 0) / pairs.length;
     const [ma, mb] = [mean(([a]) => a), mean(([, b]) => b)];
     const [aa, bb, ab] = [mean(([a]) => (a - ma) ** 2), mean(([, b]) => (b - mb) ** 2), mean(([a, b]) => (a - ma) * (b - mb))];
@@ -81,7 +85,7 @@ function compare(head, takes) {
     const centred = Math.sqrt(Math.max(0, rms * rms - (ma - mb) ** 2));
     const off = pairs.map(([a, b]) => Math.abs(a - b)).sort((a, b) => a - b);
     console.log(`${parameter}: ${rms.toFixed(2)} mm rms of ${Math.sqrt(bb).toFixed(2)}; without its mean ${centred.toFixed(2)}, after the best line ${Math.sqrt(Math.max(0, bb - (ab * ab) / aa)).toFixed(2)} ` +
-      `(slope ${(ab / aa).toFixed(2)}), correlation ${(ab / Math.sqrt(aa * bb)).toFixed(3)}; the median ${off[off.length >> 1].toFixed(2)}, ${Math.round((100 * off.filter((x) => x <= 0.3).length) / off.length)} % within 0.3 mm`);
+      `(slope ${(ab / aa).toFixed(2)}), correlation ${(ab / Math.sqrt(aa * bb)).toFixed(3)}; the median ${off[off.length >> 1].toFixed(2)}, ${Math.round((100 * off.filter((x) => x <= 0.3).length) / off.length)} % within 0.3 mm; where it is seen, ${seen.length} of ${pairs.length}: ${rmsSeen}`);
   }
 }
 
@@ -126,7 +130,7 @@ if (!marked && missing.length) {
   const browser = await launch({ idling: true });
   const page = await headPage(browser);
   await page.load('head', JSON.parse(fs.readFileSync(path.join(root, `build/models/heads/${name}.json`), 'utf8')));
-  for (const { n, frames } of missing) await shoot(page, 'head', frames, path.join(folder, `film${n}`));
+  for (const { n, frames } of missing) await shoot(page, 'head', frames, path.join(folder, `film${n}`), Number(wanted.points));
   await browser.close();
 }
 for (const take of takes) {
@@ -146,7 +150,7 @@ for (const { base, frames } of takes) {
 }
 for (const [what, ending] of wanted.fit || marked ? [['as the film shows them', '.csv'], ['as they were played', '.true.csv']] : []) {
   const tests = takes.slice(FITTED).flatMap(({ base }) => ['--test', `${base}${ending}`]);
-  const { stderr, status } = spawnSync(faccia, ['fit', '--output', path.join(models, 'speech/it-x-fitted.json'), ...tests, ...takes.slice(0, FITTED).map(({ base }) => `${base}.csv`)], { env, encoding: 'utf8' });
+  const { stderr, status } = spawnSync(faccia, ['fit', '--rest', '--own', '--output', path.join(models, 'speech/it-x-fitted.json'), ...tests, ...takes.slice(0, FITTED).map(({ base }) => `${base}.csv`)], { env, encoding: 'utf8' });
   if (status) throw new Error(stderr);
   console.log(`${what}:\n${stderr.split('\n').filter((line) => /test recordings/.test(line)).join('\n')}`);
 }

@@ -84,6 +84,35 @@ test('somebody who speaks as the pack does: nothing is changed, and it is said',
   assert.ok(ratio > 1.25 && ratio < 1.55, `${ratio}`);
 });
 
+test('what was not seen does not count, whatever stands there: by the frame, and by the parameter', () => {
+  const lines = fs.readFileSync(record('seen', SENTENCES[0], 9), 'utf8').trim().split('\n').slice(1).map((line) => line.split(',').map(Number));
+  const middle = (t) => t > 0.5 && t < 0.9;
+  const fit = (name, heading, row) => {
+    const file = path.join(folder, `${name}.csv`);
+    fs.writeFileSync(file, `${heading}\n${lines.map((line) => row(...line).join(',')).join('\n')}\n`);
+    fs.copyFileSync(path.join(folder, 'seen.phones.csv'), path.join(folder, `${name}.phones.csv`));
+    return faccia(['fit', '--strength', '1', '--first', '1', '--then', '1', '--rest', file]);
+  };
+  const pack = (...args) => {
+    const { status, stdout, stderr } = fit(...args);
+    assert.equal(status, 0, stderr);
+    return JSON.parse(stdout).phones;
+  };
+  const spoilt = (t) => (middle(t) ? 8 : 0);
+  const sure = (t) => (middle(t) ? 0.2 : 0.9);
+  const [plain, marked] = [0, 1].map((off) => pack('unseen', 'time,LI,EM,confidence,EM_confidence', (t, li, em) => [t, li, em + off * spoilt(t), 1, sure(t)]));
+  assert.deepEqual(marked, plain, 'of the jaw');
+  const [still, whole] = [0, 1].map((off) => pack('unseen', 'time,LI,EM,confidence', (t, li, em) => [t, li + off * spoilt(t), em + off * spoilt(t), sure(t)]));
+  assert.deepEqual(whole, still, 'of all');
+  assert.notDeepEqual(pack('unseen', 'time,LI,EM', (t, li, em) => [t, li, em + spoilt(t)]), plain, 'and without a confidence it does');
+  const never = fit('unseen', 'time,LI,EM,EM_confidence', (t, li, em) => [t, li, em, 0]);
+  assert.equal(never.status, 0, never.stderr);
+  assert.ok(!/^EM:/m.test(never.stderr), 'what is never seen is not fitted');
+  const wrong = fit('unseen', 'time,LI,EM,EM_confidence', (t, li, em) => [t, li, em, 'sure']);
+  assert.equal(wrong.status, 1);
+  assert.match(wrong.stderr, /unseen\.csv: 2:1: EM_confidence: 'sure' is not a number/);
+});
+
 test('curves and phones in every form that is read, in one command: the same pack', () => {
   const at = (name) => path.join(folder, name);
   const phones = [['', '', 0, 0.2], ['ɑː', 'A:', 0.2, 0.35, 'AA1'], ['p', 'p', 0.35, 0.45, 'P'], ['iː', 'i:', 0.45, 0.6, 'IY0'], ['tʃ', 'tS', 0.6, 0.7, 'CH'], ['', '', 0.7, 0.9]];

@@ -36,10 +36,11 @@ export async function film(head, frames, folder, { height = 360, tell = () => {}
 
 const [LINES, SHOWN, DISTANCE] = [820, 205, 700]; // pixels; mm of height at the face, and how far it is from the camera
 
-/** The same as the page draws it, at 4 pixels a mm. @param {object} page of headPage @param {string} name under which the head was loaded there */
-export async function shoot(page, name, frames, folder) {
+/** The same as the page draws it. @param {object} page of headPage @param {string} name under which the head was loaded there @param {number} [points] a mm */
+export async function shoot(page, name, frames, folder, points = 4) {
   fs.mkdirSync(folder, { recursive: true });
-  const camera = { target: [0, -29, 0], distance: DISTANCE + 60, fov: (360 / Math.PI) * Math.atan(SHOWN / 2 / DISTANCE), width: 660, height: LINES, level: 'high' };
+  const [width, height] = [660, LINES].map((side) => Math.round((side * points) / 4));
+  const camera = { target: [0, -29, 0], distance: DISTANCE + 60, fov: (360 / Math.PI) * Math.atan(SHOWN / 2 / DISTANCE), width, height, level: 'high' };
   for (const [i, faps] of frames.entries()) {
     const file = path.join(folder, `${String(i + 1).padStart(4, '0')}.png`);
     if (fs.existsSync(file)) continue;

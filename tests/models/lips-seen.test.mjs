@@ -51,7 +51,9 @@ test('pictures in a folder: what opens, spreads and is rounded is told, and wher
   assert.ok(Math.abs(spread.LI) < 0.5 && Math.abs(round.LI) < 1.2, JSON.stringify([spread, round]));
   assert.ok(spread.AR > 6.3 && spread.AR < 9, JSON.stringify(spread));
   assert.ok(round.AR < -7 && round.AR > -11 && round.PS > 0.5 && round.PS < 3, JSON.stringify(round));
-  assert.equal(nobody.confidence, 0);
+  assert.deepEqual([nobody.confidence, nobody.LI_confidence, nobody.AR_confidence], [0, 0, 0]);
+  assert.ok(open.LI_confidence > 0.7 && open.EM_confidence > 0.7 && rest.EM_confidence === 0 && round.LI_confidence === 0, 'what a front shows of each');
+  for (const row of [rest, open, round]) assert.deepEqual([row.PI_confidence, row.PS_confidence], [0, 0]);
   assert.ok(Math.min(open.confidence, spread.confidence, rest.confidence) > 0.7);
 });
 

@@ -376,6 +376,36 @@ static void learns_from_one_sentence(void **state) {
     }
 }
 
+/* Pauses may be longer than what was filmed, 25 times a second. */
+static void rests_in_what_is_seen_of_pauses(void **state) {
+    (void)state;
+    static const struct {
+        double from, to;
+        bool enough;
+    } seen[] = {{0, 1.2, true}, {0.12, 0.96, true}, {0.36, 1.2, false}, {0, 0.8, false}};
+    struct recorded_phone phones[] = {{"", 0, 0.3, 0}, {"a", 0.3, 0.9, 0}, {"", 0.9, 1.2, 0}};
+    for (size_t i = 0; i < sizeof seen / sizeof *seen; i++) {
+        struct speech_rest rest = {.reach = 0.1, .leave = 0.1};
+        struct measured_speech r = {.repetitions = 1};
+        struct error e;
+        for (size_t k = 0; k < sizeof phones / sizeof *phones; k++)
+            assert_int_equal(measured_speech_add(&r, &phones[k], &e), 0);
+        r.times = mem_alloc(40 * sizeof(double));
+        r.curves[PARAM_LI] = mem_alloc(40 * sizeof(double));
+        for (double t = seen[i].from; t < seen[i].to - 1e-6; t += 0.04) {
+            r.times[r.frame_count] = t;
+            r.curves[PARAM_LI][r.frame_count++] = t > 0.3 && t < 0.9 ? 9 : 2;
+        }
+        assert_int_equal(measured_speech_subtract_rest(&r, &rest, &e), seen[i].enough ? 0 : -1);
+        if (seen[i].enough) {
+            assert_float_equal(r.curves[PARAM_LI][0], 0, 1e-9);
+            assert_float_equal(r.curves[PARAM_LI][r.frame_count / 2], 7, 1e-9);
+        } else
+            assert_non_null(strstr(e.message, "do not cover the phones"));
+        measured_speech_free(&r);
+    }
+}
+
 static void names_what_is_wrong(void **state) {
     (void)state;
     struct error e;
@@ -393,9 +423,8 @@ static void names_what_is_wrong(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(finds_a_speaker),
-        cmocka_unit_test(writes_a_pack),
-        cmocka_unit_test(learns_from_one_sentence),
+        cmocka_unit_test(finds_a_speaker),          cmocka_unit_test(writes_a_pack),
+        cmocka_unit_test(learns_from_one_sentence), cmocka_unit_test(rests_in_what_is_seen_of_pauses),
         cmocka_unit_test(names_what_is_wrong),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -8,7 +8,7 @@ import { fileURLToPath } from 'node:url';
 import { BoxSquares } from '../../web/src/avatar/box-squares.mjs';
 import { modelOf } from '../../web/src/avatar/avatar.mjs';
 import { readMap } from '../../web/src/avatar/map.mjs';
-import { ARKIT, boneOf, mirrored, plainVisemes, presetOf, shapeOf } from '../../web/src/avatar/names.mjs';
+import { ARKIT, boneOf, mirrored, presetOf, rowShapes, shapeOf, shapesAmong } from '../../web/src/avatar/names.mjs';
 import { faceValues } from '../../web/src/face-mixer.mjs';
 import { partsOf, writeGlb } from '../lib/foreign-avatars.mjs';
 import { violations } from '../lib/schema.mjs';
@@ -27,12 +27,20 @@ test('names as avatars have them', () => {
     jawOpen: 'jawOpen', JawOpen: 'jawOpen', 'blendShape1.jawOpen': 'jawOpen', mouthSmile_L: 'mouthSmileLeft', eyeBlinkRight: 'eyeBlinkRight',
     'Face.eye_blink_right': 'eyeBlinkRight', viseme_PP: 'viseme_PP', 'vrc.v_pp': 'viseme_PP', 'vrc.v_ou': 'viseme_U', viseme_I: 'viseme_I',
     eyesClosed: 'eyeBlink', mouthLeft: 'mouthLeft', mouthOpen: 'mouthOpen', Fcl_MTH_A: null, big_hat: null, E: null, '': null,
+    'Head_blendShape.jawOpen': 'jawOpen', 'h_expressions.JawOpen_h': 'jawOpen', AK_09_EyeBlinkLeft: 'eyeBlinkLeft', Genesis8Female__facs_jnt_JawOpen: 'jawOpen', L_eyeBlink: 'eyeBlinkLeft',
+    Eye_Blink_L: 'eyeBlinkLeft', Left_EyeBlink: 'eyeBlinkLeft', 'vrc.blink_left': 'eyeBlinkLeft', Fcl_EYE_Close_R: 'eyeBlinkRight', Fcl_EYE_Close: 'eyeBlink', Smile_Left: 'mouthSmileLeft',
+    jaw_L: 'jawLeft', browInnerUpRight: 'browInnerUp', teeth_jawOpen: 'jawOpen', mouth_jawOpen: 'jawOpen', 'jawOpen.001': 'jawOpen', あ: 'vowel_aa', まばたき: 'eyeBlink',
+    Fcl_EYE_Joy: null, jawOpen_mouthSmile: null, jawOpen_fix: null, jawOpenLeft: null, mouthOpenWide: null, 'vrc.lowerlid_left': null, eyesLookUp: null, Mouth_Up: null,
   };
   for (const [name, shape] of Object.entries(known)) assert.equal(shapeOf(name), shape, name);
   assert.deepEqual(['a', 'ee', 'Blink_L', 'blinkRight', 'happy', 'JawOpen'].map(presetOf), ['vowel_aa', 'vowel_ee', 'eyeBlinkLeft', 'eyeBlinkRight', null, 'jawOpen']);
-  assert.equal(plainVisemes(['A', 'I', 'U', 'E', 'O', 'aa']).size, 0);
-  assert.equal(plainVisemes(['SIL', 'PP', 'FF', 'TH', 'DD', 'KK', 'CH', 'SS', 'NN', 'RR', 'AA', 'E', 'IH', 'OH', 'OU']).get('OU'), 'viseme_U');
-  const bones = { head: 'head', 'mixamorig:Head': 'head', J_Bip_C_Head: 'head', Jaw: 'jaw', LeftEye: 'leftEye', eye_r: 'rightEye', forehead: null, HeadTop_End: null, jawbreaker: null };
+  assert.equal(rowShapes(['A', 'I', 'U', 'E']).size, 0);
+  assert.deepEqual([...rowShapes(['A', 'I', 'U', 'E', 'O', 'aa']).keys()], ['A', 'I', 'U', 'E', 'O']);
+  assert.equal(rowShapes(['Fcl_MTH_A', 'Fcl_MTH_I', 'Fcl_MTH_U', 'Fcl_MTH_E', 'Fcl_MTH_O', 'Fcl_ALL_A']).get('Fcl_MTH_U'), 'vowel_ou');
+  assert.equal(rowShapes(['SIL', 'PP', 'FF', 'TH', 'DD', 'KK', 'CH', 'SS', 'NN', 'RR', 'AA', 'E', 'IH', 'OH', 'OU']).get('OU'), 'viseme_U');
+  assert.equal(rowShapes(['AA_VI_01_PP', 'AA_VI_02_FF', 'AA_VI_03_TH', 'AA_VI_04_DD', 'AA_VI_05_KK', 'AA_VI_06_CH', 'AA_VI_10_aa']).get('AA_VI_10_aa'), 'viseme_aa');
+  assert.deepEqual([...shapesAmong(['jawOpen', 'a_jawOpen_50', 'x_mouthClose'], new Map())], [['jawOpen', 'jawOpen'], ['x_mouthClose', 'mouthClose']], 'the plainest');
+  const bones = { head: 'head', 'mixamorig:Head': 'head', J_Bip_C_Head: 'head', Jaw: 'jaw', LeftEye: 'leftEye', eye_r: 'rightEye', forehead: null, HeadTop_End: null, jawbreaker: null, mixamorigHead: 'head', CC_Base_JawRoot: 'jaw', CC_Base_L_Eye: 'leftEye', J_Adj_R_FaceEye: 'rightEye', 'DEF-eye.L': 'leftEye', 'Bip01 Head': 'head', chin_bone: 'jaw', Upper_Jaw: null, L_eyelid: null, EyeLash_L: null, Neck02_end: null };
   for (const [name, bone] of Object.entries(bones)) assert.equal(boneOf(name), bone, name);
   assert.deepEqual(['mouthSmileLeft', 'jawOpen', 'viseme_aa'].map(mirrored), ['mouthSmileRight', 'jawOpen', 'viseme_aa']);
 });

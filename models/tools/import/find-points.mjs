@@ -273,7 +273,7 @@ function margins(scene, meshes, skin, { fdp, eyesApart, marks, camera }) {
   const line = lipLine(view, 0, scene.meshes[skin], marks, eyesApart);
   if (line.length) {
     const share = (x) => line[Math.round(x * (line.length - 1))];
-    [own['2.2'], own['2.3']] = [share(0.5).upper, share(0.5).lower];
+    [own['2.2'], own['2.3']] = [share(0.5).upperEnd, share(0.5).lowerEnd];
     for (const [x, upper, lower] of [[0.75, '2.6', '2.8'], [0.25, '2.7', '2.9']]) [own[upper], own[lower]] = [share(x).inUpper, share(x).inLower];
     for (const [x, name] of [[1, '2.4'], [0, '2.5']]) own[name] = share(x).upper.map((value, k) => (value + share(x).lower[k]) / 2);
   } else notes.push('the lips are one surface: the mouth will not open there');

@@ -18,6 +18,7 @@ import { readObj } from './read-obj.mjs';
 import { readPly } from './read-ply.mjs';
 import { readVrml } from './read-vrml.mjs';
 import { faceOutward } from './winding.mjs';
+import { nameTargets } from './target-names.mjs';
 import { actFromTargets, moveOf } from './targets.mjs';
 import { jawPivot, jawTurn, lidsAndEyes, neck, some } from './turns.mjs';
 
@@ -44,7 +45,9 @@ export async function readScene(file) {
   if (size > MOST.bytes) throw new FileError('', `${size} bytes are more than ${MOST.bytes}`);
   try {
     const bytes = fs.readFileSync(file);
-    return await READERS[kind](file, bytes[0] === 0x1f && bytes[1] === 0x8b ? unzipped(bytes) : bytes);
+    const scene = await READERS[kind](file, bytes[0] === 0x1f && bytes[1] === 0x8b ? unzipped(bytes) : bytes);
+    nameTargets(scene);
+    return scene;
   } catch (error) {
     // members of another type than their format has, deep within: the engine says which
     if (error instanceof TypeError || error instanceof RangeError) throw new FileError('', `is not built as .${kind} files are: ${error.message}`);

@@ -44,7 +44,7 @@ function joined({ near, position, index, reach }, from, to) {
 /**
  * The lips' line, column by column. @param {object} view of the skin and what is in the mouth @param {number} skin which of its meshes
  * @param {object} mesh that one @param {number[][]} landmarks on the picture @param {number} apart the eyes' distance in the file's units
- * @returns {{column: number, upper: number[], lower: number[], inUpper: number[], inLower: number[]}[]} on the line, and a little within each lip; from the head's right to its left; none: the lips are one surface
+ * @returns {{column: number, upper: number[], lower: number[], upperEnd: number[], lowerEnd: number[], inUpper: number[], inLower: number[]}[]} on the line, the vertex next to it on each lip, and a little within each lip; from the head's right to its left; none: the lips are one surface
  */
 export function lipLine(view, skin, mesh, landmarks, apart) {
   const skinOf = walker(mesh, WALK * apart);
@@ -61,6 +61,12 @@ export function lipLine(view, skin, mesh, landmarks, apart) {
     const there = view.at(column, row + way * BESIDE);
     return there?.mesh === skin ? there.point : view.at(column, row).point;
   };
+  const corner = ({ triangle, point }) => {
+    const { position, index } = mesh;
+    const corners = [0, 1, 2].map((k) => [0, 1, 2].map((i) => position[3 * index[3 * triangle + k] + i]));
+    const far = (p) => Math.hypot(...p.map((x, k) => x - point[k]));
+    return corners.reduce((best, p) => (far(p) < far(best) ? p : best));
+  };
   const expected = (landmarks[13][1] + landmarks[14][1]) / 2;
   const at = (column) => {
     const [from, to] = rowsOf(column).map(Math.round);
@@ -70,7 +76,7 @@ export function lipLine(view, skin, mesh, landmarks, apart) {
       if (here?.mesh !== skin) continue;
       if (before && before.triangle !== here.triangle && !joined(skinOf, before.triangle, here.triangle)) {
         const off = Math.abs((before.row + row) / 2 - expected) - (row - before.row); // an open mouth is no smaller sign than a line
-        if (!best || off < best.off) best = { off, column, upper: before.point, lower: here.point, inUpper: within(column, before.row, -1), inLower: within(column, row, 1) };
+        if (!best || off < best.off) best = { off, column, upper: before.point, lower: here.point, upperEnd: corner(before), lowerEnd: corner(here), inUpper: within(column, before.row, -1), inLower: within(column, row, 1) };
       }
       before = { ...here, row };
     }

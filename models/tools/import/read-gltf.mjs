@@ -9,6 +9,7 @@ import { pictureAsPng } from './png.mjs';
 import { readPoints } from './points.mjs';
 import { asTriangles, turnedOver } from './corners.mjs';
 import { fromLinear } from './paint.mjs';
+import { targetNamer } from './target-names.mjs';
 import { textOf } from './text.mjs';
 import { apply, linear, matrixOf, mirrors, product } from './matrix.mjs';
 
@@ -39,7 +40,7 @@ function chunksOf(bytes) {
 
 class Gltf {
   constructor(file, json, binary) {
-    Object.assign(this, { file, json, binary, notes: [], views: [], numbers: 0 });
+    Object.assign(this, { file, json, binary, notes: [], views: [], numbers: 0, nameOf: targetNamer(json) });
   }
 
   member(list, i, place) {
@@ -94,8 +95,8 @@ class Gltf {
     return Buffer.from(out.buffer);
   }
 
-  /** @returns {Float64Array|Uint32Array} all numbers of an accessor */
-  accessor(i, width, place, numbers = true) {
+  /** @returns {Float64Array|Uint32Array} all numbers of an accessor; loose: what is not a number is 0, and noted */
+  accessor(i, width, place, numbers = true, loose = false) {
     const accessor = this.member('accessors', i, place);
     const at = `accessors[${i}]`;
     const { count, componentType, type, byteOffset = 0, normalized, sparse } = accessor;
@@ -118,8 +119,11 @@ class Gltf {
       for (let e = 0; e < count; e++) for (let k = 0; k < width; k++) out[e * width + k] = scaled(read[get](byteOffset + stride * e + k * size, true));
     }
     if (sparse) this.overwrite(out, sparse, { at, count, width, size, value, scaled });
-    for (let k = 0; k < out.length; k++) if (!Number.isFinite(out[k])) throw new FileError(at, `element ${Math.floor(k / width)} is not a number`);
-    return out;
+    const wrong = out.findIndex((x) => !Number.isFinite(x));
+    if (wrong < 0) return out;
+    if (!loose) throw new FileError(at, `element ${Math.floor(wrong / width)} is not a number`);
+    this.notes.push(`${at}: element ${Math.floor(wrong / width)} and others are not numbers: they move nothing`);
+    return out.map((x) => (Number.isFinite(x) ? x : 0));
   }
 
   overwrite(out, sparse, { at, count, width, size, value, scaled }) {
@@ -248,13 +252,13 @@ function readPrimitive(gltf, mesh, primitive, at, matrix, look) {
   if (places && places.length !== 2 * count) throw new FileError(`${at}.attributes.${set}`, `must have ${count} elements`);
   const uv = places && (look?.laid.lay(places) ?? places).map((x, i) => (i % 2 ? 1 - x : x));
   const colors = unpacked ? null : colorsOf(gltf, attributes.COLOR_0, count, `${at}.attributes.COLOR_0`, look?.color);
-  const names = mesh.extras?.targetNames ?? primitive.extras?.targetNames ?? [];
+  const names = [mesh.extras?.targetNames, primitive.extras?.targetNames].find(Array.isArray) ?? [];
   const targets = {};
   (primitive.targets ?? []).forEach((target, i) => {
     if (target.POSITION === undefined) return;
-    const deltas = gltf.accessor(target.POSITION, 3, `${at}.targets[${i}].POSITION`);
+    const deltas = gltf.accessor(target.POSITION, 3, `${at}.targets[${i}].POSITION`, true, true);
     if (deltas.length !== raw.length) throw new FileError(`${at}.targets[${i}].POSITION`, `must have ${count} elements`);
-    targets[String(names[i] ?? i)] = linear(matrix, deltas);
+    targets[gltf.nameOf(gltf.json.meshes.indexOf(mesh), i, names[i] === undefined ? undefined : String(names[i]))] = linear(matrix, deltas);
   });
   return { position: apply(matrix, raw), index, uv, colors, targets };
 }

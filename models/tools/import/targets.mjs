@@ -14,14 +14,7 @@ const SIZES = [0.25, 4]; // a shape that is smaller or larger than its definitio
 const ENOUGH = 20; // shapes of ARKit
 const LEAST = 0.012; // mm for a mm of the FAP
 
-const simple = (name) => name.toLowerCase().replace(/^.*\./, '').replace(/[\s_-]/g, '');
-const KNOWN = new Map(Object.entries({ ...ARKIT, ...VISEMES }).map(([name, faps]) => [simple(name), { name, faps }]));
-
-/** A target by its name as tools write it (jawOpen, Jaw_Open, head.eyeBlink_L). */
-export function shapeOf(name) {
-  const plain = simple(name);
-  return KNOWN.get(plain) ?? KNOWN.get(plain.replace(/l$/, 'left')) ?? KNOWN.get(plain.replace(/r$/, 'right')) ?? null;
-}
+const KNOWN = new Map(Object.entries({ ...ARKIT, ...VISEMES }).map(([name, faps]) => [name, { name, faps }])); // as target-names.mjs calls them
 
 /** a x = b for symmetric, positive a; b has `width` columns. In place: b is x. */
 function solve(a, b) {
@@ -62,13 +55,13 @@ function sizeOf(head, skin, faps, deltas, fdp) {
 export function actFromTargets(head, parts) {
   const skin = parts.find(({ name }) => name === 'skin');
   const all = [...new Set(parts.flatMap(({ targets }) => Object.keys(targets)))];
-  const single = all.filter((name) => ARKIT[shapeOf(name)?.name]);
+  const single = all.filter((name) => name in ARKIT);
   const names = single.length >= ENOUGH ? single : all; // visemes say the same once more, of many FAPs at once
 
   const notes = [];
   const rows = [];
   for (const name of names) {
-    const shape = shapeOf(name);
+    const shape = KNOWN.get(name);
     if (!shape || !Object.keys(shape.faps).length || rows.some((row) => row.shape.name === shape.name)) continue;
     const size = skin.targets[name] ? sizeOf(head, skin, shape.faps, skin.targets[name], head.fdp) : 1;
     if (size < SIZES[0] || size > SIZES[1]) notes.push(`target ${name} does not do what its name says: left out`);

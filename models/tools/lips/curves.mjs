@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * Six curves over time: gaps filled, trembling taken out, from rest, written as `faccia fit` reads them. A row is
- * {time, values (six numbers, or null), confidence (0 to 1)}.
+ * {time, values (six numbers, or null), confidence (0 to 1), seen (of pictures: six booleans)}.
  */
 import { PARAMETERS } from './articulation.mjs';
 
@@ -22,7 +22,7 @@ export function filled(rows) {
     if (before && after && after.time - before.time <= LONGEST_GAP)
       for (; i < end; i++) {
         const share = (rows[i].time - before.time) / (after.time - before.time);
-        out.push({ time: rows[i].time, confidence: 0, values: before.values.map((x, p) => x + share * (after.values[p] - x)) });
+        out.push({ ...rows[i], confidence: 0, values: before.values.map((x, p) => x + share * (after.values[p] - x)) });
       }
     else gaps.push([i, end - 1]);
     i = end;
@@ -58,6 +58,10 @@ export function fromRest(rows, [from, to]) {
 
 /** @returns {string} */
 export function toCsv(rows) {
-  const lines = rows.map(({ time, values, confidence }) => [time.toFixed(4), ...values.map((x) => x.toFixed(3)), confidence.toFixed(2)].join(','));
-  return `${['time', ...PARAMETERS, 'confidence'].join(',')}\n${lines.join('\n')}\n`;
+  const each = rows.some(({ seen }) => seen) ? PARAMETERS.map((name) => `${name}_confidence`) : [];
+  const lines = rows.map(({ time, values, confidence, seen }) => {
+    const own = each.map((_, p) => (seen[p] ? confidence : 0));
+    return [time.toFixed(4), ...values.map((x) => x.toFixed(3)), ...[confidence, ...own].map((x) => x.toFixed(2))].join(',');
+  });
+  return `${['time', ...PARAMETERS, 'confidence', ...each].join(',')}\n${lines.join('\n')}\n`;
 }

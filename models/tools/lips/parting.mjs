@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * LI and LS by the lips' ends (edges.mjs). An end goes up and down with its lip, but not only: an upper lip that is pushed comes down over the teeth, the
- * further the fuller it is.
+ * further the fuller it is. How far lips have come forward is never seen from the front, and a jaw not under lips that are closed over it.
  */
 const HANGS = 10.5; // mm for a mm of PS, of a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
+const ROUND = -5; // mm of AR: narrower lips have come forward, and where they end a front does not show
 const OPEN = 0.8; // mm between both ends: under it LI is left to the skin around, which sees lips press
 
 /** How far an upper lip comes down for a mm of PS. @param {number} fullness how high it is, the mouth's width being 1 */
@@ -12,7 +13,7 @@ export const hangOf = (fullness) => HANGS * fullness;
 /**
  * @param {Float64Array} q of UNKNOWNS, as lay.mjs has them @param {number} hang of hangOf @param {(rises: number, falls: number) => object} look where the
  *   ends are, by where they are expected
- * @returns {number[]} q with what was seen
+ * @returns {{q: number[], seen: boolean[]}} q with what was seen; and of LI, LS, AR, PI, PS, EM whether it was
  */
 export function parted(q, hang, look) {
   const [LI, LS, , , PS] = q;
@@ -21,5 +22,7 @@ export function parted(q, hang, look) {
   const out = [...q];
   if (rises !== null) out[1] = rises + hangs;
   if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls;
-  return out;
+  const closed = rises !== null && falls !== null ? rises + falls <= OPEN : LI + LS <= OPEN;
+  const round = out[2] < ROUND;
+  return { q: out, seen: [!round && (closed || falls !== null), !round && rises !== null, true, false, false, !closed] };
 }

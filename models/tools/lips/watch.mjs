@@ -31,6 +31,7 @@ const LOST = 0.6; // of the picture's contrast: what is less like the face is no
 
 const built = fileURLToPath(new URL('../../../build/', import.meta.url));
 const read = (file) => JSON.parse(fs.readFileSync(path.join(built, file), 'utf8'));
+const UNSEEN = PARAMETERS.map(() => false);
 const STILL = new Float64Array(UNKNOWNS.length);
 const turnOf = ({ turn }) => Math.asin(Math.max(-1, Math.min(1, turn[0][2])));
 
@@ -108,7 +109,7 @@ class Watcher {
     return (own / drawn) * (apart(seen, pairs) / apart(this.face, pairs));
   }
 
-  /** @returns {Promise<{values: number[], confidence: number, sideways: number}|null>} */
+  /** @returns {Promise<{values: number[], seen: boolean[], confidence: number, sideways: number}|null>} */
   async watch(picture, tell) {
     let found = this.#now && this.layer.lay(picture, this.look, this.#now);
     if (!found || found.unlike > LOST * this.contrast) {
@@ -121,8 +122,8 @@ class Watcher {
     }
     this.#now = found;
     if (!found) return null;
-    const q = parted(found.q, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
-    return { values: q.slice(0, PARAMETERS.length), confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
+    const { q, seen } = parted(found.q, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
+    return { values: q.slice(0, PARAMETERS.length), seen, confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
   }
 }
 
@@ -130,7 +131,7 @@ class Watcher {
  * @param {() => AsyncIterable<{picture: object, name: string, count?: number}>} pictures from the first on, each time it is called
  * @param {{fps: number, rest: number[], iris?: number, pupils?: number, like?: string, tell?: (done: number, count?: number) => void}} options rest: from, to (s); like: the
  *   head whose lips the person's are taken to move like
- * @returns {Promise<{rows: object[], notes: string[]}>} rows without values where there is no face
+ * @returns {Promise<{rows: object[], notes: string[]}>} rows without values where there is no face; seen: of each parameter whether the picture shows it (parting.mjs)
  */
 export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like = 'mara', tell = () => {} }) {
   const watcher = new Watcher(await openEye(), baseHead(like));
@@ -148,7 +149,7 @@ export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like
     const aside = seen?.sideways > SIDEWAYS;
     if (aside) turned++;
     if (!seen) without.set(why, [...(without.get(why) ?? []), rows.length + 1]);
-    rows.push({ time: rows.length / fps, values: seen && seen.values.map((x) => x * scale), confidence: seen ? Math.max(0, seen.confidence) / (aside ? 2 : 1) : 0 });
+    rows.push({ time: rows.length / fps, values: seen && seen.values.map((x) => x * scale), confidence: seen ? Math.max(0, seen.confidence) / (aside ? 2 : 1) : 0, seen: seen?.seen ?? UNSEEN });
     tell(rows.length, count);
   }
   const notes = [...without].map(([why, list]) => `${list.length} frames without (from frame ${list[0]}): ${why}`);

@@ -34,7 +34,7 @@ function options() {
   try {
     return parseArgs({
       allowPositionals: true,
-      options: { out: { ...text, short: 'o' }, name: text, title: text, like: text, eyes: text, keep: text, poses: text, times: text, heads: text, points: text },
+      options: { out: { ...text, short: 'o' }, name: text, title: text, like: text, eyes: text, keep: text, poses: text, times: text, heads: text, points: text, help: { type: 'boolean', short: 'h' } },
     });
   } catch (error) {
     return wrong(`${error.message}\n${usage}`);
@@ -42,6 +42,10 @@ function options() {
 }
 
 const { values, positionals: photos } = options();
+if (values.help) {
+  console.log(usage);
+  process.exit(0);
+}
 if (!photos.length || !values.out || (values.times && !values.poses)) wrong(usage);
 const name = values.name ?? path.basename(values.out, '.json').toLowerCase();
 if (!/^[a-z0-9_-]+$/.test(name)) wrong(`--name ${name}: small letters, digits, - and _ are wanted`);

@@ -32,11 +32,12 @@ export class AvatarHead {
     this.controls = controls;
     this.solver = solver;
     this.found = found;
-    const { scale, origin, yaw } = found.place;
+    const { scale, origin, axes } = found.place;
     const placed = new Group();
     placed.matrixAutoUpdate = false;
     placed.matrix = new Matrix4().makeTranslation(...origin.map((value) => -value));
-    placed.matrix.multiply(new Matrix4().makeRotationY(yaw)).scale(new Vector3(scale, scale, scale));
+    const turn = new Matrix4().makeBasis(...axes.map((axis) => new Vector3(...axis))).transpose();
+    placed.matrix.multiply(turn).scale(new Vector3(scale, scale, scale));
     placed.add(gltf.scene);
     this.whole = new Group();
     this.whole.add(placed);
@@ -53,7 +54,7 @@ export class AvatarHead {
     this.model = {
       fapu: found.fapu,
       fdp: { 2.1: rest.chin, 2.2: rest.upper, 2.3: rest.lower, 2.4: rest.cornerL, 2.5: rest.cornerR },
-      view: viewOf(rest),
+      view: viewOf(rest, found.fapu.ES),
     };
     this.setFaps(faceValues({}));
   }
@@ -139,8 +140,8 @@ function lamp([colour, strength, place]) {
   return light;
 }
 
-/** The portrait: as wide as a face is high, whatever its make. */
-function viewOf({ chin, upper }) {
-  const size = Math.max(0.7, -upper[1] / 62);
+/** The portrait: as wide as a face is high, whatever its make; farther away where eyes are as far apart as drawn people's. */
+function viewOf({ chin, upper }, eyes) {
+  const size = Math.max(0.7, -upper[1] / 62, eyes / 64);
   return { target: [0, -22 * size, 0], distance: Math.max(620 * size, -chin[1] * 5.6), fov: 26 };
 }

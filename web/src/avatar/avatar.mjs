@@ -5,7 +5,8 @@ import { Vector3 } from 'three';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
 import { AvatarHead } from './avatar-head.mjs';
 import { AvatarView } from './avatar-view.mjs';
-import { controlsOf } from './controls.mjs';
+import { controlsOf, meshesIn, namesIn, swapSides } from './controls.mjs';
+import { facingOf } from './facing.mjs';
 import { fetched } from './fetched.mjs';
 import { checkGlb, joinGlb, splitGlb } from './glb.mjs';
 import { images } from './images.mjs';
@@ -14,6 +15,7 @@ import { readMap } from './map.mjs';
 import { AvatarProblem } from './problem.mjs';
 import { rigOf } from './rig.mjs';
 import { Solver } from './solver.mjs';
+import { tidy } from './tidy.mjs';
 import { dracoOf, unpacker } from './unpackers.mjs';
 
 const MOST_BYTES = 64 << 20;
@@ -56,6 +58,7 @@ export async function modelOf(bytes, map, file = 'avatar') {
     if (error instanceof AvatarProblem) throw error;
     throw new AvatarProblem('damaged', `it cannot be read: ${error.message}`);
   }
+  tidy(meshesIn(gltf.scene));
   const head = headOf(gltf, map);
   const meta = json.extensions?.VRMC_vrm?.meta ?? json.extensions?.VRM?.meta ?? {};
   const text = (value) => (typeof value === 'string' && value ? value : null);
@@ -72,24 +75,29 @@ export async function modelOf(bytes, map, file = 'avatar') {
 /** @returns {AvatarHead} */
 function headOf(gltf, map) {
   const controls = controlsOf(gltf, map);
-  if (!controls.face.length) throw new AvatarProblem('no-face', 'it has no shapes that are known here, and no jaw: see avatar-map');
+  if (!controls.face.length) throw new AvatarProblem('no-face', `it has no shapes that are known here, and no jaw: see avatar-map. ${listed(namesIn(gltf.scene))}`);
   const { scene } = gltf;
   scene.updateMatrixWorld(true);
-  const eyes = Object.fromEntries(
-    ['leftEye', 'rightEye']
-      .filter((name) => controls.bones[name])
-      .map((name) => [name, controls.bones[name].getWorldPosition(new Vector3()).toArray()]),
-  );
-  const yaw = yawOf(gltf.parser.json, eyes);
-  const left = new Vector3(Math.cos(yaw), 0, Math.sin(yaw));
-  const found = landmarksOf(rigOf(scene, controls, left), yaw, eyes);
-  if (!found) throw new AvatarProblem('no-face', 'nothing of what it has opens a mouth: no lips part');
+  const placeOf = (name) => controls.bones[name]?.getWorldPosition(new Vector3()).toArray();
+  const eyes = { leftEye: placeOf('leftEye'), rightEye: placeOf('rightEye') };
+  const jaw = controls.face.some(({ bone }) => bone);
+  const usual = [0, 0, gltf.parser.json.extensions?.VRM ? -1 : 1];
+  const rig = rigOf(scene, controls, new Vector3(usual[2], 0, 0));
+  const facing = facingOf(rig, eyes, { usual, jaw });
+  if (facing.swapped) {
+    swapSides(controls, rig);
+    [eyes.leftEye, eyes.rightEye] = [eyes.rightEye, eyes.leftEye];
+  }
+  const found = landmarksOf(jaw ? rigOf(scene, controls, new Vector3(...facing.left)) : rig, facing, eyes);
+  if (!found) throw new AvatarProblem('no-face', `nothing of what it has opens a mouth: no lips part. ${listed(namesIn(gltf.scene))}`);
   return new AvatarHead(gltf, controls, found, new Solver(controls.face, found));
 }
 
-/** What brings its front to +z: glTF has it there, VRM 0 at -z; eyes know better. A quarter of a turn at a time. */
-function yawOf(json, { leftEye, rightEye }) {
-  if (!leftEye || !rightEye) return json.extensions?.VRM ? Math.PI : 0;
-  const angle = Math.atan2(leftEye[2] - rightEye[2], leftEye[0] - rightEye[0]);
-  return Math.round(angle / (Math.PI / 2)) * (Math.PI / 2);
+const SHOWN = 8;
+
+/** What it has, for who writes a mapping file. */
+function listed(names) {
+  if (!names.length) return 'It has no morph targets';
+  const more = names.length > SHOWN ? ` and ${names.length - SHOWN} more` : '';
+  return `Its morph targets: ${names.slice(0, SHOWN).map((name) => `"${name.slice(0, 40)}"`).join(', ')}${more}`;
 }

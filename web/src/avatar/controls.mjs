@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What of an avatar can be moved, and what is meant by it: morph targets by name, expressions of VRM, a mapping file, bones.
-import { ARKIT, boneOf, BONE_NAMES, plainVisemes, presetOf, shapeOf, VISEMES, VOWELS } from './names.mjs';
+import { ARKIT, boneOf, BONE_NAMES, mirrored, presetOf, rowShapes, shapesAmong, VISEMES, VOWELS } from './names.mjs';
 import { AvatarProblem } from './problem.mjs';
 
 /**
@@ -8,6 +8,8 @@ import { AvatarProblem } from './problem.mjs';
  * @typedef {{name: string, binds: Bind[], bone?: import('three').Object3D}} Control binds at weight 1, or the jaw's bone
  */
 
+/** What opens the mouth, the best first. */
+export const OPENERS = ['jawOpen', 'mouthOpen', 'viseme_aa', 'vowel_aa', 'viseme_O', 'vowel_oh', 'viseme_E', 'vowel_ee'];
 const MOUTH = /^(jaw|mouth)/;
 const LEAST_ARKIT = 8; // of the mouth, beside jawOpen
 const LEAST_VISEMES = 5;
@@ -63,9 +65,14 @@ function shapesOf(targets, expressions, map) {
     out.set(shape, binds);
   }
   if (!map.others) return out;
-  const plain = plainVisemes([...targets.keys()]);
-  const add = (shape, binds) => shape && !map.shapes.has(shape) && out.set(shape, [...(out.get(shape) ?? []), ...binds]);
-  for (const [name, binds] of targets) add(shapeOf(name) ?? plain.get(name), binds);
+  const rows = rowShapes([...targets.keys()]);
+  const meshes = new Set([...targets.values()].flat().map(({ mesh }) => mesh));
+  for (const mesh of meshes) {
+    const of = (binds) => binds.filter((bind) => bind.mesh === mesh);
+    const own = [...targets].filter(([, binds]) => of(binds).length).map(([name]) => name);
+    for (const [name, shape] of shapesAmong(own, rows))
+      if (!map.shapes.has(shape)) out.set(shape, [...(out.get(shape) ?? []), ...of(targets.get(name))]);
+  }
   for (const [shape, binds] of expressions) if (!out.has(shape)) out.set(shape, binds);
   return out;
 }
@@ -108,14 +115,32 @@ function bonesOf(gltf, map) {
   return Object.fromEntries(Object.entries(bones).filter(([, bone]) => bone));
 }
 
+/** Left becomes right: of an avatar whose maker called them as whoever looks at it does. */
+export function swapSides(controls, rig) {
+  for (const control of [...controls.face, ...controls.gaze.values()]) control.name = mirrored(control.name);
+  controls.gaze = new Map([...controls.gaze.values()].map((control) => [control.name, control]));
+  rig.fields = new Map([...rig.fields].map(([name, field]) => [mirrored(name), field]));
+  const { leftEye, rightEye, ...others } = controls.bones;
+  controls.bones = { ...others, ...(rightEye ? { leftEye: rightEye } : {}), ...(leftEye ? { rightEye: leftEye } : {}) };
+}
+
+/** @param {import('three').Object3D} scene @returns {import('three').Mesh[]} */
+export function meshesIn(scene) {
+  const meshes = [];
+  scene.traverse((object) => object.isMesh && meshes.push(object));
+  return meshes;
+}
+
+/** Its targets by name, for who writes a mapping file. @param {import('three').Object3D} scene @returns {string[]} */
+export const namesIn = (scene) => [...targetsOf(meshesIn(scene)).keys()];
+
 /**
  * @param {object} gltf as GLTFLoader gives it @param {ReturnType<import('./map.mjs').readMap>} map
  * @returns {{meshes: import('three').Mesh[], face: Control[], tongue: Control|null, gaze: Map<string, Control>,
  *   bones: Record<string, import('three').Object3D>}} face: what is solved for; gaze: `eyeLook...`
  */
 export function controlsOf(gltf, map) {
-  const meshes = [];
-  gltf.scene.traverse((object) => object.isMesh && meshes.push(object));
+  const meshes = meshesIn(gltf.scene);
   const { json, associations } = gltf.parser;
   const shapes = shapesOf(targetsOf(meshes), expressionsOf(json, meshes, associations), map);
   const bones = bonesOf(gltf, map);
@@ -124,8 +149,7 @@ export function controlsOf(gltf, map) {
   const upper = ARKIT.filter((name) => !MOUTH.test(name) && !/^(eyeLook|tongue)/.test(name));
   const names = [...mouthOf(shapes), ...[...upper, ...lids].filter((name) => shapes.has(name))];
   const face = names.map(control);
-  const speaks = names.some((name) => MOUTH.test(name) || /^(viseme|vowel)_/.test(name));
-  if (bones.jaw && !speaks) face.push({ name: 'jawOpen', binds: [], bone: bones.jaw });
+  if (bones.jaw && !OPENERS.some((name) => names.includes(name))) face.push({ name: 'jawOpen', binds: [], bone: bones.jaw });
   const gaze = new Map([...shapes.keys()].filter((name) => name.startsWith('eyeLook')).map((name) => [name, control(name)]));
   return { meshes, face, tongue: shapes.has('tongueOut') ? control('tongueOut') : null, gaze, bones };
 }

@@ -1,12 +1,10 @@
 // SPDX-License-Identifier: MIT
 import { AvatarProblem } from './problem.mjs';
+import { checkReferences } from './references.mjs';
 
 const MAGIC = 0x46546c67; // glTF
 const JSON_CHUNK = 0x4e4f534a;
 const BINARY_CHUNK = 0x004e4942;
-const MOST_NODES = 20000;
-const MOST_NUMBERS = 1 << 28; // in all accessors together
-const WIDTHS = { SCALAR: 1, VEC2: 2, VEC3: 3, VEC4: 4, MAT2: 4, MAT3: 9, MAT4: 16 };
 
 /** What can be read. An avatar that requires more is refused. */
 const READ = [
@@ -63,31 +61,16 @@ export function joinGlb({ json, binary }) {
   return bytes.buffer;
 }
 
-const list = (value, name) => {
-  if (value === undefined) return [];
-  if (!Array.isArray(value) || value.some((one) => !one || typeof one !== 'object')) throw damaged(`${name} is no list of objects`);
-  return value;
-};
-
-/** That the nodes make trees: a reader would go round in a circle for ever. */
-function checkNodes(nodes) {
-  if (nodes.length > MOST_NODES) throw new AvatarProblem('too-large', `it has ${nodes.length} nodes`);
-  const parents = new Map();
-  nodes.forEach(({ children = [] }, i) => {
-    for (const child of children) {
-      if (!nodes[child] || child === i || parents.has(child)) throw damaged(`nodes[${i}].children: ${child}`);
-      parents.set(child, i);
-    }
-  });
-  const fine = new Set();
-  for (let i = 0; i < nodes.length; i++) {
-    const way = new Set();
-    for (let at = i; at !== undefined && !fine.has(at); at = parents.get(at)) {
-      if (way.has(at)) throw damaged(`nodes[${i}]: it is among its own children`);
-      way.add(at);
-    }
-    way.forEach((at) => fine.add(at));
-  }
+/** Names of targets where GLTFLoader looks for them; some write them beside each primitive, or at the targets' own numbers. */
+function named(mesh, accessors) {
+  const [first] = mesh.primitives;
+  const count = first.targets?.length ?? 0;
+  const lists = [mesh.extras?.targetNames, first.extras?.targetNames];
+  const told = lists.find(Array.isArray) ?? first.targets?.map(({ POSITION }) => accessors[POSITION]?.name);
+  if (!count || !told?.some((name) => typeof name === 'string')) return mesh;
+  const names = Array.from({ length: count }, (_, i) => (typeof told[i] === 'string' && told[i] ? told[i] : String(i)));
+  const extras = { ...mesh.extras, targetNames: names.map((name, i) => (names.indexOf(name) === i ? name : String(i))) };
+  return { ...mesh, extras };
 }
 
 /**
@@ -98,20 +81,13 @@ export function checkGlb({ json, binary }) {
   const names = (value) => (Array.isArray(value) ? value : []);
   const unread = names(json.extensionsRequired).filter((name) => !READ.includes(name));
   if (unread.length) throw new AvatarProblem('unsupported', `it needs ${unread.join(', ')}, which is not read here`);
-  for (const [i, { uri, byteLength, extensions }] of list(json.buffers, 'buffers').entries()) {
+  checkReferences(json);
+  for (const [i, { uri, byteLength, extensions }] of (json.buffers ?? []).entries()) {
     if (uri !== undefined) throw new AvatarProblem('unsupported', `buffers[${i}]: it has to be in the file itself`);
     if (i === 0 && !extensions && !(byteLength <= (binary?.length ?? 0))) throw damaged(`buffers[0]: there are no ${byteLength} bytes`);
   }
-  for (const [i, { uri }] of list(json.images, 'images').entries())
+  for (const [i, { uri }] of (json.images ?? []).entries())
     if (uri !== undefined) throw new AvatarProblem('unsupported', `images[${i}]: it has to be in the file itself`);
-  let numbers = 0;
-  for (const [i, { count, type, sparse }] of list(json.accessors, 'accessors').entries()) {
-    if (!Number.isInteger(count) || count < 0 || !WIDTHS[type] || sparse?.count > count) throw damaged(`accessors[${i}]`);
-    numbers += count * WIDTHS[type];
-    if (numbers > MOST_NUMBERS) throw new AvatarProblem('too-large', `accessors[${i}]: more than ${MOST_NUMBERS} numbers`);
-  }
-  list(json.meshes, 'meshes').forEach(({ primitives }, i) => list(primitives, `meshes[${i}].primitives`));
-  checkNodes(list(json.nodes, 'nodes'));
   const bare = (node) => ({ ...node, camera: undefined, extensions: { ...node.extensions, KHR_lights_punctual: undefined } });
   // a picture is our own reader's matter, however it is packed: GLTFLoader's would take those for themselves
   const flat = (texture) => {
@@ -119,5 +95,6 @@ export function checkGlb({ json, binary }) {
     return { ...texture, source: packed ?? texture.source, extensions: undefined };
   };
   const left = { animations: undefined, cameras: undefined, extensionsRequired: undefined };
-  return { ...json, ...left, nodes: json.nodes?.map(bare), textures: list(json.textures, 'textures').map(flat) };
+  const meshes = json.meshes?.map((mesh) => named(mesh, json.accessors ?? []));
+  return { ...json, ...left, meshes, nodes: json.nodes?.map(bare), textures: (json.textures ?? []).map(flat) };
 }

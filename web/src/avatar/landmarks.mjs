@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: MIT
 // The feature points of an avatar, found by what its own shapes move; and its FAPUs.
+import { OPENERS } from './controls.mjs';
 import { slitOf } from './slit.mjs';
 
-/** What opens the mouth, the best first. */
-const OPENERS = ['jawOpen', 'mouthOpen', 'viseme_aa', 'vowel_aa', 'viseme_O', 'vowel_oh', 'viseme_E', 'vowel_ee'];
 const EYE_MOUTH = 65; // mm from the eyes' height to the mouth's, where an avatar is of no human size
 const OUTER = 1.14; // of the slit's width: FAPU MW goes to the outer corners
 const HUMAN = [40, 100];
@@ -75,15 +74,16 @@ function mouthNose(rig, upper, eyeMouth) {
 }
 
 /**
- * @param {import('./rig.mjs').Rig} world @param {number} yaw that brings its front to +z
+ * @param {import('./rig.mjs').Rig} world @param {import('./facing.mjs').Facing} facing
  * @param {{leftEye?: number[], rightEye?: number[]}} bones places in the world
  * @returns {object|null} null: nothing of it opens a mouth. place: what brings the world to the face's mm; points: lists of
  *   vertices by name; rest: where they are, from the eyes' middle; rig: the one given, in the face's mm; fapu in mm
  */
-export function landmarksOf(world, yaw, bones) {
+export function landmarksOf(world, facing, bones) {
   const opener = OPENERS.find((name) => world.fields.get(name)?.vertices.length);
   if (!opener) return null;
-  const turned = ([x, y, z]) => [x * Math.cos(yaw) + z * Math.sin(yaw), y, z * Math.cos(yaw) - x * Math.sin(yaw)];
+  const axes = [facing.left, facing.up, facing.front];
+  const turned = ([x, y, z]) => axes.map((axis) => axis[0] * x + axis[1] * y + axis[2] * z);
   const rig = scaled(world, turned, 1000);
   const { position, fields } = rig;
   const opening = dense(fields.get(opener), position.length);
@@ -129,7 +129,7 @@ export function landmarksOf(world, yaw, bones) {
     MNS: size * mouthNose(rig, mouth.upper, eyeMouth),
     MW: size * OUTER * width,
   };
-  const place = { yaw, scale: 1000 * size, origin: eyes.map((value) => value * size) };
+  const place = { axes, scale: 1000 * size, origin: eyes.map((value) => value * size) };
   const face = scaled(rig, (p) => p, size);
   return { place, points, slit, fapu, opener, lids: Object.keys(lids), rig: face, rest: restOf(face, points, place.origin) };
 }

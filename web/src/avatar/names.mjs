@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What avatars call their shapes. A name says which shape is meant, never what it does: that is measured.
+import { keyOf, sideOf, SIDES, wordsOf } from './words.mjs';
 
 const SIDED = `browDown browOuterUp cheekSquint eyeBlink eyeLookDown eyeLookIn eyeLookOut eyeLookUp eyeSquint eyeWide mouthDimple
   mouthFrown mouthLowerDown mouthPress mouthSmile mouthStretch mouthUpperUp noseSneer`.split(/\s+/);
 const MIDDLE = `browInnerUp cheekPuff jawForward jawLeft jawOpen jawRight mouthClose mouthFunnel mouthLeft mouthPucker mouthRight
   mouthRollLower mouthRollUpper mouthShrugLower mouthShrugUpper tongueOut`.split(/\s+/);
+const HALVES = ['browInnerUp', 'cheekPuff']; // some have two of them
 
 /** Apple's 52 (ARFaceAnchor.BlendShapeLocation). */
 export const ARKIT = [...MIDDLE, ...SIDED.flatMap((stem) => [`${stem}Left`, `${stem}Right`])];
@@ -22,43 +24,130 @@ const MORE = ['eyeBlink', 'mouthOpen', 'mouthSmile'];
 /** All that a mapping file may name. */
 export const SHAPES = [...ARKIT, ...VISEMES, ...VOWELS, ...MORE];
 
-const key = (name) => name.toLowerCase().replace(/[^a-z0-9]/g, '');
+/** What else they are called, without side. */
+const ALSO = {
+  eyeBlink: ['eyesClosed', 'eyesClose', 'eyeClosed', 'eyeClose', 'closeEyes', 'closeEye', 'eyesBlink', 'blink', 'eyelidClose', 'lidClose', 'wink'],
+  mouthSmile: ['smile'],
+  jawOpen: ['openJaw', 'jawDown', 'jawDrop'],
+  mouthOpen: ['openMouth'],
+};
+const KANA = { あ: 'vowel_aa', い: 'vowel_ih', う: 'vowel_ou', え: 'vowel_ee', お: 'vowel_oh', まばたき: 'eyeBlink' };
 
-const KNOWN = new Map([
-  ...ARKIT.map((name) => [key(name), name]),
-  ...SIDED.flatMap((stem) => [['l', 'Left'], ['r', 'Right']].map(([letter, side]) => [key(stem) + letter, stem + side])),
-  ...VISEMES.flatMap((name) => ['viseme', 'v', 'vis'].map((prefix) => [prefix + key(name.slice(7)), name])),
-  ...[['ih', 'I'], ['oh', 'O'], ['ou', 'U']].flatMap(([open, own]) => ['viseme', 'v', 'vis'].map((prefix) => [prefix + open, `viseme_${own}`])),
-  ['eyesclosed', 'eyeBlink'],
-  ...MORE.map((name) => [key(name), name]),
+const OPEN = [['ih', 'I'], ['oh', 'O'], ['ou', 'U']]; // what OpenXR says, and what we do
+const PREFIXES = ['viseme', 'v', 'vis'];
+const WHOLE = new Map([
+  ...[...MIDDLE, ...MORE].map((name) => [keyOf(name), name]),
+  ...VISEMES.flatMap((name) => PREFIXES.map((prefix) => [prefix + keyOf(name.slice(7)), name])),
+  ...OPEN.flatMap(([open, own]) => PREFIXES.map((prefix) => [prefix + open, `viseme_${own}`])),
+  ...Object.entries(ALSO).flatMap(([name, others]) => others.map((other) => [keyOf(other), name])),
 ]);
+const HALVED = new Map([
+  ...SIDED.map((stem) => [keyOf(stem), (side) => stem + side]),
+  ...HALVES.map((name) => [keyOf(name), () => name]),
+  ...['eyeBlink', 'mouthSmile'].flatMap((stem) => ALSO[stem].map((other) => [keyOf(other), (side) => stem + side])),
+]);
+for (const stem of ['jaw', 'mouth']) for (const [letter, side] of Object.entries(SIDES)) WHOLE.set(stem + letter, stem + side);
+for (const stem of HALVED.keys())
+  for (const [letter, side] of Object.entries(SIDES))
+    for (const end of [letter, side.toLowerCase()]) WHOLE.set(stem + end, HALVED.get(stem)(side));
+
+/** Words that say what a face does: what is beside a name and has one of them is another shape, or several at once. */
+const TELLING = new Set([...WHOLE.values()].flatMap(wordsOf).filter((word) => !['viseme', 'v', 'e', 'i', 'o', 'u', 'aa'].includes(word)));
+const PARTS = new Set(['mouth', 'jaw', 'eye', 'brow', 'cheek', 'nose', 'tongue']); // of a mesh, before the name
+/** What may stand behind a name: anything else makes it one of a series, a correction, or a mix. */
+const BEHIND =
+  /^(\d+|h|m|mesh|geo|geometry|shape|blendshape|bs|morph|target|key|ctrl|head|face|body|teeth|lashes|eyelashes|obj|object)$/;
+
+/** How a name was understood, and by how many words that say nothing. @typedef {{shape: string, extra: number}} Read */
+
+/** @param {string} name @returns {Read|null} */
+function read(name) {
+  const last = name.replace(/^.*[.:|]/, '');
+  for (const [one, extra] of [[last, 0], [name, 0]]) {
+    const shape = WHOLE.get(keyOf(one)) ?? KANA[one.trim()];
+    if (shape) return { shape, extra };
+  }
+  const words = wordsOf(name);
+  let best = null;
+  const look = (list, side) => {
+    for (let from = 0; from < list.length; from++)
+      for (let to = list.length; to > from; to--) {
+        const key = list.slice(from, to).join('');
+        const shape = side ? HALVED.get(key)?.(side) : WHOLE.get(key);
+        const extra = list.length - (to - from);
+        if (!shape || (best && best.extra <= extra)) continue;
+        const [before, behind] = [list.slice(0, from), list.slice(to)];
+        const own = before.length === 1 && PARTS.has(before[0]);
+        if ((!own && before.some((word) => TELLING.has(word))) || !behind.every((word) => BEHIND.test(word))) continue;
+        best = { shape, extra };
+      }
+  };
+  look(words, null);
+  words.forEach((word, i) => sideOf(word) && look([...words.slice(0, i), ...words.slice(i + 1)], sideOf(word)));
+  return best;
+}
+
+/** @param {string} name of a morph target, as it is in the file @returns {string|null} */
+export const shapeOf = (name) => read(name)?.shape ?? null;
+
+const LETTERS = { a: 'aa', i: 'ih', u: 'ou', e: 'ee', o: 'oh' };
+const PLAIN = new Map([...VISEMES.map((name) => [keyOf(name.slice(7)), name]), ...OPEN.map(([open, own]) => [open, `viseme_${own}`])]);
+const ENOUGH = 6; // consonants, so that names which end like visemes are taken for some
+
+/**
+ * Names that are alike but for their last word, numbers apart.
+ * @returns {Map<string, Map<string, string>>} by what is alike: name by last word
+ */
+function rowsOf(names) {
+  const rows = new Map();
+  for (const name of names) {
+    const words = wordsOf(name).filter((word, i, all) => i === all.length - 1 || !/^\d+$/.test(word));
+    const row = words.slice(0, -1).join(' ');
+    if (words.length) rows.set(row, (rows.get(row) ?? new Map()).set(words.at(-1), name));
+  }
+  return rows;
+}
+
+/** Names that only as a row say what they are: 15 visemes, or five vowels. @returns {Map<string, string>} shape by name */
+export function rowShapes(names) {
+  const out = new Map();
+  const rows = [...rowsOf(names).values()];
+  for (const row of rows) {
+    const found = [...row].filter(([word]) => PLAIN.has(word)).map(([word, name]) => [name, PLAIN.get(word)]);
+    const consonants = found.filter(([, shape]) => CONSONANTS.includes(shape.slice(7)));
+    if (consonants.length >= ENOUGH) for (const [name, shape] of found) out.set(name, shape);
+  }
+  for (const row of rows)
+    for (const vowels of [Object.entries(LETTERS), Object.values(LETTERS).map((word) => [word, word])]) {
+      const fresh = vowels.filter(([word]) => row.has(word) && !out.has(row.get(word)));
+      if (fresh.length === vowels.length) for (const [word, vowel] of fresh) out.set(row.get(word), `vowel_${vowel}`);
+    }
+  return out;
+}
+
+/**
+ * Of the names in one mesh those that mean a shape: where several mean the same, the plainest.
+ * @param {string[]} names @param {Map<string, string>} rows see rowShapes @returns {Map<string, string>} shape by name
+ */
+export function shapesAmong(names, rows) {
+  const plainest = new Map();
+  const understood = names.flatMap((name) => {
+    const one = read(name) ?? (rows.has(name) ? { shape: rows.get(name), extra: 0 } : null);
+    if (one) plainest.set(one.shape, Math.min(one.extra, plainest.get(one.shape) ?? Infinity));
+    return one ? [[name, one]] : [];
+  });
+  const kept = understood.filter(([, { shape, extra }]) => extra === plainest.get(shape));
+  return new Map(kept.map(([name, { shape }]) => [name, shape]));
+}
 
 /** What VRM's expressions are called, in 1.0 and in 0. */
 const PRESETS = new Map([
   ...VOWELS.map((name) => [name.slice(6), name]),
-  ...Object.entries({ a: 'aa', i: 'ih', u: 'ou', e: 'ee', o: 'oh' }).map(([old, name]) => [old, `vowel_${name}`]),
-  ['blink', 'eyeBlink'],
-  ...['Left', 'Right'].flatMap((side) => [`blink${side}`, `blink_${side[0]}`].map((name) => [key(name), `eyeBlink${side}`])),
+  ...Object.entries(LETTERS).map(([old, name]) => [old, `vowel_${name}`]),
 ]);
-
-const PLAIN = new Map([
-  ...VISEMES.map((name) => [key(name.slice(7)), name]),
-  ...[['ih', 'I'], ['oh', 'O'], ['ou', 'U']].map(([open, own]) => [open, `viseme_${own}`]),
-]);
-const ENOUGH = 6; // consonants, so that bare names are taken for visemes
-
-/** @param {string} name of a morph target, as it is in the file @returns {string|null} */
-export const shapeOf = (name) => KNOWN.get(key(name.replace(/^.*[.:|]/, ''))) ?? KNOWN.get(key(name)) ?? null;
 
 /** @param {string} name of an expression of VRM @returns {string|null} */
-export const presetOf = (name) => PRESETS.get(key(name)) ?? shapeOf(name);
-
-/** Visemes without anything before them: only where there are so many that they are meant. @returns {Map<string, string>} */
-export function plainVisemes(names) {
-  const found = new Map(names.flatMap((name) => (PLAIN.has(key(name)) ? [[name, PLAIN.get(key(name))]] : [])));
-  const consonants = [...found.values()].filter((name) => CONSONANTS.includes(name.slice(7)));
-  return consonants.length >= ENOUGH ? found : new Map();
-}
+export const presetOf = (name) => PRESETS.get(keyOf(name)) ?? shapeOf(name);
 
 /** The shape of the other side; of those in the middle, itself. @param {string} name */
 export function mirrored(name) {
@@ -66,14 +155,18 @@ export function mirrored(name) {
   return SHAPES.includes(other) ? other : name;
 }
 
-const BONES = {
-  head: /^(.*[:_. ])?head$/i,
-  neck: /^(.*[:_. ])?neck(_?0?1)?$/i,
-  jaw: /^(.*[:_. ])?(jaw|jawroot|lowerjaw|chin_bone|mandible)(_?0?1)?$/i,
-  leftEye: /^(.*[:_. ])?((left|l)[_ ]?eye|eye[_. ]?(left|l)|faceeye_?l)$/i,
-  rightEye: /^(.*[:_. ])?((right|r)[_ ]?eye|eye[_. ]?(right|r)|faceeye_?r)$/i,
-};
+const EMPTY = /^(\d+|jnt|joint|bone|bn|def|org|root|facial|face|c|m|center|middle|s|x)$/; // in a bone's name
+const BONES = { head: /^head$/, neck: /^neck$/, jaw: /^(jaw|mandible)$/, Eye: /^eye(ball)?$/ };
+const OTHER = ['upper', 'end', 'top', 'nub']; // no bone with such a word is one of these
+export const BONE_NAMES = ['head', 'neck', 'jaw', 'leftEye', 'rightEye'];
 
 /** The bone of that name, if a face has use for it. @param {string} name @returns {string|null} */
-export const boneOf = (name) => Object.keys(BONES).find((bone) => BONES[bone].test(name)) ?? null;
-export const BONE_NAMES = Object.keys(BONES);
+export function boneOf(name) {
+  const words = wordsOf(name);
+  const last = words.findLast((word) => !EMPTY.test(word) && !sideOf(word)) ?? '';
+  if (words.some((word) => OTHER.includes(word))) return null;
+  const bone = Object.keys(BONES).find((one) => BONES[one].test(last) || (one === 'jaw' && keyOf(name) === 'chinbone'));
+  const side = words.map(sideOf).findLast(Boolean);
+  if (bone !== 'Eye') return bone && !side ? bone : null;
+  return side ? `${side.toLowerCase()}Eye` : null;
+}

@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+/** Morph targets by the names that ARKit and the visemes have, whatever a file calls them: as `<talking-head avatar>` reads them. */
+import { presetOf, rowShapes, shapeOf, shapesAmong } from '../../../web/src/avatar/names.mjs';
+
+/** VRM's vowels are visemes; the rest is called as it is. */
+const ALSO = { vowel_aa: 'viseme_aa', vowel_ih: 'viseme_I', vowel_ou: 'viseme_U', vowel_ee: 'viseme_E', vowel_oh: 'viseme_O', mouthOpen: 'jawOpen' };
+const HALVES = ['browInnerUp', 'cheekPuff']; // some have one for each side
+
+/** Names the targets of a scene's meshes anew; those that nobody knows keep theirs. */
+export function nameTargets({ meshes }) {
+  const rows = rowShapes([...new Set(meshes.flatMap(({ targets }) => Object.keys(targets)))]);
+  for (const mesh of meshes) {
+    const known = shapesAmong(Object.keys(mesh.targets), rows);
+    const plain = Object.entries(mesh.targets).sort(([a], [b]) => Number(known.get(a) in ALSO) - Number(known.get(b) in ALSO)); // what has the name itself comes first
+    const named = {};
+    for (const [name, deltas] of plain) {
+      const shape = known.get(name);
+      const own = ALSO[shape] ?? shape ?? name;
+      if (!(own in named)) named[own] = deltas;
+      else if (HALVES.includes(shape)) named[own] = named[own].map((x, i) => x + deltas[i]);
+      else named[name] ??= deltas;
+    }
+    mesh.targets = named;
+  }
+}
+
+const list = (value) => (Array.isArray(value) ? value : []);
+
+/**
+ * What VRM 0 and 1.0 call targets: an expression that is one target of a mesh names it.
+ * @param {object} json of a glTF @returns {(mesh: number, target: number, name?: string) => string} its name; `name` where that says what it is
+ */
+export function targetNamer(json) {
+  const told = new Map();
+  const add = (name, binds) => {
+    const shape = typeof name === 'string' ? presetOf(name) : null;
+    for (const [mesh, index] of shape ? binds : []) if (!told.has(`${mesh} ${index}`)) told.set(`${mesh} ${index}`, shape);
+  };
+  const { preset = {}, custom = {} } = json.extensions?.VRMC_vrm?.expressions ?? {};
+  for (const [name, one] of Object.entries({ ...custom, ...preset })) add(name, list(one?.morphTargetBinds).map((bind) => [json.nodes?.[bind?.node]?.mesh, bind?.index]));
+  for (const group of list(json.extensions?.VRM?.blendShapeMaster?.blendShapeGroups))
+    add(group?.presetName && group.presetName !== 'unknown' ? group.presetName : group?.name, list(group?.binds).map((bind) => [bind?.mesh, bind?.index]));
+  return (mesh, target, name) => (name !== undefined && shapeOf(name) ? name : (told.get(`${mesh} ${target}`) ?? name ?? String(target)));
+}

@@ -1,0 +1,154 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Avatars as others make them, and files that mean no good: what comes in stands where a head stands, closes its lips and lids and opens them; what does not is told
+// by one error with its place.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import path from 'node:path';
+import test from 'node:test';
+import { fileURLToPath } from 'node:url';
+import { modelOf } from '../../web/src/avatar/avatar.mjs';
+import { readMap } from '../../web/src/avatar/map.mjs';
+import { faceValues } from '../../web/src/face-mixer.mjs';
+import { Vector3 } from '../../web/node_modules/three/build/three.module.js';
+import { partsOf, writeGlb } from '../lib/foreign-avatars.mjs';
+import { METRES, strange, takenApart } from '../lib/strange-avatars.mjs';
+import { strangeCases } from '../lib/strange-cases.mjs';
+
+const root = fileURLToPath(new URL('../../', import.meta.url));
+const models = process.env.FACCIA_MODELS ?? path.join(process.env.FACCIA_BUILD ?? path.join(root, 'build'), 'models');
+globalThis.createImageBitmap ??= async () => ({ width: 1, height: 1, close() {} }); // nothing is drawn here
+
+const own = fs.readFileSync(path.join(models, 'heads/mara.glb'));
+const { fdp } = JSON.parse(fs.readFileSync(path.join(models, 'heads/mara.json')));
+const whole = takenApart(own);
+const skin = whole.meshes.find(({ name }) => name === 'skin');
+const POINTS = ['2.1', '2.2', '2.3', '2.6', '2.7', '2.8', '2.9', '3.1', '3.2', '3.3', '3.4', '9.3'];
+
+const placeOf = (v) => [0, 1, 2].map((k) => 1000 * (skin.position[3 * v + k] - (k === 1 ? METRES : 0)));
+const vertices = Object.fromEntries(POINTS.map((point) => {
+  let [best, least] = [0, Infinity];
+  for (let v = 0; v < skin.position.length / 3; v++) {
+    const far = Math.hypot(...placeOf(v).map((x, k) => x - fdp[point][k]));
+    if (far < least) [best, least] = [v, far];
+  }
+  return [point, best];
+}));
+
+const read = (bytes, file = 'a.glb') => modelOf(new Uint8Array(bytes), readMap(null), file);
+
+/** Where the points of its skin are at FAPs, mm, from where a head has its eyes. */
+function lookAt(head) {
+  const mesh = head.meshes.find(({ name }) => name.startsWith('skin'));
+  return (faps) => {
+    head.setFaps(faceValues(faps));
+    head.group.updateMatrixWorld(true);
+    mesh.skeleton?.update();
+    return Object.fromEntries(POINTS.map((point) => [point, mesh.getVertexPosition(vertices[point], new Vector3()).applyMatrix4(mesh.matrixWorld).toArray()]));
+  };
+}
+
+const LIPS = [['2.2', '2.3'], ['2.6', '2.8'], ['2.7', '2.9']];
+const LIDS = [['3.1', '3.3'], ['3.2', '3.4']];
+
+for (const [name, { bytes, lids = true, wink = true }] of Object.entries(strangeCases(whole)))
+  test(`${name}: it stands as a head does, lips meet and part, lids close`, async (t) => {
+    const { head } = await read(bytes());
+    const at = lookAt(head);
+    const rest = at({});
+    const apart = (now, [upper, lower]) => now[upper][1] - now[lower][1];
+    const gaps = (now) => LIPS.map((pair) => apart(now, pair) - apart(rest, pair));
+    const shares = (now) => LIDS.map((pair) => apart(now, pair) / apart(rest, pair));
+    const off = Math.max(...['9.3', '2.1', '2.2', '3.1', '3.2'].map((point) => Math.hypot(...rest[point].map((x, k) => x - placeOf(vertices[point])[k]))));
+    const shut = [{ 3: 300 }, { 3: 200, 6: -100, 7: -100, 12: -50, 13: -50 }].flatMap((faps) => gaps(at(faps)));
+    const open = at({ 3: 400, 4: -80, 5: -400, 8: -70, 9: -70, 10: -330, 11: -330 });
+    const [opened] = gaps(open);
+    const chin = open['2.1'][1] - rest['2.1'][1];
+    const [blink, left] = [{ 19: 940, 20: 940, 21: 84, 22: 84 }, { 19: 940, 21: 84 }].map((faps) => shares(at(faps)));
+    t.diagnostic(`off ${off.toFixed(1)} mm; closed ${Math.max(...shut).toFixed(2)}; open ${opened.toFixed(1)}, chin ${chin.toFixed(1)}; lids ${blink.map((x) => x.toFixed(2))}, left alone ${left.map((x) => x.toFixed(2))}`);
+    assert.ok(off < 20, `${off} mm from where a head is`); // eyes without bones are taken to be where the lids are
+    assert.ok(Math.max(...shut) < 0.3 && Math.min(...shut) > -2, `lips ${shut}`);
+    assert.ok(opened > 4 && chin < -3, `opened ${opened}, chin ${chin}`);
+    if (lids) assert.ok(blink.every((share) => Math.abs(share) < 0.1), `lids ${blink}`);
+    if (lids && wink) assert.ok(Math.abs(left[0]) < 0.1 && left[1] > 0.9, `left lid ${left}`);
+    for (const mesh of head.meshes) {
+      const { position } = mesh.geometry.attributes;
+      for (const attribute of [position, ...(mesh.geometry.morphAttributes.position ?? [])])
+        for (let v = 0; v < attribute.count; v++) assert.ok(Number.isFinite(attribute.getX(v) + attribute.getY(v) + attribute.getZ(v)), mesh.name);
+    }
+  });
+
+test('names of targets, wherever they stand, and as many as there are', async () => {
+  const ways = {
+    'beside the primitive': (mesh) => (mesh.primitives[0].extras = mesh.extras) && delete mesh.extras,
+    'too few': (mesh) => mesh.extras?.targetNames.pop(),
+    'too many': (mesh) => mesh.extras?.targetNames.push('more'),
+  };
+  for (const [way, change] of Object.entries(ways)) {
+    const bytes = strange(whole, { rename: (name) => (/^(jawOpen|eyeBlink|mouthPucker)/.test(name) ? name : null), add: ({ meshes }) => meshes.forEach(change) });
+    const { head } = await read(bytes);
+    assert.ok(head.solver.names.includes('jawOpen'), way);
+  }
+});
+
+const changed = (change) => {
+  const parts = partsOf(own);
+  change(parts.json, parts);
+  return writeGlb(parts);
+};
+const png = (width, height) => {
+  const bytes = Buffer.alloc(64);
+  Buffer.from('89504e470d0a1a0a0000000d49484452', 'hex').copy(bytes);
+  bytes.writeUInt32BE(width, 16);
+  bytes.writeUInt32BE(height, 20);
+  return bytes;
+};
+const withPicture = (data) => changed((json, parts) => {
+  json.bufferViews.push({ buffer: 0, byteOffset: parts.binary.length, byteLength: data.length });
+  parts.binary = Buffer.concat([parts.binary, data]);
+  json.buffers[0].byteLength = parts.binary.length;
+  json.images[0].bufferView = json.bufferViews.length - 1;
+});
+
+const HOSTILE = {
+  'a circle of nodes': [(json) => json.nodes[1].children.push(0), 'damaged', /nodes\[/],
+  'nodes a thousand deep': [(json) => { for (let i = 0; i < 1000; i++) json.nodes.push({ children: [json.nodes.length + 1] }); json.nodes.push({}); }, 'damaged', /nodes\[\d+\]: is within \d+ others/],
+  'a node within two': [(json) => json.nodes[0].children.push(json.nodes[0].children[0]), 'damaged', /nodes\[0\]\.children/],
+  'a mesh that is not there': [(json) => (json.nodes[19].mesh = 99), 'damaged', /nodes\[19\]\.mesh: there is no meshes\[99\]/],
+  'a place that is no number': [(json) => (json.nodes[3].translation = [0, 'x', 0]), 'damaged', /nodes\[3\]\.translation/],
+  'a joint that is not there': [(json) => (json.skins[0].joints[2] = 4000), 'damaged', /skins\[0\]\.joints\[2\]/],
+  'too few matrices': [(json) => json.skins[0].joints.push(1, 2, 3), 'damaged', /skins\[0\]\.inverseBindMatrices/],
+  'fewer joints than vertices hang on': [(json) => (json.skins[0].joints.length = 1), 'damaged', /joint \d+, and there are 1/],
+  'a corner that is not there': [(json, { binary }) => {
+    const { bufferView, byteOffset = 0 } = json.accessors[json.meshes[0].primitives[0].indices];
+    binary.writeUInt16LE(60000, json.bufferViews[bufferView].byteOffset + byteOffset + 30);
+  }, 'damaged', /mesh "skin": a triangle has vertex 60000/],
+  'a target of another mesh': [(json) => (json.meshes[0].primitives[0].targets[0].POSITION = json.meshes[1].primitives[0].attributes.POSITION), 'damaged', /meshes\[0\]\.primitives\[0\]\.targets\[0\]\.POSITION/],
+  'a view beyond its buffer': [(json) => (json.bufferViews[9].byteLength = 2 ** 31), 'damaged', /bufferViews\[9\]/],
+  'a buffer of 2 GB': [(json) => (json.buffers[0].byteLength = 2 ** 31), 'damaged', /buffers\[0\]/],
+  'an accessor of 2 GB': [(json) => json.accessors.push({ componentType: 5126, type: 'VEC4', count: 2 ** 27 }), 'too-large', /accessors\[\d+\]/],
+  'a sparse one beyond its bytes': [(json) => (json.accessors.find(({ sparse }) => sparse).sparse.count = 7000), 'damaged', /sparse/],
+  'a type that there is not': [(json) => (json.accessors[2].type = 'VEC9'), 'damaged', /accessors\[2\]/],
+  'a mesh drawn ten thousand times': [(json) => { for (let i = 0; i < 10000; i++) json.scenes[0].nodes.push(json.nodes.push({ mesh: 0 }) - 1); }, 'too-large', /vertices/],
+  'a list that is none': [(json) => (json.meshes = { length: 3 }), 'damaged', /meshes: is no list/],
+  'a scene that is not there': [(json) => (json.scene = 5), 'damaged', /scene: there is no scenes\[5\]/],
+  'a texture that is not there': [(json) => (json.materials[1].pbrMetallicRoughness.baseColorTexture.index = 77), 'damaged', /materials\[1\]\.pbrMetallicRoughness\.baseColorTexture: there is no textures\[77\]/],
+};
+
+test('files that mean no good are told by one error with its place', async (t) => {
+  const cases = Object.entries(HOSTILE).map(([name, [change, reason, says]]) => [name, changed(change), reason, says]);
+  cases.push(['a picture of 60000 x 60000', withPicture(png(60000, 60000)), 'too-large', /images\[0\]: 60000 x 60000/]);
+  cases.push(['a picture that is none', withPicture(Buffer.alloc(64, 7)), 'damaged', /images\[0\]/]);
+  for (const share of [0, 0.0001, 0.01, 0.5, 0.999]) cases.push([`${share} of it`, own.subarray(0, Math.floor(share * own.length)), share < 1e-5 ? 'not-glb' : 'damaged', /./]);
+  for (const [name, bytes, reason, says] of cases)
+    await assert.rejects(read(bytes), (error) => {
+      t.diagnostic(`${name}: ${error.reason}: ${error.message}`);
+      assert.equal(error.reason, reason, `${name}: ${error.stack}`);
+      assert.match(error.message, says, name);
+      return true;
+    }, name);
+});
+
+test('a texture without a picture that is known here is left out', async () => {
+  const { head } = await read(changed((json) => (json.textures[0] = { extensions: { EXT_texture_unheard: { source: 0 } } })));
+  assert.equal(head.meshes.find(({ name }) => name === 'skin').material.map, null);
+});
