@@ -147,7 +147,7 @@ void home_here(struct home *home);
 
 /* branches.c */
 void branches_here(struct home *home, const struct packet *packet);
-void branches_said(const struct home *home, const struct channel_item *item);
+void branches_said(const struct home *home, const struct channel_item *const *items, size_t count);
 void branches_look(struct home *home);
 void branches_drop(struct home *home);
 
