@@ -129,6 +129,17 @@ static json_t *part_of_media(const struct channel_item *item, struct buf *body) 
                      item->begin, "idle", item->idle, "size", (json_int_t)item->message->size);
 }
 
+/* Of a begin: whose, so that it is known again. */
+static json_t *part_of(const struct home *h, const struct channel_item *item, struct buf *body) {
+    if (item->media)
+        return part_of_media(item, body);
+    json_t *part = part_of_text(item->message, body);
+    uint64_t order = item->kind == STREAM_BEGIN && !item->notice ? home_order_of(h, item->utterance) : 0;
+    if (order)
+        json_object_set_new(part, "order", json_integer((json_int_t)order));
+    return part;
+}
+
 static void send_parts(const struct home *h, const struct bus_receivers *to, json_t *parts, struct buf *body) {
     struct buf data = {0};
     json_t *head = packet_begin("said", h->channel->name);
@@ -162,7 +173,9 @@ static void recap(const struct home *h, const struct branch *b, bool past) {
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
     json_object_set_new(head, "past", json_boolean(past));
-    json_object_set_new(head, "speaks", json_integer(channel_utterance(h->channel)));
+    uint32_t speaks = channel_utterance(h->channel);
+    json_object_set_new(head, "speaks", json_integer(speaks));
+    json_object_set_new(head, "order", json_integer((json_int_t)home_order_of(h, speaks)));
     packet_write(&data, head, NULL, 0);
     home_send(h, &r.to, &data);
     buf_free(&data);
@@ -214,8 +227,7 @@ static void send_some(const struct home *h, const struct bus_receivers *to,
     json_t *parts = json_array();
     for (size_t i = 0; i < count; i++)
         if (mask >> i & 1)
-            json_array_append_new(parts, items[i]->media ? part_of_media(items[i], &body)
-                                                         : part_of_text(items[i]->message, &body));
+            json_array_append_new(parts, part_of(h, items[i], &body));
     send_parts(h, to, parts, &body);
 }
 

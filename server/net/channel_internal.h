@@ -40,7 +40,7 @@ struct home_calls {
     void (*closed)(struct channel *channel);
     void (*changed)(struct channel *channel); /* who follows, and what they want */
     void (*begin)(struct channel *channel);   /* somebody waits for media that one can begin with */
-    /* What leaves together; at most CHANNEL_BATCH. */
+    /* What leaves together, at most CHANNEL_BATCH; what another daemon said, too. */
     void (*said)(struct channel *channel, struct channel_item *const *items, size_t count);
 };
 

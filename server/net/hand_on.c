@@ -105,6 +105,9 @@ static void hand_on_text(struct home *h, const struct part *p) {
     message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
     bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && h->past.count);
     uint32_t utterance = asks ? utterance_of(message) : 0;
+    json_int_t order = json_integer_value(json_object_get(p->head, "order"));
+    if (kind == STREAM_BEGIN && order > 0)
+        home_begins(h, utterance, (uint64_t)order);
     if (kind < 0) {
         keep_notice(c, message);
     } else if (is_past(h, kind, utterance)) {
@@ -169,6 +172,7 @@ void hand_on(struct home *h, const struct packet *p) {
         forget(c);
         h->deaf = 0;
         uint32_t speaks = (uint32_t)packet_number(p, "speaks");
+        home_begins(h, speaks, packet_number(p, "order"));
         if (json_is_true(json_object_get(p->head, "past")))
             home_is_past(h, speaks);
         h->amid = h->knew && !home_was_past(h, speaks) ? speaks : 0;

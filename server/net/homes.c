@@ -158,9 +158,13 @@ static void begin(struct channel *c) {
 static void said(struct channel *c, struct channel_item *const *items, size_t count) {
     const struct channel_item *ours[CHANNEL_BATCH];
     size_t some = 0;
-    for (size_t i = 0; i < count; i++)
-        if (items[i]->message && !items[i]->elsewhere)
-            home_hears(c->home, ours[some++] = items[i]);
+    for (size_t i = 0; i < count; i++) {
+        if (!items[i]->message)
+            continue;
+        home_hears(c->home, items[i]);
+        if (!items[i]->elsewhere)
+            ours[some++] = items[i];
+    }
     if (some && c->home->role == HOME_HERE)
         branches_said(c->home, ours, some);
 }

@@ -4,14 +4,15 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import WebSocket from 'ws';
 import { Daemon, eventually } from '../lib/daemon.mjs';
+import { SlowRoad } from '../chaos/slow-road.mjs';
 import { Redis } from '../lib/redis.mjs';
 
 const TEXT = 'La mamma parla piano con Beppe, e il vento porta via le foglie del viale.';
 const LONG = Array.from({ length: 12 }, (_, i) => `Questa è la frase numero ${i + 1}, che nessuno ha fretta di finire.`).join(' ');
 let redis;
 let daemons = [];
-const start = async () => {
-  const daemon = await Daemon.start(['--cluster', redis.url, '--hold', '60']);
+const start = async (url = redis.url) => {
+  const daemon = await Daemon.start(['--cluster', url, '--hold', '60']);
   daemons.push(daemon);
   await up(daemon);
   return daemon;
@@ -338,6 +339,50 @@ test('a daemon that loses Redis for a moment hears nothing anew that was told to
     listener.close();
   }
 });
+
+for (const next of ['the daemon that asked for it', 'that daemon'])
+  test(`a daemon that was alone when it told an utterance to have failed does not hear it from the next home, ${next}`, async () => {
+    const room = `known ${next.length}`.replace(' ', '-');
+    const road = await SlowRoad.open(redis.port);
+    const [home, alone] = [await start(), await start(road.url)];
+    const [asks] = daemons;
+    const there = await first(home, room);
+    const asker = await Listener.open(asks, room), listener = await Listener.open(alone, room);
+    await followed(room, 3);
+    asker.send({ type: 'speak', id: 'told', text: LONG, again: true });
+    for (const each of [there, asker, listener]) await each.heard({ type: 'word', text: 'frase' });
+    road.delay = Infinity;
+    await listener.heard({ type: 'end', id: 'told', reason: 'failed' });
+    if (next === 'that daemon') {
+      road.delay = 0;
+      await up(alone);
+      await followed(room, 3);
+      asks.process.kill('SIGSTOP');
+    }
+    await end(home);
+    if (next === 'that daemon') {
+      await eventually(() => alone.log.includes(`room ${room}: spoken by this daemon from now on`), 'it to be the home');
+      asks.process.kill('SIGCONT');
+      await asker.heard({ type: 'end', id: 'told', reason: 'failed' });
+    } else {
+      const cut = asker.frames.indexOf(await asker.heard({ type: 'warning', id: 'told' }));
+      await asker.heard({ type: 'begin', id: 'told' }, cut);
+      road.delay = 0;
+      await up(alone);
+      await followed(room, 2);
+      await asker.heard({ type: 'word', text: 'frase' }, asker.frames.indexOf(asker.find({ type: 'begin', id: 'told' }, cut)));
+      asker.send({ type: 'stop' });
+      await asker.heard({ type: 'end', id: 'told', reason: 'stopped' });
+    }
+    asker.send({ type: 'speak', id: 'after', text: 'Uno.' });
+    for (const each of [asker, listener]) await each.heard({ type: 'end', id: 'after', reason: 'done' });
+    const of = (type) => listener.frames.filter((frame) => frame.type === type && frame.id === 'told').length;
+    assert.deepEqual({ begins: of('begin'), ends: of('end') }, { begins: 1, ends: 1 });
+    const past = listener.frames.indexOf(listener.find({ type: 'end', id: 'told' })), after = listener.frames.indexOf(listener.find({ type: 'begin', id: 'after' }));
+    assert.equal(listener.frames.slice(past, after).filter(({ hex }) => hex).length, 0);
+    for (const each of [there, asker, listener]) each.close();
+    await end(alone, 'SIGTERM');
+  });
 
 test('a home that stood still and wakes cannot speak into the room', async () => {
   const room = 'frozen';
