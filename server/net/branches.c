@@ -113,27 +113,43 @@ static void take_wishes(struct home *h, struct branch *b, const json_t *wants) {
 }
 
 /* A text message with its line, as the branch hands it on. */
-static void pack_text(const struct home *h, const struct queued_message *message, struct buf *out) {
+static json_t *part_of_text(const struct queued_message *message, struct buf *body) {
     size_t line = message->line ? message->line->size : 0;
-    json_t *head = packet_begin("text", h->channel->name);
-    json_object_set_new(head, "token", json_integer((json_int_t)h->token));
-    json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
-    json_object_set_new(head, "event", json_string(message->event));
-    json_object_set_new(head, "line", json_integer((json_int_t)line));
-    packet_write(out, head, queued_message_body(message), message->size);
+    buf_add(body, queued_message_body(message), message->size);
     if (line)
-        buf_add(out, queued_message_body(message->line), line);
+        buf_add(body, queued_message_body(message->line), line);
+    return json_pack("{ss sI sI}", "event", message->event, "size", (json_int_t)(message->size + line), "line",
+                     (json_int_t)line);
 }
 
-static void pack_media(const struct home *h, const struct channel_item *item, struct buf *out) {
+static json_t *part_of_media(const struct channel_item *item, struct buf *body) {
     const struct encoding *e = &item->encoding;
-    json_t *head = packet_begin("media", h->channel->name);
+    buf_add(body, queued_message_body(item->message), item->message->size);
+    return json_pack("{s[iiib] sb sb sI}", "as", e->audio, e->fap, e->kilobits, e->packed, "begin",
+                     item->begin, "idle", item->idle, "size", (json_int_t)item->message->size);
+}
+
+/* Of a begin: whose, so that it is known again. */
+static json_t *part_of(const struct home *h, const struct channel_item *item, struct buf *body) {
+    if (item->media)
+        return part_of_media(item, body);
+    json_t *part = part_of_text(item->message, body);
+    uint64_t order = item->kind == STREAM_BEGIN && !item->notice ? home_order_of(h, item->utterance) : 0;
+    if (order)
+        json_object_set_new(part, "order", json_integer((json_int_t)order));
+    return part;
+}
+
+static void send_parts(const struct home *h, const struct bus_receivers *to, json_t *parts, struct buf *body) {
+    struct buf data = {0};
+    json_t *head = packet_begin("said", h->channel->name);
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
-    json_object_set_new(head, "as", json_pack("[iiib]", e->audio, e->fap, e->kilobits, e->packed));
-    json_object_set_new(head, "begin", json_boolean(item->begin));
-    json_object_set_new(head, "idle", json_boolean(item->idle));
-    packet_write(out, head, queued_message_body(item->message), item->message->size);
+    json_object_set_new(head, "parts", parts);
+    packet_write(&data, head, body->data, body->size);
+    home_send(h, to, &data);
+    buf_free(&data);
+    buf_free(body);
 }
 
 struct recap {
@@ -143,10 +159,9 @@ struct recap {
 
 static void recap_text(void *ctx, struct queued_message *message) {
     const struct recap *r = ctx;
-    struct buf data = {0};
-    pack_text(r->home, message, &data);
-    home_send(r->home, &r->to, &data);
-    buf_free(&data);
+    struct buf body = {0};
+    json_t *parts = json_pack("[o]", part_of_text(message, &body));
+    send_parts(r->home, &r->to, parts, &body);
 }
 
 /* past: what speaks has been told as ended there. */
@@ -158,7 +173,9 @@ static void recap(const struct home *h, const struct branch *b, bool past) {
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
     json_object_set_new(head, "past", json_boolean(past));
-    json_object_set_new(head, "speaks", json_integer(channel_utterance(h->channel)));
+    uint32_t speaks = channel_utterance(h->channel);
+    json_object_set_new(head, "speaks", json_integer(speaks));
+    json_object_set_new(head, "order", json_integer((json_int_t)home_order_of(h, speaks)));
     packet_write(&data, head, NULL, 0);
     home_send(h, &r.to, &data);
     buf_free(&data);
@@ -196,21 +213,46 @@ static bool wants(struct branch *b, const struct channel_item *item) {
     return !item->media || (media_of(b, &item->encoding) && (!item->idle || b->all.idle));
 }
 
-void branches_said(const struct home *h, const struct channel_item *item) {
-    const char *names[BRANCHES_MOST];
-    struct bus_receivers to = {names, 0};
-    struct buf data = {0};
-    for (struct branch *b = h->branches; b && to.count < BRANCHES_MOST; b = b->next)
-        if (wants(b, item))
-            names[to.count++] = b->name;
-    if (!to.count)
-        return;
-    if (item->media)
-        pack_media(h, item, &data);
-    else
-        pack_text(h, item->message, &data);
-    home_send(h, &to, &data);
-    buf_free(&data);
+/* Which of them it wants, a bit each. */
+static uint32_t wanted(struct branch *b, const struct channel_item *const *items, size_t count) {
+    uint32_t mask = 0;
+    for (size_t i = 0; i < count; i++)
+        mask |= (uint32_t)wants(b, items[i]) << i;
+    return mask;
+}
+
+static void send_some(const struct home *h, const struct bus_receivers *to,
+                      const struct channel_item *const *items, size_t count, uint32_t mask) {
+    struct buf body = {0};
+    json_t *parts = json_array();
+    for (size_t i = 0; i < count; i++)
+        if (mask >> i & 1)
+            json_array_append_new(parts, part_of(h, items[i], &body));
+    send_parts(h, to, parts, &body);
+}
+
+/* Those that want the same of it get the same bytes. */
+void branches_said(const struct home *h, const struct channel_item *const *items, size_t count) {
+    _Static_assert(CHANNEL_BATCH <= 32, "a bit each");
+    struct branch *branches[BRANCHES_MOST];
+    uint32_t masks[BRANCHES_MOST];
+    size_t all = 0;
+    for (struct branch *b = h->branches; b && all < BRANCHES_MOST; b = b->next, all++) {
+        branches[all] = b;
+        masks[all] = wanted(b, items, count);
+    }
+    for (size_t i = 0; i < all; i++) {
+        const char *names[BRANCHES_MOST];
+        struct bus_receivers to = {names, 0};
+        uint32_t mask = masks[i];
+        for (size_t j = i; j < all && mask; j++)
+            if (masks[j] == mask) {
+                names[to.count++] = branches[j]->name;
+                masks[j] = 0;
+            }
+        if (to.count)
+            send_some(h, &to, items, count, mask);
+    }
 }
 
 void branches_look(struct home *h) {

@@ -32,13 +32,16 @@ struct channel_item {
     bool begin, idle;            /* of media: one can begin with them; they are those of idling */
 };
 
+enum { CHANNEL_BATCH = 32 }; /* messages that leave together */
+
 /* What a room tells where several daemons share it (homes.h). */
 struct home_calls {
     void (*opened)(struct channel *channel);
     void (*closed)(struct channel *channel);
     void (*changed)(struct channel *channel); /* who follows, and what they want */
     void (*begin)(struct channel *channel);   /* somebody waits for media that one can begin with */
-    void (*said)(struct channel *channel, const struct channel_item *item);
+    /* What leaves together, at most CHANNEL_BATCH; what another daemon said, too. */
+    void (*said)(struct channel *channel, struct channel_item *const *items, size_t count);
 };
 
 struct channel {
@@ -71,8 +74,10 @@ extern const struct stream_sink channel_sink;
 /* An encoder's answer. */
 void channel_coded(void *variant, void *item, const struct encoded *encoded);
 
-/* What another daemon has said in the room goes to those who follow here. Takes the item's message over. */
+/* What another daemon has said in the room goes to those who follow here, with channel_flush: what left there
+ * together leaves here together. Takes the item's message over. */
 void channel_hand_on(struct channel *channel, const struct channel_item *item);
+void channel_flush(struct channel *channel);
 
 /* What speaks has come to an end for those who follow here, and a pause, too: e says why. again: it is
  * spoken again, and has a warning instead. */

@@ -9,7 +9,6 @@
 
 enum {
     EVENT_BYTES = 384, /* most events have fewer */
-    BATCH = 32,        /* messages that leave together */
     CODING_MOST = 3,   /* chunks of a variant that are being coded: those of the lead, at a beginning */
 };
 
@@ -53,11 +52,10 @@ static void give(struct channel *c, struct channel_item **items, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!items[i]->media && !items[i]->notice)
             catch_up_event(&c->catch_up, items[i]->kind, items[i]->utterance, items[i]->message);
-    for (size_t i = 0; i < count && c->home; i++)
-        if (items[i]->message && !items[i]->elsewhere)
-            c->net->home_calls->said(c, items[i]);
+    if (c->home)
+        c->net->home_calls->said(c, items, count);
     for (struct follower *f = c->followers; f; f = f->next) {
-        struct queued_message *messages[BATCH];
+        struct queued_message *messages[CHANNEL_BATCH];
         size_t wanted = 0;
         for (size_t i = 0; i < count; i++)
             if (wants(f, items[i]))
@@ -70,9 +68,9 @@ static void give(struct channel *c, struct channel_item **items, size_t count) {
 /* All that nothing before it holds up. */
 static void say(struct channel *c) {
     while (c->first && c->first->ready) {
-        struct channel_item *items[BATCH];
+        struct channel_item *items[CHANNEL_BATCH];
         size_t count = 0;
-        while (c->first && c->first->ready && count < BATCH)
+        while (c->first && c->first->ready && count < CHANNEL_BATCH)
             items[count++] = take_first(c);
         give(c, items, count);
         while (count)
@@ -181,6 +179,9 @@ void channel_hand_on(struct channel *c, const struct channel_item *said) {
     item->next = NULL;
     item->elsewhere = true;
     item->ready = true;
+}
+
+void channel_flush(struct channel *c) {
     say(c);
 }
 

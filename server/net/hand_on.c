@@ -85,18 +85,29 @@ static void tell_missed(struct home *h) {
     h->amid = 0;
 }
 
-static void hand_on_text(struct home *h, const struct packet *p) {
+/* One of the messages that left the home together. */
+struct part {
+    const json_t *head;
+    const uint8_t *body;
+    size_t size;
+};
+
+static void hand_on_text(struct home *h, const struct part *p) {
     struct channel *c = h->channel;
     const char *event = json_string_value(json_object_get(p->head, "event"));
-    size_t line = packet_number(p, "line");
-    if (!event || line > p->size)
+    json_int_t line_size = json_integer_value(json_object_get(p->head, "line"));
+    if (line_size < 0 || (uint64_t)line_size > p->size)
         return;
+    size_t line = (size_t)line_size;
     int kind = kind_of(event);
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, p->body, p->size - line);
     message->event = kind < 0 ? notice_name(event) : event_name((enum stream_event_kind)kind);
     message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
     bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && h->past.count);
     uint32_t utterance = asks ? utterance_of(message) : 0;
+    json_int_t order = json_integer_value(json_object_get(p->head, "order"));
+    if (kind == STREAM_BEGIN && order > 0)
+        home_begins(h, utterance, (uint64_t)order);
     if (kind < 0) {
         keep_notice(c, message);
     } else if (is_past(h, kind, utterance)) {
@@ -111,7 +122,7 @@ static void hand_on_text(struct home *h, const struct packet *p) {
         tell_missed(h);
 }
 
-static void hand_on_media(struct channel *c, const struct packet *p) {
+static void hand_on_media(struct channel *c, const struct part *p) {
     const json_t *as = json_object_get(p->head, "as");
     const struct encoding encoding = {.audio = (uint8_t)json_integer_value(json_array_get(as, 0)),
                                       .fap = (uint8_t)json_integer_value(json_array_get(as, 1)),
@@ -124,6 +135,24 @@ static void hand_on_media(struct channel *c, const struct packet *p) {
                                               .encoding = encoding,
                                               .begin = json_is_true(json_object_get(p->head, "begin")),
                                               .idle = json_is_true(json_object_get(p->head, "idle"))});
+}
+
+static void hand_on_parts(struct home *h, const struct packet *p) {
+    const json_t *parts = json_object_get(p->head, "parts");
+    size_t at = 0;
+    for (size_t i = 0; i < json_array_size(parts); i++) {
+        const json_t *head = json_array_get(parts, i);
+        json_int_t size = json_integer_value(json_object_get(head, "size"));
+        if (size < 0 || (uint64_t)size > p->size - at)
+            break;
+        const struct part part = {head, p->body + at, (size_t)size};
+        at += part.size;
+        if (json_is_string(json_object_get(head, "event")))
+            hand_on_text(h, &part);
+        else if (json_object_get(head, "as") && !h->deaf)
+            hand_on_media(h->channel, &part);
+    }
+    channel_flush(h->channel);
 }
 
 /* All that stood here was another home's. */
@@ -143,6 +172,7 @@ void hand_on(struct home *h, const struct packet *p) {
         forget(c);
         h->deaf = 0;
         uint32_t speaks = (uint32_t)packet_number(p, "speaks");
+        home_begins(h, speaks, packet_number(p, "order"));
         if (json_is_true(json_object_get(p->head, "past")))
             home_is_past(h, speaks);
         h->amid = h->knew && !home_was_past(h, speaks) ? speaks : 0;
@@ -151,8 +181,6 @@ void hand_on(struct home *h, const struct packet *p) {
     if (!h->recapped)
         return;
     stream_number_above(c->stream, (uint32_t)packet_number(p, "number"));
-    if (!strcmp(p->kind, "text"))
-        hand_on_text(h, p);
-    else if (!strcmp(p->kind, "media") && !h->deaf)
-        hand_on_media(c, p);
+    if (!strcmp(p->kind, "said"))
+        hand_on_parts(h, p);
 }

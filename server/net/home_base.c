@@ -32,11 +32,12 @@ void home_tell(const struct homes *homes, const char *to, json_t *head) {
     buf_free(&data);
 }
 
-/* FNV-1a of 32 bits. */
+/* FNV-1a of 32 bits, without the highest: JSON has a sign. */
 uint64_t home_of(const char *name) {
     uint32_t hash = 2166136261u;
     for (const char *c = name; *c; c++)
         hash = (hash ^ (uint8_t)*c) * 16777619u;
+    hash &= INT32_MAX;
     return (uint64_t)(hash ? hash : 1) << 32;
 }
 

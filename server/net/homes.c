@@ -155,10 +155,18 @@ static void begin(struct channel *c) {
     tell_soon(c, true);
 }
 
-static void said(struct channel *c, const struct channel_item *item) {
-    home_hears(c->home, item);
-    if (c->home->role == HOME_HERE)
-        branches_said(c->home, item);
+static void said(struct channel *c, struct channel_item *const *items, size_t count) {
+    const struct channel_item *ours[CHANNEL_BATCH];
+    size_t some = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!items[i]->message)
+            continue;
+        home_hears(c->home, items[i]);
+        if (!items[i]->elsewhere)
+            ours[some++] = items[i];
+    }
+    if (some && c->home->role == HOME_HERE)
+        branches_said(c->home, ours, some);
 }
 
 static uv_timer_t *timer_new(struct homes *homes) {

@@ -4,10 +4,10 @@
  *
  * Whoever has the room claims its lease again and again: the home to keep it, branches to take it over. A
  * branch tells its home that it is there, and in which ways it wants media (`here`); it is told first what
- * goes on (`recap`), then each message, once, with the bytes that the home's own followers get (`text`,
- * `media`), and hands them on; it keeps what late joiners have to be told, as the home does. What a client
- * orders in a branch is sent to the home (`order`), which answers (`answer`). A home without the room says so
- * (`gone`).
+ * goes on (`recap`), then each message, once, with the bytes that the home's own followers get (`said`), and
+ * hands on together what left together; it keeps what late joiners have to be told, as the home does. What a
+ * client orders in a branch is sent to the home (`order`), which answers (`answer`). A home without the room
+ * says so (`gone`).
  *
  * A message carries the token of the lease: it leaves only while the lease is held (the bus looks), and a
  * branch takes none but of the token that it knows as the last. A home whose lease has run out, as it was

@@ -21,7 +21,7 @@ enum {
     BRANCH_MS = 3000,      /* one that says nothing for so long is gone */
     HERE_MS = 1000,        /* it says so at least so often */
     BRANCHES_MOST = 256,   /* of one room; further ones are told nothing */
-    RECENT_MOST = 64,      /* more than wait in a room, as a rule */
+    RECENT_MOST = 128,     /* more than wait in a room, as a rule */
     BRANCH_ENCODINGS = 16, /* ways in which one may want media */
     LEASE_MARGIN_MS = 200, /* so long before its end the home waits for the new one */
     ORDER_MS = 4000,       /* an order is answered within that time, or not: longer than a lease */
@@ -43,6 +43,11 @@ struct recent {
     unsigned count; /* ever: the oldest make room */
 };
 
+struct ordered {
+    uint32_t utterance;
+    uint64_t order;
+};
+
 struct home {
     struct homes *homes;
     struct channel *channel;
@@ -55,7 +60,9 @@ struct home {
     struct branch *branches;
     uint64_t split;      /* the highest token before this daemon was alone: nobody goes on under it */
     struct recent past;  /* what has been told as ended here: its number, and whose (home_of) */
-    struct recent ended; /* what this daemon has spoken to its end: its number */
+    struct recent ended; /* the same, of whatever home: which order had asked for it (home_order) */
+    struct ordered ordered[RECENT_MOST]; /* which utterance that is, or was, of whom it is known */
+    unsigned ordered_count;              /* ever */
     uint32_t deaf;       /* such a one, that is spoken */
     bool knew;           /* the room was followed here before that home was found */
     bool recapped;       /* a branch has been told what goes on */
@@ -86,7 +93,7 @@ void home_tell(const struct homes *homes, const char *to, json_t *head);
 /* Which daemon sent that, and which time it follows (speech_request.h). */
 uint64_t home_abroad(const struct packet *packet);
 
-/* A daemon as a number of 32 bits, in the upper ones; not 0. */
+/* A daemon as a number of 31 bits, above 32 others; not 0. */
 uint64_t home_of(const char *name);
 
 /* As the home. */
@@ -124,10 +131,20 @@ void orders_lost(struct home *home, uint32_t told, bool again, const struct erro
 void home_is_past(struct home *home, uint32_t utterance);
 bool home_was_past(const struct home *home, uint32_t utterance);
 
-/* The home has told its own followers the end of that utterance, or that it is spoken: they are not to hear
- * it twice. */
-bool home_has_heard(const struct home *home, uint32_t utterance);
+/* home_heard.c: an order among those of all daemons, by who gave it and its number there; not 0. It keeps it
+ * when it is given anew to another home. */
+uint64_t home_order(const char *asker, uint64_t number);
+
+/* That utterance is what it asked for; and which one that was, 0: none, or not known. */
+void home_ordered(struct home *home, uint32_t utterance, uint64_t order);
+uint64_t home_order_of(const struct home *home, uint32_t utterance);
+
+/* Those who follow here have been told the end of what it asked for: they are not to hear it once more. */
+bool home_has_heard(const struct home *home, uint64_t order);
 void home_hears(struct home *home, const struct channel_item *item);
+
+/* The home speaks that utterance now, for that order. */
+void home_begins(struct home *home, uint32_t utterance, uint64_t order);
 
 /* The room is here no more: nobody follows who could be told. */
 void orders_forget_room(struct home *home);
@@ -147,7 +164,7 @@ void home_here(struct home *home);
 
 /* branches.c */
 void branches_here(struct home *home, const struct packet *packet);
-void branches_said(const struct home *home, const struct channel_item *item);
+void branches_said(const struct home *home, const struct channel_item *const *items, size_t count);
 void branches_look(struct home *home);
 void branches_drop(struct home *home);
 

@@ -34,35 +34,6 @@ void order_tell_failed(const struct order *o, const struct error *e) {
     channel_sink.event(o->channel, &event);
 }
 
-static void add(struct recent *r, uint64_t number) {
-    r->number[r->count++ % RECENT_MOST] = number;
-}
-
-static bool has(const struct recent *r, uint64_t number) {
-    for (unsigned i = 0; i < r->count && i < RECENT_MOST; i++)
-        if (r->number[i] == number)
-            return true;
-    return false;
-}
-
-void home_is_past(struct home *h, uint32_t utterance) {
-    add(&h->past, home_of(h->holder) | utterance);
-}
-
-bool home_was_past(const struct home *h, uint32_t utterance) {
-    return utterance && has(&h->past, home_of(h->holder) | utterance);
-}
-
-void home_hears(struct home *h, const struct channel_item *item) {
-    if (h->role == HOME_ELSEWHERE || item->media || item->notice || item->kind != STREAM_END)
-        return;
-    add(&h->ended, item->utterance);
-}
-
-bool home_has_heard(const struct home *h, uint32_t utterance) {
-    return utterance && (utterance == channel_utterance(h->channel) || has(&h->ended, utterance));
-}
-
 static struct order *find(const struct home *h, uint32_t utterance) {
     struct order *o = h->homes->orders;
     while (o && (o->channel != h->channel || !o->utterance || o->utterance != utterance))
@@ -83,11 +54,8 @@ bool orders_again(const struct home *h, uint32_t utterance) {
 
 /* It waits for the next home, from now on. */
 static void ask_again(struct order *o) {
-    if (o->utterance) {
+    if (o->utterance)
         channel_keep(o->channel);
-        o->was = o->utterance;
-        o->was_of = home_of(o->channel->home->holder);
-    }
     o->utterance = 0;
     o->sent = false;
     o->again = true;

@@ -40,9 +40,18 @@ static void fail(struct order *o) {
     json_decref(answer);
 }
 
+static uint64_t number_of(const struct order *o) {
+    return home_order(bus_name(o->homes->bus), o->number);
+}
+
+static uint32_t utterance_of(const json_t *answer) {
+    return (uint32_t)json_integer_value(json_object_get(answer, "utterance"));
+}
+
 static void act(struct order *o) {
     unsigned status;
     json_t *answer = order_act(o->homes->net, o->channel->name, o->asked, 0, &status);
+    home_ordered(o->channel->home, utterance_of(answer), number_of(o));
     json_object_del(answer, "utterance"); /* its end is told by the stream that is here */
     end(o, status, answer);
     json_decref(answer);
@@ -54,8 +63,6 @@ static void send_order(struct order *o) {
     json_object_set_new(head, "number", json_integer((json_int_t)o->number));
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set_new(head, "visit", json_integer(h->visit));
-    if (o->was && o->was_of == home_of(h->holder))
-        json_object_set_new(head, "was", json_integer(o->was));
     json_object_set(head, "order", o->asked);
     home_tell(o->homes, h->holder, head);
     o->sent = true;
@@ -152,13 +159,18 @@ void orders_heard(struct homes *homes, const struct packet *p) {
     json_object_set(head, "visit", json_object_get(p->head, "visit"));
     /* asked under another token, it has been given up by who asked */
     bool here = h && h->role == HOME_HERE && json_is_object(asked) && packet_number(p, "token") == h->token;
-    if (here && home_has_heard(h, (uint32_t)packet_number(p, "was"))) {
+    uint64_t order = home_order(p->from, packet_number(p, "number"));
+    bool heard = here && (home_has_heard(h, order) || home_order_of(h, channel_utterance(h->channel)) == order);
+    if (heard) {
         struct error e;
         home_error(&e);
         status = (unsigned)error_status(e.code);
         json_object_set_new(head, "answer", message_error(&e));
-    } else if (here)
-        json_object_set_new(head, "answer", order_act(homes->net, p->room, asked, home_abroad(p), &status));
+    } else if (here) {
+        json_t *answer = order_act(homes->net, p->room, asked, home_abroad(p), &status);
+        home_ordered(h, utterance_of(answer), order);
+        json_object_set_new(head, "answer", answer);
+    }
     json_object_set_new(head, "status", json_integer(status));
     home_tell(homes, p->from, head);
 }
@@ -171,6 +183,7 @@ static void take(struct order *o, uint32_t utterance, unsigned status, const jso
     o->done = NULL;
     o->utterance = utterance;
     stream_number_above(c->stream, utterance);
+    home_ordered(c->home, utterance, number_of(o));
     if (done)
         done(ctx, status, answer);
     channel_let_go(c);
@@ -182,7 +195,7 @@ void orders_answered(struct homes *homes, const struct packet *p) {
     while (o && o->number != number)
         o = o->next;
     json_t *answer = json_object_get(p->head, "answer");
-    uint32_t utterance = (uint32_t)json_integer_value(json_object_get(answer, "utterance"));
+    uint32_t utterance = utterance_of(answer);
     json_object_del(answer, "utterance");
     struct home *h = home_find(homes, p->room);
     bool known = h && o && o->channel == h->channel && packet_number(p, "visit") == h->visit;

@@ -16,8 +16,6 @@ struct order {
     bool sent;
     bool again;         /* what it asks for was lost once */
     uint32_t utterance; /* that the home has taken; 0: not yet */
-    uint32_t was;       /* what a home had taken it as, that was lost, and which one (home_of) */
-    uint64_t was_of;
     unsigned tries;
     order_done done; /* NULL: nobody waits */
     void *ctx;

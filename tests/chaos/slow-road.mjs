@@ -14,6 +14,7 @@ export class SlowRoad {
       road.#carry(far, near);
     });
     await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
+    server.unref();
     road.url = `redis://localhost:${server.address().port}/0`;
     return road;
   }

@@ -4,14 +4,15 @@ import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import WebSocket from 'ws';
 import { Daemon, eventually } from '../lib/daemon.mjs';
+import { SlowRoad } from '../chaos/slow-road.mjs';
 import { Redis } from '../lib/redis.mjs';
 
 const TEXT = 'La mamma parla piano con Beppe, e il vento porta via le foglie del viale.';
 const LONG = Array.from({ length: 12 }, (_, i) => `Questa è la frase numero ${i + 1}, che nessuno ha fretta di finire.`).join(' ');
 let redis;
 let daemons = [];
-const start = async () => {
-  const daemon = await Daemon.start(['--cluster', redis.url, '--hold', '60']);
+const start = async (url = redis.url) => {
+  const daemon = await Daemon.start(['--cluster', url, '--hold', '60']);
   daemons.push(daemon);
   await up(daemon);
   return daemon;
@@ -339,6 +340,50 @@ test('a daemon that loses Redis for a moment hears nothing anew that was told to
   }
 });
 
+for (const next of ['the daemon that asked for it', 'that daemon'])
+  test(`a daemon that was alone when it told an utterance to have failed does not hear it from the next home, ${next}`, async () => {
+    const room = `known ${next.length}`.replace(' ', '-');
+    const road = await SlowRoad.open(redis.port);
+    const [home, alone] = [await start(), await start(road.url)];
+    const [asks] = daemons;
+    const there = await first(home, room);
+    const asker = await Listener.open(asks, room), listener = await Listener.open(alone, room);
+    await followed(room, 3);
+    asker.send({ type: 'speak', id: 'told', text: LONG, again: true });
+    for (const each of [there, asker, listener]) await each.heard({ type: 'word', text: 'frase' });
+    road.delay = Infinity;
+    await listener.heard({ type: 'end', id: 'told', reason: 'failed' });
+    if (next === 'that daemon') {
+      road.delay = 0;
+      await up(alone);
+      await followed(room, 3);
+      asks.process.kill('SIGSTOP');
+    }
+    await end(home);
+    if (next === 'that daemon') {
+      await eventually(() => alone.log.includes(`room ${room}: spoken by this daemon from now on`), 'it to be the home');
+      asks.process.kill('SIGCONT');
+      await asker.heard({ type: 'end', id: 'told', reason: 'failed' });
+    } else {
+      const cut = asker.frames.indexOf(await asker.heard({ type: 'warning', id: 'told' }));
+      await asker.heard({ type: 'begin', id: 'told' }, cut);
+      road.delay = 0;
+      await up(alone);
+      await followed(room, 2);
+      await asker.heard({ type: 'word', text: 'frase' }, asker.frames.indexOf(asker.find({ type: 'begin', id: 'told' }, cut)));
+      asker.send({ type: 'stop' });
+      await asker.heard({ type: 'end', id: 'told', reason: 'stopped' });
+    }
+    asker.send({ type: 'speak', id: 'after', text: 'Uno.' });
+    for (const each of [asker, listener]) await each.heard({ type: 'end', id: 'after', reason: 'done' });
+    const of = (type) => listener.frames.filter((frame) => frame.type === type && frame.id === 'told').length;
+    assert.deepEqual({ begins: of('begin'), ends: of('end') }, { begins: 1, ends: 1 });
+    const past = listener.frames.indexOf(listener.find({ type: 'end', id: 'told' })), after = listener.frames.indexOf(listener.find({ type: 'begin', id: 'after' }));
+    assert.equal(listener.frames.slice(past, after).filter(({ hex }) => hex).length, 0);
+    for (const each of [there, asker, listener]) each.close();
+    await end(alone, 'SIGTERM');
+  });
+
 test('a home that stood still and wakes cannot speak into the room', async () => {
   const room = 'frozen';
   const [there, one, two] = [await first(daemons[0], room), await Listener.open(daemons[1], room), await Listener.open(daemons[2], room)];
@@ -432,10 +477,10 @@ test('what is no message of another daemon is passed over', async () => {
   const { token } = await homeOf('nonsense');
   const channels = redis.cli('pubsub', 'channels', 'faccia:to:*').split('\n');
   assert.equal(channels.length, daemons.length);
-  const heads = ['', '{', '{}\n', '{"v":9,"kind":"here","room":"nonsense"}\n', '{"v":2,"kind":"here","room":"nonsense"}\n'];
+  const heads = ['', '{', '{}\n', '{"v":9,"kind":"here","room":"nonsense"}\n', '{"v":3,"kind":"here","room":"nonsense"}\n'];
   for (const kind of ['here', 'recap', 'text', 'media', 'gone', 'order', 'answer', 'what'])
     for (const rest of ['{}', '{"from":"x","wants":[[9,9,9,1],[0],7],"idle":{"life":-1},"visit":7,"begin":true}', `{"token":${token},"event":"begin","line":99,"as":3}`, '{"order":{"type":"speak","request":{"text":7}},"number":1,"status":200,"from":"x"}', `{"token":${token},"order":7,"was":-1,"visit":4294967296,"speaks":-7,"past":true,"number":1,"answer":{"utterance":99},"from":"x"}`])
-      heads.push(`${JSON.stringify({ v: 2, kind, room: 'nonsense', ...JSON.parse(rest) })}\nbody`);
+      heads.push(`${JSON.stringify({ v: 3, kind, room: 'nonsense', ...JSON.parse(rest) })}\nbody`);
   for (const channel of channels) for (const head of heads) redis.cli('publish', channel, head);
   listener.send({ type: 'speak', id: 'still', text: 'Uno.' });
   await listener.heard({ type: 'end', id: 'still', reason: 'done' });

@@ -94,7 +94,7 @@ const parts = {
     const packet = (head, ...body) => joined(2, JSON.stringify(head), '\n', ...body);
     const sound = Buffer.alloc(800, 3);
     return [joined(0, 'fw1l', frame(2, u32(5))), joined(0, 'fw1b'), piece(0, 0, 0, short('q:abc:live:3 17-0'), short('w1'), frame(6, u32(16000), Buffer.alloc(32, 1))), piece(1, 1, 258, short('t'), short('a')),
-      packet({ v: 2, kind: 'here', room: 'hall', from: 'f'.repeat(32), ways: [1, 2], n: 7 }), packet({ v: 2, kind: 'media', room: 'hall', at: 0.1, token: 12 }, Buffer.alloc(64, 9)), packet({ v: 1, kind: 'gone', room: 'hall' }),
+      packet({ v: 3, kind: 'here', room: 'hall', from: 'f'.repeat(32), ways: [1, 2], n: 7 }), packet({ v: 3, kind: 'said', room: 'hall', at: 0.1, token: 12, parts: [{ event: 'word', size: 40, line: 9 }, { as: [1, 2, 0, false], size: 24 }] }, Buffer.alloc(64, 9)), packet({ v: 1, kind: 'gone', room: 'hall' }),
       joined(3, 1, u32(sound.length), deflateSync(sound))];
   },
   packs: () => Array.from({ length: 16 }, (_, i) => joined(i % 8, u16(i * 7), i % 9, u16(3), 1, 'a')),

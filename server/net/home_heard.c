@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* What those who follow a room here have heard to its end: by its number, which one home gives, and by the
+ * order that asked for it, by which it is known again when another home speaks it. */
+#include "server/net/homes_internal.h"
+
+static void add(struct recent *r, uint64_t number) {
+    r->number[r->count++ % RECENT_MOST] = number;
+}
+
+static bool has(const struct recent *r, uint64_t number) {
+    for (unsigned i = 0; i < r->count && i < RECENT_MOST; i++)
+        if (r->number[i] == number)
+            return true;
+    return false;
+}
+
+uint64_t home_order(const char *asker, uint64_t number) {
+    return home_of(asker) | (uint32_t)number;
+}
+
+void home_ordered(struct home *h, uint32_t utterance, uint64_t order) {
+    if (utterance && order)
+        h->ordered[h->ordered_count++ % RECENT_MOST] = (struct ordered){utterance, order};
+}
+
+uint64_t home_order_of(const struct home *h, uint32_t utterance) {
+    for (unsigned i = 0; utterance && i < h->ordered_count && i < RECENT_MOST; i++) {
+        const struct ordered *o = &h->ordered[(h->ordered_count - 1 - i) % RECENT_MOST];
+        if (o->utterance == utterance)
+            return o->order;
+    }
+    return 0;
+}
+
+void home_is_past(struct home *h, uint32_t utterance) {
+    add(&h->past, home_of(h->holder) | utterance);
+}
+
+bool home_was_past(const struct home *h, uint32_t utterance) {
+    return utterance && has(&h->past, home_of(h->holder) | utterance);
+}
+
+void home_hears(struct home *h, const struct channel_item *item) {
+    if (item->media || item->notice || item->kind != STREAM_END)
+        return;
+    uint64_t order = home_order_of(h, item->utterance);
+    if (order)
+        add(&h->ended, order);
+}
+
+bool home_has_heard(const struct home *h, uint64_t order) {
+    return order && has(&h->ended, order);
+}
+
+void home_begins(struct home *h, uint32_t utterance, uint64_t order) {
+    home_ordered(h, utterance, order);
+    if (home_has_heard(h, order))
+        home_is_past(h, utterance);
+}
