@@ -7,9 +7,9 @@
 /* What is that likely begins at once, all else once it has lasted so many frames. */
 #define SURE 0.75F
 enum { LEAST_FRAMES = 2, CONTACT_FRAMES = 4 };
-/* A missed closure is worse than one too many: so much more it counts. models/hear/README.md has what was
- * tried. */
-#define CLOSED_COUNTS 1.4F
+/* A missed closure is worse than one too many, and teeth on the lip are mostly missed: so much more they
+ * count. models/hear/README.md has what was tried. */
+static const float counts[HEAR_CLASSES] = {[HEAR_CLOSED] = 1.4F, [HEAR_TEETH] = 2};
 
 static bool touches(enum hear_class class) {
     return class == HEAR_CLOSED || class == HEAR_TEETH;
@@ -19,9 +19,9 @@ static enum hear_class best(const float likely[HEAR_CLASSES]) {
     int found = HEAR_SILENCE;
     float most = likely[HEAR_SILENCE];
     for (int i = 1; i < HEAR_CLASSES; i++) {
-        float counts = likely[i] * (i == HEAR_CLOSED ? CLOSED_COUNTS : 1);
-        if (counts > most) {
-            most = counts;
+        float weighed = counts[i] > 0 ? counts[i] * likely[i] : likely[i];
+        if (weighed > most) {
+            most = weighed;
             found = i;
         }
     }

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What `faccia hear` sees in the voices of people that it was not trained on, beside a follower of loudness and chance: closed lips, teeth on the lip, rounding,
-// +-40 ms about where `faccia align` with the text finds them, at each lookahead, in noise and in the band of a telephone; and how much of a core it takes.
-// Wants Debian's asterisk-core-sounds-it and -it-wav (Italian, one man, 8 kHz) and pocketsphinx-testdata (English, five sentences of a reader).
-// node tests/bench/hear.mjs [PROMPTS, 120] [--others FOLDER]
-// FOLDER: where `npm install rhubarb-lip-sync-wasm wawa-lipsync` was run; then they hear the same in the same run, and, with ffmpeg, what Opus leaves of it is
-// heard, too. Rhubarb takes twice as long as somebody speaks: 12 prompts are enough for it.
+// +-40 ms about where `faccia align` with the text finds them, at each lookahead, in noise, in the band of a telephone and through Opus; and how much of a core it takes.
+// Wants ffmpeg and Debian's asterisk-core-sounds-it, -it-wav, -it-g722 (Italian, one man, at 8 and at 16 kHz), -en, -es, -fr, -ru with their -g722 (English and Spanish: one woman;
+// French, Russian: another each), pocketsphinx-testdata (English, five sentences of a reader) and festvox-kallpc16k (a voice whose phones are known without any alignment).
+// Each speaks in one go, half a second after each recording.
+// node tests/bench/hear.mjs [PROMPTS of each, 40] [--only NAME,...] [--others FOLDER]
+// FOLDER: where `npm install rhubarb-lip-sync-wasm wawa-lipsync` was run; then they hear the same in the same run. Rhubarb takes twice as long as somebody speaks.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -12,7 +13,7 @@ import path from 'node:path';
 import { parseArgs } from 'node:util';
 import { build } from '../lib/daemon.mjs';
 import { parseFap } from '../lib/fapfile.mjs';
-import { added, compared, correlation, follower, inNoise, kinds, telephone } from '../lib/hearing.mjs';
+import { added, classOf, compared, correlation, follower, inNoise, kinds, telephone } from '../lib/hearing.mjs';
 import { rhubarb, versionOf, wawa } from '../lib/hearing-others.mjs';
 import { alignedPhones, prompts } from '../lib/prompts.mjs';
 import { wavOf } from '../lib/wav.mjs';
@@ -28,67 +29,117 @@ const samplesOf = (sound) => {
   return { rate, samples: Float64Array.from(pcm, (x) => x / 32768) };
 };
 
-function english() {
+/** Recordings at 16 kHz of G.722, as WAV. */
+function wide(prompt) {
+  const sound = file(`${prompt.lang}-${prompt.name.replace('/', '-')}.wav`);
+  execFileSync('ffmpeg', ['-v', 'error', '-y', '-f', 'g722', '-i', prompt.sound, '-bitexact', sound]);
+  return { ...prompt, sound };
+}
+
+/** Prompts, evenly chosen, that the aligner does not refuse: [{sound, phones}]. */
+function reader(lang, suffix) {
+  const all = prompts(lang, suffix), chosen = all.filter((_, i) => Math.floor(((i + 1) * wanted) / all.length) > Math.floor((i * wanted) / all.length));
+  return chosen.map((prompt) => (suffix === 'wav' ? prompt : wide(prompt))).map((prompt) => ({ sound: prompt.sound, phones: alignedPhones(faccia, prompt, folder) })).filter((p) => p.phones);
+}
+
+function sphinx() {
   const place = '/usr/share/pocketsphinx/test/data/librivox';
   const lines = fs.readFileSync(path.join(place, 'transcription'), 'utf8').matchAll(/<s> (.*?) *<\/s> \((.*)\)/g);
-  return [...lines].map(([, text, name]) => {
-    fs.writeFileSync(file('text.txt'), text);
-    const sound = path.join(place, `${name}.wav`);
-    run('align', '-q', sound, '--text', file('text.txt'), '-l', 'en', '--json', file('align.json'));
-    return { sound, phones: JSON.parse(fs.readFileSync(file('align.json'))).phones };
+  return [...lines].map(([, text, name]) => ({ sound: path.join(place, `${name}.wav`), phones: aligned(path.join(place, `${name}.wav`), text) }));
+}
+
+/** Of an English recording. */
+function aligned(sound, text) {
+  fs.writeFileSync(file('text.txt'), text);
+  run('align', '-q', sound, '--text', file('text.txt'), '-l', 'en', '--json', file('align.json'));
+  return JSON.parse(fs.readFileSync(file('align.json'))).phones;
+}
+
+const SAID = ['My brother put the paper boat in the bath before five.', 'Every Friday we visit the village by the river.', 'Please move the blue van from in front of my gate.',
+  'The baby began to laugh when the puppy barked.', 'Never leave the oven on for more than half an hour.', 'I believe the map was published above a bookshop.',
+  'Perhaps the farmer will buy some sheep and a bull.', 'We climbed up the steep path with heavy bags.', 'The chief of police found a knife behind the shelf.', 'Five brave women saved a family from the flood.'];
+/** A voice that tells its own times: beside them the alignment with the text can be measured, too. */
+function kal() {
+  return SAID.map((text, k) => {
+    const sound = file(`kal-${k}.wav`);
+    run('say', '-l', 'en', '-v', 'festival:kal', '--wav', sound, '--json', file('kal.json'), text);
+    return { sound, text, phones: JSON.parse(fs.readFileSync(file('kal.json'))).phones };
   });
 }
 
-const { values: { others }, positionals: [count] } = parseArgs({ options: { others: { type: 'string' } }, allowPositionals: true });
-const all = prompts(), wanted = Number(count ?? 120);
-const chosen = all.filter((_, i) => Math.floor(((i + 1) * wanted) / all.length) > Math.floor((i * wanted) / all.length));
-const italian = chosen.map((prompt) => ({ sound: prompt.sound, phones: alignedPhones(faccia, prompt, folder) })).filter((p) => p.phones);
-const sets = { Italian: italian, English: english() };
+const { values: { others, only }, positionals: [count] } = parseArgs({ options: { others: { type: 'string' }, only: { type: 'string' } }, allowPositionals: true });
+const wanted = Number(count ?? 40);
+const people = {
+  it8: ['Italian, a man, 8 kHz (asterisk-core-sounds-it-wav)', 'it', () => reader('it', 'wav')],
+  it16: ['Italian, the same man, 16 kHz (asterisk-core-sounds-it-g722)', 'it', () => reader('it', 'g722')],
+  librivox: ['English, a reader (pocketsphinx-testdata, librivox)', 'en', sphinx],
+  en: ['English, a woman (asterisk-core-sounds-en-g722)', 'en', () => reader('en', 'g722')],
+  es: ['Spanish, the same woman (asterisk-core-sounds-es-g722)', 'es', () => reader('es', 'g722')],
+  fr: ['French, a woman (asterisk-core-sounds-fr-g722)', 'fr', () => reader('fr', 'g722')],
+  ru: ['Russian, a woman (asterisk-core-sounds-ru-g722)', 'ru', () => reader('ru', 'g722')],
+  kal: ["English, Festival's KAL, by its own times", 'en', kal],
+};
+const chosen = only ? only.split(',') : Object.keys(people);
 
+/** Recordings as one: {samples, rate, phones}. */
+function together(list) {
+  const samples = [], phones = [];
+  let rate = 0;
+  for (const { sound, phones: own } of list) {
+    const one = samplesOf(sound), from = samples.length / one.rate;
+    rate = one.rate;
+    phones.push(...own.map((p) => ({ ...p, start: p.start + from, end: p.end + from })));
+    for (const x of one.samples) samples.push(x);
+    for (let i = 0; i < rate / 2; i++) samples.push(0);
+    phones.push({ ipa: '', start: phones.at(-1).end, end: samples.length / rate });
+  }
+  return { samples: Float64Array.from(samples), rate, phones };
+}
+
+const write = (name, samples, rate) => fs.writeFileSync(file(name), wavOf(Int16Array.from(samples, (x) => Math.max(-32768, Math.min(32767, Math.round(32768 * x)))), rate));
 const hearing = (samples, rate, lookahead, lang) => {
-  fs.writeFileSync(file('x.wav'), wavOf(Int16Array.from(samples, (x) => Math.max(-32768, Math.min(32767, Math.round(32768 * x)))), rate));
+  write('x.wav', samples, rate);
   run('hear', '-l', lang, '--lookahead', String(lookahead), '--json', file('x.json'), file('x.wav'));
   return JSON.parse(fs.readFileSync(file('x.json'))).phones;
 };
 
 /** Through Opus at 8 kbit/s and back, at 16 kHz. */
 function opus(samples, rate) {
-  const wav = wavOf(Int16Array.from(samples, (x) => Math.max(-32768, Math.min(32767, Math.round(32768 * x)))), rate);
-  const ogg = execFileSync('ffmpeg', ['-v', 'error', '-i', '-', '-c:a', 'libopus', '-b:a', '8k', '-application', 'voip', '-f', 'ogg', '-'], { input: wav, maxBuffer: 1 << 26 });
-  const raw = execFileSync('ffmpeg', ['-v', 'error', '-i', '-', '-f', 's16le', '-ar', '16000', '-ac', '1', '-'], { input: ogg, maxBuffer: 1 << 26 });
+  write('x.wav', samples, rate);
+  const ogg = execFileSync('ffmpeg', ['-v', 'error', '-i', file('x.wav'), '-c:a', 'libopus', '-b:a', '8k', '-application', 'voip', '-f', 'ogg', '-'], { maxBuffer: 1 << 26 });
+  const raw = execFileSync('ffmpeg', ['-v', 'error', '-i', '-', '-f', 's16le', '-ar', '16000', '-ac', '1', '-'], { input: ogg, maxBuffer: 1 << 28 });
   return Float64Array.from({ length: raw.length >> 1 }, (_, i) => raw.readInt16LE(2 * i) / 32768);
 }
 
-const percent = (a, b) => (b ? `${Math.round((100 * a) / b)}` : '-').padStart(3);
+const percent = (a, b) => (b ? `${Math.round((100 * a) / b)}` : '-');
+const LOOKAHEADS = [0, 40, 80, 120];
 const ears = others ? { rhubarb: await rhubarb(others), wawa: await wawa(others) } : {};
-async function table(name, list, lang) {
-  const seconds = list.reduce((sum, { phones }) => sum + phones.at(-1).end, 0);
-  console.log(`\n${name}: ${list.length} recordings, ${seconds.toFixed(0)} s\n`);
-  console.log('| sound | how | closed: found, false | teeth: found, false | rounded: found, false | by chance found |\n|---|---|---|---|---|---|');
-  const same = (x) => x, loudness = (samples, rate) => follower(samples, rate), at = (ms) => (samples, rate) => hearing(samples, rate, ms, lang);
+async function table(name, { samples, rate, phones, list }, lang) {
+  const said = kinds.map((kind) => `${kind} ${compared(kind, phones, []).said}`).join(', ');
+  console.log(`\n${name}: ${list.length} recordings, ${phones.at(-1).end.toFixed(0)} s; said: ${said}\n`);
+  console.log('Found/false, %, at 0, 40, 80, 120 ms; in brackets what chance would find at 80 ms\n');
+  console.log(`| sound | how | ${kinds.join(' | ')} |\n|---|---|---|---|---|`);
+  const same = (x) => x, ours = (samples, rate) => LOOKAHEADS.map((ms) => hearing(samples, rate, ms, lang)), loudness = (samples, rate) => [follower(samples, rate)];
+  const ear = (which) => async (samples, rate) => [await ears[which](samples, rate)];
   const conditions = [
-    ...[0, 40, 80, 120].map((ms) => ['clean', `${ms} ms`, same, at(ms)]),
-    ...[20, 10, 5].map((db) => [`noise ${db} dB`, '80 ms', (x) => inNoise(x, db), at(80)]),
-    ['telephone', '80 ms', telephone, at(80)],
-    ...(others ? [['Opus 8 kbit/s', '80 ms', opus, (samples) => hearing(samples, 16000, 80, lang)]] : []),
+    ['clean', 'faccia', same, ours],
+    ...[20, 10, 5].map((db) => [`noise ${db} dB`, 'faccia', (x) => inNoise(x, db), ours]),
+    ['telephone', 'faccia', telephone, ours],
+    ['Opus 8 kbit/s', 'faccia', opus, (samples) => ours(samples, 16000)],
     ['clean', 'loudness', same, loudness],
     ['noise 10 dB', 'loudness', (x) => inNoise(x, 10), loudness],
-    ...(others ? [['clean', `rhubarb-lip-sync-wasm ${versionOf(others, 'rhubarb-lip-sync-wasm')}`, same, ears.rhubarb], ['clean', `wawa-lipsync ${versionOf(others, 'wawa-lipsync')}`, same, ears.wawa]] : []),
+    ...(list[0].text ? [['clean', 'faccia align, with the text', same, () => [together(list.map((item) => ({ ...item, phones: aligned(item.sound, item.text) }))).phones.map((p) => ({ ...p, class: classOf(p.ipa) }))]]] : []),
+    ...(others ? [['rhubarb', 'rhubarb-lip-sync-wasm'], ['wawa', 'wawa-lipsync']].map(([which, package_]) => ['clean', `${package_} ${versionOf(others, package_)}`, same, ear(which)]) : []),
   ];
   for (const [what, how, through, ear] of conditions) {
-    const sums = {}, chance = {};
-    for (const { sound, phones } of list) {
-      const { rate, samples } = samplesOf(sound), heard = await ear(through(samples, rate), rate);
-      for (const kind of kinds) {
-        sums[kind] = added(sums[kind], compared(kind, phones, heard));
-        for (const shift of [-0.3, -0.2, 0.2, 0.3]) chance[kind] = added(chance[kind], compared(kind, phones, heard, { shift }));
-      }
-    }
-    const cells = kinds.map((kind) => (how === 'loudness' && kind !== 'closed' ? '-' : `${percent(sums[kind].found, sums[kind].said)} %, ${percent(sums[kind].wrong, sums[kind].shown)} %`));
-    const lucky = kinds.map((kind) => (how === 'loudness' && kind !== 'closed' ? '-' : percent(chance[kind].found, chance[kind].said).trim())).join(', ');
-    console.log(`| ${what} | ${how} | ${cells.join(' | ')} | ${lucky} % |`);
+    const heard = await ear(through(samples, rate), rate), settled = heard[2] ?? heard[0];
+    const cell = (kind) => {
+      const each = heard.map((one) => compared(kind, phones, one)).map((sum) => `${percent(sum.found, sum.said)}/${percent(sum.wrong, sum.shown)}`);
+      const chance = [-0.3, -0.2, 0.2, 0.3].map((shift) => compared(kind, phones, settled, { shift })).reduce(added);
+      return `${each.join(' ')} (${percent(chance.found, chance.said)})`;
+    };
+    console.log(`| ${what} | ${how} | ${kinds.map((kind) => (how === 'loudness' && kind !== 'closed' ? '-' : cell(kind))).join(' | ')} |`);
   }
-  console.log(`\nsaid: ${kinds.map((kind) => `${kind} ${list.reduce((sum, { phones }) => sum + compared(kind, phones, []).said, 0)}`).join(', ')}`);
 }
 
 // What is seen of the lips, FAP units: how far they are apart in the middle, how wide the mouth is, how far they are pushed forward, how low the jaw is.
@@ -96,41 +147,35 @@ const seen = { apart: (f) => -f[4] - f[5], wide: (f) => f[6] + f[7], forward: (f
 const framesOf = (name) => parseFap(fs.readFileSync(file(name), 'utf8')).frames;
 
 /** Beside the face that the default engine makes with the text, over the frames in which somebody speaks. */
-function mouths(name, list, lang) {
-  const faces = list.map(({ sound, phones }) => {
-    fs.writeFileSync(file('phones.json'), JSON.stringify({ phones }));
-    run('align', '-q', sound, '--timing', file('phones.json'), '-l', lang, '--still', '--fap', file('text.fap'));
-    return framesOf('text.fap');
-  });
-  const speaks = (phones, k) => k / 25 >= phones.find((p) => p.ipa).start && k / 25 <= phones.findLast((p) => p.ipa).end;
-  /** of: an item's frames as they are heard, each as numbers in the order of `seen`; their correlations with the text's. */
-  const correlations = (of, kinds) => {
-    const heard = list.map(of);
-    return kinds.map((kind, n) => correlation(heard.flatMap((frames, i) => frames.flatMap((value, k) => (k < faces[i].length && speaks(list[i].phones, k) ? [[seen[kind](faces[i][k]), value[n]]] : [])))).toFixed(2));
-  };
-  const kinds = Object.keys(seen);
+function mouths(name, { samples, rate, phones }, lang) {
+  fs.writeFileSync(file('phones.json'), JSON.stringify({ phones }));
+  write('all.wav', samples, rate);
+  run('align', '-q', file('all.wav'), '--timing', file('phones.json'), '-l', lang, '--still', '--fap', file('text.fap'));
+  const face = framesOf('text.fap'), kinds = Object.keys(seen), hop = rate / 25;
+  const speaks = Array.from(face, () => false);
+  for (const { ipa, start, end } of phones) if (ipa) speaks.fill(true, Math.ceil(25 * start), Math.floor(25 * end) + 1);
+  /** of: frames as they are heard, each as numbers in the order of `kinds`; their correlations with the text's. */
+  const correlations = (of, kinds) => kinds.map((kind, n) => correlation(of.flatMap((value, k) => (k < face.length && speaks[k] ? [[seen[kind](face[k]), value[n]]] : []))).toFixed(2));
   console.log(`\n${name}, correlation with the face made with the text\n\n| mouth | lookahead | ${kinds.join(' | ')} |\n|---|---|---|---|---|---|`);
   for (const engine of ['network', 'dominance'])
-    for (const lookahead of [0, 40, 80, 120]) {
-      const heard = ({ sound }) => {
-        run('hear', '-l', lang, '-e', engine, '--lookahead', String(lookahead), '--fap', file('x.fap'), sound);
-        return framesOf('x.fap').map((f) => kinds.map((kind) => seen[kind](f)));
-      };
-      console.log(`| ${engine} | ${lookahead} ms | ${correlations(heard, kinds).join(' | ')} |`);
+    for (const lookahead of LOOKAHEADS) {
+      run('hear', '-l', lang, '-e', engine, '--lookahead', String(lookahead), '--fap', file('x.fap'), file('all.wav'));
+      console.log(`| ${engine} | ${lookahead} ms | ${correlations(framesOf('x.fap').map((f) => kinds.map((kind) => seen[kind](f))), kinds).join(' | ')} |`);
     }
-  const loudness = ({ sound }) => {
-    const { rate, samples } = samplesOf(sound), hop = rate / 25;
-    return Array.from({ length: Math.floor(samples.length / hop) }, (_, k) => [Math.sqrt(samples.slice(Math.max(0, (k - 0.5) * hop), (k + 0.5) * hop).reduce((sum, x) => sum + x * x, 0) / hop)]);
-  };
+  const loudness = Array.from(face, (_, k) => [Math.sqrt(samples.slice(Math.max(0, (k - 0.5) * hop), (k + 0.5) * hop).reduce((sum, x) => sum + x * x, 0) / hop)]);
   console.log(`| opens with the amplitude | - | ${correlations(loudness, ['apart'])[0]} | - | - | - |`);
 }
-await table('Italian (asterisk-core-sounds-it-wav)', sets.Italian, 'it');
-await table('English (pocketsphinx-testdata, librivox)', sets.English, 'en');
-mouths('Italian', sets.Italian, 'it');
-mouths('English', sets.English, 'en');
+
+let spoken;
+for (const name of chosen) {
+  const [title, lang, of] = people[name], list = of();
+  spoken = { ...together(list), list };
+  await table(title, spoken, lang);
+  mouths(title, spoken, lang);
+}
 
 // The processor's time for a minute, without that for the start.
-const { rate, samples } = samplesOf(sets.English[0].sound);
+const { rate, samples } = spoken;
 const used = (seconds) => {
   const long = Int16Array.from({ length: seconds * rate }, (_, i) => Math.round(32767 * samples[i % samples.length]));
   fs.writeFileSync(file('long.wav'), wavOf(long, rate));

@@ -125,6 +125,8 @@ for (const codec of ['opus', 'pcm']) patient(`a sentence through the microphone 
     document.body.append(button);
   }, codec);
   await page.click('#mic');
+  await page.evaluate(() => window.listening.caption('what a recogniser heard'));
+  await page.waitForFunction(() => document.querySelector('talking-head').shadowRoot.querySelector('.captions').textContent === 'what a recogniser heard');
   const seconds = spoken.samples.length / spoken.rate + 2; // of the loop that the microphone plays
   await page.waitForFunction((needed) => window.came.audio.length > needed * window.came.audioRate && window.came.audioRate, 2 * seconds + 1, { timeout: 60000 });
   await page.evaluate(() => window.listening.stop());
@@ -147,6 +149,11 @@ for (const plain of [false, true]) patient(`she follows a sound of the page: <ta
     const audio = document.createElement('audio');
     audio.id = 'sound';
     audio.controls = true;
+    const track = document.createElement('track');
+    track.kind = 'captions';
+    track.src = URL.createObjectURL(new Blob(['WEBVTT\n\n00:00.000 --> 01:00.000\n<v Anna>Papà <b>beve</b>.'], { type: 'text/vtt' }));
+    track.default = true;
+    audio.append(track);
     audio.src = src;
     document.body.prepend(audio);
     document.querySelector('talking-head').setAttribute('lang', 'it');
@@ -154,6 +161,7 @@ for (const plain of [false, true]) patient(`she follows a sound of the page: <ta
   }, address);
   await page.click('h1, header, main').catch(() => {});
   await page.evaluate(() => document.querySelector('#sound').play());
+  await page.waitForFunction(() => document.querySelector('talking-head').shadowRoot.querySelector('.captions').textContent === 'Papà beve.');
   await page.waitForFunction(() => window.came.events.some((e) => e.type === 'end'), null, { timeout: 60000 });
   const all = await came(page);
   assert.equal(all.events.find((e) => e.type === 'end').reason, 'done');

@@ -7,6 +7,8 @@ const KINDS = {
   rounded: { of: (ipa) => /^(t͡ʃ|d͡ʒ|tʃ|dʒ|[ʃʒuwoɔʊ])/.test(ipa), heard: ['rounded', 'middle-round', 'close-round'] },
 };
 export const kinds = Object.keys(KINDS);
+/** What is shown of a phone, as `faccia hear` names it, as far as the kinds ask. */
+export const classOf = (ipa) => Object.values(KINDS).find((kind) => kind.of(ipa))?.heard[0];
 
 /** Stretches in which it is so, each {start, end}; those that touch are one. */
 function joined(list) {
@@ -18,16 +20,17 @@ function joined(list) {
 }
 
 /**
- * Of a kind: {said, found, shown, wrong}: how often it was said, and heard within `slack` s of that; for how long it was shown while somebody speaks, s, and
- * how much of that lies farther than `slack` from where it was said. `shift` moves what was said: what chance would give.
+ * Of a kind: {said, found, shown, wrong}: how often it was said, and heard within `slack` s of that; for how long it was shown while somebody speaks, pauses
+ * not, s, and how much of that lies farther than `slack` from where it was said. `shift` moves what was said: what chance would give.
  */
 export function compared(kind, phones, heard, { slack = 0.04, shift = 0 } = {}) {
-  const speech = phones.filter((p) => p.ipa), [from, to] = [speech[0].start, speech.at(-1).end];
+  const speech = phones.filter((p) => p.ipa), pauses = phones.filter((p) => !p.ipa), [from, to] = [speech[0].start, speech.at(-1).end];
   const said = joined(speech.filter((p) => KINDS[kind].of(p.ipa)).map(({ start, end }) => ({ start: start + shift, end: end + shift }))).filter((s) => s.start >= from && s.end <= to + 0.01);
   const seen = joined(heard.filter((p) => KINDS[kind].heard.includes(p.class)));
   let [shown, wrong] = [0, 0];
   for (const { start, end } of seen)
     for (let t = Math.max(from, start); t < Math.min(to, end); t += 0.01) {
+      if (pauses.some((p) => t >= p.start && t < p.end)) continue;
       shown += 0.01;
       if (!said.some((s) => t > s.start - slack && t < s.end + slack)) wrong += 0.01;
     }

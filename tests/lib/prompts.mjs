@@ -1,31 +1,30 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A person who reads: the Italian prompts of Debian's asterisk-core-sounds-it and -it-wav (CC-BY-SA 3.0), and the closures of stops that can be heard in them.
+// People who read: the prompts of Debian's asterisk-core-sounds-LANG and -wav or -g722 (CC-BY-SA 3.0), and the closures of stops that can be heard in them.
 import { execFileSync } from 'node:child_process';
 import fs from 'node:fs';
 import path from 'node:path';
 import zlib from 'node:zlib';
 import { wavOf } from './wav.mjs';
 
-const list = '/usr/share/doc/asterisk-core-sounds-it/core-sounds-it.txt.gz';
-const sounds = '/usr/share/asterisk/sounds/it_IT_m_Carlo';
+const READERS = { it: ['it_IT_m_Carlo', 'male'], en: ['en_US_f_Allison', 'female'], es: ['es_MX_f_Allison', 'female'], fr: ['fr_CA_f_June', 'female'], ru: ['ru_RU_f_IvrvoiceRU', 'female'] };
 
 /** [{name, text, sound}]: those whose text is words only. Lines with lost letters, remarks in brackets or more than one entry are left out. */
-export function prompts() {
-  const lines = zlib.gunzipSync(fs.readFileSync(list)).toString('utf8').split(/\r?\n/);
+export function prompts(lang = 'it', suffix = 'wav') {
+  const lines = zlib.gunzipSync(fs.readFileSync(`/usr/share/doc/asterisk-core-sounds-${lang}/core-sounds-${lang}.txt.gz`)).toString('utf8').split(/\r?\n/);
   return lines.flatMap((line) => {
     const [, name, text] = line.match(/^([\w/-]+):\s+(.*\S)\s*$/) ?? [];
-    const sound = path.join(sounds, `${name}.wav`);
+    const sound = path.join('/usr/share/asterisk/sounds', READERS[lang][0], `${name}.${suffix}`);
     const plain = text && !/\w\?|[[\](){}<>*#/]|: /.test(text) && text.split(/\s+/).length >= 3;
-    return plain && fs.existsSync(sound) ? [{ name, text: text.replace(/…|\.\.+/g, ' '), sound }] : [];
+    return plain && fs.existsSync(sound) ? [{ name, text: text.replace(/…|\.\.+/g, ' '), sound, lang }] : [];
   });
 }
 
 /** The phones of a recording, by `faccia align`; null when it says that the words are not those. */
-export function alignedPhones(program, { text, sound }, folder) {
+export function alignedPhones(program, { text, sound, lang }, folder) {
   const [script, out] = ['prompt.txt', 'prompt.json'].map((file) => path.join(folder, file));
   fs.writeFileSync(script, text);
   try {
-    execFileSync(program, ['align', '-q', sound, '--text', script, '-l', 'it', '--gender', 'male', '--json', out], { stdio: 'pipe' });
+    execFileSync(program, ['align', '-q', sound, '--text', script, '-l', lang, '--gender', READERS[lang][1], '--json', out], { stdio: 'pipe' });
   } catch ({ status }) {
     if (status !== 1) throw new Error(`faccia align ${sound}: ${status}`);
     return null;

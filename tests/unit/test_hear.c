@@ -258,9 +258,11 @@ static void test_decoder(void **state) {
     assert_int_equal(d.now.end, 36);
 }
 
-/* What may be a closure is one. */
+/* What may be a closure, or teeth on the lip, is one. */
 static void test_doubt(void **state) {
     (void)state;
+    const float teeth[HEAR_CLASSES] = {[HEAR_TEETH] = 0.35F, [HEAR_BACK] = 0.65F},
+                no_teeth[HEAR_CLASSES] = {[HEAR_TEETH] = 0.3F, [HEAR_BACK] = 0.7F};
     const float likely[HEAR_CLASSES] = {[HEAR_CLOSED] = 0.45F, [HEAR_BACK] = 0.55F},
                 less[HEAR_CLASSES] = {[HEAR_CLOSED] = 0.35F, [HEAR_BACK] = 0.65F};
     struct hear_decoder d;
@@ -271,6 +273,12 @@ static void test_doubt(void **state) {
     assert_int_equal(d.now.class, HEAR_BACK);
     hear_decoder_step(&d, likely, &ended);
     assert_int_equal(d.now.class, HEAR_CLOSED);
+    hear_decoder_begin(&d);
+    for (int k = 0; k < 3; k++)
+        hear_decoder_step(&d, no_teeth, &ended);
+    assert_int_equal(d.now.class, HEAR_BACK);
+    hear_decoder_step(&d, teeth, &ended);
+    assert_int_equal(d.now.class, HEAR_TEETH);
 }
 
 int main(void) {

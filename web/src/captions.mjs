@@ -72,6 +72,26 @@ export class CaptionTrack {
   }
 }
 
+/** Captions that come from elsewhere, of a voice whose words nobody here knows: the last of them that there is room for. */
+export class GivenCaptions {
+  #text = null;
+
+  /** @param {() => string} [known] what is shown as long as nothing is given */
+  constructor(known = () => '') {
+    this.known = known;
+  }
+
+  /** @param {string|null} text in place of the one before */
+  give(text) {
+    this.#text = text;
+  }
+
+  lineOf(size) {
+    const text = this.#text ?? this.known(), piece = cutCaption(text, 0, text.length, size).at(-1);
+    return piece ? { said: '', word: '', rest: text.slice(piece.start, piece.end) } : null;
+  }
+}
+
 /** The same of an utterance whose text is not known before its sentences are heard. */
 export class HeardCaptions {
   constructor(markup) {

@@ -2,6 +2,7 @@
 // Voices of the page that the head speaks with: a microphone, a track of a call, the page's own sound.
 import { Capture } from './audio/capture.mjs';
 import { voiceCodec } from './audio/voice-coder.mjs';
+import { GivenCaptions } from './captions.mjs';
 import { acquireContext, releaseContext } from './audio/shared-context.mjs';
 
 const sources = new WeakMap(); // media element -> {context, node}: there can be but one for each
@@ -14,8 +15,15 @@ async function microphone() {
   return navigator.mediaDevices.getUserMedia({ audio: { echoCancellation: true, channelCount: 1 } });
 }
 
+/** What the captions of a sound say just now: the cues of its `<track>`s that are not switched off. */
+function cuesOf(media) {
+  const tracks = [...(media.textTracks ?? [])].filter((track) => track.mode !== 'disabled' && ['captions', 'subtitles'].includes(track.kind));
+  return tracks.flatMap((track) => [...(track.activeCues ?? [])].map((cue) => (cue.text ?? '').replace(/<[^>]*>/g, ''))).join(' ');
+}
+
 /** A stream that the head lends its lips to, until it ends. */
 export class Listening {
+  #captions = new GivenCaptions();
   #capture = null;
   #voice = null;
   #stopped = false;
@@ -31,6 +39,11 @@ export class Listening {
   constructor(ports, source, options) {
     this.done = this.#run(ports, source, options);
     this.done.catch(() => {}); // whoever waits for it is told
+  }
+
+  /** @param {string|null} text that is said, by a recogniser, say: captions come from nowhere else */
+  caption(text) {
+    this.#captions.give(text);
   }
 
   stop() {
@@ -52,7 +65,7 @@ export class Listening {
       for (const track of tracks) track.addEventListener('ended', over);
       const codec = await voiceCodec(options.codec);
       if (this.#stopped) throw new globalThis.DOMException('It was stopped.', 'AbortError');
-      this.#voice = ports.speak({ ...options, codec });
+      this.#voice = ports.speak({ ...options, codec, captions: this.#captions });
       return await this.#voice.done;
     } finally {
       this.#capture?.close();
@@ -80,9 +93,15 @@ export class Following {
     this.ports = ports;
     this.media = media;
     this.options = options;
+    this.captions = new GivenCaptions(() => cuesOf(media));
     for (const type of ['play', 'playing']) media.addEventListener(type, this.#begin);
     for (const type of ['pause', 'ended']) media.addEventListener(type, this.#end);
     if (!media.paused) this.#begin();
+  }
+
+  /** @param {string|null} text in place of what the sound's `<track>`s say; null: those again */
+  caption(text) {
+    this.captions.give(text);
   }
 
   stop() {
@@ -108,7 +127,7 @@ export class Following {
     const codec = await voiceCodec(this.options.codec);
     this.#asking = false;
     if (this.#closed || this.media.paused) return;
-    const voice = this.ports.speak({ ...this.options, codec });
+    const voice = this.ports.speak({ ...this.options, codec, captions: this.captions });
     this.#voice = voice;
     try {
       await this.#open();

@@ -14,14 +14,15 @@ export class OwnVoice {
    * @param {(message: object) => boolean} send
    * @param {(data: Int16Array|Uint8Array, bytesASecond: number) => boolean} sendSound
    * @param {(voice: OwnVoice) => void} cancel
-   * @param {{codec?: string, before?: () => void}} [more] a codec of the protocol that the browser can do; sees to it that
-   *   nobody else speaks when this one begins
+   * @param {{codec?: string, captions?: object, before?: () => void}} [more] a codec of the protocol that the browser can do;
+   *   captions from elsewhere; sees to it that nobody else speaks when this one begins
    */
-  constructor(send, sendSound, cancel, { codec = 'pcm_s16le', before = () => {} } = {}) {
+  constructor(send, sendSound, cancel, { codec = 'pcm_s16le', captions = null, before = () => {} } = {}) {
     this.send = send;
     this.sendSound = sendSound;
     this.cancelled = cancel;
     this.codec = codec;
+    this.captions = captions;
     this.before = before;
     this.key = null; // what the server knows it by, once it has been asked for
     this.closed = false;

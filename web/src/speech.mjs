@@ -58,7 +58,7 @@ export class Speech {
 
   /** @param {string} text @param {object} options further members of the `speak` message @returns {Promise<object>} */
   speak(text, options = {}, writing = null) {
-    const utterance = new Utterance(this.#key(options.id), text, options, null, writing);
+    const utterance = new Utterance(this.#key(options.id), text, options, writing?.captions ?? null, writing);
     const first = ['replace', 'interrupt'].includes(options.mode);
     if (first) this.paused = false;
     if (options.mode === 'replace') for (const other of [...this.open]) if (!other.sent) this.#stopped(other);
@@ -77,9 +77,10 @@ export class Speech {
   }
 
   /** Has somebody speak himself. @param {object} options members of the `voice` message @returns {OwnVoice} */
-  listen({ codec, ...options } = {}) {
+  listen({ codec, captions, ...options } = {}) {
     const voice = new OwnVoice(this.send, this.sendSound, (cancelled) => this.#cancel(cancelled), {
       codec,
+      captions,
       before: () => {
         if (this.#own !== voice) this.#own?.hangUp();
         this.#own = voice;

@@ -30,6 +30,8 @@ export interface ListenOptions {
 
 export interface Listening {
   stop(): void;
+  /** Shown under her until the next; a recogniser's words, say. */
+  caption(text: string | null): void;
   /** As of `speak`; fails where there is no microphone, or it is refused. */
   done: Promise<EndMessage>;
 }
@@ -242,7 +244,7 @@ export class TalkingHead extends HTMLElement {
   open(source?: ReadableStream<string | Uint8Array> | AsyncIterable<string | Uint8Array> | null, options?: SpeakOptions): Writing;
   /** Without a stream: the user's microphone, only while the user does something. */
   listen(stream?: MediaStream | MediaStreamTrack | null, options?: ListenOptions): Listening;
-  follow(media: HTMLMediaElement, options?: ListenOptions): { stop(): void };
+  follow(media: HTMLMediaElement, options?: ListenOptions): Omit<Listening, 'done'>;
   stop(): void;
   pause(): void;
   resume(): void;

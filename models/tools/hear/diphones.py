@@ -1,9 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Voices of Festival that faccia has not, made of recordings of four Czech and two Finnish speakers, for the training, in the form of people.py.
+"""Voices of Festival that faccia has not, made of recordings of people who speak Czech (four), Finnish (two), American, Telugu and Catalan, for the training, in the form of
+people.py.
 
 python3 diphones.py OUT.npz [--minutes N] [--seed N]
-Wants festvox-czech-dita, -krb, -machac, -ph, festvox-suopuhe-lj and -mv, witalian and python3-scipy. The words are Italian and made up: what counts
-is each sound beside each other.
+Wants festvox-czech-dita, -krb, -machac, -ph, festvox-suopuhe-lj and -mv, festvox-kdlpc16k, -te-nsk and -ca-ona-hts, wamerican, witalian and python3-scipy. The words are Italian,
+English and made up: what counts is each sound beside each other.
 """
 import argparse
 import json
@@ -13,12 +14,14 @@ import tempfile
 import wave
 
 import numpy as np
-from make_data import words_of
+from flite import IPA as AMERICAN
+from flite import text_of as english_of
+from make_data import OFTEN, words_of
 from scipy import signal
 from sounds import RATE
 
-VOICES = ['czech_dita', 'czech_krb', 'czech_machac', 'czech_ph', 'suo_fi_lj_diphone', 'hy_fi_mv_diphone']
-IPA = {
+VOICES = ['czech_dita', 'czech_krb', 'czech_machac', 'czech_ph', 'suo_fi_lj_diphone', 'hy_fi_mv_diphone', 'ked_diphone', 'telugu_NSK_diphone', 'upc_ca_ona_hts']
+EUROPEAN = {
     '#': '', '_': '', 'pau': '', 'c': 'ts', 'c~': 'tʃ', 'ch': 'x', 'd~': 'ɟ', 't~': 'c', 'dz~': 'dʒ', 'n~': 'ɲ', 'n*': 'ŋ', 'r~': 'ʒ', 'r~*': 'ʃ', 's~': 'ʃ', 'z~': 'ʒ',
     '@': 'ə', 'y': 'y', '{': 'æ', '2': 'ø', 'N': 'ŋ', 'S': 'ʃ',
 }  # fmt: skip
@@ -35,11 +38,36 @@ SCHEME = """
 """
 
 
-def ipa_of(name):
-    return IPA.get(name) if name in IPA else IPA.get(name.rstrip(':12'), name.rstrip(':12')[:1])
+# β has no class: neither Catalan's b between vowels nor Telugu's v is what its letter says.
+INDIAN = {
+    'pau': '', '@': 'a', 'a': 'a', 'aa': 'a', 'ih': 'i', 'iy': 'i', 'uh': 'u', 'uw': 'u', 'eh': 'e', 'ee': 'e', 'ay': 'ai', 'oh': 'o', 'oo': 'o', 'aw': 'au', 'w': 'u', 'ch': 'tʃ', 'j': 'dʒ',
+    'T': 'ʈ', 'D': 'ɖ', 'N': 'ɳ', 'th': 't', 'dh': 'd', 'tth': 't', 'ddh': 'd', 'td': 'ʈ', 'L': 'ɭ', 'R': 'r', 'v': 'β', 'sh': 'ʃ', 'ksh': 'ʃ', 'sri': 'ʃ', 'zh': 'ʒ', 'y': 'j', 'x': '?',
+}  # fmt: skip
+CATALAN = {'pau': '', 'ax': 'ə', 'E': 'ɛ', 'O': 'ɔ', 'S': 'ʃ', 'Z': 'ʒ', 'tS': 'tʃ', 'dZ': 'dʒ', 'J': 'ɲ', 'L': 'ʎ', 'N': 'ŋ', 'rr': 'r', 'w': 'w'}
+OF = {'ked_diphone': AMERICAN, 'telugu_NSK_diphone': INDIAN, 'upc_ca_ona_hts': CATALAN}
+LETTERS, MARKS = 'కగచజటడతదనపఫబభమయరలసశమపబమపబ', ['', 'ా', 'ి', 'ీ', 'ు', 'ూ', 'ె', 'ే', 'ొ', 'ో']
 
 
-def text_of(rng, words):
+def ipa_of(name, voice):
+    names = OF.get(voice, EUROPEAN)
+    return names.get(name) if name in names else names.get(name.rstrip(':12'), name.rstrip(':12')[:1])
+
+
+def between_vowels(phones):
+    for before, phone, after in zip(phones, phones[1:], phones[2:]):
+        if phone['ipa'] == 'b' and before['ipa'][:1] not in ('', 'm') and after['ipa']:
+            phone['ipa'] = 'β'
+
+
+def text_of(rng, voice, words):
+    if voice == 'ked_diphone':
+        return english_of(rng, words['en'], OFTEN['en'].split())
+    if voice == 'telugu_NSK_diphone':
+        return ' '.join(''.join(rng.choice(list(LETTERS)) + rng.choice(MARKS) for _ in range(rng.integers(1, 5))) for _ in range(rng.integers(3, 10))) + '.'
+    return italian_of(rng, words['it'])
+
+
+def italian_of(rng, words):
     def word():
         if rng.random() < 0.6:
             return words[rng.integers(len(words))].encode('ascii', 'ignore').decode()
@@ -49,9 +77,9 @@ def text_of(rng, words):
 
 
 def spoken(rng, voice, words, folder):
-    texts = ' '.join(f'"{text_of(rng, words)}"' for _ in range(8))
+    texts = ' '.join(f'"{text_of(rng, voice, words)}"' for _ in range(8))
     text = SCHEME.format(voice=voice, stretch=f'{rng.uniform(0.75, 1.3):.2f}', folder=folder, texts=texts)
-    with open(os.path.join(folder, 'a.scm'), 'w', encoding='iso-8859-1') as file:
+    with open(os.path.join(folder, 'a.scm'), 'w', encoding='utf-8') as file:
         file.write(text)
     done = subprocess.run(['festival', '-b', os.path.join(folder, 'a.scm')], capture_output=True, check=False)
     for k in range(8):
@@ -66,8 +94,10 @@ def spoken(rng, voice, words, folder):
             for line in file:
                 fields = line.split()
                 if len(fields) == 3 and fields[0] != 'separator':
-                    phones.append({'ipa': ipa_of(fields[2]), 'start': start, 'end': float(fields[0])})
+                    phones.append({'ipa': ipa_of(fields[2], voice), 'start': start, 'end': float(fields[0])})
                     start = float(fields[0])
+        if voice == 'upc_ca_ona_hts':
+            between_vowels(phones)
         os.remove(wav)
         os.remove(lab)
         yield np.round(np.clip(signal.resample_poly(sound, RATE, hz), -32767, 32767)).astype(np.int16), phones
@@ -79,7 +109,7 @@ def main():
     parser.add_argument('--minutes', type=float, default=20, help='of speech')
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
-    rng, words = np.random.default_rng(options.seed), words_of('it')
+    rng, words = np.random.default_rng(options.seed), {lang: words_of(lang) for lang in ('it', 'en')}
     sounds, items = [], []
     with tempfile.TemporaryDirectory() as folder:
         for voice in VOICES:

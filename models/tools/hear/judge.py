@@ -17,8 +17,8 @@ from train import CLASSES, DELAYS, load
 
 KINDS = {'closed': (r'[pbm]', {1}), 'teeth': (r'[fv]', {2}), 'rounded': (r't͡ʃ|d͡ʒ|tʃ|dʒ|[ʃʒuwoɔʊ]', {3, 11, 13})}
 SLACK, FIRST = 0.04, 0.0075
-# As server/hear/hear_decoder.c has them, where teeth on the lip count as they are likely, and closures wherever the lips are.
-DECODER = {'closed': 1.4, 'apart': 99.0, 'teeth': 1.0, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
+# As server/hear/hear_decoder.c has them; closures count wherever the lips are.
+DECODER = {'closed': 1.4, 'apart': 99.0, 'teeth': 2.0, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
 
 
 def decoded(likely, gap, d):
@@ -66,6 +66,7 @@ def compared(kind, phones, heard, shift=0.0):
     shown = wrong = 0
     for a, b in seen:
         times = np.arange(max(low, a), min(high, b), 0.01)
+        times = times[[not any(p['start'] <= t < p['end'] for p in phones if not p['ipa']) for t in times]] if len(times) else times
         near = np.zeros(len(times), bool)
         for s in said:
             near |= (s[0] - SLACK < times) & (times < s[1] + SLACK)
@@ -141,10 +142,9 @@ def main():
             for name in sorted({n for n, _ in sums}):
                 print(network, f'{10 * delay:3d} ms {name:12s}', ' | '.join(f'{kind} {cell(sums[name, kind])}' for kind in KINDS), flush=True)
             if options.search:
-                for closed in (1, 1.4, 2, 3):
-                    for apart in (3.5, 4, 4.5, 5, 99):
-                        sums = table(heard, {**DECODER, 'closed': closed, 'apart': apart, 'teeth': closed})
-                        print(closed, apart, ' | '.join(f'{name} {kind} {cell(a)}' for (name, kind), a in sums.items() if kind != 'rounded'), flush=True)
+                for closed, teeth, apart in [(c, t, 99) for c in (1, 1.4, 2) for t in (1, 1.4, 2, 3)] + [(1.4, 2, a) for a in (3.5, 4, 4.5, 5)]:
+                    sums = table(heard, {**DECODER, 'closed': closed, 'apart': apart, 'teeth': teeth})
+                    print(closed, teeth, apart, ' | '.join(f'{name} {kind} {cell(a)}' for (name, kind), a in sums.items() if kind != 'rounded'), flush=True)
 
 
 if __name__ == '__main__':

@@ -15,7 +15,7 @@ import wave
 import numpy as np
 from scipy import signal
 from people import HELD, pieces
-from sounds import RATE, augmented, classes_of, labels
+from sounds import RATE, augmented, classes_of, coloured, labels, music
 
 LISTS = {
     'it': '/usr/share/dict/italian',
@@ -126,6 +126,14 @@ def synthetic(options, rng, collected):
     print('phones without a class:', unknown)
 
 
+def nobody(rng, collected, count):
+    """Music, and noises alone: nothing is said."""
+    length = int((PIECE + 0.1) * RATE)
+    for k in range(count):
+        sound = music(rng, length) if k % 4 else coloured(rng, length, rng.integers(-1, 3)) * (0.2 + np.abs(signal.resample(rng.standard_normal(rng.integers(4, 60)), length)))
+        collected.add(sound / np.max(np.abs(sound)), [{'ipa': '', 'start': 0, 'end': PIECE}], np.zeros(0))
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument('build')
@@ -135,12 +143,14 @@ def main():
     parser.add_argument('--times', type=int, default=2, help='by how many microphones each piece is heard')
     parser.add_argument('--keep', type=float, default=1, help='how much of the pieces')
     parser.add_argument('--later', type=float, default=0, help='seconds by which the phones are later than is said')
+    parser.add_argument('--nobody', type=int, default=0, help='pieces of music and noise')
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
     collected = Collected(rng, f'{options.build}/server/hear/hear-features', options.times, options.keep, options.later)
     if options.minutes:
         synthetic(options, rng, collected)
+    nobody(rng, collected, options.nobody)
     for path in options.people:
         for speaker, sound, phones, other in pieces(rng, path, PIECE):
             if speaker not in HELD:

@@ -107,9 +107,32 @@ def coded(rng, sound):
     return np.pad(back, (0, max(0, len(sound) - len(back))))[: len(sound)]
 
 
+def music(rng, count):
+    """Instruments that there are not, in chords or one by one, with or without drums. Nobody sings."""
+    out, seconds, beat = np.zeros(count), count / RATE, rng.uniform(0.15, 0.8)
+    harmonics, decay = np.arange(1, 9), rng.uniform(0, 8)
+    strength = harmonics ** -rng.uniform(0.3, 2.5) * rng.uniform(0.2, 1, 8)
+    root, scale = rng.uniform(55, 330), rng.choice([0, 2, 3, 4, 5, 7, 8, 9, 10, 12, 14, 15, 17, 19], 7)
+    for at in np.arange(0, seconds, beat):
+        length = min(seconds - at, beat * rng.choice([0.5, 1, 1, 2, 4]))
+        t = np.arange(int(length * RATE)) / RATE
+        for step in rng.choice(scale, rng.integers(0, 4)):
+            hz = root * 2 ** (step / 12) * (1 + rng.uniform(0, 0.01) * np.sin(2 * np.pi * rng.uniform(4, 7) * t))
+            phase = 2 * np.pi * np.cumsum(hz) / RATE
+            tone = sum(a * np.sin(n * phase) for n, a in zip(harmonics, strength) if n * np.max(hz, initial=0) < RATE / 2)
+            out[int(at * RATE) :][: len(t)] += (tone * np.exp(-decay * t) * np.minimum(1, 1 + (t - length) / 0.02) * np.minimum(1, t / 0.01 + 0.1))[: count - int(at * RATE)]
+    if rng.random() < 0.6:
+        for at in np.arange(0, seconds, beat / rng.choice([1, 2])):
+            t = np.arange(int(min(seconds - at, 0.3) * RATE)) / RATE
+            kind = rng.integers(3)
+            hit = np.sin(2 * np.pi * 60 * t) if kind == 0 else coloured(rng, max(2, len(t)), [0, -1][kind - 1])[: len(t)]
+            out[int(at * RATE) :][: len(t)] += rng.uniform(0.3, 1.5) * hit * np.exp(-rng.uniform(10, 50) * t)
+    return out / (np.sqrt(np.mean(out**2)) + 1e-9)
+
+
 def with_noise(rng, sound, other, low, high):
-    kind = rng.integers(4)
-    noise = coloured(rng, len(sound), [0, 1, 2, 1][kind])
+    kind = rng.integers(5)
+    noise = music(rng, len(sound)) if kind == 4 else coloured(rng, len(sound), [0, 1, 2, 1][kind])
     if kind == 3 and len(other) >= len(sound):  # others who talk, backwards: no phone of theirs is to be shown
         at = rng.integers(len(other) - len(sound) + 1)
         noise = other[at : at + len(sound)][::-1]
