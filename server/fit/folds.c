@@ -63,3 +63,8 @@ void folds_make(struct fit_track *tracks, size_t count, bool rest_known) {
         tracks[i].folds = folds_of(&tracks[i], i, count >= TASK_FOLDS, rest_known, &sounds);
     free(sounds.items);
 }
+
+bool folds_tell(const struct task *task, const struct fit_track *t, size_t frame) {
+    const bool *unseen = t->recording->unseen[task->param];
+    return t->folds[frame] != FOLD_NONE && !(unseen && unseen[frame]);
+}

@@ -11,4 +11,7 @@
 /* Makes the folds of all tracks, which are freed with them. Pauses count only where rest_known. */
 void folds_make(struct fit_track *tracks, size_t count, bool rest_known);
 
+/* Whether a frame tells anything of the task's parameter. */
+bool folds_tell(const struct task *task, const struct fit_track *t, size_t frame);
+
 #endif

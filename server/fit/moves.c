@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/fit/moves.h"
 #include "server/base/mem.h"
+#include "server/fit/folds.h"
 #include "server/fit/unknowns.h"
 #include <math.h>
 #include <stdlib.h>
@@ -153,7 +154,7 @@ static double amplitude(const struct task *task) {
         targets_curve(task->pack, &t->segments, task->options->function, task->param, &curve);
         for (size_t i = 0; i < t->recording->frame_count; i++) {
             double y = curve_at(&curve, t->recording->times[i], &cursor);
-            if (!task_tells(task, t, i))
+            if (!folds_tell(task, t, i))
                 continue;
             sum += y;
             squares += y * y;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/fit/task.h"
 #include "server/base/mem.h"
+#include "server/fit/folds.h"
 #include "server/fit/least_squares.h"
 #include "server/fit/moves.h"
 #include "server/fit/unknowns.h"
@@ -15,18 +16,13 @@ static bool takes_part(const struct task *task, const struct fit_track *t) {
     return t->recording->curves[task->param] != NULL;
 }
 
-bool task_tells(const struct task *task, const struct fit_track *t, size_t frame) {
-    const bool *unseen = t->recording->unseen[task->param];
-    return t->folds[frame] != FOLD_NONE && !(unseen && unseen[frame]);
-}
-
 /* Frames so near to a part that is held out do not count either: what disturbs curves lasts from one sound to
  * the next, and would be foretold with it (Burman, Chow and Nolan, Biometrika 81, 1994). */
 #define GUARD 0.05
 
 static bool counts(const struct task *task, const struct fit_track *t, size_t frame) {
     const double *times = t->recording->times;
-    if (!task_tells(task, t, frame) || t->folds[frame] == task->held)
+    if (!folds_tell(task, t, frame) || t->folds[frame] == task->held)
         return false;
     if (task->held < 0)
         return true;
@@ -56,7 +52,7 @@ static void compare(const struct task *task, const struct fit_track *t, double *
     predict(task, t, out);
     for (size_t i = 0; i < t->recording->frame_count; i++) {
         out[i] -= t->recording->curves[task->param][i];
-        if (!task_tells(task, t, i))
+        if (!folds_tell(task, t, i))
             continue;
         whole += out[i];
         all++;
@@ -67,7 +63,7 @@ static void compare(const struct task *task, const struct fit_track *t, double *
     }
     level = task->options->rest_known ? 0 : n ? level / (double)n : all ? whole / (double)all : 0;
     for (size_t i = 0; i < t->recording->frame_count; i++)
-        out[i] = task_tells(task, t, i) ? out[i] - level : 0;
+        out[i] = folds_tell(task, t, i) ? out[i] - level : 0;
 }
 
 static void compare_counted(const struct task *task, const struct fit_track *t, double *out) {
@@ -172,7 +168,7 @@ double task_error(const struct task *task, int fold, size_t *frames) {
         double *difference = mem_alloc((t->recording->frame_count + 1) * sizeof *difference);
         compare(task, t, difference);
         for (size_t n = 0; n < t->recording->frame_count; n++)
-            if (task_tells(task, t, n) && (fold < 0 || t->folds[n] == fold)) {
+            if (folds_tell(task, t, n) && (fold < 0 || t->folds[n] == fold)) {
                 sum += difference[n] * difference[n];
                 ++*frames;
             }
@@ -192,7 +188,7 @@ double task_shape_error(const struct task *task, size_t *frames) {
         predict(task, t, curve);
         for (size_t i = 0; i < t->recording->frame_count; i++) {
             double own = t->recording->curves[task->param][i];
-            if (!task_tells(task, t, i))
+            if (!folds_tell(task, t, i))
                 continue;
             n++;
             f += curve[i];
@@ -251,7 +247,7 @@ static bool begin(struct task *task) {
         if (takes_part(task, t)) {
             task->frames += t->recording->frame_count;
             for (size_t n = 0; n < t->recording->frame_count; n++)
-                frames += task_tells(task, t, n);
+                frames += folds_tell(task, t, n);
         }
     for (size_t i = 0; i < fit->entry_count; i++) {
         struct task_slot *s = &task->slots[i];

@@ -41,9 +41,6 @@ struct task {
     int held; /* the fold that is left out, or -1 */
 };
 
-/* Whether a frame tells anything of the parameter. */
-bool task_tells(const struct task *task, const struct fit_track *t, size_t frame);
-
 void task_open(struct task *task);
 void task_close(struct task *task);
 
