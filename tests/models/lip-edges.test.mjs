@@ -98,4 +98,6 @@ test('what a front shows: closed lips hide what the jaw does, how far lips come 
   assert.deepEqual(seenAt(4, 1, 1, 4), [true, true, true, false, false, true]);
   assert.deepEqual(seenAt(0.1, 0, 0.1, 0.2), [true, true, true, false, false, false]);
   assert.deepEqual(seenAt(0.1, 0, null, null), [true, false, true, false, false, false]);
+  const jaw = (EM) => parted([1, 2, 0, 0, 0, EM, 0, 0], 1, () => ({ rises: 2, falls: 1 })).seen;
+  assert.deepEqual([jaw(4), jaw(9)], [[true, true, true, false, false, true], [false, true, true, false, false, false]], 'a lip that touches nothing goes with the jaw');
 });

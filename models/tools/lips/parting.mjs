@@ -5,6 +5,7 @@
  */
 const HANGS = 10.5; // mm for a mm of PS, of a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
 const ROUND = -5; // mm of AR: narrower lips have come forward, and where they end a front does not show
+const ABOVE = 5; // mm that a lower lip may be left behind by the jaw while it touches nothing: more, and one of both is not where it was found
 const OPEN = 0.8; // mm between both ends: under it LI is left to the skin around, which sees lips press
 
 /** How far an upper lip comes down for a mm of PS. @param {number} fullness how high it is, the mouth's width being 1 */
@@ -24,5 +25,6 @@ export function parted(q, hang, look) {
   if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls;
   const closed = rises !== null && falls !== null ? rises + falls <= OPEN : LI + LS <= OPEN;
   const round = out[2] < ROUND;
-  return { q: out, seen: [!round && (closed || falls !== null), !round && rises !== null, true, false, false, !closed] };
+  const lost = out[5] - out[0] > ABOVE && out[0] + out[1] > OPEN;
+  return { q: out, seen: [!round && !lost && (closed || falls !== null), !round && rises !== null, true, false, false, !closed && !lost] };
 }
