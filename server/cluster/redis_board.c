@@ -36,7 +36,7 @@ struct redis_board {
     char id[REDIS_ID_BYTES];
     uint64_t known;  /* up to which change */
     uint64_t looked; /* loop time when all was asked for last */
-    unsigned users; /* the question on its way, and the timer: the board stays for them */
+    unsigned users;  /* the question on its way, and the timer: the board stays for them */
     bool asking, up, told;
 };
 

@@ -118,8 +118,8 @@ static json_t *part_of_text(const struct queued_message *message, struct buf *bo
     buf_add(body, queued_message_body(message), message->size);
     if (line)
         buf_add(body, queued_message_body(message->line), line);
-    return json_pack("{ss sI sI}", "event", message->event, "size", (json_int_t)(message->size + line), "line",
-                     (json_int_t)line);
+    return json_pack("{ss sI sI}", "event", message->event, "size", (json_int_t)(message->size + line),
+                     "line", (json_int_t)line);
 }
 
 static json_t *part_of_media(const struct channel_item *item, struct buf *body) {
@@ -140,7 +140,8 @@ static json_t *part_of(const struct home *h, const struct channel_item *item, st
     return part;
 }
 
-static void send_parts(const struct home *h, const struct bus_receivers *to, json_t *parts, struct buf *body) {
+static void send_parts(const struct home *h, const struct bus_receivers *to, json_t *parts,
+                       struct buf *body) {
     struct buf data = {0};
     json_t *head = packet_begin("said", h->channel->name);
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));

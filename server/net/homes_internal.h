@@ -63,14 +63,14 @@ struct home {
     struct recent ended; /* the same, of whatever home: which order had asked for it (home_order) */
     struct ordered ordered[RECENT_MOST]; /* which utterance that is, or was, of whom it is known */
     unsigned ordered_count;              /* ever */
-    uint32_t deaf;       /* such a one, that is spoken */
-    bool knew;           /* the room was followed here before that home was found */
-    bool recapped;       /* a branch has been told what goes on */
-    uint32_t visit;      /* which time it follows a home */
-    uint32_t amid;       /* the utterance in whose middle it came to follow, until its begin is told */
-    bool begin;          /* somebody waits for media that one can begin with */
-    bool stale;          /* the home knows less than is */
-    uint64_t here;       /* loop time when a branch has said last that it is there */
+    uint32_t deaf;                       /* such a one, that is spoken */
+    bool knew;                           /* the room was followed here before that home was found */
+    bool recapped;                       /* a branch has been told what goes on */
+    uint32_t visit;                      /* which time it follows a home */
+    uint32_t amid; /* the utterance in whose middle it came to follow, until its begin is told */
+    bool begin;    /* somebody waits for media that one can begin with */
+    bool stale;    /* the home knows less than is */
+    uint64_t here; /* loop time when a branch has said last that it is there */
 };
 
 struct homes {

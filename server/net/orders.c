@@ -160,7 +160,8 @@ void orders_heard(struct homes *homes, const struct packet *p) {
     /* asked under another token, it has been given up by who asked */
     bool here = h && h->role == HOME_HERE && json_is_object(asked) && packet_number(p, "token") == h->token;
     uint64_t order = home_order(p->from, packet_number(p, "number"));
-    bool heard = here && (home_has_heard(h, order) || home_order_of(h, channel_utterance(h->channel)) == order);
+    bool heard =
+        here && (home_has_heard(h, order) || home_order_of(h, channel_utterance(h->channel)) == order);
     if (heard) {
         struct error e;
         home_error(&e);

@@ -2,7 +2,8 @@
 // Knows what was asked and what was heard, and tells which promises were broken:
 // - every `speak` has exactly one `end`, told to who asked, as long as its connection stands;
 // - nothing is heard twice: what begins anew has been told to (`warning` `room-away`), and nothing begins after its end;
-// - order: what one speaker asked for begins in that order; what two listeners of a room both hear, they hear in the same order;
+// - order: what one speaker asked for begins in that order; what two listeners of a room both hear, they hear in the same order (what was
+//   cut, and comes again, where it comes again);
 // - no gap in media that was not told.
 
 const PROMISES = ['no end', 'two ends', 'heard twice', 'out of order', 'another order', 'a gap', 'nonsense'];
@@ -77,7 +78,10 @@ export class Ear {
     if (message.type === 'begin') this.#begin(message);
     const it = this.numbers.get(message.utterance);
     if (!it) return;
-    if (message.type === 'warning' && message.code === 'room-away') it.again = true;
+    if (message.type === 'warning' && message.code === 'room-away') {
+      it.again = true;
+      if (this.previous === it.id) this.previous = null;
+    }
     if (message.type === 'warning' && message.code === 'skipped') it.next = null;
     if (message.type === 'end') {
       checker.heard.ends++;
