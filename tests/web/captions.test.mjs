@@ -2,7 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { PlainText } from '../../web/src/plain-text.mjs';
-import { CaptionTrack, cutCaption, HeardCaptions } from '../../web/src/captions.mjs';
+import { CaptionTrack, cutCaption, GivenCaptions, HeardCaptions } from '../../web/src/captions.mjs';
 
 const place = (text, part, from = 0) => {
   const start = text.indexOf(part, from);
@@ -112,4 +112,16 @@ test('a caption holds no more than there is room for, and changes its cut with t
     assert.equal(captions.lineOf(20).word, 'delta');
     assert.equal(whole(captions.lineOf(84)), text);
   }
+});
+
+test('captions from elsewhere: the last words that there is room for; what is known already, until others are given', () => {
+  const captions = new GivenCaptions(() => 'from the track');
+  const shown = () => captions.lineOf(20)?.rest;
+  assert.equal(shown(), 'from the track');
+  captions.give('Papà beve vino rosso. La mamma parla piano.');
+  assert.equal(shown(), 'parla piano.');
+  captions.give('');
+  assert.equal(captions.lineOf(20), null);
+  captions.give(null);
+  assert.equal(shown(), 'from the track');
 });

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Some sixty people who say words and syllables in Debian's packages, in the form of people.py: a network that hears already lays their sounds onto the text.
+"""Some thirty people who say words and syllables in Debian's packages, in the form of people.py: a network that hears already lays their sounds onto the text.
 
 python3 laid.py BUILD PLACE NETWORK.bin OUT.npz
 PLACE: where klettres-data, ktuberling-data and tuxpaint-stamps-default were unpacked (`dpkg -x`). Wants python3-torch and sox. What does not fit its text is left out.

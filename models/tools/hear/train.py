@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Trains the network of server/hear/hear_network.h and writes it with what it answers to a piece of its data.
 
-python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--minutes N] [--begin NETWORK.bin] [--size UNITS] [--middle OUTPUTS]
+python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--minutes N] [--begin NETWORK.bin] [--stays SHARE] [--size UNITS] [--middle OUTPUTS]
 SHARE: how much of each step is of that file, which is read again whenever it has been written anew. Wants python3-torch. Fixed seeds; how far it gets in N minutes depends on the machine, so the card
 tells how many steps it had.
 """
@@ -216,6 +216,7 @@ def main():
     parser.add_argument('data', nargs='+')
     parser.add_argument('--minutes', type=float, default=15, help="of the processor's time")
     parser.add_argument('--begin', help='a network to go on from')
+    parser.add_argument('--stays', type=float, default=0, help='how much of the network that it begins with is in the weights that are written')
     parser.add_argument('--size', type=int, default=0, help='units of a recurrent layer; 96, or as the network has that it begins with')
     parser.add_argument('--middle', type=int, default=MIDDLE, help='outputs of the convolution of a new network')
     parser.add_argument('--rate', type=float, default=3e-3)
@@ -233,6 +234,7 @@ def main():
     model = load(options.begin) if options.begin else Hearing(middle=options.middle, size=options.size or SIZE)
     if options.size and options.size != model.gru.hidden_size:
         model = widened(model, options.size)
+    begun = copy.deepcopy(model)
     print('weights:', sum(p.numel() for p in model.parameters()), 'pieces:', [len(f.kept) for f in files], 'share of each class:', np.round(counts, 3), flush=True)
 
     model.train()
@@ -268,6 +270,9 @@ def main():
             if step % 100 == 0:
                 write(mean, options.out)
     print(f'{step} steps')
+    with torch.no_grad():  # what was known is forgotten less (M. Wortsman et al., CVPR 2022)
+        for a, b in zip(mean.parameters(), begun.parameters()):
+            a.lerp_(b, options.stays)
     rounded(mean)  # what the file holds is what answers
     judge()
     mean.eval()
