@@ -118,8 +118,8 @@ rm -f "$artefacts"/*.count
         esac
     done | run 3
     case " $* " in *' daemon '*)
-        files daemon | dearest daemon festival align fit cluster hear command-examples cluster-rooms http-strict heard eval worker |
-            sed 's/^/daemon /' | run 5
+        files daemon | dearest daemon worker library mqtt festival align fit cluster hear command-examples cluster-rooms http-strict heard eval worker |
+            sed 's/^/daemon /' | run 3
         ;;
     esac
 } &

@@ -48,7 +48,7 @@ let redis, one, two;
 const running = new Set();
 /** Its voices are announced anew before it is given: those of one that has gone are there for a while, too. */
 async function worker(...options) {
-  const started = await Worker.start(['--cluster', redis.url, '--plugins', far, '--voice-config', config, '--sandbox', 'off', ...options]);
+  const started = await Worker.start(['--cluster', redis.url, '--plugins', far, '--voice-config', config, '--sandbox', 'off', '--deadline-base', '60', ...options]);
   running.add(started);
   const ready = Date.now(), until = () => redis.cli('zrange', 'faccia:{work}:voices', '0', '-1', 'withscores').split('\n').map(Number);
   await eventually(() => until().some((ms) => ms > ready + 4000), 'its voices to be announced');
@@ -60,7 +60,7 @@ async function dismiss(...workers) {
     assert.deepEqual(await each.stop(), { code: 0, signal: null }, each.log);
   }
 }
-const start = (...options) => Daemon.start(['--cluster', redis.url, '--plugins', near, '--cache', '0', ...options]);
+const start = (...options) => Daemon.start(['--cluster', redis.url, '--plugins', near, '--cache', '0', '--deadline-base', '60', ...options]);
 
 before(async () => {
   redis = await Redis.start({ password: 'p@ss:1', database: 1 });
