@@ -2,6 +2,7 @@
 /** The files that a model names: only those in its own folder or below it are read. */
 import fs from 'node:fs';
 import path from 'node:path';
+import { pictureSize } from '../../../web/src/avatar/picture-size.mjs';
 import { FileError, MOST } from './file-error.mjs';
 
 /** @param {string} file the model's @param {string} name as it stands there @param {string} place of that @returns {Buffer} */
@@ -48,25 +49,14 @@ export function pictureBeside(file, name, place, notes) {
 
 /** What kind of picture it is, and its size, from its first bytes. @returns {{type, width, height}|null} */
 export function pictureOf(bytes) {
-  if (bytes.length > 24 && bytes.readUInt32BE(0) === 0x89504e47) return { type: 'image/png', width: bytes.readUInt32BE(16), height: bytes.readUInt32BE(20) };
-  if (bytes.length > 30 && bytes.toString('latin1', 0, 4) === 'RIFF' && bytes.toString('latin1', 8, 12) === 'WEBP') return webpOf(bytes);
-  if (bytes.length > 4 && bytes.readUInt16BE(0) === 0xffd8) {
-    for (let at = 2; at + 9 < bytes.length && bytes[at] === 0xff; at += 2 + bytes.readUInt16BE(at + 2)) {
-      const mark = bytes[at + 1];
-      if (mark >= 0xc0 && mark <= 0xcf && ![0xc4, 0xc8, 0xcc].includes(mark))
-        return { type: 'image/jpeg', width: bytes.readUInt16BE(at + 7), height: bytes.readUInt16BE(at + 5) };
-    }
-  }
-  return null;
+  const type = typeOf(bytes);
+  const size = type && pictureSize(bytes);
+  return size ? { type, width: size[0], height: size[1] } : null;
 }
 
-function webpOf(bytes) {
-  const type = 'image/webp';
-  const kind = bytes.toString('latin1', 12, 16);
-  if (kind === 'VP8X') return { type, width: 1 + bytes.readUIntLE(24, 3), height: 1 + bytes.readUIntLE(27, 3) };
-  if (kind === 'VP8L') {
-    const bits = bytes.readUInt32LE(21);
-    return { type, width: 1 + (bits & 0x3fff), height: 1 + ((bits >> 14) & 0x3fff) };
-  }
-  return { type, width: bytes.readUInt16LE(26) & 0x3fff, height: bytes.readUInt16LE(28) & 0x3fff };
+function typeOf(bytes) {
+  const text = (from, to) => bytes.toString('latin1', from, to);
+  if (text(0, 4) === '\x89PNG') return 'image/png';
+  if (text(0, 4) === 'RIFF' && text(8, 12) === 'WEBP') return 'image/webp';
+  return text(0, 2) === '\xff\xd8' ? 'image/jpeg' : null;
 }

@@ -6,7 +6,8 @@ const SIDED = `browDown browOuterUp cheekSquint eyeBlink eyeLookDown eyeLookIn e
   mouthFrown mouthLowerDown mouthPress mouthSmile mouthStretch mouthUpperUp noseSneer`.split(/\s+/);
 const MIDDLE = `browInnerUp cheekPuff jawForward jawLeft jawOpen jawRight mouthClose mouthFunnel mouthLeft mouthPucker mouthRight
   mouthRollLower mouthRollUpper mouthShrugLower mouthShrugUpper tongueOut`.split(/\s+/);
-const HALVES = ['browInnerUp', 'cheekPuff']; // some have two of them
+/** Some have one of these for each side. */
+export const HALVES = ['browInnerUp', 'cheekPuff'];
 
 /** Apple's 52 (ARFaceAnchor.BlendShapeLocation). */
 export const ARKIT = [...MIDDLE, ...SIDED.flatMap((stem) => [`${stem}Left`, `${stem}Right`])];
