@@ -200,6 +200,34 @@ test('when the link is lost what has come is played out, then it fails', async (
   assert.deepEqual(await promise, { type: 'end', reason: 'failed', code: 'connection-lost', id: 7 });
 });
 
+test('when the link is lost after words were told whose sound did not come, it fails where the sound ends', async () => {
+  const { speech, hear, chunk, play, names, player } = rig();
+  const promise = speech.speak('a', { id: 7 });
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0.1, 'uno'));
+  hear(word('u1', 1, 0.9, 'due'));
+  chunk(1, 0, 500);
+  speech.unlinked();
+  play(400);
+  player.running = false;
+  play(500);
+  assert.equal((await promise).code, 'connection-lost');
+  assert.ok(names().includes('uno') && !names().includes('due'), names().join());
+});
+
+test('words that are told for the very end come up before it, when no sound runs any more', async () => {
+  const { speech, hear, chunk, play, names, player } = rig();
+  const promise = speech.speak('a', { id: 7 });
+  hear(begin('u1', 1));
+  hear(word('u1', 1, 0.5, 'uno'));
+  chunk(1, 0, 500);
+  hear({ type: 'end', id: 'u1', utterance: 1, reason: 'done' });
+  player.running = false;
+  play(500);
+  assert.equal((await promise).reason, 'done');
+  assert.deepEqual(names().slice(-2), ['uno', 'done']);
+});
+
 test('what another daemon speaks again begins anew, and has one end', async () => {
   const { speech, hear, chunk, play, names, events } = rig();
   const promise = speech.speak('a', { again: true });

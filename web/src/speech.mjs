@@ -332,7 +332,7 @@ export class Speech {
     }
     this.player.write(utterance.rest());
     this.player.finish();
-    this.timeline.close(utterance.item, this.player.written, message);
+    this.timeline.close(utterance.item, this.player.written, message, message.reason === 'failed');
   }
 
   #happen(utterance, message) {

@@ -8,7 +8,7 @@
  * @property {any} utterance whatever the caller gave
  * @property {number} start position of its first sample
  * @property {number} rate positions in a second
- * @property {{position: number, message: any, last: boolean}[]} due in the order of their positions
+ * @property {{position: number, message: any, last: boolean}[]} due in the order of their positions; last: when the sound has ended, too
  */
 export class Timeline {
   constructor() {
@@ -31,9 +31,14 @@ export class Timeline {
     item.due.splice(at, 0, { position, message, last: false });
   }
 
-  /** Has `message` come up when all before `position` was heard: the utterance's end. */
-  close(item, position, message) {
-    item.due.push({ position: Math.max(position, item.due.at(-1)?.position ?? 0), message, last: true });
+  /**
+   * Has `message` come up when all before `position` was heard: the utterance's end. What was due later comes up with it: words are told
+   * ahead of their sound, and no more sound comes. With `cut` it does not, for nobody hears those words.
+   */
+  close(item, position, message, cut = false) {
+    if (cut) item.due = item.due.filter((entry) => entry.position < position);
+    for (const entry of item.due) if (entry.position >= position) Object.assign(entry, { position, last: true });
+    item.due.push({ position, message, last: true });
   }
 
   /**
