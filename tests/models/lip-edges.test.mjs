@@ -35,6 +35,7 @@ function mouth({ colours, up = 0, down = 0, inside = [], perMm = 4, light = 1, o
   return { picture: { data, width, height }, stand: { turn: STILL, scale: perMm, onto: onto.map((x) => x * (perMm / 4)) } };
 }
 
+const HELD = Array(8).fill(0.05); // mm of doubt
 const near = (value, wanted, mm, what) => assert.ok(value !== null && Math.abs(value - wanted) <= mm, `${what}: ${value} instead of ${wanted}`);
 
 const INSIDE = {
@@ -79,13 +80,13 @@ test('where nothing is to be seen nothing is told, and what lay.mjs said stays',
   const outside = { ...even.stand, onto: [4000, 4000] };
   assert.deepEqual(edges.seen(even.picture, outside, 0, 0), { rises: null, falls: null });
   const q = [3, 1, 0, 0, 0, 2, 0, 0];
-  assert.deepEqual(parted(q, 1, () => ({ rises: null, falls: null })), { q, seen: [false, false, true, false, false, true] });
-  assert.deepEqual(parted(q, 1, () => ({ rises: null, falls: 5 })), { q, seen: [true, false, true, false, false, true] });
+  assert.deepEqual(parted(q, HELD, 1, () => ({ rises: null, falls: null })), { q, seen: [false, false, true, false, false, true] });
+  assert.deepEqual(parted(q, HELD, 1, () => ({ rises: null, falls: 5 })), { q, seen: [true, false, true, false, false, true] });
 });
 
 test('a lip that is pushed comes down: LS is what it rose and what it hangs', () => {
   const hang = hangOf(0.1);
-  const { q: told, seen } = parted([4, 2, -8, 1, 2, 3, 0, 0], hang, (rises) => {
+  const { q: told, seen } = parted([4, 2, -8, 1, 2, 3, 0, 0], HELD, hang, (rises) => {
     near(rises, 2 - 2 * hang, 1e-9, 'where it is looked for');
     return { rises: -0.5, falls: 4 };
   });
@@ -94,10 +95,11 @@ test('a lip that is pushed comes down: LS is what it rose and what it hangs', ()
 });
 
 test('what a front shows: closed lips hide what the jaw does, how far lips come forward is never seen', () => {
-  const seenAt = (LI, LS, rises, falls) => parted([LI, LS, 0, 0, 0, 3, 0, 0], 1, () => ({ rises, falls })).seen;
+  const seenAt = (LI, LS, rises, falls) => parted([LI, LS, 0, 0, 0, 3, 0, 0], HELD, 1, () => ({ rises, falls })).seen;
   assert.deepEqual(seenAt(4, 1, 1, 4), [true, true, true, false, false, true]);
   assert.deepEqual(seenAt(0.1, 0, 0.1, 0.2), [true, true, true, false, false, false]);
   assert.deepEqual(seenAt(0.1, 0, null, null), [true, false, true, false, false, false]);
-  const jaw = (EM) => parted([1, 2, 0, 0, 0, EM, 0, 0], 1, () => ({ rises: 2, falls: 1 })).seen;
-  assert.deepEqual([jaw(4), jaw(9)], [[true, true, true, false, false, true], [false, true, true, false, false, false]], 'a lip that touches nothing goes with the jaw');
+  assert.deepEqual(parted([2, 2, -4.5, 0, 0, 3, 0, 0], HELD, 1, () => ({ rises: 2, falls: 2 })).seen, [false, false, true, false, false, true], 'narrow lips have come forward');
+  const slippery = parted([4, 1, 2, 0, 0, 3, 0, 0], HELD.map((mm, p) => (p === 2 ? 0.25 : mm)), 1, () => ({ rises: 1, falls: 4 })).seen;
+  assert.deepEqual(slippery, [true, true, false, false, false, true], 'corners that there is nothing to hold on to');
 });

@@ -4,19 +4,19 @@
  * further the fuller it is. How far lips have come forward is never seen from the front, and a jaw not under lips that are closed over it.
  */
 const HANGS = 10.5; // mm for a mm of PS, of a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
-const ROUND = -5; // mm of AR: narrower lips have come forward, and where they end a front does not show
-const ABOVE = 5; // mm that a lower lip may be left behind by the jaw while it touches nothing: more, and one of both is not where it was found
+const ROUND = -4; // mm of AR: narrower lips have come forward, and where they end a front does not show
+const HELD = 0.15; // mm of doubt about AR: on even skin there is little to hold on to, and the corners are seen to move less than they do
 const OPEN = 0.8; // mm between both ends: under it LI is left to the skin around, which sees lips press
 
 /** How far an upper lip comes down for a mm of PS. @param {number} fullness how high it is, the mouth's width being 1 */
 export const hangOf = (fullness) => HANGS * fullness;
 
 /**
- * @param {Float64Array} q of UNKNOWNS, as lay.mjs has them @param {number} hang of hangOf @param {(rises: number, falls: number) => object} look where the
+ * @param {Float64Array} q of UNKNOWNS, as lay.mjs has them @param {ArrayLike<number>} doubts of lay.mjs, too @param {number} hang of hangOf @param {(rises: number, falls: number) => object} look where the
  *   ends are, by where they are expected
  * @returns {{q: number[], seen: boolean[]}} q with what was seen; and of LI, LS, AR, PI, PS, EM whether it was
  */
-export function parted(q, hang, look) {
+export function parted(q, doubts, hang, look) {
   const [LI, LS, , , PS] = q;
   const hangs = hang * Math.max(0, PS);
   const { rises, falls } = look(LS - hangs, LI);
@@ -25,6 +25,5 @@ export function parted(q, hang, look) {
   if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls;
   const closed = rises !== null && falls !== null ? rises + falls <= OPEN : LI + LS <= OPEN;
   const round = out[2] < ROUND;
-  const lost = out[5] - out[0] > ABOVE && out[0] + out[1] > OPEN;
-  return { q: out, seen: [!round && !lost && (closed || falls !== null), !round && rises !== null, true, false, false, !closed && !lost] };
+  return { q: out, seen: [!round && (closed || falls !== null), !round && rises !== null, doubts[2] <= HELD, false, false, !closed] };
 }

@@ -122,7 +122,7 @@ class Watcher {
     }
     this.#now = found;
     if (!found) return null;
-    const { q, seen } = parted(found.q, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
+    const { q, seen } = parted(found.q, found.doubts, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
     return { values: q.slice(0, PARAMETERS.length), seen, confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
   }
 }
