@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Edges } from '../../models/tools/lips/edges.mjs';
-import { hangOf, parted } from '../../models/tools/lips/parting.mjs';
+import { hangOf, heldCorners, parted } from '../../models/tools/lips/parting.mjs';
 
 const STILL = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const SKIN = { fdp: { '2.2': [0, -60, 20], '2.3': [0, -60, 20] } };
@@ -37,7 +37,6 @@ function mouth({ colours, up = 0, down = 0, inside = [], perMm = 4, light = 1, o
   return { picture: { data, width, height }, stand: { turn: STILL, scale: perMm, onto: onto.map((x) => x * (perMm / 4)) } };
 }
 
-const HELD = Array(8).fill(0.05); // mm of doubt
 const near = (value, wanted, mm, what) => assert.ok(value !== null && Math.abs(value - wanted) <= mm, `${what}: ${value} instead of ${wanted}`);
 
 const INSIDE = {
@@ -91,13 +90,13 @@ test('where nothing is to be seen nothing is told, and what lay.mjs said stays',
   const outside = { ...even.stand, onto: [4000, 4000] };
   assert.deepEqual(edges.seen(even.picture, outside, 0, 0), { rises: null, falls: null });
   const q = [3, 1, 0, 0, 0, 2, 0, 0];
-  assert.deepEqual(parted(q, HELD, 1, () => ({ rises: null, falls: null })), { q, seen: [false, false, true, false, false, true] });
-  assert.deepEqual(parted(q, HELD, 1, () => ({ rises: null, falls: 5 })), { q, seen: [true, false, true, false, false, true] });
+  assert.deepEqual(parted(q, 1, () => ({ rises: null, falls: null })), { q, seen: [false, false, true, false, false, true] });
+  assert.deepEqual(parted(q, 1, () => ({ rises: null, falls: 5 })), { q, seen: [true, false, true, false, false, true] });
 });
 
 test('a lip that is pushed comes down: LS is what it rose and what it hangs', () => {
   const hang = hangOf(0.1);
-  const { q: told, seen } = parted([4, 2, -8, 1, 2, 3, 0, 0], HELD, hang, (rises) => {
+  const { q: told, seen } = parted([4, 2, -8, 1, 2, 3, 0, 0], hang, (rises) => {
     near(rises, 2 - 2 * hang, 1e-9, 'where it is looked for');
     return { rises: -0.5, falls: 4 };
   });
@@ -106,11 +105,19 @@ test('a lip that is pushed comes down: LS is what it rose and what it hangs', ()
 });
 
 test('what a front shows: closed lips hide what the jaw does, how far lips come forward is never seen', () => {
-  const seenAt = (LI, LS, rises, falls) => parted([LI, LS, 0, 0, 0, 3, 0, 0], HELD, 1, () => ({ rises, falls })).seen;
+  const seenAt = (LI, LS, rises, falls) => parted([LI, LS, 0, 0, 0, 3, 0, 0], 1, () => ({ rises, falls })).seen;
   assert.deepEqual(seenAt(4, 1, 1, 4), [true, true, true, false, false, true]);
   assert.deepEqual(seenAt(0.1, 0, 0.1, 0.2), [true, true, true, false, false, false]);
   assert.deepEqual(seenAt(0.1, 0, null, null), [true, false, true, false, false, false]);
-  assert.deepEqual(parted([2, 2, -4.5, 0, 0, 3, 0, 0], HELD, 1, () => ({ rises: 2, falls: 2 })).seen, [false, false, true, false, false, true], 'narrow lips have come forward');
-  const slippery = parted([4, 1, 2, 0, 0, 3, 0, 0], HELD.map((mm, p) => (p === 2 ? 0.25 : mm)), 1, () => ({ rises: 1, falls: 4 })).seen;
-  assert.deepEqual(slippery, [true, true, false, false, false, true], 'corners that there is nothing to hold on to');
+  assert.deepEqual(parted([2, 2, -4.5, 0, 0, 3, 0, 0], 1, () => ({ rises: 2, falls: 2 })).seen, [false, false, true, false, false, true], 'narrow lips have come forward');
+});
+
+test('corners that there is nothing to hold on to: their distance is not seen in the whole film, as it would be in its still pictures only', () => {
+  const rows = (doubts) => doubts.map((doubt) => ({ values: [0, 0, 1, 0, 0, 0], seen: [true, true, true, false, false, true], doubt }));
+  const marked = (doubts) => heldCorners(rows(doubts)).rows.map(({ seen }) => seen);
+  for (const seen of marked([0.05, 0.09, 0.2])) assert.deepEqual(seen, [true, true, true, false, false, true]);
+  for (const seen of marked([0.05, 0.24, 0.2])) assert.deepEqual(seen, [true, true, false, false, false, true]);
+  assert.equal(heldCorners(rows([0.05])).held, true);
+  const nobody = [{ values: null, seen: Array(6).fill(false) }];
+  assert.deepEqual(heldCorners(nobody).rows, nobody);
 });
