@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Edges } from '../../models/tools/lips/edges.mjs';
-import { hangOf, parted } from '../../models/tools/lips/parting.mjs';
+import { hangOf, heldCorners, parted } from '../../models/tools/lips/parting.mjs';
 
 const STILL = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 const SKIN = { fdp: { '2.2': [0, -60, 20], '2.3': [0, -60, 20] } };
@@ -14,14 +14,16 @@ const CAVE = [38, 18, 16];
 const TONGUE = [150, 80, 75];
 
 /** A mouth from the front: ends `up` and `down` mm from where the lips meet; what is in it, from above: [colour, to which share of the opening]. */
-function mouth({ colours, up = 0, down = 0, inside = [], perMm = 4, light = 1, onto = [40, -140] }) {
+function mouth({ colours, up = 0, down = 0, inside = [], perMm = 4, light = 1, onto = [40, -140], ridge = 0 }) {
   const [width, height] = [80 * perMm / 4, 200 * perMm / 4];
   const data = new Uint8Array(4 * width * height);
   const FINE = 8;
   const at = (y) => { // mm above the line
     const shade = (d) => 0.45 + 0.55 * Math.min(1, d / 1.5); // a lip is darker towards its end
+    // of a lip that turns: its own shading, as steep as an end
+    const ridged = (d) => shade(d) * (d < 1.4 * ridge ? 0.8 : d < 2 * ridge ? 0.8 + 0.2 * (d / ridge - 1.4) / 0.6 : 1);
     if (y >= up) return y > up + 6 ? colours.skin : colours.upper.map((c) => c * shade(y - up));
-    if (y <= -down) return y < -down - 8 ? colours.skin : colours.lower.map((c) => c * shade(-down - y));
+    if (y <= -down) return y < -down - 8 ? colours.skin : colours.lower.map((c) => c * ridged(-down - y));
     return inside.find(([, share]) => (up - y) / (up + down) <= share)?.[0] ?? CAVE;
   };
   for (let j = 0; j < height; j++) {
@@ -59,6 +61,15 @@ for (const [name, colours] of Object.entries({ fair: FAIR, dark: DARK }))
           }
         }
     });
+
+test("a lower lip's own shading is not taken for its end", () => {
+  const edges = new Edges(SKIN);
+  assert.ok(edges.know([mouth({ colours: FAIR })]));
+  for (const ridge of [1, 1.5, 2]) {
+    const { picture, stand } = mouth({ colours: FAIR, up: 2, down: 10, ridge });
+    near(edges.seen(picture, stand, 2, 10).falls, 10, 0.5, `ridge ${ridge}`);
+  }
+});
 
 test('closed lips that go up and down together are followed', () => {
   const edges = new Edges(SKIN);
@@ -98,6 +109,15 @@ test('what a front shows: closed lips hide what the jaw does, how far lips come 
   assert.deepEqual(seenAt(4, 1, 1, 4), [true, true, true, false, false, true]);
   assert.deepEqual(seenAt(0.1, 0, 0.1, 0.2), [true, true, true, false, false, false]);
   assert.deepEqual(seenAt(0.1, 0, null, null), [true, false, true, false, false, false]);
-  const jaw = (EM) => parted([1, 2, 0, 0, 0, EM, 0, 0], 1, () => ({ rises: 2, falls: 1 })).seen;
-  assert.deepEqual([jaw(4), jaw(9)], [[true, true, true, false, false, true], [false, true, true, false, false, false]], 'a lip that touches nothing goes with the jaw');
+  assert.deepEqual(parted([2, 2, -4.5, 0, 0, 3, 0, 0], 1, () => ({ rises: 2, falls: 2 })).seen, [false, false, true, false, false, true], 'narrow lips have come forward');
+});
+
+test('corners that there is nothing to hold on to: their distance is not seen in the whole film, as it would be in its still pictures only', () => {
+  const rows = (doubts) => doubts.map((doubt) => ({ values: [0, 0, 1, 0, 0, 0], seen: [true, true, true, false, false, true], doubt }));
+  const marked = (doubts) => heldCorners(rows(doubts)).rows.map(({ seen }) => seen);
+  for (const seen of marked([0.05, 0.09, 0.2])) assert.deepEqual(seen, [true, true, true, false, false, true]);
+  for (const seen of marked([0.05, 0.24, 0.2])) assert.deepEqual(seen, [true, true, false, false, false, true]);
+  assert.equal(heldCorners(rows([0.05])).held, true);
+  const nobody = [{ values: null, seen: Array(6).fill(false) }];
+  assert.deepEqual(heldCorners(nobody).rows, nobody);
 });

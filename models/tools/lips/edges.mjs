@@ -11,6 +11,8 @@ const WITHIN = { upper: 2.2, lower: 4 }; // mm that a walk begins within the lip
 const BEYOND = { upper: 2.5, lower: 5 }; // mm to which its end may be elsewhere than it is looked for; a sudden opening may be missed by so much
 const FIRST = { guess: 1, beyond: 5 }; // mm: where the lips' line may be on a face that the base head's shape is laid onto
 const STEEP = 0.2; // of the lip's own brightness, for a mm: more than its shading
+const SHADE = 0.7; // of the brightest of a lower lip: what is darker is on the way to its end
+const SHADOW = 1.5; // mm behind that in which it is darkest
 const RISE = 1.4; // times as bright as a dark line is what lies behind it,
 const SOON = 1.2; // mm after that
 const WIDE = 2.2; // mm: a wider one is the dark of the mouth,
@@ -56,12 +58,29 @@ function darkLine({ light, red, slope }) {
   return null;
 }
 
-/** The first place that gets steeply darker, or paler at once. */
-function steepPlace({ red, slope, own }) {
-  const size = slope.map(Math.abs);
-  for (let i = 2; i < slope.length - 2; i++) {
-    if (size[i] < STEEP * own || size[i] < size[i - 1] || size[i] < size[i + 1]) continue;
-    if (slope[i] < 0 || red[i - 2] - red[Math.min(red.length - 1, i + 4)] > PALE) return between(size, i);
+/** Where teeth begin without a dark line: steeply paler, and less red. */
+function toothAt({ red, slope, own }, i) {
+  const steep = slope[i] >= STEEP * own && slope[i] >= slope[i - 1] && slope[i] >= slope[i + 1];
+  return steep && red[i - 2] - red[Math.min(red.length - 1, i + 4)] > PALE;
+}
+
+/** Halfway in brightness from a lip to the darkest that lies soon behind i, which is in its shade. */
+function halfDark(light, i, brightest) {
+  const half = (brightest + Math.min(...light.slice(i, i + Math.round(SHADOW / STEP)))) / 2;
+  let at = i;
+  while (at > 1 && light[at] < half) at--;
+  while (light[at] >= half) at++;
+  return at - (half - light[at]) / (light[at - 1] - light[at]);
+}
+
+/** The lower lip's end: it is round and gets dark by and by, a thin one from its middle on; a steep place is but its shading. */
+function lowerEnd(column) {
+  const { light, slope } = column;
+  let brightest = Math.max(light[0], light[1]);
+  for (let i = 2; i < light.length - 2; i++) {
+    brightest = Math.max(brightest, light[i]);
+    if (light[i] < SHADE * brightest) return halfDark(light, i, brightest);
+    if (toothAt(column, i)) return between(slope, i);
   }
   return null;
 }
@@ -80,7 +99,7 @@ export class Edges {
       const known = this.#walk(picture, stand, FIRST.guess, -1, darkLine, FIRST.beyond).filter((y) => y !== null);
       if (known.length < ENOUGH) return { line: COLUMNS.map(() => null), lower: COLUMNS.map(() => null) };
       const about = middle(known);
-      return { line: this.#walk(picture, stand, about, -1, darkLine), lower: this.#walk(picture, stand, about, 1, steepPlace) };
+      return { line: this.#walk(picture, stand, about, -1, darkLine), lower: this.#walk(picture, stand, about, 1, lowerEnd) };
     });
     const each = (name) => COLUMNS.map((_, c) => {
       const list = found.map((one) => one[name][c]).filter((y) => y !== null);
@@ -102,7 +121,7 @@ export class Edges {
     const { line, lower } = this.#rest;
     const known = (list) => middle(list.filter((y) => y !== null));
     const up = together(this.#walk(picture, stand, known(line) + rises, -1, darkLine), line);
-    const down = together(this.#walk(picture, stand, known(lower) - falls, 1, steepPlace), lower);
+    const down = together(this.#walk(picture, stand, known(lower) - falls, 1, lowerEnd), lower);
     return { rises: up, falls: down === null ? null : -down };
   }
 

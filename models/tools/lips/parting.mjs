@@ -4,9 +4,11 @@
  * further the fuller it is. How far lips have come forward is never seen from the front, and a jaw not under lips that are closed over it.
  */
 const HANGS = 10.5; // mm for a mm of PS, of a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
-const ROUND = -5; // mm of AR: narrower lips have come forward, and where they end a front does not show
-const ABOVE = 5; // mm that a lower lip may be left behind by the jaw while it touches nothing: more, and one of both is not where it was found
+const ROUND = -4; // mm of AR: narrower lips have come forward, and where they end a front does not show
+const HELD = 0.15; // mm of doubt about AR (lay.mjs), the median of a film: on even skin there is less to hold on to, and corners are seen to move less than they do
 const OPEN = 0.8; // mm between both ends: under it LI is left to the skin around, which sees lips press
+
+const AR = 2; // of the parameters
 
 /** How far an upper lip comes down for a mm of PS. @param {number} fullness how high it is, the mouth's width being 1 */
 export const hangOf = (fullness) => HANGS * fullness;
@@ -25,6 +27,15 @@ export function parted(q, hang, look) {
   if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls;
   const closed = rises !== null && falls !== null ? rises + falls <= OPEN : LI + LS <= OPEN;
   const round = out[2] < ROUND;
-  const lost = out[5] - out[0] > ABOVE && out[0] + out[1] > OPEN;
-  return { q: out, seen: [!round && !lost && (closed || falls !== null), !round && rises !== null, true, false, false, !closed && !lost] };
+  return { q: out, seen: [!round && (closed || falls !== null), !round && rises !== null, true, false, false, !closed] };
+}
+
+/**
+ * Whether AR is seen is told of a film as a whole: a still mouth is the surest, and who believed the sure pictures alone would take it that corners
+ * hardly move. @param {object[]} rows of watch.mjs, doubt: mm about AR @returns {{rows: object[], held: boolean}}
+ */
+export function heldCorners(rows) {
+  const doubts = rows.filter(({ values }) => values).map(({ doubt }) => doubt).sort((a, b) => a - b);
+  const held = !(doubts[doubts.length >> 1] > HELD);
+  return { held, rows: held ? rows : rows.map((row) => ({ ...row, seen: row.seen.map((seen, p) => seen && p !== AR) })) };
 }

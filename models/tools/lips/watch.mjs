@@ -12,7 +12,7 @@ import { FileError } from '../import/file-error.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { PARAMETERS } from './articulation.mjs';
 import { Edges } from './edges.mjs';
-import { hangOf, parted } from './parting.mjs';
+import { hangOf, heldCorners, parted } from './parting.mjs';
 import { UNKNOWNS } from '../../../web/src/portrait/fap-moves.mjs';
 import { Layer } from '../../../web/src/portrait/lay.mjs';
 import { landmarksOf } from '../../../web/src/portrait/look.mjs';
@@ -31,6 +31,7 @@ const LOST = 0.6; // of the picture's contrast: what is less like the face is no
 
 const built = fileURLToPath(new URL('../../../build/', import.meta.url));
 const read = (file) => JSON.parse(fs.readFileSync(path.join(built, file), 'utf8'));
+const AR = PARAMETERS.indexOf('AR');
 const UNSEEN = PARAMETERS.map(() => false);
 const STILL = new Float64Array(UNKNOWNS.length);
 const turnOf = ({ turn }) => Math.asin(Math.max(-1, Math.min(1, turn[0][2])));
@@ -109,7 +110,7 @@ class Watcher {
     return (own / drawn) * (apart(seen, pairs) / apart(this.face, pairs));
   }
 
-  /** @returns {Promise<{values: number[], seen: boolean[], confidence: number, sideways: number}|null>} */
+  /** @returns {Promise<{values: number[], seen: boolean[], doubt: number, confidence: number, sideways: number}|null>} */
   async watch(picture, tell) {
     let found = this.#now && this.layer.lay(picture, this.look, this.#now);
     if (!found || found.unlike > LOST * this.contrast) {
@@ -123,7 +124,7 @@ class Watcher {
     this.#now = found;
     if (!found) return null;
     const { q, seen } = parted(found.q, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
-    return { values: q.slice(0, PARAMETERS.length), seen, confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
+    return { values: q.slice(0, PARAMETERS.length), seen, doubt: found.doubts[AR], confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
   }
 }
 
@@ -149,10 +150,12 @@ export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like
     const aside = seen?.sideways > SIDEWAYS;
     if (aside) turned++;
     if (!seen) without.set(why, [...(without.get(why) ?? []), rows.length + 1]);
-    rows.push({ time: rows.length / fps, values: seen && seen.values.map((x) => x * scale), confidence: seen ? Math.max(0, seen.confidence) / (aside ? 2 : 1) : 0, seen: seen?.seen ?? UNSEEN });
+    rows.push({ time: rows.length / fps, values: seen && seen.values.map((x) => x * scale), confidence: seen ? Math.max(0, seen.confidence) / (aside ? 2 : 1) : 0, seen: seen?.seen ?? UNSEEN, doubt: seen?.doubt });
     tell(rows.length, count);
   }
   const notes = [...without].map(([why, list]) => `${list.length} frames without (from frame ${list[0]}): ${why}`);
   if (turned) notes.push(`${turned} frames from the side: less is to be believed of them, their confidence is halved`);
-  return { rows, notes };
+  const corners = heldCorners(rows);
+  if (!corners.held) notes.push('the skin is too even for the corners of the mouth to be followed: AR is not seen');
+  return { rows: corners.rows, notes };
 }

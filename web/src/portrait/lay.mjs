@@ -129,7 +129,8 @@ export class Layer {
 
   /**
    * @param {object} picture @param {number[][][]} rest of seen @param {{stand: object, q: Float64Array}} start
-   * @returns {{stand: object, q: Float64Array, unlike: number}}
+   * @returns {{stand: object, q: Float64Array, unlike: number, doubts: Float64Array}} doubts: standard deviations of q by
+   *   what the picture has to hold on to, mm
    */
   lay(picture, rest, { stand, q }) {
     const levels = this.planes(picture, stand);
@@ -138,7 +139,17 @@ export class Layer {
       const end = [1, 2].reduce((now, l) => this.#settled(levels, rest, l, now), { stand: first.stand, q: start });
       return { ...end, cost: this.#cost(levels[2], rest[2], end.stand, end.q) };
     });
-    return ends.reduce((best, end) => (end.cost < best.cost ? end : best));
+    const best = ends.reduce((least, end) => (end.cost < least.cost ? end : least));
+    return { ...best, doubts: this.#doubts(levels[2], rest[2], best) };
+  }
+
+  /** Of each unknown the root of what the equations' inverse has of it, how the head stands being unknown, too. */
+  #doubts(level, rest, { stand, q }) {
+    const { a } = this.#normal(level, rest, { stand, q }, EACH[2]);
+    return Float64Array.from(q, (_, p) => {
+      const one = Float64Array.from(a, (__, k) => Number(k === POSE + p));
+      return Math.sqrt(TRUST * solve(a.map((row) => Float64Array.from(row)), one)[POSE + p]);
+    });
   }
 
   /** Steps until they are small. */
@@ -166,6 +177,7 @@ export class Layer {
       const now = Float64Array.from(from);
       for (const [name, mm] of Object.entries(changes)) now[this.model.unknowns.indexOf(name)] += mm;
       const [low, high] = [now[0], now[1]];
+      if (changes.EM === undefined) now[JAW] = Math.max(now[JAW], low - MOST.below); // a mouth that flies open takes it along
       if (low + high < -0.5 || low > MOST.LI || low > now[JAW] + MOST.below || high > MOST.LS) return;
       if (now[JAW] > MOST.EM || now[JAW] < -1) return;
       tried.push({ q: now, cost: this.#cost(level, rest, stand, now) });
