@@ -6,7 +6,7 @@
  * was tried. */
 #define ODDS_MOST 4.0F
 #define FALLS 0.015F
-#define RISES 0.08F
+#define RISES 0.04F
 /* From 1, somebody speaks, to -1; what it has been stays until the evidence is on the other's side. */
 #define NONE -0.9F
 #define SOMEBODY -0.5F
