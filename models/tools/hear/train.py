@@ -12,9 +12,10 @@ import time
 
 import numpy as np
 import torch
+from data import INPUTS, Data, bent, masked
 from torch import nn
 
-INPUTS, TAPS, MIDDLE, SIZE, CLASSES = 33, 5, 64, 96, 14
+TAPS, MIDDLE, SIZE, CLASSES = 5, 64, 96, 14
 # Of each articulatory parameter (LI LS AR PI PS EM TH TA TB, mm) how far it usually is from its mean; an error counts by that.
 SPREAD = [2.5, 1.0, 4.7, 0.9, 1.2, 2.5, 3.1, 2.0, 3.2]
 CURVES = len(SPREAD)
@@ -25,7 +26,6 @@ DROPPED = 0.1
 # Where a phone begins is not known to the frame: so a frame is partly of its neighbours' classes.
 BLUR = [1 / 9, 2 / 9, 3 / 9, 2 / 9, 1 / 9]
 CLOSED, TEETH = 1, 2
-CROP = 300  # frames of a piece at a time
 LEAD = 20  # frames that the network hears before it is asked
 
 
@@ -189,61 +189,6 @@ def widened(old, size):
             b.weight[:, :had] = a.weight
             b.bias.copy_(a.bias)
     return new
-
-
-class Data:
-    """Of one file: pieces to train on, and some that are kept back. The microphones of a piece stay together as neighbours."""
-
-    def __init__(self, path, share, rng):
-        self.path, self.share, self.written, self.held = path, share, None, None
-        self.look(rng)
-
-    def look(self, rng):
-        """Reads it, when it is new."""
-        written = os.stat(self.path).st_mtime if os.path.exists(self.path) else None
-        if written == self.written:
-            return
-        data = np.load(self.path)
-        self.features, self.classes, self.curves = (torch.from_numpy(data[name]) for name in ('features', 'classes', 'curves'))
-        self.written = written
-        if self.held is None:
-            first = 40 * rng.integers(len(self.features) // 40)
-            self.held = np.arange(first, first + 40)
-        self.kept = np.setdiff1d(np.arange(len(self.features)), self.held)
-        print(self.path, len(self.kept), 'pieces', flush=True)
-
-    def some(self, rng, count):
-        """Spoken up to an eighth faster or slower than it was."""
-        pace = rng.uniform(0.88, 1.14, (count, 1))
-        at = rng.uniform(0, self.features.shape[1] - 2 - CROP * pace)
-        times = torch.from_numpy(at + np.arange(CROP) * pace)
-        piece, before = torch.from_numpy(self.kept[rng.integers(len(self.kept), size=(count, 1))]), times.floor().long()
-        part = (times - before).float()[..., None]
-        features = self.features[piece, before].float() * (1 - part) + self.features[piece, before + 1].float() * part
-        nearest = times.round().long()
-        return features, self.classes[piece, nearest].long(), self.curves[piece, nearest].float()
-
-
-def bent(rng, features):
-    """Heads of other sizes: the bands up or down by up to 6 %. The last number, the loudness, stays."""
-    count, bands = len(features), INPUTS - 1
-    there = np.clip(np.arange(bands) * rng.uniform(0.94, 1.06, (count, 1)) + rng.uniform(-0.3, 0.3, (count, 1)), 0, bands - 1.001)
-    matrix, low = np.zeros((count, INPUTS, INPUTS), np.float32), there.astype(int)
-    piece, band = np.arange(count)[:, None], np.arange(bands)[None]
-    matrix[piece, low, band] = 1 - (there - low)
-    matrix[piece, low + 1, band] = there - low
-    matrix[:, bands, bands] = 1
-    return features @ torch.from_numpy(matrix)
-
-
-def masked(rng, features):
-    """Some bands of each piece are not heard, so that it does not lean on any (SpecAugment: D. Park et al., Interspeech 2019)."""
-    for piece in features:
-        if rng.random() < 0.4:
-            width = rng.integers(1, 6)
-            at = rng.integers(INPUTS - width)
-            piece[:, at : at + width] = 0
-    return features
 
 
 def main():
