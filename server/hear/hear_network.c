@@ -6,11 +6,17 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* How much of the way to what is new the running means go in a frame; at first
+ * more. */
+#define VOICE_PACE 0.04F
+
 struct hear_state {
     const struct hear_network *network;
     float *frames;              /* the convolution's last inputs, oldest first */
     float *middle;              /* what it gives */
     float *memory[HEAR_LAYERS]; /* of the recurrent layers */
+    float *mean, *off;          /* of the last layer's memory of late, and how far it lies from that */
+    float heard;                /* frames, as far as they count */
     float *gates, *recurrent;   /* of the step: from the input, from the memory */
 };
 
@@ -21,6 +27,8 @@ struct hear_state *hear_state_new(const struct hear_network *n) {
     s->middle = mem_alloc(n->middle * sizeof *s->middle);
     for (int i = 0; i < HEAR_LAYERS; i++)
         s->memory[i] = mem_alloc(n->size * sizeof **s->memory);
+    s->mean = mem_alloc(n->size * sizeof *s->mean);
+    s->off = mem_alloc(n->size * sizeof *s->off);
     s->gates = mem_alloc(3 * n->size * sizeof *s->gates);
     s->recurrent = mem_alloc(3 * n->size * sizeof *s->recurrent);
     return s;
@@ -33,6 +41,8 @@ void hear_state_free(struct hear_state *s) {
     free(s->middle);
     for (int i = 0; i < HEAR_LAYERS; i++)
         free(s->memory[i]);
+    free(s->mean);
+    free(s->off);
     free(s->gates);
     free(s->recurrent);
     free(s);
@@ -83,6 +93,18 @@ static void softmax(float x[HEAR_CLASSES]) {
         x[i] /= sum;
 }
 
+static float voice(struct hear_state *s) {
+    const struct hear_network *n = s->network;
+    const float *h = s->memory[HEAR_LAYERS - 1];
+    float pace = fmaxf(VOICE_PACE, 1 / ++s->heard);
+    for (size_t i = 0; i < n->size; i++) {
+        s->mean[i] += pace * (h[i] - s->mean[i]);
+        s->off[i] += pace * (fabsf(h[i] - s->mean[i]) - s->off[i]);
+    }
+    return *n->voice_bias + product(n->voice, h, n->size) + product(n->voice + n->size, s->mean, n->size) +
+           product(n->voice + 2 * n->size, s->off, n->size);
+}
+
 void hear_state_step(struct hear_state *s, const float frame[HEAR_FEATURES], size_t head,
                      struct hear_answer *answer) {
     const struct hear_network *n = s->network;
@@ -97,4 +119,5 @@ void hear_state_step(struct hear_state *s, const float frame[HEAR_FEATURES], siz
     affine(&n->heads[head], s->memory[1], answer->likely);
     softmax(answer->likely);
     affine(&n->mouths[head], s->memory[1], answer->mouth);
+    answer->voice = voice(s);
 }

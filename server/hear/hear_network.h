@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* A small recurrent network that tells from features, as they come, what a mouth does: a convolution over the
  * last frames, two layers of gated recurrent units (K. Cho et al., EMNLP 2014), and for each lookahead a
- * head for the sounds and one for the mouth. models/tools/hear trains it; its file is described in
- * models/hear/README.md. */
+ * head for the sounds and one for the mouth; beside them one that tells voices from music. models/tools/hear
+ * trains it; its file is described in models/hear/README.md. */
 #ifndef FACCIA_HEAR_HEAR_NETWORK_H
 #define FACCIA_HEAR_HEAR_NETWORK_H
 
@@ -30,6 +30,7 @@ void hear_state_free(struct hear_state *state);
 struct hear_answer {
     float likely[HEAR_CLASSES]; /* how likely each class is; they add up to 1 */
     float mouth[PARAM_COUNT];   /* the articulatory parameters, mm */
+    float voice; /* of now: how likely it is that anybody speaks at all: the logarithm of the odds */
 };
 
 /* Takes the next frame. */

@@ -5,7 +5,7 @@
 
 #include "server/hear/hear_network.h"
 
-enum { HEAR_LAYERS = 2 };
+enum { HEAR_LAYERS = 2, HEAR_VOICE_PARTS = 3 };
 
 /* outputs = bias + weight inputs; weight row by row. */
 struct hear_affine {
@@ -18,6 +18,9 @@ struct hear_network {
     unsigned delays[HEAR_HEADS_MOST];
     struct hear_affine conv, input[HEAR_LAYERS], hidden[HEAR_LAYERS], heads[HEAR_HEADS_MOST],
         mouths[HEAR_HEADS_MOST];
+    /* A voice's, a row each: the memory, its running mean, and how far from that it lies of late. Their
+     * products and voice_bias are added. */
+    const float *voice, *voice_bias;
     float *values;
 };
 

@@ -19,7 +19,7 @@ enum {
     SIZE_MOST = 1024
 };
 
-static const char magic[MAGIC_BYTES + 1] = "FACHEAR2";
+static const char magic[MAGIC_BYTES + 1] = "FACHEAR3";
 
 static unsigned number_at(const uint8_t *at) {
     return at[0] | (unsigned)at[1] << 8 | (unsigned)at[2] << 16 | (unsigned)at[3] << 24;
@@ -86,6 +86,8 @@ static void walk_all(const struct hear_network *n, struct walk *w) {
         walk_affine(w, n->size, HEAR_CLASSES);
         walk_affine(w, n->size, PARAM_COUNT);
     }
+    walk_matrix(w, n->size, HEAR_VOICE_PARTS);
+    walk_biases(w, 1);
 }
 
 static struct hear_affine take(const float **at, size_t inputs, size_t outputs) {
@@ -150,6 +152,8 @@ static int read_all(struct hear_network *n, const uint8_t *data, size_t size, st
         n->heads[i] = take(&at, n->size, HEAR_CLASSES);
         n->mouths[i] = take(&at, n->size, PARAM_COUNT);
     }
+    n->voice = at;
+    n->voice_bias = at + HEAR_VOICE_PARTS * n->size;
     return 0;
 }
 

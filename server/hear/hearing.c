@@ -3,11 +3,13 @@
 #include "server/base/mem.h"
 #include "server/face/life/life_heard.h"
 #include "server/hear/hear_sound.h"
+#include "server/hear/hear_voice.h"
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* In silence the mouth goes to rest, to the bit: how much of the way it goes in a frame, and back. */
+/* In silence, and when nobody speaks, the mouth goes to rest, to the bit: how much of the way it goes in a
+ * frame, and back. */
 #define FALLS_ASLEEP 0.05F
 #define WAKES 0.25F
 
@@ -16,6 +18,7 @@ struct hearing {
     struct hear_sound *sound;
     struct hear_features *features;
     struct hear_state *state;
+    struct hear_voice voice;
     struct hear_decoder decoder;
     struct hear_face face;
     float mouth[2][PARAM_COUNT]; /* mm, of the last two frames */
@@ -62,11 +65,21 @@ static void take_mouth(struct hearing *l, const float mouth[PARAM_COUNT]) {
         l->mouth[1][p] = l->awake * mouth[p];
 }
 
+/* Music is silence as far as a mouth goes. */
+static void quieten(struct hearing *l, struct hear_answer *answer) {
+    hear_voice_step(&l->voice, answer->voice, answer->likely[HEAR_SILENCE]);
+    if (!l->voice.none)
+        return;
+    memset(answer->likely, 0, sizeof answer->likely);
+    answer->likely[HEAR_SILENCE] = 1;
+}
+
 static void on_features(void *ctx, const float features[HEAR_FEATURES]) {
     struct hearing *l = ctx;
     struct hear_answer answer;
     struct hear_phone ended;
     hear_state_step(l->state, features, l->head, &answer);
+    quieten(l, &answer);
     if (l->life)
         life_heard_step(l->life);
     if (l->heard++ < l->delay || hear_seconds(l->decoder.now.end) >= l->end)
@@ -105,6 +118,7 @@ struct hearing *hearing_new(const struct hearing_options *options, struct error 
     if (options->engine && strcmp(options->engine, HEAR_ENGINE) != 0)
         l->face.engine = options->engine;
     l->end = INFINITY;
+    hear_voice_begin(&l->voice);
     hear_decoder_begin(&l->decoder);
     if (!choose_head(l, options->lookahead, e))
         l->sound = hear_sound_new(options->rate, options->channels, on_sound, l, e);

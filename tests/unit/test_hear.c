@@ -2,6 +2,7 @@
 #include "server/hear/hear_decoder.h"
 #include "server/hear/hear_network.h"
 #include "server/hear/hear_sound.h"
+#include "server/hear/hear_voice.h"
 #include <math.h>
 #include <setjmp.h>
 #include <stdarg.h>
@@ -43,8 +44,9 @@ static void test_as_trained(void **state) {
     assert_int_equal(counts[3], HEAR_CLASSES);
     assert_int_equal(counts[4], PARAM_COUNT);
     size_t told = counts[3] + counts[4];
-    assert_int_equal(size, sizeof counts + sizeof(float) * counts[0] * (counts[1] + counts[2] * told));
-    const float *frames = (const float *)(data + sizeof counts), *answers = frames + counts[0] * counts[1];
+    assert_int_equal(size, sizeof counts + sizeof(float) * counts[0] * (counts[1] + counts[2] * told + 1));
+    const float *frames = (const float *)(data + sizeof counts), *answers = frames + counts[0] * counts[1],
+                *voices = answers + counts[0] * counts[2] * told;
     unsigned delays[HEAR_HEADS_MOST];
     struct hear_network *n = load();
     heads = hear_network_delays(n, delays);
@@ -58,6 +60,7 @@ static void test_as_trained(void **state) {
             hear_state_step(s, frames + k * HEAR_FEATURES, head, &answer);
             for (int c = 0; c < HEAR_CLASSES; c++)
                 worst = fmax(worst, fabs((double)(answer.likely[c] - theirs[c])));
+            worst = fmax(worst, fabs((double)(answer.voice - voices[k])) / 10);
             for (int p = 0; p < PARAM_COUNT; p++)
                 worst = fmax(worst, fabs((double)(answer.mouth[p] - theirs[HEAR_CLASSES + p])) / 10);
         }
@@ -281,10 +284,44 @@ static void test_doubt(void **state) {
     assert_int_equal(d.now.class, HEAR_TEETH);
 }
 
+static int frames_until(struct hear_voice *v, float odds, float silence, bool none) {
+    for (int k = 1; k < 1000; k++) {
+        hear_voice_step(v, odds, silence);
+        if (v->none == none)
+            return k;
+    }
+    return 0;
+}
+
+/* It begins as if somebody spoke; doubt for a moment changes nothing, nor does silence, nor what is no
+ * number; a voice is believed sooner than music. */
+static void test_voice(void **state) {
+    (void)state;
+    struct hear_voice v;
+    hear_voice_begin(&v);
+    for (int k = 0; k < 1000; k++)
+        hear_voice_step(&v, k % 2 ? -1.5F : 2, 0);
+    assert_false(v.none);
+    for (int k = 0; k < 1000; k++)
+        hear_voice_step(&v, -9, 1);
+    assert_false(v.none);
+    for (int k = 0; k < 1000; k++)
+        hear_voice_step(&v, NAN, 0);
+    assert_false(v.none);
+    int falls = frames_until(&v, -3, 0, true);
+    for (int k = 0; k < 1000; k++)
+        hear_voice_step(&v, -9, 0);
+    assert_true(v.none);
+    int rises = frames_until(&v, 3, 0, false);
+    assert_in_range(falls, 10, 80);
+    assert_in_range(rises, 2, falls - 1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_as_trained), cmocka_unit_test(test_bad_networks), cmocka_unit_test(test_tone),
         cmocka_unit_test(test_rates),      cmocka_unit_test(test_decoder),      cmocka_unit_test(test_doubt),
+        cmocka_unit_test(test_voice),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -14,8 +14,9 @@ import wave
 
 import numpy as np
 from scipy import signal
+from music import nobodys
 from people import HELD, pieces
-from sounds import RATE, augmented, classes_of, coloured, labels, music
+from sounds import RATE, augmented, classes_of, coloured, labels
 
 LISTS = {
     'it': '/usr/share/dict/italian',
@@ -130,8 +131,23 @@ def nobody(rng, collected, count):
     """Music, and noises alone: nothing is said."""
     length = int((PIECE + 0.1) * RATE)
     for k in range(count):
-        sound = music(rng, length) if k % 4 else coloured(rng, length, rng.integers(-1, 3)) * (0.2 + np.abs(signal.resample(rng.standard_normal(rng.integers(4, 60)), length)))
+        sound = nobodys(rng, length) if k % 6 else coloured(rng, length, rng.integers(-1, 3)) * (0.2 + np.abs(signal.resample(rng.standard_normal(rng.integers(4, 60)), length)))
         collected.add(sound / np.max(np.abs(sound)), [{'ipa': '', 'start': 0, 'end': PIECE}], np.zeros(0))
+
+
+def after_music(rng, sound, phones):
+    """Nobody for a while, then speech over what goes on more softly."""
+    began, length = int(rng.uniform(1, 3) * RATE), int(PIECE * RATE)
+    out = []
+    for start in np.arange(0, len(sound) / RATE - PIECE, PIECE):
+        other = nobodys(rng, length)
+        voice = np.concatenate([np.zeros(began), sound[int(start * RATE) :][: length - began]])
+        loud = np.sqrt(np.mean(voice[began:] ** 2) / (np.mean(other**2) + 1e-9))
+        other[:began] *= loud * 10 ** (rng.uniform(-10, 6) / 20)
+        other[began:] *= loud * 10 ** (-rng.uniform(4, 40) / 20)
+        moved = [{**p, 'start': max(began / RATE, p['start'] - start + began / RATE), 'end': p['end'] - start + began / RATE} for p in phones if p['end'] > start]
+        out.append((np.pad(voice + other, (0, 1600)), [{'ipa': '', 'start': 0, 'end': began / RATE}, *moved]))
+    return out
 
 
 def main():
@@ -143,6 +159,7 @@ def main():
     parser.add_argument('--times', type=int, default=2, help='by how many microphones each piece is heard')
     parser.add_argument('--keep', type=float, default=1, help='how much of the pieces')
     parser.add_argument('--later', type=float, default=0, help='seconds by which the phones are later than is said')
+    parser.add_argument('--after', action='store_true', help='music first, then people over it')
     parser.add_argument('--nobody', type=int, default=0, help='pieces of music and noise')
     parser.add_argument('--seed', type=int, default=1)
     options = parser.parse_args()
@@ -154,7 +171,8 @@ def main():
     for path in options.people:
         for speaker, sound, phones, other in pieces(rng, path, PIECE):
             if speaker not in HELD:
-                collected.add(sound, phones, other)
+                for one, own in after_music(rng, sound, phones) if options.after else [(sound, phones)]:
+                    collected.add(one, own, other)
     classes = np.stack(collected.classes)
     print('pieces', len(classes), 'frames of each class', np.bincount(classes.reshape(-1), minlength=15)[:14])
     np.savez(options.out, features=np.stack(collected.features), classes=classes, curves=curves_of(options.build, classes))

@@ -2,7 +2,7 @@
 """Trains the network of server/hear/hear_network.h and writes it with what it answers to a piece of its data.
 
 python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--minutes N] [--begin NETWORK.bin] [--stays SHARE] [--size UNITS] [--middle OUTPUTS]
-SHARE: how much of each step is of that file, which is read again whenever it has been written anew. Wants python3-torch. Fixed seeds; how far it gets in N minutes depends on the machine, so the card
+SHARE: how much of each step is of that file, which is read again whenever it has been written anew; until it is there the others count the more. Wants python3-torch. Fixed seeds; how far it gets in N minutes depends on the machine, so the card
 tells how many steps it had.
 """
 import argparse
@@ -12,9 +12,10 @@ import time
 
 import numpy as np
 import torch
+from data import INPUTS, Data, bent, masked
 from torch import nn
 
-INPUTS, TAPS, MIDDLE, SIZE, CLASSES = 33, 5, 64, 96, 14
+TAPS, MIDDLE, SIZE, CLASSES = 5, 64, 96, 14
 # Of each articulatory parameter (LI LS AR PI PS EM TH TA TB, mm) how far it usually is from its mean; an error counts by that.
 SPREAD = [2.5, 1.0, 4.7, 0.9, 1.2, 2.5, 3.1, 2.0, 3.2]
 CURVES = len(SPREAD)
@@ -25,7 +26,6 @@ DROPPED = 0.1
 # Where a phone begins is not known to the frame: so a frame is partly of its neighbours' classes.
 BLUR = [1 / 9, 2 / 9, 3 / 9, 2 / 9, 1 / 9]
 CLOSED, TEETH = 1, 2
-CROP = 300  # frames of a piece at a time
 LEAD = 20  # frames that the network hears before it is asked
 
 
@@ -37,11 +37,31 @@ class Hearing(nn.Module):
         self.gru = nn.GRU(middle, size, num_layers=2, batch_first=True, dropout=DROPPED)
         # of each: first the classes, then the parameters in mm
         self.heads = nn.ModuleList(nn.Linear(size, CLASSES + CURVES) for _ in DELAYS)
+        # whether anybody speaks: of the memory, its running mean, and how far it lies from that of late; see voice.py
+        self.voice = nn.Linear(3 * size, 1)
+        nn.init.zeros_(self.voice.weight)
+        nn.init.ones_(self.voice.bias)
+
+    VOICE_PACE = 0.04  # of the way to what is new, a frame; at first more
+
+    def memory(self, x):
+        x = nn.functional.pad(x.transpose(1, 2), (self.conv.kernel_size[0] - 1, 0))
+        return self.gru(self.dropped(torch.relu(self.conv(x))).transpose(1, 2))[0]
 
     def forward(self, x):
-        x = nn.functional.pad(x.transpose(1, 2), (self.conv.kernel_size[0] - 1, 0))
-        x, _ = self.gru(self.dropped(torch.relu(self.conv(x))).transpose(1, 2))
+        x = self.memory(x)
         return [head(x) for head in self.heads]
+
+    def pooled(self, memory):
+        """What the voice's head sees: pieces x frames x three times the units."""
+        mean = off = torch.zeros_like(memory[:, 0])
+        out = []
+        for k, now in enumerate(memory.unbind(1)):
+            pace = max(self.VOICE_PACE, 1 / (k + 1))
+            mean = mean + pace * (now - mean)
+            off = off + pace * ((now - mean).abs() - off)
+            out.append(torch.cat([now, mean, off], -1))
+        return torch.stack(out, 1)
 
 
 def loss_of(heads, classes, curves, weight):
@@ -82,12 +102,14 @@ def parts(model):
         for rows in (slice(CLASSES), slice(CLASSES, None)):
             yield head.weight[rows]
             yield head.bias[rows]
+    yield model.voice.weight.view(3, -1)  # a row for each third
+    yield model.voice.bias
 
 
 def rounded(model):
     """The weights as the file has them, row by row in whole numbers from -127 to 127; biases in half precision."""
     with torch.no_grad():
-        for p in model.parameters():
+        for p in parts(model):
             if p.dim() == 1:
                 p.copy_(p.half().float())
             else:
@@ -99,7 +121,7 @@ def rounded(model):
 
 def write(model, path):
     with open(path, 'wb') as file:
-        file.write(b'FACHEAR2')
+        file.write(b'FACHEAR3')
         middle, _, taps = model.conv.weight.shape
         file.write(np.array([INPUTS, taps, middle, model.gru.hidden_size, CLASSES, CURVES, len(DELAYS), *DELAYS], '<u4').tobytes())
         for part in parts(model):
@@ -131,6 +153,18 @@ def load(path):
     return model
 
 
+def vectors(model, piece, path):
+    """What it answers to a piece, for the tests of what runs it."""
+    with torch.no_grad():
+        memory = model.eval().memory(piece)
+        answers = torch.stack([torch.cat([torch.softmax(head(memory)[..., :CLASSES], -1), head(memory)[..., CLASSES:]], -1) for head in model.heads], 2)[0]
+        voice = model.voice(model.pooled(memory))[0, :, 0]
+    with open(path, 'wb') as file:
+        file.write(np.array([piece.shape[1], INPUTS, len(DELAYS), CLASSES, CURVES], '<u4').tobytes())
+        for values in (piece[0], answers, voice):
+            file.write(values.numpy().astype('<f4').tobytes())
+
+
 def widened(old, size):
     """A network of more units that answers as the old one: what is new is heard by nobody yet."""
     (middle, _, taps), had = old.conv.weight.shape, old.gru.hidden_size
@@ -147,66 +181,14 @@ def widened(old, size):
                     else:
                         b[rows] = 0
                         b[rows, : a.shape[1]] = a[gate * had : (gate + 1) * had]
+        new.voice.bias.copy_(old.voice.bias)
+        for k in range(3):
+            new.voice.weight[:, k * size : k * size + had] = old.voice.weight[:, k * had : (k + 1) * had]
         for a, b in zip(old.heads, new.heads):
             b.weight.zero_()
             b.weight[:, :had] = a.weight
             b.bias.copy_(a.bias)
     return new
-
-
-class Data:
-    """Of one file: pieces to train on, and some that are kept back. The microphones of a piece stay together as neighbours."""
-
-    def __init__(self, path, share, rng):
-        self.path, self.share, self.written = path, share, None
-        self.look()
-        first = 40 * rng.integers(len(self.features) // 40)
-        self.held = np.arange(first, first + 40)
-        self.kept = np.setdiff1d(np.arange(len(self.features)), self.held)
-
-    def look(self):
-        """Reads it, when it is new."""
-        written = os.stat(self.path).st_mtime
-        if written != self.written:
-            data = np.load(self.path)
-            self.features, self.classes, self.curves = (torch.from_numpy(data[name]) for name in ('features', 'classes', 'curves'))
-            self.written = written
-            if hasattr(self, 'held'):
-                self.kept = np.setdiff1d(np.arange(len(self.features)), self.held)
-                print(self.path, 'again:', len(self.kept), 'pieces', flush=True)
-
-    def some(self, rng, count):
-        """Spoken up to an eighth faster or slower than it was."""
-        pace = rng.uniform(0.88, 1.14, (count, 1))
-        at = rng.uniform(0, self.features.shape[1] - 2 - CROP * pace)
-        times = torch.from_numpy(at + np.arange(CROP) * pace)
-        piece, before = torch.from_numpy(self.kept[rng.integers(len(self.kept), size=(count, 1))]), times.floor().long()
-        part = (times - before).float()[..., None]
-        features = self.features[piece, before].float() * (1 - part) + self.features[piece, before + 1].float() * part
-        nearest = times.round().long()
-        return features, self.classes[piece, nearest].long(), self.curves[piece, nearest].float()
-
-
-def bent(rng, features):
-    """Heads of other sizes: the bands up or down by up to 6 %. The last number, the loudness, stays."""
-    count, bands = len(features), INPUTS - 1
-    there = np.clip(np.arange(bands) * rng.uniform(0.94, 1.06, (count, 1)) + rng.uniform(-0.3, 0.3, (count, 1)), 0, bands - 1.001)
-    matrix, low = np.zeros((count, INPUTS, INPUTS), np.float32), there.astype(int)
-    piece, band = np.arange(count)[:, None], np.arange(bands)[None]
-    matrix[piece, low, band] = 1 - (there - low)
-    matrix[piece, low + 1, band] = there - low
-    matrix[:, bands, bands] = 1
-    return features @ torch.from_numpy(matrix)
-
-
-def masked(rng, features):
-    """Some bands of each piece are not heard, so that it does not lean on any (SpecAugment: D. Park et al., Interspeech 2019)."""
-    for piece in features:
-        if rng.random() < 0.4:
-            width = rng.integers(1, 6)
-            at = rng.integers(INPUTS - width)
-            piece[:, at : at + width] = 0
-    return features
 
 
 def main():
@@ -215,6 +197,7 @@ def main():
     parser.add_argument('vectors')
     parser.add_argument('data', nargs='+')
     parser.add_argument('--minutes', type=float, default=15, help="of the processor's time")
+    parser.add_argument('--clock', action='store_true', help='minutes of the clock instead, whatever else the machine does')
     parser.add_argument('--begin', help='a network to go on from')
     parser.add_argument('--stays', type=float, default=0, help='how much of the network that it begins with is in the weights that are written')
     parser.add_argument('--size', type=int, default=0, help='units of a recurrent layer; 96, or as the network has that it begins with')
@@ -227,7 +210,8 @@ def main():
     torch.manual_seed(options.seed)
     rng = np.random.default_rng(options.seed)
     files = [Data(name.rsplit('=')[0], float(name.rsplit('=')[1]), rng) for name in options.data]
-    counts = sum(f.share * np.bincount(f.classes.numpy().reshape(-1), minlength=256)[:CLASSES] / f.classes.numel() for f in files)
+    there = lambda: [f for f in files if f.written]  # noqa: E731
+    counts = sum(f.share * np.bincount(f.classes.numpy().reshape(-1), minlength=256)[:CLASSES] / f.classes.numel() for f in there())
     weight = torch.tensor((counts.mean() / np.maximum(counts, 1e-6)) ** 0.3, dtype=torch.float32).clamp(0.5, 2)
     weight[CLOSED] *= 1.3  # a missed closure is worse than one too many
     weight[TEETH] *= 1.5  # most of them were taken for closures
@@ -235,23 +219,24 @@ def main():
     if options.size and options.size != model.gru.hidden_size:
         model = widened(model, options.size)
     begun = copy.deepcopy(model)
-    print('weights:', sum(p.numel() for p in model.parameters()), 'pieces:', [len(f.kept) for f in files], 'share of each class:', np.round(counts, 3), flush=True)
+    print('weights:', sum(p.numel() for p in model.parameters()), 'share of each class:', np.round(counts, 3), flush=True)
 
     model.train()
     mean = copy.deepcopy(model).eval()  # of the last some hundred steps: this is what is written
 
     def judge():
-        for file in files:
+        for file in there():
             print(os.path.basename(file.path))
             tell(mean, file.features[file.held].float(), file.classes[file.held].long(), file.curves[file.held].float())
 
     optimiser = torch.optim.Adam(model.parameters(), lr=2e-3)
-    whole = sum(f.share for f in files)
-    began, step, recent = time.process_time(), 0, []
-    while (done := (time.process_time() - began) / 60 / options.minutes) < 1:
+    now = time.monotonic if options.clock else time.process_time
+    began, step, recent = now(), 0, []
+    while (done := (now() - began) / 60 / options.minutes) < 1:
         for group in optimiser.param_groups:  # up quickly, then down along a cosine
             group['lr'] = options.rate * min(1, (step + 1) / 60) * (0.5 + 0.5 * np.cos(np.pi * done)) + 1e-5
-        batches = [f.some(rng, round(options.batch * f.share / whole)) for f in files]
+        whole = sum(f.share for f in there())
+        batches = [f.some(rng, round(options.batch * f.share / whole)) for f in there()]
         features, classes, curves = (torch.cat([b[i] for b in batches]) for i in range(3))
         loss = loss_of(model(masked(rng, bent(rng, features))), classes, curves, weight)
         optimiser.zero_grad()
@@ -266,7 +251,7 @@ def main():
         if step % 50 == 0:
             print(f'{step} steps, {done * options.minutes:.1f} min, loss {np.mean(recent[-50:]):.3f}', flush=True)
             for file in files:
-                file.look()
+                file.look(rng)
             if step % 100 == 0:
                 write(mean, options.out)
     print(f'{step} steps')
@@ -277,13 +262,7 @@ def main():
     judge()
     mean.eval()
     write(mean, options.out)
-    piece = files[0].features[files[0].held[:1]].float()[:, :80]
-    with torch.no_grad():
-        answers = torch.stack([torch.cat([torch.softmax(head[..., :CLASSES], -1), head[..., CLASSES:]], -1) for head in mean(piece)], 2)[0]
-    with open(options.vectors, 'wb') as file:
-        file.write(np.array([piece.shape[1], INPUTS, len(DELAYS), CLASSES, CURVES], '<u4').tobytes())
-        file.write(piece[0].numpy().astype('<f4').tobytes())
-        file.write(answers.numpy().astype('<f4').tobytes())
+    vectors(mean, files[0].features[files[0].held[:1]].float()[:, :80], options.vectors)
 
 
 if __name__ == '__main__':
