@@ -2,6 +2,7 @@
 #include "server/cluster/redis_link.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/cluster/redis_silence.h"
 #include <hiredis/adapters/libuv.h>
 #include <hiredis/async.h>
 #include <stdio.h>
@@ -17,8 +18,7 @@ struct redis_link {
     uv_getaddrinfo_t look_up;
     uv_timer_t pulse;
     uint64_t again, again_in; /* loop time of the next attempt; how long the one after it waits, ms */
-    uint64_t silent;    /* ms since the last answer, or the question to which none has come, as looked at */
-    uint64_t looked_at; /* loop time */
+    struct silence silence;
     unsigned unanswered;
     bool overdue; /* seen so once: what had come may not have been read yet */
     bool up, told, looking_up, closing;
@@ -35,19 +35,6 @@ struct question {
     link_answered answered;
     void *ctx;
 };
-
-static void begin_silence(struct redis_link *link) {
-    link->silent = 0;
-    link->looked_at = uv_now(link->loop);
-}
-
-/* A loop that was busy, or a process that had no processor, has not looked meanwhile: however long it was
- * away, it counts as one pulse, after which it reads what has come before it judges. */
-static void count_silence(struct redis_link *link) {
-    uint64_t now = uv_now(link->loop), since = now - link->looked_at;
-    link->silent += since < LINK_PULSE_MS ? since : LINK_PULSE_MS;
-    link->looked_at = now;
-}
 
 static void lost(struct redis_link *link, const char *why) {
     bool was_up = link->up;
@@ -88,7 +75,7 @@ static void on_answer(redisAsyncContext *redis, void *reply, void *privdata) {
     struct redis_link *link = q->link;
     (void)redis;
     if (reply) {
-        begin_silence(link);
+        silence_begin(&link->silence, uv_now(link->loop));
         link->unanswered -= link->unanswered > 0;
         link->overdue = false;
     }
@@ -112,7 +99,7 @@ static bool ask(struct redis_link *link, const struct link_text *words, int coun
         return false;
     }
     if (!link->unanswered++)
-        begin_silence(link);
+        silence_begin(&link->silence, uv_now(link->loop));
     return true;
 }
 
@@ -157,7 +144,7 @@ static void on_channel(redisAsyncContext *redis, void *any, void *privdata) {
     (void)redis;
     if (!reply || reply->type != REDIS_REPLY_ARRAY || reply->elements != 3)
         return;
-    begin_silence(link);
+    silence_begin(&link->silence, uv_now(link->loop));
     link->unanswered = 0;
     link->overdue = false;
     if (is_word(reply->element[0], "message"))
@@ -171,7 +158,7 @@ static void hear(struct redis_link *link) {
     if (redisAsyncCommand(link->redis, on_channel, link, "SUBSCRIBE %s", link->channel) != REDIS_OK)
         return;
     if (!link->unanswered++)
-        begin_silence(link);
+        silence_begin(&link->silence, uv_now(link->loop));
 }
 
 static void on_first_pong(void *ctx, const redisReply *reply) {
@@ -220,7 +207,7 @@ static void attach(struct redis_link *link, redisAsyncContext *redis) {
     link->redis = redis;
     redis->data = link;
     link->unanswered = 1;
-    begin_silence(link);
+    silence_begin(&link->silence, uv_now(link->loop));
     redisLibuvAttach(redis, link->loop);
     redisAsyncSetConnectCallback(redis, on_connected);
     redisAsyncSetDisconnectCallback(redis, on_disconnected);
@@ -261,15 +248,15 @@ static void begin(struct redis_link *link) {
 
 static void on_pulse(uv_timer_t *timer) {
     struct redis_link *link = timer->data;
-    count_silence(link);
+    silence_count(&link->silence, uv_now(link->loop), LINK_PULSE_MS);
     if (!link->redis) {
         if (!link->looking_up && uv_now(link->loop) >= link->again)
             begin(link);
-    } else if (link->unanswered && link->silent >= LINK_PATIENCE_MS) {
+    } else if (link->unanswered && link->silence.ms >= LINK_PATIENCE_MS) {
         if (link->overdue)
             drop(link, "it does not answer");
         link->overdue = !link->overdue;
-    } else if (link->up && !link->unanswered && link->silent >= LINK_PATIENCE_MS) {
+    } else if (link->up && !link->unanswered && link->silence.ms >= LINK_PATIENCE_MS) {
         if (link->channel)
             hear(link);
         else
