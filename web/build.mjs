@@ -6,6 +6,7 @@ import path from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { gzipSync } from 'node:zlib';
 import { decoders } from './decoders.mjs';
+import { manifest } from './package/manifest.mjs';
 
 const here = path.dirname(fileURLToPath(import.meta.url));
 const [out, depfile, contents] = process.argv.slice(2);
@@ -15,7 +16,7 @@ if (!out) {
 }
 
 const common = { bundle: true, minify: true, format: 'esm', target: 'es2022', legalComments: 'none' };
-const inputs = new Set(['build.mjs', 'decoders.mjs'].map((file) => path.join(here, file)));
+const inputs = new Set(['build.mjs', 'decoders.mjs', 'README.md', 'package/manifest.mjs'].map((file) => path.join(here, file)));
 const within = {}; // of each script, the files that something of is in it
 const note = ({ inputs: found, outputs }) => {
   Object.keys(found).forEach((file) => inputs.add(path.resolve(file.replace(/^.*?:/, ''))));
@@ -129,6 +130,8 @@ for (const [name, external] of [['library.js', ['./talking-head.js', './library-
 const types = path.join(here, 'src/talking-head.d.ts');
 inputs.add(types);
 copyFileSync(types, path.join(out, 'talking-head.d.ts'));
+// what the page of examples makes its fields of
+writeFileSync(path.join(out, 'custom-elements.json'), JSON.stringify(manifest(types, path.join(here, 'README.md'), 'talking-head.js')));
 const faps = path.join(here, '../protocol/fap-table.json');
 inputs.add(faps);
 copyFileSync(faps, path.join(out, 'faps.json'));

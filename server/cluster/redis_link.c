@@ -2,6 +2,7 @@
 #include "server/cluster/redis_link.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/cluster/redis_silence.h"
 #include <hiredis/adapters/libuv.h>
 #include <hiredis/async.h>
 #include <stdio.h>
@@ -17,7 +18,7 @@ struct redis_link {
     uv_getaddrinfo_t look_up;
     uv_timer_t pulse;
     uint64_t again, again_in; /* loop time of the next attempt; how long the one after it waits, ms */
-    uint64_t heard_at;        /* loop time: the last answer, or the question to which none has come */
+    struct silence silence;
     unsigned unanswered;
     bool overdue; /* seen so once: what had come may not have been read yet */
     bool up, told, looking_up, closing;
@@ -74,7 +75,7 @@ static void on_answer(redisAsyncContext *redis, void *reply, void *privdata) {
     struct redis_link *link = q->link;
     (void)redis;
     if (reply) {
-        link->heard_at = uv_now(link->loop);
+        silence_begin(&link->silence, uv_now(link->loop));
         link->unanswered -= link->unanswered > 0;
         link->overdue = false;
     }
@@ -98,7 +99,7 @@ static bool ask(struct redis_link *link, const struct link_text *words, int coun
         return false;
     }
     if (!link->unanswered++)
-        link->heard_at = uv_now(link->loop);
+        silence_begin(&link->silence, uv_now(link->loop));
     return true;
 }
 
@@ -143,7 +144,7 @@ static void on_channel(redisAsyncContext *redis, void *any, void *privdata) {
     (void)redis;
     if (!reply || reply->type != REDIS_REPLY_ARRAY || reply->elements != 3)
         return;
-    link->heard_at = uv_now(link->loop);
+    silence_begin(&link->silence, uv_now(link->loop));
     link->unanswered = 0;
     link->overdue = false;
     if (is_word(reply->element[0], "message"))
@@ -157,7 +158,7 @@ static void hear(struct redis_link *link) {
     if (redisAsyncCommand(link->redis, on_channel, link, "SUBSCRIBE %s", link->channel) != REDIS_OK)
         return;
     if (!link->unanswered++)
-        link->heard_at = uv_now(link->loop);
+        silence_begin(&link->silence, uv_now(link->loop));
 }
 
 static void on_first_pong(void *ctx, const redisReply *reply) {
@@ -206,7 +207,7 @@ static void attach(struct redis_link *link, redisAsyncContext *redis) {
     link->redis = redis;
     redis->data = link;
     link->unanswered = 1;
-    link->heard_at = uv_now(link->loop);
+    silence_begin(&link->silence, uv_now(link->loop));
     redisLibuvAttach(redis, link->loop);
     redisAsyncSetConnectCallback(redis, on_connected);
     redisAsyncSetDisconnectCallback(redis, on_disconnected);
@@ -247,15 +248,15 @@ static void begin(struct redis_link *link) {
 
 static void on_pulse(uv_timer_t *timer) {
     struct redis_link *link = timer->data;
-    uint64_t now = uv_now(link->loop);
+    silence_count(&link->silence, uv_now(link->loop), LINK_PULSE_MS);
     if (!link->redis) {
-        if (!link->looking_up && now >= link->again)
+        if (!link->looking_up && uv_now(link->loop) >= link->again)
             begin(link);
-    } else if (link->unanswered && now - link->heard_at > LINK_PATIENCE_MS) {
+    } else if (link->unanswered && link->silence.ms >= LINK_PATIENCE_MS) {
         if (link->overdue)
             drop(link, "it does not answer");
         link->overdue = !link->overdue;
-    } else if (link->up && !link->unanswered && now - link->heard_at > LINK_PATIENCE_MS) {
+    } else if (link->up && !link->unanswered && link->silence.ms >= LINK_PATIENCE_MS) {
         if (link->channel)
             hear(link);
         else

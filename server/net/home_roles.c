@@ -4,7 +4,11 @@
 #include "server/net/homes_internal.h"
 #include <inttypes.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
+
+/* Of the name of a daemon, which is made by chance: a million places. */
+enum { APART_DIGITS = 5 };
 
 static void count(const struct home *h, int by) {
     static const int metrics[HOME_ROLES] = {[HOME_SEEKING] = -1,
@@ -57,12 +61,25 @@ static void fail(struct home *h) {
         stream_fail(h->channel->stream, &e);
 }
 
+/* Daemons that are alone number by themselves, and who follows one of them later has heard the others'
+ * numbers: each goes on in a place of its own. */
+static void number_apart(const struct home *h) {
+    char digits[APART_DIGITS + 1];
+    uint32_t number = stream_number(h->channel->stream);
+    snprintf(digits, sizeof digits, "%s", bus_name(h->homes->bus));
+    if (number <
+        UINT32_MAX / 2) /* what it would take to come there is no room, but somebody who cuts its Redis */
+        stream_number_above(h->channel->stream, number + 1 + (uint32_t)strtoul(digits, NULL, 16));
+}
+
 void home_be_alone(struct home *h) {
     enum home_role was = h->role;
     cut(h, false);
     branches_drop(h);
     home_set_role(h, HOME_ALONE);
     stream_go_alone(h->channel->stream);
+    if (was != HOME_ALONE)
+        number_apart(h);
     h->heal_by = 0;
     h->split = h->above;
     h->channel->speaks_until = UINT64_MAX;

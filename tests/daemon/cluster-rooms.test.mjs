@@ -431,6 +431,13 @@ test('without Redis each daemon speaks for its own, and they heal', async () => 
   others[0].send({ type: 'speak', id: 'own', text: 'Uno.' });
   await others[0].heard({ type: 'end', id: 'own', reason: 'done' });
   assert.ok(!others[1].find({ id: 'own' }) && !mine.find({ id: 'own' }));
+  // what each numbers by itself has a number that nobody else has given or heard
+  others[1].send({ type: 'speak', id: 'too', text: 'Uno.' });
+  await others[1].heard({ type: 'end', id: 'too', reason: 'done' });
+  mine.send({ type: 'speak', id: 'mine', text: 'Uno.' });
+  await mine.heard({ type: 'end', id: 'mine', reason: 'done' });
+  const numbers = [...listeners.map((one) => one.find({ type: 'begin', id: 'through' })), others[0].find({ type: 'begin', id: 'own' }), others[1].find({ type: 'begin', id: 'too' }), mine.find({ type: 'begin', id: 'mine' })].map(({ utterance }) => utterance);
+  assert.equal(new Set(numbers).size, 4, `${numbers}: one that all heard, three of which each daemon has one`);
   // one that is speaking when they can meet again comes to its end
   others[1].send({ type: 'speak', id: 'last', text: TEXT });
   await others[1].heard({ type: 'begin', id: 'last' });

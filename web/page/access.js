@@ -15,6 +15,13 @@ export function takeFromAddress() {
   return token.trim() || null;
 }
 
+/** The token of this tab: that of the page's address, which is kept, or the one that was. @returns {string|null} */
+export function tokenOfTab() {
+  const token = takeFromAddress() ?? forTab.get(KEY);
+  if (token) forTab.set(KEY, token);
+  return token;
+}
+
 export class Access {
   #waiting = []; // called when a token has been accepted
 

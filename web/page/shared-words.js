@@ -3,7 +3,8 @@
 export const sharedWords = {
   it: {
     skip: 'Vai al testo', pages: 'Pagine', speakPage: 'Parla', emotionPage: 'Emozioni', voicesPage: 'Voci', avatarPage: 'Il tuo viso',
-    libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operatore', morePages: 'Altre pagine', editorPage: 'Editor',
+    libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operatore', examplesPage: 'Esempi',
+    morePages: 'Altre pagine', editorPage: 'Editor',
     connecting: 'Connessione…', open: 'Connesso', waiting: 'Non connesso, si riprova', closed: 'Non connesso',
     face: 'La testa', head: 'Testa: {title}. {credits}', pageLang: 'Lingua di questa pagina', otherLanguages: 'Altre lingue',
     token: 'Codice di accesso', tokenUse: 'Usa il codice', tokenWhy: 'Chi gestisce il server può darvene uno.',
@@ -15,7 +16,8 @@ export const sharedWords = {
   },
   pt: {
     skip: 'Ir para o texto', pages: 'Páginas', speakPage: 'Falar', emotionPage: 'Emoções', voicesPage: 'Vozes', avatarPage: 'Seu rosto',
-    libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operador', morePages: 'Outras páginas', editorPage: 'Editor',
+    libraryPage: 'Biblioteca', playerPage: 'Face Player', operatorPage: 'Operador', examplesPage: 'Exemplos',
+    morePages: 'Outras páginas', editorPage: 'Editor',
     connecting: 'Conectando…', open: 'Conectado', waiting: 'Sem conexão, nova tentativa', closed: 'Sem conexão',
     face: 'A cabeça', head: 'Cabeça: {title}. {credits}', pageLang: 'Idioma desta página', otherLanguages: 'Outros idiomas',
     token: 'Código de acesso', tokenUse: 'Usar o código', tokenWhy: 'Quem administra o servidor pode dar um.',
@@ -27,7 +29,8 @@ export const sharedWords = {
   },
   tr: {
     skip: 'Metne geç', pages: 'Sayfalar', speakPage: 'Konuş', emotionPage: 'Duygular', voicesPage: 'Sesler', avatarPage: 'Senin yüzün',
-    libraryPage: 'Kitaplık', playerPage: 'Face Player', operatorPage: 'Operatör', morePages: 'Diğer sayfalar', editorPage: 'Düzenleyici',
+    libraryPage: 'Kitaplık', playerPage: 'Face Player', operatorPage: 'Operatör', examplesPage: 'Örnekler',
+    morePages: 'Diğer sayfalar', editorPage: 'Düzenleyici',
     connecting: 'Bağlanıyor…', open: 'Bağlı', waiting: 'Bağlantı yok, yeniden deneniyor', closed: 'Bağlantı yok',
     face: 'Baş', head: 'Baş: {title}. {credits}', pageLang: 'Bu sayfanın dili', otherLanguages: 'Diğer diller',
     token: 'Erişim kodu', tokenUse: 'Kodu kullan', tokenWhy: 'Sunucunun yöneticisi size bir kod verebilir.',
@@ -39,7 +42,8 @@ export const sharedWords = {
   },
   en: {
     skip: 'Go to the text', pages: 'Pages', speakPage: 'Speak', emotionPage: 'Emotions', voicesPage: 'Voices', avatarPage: 'Your face',
-    libraryPage: 'Library', playerPage: 'Face Player', operatorPage: 'Operator', morePages: 'More pages', editorPage: 'Editor',
+    libraryPage: 'Library', playerPage: 'Face Player', operatorPage: 'Operator', examplesPage: 'Examples',
+    morePages: 'More pages', editorPage: 'Editor',
     connecting: 'Connecting…', open: 'Connected', waiting: 'Not connected, trying again', closed: 'Not connected',
     face: 'The head', head: 'Head: {title}. {credits}', pageLang: 'Language of this page', otherLanguages: 'Other languages',
     token: 'Access token', tokenUse: 'Use the token', tokenWhy: 'Whoever runs the server can give you one.',
