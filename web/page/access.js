@@ -6,7 +6,7 @@ const KEY = 'faccia.token';
 const ERRORS = ['token-needed', 'bad-token', 'expired-token', 'early-token', 'revoked-token'];
 
 /** Takes the token out of the page's address, so that it is not in the history, nor in a link that is passed on. */
-export function takeFromAddress() {
+function takeFromAddress() {
   const address = new URL(location.href);
   const token = address.searchParams.get('token');
   if (token === null) return null;
@@ -31,7 +31,7 @@ export class Access {
    */
   constructor(form, head, words, accepted) {
     Object.assign(this, { form, head, words, accepted, code: null });
-    this.token = takeFromAddress() ?? forTab.get(KEY);
+    this.token = tokenOfTab();
     if (this.token) this.#use(this.token);
     head.addEventListener('hello', ({ detail }) => detail.tokens && !this.token && this.ask('token-needed'));
     head.addEventListener('error', ({ detail }) => this.concerns(detail.code) && this.ask(detail.code));

@@ -157,7 +157,8 @@ def vectors(model, piece, path):
     """What it answers to a piece, for the tests of what runs it."""
     with torch.no_grad():
         memory = model.eval().memory(piece)
-        answers = torch.stack([torch.cat([torch.softmax(head(memory)[..., :CLASSES], -1), head(memory)[..., CLASSES:]], -1) for head in model.heads], 2)[0]
+        told = (head(memory) for head in model.heads)
+        answers = torch.stack([torch.cat([torch.softmax(one[..., :CLASSES], -1), one[..., CLASSES:]], -1) for one in told], 2)[0]
         voice = model.voice(model.pooled(memory))[0, :, 0]
     with open(path, 'wb') as file:
         file.write(np.array([piece.shape[1], INPUTS, len(DELAYS), CLASSES, CURVES], '<u4').tobytes())
@@ -210,7 +211,10 @@ def main():
     torch.manual_seed(options.seed)
     rng = np.random.default_rng(options.seed)
     files = [Data(name.rsplit('=')[0], float(name.rsplit('=')[1]), rng) for name in options.data]
-    there = lambda: [f for f in files if f.written]  # noqa: E731
+
+    def there():
+        return [f for f in files if f.written]
+
     counts = sum(f.share * np.bincount(f.classes.numpy().reshape(-1), minlength=256)[:CLASSES] / f.classes.numel() for f in there())
     weight = torch.tensor((counts.mean() / np.maximum(counts, 1e-6)) ** 0.3, dtype=torch.float32).clamp(0.5, 2)
     weight[CLOSED] *= 1.3  # a missed closure is worse than one too many

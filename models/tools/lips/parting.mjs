@@ -3,12 +3,14 @@
  * LI and LS by the lips' ends (edges.mjs). An end goes up and down with its lip, but not only: an upper lip that is pushed comes down over the teeth, the
  * further the fuller it is. How far lips have come forward is never seen from the front, and a jaw not under lips that are closed over it.
  */
+import { PARAMETERS } from './articulation.mjs';
+
 const HANGS = 10.5; // mm for a mm of PS, of a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
 const ROUND = -4; // mm of AR: narrower lips have come forward, and where they end a front does not show
 const HELD = 0.15; // mm of doubt about AR (lay.mjs), the median of a film: on even skin there is less to hold on to, and corners are seen to move less than they do
 const OPEN = 0.8; // mm between both ends: under it LI is left to the skin around, which sees lips press
 
-const AR = 2; // of the parameters
+export const AR = PARAMETERS.indexOf('AR');
 
 /** How far an upper lip comes down for a mm of PS. @param {number} fullness how high it is, the mouth's width being 1 */
 export const hangOf = (fullness) => HANGS * fullness;
@@ -26,7 +28,7 @@ export function parted(q, hang, look) {
   if (rises !== null) out[1] = rises + hangs;
   if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls;
   const closed = rises !== null && falls !== null ? rises + falls <= OPEN : LI + LS <= OPEN;
-  const round = out[2] < ROUND;
+  const round = out[AR] < ROUND;
   return { q: out, seen: [!round && (closed || falls !== null), !round && rises !== null, true, false, false, !closed] };
 }
 

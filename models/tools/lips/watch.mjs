@@ -12,7 +12,7 @@ import { FileError } from '../import/file-error.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { PARAMETERS } from './articulation.mjs';
 import { Edges } from './edges.mjs';
-import { hangOf, heldCorners, parted } from './parting.mjs';
+import { AR, hangOf, heldCorners, parted } from './parting.mjs';
 import { UNKNOWNS } from '../../../web/src/portrait/fap-moves.mjs';
 import { Layer } from '../../../web/src/portrait/lay.mjs';
 import { landmarksOf } from '../../../web/src/portrait/look.mjs';
@@ -31,7 +31,6 @@ const LOST = 0.6; // of the picture's contrast: what is less like the face is no
 
 const built = fileURLToPath(new URL('../../../build/', import.meta.url));
 const read = (file) => JSON.parse(fs.readFileSync(path.join(built, file), 'utf8'));
-const AR = PARAMETERS.indexOf('AR');
 const UNSEEN = PARAMETERS.map(() => false);
 const STILL = new Float64Array(UNKNOWNS.length);
 const turnOf = ({ turn }) => Math.asin(Math.max(-1, Math.min(1, turn[0][2])));
@@ -124,7 +123,7 @@ class Watcher {
     this.#now = found;
     if (!found) return null;
     const { q, seen } = parted(found.q, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
-    return { values: q.slice(0, PARAMETERS.length), seen, doubt: found.doubts[AR], confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
+    return { values: q.slice(0, PARAMETERS.length), seen, doubt: found.doubt(AR), confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
   }
 }
 

@@ -129,8 +129,8 @@ export class Layer {
 
   /**
    * @param {object} picture @param {number[][][]} rest of seen @param {{stand: object, q: Float64Array}} start
-   * @returns {{stand: object, q: Float64Array, unlike: number, doubts: Float64Array}} doubts: standard deviations of q by
-   *   what the picture has to hold on to, mm
+   * @returns {{stand: object, q: Float64Array, unlike: number, doubt: (p: number) => number}} doubt: the standard deviation of
+   *   an unknown, mm, by what the picture has to hold on to
    */
   lay(picture, rest, { stand, q }) {
     const levels = this.planes(picture, stand);
@@ -140,16 +140,13 @@ export class Layer {
       return { ...end, cost: this.#cost(levels[2], rest[2], end.stand, end.q) };
     });
     const best = ends.reduce((least, end) => (end.cost < least.cost ? end : least));
-    return { ...best, doubts: this.#doubts(levels[2], rest[2], best) };
+    return { ...best, doubt: (p) => this.#doubt(levels[2], rest[2], best, p) };
   }
 
-  /** Of each unknown the root of what the equations' inverse has of it, how the head stands being unknown, too. */
-  #doubts(level, rest, { stand, q }) {
-    const { a } = this.#normal(level, rest, { stand, q }, EACH[2]);
-    return Float64Array.from(q, (_, p) => {
-      const one = Float64Array.from(a, (__, k) => Number(k === POSE + p));
-      return Math.sqrt(TRUST * solve(a.map((row) => Float64Array.from(row)), one)[POSE + p]);
-    });
+  /** The root of what the equations' inverse has of it, how the head stands being unknown, too. */
+  #doubt(level, rest, end, p) {
+    const { a } = this.#normal(level, rest, end, EACH[2]);
+    return Math.sqrt(TRUST * solve(a, Float64Array.from(a, (_, k) => Number(k === POSE + p)))[POSE + p]);
   }
 
   /** Steps until they are small. */
