@@ -187,7 +187,7 @@ static int ask(struct reference *r, const char *voice, const char *text, size_t 
     char *copy = mem_strndup(text, size);
     const struct faccia_span span = {
         .kind = FACCIA_SPAN_TEXT, .text = copy, .pitch = 1, .range = 1, .volume = 1};
-    const struct faccia_sentence sentence = {voice, &span, 1};
+    const struct faccia_sentence sentence = {.voice = voice, .spans = &span, .span_count = 1};
     struct buf b = {0};
     size_t place = wire_begin(&b, WIRE_SPEAK, ++r->job);
     wire_put_u32(&b, PROCESSOR_SECONDS);

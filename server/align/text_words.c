@@ -75,6 +75,18 @@ static size_t same(const struct text_words *in, size_t at, const struct text_wor
     return n;
 }
 
+size_t text_words_from(const struct text_words *in, size_t at, const struct text_words *sequence) {
+    return same(in, at, sequence->list, sequence->count);
+}
+
+size_t text_words_up_to(const struct text_words *in, size_t at, const struct text_words *sequence) {
+    size_t n = 0;
+    while (n < at && n < sequence->count &&
+           in->list[at - 1 - n].hash == sequence->list[sequence->count - 1 - n].hash)
+        n++;
+    return n;
+}
+
 size_t text_words_find(const struct text_words *in, const struct text_word *sequence, size_t count,
                        size_t from) {
     for (size_t i = from; i + count <= in->count; i++)

@@ -25,6 +25,10 @@ void text_words_free(struct text_words *tokens);
 size_t text_words_find(const struct text_words *in, const struct text_word *sequence, size_t count,
                        size_t from);
 
+/* How many of its first words stand at a place, and how many of its last just before one. */
+size_t text_words_from(const struct text_words *in, size_t at, const struct text_words *sequence);
+size_t text_words_up_to(const struct text_words *in, size_t at, const struct text_words *sequence);
+
 /* How many words of the sequence stand at the place where most of it does, and that place in *at. */
 size_t text_words_longest(const struct text_words *in, const struct text_word *sequence, size_t count,
                           size_t *at);

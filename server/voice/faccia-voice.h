@@ -40,8 +40,8 @@ extern "C" {
 #endif
 
 /* Version 2 added FACCIA_VOICE_NETWORK and FACCIA_VOICE_PROGRAMS, version 3 FACCIA_VOICE_FILES. Plugins of an
- * older version, which could not say so, are taken to need them. */
-#define FACCIA_VOICE_ABI 3
+ * older version, which could not say so, are taken to need them. Version 4 added FACCIA_VOICE_CONTEXT. */
+#define FACCIA_VOICE_ABI 4
 #define FACCIA_VOICE_ABI_OLDEST 1 /* that still runs */
 
 /* What a plugin can do (faccia_voice.capabilities). */
@@ -66,6 +66,8 @@ enum {
     FACCIA_VOICE_NETWORK = 1u << 10,  /* it, or a program that it starts, opens sockets */
     FACCIA_VOICE_PROGRAMS = 1u << 11, /* starts processes; threads may always be started */
     FACCIA_VOICE_FILES = 1u << 13,    /* writes files, in /tmp and in folders that its configuration names */
+    /* The text around a sentence is told: how it is spoken, or where it is found, depends on that. */
+    FACCIA_VOICE_CONTEXT = 1u << 14,
 };
 
 /* Besides the system's programs, libraries and their data, its own folder, and what its configuration names,
@@ -108,6 +110,9 @@ struct faccia_sentence {
     const char *voice; /* a voice id of this plugin */
     const struct faccia_span *spans;
     size_t span_count;
+    /* With FACCIA_VOICE_CONTEXT: the text of the same utterance just before and just after it, as far as it
+     * is known, some 400 bytes of whole words; NULL = there is none. */
+    const char *before, *after;
 };
 
 /* A phone. Pauses are phones too: ipa "" and sampa "_". */

@@ -165,6 +165,14 @@ void plan_items(struct plan *plan, const struct score *score, size_t first, size
     add_items(plan, score, first, count, prosody);
 }
 
+struct faccia_sentence plan_sentence(const struct plan *plan, const char *voice) {
+    return (struct faccia_sentence){.voice = voice,
+                                    .spans = plan->spans,
+                                    .span_count = plan->span_count,
+                                    .before = plan->before,
+                                    .after = plan->after};
+}
+
 void plan_go_on(struct plan *plan) {
     struct faccia_span *last = NULL;
     for (size_t i = 0; i < plan->span_count; i++)
@@ -197,6 +205,8 @@ void plan_free(struct plan *plan) {
         free((char *)plan->cues[i].kind);
         free((char *)plan->cues[i].name);
     }
+    free(plan->before);
+    free(plan->after);
     free(plan->cues);
     free(plan->spans);
     free(plan->pieces);

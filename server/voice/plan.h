@@ -36,6 +36,7 @@ struct plan {
     size_t last_bytes, last_cap; /* of the last span's text */
     size_t text_bytes;           /* of all spans */
     double break_seconds;        /* of all breaks */
+    char *before, *after;        /* text around it, for voices that are told; NULL = none */
 };
 
 /* What multiplies, or stands in for, the styles of the score. */
@@ -58,6 +59,13 @@ void plan_make(struct plan *plan, const struct score *score, size_t sentence,
 void plan_items(struct plan *plan, const struct score *score, size_t first, size_t count,
                 const struct plan_prosody *prosody);
 void plan_cues(struct plan *plan, const struct score *score, size_t sentence);
+
+/* Adds the text around some items of a sentence, for a voice with FACCIA_VOICE_CONTEXT. */
+enum { PLAN_CONTEXT_BYTES = 400 }; /* on each side */
+void plan_context(struct plan *plan, const struct score *score, size_t sentence, size_t first, size_t count);
+
+/* The plan as a voice is told it. Borrowed from both. */
+struct faccia_sentence plan_sentence(const struct plan *plan, const char *voice);
 
 /* Tells the voice that the sentence goes on after this plan's text, by a comma at its end: else its tone
  * would fall. */

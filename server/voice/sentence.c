@@ -105,6 +105,8 @@ static void speak(struct sentence *s, struct sentence_part *part) {
     struct plan plan;
     prosody.chosen = true;
     plan_items(&plan, s->request.score, what->first, what->count, &prosody);
+    if (voice->capabilities & FACCIA_VOICE_CONTEXT)
+        plan_context(&plan, s->request.score, s->request.sentence, what->first, what->count);
     if (text_follows(s, part))
         plan_go_on(&plan);
     part->job = voice_pool_speak_plan(s->pool, voice, plan, &s->request, &callbacks, part);

@@ -190,6 +190,10 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
     const struct plan_prosody prosody = voice_request_prosody(request, request->voice);
     struct plan plan;
     plan_make(&plan, request->score, request->sentence, &prosody);
+    if (request->voice->capabilities & FACCIA_VOICE_CONTEXT) {
+        const struct score_sentence *s = &request->score->sentences[request->sentence];
+        plan_context(&plan, request->score, request->sentence, s->first, s->count);
+    }
     return voice_pool_speak_plan(pool, request->voice, plan, request, callbacks, ctx);
 }
 

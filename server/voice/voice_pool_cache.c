@@ -66,7 +66,7 @@ void job_recall(struct voice_job *job) {
  */
 bool job_look_up(struct voice_job *job) {
     struct voice_pool *pool = job->plugin->pool;
-    const struct faccia_sentence sentence = {job->voice->id, job->plan.spans, job->plan.span_count};
+    const struct faccia_sentence sentence = plan_sentence(&job->plan, job->voice->id);
     job->uncacheable = !value_max(job) || job->voice->capabilities & FACCIA_VOICE_FRESH;
     if (job->uncacheable)
         return false;

@@ -34,6 +34,8 @@ static char *copy(const char *text) {
 }
 
 static void copy_spans(struct plan *plan, const struct faccia_sentence *sentence) {
+    plan->before = copy(sentence->before);
+    plan->after = copy(sentence->after);
     plan->spans = mem_alloc((sentence->span_count + 1) * sizeof *plan->spans);
     plan->span_count = plan->span_cap = sentence->span_count;
     for (size_t i = 0; i < sentence->span_count; i++) {

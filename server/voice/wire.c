@@ -156,6 +156,10 @@ void wire_put_sentence(struct buf *b, const struct faccia_sentence *sentence) {
     wire_put_u32(b, (uint32_t)sentence->span_count);
     for (size_t i = 0; i < sentence->span_count; i++)
         put_span(b, &sentence->spans[i]);
+    if (sentence->before || sentence->after) { /* else caches know the sentence as before there was this */
+        wire_put_string(b, sentence->before);
+        wire_put_string(b, sentence->after);
+    }
 }
 
 bool wire_get_sentence(struct wire_reader *r, struct faccia_sentence *sentence, struct faccia_span **spans) {
@@ -167,6 +171,9 @@ bool wire_get_sentence(struct wire_reader *r, struct faccia_sentence *sentence, 
     sentence->spans = *spans = mem_alloc(sentence->span_count * sizeof **spans);
     for (size_t i = 0; i < sentence->span_count; i++)
         get_span(r, &(*spans)[i]);
+    bool alone = r->at == r->end;
+    sentence->before = alone ? NULL : wire_get_string(r);
+    sentence->after = alone ? NULL : wire_get_string(r);
     return !r->bad && r->at == r->end;
 }
 

@@ -126,8 +126,8 @@ void worker_wake(struct worker *w) {
         seconds *= SLOW_PATIENCE;
     w->patience = (uint64_t)(seconds * 1000) + 1;
     w->end = uv_now(pool->loop) + (uint64_t)((double)w->patience * pool->deadline_most);
-    const struct faccia_sentence sentence = {job->voice->id + strlen(w->plugin->name) + 1, job->plan.spans,
-                                             job->plan.span_count};
+    const struct faccia_sentence sentence =
+        plan_sentence(&job->plan, job->voice->id + strlen(w->plugin->name) + 1);
     struct buf b = {0};
     size_t place = wire_begin(&b, WIRE_SPEAK, job->number);
     wire_put_u32(&b, worker_processor_seconds(pool, w->patience));

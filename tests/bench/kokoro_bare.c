@@ -69,7 +69,7 @@ int main(int argc, char **argv) {
     while (fgets(line, sizeof line, in)) {
         const struct faccia_span span = {
             .kind = FACCIA_SPAN_TEXT, .text = line, .pitch = 1, .range = 1, .volume = 1};
-        const struct faccia_sentence sentence = {argv[1], &span, 1};
+        const struct faccia_sentence sentence = {.voice = argv[1], .spans = &span, .span_count = 1};
         if (!ko_read(reader, ko_reader_voice(reader, voice->espeak), &voice->alphabet, &sentence, 0, 1, &text,
                      ignore, NULL))
             die("espeak-ng cannot read the text");

@@ -427,6 +427,13 @@ test('the same words twice are two places of the recording, in spite of the cach
     while (start < truth.rate && heard.subarray(0, 50).some((x, k) => x !== pcm[start + k])) start++;
     assert.ok(heard.every((x, k) => x === pcm[start + k]), 'what is heard is the recording, sample by sample');
   }
+  // The text around a sentence tells which of two places is meant, whatever was spoken before.
+  for (const [part, last] of [[text.slice(text.lastIndexOf('La mamma')), true], [text.slice(0, 45), false]]) {
+    const answer = await daemon.get('/v1/speech?voice=recording:a&format=wav', { method: 'POST', body: part, headers: { 'content-type': 'text/plain' } });
+    const data = Buffer.from(await answer.arrayBuffer()), heard = new Int16Array(data.buffer.slice(data.byteOffset + 44, data.byteOffset + data.length));
+    const at = last ? pcm.length - heard.length : 0;
+    assert.ok(heard.length < 0.7 * pcm.length && heard.every((x, k) => x === pcm[at + k]), `${part}: not from its own place`);
+  }
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
 });
 

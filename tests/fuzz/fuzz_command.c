@@ -69,7 +69,7 @@ static int on_warning(void *ctx, const char *message) {
 
 static void give(struct fuzz_input *in) {
     const struct faccia_span span = {.kind = FACCIA_SPAN_TEXT, .text = "uno due tre"};
-    const struct faccia_sentence sentence = {"a", &span, 1};
+    const struct faccia_sentence sentence = {.voice = "a", .spans = &span, .span_count = 1};
     struct heard heard = {0};
     const struct faccia_sink sink = {sizeof sink, &heard, on_audio, on_phone, on_word, on_mark, on_warning};
     struct cm_stop stop = {.wake = -1};

@@ -39,7 +39,7 @@ static bool is_known(const struct aligned_recording *reading, size_t first, size
 static void speak(struct recorded *r) {
     struct aligned_recording *reading = r->reading;
     const struct faccia_span span = {.kind = FACCIA_SPAN_TEXT, .text = "uno due"};
-    const struct faccia_sentence sentence = {"a", &span, 1};
+    const struct faccia_sentence sentence = {.voice = "a", .spans = &span, .span_count = 1};
     struct match match = {0};
     struct error e;
     uint64_t from, to;

@@ -58,7 +58,7 @@ static struct faccia_span span(const char *text, const char *phones) {
 static const char *reading(struct bench *b, const struct faccia_span *spans, size_t count) {
     static char said[512];
     const struct es_voice *voice = ko_reader_voice(b->reader, "it");
-    const struct faccia_sentence sentence = {"if_sara", spans, count};
+    const struct faccia_sentence sentence = {.voice = "if_sara", .spans = spans, .span_count = count};
     assert_non_null(voice);
     b->warnings = 0;
     assert_true(ko_read(b->reader, voice, &b->alphabet, &sentence, 0, count, &b->text, on_warning, b));

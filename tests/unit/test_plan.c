@@ -5,6 +5,7 @@
 #include <stdarg.h>
 #include <stdbool.h>
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -88,6 +89,46 @@ static void a_part_of_a_sentence(void **state) {
     score_free(score);
 }
 
+static void the_text_around(void **state) {
+    (void)state;
+    struct score *score = score_new();
+    struct plan plan;
+    for (int i = 0; i < 200; i++) {
+        char text[32];
+        snprintf(text, sizeof text, "parola%03d ", i);
+        add(score, "u", score_plain_style);
+        add(score, "na ", score_plain_style);
+        score_add(score, SCORE_MARK, 0, 0)->text = "m";
+        add(score, score_strndup(score, text, sizeof text), score_plain_style);
+        score_end_sentence(score);
+    }
+    plan_make(&plan, score, 0, &usual);
+    assert_null(plan.before);
+    plan_context(&plan, score, 0, 0, 4);
+    assert_null(plan.before);
+    assert_ptr_equal(strstr(plan.after, "una parola001 "), plan.after + strspn(plan.after, " "));
+    plan_free(&plan);
+    plan_make(&plan, score, 100, &usual);
+    plan_context(&plan, score, 100, 400, 4);
+    const struct faccia_sentence told = plan_sentence(&plan, "x");
+    assert_ptr_equal(told.before, plan.before);
+    assert_in_range(strlen(plan.before), PLAN_CONTEXT_BYTES - 12, PLAN_CONTEXT_BYTES);
+    assert_in_range(strlen(plan.after), PLAN_CONTEXT_BYTES - 12, PLAN_CONTEXT_BYTES);
+    assert_string_equal(plan.before + strlen(plan.before) - 14, "una parola099 ");
+    assert_non_null(strstr(plan.after, "una parola101 "));
+    assert_null(strstr(plan.after, "parola100"));
+    plan_free(&plan);
+    plan_items(&plan, score, 402, 2, &usual); /* a part: what of the sentence is before it, too */
+    plan_context(&plan, score, 100, 402, 2);
+    assert_string_equal(plan.before + strlen(plan.before) - 4, "una ");
+    plan_free(&plan);
+    plan_make(&plan, score, 199, &usual);
+    plan_context(&plan, score, 199, 796, 4);
+    assert_null(plan.after);
+    plan_free(&plan);
+    score_free(score);
+}
+
 /* A comma behind the last word, where no stop is; places stay. */
 static void a_sentence_that_goes_on(void **state) {
     (void)state;
@@ -128,6 +169,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(styles_become_spans),
         cmocka_unit_test(a_part_of_a_sentence),
+        cmocka_unit_test(the_text_around),
         cmocka_unit_test(a_sentence_that_goes_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

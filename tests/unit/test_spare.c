@@ -118,6 +118,13 @@ static int take_all(int fds[], int most) {
     return count;
 }
 
+/* Until the pool knows: a process is gone once it was waited for. */
+static void kill_and_wait(struct pool_test *s, pid_t worker) {
+    kill(worker, SIGKILL);
+    while (!kill(worker, 0))
+        run_for(s, 20);
+}
+
 static void give_back(const int fds[], int count) {
     while (count)
         close(fds[--count]);
@@ -137,8 +144,7 @@ static void a_worker_starts_with_the_last_descriptors(void **state) {
         give_back(fds + --count, 1); /* for looking */
         pid_t worker = first_child();
         assert_true((fds[count++] = open("/dev/null", O_RDONLY | O_CLOEXEC)) >= 0);
-        kill(worker, SIGKILL);
-        run_for(s, 200);
+        kill_and_wait(s, worker);
         pool_test_speak(s, "plain", "uno");
         pool_test_run(s);
     }
@@ -158,8 +164,7 @@ static void a_sentence_waits_for_descriptors(void **state) {
     none = limit;
     none.rlim_cur = 3;
     setrlimit(RLIMIT_NOFILE, &none);
-    kill(worker, SIGKILL);
-    run_for(s, 150);
+    kill_and_wait(s, worker);
     pool_test_speak(s, "plain", "uno");
     run_for(s, 1500); /* more tries than those after which a plugin is given up */
     assert_int_equal(s->finished, 0);

@@ -64,6 +64,12 @@ static void finding(void **state) {
     assert_int_equal(at, 1);
     assert_int_equal(text_words_longest(&in, d.list, 4, &at), 3);
     assert_int_equal(at, 5);
+    assert_int_equal(text_words_from(&in, 5, &d), 3);
+    assert_int_equal(text_words_from(&in, 8, &d), 0);
+    assert_int_equal(text_words_up_to(&in, 8, &b), 3);
+    assert_int_equal(text_words_up_to(&in, 5, &a), 1);
+    assert_int_equal(text_words_up_to(&in, 1, &d), 1);
+    assert_int_equal(text_words_up_to(&in, 0, &a), 0);
     text_words_free(&in);
     text_words_free(&a);
     text_words_free(&b);

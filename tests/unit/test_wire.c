@@ -69,7 +69,7 @@ static const struct faccia_span spans[] = {
 
 static struct buf sentence_payload(void) {
     struct buf b = {0};
-    wire_put_sentence(&b, &(struct faccia_sentence){"it+f2", spans, 3});
+    wire_put_sentence(&b, &(struct faccia_sentence){.voice = "it+f2", .spans = spans, .span_count = 3});
     return b;
 }
 
@@ -99,9 +99,34 @@ static void a_sentence_comes_back(void **state) {
     assert_float_equal(read[1].seconds, 0.25, 0);
     assert_int_equal(read[2].kind, FACCIA_SPAN_MARK);
     assert_string_equal(read[2].text, "");
+    assert_null(sentence.before);
+    assert_null(sentence.after);
     free(read);
     free((void *)frame.data);
     buf_free(&b);
+}
+
+static void the_text_around_comes_back(void **state) {
+    (void)state;
+    static const char *const cases[][2] = {{"Prima.", "Poi."}, {"Prima.", NULL}, {NULL, "Poi."}};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct buf b = {0};
+        const struct faccia_sentence told = {
+            .voice = "a", .spans = spans, .span_count = 3, .before = cases[i][0], .after = cases[i][1]};
+        wire_put_sentence(&b, &told);
+        struct wire_frame frame = exact(b.data, b.size);
+        struct wire_reader r = wire_read(&frame);
+        struct faccia_sentence sentence;
+        struct faccia_span *read;
+        assert_true(wire_get_sentence(&r, &sentence, &read));
+        for (int after = 0; after < 2; after++) {
+            const char *is = after ? sentence.after : sentence.before;
+            assert_true(is ? cases[i][after] && !strcmp(is, cases[i][after]) : !cases[i][after]);
+        }
+        free(read);
+        free((void *)frame.data);
+        buf_free(&b);
+    }
 }
 
 /* Cut anywhere, or with any byte changed, it is refused or still a sentence; nothing outside it is read. */
@@ -184,11 +209,9 @@ static void a_string_must_end_where_it_says(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(frames_come_whole_or_not_at_all),
-        cmocka_unit_test(refuses_impossible_headers),
-        cmocka_unit_test(a_sentence_comes_back),
-        cmocka_unit_test(a_broken_sentence_does_no_harm),
-        cmocka_unit_test(events_come_back),
+        cmocka_unit_test(frames_come_whole_or_not_at_all), cmocka_unit_test(refuses_impossible_headers),
+        cmocka_unit_test(a_sentence_comes_back),           cmocka_unit_test(the_text_around_comes_back),
+        cmocka_unit_test(a_broken_sentence_does_no_harm),  cmocka_unit_test(events_come_back),
         cmocka_unit_test(a_string_must_end_where_it_says),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

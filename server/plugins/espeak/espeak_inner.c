@@ -13,8 +13,9 @@ struct faccia_sentence es_inner_part(const struct faccia_sentence *sentence) {
             last = i;
     }
     if (text == sentence->span_count)
-        return (struct faccia_sentence){sentence->voice, spans + text, 0};
+        return (struct faccia_sentence){.voice = sentence->voice, .spans = spans + text};
     for (end = last + 1; end < sentence->span_count && spans[end].kind != FACCIA_SPAN_BREAK;)
         end++;
-    return (struct faccia_sentence){sentence->voice, spans + begin, end - begin};
+    return (struct faccia_sentence){
+        .voice = sentence->voice, .spans = spans + begin, .span_count = end - begin};
 }

@@ -161,7 +161,7 @@ bool ko_read(struct ko_reader *r, const struct es_voice *voice, const struct ko_
              const struct faccia_sentence *sentence, size_t from, size_t to, struct ko_text *text,
              void (*warn)(void *ctx, const char *message), void *ctx) {
     struct faccia_span *spans = plain_spans(sentence, from, to);
-    const struct faccia_sentence inner = {sentence->voice, spans, to - from};
+    const struct faccia_sentence inner = {.voice = sentence->voice, .spans = spans, .span_count = to - from};
     struct es_text given;
     text->items.count = text->word_count = 0;
     set_voice(r, voice);

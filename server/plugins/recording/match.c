@@ -4,14 +4,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void add(struct text_words *tokens, const char *text) {
+    if (text)
+        text_words_add(tokens, text, strlen(text), 0);
+}
+
 void match_words(struct match *m, const struct faccia_sentence *sentence) {
     m->sentence = sentence;
+    add(&m->before, sentence->before);
+    add(&m->after, sentence->after);
     for (uint32_t s = 0; s < sentence->span_count; s++) {
         const struct faccia_span *span = &sentence->spans[s];
         if (span->kind != FACCIA_SPAN_TEXT || !span->text)
             continue;
         size_t before = m->tokens.count;
-        text_words_add(&m->tokens, span->text, strlen(span->text), 0);
+        add(&m->tokens, span->text);
         m->spans = mem_grow(m->spans, &m->cap, m->tokens.count + 1, sizeof *m->spans);
         for (size_t i = before; i < m->tokens.count; i++)
             m->spans[i] = s;
@@ -20,15 +27,22 @@ void match_words(struct match *m, const struct faccia_sentence *sentence) {
 
 void match_free(struct match *m) {
     text_words_free(&m->tokens);
+    text_words_free(&m->before);
+    text_words_free(&m->after);
     free(m->spans);
 }
 
 int match_find(struct match *m, const struct aligned_recording *reading, size_t from, struct error *e) {
     const struct text_words *in = &reading->tokens;
-    size_t count = m->tokens.count, place;
-    m->at = text_words_find(in, m->tokens.list, count, from);
-    if (m->at == SIZE_MAX)
-        m->at = text_words_find(in, m->tokens.list, count, 0);
+    size_t count = m->tokens.count, most = 0, place;
+    m->at = SIZE_MAX;
+    for (size_t at = 0; (at = text_words_find(in, m->tokens.list, count, at)) != SIZE_MAX; at++) {
+        size_t agree = text_words_up_to(in, at, &m->before) + text_words_from(in, at + count, &m->after);
+        if (m->at != SIZE_MAX && (agree < most || (agree == most && (m->at >= from || at < from))))
+            continue;
+        m->at = at;
+        most = agree;
+    }
     if (m->at != SIZE_MAX)
         return 0;
     size_t agree = text_words_longest(in, m->tokens.list, count, &place);

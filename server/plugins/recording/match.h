@@ -7,8 +7,9 @@
 #include "server/voice/faccia-voice.h"
 
 struct match {
-    struct text_words tokens; /* of all spans; bytes of the span's text */
-    uint32_t *spans;          /* whose each is */
+    struct text_words tokens;        /* of all spans; bytes of the span's text */
+    struct text_words before, after; /* of the text around it */
+    uint32_t *spans;                 /* whose each is */
     size_t cap;
     size_t at; /* the first one's word in the recording's text */
     const struct faccia_sentence *sentence;
@@ -18,7 +19,8 @@ struct match {
 void match_words(struct match *match, const struct faccia_sentence *sentence);
 void match_free(struct match *match);
 
-/* Sets at: the next place from that word on, or the first of all. -1 with *e, which says how far the text
+/* Sets at: the place whose neighbours agree best with the text around the sentence; of several, the next from
+ * that word on, or the first of all. -1 with *e, which says how far the text
  * agrees. */
 int match_find(struct match *match, const struct aligned_recording *reading, size_t from, struct error *e);
 

@@ -228,8 +228,8 @@ __attribute__((visibility("default"))) const struct faccia_voice faccia_voice = 
     .name = "recording",
     .version = FACCIA_VERSION,
     .licence = "GPL-3.0-or-later",
-    .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_RATE | FACCIA_VOICE_FRESH | FACCIA_VOICE_FILES |
-                    WORKER_KEEPER_WANTED,
+    .capabilities = FACCIA_VOICE_MARKS | FACCIA_VOICE_RATE | FACCIA_VOICE_FRESH | FACCIA_VOICE_CONTEXT |
+                    FACCIA_VOICE_FILES | WORKER_KEEPER_WANTED,
     .open = re_open,
     .list = re_list,
     .speak = re_speak,
