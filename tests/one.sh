@@ -33,6 +33,9 @@ long-*) timeout -k 10 3600 node --test --test-reporter=tap "$file" ;;
 *.mjs) timeout -k 10 900 node --test-reporter=tap "$file" ;;
 *) CMOCKA_MESSAGE_OUTPUT=TAP timeout -k 10 900 "$file" ;;
 esac >"$log" 2>&1 || status=$?
+times >"$artefacts/$name.times" # a pipe's own shell would have none
+processor=$(awk 'NR == 2 { gsub(/[ms]/, " "); print int($1 * 60 + $2 + $3 * 60 + $4) }' "$artefacts/$name.times")
+rm "$artefacts/$name.times"
 if grep -aq '^# pass ' "$log"; then # node
     ok=$(sed -n 's/^# pass //p' "$log")
     bad=$(($(sed -n 's/^# fail //p' "$log") + $(sed -n 's/^# cancelled //p' "$log")))
@@ -49,4 +52,4 @@ if [ "$bad" != 0 ]; then
     tail -n 400 "$log" # the whole log is kept
 fi
 echo "$ok $bad ${skipped:-0}" >"$artefacts/$name.count"
-echo "$name: $ok passed, $bad failed, ${skipped:-0} skipped in $(($(date +%s) - begun)) s"
+echo "$name: $ok passed, $bad failed, ${skipped:-0} skipped in $(($(date +%s) - begun)) s ($processor of processor)"
