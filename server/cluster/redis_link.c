@@ -198,7 +198,10 @@ static void attach(struct redis_link *link, redisAsyncContext *redis) {
     bool made = redis && !redis->err;
     if (!made || redis_loop_attach(redis, link->loop)) {
         char why[128];
-        snprintf(why, sizeof why, "%s", made ? "the loop takes no more" : redis ? redis->errstr : "no memory");
+        snprintf(why, sizeof why, "%s",
+                 made    ? "the loop takes no more"
+                 : redis ? redis->errstr
+                         : "no memory");
         if (redis)
             redisAsyncFree(redis);
         lost(link, why);
