@@ -29,7 +29,7 @@ static void free_channel(struct channel *c) {
     if (c->gone)
         c->gone(c);
     stream_free(c->stream);
-    channel_forget_turn(c);
+    channel_turn_forget(c);
     channel_forget_all(c);
     catch_up_free(&c->catch_up);
     notice_board_free(&c->notices);
@@ -153,6 +153,12 @@ void channel_keep(struct channel *c) {
 void channel_let_go(struct channel *c) {
     if (!--c->kept && !c->followers)
         free_channel(c);
+}
+
+void channel_say_kept(struct channel *c) {
+    channel_keep(c);
+    channel_say(c);
+    channel_let_go(c);
 }
 
 void channel_take(struct channel *c, bool elsewhere) {

@@ -68,6 +68,9 @@ struct channel {
     uint64_t speaks_until; /* loop time; of a shared room: then its stream waits */
 };
 
+/* channel.c: channel_say, which the channel outlasts. */
+void channel_say_kept(struct channel *channel);
+
 /* channel_say.c */
 
 /* What the stream says goes to those who follow. */
@@ -80,8 +83,9 @@ void channel_coded(void *variant, void *item, const struct encoded *encoded);
  * together leaves here together. Takes the item's message over. */
 void channel_hand_on(struct channel *channel, const struct channel_item *item);
 
-/* All that nothing before it holds up leaves now. */
+/* All that nothing before it holds up leaves now; of a room, at the end of the loop's turn. */
 void channel_say(struct channel *channel);
+void channel_say_soon(struct channel *channel);
 
 /* What speaks has come to an end for those who follow here, and a pause, too: e says why. again: it is
  * spoken again, and has a warning instead. */
@@ -105,10 +109,11 @@ void channel_forget_all(struct channel *channel);
 
 /* channel_turn.c */
 
-/* channel_say, of a room at the end of the loop's turn. */
-void channel_say_soon(struct channel *channel);
-void channel_forget_turn(struct channel *channel);
-void channel_turn_open(struct net *net);
+void channel_turn_open(struct net *net, void (*say)(struct channel *channel));
 void channel_turn_close(struct net *net);
+
+/* What it says at the end of the loop's turn is said. */
+void channel_turn_add(struct channel *channel);
+void channel_turn_forget(struct channel *channel);
 
 #endif

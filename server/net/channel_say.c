@@ -78,6 +78,13 @@ void channel_say(struct channel *c) {
     }
 }
 
+void channel_say_soon(struct channel *c) {
+    if (c->room && c->net->turn)
+        channel_turn_add(c);
+    else
+        channel_say(c);
+}
+
 void channel_coded(void *ctx, void *tag, const struct encoded *encoded) {
     struct variant *v = ctx;
     struct channel_item *item = tag;

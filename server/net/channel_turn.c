@@ -11,6 +11,7 @@ struct channel_turn {
     uv_prepare_t before_poll; /* what a timer brought */
     uv_check_t after_poll;    /* what a thread, or another daemon, brought */
     struct channel *first;
+    void (*say)(struct channel *channel);
     unsigned handles;
 };
 
@@ -23,10 +24,8 @@ static void say_all(struct channel_turn *turn) {
     rest(turn);
     while (turn->first) {
         struct channel *c = turn->first;
-        channel_forget_turn(c);
-        channel_keep(c);
-        channel_say(c);
-        channel_let_go(c);
+        channel_turn_forget(c);
+        turn->say(c);
     }
 }
 
@@ -38,12 +37,8 @@ static void on_after_poll(uv_check_t *handle) {
     say_all(handle->data);
 }
 
-void channel_say_soon(struct channel *c) {
+void channel_turn_add(struct channel *c) {
     struct channel_turn *turn = c->net->turn;
-    if (!c->room || !turn) {
-        channel_say(c);
-        return;
-    }
     if (c->in_turn)
         return;
     c->in_turn = true;
@@ -53,7 +48,7 @@ void channel_say_soon(struct channel *c) {
     uv_check_start(&turn->after_poll, on_after_poll);
 }
 
-void channel_forget_turn(struct channel *c) {
+void channel_turn_forget(struct channel *c) {
     if (!c->in_turn)
         return;
     struct channel **at = &c->net->turn->first;
@@ -63,10 +58,10 @@ void channel_forget_turn(struct channel *c) {
     c->in_turn = false;
 }
 
-void channel_turn_open(struct net *net) {
+void channel_turn_open(struct net *net, void (*say)(struct channel *channel)) {
     uv_loop_t *loop = net->pipeline->loop;
     struct channel_turn *turn = mem_alloc(sizeof *turn);
-    *turn = (struct channel_turn){.handles = 2};
+    *turn = (struct channel_turn){.say = say, .handles = 2};
     uv_prepare_init(loop, &turn->before_poll);
     uv_check_init(loop, &turn->after_poll);
     turn->before_poll.data = turn->after_poll.data = turn;
@@ -84,7 +79,7 @@ void channel_turn_close(struct net *net) {
     if (!turn)
         return;
     while (turn->first)
-        channel_forget_turn(turn->first);
+        channel_turn_forget(turn->first);
     net->turn = NULL;
     uv_close((uv_handle_t *)&turn->before_poll, on_closed);
     uv_close((uv_handle_t *)&turn->after_poll, on_closed);

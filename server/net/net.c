@@ -14,7 +14,7 @@ static void open_handles(struct net *net) {
     net->idle = mem_alloc(sizeof *net->idle);
     uv_idle_init(net->pipeline->loop, net->idle);
     net->idle->data = net;
-    channel_turn_open(net);
+    channel_turn_open(net, channel_say_kept);
     keepalive_begin(net);
 }
 
