@@ -80,7 +80,9 @@ static void del_read(void *data) {
 
 static void add_write(void *data) {
     struct redis_loop *l = data;
-    if (!(l->polled & UV_WRITABLE))
+    if (!(l->context->c.flags & REDIS_CONNECTED)) /* that it is, the system tells */
+        poll_for(l, l->polled | UV_WRITABLE);
+    else if (!(l->polled & UV_WRITABLE))
         wait_for_turn(l, true);
 }
 
