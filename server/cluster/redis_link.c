@@ -2,9 +2,8 @@
 #include "server/cluster/redis_link.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/cluster/redis_loop.h"
 #include "server/cluster/redis_silence.h"
-#include <hiredis/adapters/libuv.h>
-#include <hiredis/async.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -196,9 +195,13 @@ static void on_connected(const redisAsyncContext *redis, int status) {
 
 /* A connection has been begun, or has failed already. */
 static void attach(struct redis_link *link, redisAsyncContext *redis) {
-    if (!redis || redis->err) {
+    bool made = redis && !redis->err;
+    if (!made || redis_loop_attach(redis, link->loop)) {
         char why[128];
-        snprintf(why, sizeof why, "%s", redis ? redis->errstr : "no memory");
+        snprintf(why, sizeof why, "%s",
+                 made    ? "the loop takes no more"
+                 : redis ? redis->errstr
+                         : "no memory");
         if (redis)
             redisAsyncFree(redis);
         lost(link, why);
@@ -208,7 +211,6 @@ static void attach(struct redis_link *link, redisAsyncContext *redis) {
     redis->data = link;
     link->unanswered = 1;
     silence_begin(&link->silence, uv_now(link->loop));
-    redisLibuvAttach(redis, link->loop);
     redisAsyncSetConnectCallback(redis, on_connected);
     redisAsyncSetDisconnectCallback(redis, on_disconnected);
 }

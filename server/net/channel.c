@@ -29,6 +29,7 @@ static void free_channel(struct channel *c) {
     if (c->gone)
         c->gone(c);
     stream_free(c->stream);
+    channel_turn_forget(c);
     channel_forget_all(c);
     catch_up_free(&c->catch_up);
     notice_board_free(&c->notices);
@@ -87,9 +88,16 @@ static size_t listeners_of(const struct follower *f) {
     return f->abroad ? f->abroad->listeners : !f->watches;
 }
 
+static bool is_only_listener(const struct channel *c, const struct follower *f) {
+    for (const struct follower *other = c->followers; other; other = other->next)
+        if (other != f && listeners_of(other))
+            return false;
+    return true;
+}
+
 /* For the first listener. */
 static void speak_held(struct channel *c, const struct follower *f) {
-    if (c->room && !c->elsewhere && !f->watches && channel_listeners(c) == listeners_of(f))
+    if (c->room && !c->elsewhere && !f->watches && is_only_listener(c, f))
         hold_speak(c->net, c->name, c->stream);
 }
 
@@ -145,6 +153,12 @@ void channel_keep(struct channel *c) {
 void channel_let_go(struct channel *c) {
     if (!--c->kept && !c->followers)
         free_channel(c);
+}
+
+void channel_say_kept(struct channel *c) {
+    channel_keep(c);
+    channel_say(c);
+    channel_let_go(c);
 }
 
 void channel_take(struct channel *c, bool elsewhere) {

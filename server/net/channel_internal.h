@@ -55,6 +55,8 @@ struct channel {
     struct follower *followers;
     size_t follower_count;
     unsigned kept;
+    bool in_turn; /* says something at the end of the loop's turn */
+    struct channel *next_in_turn;
     struct variant *variants;
     struct channel_item *first, **last; /* what is said next */
     struct catch_up catch_up;
@@ -66,6 +68,9 @@ struct channel {
     uint64_t speaks_until; /* loop time; of a shared room: then its stream waits */
 };
 
+/* channel.c: channel_say, which the channel outlasts. */
+void channel_say_kept(struct channel *channel);
+
 /* channel_say.c */
 
 /* What the stream says goes to those who follow. */
@@ -74,10 +79,13 @@ extern const struct stream_sink channel_sink;
 /* An encoder's answer. */
 void channel_coded(void *variant, void *item, const struct encoded *encoded);
 
-/* What another daemon has said in the room goes to those who follow here, with channel_flush: what left there
+/* What another daemon has said in the room goes to those who follow here with channel_say: what left there
  * together leaves here together. Takes the item's message over. */
 void channel_hand_on(struct channel *channel, const struct channel_item *item);
-void channel_flush(struct channel *channel);
+
+/* All that nothing before it holds up leaves now; of a room, at the end of the loop's turn. */
+void channel_say(struct channel *channel);
+void channel_say_soon(struct channel *channel);
 
 /* What speaks has come to an end for those who follow here, and a pause, too: e says why. again: it is
  * spoken again, and has a warning instead. */
@@ -98,5 +106,14 @@ void channel_notice(struct channel *channel, struct queued_message *message);
 /* What the variant owes will not come. */
 void channel_forget_variant(struct channel *channel, struct variant *variant);
 void channel_forget_all(struct channel *channel);
+
+/* channel_turn.c */
+
+void channel_turn_open(struct net *net, void (*say)(struct channel *channel));
+void channel_turn_close(struct net *net);
+
+/* What it says at the end of the loop's turn is said. */
+void channel_turn_add(struct channel *channel);
+void channel_turn_forget(struct channel *channel);
 
 #endif

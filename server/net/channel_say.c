@@ -66,7 +66,7 @@ static void give(struct channel *c, struct channel_item **items, size_t count) {
 }
 
 /* All that nothing before it holds up. */
-static void say(struct channel *c) {
+void channel_say(struct channel *c) {
     while (c->first && c->first->ready) {
         struct channel_item *items[CHANNEL_BATCH];
         size_t count = 0;
@@ -76,6 +76,13 @@ static void say(struct channel *c) {
         while (count)
             item_free(items[--count]);
     }
+}
+
+void channel_say_soon(struct channel *c) {
+    if (c->room && c->net->turn)
+        channel_turn_add(c);
+    else
+        channel_say(c);
 }
 
 void channel_coded(void *ctx, void *tag, const struct encoded *encoded) {
@@ -92,7 +99,7 @@ void channel_coded(void *ctx, void *tag, const struct encoded *encoded) {
         item->message = queued_message_new(WEBSOCKET_BINARY, encoded->data, encoded->size);
         item->message->born = uv_now(v->channel->net->pipeline->loop);
     }
-    say(v->channel);
+    channel_say_soon(v->channel);
 }
 
 static struct channel_item *add_media(struct channel *c, struct variant *v, bool idle) {
@@ -111,7 +118,7 @@ void channel_forget_variant(struct channel *c, struct variant *v) {
             item->variant = NULL;
             item->ready = true;
         }
-    say(c);
+    channel_say(c);
 }
 
 void channel_forget_all(struct channel *c) {
@@ -170,7 +177,7 @@ void channel_notice(struct channel *c, struct queued_message *message) {
     item->notice = item->ready = true;
     item->message = message;
     message->refs++;
-    say(c);
+    channel_say(c);
 }
 
 void channel_hand_on(struct channel *c, const struct channel_item *said) {
@@ -179,10 +186,6 @@ void channel_hand_on(struct channel *c, const struct channel_item *said) {
     item->next = NULL;
     item->elsewhere = true;
     item->ready = true;
-}
-
-void channel_flush(struct channel *c) {
-    say(c);
 }
 
 /* What begins in a chunk: the chunk follows at once. */
@@ -203,7 +206,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
     else if (is_text(c, event->kind))
         add_event(c, event);
     if (!is_of_chunk(event->kind))
-        say(c);
+        channel_say(c);
 }
 
 /* The begin of what will not have ended when all has been said that waits for coders, and its utterance. */
@@ -267,7 +270,7 @@ static void on_media(void *ctx, const struct media *media) {
     metrics_add(c->net->pipeline->metrics, METRIC_CHUNKS, 1);
     for (struct variant *v = c->variants; v; v = v->next)
         encoder_media(v->encoder, media, add_media(c, v, !media->utterance));
-    say(c);
+    channel_say(c);
 }
 
 /* A stream of one's own waits for its listener; a room waits for nobody. Both wait for the coders. */

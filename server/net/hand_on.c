@@ -152,7 +152,7 @@ static void hand_on_parts(struct home *h, const struct packet *p) {
         else if (json_object_get(head, "as") && !h->deaf)
             hand_on_media(h->channel, &part);
     }
-    channel_flush(h->channel);
+    channel_say_soon(h->channel);
 }
 
 /* All that stood here was another home's. */
@@ -169,6 +169,7 @@ void hand_on(struct home *h, const struct packet *p) {
     if (!strcmp(p->kind, "recap") && h->recapped) {
         home_missed(h);
     } else if (!strcmp(p->kind, "recap")) {
+        channel_say(c);
         forget(c);
         h->deaf = 0;
         uint32_t speaks = (uint32_t)packet_number(p, "speaks");

@@ -2,6 +2,7 @@
 /* The server itself: its limits, and how it begins and ends. */
 #include "server/net/net.h"
 #include "server/base/mem.h"
+#include "server/net/channel_internal.h"
 #include "server/net/connection.h"
 #include "server/net/homes.h"
 #include "server/net/listener.h"
@@ -13,6 +14,7 @@ static void open_handles(struct net *net) {
     net->idle = mem_alloc(sizeof *net->idle);
     uv_idle_init(net->pipeline->loop, net->idle);
     net->idle->data = net;
+    channel_turn_open(net, channel_say_kept);
     keepalive_begin(net);
 }
 
@@ -105,6 +107,7 @@ void net_close(struct net *net) {
     keepalive_end(net);
     connections_close(net);
     askers_close(&net->askers);
+    channel_turn_close(net);
     if (net->idle)
         uv_close((uv_handle_t *)net->idle, free_idle);
     net->idle = NULL;

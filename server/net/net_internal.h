@@ -39,6 +39,7 @@ struct net {
     struct socket *sockets; /* all that are open */
     uv_timer_t *keepalive;  /* over all connections; NULL: none */
     uv_idle_t *idle;        /* NULL: none */
+    struct channel_turn *turn;
     char *read_buffer;
     struct channel *rooms;
     unsigned room_count;

@@ -28,6 +28,10 @@ export const cpuSeconds = (pid) => processes().filter((p) => p.pid === pid || p.
 export const cpuOf = (pid) => fs.readdirSync(`/proc/${pid}/task`)
   .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'latin1').split(' ')[0]) / 1e9, 0);
 
+/** Seconds for which threads of a process had something to do and no processor, by the scheduler's own account. */
+export const waitOf = (pid) => fs.readdirSync(`/proc/${pid}/task`)
+  .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'latin1').split(' ')[1]) / 1e9, 0);
+
 /** CPU seconds that all have used that this process has started, and those that they have started, but for some, by the scheduler's own account. */
 export function descendantSeconds(except = []) {
   const all = new Map(processes().map((p) => [p.pid, p]));

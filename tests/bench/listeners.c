@@ -1,16 +1,25 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Many WebSocket listeners (RFC 6455) in one process, for broadcast.mjs and cluster-rooms.mjs. Usage:
- * listeners PORT[,PORT]... PATH COUNT [RECORD]; they take turns with the ports. Prints "ready" when all are
- * connected and have heard nothing for half a second; then counts what each hears from the event "begin" to
- * the event "end" of an utterance, prints what came as one line of JSON, and ends with its standard input.
- * The late column is how much later than the first listener a listener got a message. RECORD gets the
- * messages of one listener: ms from the first on (u32), opcode (u8), size (u32), bytes. */
+/* Many WebSocket listeners (RFC 6455), for broadcast.mjs and cluster-rooms.mjs, in as many processes as their
+ * descriptors want. Usage: listeners PORT[,PORT]... PATH COUNT [RECORD]; they take turns with the ports.
+ * Prints "ready" when all are connected and have heard nothing for half a second; then counts what each hears
+ * from the event "begin" to the event "end" of an utterance, prints what came as one line of JSON, and ends
+ * with its standard input. The late column is how much later than the first listener of all a listener got a
+ * message. RECORD gets the messages of the first listener: ms from the first on (u32), opcode (u8), size
+ * (u32), bytes. */
 #include "client.h"
+#include <poll.h>
+#include <signal.h>
+#include <stdatomic.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
-enum { MESSAGES_MAX = 1 << 14, BATCH = 64, PORTS_MAX = 16 };
+enum { MESSAGES_MAX = 1 << 14, EACH_MAX = 2048, BATCH = 64, PORTS_MAX = 16, OTHER_FILES = 64 };
 
 struct listener {
     struct client client; /* first */
@@ -18,15 +27,22 @@ struct listener {
     uint32_t heard; /* messages since "begin" */
 };
 
-struct media_segment {
+/* What the processes have in common. */
+struct heard {
+    atomic_size_t quiet, done; /* processes */
+    atomic_size_t messages;
+    atomic_ullong bytes;
+    _Atomic double first[MESSAGES_MAX]; /* arrival of each message at the first listener of all, ms */
+    size_t late_cap;
+    float late[]; /* of each message of each listener, ms */
+};
+
+/* A process of them. */
+struct crowd {
     struct clients clients;
+    struct heard *heard;
     struct listener *all;
     size_t count, ended;
-    double *first; /* arrival of each message at the first listener, ms */
-    float *late;   /* of each message of each listener, ms */
-    size_t late_count, late_cap;
-    uint64_t bytes;
-    double begun;
     FILE *record;
 };
 
@@ -35,9 +51,9 @@ static void put32(uint8_t *at, uint32_t value) {
         at[i] = (uint8_t)(value >> (8 * i));
 }
 
-static void record(struct media_segment *s, const uint8_t *data, size_t size, int opcode, double now) {
+static void record(const struct crowd *s, const uint8_t *data, size_t size, int opcode, double now) {
     uint8_t head[9];
-    put32(head, (uint32_t)(now - s->begun));
+    put32(head, (uint32_t)(now - s->heard->first[0]));
     head[4] = (uint8_t)opcode;
     put32(head + 5, (uint32_t)size);
     fwrite(head, 1, sizeof head, s->record);
@@ -45,7 +61,7 @@ static void record(struct media_segment *s, const uint8_t *data, size_t size, in
 }
 
 static void on_message(void *ctx, struct client *client, int opcode, const uint8_t *data, size_t size) {
-    struct media_segment *s = ctx;
+    struct crowd *s = ctx;
     struct listener *l = (struct listener *)client;
     double now = now_ms();
     if (opcode == CLIENT_TEXT && !l->done && holds(data, size, "\"type\":\"begin\""))
@@ -53,13 +69,13 @@ static void on_message(void *ctx, struct client *client, int opcode, const uint8
     if (!l->counts || l->heard == MESSAGES_MAX)
         return;
     uint32_t index = l->heard++;
-    if (!s->first[index]) {
-        s->first[index] = now;
-        s->begun = index ? s->begun : now;
-    }
-    if (s->late_count < s->late_cap)
-        s->late[s->late_count++] = (float)(now - s->first[index]);
-    s->bytes += size;
+    double first = 0;
+    if (atomic_compare_exchange_strong(&s->heard->first[index], &first, now))
+        first = now;
+    size_t number = s->heard->messages++;
+    if (number < s->heard->late_cap)
+        s->heard->late[number] = now > first ? (float)(now - first) : 0;
+    s->heard->bytes += size;
     if (s->record && l == s->all)
         record(s, data, size, opcode, now);
     if (opcode == CLIENT_TEXT && holds(data, size, "\"type\":\"end\"")) {
@@ -69,11 +85,11 @@ static void on_message(void *ctx, struct client *client, int opcode, const uint8
     }
 }
 
-static void report(struct media_segment *s) {
-    size_t n = s->late_count;
-    qsort(s->late, n, sizeof *s->late, ascending);
-    printf("{\"messages\":%zu,\"bytes\":%llu,\"p50\":%.3f,\"p99\":%.3f,\"max\":%.3f}\n", n,
-           (unsigned long long)s->bytes, s->late[n / 2], s->late[n * 99 / 100], s->late[n - 1]);
+static void report(struct heard *h) {
+    size_t n = h->messages < h->late_cap ? h->messages : h->late_cap;
+    qsort(h->late, n, sizeof *h->late, ascending);
+    printf("{\"messages\":%zu,\"bytes\":%llu,\"p50\":%.3f,\"p99\":%.3f,\"max\":%.3f}\n", (size_t)h->messages,
+           (unsigned long long)h->bytes, h->late[n / 2], h->late[n * 99 / 100], h->late[n - 1]);
     fflush(stdout);
 }
 
@@ -84,33 +100,80 @@ static size_t read_ports(char *list, int ports[PORTS_MAX]) {
     return count;
 }
 
+/* Listens, until it is ended. from: the number of its first listener. */
+static void listen_on(struct crowd *s, const int *ports, size_t port_count, size_t from, const char *path) {
+    clients_open(&s->clients);
+    s->all = calloc(s->count, sizeof *s->all);
+    for (size_t dialled = 0; dialled < s->count;) {
+        for (size_t i = 0; i < BATCH && dialled < s->count; i++, dialled++)
+            client_dial(&s->clients, &s->all[dialled].client, ports[(from + dialled) % port_count], path);
+        while (s->clients.opened < dialled)
+            clients_serve(&s->clients, 1000);
+    }
+    for (s->clients.last = now_ms(); now_ms() - s->clients.last < 500;)
+        clients_serve(&s->clients, 100);
+    s->heard->quiet++;
+    while (s->ended < s->count)
+        clients_serve(&s->clients, 1000);
+    if (s->record)
+        fclose(s->record);
+    s->heard->done++;
+    for (;;)
+        clients_serve(&s->clients, 1000);
+}
+
+/* Until all processes have got so far; one that ends has failed. */
+static void wait_for(const atomic_size_t *count, size_t all) {
+    while (*count < all) {
+        if (waitpid(-1, NULL, WNOHANG) > 0)
+            exit(1);
+        poll(NULL, 0, 10);
+    }
+}
+
+static size_t files_of_one(void) {
+    struct rlimit most;
+    if (getrlimit(RLIMIT_NOFILE, &most) || most.rlim_cur <= OTHER_FILES)
+        die("descriptors");
+    return most.rlim_cur - OTHER_FILES;
+}
+
 int main(int argc, char **argv) {
-    struct media_segment s = {.clients = {.message = on_message, .ctx = &s}};
     int ports[PORTS_MAX];
     size_t port_count = argc > 3 ? read_ports(argv[1], ports) : 0;
-    if (!port_count)
+    size_t count = port_count ? strtoul(argv[3], NULL, 10) : 0;
+    if (!count)
         return 2;
-    clients_open(&s.clients);
-    s.count = strtoul(argv[3], NULL, 10);
-    s.all = calloc(s.count, sizeof *s.all);
-    s.first = calloc(MESSAGES_MAX, sizeof *s.first);
-    s.late_cap = s.count * 2048;
-    s.late = malloc(s.late_cap * sizeof *s.late);
-    s.record = argc > 4 ? fopen(argv[4], "wb") : NULL;
-    for (size_t dialled = 0; dialled < s.count;) {
-        for (size_t i = 0; i < BATCH && dialled < s.count; i++, dialled++)
-            client_dial(&s.clients, &s.all[dialled].client, ports[dialled % port_count], argv[2]);
-        while (s.clients.opened < dialled)
-            clients_serve(&s.clients, 1000);
+    size_t processes = (count - 1) / files_of_one() + 1;
+    size_t size = sizeof(struct heard) + count * EACH_MAX * sizeof(float);
+    struct heard *heard =
+        mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
+    if (heard == MAP_FAILED)
+        die("memory");
+    heard->late_cap = count * EACH_MAX;
+    pid_t children[processes];
+    for (size_t i = 0; i < processes; i++) {
+        size_t from = count * i / processes;
+        struct crowd s = {.heard = heard, .count = count * (i + 1) / processes - from};
+        s.clients = (struct clients){.message = on_message, .ctx = &s};
+        s.record = argc > 4 && !i ? fopen(argv[4], "wb") : NULL;
+        children[i] = fork();
+        if (children[i] < 0)
+            die("fork");
+        if (!children[i]) {
+            prctl(PR_SET_PDEATHSIG, SIGKILL);
+            listen_on(&s, ports, port_count, from, argv[2]);
+        }
+        if (s.record)
+            fclose(s.record);
     }
-    for (s.clients.last = now_ms(); now_ms() - s.clients.last < 500;)
-        clients_serve(&s.clients, 100);
+    wait_for(&heard->quiet, processes);
     puts("ready");
     fflush(stdout);
-    while (s.ended < s.count)
-        clients_serve(&s.clients, 1000);
-    if (s.record)
-        fclose(s.record);
-    report(&s);
-    return getchar() == EOF ? 0 : 1;
+    wait_for(&heard->done, processes);
+    report(heard);
+    int end = getchar();
+    for (size_t i = 0; i < processes; i++)
+        kill(children[i], SIGKILL);
+    return end == EOF ? 0 : 1;
 }

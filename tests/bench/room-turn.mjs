@@ -6,9 +6,10 @@ import { once } from 'node:events';
 import readline from 'node:readline';
 import { Daemon, eventually } from '../lib/daemon.mjs';
 import { Redis } from '../lib/redis.mjs';
-import { cpuOf } from './figures.mjs';
+import { childrenOf, cpuOf, waitOf } from './figures.mjs';
 import { needProgram } from './need.mjs';
 
+const sum = (list) => list.reduce((a, b) => a + b, 0);
 const pin = (pid) => execFileSync('taskset', ['-a', '-c', '-p', '0', String(pid)]);
 
 /** One daemon alone, or several that share a Redis. */
@@ -22,7 +23,9 @@ export async function startDaemons(count, options) {
 
 /**
  * Daemons and Redis on core 0, the listeners on core 1. restSeconds: looks so long at what they do while nothing is said; `rest` is then what
- * they would have done of that in the time that the speech took.
+ * they would have done of that in the time that the speech took. In seconds of processor time: `all` of daemons and Redis, `redis`, `clients`
+ * of the listeners. `took`: seconds from the request until all had the end; `waited`: for how much of them the one of daemons and Redis that
+ * waited longest for a processor did. `homes`: how often a daemon came to speak in the room; more than once: it split.
  */
 export async function roomTurn(daemonCount, count, text, restSeconds = 0) {
   const listeners = needProgram('listeners');
@@ -41,17 +44,20 @@ export async function roomTurn(daemonCount, count, text, restSeconds = 0) {
   }, 'all to listen');
   const atRest = pids.map(cpuOf), restFrom = performance.now();
   if (restSeconds) await new Promise((resolve) => setTimeout(resolve, 1000 * restSeconds));
-  const before = pids.map(cpuOf), from = performance.now();
+  const clientPids = childrenOf(child.pid);
+  const before = pids.map(cpuOf), waitedBefore = pids.map(waitOf), clientsBefore = clientPids.map(cpuOf), from = performance.now();
   const answer = await daemons.at(-1).get('/v1/say?room=bench&lang=it', { method: 'POST', body: text });
   if (answer.status !== 202) throw new Error(await answer.text());
   const heard = JSON.parse(await line());
   const used = pids.map((pid, i) => cpuOf(pid) - before[i]), took = performance.now() - from;
+  const waited = Math.max(...pids.map((pid, i) => waitOf(pid) - waitedBefore[i]));
+  const clients = sum(clientPids.map((pid, i) => cpuOf(pid) - clientsBefore[i]));
   const sent = redis ? (await Promise.all(daemons.map((daemon) => daemon.metric('faccia_bus_messages_total{way="sent"}')))).reduce((a, b) => a + b) : 0;
   child.stdin.end();
   await ended;
   for (const daemon of daemons) await daemon.stop();
   redis?.stop();
-  const sum = (list) => list.reduce((a, b) => a + b, 0);
+  const homes = redis ? sum(daemons.map(({ log }) => log.split('spoken by this daemon from now on').length - 1)) : 1;
   const rest = restSeconds ? (sum(before.map((value, i) => value - atRest[i])) * took) / (from - restFrom) : 0;
-  return { ...heard, sent, all: sum(used), redis: redis ? used.at(-1) : 0, rest };
+  return { ...heard, sent, all: sum(used), redis: redis ? used.at(-1) : 0, rest, clients, took: took / 1000, waited, homes };
 }

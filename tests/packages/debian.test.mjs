@@ -2,7 +2,6 @@
 // The Debian packages: lintian; in a fresh Debian they are installed, speak, are upgraded, removed and purged.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
-import { once } from 'node:events';
 import fs from 'node:fs';
 import os from 'node:os';
 import path from 'node:path';
@@ -32,36 +31,11 @@ test('lintian finds nothing, however pedantic', () => {
 });
 
 test('they are installed from nothing, with what they depend on', () => {
-  fs.mkdirSync(machine.at('packages'));
-  for (const name of debs) fs.copyFileSync(path.join(packages, name), machine.at(`packages/${name}`));
-  machine.run('apt-get', 'update');
-  machine.run('apt-get', 'install', '-y', '--no-install-recommends', ...['faccia', 'faccia-data', 'faccia-home', 'faccia-voice-dev'].map((name) => `/packages/${named(name)}`));
+  machine.install(packages, ['faccia', 'faccia-data', 'faccia-home', 'faccia-voice-dev']);
   assert.match(machine.run('id', 'faccia'), /uid=\d+\(faccia\)/);
   assert.match(machine.run('faccia', '--version'), /^faccia \d/);
   assert.ok(fs.existsSync(machine.at('lib/systemd/system/facciad.service')));
 });
-
-/** The daemon, as the unit would start it. */
-async function daemon(look) {
-  const child = machine.start('faccia', ['facciad', '--port', '0', '--cache-file', '']);
-  let log = '';
-  const address = await new Promise((resolve, reject) => {
-    child.stderr.setEncoding('utf8').on('data', (text) => {
-      log += text;
-      const found = log.match(/http:\/\/127\.0\.0\.1:\d+/);
-      if (found) resolve(found[0]);
-    });
-    child.on('exit', (code) => reject(new Error(`exit ${code}: ${log}`)));
-  });
-  try {
-    await look(address);
-  } finally {
-    child.removeAllListeners('exit');
-    const exited = once(child, 'exit');
-    child.kill('SIGTERM');
-    await exited;
-  }
-}
 
 const speaks = (address) => fetch(`${address}/v1/speech?text=La+mamma+parla.&lang=it`).then(async (response) => {
   assert.equal(response.status, 200);
@@ -70,7 +44,7 @@ const speaks = (address) => fetch(`${address}/v1/speech?text=La+mamma+parla.&lan
 });
 
 test('the daemon runs as its own user there, shows the page and its heads, and speaks', async () => {
-  await daemon(async (address) => {
+  await machine.daemon(async (address) => {
     assert.match(await (await fetch(address)).text(), /<talking-head/);
     const { models } = await (await fetch(`${address}/v1/models`)).json();
     assert.equal(models.length, 8);
@@ -104,7 +78,7 @@ test('an upgrade keeps what was set, and what is newer takes the place of what w
   machine.run('sh', '-c', 'apt-get install -y --no-install-recommends /packages/newer-*.deb');
   assert.equal(machine.run('dpkg-query', '-W', '-f', '${Version}', 'faccia'), `${version}+newer`);
   assert.ok(fs.readFileSync(machine.at('etc/default/facciad'), 'utf8').endsWith(kept));
-  await daemon(speaks);
+  await machine.daemon(speaks);
 });
 
 test('removed it leaves what was set, purged it leaves nothing', () => {

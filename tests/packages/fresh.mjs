@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // A fresh Debian 12 in a folder, and commands that run in it.
 import { execFileSync, spawn, spawnSync } from 'node:child_process';
+import { once } from 'node:events';
 import fs from 'node:fs';
 import path from 'node:path';
 
@@ -47,6 +48,39 @@ export class Fresh {
   /** @param {string} user @param {string[]} command */
   start(user, command) {
     return spawn('chroot', [`--userspec=${user}`, this.folder, ...command], { env: this.#options.env });
+  }
+
+  /** Packages of ours, with what they depend on. @param {string} folder where they lie @param {string[]} names @param {...string} others of Debian's */
+  install(folder, names, ...others) {
+    fs.mkdirSync(this.at('packages'));
+    const files = fs.readdirSync(folder).filter((name) => name.endsWith('.deb'));
+    for (const file of files) fs.copyFileSync(path.join(folder, file), this.at(`packages/${file}`));
+    this.run('apt-get', 'update');
+    this.run('apt-get', 'install', '-y', '--no-install-recommends', ...others, ...names.map((name) => `/packages/${files.find((file) => file.startsWith(`${name}_`))}`));
+  }
+
+  /** The daemon, as the unit would start it. @param {(address: string) => Promise<void>} look @param {...string} options of facciad */
+  async daemon(look, ...options) {
+    const child = this.start('faccia', ['facciad', '--port', '0', '--cache-file', '', ...options]);
+    let log = '';
+    const address = await new Promise((resolve, reject) => {
+      child.stderr.setEncoding('utf8').on('data', (text) => {
+        log += text;
+        const found = log.match(/http:\/\/127\.0\.0\.1:\d+/);
+        if (found) resolve(found[0]);
+      });
+      child.on('exit', (code) => reject(new Error(`exit ${code}: ${log}`)));
+    });
+    try {
+      await look(address);
+    } catch (error) {
+      throw new Error(`${error.message}\n${log}`, { cause: error });
+    } finally {
+      child.removeAllListeners('exit');
+      const exited = once(child, 'exit');
+      child.kill('SIGTERM');
+      await exited;
+    }
   }
 
   remove() {

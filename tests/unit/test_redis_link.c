@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who judges that Redis is silent: not a loop that was away itself. */
+/* Who judges that Redis is silent: not a loop that was away itself, nor one that always has something to
+ * send. */
 #include "server/base/mem.h"
 #include "server/cluster/redis_link.h"
 #include <pthread.h>
@@ -31,7 +32,7 @@ static void *serve(void *data) {
     for (ssize_t size; (size = read(client, text, sizeof text - 1)) > 0;) {
         text[size] = 0;
         for (const char *at = text; !server->mute && (at = strstr(at, "PING")); at++)
-            if (write(client, "+PONG\r\n", 7) != 7)
+            if (send(client, "+PONG\r\n", 7, MSG_NOSIGNAL) != 7)
                 break;
     }
     close(client);
@@ -66,7 +67,10 @@ static void on_pong(void *ctx, const redisReply *reply) {
 }
 
 struct asker {
-    uv_check_t after_poll;
+    union {
+        uv_check_t after_poll;
+        uv_poll_t always;
+    };
     struct redis_link *link;
     struct seen *seen;
 };
@@ -113,9 +117,53 @@ static void a_loop_that_was_away_reads_before_it_judges(void **state) {
     unlink(server.path);
 }
 
+/* In each turn, before Redis's answers are looked at; it leaves at once. */
+static void ask_on(uv_poll_t *poll, int status, int events) {
+    struct asker *asker = poll->data;
+    struct link_text ping = link_text_of("PING");
+    (void)status, (void)events;
+    asker->seen->asked += redis_link_send(asker->link, &ping, 1, on_pong, asker->seen);
+    redis_link_flush(asker->link);
+}
+
+static void what_is_sent_in_each_turn_keeps_no_answer_from_being_read(void **state) {
+    enum { TURNS_MOST = 100000, ANSWERS = 10 };
+    uv_loop_t loop;
+    struct server server;
+    struct seen seen = {0};
+    struct asker asker = {.seen = &seen};
+    int readable[2];
+    (void)state;
+    start(&server);
+    struct redis_address address = {.path = mem_strdup(server.path), .shown = mem_strdup("here")};
+    assert_int_equal(pipe(readable), 0);
+    assert_int_equal(write(readable[1], "", 1), 1);
+    uv_loop_init(&loop);
+    uv_poll_init(&loop, &asker.always, readable[0]);
+    asker.always.data = &asker;
+    asker.link = redis_link_open(&loop, &address, on_changed, &seen);
+    while (!seen.ups)
+        uv_run(&loop, UV_RUN_ONCE);
+    uv_poll_start(&asker.always, UV_READABLE, ask_on);
+    for (int turn = 0; turn < TURNS_MOST && seen.answers < ANSWERS && !seen.downs; turn++)
+        uv_run(&loop, UV_RUN_NOWAIT);
+    assert_int_equal(seen.downs, 0);
+    assert_true(seen.answers >= ANSWERS);
+    redis_link_close(asker.link);
+    uv_close((uv_handle_t *)&asker.always, NULL);
+    uv_run(&loop, UV_RUN_DEFAULT);
+    assert_int_equal(uv_loop_close(&loop), 0);
+    pthread_join(server.thread, NULL);
+    close(server.listening);
+    close(readable[0]);
+    close(readable[1]);
+    unlink(server.path);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_loop_that_was_away_reads_before_it_judges),
+        cmocka_unit_test(what_is_sent_in_each_turn_keeps_no_answer_from_being_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
