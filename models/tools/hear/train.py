@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Trains the network of server/hear/hear_network.h and writes it with what it answers to a piece of its data.
 
-python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--minutes N] [--begin NETWORK.bin] [--stays SHARE] [--size UNITS] [--middle OUTPUTS]
-SHARE: how much of each step is of that file, which is read again whenever it has been written anew; until it is there the others count the more. Wants python3-torch. Fixed seeds; how far it gets in N minutes depends on the machine, so the card
-tells how many steps it had.
+python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--steps N | --minutes N] [--begin NETWORK.bin] [--stays SHARE] [--size UNITS] [--middle OUTPUTS]
+SHARE: how much of each step is of that file, which is read again whenever it has been written anew; until it is there the others count the more. Wants python3-torch. Fixed seeds: N steps from the same files give the same network; how far it
+gets in N minutes depends on the machine, so the card tells how many steps it had.
 """
 import argparse
 import copy
@@ -25,7 +25,7 @@ CURVES_COUNT = 0.4  # beside the classes
 DROPPED = 0.1
 # Where a phone begins is not known to the frame: so a frame is partly of its neighbours' classes.
 BLUR = [1 / 9, 2 / 9, 3 / 9, 2 / 9, 1 / 9]
-CLOSED, TEETH = 1, 2
+CLOSED, TEETH, TIP = 1, 2, 6
 LEAD = 20  # frames that the network hears before it is asked
 
 
@@ -64,17 +64,21 @@ class Hearing(nn.Module):
         return torch.stack(out, 1)
 
 
-def loss_of(heads, classes, curves, weight):
-    """Cross entropy beside blurred classes; an unknown one (255) counts nothing. And how far the curves are off, in units of their spread."""
+def loss_of(heads, classes, curves, weight, apart=0.0):
+    """Cross entropy beside blurred classes; an unknown one (255) counts nothing. And how far the curves are off, in units of their spread. What is taken for a closure and is of
+    the tongue's tip or of teeth, far from any closure, costs `apart` times as much besides."""
     wanted = nn.functional.one_hot(classes.clamp(max=CLASSES), CLASSES + 1)[..., :CLASSES].float().transpose(1, 2)
     wanted = nn.functional.conv1d(wanted.reshape(-1, 1, wanted.shape[2]), torch.tensor(BLUR)[None, None], padding=len(BLUR) // 2).reshape(wanted.shape)
     wanted = wanted.transpose(1, 2) * weight
+    alike = ((classes == TIP) | (classes == TEETH)) & (wanted[..., CLOSED] == 0)
     total = 0
     for head, delay, share in zip(heads, DELAYS, SHARES):
         then = slice(LEAD - delay, classes.shape[1] - delay)
         there, of_classes, of_curves = wanted[:, then], head[:, LEAD:, :CLASSES], head[:, LEAD:, CLASSES:]
         off = (of_curves - curves[:, then]) / torch.tensor(SPREAD)
-        total = total + share / sum(SHARES) * (CURVES_COUNT * (off**2).mean() - (there * torch.log_softmax(of_classes, -1)).sum() / there.sum())
+        likely = torch.log_softmax(of_classes, -1)
+        wrong = -torch.log1p(-likely[..., CLOSED].exp().clamp(max=0.999))[alike[:, then]].sum()
+        total = total + share / sum(SHARES) * (CURVES_COUNT * (off**2).mean() - ((there * likely).sum() - apart * wrong) / there.sum())
     return total
 
 
@@ -197,12 +201,14 @@ def main():
     parser.add_argument('out')
     parser.add_argument('vectors')
     parser.add_argument('data', nargs='+')
+    parser.add_argument('--steps', type=int, default=0, help='in place of minutes')
     parser.add_argument('--minutes', type=float, default=15, help="of the processor's time")
     parser.add_argument('--clock', action='store_true', help='minutes of the clock instead, whatever else the machine does')
     parser.add_argument('--begin', help='a network to go on from')
     parser.add_argument('--stays', type=float, default=0, help='how much of the network that it begins with is in the weights that are written')
     parser.add_argument('--size', type=int, default=0, help='units of a recurrent layer; 96, or as the network has that it begins with')
     parser.add_argument('--middle', type=int, default=MIDDLE, help='outputs of the convolution of a new network')
+    parser.add_argument('--apart', type=float, default=0, help='how much more it costs to take a sound of the tongue or teeth for a closure')
     parser.add_argument('--rate', type=float, default=3e-3)
     parser.add_argument('--batch', type=int, default=64)
     parser.add_argument('--seed', type=int, default=1)
@@ -236,13 +242,13 @@ def main():
     optimiser = torch.optim.Adam(model.parameters(), lr=2e-3)
     now = time.monotonic if options.clock else time.process_time
     began, step, recent = now(), 0, []
-    while (done := (now() - began) / 60 / options.minutes) < 1:
+    while (done := step / options.steps if options.steps else (now() - began) / 60 / options.minutes) < 1:
         for group in optimiser.param_groups:  # up quickly, then down along a cosine
             group['lr'] = options.rate * min(1, (step + 1) / 60) * (0.5 + 0.5 * np.cos(np.pi * done)) + 1e-5
         whole = sum(f.share for f in there())
         batches = [f.some(rng, round(options.batch * f.share / whole)) for f in there()]
         features, classes, curves = (torch.cat([b[i] for b in batches]) for i in range(3))
-        loss = loss_of(model(masked(rng, bent(rng, features))), classes, curves, weight)
+        loss = loss_of(model(masked(rng, bent(rng, features))), classes, curves, weight, options.apart)
         optimiser.zero_grad()
         loss.backward()
         nn.utils.clip_grad_norm_(model.parameters(), 2.0)
@@ -253,7 +259,7 @@ def main():
         recent.append(loss.item())
         step += 1
         if step % 50 == 0:
-            print(f'{step} steps, {done * options.minutes:.1f} min, loss {np.mean(recent[-50:]):.3f}', flush=True)
+            print(f'{step} steps, {(now() - began) / 60:.1f} min, loss {np.mean(recent[-50:]):.3f}', flush=True)
             for file in files:
                 file.look(rng)
             if step % 100 == 0:
