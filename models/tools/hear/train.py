@@ -25,7 +25,7 @@ CURVES_COUNT = 0.4  # beside the classes
 DROPPED = 0.1
 # Where a phone begins is not known to the frame: so a frame is partly of its neighbours' classes.
 BLUR = [1 / 9, 2 / 9, 3 / 9, 2 / 9, 1 / 9]
-CLOSED, TEETH, TIP = 1, 2, 6
+CLOSED, TEETH = 1, 2
 LEAD = 20  # frames that the network hears before it is asked
 
 
@@ -64,21 +64,17 @@ class Hearing(nn.Module):
         return torch.stack(out, 1)
 
 
-def loss_of(heads, classes, curves, weight, apart=0.0):
-    """Cross entropy beside blurred classes; an unknown one (255) counts nothing. And how far the curves are off, in units of their spread. What is taken for a closure and is of
-    the tongue's tip or of teeth, far from any closure, costs `apart` times as much besides."""
+def loss_of(heads, classes, curves, weight):
+    """Cross entropy beside blurred classes; an unknown one (255) counts nothing. And how far the curves are off, in units of their spread."""
     wanted = nn.functional.one_hot(classes.clamp(max=CLASSES), CLASSES + 1)[..., :CLASSES].float().transpose(1, 2)
     wanted = nn.functional.conv1d(wanted.reshape(-1, 1, wanted.shape[2]), torch.tensor(BLUR)[None, None], padding=len(BLUR) // 2).reshape(wanted.shape)
     wanted = wanted.transpose(1, 2) * weight
-    alike = ((classes == TIP) | (classes == TEETH)) & (wanted[..., CLOSED] == 0)
     total = 0
     for head, delay, share in zip(heads, DELAYS, SHARES):
         then = slice(LEAD - delay, classes.shape[1] - delay)
         there, of_classes, of_curves = wanted[:, then], head[:, LEAD:, :CLASSES], head[:, LEAD:, CLASSES:]
         off = (of_curves - curves[:, then]) / torch.tensor(SPREAD)
-        likely = torch.log_softmax(of_classes, -1)
-        wrong = -torch.log1p(-likely[..., CLOSED].exp().clamp(max=0.999))[alike[:, then]].sum()
-        total = total + share / sum(SHARES) * (CURVES_COUNT * (off**2).mean() - ((there * likely).sum() - apart * wrong) / there.sum())
+        total = total + share / sum(SHARES) * (CURVES_COUNT * (off**2).mean() - (there * torch.log_softmax(of_classes, -1)).sum() / there.sum())
     return total
 
 
@@ -208,7 +204,6 @@ def main():
     parser.add_argument('--stays', type=float, default=0, help='how much of the network that it begins with is in the weights that are written')
     parser.add_argument('--size', type=int, default=0, help='units of a recurrent layer; 96, or as the network has that it begins with')
     parser.add_argument('--middle', type=int, default=MIDDLE, help='outputs of the convolution of a new network')
-    parser.add_argument('--apart', type=float, default=0, help='how much more it costs to take a sound of the tongue or teeth for a closure')
     parser.add_argument('--rate', type=float, default=3e-3)
     parser.add_argument('--batch', type=int, default=64)
     parser.add_argument('--seed', type=int, default=1)
@@ -248,7 +243,7 @@ def main():
         whole = sum(f.share for f in there())
         batches = [f.some(rng, round(options.batch * f.share / whole)) for f in there()]
         features, classes, curves = (torch.cat([b[i] for b in batches]) for i in range(3))
-        loss = loss_of(model(masked(rng, bent(rng, features))), classes, curves, weight, options.apart)
+        loss = loss_of(model(masked(rng, bent(rng, features))), classes, curves, weight)
         optimiser.zero_grad()
         loss.backward()
         nn.utils.clip_grad_norm_(model.parameters(), 2.0)
