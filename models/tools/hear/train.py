@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Trains the network of server/hear/hear_network.h and writes it with what it answers to a piece of its data.
 
-python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--minutes N] [--begin NETWORK.bin] [--stays SHARE] [--size UNITS] [--middle OUTPUTS]
-SHARE: how much of each step is of that file, which is read again whenever it has been written anew; until it is there the others count the more. Wants python3-torch. Fixed seeds; how far it gets in N minutes depends on the machine, so the card
-tells how many steps it had.
+python3 train.py OUT.bin VECTORS.bin DATA.npz=SHARE... [--steps N | --minutes N] [--begin NETWORK.bin] [--stays SHARE] [--size UNITS] [--middle OUTPUTS]
+SHARE: how much of each step is of that file, which is read again whenever it has been written anew; until it is there the others count the more. Wants python3-torch. Fixed seeds: N steps from the same files give the same network; how far it
+gets in N minutes depends on the machine, so the card tells how many steps it had.
 """
 import argparse
 import copy
@@ -197,6 +197,7 @@ def main():
     parser.add_argument('out')
     parser.add_argument('vectors')
     parser.add_argument('data', nargs='+')
+    parser.add_argument('--steps', type=int, default=0, help='in place of minutes')
     parser.add_argument('--minutes', type=float, default=15, help="of the processor's time")
     parser.add_argument('--clock', action='store_true', help='minutes of the clock instead, whatever else the machine does')
     parser.add_argument('--begin', help='a network to go on from')
@@ -236,7 +237,7 @@ def main():
     optimiser = torch.optim.Adam(model.parameters(), lr=2e-3)
     now = time.monotonic if options.clock else time.process_time
     began, step, recent = now(), 0, []
-    while (done := (now() - began) / 60 / options.minutes) < 1:
+    while (done := step / options.steps if options.steps else (now() - began) / 60 / options.minutes) < 1:
         for group in optimiser.param_groups:  # up quickly, then down along a cosine
             group['lr'] = options.rate * min(1, (step + 1) / 60) * (0.5 + 0.5 * np.cos(np.pi * done)) + 1e-5
         whole = sum(f.share for f in there())
@@ -253,7 +254,7 @@ def main():
         recent.append(loss.item())
         step += 1
         if step % 50 == 0:
-            print(f'{step} steps, {done * options.minutes:.1f} min, loss {np.mean(recent[-50:]):.3f}', flush=True)
+            print(f'{step} steps, {(now() - began) / 60:.1f} min, loss {np.mean(recent[-50:]):.3f}', flush=True)
             for file in files:
                 file.look(rng)
             if step % 100 == 0:
