@@ -1,17 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/cluster/redis_loop.h"
 #include "server/base/mem.h"
-#include <stdbool.h>
+#include "server/base/turn_end.h"
 #include <stdlib.h>
 
 struct redis_loop {
     uv_poll_t poll;
-    uv_prepare_t before_poll;
-    uv_check_t after_poll;
+    struct turn_end *end;       /* waits while something is to be written then */
     redisAsyncContext *context; /* NULL: it is being freed */
     int polled;
-    bool writes; /* something waits for the end of the turn */
-    unsigned handles;
 };
 
 static void on_poll(uv_poll_t *poll, int status, int events) {
@@ -36,36 +33,14 @@ static void poll_for(struct redis_loop *l, int events) {
         uv_poll_stop(&l->poll);
 }
 
-static void wait_for_turn(struct redis_loop *l, bool waits);
-
 /* What the system does not take now leaves when it can. */
-static void write_now(struct redis_loop *l) {
+static void write_now(void *data) {
+    struct redis_loop *l = data;
     redisAsyncHandleWrite(l->context);
-    if (!l->context || !l->writes)
+    if (!l->context || !turn_end_waits(l->end))
         return;
-    wait_for_turn(l, false);
+    turn_end_wait(l->end, false);
     poll_for(l, l->polled | UV_WRITABLE);
-}
-
-static void on_before_poll(uv_prepare_t *prepare) {
-    write_now(prepare->data);
-}
-
-static void on_after_poll(uv_check_t *check) {
-    write_now(check->data);
-}
-
-static void wait_for_turn(struct redis_loop *l, bool waits) {
-    if (l->writes == waits)
-        return;
-    l->writes = waits;
-    if (waits) {
-        uv_prepare_start(&l->before_poll, on_before_poll);
-        uv_check_start(&l->after_poll, on_after_poll);
-    } else {
-        uv_prepare_stop(&l->before_poll);
-        uv_check_stop(&l->after_poll);
-    }
 }
 
 static void add_read(void *data) {
@@ -83,40 +58,36 @@ static void add_write(void *data) {
     if (!(l->context->c.flags & REDIS_CONNECTED)) /* that it is, the system tells */
         poll_for(l, l->polled | UV_WRITABLE);
     else if (!(l->polled & UV_WRITABLE))
-        wait_for_turn(l, true);
+        turn_end_wait(l->end, true);
 }
 
 static void del_write(void *data) {
     struct redis_loop *l = data;
-    wait_for_turn(l, false);
+    turn_end_wait(l->end, false);
     poll_for(l, l->polled & ~UV_WRITABLE);
 }
 
-static void on_closed(uv_handle_t *handle) {
-    struct redis_loop *l = handle->data;
-    if (!--l->handles)
-        free(l);
+static void on_closed(uv_handle_t *poll) {
+    free(poll->data);
 }
 
 static void clean_up(void *data) {
     struct redis_loop *l = data;
     l->context = NULL;
+    turn_end_close(l->end);
     uv_close((uv_handle_t *)&l->poll, on_closed);
-    uv_close((uv_handle_t *)&l->before_poll, on_closed);
-    uv_close((uv_handle_t *)&l->after_poll, on_closed);
 }
 
 int redis_loop_attach(redisAsyncContext *context, uv_loop_t *loop) {
     struct redis_loop *l = mem_alloc(sizeof *l);
-    *l = (struct redis_loop){.context = context, .handles = 3};
+    *l = (struct redis_loop){.context = context};
     int failed = uv_poll_init(loop, &l->poll, context->c.fd);
     if (failed) {
         free(l);
         return failed;
     }
-    uv_prepare_init(loop, &l->before_poll);
-    uv_check_init(loop, &l->after_poll);
-    l->poll.data = l->before_poll.data = l->after_poll.data = l;
+    l->poll.data = l;
+    l->end = turn_end_open(loop, write_now, l);
     context->ev.data = l;
     context->ev.addRead = add_read;
     context->ev.delRead = del_read;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/buf.h"
-#include "server/base/mem.h"
 #include "server/voice/plan.h"
 #include <stdlib.h>
 #include <string.h>
+
+#define SPACES " \n\t\r"
 
 static const char *text_of(const struct score_item *item) {
     return item->kind == SCORE_TEXT && item->text ? item->text : "";
@@ -23,15 +24,13 @@ static char *text_between(const struct score *score, size_t sentence, size_t fro
     return (char *)b.data;
 }
 
-static bool is_space(char c) {
-    return c == ' ' || c == '\n' || c == '\t' || c == '\r';
-}
-
 /* What is too long loses its first words. */
 static void keep_end(char *text) {
-    size_t length = strlen(text), from = length > PLAN_CONTEXT_BYTES ? length - PLAN_CONTEXT_BYTES : 0;
-    while (from && from < length && !is_space(text[from]))
-        from++;
+    size_t length = strlen(text);
+    if (length <= PLAN_CONTEXT_BYTES)
+        return;
+    size_t from = length - PLAN_CONTEXT_BYTES;
+    from += strcspn(text + from, SPACES);
     memmove(text, text + from, length - from + 1);
 }
 
@@ -39,13 +38,13 @@ static void keep_beginning(char *text) {
     size_t to = PLAN_CONTEXT_BYTES;
     if (strlen(text) <= to)
         return;
-    while (to && !is_space(text[to]))
+    while (to && !strchr(SPACES, text[to]))
         to--;
     text[to] = '\0';
 }
 
 static char *or_none(char *text) {
-    if (text[strspn(text, " \n\t\r")])
+    if (text[strspn(text, SPACES)])
         return text;
     free(text);
     return NULL;
