@@ -24,13 +24,13 @@ export const processes = () => fs.readdirSync('/proc').filter((name) => /^\d+$/.
 /** CPU seconds that a process and its children that still run have used, to a hundredth. */
 export const cpuSeconds = (pid) => processes().filter((p) => p.pid === pid || p.parent === pid).reduce((sum, p) => sum + p.seconds, 0);
 
-/** CPU seconds of a process, of all its threads, by the scheduler's own account. */
-export const cpuOf = (pid) => fs.readdirSync(`/proc/${pid}/task`)
-  .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'latin1').split(' ')[0]) / 1e9, 0);
+/** Seconds of all threads of a process, by the scheduler's own account. */
+const accounted = (pid, column) => fs.readdirSync(`/proc/${pid}/task`)
+  .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'latin1').split(' ')[column]) / 1e9, 0);
 
-/** Seconds for which threads of a process had something to do and no processor, by the scheduler's own account. */
-export const waitOf = (pid) => fs.readdirSync(`/proc/${pid}/task`)
-  .reduce((sum, task) => sum + Number(fs.readFileSync(`/proc/${pid}/task/${task}/schedstat`, 'latin1').split(' ')[1]) / 1e9, 0);
+/** CPU seconds of a process, and those for which it had something to do and no processor. */
+export const cpuOf = (pid) => accounted(pid, 0);
+export const waitOf = (pid) => accounted(pid, 1);
 
 /** CPU seconds that all have used that this process has started, and those that they have started, but for some, by the scheduler's own account. */
 export function descendantSeconds(except = []) {

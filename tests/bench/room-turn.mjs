@@ -52,7 +52,7 @@ export async function roomTurn(daemonCount, count, text, restSeconds = 0) {
   const used = pids.map((pid, i) => cpuOf(pid) - before[i]), took = performance.now() - from;
   const waited = Math.max(...pids.map((pid, i) => waitOf(pid) - waitedBefore[i]));
   const clients = sum(clientPids.map((pid, i) => cpuOf(pid) - clientsBefore[i]));
-  const sent = redis ? (await Promise.all(daemons.map((daemon) => daemon.metric('faccia_bus_messages_total{way="sent"}')))).reduce((a, b) => a + b) : 0;
+  const sent = redis ? sum(await Promise.all(daemons.map((daemon) => daemon.metric('faccia_bus_messages_total{way="sent"}')))) : 0;
   child.stdin.end();
   await ended;
   for (const daemon of daemons) await daemon.stop();

@@ -53,15 +53,15 @@ export class Fresh {
   /** Packages of ours, with what they depend on. @param {string} folder where they lie @param {string[]} names @param {...string} others of Debian's */
   install(folder, names, ...others) {
     fs.mkdirSync(this.at('packages'));
-    const files = fs.readdirSync(folder).filter((name) => name.endsWith('.deb'));
+    const files = fs.readdirSync(folder).filter((name) => name.endsWith('.deb') && !name.includes('dbgsym'));
     for (const file of files) fs.copyFileSync(path.join(folder, file), this.at(`packages/${file}`));
     this.run('apt-get', 'update');
     this.run('apt-get', 'install', '-y', '--no-install-recommends', ...others, ...names.map((name) => `/packages/${files.find((file) => file.startsWith(`${name}_`))}`));
   }
 
-  /** The daemon, as the unit would start it. @param {(address: string) => Promise<void>} look @param {...string} options of facciad */
-  async daemon(look, ...options) {
-    const child = this.start('faccia', ['facciad', '--port', '0', '--cache-file', '', ...options]);
+  /** The daemon, as the unit would start it. @param {(address: string) => Promise<void>} look */
+  async daemon(look) {
+    const child = this.start('faccia', ['facciad', '--port', '0', '--cache-file', '']);
     let log = '';
     const address = await new Promise((resolve, reject) => {
       child.stderr.setEncoding('utf8').on('data', (text) => {
