@@ -129,15 +129,18 @@ static json_t *part_of_media(const struct channel_item *item, struct buf *body) 
                      item->begin, "idle", item->idle, "size", (json_int_t)item->message->size);
 }
 
-/* Of a begin: whose, so that it is known again. */
-static json_t *part_of(const struct home *h, const struct channel_item *item, struct buf *body) {
-    if (item->media)
-        return part_of_media(item, body);
-    json_t *part = part_of_text(item->message, body);
-    uint64_t order = item->kind == STREAM_BEGIN && !item->notice ? home_order_of(h, item->utterance) : 0;
+/* Whose it is, so that it is known again; not of what comes between begin and end. */
+static json_t *part_with_order(json_t *part, uint64_t order) {
     if (order)
         json_object_set_new(part, "order", json_integer((json_int_t)order));
     return part;
+}
+
+static json_t *part_of(const struct channel_item *item, struct buf *body) {
+    if (item->media)
+        return part_of_media(item, body);
+    bool whose = item->kind == STREAM_BEGIN || item->kind >= STREAM_WARNING;
+    return part_with_order(part_of_text(item->message, body), whose ? item->order : 0);
 }
 
 static void send_parts(const struct home *h, const struct bus_receivers *to, json_t *parts,
@@ -161,26 +164,27 @@ struct recap {
 static void recap_text(void *ctx, struct queued_message *message) {
     const struct recap *r = ctx;
     struct buf body = {0};
-    json_t *parts = json_pack("[o]", part_of_text(message, &body));
+    const struct catch_up *up = &r->home->channel->catch_up;
+    json_t *part = part_with_order(part_of_text(message, &body), message == up->begin ? up->order : 0);
+    json_t *parts = json_pack("[o]", part);
     send_parts(r->home, &r->to, parts, &body);
 }
 
-/* past: what speaks has been told as ended there. */
-static void recap(const struct home *h, const struct branch *b, bool past) {
+/* past: an utterance that has been told as ended there, or 0. */
+static void recap(const struct home *h, const struct branch *b, uint32_t past) {
     const char *name = b->name;
     struct recap r = {h, {&name, 1}};
     struct buf data = {0};
     json_t *head = packet_begin("recap", h->channel->name);
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set_new(head, "number", json_integer(stream_number(h->channel->stream)));
-    json_object_set_new(head, "past", json_boolean(past));
-    uint32_t speaks = channel_utterance(h->channel);
-    json_object_set_new(head, "speaks", json_integer(speaks));
-    json_object_set_new(head, "order", json_integer((json_int_t)home_order_of(h, speaks)));
+    json_object_set_new(head, "past", json_integer(past));
+    const struct catch_up *up = &h->channel->catch_up;
+    json_object_set_new(head, "speaks", json_integer(up->utterance));
     packet_write(&data, head, NULL, 0);
     home_send(h, &r.to, &data);
     buf_free(&data);
-    catch_up_tell(&h->channel->catch_up, recap_text, &r);
+    catch_up_tell(up, recap_text, &r);
     notice_board_tell(&h->channel->notices, recap_text, &r);
 }
 
@@ -228,7 +232,7 @@ static void send_some(const struct home *h, const struct bus_receivers *to,
     json_t *parts = json_array();
     for (size_t i = 0; i < count; i++)
         if (mask >> i & 1)
-            json_array_append_new(parts, part_of(h, items[i], &body));
+            json_array_append_new(parts, part_of(items[i], &body));
     send_parts(h, to, parts, &body);
 }
 

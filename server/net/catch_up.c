@@ -25,7 +25,7 @@ static void keep(struct catch_up *catch_up, struct queued_message *message) {
 }
 
 void catch_up_event(struct catch_up *catch_up, enum stream_event_kind kind, uint32_t utterance,
-                    struct queued_message *message) {
+                    uint64_t order, struct queued_message *message) {
     switch (kind) {
     case STREAM_PAUSED:
         replace(&catch_up->paused, message);
@@ -40,6 +40,7 @@ void catch_up_event(struct catch_up *catch_up, enum stream_event_kind kind, uint
         forget_sentence(catch_up);
         replace(&catch_up->begin, kind == STREAM_BEGIN ? message : NULL);
         catch_up->utterance = kind == STREAM_BEGIN ? utterance : 0;
+        catch_up->order = kind == STREAM_BEGIN ? order : 0;
         break;
     case STREAM_SENTENCE:
         forget_sentence(catch_up);

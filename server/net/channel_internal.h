@@ -27,6 +27,7 @@ struct channel_item {
     enum stream_event_kind kind; /* of an event */
     bool elsewhere;              /* from when another daemon spoke: only those here are told */
     uint32_t utterance;          /* of a beginning or an end */
+    uint64_t order;              /* the same: what asked for it (speech_request.h) */
     struct variant *variant;     /* of media, until they are ready */
     struct encoding encoding;    /* for whom media are */
     bool begin, idle;            /* of media: one can begin with them; they are those of idling */
@@ -91,8 +92,12 @@ void channel_say_soon(struct channel *channel);
  * spoken again, and has a warning instead. */
 void channel_cut(struct channel *channel, const struct error *e, bool again);
 
-/* The utterance that is heard here, 0 for none. */
+/* The utterance that is heard here, 0 for none, and its order. */
 uint32_t channel_utterance(const struct channel *channel);
+uint64_t channel_order(const struct channel *channel);
+
+/* Does the end of what that order asked for wait to be said? */
+bool channel_is_ending(const struct channel *channel, uint64_t order);
 
 /* Whether it says of itself that it is spoken again when it is lost. */
 bool channel_is_again(const struct channel *channel);

@@ -51,7 +51,8 @@ static bool wants(struct follower *f, const struct channel_item *item) {
 static void give(struct channel *c, struct channel_item **items, size_t count) {
     for (size_t i = 0; i < count; i++)
         if (!items[i]->media && !items[i]->notice)
-            catch_up_event(&c->catch_up, items[i]->kind, items[i]->utterance, items[i]->message);
+            catch_up_event(&c->catch_up, items[i]->kind, items[i]->utterance, items[i]->order,
+                           items[i]->message);
     if (c->home)
         c->net->home_calls->said(c, items, count);
     for (struct follower *f = c->followers; f; f = f->next) {
@@ -157,6 +158,7 @@ static void add_event(struct channel *c, const struct stream_event *event) {
     struct channel_item *item = add(c);
     item->kind = event->kind;
     item->utterance = event->utterance;
+    item->order = event->order;
     item->ready = true;
     item->message = queued_message_new(WEBSOCKET_TEXT, text.data, text.size);
     item->message->event = event_name(event->kind);
@@ -209,33 +211,46 @@ static void on_event(void *ctx, const struct stream_event *event) {
         channel_say(c);
 }
 
-/* The begin of what will not have ended when all has been said that waits for coders, and its utterance. */
-static const struct queued_message *begin_of(const struct channel *c, uint32_t *of) {
-    const struct queued_message *begin = c->catch_up.begin;
-    uint32_t utterance = c->catch_up.utterance;
+static bool is_event(const struct channel_item *item, enum stream_event_kind kind) {
+    return !item->media && !item->notice && item->kind == kind;
+}
+
+/* What is heard. */
+struct heard {
+    const struct queued_message *begin; /* NULL: nothing */
+    uint32_t utterance;
+    uint64_t order;
+};
+
+/* What will not have ended when all has been said that waits for coders. */
+static struct heard heard_in(const struct channel *c) {
+    struct heard heard = {c->catch_up.begin, c->catch_up.utterance, c->catch_up.order};
     for (const struct channel_item *item = c->first; item; item = item->next) {
-        if (item->media || item->notice)
-            continue;
-        if (item->kind == STREAM_BEGIN) {
-            begin = item->message;
-            utterance = item->utterance;
-        } else if (item->kind == STREAM_END && item->utterance == utterance) {
-            begin = NULL;
-        }
+        if (is_event(item, STREAM_BEGIN))
+            heard = (struct heard){item->message, item->utterance, item->order};
+        else if (is_event(item, STREAM_END) && item->utterance == heard.utterance)
+            heard = (struct heard){0};
     }
-    *of = begin ? utterance : 0;
-    return begin;
+    return heard;
 }
 
 uint32_t channel_utterance(const struct channel *c) {
-    uint32_t utterance;
-    begin_of(c, &utterance);
-    return utterance;
+    return heard_in(c).utterance;
+}
+
+uint64_t channel_order(const struct channel *c) {
+    return heard_in(c).order;
+}
+
+bool channel_is_ending(const struct channel *c, uint64_t order) {
+    const struct channel_item *item = c->first;
+    while (item && (!is_event(item, STREAM_END) || !item->message || item->order != order))
+        item = item->next;
+    return item;
 }
 
 bool channel_is_again(const struct channel *c) {
-    uint32_t utterance;
-    const struct queued_message *message = begin_of(c, &utterance);
+    const struct queued_message *message = heard_in(c).begin;
     json_t *begin = message ? message_read(message) : NULL;
     bool again = json_is_true(json_object_get(begin, "again"));
     json_decref(begin);
@@ -246,10 +261,12 @@ bool channel_is_again(const struct channel *c) {
 void channel_cut(struct channel *c, const struct error *e, bool again) {
     const struct catch_up *up = &c->catch_up;
     struct stream_event event = {.error = e, .idle = -1};
-    const struct queued_message *message = begin_of(c, &event.utterance);
-    json_t *begin = message ? message_read(message) : NULL;
+    const struct heard heard = heard_in(c);
+    json_t *begin = heard.begin ? message_read(heard.begin) : NULL;
     json_t *last = up->text_count ? message_read(up->texts[up->text_count - 1]) : NULL;
     if (begin) {
+        event.utterance = heard.utterance;
+        event.order = heard.order;
         event.id = json_string_value(json_object_get(begin, "id"));
         event.sample_rate = (uint32_t)json_integer_value(json_object_get(begin, "rate"));
         event.duration = (uint32_t)json_integer_value(json_object_get(last, "sample"));

@@ -63,8 +63,10 @@ static uint32_t utterance_of(const struct queued_message *message) {
 }
 
 /* Has it been told as ended here, when this daemon had lost the home for a while? Of what is so, nothing is
- * handed on, media neither. */
-static bool is_past(struct home *h, int kind, uint32_t utterance) {
+ * handed on, media neither. An end that nothing was heard before is known by its order alone. */
+static bool is_past(struct home *h, int kind, uint32_t utterance, uint64_t order) {
+    if (channel_utterance(h->channel) != utterance && home_has_heard(h, order))
+        home_is_past(h, utterance);
     bool past = home_was_past(h, utterance);
     if (kind == STREAM_BEGIN)
         h->deaf = past ? utterance : 0;
@@ -103,21 +105,21 @@ static void hand_on_text(struct home *h, const struct part *p) {
     struct queued_message *message = queued_message_new(WEBSOCKET_TEXT, p->body, p->size - line);
     message->event = kind < 0 ? notice_name(event) : event_name((enum stream_event_kind)kind);
     message->line = queued_message_new(WEBSOCKET_TEXT, p->body + p->size - line, line);
-    bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && h->past.count);
+    uint64_t order = (uint64_t)json_integer_value(json_object_get(p->head, "order"));
+    bool asks = kind == STREAM_BEGIN || kind == STREAM_END || (kind >= 0 && (order || h->past.count));
     uint32_t utterance = asks ? utterance_of(message) : 0;
-    json_int_t order = json_integer_value(json_object_get(p->head, "order"));
-    if (kind == STREAM_BEGIN && order > 0)
-        home_begins(h, utterance, (uint64_t)order);
     if (kind < 0) {
         keep_notice(c, message);
-    } else if (is_past(h, kind, utterance)) {
+    } else if (is_past(h, kind, utterance, order)) {
         queued_message_release(message);
+        h->amid = kind == STREAM_BEGIN ? 0 : h->amid;
         return;
     }
     channel_hand_on(c, &(struct channel_item){.message = message,
                                               .notice = kind < 0,
                                               .kind = kind < 0 ? 0 : (enum stream_event_kind)kind,
-                                              .utterance = utterance});
+                                              .utterance = utterance,
+                                              .order = order});
     if (kind == STREAM_BEGIN && h->amid)
         tell_missed(h);
 }
@@ -173,10 +175,8 @@ void hand_on(struct home *h, const struct packet *p) {
         forget(c);
         h->deaf = 0;
         uint32_t speaks = (uint32_t)packet_number(p, "speaks");
-        home_begins(h, speaks, packet_number(p, "order"));
-        if (json_is_true(json_object_get(p->head, "past")))
-            home_is_past(h, speaks);
-        h->amid = h->knew && !home_was_past(h, speaks) ? speaks : 0;
+        home_is_past(h, (uint32_t)packet_number(p, "past"));
+        h->amid = h->knew ? speaks : 0;
         h->recapped = true;
     }
     if (!h->recapped)

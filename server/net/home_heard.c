@@ -18,22 +18,9 @@ uint64_t home_order(const char *asker, uint64_t number) {
     return home_of(asker) | (uint32_t)number;
 }
 
-void home_ordered(struct home *h, uint32_t utterance, uint64_t order) {
-    if (utterance && order)
-        h->ordered[h->ordered_count++ % RECENT_MOST] = (struct ordered){utterance, order};
-}
-
-uint64_t home_order_of(const struct home *h, uint32_t utterance) {
-    for (unsigned i = 0; utterance && i < h->ordered_count && i < RECENT_MOST; i++) {
-        const struct ordered *o = &h->ordered[(h->ordered_count - 1 - i) % RECENT_MOST];
-        if (o->utterance == utterance)
-            return o->order;
-    }
-    return 0;
-}
-
 void home_is_past(struct home *h, uint32_t utterance) {
-    add(&h->past, home_of(h->holder) | utterance);
+    if (utterance)
+        add(&h->past, home_of(h->holder) | utterance);
 }
 
 bool home_was_past(const struct home *h, uint32_t utterance) {
@@ -41,19 +28,15 @@ bool home_was_past(const struct home *h, uint32_t utterance) {
 }
 
 void home_hears(struct home *h, const struct channel_item *item) {
-    if (item->media || item->notice || item->kind != STREAM_END)
-        return;
-    uint64_t order = home_order_of(h, item->utterance);
-    if (order)
+    if (!item->media && !item->notice && item->kind == STREAM_END)
+        home_told(h, item->order);
+}
+
+void home_told(struct home *h, uint64_t order) {
+    if (order && !has(&h->ended, order))
         add(&h->ended, order);
 }
 
 bool home_has_heard(const struct home *h, uint64_t order) {
-    return order && has(&h->ended, order);
-}
-
-void home_begins(struct home *h, uint32_t utterance, uint64_t order) {
-    home_ordered(h, utterance, order);
-    if (home_has_heard(h, order))
-        home_is_past(h, utterance);
+    return order && (has(&h->ended, order) || channel_is_ending(h->channel, order));
 }

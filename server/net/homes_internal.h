@@ -43,11 +43,6 @@ struct recent {
     unsigned count; /* ever: the oldest make room */
 };
 
-struct ordered {
-    uint32_t utterance;
-    uint64_t order;
-};
-
 struct home {
     struct homes *homes;
     struct channel *channel;
@@ -61,16 +56,14 @@ struct home {
     uint64_t split;      /* the highest token before this daemon was alone: nobody goes on under it */
     struct recent past;  /* what has been told as ended here: its number, and whose (home_of) */
     struct recent ended; /* the same, of whatever home: which order had asked for it (home_order) */
-    struct ordered ordered[RECENT_MOST]; /* which utterance that is, or was, of whom it is known */
-    unsigned ordered_count;              /* ever */
-    uint32_t deaf;                       /* such a one, that is spoken */
-    bool knew;                           /* the room was followed here before that home was found */
-    bool recapped;                       /* a branch has been told what goes on */
-    uint32_t visit;                      /* which time it follows a home */
-    uint32_t amid; /* the utterance in whose middle it came to follow, until its begin is told */
-    bool begin;    /* somebody waits for media that one can begin with */
-    bool stale;    /* the home knows less than is */
-    uint64_t here; /* loop time when a branch has said last that it is there */
+    uint32_t deaf;       /* such a one, that is spoken */
+    bool knew;           /* the room was followed here before that home was found */
+    bool recapped;       /* a branch has been told what goes on */
+    uint32_t visit;      /* which time it follows a home */
+    uint32_t amid;       /* the utterance in whose middle it came to follow, until its begin is told */
+    bool begin;          /* somebody waits for media that one can begin with */
+    bool stale;          /* the home knows less than is */
+    uint64_t here;       /* loop time when a branch has said last that it is there */
 };
 
 struct homes {
@@ -135,16 +128,10 @@ bool home_was_past(const struct home *home, uint32_t utterance);
  * when it is given anew to another home. */
 uint64_t home_order(const char *asker, uint64_t number);
 
-/* That utterance is what it asked for; and which one that was, 0: none, or not known. */
-void home_ordered(struct home *home, uint32_t utterance, uint64_t order);
-uint64_t home_order_of(const struct home *home, uint32_t utterance);
-
 /* Those who follow here have been told the end of what it asked for: they are not to hear it once more. */
 bool home_has_heard(const struct home *home, uint64_t order);
 void home_hears(struct home *home, const struct channel_item *item);
-
-/* The home speaks that utterance now, for that order. */
-void home_begins(struct home *home, uint32_t utterance, uint64_t order);
+void home_told(struct home *home, uint64_t order);
 
 /* The room is here no more: nobody follows who could be told. */
 void orders_forget_room(struct home *home);

@@ -13,7 +13,7 @@ struct acting {
     struct channel *channel; /* NULL: nobody is there */
     const json_t *order, *message;
     const char *by;
-    uint64_t abroad;
+    uint64_t abroad, number;
     unsigned status; /* of an answer that is none to an error */
 };
 
@@ -73,6 +73,7 @@ static int read_speech(const struct acting *a, struct speech_request *request, s
         return error_plain(e, ERROR_STOPPING), -1;
     int failed = request_from_json(request, json_object_get(a->order, "request"), e);
     request->abroad = a->abroad;
+    request->order = a->number;
     return failed;
 }
 
@@ -110,6 +111,7 @@ static json_t *play(struct acting *a, struct error *e) {
     else if (!request_from_json(&request, json_object_get(a->order, "request"), e) &&
              !media_source(a->net, &source, name, e)) {
         source.id = request.id ? mem_strdup(request.id) : NULL;
+        request.order = a->number;
         uint32_t utterance = stream_play(stream_of(a), &source, &request);
         answer = answer_of(a, 202, "accepted");
         number(answer, utterance);
@@ -213,7 +215,8 @@ static json_t *act(struct acting *a, struct error *e) {
     return NULL;
 }
 
-json_t *order_act(struct net *net, const char *room, const json_t *order, uint64_t abroad, unsigned *status) {
+json_t *order_act(struct net *net, const char *room, const json_t *order, uint64_t abroad, uint64_t of,
+                  unsigned *status) {
     const char *by = json_string_value(json_object_get(order, "by"));
     struct channel *c = channel_find(net, room);
     struct acting a = {.net = net,
@@ -222,6 +225,7 @@ json_t *order_act(struct net *net, const char *room, const json_t *order, uint64
                        .order = order,
                        .message = json_object_get(order, "message"),
                        .abroad = abroad,
+                       .number = of,
                        .by = by ? by : ""};
     struct error e;
     json_t *answer = act(&a, &e);

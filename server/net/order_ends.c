@@ -18,6 +18,18 @@ static const json_t *request_of(const struct order *o) {
     return json_object_get(o->asked, "request");
 }
 
+uint64_t order_number(const struct order *o) {
+    return home_order(bus_name(o->homes->bus), o->number);
+}
+
+bool order_is_spoken(const struct order *o) {
+    return channel_order(o->channel) == order_number(o);
+}
+
+bool order_has_ended(const struct order *o) {
+    return o->channel->home && home_has_heard(o->channel->home, order_number(o));
+}
+
 bool order_is_again(const struct order *o) {
     return json_is_true(json_object_get(request_of(o), "again"));
 }
@@ -26,6 +38,7 @@ void order_tell_failed(const struct order *o, const struct error *e) {
     struct stream_event event = {.kind = STREAM_ERROR,
                                  .utterance = o->utterance,
                                  .id = json_string_value(json_object_get(request_of(o), "id")),
+                                 .order = order_number(o),
                                  .error = e,
                                  .reason = "failed",
                                  .idle = -1};
@@ -70,7 +83,7 @@ void orders_lost(struct home *h, uint32_t told, bool again, const struct error *
             continue;
         if (o->utterance)
             home_is_past(h, o->utterance);
-        if (again && order_is_again(o)) {
+        if (again && order_is_again(o) && !order_has_ended(o)) {
             ask_again(o);
         } else if (!o->utterance) {
             o->until = 0; /* nobody knows whether it was done */

@@ -23,6 +23,8 @@ static void end(struct order *o, unsigned status, const json_t *answer) {
     home_error(&e);
     if (o->again && !o->done && status >= 400)
         order_tell_failed(o, &e);
+    if (c->home && status >= 400) /* whatever a home makes of it yet */
+        home_told(c->home, order_number(o));
     order_done done = o->done;
     void *ctx = o->ctx;
     channel_keep(c);
@@ -32,16 +34,42 @@ static void end(struct order *o, unsigned status, const json_t *answer) {
     channel_let_go(c);
 }
 
+/* What is to be spoken stays among the orders until its end. */
+static void take(struct order *o, uint32_t utterance, unsigned status, const json_t *answer) {
+    order_done done = o->done;
+    void *ctx = o->ctx;
+    struct channel *c = o->channel;
+    o->done = NULL;
+    o->utterance = utterance;
+    stream_number_above(c->stream, utterance);
+    if (done)
+        done(ctx, status, answer);
+    channel_let_go(c);
+}
+
+/* Though its answer was lost, or says that it was asked before, it may be heard here already. */
+static void refuse(struct order *o, unsigned status, const json_t *answer) {
+    enum { ACCEPTED = 202 };
+    struct channel *c = o->channel;
+    bool speaks = order_is_spoken(o);
+    if (!speaks && !order_has_ended(o)) {
+        end(o, status, answer);
+        return;
+    }
+    json_t *accepted = json_pack("{ss ss}", "type", "accepted", "room", c->name);
+    if (speaks)
+        take(o, channel_utterance(c), ACCEPTED, accepted);
+    else
+        end(o, ACCEPTED, accepted);
+    json_decref(accepted);
+}
+
 static void fail(struct order *o) {
     struct error e;
     home_error(&e);
     json_t *answer = message_error(&e);
-    end(o, (unsigned)error_status(e.code), answer);
+    refuse(o, (unsigned)error_status(e.code), answer);
     json_decref(answer);
-}
-
-static uint64_t number_of(const struct order *o) {
-    return home_order(bus_name(o->homes->bus), o->number);
 }
 
 static uint32_t utterance_of(const json_t *answer) {
@@ -50,8 +78,7 @@ static uint32_t utterance_of(const json_t *answer) {
 
 static void act(struct order *o) {
     unsigned status;
-    json_t *answer = order_act(o->homes->net, o->channel->name, o->asked, 0, &status);
-    home_ordered(o->channel->home, utterance_of(answer), number_of(o));
+    json_t *answer = order_act(o->homes->net, o->channel->name, o->asked, 0, order_number(o), &status);
     json_object_del(answer, "utterance"); /* its end is told by the stream that is here */
     end(o, status, answer);
     json_decref(answer);
@@ -160,34 +187,18 @@ void orders_heard(struct homes *homes, const struct packet *p) {
     /* asked under another token, it has been given up by who asked */
     bool here = h && h->role == HOME_HERE && json_is_object(asked) && packet_number(p, "token") == h->token;
     uint64_t order = home_order(p->from, packet_number(p, "number"));
-    bool heard =
-        here && (home_has_heard(h, order) || home_order_of(h, channel_utterance(h->channel)) == order);
+    bool heard = here && (home_has_heard(h, order) || channel_order(h->channel) == order);
     if (heard) {
         struct error e;
         home_error(&e);
         status = (unsigned)error_status(e.code);
         json_object_set_new(head, "answer", message_error(&e));
     } else if (here) {
-        json_t *answer = order_act(homes->net, p->room, asked, home_abroad(p), &status);
-        home_ordered(h, utterance_of(answer), order);
-        json_object_set_new(head, "answer", answer);
+        json_object_set_new(head, "answer",
+                            order_act(homes->net, p->room, asked, home_abroad(p), order, &status));
     }
     json_object_set_new(head, "status", json_integer(status));
     home_tell(homes, p->from, head);
-}
-
-/* What is to be spoken stays among the orders until its end. */
-static void take(struct order *o, uint32_t utterance, unsigned status, const json_t *answer) {
-    order_done done = o->done;
-    void *ctx = o->ctx;
-    struct channel *c = o->channel;
-    o->done = NULL;
-    o->utterance = utterance;
-    stream_number_above(c->stream, utterance);
-    home_ordered(c->home, utterance, number_of(o));
-    if (done)
-        done(ctx, status, answer);
-    channel_let_go(c);
 }
 
 void orders_answered(struct homes *homes, const struct packet *p) {
@@ -207,6 +218,8 @@ void orders_answered(struct homes *homes, const struct packet *p) {
         return; /* a late one, of a home that was lost */
     } else if (o && status && utterance) {
         take(o, utterance, (unsigned)status, answer);
+    } else if (o && status >= 400) {
+        refuse(o, (unsigned)status, answer);
     } else if (o && status) {
         end(o, (unsigned)status, answer);
     } else if (o) { /* it is not the home, and did nothing: who is? */

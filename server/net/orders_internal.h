@@ -24,6 +24,13 @@ struct order {
 /* It is gone. */
 void order_free(struct order *order);
 
+/* By which all daemons know it (home_order). */
+uint64_t order_number(const struct order *order);
+
+/* Is what it asked for heard here, or has its end been? Also when nobody has answered. */
+bool order_is_spoken(const struct order *order);
+bool order_has_ended(const struct order *order);
+
 /* Whether what it asks for is spoken again when it is lost. */
 bool order_is_again(const struct order *order);
 

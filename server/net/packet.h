@@ -8,7 +8,7 @@
 #include <stdbool.h>
 
 /* Another version's packets are passed over. */
-enum { PACKET_VERSION = 3 };
+enum { PACKET_VERSION = 4 };
 
 struct packet {
     json_t *head;

@@ -26,7 +26,7 @@ struct channel *room_asked(struct exchange *x, int *result) {
 void room_unheard(struct net *net, const char *room, const char *id, const struct error *e) {
     struct channel *channel = channel_find(net, room);
     if (channel)
-        stream_refuse(channel_stream(channel), id, e);
+        stream_refuse(channel_stream(channel), id, 0, e);
 }
 
 struct say {

@@ -102,7 +102,7 @@ int socket_set_media(struct socket *s, const struct media_wish *wish, struct err
 /* In a room, others need not hear of it. */
 void socket_refuse(struct socket *s, const char *id, const struct error *e) {
     if (!socket_room(s)) {
-        stream_refuse(socket_stream(s), id, e);
+        stream_refuse(socket_stream(s), id, 0, e);
         return;
     }
     json_t *error = message_error(e), *end = json_pack("{ss ss}", "type", "end", "reason", "failed");

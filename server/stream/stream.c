@@ -64,8 +64,8 @@ void stream_free(struct stream *s) {
     free(s);
 }
 
-void stream_refuse(struct stream *s, const char *id, const struct error *e) {
-    struct utterance t = {.stream = s, .number = ++s->utterances};
+void stream_refuse(struct stream *s, const char *id, uint64_t order, const struct error *e) {
+    struct utterance t = {.stream = s, .number = ++s->utterances, .order = order};
     give(&t, (struct stream_event){.kind = STREAM_ERROR, .error = e, .id = id});
     give(&t, (struct stream_event){.kind = STREAM_END, .reason = "failed", .id = id});
 }

@@ -47,6 +47,7 @@ struct stream_event {
     enum stream_event_kind kind;
     uint32_t utterance;                        /* 0: of none (PAUSED, RESUMED) */
     const char *id;                            /* the client's, or NULL */
+    uint64_t order;                            /* as its request (speech_request.h) */
     uint32_t sample_rate, sample, duration;    /* of all with a time; END: duration of all, samples */
     size_t start, end, utf16_start, utf16_end; /* SENTENCE, WORD: the place in the text; end exclusive */
     const char *text;          /* WORD: end - start bytes that stand there; MARK, JUMPED: its name;
@@ -109,8 +110,9 @@ unsigned stream_cancel(struct stream *stream, const char *id);
 uint32_t stream_play(struct stream *stream, struct recording_source *source,
                      const struct speech_request *request);
 
-/* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END. */
-void stream_refuse(struct stream *stream, const char *id, const struct error *e);
+/* The same for a request that was found bad before it came here: numbers it and gives its ERROR and END.
+ * order: as in speech_request.h. */
+void stream_refuse(struct stream *stream, const char *id, uint64_t order, const struct error *e);
 
 /* Has the face idle while nothing is spoken: silent chunks of utterance 0. options = NULL: no longer. The
  * life layer's clock runs on through idling, utterances and pauses, so the face does not jump between them;
@@ -134,9 +136,9 @@ void stream_fail(struct stream *stream, const struct error *e);
  * speaks is this one's alone. */
 void stream_go_alone(struct stream *stream);
 
-/* The same of what that daemon asked for when it followed before (0: of what any has). Is what speaks of it?
- */
-bool stream_forget_earlier(struct stream *stream, uint64_t abroad);
+/* The same of what that daemon asked for when it followed before (0: of what any has). The number of what
+ * speaks, where that is of it; else 0. */
+uint32_t stream_forget_earlier(struct stream *stream, uint64_t abroad);
 
 /* Does it speak, or does anything wait? */
 bool stream_busy(const struct stream *stream);

@@ -35,17 +35,17 @@ static bool is_of_earlier(const struct utterance *t, uint64_t abroad) {
     return t->abroad && (!abroad || (t->abroad >> 32 == abroad >> 32 && t->abroad != abroad));
 }
 
-bool stream_forget_earlier(struct stream *s, uint64_t abroad) {
+uint32_t stream_forget_earlier(struct stream *s, uint64_t abroad) {
     for (struct utterance **at = s->queue ? &s->queue->next : &s->queue; *at;) {
         if (is_of_earlier(*at, abroad))
             forget(s, at, (*at)->spared ? NULL : "failed");
         else
             at = &(*at)->next;
     }
-    bool speaks = s->queue && is_of_earlier(s->queue, abroad);
-    if (speaks)
-        s->queue->spared = false;
-    return speaks;
+    if (!s->queue || !is_of_earlier(s->queue, abroad))
+        return 0;
+    s->queue->spared = false;
+    return s->queue->number;
 }
 
 void stream_go_alone(struct stream *s) {
@@ -150,10 +150,11 @@ uint32_t stream_speak(struct stream *s, const struct speech_request *request) {
     }
     if (!t || !t->synthesis) {
         free(t);
-        stream_refuse(s, request->id, &e);
+        stream_refuse(s, request->id, request->order, &e);
         return 0;
     }
     t->abroad = request->abroad;
+    t->order = request->order;
     t->spared = request->abroad != 0 && request->again;
     synthesis_keep(t->synthesis);
     enqueue(s, t, &turn);
@@ -170,7 +171,7 @@ uint32_t stream_hear(struct stream *s, const struct heard_request *request) {
     }
     if (!t || !t->heard) {
         free(t);
-        stream_refuse(s, request->speech->id, &e);
+        stream_refuse(s, request->speech->id, 0, &e);
         return 0;
     }
     enqueue(s, t, &turn);
@@ -182,13 +183,14 @@ uint32_t stream_play(struct stream *s, struct recording_source *source,
     struct turn turn = turn_of(request);
     struct error e;
     if (may_come(s, &turn, &e)) {
-        stream_refuse(s, source->id, &e);
+        stream_refuse(s, source->id, request->order, &e);
         recording_source_free(source);
         return 0;
     }
     struct utterance *t = utterance_new(s);
     t->recording =
         recording_open(s->pipeline->loop, s->pipeline->high_level, source, &utterance_callbacks, t);
+    t->order = request->order;
     enqueue(s, t, &turn);
     return t->number;
 }

@@ -33,6 +33,7 @@ void utterance_give(const struct utterance *t, const struct stream_sink *sink, v
     event.utterance = t->number;
     event.id = t->synthesis || t->recording || t->heard ? utterance_id(t) : event.id;
     event.sample_rate = t->sample_rate;
+    event.order = t->order;
     sink->event(ctx, &event);
 }
 

@@ -25,6 +25,7 @@ struct utterance {
     uint64_t asked; /* uv_hrtime of the request */
     bool started, begun, sentence_said;
     uint64_t abroad;             /* as its request (speech_request.h) */
+    uint64_t order;              /* the same */
     bool spared;                 /* who asked has it spoken again when this daemon cannot */
     bool finished;               /* no further segment comes */
     size_t spoken;               /* segments that came */

@@ -53,8 +53,10 @@ struct speech_request {
     bool again;                  /* what is lost with the daemon that was to speak it is asked of the next */
     uint64_t abroad; /* not 0: another daemon asks, which tells the end when it has lost this one. Its name as
                         a number, and which time it follows, 32 bits each. No field */
-    bool ahead;      /* nobody waits for it: its sentences are to be kept (voice_pool.h) */
-    bool open;       /* the text is still being written: see synthesis_write */
+    uint64_t
+        order;  /* not 0: its number among what is asked at all daemons, which its events tell. No field */
+    bool ahead; /* nobody waits for it: its sentences are to be kept (voice_pool.h) */
+    bool open;  /* the text is still being written: see synthesis_write */
     enum speech_mode mode;
     enum speech_priority priority;
     uint32_t payer; /* whose it is, as a number; 0 = nobody's. No field: those who ask do not say */

@@ -74,8 +74,10 @@ export class Ear {
 
   message(message) {
     const { checker } = this;
-    if (message.utterance !== undefined && !['word', 'sentence'].includes(message.type)) this.#keep(`${message.type} ${message.utterance} ${message.id} ${message.reason ?? message.code ?? ''}`);
+    if ((message.utterance !== undefined || message.code) && !['word', 'sentence'].includes(message.type)) this.#keep(`${message.type} ${message.utterance} ${message.id} ${message.reason ?? message.code ?? ''}`);
     if (message.type === 'begin') this.#begin(message);
+    // a listener that took its media too slowly is told that some were left out, of whatever was on its way
+    if (message.type === 'warning' && message.code === 'skipped' && message.utterance === undefined) for (const it of this.numbers.values()) it.next = null;
     const it = this.numbers.get(message.utterance);
     if (!it) return;
     if (message.type === 'warning' && message.code === 'room-away') {

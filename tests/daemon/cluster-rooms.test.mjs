@@ -484,10 +484,10 @@ test('what is no message of another daemon is passed over', async () => {
   const { token } = await homeOf('nonsense');
   const channels = redis.cli('pubsub', 'channels', 'faccia:to:*').split('\n');
   assert.equal(channels.length, daemons.length);
-  const heads = ['', '{', '{}\n', '{"v":9,"kind":"here","room":"nonsense"}\n', '{"v":3,"kind":"here","room":"nonsense"}\n'];
+  const heads = ['', '{', '{}\n', '{"v":9,"kind":"here","room":"nonsense"}\n', '{"v":4,"kind":"here","room":"nonsense"}\n'];
   for (const kind of ['here', 'recap', 'text', 'media', 'gone', 'order', 'answer', 'what'])
     for (const rest of ['{}', '{"from":"x","wants":[[9,9,9,1],[0],7],"idle":{"life":-1},"visit":7,"begin":true}', `{"token":${token},"event":"begin","line":99,"as":3}`, '{"order":{"type":"speak","request":{"text":7}},"number":1,"status":200,"from":"x"}', `{"token":${token},"order":7,"was":-1,"visit":4294967296,"speaks":-7,"past":true,"number":1,"answer":{"utterance":99},"from":"x"}`])
-      heads.push(`${JSON.stringify({ v: 3, kind, room: 'nonsense', ...JSON.parse(rest) })}\nbody`);
+      heads.push(`${JSON.stringify({ v: 4, kind, room: 'nonsense', ...JSON.parse(rest) })}\nbody`);
   for (const channel of channels) for (const head of heads) redis.cli('publish', channel, head);
   listener.send({ type: 'speak', id: 'still', text: 'Uno.' });
   await listener.heard({ type: 'end', id: 'still', reason: 'done' });

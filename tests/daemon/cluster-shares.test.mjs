@@ -178,7 +178,7 @@ test('nonsense on the board is passed over, and what one daemon says of another 
 test('daemons without end that say they follow a room are left out', async () => {
   await b.stream('?room=many', as('ada'));
   const lease = await eventually(() => redis.cli('get', 'faccia:lease:room:many'), 'somebody to have the room');
-  const CROWD = `for i = 1, 600 do redis.call('PUBLISH', ARGV[1], string.format('{"v":3,"kind":"here","room":"many","from":"ghost%d","visit":1}\\n', i)) end`;
+  const CROWD = `for i = 1, 600 do redis.call('PUBLISH', ARGV[1], string.format('{"v":4,"kind":"here","room":"many","from":"ghost%d","visit":1}\\n', i)) end`;
   redis.cli('eval', CROWD, '0', `faccia:to:${lease.split(' ')[0]}`);
   await eventually(() => b.log.includes('room many: 256 daemons follow; further ones are left out'), 'the limit');
   await health(b, 'up');

@@ -1,0 +1,89 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What is asked of a room's home that falls silent, forgets, or numbers as another one did: each asker is told one end.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { Daemon, eventually } from '../lib/daemon.mjs';
+import { Redis } from '../lib/redis.mjs';
+import { StandInHome } from '../lib/stand-in-home.mjs';
+
+let redis, daemon;
+before(async () => {
+  redis = await Redis.start();
+  daemon = await Daemon.start(['--cluster', redis.url]);
+  await eventually(async () => (await (await daemon.get('/healthz')).json()).cluster === 'up', 'the cluster to be up');
+});
+after(async () => {
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+  redis.stop();
+});
+
+const begin = (utterance, id) => ({ type: 'begin', utterance, id, rate: 22050 });
+const ended = (utterance, id, reason) => ({ type: 'end', utterance, id, reason, duration: 0 });
+const ends = (asker, id) => asker.messages.filter((message) => message.type === 'end' && message.id === id).map(({ reason }) => reason);
+
+/** Somebody in the room of a stand-in, which has told what goes on. */
+async function enter(t, room) {
+  const home = await StandInHome.open(redis, room, 1000);
+  const asker = await daemon.stream(`?lang=it&room=${room}`);
+  t.after(() => {
+    home.close();
+    asker.socket.terminate();
+  });
+  const { from } = await home.told('here');
+  home.recap(from);
+  return { home, asker, from };
+}
+/** All that was said before has come. */
+async function settled(home, from, asker) {
+  home.say(from, null, begin(99, 'last'), ended(99, 'last', 'done'));
+  await eventually(() => ends(asker, 'last').length, 'the last');
+}
+
+test('what was told to have failed, unanswered, has no second end when the home forgets it or speaks it', async (t) => {
+  const { home, asker, from } = await enter(t, 'forgets');
+  asker.send({ type: 'speak', id: 'waits', text: 'Uno.' });
+  asker.send({ type: 'speak', id: 'speaks', text: 'Due.' });
+  const [waits, speaks] = [await home.told('order', ({ order }) => order.request.id === 'waits'), await home.told('order', ({ order }) => order.request.id === 'speaks')];
+  home.recap(from); // once more: something was missed
+  const { visit } = await home.told('here', (head) => head.visit > waits.visit);
+  assert.ok(visit);
+  await eventually(() => ends(asker, 'waits').length && ends(asker, 'speaks').length, 'to be told');
+  home.recap(from);
+  home.say(from, waits, { type: 'error', utterance: 5, id: 'waits', code: 'room-away', message: '' }, ended(5, 'waits', 'failed'));
+  home.say(from, speaks, begin(6, 'speaks'), ended(6, 'speaks', 'done'));
+  await settled(home, from, asker);
+  assert.deepEqual([ends(asker, 'waits'), ends(asker, 'speaks')], [['failed'], ['failed']]);
+  assert.ok(!asker.messages.some(({ type, id }) => type === 'begin' && id === 'speaks'));
+});
+
+test('an answer that is lost: what is heard counts as answered', async (t) => {
+  const { home, asker, from } = await enter(t, 'unanswered');
+  asker.send({ type: 'speak', id: 'heard', text: 'Uno.', again: true });
+  const order = await home.told('order');
+  home.say(from, order, begin(5, 'heard'), ended(5, 'heard', 'done'));
+  await eventually(() => ends(asker, 'heard').length, 'its end');
+  // the next home is not asked for it
+  const next = await StandInHome.open(redis, 'unanswered', 1001);
+  t.after(() => next.close());
+  await next.told('here');
+  next.recap(from);
+  await settled(next, from, asker);
+  assert.deepEqual(ends(asker, 'heard'), ['done']);
+  assert.ok(!next.heard.some(({ kind }) => kind === 'order'));
+});
+
+test('homes that number alike: what is asked again is not taken for what another has said', async (t) => {
+  const { home, asker, from } = await enter(t, 'numbers');
+  asker.send({ type: 'speak', id: 'again', text: 'Uno.', again: true });
+  home.answer(await home.told('order'), 7);
+  const next = await StandInHome.open(redis, 'numbers', 1001);
+  t.after(() => next.close());
+  await next.told('here');
+  next.recap(from);
+  next.say(from, null, begin(7, 'other'), ended(7, 'other', 'done'));
+  const order = await next.told('order');
+  next.answer(order, 8);
+  next.say(from, order, begin(8, 'again'), ended(8, 'again', 'done'));
+  await settled(next, from, asker);
+  assert.deepEqual([ends(asker, 'other'), ends(asker, 'again')], [['done'], ['done']]);
+});
