@@ -72,6 +72,27 @@ struct channel {
 /* channel.c: channel_say, which the channel outlasts. */
 void channel_say_kept(struct channel *channel);
 
+/* channel_heard.c */
+
+/* What will not have ended when all has been said that waits for coders. */
+struct channel_heard {
+    const struct queued_message *begin; /* NULL: nothing */
+    uint32_t utterance;
+    uint64_t order;
+};
+
+struct channel_heard channel_heard(const struct channel *channel);
+
+/* The utterance that is heard here, 0 for none, and its order. */
+uint32_t channel_utterance(const struct channel *channel);
+uint64_t channel_order(const struct channel *channel);
+
+/* Does the end of what that order asked for wait to be said? */
+bool channel_is_ending(const struct channel *channel, uint64_t order);
+
+/* Whether it says of itself that it is spoken again when it is lost. */
+bool channel_is_again(const struct channel *channel);
+
 /* channel_say.c */
 
 /* What the stream says goes to those who follow. */
@@ -91,16 +112,6 @@ void channel_say_soon(struct channel *channel);
 /* What speaks has come to an end for those who follow here, and a pause, too: e says why. again: it is
  * spoken again, and has a warning instead. */
 void channel_cut(struct channel *channel, const struct error *e, bool again);
-
-/* The utterance that is heard here, 0 for none, and its order. */
-uint32_t channel_utterance(const struct channel *channel);
-uint64_t channel_order(const struct channel *channel);
-
-/* Does the end of what that order asked for wait to be said? */
-bool channel_is_ending(const struct channel *channel, uint64_t order);
-
-/* Whether it says of itself that it is spoken again when it is lost. */
-bool channel_is_again(const struct channel *channel);
 
 /* The room is spoken in here, or not any more. */
 void channel_take(struct channel *channel, bool elsewhere);

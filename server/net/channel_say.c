@@ -211,57 +211,11 @@ static void on_event(void *ctx, const struct stream_event *event) {
         channel_say(c);
 }
 
-static bool is_event(const struct channel_item *item, enum stream_event_kind kind) {
-    return !item->media && !item->notice && item->kind == kind;
-}
-
-/* What is heard. */
-struct heard {
-    const struct queued_message *begin; /* NULL: nothing */
-    uint32_t utterance;
-    uint64_t order;
-};
-
-/* What will not have ended when all has been said that waits for coders. */
-static struct heard heard_in(const struct channel *c) {
-    struct heard heard = {c->catch_up.begin, c->catch_up.utterance, c->catch_up.order};
-    for (const struct channel_item *item = c->first; item; item = item->next) {
-        if (is_event(item, STREAM_BEGIN))
-            heard = (struct heard){item->message, item->utterance, item->order};
-        else if (is_event(item, STREAM_END) && item->utterance == heard.utterance)
-            heard = (struct heard){0};
-    }
-    return heard;
-}
-
-uint32_t channel_utterance(const struct channel *c) {
-    return heard_in(c).utterance;
-}
-
-uint64_t channel_order(const struct channel *c) {
-    return heard_in(c).order;
-}
-
-bool channel_is_ending(const struct channel *c, uint64_t order) {
-    const struct channel_item *item = c->first;
-    while (item && (!is_event(item, STREAM_END) || !item->message || item->order != order))
-        item = item->next;
-    return item;
-}
-
-bool channel_is_again(const struct channel *c) {
-    const struct queued_message *message = heard_in(c).begin;
-    json_t *begin = message ? message_read(message) : NULL;
-    bool again = json_is_true(json_object_get(begin, "again"));
-    json_decref(begin);
-    return again;
-}
-
 /* What the begin told, and how far its words have come. */
 void channel_cut(struct channel *c, const struct error *e, bool again) {
     const struct catch_up *up = &c->catch_up;
     struct stream_event event = {.error = e, .idle = -1};
-    const struct heard heard = heard_in(c);
+    const struct channel_heard heard = channel_heard(c);
     json_t *begin = heard.begin ? message_read(heard.begin) : NULL;
     json_t *last = up->text_count ? message_read(up->texts[up->text_count - 1]) : NULL;
     if (begin) {
