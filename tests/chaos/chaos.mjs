@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // See run.sh. Speakers ask for more than is spoken, half of them with `again`; listeners come in at any daemon, and come back elsewhere
 // when theirs goes.
-import { spawn } from 'node:child_process';
+import { execFileSync, spawn } from 'node:child_process';
 import { once } from 'node:events';
 import fs from 'node:fs';
 import os from 'node:os';
@@ -31,7 +31,7 @@ if ([minutes, speakers, listeners, seed].some((number) => !(number >= 0))) {
   console.error('minutes, speakers, listeners and seed are numbers: see run.sh --help');
   process.exit(2);
 }
-const DAEMONS = 4, WORKERS = 2, ROOMS = Math.max(1, Math.round(speakers / 10)), SETTLE_MS = 60000;
+const DAEMONS = 4, WORKERS = 2, SUSPECT_MS = 30000, ROOMS = Math.max(1, Math.round(speakers / 10)), SETTLE_MS = 60000;
 const TEXTS = ['Buongiorno.', 'Il vento porta via le foglie del viale.', 'Uno, due. E tre.', 'La mamma parla piano.'];
 const disk = process.env.FACCIA_CHAOS_DISK || null;
 const logs = process.env.FACCIA_CHAOS_LOGS; // a folder, for what the daemons log
@@ -53,7 +53,7 @@ const redis = await Redis.start({ env: clocks?.env('redis', 'redis-server') });
 const ways = waysOf(redis.port);
 const road = await SlowRoad.open(redis.port);
 let made = 0, over = false, quiet = false;
-const codes = {}, started = [];
+const codes = {}, started = [], speaking = new Set();
 const world = {
   redis, road, disk, ways, clocks,
   startDaemon: async (at) => {
@@ -88,6 +88,7 @@ async function speak(i) {
       continue;
     }
     const waiting = new Map();
+    speaking.add(way);
     let joined = false, wake = () => {};
     way.socket.on('message', (data, binary) => {
       if (binary) return;
@@ -118,8 +119,22 @@ async function speak(i) {
       }
     }
     for (const id of waiting.keys()) checker.lose(id);
+    speaking.delete(way);
     way.socket.terminate();
   }
+}
+
+/** Which connections stand at the daemon's end, too: "its port, the other one". What tells the other end of the end may get lost. */
+function standing() {
+  const lines = execFileSync('ss', ['-Htn', 'state', 'established'], { maxBuffer: 1 << 26 }).toString().trim().split('\n');
+  return new Set(lines.map((line) => line.trim().split(/\s+/).slice(-2).map((end) => end.split(':').at(-1)).join(' ')));
+}
+
+/** Whoever waits for long, at a daemon that has dropped the connection, is told. */
+function drop() {
+  if (![...checker.waiting.values()].some((since) => since < Date.now() - SUSPECT_MS)) return;
+  const stand = standing();
+  for (const { socket, port } of speaking) if (socket.readyState === WebSocket.OPEN && !stand.has(`${port} ${socket._socket?.localPort}`)) socket.terminate();
 }
 
 async function listen(i) {
@@ -139,6 +154,7 @@ async function listen(i) {
   }
 }
 
+const dropping = setInterval(drop, 5000);
 let finish;
 const ended = new Promise((resolve) => (finish = resolve));
 const all = [...Array.from({ length: speakers }, (_, i) => speak(i)), ...Array.from({ length: listeners }, (_, i) => listen(i))];
@@ -165,9 +181,9 @@ while (Date.now() < until) {
 while (busy.size) await sleep(100);
 quiet = true;
 const settled = Date.now();
-const waiting = () => [...checker.asked.values()].some(({ ends, lost }) => !ends.length && !lost);
-while (waiting() && Date.now() < settled + SETTLE_MS) await sleep(100);
+while (checker.waiting.size && Date.now() < settled + SETTLE_MS) await sleep(100);
 over = true;
+clearInterval(dropping);
 finish();
 const tally = checker.tally();
 for (const { process: child } of [...world.daemons, ...world.workers, redis]) child.kill('SIGKILL');

@@ -14,6 +14,7 @@ export class Checker {
     this.examples = [];
     this.from = Date.now();
     this.asked = new Map(); // id -> what became of it
+    this.waiting = new Map(); // id -> since when, of what has no end yet
     this.pairs = new Map(); // 'room a b' of what followed each other
     this.heard = { begins: 0, chunks: 0, ends: 0, again: 0, late: 0 };
   }
@@ -26,12 +27,14 @@ export class Checker {
 
   ask(id, about) {
     this.asked.set(id, { ...about, at: `${((Date.now() - this.from) / 1000).toFixed(2)} s`, ends: [], lost: false });
+    this.waiting.set(id, Date.now());
   }
 
   /** To who asked. */
   answer(id, end) {
     const asked = this.asked.get(id);
     if (!asked) return;
+    this.waiting.delete(id);
     asked.ends.push(`${end} at ${((Date.now() - this.from) / 1000).toFixed(2)} s`);
     if (asked.ends.length === 2) this.break('two ends', `${id} ${JSON.stringify(asked)}`);
   }
@@ -40,6 +43,7 @@ export class Checker {
   lose(id) {
     const asked = this.asked.get(id);
     if (asked && !asked.ends.length) asked.lost = true;
+    this.waiting.delete(id);
   }
 
   tally() {
@@ -61,7 +65,7 @@ export class Checker {
 /** Who hears a room, by one connection. */
 export class Ear {
   constructor(checker, room, name) {
-    Object.assign(this, { checker, room, name, known: new Map(), numbers: new Map(), last: new Map(), previous: null, first: true, lines: [] });
+    Object.assign(this, { checker, room, name, heard: false, known: new Map(), numbers: new Map(), last: new Map(), previous: null, lines: [] });
   }
 
   #keep(line) {
@@ -101,8 +105,8 @@ export class Ear {
     const before = this.known.get(id);
     if (before && (before.ended || !before.again)) this.#break('heard twice', `${id}, ${before.ended ? 'ended' : 'not ended'}`);
     if (before) checker.heard.again++;
-    const it = { id, rate, next: this.first ? null : 0, ended: false, again: false };
-    this.first = false;
+    // who comes in hears media from when the home knows of it: at a daemon where nobody wanted such media, a way there and back later
+    const it = { id, rate, next: this.heard ? 0 : null, ended: false, again: false };
     this.known.set(id, it);
     this.numbers.set(utterance, it);
     const [speaker, number] = [id?.split('-')[0], Number(id?.split('-')[1])];
@@ -120,6 +124,7 @@ export class Ear {
   media(utterance, start, samples) {
     this.checker.heard.chunks++;
     const it = this.numbers.get(utterance);
+    this.heard = true;
     if (!it || !utterance) return;
     if (it.ended) this.#break('nonsense', `media of ${it.id} (${utterance}) after its end`);
     // who came in the middle, or was moved on, goes on from where it is
