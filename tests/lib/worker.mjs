@@ -5,6 +5,9 @@ import { once } from 'node:events';
 import path from 'node:path';
 import { build, eventually } from './daemon.mjs';
 
+const running = new Set();
+process.once('exit', () => running.forEach((child) => child.kill('SIGKILL')));
+
 export class Worker {
   /** @param {string[]} options */
   static async start(options) {
@@ -16,7 +19,8 @@ export class Worker {
     });
     worker.process.stderr.setEncoding('utf8').on('data', (text) => (worker.log += text));
     worker.exited = once(worker.process, 'exit').then(([code, signal]) => ({ code, signal }));
-    process.once('exit', () => worker.process.kill('SIGKILL'));
+    running.add(worker.process);
+    worker.process.once('exit', () => running.delete(worker.process));
     await worker.logged(/ready: |\(bad-/);
     return worker;
   }
