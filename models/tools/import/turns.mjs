@@ -7,10 +7,12 @@ const LID_SKIN = 1.75; // radii of the eyeball: farther away is no lid
 const LID_INSIDE = 0.85; // radii: what lies deeper is the socket's
 const LID_WIDE = 1.5; // radii of the eyeball to each side: there a margin is at the height of the corners
 const LID_FADE = 0.5; // rad above and below the margin in which a lid's share falls to nothing
+const LID_FOLD = [0.3, 0.8]; // of the way from the margin up to the brow: there a lid's skin ends, also where a brow hangs far before a deep eye
+const LID_LEAST = 4; // mm, of that way
 const OVERLAP = 0.06; // rad: closed lids close, also where a margin is not quite what it is taken for
 const SIDES = [
-  { eye: 'eye_l', target: 'eyeBlinkLeft', pupil: '3.5', upper: 19, lower: 21, yaw: 23, pitch: 25, points: ['3.1', '3.3'], side: 'l' },
-  { eye: 'eye_r', target: 'eyeBlinkRight', pupil: '3.6', upper: 20, lower: 22, yaw: 24, pitch: 26, points: ['3.2', '3.4'], side: 'r' },
+  { eye: 'eye_l', target: 'eyeBlinkLeft', pupil: '3.5', upper: 19, lower: 21, yaw: 23, pitch: 25, points: ['3.1', '3.3'], brow: ['4.1', '4.3', '4.5'], side: 'l' },
+  { eye: 'eye_r', target: 'eyeBlinkRight', pupil: '3.6', upper: 20, lower: 22, yaw: 24, pitch: 26, points: ['3.2', '3.4'], brow: ['4.2', '4.4', '4.6'], side: 'r' },
 ];
 const BLINK = { upper: 900, lower: 124 }; // what models/shapes/arkit.json says of eyeBlink
 const cosine = (d) => (d >= 1 ? 0 : 0.5 + 0.5 * Math.cos(Math.PI * Math.max(0, d)));
@@ -37,8 +39,23 @@ function eyeBall(parts, fdp, { eye, pupil }) {
   return ball && ball.radius < 30 ? ball : { centre: [fdp[pupil][0], fdp[pupil][1], fdp[pupil][2] - 12], radius: 12 };
 }
 
+/** How high a brow is over x, mm; without its points as high as can be. */
+function browOver(fdp, names) {
+  const line = names.flatMap((name) => (fdp[name] ? [fdp[name]] : [])).sort((a, b) => a[0] - b[0]);
+  return (x) => {
+    if (!line.length) return Infinity;
+    const i = Math.max(1, line.findIndex((p) => p[0] > x));
+    const [a, b] = line.length > 1 && x < line.at(-1)[0] ? [line[i - 1], line[i]] : [line.at(-1), line.at(-1)];
+    const share = Math.min(1, Math.max(0, (x - a[0]) / (b[0] - a[0] || 1)));
+    return a[1] + share * (b[1] - a[1]);
+  };
+}
+
 /** Both lids of an eye: shares of a turn over the vertices of a part. */
-function lidShares(part, { centre, radius }, blink, fdp, [upperPoint, lowerPoint]) {
+function lidShares(part, { centre, radius }, blink, fdp, { points: [upperPoint, lowerPoint], brow }) {
+  const high = fdp[upperPoint][1];
+  const over = browOver(fdp, brow);
+  const goes = ([x, y]) => cosine(((y - high) / Math.max(LID_LEAST, over(x) - high) - LID_FOLD[0]) / (LID_FOLD[1] - LID_FOLD[0]));
   const polar = (p) => Math.atan2(p[1] - centre[1], p[2] - centre[2]);
   const margin = (name) => {
     const top = polar(fdp[name]);
@@ -62,7 +79,7 @@ function lidShares(part, { centre, radius }, blink, fdp, [upperPoint, lowerPoint
     if (gap <= 0) continue;
     const isUpper = own > (top + bottom) / 2;
     const off = isUpper ? own - top : bottom - own;
-    out[isUpper ? 'upper' : 'lower'][v] = ((gap + OVERLAP) * cosine(off / LID_FADE)) / 1024;
+    out[isUpper ? 'upper' : 'lower'][v] = ((gap + OVERLAP) * cosine(off / LID_FADE) * (isUpper ? goes(p) : 1)) / 1024;
   }
   return out;
 }
@@ -76,7 +93,7 @@ export function lidsAndEyes(parts, fdp) {
     const ball = eyeBall(parts, fdp, one);
     eyes.push(ball);
     const pivot = ball.centre;
-    const lids = soft.map((part) => lidShares(part, ball, part.targets[one.target], fdp, one.points));
+    const lids = soft.map((part) => lidShares(part, ball, part.targets[one.target], fdp, one));
     for (const lid of ['upper', 'lower']) {
       const most = Math.max(...lids.flatMap((list) => list[lid].reduce((a, b) => Math.max(a, b), 0)));
       if (!(most > 0)) continue;

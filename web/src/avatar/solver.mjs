@@ -144,9 +144,21 @@ export class Solver {
     this.right = new Float64Array(columns.length);
   }
 
-  /** @param {ArrayLike<number>} faps by number @returns {Float64Array} of the controls, 0..1, the solver's own */
-  solve(faps) {
+  /** Lids that are asked to go beyond where they meet would drag along whatever else moves them. */
+  #met(faps) {
+    const met = Float64Array.from(faps);
+    for (const { upper, lower } of this.blinks) {
+      const share = Math.min(1, LIDS_MEET / Math.max(1, faps[upper] + faps[lower]));
+      met[upper] *= share;
+      met[lower] *= share;
+    }
+    return met;
+  }
+
+  /** @param {ArrayLike<number>} all FAPs by number @returns {Float64Array} of the controls, 0..1, the solver's own */
+  solve(all) {
     const { rows, scales, right, weights } = this;
+    const faps = this.#met(all);
     const targets = rows.map(([fap], r) => faps[fap] * scales[r]);
     const gaps = this.gaps.map(({ upper, lower, rest }) => Math.max(PRESSED, -(faps[upper] + faps[lower]) * this.unit) - rest);
     const shut = this.blinks.map(({ upper, lower, travel }) => ((faps[upper] + faps[lower]) / LIDS_MEET) * travel);
