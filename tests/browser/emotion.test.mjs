@@ -30,7 +30,7 @@ const drawn = (n, least, most) =>
       return value >= from && value <= to;
     },
     [n, least, most],
-    { timeout: 20000 },
+    { timeout: 60000 },
   );
 /** Waits for so many pictures. */
 const frames = (count, on = page) =>
@@ -201,10 +201,10 @@ test('she idles only while she is seen and not to keep still', async () => {
   const faps = () => page.evaluate(() => JSON.stringify(document.querySelector('talking-head').faps));
   const moves = async () => {
     const now = await faps();
-    await page.waitForFunction((old) => JSON.stringify(document.querySelector('talking-head').faps) !== old, now, { timeout: 20000 });
+    await page.waitForFunction((old) => JSON.stringify(document.querySelector('talking-head').faps) !== old, now, { timeout: 60000 });
   };
   const rests = async () => {
-    await page.waitForFunction(() => !Object.keys(document.querySelector('talking-head').faps).length, null, { timeout: 20000 });
+    await page.waitForFunction(() => !Object.keys(document.querySelector('talking-head').faps).length, null, { timeout: 60000 });
     await frames(20);
     assert.equal(await faps(), '{}');
   };
@@ -279,7 +279,7 @@ test('with less motion the emotions show on a face that is still otherwise', asy
   await other.waitForFunction(() => document.querySelector('talking-head').debug?.().state === 'idle', null, { timeout: 60000 });
   await other.waitForSelector('#affects g');
   await other.selectOption('#affect', 'joy');
-  await other.waitForFunction(() => document.querySelector('talking-head').faps[12] > 80, null, { timeout: 20000 });
+  await other.waitForFunction(() => document.querySelector('talking-head').faps[12] > 80, null, { timeout: 60000 });
   await settled(other);
   const { 48: pitch = 0, 49: yaw = 0 } = await other.evaluate(() => document.querySelector('talking-head').faps);
   await frames(30, other);

@@ -91,7 +91,7 @@ test('one that is too old is called so, in the language of the page; what is ref
     const head = document.querySelector('talking-head');
     if (document.querySelector('#access').hidden && !head.debug().running) head.speak('Evet.', { lang: 'tr' });
     return !document.querySelector('#access').hidden;
-  }, null, { polling: 300, timeout: 20000 });
+  }, null, { polling: 300, timeout: 60000 });
   assert.equal(await why(page), 'Erişim kodunun süresi doldu. Yeni bir kod girin.');
   await page.reload();
   await asked(page);

@@ -112,7 +112,7 @@ test('a pose that is held is drawn once, and no more until something changes', a
 
 test('stop is silence at once, and the mouth goes to rest', async () => {
   await page.evaluate((long) => void document.querySelector('talking-head').speak(long, { lang: 'it' }), text.repeat(5));
-  await page.waitForFunction(() => (document.querySelector('talking-head').debug().audioTime ?? 0) > 0.5, null, { timeout: 20000 });
+  await page.waitForFunction(() => (document.querySelector('talking-head').debug().audioTime ?? 0) > 0.5, null, { timeout: 60000 });
   const running = await page.evaluate(() => {
     const element = document.querySelector('talking-head');
     element.stop();
@@ -127,7 +127,7 @@ test('stop is silence at once, and the mouth goes to rest', async () => {
 
 test('when the link drops the mouth rests; the page comes back by itself', async () => {
   await page.evaluate((long) => void document.querySelector('talking-head').speak(long, { lang: 'it' }).catch(() => {}), text.repeat(5));
-  await page.waitForFunction(() => (document.querySelector('talking-head').debug().audioTime ?? 0) > 0.5, null, { timeout: 20000 });
+  await page.waitForFunction(() => (document.querySelector('talking-head').debug().audioTime ?? 0) > 0.5, null, { timeout: 60000 });
   const { port } = daemon;
   await daemon.stop();
   await page.waitForFunction(() => {

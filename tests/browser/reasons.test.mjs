@@ -36,7 +36,7 @@ async function open(url, name) {
     document.addEventListener('error', (e) => e.target.localName === 'talking-head' && window.errors.push(e.detail), true);
   });
   await page.goto(url);
-  await page.waitForFunction(() => window.errors.length, null, { timeout: 20000 });
+  await page.waitForFunction(() => window.errors.length, null, { timeout: 60000 });
   fs.mkdirSync(artefacts, { recursive: true });
   await page.screenshot({ path: path.join(artefacts, `reason-${name}.png`) });
   const [error] = await page.evaluate(() => window.errors);
