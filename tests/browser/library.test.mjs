@@ -186,7 +186,7 @@ test('in the frame of another site: the text and she alone; a phone has both in 
     const [range] = CSS.highlights.get('talking-head-word') ?? [];
     const her = document.querySelector('.her').getBoundingClientRect();
     const word = range?.getBoundingClientRect();
-    const speaks = document.querySelector('talking-head').debug().state === 'speaking';
+    const speaks = document.querySelector('talking-head').debug?.().state === 'speaking'; // it may not be defined yet
     if (window.spoke && !speaks) document.querySelector('#play').click(); // she was done before anybody looked
     window.spoke = speaks;
     return word && word.top >= 0 && word.bottom <= her.top + 1 && her.bottom <= innerHeight + 1;
