@@ -60,7 +60,7 @@ json_t *order_say(struct net *net, const char *room, const struct speech_request
     return json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", listeners);
 }
 
-static void number(json_t *answer, uint32_t utterance) {
+static void add_number(json_t *answer, uint32_t utterance) {
     if (answer && utterance)
         json_object_set_new(answer, "utterance", json_integer(utterance));
 }
@@ -83,7 +83,7 @@ static json_t *say(struct acting *a, struct error *e) {
     json_t *answer = NULL;
     if (!read_speech(a, &request, e))
         answer = order_say(a->net, a->room, &request, &utterance, e);
-    number(answer, utterance);
+    add_number(answer, utterance);
     a->status = 202;
     request_free(&request);
     return answer;
@@ -94,7 +94,7 @@ static json_t *speak(struct acting *a, struct error *e) {
     json_t *answer = NULL;
     if (!read_speech(a, &request, e)) {
         answer = accepted(a);
-        number(answer, stream_speak(stream_of(a), &request));
+        add_number(answer, stream_speak(stream_of(a), &request));
     }
     request_free(&request);
     return answer;
@@ -114,7 +114,7 @@ static json_t *play(struct acting *a, struct error *e) {
         request.order = a->number;
         uint32_t utterance = stream_play(stream_of(a), &source, &request);
         answer = answer_of(a, 202, "accepted");
-        number(answer, utterance);
+        add_number(answer, utterance);
     }
     recording_source_free(&source);
     request_free(&request);
@@ -215,7 +215,7 @@ static json_t *act(struct acting *a, struct error *e) {
     return NULL;
 }
 
-json_t *order_act(struct net *net, const char *room, const json_t *order, uint64_t abroad, uint64_t of,
+json_t *order_act(struct net *net, const char *room, const json_t *order, uint64_t abroad, uint64_t number,
                   unsigned *status) {
     const char *by = json_string_value(json_object_get(order, "by"));
     struct channel *c = channel_find(net, room);
@@ -225,7 +225,7 @@ json_t *order_act(struct net *net, const char *room, const json_t *order, uint64
                        .order = order,
                        .message = json_object_get(order, "message"),
                        .abroad = abroad,
-                       .number = of,
+                       .number = number,
                        .by = by ? by : ""};
     struct error e;
     json_t *answer = act(&a, &e);

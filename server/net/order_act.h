@@ -14,8 +14,8 @@ struct net;
 struct speech_request;
 
 /* abroad: which daemon asks (speech_request.h), 0: this one; number: that of the order among those of all
- * (homes_internal.h). The answer, as HTTP has it; a
- * new reference. `utterance`, which HTTP has not, is the number of what will be spoken. */
+ * (homes_internal.h). The answer, as HTTP has it; a new reference. `utterance`, which HTTP has not, is the
+ * number of what will be spoken. */
 json_t *order_act(struct net *net, const char *room, const json_t *order, uint64_t abroad, uint64_t number,
                   unsigned *status);
 

@@ -23,7 +23,7 @@ uint64_t order_number(const struct order *o) {
 }
 
 bool order_is_spoken(const struct order *o) {
-    return channel_order(o->channel) == order_number(o);
+    return o->channel->home && channel_order(o->channel) == order_number(o);
 }
 
 bool order_has_ended(const struct order *o) {
