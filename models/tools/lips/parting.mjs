@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 /**
  * LI and LS by the lips' ends (edges.mjs). An end goes up and down with its lip, but not only: an upper lip that is pushed comes down over the teeth, the
- * further the fuller it is. How far lips have come forward is never seen from the front, and a jaw not under lips that are closed over it.
+ * further the fuller it is, and a lower one sinks as the corners draw together. How far lips have come forward is never seen from the front, and a jaw not under lips that are closed over it.
  */
 import { PARAMETERS } from './articulation.mjs';
 
 const HANGS = 10.5; // mm for a mm of PS, of a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
 const ROUND = -4; // mm of AR: narrower lips have come forward, and where they end a front does not show
 const HELD = 0.15; // mm of doubt about AR (lay.mjs), the median of a film: on even skin there is less to hold on to, and corners are seen to move less than they do
+const APART = 2; // mm: a lower lip's end that is farther from where the net has it is one of two mistakes
 const OPEN = 0.8; // mm between both ends: under it LI is left to the skin around, which sees lips press
 
 export const AR = PARAMETERS.indexOf('AR');
@@ -15,21 +16,31 @@ export const AR = PARAMETERS.indexOf('AR');
 /** How far an upper lip comes down for a mm of PS. @param {number} fullness how high it is, the mouth's width being 1 */
 export const hangOf = (fullness) => HANGS * fullness;
 
+/** How far a lower lip sinks for a mm that the mouth gets narrower, on the head that is laid on. @param {object} skin of speakerOf */
+export function drawOf({ position, fdp, moved }) {
+  const away = (v) => Math.hypot(...fdp['2.3'].map((x, k) => x - position[3 * v + k]));
+  let middle = 0;
+  for (let v = 1; 3 * v < position.length; v++) if (away(v) < away(middle)) middle = v;
+  return [6, 7].reduce((sum, corner) => sum - moved(corner, -1)[3 * middle + 1] / 2, 0);
+}
+
 /**
- * @param {Float64Array} q of UNKNOWNS, as lay.mjs has them @param {number} hang of hangOf @param {(rises: number, falls: number) => object} look where the
+ * @param {Float64Array} q of UNKNOWNS, as lay.mjs has them @param {{hang: number, draw: number}} ends of hangOf and drawOf @param {(rises: number, falls: number) => object} look where the
  *   ends are, by where they are expected
  * @returns {{q: number[], seen: boolean[]}} q with what was seen; and of LI, LS, AR, PI, PS, EM whether it was
  */
-export function parted(q, hang, look) {
+export function parted(q, { hang, draw }, look) {
   const [LI, LS, , , PS] = q;
   const hangs = hang * Math.max(0, PS);
-  const { rises, falls } = look(LS - hangs, LI);
+  const sinks = draw * Math.max(0, -q[AR]);
+  const { rises, falls } = look(LS - hangs, LI + sinks);
   const out = [...q];
   if (rises !== null) out[1] = rises + hangs;
-  if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls;
+  if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls - sinks;
   const closed = rises !== null && falls !== null ? rises + falls <= OPEN : LI + LS <= OPEN;
   const round = out[AR] < ROUND;
-  return { q: out, seen: [!round && (closed || falls !== null), !round && rises !== null, true, false, false, !closed] };
+  const agreed = falls !== null && Math.abs(falls - sinks - LI) <= APART;
+  return { q: out, seen: [!round && (closed || agreed), !round && rises !== null, true, false, false, !closed] };
 }
 
 /**
