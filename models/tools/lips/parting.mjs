@@ -8,7 +8,6 @@ import { PARAMETERS } from './articulation.mjs';
 const HANGS = 10.5; // mm for a mm of PS, of a lip as high as the mouth is wide: the mean of Samuel, Amina, Luca, Mei and Mara, 7.6 to 13.1
 const ROUND = -4; // mm of AR: narrower lips have come forward, and where they end a front does not show
 const HELD = 0.15; // mm of doubt about AR (lay.mjs), the median of a film: on even skin there is less to hold on to, and corners are seen to move less than they do
-const APART = 2; // mm: a lower lip's end that is farther from where the net has it is one of two mistakes
 const OPEN = 0.8; // mm between both ends: under it LI is left to the skin around, which sees lips press
 
 export const AR = PARAMETERS.indexOf('AR');
@@ -36,11 +35,11 @@ export function parted(q, { hang, draw }, look) {
   const { rises, falls } = look(LS - hangs, LI + sinks);
   const out = [...q];
   if (rises !== null) out[1] = rises + hangs;
-  if (rises !== null && falls !== null && rises + falls > OPEN) out[0] = falls - sinks;
-  const closed = rises !== null && falls !== null ? rises + falls <= OPEN : LI + LS <= OPEN;
+  const apart = (rises ?? LS - hangs) + (falls ?? LI + sinks);
+  const closed = apart <= OPEN;
+  if (falls !== null && !closed) out[0] = falls - sinks;
   const round = out[AR] < ROUND;
-  const agreed = falls !== null && Math.abs(falls - sinks - LI) <= APART;
-  return { q: out, seen: [!round && (closed || agreed), !round && rises !== null, true, false, false, !closed] };
+  return { q: out, seen: [!round && (closed || falls !== null), !round && rises !== null, true, false, false, !closed] };
 }
 
 /**
