@@ -3,7 +3,7 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Edges } from '../../models/tools/lips/edges.mjs';
-import { drawOf, parted } from '../../models/tools/lips/parting.mjs';
+import { drawOf, heldJaw, parted } from '../../models/tools/lips/parting.mjs';
 
 const [SIZE, SCALE] = [120, 2];
 const stand = { turn: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], scale: SCALE, onto: [SIZE / 2, SIZE / 2] };
@@ -54,7 +54,7 @@ test('what looks otherwise than the lip did at rest is none: too dark, or too pa
 test('a lip that sinks as the corners draw together is not lowered by as much', () => {
   const ends = { hang: 0, draw: 0.12 };
   const q = (LI, AR) => Float64Array.from([LI, 1, AR, 0, 0, LI, 0, 0]);
-  const [LI, AR] = [0, 2];
+  const LI = 0;
   const told = (net, ar, falls) => {
     let asked;
     const out = parted(q(net, ar), ends, (rises, down) => {
@@ -67,7 +67,19 @@ test('a lip that sinks as the corners draw together is not lowered by as much', 
   assert.deepEqual([wide.q[LI], wide.seen[LI], wide.asked], [7, true, 6]);
   const narrow = told(6, -3, 6.36);
   assert.ok(Math.abs(narrow.q[LI] - 6) < 1e-9 && narrow.seen[LI] && Math.abs(narrow.asked - 6.36) < 1e-9, JSON.stringify(narrow));
-  assert.deepEqual([told(6, -4.5, 6).seen[LI], told(6, -4.5, 6).seen[AR]], [false, true]);
+  const seen = (ar) => told(6, ar, 6).seen.slice(0, 3);
+  assert.deepEqual([seen(-3.9), seen(-4.5), seen(-6.5)], [[true, true, true], [true, false, true], [false, false, true]], 'LI, LS and AR of rounded lips');
   const skin = { position: [0, 50, 0, 0, -40, 0], fdp: { 2.3: [0, -41, 0] }, moved: () => [0, -0.9, 0, 0, -0.12, 0] };
   assert.ok(Math.abs(drawOf(skin) - 0.12) < 1e-9, 'of the vertex at the middle of the lower lip');
+});
+
+test('a jaw that leaps wherever lips touch or part was not seen; nor is it told from pictures that are far apart', () => {
+  const rows = (times, jaw) => times.map((time, i) => ({ time, values: [0, 0, 0, 0, 0, jaw[i]], seen: [true, true, true, false, false, jaw[i] > 1] }));
+  const times = [0, 0.04, 0.08, 0.12, 0.16, 0.2];
+  const leaping = rows(times, [0, 5, 9, 0.5, 6, 7]);
+  const { held, rows: told } = heldJaw(leaping);
+  assert.deepEqual([held, told.some(({ seen }) => seen[5]), told.every(({ seen }) => seen[0])], [false, false, true]);
+  assert.equal(heldJaw(rows(times, [0, 2, 5, 9, 6, 3])).held, true, 'one that opens as fast beyond');
+  assert.equal(heldJaw(rows(times.map((t) => 2.5 * t), [0, 9, 9, 0.5, 9, 9])).held, true, 'ten pictures a second');
+  assert.equal(heldJaw([leaping[0], { time: 0.04, values: null, seen: leaping[0].seen }, leaping[1]]).held, true, 'nobody in between');
 });

@@ -13,6 +13,7 @@ const FIRST = { guess: 1, beyond: 5 }; // mm: where the lips' line may be on a f
 const STEEP = 0.2; // of the lip's own brightness, for a mm: more than its shading
 const SHADE = 0.7; // of the brightest of a lower lip: what is darker is on the way to its end
 const SHADOW = 1.5; // mm behind that in which it is darkest
+const END = 0.4; // of the way from there to the lip's brightest
 const RISE = 1.4; // times as bright as a dark line is what lies behind it,
 const SOON = 1.2; // mm after that
 const WIDE = 2.2; // mm: a wider one is the dark of the mouth,
@@ -65,13 +66,14 @@ function toothAt({ red, slope, own }, i) {
   return steep && red[i - 2] - red[Math.min(red.length - 1, i + 4)] > PALE;
 }
 
-/** Halfway in brightness from a lip to the darkest that lies soon behind i, which is in its shade. */
-function halfDark(light, i, brightest) {
-  const half = (brightest + Math.min(...light.slice(i, i + Math.round(SHADOW / STEP)))) / 2;
+/** Where a lip has got so dark on the way to the darkest that lies soon behind i, which is in its shade. */
+function endInShade(light, i, brightest) {
+  const darkest = Math.min(...light.slice(i, i + Math.round(SHADOW / STEP)));
+  const end = darkest + END * (brightest - darkest);
   let at = i;
-  while (at > 1 && light[at] < half) at--;
-  while (light[at] >= half) at++;
-  return at - (half - light[at]) / (light[at - 1] - light[at]);
+  while (at > 1 && light[at] < end) at--;
+  while (light[at] >= end) at++;
+  return at - (end - light[at]) / (light[at - 1] - light[at]);
 }
 
 /** The lower lip's end: it is round and gets dark by and by, a thin one from its middle on; a steep place is but its shading. */
@@ -80,7 +82,7 @@ function lowerEnd(column) {
   let brightest = Math.max(light[0], light[1]);
   for (let i = 2; i < light.length - 2; i++) {
     brightest = Math.max(brightest, light[i]);
-    if (light[i] < SHADE * brightest) return halfDark(light, i, brightest);
+    if (light[i] < SHADE * brightest) return endInShade(light, i, brightest);
     if (toothAt(column, i)) return between(slope, i);
   }
   return null;

@@ -12,7 +12,7 @@ import { FileError } from '../import/file-error.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { PARAMETERS } from './articulation.mjs';
 import { Edges } from './edges.mjs';
-import { AR, drawOf, hangOf, heldCorners, parted } from './parting.mjs';
+import { AR, drawOf, hangOf, heldCorners, heldJaw, parted } from './parting.mjs';
 import { UNKNOWNS } from '../../../web/src/portrait/fap-moves.mjs';
 import { Layer } from '../../../web/src/portrait/lay.mjs';
 import { landmarksOf } from '../../../web/src/portrait/look.mjs';
@@ -156,5 +156,7 @@ export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like
   if (turned) notes.push(`${turned} frames from the side: less is to be believed of them, their confidence is halved`);
   const corners = heldCorners(rows);
   if (!corners.held) notes.push('the skin is too even for the corners of the mouth to be followed: AR is not seen');
-  return { rows: corners.rows, notes };
+  const jaw = heldJaw(corners.rows);
+  if (!jaw.held) notes.push('the jaw leaps wherever the lips touch or part, as the skin of the chin is too even to show it: EM is not seen');
+  return { rows: jaw.rows, notes };
 }
