@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A beard in a picture does not end in the middle of the face of a base that has none; a dark face without one is left as it is.
+// A beard in a picture, dark or grey, on light skin or dark, does not end in the middle of the face of a base that has none; a dark face without one is left as it is.
 import assert from 'node:assert/strict';
 import fs from 'node:fs';
+import os from 'node:os';
 import path from 'node:path';
-import { test } from 'node:test';
+import { after, test } from 'node:test';
 import { unpack } from '../../models/tools/lib/deform.mjs';
 import { openEye } from '../../models/tools/portrait/eye.mjs';
 import { textures } from '../../models/tools/portrait/images.mjs';
@@ -17,8 +18,8 @@ const luca = JSON.parse(fs.readFileSync(path.join(heads, 'luca.json'), 'utf8'));
 const CHEEKS = [50, 280, 205, 425]; // landmarks
 const ABOUT = [43, 273, 106, 335, 18, 200, 199, 57, 287]; // about the mouth, where a beard grows
 
-/** How bright the darkest skin about the mouth is, of that of the cheeks. */
-async function darkest(head) {
+/** How bright the darkest and the palest skin about the mouth is, of that of the cheeks. */
+async function shades(head) {
   const skin = unpack(head).parts.find(({ name }) => name === 'skin');
   const image = await textures.read(head.textures[head.materials[skin.material].texture]);
   const before = unpack(luca).parts.find(({ name }) => name === 'skin').position;
@@ -32,16 +33,43 @@ async function darkest(head) {
     return found.reduce((sum, x) => sum + x, 0) / found.length;
   };
   const cheeks = CHEEKS.reduce((sum, i) => sum + bright(table.luca.at[i], 5) / CHEEKS.length, 0);
-  return Math.min(...ABOUT.map((i) => bright(table.luca.at[i], 4) / cheeks));
+  const about = ABOUT.map((i) => bright(table.luca.at[i], 4) / cheeks);
+  return { darkest: Math.min(...about), palest: Math.max(...about) };
 }
 
-for (const [name, has] of [['bruno', true], ['amina', false]])
-  test(`${name}, ${has ? 'with' : 'without'} a beard, on a base without one`, async (t) => {
-    const picture = await photograph(heads, name, 0);
-    const landmarks = await (await openEye())(picture);
-    const { head, bearded } = await makeHead(luca, table.luca, [{ picture, landmarks }], textures);
-    const share = await darkest(head);
-    t.diagnostic(`the darkest skin about the mouth: ${share.toFixed(2)} of the cheeks'`);
-    assert.equal(bearded, has);
-    assert.ok(has ? share > 0.7 : share < 0.8, `${share}`); // the base's skin there, or the picture's own shadows
+/** The same with grey hair where the beard is. */
+function greyed(picture, bare) {
+  const data = Uint8ClampedArray.from(picture.data);
+  for (let i = 0; i < data.length; i += 4) {
+    const share = Math.min(1, Math.max(...[0, 1, 2].map((k) => Math.abs(data[i + k] - bare.data[i + k]))) / 30);
+    const grey = 60 + 1.2 * (0.3 * data[i] + 0.6 * data[i + 1] + 0.1 * data[i + 2]);
+    for (let k = 0; k < 3; k++) data[i + k] += share * (grey - data[i + k]);
+  }
+  return { ...picture, data };
+}
+
+/** Somebody with Bruno's beard, as a folder of heads. */
+async function bearded(name, eye) {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-beard-'));
+  after(() => fs.rmSync(folder, { recursive: true, force: true }));
+  const bruno = JSON.parse(fs.readFileSync(path.join(heads, 'bruno.json'), 'utf8'));
+  const picture = await photograph(heads, name, 0);
+  const { head } = await makeHead(bruno, table.bruno, [{ picture, landmarks: await eye(picture) }], textures, { keep: ['beard'] });
+  fs.writeFileSync(path.join(folder, `${name}.json`), JSON.stringify(head));
+  return folder;
+}
+
+const bare = { change: (head) => ({ ...head, parts: head.parts.filter(({ name }) => !name.startsWith('beard')) }) };
+for (const [name, what, has] of [['bruno', 'with a beard', true], ['amina', 'without a beard', false], ['ettore', 'without a beard', false], ['bruno', 'with a grey beard', true], ['samuel', "with Bruno's beard", true], ['samuel', "with Bruno's beard in grey", true]])
+  test(`${name}, ${what}, on a base without one`, async (t) => {
+    const eye = await openEye();
+    const folder = what.includes("Bruno's") ? await bearded(name, eye) : heads;
+    let picture = await photograph(folder, name, 0);
+    if (what.includes('grey')) picture = greyed(picture, await photograph(folder, name, 0, undefined, bare));
+    const { head, bearded: told } = await makeHead(luca, table.luca, [{ picture, landmarks: await eye(picture) }], textures);
+    const { darkest, palest } = await shades(head);
+    t.diagnostic(`the darkest skin about the mouth: ${darkest.toFixed(2)} of the cheeks', the palest ${palest.toFixed(2)}`);
+    assert.equal(told, has);
+    if (has) assert.ok(darkest > 0.7 && palest < 1.25, `${darkest} ${palest}`); // the base's skin there
+    else assert.ok(darkest < 0.95, `${darkest}`); // the picture's own shadows
   });

@@ -13,11 +13,13 @@ const FIRST = { guess: 1, beyond: 5 }; // mm: where the lips' line may be on a f
 const STEEP = 0.2; // of the lip's own brightness, for a mm: more than its shading
 const SHADE = 0.7; // of the brightest of a lower lip: what is darker is on the way to its end
 const SHADOW = 1.5; // mm behind that in which it is darkest
+const END = 0.4; // of the way from there to the lip's brightest
 const RISE = 1.4; // times as bright as a dark line is what lies behind it,
 const SOON = 1.2; // mm after that
 const WIDE = 2.2; // mm: a wider one is the dark of the mouth,
 const DARK = 1.25; // as far as it is this many times as bright
 const PALE = 0.05; // of red among red and green, by which teeth are paler than a lip
+const LIP = { from: 0.5, to: 2, light: 1.3, red: 0.05 }; // mm behind its end in which a lower lip looks as at rest, within so many times as bright and so much of red
 const ALIKE = 0.35; // mm: the median by which columns differ from what they say together
 const ENOUGH = 5; // columns
 
@@ -64,13 +66,14 @@ function toothAt({ red, slope, own }, i) {
   return steep && red[i - 2] - red[Math.min(red.length - 1, i + 4)] > PALE;
 }
 
-/** Halfway in brightness from a lip to the darkest that lies soon behind i, which is in its shade. */
-function halfDark(light, i, brightest) {
-  const half = (brightest + Math.min(...light.slice(i, i + Math.round(SHADOW / STEP)))) / 2;
+/** Where a lip has got so dark on the way to the darkest that lies soon behind i, which is in its shade. */
+function endInShade(light, i, brightest) {
+  const darkest = Math.min(...light.slice(i, i + Math.round(SHADOW / STEP)));
+  const end = darkest + END * (brightest - darkest);
   let at = i;
-  while (at > 1 && light[at] < half) at--;
-  while (light[at] >= half) at++;
-  return at - (half - light[at]) / (light[at - 1] - light[at]);
+  while (at > 1 && light[at] < end) at--;
+  while (light[at] >= end) at++;
+  return at - (end - light[at]) / (light[at - 1] - light[at]);
 }
 
 /** The lower lip's end: it is round and gets dark by and by, a thin one from its middle on; a steep place is but its shading. */
@@ -79,14 +82,25 @@ function lowerEnd(column) {
   let brightest = Math.max(light[0], light[1]);
   for (let i = 2; i < light.length - 2; i++) {
     brightest = Math.max(brightest, light[i]);
-    if (light[i] < SHADE * brightest) return halfDark(light, i, brightest);
+    if (light[i] < SHADE * brightest) return endInShade(light, i, brightest);
     if (toothAt(column, i)) return between(slope, i);
   }
   return null;
 }
 
+/** What a walk has come over before it found an end: mean light and red. */
+function lipBefore({ light, red }, at) {
+  const [from, to] = [Math.max(0, Math.round(at - LIP.to / STEP)), Math.round(at - LIP.from / STEP)];
+  const mean = (list) => list.slice(from, to + 1).reduce((a, b) => a + b, 0) / (to + 1 - from);
+  return to > from ? { light: mean(light), red: mean(red) } : null;
+}
+
+const sameLip = (now, rest) => now && now.light < LIP.light * rest.light && rest.light < LIP.light * now.light && Math.abs(now.red - rest.red) < LIP.red;
+
+const ends = (found) => found.map((one) => one?.end ?? null);
+
 export class Edges {
-  #rest = null; // of each column where its line and its lower lip's end are
+  #rest = null; // of each column where its line and its lower lip's end are, and how that lip looks
 
   /** @param {object} skin of speakerOf */
   constructor({ fdp }) {
@@ -96,16 +110,19 @@ export class Edges {
   /** The face at rest. @param {{picture: object, stand: object}[]} pictures @returns {boolean} whether its lips are seen */
   know(pictures) {
     const found = pictures.map(({ picture, stand }) => {
-      const known = this.#walk(picture, stand, FIRST.guess, -1, darkLine, FIRST.beyond).filter((y) => y !== null);
-      if (known.length < ENOUGH) return { line: COLUMNS.map(() => null), lower: COLUMNS.map(() => null) };
+      const nothing = COLUMNS.map(() => null);
+      const known = ends(this.#walk(picture, stand, FIRST.guess, -1, darkLine, FIRST.beyond)).filter((y) => y !== null);
+      if (known.length < ENOUGH) return { line: nothing, lower: nothing, lip: nothing };
       const about = middle(known);
-      return { line: this.#walk(picture, stand, about, -1, darkLine), lower: this.#walk(picture, stand, about, 1, lowerEnd) };
+      const lower = this.#walk(picture, stand, about, 1, lowerEnd);
+      return { line: ends(this.#walk(picture, stand, about, -1, darkLine)), lower: ends(lower), lip: lower.map((one) => one?.lip ?? null) };
     });
-    const each = (name) => COLUMNS.map((_, c) => {
+    const each = (name, typical = middle) => COLUMNS.map((_, c) => {
       const list = found.map((one) => one[name][c]).filter((y) => y !== null);
-      return 2 * list.length > found.length ? middle(list) : null;
+      return 2 * list.length > found.length ? typical(list) : null;
     });
-    const rest = { line: each('line'), lower: each('lower') };
+    const looks = (list) => ({ light: middle(list.map(({ light }) => light)), red: middle(list.map(({ red }) => red)) });
+    const rest = { line: each('line'), lower: each('lower'), lip: each('lip', looks) };
     const seen = (list) => list.filter((y) => y !== null).length >= ENOUGH;
     this.#rest = seen(rest.line) && seen(rest.lower) ? rest : null;
     return this.#rest !== null;
@@ -118,10 +135,11 @@ export class Edges {
    */
   seen(picture, stand, rises, falls) {
     if (!this.#rest) return { rises: null, falls: null };
-    const { line, lower } = this.#rest;
+    const { line, lower, lip } = this.#rest;
     const known = (list) => middle(list.filter((y) => y !== null));
-    const up = together(this.#walk(picture, stand, known(line) + rises, -1, darkLine), line);
-    const down = together(this.#walk(picture, stand, known(lower) - falls, 1, lowerEnd), lower);
+    const up = together(ends(this.#walk(picture, stand, known(line) + rises, -1, darkLine)), line);
+    const found = this.#walk(picture, stand, known(lower) - falls, 1, lowerEnd);
+    const down = together(ends(found.map((one, c) => (one && lip[c] && sameLip(one.lip, lip[c]) ? one : null))), lower);
     return { rises: up, falls: down === null ? null : -down };
   }
 
@@ -133,7 +151,7 @@ export class Edges {
     return COLUMNS.map((x) => {
       const column = this.#column(picture, stand, x, from, way * STEP, steps);
       const at = column && find(column);
-      return at === null ? null : from + way * STEP * at;
+      return at === null ? null : { end: from + way * STEP * at, lip: lipBefore(column, at) };
     });
   }
 

@@ -12,7 +12,7 @@ import { FileError } from '../import/file-error.mjs';
 import { openEye } from '../portrait/eye.mjs';
 import { PARAMETERS } from './articulation.mjs';
 import { Edges } from './edges.mjs';
-import { AR, hangOf, heldCorners, parted } from './parting.mjs';
+import { AR, drawOf, hangOf, heldCorners, heldJaw, parted } from './parting.mjs';
 import { UNKNOWNS } from '../../../web/src/portrait/fap-moves.mjs';
 import { Layer } from '../../../web/src/portrait/lay.mjs';
 import { landmarksOf } from '../../../web/src/portrait/look.mjs';
@@ -96,7 +96,7 @@ class Watcher {
     }
     this.edges = new Edges(speaker.skin);
     this.edges.know(stands);
-    this.hang = hangOf(apart(this.face, UPPER_LIP) / apart(this.face, MOUTH));
+    this.ends = { hang: hangOf(apart(this.face, UPPER_LIP) / apart(this.face, MOUTH)), draw: drawOf(speaker.skin) };
     this.look = this.look.map((planes, l) => planes.map((plane, k) => plane.map((_, i) => looks.reduce((sum, look) => sum + look[l][k][i], 0) / looks.length)));
     this.contrast = Math.sqrt(this.look.at(-1)[0].reduce((sum, x) => sum + (x * x || 0), 0) / speaker.count);
     return true;
@@ -122,7 +122,7 @@ class Watcher {
     }
     this.#now = found;
     if (!found) return null;
-    const { q, seen } = parted(found.q, this.hang, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
+    const { q, seen } = parted(found.q, this.ends, (rises, falls) => this.edges.seen(picture, found.stand, rises, falls));
     return { values: q.slice(0, PARAMETERS.length), seen, doubt: found.doubt(AR), confidence: 1 - found.unlike / this.contrast, sideways: Math.abs(turnOf(found.stand)) };
   }
 }
@@ -156,5 +156,7 @@ export async function watchLips(pictures, { fps, rest, iris = IRIS, pupils, like
   if (turned) notes.push(`${turned} frames from the side: less is to be believed of them, their confidence is halved`);
   const corners = heldCorners(rows);
   if (!corners.held) notes.push('the skin is too even for the corners of the mouth to be followed: AR is not seen');
-  return { rows: corners.rows, notes };
+  const jaw = heldJaw(corners.rows);
+  if (!jaw.held) notes.push('the jaw leaps wherever the lips touch or part, as the skin of the chin is too even to show it: EM is not seen');
+  return { rows: jaw.rows, notes };
 }

@@ -5,31 +5,43 @@ import { LIP_CORNERS, LOWER_LIP, UPPER_LIP } from './landmarks.mjs';
 import { inside, smoothOver } from './surface.mjs';
 
 const DARK = [0.4, 0.65]; // of the skin's brightness: hair, and what is none
-const HAIRY = 0.34; // the middle of it below the mouth: what is brighter is a shadow, or hair that hardly differs from its skin
+const PALE = [0.2, 0.45]; // by how much less red than the skin (logarithms): what is no grey hair, and what is
+// below the mouth the middle of the brightness, and how many are as pale: else it is a shadow, or hair that hardly
+// differs from its skin
+const HAIRY = { bright: 0.34, pale: 0.2 };
 const LIPS = 1.5; // mm about them that are theirs
 const BEGINS = 2; // rounds by which it reaches beyond what is dark: hairs are thin there
+
+const middle = (list) => list.sort((a, b) => a - b)[list.length >> 1];
+const smooth = ([from, to], x) => {
+  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
+  return t * t * (3 - 2 * t);
+};
 
 /**
  * @param {import('./fit.mjs').Points} base @param {object} part its skin @param {number[]} seen vertices that the picture shows
  * @param {(vertex: number) => number} brightness there, of that of the face's skin
+ * @param {(vertex: number) => number} paleness there: how much less red than the face's skin (a difference of logarithms)
  * @returns {Float32Array|null} of each vertex how much it is the beard's, 0 to 1; null: there is none
  */
-export function beardOf({ at }, part, seen, brightness) {
+export function beardOf({ at }, part, seen, brightness, paleness) {
   const { position, vertices } = part;
   const lips = [LIP_CORNERS.right[0], ...UPPER_LIP[0], LIP_CORNERS.left[0], ...[...LOWER_LIP[0]].reverse()];
   const ring = lips.map((i) => at[i]).filter(Boolean);
   const [nose, mouth] = [at[2]?.[1], at[LOWER_LIP[0][4]]?.[1]];
   if (ring.length < 8 || nose === undefined || mouth === undefined) return null;
-  const dark = new Float32Array(vertices);
+  const hair = new Float32Array(vertices);
   const chin = [];
+  let pales = 0;
   for (const v of seen) {
     const [x, y] = position.subarray(3 * v, 3 * v + 2);
     if (y > nose || inside(ring, x, y) > -LIPS) continue;
-    const bright = brightness(v);
-    const t = Math.min(1, Math.max(0, (bright - DARK[0]) / (DARK[1] - DARK[0])));
-    dark[v] = 1 - t * t * (3 - 2 * t);
-    if (y <= mouth) chin.push(bright);
+    const [bright, pale] = [brightness(v), smooth(PALE, paleness(v))];
+    hair[v] = Math.max(1 - smooth(DARK, bright), pale);
+    if (y > mouth) continue;
+    chin.push(bright);
+    if (pale > 0.5) pales++;
   }
-  if (!chin.length || chin.sort((a, b) => a - b)[chin.length >> 1] > HAIRY) return null;
-  return smoothOver(part, dark, BEGINS).map((share, v) => Math.min(1, 2 * Math.max(dark[v] / 2, share)));
+  if (!chin.length || (middle(chin) > HAIRY.bright && pales < HAIRY.pale * chin.length)) return null;
+  return smoothOver(part, hair, BEGINS).map((share, v) => Math.min(1, 2 * Math.max(hair[v] / 2, share)));
 }

@@ -29,6 +29,8 @@ const ramp = ([low, high], x) => {
   return t * t * (3 - 2 * t);
 };
 const luma = (c) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
+const FAINT = 0.004; // what is as dark has no colour to be told
+const redness = ([r, g, b]) => Math.log((r + FAINT) / (0.7 * g + 0.3 * b + FAINT));
 
 /** Linear colour of a picture between its pixels. */
 export function sample({ width, height, data }, u, v, out) {
@@ -160,7 +162,8 @@ function layer({ picture, landmarks }, view, { base, part, normals, mask, tone, 
     if (position[3 * v + 1] > top) weight[v] *= ramp(DARK, luma(c) / bright);
   }
   const brightness = (v) => luma(colours.subarray(3 * v, 3 * v + 3)) / bright;
-  const beard = beardOf(base, part, chosen.filter((v) => weight[v] > 0), brightness);
+  const paleness = (v) => redness(tone.is) - redness(colours.subarray(3 * v, 3 * v + 3));
+  const beard = beardOf(base, part, chosen.filter((v) => weight[v] > 0), brightness, paleness);
   beard?.forEach((share, v) => (weight[v] *= 1 - share));
   const soft = smoothOver(part, weight, 5);
   for (let v = 0; v < weight.length; v++) {
