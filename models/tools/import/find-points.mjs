@@ -11,6 +11,7 @@ import { FileError } from './file-error.mjs';
 import { guessParts, splitBalls } from './guess-parts.mjs';
 import { lidMargins, lipLine } from './margins.mjs';
 import { addEyes, cutLips } from './open-face.mjs';
+import { BY_SHAPES, landmarksByShapes } from './shape-landmarks.mjs';
 import { landmarksOf, layTold } from './told-landmarks.mjs';
 import { placeOf } from './vertex.mjs';
 import { viewOf } from './views.mjs';
@@ -185,10 +186,10 @@ async function seeFace(scene, eye, { up, template }) {
   return { ...found, front: views[0], at, points, which, onto, note };
 }
 
-/** The face as a file of points tells it: nothing is looked for. @param {Map<number, number[]>} landmarks in the file's coordinates */
-function toldFace(scene, landmarks, { up, template }) {
+/** The face as a file of points or its own shapes tell it: nothing is looked for. @param {Map<number, number[]>} landmarks in the file's coordinates */
+function toldFace(scene, landmarks, { up, template, by = 'by', limits }) {
   const turns = Object.entries(TURNS).filter(([name]) => !up || name.startsWith(`${up} up`));
-  const { name, turn, onto, which, points, all, off } = layTold(landmarks, template, Object.fromEntries(turns));
+  const { name, turn, onto, which, points, all, off } = layTold(landmarks, template, Object.fromEntries(turns), limits);
   turnScene(scene, turn);
   const height = onto.scale * distance(template.at[10], template.at[152]);
   const at = [0, -0.05 * height, 0].map((x, k) => all[168][k] + x);
@@ -196,7 +197,20 @@ function toldFace(scene, landmarks, { up, template }) {
   const mean = template.at.map((p) => onto.apply(p ?? template.at[168]));
   const marks = all.map((p, i) => [SIZE.close / 2 + ((p ?? mean[i])[0] - at[0]) * view.scale, SIZE.close / 2 - ((p ?? mean[i])[1] - at[1]) * view.scale]);
   const front = { yaw: 0, view, marks, points: marks.map(([u, v]) => view.at(u, v)) };
-  return { name, turn, height, front, at, points, which, onto, told: true, note: `feature points by ${which.length} landmarks, ${off.toFixed(1)} mm from a mean face's` };
+  return { name, turn, height, front, at, points, which, onto, told: true, note: `feature points ${by} ${which.length} landmarks, ${off.toFixed(1)} mm from a mean face's` };
+}
+
+/** As it is seen; where no face is, as an animal's, its shapes may tell where it is: known.byLandmark then has what they do. */
+async function findFaceOf(scene, eye, known, options) {
+  try {
+    return await seeFace(scene, eye, options);
+  } catch (error) {
+    const landmarks = error instanceof FileError && landmarksByShapes(scene);
+    if (!landmarks) throw error;
+    for (const [name, i] of Object.entries(BY_SHAPES)) if (landmarks.has(i) && !known.fdp[name]) known.byLandmark[name] ??= i;
+    const face = toldFace(scene, landmarks, { ...options, by: 'by what its shapes move, for no face was seen:', limits: { fewest: 8, most: Infinity } });
+    return { ...face, parted: true };
+  }
 }
 
 /**
@@ -208,7 +222,7 @@ function toldFace(scene, landmarks, { up, template }) {
 export async function findPoints(scene, eye, { up, template = MEAN_FACE, points: given = null } = {}) {
   const known = placesOf(scene, given); // by the file's own vertices, which cutting counts anew
   splitBalls(scene);
-  const face = known.landmarks ? toldFace(scene, known.landmarks, { up, template }) : await seeFace(scene, eye, { up, template });
+  const face = known.landmarks ? toldFace(scene, known.landmarks, { up, template }) : await findFaceOf(scene, eye, known, { up, template });
   const { front, at, points, which, onto, height } = face;
   const hits = new Map();
   for (const i of STEADY) if (front.points[i]) hits.set(front.points[i].mesh, (hits.get(front.points[i].mesh) ?? 0) + 1);
@@ -232,7 +246,7 @@ export async function findPoints(scene, eye, { up, template = MEAN_FACE, points:
   const made = addEyes(scene, front, { template, onto });
   const seen = { fdp, eyesApart, marks: front.marks, camera: { middle: at, width: AROUND * height, yaw: 0 } };
   let { own, notes } = margins(scene, looks(scene), skin, seen);
-  if (!own['2.2'] && cutLips(scene.meshes[skin], front, onto.scale)) {
+  if (!own['2.2'] && !face.parted && cutLips(scene.meshes[skin], front, onto.scale)) {
     ({ own, notes } = margins(scene, looks(scene), skin, seen));
     notes.push('the lips are one surface: they were cut apart where they meet');
   }
