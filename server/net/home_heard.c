@@ -27,6 +27,14 @@ bool home_was_past(const struct home *h, uint32_t utterance) {
     return utterance && has(&h->past, home_of(h->holder) | utterance);
 }
 
+void home_does(struct home *h, uint64_t order) {
+    add(&h->done, order);
+}
+
+bool home_has_done(const struct home *h, uint64_t order) {
+    return has(&h->done, order);
+}
+
 void home_hears(struct home *h, const struct channel_item *item) {
     if (!item->media && !item->notice && item->kind == STREAM_END)
         home_told(h, item->order);

@@ -56,6 +56,7 @@ struct home {
     uint64_t split;      /* the highest token before this daemon was alone: nobody goes on under it */
     struct recent past;  /* what has been told as ended here: its number, and whose (home_of) */
     struct recent ended; /* the same, of whatever home: which order had asked for it (home_order) */
+    struct recent done;  /* orders that were done here, as the home */
     uint32_t deaf;       /* such a one, that is spoken */
     bool knew;           /* the room was followed here before that home was found */
     bool recapped;       /* a branch has been told what goes on */
@@ -127,6 +128,10 @@ bool home_was_past(const struct home *home, uint32_t utterance);
 /* home_heard.c: an order among those of all daemons, by who gave it and its number there; not 0. It keeps it
  * when it is given anew to another home. */
 uint64_t home_order(const char *asker, uint64_t number);
+
+/* It was done here; and was it? */
+void home_does(struct home *home, uint64_t order);
+bool home_has_done(const struct home *home, uint64_t order);
 
 /* Those who follow here have been told the end of what it asked for: they are not to hear it once more. */
 bool home_has_heard(const struct home *home, uint64_t order);

@@ -84,10 +84,21 @@ static void act(struct order *o) {
     json_decref(answer);
 }
 
+/* The one before it that the home has not answered yet, 0: none. */
+static uint64_t before(const struct order *o) {
+    uint64_t number = 0;
+    for (const struct order *other = o->homes->orders; other != o; other = other->next)
+        if (other->channel == o->channel && other->sent && !other->utterance)
+            number = other->number;
+    return number;
+}
+
+/* The home does not do it before that which it comes after. */
 static void send_order(struct order *o) {
     const struct home *h = o->channel->home;
     json_t *head = packet_begin("order", o->channel->name);
     json_object_set_new(head, "number", json_integer((json_int_t)o->number));
+    json_object_set_new(head, "after", json_integer((json_int_t)before(o)));
     json_object_set_new(head, "token", json_integer((json_int_t)h->token));
     json_object_set_new(head, "visit", json_integer(h->visit));
     json_object_set(head, "order", o->asked);
@@ -136,7 +147,9 @@ struct order *order_give(struct net *net, const char *room, json_t *asked, order
     channel_keep(c);
     DL_APPEND(homes->orders, o);
     uint64_t number = o->number;
-    go_on(o);
+    channel_keep(c);
+    orders_role(c->home); /* those before it that wait, too, and first */
+    channel_let_go(c);
     return homes->orders && homes->orders->prev->number == number ? homes->orders->prev : NULL;
 }
 
@@ -186,7 +199,10 @@ void orders_heard(struct homes *homes, const struct packet *p) {
     json_object_set(head, "visit", json_object_get(p->head, "visit"));
     /* asked under another token, it has been given up by who asked */
     bool here = h && h->role == HOME_HERE && json_is_object(asked) && packet_number(p, "token") == h->token;
-    uint64_t order = home_order(p->from, packet_number(p, "number"));
+    uint64_t order = home_order(p->from, packet_number(p, "number")), after = packet_number(p, "after");
+    here &= !after || home_has_done(h, home_order(p->from, after));
+    if (here)
+        home_does(h, order);
     bool heard = here && (home_has_heard(h, order) || channel_order(h->channel) == order);
     if (heard) {
         struct error e;

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// What is asked of a room's home that falls silent, forgets, or numbers as another one did: each asker is told one end.
+// What is asked of a room's home that falls silent, forgets, or numbers as another one did: each asker is told one end, and in the order in which it asked.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
 import { Daemon, eventually } from '../lib/daemon.mjs';
@@ -86,4 +86,44 @@ test('homes that number alike: what is asked again is not taken for what another
   next.say(from, order, begin(8, 'again'), ended(8, 'again', 'done'));
   await settled(next, from, asker);
   assert.deepEqual([ends(asker, 'other'), ends(asker, 'again')], [['done'], ['done']]);
+});
+
+test('what a home passes over, as it does not know yet that it is the home, is asked again before what comes after it', async (t) => {
+  const { home, asker } = await enter(t, 'passes');
+  const orders = () => home.heard.filter(({ kind }) => kind === 'order').map(({ order, after }) => [order.request.id, after]);
+  asker.send({ type: 'speak', id: 'first', text: 'Uno.' });
+  const first = await home.told('order');
+  asker.send({ type: 'speak', id: 'second', text: 'Due.' });
+  const second = await home.told('order', ({ order }) => order.request.id === 'second');
+  home.pass(first);
+  home.pass(second);
+  await eventually(() => orders().length >= 4, 'both once more');
+  assert.deepEqual(orders().slice(0, 4), [['first', 0], ['second', first.number], ['first', 0], ['second', first.number]]);
+  home.pass(first);
+  asker.send({ type: 'speak', id: 'third', text: 'Tre.' });
+  await eventually(() => orders().some(([id]) => id === 'third'), 'the third');
+  const since = orders().slice(4).map(([id]) => id);
+  assert.ok(since.indexOf('first') >= 0 && since.indexOf('first') < since.indexOf('third'), String(since));
+});
+
+test('a home does nothing before what it comes after', async (t) => {
+  const room = 'after';
+  const listener = await daemon.stream(`?lang=it&room=${room}`);
+  const lease = await eventually(() => redis.cli('get', `faccia:lease:room:${room}`), 'the lease');
+  const [name, token] = lease.split(' ');
+  const branch = await StandInHome.open(redis, room, Number(token), { lease: false });
+  t.after(() => {
+    branch.close();
+    listener.socket.terminate();
+  });
+  const ask = (number, after, id) => branch.tell(name, 'order', { number, after, visit: 1, order: { type: 'speak', request: { text: 'Uno.', id, lang: 'it' } } });
+  const answers = async (number, count) => (await eventually(() => branch.heard.filter((head) => head.kind === 'answer' && head.number === number)[count - 1], `answer ${count} to ${number}`)).status;
+  await eventually(async () => (await (await daemon.get('/v1/rooms')).json()).rooms.some((one) => one.name === room), 'the room');
+  ask(2, 1, 'later');
+  assert.equal(await answers(2, 1), 0);
+  ask(1, 0, 'sooner');
+  ask(2, 1, 'later');
+  assert.deepEqual([await answers(1, 1), await answers(2, 2)], [202, 202]);
+  await eventually(() => ends(listener, 'later').length, 'the end');
+  assert.deepEqual(listener.messages.filter(({ type }) => type === 'begin').map(({ id }) => id), ['sooner', 'later']);
 });
