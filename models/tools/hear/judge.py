@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How well a network hears people who are kept for choices, as tests/bench/hear.mjs counts, and by which numbers of the decoder.
 
-python3 judge.py FEATURES NETWORK,... PEOPLE.npz... [--search]
+python3 judge.py FEATURES NETWORK,... PEOPLE.npz... [--search] [--equal]
 Wants python3-torch. Nobody here is in the training, nor in the recordings of the bench.
 """
 import argparse
@@ -19,6 +19,7 @@ KINDS = {'closed': (r'[pbm]', {1}), 'teeth': (r'[fv]', {2}), 'rounded': (r't͡ʃ
 SLACK, FIRST = 0.04, 0.0075
 # As server/hear/hear_decoder.c has them; closures count wherever the lips are.
 DECODER = {'closed': 1.4, 'apart': 99.0, 'teeth': 2.0, 'hold': 0.3, 'sure': 0.75, 'least': 2, 'contact': 4}
+SCALES = [0.2, 0.3, 0.4, 0.5, 0.62, 0.75, 0.87, 1, 1.15, 1.35, 1.6, 2, 2.6, 3.5, 5]
 
 
 def decoded(likely, gap, d):
@@ -122,18 +123,32 @@ def cell(a):
     return f'{100 * a[1] / max(1, a[0]):3.0f} %, {100 * a[3] / max(1, a[2]):3.0f} % ({100 * a[5] / max(1, a[4]):.0f})'
 
 
+def curves(heard):
+    """(speaker, kind): what is false and what is found, %, as closures and teeth count less or more, both together."""
+    told = [table(heard, {**DECODER, **{kind: DECODER[kind] * scale for kind in ('closed', 'teeth')}}, ()) for scale in SCALES]
+    return {key: [(100 * a[3] / max(1, a[2]), 100 * a[1] / max(1, a[0])) for a in (sums[key] for sums in told)] for key in told[0]}
+
+
+def found_at(curve, false):
+    """What is found where so much is false."""
+    there, found = zip(*sorted(curve))
+    return np.interp(false, there, np.maximum.accumulate(found))
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument('features')
     parser.add_argument('networks')
     parser.add_argument('people', nargs='+')
     parser.add_argument('--search', action='store_true')
+    parser.add_argument('--equal', action='store_true', help='besides, what is found where as much is false as with the first network')
     parser.add_argument('--noise', type=float, default=None, help='white, so many dB below')
     parser.add_argument('--most', type=int, default=60, help='recordings of each speaker')
     parser.add_argument('--delays', default='8')
     options = parser.parse_args()
     torch.set_num_threads(1)
     told = people(options.people, options.features, options.noise, options.most)
+    first = {}
     for network in options.networks.split(','):
         model = load(network)
         for delay in map(int, options.delays.split(',')):
@@ -141,6 +156,11 @@ def main():
             sums = table(heard, DECODER)
             for name in sorted({n for n, _ in sums}):
                 print(network, f'{10 * delay:3d} ms {name:12s}', ' | '.join(f'{kind} {cell(sums[name, kind])}' for kind in KINDS), flush=True)
+            if options.equal:
+                for key, curve in sorted(curves(heard).items()):
+                    false = first.setdefault((delay, *key), curve[SCALES.index(1)][0])
+                    if key[1] != 'rounded':
+                        print(network, *key, f'{found_at(curve, false):.1f} % found where {false:.1f} % is false', flush=True)
             if options.search:
                 for closed, teeth, apart in [(c, t, 99) for c in (1, 1.4, 2) for t in (1, 1.4, 2, 3)] + [(1.4, 2, a) for a in (3.5, 4, 4.5, 5)]:
                     sums = table(heard, {**DECODER, 'closed': closed, 'apart': apart, 'teeth': teeth})
