@@ -8,7 +8,8 @@
  * @property {any} utterance whatever the caller gave
  * @property {number} start position of its first sample
  * @property {number} rate positions in a second
- * @property {{position: number, message: any, last: boolean}[]} due in the order of their positions; last: when the sound has ended, too
+ * @property {{position: number, message: any, last: boolean}[]} due in the order of their positions; last: when the
+ *   sound has ended, too
  */
 export class Timeline {
   constructor() {
@@ -32,8 +33,8 @@ export class Timeline {
   }
 
   /**
-   * Has `message` come up when all before `position` was heard: the utterance's end. What was due later comes up with it: words are told
-   * ahead of their sound, and no more sound comes. With `cut` it does not, for nobody hears those words.
+   * Has `message` come up when all before `position` was heard: the utterance's end. What was due later comes up with it:
+   * words are told ahead of their sound, and no more sound comes. With `cut` it does not, for nobody hears those words.
    */
   close(item, position, message, cut = false) {
     if (cut) item.due = item.due.filter((entry) => entry.position < position);
