@@ -47,6 +47,11 @@ static json_t *say_to_nobody(struct net *net, const char *room, const struct spe
     return answer;
 }
 
+/* What is refused has a number, too, by which its end is told. */
+static uint32_t numbered(const struct stream *stream, uint32_t utterance) {
+    return utterance ? utterance : stream_number(stream);
+}
+
 json_t *order_say(struct net *net, const char *room, const struct speech_request *request,
                   uint32_t *utterance, struct error *e) {
     *utterance = 0;
@@ -56,7 +61,7 @@ json_t *order_say(struct net *net, const char *room, const struct speech_request
     if (!c || !channel_followers(c) || (!channel_listeners(c) && net->options.hold_seconds))
         return say_to_nobody(net, room, request, e);
     int listeners = (int)channel_listeners(c);
-    *utterance = stream_speak(channel_stream(c), request);
+    *utterance = numbered(channel_stream(c), stream_speak(channel_stream(c), request));
     return json_pack("{ss ss si}", "type", "accepted", "room", room, "listeners", listeners);
 }
 
@@ -94,7 +99,7 @@ static json_t *speak(struct acting *a, struct error *e) {
     json_t *answer = NULL;
     if (!read_speech(a, &request, e)) {
         answer = accepted(a);
-        add_number(answer, stream_speak(stream_of(a), &request));
+        add_number(answer, numbered(stream_of(a), stream_speak(stream_of(a), &request)));
     }
     request_free(&request);
     return answer;
@@ -112,7 +117,7 @@ static json_t *play(struct acting *a, struct error *e) {
              !media_source(a->net, &source, name, e)) {
         source.id = request.id ? mem_strdup(request.id) : NULL;
         request.order = a->number;
-        uint32_t utterance = stream_play(stream_of(a), &source, &request);
+        uint32_t utterance = numbered(stream_of(a), stream_play(stream_of(a), &source, &request));
         answer = answer_of(a, 202, "accepted");
         add_number(answer, utterance);
     }

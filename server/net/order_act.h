@@ -19,8 +19,8 @@ struct speech_request;
 json_t *order_act(struct net *net, const char *room, const json_t *order, uint64_t abroad, uint64_t number,
                   unsigned *status);
 
-/* Speaks the request to who is in the room, under the number *utterance (0: it is refused, or kept until
- * somebody is there). NULL with *e. */
+/* Speaks the request to who is in the room, under the number *utterance (0: it is kept until somebody is
+ * there). NULL with *e. */
 json_t *order_say(struct net *net, const char *room, const struct speech_request *request,
                   uint32_t *utterance, struct error *e);
 

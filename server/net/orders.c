@@ -232,7 +232,7 @@ void orders_answered(struct homes *homes, const struct packet *p) {
         home_is_past(h, utterance); /* that order has been told to be lost, or given anew */
     } else if (!current || !known || o->utterance || !o->sent) {
         return; /* a late one, of a home that was lost */
-    } else if (o && status && utterance) {
+    } else if (o && status && utterance && !order_has_ended(o)) {
         take(o, utterance, (unsigned)status, answer);
     } else if (o && status >= 400) {
         refuse(o, (unsigned)status, answer);

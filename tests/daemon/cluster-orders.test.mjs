@@ -106,6 +106,23 @@ test('what a home passes over, as it does not know yet that it is the home, is a
   assert.ok(since.indexOf('first') >= 0 && since.indexOf('first') < since.indexOf('third'), String(since));
 });
 
+test('what a home refuses has an end, also when that is lost with it', async (t) => {
+  const { home, asker, from } = await enter(t, 'refuses');
+  asker.send({ type: 'speak', id: 'told', text: 'Uno.' });
+  const told = await home.told('order', ({ order }) => order.request.id === 'told');
+  home.say(from, told, { type: 'error', utterance: 5, id: 'told', code: 'unknown-voice', message: '' }, ended(5, 'told', 'failed'));
+  home.answer(told, 5);
+  await eventually(() => ends(asker, 'told').length, 'to be told');
+  asker.send({ type: 'speak', id: 'lost', text: 'Due.' });
+  home.answer(await home.told('order', ({ order }) => order.request.id === 'lost'), 6); // and its end went out under no lease
+  const next = await StandInHome.open(redis, 'refuses', 1001);
+  t.after(() => next.close());
+  await next.told('here');
+  next.recap(from);
+  await settled(next, from, asker);
+  assert.deepEqual([ends(asker, 'told'), ends(asker, 'lost')], [['failed'], ['failed']]);
+});
+
 test('a home does nothing before what it comes after', async (t) => {
   const room = 'after';
   const listener = await daemon.stream(`?lang=it&room=${room}`);
@@ -116,8 +133,9 @@ test('a home does nothing before what it comes after', async (t) => {
     branch.close();
     listener.socket.terminate();
   });
-  const ask = (number, after, id) => branch.tell(name, 'order', { number, after, visit: 1, order: { type: 'speak', request: { text: 'Uno.', id, lang: 'it' } } });
-  const answers = async (number, count) => (await eventually(() => branch.heard.filter((head) => head.kind === 'answer' && head.number === number)[count - 1], `answer ${count} to ${number}`)).status;
+  const ask = (number, after, id, more) => branch.tell(name, 'order', { number, after, visit: 1, order: { type: 'speak', request: { text: 'Uno.', id, lang: 'it', ...more } } });
+  const answer = (number, count) => eventually(() => branch.heard.filter((head) => head.kind === 'answer' && head.number === number)[count - 1], `answer ${count} to ${number}`);
+  const answers = async (number, count) => (await answer(number, count)).status;
   await eventually(async () => (await (await daemon.get('/v1/rooms')).json()).rooms.some((one) => one.name === room), 'the room');
   ask(2, 1, 'later');
   assert.equal(await answers(2, 1), 0);
@@ -126,4 +144,6 @@ test('a home does nothing before what it comes after', async (t) => {
   assert.deepEqual([await answers(1, 1), await answers(2, 2)], [202, 202]);
   await eventually(() => ends(listener, 'later').length, 'the end');
   assert.deepEqual(listener.messages.filter(({ type }) => type === 'begin').map(({ id }) => id), ['sooner', 'later']);
+  ask(3, 0, 'refused', { voice: 'nobody' });
+  assert.ok((await answer(3, 1)).answer.utterance > 2, 'what is refused has a number');
 });
