@@ -90,13 +90,13 @@ test('where nothing is to be seen nothing is told, and what lay.mjs said stays',
   const outside = { ...even.stand, onto: [4000, 4000] };
   assert.deepEqual(edges.seen(even.picture, outside, 0, 0), { rises: null, falls: null });
   const q = [3, 1, 0, 0, 0, 2, 0, 0];
-  assert.deepEqual(parted(q, 1, () => ({ rises: null, falls: null })), { q, seen: [false, false, true, false, false, true] });
-  assert.deepEqual(parted(q, 1, () => ({ rises: null, falls: 5 })), { q, seen: [true, false, true, false, false, true] });
+  assert.deepEqual(parted(q, { hang: 1, draw: 0 }, () => ({ rises: null, falls: null })), { q, seen: [false, false, true, false, false, true] });
+  assert.deepEqual(parted(q, { hang: 1, draw: 0 }, () => ({ rises: null, falls: 5 })), { q: [5, ...q.slice(1)], seen: [true, false, true, false, false, true] }, 'the lower end counts by itself');
 });
 
 test('a lip that is pushed comes down: LS is what it rose and what it hangs', () => {
   const hang = hangOf(0.1);
-  const { q: told, seen } = parted([4, 2, -8, 1, 2, 3, 0, 0], hang, (rises) => {
+  const { q: told, seen } = parted([4, 2, -8, 1, 2, 3, 0, 0], { hang, draw: 0 }, (rises) => {
     near(rises, 2 - 2 * hang, 1e-9, 'where it is looked for');
     return { rises: -0.5, falls: 4 };
   });
@@ -105,11 +105,13 @@ test('a lip that is pushed comes down: LS is what it rose and what it hangs', ()
 });
 
 test('what a front shows: closed lips hide what the jaw does, how far lips come forward is never seen', () => {
-  const seenAt = (LI, LS, rises, falls) => parted([LI, LS, 0, 0, 0, 3, 0, 0], 1, () => ({ rises, falls })).seen;
+  const seenAt = (LI, LS, rises, falls) => parted([LI, LS, 0, 0, 0, 3, 0, 0], { hang: 1, draw: 0 }, () => ({ rises, falls })).seen;
   assert.deepEqual(seenAt(4, 1, 1, 4), [true, true, true, false, false, true]);
   assert.deepEqual(seenAt(0.1, 0, 0.1, 0.2), [true, true, true, false, false, false]);
   assert.deepEqual(seenAt(0.1, 0, null, null), [true, false, true, false, false, false]);
-  assert.deepEqual(parted([2, 2, -4.5, 0, 0, 3, 0, 0], 1, () => ({ rises: 2, falls: 2 })).seen, [false, false, true, false, false, true], 'narrow lips have come forward');
+  const narrow = (AR) => parted([2, 2, AR, 0, 0, 3, 0, 0], { hang: 1, draw: 0 }, () => ({ rises: 2, falls: 2 })).seen;
+  assert.deepEqual(narrow(-4.5), [true, false, true, false, false, true], 'narrow lips have come forward: the upper one first');
+  assert.deepEqual(narrow(-6.5), [false, false, true, false, false, true], 'and both');
 });
 
 test('corners that there is nothing to hold on to: their distance is not seen in the whole film, as it would be in its still pictures only', () => {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Where the lips of a picture end (edges.mjs), and what is told of it (parting.mjs): bands of one colour as a mouth, two pixels a mm.
+// What counts as a lower lip's end by how the lip looked at rest (edges.mjs; lip-edges.test.mjs has the edges themselves), and what is told of lips that are narrow and of jaws that leap (parting.mjs): bands of one
+// colour as a mouth, two pixels a mm.
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Edges } from '../../models/tools/lips/edges.mjs';
