@@ -87,7 +87,7 @@ async function speak(i) {
       await sleep(200);
       continue;
     }
-    const waiting = new Map();
+    const waiting = new Map(), mine = new Set(); // mine: asked by this connection, another of which hears the room's ends, too
     speaking.add(way);
     let joined = false, wake = () => {};
     way.socket.on('message', (data, binary) => {
@@ -95,7 +95,7 @@ async function speak(i) {
       const message = JSON.parse(data);
       if (message.type === 'joined') joined = true;
       if (message.type === 'error' && message.id?.startsWith(`s${i}-`)) codes[message.code] = (codes[message.code] ?? 0) + 1;
-      if (message.type === 'end' && message.id?.startsWith(`s${i}-`)) {
+      if (message.type === 'end' && mine.has(message.id)) {
         checker.answer(message.id, message.reason);
         waiting.delete(message.id);
       }
@@ -110,6 +110,7 @@ async function speak(i) {
       if (joined && !quiet && waiting.size < 2) {
         const id = `s${i}-${number++}`, again = chance.one(2);
         waiting.set(id, true);
+        mine.add(id);
         checker.ask(id, { room, again, port: way.port });
         way.socket.send(JSON.stringify({ type: 'speak', id, text: chance.of(TEXTS), again, voice: chance.one(4) ? 'command:dear' : undefined }));
       } else {
