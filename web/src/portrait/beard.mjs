@@ -2,7 +2,7 @@
 // A beard in a picture ends where the picture does, in the middle of a cheek or on the chin, and what is even about it would
 // be taken for a shadow. So the skin there is the base's, up to where the beard begins.
 import { LIP_CORNERS, LOWER_LIP, UPPER_LIP } from './landmarks.mjs';
-import { inside, smoothOver } from './surface.mjs';
+import { inside, ramp, smoothOver } from './surface.mjs';
 
 const DARK = [0.4, 0.65]; // of the skin's brightness: hair, and what is none
 const PALE = [0.2, 0.45]; // by how much less red than the skin (logarithms): what is no grey hair, and what is
@@ -13,10 +13,6 @@ const LIPS = 1.5; // mm about them that are theirs
 const BEGINS = 2; // rounds by which it reaches beyond what is dark: hairs are thin there
 
 const middle = (list) => list.sort((a, b) => a - b)[list.length >> 1];
-const smooth = ([from, to], x) => {
-  const t = Math.min(1, Math.max(0, (x - from) / (to - from)));
-  return t * t * (3 - 2 * t);
-};
 
 /**
  * @param {import('./fit.mjs').Points} base @param {object} part its skin @param {number[]} seen vertices that the picture shows
@@ -36,8 +32,8 @@ export function beardOf({ at }, part, seen, brightness, paleness) {
   for (const v of seen) {
     const [x, y] = position.subarray(3 * v, 3 * v + 2);
     if (y > nose || inside(ring, x, y) > -LIPS) continue;
-    const [bright, pale] = [brightness(v), smooth(PALE, paleness(v))];
-    hair[v] = Math.max(1 - smooth(DARK, bright), pale);
+    const [bright, pale] = [brightness(v), ramp(PALE, paleness(v))];
+    hair[v] = Math.max(1 - ramp(DARK, bright), pale);
     if (y > mouth) continue;
     chin.push(bright);
     if (pale > 0.5) pales++;

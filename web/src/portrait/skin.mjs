@@ -9,7 +9,7 @@ import { bareColours, paintBare, underWorn } from './bare.mjs';
 import { beardOf } from './beard.mjs';
 import { COUNT, EYES, LOWER_LIP, OVAL, SKIN, UPPER_LIP } from './landmarks.mjs';
 import { lipLine, PARTED, partedLips } from './fit.mjs';
-import { eachTexel, inside, smoothOver, visible } from './surface.mjs';
+import { eachTexel, inside, ramp, smoothOver, visible } from './surface.mjs';
 
 const EVEN = 0.8; // how much of the slow changes is the base's
 const SLOW = 17; // mm: what is slower counts as light
@@ -24,10 +24,6 @@ const SHINE = [1.15, 0.35]; // what is brighter than its surroundings by so much
 
 const linear = Float32Array.from({ length: 256 }, (_, i) => (i <= 10 ? i / 255 / 12.92 : ((i / 255 + 0.055) / 1.055) ** 2.4));
 const coded = (x) => 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055);
-const ramp = ([low, high], x) => {
-  const t = Math.min(1, Math.max(0, (x - low) / (high - low)));
-  return t * t * (3 - 2 * t);
-};
 const luma = (c) => 0.2126 * c[0] + 0.7152 * c[1] + 0.0722 * c[2];
 const FAINT = 0.004; // what is as dark has no colour to be told
 const redness = ([r, g, b]) => Math.log((r + FAINT) / (0.7 * g + 0.3 * b + FAINT));

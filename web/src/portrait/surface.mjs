@@ -105,3 +105,9 @@ export function inside(polygon, x, y) {
   });
   return within ? least : -least;
 }
+
+/** From 0 at the one to 1 at the other, smoothly. @param {number[]} between @param {number} x @returns {number} */
+export const ramp = ([low, high], x) => {
+  const t = Math.min(1, Math.max(0, (x - low) / (high - low)));
+  return t * t * (3 - 2 * t);
+};
