@@ -60,7 +60,8 @@ test('the operator types, and the face of the room says it', async () => {
   await eventually(async () => (await kiosk.evaluate(() => window.opened)) > 100 || void (await again()), 'lips that move');
   await daemon.get('/v1/stop?room=cucina', { method: 'POST' });
   await state('idle');
-  assert.equal(await desk.textContent('#said .sentence span'), 'La cena è pronta, mamma.');
+  // word by word, and whole once the desk has heard its end, too
+  await desk.waitForFunction(() => document.querySelector('#said .sentence span').textContent === 'La cena è pronta, mamma.');
   const here = (page, text) => page.waitForFunction((wanted) => document.querySelector('#listeners').textContent === wanted, text);
   await here(desk, 'Nella stanza: 1');
   // a desk is no listener, and sees others
