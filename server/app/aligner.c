@@ -84,7 +84,7 @@ static int read_file(const char *path, struct buf *out) {
 static int stamp(struct aligner_run *a, const char *member, const char *path) {
     char hash[65];
     json_t *of = alignment_stamp(path);
-    if (!of || !library_file_hash(path, hash)) {
+    if (!of || !library_file_hash(NULL, path, hash)) {
         json_decref(of);
         return -1;
     }

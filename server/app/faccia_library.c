@@ -44,8 +44,7 @@ static void check(struct checking *all, const char *folder, const char *path, co
     struct work_meta meta = {.lang = mem_strdup(lang)};
     struct error e;
     char name[64];
-    char *full = library_file_path(folder, path);
-    if (work_read(full, &meta, &sink, &e)) {
+    if (work_read(folder, path, &meta, &sink, &e)) {
         c.serious++;
         print_problem(path, &e);
     }
@@ -53,7 +52,7 @@ static void check(struct checking *all, const char *folder, const char *path, co
     if (c.sections)
         printf("%-24s %-6s %-8s %4zu sections %6zu passages %9zu bytes%s  %s%s%s\n", name, meta.lang,
                meta.format, c.sections, c.passages, c.characters,
-               library_file_has_sound(full) ? "  recorded" : "", meta.author ? meta.author : "",
+               library_file_has_sound(folder, path) ? "  recorded" : "", meta.author ? meta.author : "",
                meta.author ? ": " : "", meta.title ? meta.title : path);
     all->sections += c.sections > 0;
     all->passages += c.passages;
@@ -61,7 +60,6 @@ static void check(struct checking *all, const char *folder, const char *path, co
     all->serious += c.serious;
     all->light += c.light;
     work_meta_free(&meta);
-    free(full);
 }
 
 int library_main(int argc, char **argv, const struct settings *settings) {

@@ -103,7 +103,7 @@ static int look(struct exporting *x, const struct settings *settings) {
         char name[64];
         library_file_name(files.list[i].path, false, name);
         if (!strcmp(name, x->work) || !strcmp(files.list[i].path, x->work)) {
-            x->file = library_file_path(x->folder, files.list[i].path);
+            x->file = mem_strdup(files.list[i].path);
             memcpy(x->name, name, sizeof name);
         }
     }
@@ -113,13 +113,13 @@ static int look(struct exporting *x, const struct settings *settings) {
         return -1;
     }
     x->meta.lang = mem_strdup(settings->lang);
-    if (work_read(x->file, &x->meta, &sink, &e)) {
+    if (work_read(x->folder, x->file, &x->meta, &sink, &e)) {
         tell(x, &e, true);
         return -1;
     }
     if (!x->meta.title)
         x->meta.title = mem_strdup(x->name);
-    return library_file_hash(x->file, x->hash) ? 0 : -1;
+    return library_file_hash(x->folder, x->file, x->hash) ? 0 : -1;
 }
 
 /* The recording as a voice; it is aligned as long as that takes. NULL after a message. To be freed. */
@@ -128,7 +128,7 @@ static char *with_recording(struct exporting *x, const struct settings *settings
     struct error e;
     char *config = NULL, *text = NULL;
     of_library.library = x->folder;
-    if (!library_file_has_sound(x->file)) {
+    if (!library_file_has_sound(x->folder, x->file)) {
         cli_complain("%s: there is no recording beside it", x->file);
         return NULL;
     }
@@ -172,7 +172,7 @@ static int speak(struct exporting *x, const struct settings *settings) {
                                       .problem = on_problem,
                                       .ctx = x};
         struct work_meta again = {.lang = mem_strdup(settings->lang)};
-        if (work_read(x->file, &again, &sink, &e))
+        if (work_read(x->folder, x->file, &again, &sink, &e))
             x->failed = true;
         work_meta_free(&again);
         if (!x->silent && !x->recital.samples) {

@@ -5,6 +5,12 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <utf8proc.h>
+
+enum { NAME_BYTES_MAX = 200 }; /* of a speaker, or a number: each block may repeat it */
+
+/* What a block, a line and a mark take in the index beside their text, about. */
+enum { BLOCK_WEIGHT = 200, LINE_WEIGHT = 64, MARK_WEIGHT = 64 };
 
 static const char letters[] = {
     [BLOCK_HEAD] = 'h',  [BLOCK_PARAGRAPH] = 'p', [BLOCK_VERSE] = 'g', [BLOCK_NOTE] = 'n',
@@ -12,13 +18,63 @@ static const char letters[] = {
 
 void builder_open(struct builder *b, const struct work_sink *sink) {
     *b = (struct builder){.sink = sink, .section = {.level = 1}};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &b->begun);
+}
+
+static void place_of(const struct builder *b, struct error *e) {
+    if (!b->where)
+        return;
+    e->place = PLACE_LINE;
+    b->where(b->where_ctx, &e->line, &e->column);
+}
+
+static void stop(struct builder *b, const char *format, int most) {
+    if (b->stopped)
+        return;
+    b->stopped = true;
+    error_set(&b->why, ERROR_BAD_WORK, format, most);
+    place_of(b, &b->why);
+}
+
+/* Counts what is to be kept. False: it is too much, and nothing more is taken. */
+static bool weigh(struct builder *b, size_t bytes) {
+    b->bytes += bytes;
+    if (b->bytes > WORK_BYTES_MAX)
+        stop(b, "a work may take %d MiB of the index: the rest is left out", WORK_BYTES_MAX >> 20);
+    return !b->stopped;
+}
+
+static void look_at_clock(struct builder *b) {
+    struct timespec now;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+    if (now.tv_sec - b->begun.tv_sec > WORK_SECONDS_MAX)
+        stop(b, "a work may take %d seconds to read: the rest is left out", WORK_SECONDS_MAX);
+}
+
+int builder_why(const struct builder *b, struct error *e) {
+    if (b->why.code == ERROR_NONE)
+        return error_set(e, ERROR_BAD_WORK, "it was not read to its end");
+    *e = b->why;
+    return -1;
+}
+
+/* A copy that repeats no more than a name's length. */
+static char *name_of(const char *text) {
+    char *name = mem_strndup(text, strnlen(text, NAME_BYTES_MAX));
+    utf8_mend(name);
+    return name;
 }
 
 static void flush(struct builder *b, bool last) {
     struct section *s = &b->section;
     if (s->count && !b->stopped) {
         s->number = ++b->sections;
-        b->stopped = b->sink->section(b->sink->ctx, s) || (b->sections >= SECTIONS_MAX && !last);
+        weigh(b, BLOCK_WEIGHT);
+        if (b->sink->section(b->sink->ctx, s))
+            b->stopped = true;
+        if (b->sections >= SECTIONS_MAX && !last)
+            stop(b, "a work may have %d sections: the rest is left out", SECTIONS_MAX);
+        look_at_clock(b);
     }
     section_free(s);
 }
@@ -61,7 +117,10 @@ static struct block *open_block(struct builder *b, enum block_kind kind) {
     block->level = b->section.level;
     name_block(b, block);
     b->open[b->depth++] = block;
-    b->space = false;
+    b->space = b->soft = b->cut = false;
+    b->line_break = BREAK_NONE;
+    if (weigh(b, BLOCK_WEIGHT + (block->speaker ? strlen(block->speaker) : 0)))
+        look_at_clock(b);
     return block;
 }
 
@@ -117,7 +176,8 @@ void build_end(struct builder *b) {
     if (!b->depth)
         return;
     struct block *block = b->open[--b->depth];
-    b->space = false;
+    b->space = b->soft = false;
+    b->line_break = BREAK_NONE;
     if (block->kind == BLOCK_VERSE && block->line_count) {
         struct block_line *line = &block->lines[block->line_count - 1];
         line->end = block->text.size;
@@ -146,14 +206,120 @@ void build_end(struct builder *b) {
         divide(b);
 }
 
-static void put(struct builder *b, const char *text, size_t size) {
+/* A block that is too long goes on in another of its kind. Inside another block there is none: that is told.
+ */
+static struct block *room_for(struct builder *b, size_t size) {
     struct block *block = build_top(b);
-    if (block->text.size + size > BLOCK_BYTES_MAX && b->depth == 1 && block->kind == BLOCK_PARAGRAPH) {
-        build_block(b, BLOCK_PARAGRAPH);
-        block = build_top(b);
-    }
     if (block->text.size + size <= BLOCK_BYTES_MAX)
+        return block;
+    if (b->depth == 1 && block->kind == BLOCK_VERSE)
+        build_line(b, NULL, false);
+    else if (b->depth == 1 && block->kind != BLOCK_SPEAKER)
+        build_block(b, block->kind);
+    block = build_top(b);
+    if (block->text.size + size <= BLOCK_BYTES_MAX)
+        return block;
+    if (!b->cut) {
+        struct error e;
+        error_set(&e, ERROR_BAD_WORK,
+                  "a note, a name or a word may have %d bytes: the rest of it is left out", BLOCK_BYTES_MAX);
+        place_of(b, &e);
+        build_problem(b, &e, true);
+    }
+    b->cut = true;
+    return NULL;
+}
+
+static void put(struct builder *b, const char *text, size_t size) {
+    struct block *block = weigh(b, size) ? room_for(b, size) : NULL;
+    if (block)
         buf_add(&block->text, text, size);
+}
+
+void build_cut(struct builder *b, size_t size) {
+    struct block *block = build_top(b);
+    if (!block || block->text.size <= size)
+        return;
+    block->text.size = size;
+    for (size_t i = 0; i < block->mark_count; i++) {
+        struct block_mark *mark = &block->marks[i];
+        mark->start = mark->start < size ? mark->start : size;
+        mark->end = mark->end == (size_t)-1 || mark->end < size ? mark->end : size;
+    }
+}
+
+/* The length of the character that ends there, and what it is. */
+static uint32_t before(const struct block *block, size_t end, size_t *length) {
+    size_t at = end;
+    uint32_t cp = 0;
+    while (at && (block->text.data[--at] & 0xC0) == 0x80)
+        ;
+    *length = end - at;
+    if (end)
+        utf8_next((const char *)block->text.data + at, end - at, &cp);
+    return cp;
+}
+
+static bool is_letter(uint32_t cp) {
+    int category = utf8proc_category((utf8proc_int32_t)cp);
+    return cp && category >= UTF8PROC_CATEGORY_LU && category <= UTF8PROC_CATEGORY_MN;
+}
+
+static bool is_figure(uint32_t cp) {
+    return utf8proc_category((utf8proc_int32_t)cp) == UTF8PROC_CATEGORY_ND;
+}
+
+/* The bytes of the hyphen at the end of a word that the text ends with; 0: there is none. */
+static size_t hyphen_of(const struct block *block) {
+    size_t length = 0, other;
+    uint32_t cp = before(block, block->text.size, &length);
+    bool hyphen = cp == '-' || cp == 0x2010 || cp == 0xAC || cp == 0x2E17;
+    return hyphen && is_letter(before(block, block->text.size - length, &other)) ? length : 0;
+}
+
+void build_break(struct builder *b, bool join) {
+    if (!b->depth)
+        return;
+    if (join || (b->soft && !b->space))
+        b->line_break = BREAK_JOINS;
+    else if (!b->space && hyphen_of(build_top(b)))
+        b->line_break = BREAK_HYPHEN;
+    else
+        b->space = true;
+    if (b->line_break != BREAK_NONE)
+        b->space = false;
+}
+
+void build_apart(struct builder *b) {
+    if (b->depth && b->line_break == BREAK_NONE)
+        b->line_break = BREAK_APART;
+}
+
+/* What a break of the line means, now that it is known what follows. */
+static void end_break(struct builder *b, const char *text, size_t size) {
+    struct block *block = build_top(b);
+    size_t length;
+    uint32_t cp = 0;
+    utf8_next(text, size, &cp);
+    if (b->line_break == BREAK_JOINS ||
+        (b->line_break == BREAK_HYPHEN && utf8proc_category((utf8proc_int32_t)cp) == UTF8PROC_CATEGORY_LL))
+        build_cut(b, block->text.size - hyphen_of(block));
+    uint32_t last = before(block, block->text.size, &length);
+    if (b->line_break == BREAK_APART && (is_letter(last) || is_figure(last)) &&
+        (is_letter(cp) || is_figure(cp)))
+        b->space = true;
+    b->line_break = BREAK_NONE;
+}
+
+/* A soft hyphen, or a character of no width that only says where a line may end. */
+static size_t unseen(const char *text, size_t left) {
+    static const char *const signs[] = {"\xC2\xAD", "\xE2\x80\x8B", "\xE2\x81\xA0", "\xEF\xBB\xBF"};
+    for (size_t i = 0; i < sizeof signs / sizeof *signs; i++) {
+        size_t length = strlen(signs[i]);
+        if (left >= length && !memcmp(text, signs[i], length))
+            return length;
+    }
+    return 0;
 }
 
 static bool is_white(char c) {
@@ -171,33 +337,42 @@ void build_text(struct builder *b, const char *text, size_t size) {
         put(b, text, size);
         return;
     }
-    for (size_t i = 0; i < size;) {
+    for (size_t i = 0; i < size && !b->stopped;) {
+        size_t hidden = unseen(text + i, size - i);
+        if (hidden) {
+            b->soft = text[i] == '\xC2';
+            i += hidden;
+            continue;
+        }
         if (is_white(text[i])) {
-            b->space = true;
+            b->space = b->line_break != BREAK_JOINS && b->line_break != BREAK_HYPHEN;
             i++;
             continue;
         }
         size_t end = i;
-        while (end < size && !is_white(text[end]))
+        while (end < size && !is_white(text[end]) && !unseen(text + end, size - end))
             end++;
+        end_break(b, text + i, end - i);
         if (b->space && !at_start(build_top(b)))
             put(b, " ", 1);
-        b->space = false;
-        put(b, text + i, end - i);
+        b->space = b->soft = false;
+        if (b->depth)
+            put(b, text + i, end - i);
         i = end;
     }
 }
 
 void build_newline(struct builder *b) {
     struct block *block = build_top(b);
-    b->space = false;
+    b->space = b->soft = false;
+    b->line_break = BREAK_NONE;
     if (block && !at_start(block))
         put(b, "\n", 1);
 }
 
 void build_mark(struct builder *b, enum mark_kind kind, const char *value) {
     struct block *block = build_top(b);
-    if (!block)
+    if (!block || !weigh(b, MARK_WEIGHT))
         return;
     if (b->space && !at_start(block))
         put(b, " ", 1);
@@ -206,7 +381,7 @@ void build_mark(struct builder *b, enum mark_kind kind, const char *value) {
     bool point = kind == MARK_NOTE || kind == MARK_PAGE;
     block->marks = mem_grow(block->marks, &block->mark_cap, block->mark_count + 1, sizeof *block->marks);
     block->marks[block->mark_count++] = (struct block_mark){
-        kind, block->text.size, point ? block->text.size : (size_t)-1, value ? mem_strdup(value) : NULL};
+        kind, block->text.size, point ? block->text.size : (size_t)-1, value ? name_of(value) : NULL};
 }
 
 void build_mark_end(struct builder *b, enum mark_kind kind) {
@@ -225,6 +400,8 @@ void build_line(struct builder *b, const char *n, bool indent) {
         block = build_top(b);
     }
     build_line_end(b);
+    if (!weigh(b, LINE_WEIGHT))
+        return;
     if (block->text.size > BLOCK_BYTES_MAX / 2) {
         build_block(b, BLOCK_VERSE);
         block = build_top(b);
@@ -235,12 +412,13 @@ void build_line(struct builder *b, const char *n, bool indent) {
         put(b, "\n", 1);
     block->lines = mem_grow(block->lines, &block->line_cap, block->line_count + 1, sizeof *block->lines);
     block->lines[block->line_count++] =
-        (struct block_line){block->text.size, block->text.size, n ? mem_strdup(n) : NULL, indent};
+        (struct block_line){block->text.size, block->text.size, n ? name_of(n) : NULL, indent};
 }
 
 void build_line_end(struct builder *b) {
     struct block *block = build_top(b);
-    b->space = false;
+    b->space = b->soft = false;
+    b->line_break = BREAK_NONE;
     if (block && block->line_count)
         block->lines[block->line_count - 1].end = block->text.size;
 }
@@ -250,7 +428,7 @@ void build_inset(struct builder *b, enum block_kind kind, const char *n) {
         build_end(b);
     bool waits = b->space;
     struct block *host = build_top(b), *block = open_block(b, kind);
-    block->n = n ? mem_strdup(n) : NULL;
+    block->n = n ? name_of(n) : NULL;
     b->space = waits;
     if (host && kind == BLOCK_NOTE) {
         host->marks = mem_grow(host->marks, &host->mark_cap, host->mark_count + 1, sizeof *host->marks);
@@ -271,13 +449,13 @@ void build_page(struct builder *b, const char *n) {
         return;
     }
     struct block *page = open_block(b, BLOCK_PAGE);
-    page->n = mem_strdup(n ? n : "");
+    page->n = name_of(n ? n : "");
     build_end(b);
 }
 
 void build_speaker(struct builder *b, const char *name) {
     free(b->speaker);
-    b->speaker = name && *name ? mem_strdup(name) : NULL;
+    b->speaker = name && *name ? name_of(name) : NULL;
 }
 
 void build_problem(struct builder *b, const struct error *e, bool serious) {

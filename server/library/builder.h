@@ -4,6 +4,7 @@
 #define FACCIA_LIBRARY_BUILDER_H
 
 #include "server/library/work.h"
+#include <time.h>
 
 struct builder {
     const struct work_sink *sink;
@@ -16,6 +17,14 @@ struct builder {
     const char *lang;          /* of what comes now; the reader's */
     unsigned sections, told;   /* so far */
     bool space, stopped, keep; /* white space waits; keep: it counts as it is */
+    enum { BREAK_NONE, BREAK_JOINS, BREAK_HYPHEN, BREAK_APART } line_break; /* before what comes next */
+    bool soft;                                                              /* a soft hyphen came last */
+    bool cut;              /* the reader was told that the block is too long */
+    uint64_t bytes;        /* so far, of WORK_BYTES_MAX */
+    struct timespec begun; /* processor time of the thread */
+    struct error why;      /* stopped: the reason, where it is the work's */
+    void (*where)(void *ctx, size_t *line, size_t *column); /* the place in the file; NULL: not known */
+    void *where_ctx;
 };
 
 /* lang may be set anew at any time. */
@@ -23,6 +32,9 @@ void builder_open(struct builder *b, const struct work_sink *sink);
 
 /* Gives what is left. Not 0: the sink has stopped it. */
 int builder_close(struct builder *b);
+
+/* Why it was stopped: a bound of the work (ERROR_BAD_WORK, at its place), or the sink. -1. */
+int builder_why(const struct builder *b, struct error *e);
 
 /* A new section, of that level from 1; its title is its first head. */
 void build_section(struct builder *b, unsigned level);
@@ -34,9 +46,21 @@ bool build_is_open(const struct builder *b);
 enum block_kind build_kind(const struct builder *b); /* of the innermost open one */
 struct block *build_top(struct builder *b);          /* the same, or NULL */
 
-/* White space is one space, and none at the ends of blocks and lines. */
+/* White space is one space, and none at the ends of blocks and lines. Soft hyphens and characters of no width
+ * are left out. */
 void build_text(struct builder *b, const char *text, size_t size);
 void build_newline(struct builder *b);
+
+/* The end of a line, column or page of the edition. join: it is inside a word, whose parts are one, without
+ * the hyphen. Else it is white space; but a word that is hyphenated there is one, when it goes on with a
+ * small letter. */
+void build_break(struct builder *b, bool join);
+
+/* What comes next is another word: white space goes between two letters or figures. */
+void build_apart(struct builder *b);
+
+/* Takes away what the innermost block has from that byte on. */
+void build_cut(struct builder *b, size_t size);
 
 /* A stretch of the text: begins, and ends, at what has been written. Nests. */
 void build_mark(struct builder *b, enum mark_kind kind, const char *value);

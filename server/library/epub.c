@@ -6,12 +6,19 @@
 #include "server/library/xml_walk.h"
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 #include <zip.h>
 
 enum { ITEMS_MAX = 10000, PATH_BYTES_MAX = 1024 };
 
 struct manifest_item {
     char *id, *href, *type;
+    size_t line, column; /* in the package */
+};
+
+struct spine_item {
+    char *id;
+    size_t line, column;
 };
 
 struct package {
@@ -22,29 +29,44 @@ struct package {
     char *opf;
     struct manifest_item *items;
     size_t item_count, item_cap;
-    char **spine;
+    struct spine_item *spine;
     size_t spine_count, spine_cap;
+    char **read; /* the paths of the documents so far, sorted */
+    size_t read_count, read_cap;
     char **wanted; /* the meta that is being captured */
     struct buf capture;
+    bool too_many, told_again; /* items; documents that are referred to again */
 };
 
-/* A path that stays in the archive; else an error. */
-static int check_path(const char *path, struct error *e) {
-    bool out = path[0] == '/' || strchr(path, '\\') || strlen(path) > PATH_BYTES_MAX;
-    for (const char *at = path; at && !out; at = strchr(at, '/')) {
-        at += *at == '/';
-        out = !strncmp(at, "..", 2) && (at[2] == '/' || !at[2]);
-        if (!*at)
-            break;
+/* The path without "." and ".." and empty parts, in place; an error where it leaves the archive. */
+static int normalise(char *path, struct error *e) {
+    struct buf out = {0};
+    bool leaves = path[0] == '/' || strchr(path, '\\') || strlen(path) > PATH_BYTES_MAX;
+    for (const char *at = path; *at && !leaves;) {
+        size_t length = strcspn(at, "/");
+        if (length == 2 && !memcmp(at, "..", 2)) {
+            leaves = !out.size;
+            while (out.size && out.data[--out.size] != '/')
+                ;
+        } else if (length && !(length == 1 && *at == '.')) {
+            buf_add(&out, "/", out.size > 0);
+            buf_add(&out, at, length);
+        }
+        at += length + (at[length] == '/');
     }
-    return out ? error_set(e, ERROR_BAD_WORK, "'%.100s' leads out of the archive", path) : 0;
+    if (leaves)
+        error_set(e, ERROR_BAD_WORK, "'%.100s' leads out of the archive", path);
+    else if (out.size)
+        memcpy(path, out.data, out.size);
+    if (!leaves)
+        path[out.size] = '\0';
+    buf_free(&out);
+    return leaves ? -1 : 0;
 }
 
 /* The file whole. -1 with *e. */
 static int get(struct package *p, const char *path, struct buf *out, struct error *e) {
     struct zip_stat stat;
-    if (check_path(path, e))
-        return -1;
     if (zip_stat(p->zip, path, 0, &stat) || !(stat.valid & ZIP_STAT_SIZE))
         return error_set(e, ERROR_BAD_WORK, "the archive has no '%.100s'", path);
     uint64_t most = p->left < WORK_FILE_BYTES_MAX ? p->left : WORK_FILE_BYTES_MAX;
@@ -103,15 +125,27 @@ static void package_start(struct xml_walk *w, const char *name, const char **att
         if (!strcmp(name, wanted[i].name))
             p->wanted = wanted[i].to;
     buf_free(&p->capture);
-    if (!strcmp(name, "item") && p->item_count < ITEMS_MAX) {
-        p->items = mem_grow(p->items, &p->item_cap, p->item_count + 1, sizeof *p->items);
-        p->items[p->item_count++] = (struct manifest_item){copy(xml_attribute(attributes, "id")),
-                                                           copy(xml_attribute(attributes, "href")),
-                                                           copy(xml_attribute(attributes, "media-type"))};
+    bool item = !strcmp(name, "item"), itemref = !strcmp(name, "itemref");
+    if ((item && p->item_count == ITEMS_MAX) || (itemref && p->spine_count == ITEMS_MAX)) {
+        if (!p->too_many) {
+            struct error e;
+            error_at_line(&e, ERROR_BAD_WORK, xml_walk_line(w), xml_walk_column(w),
+                          "%.100s: a book may have %d items: the rest is left out", p->opf, ITEMS_MAX);
+            build_problem(p->b, &e, true);
+        }
+        p->too_many = true;
+        return;
     }
-    if (!strcmp(name, "itemref") && p->spine_count < ITEMS_MAX) {
+    if (item) {
+        p->items = mem_grow(p->items, &p->item_cap, p->item_count + 1, sizeof *p->items);
+        p->items[p->item_count++] = (struct manifest_item){
+            copy(xml_attribute(attributes, "id")), copy(xml_attribute(attributes, "href")),
+            copy(xml_attribute(attributes, "media-type")), xml_walk_line(w), xml_walk_column(w)};
+    }
+    if (itemref) {
         p->spine = mem_grow(p->spine, &p->spine_cap, p->spine_count + 1, sizeof *p->spine);
-        p->spine[p->spine_count++] = copy(xml_attribute(attributes, "idref"));
+        p->spine[p->spine_count++] = (struct spine_item){copy(xml_attribute(attributes, "idref")),
+                                                         xml_walk_line(w), xml_walk_column(w)};
     }
 }
 
@@ -157,25 +191,89 @@ static char *resolve(const struct package *p, const char *href) {
     return (char *)out.data;
 }
 
+static int compare_items(const void *a, const void *b) {
+    return strcmp(((const struct manifest_item *)a)->id, ((const struct manifest_item *)b)->id);
+}
+
+/* A problem of the package, where it refers to what is wrong. */
+static void tell(struct package *p, const struct spine_item *ref, bool serious, const char *format,
+                 const char *what) {
+    struct error e, why;
+    error_set(&why, ERROR_BAD_WORK, format, what);
+    error_at_line(&e, why.code, ref->line, ref->column, "%.60s: %.180s", p->opf, why.message);
+    build_problem(p->b, &e, serious);
+}
+
+/* Where among the sorted paths that one is, or would be. */
+static size_t place_of(const struct package *p, const char *path, bool *there) {
+    size_t low = 0, high = p->read_count;
+    while (low < high) {
+        size_t middle = (low + high) / 2;
+        if (strcmp(p->read[middle], path) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    *there = low < p->read_count && !strcmp(p->read[low], path);
+    return low;
+}
+
+/* Each document is read once, however often it is referred to. Takes the path. */
+static bool is_new(struct package *p, const struct spine_item *ref, char *path) {
+    bool there;
+    size_t at = place_of(p, path, &there);
+    if (there) {
+        if (!p->told_again)
+            tell(p, ref, false, "'%.100s' is in the spine again: each document is read once", path);
+        p->told_again = true;
+        free(path);
+        return false;
+    }
+    p->read = mem_grow(p->read, &p->read_cap, p->read_count + 1, sizeof *p->read);
+    memmove(p->read + at + 1, p->read + at, (p->read_count - at) * sizeof *p->read);
+    p->read[at] = path;
+    p->read_count++;
+    return true;
+}
+
+static bool is_text(const char *type) {
+    static const char *const types[] = {"application/xhtml+xml",    "text/html",
+                                        "text/x-oeb1-document",     "image/svg+xml",
+                                        "application/x-dtbook+xml", NULL};
+    return xml_is_one(type, types);
+}
+
 /* What is wrong in one document costs that document. */
-static void read_document(struct package *p, const char *id) {
+static void read_document(struct package *p, const struct spine_item *ref) {
     struct error e, told;
     struct buf data = {0};
-    for (size_t i = 0; i < p->item_count; i++) {
-        const struct manifest_item *item = &p->items[i];
-        if (strcmp(item->id, id) != 0 || strcmp(item->type, "application/xhtml+xml") != 0)
-            continue;
-        char *path = resolve(p, item->href);
-        if (get(p, path, &data, &e)) {
-            build_problem(p->b, &e, true);
-        } else if (xhtml_read((char *)data.data, data.size, path, p->b, &e)) {
-            error_at_line(&told, e.code, e.line, e.column, "%.100s: %.140s", path, e.message);
-            build_problem(p->b, &told, true);
-        }
-        free(path);
-        buf_free(&data);
+    const struct manifest_item key = {.id = ref->id};
+    const struct manifest_item *item =
+        p->item_count ? bsearch(&key, p->items, p->item_count, sizeof key, compare_items) : NULL;
+    if (!item) {
+        tell(p, ref, true, "the spine refers to '%.80s', which is no item", ref->id);
         return;
     }
+    if (!is_text(item->type)) {
+        tell(p, ref, false, "'%.100s' is no text: it is left out", item->href);
+        return;
+    }
+    char *path = resolve(p, item->href);
+    if (normalise(path, &e)) {
+        error_at_line(&told, e.code, item->line, item->column, "%.60s: %.180s", p->opf, e.message);
+        build_problem(p->b, &told, true);
+        free(path);
+        return;
+    }
+    if (!is_new(p, ref, path))
+        return;
+    if (get(p, path, &data, &e)) {
+        build_problem(p->b, &e, true);
+    } else if (xhtml_read((char *)data.data, data.size, path, p->b, &e)) {
+        error_at_line(&told, e.code, e.line, e.column, "%.100s: %.140s", path, e.message);
+        build_problem(p->b, &told, true);
+    }
+    buf_free(&data);
 }
 
 static int read_package(struct package *p, struct error *e) {
@@ -188,19 +286,30 @@ static int read_package(struct package *p, struct error *e) {
     if (!result && !p->opf)
         result = error_set(e, ERROR_BAD_WORK, "the container names no package");
     if (!result)
-        result =
-            get(p, p->opf, &data, e) || xml_walk(&package, data.size ? (char *)data.data : "", data.size, e);
+        result = normalise(p->opf, e) || get(p, p->opf, &data, e) ||
+                 xml_walk(&package, data.size ? (char *)data.data : "", data.size, e);
     buf_free(&data);
+    if (p->item_count)
+        qsort(p->items, p->item_count, sizeof *p->items, compare_items);
     for (size_t i = 0; !result && i < p->spine_count && !p->b->stopped; i++)
-        read_document(p, p->spine[i]);
+        read_document(p, &p->spine[i]);
     return result ? -1 : 0;
 }
 
-int epub_read(const char *path, struct work_meta *meta, struct builder *b, struct error *e) {
+/* libzip closes the descriptor that it is given. */
+static struct zip *open_zip(int fd, int *why) {
+    int own = dup(fd);
+    struct zip *zip = own >= 0 ? zip_fdopen(own, 0, why) : NULL;
+    if (!zip && own >= 0)
+        close(own);
+    return zip;
+}
+
+int epub_read(int fd, struct work_meta *meta, struct builder *b, struct error *e) {
     struct package p = {.b = b, .meta = meta, .left = WORK_ARCHIVE_BYTES_MAX};
     int why = 0, result;
     meta->format = "epub";
-    p.zip = zip_open(path, ZIP_RDONLY, &why);
+    p.zip = open_zip(fd, &why);
     if (!p.zip) {
         zip_error_t text;
         zip_error_init_with_code(&text, why);
@@ -219,7 +328,10 @@ int epub_read(const char *path, struct work_meta *meta, struct builder *b, struc
         free(p.items[i].type);
     }
     for (size_t i = 0; i < p.spine_count; i++)
-        free(p.spine[i]);
+        free(p.spine[i].id);
+    for (size_t i = 0; i < p.read_count; i++)
+        free(p.read[i]);
+    free(p.read);
     free(p.items);
     free(p.spine);
     free(p.opf);

@@ -7,16 +7,12 @@ static const char *const kinds[] = {
     [BLOCK_HEAD] = "head", [BLOCK_PARAGRAPH] = "paragraph", [BLOCK_VERSE] = "verse",
     [BLOCK_NOTE] = "note", [BLOCK_SPEAKER] = "speaker",     [BLOCK_STAGE] = "stage",
     [BLOCK_PAGE] = "page"};
-static const char *const marks[] = {[MARK_EMPHASIS] = "emphasis",
-                                    [MARK_FOREIGN] = "foreign",
-                                    [MARK_NAME] = "name",
-                                    [MARK_NOTE] = "note",
-                                    [MARK_PAGE] = "page"};
-static const char *const values[] = {[MARK_EMPHASIS] = "value",
-                                     [MARK_FOREIGN] = "lang",
-                                     [MARK_NAME] = "value",
-                                     [MARK_NOTE] = "note",
-                                     [MARK_PAGE] = "n"};
+static const char *const marks[] = {
+    [MARK_EMPHASIS] = "emphasis", [MARK_FOREIGN] = "foreign", [MARK_NAME] = "name",
+    [MARK_NOTE] = "note",         [MARK_PAGE] = "page",       [MARK_STAGE] = "stage"};
+static const char *const values[] = {
+    [MARK_EMPHASIS] = "value", [MARK_FOREIGN] = "lang", [MARK_NAME] = "value",
+    [MARK_NOTE] = "note",      [MARK_PAGE] = "n",       [MARK_STAGE] = "value"};
 
 static void add_marks(json_t *shape, const struct block *b) {
     json_t *list = json_array();

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/library_files.h"
+#include "server/base/beneath.h"
 #include "server/base/mem.h"
 #include "server/library/words.h"
 #include "server/library/work.h"
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <openssl/evp.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -30,46 +32,59 @@ static bool is_sound(const char *path) {
     return dot && *ending;
 }
 
-static void add(struct library_files *files, const char *path, const struct stat *info) {
-    const struct library_file file = {mem_strdup(path), info->st_size,
-                                      (int64_t)info->st_mtim.tv_sec * 1000000000 + info->st_mtim.tv_nsec};
-    if (work_is(path)) {
-        files->list = mem_grow(files->list, &files->cap, files->count + 1, sizeof *files->list);
-        files->list[files->count++] = file;
-    } else if (is_sound(path)) {
-        files->sounds =
-            mem_grow(files->sounds, &files->sound_cap, files->sound_count + 1, sizeof *files->sounds);
-        files->sounds[files->sound_count++] = file;
-    } else {
-        free(file.path);
-    }
+static void add_to(struct library_file **list, size_t *count, size_t *cap, struct library_file file) {
+    *list = mem_grow(*list, cap, *count + 1, sizeof **list);
+    (*list)[(*count)++] = file;
 }
 
-/* Folders below that cannot be read are passed over: the rest of the library goes on. */
-static int walk(struct library_files *files, const char *folder, const char *below, int depth,
-                struct error *e) {
-    char *full = library_file_path(folder, below);
-    DIR *dir = opendir(full);
-    if (!dir && !depth)
-        error_set(e, ERROR_BAD_WORK, "%.150s: %.80s", full, strerror(errno));
-    for (struct dirent *entry; dir && (entry = readdir(dir));) {
+static void add(struct library_files *files, const char *path, const struct stat *info, bool outside) {
+    const struct library_file file = {mem_strdup(path), info->st_size,
+                                      (int64_t)info->st_mtim.tv_sec * 1000000000 + info->st_mtim.tv_nsec,
+                                      outside};
+    if (work_is(path) || outside)
+        add_to(&files->list, &files->count, &files->cap, file);
+    else if (is_sound(path))
+        add_to(&files->sounds, &files->sound_count, &files->sound_cap, file);
+    else
+        free(file.path);
+}
+
+/* A link to a file counts where it stays in the folder. One to a folder is not followed: inside, that folder
+ * is walked at its own place. */
+static void add_link(struct library_files *files, int root, const char *path, struct stat *info) {
+    struct stat target;
+    int fd = beneath_open_at(root, path, O_RDONLY), why = errno;
+    if (fd >= 0 && !fstat(fd, &target) && S_ISREG(target.st_mode))
+        add(files, path, &target, false);
+    else if (fd < 0 && beneath_is_outside(why) && !fstatat(root, path, &target, 0) &&
+             (S_ISDIR(target.st_mode) || work_is(path)))
+        add(files, path, info, true);
+    if (fd >= 0)
+        close(fd);
+}
+
+/* Takes dir. Folders below that cannot be read are passed over: the rest of the library goes on. */
+static void walk(struct library_files *files, int root, DIR *dir, const char *below, int depth) {
+    for (struct dirent *entry; (entry = readdir(dir));) {
         struct stat info;
-        if (entry->d_name[0] == '.')
+        if (entry->d_name[0] == '.' || fstatat(dirfd(dir), entry->d_name, &info, AT_SYMLINK_NOFOLLOW))
             continue;
-        char *path = library_file_path(below, entry->d_name), *whole = library_file_path(folder, path);
-        if (!stat(whole, &info)) {
-            if (S_ISDIR(info.st_mode) && depth < FOLDER_DEPTH_MAX)
-                walk(files, folder, path, depth + 1, e);
-            else if (S_ISREG(info.st_mode))
-                add(files, path, &info);
+        char *path = library_file_path(below, entry->d_name);
+        if (S_ISDIR(info.st_mode) && depth < FOLDER_DEPTH_MAX) {
+            int fd = openat(dirfd(dir), entry->d_name, O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
+            DIR *next = fd >= 0 ? fdopendir(fd) : NULL;
+            if (next)
+                walk(files, root, next, path, depth + 1);
+            else if (fd >= 0)
+                close(fd);
+        } else if (S_ISREG(info.st_mode)) {
+            add(files, path, &info, false);
+        } else if (S_ISLNK(info.st_mode)) {
+            add_link(files, root, path, &info);
         }
         free(path);
-        free(whole);
     }
-    free(full);
-    if (dir)
-        closedir(dir);
-    return dir || depth ? 0 : -1;
+    closedir(dir);
 }
 
 static int compare(const void *a, const void *b) {
@@ -77,7 +92,16 @@ static int compare(const void *a, const void *b) {
 }
 
 int library_files_list(struct library_files *files, const char *folder, struct error *e) {
-    int result = walk(files, folder, "", 0, e);
+    int root = open(folder, O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    int fd = root >= 0 ? openat(root, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC) : -1;
+    DIR *dir = fd >= 0 ? fdopendir(fd) : NULL;
+    int result = dir ? 0 : error_set(e, ERROR_BAD_WORK, "%.150s: %.80s", folder, strerror(errno));
+    if (dir)
+        walk(files, root, dir, "", 0);
+    else if (fd >= 0)
+        close(fd);
+    if (root >= 0)
+        close(root);
     if (files->count)
         qsort(files->list, files->count, sizeof *files->list, compare);
     if (files->sound_count)
@@ -115,10 +139,10 @@ const struct library_file *library_files_sound(const struct library_files *files
     return found;
 }
 
-bool library_file_hash(const char *path, char out[65]) {
+bool library_file_hash(const char *folder, const char *path, char out[65]) {
     unsigned char data[65536], digest[32];
     unsigned length = 0;
-    FILE *file = fopen(path, "rb");
+    FILE *file = folder ? beneath_file(folder, path) : fopen(path, "rb");
     EVP_MD_CTX *context = EVP_MD_CTX_new();
     size_t got;
     EVP_DigestInit_ex(context, EVP_sha256(), NULL);
@@ -152,18 +176,36 @@ void library_file_name(const char *path, bool with_ending, char out[64]) {
         memcpy(out, "work", 5);
 }
 
-bool library_file_sound(const char *path, char out[PATH_MAX]) {
+/* The path that the kernel knows an open file by: the links on the way to it are resolved. */
+static bool path_of(int fd, char out[PATH_MAX]) {
+    char link[32];
+    snprintf(link, sizeof link, "/proc/self/fd/%d", fd);
+    ssize_t length = readlink(link, out, PATH_MAX - 1);
+    out[length < 0 ? 0 : length] = '\0';
+    return *out == '/';
+}
+
+bool library_file_beside(const char *folder, const char *path, const char *ending, char out[PATH_MAX]) {
     const char *dot = strrchr(path, '.');
     char file[PATH_MAX];
-    for (const char *const *ending = sound_endings; dot && *ending; ending++) {
-        bool fits = snprintf(file, sizeof file, "%.*s%s", (int)(dot - path), path, *ending) < PATH_MAX;
-        if (fits && !access(file, R_OK) && realpath(file, out))
+    struct stat info;
+    if (!dot || snprintf(file, sizeof file, "%.*s%s", (int)(dot - path), path, ending) >= (int)sizeof file)
+        return false;
+    int fd = beneath_open(folder, file, O_RDONLY);
+    bool found = fd >= 0 && !fstat(fd, &info) && S_ISREG(info.st_mode) && path_of(fd, out);
+    if (fd >= 0)
+        close(fd);
+    return found;
+}
+
+bool library_file_sound(const char *folder, const char *path, char out[PATH_MAX]) {
+    for (const char *const *ending = sound_endings; *ending; ending++)
+        if (library_file_beside(folder, path, *ending, out))
             return true;
-    }
     return false;
 }
 
-bool library_file_has_sound(const char *path) {
+bool library_file_has_sound(const char *folder, const char *path) {
     char sound[PATH_MAX];
-    return library_file_sound(path, sound);
+    return library_file_sound(folder, path, sound);
 }

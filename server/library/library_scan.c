@@ -71,12 +71,11 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
     struct taking t = {.pass = p, .path = path, .name = file->work, .meta = {.lang = mem_strdup(l->lang)}};
     const struct work_sink sink = {&t, on_section, on_problem};
     struct error why;
-    char *full = library_file_path(l->folder, path);
     if (index_remove(&p->writer, path, e))
         t.failed = true;
     choose_name(&p->writer, path, file->work);
     int64_t first = p->writer.next;
-    int result = t.failed ? -1 : work_read(full, &t.meta, &sink, &why);
+    int result = t.failed ? -1 : work_read(l->folder, path, &t.meta, &sink, &why);
     bool some = p->writer.next > first;
     if (!t.failed && result)
         t.failed = index_add_problem(&p->writer, path, &why, true, &t.error);
@@ -85,7 +84,7 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
         library_file_name(path, false, title);
         work_meta_set(&t.meta.title, title);
         t.failed = index_add_work(&p->writer, file->work, path, file->hash, &t.meta, first,
-                                  library_file_has_sound(full), &t.error);
+                                  library_file_has_sound(l->folder, path), &t.error);
     }
     if (!some)
         file->work[0] = '\0';
@@ -94,8 +93,18 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
     if (t.failed)
         *e = t.error;
     work_meta_free(&t.meta);
-    free(full);
     return t.failed ? -1 : 0;
+}
+
+/* A link that leads outside: told of, and not read. */
+static int refuse(struct pass *p, const char *path, struct index_file *file, struct error *e) {
+    struct error why;
+    error_set(&why, ERROR_BAD_WORK, "%s", WORK_OUTSIDE);
+    file->work[0] = '\0';
+    return index_remove(&p->writer, path, e) || index_add_problem(&p->writer, path, &why, true, e) ||
+                   index_file_set(&p->writer, path, file, e)
+               ? -1
+               : 0;
 }
 
 /* Only what has changed in size or time is looked into, and only what is another text is read. */
@@ -105,15 +114,15 @@ static int look(struct pass *p, const struct library_file *f, struct error *e) {
     bool there = index_file_get(&p->writer, f->path, &known);
     if (there && known.size == f->size && known.modified == f->modified)
         return 0;
-    char *full = library_file_path(p->library->folder, f->path);
-    bool hashed = library_file_hash(full, hash);
-    free(full);
+    bool hashed = !f->outside && library_file_hash(p->library->folder, f->path, hash);
     bool same = there && hashed && !strcmp(hash, known.hash);
     known.size = f->size;
     known.modified = f->modified;
     snprintf(known.hash, sizeof known.hash, "%s", hashed ? hash : "");
     if (index_begin(&p->writer, e))
         return -1;
+    if (f->outside)
+        return refuse(p, f->path, &known, e);
     return same ? index_file_set(&p->writer, f->path, &known, e) : take(p, f->path, &known, e);
 }
 

@@ -6,12 +6,13 @@
 
 #include "server/library/builder.h"
 
-/* TEI P5: teiHeader; text, front, body, back, div, head, p, ab, list, item, lg, l, sp, speaker, stage, note,
- * pb, lb, foreign, names, emphasis, choice (as regularised), app (its lemma), gap. */
+/* TEI P5 and P4: teiHeader; text, front, body, back, div, head, p, ab, list, item, lg, l, sp, speaker, stage,
+ * note, pb, lb, foreign, names, emphasis, w, pc, gap; of choice and app one child: what is corrected,
+ * regularised, expanded, the lemma, else the first. */
 int tei_read(const char *data, size_t size, struct work_meta *meta, struct builder *builder, struct error *e);
 
-/* EPUB 2 and 3: the package's metadata, the documents of its spine. */
-int epub_read(const char *path, struct work_meta *meta, struct builder *builder, struct error *e);
+/* EPUB 2 and 3: the package's metadata, the documents of its spine, each once. fd stays the caller's. */
+int epub_read(int fd, struct work_meta *meta, struct builder *builder, struct error *e);
 
 /* One XHTML document of an EPUB. Its problems name the file within. */
 int xhtml_read(const char *data, size_t size, const char *name, struct builder *builder, struct error *e);

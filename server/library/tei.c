@@ -20,41 +20,104 @@ static void tell_unknown(struct tei *t, const struct xml_walk *w, const char *na
     build_problem(t->b, &e, false);
 }
 
+/* A stretch in another language than what is around it. */
+static void start_foreign(struct tei *t, struct tei_frame *f) {
+    build_mark(t->b, MARK_FOREIGN, *f->lang ? f->lang : NULL);
+    f->foreign = true;
+}
+
+static bool is_no(const char **attributes, const char *name) {
+    const char *value = xml_attribute(attributes, name);
+    return value && !strcmp(value, "no");
+}
+
 static void start_inline(struct tei *t, struct tei_frame *f, const char **attributes) {
     struct builder *b = t->b;
     if (!build_is_open(b))
         return;
-    f->opened = f->act == ACT_EMPHASIS || f->act == ACT_NAME || f->act == ACT_FOREIGN;
+    f->opened = f->act == ACT_EMPHASIS || f->act == ACT_NAME;
     if (f->act == ACT_EMPHASIS)
         build_mark(b, MARK_EMPHASIS, NULL);
     else if (f->act == ACT_NAME)
         build_mark(b, MARK_NAME, NULL);
-    else if (f->act == ACT_FOREIGN)
-        build_mark(b, MARK_FOREIGN, xml_attribute(attributes, "lang"));
-    else if (f->act == ACT_BREAK && xml_attribute(attributes, "break"))
-        ; /* inside a word: nothing is between its parts */
-    else if (f->act == ACT_BREAK)
+    else if (f->act == ACT_FOREIGN && !f->foreign)
+        build_mark(b, MARK_FOREIGN, NULL), f->foreign = true;
+    else if (f->act == ACT_BREAK || (f->act == ACT_COLUMN && is_no(attributes, "break")))
+        build_break(b, is_no(attributes, "break"));
+    else if (f->act == ACT_SPACE && is_no(attributes, "break"))
+        build_break(b, true);
+    else if (f->act == ACT_SPACE)
         build_text(b, " ", 1);
     else if (f->act == ACT_GAP)
         build_text(b, "[…]", strlen("[…]"));
 }
 
-/* In a note all that would be a block of its own is a line. */
+/* Words of a text that is cut into words have white space between them where they do not say otherwise. */
+static void start_word(struct tei *t, const struct tei_frame *f, const char **attributes) {
+    const char *join = xml_attribute(attributes, "join"), *part = xml_attribute(attributes, "part");
+    bool joins = join && (!strcmp(join, "left") || !strcmp(join, "both"));
+    bool goes_on = part && (*part == 'F' || *part == 'M');
+    if (f->act == ACT_WORD && t->after == AFTER_WORD && !joins && !t->joins && !goes_on)
+        build_text(t->b, " ", 1);
+    if (f->act == ACT_WORD && t->after == AFTER_POINT && !joins && !t->joins && build_is_open(t->b)) {
+        const struct buf *text = &build_top(t->b)->text;
+        if (text->size && strchr(".,;:!?)]", text->data[text->size - 1]))
+            build_text(t->b, " ", 1);
+    }
+}
+
+static void end_word(struct tei *t, const struct tei_frame *f) {
+    t->after = f->act == ACT_WORD ? AFTER_WORD : AFTER_POINT;
+    t->joins = f->opened;
+}
+
+/* In a note, and in a stretch of a line, all that would be a block of its own is a line. */
 static bool in_inset(const struct tei *t) {
-    return build_is_open(t->b) && (build_kind(t->b) == BLOCK_NOTE || build_kind(t->b) == BLOCK_STAGE);
+    return build_is_open(t->b) &&
+           (t->asides || build_kind(t->b) == BLOCK_NOTE || build_kind(t->b) == BLOCK_STAGE);
+}
+
+/* Is a block open, and in verse a line of it? */
+static bool in_line(const struct tei *t) {
+    const struct block *block = build_top(t->b);
+    return block && (block->kind != BLOCK_VERSE || t->line);
+}
+
+/* A stage direction inside what somebody says stays there; a figure's title likewise. Between two lines it
+ * stands for itself. */
+static bool start_aside(struct tei *t, struct tei_frame *f) {
+    if (!in_line(t))
+        return false;
+    build_apart(t->b);
+    if (f->act == ACT_STAGE && build_kind(t->b) != BLOCK_STAGE) {
+        build_mark(t->b, MARK_STAGE, NULL);
+        f->opened = true;
+    }
+    f->aside = true;
+    t->asides++;
+    return true;
 }
 
 static void start_block(struct tei *t, struct tei_frame *f, const char **attributes) {
     struct builder *b = t->b;
     const char *n = xml_attribute(attributes, "n"), *rend = xml_attribute(attributes, "rend");
+    if (t->asides && f->act != ACT_NOTE) {
+        build_apart(b);
+        return;
+    }
     if (in_inset(t) && f->act != ACT_NOTE && f->act != ACT_STAGE) {
         build_newline(b);
         return;
     }
+    if (f->act == ACT_STAGE && start_aside(t, f))
+        return;
+    struct block *top = build_top(b);
+    if (f->act == ACT_PARAGRAPH && top && top->item && !top->text.size)
+        return; /* it is all that the item has, or its beginning */
     f->opened = true;
     switch (f->act) {
     case ACT_HEAD:
-        build_block(b, BLOCK_HEAD);
+        build_block(b, t->figures ? BLOCK_PARAGRAPH : BLOCK_HEAD);
         break;
     case ACT_PARAGRAPH:
     case ACT_ITEM:
@@ -66,15 +129,113 @@ static void start_block(struct tei *t, struct tei_frame *f, const char **attribu
         break;
     case ACT_LINE:
         build_line(b, n, rend && strstr(rend, "indent"));
+        t->line = true;
         break;
     case ACT_SPEAKER:
         build_block(b, BLOCK_SPEAKER);
         break;
     case ACT_STAGE:
-        build_inset(b, BLOCK_STAGE, NULL);
+        build_block(b, BLOCK_STAGE);
         break;
     default:
         build_inset(b, BLOCK_NOTE, n);
+    }
+}
+
+/* The language of the work is that of its text, else of the document; what nobody says is inherited. */
+static void set_lang(struct tei *t, struct tei_frame *f, const char *name, const char *lang) {
+    snprintf(f->lang, sizeof f->lang, "%s", lang ? lang : (f - 1)->lang);
+    t->b->lang = f->lang;
+    if (f->act == ACT_ROOT && lang && (!*t->frames[1].lang || (!strcmp(name, "text") && !t->text_lang))) {
+        memmove(t->frames[1].lang, f->lang, sizeof f->lang);
+        t->text_lang = !strcmp(name, "text");
+    }
+}
+
+/* The alternative that is not read is skipped. */
+static void choose(struct tei *t, struct tei_frame *f, const struct xml_walk *w, const char *name) {
+    struct tei_frame *up = f - 1;
+    if (f->act == ACT_CHOICE) {
+        f->chosen = t->choice < t->outline.count ? t->outline.choices[t->choice] : 0;
+        t->choice++;
+    }
+    if (up->act != ACT_CHOICE)
+        return;
+    bool rdg = !strcmp(name, "rdg") && up->child == up->chosen && !t->skip && !t->header;
+    if (up->child++ != up->chosen)
+        f->act = ACT_SKIP;
+    if (rdg && !t->told_reading) {
+        struct error e;
+        t->told_reading = true;
+        error_at_line(&e, ERROR_UNKNOWN_ELEMENT, xml_walk_line(w), xml_walk_column(w),
+                      "<app> without <lem>: its first reading is read, here and elsewhere");
+        build_problem(t->b, &e, false);
+    }
+}
+
+static bool is_inline(enum tei_act act) {
+    return act == ACT_PASS || act == ACT_UNKNOWN || (act >= ACT_EMPHASIS && act <= ACT_NAME) ||
+           act >= ACT_CHOICE;
+}
+
+static void start_other(struct tei *t, struct tei_frame *f, const struct xml_walk *w, const char *name,
+                        const char **attributes) {
+    const char *target;
+    switch (f->act) {
+    case ACT_BODY:
+        f->opened = !t->bodies++; /* not that of a floating text */
+        if (f->opened)
+            build_section(t->b, 1);
+        break;
+    case ACT_DIV:
+        build_section(t->b, ++t->divs);
+        break;
+    case ACT_SPEECH:
+        build_end(t->b);
+        break;
+    case ACT_PAGE:
+        if (is_no(attributes, "break"))
+            build_break(t->b, true);
+        build_page(t->b, xml_attribute(attributes, "n"));
+        break;
+    case ACT_EMPHASIS:
+    case ACT_NAME:
+    case ACT_FOREIGN:
+    case ACT_BREAK:
+    case ACT_COLUMN:
+    case ACT_SPACE:
+    case ACT_GAP:
+        start_inline(t, f, attributes);
+        break;
+    case ACT_UNKNOWN:
+        tell_unknown(t, w, name);
+        break;
+    case ACT_EXPANSION:
+        t->expansions++;
+        break;
+    case ACT_WORD:
+    case ACT_POINT:
+        start_word(t, f, attributes);
+        target = xml_attribute(attributes, "join");
+        f->opened = target && (!strcmp(target, "right") || !strcmp(target, "both"));
+        break;
+    case ACT_REFERENCE:
+        target = xml_attribute(attributes, "target");
+        f->opened =
+            target && *target == '#' && build_is_open(t->b) && tei_outline_has_note(&t->outline, target + 1);
+        f->from = build_is_open(t->b) ? build_top(t->b)->text.size : 0;
+        break;
+    case ACT_FIGURE:
+        t->figures++;
+        start_aside(t, f);
+        break;
+    case ACT_ROOT:
+    case ACT_PASS:
+    case ACT_CHOICE:
+    case ACT_SIGN:
+        break;
+    default:
+        start_block(t, f, attributes);
     }
 }
 
@@ -83,15 +244,19 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
     struct tei_frame *f = &t->frames[w->depth];
     const char *lang = xml_attribute(attributes, "lang");
     *f = (struct tei_frame){.act = tei_act_of(name)};
-    snprintf(f->lang, sizeof f->lang, "%s", lang && *lang ? lang : t->frames[w->depth - 1].lang);
-    t->b->lang = f->lang;
+    lang = lang && *lang ? lang : NULL;
     if (w->depth == 1)
         t->is_tei = f->act == ACT_ROOT;
+    choose(t, f, w, name);
+    if (f->act == ACT_SIGN && t->expansions)
+        f->act = ACT_SKIP;
     if (t->skip || f->act == ACT_SKIP) {
+        memcpy(f->lang, (f - 1)->lang, sizeof f->lang);
         f->act = ACT_SKIP;
         t->skip++;
         return;
     }
+    set_lang(t, f, name, t->header || f->act == ACT_HEADER ? NULL : lang);
     if (t->header || f->act == ACT_HEADER) {
         f->act = ACT_HEADER;
         t->header++;
@@ -101,50 +266,41 @@ static void on_start(struct xml_walk *w, const char *name, const char **attribut
         tei_header_start(t, w, name, attributes);
         return;
     }
-    switch (f->act) {
-    case ACT_ROOT:
-        if (*f->lang && !*t->frames[1].lang)
-            memcpy(t->frames[1].lang, f->lang, sizeof f->lang);
-        break;
-    case ACT_BODY:
-        t->bodies++;
-        build_section(t->b, 1);
-        break;
-    case ACT_DIV:
-        build_section(t->b, ++t->divs);
-        break;
-    case ACT_SPEECH:
-        build_end(t->b);
-        break;
-    case ACT_PAGE:
-        build_page(t->b, xml_attribute(attributes, "n"));
-        break;
-    case ACT_EMPHASIS:
-    case ACT_NAME:
-    case ACT_FOREIGN:
-    case ACT_BREAK:
-    case ACT_GAP:
-        start_inline(t, f, attributes);
-        break;
-    case ACT_UNKNOWN:
-        tell_unknown(t, w, name);
-        break;
-    case ACT_PASS:
-        break;
-    default:
-        start_block(t, f, attributes);
+    if (lang && is_inline(f->act) && in_line(t) && strcmp(lang, (f - 1)->lang) != 0)
+        start_foreign(t, f);
+    start_other(t, f, w, name, attributes);
+    if (f->act == ACT_LINE && f->opened && build_is_open(t->b)) { /* the block may have begun in another */
+        const char *around = build_top(t->b)->lang;
+        if (*f->lang && strcmp(f->lang, around ? around : "") != 0)
+            start_foreign(t, f);
     }
+    if (f->act != ACT_WORD && f->act != ACT_POINT && f->act != ACT_PASS)
+        t->after = AFTER_TEXT;
+}
+
+/* The name of who speaks: without a stage direction beside it. */
+static char *name_of(const struct block *block) {
+    struct buf text = {0};
+    block_spoken(block, &text);
+    size_t size = text.size, from = 0;
+    while (from < size && text.data[from] == ' ')
+        from++;
+    while (size > from && (text.data[size - 1] == ' ' || text.data[size - 1] == '\n'))
+        size--;
+    char *name = mem_strndup(text.size ? (char *)text.data + from : "", size - from);
+    buf_free(&text);
+    return name;
 }
 
 static void end_block(struct tei *t, const struct tei_frame *f) {
     struct builder *b = t->b;
     if (f->act == ACT_LINE) {
         build_line_end(b);
-    } else if (f->act == ACT_NOTE || f->act == ACT_STAGE) {
+        t->line = false;
+    } else if (f->act == ACT_NOTE) {
         build_inset_end(b);
     } else if (f->act == ACT_SPEAKER && build_is_open(b)) {
-        const struct buf *text = &build_top(b)->text;
-        char *who = mem_strndup(text->size ? (char *)text->data : "", text->size);
+        char *who = name_of(build_top(b));
         build_end(b);
         build_speaker(b, who);
         free(who);
@@ -153,20 +309,27 @@ static void end_block(struct tei *t, const struct tei_frame *f) {
     }
 }
 
-static void on_end(struct xml_walk *w, const char *name) {
-    struct tei *t = w->ctx;
-    struct tei_frame *f = &t->frames[w->depth];
+/* Figures, stars and what stands in brackets: the sign of a note, not a word of the text. */
+static bool is_sign(const char *text, size_t size) {
+    size_t letters = 0;
+    for (size_t i = 0; i < size; i++)
+        letters += (text[i] | 32) >= 'a' && (text[i] | 32) <= 'z';
+    return size <= 12 && letters <= 1;
+}
+
+static void end_reference(struct tei *t, const struct tei_frame *f) {
+    const struct block *block = build_top(t->b);
+    if (f->opened && block && block->text.size > f->from &&
+        is_sign((char *)block->text.data + f->from, block->text.size - f->from))
+        build_cut(t->b, f->from);
+}
+
+static void end_other(struct tei *t, const struct tei_frame *f) {
     switch (f->act) {
-    case ACT_SKIP:
-        t->skip--;
-        break;
-    case ACT_HEADER:
-        tei_header_end(t, w, name);
-        t->header--;
-        break;
     case ACT_BODY:
-        build_section(t->b, 1);
         t->bodies--;
+        if (f->opened)
+            build_section(t->b, 1);
         break;
     case ACT_DIV:
         t->divs--;
@@ -176,17 +339,51 @@ static void on_end(struct xml_walk *w, const char *name) {
         build_end(t->b);
         build_speaker(t->b, NULL);
         break;
+    case ACT_EXPANSION:
+        t->expansions--;
+        break;
+    case ACT_FIGURE:
+        t->figures--;
+        break;
+    case ACT_WORD:
+    case ACT_POINT:
+        end_word(t, f);
+        break;
+    case ACT_REFERENCE:
+        end_reference(t, f);
+        break;
     case ACT_EMPHASIS:
     case ACT_NAME:
-    case ACT_FOREIGN:
         if (f->opened)
-            build_mark_end(t->b, f->act == ACT_EMPHASIS ? MARK_EMPHASIS
-                                 : f->act == ACT_NAME   ? MARK_NAME
-                                                        : MARK_FOREIGN);
+            build_mark_end(t->b, f->act == ACT_EMPHASIS ? MARK_EMPHASIS : MARK_NAME);
         break;
     default:
         if (f->opened)
             end_block(t, f);
+    }
+}
+
+static void on_end(struct xml_walk *w, const char *name) {
+    struct tei *t = w->ctx;
+    struct tei_frame *f = &t->frames[w->depth];
+    if (f->act == ACT_SKIP) {
+        t->skip--;
+    } else if (f->act == ACT_HEADER) {
+        tei_header_end(t, w, name);
+        t->header--;
+    } else {
+        if (f->foreign)
+            build_mark_end(t->b, MARK_FOREIGN);
+        if (f->aside) {
+            if (f->opened)
+                build_mark_end(t->b, MARK_STAGE);
+            build_apart(t->b);
+            t->asides--;
+            f->opened = false;
+        }
+        end_other(t, f);
+        if (f->act != ACT_WORD && f->act != ACT_POINT && f->act != ACT_PASS)
+            t->after = AFTER_TEXT;
     }
     t->b->lang = t->frames[w->depth - 1].lang;
 }
@@ -196,23 +393,29 @@ static void on_text(struct xml_walk *w, const char *text, size_t size) {
     if (t->skip)
         return;
     if (t->header) {
-        if (t->wanted && t->capture.size + size < 4096)
-            buf_add(&t->capture, text, size);
+        tei_header_text(t, text, size);
         return;
     }
-    if (!build_is_open(t->b) && t->bodies) {
+    if ((!build_is_open(t->b) || (build_kind(t->b) == BLOCK_VERSE && !t->line)) && t->bodies) {
         size_t i = 0;
         while (i < size && strchr(" \t\r\n", text[i]))
             i++;
         if (i < size)
             build_block(t->b, BLOCK_PARAGRAPH);
     }
+    t->after = AFTER_TEXT;
     build_text(t->b, text, size);
 }
 
 static void on_entity(struct xml_walk *w, const char *name) {
     struct tei *t = w->ctx;
     struct error e;
+    char text[ENTITY_BYTES_MAX];
+    size_t size = xml_entity(name, text);
+    if (size) {
+        on_text(w, text, size);
+        return;
+    }
     error_at_line(&e, ERROR_ENTITY, xml_walk_line(w), xml_walk_column(w),
                   "&%.60s; is not declared in the file: it is left out", name);
     build_problem(t->b, &e, false);
@@ -220,9 +423,17 @@ static void on_entity(struct xml_walk *w, const char *name) {
 
 int tei_read(const char *data, size_t size, struct work_meta *meta, struct builder *b, struct error *e) {
     struct tei *t = mem_alloc(sizeof *t);
-    struct xml_walk walk = {.ctx = t, .start = on_start, .end = on_end, .text = on_text, .entity = on_entity};
+    struct xml_walk walk = {.ctx = t,
+                            .start = on_start,
+                            .end = on_end,
+                            .text = on_text,
+                            .entity = on_entity,
+                            .stop = &b->stopped};
     t->b = b;
     t->meta = meta;
+    tei_outline_read(&t->outline, data, size);
+    b->where = xml_walk_where;
+    b->where_ctx = &walk;
     meta->format = "tei";
     int result = xml_walk(&walk, data, size, e);
     if (!result && !t->is_tei)
@@ -230,6 +441,10 @@ int tei_read(const char *data, size_t size, struct work_meta *meta, struct build
     while (build_is_open(b))
         build_end(b);
     b->lang = NULL;
+    b->where = NULL;
+    work_meta_set(&meta->date, t->first_date);
+    free(t->first_date);
+    tei_outline_free(&t->outline);
     if (*t->frames[1].lang) {
         free(meta->lang);
         meta->lang = mem_strdup(t->frames[1].lang);

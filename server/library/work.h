@@ -18,7 +18,8 @@ enum block_kind {
     BLOCK_PAGE,
 };
 
-enum mark_kind { MARK_EMPHASIS, MARK_FOREIGN, MARK_NAME, MARK_NOTE, MARK_PAGE };
+/* STAGE: a stage direction inside a speech, which is read and not spoken. */
+enum mark_kind { MARK_EMPHASIS, MARK_FOREIGN, MARK_NAME, MARK_NOTE, MARK_PAGE, MARK_STAGE };
 
 struct block_mark {
     enum mark_kind kind;
@@ -76,6 +77,9 @@ enum {
     WORK_DEPTH_MAX = 256,        /* of elements */
     SECTION_CHARACTERS = 100000, /* a longer one is continued in another */
     SECTIONS_MAX = 100000,
+    WORK_BYTES_MAX =
+        64 << 20,           /* of its text, blocks, lines and marks; the index takes about four times that */
+    WORK_SECONDS_MAX = 120, /* of processor time, indexing included */
     BLOCK_BYTES_MAX = 1 << 20, /* a longer one is continued in another */
     NOTE_DEPTH_MAX = 4,
     PROBLEMS_MAX = 50, /* told of a file */
@@ -86,13 +90,23 @@ void work_meta_free(struct work_meta *meta);
 /* Sets a text of the meta once: what came first stays. */
 void work_meta_set(char **field, const char *text);
 
+/* What is spoken of a block: its text with white space in place of stage directions, which has as many bytes
+ * and as many UTF-16 units as they have, so that places stay. */
+void block_spoken(const struct block *block, struct buf *out);
+
 void block_free(struct block *block);
 void section_free(struct section *section);
 
-/* Reads a file of any kind that is known by its ending (and, .xml, by its root): sections go to the sink.
+/* What is said of a link that is not followed. */
+#define WORK_OUTSIDE                                                                                         \
+    "a link that leads out of the library's folder is not followed (one within it is relative)"
+
+/* Reads a file below a folder (beneath.h), of any kind that is known by its ending (and, .xml, by its root):
+ * sections go to the sink.
  * Begins with meta zeroed but for lang, which is that of works that do not tell theirs. -1 with *e: it could
  * not be read, or not to its end; sections until then were given. */
-int work_read(const char *path, struct work_meta *meta, const struct work_sink *sink, struct error *e);
+int work_read(const char *folder, const char *path, struct work_meta *meta, const struct work_sink *sink,
+              struct error *e);
 
 /* Can the content of a file of that name be read, all of it? Of any kind but EPUB. -1 with *e: "bad-field" of
  * the name, "bad-work" with the first thing that is wrong. */

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Which reader a file is for. */
+#include "server/base/beneath.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/library/readers.h"
@@ -44,19 +45,14 @@ static void lang_of_name(const char *path, struct work_meta *meta) {
     }
 }
 
-static int load(const char *path, struct buf *data, struct error *e) {
-    FILE *file = fopen(path, "rb");
+static int load(FILE *file, struct buf *data, struct error *e) {
     size_t got = 1;
-    while (file && got && data->size <= WORK_FILE_BYTES_MAX) {
+    while (got && data->size <= WORK_FILE_BYTES_MAX) {
         got = fread(buf_reserve(data, 1 << 18), 1, 1 << 18, file);
         data->size += got;
     }
-    bool failed = !file || ferror(file);
-    int why = errno;
-    if (file)
-        fclose(file);
-    if (failed)
-        return error_set(e, ERROR_BAD_WORK, "%s", strerror(why));
+    if (ferror(file))
+        return error_set(e, ERROR_BAD_WORK, "%s", strerror(errno));
     return data->size > WORK_FILE_BYTES_MAX
                ? error_set(e, ERROR_BAD_WORK, "the file has more than %d bytes", WORK_FILE_BYTES_MAX)
                : 0;
@@ -113,15 +109,15 @@ static enum work_kind kind_of_root(const struct buf *data) {
     return KIND_XML;
 }
 
-/* data: of the file; NULL: it is read. */
-static int read_any(const char *path, const struct buf *data, struct work_meta *meta,
+/* data: of the file; NULL: it is read from `file`. */
+static int read_any(const char *path, FILE *file, const struct buf *data, struct work_meta *meta,
                     const struct work_sink *sink, struct error *e) {
     struct builder b;
     struct buf loaded = {0};
     enum work_kind kind = kind_of(path);
     builder_open(&b, sink);
     lang_of_name(path, meta);
-    int result = kind == KIND_EPUB ? epub_read(path, meta, &b, e) : data ? 0 : load(path, &loaded, e);
+    int result = kind == KIND_EPUB ? epub_read(fileno(file), meta, &b, e) : data ? 0 : load(file, &loaded, e);
     data = data ? data : &loaded;
     if (!result && kind == KIND_XML)
         kind = kind_of_root(data);
@@ -131,15 +127,21 @@ static int read_any(const char *path, const struct buf *data, struct work_meta *
         result = read_text(kind, data, meta, &b, e);
     bool nothing = !result && !b.sections && !b.section.count;
     if (builder_close(&b) && !result)
-        result = error_set(e, ERROR_BAD_WORK, "it was not read to its end");
+        result = builder_why(&b, e);
     buf_free(&loaded);
     if (nothing && !result)
         result = error_set(e, ERROR_BAD_WORK, "there is no text in it");
     return result;
 }
 
-int work_read(const char *path, struct work_meta *meta, const struct work_sink *sink, struct error *e) {
-    return read_any(path, NULL, meta, sink, e);
+int work_read(const char *folder, const char *path, struct work_meta *meta, const struct work_sink *sink,
+              struct error *e) {
+    FILE *file = beneath_file(folder, path);
+    if (!file)
+        return error_set(e, ERROR_BAD_WORK, "%s", beneath_is_outside(errno) ? WORK_OUTSIDE : strerror(errno));
+    int result = read_any(path, file, NULL, meta, sink, e);
+    fclose(file);
+    return result;
 }
 
 static int pass_section(void *ctx, const struct section *section) {
@@ -165,7 +167,7 @@ int work_check(const char *name, const void *data, size_t size, struct error *e)
         return error_in_field(e, ERROR_BAD_FIELD, "name",
                               "must end in .xml, .tei, .md, .txt, .apml, .jsml or .ssml");
     }
-    int result = read_any(name, &text, &meta, &sink, e);
+    int result = read_any(name, NULL, &text, &meta, &sink, e);
     work_meta_free(&meta);
     if (result || !*first.message)
         return result;

@@ -7,12 +7,30 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
+#include <utf8proc.h>
 
-enum html_act { HTML_PASS, HTML_SKIP, HTML_HEAD, HTML_PARAGRAPH, HTML_ITEM, HTML_NOTE, HTML_MARK, HTML_PAGE };
+enum html_act {
+    HTML_PASS,
+    HTML_SKIP,
+    HTML_GROUP, /* ends the block before it, and the one that it ends in */
+    HTML_HEAD,
+    HTML_PARAGRAPH,
+    HTML_ITEM,
+    HTML_NOTE,
+    HTML_NOTES, /* notes, one after the other */
+    HTML_MARK,
+    HTML_PAGE,
+    HTML_BREAK,
+    HTML_LINK,
+    HTML_ALTERNATIVE, /* a picture or a formula: what its author says in words */
+    HTML_SUPERSCRIPT,
+};
 
 struct html_frame {
     enum html_act act;
-    bool opened, foreign;
+    bool opened, foreign, sign; /* sign: a link that may be that of a note */
+    size_t from;                /* LINK: bytes of the block when it began */
     char lang[36];
 };
 
@@ -20,7 +38,7 @@ struct html {
     struct html_frame frames[WORK_DEPTH_MAX + 1];
     struct builder *b;
     const char *name;
-    unsigned skip, body;
+    unsigned skip, body, notes, superscripts, svg; /* how many are open */
 };
 
 /* Sets the line and says in which file of the archive. */
@@ -31,32 +49,86 @@ static void tell(struct html *h, const struct xml_walk *w, enum error_code code,
     build_problem(h->b, &e, false);
 }
 
+/* epub:type or role, by their words: "footnote" is "doc-footnote" as a role. */
 static bool has_type(const char **attributes, const char *word) {
-    const char *type = xml_attribute(attributes, "type"), *role = xml_attribute(attributes, "role");
-    return (type && strstr(type, word)) || (role && strstr(role, word));
+    char role[32];
+    snprintf(role, sizeof role, "doc-%s", word);
+    return xml_has_token(attributes, "type", word) || xml_has_token(attributes, "role", role);
 }
 
-static enum html_act act_of(const char *name, const char **attributes) {
-    static const char *const skipped[] = {"head",   "script", "style", "nav",    "svg",    "math",
-                                          "img",    "audio",  "video", "object", "iframe", "form",
-                                          "button", "input",  "rt",    NULL};
-    static const char *const blocks[] = {"p",  "blockquote", "pre",     "figcaption", "dd", "dt",
-                                         "td", "th",         "caption", "address",    NULL};
+/* Does a style have "property: value"? */
+static bool has_style(const char *style, const char *property, const char *value) {
+    for (const char *at = style; (at = strstr(at, property)); at++) {
+        const char *end = at + strlen(property);
+        bool begins = at == style || strchr("; \t\r\n", at[-1]);
+        end += strspn(end, " \t\r\n");
+        if (!begins || *end != ':')
+            continue;
+        end += 1 + strspn(end + 1, " \t\r\n");
+        if (!strncmp(end, value, strlen(value)))
+            return true;
+    }
+    return false;
+}
+
+/* What no reader sees, or hears. */
+static bool is_hidden(const char **attributes) {
+    const char *hidden = xml_attribute(attributes, "hidden"),
+               *aria = xml_attribute(attributes, "aria-hidden"), *style = xml_attribute(attributes, "style");
+    return hidden || (aria && !strcmp(aria, "true")) ||
+           (style && (has_style(style, "display", "none") || has_style(style, "visibility", "hidden")));
+}
+
+static const char *alternative_of(const char *name, const char **attributes) {
+    const char *text = xml_attribute(attributes, !strcmp(name, "math") ? "alttext" : "alt");
+    return text ? text : xml_attribute(attributes, "aria-label");
+}
+
+static enum html_act act_of(const struct html *h, const char *name, const char **attributes) {
+    static const char *const skipped[] = {
+        "head",       "script",         "style",    "nav", "audio", "video", "object",   "iframe",
+        "form",       "button",         "input",    "rt",  "rp",    "rtc",   "template", "datalist",
+        "annotation", "annotation-xml", "metadata", NULL};
+    static const char *const blocks[] = {"p",  "pre",     "figcaption", "dd",      "dt", "td",
+                                         "th", "caption", "address",    "summary", NULL};
+    static const char *const groups[] = {"div",   "section", "article", "main",   "header",     "footer",
+                                         "aside", "figure",  "ul",      "ol",     "dl",         "table",
+                                         "tr",    "hr",      "details", "center", "blockquote", NULL};
     static const char *const marks[] = {"em", "i", "b", "strong", "cite", "dfn", "u", NULL};
+    static const char *const notes[] = {"footnote", "endnote", "rearnote", NULL};
+    static const char *const lists[] = {"footnotes", "endnotes", "rearnotes", NULL};
+    if (xml_is_one(name, skipped) || is_hidden(attributes))
+        return HTML_SKIP;
+    if (h->svg && (!strcmp(name, "title") || !strcmp(name, "desc") || !strcmp(name, "defs")))
+        return HTML_SKIP;
     if (has_type(attributes, "pagebreak"))
         return HTML_PAGE;
-    if (has_type(attributes, "footnote") || has_type(attributes, "endnote") ||
-        has_type(attributes, "rearnote"))
-        return strcmp(name, "a") != 0 ? HTML_NOTE : HTML_PASS;
-    if (xml_is_one(name, skipped))
+    if (has_type(attributes, "noteref") || has_type(attributes, "backlink") ||
+        has_type(attributes, "referrer"))
         return HTML_SKIP;
+    for (size_t i = 0; notes[i] && strcmp(name, "a") != 0; i++) {
+        if (has_type(attributes, notes[i]) && strcmp(name, "body") != 0)
+            return HTML_NOTE;
+        if (has_type(attributes, lists[i]))
+            return HTML_NOTES;
+    }
     if (name[0] == 'h' && name[1] >= '1' && name[1] <= '6' && !name[2])
         return HTML_HEAD;
+    if (h->notes && (!strcmp(name, "li") || !strcmp(name, "p") || !strcmp(name, "dd")))
+        return HTML_NOTE;
     if (xml_is_one(name, blocks))
         return HTML_PARAGRAPH;
-    if (!strcmp(name, "li"))
-        return HTML_ITEM;
-    return xml_is_one(name, marks) ? HTML_MARK : HTML_PASS;
+    if (xml_is_one(name, groups))
+        return HTML_GROUP;
+    if (!strcmp(name, "img") || (!strcmp(name, "math") && alternative_of(name, attributes)))
+        return HTML_ALTERNATIVE;
+    return !strcmp(name, "li")               ? HTML_ITEM
+           : !strcmp(name, "br")             ? HTML_BREAK
+           : !strcmp(name, "a")              ? HTML_LINK
+           : !strcmp(name, "sup")            ? HTML_SUPERSCRIPT
+           : h->svg && !strcmp(name, "text") ? HTML_PARAGRAPH
+           : xml_is_one(name, marks)         ? HTML_MARK
+                                             : HTML_PASS;
 }
 
 static bool in_note(const struct html *h) {
@@ -83,86 +155,8 @@ static void break_line(struct html *h) {
     }
 }
 
-static void start_block(struct html *h, struct html_frame *f, const char *name, const char **attributes) {
-    struct builder *b = h->b;
-    const char *label = xml_attribute(attributes, "title");
-    if (f->act == HTML_PAGE) {
-        build_page(b, label ? label : xml_attribute(attributes, "aria-label"));
-        f->act = HTML_SKIP;
-        h->skip++;
-    } else if (in_note(h) && f->act != HTML_MARK) {
-        build_newline(b);
-    } else if (f->act == HTML_HEAD) {
-        unsigned level = (unsigned)(name[1] - '0');
-        if (level <= 3 && b->section.count)
-            build_section(b, level);
-        build_block(b, BLOCK_HEAD);
-        build_top(b)->level = level;
-        f->opened = true;
-    } else if (f->act == HTML_PARAGRAPH || f->act == HTML_ITEM) {
-        build_block(b, BLOCK_PARAGRAPH);
-        build_top(b)->item = f->act == HTML_ITEM;
-        f->opened = true;
-    } else if (f->act == HTML_NOTE) {
-        build_end(b);
-        build_inset(b, BLOCK_NOTE, NULL);
-        f->opened = true;
-    } else if (f->act == HTML_MARK && build_is_open(b)) {
-        build_mark(b, MARK_EMPHASIS, NULL);
-        f->opened = true;
-    }
-}
-
-static void on_start(struct xml_walk *w, const char *name, const char **attributes) {
-    struct html *h = w->ctx;
-    struct html_frame *f = &h->frames[w->depth];
-    const char *lang = xml_attribute(attributes, "lang");
-    *f = (struct html_frame){.act = act_of(name, attributes)};
-    snprintf(f->lang, sizeof f->lang, "%s", lang ? lang : h->frames[w->depth - 1].lang);
-    h->b->lang = f->lang;
-    if (h->skip || f->act == HTML_SKIP) {
-        f->act = HTML_SKIP;
-        h->skip++;
-    } else if (!strcmp(name, "body")) {
-        h->body++;
-    } else if (!strcmp(name, "br")) {
-        break_line(h);
-    } else if (!strcmp(name, "div") || !strcmp(name, "section") || !strcmp(name, "article")) {
-        if (!in_note(h) && f->act == HTML_PASS)
-            build_end(h->b);
-        else
-            start_block(h, f, name, attributes);
-    } else {
-        f->foreign = f->act == HTML_PASS && lang && build_is_open(h->b);
-        if (f->foreign)
-            build_mark(h->b, MARK_FOREIGN, lang);
-        start_block(h, f, name, attributes);
-    }
-}
-
-static void on_end(struct xml_walk *w, const char *name) {
-    struct html *h = w->ctx;
-    struct html_frame *f = &h->frames[w->depth];
-    if (f->act == HTML_SKIP)
-        h->skip--;
-    else if (!strcmp(name, "body"))
-        build_end(h->b), h->body--;
-    else if (f->foreign)
-        build_mark_end(h->b, MARK_FOREIGN);
-    else if (f->opened && f->act == HTML_MARK)
-        build_mark_end(h->b, MARK_EMPHASIS);
-    else if (f->opened && f->act == HTML_NOTE)
-        build_inset_end(h->b);
-    else if (f->opened || (!in_note(h) && (!strcmp(name, "div") || !strcmp(name, "section"))))
-        build_end(h->b);
-    h->b->lang = h->frames[w->depth - 1].lang;
-}
-
-static void on_text(struct xml_walk *w, const char *text, size_t size) {
-    struct html *h = w->ctx;
+static void add_text(struct html *h, const char *text, size_t size) {
     size_t i = 0;
-    if (h->skip || !h->body)
-        return;
     while (i < size && strchr(" \t\r\n", text[i]))
         i++;
     if (!build_is_open(h->b) && i < size)
@@ -170,45 +164,204 @@ static void on_text(struct xml_walk *w, const char *text, size_t size) {
     build_text(h->b, text, size);
 }
 
-/* EPUB 2 takes HTML's names of characters from a DTD that nobody brings along: those of Latin 1 from U+00A0
- * on, and a few others. */
-static void on_entity(struct xml_walk *w, const char *name) {
-    static const char *const latin[] = {
-        "nbsp",   "iexcl",  "cent",   "pound",  "curren", "yen",    "brvbar", "sect",   "uml",    "copy",
-        "ordf",   "laquo",  "not",    "shy",    "reg",    "macr",   "deg",    "plusmn", "sup2",   "sup3",
-        "acute",  "micro",  "para",   "middot", "cedil",  "sup1",   "ordm",   "raquo",  "frac14", "frac12",
-        "frac34", "iquest", "Agrave", "Aacute", "Acirc",  "Atilde", "Auml",   "Aring",  "AElig",  "Ccedil",
-        "Egrave", "Eacute", "Ecirc",  "Euml",   "Igrave", "Iacute", "Icirc",  "Iuml",   "ETH",    "Ntilde",
-        "Ograve", "Oacute", "Ocirc",  "Otilde", "Ouml",   "times",  "Oslash", "Ugrave", "Uacute", "Ucirc",
-        "Uuml",   "Yacute", "THORN",  "szlig",  "agrave", "aacute", "acirc",  "atilde", "auml",   "aring",
-        "aelig",  "ccedil", "egrave", "eacute", "ecirc",  "euml",   "igrave", "iacute", "icirc",  "iuml",
-        "eth",    "ntilde", "ograve", "oacute", "ocirc",  "otilde", "ouml",   "divide", "oslash", "ugrave",
-        "uacute", "ucirc",  "uuml",   "yacute", "thorn",  "yuml"};
-    static const struct {
-        const char *name;
-        uint32_t cp;
-    } others[] = {{"ndash", 0x2013}, {"mdash", 0x2014}, {"lsquo", 0x2018}, {"rsquo", 0x2019},
-                  {"ldquo", 0x201C}, {"rdquo", 0x201D}, {"bull", 0x2022},  {"hellip", 0x2026},
-                  {"euro", 0x20AC},  {"oelig", 0x153},  {"ensp", 0x2002},  {"emsp", 0x2003},
-                  {"thinsp", 0x2009}};
+static void start_note(struct html *h, struct html_frame *f) {
+    while (build_is_open(h->b))
+        build_end(h->b);
+    build_inset(h->b, BLOCK_NOTE, NULL);
+    f->opened = true;
+}
+
+/* A link within a book whose text is a sign: that of a note where it is raised, in brackets, or leads to one
+ * by its name. */
+static bool leads_to_note(const struct html *h, const char **attributes) {
+    static const char *const names[] = {"note", "fn", "ftn", "endn", "footn", NULL};
+    const char *href = xml_attribute(attributes, "href"), *part = href ? strchr(href, '#') : NULL;
+    bool named = false;
+    for (size_t i = 0; part && names[i]; i++)
+        named = named || !strncasecmp(part + 1, names[i], strlen(names[i]));
+    return part && part[1] && (named || h->superscripts);
+}
+
+static void start_inline(struct html *h, struct html_frame *f, const char *name, const char **attributes) {
+    static const char *const words[] = {"mi", "mn", "mo", "mtext", "tspan", NULL};
+    const char *text;
+    switch (f->act) {
+    case HTML_MARK:
+        f->opened = build_is_open(h->b);
+        if (f->opened)
+            build_mark(h->b, MARK_EMPHASIS, NULL);
+        break;
+    case HTML_BREAK:
+        break_line(h);
+        break;
+    case HTML_SUPERSCRIPT:
+        h->superscripts++;
+        (f - 1)->sign = (f - 1)->sign || (f - 1)->act == HTML_LINK;
+        break;
+    case HTML_LINK:
+        f->sign = build_is_open(h->b) && leads_to_note(h, attributes);
+        f->opened = build_is_open(h->b) && xml_attribute(attributes, "href");
+        f->from = build_is_open(h->b) ? build_top(h->b)->text.size : 0;
+        break;
+    case HTML_ALTERNATIVE:
+        text = alternative_of(name, attributes);
+        build_apart(h->b);
+        if (text && h->body)
+            add_text(h, text, strlen(text));
+        build_apart(h->b);
+        f->act = HTML_SKIP;
+        h->skip++;
+        break;
+    default:
+        if (xml_is_one(name, words))
+            build_apart(h->b);
+    }
+}
+
+static void start_block(struct html *h, struct html_frame *f, const char *name, const char **attributes) {
+    struct builder *b = h->b;
+    const char *label = xml_attribute(attributes, "title");
+    struct block *top = build_top(b);
+    if (f->act == HTML_PAGE) {
+        build_page(b, label ? label : xml_attribute(attributes, "aria-label"));
+        f->act = HTML_SKIP;
+        h->skip++;
+    } else if (f->act == HTML_NOTES) {
+        while (build_is_open(b))
+            build_end(b);
+        h->notes++;
+    } else if (in_note(h)) {
+        build_newline(b);
+    } else if (f->act == HTML_GROUP) {
+        build_end(b);
+        f->opened = true;
+    } else if (f->act == HTML_HEAD) {
+        unsigned level = (unsigned)(name[1] - '0');
+        if (level <= 3 && b->section.count)
+            build_section(b, level);
+        build_block(b, BLOCK_HEAD);
+        build_top(b)->level = level;
+        f->opened = true;
+    } else if (f->act == HTML_PARAGRAPH && top && top->item && !top->text.size) {
+        ; /* it is all that the item has, or its beginning */
+    } else if (f->act == HTML_PARAGRAPH || f->act == HTML_ITEM) {
+        build_block(b, BLOCK_PARAGRAPH);
+        build_top(b)->item = f->act == HTML_ITEM;
+        f->opened = true;
+    } else {
+        start_note(h, f);
+    }
+}
+
+static bool is_block(enum html_act act) {
+    return act >= HTML_GROUP && act != HTML_MARK && act <= HTML_PAGE;
+}
+
+static void on_start(struct xml_walk *w, const char *name, const char **attributes) {
     struct html *h = w->ctx;
-    uint32_t cp = 0;
-    char bytes[4];
-    for (size_t i = 0; i < sizeof latin / sizeof *latin; i++)
-        if (!strcmp(latin[i], name))
-            cp = i ? 0xA0 + (uint32_t)i : ' ';
-    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
-        if (!strcmp(others[i].name, name))
-            cp = others[i].cp;
-    if (cp)
-        on_text(w, bytes, utf8_put(cp, bytes));
+    struct html_frame *f = &h->frames[w->depth];
+    const char *lang = xml_attribute(attributes, "lang");
+    *f = (struct html_frame){.act = act_of(h, name, attributes)};
+    snprintf(f->lang, sizeof f->lang, "%s", lang ? lang : (f - 1)->lang);
+    h->b->lang = f->lang;
+    if (h->skip || f->act == HTML_SKIP) {
+        f->act = HTML_SKIP;
+        h->skip++;
+        return;
+    }
+    bool svg = !strcmp(name, "svg");
+    if (!strcmp(name, "body") || (svg && w->depth == 1))
+        h->body++;
+    h->svg += svg;
+    if (is_block(f->act)) {
+        start_block(h, f, name, attributes);
+        return;
+    }
+    if (lang && build_is_open(h->b) && strcmp(lang, (f - 1)->lang) != 0) {
+        build_mark(h->b, MARK_FOREIGN, lang);
+        f->foreign = true;
+    }
+    start_inline(h, f, name, attributes);
+}
+
+/* No word, but figures, stars, arrows, brackets. */
+static bool is_sign(const struct block *block, size_t from, bool *brackets) {
+    const char *text = (const char *)block->text.data + from;
+    size_t size = block->text.size - from, letters = 0, length;
+    *brackets = false;
+    for (size_t at = 0; at < size; at += length) {
+        uint32_t cp;
+        length = utf8_next(text + at, size - at, &cp);
+        length = length ? length : 1;
+        int category = utf8proc_category((utf8proc_int32_t)cp);
+        letters += category >= UTF8PROC_CATEGORY_LU && category <= UTF8PROC_CATEGORY_LO;
+        *brackets = *brackets || cp == '[' || cp == '*' || cp == '^' || (cp >= 0x2020 && cp <= 0x2021) ||
+                    (cp >= 0x2190 && cp <= 0x21FF);
+    }
+    return size && size <= 12 && letters <= 1;
+}
+
+static void end_link(struct html *h, const struct html_frame *f) {
+    const struct block *block = build_top(h->b);
+    bool brackets;
+    if (f->opened && block && block->text.size > f->from && is_sign(block, f->from, &brackets) &&
+        (f->sign || brackets))
+        build_cut(h->b, f->from);
+}
+
+static void on_end(struct xml_walk *w, const char *name) {
+    struct html *h = w->ctx;
+    struct html_frame *f = &h->frames[w->depth];
+    bool svg = f->act != HTML_SKIP && !strcmp(name, "svg");
+    if (f->foreign)
+        build_mark_end(h->b, MARK_FOREIGN);
+    if (f->act == HTML_SKIP)
+        h->skip--;
+    else if (f->act == HTML_LINK)
+        end_link(h, f);
+    else if (f->act == HTML_SUPERSCRIPT)
+        h->superscripts--;
+    else if (f->act == HTML_NOTES)
+        h->notes--;
+    else if (f->opened && f->act == HTML_MARK)
+        build_mark_end(h->b, MARK_EMPHASIS);
+    else if (f->opened && f->act == HTML_NOTE)
+        build_inset_end(h->b);
+    else if (f->opened || !strcmp(name, "body"))
+        build_end(h->b);
+    if (!strcmp(name, "body") || (svg && w->depth == 1))
+        h->body--;
+    h->svg -= svg;
+    h->b->lang = (f - 1)->lang;
+}
+
+static void on_text(struct xml_walk *w, const char *text, size_t size) {
+    struct html *h = w->ctx;
+    if (!h->skip && h->body)
+        add_text(h, text, size);
+}
+
+/* EPUB 2 takes HTML's names of characters from a DTD that nobody brings along. */
+static void on_entity(struct xml_walk *w, const char *name) {
+    struct html *h = w->ctx;
+    char text[ENTITY_BYTES_MAX];
+    size_t size = xml_entity(name, text);
+    if (size)
+        on_text(w, text, size);
     else
         tell(h, w, ERROR_ENTITY, "it is left out, as nobody declares it:", name);
 }
 
 int xhtml_read(const char *data, size_t size, const char *name, struct builder *b, struct error *e) {
     struct html *h = mem_alloc(sizeof *h);
-    struct xml_walk walk = {.ctx = h, .start = on_start, .end = on_end, .text = on_text, .entity = on_entity};
+    struct xml_walk walk = {.ctx = h,
+                            .start = on_start,
+                            .end = on_end,
+                            .text = on_text,
+                            .entity = on_entity,
+                            .stop = &b->stopped};
+    b->where = xml_walk_where;
+    b->where_ctx = &walk;
     h->b = b;
     h->name = name;
     build_section(b, 1);
@@ -216,6 +369,7 @@ int xhtml_read(const char *data, size_t size, const char *name, struct builder *
     while (build_is_open(b))
         build_end(b);
     b->lang = NULL;
+    b->where = NULL;
     free(h);
     return result;
 }

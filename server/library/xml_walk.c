@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/xml_walk.h"
 #include "server/library/work.h"
+#include <cmark.h>
+#include <stdio.h>
 #include <string.h>
 
 enum { PIECE = 1 << 20 };
@@ -18,8 +20,17 @@ size_t xml_walk_column(const struct xml_walk *w) {
     return XML_GetCurrentColumnNumber(w->parser) + 1;
 }
 
+/* Does somebody want no more? The parser may still have a few events. */
+static bool is_stopped(struct xml_walk *w) {
+    if (w->stop && *w->stop)
+        XML_StopParser(w->parser, XML_FALSE);
+    return w->stop && *w->stop;
+}
+
 static void on_start(void *ctx, const char *name, const char **attributes) {
     struct xml_walk *w = ctx;
+    if (w->result || is_stopped(w))
+        return;
     if (++w->depth > WORK_DEPTH_MAX) {
         w->result = error_at_line(w->e, ERROR_BAD_WORK, xml_walk_line(w), xml_walk_column(w),
                                   "more than %d elements are in each other", WORK_DEPTH_MAX);
@@ -31,7 +42,7 @@ static void on_start(void *ctx, const char *name, const char **attributes) {
 
 static void on_end(void *ctx, const char *name) {
     struct xml_walk *w = ctx;
-    if (w->result)
+    if (w->result || is_stopped(w))
         return;
     w->end(w, local(name));
     w->depth--;
@@ -39,6 +50,8 @@ static void on_end(void *ctx, const char *name) {
 
 static void on_text(void *ctx, const char *text, int size) {
     struct xml_walk *w = ctx;
+    if (w->result || is_stopped(w))
+        return;
     w->text(w, text, (size_t)size);
 }
 
@@ -56,6 +69,7 @@ int xml_walk(struct xml_walk *w, const char *data, size_t size, struct error *e)
     XML_SetCharacterDataHandler(w->parser, on_text);
     XML_SetSkippedEntityHandler(w->parser, on_entity);
     XML_SetParamEntityParsing(w->parser, XML_PARAM_ENTITY_PARSING_NEVER);
+    XML_UseForeignDTD(w->parser, XML_TRUE); /* entities that nobody declares are told, and are no error */
     enum XML_Status status = XML_STATUS_OK;
     for (size_t at = 0; status == XML_STATUS_OK && !w->result; at += PIECE) {
         size_t n = size - at < PIECE ? size - at : PIECE;
@@ -63,7 +77,7 @@ int xml_walk(struct xml_walk *w, const char *data, size_t size, struct error *e)
         if (at + n == size)
             break;
     }
-    if (status != XML_STATUS_OK && !w->result)
+    if (status != XML_STATUS_OK && !w->result && !(w->stop && *w->stop))
         w->result = error_at_line(e, ERROR_BAD_WORK, xml_walk_line(w), xml_walk_column(w), "%s",
                                   XML_ErrorString(XML_GetErrorCode(w->parser)));
     XML_ParserFree(w->parser);
@@ -76,6 +90,48 @@ const char *xml_attribute(const char **attributes, const char *name) {
         if (!strcmp(local(attributes[0]), name))
             return attributes[1];
     return NULL;
+}
+
+bool xml_has_token(const char **attributes, const char *name, const char *word) {
+    const char *at = xml_attribute(attributes, name);
+    size_t length = strlen(word);
+    while (at && *(at += strspn(at, " \t\r\n"))) {
+        size_t size = strcspn(at, " \t\r\n");
+        const char *colon = memchr(at, ':', size);
+        const char *own = colon ? colon + 1 : at;
+        if ((size_t)(at + size - own) == length && !memcmp(own, word, length))
+            return true;
+        at += size;
+    }
+    return false;
+}
+
+/* By cmark, which knows the names of HTML 5. */
+size_t xml_entity(const char *name, char out[ENTITY_BYTES_MAX]) {
+    char text[48];
+    size_t length = strspn(name, "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789");
+    if (!length || name[length] || length > sizeof text - 3)
+        return 0;
+    if (!strcmp(name, "nbsp")) {
+        *out = ' ';
+        return 1;
+    }
+    int size = snprintf(text, sizeof text, "&%s;", name);
+    cmark_node *root = cmark_parse_document(text, (size_t)size, CMARK_OPT_DEFAULT);
+    cmark_node *paragraph = cmark_node_first_child(root);
+    const char *found = paragraph ? cmark_node_get_literal(cmark_node_first_child(paragraph)) : NULL;
+    length = found && strcmp(found, text) != 0 ? strlen(found) : 0;
+    if (length >= ENTITY_BYTES_MAX)
+        length = 0;
+    memcpy(out, found ? found : "", length);
+    cmark_node_free(root);
+    return length;
+}
+
+void xml_walk_where(void *walk, size_t *line, size_t *column) {
+    const struct xml_walk *w = walk;
+    *line = w->parser ? xml_walk_line(w) : 1;
+    *column = w->parser ? xml_walk_column(w) : 1;
 }
 
 int xml_is_one(const char *name, const char *const *list) {

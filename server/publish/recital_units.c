@@ -16,7 +16,7 @@ void recital_places_add(struct recital_places *p, const struct block *block, siz
     if (block->source)
         buf_add(&p->joined, block->source, strlen(block->source));
     else
-        buf_add(&p->joined, block->text.data, block->text.size);
+        block_spoken(block, &p->joined);
 }
 
 void recital_places_end(struct recital_places *p) {

@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/library/recordings/library_voices.h"
+#include "server/base/beneath.h"
 #include "server/base/mem.h"
 #include "server/library/library_files.h"
 #include "server/library/recordings/kept_file.h"
 #include "server/library/work.h"
 #include <dirent.h>
 #include <errno.h>
+#include <fcntl.h>
 #include <jansson.h>
 #include <limits.h>
 #include <stdio.h>
@@ -31,7 +33,7 @@ static int on_section(void *ctx, const struct section *section) {
             continue;
         json_array_append_new(s->places, json_pack("[Io]", (json_int_t)s->text.size,
                                                    json_sprintf("%u:%s", section->number, b->name)));
-        buf_add(&s->text, b->text.data, b->text.size);
+        block_spoken(b, &s->text);
         buf_add(&s->text, "\n\n", 2);
     }
     return s->stop && atomic_load(s->stop);
@@ -59,12 +61,12 @@ static int set_link(const char *folder, const char *work, const char *ending, co
                                    : 0;
 }
 
-static int link_times(const char *file, const char *work, const char *folder, struct error *e) {
-    int length = (int)(strrchr(file, '.') - file), result = 0;
+static int link_times(const char *library, const char *file, const char *work, const char *folder,
+                      struct error *e) {
+    int result = 0;
     for (const char *const *ending = times_endings; *ending && !result; ending++) {
-        char path[PATH_MAX], real[PATH_MAX];
-        bool there = snprintf(path, sizeof path, "%.*s%s", length, file, *ending) < (int)sizeof path &&
-                     !access(path, R_OK) && realpath(path, real);
+        char real[PATH_MAX];
+        bool there = library_file_beside(library, file, *ending, real);
         result = set_link(folder, work, *ending, there ? real : NULL, e);
     }
     return result;
@@ -101,13 +103,13 @@ static int describe(const char *folder, const char *work, const struct work_meta
 }
 
 /* The places come last: they say that the text is there. */
-static int write_text(const char *file, const char *work, const char *folder, const char *lang,
-                      const struct stat *info, const atomic_bool *stop, struct error *e) {
+static int write_text(const char *library, const char *file, const char *work, const char *folder,
+                      const char *lang, const struct stat *info, const atomic_bool *stop, struct error *e) {
     struct work_meta meta = {.lang = mem_strdup(lang)};
     struct spoken spoken = {.places = json_array(), .stop = stop};
     const struct work_sink sink = {&spoken, on_section, on_problem};
     struct error ignored;
-    bool whole = !work_read(file, &meta, &sink, &ignored) && !(stop && atomic_load(stop));
+    bool whole = !work_read(library, file, &meta, &sink, &ignored) && !(stop && atomic_load(stop));
     json_t *places = json_pack("{sI sI ss sO}", "size", (json_int_t)info->st_size, "modified",
                                (json_int_t)kept_time(info), "lang", lang, "places", spoken.places);
     int result = 0;
@@ -125,15 +127,21 @@ static int write_text(const char *file, const char *work, const char *folder, co
     return result;
 }
 
-int library_voice_prepare(const char *file, const char *work, const char *folder, const char *lang,
-                          const atomic_bool *stop, struct error *e) {
+int library_voice_prepare(const char *library, const char *file, const char *work, const char *folder,
+                          const char *lang, const atomic_bool *stop, struct error *e) {
     char sound[PATH_MAX];
     struct stat info;
-    if (!library_file_sound(file, sound) || stat(file, &info))
+    int fd = library_file_sound(library, file, sound) ? beneath_open(library, file, O_RDONLY) : -1;
+    bool there = fd >= 0 && !fstat(fd, &info);
+    if (fd >= 0)
+        close(fd);
+    if (!there)
         return 0;
-    if (set_link(folder, work, strrchr(sound, '.'), sound, e) || link_times(file, work, folder, e))
+    if (set_link(folder, work, strrchr(sound, '.'), sound, e) || link_times(library, file, work, folder, e))
         return -1;
-    return is_current(folder, work, lang, &info) ? 1 : write_text(file, work, folder, lang, &info, stop, e);
+    return is_current(folder, work, lang, &info)
+               ? 1
+               : write_text(library, file, work, folder, lang, &info, stop, e);
 }
 
 static void tidy(const char *folder) {
@@ -159,15 +167,14 @@ int library_voices_prepare(const char *library, const char *folder, const char *
         tidy(folder);
     for (size_t i = 0; !result && i < files.count; i++) {
         char work[64];
-        char *full = library_file_path(library, files.list[i].path);
-        library_file_name(files.list[i].path, false, work);
-        if (!json_object_get(names, work) && library_file_has_sound(full)) {
-            int one = library_voice_prepare(full, work, folder, lang, NULL, e);
+        const char *path = files.list[i].path;
+        library_file_name(path, false, work);
+        if (!json_object_get(names, work) && library_file_has_sound(library, path)) {
+            int one = library_voice_prepare(library, path, work, folder, lang, NULL, e);
             result = one < 0 ? -1 : 0;
             count += one > 0;
             json_object_set_new(names, work, json_true());
         }
-        free(full);
     }
     json_decref(names);
     library_files_free(&files);

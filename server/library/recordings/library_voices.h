@@ -19,10 +19,10 @@
  * tells of it. -1 with *e: the folder cannot be written. */
 int library_voices_prepare(const char *library, const char *folder, const char *lang, struct error *e);
 
-/* The same for one work and its file. 1 when it has a voice now, 0 when not. *stop, which may be NULL, ends
+/* The same for one work and its file, a path in the library. 1 when it has a voice now, 0 when not. *stop, which may be NULL, ends
  * it early, with 0. */
-int library_voice_prepare(const char *file, const char *work, const char *folder, const char *lang,
-                          const atomic_bool *stop, struct error *e);
+int library_voice_prepare(const char *library, const char *file, const char *work, const char *folder,
+                          const char *lang, const atomic_bool *stop, struct error *e);
 
 /* Are there times beside the recording? */
 bool library_voice_has_times(const char *folder, const char *work);
