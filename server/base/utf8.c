@@ -107,6 +107,28 @@ static size_t utf16_units(char c) {
     return ((u & 0xC0) != 0x80) + (size_t)(u >= 0xF0);
 }
 
+size_t utf16_byte(struct utf16_counter *counter, const char *s, size_t n, size_t units) {
+    while (counter->bytes < n && counter->units < units)
+        counter->units += utf16_units(s[counter->bytes++]);
+    while (counter->bytes && counter->units > units)
+        counter->units -= utf16_units(s[--counter->bytes]);
+    while (counter->bytes < n && ((unsigned char)s[counter->bytes] & 0xC0) == 0x80)
+        counter->bytes++;
+    return counter->bytes;
+}
+
+/* A space, a no-break space (two bytes), an em space (three), two no-break spaces (four bytes, two units). */
+void utf8_blank(char *s, size_t n) {
+    static const char *const whites[] = {" ", "\xC2\xA0", "\xE2\x80\x83", "\xC2\xA0\xC2\xA0"};
+    for (size_t at = 0, length; at < n; at += length) {
+        uint32_t cp;
+        length = utf8_next(s + at, n - at, &cp);
+        length = length ? length : 1;
+        if (s[at] != '\n')
+            memcpy(s + at, whites[length - 1], length);
+    }
+}
+
 size_t utf16_offset(struct utf16_counter *counter, const char *s, size_t byte) {
     for (; counter->bytes < byte; counter->bytes++)
         counter->units += utf16_units(s[counter->bytes]);

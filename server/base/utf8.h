@@ -35,4 +35,10 @@ struct utf16_counter {
 };
 size_t utf16_offset(struct utf16_counter *counter, const char *s, size_t byte);
 
+/* The other way: the byte that a UTF-16 unit begins at, at most n. The same counter may serve both. */
+size_t utf16_byte(struct utf16_counter *counter, const char *s, size_t n, size_t units);
+
+/* White space in place of text: of as many bytes and of as many UTF-16 units. Line ends stay. */
+void utf8_blank(char *s, size_t n);
+
 #endif

@@ -7,7 +7,7 @@
 #include <string.h>
 #include <unistd.h>
 
-#define SCHEMA "3"
+#define SCHEMA "4"
 #define APPLICATION "1717985378" /* "fabl" */
 
 static const char schema[] =
@@ -27,7 +27,7 @@ static const char schema[] =
     "INTEGER, "
     "part INTEGER, start INTEGER, first_line INTEGER, line_count INTEGER, lang TEXT, shape TEXT, text TEXT, "
     "source TEXT, "
-    "markup TEXT);"
+    "markup TEXT, runs TEXT);"
     "CREATE INDEX IF NOT EXISTS passage_name ON passage (work, section, name);"
     "CREATE INDEX IF NOT EXISTS passage_line ON passage (work, section, first_line) WHERE line_count > 0;"
     "CREATE TABLE IF NOT EXISTS problem (path TEXT, code TEXT, line INTEGER, col INTEGER, message TEXT, "

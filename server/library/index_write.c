@@ -144,13 +144,33 @@ static struct part next_part(const struct block *b, size_t from, size_t line) {
     return part;
 }
 
+/* What of the part is in another language or not spoken: "START-END:LANG ", in UTF-16 units of the part; a
+ * stage direction has no language. */
+static void runs_of(const struct block *b, const struct part *part, struct buf *out) {
+    const char *text = b->text.size ? (const char *)b->text.data + part->from : "";
+    struct utf16_counter counter = {0};
+    for (size_t i = 0; i < b->mark_count && b->marks[i].start < part->to; i++) {
+        const struct block_mark *m = &b->marks[i];
+        size_t start = m->start > part->from ? m->start : part->from,
+               end = m->end < part->to ? m->end : part->to;
+        bool foreign = m->kind == MARK_FOREIGN && m->value;
+        if (start >= end || (!foreign && m->kind != MARK_STAGE))
+            continue;
+        size_t from = utf16_offset(&counter, text, start - part->from);
+        buf_printf(out, "%zu-%zu:%s ", from, utf16_offset(&counter, text, end - part->from),
+                   foreign ? m->value : "");
+    }
+}
+
 static int add_row(struct index_writer *w, const char *work, unsigned section, const char *lang,
                    const struct block *b, const struct part *part, unsigned number, size_t start, char *shape,
                    struct error *e) {
     const char *text = b->text.size ? (const char *)b->text.data + part->from : "";
     size_t size = part->to - part->from;
-    sqlite3_stmt *s =
-        index_statement(w, ADD_ROW, "INSERT INTO passage VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
+    struct buf runs = {0};
+    runs_of(b, part, &runs);
+    sqlite3_stmt *s = index_statement(
+        w, ADD_ROW, "INSERT INTO passage VALUES (?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?, ?)");
     sqlite3_bind_int64(s, 1, w->next);
     sqlite3_bind_text(s, 2, work, -1, SQLITE_STATIC);
     sqlite3_bind_int(s, 3, (int)section);
@@ -165,7 +185,11 @@ static int add_row(struct index_writer *w, const char *work, unsigned section, c
     sqlite3_bind_text(s, 12, text, (int)size, SQLITE_STATIC);
     sqlite3_bind_text(s, 13, number ? NULL : b->source, -1, SQLITE_STATIC);
     sqlite3_bind_text(s, 14, b->markup, -1, SQLITE_STATIC);
+    if (runs.size)
+        sqlite3_bind_text(s, 15, (char *)runs.data, (int)runs.size, SQLITE_STATIC);
     int result = index_step(w, s, e);
+    sqlite3_clear_bindings(s);
+    buf_free(&runs);
     if (result >= 0 && *b->name) {
         struct buf words = {0}, stems = {0};
         sqlite3_stmt *found =

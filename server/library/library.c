@@ -131,6 +131,26 @@ static int blank(struct buf *text, double units, struct error *e) {
     return 0;
 }
 
+/* White space in place of what is not spoken: as many bytes and units. Returns the languages of the rest. */
+static char *direct(struct found_passage *p) {
+    struct buf languages = {0};
+    struct utf16_counter at = {0};
+    for (size_t i = 0; i < p->run_count; i++) {
+        const struct found_run *run = &p->runs[i];
+        if (*run->lang) {
+            buf_printf(&languages, "%s%zu-%zu:%s", languages.size ? " " : "", run->start, run->end,
+                       run->lang);
+        } else {
+            size_t from = utf16_byte(&at, (char *)p->text.data, p->text.size, run->start);
+            size_t to = utf16_byte(&at, (char *)p->text.data, p->text.size, run->end);
+            utf8_blank((char *)p->text.data + from, to - from);
+        }
+    }
+    if (languages.size)
+        buf_add(&languages, "", 1);
+    return (char *)languages.data;
+}
+
 int library_passage(struct library *l, const char *id, double from, size_t most, struct library_passage *out,
                     struct error *e) {
     static const char *const markups[] = {"apml", "jsml", "ssml", NULL};
@@ -144,9 +164,13 @@ int library_passage(struct library *l, const char *id, double from, size_t most,
         return -1;
     bool whole = found.source.size && from <= 0;
     struct buf *text = whole ? &found.source : &found.text;
+    out->languages = whole || !found.text.size ? NULL : direct(&found);
     if (from > 0)
         result = blank(text, from, e);
-    if (!result) {
+    if (result) {
+        free(out->languages);
+        out->languages = NULL;
+    } else {
         out->text = mem_strndup(text->size ? (char *)text->data : "", text->size);
         out->lang = mem_strdup(found.lang);
         out->voice = voice_of(l, found.work);
@@ -161,6 +185,7 @@ int library_passage(struct library *l, const char *id, double from, size_t most,
 void library_passage_free(struct library_passage *p) {
     free(p->text);
     free(p->lang);
+    free(p->languages);
     free(p->voice);
     *p = (struct library_passage){0};
 }

@@ -80,6 +80,7 @@ void library_metrics(struct library *library, struct buf *out);
 /* What is spoken of a passage. Free the texts. */
 struct library_passage {
     char *text, *lang;
+    char *languages;    /* the stretches in others, as a request has them; NULL = none */
     char *voice;        /* of its recording; NULL = it has none */
     const char *markup; /* "plain", or the markup that the text is in; static */
 };

@@ -3,6 +3,7 @@
 #ifndef FACCIA_LIBRARY_LIBRARY_INTERNAL_H
 #define FACCIA_LIBRARY_LIBRARY_INTERNAL_H
 
+#include "server/base/utf8.h"
 #include "server/library/index_internal.h"
 #include "server/library/library.h"
 #include "server/library/library_files.h"
@@ -64,12 +65,19 @@ sqlite3_stmt *library_prepare(struct index_reader *reader, const char *sql, stru
 json_t *library_text(sqlite3_stmt *statement, int column); /* a string, or null */
 
 /* library_section.c: a passage's place and text. */
+struct found_run {
+    size_t start, end; /* UTF-16 units of the text */
+    char lang[36];     /* "": a stage direction, which is not spoken */
+};
 struct found_passage {
     char work[80], name[24]; /* name "": a section */
     unsigned section;
     char kind[16], block[16]; /* "line" of a verse block */
     char lang[36], markup[8];
     struct buf text, source; /* source: what is spoken, when it is not the text */
+    struct found_run *runs;  /* of the text, in another language or not spoken; they may nest */
+    size_t run_count, run_cap;
+    struct utf16_counter units; /* of the text so far */
     char n[32];
 };
 /* Of a text longer than `most` bytes no more than its beginning, a little longer than that. */

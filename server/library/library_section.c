@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Sections and passages, as they are shown and spoken. */
+#include "server/base/mem.h"
 #include "server/library/library_internal.h"
 #include "server/library/recordings/alignment_state.h"
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-#define ROW_COLUMNS "name, part, first_line, line_count, lang, shape, text, source, markup, kind"
+#define ROW_COLUMNS "name, part, first_line, line_count, lang, shape, text, source, markup, kind, runs"
 
 /* The section's row: number, title, level, first and last row of its passages. NULL with *e. To be finalised.
  */
@@ -149,19 +151,9 @@ static int split(const char *id, struct found_passage *p, struct error *e) {
 }
 
 void found_passage_free(struct found_passage *p) {
+    free(p->runs);
     buf_free(&p->text);
     buf_free(&p->source);
-}
-
-/* The nth line of the text, from 0, alone. */
-static void keep_line(struct buf *text, size_t n) {
-    size_t from = 0;
-    for (; n && from < text->size; from++)
-        n -= text->data[from] == '\n';
-    buf_consume(text, from);
-    const uint8_t *end = text->size ? memchr(text->data, '\n', text->size) : NULL;
-    if (end)
-        text->size = (size_t)(end - text->data);
 }
 
 static void set_kind(struct found_passage *p, sqlite3_stmt *row) {
@@ -202,6 +194,54 @@ static sqlite3_stmt *rows_with(struct index_reader *r, const struct found_passag
     return s;
 }
 
+/* The row's runs, whose text begins at that byte of what is gathered. */
+static void add_runs(struct found_passage *p, sqlite3_stmt *row, size_t byte) {
+    size_t before = utf16_offset(&p->units, (char *)p->text.data, byte);
+    for (const char *at = text_at(row, 10); *at; at += strspn(at, " ")) {
+        size_t size = strcspn(at, " ");
+        unsigned long start, end;
+        struct found_run run = {0};
+        int lang = 0;
+        if (sscanf(at, "%lu-%lu:%n", &start, &end, &lang) == 2 && lang && (size_t)lang <= size) {
+            run.start = before + start;
+            run.end = before + end;
+            snprintf(run.lang, sizeof run.lang, "%.*s", (int)(size - (size_t)lang), at + lang);
+            p->runs = mem_grow(p->runs, &p->run_cap, p->run_count + 1, sizeof run);
+            p->runs[p->run_count++] = run;
+        }
+        at += size;
+    }
+}
+
+/* Keeps of the runs what is between two places, and counts from the first. */
+static void cut_runs(struct found_passage *p, size_t from, size_t to) {
+    size_t count = 0;
+    for (size_t i = 0; i < p->run_count; i++) {
+        struct found_run run = p->runs[i];
+        run.start = (run.start > from ? run.start : from) - from;
+        run.end = (run.end < to ? run.end : to) - (run.end < from ? run.end : from);
+        if (run.end > run.start)
+            p->runs[count++] = run;
+    }
+    p->run_count = count;
+}
+
+/* The nth line of the text, from 0, alone. */
+static void keep_line(struct found_passage *p, size_t n) {
+    struct buf *text = &p->text;
+    struct utf16_counter units = {0};
+    size_t from = 0;
+    for (; n && from < text->size; from++)
+        n -= text->data[from] == '\n';
+    const uint8_t *end = text->size > from ? memchr(text->data + from, '\n', text->size - from) : NULL;
+    size_t to = end ? (size_t)(end - text->data) : text->size;
+    size_t first = from ? utf16_offset(&units, (char *)text->data, from) : 0;
+    if (text->size)
+        cut_runs(p, first, utf16_offset(&units, (char *)text->data, to));
+    text->size = to;
+    buf_consume(text, from);
+}
+
 /* Gathers from the rows; true when there was any. */
 static bool gather(struct found_passage *p, sqlite3_stmt *rows, size_t most) {
     size_t line = p->name[0] == 'l' ? strtoul(p->name + 1, NULL, 10) : 0;
@@ -223,9 +263,11 @@ static bool gather(struct found_passage *p, sqlite3_stmt *rows, size_t most) {
             buf_add(&p->text, text_at(rows, 6), (size_t)sqlite3_column_bytes(rows, 6));
         else
             append_part(&p->text, rows);
+        if (p->text.size)
+            add_runs(p, rows, p->text.size - (size_t)sqlite3_column_bytes(rows, 6));
         any = true;
         if (line) {
-            keep_line(&p->text, line - first);
+            keep_line(p, line - first);
             snprintf(p->kind, sizeof p->kind, "line");
             break;
         }

@@ -17,26 +17,13 @@ void work_meta_set(char **field, const char *text) {
         *field = mem_strdup(text);
 }
 
-/* White space of the same length, in bytes and in UTF-16 units: a space, a no-break space (two bytes), an em
- * space (three), two no-break spaces (four bytes, two units). */
-static void blank(char *text, size_t size) {
-    static const char *const whites[] = {" ", "\xC2\xA0", "\xE2\x80\x83", "\xC2\xA0\xC2\xA0"};
-    for (size_t at = 0, length; at < size; at += length) {
-        uint32_t cp;
-        length = utf8_next(text + at, size - at, &cp);
-        length = length ? length : 1;
-        if (text[at] != '\n')
-            memcpy(text + at, whites[length - 1], length);
-    }
-}
-
 void block_spoken(const struct block *block, struct buf *out) {
     size_t from = out->size;
     buf_add(out, block->text.data, block->text.size);
     for (size_t i = 0; i < block->mark_count; i++) {
         const struct block_mark *m = &block->marks[i];
         if (m->kind == MARK_STAGE && m->start < m->end && m->end <= block->text.size)
-            blank((char *)out->data + from + m->start, m->end - m->start);
+            utf8_blank((char *)out->data + from + m->start, m->end - m->start);
     }
 }
 

@@ -298,6 +298,7 @@ static bool is_sign(const struct block *block, size_t from, bool *brackets) {
         *brackets = *brackets || cp == '[' || cp == '*' || cp == '^' || (cp >= 0x2020 && cp <= 0x2021) ||
                     (cp >= 0x2190 && cp <= 0x21FF);
     }
+    *brackets = *brackets && !letters;
     return size && size <= 12 && letters <= 1;
 }
 

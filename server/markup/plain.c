@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/plain.h"
 #include "server/base/utf8.h"
+#include "server/markup/language_runs.h"
 #include "server/markup/markdown.h"
 #include <string.h>
 #include <strings.h>
@@ -231,13 +232,54 @@ bool plain_seems_ended(const char *text, size_t size, const struct markup_rules 
            !is_abbreviation(text, start, rules);
 }
 
+static bool is_word(const char *text, size_t at, size_t end) {
+    return at < end && (is_letter(text[at]) || (unsigned char)text[at] >= 0x80);
+}
+
+/* The end of the word that the place lies in: languages hold for whole words. */
+static size_t word_end(const char *text, size_t at, size_t end) {
+    while (is_word(text, at, end) && at && is_word(text, at - 1, end))
+        at++;
+    return at;
+}
+
+/* Adds what is in one language, from a place on; *run: the stretch that comes next. Returns its end. */
+static size_t add_run(struct score *score, const char *text, size_t at, size_t end,
+                      const struct markup_rules *rules, size_t *run) {
+    const struct language_runs *runs = rules ? rules->runs : NULL;
+    while (runs && *run < runs->count && word_end(text, runs->list[*run].to, end) <= at)
+        (*run)++;
+    const struct language_run *next = runs && *run < runs->count ? &runs->list[*run] : NULL;
+    size_t begin = next ? next->from : end, to = end;
+    while (begin > at && begin < end && is_word(text, begin, end) && is_word(text, begin - 1, end))
+        begin--;
+    bool inside = next && begin <= at;
+    if (inside && word_end(text, next->to, end) < end)
+        to = word_end(text, next->to, end);
+    else if (!inside && begin < end)
+        to = begin;
+    struct score_item *item = score_add(score, SCORE_TEXT, at, to);
+    item->text = score_strndup(score, text + at, to - at);
+    item->verbatim = true;
+    if (inside && !(rules->lang && !strcmp(rules->lang, next->lang))) {
+        struct score_style style = score_plain_style;
+        style.lang = score_strndup(score, next->lang, strlen(next->lang));
+        item->style = score_keep_style(score, &style);
+    }
+    return to;
+}
+
 /* What is left out of it stands between items. */
-static void add_items(struct score *score, const char *text, size_t at, size_t end, bool markdown) {
+static void add_items(struct score *score, const char *text, size_t at, size_t end,
+                      const struct markup_rules *rules, size_t *run) {
+    bool markdown = is_markdown(rules);
     const char *edge = markdown ? " \t\r\n\1" : "";
     while (at < end && strchr(edge, text[at]))
         at++;
     while (end > at && strchr(edge, text[end - 1]))
         end--;
+    while (!markdown && at < end)
+        at = add_run(score, text, at, end, rules, run);
     while (at < end) {
         const char *out = markdown ? memchr(text + at, MARKDOWN_LEFT_OUT, end - at) : NULL;
         size_t to = out ? (size_t)(out - text) : end;
@@ -253,14 +295,14 @@ static void add_items(struct score *score, const char *text, size_t at, size_t e
 
 int plain_read(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
                struct error *e) {
-    size_t newlines, at = skip_space((struct cursor){text, size, 0}, &newlines);
+    size_t newlines, at = skip_space((struct cursor){text, size, 0}, &newlines), run = 0;
     while (at < size) {
         if (markup_given_up(rules))
             return error_set(e, ERROR_CANCELLED, "it was cancelled");
         size_t length = plain_sentence(text + at, size - at, rules), end = at + length;
         while (end > at && strchr(" \t\r\n\v\f", text[end - 1]))
             end--;
-        add_items(score, text, at, end, is_markdown(rules));
+        add_items(score, text, at, end, rules, &run);
         at += length;
     }
     return 0;

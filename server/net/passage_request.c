@@ -24,6 +24,12 @@ int passage_resolve(const struct net *net, struct speech_request *request, struc
         free(request->voice);
         request->voice = mem_strdup(passage.voice);
     }
+    free(request->languages);
+    request->languages = passage.voice && request->voice && !strcmp(request->voice, passage.voice)
+                             ? NULL /* a recording speaks all of it */
+                             : passage.languages;
+    if (request->languages)
+        passage.languages = NULL;
     request->text = passage.text;
     request->text_size = strlen(passage.text);
     passage.text = NULL;

@@ -59,12 +59,14 @@ static void add_event(struct stretch *s, size_t at, enum event_kind kind, size_t
 }
 
 static bool is_span(const struct block_mark *m) {
-    return m->kind == MARK_EMPHASIS || m->kind == MARK_FOREIGN;
+    return m->kind == MARK_EMPHASIS || m->kind == MARK_FOREIGN || m->kind == MARK_STAGE;
 }
 
 static void close_marks(struct stretch *s) {
+    static const char *const ends[] = {
+        [MARK_EMPHASIS] = "</em>", [MARK_FOREIGN] = "</i>", [MARK_STAGE] = "</span>"};
     for (size_t i = s->open_count; i-- > 0;)
-        buf_printf(s->out, s->block->marks[s->open[i]].kind == MARK_EMPHASIS ? "</em>" : "</i>");
+        buf_printf(s->out, "%s", ends[s->block->marks[s->open[i]].kind]);
 }
 
 static void open_marks(struct stretch *s) {
@@ -72,6 +74,8 @@ static void open_marks(struct stretch *s) {
         const struct block_mark *m = &s->block->marks[s->open[i]];
         if (m->kind == MARK_EMPHASIS) {
             buf_printf(s->out, "<em>");
+        } else if (m->kind == MARK_STAGE) {
+            buf_printf(s->out, "<span class=\"stage\">");
         } else {
             const char *lang = m->value ? m->value : "und";
             buf_printf(s->out, "<i lang=\"");

@@ -67,6 +67,10 @@ static void request_of(const struct recital *r, const struct run *run, struct sp
     request->text = mem_strndup(run->places.text, request->text_size);
     free(request->lang);
     request->lang = mem_strdup(lang);
+    free(request->languages);
+    request->languages = run->places.languages.size && !r->any_lang
+                             ? mem_strndup((char *)run->places.languages.data, run->places.languages.size)
+                             : NULL;
     free(request->markup);
     request->markup = mem_strdup(b->source ? b->markup : "plain");
     if (!r->any_lang && strcmp(lang, r->lang) != 0) {

@@ -4,6 +4,15 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void add_language(struct recital_places *p, const struct block *block, const struct block_mark *m) {
+    size_t start = p->joined.size - block->text.size;
+    if (m->kind != MARK_FOREIGN || !m->value || m->start >= m->end || m->end > block->text.size)
+        return;
+    size_t from = utf16_offset(&p->units, (char *)p->joined.data, start + m->start);
+    buf_printf(&p->languages, "%s%zu-%zu:%s", p->languages.size ? " " : "", from,
+               utf16_offset(&p->units, (char *)p->joined.data, start + m->end), m->value);
+}
+
 void recital_places_add(struct recital_places *p, const struct block *block, size_t number) {
     if (p->count)
         buf_add(&p->joined, "\n\n", 2);
@@ -17,6 +26,8 @@ void recital_places_add(struct recital_places *p, const struct block *block, siz
         buf_add(&p->joined, block->source, strlen(block->source));
     else
         block_spoken(block, &p->joined);
+    for (size_t i = 0; i < block->mark_count && !block->source; i++)
+        add_language(p, block, &block->marks[i]);
 }
 
 void recital_places_end(struct recital_places *p) {
@@ -29,6 +40,7 @@ void recital_places_free(struct recital_places *p) {
     free(p->numbers);
     free(p->starts);
     buf_free(&p->joined);
+    buf_free(&p->languages);
     *p = (struct recital_places){0};
 }
 

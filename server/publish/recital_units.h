@@ -13,6 +13,8 @@ struct recital_places {
     size_t count, cap, numbers_cap, starts_cap;
     struct buf joined;
     const char *text;            /* when it is complete, with a NUL */
+    struct buf languages;        /* its stretches in others, as a request has them */
+    struct utf16_counter units;  /* of the text */
     struct utf16_counter source; /* of a block in markup */
     size_t at, at_units;         /* of its text: a byte, and what stands before it */
 };

@@ -91,6 +91,8 @@ static void open_section(struct speak_ahead *a) {
     passage.text = NULL;
     request.lang = passage.lang;
     passage.lang = NULL;
+    request.languages = passage.languages;
+    passage.languages = NULL;
     request.markup = mem_strdup(passage.markup);
     request.voice = mem_strdup(a->told.voice);
     request.ahead = true;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/recording.h"
 #include "protocol/fapfile.h"
+#include "server/base/beneath.h"
 #include "server/base/mem.h"
 #include "server/synthesis/recording_internal.h"
 #include "server/synthesis/synthesis.h"
@@ -41,6 +42,7 @@ struct recording {
 void recording_source_free(struct recording_source *source) {
     free(source->name);
     free(source->id);
+    free(source->folder);
     free(source->fap_path);
     free(source->sound_path);
     buf_free(&source->fap);
@@ -56,15 +58,17 @@ int recording_source_in(struct recording_source *source, const char *folder, con
                               "must be the name of a file without its ending, up to %d bytes",
                               RECORDING_NAME_BYTES_MAX);
     source->name = mem_strdup(name);
-    source->fap_path = mem_alloc(strlen(folder) + size + 6);
-    sprintf(source->fap_path, "%s/%s.fap", folder, name);
+    source->folder = mem_strdup(folder);
+    source->fap_path = mem_alloc(size + 5);
+    sprintf(source->fap_path, "%s.fap", name);
     return 0;
 }
 
 /* The .fap as text, from its file. */
 static int read_fap(struct recording *r) {
     struct recording_source *source = &r->source;
-    int fd = open(source->fap_path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+    int fd = source->folder ? beneath_open(source->folder, source->fap_path, O_RDONLY)
+                            : open(source->fap_path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     struct stat status;
     ssize_t got = 1;
     if (fd < 0 || fstat(fd, &status) || !S_ISREG(status.st_mode)) {

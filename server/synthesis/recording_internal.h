@@ -7,8 +7,8 @@
 
 struct recording_sound;
 
-/* The sound file beside a .fap: its path, to be freed, or NULL. */
-char *recording_sound_beside(const char *fap_path);
+/* The sound file beside a .fap, open, or -1. folder: as in a source. */
+int recording_sound_beside(const char *folder, const char *fap_path);
 
 /* From the source's sound file, its memory (which must outlive it), or a file beside its .fap; *sound = NULL
  * when there is none. -1 with *e: "bad-sound". */

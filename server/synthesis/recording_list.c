@@ -1,4 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/beneath.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/synthesis/recording.h"
@@ -7,7 +8,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
+#include <unistd.h>
 
 bool recording_is_name(const char *name) {
     size_t size = strlen(name);
@@ -27,18 +28,16 @@ void recording_list(const char *folder, void (*each)(void *ctx, const char *name
     struct dirent **entries;
     int count = scandir(folder, &entries, is_fap, alphasort);
     for (int i = 0; i < count; i++) {
-        char *name = entries[i]->d_name, *sound = NULL;
-        size_t size = strlen(folder) + strlen(name) + 2;
-        char *path = mem_alloc(size);
-        struct stat status;
-        snprintf(path, size, "%s/%s", folder, name);
+        char *name = entries[i]->d_name;
+        FILE *file = beneath_file(folder, name);
+        int sound = file ? recording_sound_beside(folder, name) : -1;
         name[strlen(name) - 4] = '\0';
-        if (recording_is_name(name) && !stat(path, &status) && S_ISREG(status.st_mode)) {
-            sound = recording_sound_beside(path);
-            each(ctx, name, sound);
-        }
-        free(sound);
-        free(path);
+        if (file && recording_is_name(name))
+            each(ctx, name, sound >= 0);
+        if (file)
+            fclose(file);
+        if (sound >= 0)
+            close(sound);
         free(entries[i]);
     }
     if (count >= 0)

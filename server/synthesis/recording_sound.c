@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/beneath.h"
 #include "server/base/mem.h"
 #include "server/synthesis/recording_internal.h"
+#include <fcntl.h>
 #include <math.h>
 #include <sndfile.h>
 #include <stdio.h>
@@ -52,47 +54,46 @@ static sf_count_t memory_tell(void *self) {
     return ((struct recording_sound *)self)->at;
 }
 
-char *recording_sound_beside(const char *fap_path) {
+int recording_sound_beside(const char *folder, const char *fap_path) {
     size_t stem = strlen(fap_path);
+    int fd = -1;
     if (stem > 4 && !strcmp(fap_path + stem - 4, ".fap"))
         stem -= 4;
-    for (const char *const *ending = recording_sounds; *ending; ending++) {
+    for (const char *const *ending = recording_sounds; fd < 0 && *ending; ending++) {
         size_t size = stem + strlen(*ending) + 2;
         char *path = mem_alloc(size);
         snprintf(path, size, "%.*s.%s", (int)stem, fap_path, *ending);
-        if (!access(path, R_OK))
-            return path;
+        fd = folder ? beneath_open(folder, path, O_RDONLY) : open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
         free(path);
     }
-    return NULL;
+    return fd;
 }
 
-static void open_file(struct recording_sound *s, const struct recording_source *source) {
+/* The source's sound; NULL = it has none, or it cannot be read. */
+static SNDFILE *open_file(struct recording_sound *s, const struct recording_source *source, bool *there) {
     static SF_VIRTUAL_IO memory = {memory_size, memory_seek, memory_read, memory_write, memory_tell};
-    char *found = source->sound_path || source->sound.size ? NULL : recording_sound_beside(source->fap_path);
-    const char *path = source->sound_path ? source->sound_path : found;
+    *there = true;
     s->memory = &source->sound;
-    s->file = path ? sf_open(path, SFM_READ, &s->info) : sf_open_virtual(&memory, SFM_READ, &s->info, s);
-    free(found);
-}
-
-static bool has_sound(const struct recording_source *source) {
-    char *found = source->sound_path || source->sound.size || !source->fap_path
-                      ? NULL
-                      : recording_sound_beside(source->fap_path);
-    bool there = found || source->sound_path || source->sound.size;
-    free(found);
-    return there;
+    if (source->sound_path)
+        return sf_open(source->sound_path, SFM_READ, &s->info);
+    if (source->sound.size)
+        return sf_open_virtual(&memory, SFM_READ, &s->info, s);
+    int fd = source->fap_path ? recording_sound_beside(source->folder, source->fap_path) : -1;
+    *there = fd >= 0;
+    return fd >= 0 ? sf_open_fd(fd, SFM_READ, &s->info, SF_TRUE) : NULL; /* which closes it in any case */
 }
 
 int recording_sound_open(struct recording_sound **sound, const struct recording_source *source,
                          struct error *e) {
-    *sound = NULL;
-    if (!has_sound(source))
-        return 0;
     struct recording_sound *s = mem_alloc(sizeof *s);
     int failed = 0;
-    open_file(s, source);
+    bool there;
+    *sound = NULL;
+    s->file = open_file(s, source, &there);
+    if (!there) {
+        free(s);
+        return 0;
+    }
     const SF_INFO *info = &s->info;
     if (!s->file)
         failed = error_set(e, ERROR_BAD_SOUND, "%s", sf_strerror(NULL));

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/speech_request.h"
 #include "server/base/mem.h"
+#include "server/markup/language_runs.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -34,6 +35,7 @@ static const struct field {
     {"text", TEXT, offsetof(struct speech_request, text), 0, 0, NULL},
     {"passage", STRING, offsetof(struct speech_request, passage), 1, 128, NULL},
     {"from", INTEGER, offsetof(struct speech_request, from), 0, 100 << 20, NULL},
+    {"languages", STRING, offsetof(struct speech_request, languages), 1, LANGUAGE_RUNS_BYTES_MAX, NULL},
     {"id", STRING, offsetof(struct speech_request, id), 0, 64, NULL},
     {"lang", STRING, offsetof(struct speech_request, lang), 1, 35, NULL},
     {"voice", STRING, offsetof(struct speech_request, voice), 1, 128, NULL},

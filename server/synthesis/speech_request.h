@@ -37,6 +37,7 @@ struct speech_request {
     size_t text_size;
     char *passage;               /* the id of a passage of the library, to be spoken instead of a text */
     double from;                 /* UTF-16 units of the passage that are left out */
+    char *languages;             /* of a plain text: the stretches in others (language_runs.h) */
     char *id;                    /* the client's own name for it; NULL = none; at most 64 bytes */
     char *lang, *voice, *engine; /* NULL = the default */
     enum voice_gender gender;    /* of the voice, when none is named */

@@ -2,6 +2,7 @@
 /* From a request to a score with its voices: what can be said of it before anything is spoken. */
 #include "server/base/mem.h"
 #include "server/base/near.h"
+#include "server/markup/language_runs.h"
 #include "server/synthesis/synthesis_internal.h"
 #include <stdlib.h>
 #include <string.h>
@@ -45,7 +46,13 @@ static int decode_text(struct synthesis *s, struct error *e) {
 static void read_text(struct synthesis *s) {
     struct reading_result *r = &s->result;
     struct markup_rules rules = synthesis_rules(s);
+    struct language_runs runs = {0};
+    const char *languages = s->request.languages;
+    if (languages && language_runs_read(&runs, languages, s->request.text, s->request.text_size, &r->error))
+        return;
+    rules.runs = &runs;
     r->document = markup_read(s->markup, s->request.text, s->request.text_size, &rules, &r->error);
+    language_runs_free(&runs);
     if (r->document && markup_given_up(&rules)) { /* much to free, which is better done here */
         score_free(r->document);
         r->document = NULL;

@@ -45,6 +45,7 @@ function inline(block, from, to, signs) {
         while (rest.length && rest[0].start < at) inner.push(rest.shift());
         const element = make(mark.kind === 'emphasis' ? 'em' : mark.kind === 'foreign' ? 'i' : 'span', {}, piece(mark.start, at, inner));
         if (mark.lang) element.lang = mark.lang;
+        if (mark.kind === 'stage') unread(element).className = 'stage';
         here.append(element);
       }
     }
