@@ -77,3 +77,10 @@ FILE *beneath_file(const char *folder, const char *path) {
 bool beneath_is_outside(int error) {
     return error == EXDEV || error == ELOOP;
 }
+
+bool beneath_leads_outside(const char *folder, const char *path) {
+    int fd = beneath_open(folder, path, O_RDONLY), why = errno;
+    if (fd >= 0)
+        close(fd);
+    return fd < 0 && beneath_is_outside(why);
+}

@@ -19,6 +19,9 @@ int beneath_open(const char *folder, const char *path, int flags);
 /* Opens a regular file for reading. NULL with errno. */
 FILE *beneath_file(const char *folder, const char *path);
 
+/* Does the path lead outside? It is opened to see. */
+bool beneath_leads_outside(const char *folder, const char *path);
+
 /* Does errno say that the path leads outside? */
 bool beneath_is_outside(int error);
 

@@ -5,13 +5,10 @@
 #include "server/expression/expressions_internal.h"
 #include "server/expression/pose.h"
 #include <dirent.h>
-#include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <unistd.h>
 
 enum {
     GESTURES_MAX = 256, /* besides the entries of the expressions file */
@@ -214,11 +211,7 @@ int gestures_load(struct expressions *all, const char *folder, struct error *e) 
         char path[4096], text[320];
         struct error inner = {0};
         snprintf(path, sizeof path, "%s/%s", folder, entries[i]->d_name);
-        int fd = beneath_open(folder, entries[i]->d_name, O_RDONLY);
-        bool outside = fd < 0 && beneath_is_outside(errno);
-        if (fd >= 0)
-            close(fd);
-        if (!result && outside)
+        if (!result && beneath_leads_outside(folder, entries[i]->d_name))
             result = error_set(e, ERROR_BAD_EXPRESSIONS, "%.200s: leads out of the folder of gestures", path);
         else if (!result && gesture_load(all, path, &inner))
             result = error_set(e, inner.code, "%s: %s", path, error_text(&inner, text, sizeof text));

@@ -112,9 +112,9 @@ static void start_block(struct tei *t, struct tei_frame *f, const char **attribu
     if (f->act == ACT_STAGE && start_aside(t, f))
         return;
     struct block *top = build_top(b);
+    f->opened = true;
     if (f->act == ACT_PARAGRAPH && top && top->item && !top->text.size)
         return; /* it is all that the item has, or its beginning */
-    f->opened = true;
     switch (f->act) {
     case ACT_HEAD:
         build_block(b, t->figures ? BLOCK_PARAGRAPH : BLOCK_HEAD);

@@ -243,7 +243,7 @@ static void start_block(struct html *h, struct html_frame *f, const char *name, 
         build_top(b)->level = level;
         f->opened = true;
     } else if (f->act == HTML_PARAGRAPH && top && top->item && !top->text.size) {
-        ; /* it is all that the item has, or its beginning */
+        f->opened = true; /* it is all that the item has, or its beginning */
     } else if (f->act == HTML_PARAGRAPH || f->act == HTML_ITEM) {
         build_block(b, BLOCK_PARAGRAPH);
         build_top(b)->item = f->act == HTML_ITEM;
