@@ -57,7 +57,7 @@ test('a daemon for this machine alone: localhost and loopback addresses, and not
 test('a daemon for others, with tokens: the machine\'s name and any address in figures', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-hosts-'));
   fs.writeFileSync(path.join(folder, 'secrets'), 'a secret that is long enough for the daemon\n', { mode: 0o600 });
-  const own = await Daemon.start(['--host', '0.0.0.0', '--remote', '--token-file', path.join(folder, 'secrets')], {}, { voices: false });
+  const own = await Daemon.start(['--host', '0.0.0.0', '--remote', '--secret-file', path.join(folder, 'secrets')], {}, { voices: false });
   for (const host of ['localhost', '127.0.0.1', '192.0.2.7:8080', '[2001:db8::1]:80', os.hostname()])
     assert.notEqual((await request(own.port, { path: '/healthz', headers: { host } })).status, 421, host);
   assert.equal((await request(own.port, { path: '/healthz', headers: { host: 'evil.example' } })).status, 421);
@@ -79,7 +79,7 @@ test('--host-name names others, one or all; with tokens it is no different', asy
   fs.writeFileSync(path.join(folder, 'secrets'), `${secret}\n`, { mode: 0o600 });
   const config = path.join(folder, 'config.json');
   fs.writeFileSync(config, JSON.stringify({ access: { host_names: ['face.example', 'head.example'] } }));
-  const own = await Daemon.start(['--config', config, '--token-file', path.join(folder, 'secrets')]);
+  const own = await Daemon.start(['--config', config, '--secret-file', path.join(folder, 'secrets')]);
   const status = async (host) =>
     (await request(own.port, { path: '/v1/rooms', headers: { host, authorization: `Bearer ${sign({ secret })}` } })).status;
   assert.equal(await status('FACE.example:443'), 200);
@@ -148,7 +148,7 @@ test('a browser that says nothing of the page: an old one, or by a name that it 
   for (const headers of [curl, shell, { ...agent, origin: 'http://localhost' }])
     assert.equal((await request(daemon.port, { path: speech, headers })).status, 200, JSON.stringify(headers));
   assert.equal((await request(daemon.port, { path: '/', headers: agent })).status, 200); // a page that is typed
-  const own = await Daemon.start(['--token-file', path.join(folder, 'secrets')]);
+  const own = await Daemon.start(['--secret-file', path.join(folder, 'secrets')]);
   assert.equal((await request(own.port, { path: `${speech}&token=${sign({ secret })}`, headers: agent })).status, 200);
   assert.equal((await own.stop()).code, 0);
   fs.rmSync(folder, { recursive: true });
