@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/access/host.h"
 #include <arpa/inet.h>
+#include <netinet/in.h>
 #include <stddef.h>
 #include <string.h>
 #include <strings.h>
@@ -33,15 +34,24 @@ static bool same(struct name a, const char *other) {
     return a.size == b.size && a.size && !strncasecmp(a.text, b.text, a.size);
 }
 
+enum address { ADDRESS_NONE, ADDRESS_LOOPBACK, ADDRESS_OTHER };
+
 /* As browsers write it: they turn every other form into this one (URL standard, 4.5). */
-static bool is_address(struct name name) {
+static enum address address_of(struct name name) {
     char text[64];
-    struct in6_addr address;
+    struct in6_addr six;
+    struct in_addr four;
     if (!name.size || name.size >= sizeof text)
-        return false;
+        return ADDRESS_NONE;
     memcpy(text, name.text, name.size);
     text[name.size] = '\0';
-    return inet_pton(name.bracketed ? AF_INET6 : AF_INET, text, &address) == 1;
+    if (name.bracketed)
+        return inet_pton(AF_INET6, text, &six) != 1 ? ADDRESS_NONE
+               : IN6_IS_ADDR_LOOPBACK(&six)         ? ADDRESS_LOOPBACK
+                                                    : ADDRESS_OTHER;
+    if (inet_pton(AF_INET, text, &four) != 1)
+        return ADDRESS_NONE;
+    return ntohl(four.s_addr) >> 24 == IN_LOOPBACKNET ? ADDRESS_LOOPBACK : ADDRESS_OTHER;
 }
 
 static bool is_under_localhost(struct name name) {
@@ -50,11 +60,14 @@ static bool is_under_localhost(struct name name) {
     return name.size > length && !strncasecmp(name.text + name.size - length, suffix, length);
 }
 
-bool host_allowed(const char *host, const char *own, char *const *names) {
+bool host_allowed(const char *host, const char *own, char *const *names, bool local) {
     if (!host || !*host)
         return true;
     struct name name = name_of(host);
-    if (is_address(name) || same(name, "localhost") || is_under_localhost(name) || (own && same(name, own)))
+    enum address address = address_of(name);
+    if (address == ADDRESS_LOOPBACK || same(name, "localhost") || is_under_localhost(name))
+        return true;
+    if (!local && (address == ADDRESS_OTHER || (own && same(name, own))))
         return true;
     for (; names && *names; names++)
         if (!strcmp(*names, "*") || same(name, *names))

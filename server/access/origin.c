@@ -48,7 +48,8 @@ bool origin_allowed(const char *origin, const char *host, char *const *list) {
     return false;
 }
 
-bool origin_unsaid_allowed(const char *site, const char *mode, const char *user) {
-    bool followed = mode && !strcmp(mode, "navigate") && user && !strcmp(user, "?1");
+bool origin_unsaid_allowed(const char *site, const char *mode, const char *user, const char *dest) {
+    bool followed =
+        mode && !strcmp(mode, "navigate") && user && !strcmp(user, "?1") && dest && !strcmp(dest, "document");
     return !site || strcmp(site, "cross-site") || followed;
 }

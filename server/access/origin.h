@@ -14,7 +14,7 @@ bool origin_allowed(const char *origin, const char *host, char *const *list);
 
 /* For a request without an Origin, by what the browser says of it (Fetch Metadata Request Headers; NULL:
  * nothing): false when a page of another site has had it made, by an image, a sound, a frame, and nobody has
- * followed a link. */
-bool origin_unsaid_allowed(const char *site, const char *mode, const char *user);
+ * followed a link. A frame is none, though its page may have been clicked on. */
+bool origin_unsaid_allowed(const char *site, const char *mode, const char *user, const char *dest);
 
 #endif

@@ -5,7 +5,7 @@
 
 int access_place_load(struct access_place *place, const struct settings *settings, struct error *e) {
     *place = (struct access_place){0};
-    if ((!settings->token_file || !secrets_load(&place->secrets, settings->token_file, e)) &&
+    if ((!settings->secret_file || !secrets_load(&place->secrets, settings->secret_file, e)) &&
         (!settings->revoked_file ||
          !revocations_load(&place->revocations, settings->revoked_file, (long)time(NULL), e)))
         return 0;

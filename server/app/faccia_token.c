@@ -11,7 +11,7 @@ static const char usage[] =
     "Usage: faccia token --secret-file FILE --subject NAME [OPTION]...\n"
     "       faccia token --secret-file FILE --revoke TOKEN\n"
     "       faccia token --revoke-subject NAME [--expires TIME]\n"
-    "Prints a token that a daemon started with --token-file FILE accepts; or the line that\n"
+    "Prints a token that a daemon started with --secret-file FILE accepts; or the line that\n"
     "takes one back, or all that a subject has: it goes into the file of --revoked-file.\n"
     "\n"
     "      --secret-file FILE   a secret of at least 32 bytes in each line; the first signs.\n"

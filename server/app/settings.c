@@ -41,6 +41,9 @@ static const char *variable(const struct setting *setting, char out[64]) {
 
 static int from_environment(struct settings *s, enum program program, struct error *e) {
     char name[64];
+    const char *old = getenv("FACCIA_TOKEN_FILE");
+    if (program == PROGRAM_DAEMON && old && *old)
+        return setting_was_renamed("FACCIA_TOKEN_FILE", e);
     for (size_t i = 0; i < settings_count; i++) {
         if (!setting_is_of(program, &settings_table[i]))
             continue;
@@ -51,7 +54,7 @@ static int from_environment(struct settings *s, enum program program, struct err
     return 0;
 }
 
-enum { OPTION_HELP = 1000, OPTION_VERSION, OPTION_PRINT, OPTION_SCHEMA, OPTION_CONFIG };
+enum { OPTION_HELP = 1000, OPTION_VERSION, OPTION_PRINT, OPTION_SCHEMA, OPTION_CONFIG, OPTION_RENAMED };
 
 static const char *name_of(enum program program) {
     static const char *const names[] = {
@@ -61,7 +64,7 @@ static const char *name_of(enum program program) {
 
 static int read_options(struct settings *s, struct settings_request *request, enum program program, int argc,
                         char **argv, bool only_request, struct error *e) {
-    struct option options[SETTINGS_MAX + 6] = {
+    struct option options[SETTINGS_MAX + 7] = {
         {"help", 0, NULL, OPTION_HELP},
         {"version", 0, NULL, OPTION_VERSION},
         {"config", 1, NULL, OPTION_CONFIG},
@@ -70,6 +73,7 @@ static int read_options(struct settings *s, struct settings_request *request, en
     if (program == PROGRAM_DAEMON) {
         options[count++] = (struct option){"print-config", 0, NULL, OPTION_PRINT};
         options[count++] = (struct option){"print-schema", 0, NULL, OPTION_SCHEMA};
+        options[count++] = (struct option){"token-file", 1, NULL, OPTION_RENAMED};
     }
     for (size_t i = 0; i < settings_count; i++) {
         const struct setting *setting = &settings_table[i];
@@ -94,6 +98,8 @@ static int read_options(struct settings *s, struct settings_request *request, en
             request->file = optarg;
         else if (c == '?')
             return error_set(e, ERROR_BAD_OPTION, "try '%s --help'", name_of(program));
+        else if (c == OPTION_RENAMED && !only_request)
+            return setting_was_renamed("--token-file", e);
         else if (!only_request) {
             const struct setting *setting = &settings_table[c];
             snprintf(name, sizeof name, "--%s", setting->option);

@@ -30,11 +30,12 @@ struct settings {
     unsigned cluster_queue; /* sentences that may wait for workers elsewhere, for each kind of voices */
     const char *lang;
     enum face_contacts contacts; /* of requests that say "engine" */
-    const char *token_file;      /* NULL = none */
+    const char *secret_file;     /* NULL = none */
     const char *revoked_file;    /* NULL = none */
     unsigned log_format;         /* 0 text, 1 JSON */
     unsigned stop_seconds;
     unsigned heard_most;    /* people's own voices, at a time */
+    unsigned heard_address; /* of one address or subject; 0 = no limit of its own */
     unsigned heard_seconds; /* of sound that waits, of each */
 };
 

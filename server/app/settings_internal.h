@@ -6,7 +6,7 @@
 #include "server/app/settings.h"
 #include <jansson.h>
 
-enum { SETTINGS_MAX = 64 };
+enum { SETTINGS_MAX = 96 };
 
 struct setting {
     const char *path;   /* in the file: "limits.text_bytes" */
@@ -35,6 +35,10 @@ extern const size_t settings_count;
 
 /* Does the setting concern the program? */
 bool setting_is_of(enum program program, const struct setting *setting);
+
+/* The daemon's --token-file, as it was called once: -1 with *e, which says what it is called now. name: as
+ * the setting was written. */
+int setting_was_renamed(const char *name, struct error *e);
 
 /* -1 with *e, whose field is name. */
 int setting_from_text(struct settings *s, const struct setting *setting, const char *text, const char *name,

@@ -18,6 +18,14 @@ static bool is_of_worker(const char *path) {
     return !strncmp(path, "voices.", strlen("voices."));
 }
 
+int setting_was_renamed(const char *name, struct error *e) {
+    return error_in_field(
+        e, ERROR_BAD_FIELD, name,
+        "the file of secrets that sign tokens is named by --secret-file (FACCIA_SECRET_FILE, "
+        "access.secret_file); --token-file is what the programs beside the daemon call a file "
+        "with a token in it");
+}
+
 bool setting_is_of(enum program program, const struct setting *setting) {
     return program == PROGRAM_DAEMON ||
            (program == PROGRAM_WORKER ? is_of_worker(setting->path) : setting->program == FOR_BOTH);

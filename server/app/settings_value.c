@@ -212,6 +212,8 @@ static int set_member(struct settings *s, enum program program, const char *grou
             return json_is_null(value) || !setting_is_of(program, &settings_table[i])
                        ? 0
                        : set_from_json(s, &settings_table[i], value, e);
+    if (!strcmp(path, "access.token_file"))
+        return setting_was_renamed(path, e);
     struct near near = near_to(path);
     char text[NEAR_TEXT];
     for (size_t i = 0; i < settings_count; i++) {

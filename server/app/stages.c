@@ -44,7 +44,9 @@ static int load_boundaries(struct stages *s, const char *path, struct error *e) 
 static int load_hearing(struct stages *s, const struct settings *settings, const char *path,
                         struct error *e) {
     struct error inner = {0};
-    s->heard = (struct heard_pool){.most = settings->heard_most, .seconds = settings->heard_seconds};
+    s->heard = (struct heard_pool){.most = settings->heard_most,
+                                   .payer_most = settings->heard_address,
+                                   .seconds = settings->heard_seconds};
     s->pipeline.heard = &s->heard;
     if (access(path, F_OK))
         return 0;

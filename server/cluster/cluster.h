@@ -58,6 +58,7 @@ void cluster_close(struct cluster *cluster);
 
 enum {
     CLUSTER_CLAIM_MS = 400,   /* who was answered NULL begins within that time, or another may */
+    CLUSTER_WAIT_MS = 10000,  /* who waits for another's value makes it by himself after that */
     CLUSTER_MAKING_MS = 2000, /* who makes it, and has said so, is believed for so long */
 };
 

@@ -19,7 +19,8 @@ struct redis_ask {
     struct redis_names names;
     cluster_answered answered; /* NULL: forgotten */
     void *ctx;
-    bool sent, waited;
+    uint64_t since; /* loop time when it waited first; 0: it has not */
+    bool sent;
 };
 
 struct redis_cluster {
@@ -71,6 +72,12 @@ static void wait_for_others(struct redis_ask *a) {
         uv_timer_start(&c->again, on_again, ASK_AGAIN_MS, 0);
 }
 
+/* For long enough: whoever makes it, if it is not Redis that says so wrongly, takes too long. */
+static bool has_waited(const struct redis_ask *a) {
+    const struct redis_cluster *c = (const struct redis_cluster *)a->ask.cluster;
+    return a->since && uv_now(c->loop) - a->since >= CLUSTER_WAIT_MS;
+}
+
 static void on_asked(void *ctx, const redisReply *reply) {
     struct redis_ask *a = ctx;
     struct redis_cluster *c = (struct redis_cluster *)a->ask.cluster;
@@ -83,12 +90,12 @@ static void on_asked(void *ctx, const redisReply *reply) {
         metrics_add(c->metrics, well ? METRIC_CLUSTER_HITS : METRIC_CLUSTER_MISSES, 1);
         end_ask(a, well ? &value : NULL);
         buf_free(&value);
-    } else if (reply->integer) {
+    } else if (reply->type != REDIS_REPLY_INTEGER || reply->integer || has_waited(a)) {
         metrics_add(c->metrics, METRIC_CLUSTER_MISSES, 1);
         end_ask(a, NULL);
     } else {
-        metrics_add(c->metrics, METRIC_CLUSTER_WAITS, !a->waited);
-        a->waited = true;
+        metrics_add(c->metrics, METRIC_CLUSTER_WAITS, !a->since);
+        a->since = a->since ? a->since : uv_now(c->loop);
         wait_for_others(a);
     }
 }

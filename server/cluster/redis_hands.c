@@ -63,6 +63,8 @@ static void renew(struct redis_hands *h) {
     buf_free(&names);
 }
 
+static void listen_on(struct redis_hands *h);
+
 static void on_pulse(uv_timer_t *timer) {
     struct redis_hands *h = timer->data;
     const struct work_offer *offers;
@@ -70,6 +72,7 @@ static void on_pulse(uv_timer_t *timer) {
     for (size_t i = 0; i < count; i++)
         announce(h, &offers[i], false, on_announced, h);
     renew(h);
+    listen_on(h);
 }
 
 static void look(struct work_hands *hands) {
@@ -81,12 +84,12 @@ static void look(struct work_hands *hands) {
 
 /* ---- the bell ---- */
 
-static void listen_on(struct redis_hands *h);
-
 static void on_bell(void *ctx, const redisReply *reply) {
     struct redis_hands *h = ctx;
+    h->listening = false;
     if (!reply || h->closed)
         return;
+    bool well = reply->type == REDIS_REPLY_NIL;
     if (reply->type == REDIS_REPLY_ARRAY && reply->elements == 1 &&
         reply->element[0]->type == REDIS_REPLY_ARRAY && reply->element[0]->elements == 2) {
         const redisReply *entries = reply->element[0]->element[1];
@@ -94,12 +97,14 @@ static void on_bell(void *ctx, const redisReply *reply) {
                              ? redis_work_text(entries->element[entries->elements - 1], 0)
                              : "";
         snprintf(h->bell, sizeof h->bell, "%s", *id ? id : "$");
+        well = *id;
         renew(h);
     } else {
         redis_work_well(reply);
     }
     look(&h->hands); /* in silence, too: what somebody has lost rings no bell */
-    listen_on(h);
+    if (well)        /* otherwise at the next pulse: nonsense that comes at once is not asked for at once */
+        listen_on(h);
 }
 
 static void listen_on(struct redis_hands *h) {
@@ -111,7 +116,7 @@ static void listen_on(struct redis_hands *h) {
                                       link_text_of("STREAMS"),
                                       link_text_of(REDIS_WORK ":bell"),
                                       link_text_of(h->bell)};
-    redis_link_send(h->ear, words, 6, on_bell, h);
+    h->listening = h->listening || redis_link_send(h->ear, words, 6, on_bell, h);
 }
 
 static void on_mouth(void *ctx, bool up) {

@@ -29,7 +29,7 @@ struct redis_hands {
     char id[REDIS_ID_BYTES], bell[64]; /* the last entry of the bell that was heard */
     size_t cursor;                     /* the offer that is taken from; */
     char queue[72];                    /* its queue */
-    bool taking, again, closed;
+    bool taking, again, listening, closed;
 };
 
 /* Takes what there is room for; called again while it is at it, it begins anew. */

@@ -4,16 +4,17 @@
 #include "server/base/mem.h"
 #include "server/cluster/redis_loop.h"
 #include "server/cluster/redis_silence.h"
+#include <errno.h>
+#include <netinet/in.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { WORDS_MOST = 128 };
+#include <sys/un.h>
 
 struct redis_link {
     uv_loop_t *loop;
     struct redis_address address;
-    redisAsyncContext *redis; /* NULL: not begun, or lost */
+    struct redis_loop *redis; /* NULL: not begun, or lost */
     uv_getaddrinfo_t look_up;
     uv_timer_t pulse;
     uint64_t again, again_in; /* loop time of the next attempt; how long the one after it waits, ms */
@@ -50,29 +51,22 @@ static void lost(struct redis_link *link, const char *why) {
         link->changed(link->ctx, false);
 }
 
-/* Of our own accord. What is asked from within the callbacks finds no link. */
+/* What is asked from within the callbacks finds no link. */
 static void drop(struct redis_link *link, const char *why) {
-    redisAsyncContext *redis = link->redis;
+    struct redis_loop *redis = link->redis;
     link->redis = NULL;
-    if (redis) {
-        redis->data = NULL;
-        redisAsyncFree(redis);
-    }
+    if (redis)
+        redis_loop_close(redis);
     lost(link, why);
 }
 
-static void on_disconnected(const redisAsyncContext *redis, int status) {
-    struct redis_link *link = redis->data;
-    if (!link)
-        return;
-    link->redis = NULL;
-    lost(link, status == REDIS_OK ? "the connection was closed" : redis->errstr);
+static void on_lost(void *ctx, const char *why) {
+    drop(ctx, why);
 }
 
-static void on_answer(redisAsyncContext *redis, void *reply, void *privdata) {
-    struct question *q = privdata;
+static void on_answer(void *ctx, const redisReply *reply) {
+    struct question *q = ctx;
     struct redis_link *link = q->link;
-    (void)redis;
     if (reply) {
         silence_begin(&link->silence, uv_now(link->loop));
         link->unanswered -= link->unanswered > 0;
@@ -85,18 +79,11 @@ static void on_answer(redisAsyncContext *redis, void *reply, void *privdata) {
 
 static bool ask(struct redis_link *link, const struct link_text *words, int count, link_answered answered,
                 void *ctx) {
-    const char *texts[WORDS_MOST];
-    size_t sizes[WORDS_MOST];
-    for (int i = 0; i < count; i++) {
-        texts[i] = words[i].data;
-        sizes[i] = words[i].size;
-    }
+    if (!link->redis)
+        return false;
     struct question *q = mem_alloc(sizeof *q);
     *q = (struct question){link, answered, ctx};
-    if (!link->redis || redisAsyncCommandArgv(link->redis, on_answer, q, count, texts, sizes) != REDIS_OK) {
-        free(q);
-        return false;
-    }
+    redis_loop_ask(link->redis, words, count, on_answer, q);
     if (!link->unanswered++)
         silence_begin(&link->silence, uv_now(link->loop));
     return true;
@@ -109,7 +96,7 @@ bool redis_link_send(struct redis_link *link, const struct link_text *words, int
 
 void redis_link_flush(struct redis_link *link) {
     if (link->up)
-        redisAsyncHandleWrite(link->redis);
+        redis_loop_flush(link->redis);
 }
 
 bool redis_link_up(const struct redis_link *link) {
@@ -137,16 +124,20 @@ static bool is_word(const redisReply *reply, const char *word) {
 }
 
 /* Of a channel: that it is listened to, and what comes. */
-static void on_channel(redisAsyncContext *redis, void *any, void *privdata) {
-    struct redis_link *link = privdata;
-    const redisReply *reply = any;
-    (void)redis;
-    if (!reply || reply->type != REDIS_REPLY_ARRAY || reply->elements != 3)
+static void on_channel(void *ctx, const redisReply *reply) {
+    struct redis_link *link = ctx;
+    bool well =
+        reply->type == REDIS_REPLY_ARRAY && reply->elements == 3 && is_word(reply->element[1], link->channel);
+    bool message =
+        well && is_word(reply->element[0], "message") && reply->element[2]->type == REDIS_REPLY_STRING;
+    if (!message && !(well && is_word(reply->element[0], "subscribe"))) {
+        drop(link, reply->type == REDIS_REPLY_ERROR ? reply->str : "it sends what no channel has");
         return;
+    }
     silence_begin(&link->silence, uv_now(link->loop));
     link->unanswered = 0;
     link->overdue = false;
-    if (is_word(reply->element[0], "message"))
+    if (message)
         link->heard(link->heard_ctx, reply->element[2]->str, (size_t)reply->element[2]->len);
     else if (!link->up)
         come_up(link);
@@ -154,8 +145,8 @@ static void on_channel(redisAsyncContext *redis, void *any, void *privdata) {
 
 /* Listening to it once more is answered, too, which no other command is on such a connection. */
 static void hear(struct redis_link *link) {
-    if (redisAsyncCommand(link->redis, on_channel, link, "SUBSCRIBE %s", link->channel) != REDIS_OK)
-        return;
+    redis_loop_hear(link->redis, (struct link_text[]){link_text_of("SUBSCRIBE"), link_text_of(link->channel)},
+                    2, on_channel, link);
     if (!link->unanswered++)
         silence_begin(&link->silence, uv_now(link->loop));
 }
@@ -171,15 +162,10 @@ static void on_first_pong(void *ctx, const redisReply *reply) {
         come_up(link);
 }
 
-static void on_connected(const redisAsyncContext *redis, int status) {
-    struct redis_link *link = redis->data;
+static void on_connected(void *ctx) {
+    struct redis_link *link = ctx;
     const struct redis_address *a = &link->address;
     char number[16];
-    if (status != REDIS_OK) {
-        link->redis = NULL;
-        lost(link, redis->errstr);
-        return;
-    }
     link->unanswered = 0;
     if (a->password && a->user)
         ask(link,
@@ -193,26 +179,36 @@ static void on_connected(const redisAsyncContext *redis, int status) {
     ask(link, (struct link_text[]){link_text_of("PING")}, 1, on_first_pong, link);
 }
 
-/* A connection has been begun, or has failed already. */
-static void attach(struct redis_link *link, redisAsyncContext *redis) {
-    bool made = redis && !redis->err;
-    if (!made || redis_loop_attach(redis, link->loop)) {
-        char why[128];
-        snprintf(why, sizeof why, "%s",
-                 made    ? "the loop takes no more"
-                 : redis ? redis->errstr
-                         : "no memory");
-        if (redis)
-            redisAsyncFree(redis);
-        lost(link, why);
+static void begin_at(struct redis_link *link, const struct sockaddr *to, socklen_t size) {
+    static const struct redis_loop_events events = {on_connected, on_lost};
+    link->redis = redis_loop_open(link->loop, to, size, &events, link);
+    if (!link->redis) {
+        lost(link, strerror(errno));
         return;
     }
-    link->redis = redis;
-    redis->data = link;
     link->unanswered = 1;
     silence_begin(&link->silence, uv_now(link->loop));
-    redisAsyncSetConnectCallback(redis, on_connected);
-    redisAsyncSetDisconnectCallback(redis, on_disconnected);
+}
+
+static void begin_unix(struct redis_link *link) {
+    struct sockaddr_un to = {.sun_family = AF_UNIX};
+    if (strlen(link->address.path) >= sizeof to.sun_path) {
+        lost(link, "the path of its socket is too long");
+        return;
+    }
+    strcpy(to.sun_path, link->address.path);
+    begin_at(link, (struct sockaddr *)&to, sizeof to);
+}
+
+static void begin_inet(struct redis_link *link, const struct addrinfo *found) {
+    struct sockaddr_storage to = {0};
+    memcpy(&to, found->ai_addr, found->ai_addrlen);
+    in_port_t port = htons((uint16_t)link->address.port);
+    if (to.ss_family == AF_INET6)
+        ((struct sockaddr_in6 *)&to)->sin6_port = port;
+    else
+        ((struct sockaddr_in *)&to)->sin_port = port;
+    begin_at(link, (struct sockaddr *)&to, found->ai_addrlen);
 }
 
 static void free_if_closed(struct redis_link *link) {
@@ -225,10 +221,9 @@ static void free_if_closed(struct redis_link *link) {
 
 static void on_found(uv_getaddrinfo_t *look_up, int status, struct addrinfo *found) {
     struct redis_link *link = look_up->data;
-    char ip[64] = "";
     link->looking_up = false;
-    if (!link->closing && !status && !uv_ip_name(found->ai_addr, ip, sizeof ip))
-        attach(link, redisAsyncConnect(ip, link->address.port));
+    if (!link->closing && !status)
+        begin_inet(link, found);
     else if (!link->closing)
         lost(link, uv_strerror(status));
     uv_freeaddrinfo(found);
@@ -238,7 +233,7 @@ static void on_found(uv_getaddrinfo_t *look_up, int status, struct addrinfo *fou
 static void begin(struct redis_link *link) {
     static const struct addrinfo hints = {.ai_socktype = SOCK_STREAM};
     if (link->address.path) {
-        attach(link, redisAsyncConnectUnix(link->address.path));
+        begin_unix(link);
         return;
     }
     link->look_up.data = link;

@@ -13,22 +13,27 @@ static void listen_on(struct redis_work *w);
 
 static void on_heard(void *ctx, const redisReply *reply) {
     struct redis_work *w = ctx;
+    w->listening = false;
     if (!reply || w->closed)
         return;
+    bool well = reply->type == REDIS_REPLY_NIL;
     if (reply->type == REDIS_REPLY_ARRAY && reply->elements == 2 &&
         reply->element[1]->type == REDIS_REPLY_STRING)
-        redis_task_piece(w, reply->element[1]->str, (size_t)reply->element[1]->len);
+        well = redis_task_piece(w, reply->element[1]->str, (size_t)reply->element[1]->len);
     else
         redis_work_well(reply);
-    listen_on(w);
+    if (well) /* otherwise from the next look on: nonsense that comes at once is not asked for at once */
+        listen_on(w);
 }
 
 static void listen_on(struct redis_work *w) {
     char seconds[NUMBER_BYTES];
     snprintf(seconds, sizeof seconds, "0.%03d", WORK_LISTEN_MS);
-    redis_link_send(w->ear,
-                    (struct link_text[]){link_text_of("BLPOP"), link_text_of(w->to), link_text_of(seconds)},
-                    3, on_heard, w);
+    w->listening =
+        w->listening ||
+        redis_link_send(
+            w->ear, (struct link_text[]){link_text_of("BLPOP"), link_text_of(w->to), link_text_of(seconds)},
+            3, on_heard, w);
 }
 
 /* ---- what there is ---- */
@@ -61,6 +66,7 @@ static void on_look(uv_timer_t *timer) {
     struct redis_work *w = timer->data;
     struct redis_task *t;
     struct buf names = {0};
+    listen_on(w);
     DL_FOREACH(w->tasks, t)
     if (*t->name && !t->failed)
         buf_printf(&names, "%s ", t->name);

@@ -37,6 +37,7 @@ struct redis_work {
     struct metrics *metrics;
     double live, ahead; /* as the metrics have them */
     unsigned handles;
+    bool listening; /* an answer is waited for */
     bool closed;
 };
 
@@ -44,9 +45,10 @@ struct redis_work {
 struct work_task *redis_task_put(struct work *work, const char *queue, enum work_turn turn, uint32_t payer,
                                  const struct buf *sentence, work_answered answered, void *ctx);
 void redis_task_cancel(struct work_task *task);
-void redis_task_piece(struct redis_work *w, const void *data, size_t size); /* of an answer */
-void redis_tasks_miss(struct redis_work *w, const redisReply *names);       /* they are not in the queue */
-void redis_tasks_fail(struct redis_work *w);                                /* Redis has gone */
+bool redis_task_piece(struct redis_work *w, const void *data,
+                      size_t size);                                   /* of an answer; false: it is none */
+void redis_tasks_miss(struct redis_work *w, const redisReply *names); /* they are not in the queue */
+void redis_tasks_fail(struct redis_work *w);                          /* Redis has gone */
 void redis_tasks_on_soon(uv_timer_t *timer);
 
 #endif

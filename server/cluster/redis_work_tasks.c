@@ -117,27 +117,28 @@ static struct redis_task *task_by_name(struct redis_work *w, const char *name) {
     return NULL;
 }
 
-void redis_task_piece(struct redis_work *w, const void *data, size_t size) {
+bool redis_task_piece(struct redis_work *w, const void *data, size_t size) {
     struct work_piece piece;
     if (!work_unpack_piece(data, size, &piece)) {
         log_warn("cluster: an answer that is none was left out");
-        return;
+        return false;
     }
     struct redis_task *t = task_by_name(w, piece.task);
     if (!t || t->failed)
-        return; /* it was cancelled */
+        return true; /* it was cancelled */
     if (piece.index == 0) {
         memcpy(t->attempt, piece.attempt, sizeof t->attempt);
         t->body.size = t->pieces = 0;
     }
     if (strcmp(t->attempt, piece.attempt) != 0 || piece.index != t->pieces ||
         t->body.size + piece.size > WORK_BODY_MOST)
-        return; /* of a worker that had lost it; what is missing is missed (on_looked) */
+        return true; /* of a worker that had lost it; what is missing is missed (on_looked) */
     t->pieces++;
     t->missed = 0;
     buf_add(&t->body, piece.body, piece.size);
     if (piece.last)
         end_task(t, piece.end, &t->body);
+    return true;
 }
 
 /* It was not there twice: its answer has been under way for long enough. */

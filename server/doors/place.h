@@ -12,11 +12,12 @@ struct place {
     char *token; /* NULL: none */
 };
 
-/* FACCIA_URL, FACCIA_TOKEN, or what one has without them. */
+/* FACCIA_URL, FACCIA_TOKEN, or what one has without them. A FACCIA_TOKEN that is none is told of and left
+ * out: it may be the daemon's secret, which must not be sent. */
 void place_open(struct place *place);
 void place_close(struct place *place);
 
-/* The first line of the file is the token. -1 after a message. */
+/* The first line of the file is the token. -1 after a message, also when the line is no token. */
 int place_read_token(struct place *place, const char *file);
 
 /* A new id for an utterance. */

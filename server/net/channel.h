@@ -38,8 +38,9 @@ struct follower {
 /* A stream of one's own. name is what its messages are marked with. */
 struct channel *channel_new(struct net *net, const char *name);
 
-/* The room of that name, which is made when it is not there. NULL with *e ("too-many-rooms", "bad-field"). */
-struct channel *channel_room(struct net *net, const char *name, struct error *e);
+/* The room of that name, which is made when it is not there, for the payer (principal_payer; 0: nobody's).
+ * NULL with *e ("too-many-rooms", "bad-field"). */
+struct channel *channel_room(struct net *net, const char *name, uint32_t payer, struct error *e);
 /* -1 with *e ("bad-field") when no room can have that name. */
 int channel_check_name(const char *name, struct error *e);
 struct channel *channel_find(const struct net *net, const char *name);

@@ -49,6 +49,7 @@ struct channel {
     struct net *net;
     uint64_t number;
     char *name;
+    uint32_t payer; /* who had the room made; 0: nobody who is counted */
     bool room;
     void (*gone)(struct channel *channel); /* before it is freed; may be NULL */
     struct channel *next, **self;          /* of the rooms */

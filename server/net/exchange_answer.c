@@ -72,9 +72,20 @@ static void head_warnings(struct head *h, const struct exchange *x) {
     }
 }
 
+/* What --embed is for: texts and the face. The pages that change something or show what is said (operator,
+ * editor, the makers of avatars) are framed by nobody, lest clicks are drawn into them. */
+static bool is_for_frames(const char *path) {
+    static const char *const pages[] = {"/", "/index.html", "/library.html", "/room.html"};
+    for (size_t i = 0; i < sizeof pages / sizeof *pages; i++)
+        if (!strcmp(path, pages[i]))
+            return true;
+    return !strncmp(path, "/library/", strlen("/library/"));
+}
+
 static void head_common(struct head *h, const struct exchange *x, const char *type) {
     struct headers headers;
-    headers_of(&headers, type, x->shared || x->refused, x->net->options.embed);
+    headers_of(&headers, type, x->shared || x->refused,
+               is_for_frames(x->request->path) ? x->net->options.embed : NULL);
     head_add(h, "content-type", type);
     for (size_t i = 0; i < headers.count; i++)
         head_add(h, headers.list[i].name, headers.list[i].value);

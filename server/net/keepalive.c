@@ -6,9 +6,10 @@
 #include "server/net/connection.h"
 #include "server/net/listener.h"
 #include "server/net/net_internal.h"
+#include <malloc.h>
 #include <stdlib.h>
 
-enum { LOOK_MS = 1000 };
+enum { LOOK_MS = 1000, TRIM_BYTES = 32 << 20, TRIM_AGAIN_MS = 10000 };
 
 /* Has it taken nothing for too long, though bytes wait? */
 static bool is_stalled(struct connection *c) {
@@ -35,12 +36,23 @@ static void look(struct connection *c) {
     }
 }
 
+/* What a burst of clients took goes back to the system: the C library keeps what was freed in the middle of
+ * its heaps, however much. Looking for it takes milliseconds, so it is done when 32 MB are free, every ten
+ * seconds at most. */
+static void give_back_memory(struct net *net) {
+    if (uv_now(net->pipeline->loop) < net->trim_at || mallinfo2().fordblks < TRIM_BYTES)
+        return;
+    malloc_trim(0);
+    net->trim_at = uv_now(net->pipeline->loop) + TRIM_AGAIN_MS;
+}
+
 static void on_timer(uv_timer_t *timer) {
     struct net *net = timer->data;
     for (struct connection *c = net->open; c; c = c->next)
         look(c);
     listeners_look(net);
     hold_look(net);
+    give_back_memory(net);
 }
 
 void keepalive_begin(struct net *net) {

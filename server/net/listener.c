@@ -133,6 +133,13 @@ void listeners_look(struct net *net) {
     listeners_freed(net, true);
 }
 
+static bool are_local(const struct listeners *all) {
+    bool local = true;
+    for (size_t i = 0; local && i < all->count; i++)
+        local = listen_address_is_local(&all->list[i]->at);
+    return local;
+}
+
 int listeners_open(struct net *net, struct error *e) {
     struct listeners *all = mem_alloc(sizeof *all);
     all->net = net;
@@ -149,6 +156,7 @@ int listeners_open(struct net *net, struct error *e) {
     all->paused = true;
     pause_all(all, false);
     net->listeners = all;
+    net->local = are_local(all);
     net->descriptor_freed = listeners_freed;
     return 0;
 }

@@ -106,7 +106,7 @@ static int check(const struct net *net, bool local, const char *what, struct err
             e, ERROR_BAD_FIELD, "host",
             "'%s' is not a loopback address; to be heard by other machines, say so with --remote", what);
     return error_in_field(e, ERROR_BAD_FIELD, "host",
-                          "'%s' can be reached by other machines: tokens are needed, so name a --token-file",
+                          "'%s' can be reached by other machines: tokens are needed, so name a --secret-file",
                           what);
 }
 

@@ -58,6 +58,7 @@ void net_change(struct net *net, const struct net_options *options) {
     o->connections_above = options->connections_above;
     o->rooms = options->rooms;
     o->address_connections = options->address_connections;
+    o->address_rooms = options->address_rooms;
     o->address_requests = options->address_requests;
     o->send_bytes = options->send_bytes;
     o->send_bytes_max = options->send_bytes_max;

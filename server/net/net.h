@@ -47,13 +47,14 @@ struct net_options {
     unsigned connections_above;   /* that are told so, and what the operator asks */
     unsigned rooms;               /* that have somebody in them */
     unsigned address_connections; /* of one address, or one token's subject; 0 = no limit of its own */
-    unsigned address_requests;    /* utterances and POSTs of such in a minute; 0 = no limit */
-    unsigned send_bytes;          /* unsent bytes at which media to one client wait */
-    unsigned send_bytes_max;      /* unsent bytes at which the client is closed as too slow */
-    unsigned lag_seconds;         /* in a room, a client's media that wait for longer are left out */
-    unsigned stall_seconds;       /* a client that takes nothing for so long while bytes wait is closed */
-    unsigned hold_seconds;        /* what is said to an empty room waits so long for somebody */
-    unsigned ping_seconds;        /* a socket silent for so long is pinged, and closed a third later */
+    unsigned address_rooms;    /* that one of them had made, and that have somebody in them; 0 = no limit */
+    unsigned address_requests; /* utterances and POSTs of such in a minute; 0 = no limit */
+    unsigned send_bytes;       /* unsent bytes at which media to one client wait */
+    unsigned send_bytes_max;   /* unsent bytes at which the client is closed as too slow */
+    unsigned lag_seconds;      /* in a room, a client's media that wait for longer are left out */
+    unsigned stall_seconds;    /* a client that takes nothing for so long while bytes wait is closed */
+    unsigned hold_seconds;     /* what is said to an empty room waits so long for somebody */
+    unsigned ping_seconds;     /* a socket silent for so long is pinged, and closed a third later */
 };
 
 enum { NET_CONNECTIONS_ABOVE = 50 };

@@ -29,6 +29,7 @@ struct net {
     struct connection *due;  /* see connection_later */
     unsigned connections;
     uint64_t streams, channels; /* numbers given so far */
+    bool local;                 /* listens on loopback addresses only */
     bool ready, draining;
     const char *unavailable; /* why nothing can be spoken, nor soon will be; or NULL */
     struct quota quota;
@@ -37,6 +38,7 @@ struct net {
     struct secrets_revoked revoked;
     struct revocations revocations;
     struct socket *sockets; /* all that are open */
+    uint64_t trim_at;       /* loop time from which memory may be given back again, ms */
     uv_timer_t *keepalive;  /* over all connections; NULL: none */
     uv_idle_t *idle;        /* NULL: none */
     struct channel_turn *turn;

@@ -127,7 +127,8 @@ static void go_on(struct order *o) {
 
 struct order *order_give(struct net *net, const char *room, json_t *asked, order_done done, void *ctx) {
     struct error e;
-    struct channel *c = channel_room(net, room, &e);
+    struct channel *c =
+        channel_room(net, room, (uint32_t)json_integer_value(json_object_get(asked, "payer")), &e);
     if (!c) {
         json_t *answer = message_error(&e);
         done(ctx, (unsigned)error_status(e.code), answer);

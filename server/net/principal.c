@@ -18,7 +18,8 @@ int principal_check_host(const struct net *net, const struct http_request *reque
     char own[256] = "";
     const char *host = http_header(request, "host");
     gethostname(own, sizeof own - 1);
-    if (host_allowed(host, own, net->options.host_names) || host_allowed(host, net->options.host, NULL))
+    if (host_allowed(host, own, net->options.host_names, net->local) ||
+        host_allowed(host, net->options.host, NULL, net->local))
         return 0;
     metrics_add(net->pipeline->metrics, METRIC_REFUSED_ORIGIN, 1);
     return error_set(
@@ -35,16 +36,29 @@ bool principal_revoke(const struct net *net, struct principal *principal) {
     return lost;
 }
 
-/* A browser that fetches for a page of another site says whose it is, or that it does. */
-static bool is_unsaid_allowed(const struct http_request *request) {
-    return origin_unsaid_allowed(http_header(request, "sec-fetch-site"),
-                                 http_header(request, "sec-fetch-mode"),
-                                 http_header(request, "sec-fetch-user"));
+/* A GET that makes the daemon speak, and not by a program: PowerShell calls itself Mozilla, too. */
+static bool is_browser_speaking(const struct http_request *request) {
+    const char *agent = http_header(request, "user-agent");
+    return request->method == HTTP_GET && !strcmp(request->path, "/v1/speech") && agent &&
+           !strncmp(agent, "Mozilla/", 8) && !strstr(agent, "PowerShell");
+}
+
+/* A browser that fetches for a page of another site says whose it is, or that it does. One that says nothing
+ * takes the address for unsafe (HTTP by a name other than localhost) or is old: then any page may be behind a
+ * GET, and only a token shows that its author may speak. With other methods browsers always say the origin.
+ */
+static bool is_unsaid_allowed(const struct net *net, const struct http_request *request) {
+    const char *site = http_header(request, "sec-fetch-site");
+    if (!site && !net->options.secrets && is_browser_speaking(request))
+        return false;
+    return origin_unsaid_allowed(site, http_header(request, "sec-fetch-mode"),
+                                 http_header(request, "sec-fetch-user"),
+                                 http_header(request, "sec-fetch-dest"));
 }
 
 bool principal_origin_allowed(const struct net *net, const struct http_request *request) {
     const char *origin = http_header(request, "origin"), *host = http_header(request, "host");
-    if (!origin && !is_unsaid_allowed(request))
+    if (!origin && !is_unsaid_allowed(net, request))
         return false;
     return origin_allowed(origin ? origin : "", net->options.secrets && host ? host : NULL,
                           net->options.origins);

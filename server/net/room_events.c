@@ -71,8 +71,9 @@ int room_events(struct exchange *x) {
     bool watch;
     if (query_flag(http_query(exchange_request(x), "watch"), "watch", &watch, &e))
         return exchange_error(x, &e);
-    struct channel *channel = name ? channel_room(exchange_net(x), name, &e)
-                                   : (error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"), NULL);
+    struct channel *channel =
+        name ? channel_room(exchange_net(x), name, principal_payer(exchange_principal(x)), &e)
+             : (error_plain_in_field(&e, ERROR_MISSING_FIELD, "room"), NULL);
     if (!channel)
         return exchange_error(x, &e);
     struct events *events = mem_alloc(sizeof *events);

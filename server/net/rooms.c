@@ -34,7 +34,14 @@ static void unlist(struct channel *c) {
     metrics_add(c->net->pipeline->metrics, METRIC_ROOMS, -1);
 }
 
-struct channel *channel_room(struct net *net, const char *name, struct error *e) {
+static unsigned rooms_of(const struct net *net, uint32_t payer) {
+    unsigned count = 0;
+    for (const struct channel *c = net->rooms; c; c = c->next)
+        count += c->payer == payer;
+    return count;
+}
+
+struct channel *channel_room(struct net *net, const char *name, uint32_t payer, struct error *e) {
     struct channel *c = channel_find(net, name);
     if (c)
         return c;
@@ -44,7 +51,13 @@ struct channel *channel_room(struct net *net, const char *name, struct error *e)
         error_set(e, ERROR_TOO_MANY_ROOMS, "there are %u rooms already", net->room_count);
         return NULL;
     }
+    if (payer && net->options.address_rooms && rooms_of(net, payer) >= net->options.address_rooms) {
+        error_set(e, ERROR_TOO_MANY_ROOMS, "%u rooms of one address or subject are the limit",
+                  net->options.address_rooms);
+        return NULL;
+    }
     c = channel_new(net, name);
+    c->payer = payer;
     c->room = true;
     c->gone = unlist;
     c->next = net->rooms;

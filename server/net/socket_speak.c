@@ -41,7 +41,7 @@ void socket_authorized(struct socket *s) {
 int socket_join(struct socket *s, const char *room, bool watch, const char *called, struct error *e) {
     if (principal_may(s->net, &s->principal, RIGHT_LISTEN, room, e))
         return -1;
-    struct channel *channel = channel_room(s->net, room, e);
+    struct channel *channel = channel_room(s->net, room, principal_payer(&s->principal), e);
     if (!channel)
         return -1;
     snprintf(s->called, sizeof s->called, "%s", called ? called : "");

@@ -3,6 +3,7 @@
 #include "server/base/mem.h"
 #include "server/synthesis/heard_voice_internal.h"
 #include <stdlib.h>
+#include <utlist.h>
 
 static void problem(struct heard_voice *h, const struct error *e, bool warning) {
     h->callbacks.problem(h->ctx, e, warning);
@@ -20,6 +21,14 @@ static int choose(struct heard_voice *h, struct error *e) {
     return 0;
 }
 
+static unsigned voices_of(const struct heard_pool *pool, uint32_t payer) {
+    const struct heard_voice *other;
+    unsigned count = 0;
+    DL_FOREACH(pool->voices, other)
+    count += payer && other->request.payer == payer;
+    return count;
+}
+
 /* An engine by letters has nothing to go by: what it stands in for is another's. */
 static int open_all(struct heard_voice *h, const struct heard_request *request, struct error *e) {
     const struct heard_pool *pool = h->pipeline->heard;
@@ -29,6 +38,9 @@ static int open_all(struct heard_voice *h, const struct heard_request *request, 
         return -1;
     if (pool->count >= pool->most)
         return error_set(e, ERROR_TOO_MANY_VOICES, "%u voices are heard already", pool->count);
+    if (pool->payer_most && voices_of(pool, h->request.payer) >= pool->payer_most)
+        return error_set(e, ERROR_TOO_MANY_VOICES, "%u voices of one address or subject are heard already",
+                         pool->payer_most);
     const struct hearing_options options = {.network = pool->network,
                                             .pack = h->pack,
                                             .engine = h->request.engine,
@@ -79,7 +91,9 @@ static void on_timer(uv_timer_t *timer) {
         uv_timer_start(timer, on_timer, most_silence(h) - silent, 0);
         return;
     }
-    error_set(&e, ERROR_UNFINISHED, "nothing was heard of it for %u s", h->pipeline->open_seconds);
+    error_set(&e, ERROR_UNFINISHED,
+              h->fresh ? "too little was heard of it in %u s" : "nothing was heard of it for %u s",
+              h->pipeline->open_seconds);
     problem(h, &e, true);
     heard_voice_close(h);
 }
@@ -100,6 +114,7 @@ struct heard_voice *heard_voice_open(const struct pipeline *pipeline, const stru
         return NULL;
     }
     pipeline->heard->count++;
+    DL_APPEND(pipeline->heard->voices, h);
     h->timer = mem_alloc(sizeof *h->timer);
     uv_timer_init(pipeline->loop, h->timer);
     h->timer->data = h;
@@ -113,6 +128,7 @@ void heard_voice_free(struct heard_voice *h) {
         return;
     stop_timer(h);
     h->pipeline->heard->count--;
+    DL_DELETE(h->pipeline->heard->voices, h);
     free_all(h);
 }
 
@@ -130,6 +146,11 @@ void heard_voice_catch_up(struct heard_voice *h) {
 /* Said once: who is too fast is so again and again. What waits for its turn is passed over all the same. */
 static void on_samples(void *ctx, const int16_t *samples, size_t count) {
     struct heard_voice *h = ctx;
+    h->fresh += count;
+    if (h->fresh * 100 >= (uint64_t)h->rate * h->pipeline->open_seconds * HEARD_LEAST_PERCENT) {
+        h->last = uv_now(h->pipeline->loop);
+        h->fresh = 0;
+    }
     size_t out = heard_pace_add(&h->pace, samples, count, (double)uv_hrtime() / 1e9);
     struct error e;
     if (h->started)
@@ -146,7 +167,6 @@ void heard_voice_write(struct heard_voice *h, const uint8_t *bytes, size_t size)
     struct error e;
     if (h->closed)
         return;
-    h->last = uv_now(h->pipeline->loop);
     if (h->stalled)
         heard_pace_begin(&h->pace);
     h->stalled = false;

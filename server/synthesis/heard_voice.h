@@ -13,8 +13,10 @@ struct hear_network;
 struct heard_pool {
     struct hear_network *network; /* NULL: none can be heard */
     unsigned most;                /* at a time */
+    unsigned payer_most;          /* of one payer (speech_request.h); 0 = no limit of its own */
     unsigned seconds;             /* of sound that may wait, of each */
     unsigned count;
+    struct heard_voice *voices; /* those that are counted */
 };
 
 enum {
@@ -22,6 +24,7 @@ enum {
     HEARD_PIECE_MOST_MS = 200, /* and most */
     HEARD_PIECES = 2,          /* that wait to be used up */
     HEARD_STALL_MS = 200,      /* so late a piece is late, not lost */
+    HEARD_LEAST_PERCENT = 2,   /* of real time must come within pipeline.open_seconds, or nobody speaks */
 };
 
 struct heard_voice;

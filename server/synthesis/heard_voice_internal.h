@@ -18,8 +18,10 @@ struct heard_voice {
     struct heard_sound *sound;
     struct heard_pace pace;
     struct hearing *hearing;
-    uv_timer_t *timer; /* while it is open */
-    uint64_t last;     /* loop time at which something came last, ms */
+    uv_timer_t *timer;               /* while it is open */
+    uint64_t last;                   /* loop time at which enough had come last (HEARD_LEAST_PERCENT), ms */
+    uint64_t fresh;                  /* samples since then */
+    struct heard_voice *prev, *next; /* of the pool's */
     bool started, closed, heard_all, finished;
     bool stalled; /* silence has been put in since something came */
     bool told_skip, told_bad;

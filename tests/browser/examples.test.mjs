@@ -141,7 +141,7 @@ test('the token of the address lets her in, and is not in the source', async (t)
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-examples-'));
   const secret = 'x'.repeat(40);
   fs.writeFileSync(path.join(folder, 'secrets'), secret, { mode: 0o600 });
-  const own = await Daemon.start(['--token-file', path.join(folder, 'secrets')]);
+  const own = await Daemon.start(['--secret-file', path.join(folder, 'secrets')]);
   t.after(async () => {
     await own.stop();
     fs.rmSync(folder, { recursive: true });

@@ -89,7 +89,7 @@ test('every page that asks for a token', async (t) => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-axe-'));
   const secrets = path.join(folder, 'secrets');
   fs.writeFileSync(secrets, 'x'.repeat(40), { mode: 0o600 });
-  const other = await Daemon.start(['--token-file', secrets]);
+  const other = await Daemon.start(['--secret-file', secrets]);
   t.after(async () => {
     await other.stop();
     fs.rmSync(folder, { recursive: true });

@@ -16,7 +16,7 @@ const token = (...options) => spawnSync(path.join(build, 'server/app/faccia'), [
 
 let daemon, browser, page;
 before(async () => {
-  daemon = await Daemon.start(['--token-file', secrets]);
+  daemon = await Daemon.start(['--secret-file', secrets]);
   browser = await launch({ webgl: false });
   page = await browser.newPage();
   await page.goto(daemon.url);

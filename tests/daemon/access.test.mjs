@@ -35,7 +35,7 @@ const request = (port, { path: address = '/', method = 'GET', headers = {}, body
   });
 
 let daemon;
-before(async () => (daemon = await Daemon.start(['--token-file', secretFile, '--origin', 'https://portal.example'])));
+before(async () => (daemon = await Daemon.start(['--secret-file', secretFile, '--origin', 'https://portal.example'])));
 after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
   fs.rmSync(folder, { recursive: true });
@@ -161,7 +161,7 @@ test('without a list, pages of this machine alone', async () => {
 });
 
 test('limits for an address and for a subject', async () => {
-  const tight = await Daemon.start(['--max-per-address', '2', '--max-requests', '3', '--token-file', secretFile]);
+  const tight = await Daemon.start(['--max-per-address', '2', '--max-requests', '3', '--secret-file', secretFile]);
   const first = await tight.stream('', bearer(token()));
   const second = await tight.stream('', bearer(token()));
   const third = await tight.stream('', bearer(token(['--subject', 'anna'])));

@@ -87,7 +87,7 @@ test('a token is shown to a daemon that wants one', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   const [secret, token] = ['secret', 'token'].map((name) => path.join(folder, name));
   fs.writeFileSync(secret, `${'s'.repeat(40)}\n`, { mode: 0o600 });
-  const own = await Daemon.start(['--token-file', secret, '--hold', '60']);
+  const own = await Daemon.start(['--secret-file', secret, '--hold', '60']);
   const signed = spawn(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secret, '-s', 'cron'], { stdio: ['ignore', fs.openSync(token, 'w'), 'inherit'] });
   await once(signed, 'close');
   const refused = await run([...kitchen, 'Ciao.'], { url: own.url });

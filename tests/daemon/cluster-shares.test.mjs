@@ -26,7 +26,7 @@ let b;
 const daemons = new Set();
 const start = async (name, ...more) => {
   const limits = ['--max-requests', String(REQUESTS), '--max-per-address', String(STREAMS)];
-  const daemon = await Daemon.start(['--cluster', redis.url, '--token-file', file(name, secret, second), ...limits, ...more]);
+  const daemon = await Daemon.start(['--cluster', redis.url, '--secret-file', file(name, secret, second), ...limits, ...more]);
   daemons.add(daemon);
   await health(daemon, 'up');
   return daemon;

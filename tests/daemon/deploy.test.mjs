@@ -22,7 +22,7 @@ before(async () => {
   redis = await Redis.start();
   fs.writeFileSync(path.join(folder, 'tokens'), 'a secret of thirty-two bytes, or more\n', { mode: 0o600 });
   const { args, env } = container('facciad');
-  const values = { FACCIA_CLUSTER: redis.url, FACCIA_TOKEN_FILE: path.join(folder, 'tokens') };
+  const values = { FACCIA_CLUSTER: redis.url, FACCIA_SECRET_FILE: path.join(folder, 'tokens') };
   assert.deepEqual(env.map(({ name }) => name).sort(), Object.keys(values).sort());
   daemon = await Daemon.start(['--host', '*', '--remote', ...args], values); // as the image's entry point begins
 });

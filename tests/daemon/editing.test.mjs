@@ -20,7 +20,7 @@ let daemon;
 before(async () => {
   for (const each of [works, gestures]) fs.mkdirSync(each);
   fs.writeFileSync(path.join(folder, 'secrets'), secret, { mode: 0o600 });
-  daemon = await Daemon.start([...folders, '--editing', '--token-file', path.join(folder, 'secrets')], {}, { voices: false });
+  daemon = await Daemon.start([...folders, '--editing', '--secret-file', path.join(folder, 'secrets')], {}, { voices: false });
 });
 after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });

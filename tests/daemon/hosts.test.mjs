@@ -39,12 +39,30 @@ test('a page that was rebound, whose origin agrees with its host', async () => {
   await assert.rejects(daemon.stream('', { headers: { host: 'evil.example' } }), /421/);
 });
 
-test('own names and addresses in figures', async () => {
-  const names = ['localhost', `LocalHost:${daemon.port}`, 'localhost.', 'face.localhost', '127.0.0.1', '[::1]', '192.0.2.7:8080', '[2001:db8::1]:80', os.hostname()];
+test('a daemon for this machine alone: localhost and loopback addresses, and nothing else that leads to it', async () => {
+  const names = ['localhost', `LocalHost:${daemon.port}`, 'localhost.', 'face.localhost', '127.0.0.1', '127.8.9.10:80', '[::1]', `[0:0:0:0:0:0:0:1]:${daemon.port}`];
   for (const host of names) {
     assert.equal((await request(daemon.port, { path: '/healthz', headers: { host } })).status, 200, host);
     await (await daemon.stream('', { headers: { host } })).close();
   }
+  // browsers do not say for which page they fetch from these
+  const others = ['0.0.0.0', `[::ffff:7f00:1]:${daemon.port}`, '[::ffff:127.0.0.1]', '[::]', '192.0.2.7:8080', '[2001:db8::1]:80', os.hostname()];
+  for (const host of others) {
+    const { status, text } = await request(daemon.port, { path: '/v1/speech?text=Ciao', headers: { host } });
+    assert.deepEqual([status, JSON.parse(text).code], [421, 'unknown-host'], host);
+    await assert.rejects(daemon.stream('', { headers: { host } }), /421/, host);
+  }
+});
+
+test('a daemon for others, with tokens: the machine\'s name and any address in figures', async () => {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-hosts-'));
+  fs.writeFileSync(path.join(folder, 'secrets'), 'a secret that is long enough for the daemon\n', { mode: 0o600 });
+  const own = await Daemon.start(['--host', '0.0.0.0', '--remote', '--secret-file', path.join(folder, 'secrets')], {}, { voices: false });
+  for (const host of ['localhost', '127.0.0.1', '192.0.2.7:8080', '[2001:db8::1]:80', os.hostname()])
+    assert.notEqual((await request(own.port, { path: '/healthz', headers: { host } })).status, 421, host);
+  assert.equal((await request(own.port, { path: '/healthz', headers: { host: 'evil.example' } })).status, 421);
+  assert.equal((await own.stop()).code, 0);
+  fs.rmSync(folder, { recursive: true });
 });
 
 test('a request without a host is from no browser', async () => {
@@ -61,7 +79,7 @@ test('--host-name names others, one or all; with tokens it is no different', asy
   fs.writeFileSync(path.join(folder, 'secrets'), `${secret}\n`, { mode: 0o600 });
   const config = path.join(folder, 'config.json');
   fs.writeFileSync(config, JSON.stringify({ access: { host_names: ['face.example', 'head.example'] } }));
-  const own = await Daemon.start(['--config', config, '--token-file', path.join(folder, 'secrets')]);
+  const own = await Daemon.start(['--config', config, '--secret-file', path.join(folder, 'secrets')]);
   const status = async (host) =>
     (await request(own.port, { path: '/v1/rooms', headers: { host, authorization: `Bearer ${sign({ secret })}` } })).status;
   assert.equal(await status('FACE.example:443'), 200);
@@ -89,12 +107,49 @@ test('what a page of another site has its browser fetch without an origin', asyn
     {}, // no browser
     { 'sec-fetch-site': 'none', 'sec-fetch-mode': 'navigate', 'sec-fetch-user': '?1' }, // typed
     { 'sec-fetch-site': 'same-origin', 'sec-fetch-mode': 'no-cors' },
-    { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate', 'sec-fetch-user': '?1' }, // a link that was followed
+    { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate', 'sec-fetch-user': '?1', 'sec-fetch-dest': 'document' }, // a link that was followed
     { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'cors', origin: 'http://localhost:5173' },
   ];
   for (const headers of allowed) assert.equal((await get(speech, headers)).status, 200, JSON.stringify(headers));
   // a frame that a page fills by itself
-  assert.equal((await get(speech, { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate' })).status, 403);
+  assert.equal((await get(speech, { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate', 'sec-fetch-dest': 'document' })).status, 403);
+  const frame = { 'sec-fetch-site': 'cross-site', 'sec-fetch-mode': 'navigate', 'sec-fetch-dest': 'iframe' };
+  assert.equal((await get(speech, frame)).status, 403);
+  assert.equal((await get(speech, { ...frame, 'sec-fetch-user': '?1' })).status, 403); // after a click anywhere on the page
   // scripts and heads are for all
   for (const address of ['/talking-head.js', '/v1/models/mara']) assert.equal((await get(address, embedded)).status, 200);
+});
+
+test('what changes something, of a page of another origin, whose body needs no preflight', async () => {
+  const origins = ['http://evil.example', 'null', 'http://localhost.evil.example', 'https://127.0.0.1.evil.example'];
+  const posts = ['/v1/speech?lang=it', '/v1/say?room=x', '/v1/stop?room=x', '/v1/pause?room=x', '/v1/resume?room=x', '/v1/choices?room=x', '/v1/state?room=x',
+    '/v1/calibrate?room=x', '/v1/play?room=x', '/v1/revoke'];
+  for (const address of posts)
+    for (const type of ['text/plain', 'application/x-www-form-urlencoded', 'multipart/form-data; boundary=x', undefined])
+      for (const origin of origins) {
+        const headers = { origin, ...(type && { 'content-type': type }) };
+        const { status, text } = await request(daemon.port, { path: address, method: 'POST', headers, body: '{"text":"Ciao."}' });
+        assert.deepEqual([status, JSON.parse(text).code], [403, 'forbidden-origin'], `${address} ${type} ${origin}`);
+      }
+  for (const method of ['PUT', 'DELETE'])
+    assert.equal((await request(daemon.port, { path: '/v1/scenes/x', method, headers: { origin: origins[0] } })).status, 403, method);
+  for (const origin of origins) await assert.rejects(daemon.stream('', { headers: { origin } }), /403/);
+});
+
+test('a browser that says nothing of the page: an old one, or by a name that it does not trust', async () => {
+  const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-hosts-'));
+  const secret = 'a secret that is long enough for the daemon';
+  fs.writeFileSync(path.join(folder, 'secrets'), `${secret}\n`, { mode: 0o600 });
+  const agent = { 'user-agent': 'Mozilla/5.0 (Macintosh; Intel Mac OS X 10_15_7) AppleWebKit/605.1.15 (KHTML, like Gecko) Version/15.6 Safari/605.1.15' };
+  const speech = '/v1/speech?text=Ciao&lang=it&format=json';
+  const { status, text } = await request(daemon.port, { path: speech, headers: agent });
+  assert.deepEqual([status, JSON.parse(text).code], [403, 'forbidden-origin']);
+  const curl = { 'user-agent': 'curl/8.5.0' }, shell = { 'user-agent': 'Mozilla/5.0 (Windows NT; it-IT) WindowsPowerShell/5.1.22621' };
+  for (const headers of [curl, shell, { ...agent, origin: 'http://localhost' }])
+    assert.equal((await request(daemon.port, { path: speech, headers })).status, 200, JSON.stringify(headers));
+  assert.equal((await request(daemon.port, { path: '/', headers: agent })).status, 200); // a page that is typed
+  const own = await Daemon.start(['--secret-file', path.join(folder, 'secrets')]);
+  assert.equal((await request(own.port, { path: `${speech}&token=${sign({ secret })}`, headers: agent })).status, 200);
+  assert.equal((await own.stop()).code, 0);
+  fs.rmSync(folder, { recursive: true });
 });

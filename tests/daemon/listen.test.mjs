@@ -13,7 +13,7 @@ const facciad = path.join(build, 'server/app/facciad');
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-listen-'));
 const secrets = path.join(folder, 'secrets');
 fs.writeFileSync(secrets, `${'a secret'.repeat(5)}\n`);
-const remote = ['--remote', '--token-file', secrets];
+const remote = ['--remote', '--secret-file', secrets];
 
 // two machines with a cable between them: the daemon's, and another
 const [here, there] = [`faccia-${process.pid}-a`, `faccia-${process.pid}-b`];
@@ -88,7 +88,7 @@ test('others are let in only when that is said, and with tokens', { skip: refuse
     assert.deepEqual([status, /--remote/.test(stderr)], [1, true], stderr);
     if (host === 'nowhere.invalid') continue;
     const open = within(here, facciad, '--port', '0', '--host', host, '--remote');
-    assert.deepEqual([open.status, /--token-file/.test(open.stderr)], [1, true], open.stderr);
+    assert.deepEqual([open.status, /--secret-file/.test(open.stderr)], [1, true], open.stderr);
   }
 });
 
@@ -121,7 +121,7 @@ test('a socket that is passed obeys the same rule', async () => {
     assert.match(shut.log(), /is not a loopback address.*--remote/);
     const naked = await passed(kind, address, ['--remote']);
     assert.deepEqual(await naked.ended, [1, null]);
-    assert.match(naked.log(), /--token-file/);
+    assert.match(naked.log(), /--secret-file/);
   }
   const open = await passed('AF_INET', '0.0.0.0', remote);
   assert.match(open.log(), /listening on http:\/\/0\.0\.0\.0:\d+\//);

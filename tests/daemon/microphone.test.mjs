@@ -210,7 +210,7 @@ test('a daemon that goes is told of, and one that is not there, or no daemon', a
 test('without the right token it is refused, and told so', async () => {
   const secret = 's'.repeat(40);
   fs.writeFileSync(file('secret'), `${secret}\n`, { mode: 0o600 });
-  const own = await Daemon.start(['--token-file', file('secret')]);
+  const own = await Daemon.start(['--secret-file', file('secret')]);
   for (const [name, token] of [['false', sign({ secret: 'x'.repeat(40) })], ['listens', sign({ secret, claims: { rights: 'listen' } })], ['speaks', sign({ secret })]]) fs.writeFileSync(file(name), `${token}\n`);
   for (const options of [[], ['--token-file', file('false')], ['--token-file', file('listens')]]) {
     const { status, stderr } = await run([...options, file('es.wav')], { url: own.url });

@@ -15,7 +15,7 @@ const secrets = path.join(folder, 'secrets');
 let daemon, guarded;
 before(async () => {
   fs.writeFileSync(secrets, `${secret}\n`, { mode: 0o600 });
-  [daemon, guarded] = await Promise.all([Daemon.start(), Daemon.start(['--token-file', secrets])]);
+  [daemon, guarded] = await Promise.all([Daemon.start(), Daemon.start(['--secret-file', secrets])]);
 });
 after(async () => {
   for (const each of [daemon, guarded]) assert.deepEqual(await each.stop(), { code: 0, signal: null });

@@ -22,7 +22,7 @@ test('help and version', () => {
 
 const refusals = [
   [['--host', '0.0.0.0', '--port', '0'], 1, /--remote/],
-  [['--host', '0.0.0.0', '--port', '0', '--remote'], 1, /--token-file/],
+  [['--host', '0.0.0.0', '--port', '0', '--remote'], 1, /--secret-file/],
   [['--host', 'nowhere.invalid', '--port', '0'], 1, /loopback/],
   [['--port', '70000'], 2, /--port: '70000' is not a whole number from 0 to 65535/],
   [['--port', 'x'], 2, /--port/],
@@ -50,7 +50,7 @@ test('a port that is taken is told', async () => {
 });
 
 test('other machines are let in when it is said', async () => {
-  const daemon = await Daemon.start(['--host', '0.0.0.0', '--remote', '--token-file', file('secret', 'x'.repeat(32))]);
+  const daemon = await Daemon.start(['--host', '0.0.0.0', '--remote', '--secret-file', file('secret', 'x'.repeat(32))]);
   assert.equal((await daemon.get('/healthz')).status, 200);
   assert.equal((await daemon.stop()).code, 0);
 });

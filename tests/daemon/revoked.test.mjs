@@ -42,7 +42,7 @@ const hup = async (daemon) => {
 };
 
 let daemon;
-before(async () => (daemon = await Daemon.start(['--token-file', secrets, '--revoked-file', file('revoked', '# none yet')])));
+before(async () => (daemon = await Daemon.start(['--secret-file', secrets, '--revoked-file', file('revoked', '# none yet')])));
 after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
   fs.rmSync(folder, { recursive: true });
@@ -141,7 +141,7 @@ test('of all daemons of a cluster: those that are there, those that start later,
   const redis = await Redis.start();
   const daemons = new Set();
   const start = async (...more) => {
-    const one = await Daemon.start(['--cluster', redis.url, '--token-file', secrets, ...more]);
+    const one = await Daemon.start(['--cluster', redis.url, '--secret-file', secrets, ...more]);
     daemons.add(one);
     await eventually(async () => (await (await one.get('/healthz')).json()).cluster === 'up', 'the cluster');
     return one;

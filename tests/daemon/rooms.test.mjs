@@ -187,7 +187,7 @@ test('with tokens: listeners listen, speakers speak, each in his room', async ()
   fs.writeFileSync(secrets, 'x'.repeat(40));
   const token = (...options) =>
     spawnSync(path.join(build, 'server/app/faccia'), ['token', '--secret-file', secrets, '--subject', 'a', ...options], { encoding: 'utf8' }).stdout.trim();
-  const guarded = await Daemon.start(['--token-file', secrets]);
+  const guarded = await Daemon.start(['--secret-file', secrets]);
   const with_ = (text) => ({ headers: { authorization: `Bearer ${text}` } });
   const speaker = await enter('hall', guarded, with_(token('--room', 'hall', '--rights', 'listen,speak')));
   const listener = await enter('hall', guarded, with_(token('--room', 'hall', '--rights', 'listen')));

@@ -19,7 +19,7 @@ let daemon;
 before(async () => {
   fs.mkdirSync(kept);
   fs.writeFileSync(path.join(folder, 'secrets'), secret, { mode: 0o600 });
-  daemon = await Daemon.start(['--scenes', kept, '--max-scenes', '4', '--max-scene', '20000', '--token-file', path.join(folder, 'secrets')], {}, { voices: false });
+  daemon = await Daemon.start(['--scenes', kept, '--max-scenes', '4', '--max-scene', '20000', '--secret-file', path.join(folder, 'secrets')], {}, { voices: false });
 });
 after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });

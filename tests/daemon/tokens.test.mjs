@@ -21,7 +21,7 @@ const token = (claims, more) => sign({ secret, claims, ...more });
 const hall = { room: 'hall', rights: 'listen speak operate' };
 
 let daemon;
-before(async () => (daemon = await Daemon.start(['--token-file', file('secrets', [secret])])));
+before(async () => (daemon = await Daemon.start(['--secret-file', file('secrets', [secret])])));
 after(async () => {
   assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
   fs.rmSync(folder, { recursive: true });
@@ -114,7 +114,7 @@ async function events(daemon, room, token) {
 
 test('SIGHUP: who came by a secret that is gone loses all rights, and others none', async () => {
   const where = file('changing', [secret, second]);
-  const own = await Daemon.start(['--token-file', where]);
+  const own = await Daemon.start(['--secret-file', where]);
   const [old, kept] = [sign({ secret }), sign({ secret: second, claims: { sub: 'bruno' } })];
   const [inRoom, alone, other] = await Promise.all([own.stream('?room=hall', bearer(old)), own.stream('', bearer(old)), own.stream('?room=hall', bearer(kept))]);
   const [lost, still] = [await events(own, 'hall', old), await events(own, 'hall', kept)];
@@ -156,14 +156,14 @@ test('SIGHUP: a daemon that wants tokens from now on asks clients that are there
   const own = await Daemon.start(['--config', config]);
   const stream = await own.stream('?room=hall');
   await stream.wait({ type: 'joined' });
-  fs.writeFileSync(config, JSON.stringify({ access: { token_file: file('new', [secret]) } }));
+  fs.writeFileSync(config, JSON.stringify({ access: { secret_file: file('new', [secret]) } }));
   own.process.kill('SIGHUP');
   await stream.wait({ type: 'error', code: 'revoked-token' });
   await stream.wait({ type: 'left' });
   assert.equal((await own.stop()).code, 0);
 });
 
-const start = (where) => spawnSync(path.join(build, 'server/app/facciad'), ['--port', '0', '--token-file', where], { encoding: 'utf8', timeout: 20000 });
+const start = (where) => spawnSync(path.join(build, 'server/app/facciad'), ['--port', '0', '--secret-file', where], { encoding: 'utf8', timeout: 20000 });
 
 test('a file of secrets that others may write, or replace, is refused', () => {
   for (const mode of [0o620, 0o602, 0o666]) {
@@ -183,7 +183,7 @@ test('a file of secrets that others may write, or replace, is refused', () => {
 
 test('one that all may read is warned of; one of which that becomes true while the daemon runs is refused at SIGHUP', async () => {
   const where = file('readable', [secret], 0o644);
-  const own = await Daemon.start(['--token-file', where]);
+  const own = await Daemon.start(['--secret-file', where]);
   assert.match(own.log, /warning: .*readable: everybody on this machine can read the secrets/);
   fs.chmodSync(where, 0o646);
   own.process.kill('SIGHUP');

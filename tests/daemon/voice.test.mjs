@@ -344,7 +344,7 @@ test('another voice of the same client takes the place of the first', async () =
 test('a token has to allow it', async () => {
   const secret = 'a secret of at least thirty-two bytes';
   fs.writeFileSync(file('secret'), secret, { mode: 0o600 });
-  const guarded = await Daemon.start(['--token-file', file('secret')], {}, { voices: false });
+  const guarded = await Daemon.start(['--secret-file', file('secret')], {}, { voices: false });
   const stream = await guarded.stream('', bearer(sign({ secret, claims: { rights: 'listen' } })));
   begin(stream, 'v');
   assert.equal((await stream.wait({ type: 'error', id: 'v' })).code, 'forbidden');

@@ -191,7 +191,7 @@ test('one who asks for much does not hold up another', async () => {
   const secret = 'a secret of thirty-two bytes or more';
   const file = path.join(folder, 'secrets');
   fs.writeFileSync(file, `${secret}\n`, { mode: 0o600 });
-  const guarded = await start('--token-file', file);
+  const guarded = await start('--secret-file', file);
   const speaker = await worker();
   const other = ['berta', 'carla', 'dora'].find((name) => lane(name) !== lane('anna'));
   const by = async (sub, text) => {

@@ -42,8 +42,8 @@ export class Daemon {
     daemon.log = '';
     daemon.process = spawn(program, ['--port', '0', ...options], {
       stdio: ['ignore', 'ignore', 'pipe'],
-      // a test that is done does not wait for the speech's end
-      env: { FACCIA_STOP_SECONDS: '0', ...process.env, ...env },
+      // a test that is done does not wait for the speech's end, and all of its clients have one address
+      env: { FACCIA_STOP_SECONDS: '0', FACCIA_MAX_PER_ADDRESS: '0', FACCIA_MAX_REQUESTS: '0', FACCIA_MAX_ROOMS_PER_ADDRESS: '0', FACCIA_MAX_VOICES_PER_ADDRESS: '0', ...process.env, ...env },
     });
     running.add(daemon.process);
     daemon.exited = once(daemon.process, 'exit').then(([code, signal]) => {

@@ -122,46 +122,54 @@ static void hosts(void **state) {
     (void)state;
     static const struct {
         const char *host;
-        bool good, listed;
+        bool good, listed, local; /* without names; with --host-name; while loopback alone is listened on */
     } cases[] = {
-        {NULL, true, true},
-        {"", true, true},
-        {"localhost", true, true},
-        {"LOCALHOST:8080", true, true},
-        {"localhost.:8080", true, true},
-        {"app.localhost:1", true, true},
-        {"127.0.0.1:8080", true, true},
-        {"127.9.9.9", true, true},
-        {"192.0.2.7:80", true, true},
-        {"[::1]:8080", true, true},
-        {"[2001:db8::7]", true, true},
-        {"kiosk", true, true},
-        {"Kiosk:8080", true, true},
-        {"hall.example", false, true},
-        {"HALL.example.:443", false, true},
-        {"evil.example", false, false},
-        {"evil.example:8080", false, false},
-        {"localhost.evil.example", false, false},
-        {"127.0.0.1.evil.example", false, false},
-        {"evil.localhost.example", false, false},
-        {".localhost", false, false},
-        {"[::1].evil.example", false, false},
-        {"[::1", false, false},
-        {"localhost:80.evil.example", false, false},
-        {"kiosk.evil.example", false, false},
-        {"0x7f.1", false, false},
-        {"*", false, false},
-        {".", false, false},
-        {":8080", false, false},
+        {NULL, true, true, true},
+        {"", true, true, true},
+        {"localhost", true, true, true},
+        {"LOCALHOST:8080", true, true, true},
+        {"localhost.:8080", true, true, true},
+        {"app.localhost:1", true, true, true},
+        {"127.0.0.1:8080", true, true, true},
+        {"127.9.9.9", true, true, true},
+        {"[0:0:0:0:0:0:0:1]", true, true, true},
+        {"0.0.0.0:8080", true, true, false},
+        {"[::]:8080", true, true, false},
+        {"[::ffff:7f00:1]:8080", true, true, false},
+        {"[::ffff:127.0.0.1]", true, true, false},
+        {"128.0.0.1", true, true, false},
+        {"192.0.2.7:80", true, true, false},
+        {"[::1]:8080", true, true, true},
+        {"[2001:db8::7]", true, true, false},
+        {"kiosk", true, true, false},
+        {"Kiosk:8080", true, true, false},
+        {"hall.example", false, true, false},
+        {"HALL.example.:443", false, true, false},
+        {"evil.example", false, false, false},
+        {"evil.example:8080", false, false, false},
+        {"localhost.evil.example", false, false, false},
+        {"127.0.0.1.evil.example", false, false, false},
+        {"evil.localhost.example", false, false, false},
+        {".localhost", false, false, false},
+        {"[::1].evil.example", false, false, false},
+        {"[::1", false, false, false},
+        {"localhost:80.evil.example", false, false, false},
+        {"kiosk.evil.example", false, false, false},
+        {"0x7f.1", false, false, false},
+        {"*", false, false, false},
+        {".", false, false, false},
+        {":8080", false, false, false},
     };
     char *const list[] = {"hall.example:8080", NULL}, *const all[] = {"*", NULL};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        if (host_allowed(cases[i].host, "kiosk", NULL) != cases[i].good ||
-            host_allowed(cases[i].host, "kiosk", list) != cases[i].listed ||
-            !host_allowed(cases[i].host, "kiosk", all))
+        if (host_allowed(cases[i].host, "kiosk", NULL, false) != cases[i].good ||
+            host_allowed(cases[i].host, "kiosk", list, false) != cases[i].listed ||
+            host_allowed(cases[i].host, "kiosk", NULL, true) != cases[i].local ||
+            !host_allowed(cases[i].host, "kiosk", all, true))
             fail_msg("%s", cases[i].host);
     }
-    assert_false(host_allowed("kiosk", NULL, NULL));
+    assert_false(host_allowed("kiosk", NULL, NULL, false));
+    assert_true(host_allowed("hall.example", NULL, list, true));
 }
 
 int main(void) {

@@ -55,7 +55,7 @@ export function readTable(text) {
   let field = '', quoted = false, at = 0;
   const source = text.replace(/^\uFEFF/, '');
   const close = () => {
-    rows.at(-1).push(field);
+    rows.at(-1).push(asWritten(field));
     field = '';
   };
   for (; at < source.length; at++) {
@@ -73,9 +73,14 @@ export function readTable(text) {
   return rows.filter((row) => row.some((each) => each !== ''));
 }
 
+// A spreadsheet takes a cell that begins so for a formula, quoted or not; an apostrophe before it makes it text.
+// readTable takes that away again.
+const harmless = (field) => (/^'*[=+\-@\t\r]/.test(field) ? `'${field}` : field);
+const asWritten = (field) => (/^'+[=+\-@\t\r]/.test(field) ? field.slice(1) : field);
+
 /** @param {string[][]} rows */
 export const writeTable = (rows) =>
-  rows.map((row) => row.map((field) => (/[",\r\n]/.test(field) ? `"${field.replaceAll('"', '""')}"` : field)).join(',')).join('\r\n') + '\r\n';
+  rows.map((row) => row.map(harmless).map((field) => (/[",\r\n]/.test(field) ? `"${field.replaceAll('"', '""')}"` : field)).join(',')).join('\r\n') + '\r\n';
 
 const parts = (text) => (text ?? '').split('|').map((each) => each.trim()).filter(Boolean);
 

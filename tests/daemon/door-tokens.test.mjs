@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The daemon's file of secrets and the doors' file of a token are not mixed up: neither takes the other's, and no secret is ever sent.
+import assert from 'node:assert/strict';
+import { spawn, spawnSync } from 'node:child_process';
+import { once } from 'node:events';
+import fs from 'node:fs';
+import net from 'node:net';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { build } from '../lib/daemon.mjs';
+import { sign } from '../lib/tokens.mjs';
+
+const secret = 'c2VjcmV0IHRoYXQgc2lnbnMgdG9rZW5zLCBsb25nIGVub3VnaA==';
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-door-tokens-'));
+const file = (name, text) => {
+  const where = path.join(folder, name);
+  fs.writeFileSync(where, text, { mode: 0o600 });
+  return where;
+};
+
+// what would be sent to a daemon
+let listener, sent = '';
+before(async () => {
+  listener = net.createServer((socket) => socket.on('data', (data) => (sent += data)).on('error', () => {}));
+  await new Promise((resolve) => listener.listen(0, '127.0.0.1', resolve));
+});
+after(() => {
+  listener.close();
+  fs.rmSync(folder, { recursive: true });
+});
+
+const doors = { 'faccia-say': ['x'], 'faccia-live': ['x.wav'], 'faccia-mqtt': [], 'faccia-wyoming': ['--listen', '127.0.0.1:0'], 'faccia-lva': [] };
+const nothing = { secret: `${secret}\n`, 'two parts': 'abc.def\n', 'four parts': 'a.b.c.d\n', 'an empty part': 'abc..def\n', words: 'my token is abc.def.ghi\n', empty: '' };
+
+async function run(program, options, env = {}) {
+  const child = spawn(path.join(build, 'server/doors', program), options, { env: { ...process.env, ...env }, stdio: ['ignore', 'ignore', 'pipe'] });
+  let stderr = '';
+  child.stderr.setEncoding('utf8').on('data', (text) => (stderr += text));
+  const timer = setTimeout(() => child.kill(), 3000);
+  const [status] = await once(child, 'close');
+  clearTimeout(timer);
+  return { status, stderr };
+}
+
+for (const [program, more] of Object.entries(doors))
+  if (fs.existsSync(path.join(build, 'server/doors', program)))
+    test(`${program} refuses a file that holds no token, and says what it found`, async () => {
+      const url = `http://127.0.0.1:${listener.address().port}`;
+      for (const [name, text] of Object.entries(nothing)) {
+        const { status, stderr } = await run(program, ['--url', url, '--token-file', file('token', text), ...more]);
+        assert.equal(status, 1, `${name}: ${stderr}`);
+        assert.match(stderr, /token: no token is in it/, name);
+        if (name === 'secret') assert.match(stderr, /52 characters with 0 dots, perhaps the secret/);
+        assert.equal(stderr.includes(secret), false, 'the secret is not written anywhere');
+      }
+      assert.match((await run(program, ['--url', url, ...more], { FACCIA_TOKEN: secret })).stderr, /FACCIA_TOKEN: no token is in it/);
+      assert.equal(sent.includes(secret), false, 'nor sent');
+    });
+
+test('faccia-say sends a token', async () => {
+  const token = sign({ secret });
+  const { stderr } = await run('faccia-say', ['--url', `http://127.0.0.1:${listener.address().port}`, '--token-file', file('good', `${token}\r\n`), 'x']);
+  assert.doesNotMatch(stderr, /no token is in it/);
+  assert.ok(sent.includes(`Bearer ${token}`));
+});
+
+test("the daemon's --token-file is refused, by whichever way it is set, and says what it is called", () => {
+  const where = file('secrets', `${secret}\n`), config = file('config.json', JSON.stringify({ access: { token_file: where } }));
+  const start = (options, env = {}) => spawnSync(path.join(build, 'server/app/facciad'), ['--port', '0', ...options], { encoding: 'utf8', timeout: 20000, env: { ...process.env, ...env } });
+  for (const [options, env, name] of [[['--token-file', where], {}, '--token-file'], [[], { FACCIA_TOKEN_FILE: where }, 'FACCIA_TOKEN_FILE'], [['--config', config], {}, 'access.token_file']]) {
+    const { status, stderr } = start(options, env);
+    assert.notEqual(status, 0, name);
+    assert.match(stderr, new RegExp(`${name.replace('.', '\\.')}.*--secret-file`), name);
+  }
+});

@@ -1,0 +1,57 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How the ordinary build's programs and plugins are hardened, read from the files that were built.
+import assert from 'node:assert/strict';
+import { execFileSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import { test } from 'node:test';
+import { ordinary } from '../lib/daemon.mjs';
+
+const isElf = (file) => {
+  const head = Buffer.alloc(4), fd = fs.openSync(file, 'r');
+  fs.readSync(fd, head);
+  fs.closeSync(fd);
+  return head.toString('latin1') === '\x7fELF';
+};
+
+/** The programs and modules below the folder: no objects, no archives. */
+const built = (folder) => fs.readdirSync(folder, { withFileTypes: true }).flatMap((entry) => {
+  const name = path.join(folder, entry.name);
+  if (entry.isDirectory()) return entry.name.endsWith('.p') ? [] : built(name);
+  return entry.isFile() && (!path.extname(name) || name.endsWith('.so')) && isElf(name) ? [name] : [];
+});
+
+const files = built(path.join(ordinary, 'server'));
+const read = (file, ...options) => execFileSync('readelf', ['-W', ...options, file], { encoding: 'utf8', maxBuffer: 1 << 26 });
+const x86 = process.arch === 'x64';
+
+test('the daemon, its workers, the doors and the plugins are there', () => {
+  const names = files.map((file) => path.basename(file));
+  for (const name of ['facciad', 'faccia', 'faccia-say', 'faccia-worker']) assert.ok(names.includes(name), `${name} among ${names}`);
+  assert.ok(files.some((file) => file.endsWith('.so')), 'plugins');
+});
+
+for (const file of files)
+  test(path.relative(ordinary, file), () => {
+    const header = read(file, '-h'), segments = read(file, '-l'), dynamic = read(file, '-d'), notes = read(file, '-n');
+    assert.match(header, /Type:\s+DYN/, 'position-independent');
+    assert.match(segments, /GNU_RELRO/);
+    assert.match(dynamic, /BIND_NOW|FLAGS_1\).*\bNOW\b/, 'full RELRO');
+    assert.match(segments.match(/GNU_STACK.*/)[0], /RW /, 'no stack that runs');
+    if (x86) assert.match(notes, /IBT, SHSTK/, 'CET');
+  });
+
+test('the programs guard their stacks and check what they copy', () => {
+  const symbols = files.map((file) => [path.basename(file), read(file, '--dyn-syms')]);
+  for (const [name, text] of symbols.filter(([each]) => /^(facciad?|faccia-(?!.*\.so))/.test(each))) {
+    assert.match(text, /__stack_chk_fail/, name);
+    assert.match(text, /__(vs|s|f)n?printf_chk|__memcpy_chk|__read_chk|__snprintf_chk/, name);
+  }
+});
+
+test('every file of C is compiled so', () => {
+  const commands = JSON.parse(fs.readFileSync(path.join(ordinary, 'compile_commands.json'), 'utf8')).filter(({ file }) => file.includes('server/') && file.endsWith('.c'));
+  assert.ok(commands.length > 100);
+  const flags = ['-fstack-protector-strong', '-fstack-clash-protection', '-D_FORTIFY_SOURCE=', ...(x86 ? ['-fcf-protection=full'] : [])];
+  for (const { command, file } of commands) for (const flag of flags) assert.ok(command.includes(flag), `${file}: ${flag}`);
+});
