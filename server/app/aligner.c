@@ -6,6 +6,7 @@
 #include "server/app/aligner_pace.h"
 #include "server/app/aligner_report.h"
 #include "server/base/buf.h"
+#include "server/base/program.h"
 #include "server/base/mem.h"
 #include "server/library/library_files.h"
 #include "server/library/recordings/alignment_state.h"
@@ -214,6 +215,7 @@ static void confine(const struct aligner_run *a, const char *plugin) {
 
 int main(int argc, char **argv) {
     struct error e;
+    program_begin();
     if (argc != ARGUMENTS) {
         fputs("usage: faccia-align FOLDER WORK SOUND PERCENT MEGABYTES WORKER PLUGIN on|off\nAligns a "
               "recording "

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/cli.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include <errno.h>
 #include <getopt.h>
 #include <stdarg.h>
@@ -8,12 +9,13 @@
 #include <string.h>
 
 void cli_complain(const char *format, ...) {
+    char text[4096];
     va_list args;
     va_start(args, format);
-    fputs("faccia: ", stderr);
-    vfprintf(stderr, format, args);
-    fputc('\n', stderr);
+    vsnprintf(text, sizeof text, format, args);
     va_end(args);
+    utf8_mend(text); /* it quotes names of files and texts of others */
+    fprintf(stderr, "faccia: %s\n", text);
 }
 
 void cli_complain_of(const struct error *e) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia: the talking head on the command line, without a daemon. */
 #include "server/app/cli.h"
+#include "server/base/program.h"
 #include <getopt.h>
-#include <signal.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -66,7 +66,7 @@ int main(int argc, char **argv) {
     struct settings_request request;
     struct error e;
     int status = EXIT_DONE;
-    signal(SIGPIPE, SIG_IGN); /* a closed pipe is an error like any other */
+    program_begin();
     paths_find(&paths);
     if (settings_read(&settings, &request, PROGRAM_COMMANDS, argc, argv, &paths, &e)) {
         cli_complain_of(&e);

@@ -4,6 +4,7 @@
  * rest by models/tools/import/faccia-head.mjs, in Node.js. */
 #include "server/app/cli.h"
 #include "server/app/cli_file.h"
+#include "server/base/program.h"
 #include <errno.h>
 #include <getopt.h>
 #include <stdio.h>
@@ -80,6 +81,7 @@ static int run_tool(int argc, char **argv, const struct settings *settings) {
         return EXIT_FAILED;
     }
     memcpy(words + 2, argv + 1 + lips, sizeof *argv * (size_t)(argc - 1 - lips));
+    program_give_back_signals();
     execvp(words[0], words);
     cli_complain("'head %s' needs Node.js, 18 or later: node: %s", argv[1], strerror(errno));
     return EXIT_FAILED;

@@ -4,6 +4,7 @@
 #include "server/app/settings.h"
 #include "server/app/worker_hands.h"
 #include "server/base/log.h"
+#include "server/base/program.h"
 #include "server/cluster/redis_work.h"
 #include <signal.h>
 #include <stdio.h>
@@ -120,7 +121,6 @@ static int start(struct speaker *p, struct error *e) {
 
 static int run(struct speaker *p) {
     struct error e;
-    signal(SIGPIPE, SIG_IGN);
     signal(SIGHUP, SIG_IGN);
     uv_loop_init(&p->loop);
     p->failed = start(p, &e) != 0;
@@ -149,6 +149,7 @@ int main(int argc, char **argv) {
     struct error e;
     char text[512];
     int status = 0;
+    program_begin();
     paths_find(&paths);
     if (settings_read(&p.settings, &request, PROGRAM_WORKER, argc, argv, &paths, &e)) {
         fprintf(stderr, "faccia-worker: %s (%s)\n", error_text(&e, text, sizeof text), error_name(e.code));

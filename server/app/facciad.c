@@ -12,6 +12,7 @@
 #include "server/app/settings.h"
 #include "server/app/stages.h"
 #include "server/base/log.h"
+#include "server/base/program.h"
 #include "server/codec/codec_load.h"
 #include "server/net/net.h"
 #include <stdio.h>
@@ -255,7 +256,6 @@ static void log_addresses(const struct daemon *d) {
 
 static int run(struct daemon *d) {
     struct error e;
-    signal(SIGPIPE, SIG_IGN);
     uv_loop_init(&d->loop);
     int status = start(d, &e) ? 1 : 0;
     if (status) {
@@ -284,6 +284,7 @@ int main(int argc, char **argv) {
     struct error e;
     char text[512];
     int status;
+    program_begin();
     paths_find(&d.paths);
     if (settings_read(&d.settings, &request, PROGRAM_DAEMON, argc, argv, &d.paths, &e)) {
         fprintf(stderr, "facciad: %s (%s)\n", error_text(&e, text, sizeof text), error_name(e.code));

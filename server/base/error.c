@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/error.h"
+#include "server/base/utf8.h"
 #include <stdio.h>
 
 static const struct {
@@ -22,6 +23,7 @@ unsigned error_status(enum error_code code) {
 static void fill(struct error *e, enum error_code code, const char *format, va_list args) {
     *e = (struct error){.code = code};
     vsnprintf(e->message, sizeof e->message, format, args);
+    utf8_mend(e->message); /* it may quote what others wrote, and is cut where it is too long */
 }
 
 int error_set(struct error *e, enum error_code code, const char *format, ...) {

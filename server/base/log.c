@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/log.h"
+#include "server/base/utf8.h"
 #include <stdarg.h>
 #include <stdatomic.h>
 #include <stdio.h>
@@ -59,6 +60,7 @@ static void write_json(char *out, size_t cap, const char *word, const char *text
 static void line(int priority, const char *word, const char *format, va_list args) {
     char text[1024], out[1200];
     vsnprintf(text, sizeof text, format, args);
+    utf8_mend(text); /* what others wrote makes no lines of its own, and moves no cursor of a terminal */
     if (current == LOG_JSON)
         write_json(out, sizeof out, word, text);
     else if (current == LOG_JOURNAL)

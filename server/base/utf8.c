@@ -96,8 +96,8 @@ void utf8_mend(char *s) {
         length = utf8_next(s, n, &cp);
         if (!length)
             *s = '?';
-        else if (cp < ' ' || cp == 0x7F)
-            *s = ' ';
+        else if (cp < ' ' || (cp >= 0x7F && cp < 0xA0) || cp == 0x2028 || cp == 0x2029)
+            memset(s, ' ', length);
         length = length ? length : 1;
     }
 }

@@ -25,7 +25,8 @@ struct utf8_reader {
 };
 size_t utf8_feed(struct utf8_reader *reader, const void *piece, size_t n);
 
-/* Makes s fit for a message of one line: malformed bytes become "?", control characters spaces. */
+/* Makes s fit for a message of one line: malformed bytes become "?", control characters (C0, C1, DEL) and
+ * the separators of lines and paragraphs (U+2028, U+2029) spaces. */
 void utf8_mend(char *s);
 
 /* Converts byte offsets of one well-formed text to offsets in UTF-16 units. Remembers where it was: offsets

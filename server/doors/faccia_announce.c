@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia-say: an announcement in a room, from a shell script or a timer, and whether it was heard. */
 #include "server/base/mem.h"
+#include "server/base/program.h"
 #include "server/doors/place.h"
 #include <getopt.h>
 #include <stdio.h>
@@ -199,6 +200,7 @@ int main(int argc, char **argv) {
     struct announcement a = {0};
     struct place place;
     const char *room = getenv("FACCIA_ROOM");
+    program_begin();
     place_open(&place);
     for (int i = 0; i < MEMBERS; i++)
         a.members[i].name = names[i];

@@ -10,6 +10,7 @@
 #include <uv.h>
 
 struct remote;
+struct fetch; /* one request; it ends with its callback, or when it is given up */
 
 /* url: "http://127.0.0.1:8080", without what follows the port; token: NULL = none. NULL after a message when
  * the URL is none. */
@@ -36,13 +37,12 @@ struct remote_member {
 
 /* POSTs a body to a path such as "/v1/say", with the members, up to one with the name NULL; type: of the
  * content. GETs when body is NULL. */
-void remote_ask(struct remote *remote, const char *path, const struct remote_member *members,
-                const char *type, const char *body, remote_answered *answered, void *ctx);
+struct fetch *remote_ask(struct remote *remote, const char *path, const struct remote_member *members,
+                         const char *type, const char *body, remote_answered *answered, void *ctx);
 
 /* The same, with the bytes of a body of status 200 as they come, if bytes is not NULL: the answer has none of
  * them then. What they do may give up this request, and no other. */
 typedef void remote_bytes(void *ctx, const void *bytes, size_t size);
-struct fetch;
 struct fetch *remote_fetch(struct remote *remote, const char *path, const struct remote_member *members,
                            const char *type, const char *body, remote_bytes *bytes, remote_answered *answered,
                            void *ctx);
@@ -51,6 +51,11 @@ struct fetch *remote_begin(struct remote *remote, const char *path, const struct
                            const char *type, remote_bytes *bytes, remote_answered *answered, void *ctx);
 void remote_write(struct fetch *fetch, const char *text, size_t size);
 void remote_close(struct fetch *fetch);
+
+/* A voice, language or gender that the daemon does not know is left out, which the log tells, and the same is
+ * asked again: silence helps nobody who only listens. lang: instead of an unknown voice; NULL: the daemon's
+ * own. Call it before anything is written. */
+void remote_speak_anyway(struct fetch *fetch, const char *lang);
 
 /* No callback comes after this. */
 void remote_give_up(struct fetch *fetch);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* One question to the daemon, and its answer. */
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/doors/remote_internal.h"
 #include <stdlib.h>
@@ -10,13 +11,21 @@ enum { ANSWER_SECONDS = 60, ANSWER_MOST = 1 << 20 };
 struct fetch {
     struct transfer transfer;
     struct remote *remote;
+    char *path, *type;             /* type: of the body; NULL: a GET */
+    struct remote_member *members; /* copies, up to one with the name NULL */
     struct buf body;
     remote_bytes *bytes; /* NULL: the body is kept */
     remote_answered *answered;
     void *ctx;
-    struct buf text; /* that is being written, and has not left */
+    struct buf text; /* of the request, that has not left */
+    struct buf kept; /* of the request, from its beginning, as long as it may have to be asked again */
+    bool writes;     /* the text comes piece by piece */
     bool closed;     /* nothing is added to it any more */
+    bool anyway;     /* what the daemon does not know is left out */
+    char *lang;      /* instead of a voice that it does not know; NULL: none */
 };
+
+static void start(struct fetch *q);
 
 static size_t on_wanted(char *into, size_t size, size_t count, void *ctx) {
     struct fetch *q = ctx;
@@ -30,12 +39,21 @@ static size_t on_wanted(char *into, size_t size, size_t count, void *ctx) {
 
 void remote_write(struct fetch *q, const char *text, size_t size) {
     buf_add(&q->text, text, size);
+    if (q->anyway)
+        buf_add(&q->kept, text, size);
     curl_easy_pause(q->transfer.easy, CURLPAUSE_CONT);
 }
 
 void remote_close(struct fetch *q) {
     q->closed = true;
     curl_easy_pause(q->transfer.easy, CURLPAUSE_CONT);
+}
+
+void remote_speak_anyway(struct fetch *q, const char *lang) {
+    q->anyway = true;
+    q->lang = lang ? mem_strdup(lang) : NULL;
+    if (q->text.size)
+        buf_add(&q->kept, q->text.data, q->text.size);
 }
 
 static size_t on_bytes(char *data, size_t size, size_t count, void *ctx) {
@@ -46,12 +64,25 @@ static size_t on_bytes(char *data, size_t size, size_t count, void *ctx) {
     return size * count;
 }
 
+static void free_fetch(struct fetch *q) {
+    for (struct remote_member *m = q->members; m->name; m++) {
+        free((char *)m->name);
+        free((char *)m->value);
+    }
+    free(q->members);
+    free(q->path);
+    free(q->type);
+    free(q->lang);
+    buf_free(&q->body);
+    buf_free(&q->text);
+    buf_free(&q->kept);
+    free(q);
+}
+
 static void drop(struct transfer *t) {
     struct fetch *q = (struct fetch *)t;
     remote_finish(q->remote, t);
-    buf_free(&q->body);
-    buf_free(&q->text);
-    free(q);
+    free_fetch(q);
 }
 
 static void tell(struct transfer *t) {
@@ -62,12 +93,55 @@ static void tell(struct transfer *t) {
     if (status != 200 || !come.size)
         return;
     q->body = (struct buf){0};
+    q->anyway = false; /* it is spoken */
+    buf_free(&q->kept);
     q->bytes(q->ctx, come.data, come.size); /* it may give up */
     buf_free(&come);
 }
 
 void remote_give_up(struct fetch *fetch) {
     drop(&fetch->transfer);
+}
+
+static struct remote_member *member(struct fetch *q, const char *name) {
+    struct remote_member *m = q->members;
+    while (m->name && strcmp(m->name, name))
+        m++;
+    return m->name && m->value ? m : NULL;
+}
+
+static bool leave_out(struct fetch *q, const char *name) {
+    struct remote_member *m = member(q, name);
+    if (!m)
+        return false;
+    free((char *)m->value);
+    m->value = NULL;
+    return true;
+}
+
+/* Leaves out what the daemon does not know, if the answer says so: a voice, a language, a gender. Each time one
+ * member goes, so that it ends. */
+static bool give_in(struct fetch *q, const struct remote_answer *answer) {
+    const char *code = json_string_value(json_object_get(answer->body, "code"));
+    const char *field = json_string_value(json_object_get(answer->body, "field"));
+    if (!q->anyway || answer->status != 400 || !code)
+        return false;
+    bool lang = !strcmp(code, "unknown-language") || (field && !strcmp(field, "lang"));
+    bool voice = !strcmp(code, "unknown-voice") || (field && !strcmp(field, "voice"));
+    if (!lang && !voice)
+        return false;
+    if (voice && leave_out(q, "voice")) {
+        struct remote_member *other = q->members;
+        while (other->name && strcmp(other->name, "lang"))
+            other++;
+        if (other->name && !other->value && q->lang)
+            other->value = mem_strdup(q->lang);
+    } else if (!(lang && leave_out(q, "lang")) && !leave_out(q, "gender") && !leave_out(q, "voice") &&
+               !leave_out(q, "lang")) {
+        return false;
+    }
+    log_warn("%s: it is spoken without", answer->why);
+    return true;
 }
 
 static void on_done(struct transfer *t, CURLcode code) {
@@ -84,60 +158,93 @@ static void on_done(struct transfer *t, CURLcode code) {
         answer.why = message ? message : "the daemon refuses it";
     }
     remote_finish(q->remote, t);
+    if (give_in(q, &answer)) {
+        json_decref(body);
+        q->body.size = q->text.size = 0;
+        if (q->kept.size)
+            buf_add(&q->text, q->kept.data, q->kept.size);
+        start(q);
+        return;
+    }
     q->answered(q->ctx, &answer);
     json_decref(body);
-    buf_free(&q->body);
-    buf_free(&q->text);
-    free(q);
+    free_fetch(q);
 }
 
-static struct fetch *prepare(struct remote *r, const char *path, const struct remote_member *members,
-                             const char *type, remote_bytes *bytes, remote_answered *answered, void *ctx) {
-    struct fetch *q = mem_alloc(sizeof *q);
+static void add_body(struct fetch *q, CURL *easy) {
     struct buf header = {0};
-    *q = (struct fetch){.remote = r, .bytes = bytes, .answered = answered, .ctx = ctx};
-    q->transfer.done = on_done;
-    q->transfer.drop = drop;
-    q->transfer.tell = bytes ? tell : NULL;
-    CURL *easy = remote_handle(r, &q->transfer, path, members);
+    buf_printf(&header, "Content-Type: %s", q->type);
+    buf_add(&header, "", 1);
+    q->transfer.headers = curl_slist_append(q->transfer.headers, (char *)header.data);
+    q->transfer.headers = curl_slist_append(q->transfer.headers, "Expect:");
+    buf_free(&header);
+    if (q->writes) {
+        q->transfer.headers = curl_slist_append(q->transfer.headers, "Transfer-Encoding: chunked");
+        curl_easy_setopt(easy, CURLOPT_POST, 1L);
+        curl_easy_setopt(easy, CURLOPT_READFUNCTION, on_wanted);
+        curl_easy_setopt(easy, CURLOPT_READDATA, q);
+    } else {
+        curl_easy_setopt(easy, CURLOPT_POSTFIELDSIZE, (long)q->text.size);
+        curl_easy_setopt(easy, CURLOPT_COPYPOSTFIELDS, q->text.size ? (char *)q->text.data : "");
+    }
+}
+
+static void start(struct fetch *q) {
+    q->transfer = (struct transfer){.done = on_done, .drop = drop, .tell = q->bytes ? tell : NULL};
+    CURL *easy = remote_handle(q->remote, &q->transfer, q->path, q->members);
     curl_easy_setopt(easy, CURLOPT_WRITEFUNCTION, on_bytes);
     curl_easy_setopt(easy, CURLOPT_WRITEDATA, q);
     curl_easy_setopt(easy, CURLOPT_LOW_SPEED_LIMIT, 1L);
     curl_easy_setopt(easy, CURLOPT_LOW_SPEED_TIME, (long)ANSWER_SECONDS);
-    if (type) {
-        buf_printf(&header, "Content-Type: %s", type);
-        buf_add(&header, "", 1);
-        q->transfer.headers = curl_slist_append(q->transfer.headers, (char *)header.data);
-        q->transfer.headers = curl_slist_append(q->transfer.headers, "Expect:");
+    if (q->type)
+        add_body(q, easy);
+    remote_start(q->remote, &q->transfer);
+}
+
+static struct remote_member *copy_members(const struct remote_member *members) {
+    size_t count = 0;
+    while (members && members[count].name)
+        count++;
+    struct remote_member *copy = mem_alloc((count + 1) * sizeof *copy);
+    for (size_t i = 0; i < count; i++) {
+        copy[i].name = mem_strdup(members[i].name);
+        copy[i].value = members[i].value ? mem_strdup(members[i].value) : NULL;
     }
-    buf_free(&header);
+    copy[count] = (struct remote_member){NULL, NULL};
+    return copy;
+}
+
+/* type NULL: a GET; body NULL: it is written. */
+static struct fetch *begin(struct remote *r, const char *path, const struct remote_member *members,
+                           const char *type, const char *body, remote_bytes *bytes, remote_answered *answered,
+                           void *ctx) {
+    struct fetch *q = mem_alloc(sizeof *q);
+    *q = (struct fetch){.remote = r,
+                        .path = mem_strdup(path),
+                        .type = type ? mem_strdup(type) : NULL,
+                        .members = copy_members(members),
+                        .bytes = bytes,
+                        .answered = answered,
+                        .ctx = ctx,
+                        .writes = type && !body};
+    if (body)
+        buf_add(&q->text, body, strlen(body));
+    start(q);
     return q;
 }
 
 struct fetch *remote_fetch(struct remote *r, const char *path, const struct remote_member *members,
                            const char *type, const char *body, remote_bytes *bytes, remote_answered *answered,
                            void *ctx) {
-    struct fetch *q = prepare(r, path, members, body ? type : NULL, bytes, answered, ctx);
-    if (body) {
-        curl_easy_setopt(q->transfer.easy, CURLOPT_POSTFIELDSIZE, (long)strlen(body));
-        curl_easy_setopt(q->transfer.easy, CURLOPT_COPYPOSTFIELDS, body);
-    }
-    remote_start(r, &q->transfer);
-    return q;
+    return begin(r, path, members, body ? type : NULL, body, bytes, answered, ctx);
 }
 
 struct fetch *remote_begin(struct remote *r, const char *path, const struct remote_member *members,
                            const char *type, remote_bytes *bytes, remote_answered *answered, void *ctx) {
-    struct fetch *q = prepare(r, path, members, type, bytes, answered, ctx);
-    q->transfer.headers = curl_slist_append(q->transfer.headers, "Transfer-Encoding: chunked");
-    curl_easy_setopt(q->transfer.easy, CURLOPT_POST, 1L);
-    curl_easy_setopt(q->transfer.easy, CURLOPT_READFUNCTION, on_wanted);
-    curl_easy_setopt(q->transfer.easy, CURLOPT_READDATA, q);
-    remote_start(r, &q->transfer);
-    return q;
+    return begin(r, path, members, type, NULL, bytes, answered, ctx);
 }
 
-void remote_ask(struct remote *r, const char *path, const struct remote_member *members, const char *type,
-                const char *body, remote_answered *answered, void *ctx) {
-    remote_fetch(r, path, members, type, body, NULL, answered, ctx);
+struct fetch *remote_ask(struct remote *r, const char *path, const struct remote_member *members,
+                         const char *type, const char *body, remote_answered *answered, void *ctx) {
+    return remote_fetch(r, path, members, type, body, NULL, answered, ctx);
 }

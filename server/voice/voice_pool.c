@@ -3,7 +3,6 @@
 #include "server/base/mem.h"
 #include "server/voice/voice_cache_file.h"
 #include "server/voice/voice_pool_internal.h"
-#include <signal.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
@@ -61,7 +60,6 @@ struct voice_pool *voice_pool_open(uv_loop_t *loop, const struct voice_pool_opti
         free_pool(pool);
         return NULL;
     }
-    signal(SIGPIPE, SIG_IGN);
     if (!pool->unconfined)
         private_memory();
     pool->cache = cache_open(loop, &options->cache);

@@ -2,6 +2,7 @@
 /* faccia-voice PLUGIN.so: runs one voice plugin for the daemon, which starts it with a socket on descriptor
  * WIRE_FD. */
 #include "server/base/log.h"
+#include "server/base/program.h"
 #include "server/voice/memory_limit.h"
 #include "server/voice/plugin_allowed.h"
 #include "server/voice/plugin_loader.h"
@@ -40,7 +41,6 @@ static void limit_processor(uint32_t seconds) {
 static void set_signals(void) {
     signal(SIGINT, SIG_IGN);
     signal(SIGTERM, SIG_IGN);
-    signal(SIGPIPE, SIG_IGN);
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
 }
@@ -160,6 +160,7 @@ static int run(const struct opening *opening, const char *plugin) {
 }
 
 int main(int argc, char **argv) {
+    program_begin();
     bool help = argc == 2 && !strcmp(argv[1], "--help");
     bool well = (argc == 2 || (argc == 3 && log_open_named(argv[2]))) && !help;
     if (!well || set_socket() < 0) {

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* faccia-live: somebody's own voice in a room, from a microphone, a pipe or a file. */
-#include "server/base/mem.h"
+#include "server/base/program.h"
 #include "server/doors/ending.h"
 #include "server/doors/live/live_line.h"
 #include "server/doors/live/live_sound.h"
 #include <curl/curl.h>
 #include <getopt.h>
-#include <signal.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -263,7 +262,7 @@ int main(int argc, char **argv) {
     struct live l = {.room = room ? room : "home", .channels = 1, .lookahead = 80};
     struct place place;
     int status = -1;
-    signal(SIGPIPE, SIG_IGN);
+    program_begin();
     curl_global_init(CURL_GLOBAL_DEFAULT);
     place_open(&place);
     place_make_id(l.id, sizeof l.id);

@@ -76,7 +76,8 @@ static void on_poll(uv_poll_t *poll, int status, int events);
 static void go_on(struct live_line *l) {
     if (l->ended)
         return;
-    bool failed = wslay_event_recv(l->frames) || wslay_event_send(l->frames);
+    bool failed = wslay_event_recv(l->frames) || wslay_event_send(l->frames) ||
+                  !wslay_event_get_read_enabled(l->frames); /* after what is no message it reads no more */
     int events = UV_READABLE | (wslay_event_want_write(l->frames) ? UV_WRITABLE : 0);
     if (!failed && !l->ended) {
         uv_poll_start(&l->poll, events, on_poll);

@@ -2,7 +2,7 @@
 /* faccia-lva: a face for Linux Voice Assistant, by its peripheral API
  * (github.com/OHF-Voice/linux-voice-assistant, docs/peripheral_api.md). */
 #include "server/base/log.h"
-#include "server/base/mem.h"
+#include "server/base/program.h"
 #include "server/doors/ending.h"
 #include "server/doors/lva/websocket_client.h"
 #include "server/doors/place.h"
@@ -28,33 +28,56 @@ static const char usage[] = "Usage: faccia-lva [OPTION]...\n"
                             "      --version           print the version and exit\n"
                             "Exit status: 0 ended by a signal, 1 failed, 2 wrong usage.\n";
 
+enum { STATES_MOST = 16, ASKING_MOST = 32 };
+
 struct assistant {
     struct remote *remote;
     const char *room, *speak, *lang, *voice;
     double volume;
     bool muted_sound, muted, there;
-    char why[128]; /* it was not there last */
+    char why[128];    /* it was not there last */
+    unsigned asking;  /* requests that wait for the daemon: so many */
+    json_t *next;     /* the last state that has to wait for them; NULL: none */
 };
 
+static void show_next(struct assistant *a);
+
 static void on_told(void *ctx, const struct remote_answer *answer) {
-    (void)ctx;
+    struct assistant *a = ctx;
+    a->asking--;
     if (answer->status != 202 && answer->status != 404) /* nobody is in the room: nobody sees it */
         log_warn("the room does not take it: %s", answer->why);
+    show_next(a);
 }
 
-static void show(struct assistant *a, const char *state, const char *text) {
+static void show_next(struct assistant *a) {
     const struct remote_member members[] = {{"room", a->room}, {NULL, NULL}};
-    json_t *message = json_pack("{ss ss*}", "state", state, "text", text);
-    char *body = json_dumps(message, JSON_COMPACT);
-    remote_ask(a->remote, "/v1/state", members, "application/json", body, on_told, NULL);
+    if (!a->next || a->asking >= STATES_MOST)
+        return;
+    char *body = json_dumps(a->next, JSON_COMPACT);
+    json_decref(a->next);
+    a->next = NULL;
+    a->asking++;
+    remote_ask(a->remote, "/v1/state", members, "application/json", body, on_told, a);
     free(body);
-    json_decref(message);
+}
+
+/* Of states that come faster than the daemon takes them the last one counts. */
+static void show(struct assistant *a, const char *state, const char *text) {
+    json_decref(a->next);
+    a->next = json_pack("{ss ss*}", "state", state, "text", text);
+    show_next(a);
 }
 
 static void say(struct assistant *a, const char *text, const char *priority) {
     const struct remote_member members[] = {
         {"room", a->room}, {"lang", a->lang}, {"voice", a->voice}, {"priority", priority}, {NULL, NULL}};
-    remote_ask(a->remote, "/v1/say", members, "text/plain", text, on_told, NULL);
+    if (a->asking >= ASKING_MOST) {
+        log_warn("an answer is not said: too many wait for the daemon");
+        return;
+    }
+    a->asking++;
+    remote_speak_anyway(remote_ask(a->remote, "/v1/say", members, "text/plain", text, on_told, a), a->lang);
 }
 
 static bool speaks(const struct assistant *a) {
@@ -149,6 +172,7 @@ static int run(struct assistant *a, const struct place *place, const char *url) 
         uv_run(&loop, UV_RUN_DEFAULT);
     websocket_client_free(client);
     remote_free(a->remote);
+    json_decref(a->next);
     ending_close(&ending);
     return client ? 0 : 2;
 }
@@ -169,6 +193,7 @@ int main(int argc, char **argv) {
     struct assistant a = {.room = room ? room : "home", .speak = "silent", .volume = 1};
     struct place place;
     int status = -1;
+    program_begin();
     place_open(&place);
     for (int c; status < 0 && (c = getopt_long(argc, argv, "a:r:s:l:v:u:h", options, NULL)) != -1;) {
         if (c == 'a')

@@ -8,7 +8,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { AGAIN_MS = 500, AGAIN_MOST_MS = 10000 };
+enum {
+    AGAIN_MS = 500,
+    AGAIN_MOST_MS = 10000,
+    OPEN_MS = 10000,   /* within which it must be open */
+    STEADY_MS = 5000,  /* open for so long, and the next try after it comes soon again */
+    UNSENT_MOST = 65536, /* bytes of answers to pings that it does not take */
+    COME_MOST = WEBSOCKET_TEXT_MOST + 65536,
+    KEEPALIVE_SECONDS = 30
+};
 
 struct websocket_client {
     uv_loop_t *loop;
@@ -17,7 +25,7 @@ struct websocket_client {
     char host[256], port[8], path[512];
     struct websocket_calls calls;
     void *ctx;
-    unsigned wait;
+    unsigned wait; /* ms before the next try */
 };
 
 /* One connection. It frees itself when its handle is closed. */
@@ -30,6 +38,7 @@ struct wire {
     struct buf come;
     size_t taken;
     char answer[WEBSOCKET_ANSWER_BYTES];
+    uint64_t since; /* loop time at which it was opened, ms */
     bool looks_up, open, closing;
 };
 
@@ -65,10 +74,17 @@ static void lose(struct wire *w, const char *why) {
     struct websocket_client *c = w->client;
     if (!c)
         return;
+    if (w->open && uv_now(c->loop) - w->since >= STEADY_MS)
+        c->wait = AGAIN_MS;
     close_wire(w);
     uv_timer_start(&c->timer, on_again, c->wait, 0);
     c->wait = c->wait * 2 < AGAIN_MOST_MS ? c->wait * 2 : AGAIN_MOST_MS;
     c->calls.lost(c->ctx, why);
+}
+
+static void on_silence(uv_timer_t *timer) {
+    struct websocket_client *c = timer->data;
+    lose(c->wire, "it does not answer");
 }
 
 struct sending {
@@ -84,6 +100,8 @@ static void on_sent(uv_write_t *write, int status) {
 }
 
 static void send_bytes(struct wire *w, const void *bytes, size_t size) {
+    if (w->closing)
+        return;
     struct sending *s = mem_alloc(sizeof *s + size);
     memcpy(s->bytes, bytes, size);
     uv_buf_t buf = uv_buf_init(s->bytes, (unsigned)size);
@@ -153,7 +171,8 @@ static bool take_head(struct wire *w) {
     wslay_event_context_client_init(&w->frames, &callbacks, w);
     wslay_event_config_set_max_recv_msg_length(w->frames, WEBSOCKET_TEXT_MOST);
     w->open = true;
-    w->client->wait = AGAIN_MS;
+    w->since = uv_now(w->client->loop);
+    uv_timer_stop(&w->client->timer);
     w->client->calls.open(w->client->ctx);
     return true;
 }
@@ -172,13 +191,17 @@ static void on_read(uv_stream_t *stream, ssize_t count, const uv_buf_t *buf) {
         return;
     }
     w->come.size += (size_t)count;
-    if (!w->open && !take_head(w))
+    if (!w->client || (!w->open && !take_head(w)))
         return;
     w->taken = 0;
     int failed = wslay_event_recv(w->frames) || wslay_event_send(w->frames);
     buf_consume(&w->come, w->taken);
-    if (failed || wslay_event_get_close_received(w->frames))
-        lose(w, failed ? "it sends what is no WebSocket message" : "it was closed");
+    if (wslay_event_get_close_received(w->frames))
+        lose(w, "it was closed");
+    else if (failed || !wslay_event_get_read_enabled(w->frames)) /* wslay reads no more: a close was sent */
+        lose(w, "it sends what is no WebSocket message, or one that is too long");
+    else if (w->tcp.write_queue_size > UNSENT_MOST || w->come.size > COME_MOST)
+        lose(w, "it does not take what is sent");
 }
 
 static void on_connect(uv_connect_t *connecting, int status) {
@@ -189,8 +212,15 @@ static void on_connect(uv_connect_t *connecting, int status) {
         lose(w, uv_strerror(status));
         return;
     }
+    uv_tcp_keepalive(&w->tcp, 1, KEEPALIVE_SECONDS);
     uv_read_start((uv_stream_t *)&w->tcp, on_alloc, on_read);
     ask(w);
+}
+
+static void connect_to(struct wire *w, const struct addrinfo *found) {
+    int failed = uv_tcp_connect(&w->connecting, &w->tcp, found->ai_addr, on_connect);
+    if (failed)
+        lose(w, uv_strerror(failed));
 }
 
 static void on_found(uv_getaddrinfo_t *lookup, int status, struct addrinfo *found) {
@@ -203,7 +233,7 @@ static void on_found(uv_getaddrinfo_t *lookup, int status, struct addrinfo *foun
     else if (status < 0)
         lose(w, uv_strerror(status));
     else
-        uv_tcp_connect(&w->connecting, &w->tcp, found->ai_addr, on_connect);
+        connect_to(w, found);
     uv_freeaddrinfo(found);
 }
 
@@ -214,6 +244,7 @@ static void start(struct websocket_client *c) {
     uv_tcp_init(c->loop, &w->tcp);
     w->tcp.data = w;
     w->looks_up = !uv_getaddrinfo(c->loop, &w->lookup, on_found, c->host, c->port, &hints);
+    uv_timer_start(&c->timer, on_silence, OPEN_MS, 0);
     if (!w->looks_up)
         lose(w, "its name cannot be looked up");
 }

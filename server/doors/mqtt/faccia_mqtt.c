@@ -2,6 +2,7 @@
 /* faccia-mqtt: rooms of a daemon on a broker. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/base/program.h"
 #include "server/doors/ending.h"
 #include "server/doors/mqtt/mqtt_bridge.h"
 #include "server/doors/place.h"
@@ -148,6 +149,7 @@ int main(int argc, char **argv) {
     struct bridge_options o = {
         .broker = {.host = "127.0.0.1", .client = "faccia-mqtt", .password = getenv("FACCIA_MQTT_PASSWORD")},
         .bridge = {.base = "faccia", .discovery = "homeassistant", .device = "faccia"}};
+    program_begin();
     place_open(&o.place);
     int status = read_options(&o, argc, argv);
     if (status < 0) {

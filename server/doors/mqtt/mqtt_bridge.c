@@ -2,6 +2,7 @@
 #include "server/doors/mqtt/mqtt_bridge.h"
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -41,36 +42,63 @@ static void on_connected(void *ctx) {
 
 static void on_message(void *ctx, const char *topic, const char *payload, size_t size, bool retained) {
     struct bridge *b = ctx;
+    const char *wrong = !payload                               ? "it is longer than 1 MiB"
+                        : memchr(payload, 0, size)             ? "it holds a NUL character"
+                        : utf8_check(payload, size) < size ? "it is not UTF-8"
+                                                               : NULL;
     size_t base = strlen(b->base), discovery = b->discovery ? strlen(b->discovery) : 0;
     if (discovery && !strncmp(topic, b->discovery, discovery) && !strcmp(topic + discovery, "/status")) {
-        if (!strcmp(payload, "online"))
+        if (!wrong && !strcmp(payload, "online"))
             discover(b);
         return;
     }
-    if (retained ||
-        memchr(payload, 0, size)) /* what was asked for once is not asked for again with each start */
+    if (retained) /* what was asked for once is not asked for again with each start */
         return;
     if (!strcmp(topic, hermes_topic)) {
-        hermes_say(b, payload, size);
+        if (wrong)
+            log_warn("%s: %s", topic, wrong);
+        else
+            hermes_say(b, payload, size);
         return;
     }
     for (unsigned i = 0; i < b->room_count && !strncmp(topic, b->base, base) && topic[base] == '/'; i++) {
         size_t length = strlen(b->rooms[i].name);
         const char *rest = topic + base + 1;
-        if (!strncmp(rest, b->rooms[i].name, length) && rest[length] == '/')
+        if (strncmp(rest, b->rooms[i].name, length) != 0 || rest[length] != '/')
+            continue;
+        if (wrong)
+            room_refuse(&b->rooms[i], rest + length + 1, wrong);
+        else
             room_command(&b->rooms[i], rest + length + 1, payload, size);
     }
 }
 
 const struct mqtt_calls bridge_calls = {on_connected, on_message};
 
+bool bridge_has_voice(const struct bridge *b, const char *voice) {
+    size_t i;
+    json_t *one;
+    json_array_foreach(b->voices, i, one) {
+        const char *id = json_string_value(one), *name = strchr(id, ':');
+        if (!strcmp(id, voice) || (name && !strcmp(name + 1, voice)))
+            return true;
+    }
+    return !json_array_size(b->voices);
+}
+
 static void on_voices(void *ctx, const struct remote_answer *answer) {
     struct bridge *b = ctx;
     json_t *list = json_object_get(answer->body, "voices"), *one;
     size_t i;
-    json_decref(b->voices);
-    b->voices = json_array();
-    json_array_foreach(list, i, one) json_array_append(b->voices, json_object_get(one, "id"));
+    if (!b->voices || answer->status == 200) {
+        json_decref(b->voices);
+        b->voices = json_array();
+    }
+    json_array_foreach(list, i, one) if (json_is_string(json_object_get(one, "id")))
+        json_array_append(b->voices, json_object_get(one, "id"));
+    for (i = 0; i < b->room_count; i++)
+        if (b->rooms[i].voice && !bridge_has_voice(b, b->rooms[i].voice))
+            room_drop_voice(&b->rooms[i]);
     discover(b);
 }
 

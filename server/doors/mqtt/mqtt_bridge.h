@@ -48,6 +48,10 @@ void room_publish_json(struct bridge_room *room, const char *topic, json_t *payl
 void room_publish_all(struct bridge_room *room);
 /* The mix that was asked for: its names, with their intensities. */
 void room_take_mood(struct bridge_room *room, const json_t *mix);
+/* What was sent to one of its topics is not done, and why: told in `said` if it was to be said, else in `refused`. */
+void room_refuse(struct bridge_room *room, const char *command, const char *why);
+/* Is there such a voice? As long as none are known, any. */
+bool bridge_has_voice(const struct bridge *bridge, const char *voice);
 /* How what was asked for ended. */
 void room_tell(struct bridge_room *room, const char *id, const char *reason, const char *why);
 extern const struct remote_events room_events_calls;
@@ -56,6 +60,8 @@ extern const struct remote_events room_events_calls;
 
 /* One of the room's topics: "say". */
 void room_command(struct bridge_room *room, const char *command, const char *payload, size_t size);
+/* Its voice is none of the daemon's (any more): the daemon's own speaks again. */
+void room_drop_voice(struct bridge_room *room);
 /* Requests that wait are given up: the remote is gone. */
 void commands_drop(struct bridge *bridge);
 /* hermes/tts/say of Rhasspy. */

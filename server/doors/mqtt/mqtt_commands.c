@@ -3,6 +3,7 @@
  * is not: nothing is said twice. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include "server/doors/mqtt/mqtt_bridge.h"
 #include "server/doors/place.h"
 #include <stdio.h>
@@ -16,8 +17,11 @@ struct asking {
     struct bridge_room *room;
     uv_timer_t *timer;
     const char *path;
+    const char *command; /* the topic that it came by; NULL: it came of another */
     char *body;
-    char id[SAID_ID]; /* empty: nobody asked to be told */
+    json_t *mix;      /* the mood that is asked for; NULL: none */
+    char id[SAID_ID]; /* empty: nothing is said */
+    bool of_room;     /* its voice is the room's */
     unsigned tries;
 };
 
@@ -33,6 +37,7 @@ static void finish(struct asking *a) {
         a->next->self = a->self;
     a->room->bridge->asking--;
     uv_close((uv_handle_t *)a->timer, free_timer);
+    json_decref(a->mix);
     free(a->body);
     free(a);
 }
@@ -46,6 +51,44 @@ static void on_again(uv_timer_t *timer) {
     ask(timer->data);
 }
 
+void room_refuse(struct bridge_room *r, const char *command, const char *why) {
+    char id[SAID_ID] = "mqtt-";
+    log_warn("room %s: %s: %s", r->name, command, why);
+    if (!strcmp(command, "say")) {
+        place_make_id(id + 5, sizeof id - 5);
+        said_new(&r->said, id);
+        room_tell(r, id, "failed", why);
+    } else {
+        room_publish_json(r, "refused", json_pack("{ss ss}", "command", command, "message", why), false);
+    }
+}
+
+void room_drop_voice(struct bridge_room *r) {
+    char why[256];
+    snprintf(why, sizeof why, "there is no voice \"%.80s\" any more: the daemon's own speaks", r->voice);
+    utf8_mend(why);
+    free(r->voice);
+    r->voice = NULL;
+    room_refuse(r, "voice", why);
+    room_publish_all(r);
+}
+
+/* The room's voice has gone since it was chosen: it is said without. */
+static bool give_up_voice(struct asking *a, const struct remote_answer *answer) {
+    const char *code = json_string_value(json_object_get(answer->body, "code"));
+    if (!a->of_room || !code || strcmp(code, "unknown-voice") != 0)
+        return false;
+    json_t *body = json_loads(a->body, 0, NULL);
+    json_object_del(body, "voice");
+    free(a->body);
+    a->body = json_dumps(body, JSON_COMPACT);
+    json_decref(body);
+    a->of_room = false;
+    if (a->room->voice)
+        room_drop_voice(a->room);
+    return true;
+}
+
 static void on_answer(void *ctx, const struct remote_answer *answer) {
     struct asking *a = ctx;
     bool away = (!answer->status && !answer->sent) || answer->status == 503;
@@ -53,7 +96,16 @@ static void on_answer(void *ctx, const struct remote_answer *answer) {
         uv_timer_start(a->timer, on_again, AGAIN_MS, 0);
         return;
     }
-    if (answer->status != 202 && answer->status != 200) {
+    if (give_up_voice(a, answer)) {
+        ask(a);
+        return;
+    }
+    bool well = answer->status == 202 || answer->status == 200;
+    if (well && a->mix)
+        room_take_mood(a->room, a->mix);
+    if (!well && !*a->id && a->command) {
+        room_refuse(a->room, a->command, answer->why);
+    } else if (!well) {
         log_warn("room %s: %s", a->room->name, answer->why);
         room_tell(a->room, a->id, answer->status == 409 ? "busy" : "failed", answer->why);
     } else if (*a->id && !json_integer_value(json_object_get(answer->body, "listeners")) &&
@@ -68,9 +120,21 @@ static void ask(struct asking *a) {
     remote_ask(a->room->bridge->remote, a->path, members, "application/json", a->body, on_answer, a);
 }
 
-static void ask_for(struct bridge_room *r, const char *path, json_t *body, const char *id) {
+/* NULL: too many wait already, which is told; body is released. */
+static struct asking *ask_for(struct bridge_room *r, const char *command, const char *path, json_t *body,
+                              const char *id) {
+    static const char full[] = "too many wait for the daemon";
+    if (r->bridge->asking >= ASKING_MOST) {
+        if (*id)
+            room_tell(r, id, "failed", full);
+        else
+            room_refuse(r, command ? command : path, full);
+        json_decref(body);
+        return NULL;
+    }
     struct asking *a = mem_alloc(sizeof *a);
-    *a = (struct asking){.room = r, .path = path, .body = json_dumps(body, JSON_COMPACT)};
+    *a = (struct asking){
+        .room = r, .command = command, .path = path, .body = json_dumps(body, JSON_COMPACT)};
     snprintf(a->id, sizeof a->id, "%s", id);
     a->timer = mem_alloc(sizeof *a->timer);
     uv_timer_init(r->bridge->loop, a->timer);
@@ -83,17 +147,23 @@ static void ask_for(struct bridge_room *r, const char *path, json_t *body, const
     r->bridge->asked = a;
     r->bridge->asking++;
     ask(a);
+    return a;
 }
 
-/* An object as it came, or {name: the text}. NULL after a message. */
-static json_t *object_of(const struct bridge_room *r, const char *name, const char *payload, size_t size) {
+/* An object as it came, or {name: the text}. NULL when it was refused. */
+static json_t *object_of(struct bridge_room *r, const char *command, const char *name, const char *payload,
+                         size_t size) {
+    char why[256];
     json_error_t e;
     if (*payload != '{')
         return json_pack("{ss%}", name, payload, size);
     json_t *object = json_loadb(payload, size, 0, &e);
-    if (!object)
-        log_warn("room %s: %s: byte %d: %s", r->name, name, e.position, e.text);
-    return object;
+    if (object)
+        return object;
+    snprintf(why, sizeof why, "what begins with { must be JSON: byte %d: %s", e.position, e.text);
+    utf8_mend(why); /* it may be cut */
+    room_refuse(r, command, why);
+    return NULL;
 }
 
 static void say(struct bridge_room *r, json_t *request, const char *site, const char *session) {
@@ -114,14 +184,17 @@ static void say(struct bridge_room *r, json_t *request, const char *site, const 
         snprintf(said->session, sizeof said->session, "%s", session);
     }
     json_object_set_new(request, "id", json_string(id));
-    if (r->voice && !json_object_get(request, "voice"))
+    bool of_room = r->voice && !json_object_get(request, "voice");
+    if (of_room)
         json_object_set_new(request, "voice", json_string(r->voice));
-    if (r->muted || r->bridge->asking >= ASKING_MOST) {
-        room_tell(r, id, r->muted ? "muted" : "failed", r->muted ? NULL : "too many wait for the daemon");
+    if (r->muted) {
+        room_tell(r, id, "muted", NULL);
         json_decref(request);
-    } else {
-        ask_for(r, "/v1/say", request, id);
+        return;
     }
+    struct asking *a = ask_for(r, "say", "/v1/say", request, id);
+    if (a)
+        a->of_room = of_room;
 }
 
 void hermes_say(struct bridge *b, const char *payload, size_t size) {
@@ -139,18 +212,16 @@ void hermes_say(struct bridge *b, const char *payload, size_t size) {
                       json_is_string(lang) && json_string_length(lang) ? lang : NULL, "id",
                       json_object_get(message, "id")),
             site ? site : "default", session ? session : "");
+    else if (room || !message)
+        log_warn("hermes/tts/say: it is no JSON object with a string 'text'");
     json_decref(message);
-}
-
-static void stop(struct bridge_room *r, json_t *nothing) {
-    ask_for(r, "/v1/stop", nothing, "");
 }
 
 static void mute(struct bridge_room *r, const char *payload) {
     r->muted = !strcasecmp(payload, "ON");
     if (r->muted)
-        stop(r, json_object());
-    ask_for(r, "/v1/state", json_pack("{ss}", "state", r->muted ? "muted" : "idle"), "");
+        ask_for(r, NULL, "/v1/stop", json_object(), "");
+    ask_for(r, NULL, "/v1/state", json_pack("{ss}", "state", r->muted ? "muted" : "idle"), "");
     room_publish_all(r);
 }
 
@@ -158,9 +229,9 @@ static void mute(struct bridge_room *r, const char *payload) {
 static void presence(struct bridge_room *r, const char *payload) {
     bool on = !strcasecmp(payload, "ON") || !strcasecmp(payload, "home");
     if (!on && strcasecmp(payload, "OFF") && strcasecmp(payload, "not_home"))
-        log_warn("room %s: presence: neither ON nor OFF", r->name);
+        room_refuse(r, "presence", "it is neither ON nor OFF");
     else if (on == r->absent)
-        ask_for(r, "/v1/state", json_pack("{ss}", "state", !on ? "asleep" : r->muted ? "muted" : "idle"), "");
+        ask_for(r, "presence", "/v1/state", json_pack("{ss}", "state", !on ? "asleep" : r->muted ? "muted" : "idle"), "");
 }
 
 /* "joy 0.7 surprise 0.2", "neutral", or a list of a mix. */
@@ -185,12 +256,29 @@ static void express(struct bridge_room *r, const char *payload, size_t size) {
     json_t *mix = mix_of(text, size);
     const char *state = *r->state ? r->state : "idle";
     if (mix) {
-        room_take_mood(r, mix);
-        ask_for(r, "/v1/state", json_pack("{ss so}", "state", r->muted ? "muted" : state, "mix", mix), "");
+        struct asking *a =
+            ask_for(r, "express", "/v1/state",
+                    json_pack("{ss sO}", "state", r->muted ? "muted" : state, "mix", mix), "");
+        if (a)
+            a->mix = json_incref(mix);
     } else {
-        log_warn("room %s: express: neither names nor a list", r->name);
+        room_refuse(r, "express", "it is neither names nor a list");
     }
+    json_decref(mix);
     free(text);
+}
+
+static void choose_voice(struct bridge_room *r, const char *voice) {
+    char why[256];
+    if (*voice && !bridge_has_voice(r->bridge, voice)) {
+        snprintf(why, sizeof why, "there is no voice \"%.80s\"", voice);
+        utf8_mend(why);
+        room_refuse(r, "voice", why);
+    } else {
+        free(r->voice);
+        r->voice = *voice ? mem_strdup(voice) : NULL;
+    }
+    room_publish_all(r); /* one that was refused, too: what shows the choice shows the old one again */
 }
 
 void room_command(struct bridge_room *r, const char *command, const char *payload, size_t size) {
@@ -203,7 +291,7 @@ void room_command(struct bridge_room *r, const char *command, const char *payloa
                  {"choices", "/v1/choices", "question"}};
     json_t *object;
     if (!strcmp(command, "say")) {
-        if ((object = object_of(r, "text", payload, size)))
+        if ((object = object_of(r, "say", "text", payload, size)))
             say(r, object, NULL, NULL);
     } else if (!strcmp(command, "mute")) {
         mute(r, payload);
@@ -212,11 +300,10 @@ void room_command(struct bridge_room *r, const char *command, const char *payloa
     } else if (!strcmp(command, "express")) {
         express(r, payload, size);
     } else if (!strcmp(command, "voice")) {
-        free(r->voice);
-        r->voice = *payload ? mem_strdup(payload) : NULL;
-        room_publish_all(r);
+        choose_voice(r, payload);
     }
     for (size_t i = 0; i < sizeof plain / sizeof *plain; i++)
-        if (!strcmp(command, plain[i].command) && (object = object_of(r, plain[i].member, payload, size)))
-            ask_for(r, plain[i].path, object, "");
+        if (!strcmp(command, plain[i].command) &&
+            (object = object_of(r, plain[i].command, plain[i].member, payload, size)))
+            ask_for(r, plain[i].command, plain[i].path, object, "");
 }

@@ -8,19 +8,26 @@
 struct component {
     const char *key, *platform, *name, *icon;
     const char *command, *state; /* topics below the room's; NULL: none */
+    const char *state_template;  /* NULL: the payload is the state */
 };
 
+/* A state has 255 characters at most there: a longer one is refused, for a text with an exception. A choice must be
+ * one of its options; "None" is no choice. */
+enum { STATE_MOST = 255 };
+static const char cut[] = "{{ value[:255] }}", chosen[] = "{{ value or 'None' }}",
+                  first_word[] = "{{ (value.split() or ['neutral'])[0] }}";
+
 static const struct component components[] = {
-    {"say", "notify", "Say", "mdi:account-voice", "say", NULL},
-    {"text", "text", "Text", "mdi:form-textbox", "say", "now/words"},
-    {"voice", "select", "Voice", "mdi:microphone-message", "voice", "now/voice"},
-    {"mood", "select", "Mood", "mdi:emoticon-outline", "express", "now/mood"},
-    {"mute", "switch", "Mute", "mdi:volume-off", "mute", "now/mute"},
-    {"presence", "switch", "Somebody is there", "mdi:motion-sensor", "presence", "now/presence"},
-    {"stop", "button", "Stop", "mdi:stop", "stop", NULL},
-    {"state", "sensor", "State", "mdi:face-woman-shimmer", NULL, "now/state"},
-    {"words", "sensor", "Last words", "mdi:comment-text-outline", NULL, "now/words"},
-    {"choice", "event", "Choice", "mdi:gesture-tap-button", NULL, "chosen"},
+    {"say", "notify", "Say", "mdi:account-voice", "say", NULL, NULL},
+    {"text", "text", "Text", "mdi:form-textbox", "say", "now/words", cut},
+    {"voice", "select", "Voice", "mdi:microphone-message", "voice", "now/voice", chosen},
+    {"mood", "select", "Mood", "mdi:emoticon-outline", "express", "now/mood", first_word},
+    {"mute", "switch", "Mute", "mdi:volume-off", "mute", "now/mute", NULL},
+    {"presence", "switch", "Somebody is there", "mdi:motion-sensor", "presence", "now/presence", NULL},
+    {"stop", "button", "Stop", "mdi:stop", "stop", NULL, NULL},
+    {"state", "sensor", "State", "mdi:face-woman-shimmer", NULL, "now/state", NULL},
+    {"words", "sensor", "Last words", "mdi:comment-text-outline", NULL, "now/words", cut},
+    {"choice", "event", "Choice", "mdi:gesture-tap-button", NULL, "chosen", NULL},
 };
 
 static json_t *topic(const struct bridge_room *r, const char *below) {
@@ -40,10 +47,12 @@ static json_t *component(const struct bridge_room *r, const char *device, const 
         json_object_set(part, "options", r->bridge->moods);
     if (!strcmp(c->platform, "event"))
         json_object_set_new(part, "event_types", json_pack("[s]", "chosen"));
-    if (!strcmp(c->platform, "text"))
-        json_object_set_new(part, "max", json_integer(255));
-    if (!strcmp(c->key, "words")) /* a state has 255 characters at most there */
-        json_object_set_new(part, "value_template", json_string("{{ value[:255] }}"));
+    if (!strcmp(c->platform, "text")) { /* what is longer goes by the notify entity, or to the topic */
+        json_object_set_new(part, "min", json_integer(0));
+        json_object_set_new(part, "max", json_integer(STATE_MOST));
+    }
+    if (c->state_template)
+        json_object_set_new(part, "value_template", json_string(c->state_template));
     return part;
 }
 

@@ -97,7 +97,10 @@ static void on_message(struct mosquitto *m, void *ctx, const struct mosquitto_me
     struct arrived *one = mem_alloc(sizeof *one);
     *one = (struct arrived){.topic = mem_strdup(message->topic), .retained = message->retain};
     one->size = (size_t)message->payloadlen;
-    one->payload = mem_alloc(one->size + 1);
+    if (one->size <= MQTT_PAYLOAD_MOST)
+        one->payload = mem_alloc(one->size + 1);
+    else
+        one->size = 0;
     if (one->size)
         memcpy(one->payload, message->payload, one->size);
     push(l, one);

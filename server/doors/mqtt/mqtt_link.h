@@ -19,11 +19,13 @@ struct mqtt_options {
 
 struct mqtt_calls {
     void (*connected)(void *ctx);
-    /* payload ends with a NUL that size does not count. */
+    /* payload ends with a NUL that size does not count; NULL: it is longer than MQTT_PAYLOAD_MOST. */
     void (*message)(void *ctx, const char *topic, const char *payload, size_t size, bool retained);
 };
 
 struct mqtt_link;
+
+enum { MQTT_PAYLOAD_MOST = 1 << 20 /* bytes */ };
 
 /* NULL after a message. */
 struct mqtt_link *mqtt_link_new(uv_loop_t *loop, const struct mqtt_options *options,

@@ -8,7 +8,7 @@ enum { WAV_HEAD = 44, PIECE = 4410 /* samples that go to the server together */ 
 
 static void tell_marks(struct reader_module *m, double until) {
     for (; m->marks_told < m->mark_count && m->marks[m->marks_told].time <= until; m->marks_told++)
-        reader_say("700-%s\n700 INDEX MARK", m->marks[m->marks_told].name);
+        reader_mark(m->marks[m->marks_told].name);
 }
 
 /* Sound up to the next mark, and so on. */
@@ -68,6 +68,10 @@ static void on_marks(void *ctx, const struct remote_answer *answer) {
         module_finish(m, "702 END");
         return;
     }
+    if (module_give_up_markup(m, answer)) {
+        module_speak_alone(m);
+        return;
+    }
     json_array_foreach(json_object_get(answer->body, "marks"), i, one) {
         const char *name = json_string_value(json_object_get(one, "name"));
         m->marks = mem_grow(m->marks, &m->mark_cap, m->mark_count + 1, sizeof *m->marks);
@@ -75,8 +79,7 @@ static void on_marks(void *ctx, const struct remote_answer *answer) {
             (struct mark){mem_strdup(name ? name : ""), json_number_value(json_object_get(one, "time"))};
     }
     manner_members(&m->manner, members);
-    m->fetch = remote_fetch(m->remote, "/v1/speech", members, "application/ssml+xml", m->text, on_sound,
-                            on_sound_end, m);
+    module_ask(m, "/v1/speech", members, on_sound, on_sound_end);
 }
 
 void module_speak_alone(struct reader_module *m) {
@@ -87,6 +90,5 @@ void module_speak_alone(struct reader_module *m) {
         last++;
     members[last] = (struct remote_member){"format", "json"};
     m->rate = 0;
-    m->fetch =
-        remote_fetch(m->remote, "/v1/speech", members, "application/ssml+xml", m->text, NULL, on_marks, m);
+    module_ask(m, "/v1/speech", members, NULL, on_marks);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/doors/speechd/reader_manner.h"
 #include "server/base/mem.h"
+#include "server/base/utf8.h"
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -32,10 +33,19 @@ static bool set_volume(char text[16], const char *value) {
     return true;
 }
 
-static bool set_text(char *text, size_t cap, const char *value) {
-    bool none = !*value || !strcmp(value, "none") || !strcmp(value, "NULL");
+/* What is none, or too long to be one, is as if it had not been set: a wrong setting must not silence the reader. */
+static void set_text(char *text, size_t cap, const char *value) {
+    bool none = !strcmp(value, "none") || !strcmp(value, "NULL") || strlen(value) >= cap;
     snprintf(text, cap, "%s", none ? "" : value);
-    return strlen(value) < cap;
+}
+
+/* A tag (it-IT), or the name of a locale, as $LANG has it (it_IT.UTF-8); C and POSIX are no languages. */
+static void set_language(char *lang, size_t cap, const char *value) {
+    char name[64];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(value, ".@"), value);
+    for (char *c = name; *c; c++)
+        *c = *c == '_' ? '-' : *c;
+    set_text(lang, cap, strcasecmp(name, "c") && strcasecmp(name, "posix") ? name : "");
 }
 
 bool manner_set(struct reader_manner *m, const char *name, const char *value) {
@@ -46,16 +56,16 @@ bool manner_set(struct reader_manner *m, const char *name, const char *value) {
     if (!strcmp(name, "volume"))
         return set_volume(m->volume, value);
     if (!strcmp(name, "language"))
-        return set_text(m->lang, sizeof m->lang, value);
+        set_language(m->lang, sizeof m->lang, value);
     if (!strcmp(name, "synthesis_voice"))
-        return set_text(m->voice, sizeof m->voice, value);
+        set_text(m->voice, sizeof m->voice, value);
     if (!strcmp(name, "spelling_mode"))
         m->spells = !strcmp(value, "on");
     if (!strcmp(name, "voice") || !strcmp(name, "voice_type")) /* female1, male2, child_male... */
-        return set_text(m->gender, sizeof m->gender,
-                        strstr(value, "female") || strstr(value, "FEMALE") ? "female"
-                        : strstr(value, "male") || strstr(value, "MALE")   ? "male"
-                                                                           : "");
+        set_text(m->gender, sizeof m->gender,
+                 strstr(value, "female") || strstr(value, "FEMALE") ? "female"
+                 : strstr(value, "male") || strstr(value, "MALE")   ? "male"
+                                                                    : "");
     return true; /* punctuation and capitals are as the language has them */
 }
 
@@ -90,6 +100,34 @@ static void add_inside(struct buf *out, const char *text) {
         buf_add(out, begin + 1, (size_t)(end - begin - 1));
     else
         escape(out, text);
+}
+
+/* Is this "&amp;" or another of the references that are understood? Its length, or 0. */
+static size_t reference(const char *text) {
+    static const char *const known[] = {"&amp;", "&lt;", "&gt;", "&quot;", "&apos;"};
+    for (size_t i = 0; i < sizeof known / sizeof *known; i++)
+        if (!strncmp(text, known[i], strlen(known[i])))
+            return strlen(known[i]);
+    return 0;
+}
+
+char *manner_words(char *ssml) {
+    struct buf out = {0};
+    utf8_mend(ssml);
+    buf_printf(&out, "<speak>");
+    for (const char *at = ssml; *at;) {
+        const char *end = *at == '<' ? strchr(at, '>') : NULL;
+        size_t kept = *at == '&' ? reference(at) : *at == '<' ? 0 : 1;
+        if (end)
+            buf_add(&out, " ", 1);
+        else if (kept)
+            buf_add(&out, at, kept);
+        else
+            buf_printf(&out, *at == '&' ? "&amp;" : "&lt;");
+        at = end ? end + 1 : at + (kept ? kept : 1);
+    }
+    buf_add(&out, "</speak>", 9);
+    return (char *)out.data;
 }
 
 char *manner_text(const struct reader_manner *m, enum reader_kind kind, const char *text) {

@@ -29,6 +29,7 @@ struct reader_module {
     unsigned rate;    /* Hz; 0: the head has not come */
     size_t samples;   /* given to the server */
     bool begun, face; /* the room's face speaks it */
+    bool plain;       /* its markup has been given up */
 };
 
 /* The message begins to be heard. */
@@ -36,6 +37,14 @@ void module_begin(struct reader_module *module);
 
 /* Nothing is spoken any more; the event says why. */
 void module_finish(struct reader_module *module, const char *event);
+
+/* What is asked to be spoken, with what the daemon does not know left out. */
+void module_ask(struct reader_module *module, const char *path, const struct remote_member *members,
+                remote_bytes *bytes, remote_answered *answered);
+
+/* A text that the daemon refuses is tried once more, its words alone. False: it was refused for something else, or
+ * tried already. */
+bool module_give_up_markup(struct reader_module *module, const struct remote_answer *answer);
 
 /* reader_alone.c: nobody looks at the face. The times of the marks are asked for, then the sound, which is
  * quickly there a second time, and both go to speech-dispatcher. */

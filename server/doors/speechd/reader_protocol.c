@@ -13,6 +13,23 @@ void reader_say(const char *format, ...) {
     fflush(stdout);
 }
 
+void reader_list(int code, const char *first, const char *second, const char *third) {
+    const char *const texts[] = {first, second, third};
+    printf("%d-", code);
+    for (size_t i = 0; i < 3 && texts[i]; i++) {
+        if (i)
+            putchar('\t');
+        for (const char *c = texts[i]; *c; c++)
+            putchar((unsigned char)*c < ' ' || *c == 0x7F ? ' ' : *c);
+    }
+    putchar('\n');
+}
+
+void reader_mark(const char *name) {
+    reader_list(700, name, NULL, NULL);
+    reader_say("700 INDEX MARK");
+}
+
 void reader_sound(const int16_t *samples, size_t count, unsigned rate) {
     enum { ESCAPE = 0x7d, TURN = 0x20 };
     printf("705-bits=16\n705-num_channels=1\n705-sample_rate=%u\n705-num_samples=%zu\n705-big_endian=0\n705-"

@@ -3,14 +3,32 @@
  * whose lips can be read; where nobody looks at it, the sound alone goes to speech-dispatcher. */
 #include "server/base/log.h"
 #include "server/base/mem.h"
+#include "server/base/program.h"
 #include "server/doors/speechd/reader_module.h"
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
+static void say_in_room(struct reader_module *m);
+
 static void on_said(void *ctx, const struct remote_answer *answer) {
     struct reader_module *m = ctx;
+    const char *code = json_string_value(json_object_get(answer->body, "code"));
     m->fetch = NULL;
+    if (code && !strcmp(code, "empty-text")) {
+        module_finish(m, "702 END");
+        return;
+    }
+    if (module_give_up_markup(m, answer)) {
+        say_in_room(m);
+        return;
+    }
+    if (answer->status == 202 && !json_integer_value(json_object_get(answer->body, "listeners")) &&
+        !json_object_get(answer->body, "held")) { /* whoever looked on has just gone */
+        m->face = false;
+        module_speak_alone(m);
+        return;
+    }
     if (answer->status == 202)
         return; /* the room tells the rest */
     log_warn("it is not spoken: %s", answer->why);
@@ -19,25 +37,29 @@ static void on_said(void *ctx, const struct remote_answer *answer) {
 
 static void on_rooms(void *ctx, const struct remote_answer *answer) {
     struct reader_module *m = ctx;
-    struct remote_member members[READER_MEMBERS + 3] = {{0}};
     json_t *one;
-    size_t i, last = 0;
+    size_t i;
     m->fetch = NULL;
     m->face = false;
     json_array_foreach(json_object_get(answer->body, "rooms"), i, one) {
         const char *name = json_string_value(json_object_get(one, "name"));
         m->face |= name && !strcmp(name, m->room) && json_integer_value(json_object_get(one, "listeners"));
     }
-    if (!m->face) {
+    if (m->face)
+        say_in_room(m);
+    else
         module_speak_alone(m);
-        return;
-    }
+}
+
+static void say_in_room(struct reader_module *m) {
+    struct remote_member members[READER_MEMBERS + 3] = {{0}};
+    size_t last = 0;
     manner_members(&m->manner, members);
     while (members[last].name)
         last++;
     members[last] = (struct remote_member){"room", m->room};
     members[last + 1] = (struct remote_member){"id", m->id};
-    m->fetch = remote_fetch(m->remote, "/v1/say", members, "application/ssml+xml", m->text, NULL, on_said, m);
+    module_ask(m, "/v1/say", members, NULL, on_said);
 }
 
 static bool speak(void *ctx, enum reader_kind kind, const char *text) {
@@ -45,7 +67,7 @@ static bool speak(void *ctx, enum reader_kind kind, const char *text) {
     if (m->text)
         return false;
     m->text = manner_text(&m->manner, kind, text);
-    m->begun = false;
+    m->begun = m->plain = m->face = false;
     m->samples = m->marks_told = 0;
     place_make_id(m->id, sizeof m->id);
     reader_say("200 OK SPEAKING");
@@ -86,13 +108,17 @@ static void quit(void *ctx) {
     uv_stop(&m->loop);
 }
 
+static const char *text_of(const json_t *object, const char *name) {
+    const char *text = json_string_value(json_object_get(object, name));
+    return text ? text : "";
+}
+
 static void on_voices(void *ctx, const struct remote_answer *answer) {
     json_t *one, *voices = json_object_get(answer->body, "voices");
     size_t i;
     (void)ctx;
     json_array_foreach(voices, i, one)
-        printf("200-%s\t%s\tnone\n", json_string_value(json_object_get(one, "id")),
-               json_string_value(json_object_get(one, "lang")));
+        reader_list(200, text_of(one, "id"), text_of(one, "lang"), "none");
     reader_say("%s", json_array_size(voices) ? "200 OK VOICE LIST SENT" : "304 CANT LIST VOICES");
 }
 
@@ -106,12 +132,15 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
     const char *id = json_string_value(json_object_get(message, "id"));
     const char *name = json_string_value(json_object_get(message, "name"));
     const char *reason = json_string_value(json_object_get(message, "reason"));
+    const char *code = json_string_value(json_object_get(message, "code"));
     if (!id || !m->text || strcmp(id, m->id))
         return;
     if (!strcmp(type, "begin"))
         module_begin(m);
     else if (!strcmp(type, "mark") && name)
-        reader_say("700-%s\n700 INDEX MARK", name);
+        reader_mark(name);
+    else if (!strcmp(type, "error") && !m->begun && !m->fetch && code && !strcmp(code, "unheard"))
+        m->face = false, module_speak_alone(m); /* nobody came to look on */
     else if (!strcmp(type, "end"))
         module_finish(m, reason && !strcmp(reason, "done") ? "702 END" : "703 STOP");
 }
@@ -167,6 +196,7 @@ static bool is_started_by_hand(void) {
 int main(int argc, char **argv) {
     static const struct remote_events events = {on_event, on_following};
     static struct reader_module m;
+    program_begin();
     if (is_started_by_hand()) {
         fputs("sd_faccia is started by speech-dispatcher: protocol/speech-dispatcher.md says how\n", stderr);
         return 2;

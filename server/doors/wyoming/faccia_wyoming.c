@@ -2,7 +2,7 @@
 /* faccia-wyoming: the voices of a daemon for assistants that speak the Wyoming protocol, and a face that says
  * it, too. */
 #include "server/base/log.h"
-#include "server/base/mem.h"
+#include "server/base/program.h"
 #include "server/doors/ending.h"
 #include "server/doors/place.h"
 #include "server/doors/wyoming/wyoming_client.h"
@@ -100,6 +100,7 @@ int main(int argc, char **argv) {
     struct place place;
     const char *where = "127.0.0.1:10200";
     int status = -1;
+    program_begin();
     place_open(&place);
     for (int c; status < 0 && (c = getopt_long(argc, argv, "l:r:u:h", options, NULL)) != -1;) {
         if (c == 'l')

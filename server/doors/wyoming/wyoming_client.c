@@ -7,19 +7,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { TEXT_MOST = 100000, WAV_HEAD = 44, CHUNK_BYTES = 4096, UNSENT_MOST = 64 << 20, COME_MOST = 8 << 20 };
+enum {
+    TEXT_MOST = 100000,
+    WAV_HEAD = 44,
+    CHUNK_BYTES = 4096,
+    UNSENT_MOST = 64 << 20,
+    COME_MOST = 8 << 20,
+    USUAL_RATE = 22050, /* of a sound in which there is nothing */
+    FAREWELL_MS = 2000  /* for the client to read why, and to hang up */
+};
 
 struct wyoming_client {
     uv_tcp_t tcp;
+    uv_timer_t farewell;
+    uv_shutdown_t shutdown;
     struct wyoming *wyoming;
     struct wyoming_client *next, **self;
     struct buf come;     /* events */
     struct buf sound;    /* of what is spoken, not given back yet */
     struct fetch *fetch; /* its sound; NULL: none is spoken */
     struct fetch *said;  /* what the room says of a text that is being written; NULL: nothing */
+    struct fetch *asked; /* the voices, for a description; NULL: nobody asks */
     size_t text_size;    /* so much has been written */
     json_t *voice;       /* asked for; or NULL */
-    bool ssml, streams, closed_text, started, closing;
+    bool ssml, streams, closed_text, started;
+    bool failed;  /* told why, or not to be told; the connection ends */
+    bool closing; /* its handles are being closed */
+    unsigned handles;
     unsigned rate; /* Hz; 0: the sound's head has not come */
     size_t bytes_given;
 };
@@ -28,6 +42,8 @@ static void take_events(struct wyoming_client *c);
 
 static void on_closed(uv_handle_t *handle) {
     struct wyoming_client *c = handle->data;
+    if (--c->handles)
+        return;
     buf_free(&c->come);
     buf_free(&c->sound);
     json_decref(c->voice);
@@ -42,12 +58,15 @@ static void let_go(struct wyoming_client *c) {
         remote_give_up(c->fetch);
     if (c->said)
         remote_give_up(c->said); /* what came is said all the same */
-    c->fetch = c->said = NULL;
+    if (c->asked)
+        remote_give_up(c->asked);
+    c->fetch = c->said = c->asked = NULL;
     *c->self = c->next;
     if (c->next)
         c->next->self = c->self;
     c->wyoming->count--;
     uv_close((uv_handle_t *)&c->tcp, on_closed);
+    uv_close((uv_handle_t *)&c->farewell, on_closed);
 }
 
 struct sending {
@@ -64,10 +83,18 @@ static void on_sent(uv_write_t *write, int status) {
         let_go(c);
 }
 
+static void on_patience(uv_timer_t *timer) {
+    let_go(timer->data);
+}
+
 static void tell(struct wyoming_client *c, const char *type, json_t *data, const void *payload, size_t size) {
-    if (c->closing || c->tcp.write_queue_size > UNSENT_MOST) {
+    if (!c->closing && !c->failed && c->tcp.write_queue_size > UNSENT_MOST) {
+        log_warn("a client is let go: it does not take its sound");
+        c->failed = true;
+        uv_timer_start(&c->farewell, on_patience, 0, 0); /* a callback of a request may not end others */
+    }
+    if (c->closing || c->failed) {
         json_decref(data);
-        let_go(c);
         return;
     }
     struct sending *s = mem_alloc(sizeof *s);
@@ -91,7 +118,7 @@ static void give_back(struct wyoming_client *c, size_t least) {
             tell(c, "audio-start", format(c), NULL, 0);
         c->started = true;
     }
-    while (c->rate && !c->closing && c->sound.size - at >= least && c->sound.size > at) {
+    while (c->rate && !c->closing && !c->failed && c->sound.size - at >= least && c->sound.size > at) {
         size_t size = c->sound.size - at < CHUNK_BYTES ? (c->sound.size - at) & ~(size_t)1 : CHUNK_BYTES;
         if (!size)
             break;
@@ -110,11 +137,35 @@ static void on_bytes(void *ctx, const void *bytes, size_t size) {
     give_back(c, CHUNK_BYTES);
 }
 
-static void fail(struct wyoming_client *c, const char *why, const char *code) {
-    tell(c, "error", json_pack("{ss ss}", "text", why, "code", code), NULL, 0);
+static void on_shut(uv_shutdown_t *shutdown, int status) {
+    if (status < 0)
+        let_go(shutdown->data);
 }
 
+/* Clients wait for audio-stop or for the end of the connection, and not all of them know the event `error`: it is
+ * told, and the connection ends. What the client still sends is read until it hangs up, so that the network does
+ * not drop the error. */
+static void fail(struct wyoming_client *c, const char *why, const char *code) {
+    if (c->failed || c->closing)
+        return;
+    log_warn("a text is not spoken: %s", why);
+    tell(c, "error", json_pack("{ss ss}", "text", why, "code", code), NULL, 0);
+    c->failed = true;
+    if (c->fetch)
+        remote_give_up(c->fetch);
+    c->fetch = NULL;
+    c->shutdown.data = c;
+    uv_shutdown(&c->shutdown, (uv_stream_t *)&c->tcp, on_shut);
+    uv_timer_start(&c->farewell, on_patience, FAREWELL_MS, 0);
+}
+
+/* A whole text in which there is nothing to speak is a sound without samples. */
 static void finish(struct wyoming_client *c) {
+    if (!c->streams && !c->started) {
+        c->rate = USUAL_RATE;
+        tell(c, "audio-start", format(c), NULL, 0);
+        c->started = true;
+    }
     if (c->started)
         tell(c, "audio-stop", NULL, NULL, 0);
     if (c->streams)
@@ -122,7 +173,6 @@ static void finish(struct wyoming_client *c) {
     c->started = c->streams = false;
 }
 
-/* A text that is being written may fail before its end: the rest of it is passed over. */
 static void on_fetched(void *ctx, const struct remote_answer *answer) {
     struct wyoming_client *c = ctx;
     c->fetch = NULL;
@@ -132,7 +182,7 @@ static void on_fetched(void *ctx, const struct remote_answer *answer) {
     else if (!code || strcmp(code, "empty-text") != 0) /* what has no word in it is no error */
         fail(c, answer->why, "synthesis");
     c->sound.size = 0;
-    if (!c->streams || c->closed_text)
+    if (!c->failed && (!c->streams || c->closed_text))
         finish(c);
     take_events(c);
 }
@@ -154,7 +204,7 @@ static void speak(struct wyoming_client *c, const char *text) {
     const struct wyoming *w = c->wyoming;
     const char *markup = c->ssml ? "ssml" : "plain", *type = "text/plain",
                *voice = json_string_value(json_object_get(c->voice, "name"));
-    const char *lang = voice ? NULL : json_string_value(json_object_get(c->voice, "language")),
+    const char *other = json_string_value(json_object_get(c->voice, "language")), *lang = voice ? NULL : other,
                *open = text ? NULL : "1";
     const struct remote_member here[] = {{"format", "wav"},  {"voice", voice}, {"lang", lang},
                                          {"markup", markup}, {"open", open},   {NULL, NULL}};
@@ -162,11 +212,14 @@ static void speak(struct wyoming_client *c, const char *text) {
                                           {"markup", markup}, {"open", open},   {NULL, NULL}};
     c->rate = 0;
     if (w->room && text)
-        remote_ask(w->remote, "/v1/say", there, type, text, on_said, NULL);
+        remote_speak_anyway(remote_ask(w->remote, "/v1/say", there, type, text, on_said, NULL), other);
     else if (w->room)
         c->said = remote_begin(w->remote, "/v1/say", there, type, NULL, on_said, c);
     c->fetch = text ? remote_fetch(w->remote, "/v1/speech", here, type, text, on_bytes, on_fetched, c)
                     : remote_begin(w->remote, "/v1/speech", here, type, on_bytes, on_fetched, c);
+    remote_speak_anyway(c->fetch, other);
+    if (c->said)
+        remote_speak_anyway(c->said, other);
 }
 
 static void begin(struct wyoming_client *c, const json_t *data) {
@@ -212,19 +265,24 @@ static void speak_whole(struct wyoming_client *c, const json_t *data) {
     const char *text = take_text(c, data);
     if (text && text[strspn(text, " \t\r\n")])
         speak(c, text);
+    else if (text)
+        finish(c);
 }
 
 static void describe(void *ctx, const struct remote_answer *answer) {
     struct wyoming_client *c = ctx;
-    c->fetch = NULL;
-    tell(c, "info", wyoming_info(json_object_get(answer->body, "voices")), NULL, 0);
+    c->asked = NULL;
+    if (answer->status == 200)
+        tell(c, "info", wyoming_info(json_object_get(answer->body, "voices")), NULL, 0);
+    else /* a list without voices would be kept by who asks */
+        fail(c, answer->why, "describe");
     take_events(c);
 }
 
 static void act(struct wyoming_client *c, const struct frame *f) {
     bool busy = c->fetch || c->streams;
-    if (!strcmp(f->type, "describe") && !busy) {
-        c->fetch = remote_fetch(c->wyoming->remote, "/v1/voices", NULL, NULL, NULL, NULL, describe, c);
+    if (!strcmp(f->type, "describe")) {
+        c->asked = remote_fetch(c->wyoming->remote, "/v1/voices", NULL, NULL, NULL, NULL, describe, c);
     } else if (!strcmp(f->type, "ping")) {
         tell(c, "pong", json_incref(f->data), NULL, 0);
     } else if (!strcmp(f->type, "synthesize-start") && !busy) {
@@ -249,7 +307,8 @@ static void on_alloc(uv_handle_t *handle, size_t wanted, uv_buf_t *buf) {
 
 /* While one request is worked on, the next waits in what has come. */
 static bool takes(const struct wyoming_client *c) {
-    return !c->closing && ((!c->fetch && !c->said) || (c->streams && !c->closed_text));
+    return !c->closing && !c->failed && !c->asked &&
+           ((!c->fetch && !c->said) || (c->streams && !c->closed_text));
 }
 
 static void take_events(struct wyoming_client *c) {
@@ -274,7 +333,10 @@ static void on_read(uv_stream_t *stream, ssize_t count, const uv_buf_t *buf) {
         return;
     }
     c->come.size += (size_t)count;
-    take_events(c);
+    if (c->failed)
+        c->come.size = 0;
+    else
+        take_events(c);
 }
 
 void wyoming_accept(struct wyoming *w, uv_stream_t *listener) {
@@ -287,7 +349,9 @@ void wyoming_accept(struct wyoming *w, uv_stream_t *listener) {
     w->clients = c;
     w->count++;
     uv_tcp_init(w->loop, &c->tcp);
-    c->tcp.data = c;
+    uv_timer_init(w->loop, &c->farewell);
+    c->tcp.data = c->farewell.data = c;
+    c->handles = 2;
     if (uv_accept(listener, (uv_stream_t *)&c->tcp) || w->count > WYOMING_CLIENTS)
         let_go(c);
     else

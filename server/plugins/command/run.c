@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/plugins/command/run.h"
+#include "server/base/program.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -58,7 +59,7 @@ _Noreturn static void become(const struct cm_run *run, int in, int out, int comp
     const struct rlimit file = {run->bytes, run->bytes};
     setpgid(0, 0);
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    signal(SIGPIPE, SIG_DFL);
+    program_give_back_signals();
     signal(SIGINT, SIG_DFL);
     signal(SIGTERM, SIG_DFL);
     in = fcntl(in, F_DUPFD, 10), out = fcntl(out, F_DUPFD, 10), complaints = fcntl(complaints, F_DUPFD, 10);

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/plugins/festival/festival_child.h"
+#include "server/base/program.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -33,7 +34,7 @@ _Noreturn static void become_festival(const char *program, int in, int out, int 
     time.rlim_cur =
         time.rlim_max; /* the worker's counts from sentence to sentence, and this lives through many */
     setrlimit(RLIMIT_CPU, &time);
-    signal(SIGPIPE, SIG_DFL);
+    program_give_back_signals();
     /* out may be one of 0..3 itself: first away from them */
     out = fcntl(out, F_DUPFD, 10);
     complaints = fcntl(complaints, F_DUPFD, 10);

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/program.h"
+#include <errno.h>
+#include <fcntl.h>
+#include <locale.h>
+#include <signal.h>
+#include <stddef.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+static const int ignored[] = {SIGPIPE, SIGXFSZ};
+
+/* Opened the wrong way round, so that its use fails instead of vanishing. open gives the lowest free number. */
+static void open_standard_descriptors(void) {
+    for (int fd = 0; fd <= 2; fd++)
+        if (fcntl(fd, F_GETFD) < 0 && errno == EBADF && open("/dev/null", fd ? O_RDONLY : O_WRONLY) < 0)
+            return; /* no /dev/null: nothing better is there */
+}
+
+void program_begin(void) {
+    sigset_t none;
+    open_standard_descriptors();
+    for (size_t i = 0; i < sizeof ignored / sizeof *ignored; i++)
+        signal(ignored[i], SIG_IGN);
+    signal(SIGCHLD, SIG_DFL);
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+    setlocale(LC_CTYPE, "C.UTF-8");
+    umask(umask(0) | S_IWOTH);
+}
+
+void program_give_back_signals(void) {
+    for (size_t i = 0; i < sizeof ignored / sizeof *ignored; i++)
+        signal(ignored[i], SIG_DFL);
+}
