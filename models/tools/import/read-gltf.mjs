@@ -110,6 +110,7 @@ class Gltf {
     const [Type, size, full] = TYPES[componentType] ?? [];
     if (!Type || WIDTHS[type] !== width) throw new FileError(at, `must be ${Object.keys(WIDTHS).find((name) => WIDTHS[name] === width)} of a known type`);
     if (!whole(count) || !count) throw new FileError(at, 'count must be a whole number above 0');
+    if (count * width > MOST.numbers) throw new FileError(at, `${count} elements are too many for a head`);
     this.budget.keep(count * width, at); // each time that it is named
     this.budget.work(4 * count * width, at);
     const out = numbers ? new Float64Array(count * width) : new Uint32Array(count);
