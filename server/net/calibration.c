@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/calibration.h"
+#include "server/base/mem.h"
+#include "server/base/picture_size.h"
 #include <math.h>
 #include <stdbool.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { FIELD_BYTES = 64 };
@@ -87,6 +90,44 @@ static bool is_base64(const char *text, size_t length) {
     return length && length % 4 == 0 && digits + 2 >= length && strspn(text + digits, "=") == length - digits;
 }
 
+static uint8_t digit_of(char letter) {
+    if (letter >= 'a')
+        return (uint8_t)(letter - 'a' + 26);
+    if (letter >= 'A')
+        return (uint8_t)(letter - 'A');
+    return letter == '+' ? 62 : letter == '/' ? 63 : (uint8_t)(letter - '0' + 52);
+}
+
+/* Decodes what is_base64 has accepted. @return its bytes, to be freed */
+static uint8_t *decoded(const char *text, size_t length, size_t *size) {
+    uint8_t *bytes = mem_alloc(length / 4 * 3);
+    uint32_t bits = 0;
+    *size = 0;
+    for (size_t i = 0; i < length && text[i] != '='; i++) {
+        bits = bits << 6 | digit_of(text[i]);
+        if (i % 4)
+            bytes[(*size)++] = (uint8_t)(bits >> (6 - 2 * (i % 4)));
+    }
+    return bytes;
+}
+
+/* Measures the picture by its header: every listener's page would decode it. */
+static int check_picture(const char *data, size_t length, const char *type, struct error *e) {
+    struct picture_size is = {0};
+    size_t size;
+    uint8_t *bytes = decoded(data, length, &size);
+    bool known = picture_size_read(bytes, size, &is);
+    free(bytes);
+    if (!known || strcmp(is.type, type) != 0)
+        return error_in_field(e, ERROR_BAD_FIELD, "texture.data", "is no picture of the type %s", type);
+    if (!is.width || !is.height || is.width > CALIBRATION_TEXTURE_SIDE ||
+        is.height > CALIBRATION_TEXTURE_SIDE || is.width * is.height > CALIBRATION_TEXTURE_POINTS)
+        return error_in_field(e, ERROR_BAD_FIELD, "texture.data",
+                              "has %u x %u points: it may have %d in all, and %d each way", is.width,
+                              is.height, CALIBRATION_TEXTURE_POINTS, CALIBRATION_TEXTURE_SIDE);
+    return 0;
+}
+
 static int take_texture(const json_t *message, json_t *into, struct error *e) {
     static const char *const types[] = {"image/png", "image/jpeg", "image/webp"};
     const json_t *texture = json_object_get(message, "texture");
@@ -105,6 +146,8 @@ static int take_texture(const json_t *message, json_t *into, struct error *e) {
         !is_base64(json_string_value(data), json_string_length(data)))
         return error_in_field(e, ERROR_BAD_FIELD, "texture.data", "must be base64 of at most %d bytes",
                               CALIBRATION_TEXTURE_BYTES);
+    if (check_picture(json_string_value(data), json_string_length(data), types[i], e))
+        return -1;
     json_object_set_new(into, "texture",
                         json_pack("{ss ss}", "type", types[i], "data", json_string_value(data)));
     return 0;

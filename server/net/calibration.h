@@ -8,8 +8,10 @@
 #include <jansson.h>
 
 enum {
-    CALIBRATION_FARTHEST = 1000,       /* mm from the head's origin, along each axis */
-    CALIBRATION_TEXTURE_BYTES = 196608 /* of a picture in base64 */
+    CALIBRATION_FARTHEST = 1000,          /* mm from the head's origin, along each axis */
+    CALIBRATION_TEXTURE_BYTES = 196608,   /* of a picture in base64 */
+    CALIBRATION_TEXTURE_POINTS = 1 << 22, /* that it may have: 2048 x 2048 */
+    CALIBRATION_TEXTURE_SIDE = 8192       /* each way */
 };
 
 /* Copies featurePointsCoord, textureCoord and texture of a message into another object. -1 with *e and the

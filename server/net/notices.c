@@ -6,7 +6,12 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { ID_BYTES = 64 };
+enum {
+    ID_BYTES = 64,
+    CALIBRATION_MS =
+        250, /* so often a channel may be calibrated for long: each listener builds its head anew, */
+    CALIBRATION_BURST = 12, /* and so many at once */
+};
 
 static int check_choices(const json_t *choices, struct error *e) {
     size_t count = json_array_size(choices);
@@ -126,6 +131,17 @@ int notice_state(struct channel *c, const json_t *message, struct error *e) {
     return failed ? -1 : 0;
 }
 
+/* Counts one more. -1: each of them goes to every listener, and there were too many. */
+static int count_calibration(struct channel *c, struct error *e) {
+    uint64_t now = uv_now(c->net->pipeline->loop);
+    uint64_t from = c->calibrated > now ? c->calibrated : now;
+    if (from + CALIBRATION_MS - now > CALIBRATION_MS * CALIBRATION_BURST)
+        return error_set(e, ERROR_TOO_MANY_REQUESTS, "a face takes %d calibrations a second, and %d at once",
+                         1000 / CALIBRATION_MS, CALIBRATION_BURST);
+    c->calibrated = from + CALIBRATION_MS;
+    return 0;
+}
+
 /* On a stream of one's own nobody comes later. */
 int notice_calibrate(struct channel *c, const json_t *message, struct error *e) {
     const json_t *reset = json_object_get(message, "reset");
@@ -134,6 +150,7 @@ int notice_calibrate(struct channel *c, const json_t *message, struct error *e) 
     json_t *told = notice_begin(c, "calibrated");
     int failed = json_is_true(reset) ? json_object_set_new(told, "reset", json_true())
                                      : calibration_take(message, told, e);
+    failed = failed || count_calibration(c, e);
     if (!failed) {
         struct queued_message *all = notice_tell(c, told, "calibrated");
         notice_board_calibration(&c->notices, c->room && !json_is_true(reset) ? all : NULL);

@@ -85,3 +85,71 @@ test('the points that a room is given are on all its faces, on those that come l
     await page.close();
   }
 });
+
+/** How many points of the canvas have something on them, just after a picture was drawn. */
+const drawnPoints = (page) => page.evaluate(() => {
+  const { stage } = document.querySelector('talking-head').debugParts();
+  const { view } = stage;
+  if (!view?.head || stage.lost) return 0;
+  view.draw();
+  const gl = view.renderer.getContext();
+  const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+  const pixels = new Uint8Array(4 * width * height);
+  gl.readPixels(0, 0, width, height, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  let count = 0;
+  for (let i = 0; i < pixels.length; i += 4) if (pixels[i + 3] > 128 && pixels[i] > 60) count++; // skin, not black
+  return count / (width * height);
+});
+
+test('a lost context is restored, or taken anew, and the same face is drawn again', async () => {
+  const page = await browser.newPage({ viewport: { width: 420, height: 520 } });
+  await page.goto(`${pages.url}/`);
+  await page.waitForFunction(() => document.querySelector('talking-head')?.debug?.().triangles > 0);
+  const before = await drawnPoints(page);
+  assert.ok(before > 0.1, `${before} of the canvas`);
+  const lose = () => page.evaluate(() => {
+    const { stage } = document.querySelector('talking-head').debugParts();
+    window.losing = stage.view.renderer.getContext().getExtension('WEBGL_lose_context');
+    window.canvasBefore = stage.canvas;
+    window.losing.loseContext();
+  });
+  const back = () => page.waitForFunction(() => {
+    const { stage } = document.querySelector('talking-head').debugParts();
+    return !stage.lost && stage.view?.head;
+  }, null, { timeout: 30000 });
+  await lose();
+  await page.waitForFunction(() => document.querySelector('talking-head').debugParts().stage.lost);
+  await page.evaluate(() => window.losing.restoreContext());
+  await back();
+  assert.ok(await page.evaluate(() => window.canvasBefore === document.querySelector('talking-head').debugParts().stage.canvas), 'it is the same context');
+  const restored = await drawnPoints(page);
+  assert.ok(Math.abs(restored / before - 1) < 0.05, `${restored} of the canvas, ${before} before`);
+  await lose();
+  await page.waitForFunction(() => window.canvasBefore !== document.querySelector('talking-head').debugParts().stage.canvas, null, { timeout: 30000 });
+  await back();
+  const anew = await drawnPoints(page);
+  assert.ok(Math.abs(anew / before - 1) < 0.05, `${anew} of the canvas, ${before} before`);
+  await page.close();
+});
+
+test('a texture of 16,000 x 16,000 points is refused before it is decoded', async () => {
+  const page = await browser.newPage({ viewport: { width: 420, height: 520 } });
+  await page.goto(`${pages.url}/`);
+  await page.waitForFunction(() => document.querySelector('talking-head')?.debug?.().triangles > 0);
+  const bytes = Buffer.alloc(64);
+  bytes.set([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10, 0, 0, 0, 13, 0x49, 0x48, 0x44, 0x52]);
+  bytes.writeUInt32BE(16000, 16);
+  bytes.writeUInt32BE(16000, 20);
+  const told = await page.evaluate(async ([featurePointsCoord, data]) => {
+    let decoded = 0;
+    const own = window.createImageBitmap;
+    window.createImageBitmap = (...all) => (decoded++, own(...all));
+    const head = document.querySelector('talking-head');
+    const said = await head.calibrate({ featurePointsCoord, texture: { type: 'image/png', data } }).then(() => 'done', ({ place, message }) => `${place}|${message}`);
+    return [said, decoded];
+  }, [bruno, bytes.toString('base64')]);
+  assert.match(told[0], /^texture\.data\|.*16000 x 16000/);
+  assert.equal(told[1], 0);
+  assert.ok(await drawnPoints(page) > 0.1);
+  await page.close();
+});

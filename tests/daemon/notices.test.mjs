@@ -251,7 +251,33 @@ test('who may listen may choose; who may speak may offer', async () => {
 });
 
 const points = { '8.3': [26.1, -62, 18], '8.4': [-26.3, -61.8, 18] };
-const texture = { type: 'image/png', data: 'iVBORw0KGgo=' };
+/** The first bytes of a PNG of that size: what is measured, and no more. */
+function headOfPng(width, height) {
+  const bytes = Buffer.alloc(64);
+  bytes.set([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10, 0, 0, 0, 13, 0x49, 0x48, 0x44, 0x52]);
+  bytes.writeUInt32BE(width, 16);
+  bytes.writeUInt32BE(height, 20);
+  bytes.set([8, 2], 24);
+  return bytes.toString('base64');
+}
+
+function headOfJpeg(width, height) {
+  const bytes = Buffer.alloc(64);
+  bytes.set([0xff, 0xd8, 0xff, 0xe0, 0, 16, 0x4a, 0x46, 0x49, 0x46], 0);
+  bytes.set([0xff, 0xc2, 0, 17, 8, height >> 8, height & 255, width >> 8, width & 255], 20);
+  return bytes.toString('base64');
+}
+
+function headOfWebp(width, height) {
+  const bytes = Buffer.alloc(64);
+  bytes.write('RIFF', 0);
+  bytes.write('WEBPVP8X', 8);
+  bytes.writeUIntLE(width - 1, 24, 3);
+  bytes.writeUIntLE(height - 1, 27, 3);
+  return bytes.toString('base64');
+}
+
+const texture = { type: 'image/png', data: headOfPng(2048, 2048) };
 
 test('feature points are told to all in the room, and to who comes later, until others are', async () => {
   const operator = await enter('f'), elsewhere = await enter('g'), own = await daemon.stream();
@@ -296,7 +322,9 @@ test('points that are none have their field, and nothing is told', async () => {
     [{ ...good, textureCoord: 7, texture }, 'textureCoord'],
     [{ ...good, texture: 'x' }, 'texture'],
     [{ ...good, texture: { ...texture, type: 'image/svg+xml' } }, 'texture.type'],
-    ...['', 'abc', 'a===', '=abc', 'ab!d', 'AAAA'.repeat(50000), 7].map((data) => [{ ...good, texture: { ...texture, data } }, 'texture.data']),
+    ...['', 'abc', 'a===', '=abc', 'ab!d', 'AAAA'.repeat(50000), 7, 'iVBORw0KGgo=', headOfPng(16000, 16000), headOfPng(8193, 1), headOfPng(0, 5), headOfPng(0xffffffff, 0xffffffff), headOfJpeg(64, 64), headOfWebp(64, 64)].map((data) => [{ ...good, texture: { ...texture, data } }, 'texture.data']),
+    [{ ...good, texture: { type: 'image/jpeg', data: headOfJpeg(65535, 65535) } }, 'texture.data'],
+    [{ ...good, texture: { type: 'image/webp', data: headOfWebp(16383, 16383) } }, 'texture.data'],
     [{ reset: 'yes' }, 'reset'],
   ];
   for (const [message, field, code = 'bad-field'] of cases) {
@@ -307,7 +335,34 @@ test('points that are none have their field, and nothing is told', async () => {
   const refused = await post('/v1/calibrate?room=h', JSON.stringify({ featurePointsCoord: { 8.4: [1] } }));
   assert.deepEqual([refused.status, (await refused.json()).field], [400, 'featurePointsCoord.8.4']);
   assert.ok(!stream.messages.some(({ type }) => type === 'calibrated'));
+  for (const [type, data] of [['image/jpeg', headOfJpeg(2048, 2048)], ['image/webp', headOfWebp(2048, 2048)]]) {
+    const from = stream.messages.length;
+    stream.send({ type: 'calibrate', ...good, texture: { type, data } });
+    assert.equal((await stream.wait({ type: 'calibrated' }, { from })).texture.data, data);
+  }
   await stream.close();
+});
+
+test('a flood of calibrations reaches nobody: most are refused, and one that comes later is taken', async () => {
+  const sender = await enter('flood'), listener = await enter('flood');
+  for (let i = 0; i < 500; i++) sender.send({ type: 'calibrate', featurePointsCoord: points });
+  sender.send({ type: 'ping', id: 'all' });
+  await sender.wait({ type: 'pong', id: 'all' });
+  const refused = sender.messages.filter(({ type, code }) => type === 'error' && code === 'too-many-requests').length;
+  listener.send({ type: 'ping', id: 'told' });
+  await listener.wait({ type: 'pong', id: 'told' });
+  const told = listener.messages.filter(({ type }) => type === 'calibrated').length;
+  assert.equal(refused + told, 500, 'each is told or refused');
+  assert.ok(told >= 12 && told < 250, `${told} of 500 were handed on`);
+  const late = { 2.1: [0, -91, 70] };
+  for (let taken = false; !taken; ) {
+    const answer = await post('/v1/calibrate?room=flood', JSON.stringify({ featurePointsCoord: late }));
+    assert.ok([202, 429].includes(answer.status), `${answer.status}`);
+    taken = answer.status === 202;
+    if (!taken) await new Promise((resolve) => setTimeout(resolve, 100));
+  }
+  await listener.wait(({ type, featurePointsCoord }) => type === 'calibrated' && featurePointsCoord['2.1']);
+  for (const stream of [sender, listener]) await stream.close();
 });
 
 test('who may only listen gives nobody another face', async () => {

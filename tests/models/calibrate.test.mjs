@@ -84,8 +84,18 @@ test('eyes and teeth keep their form', () => {
   }
 });
 
+/** The first bytes of a PNG of that size: what is measured, and no more. */
+function headOfPng(width, height) {
+  const bytes = Buffer.alloc(64);
+  bytes.set([0x89, 0x50, 0x4e, 0x47, 13, 10, 26, 10, 0, 0, 0, 13, 0x49, 0x48, 0x44, 0x52]);
+  bytes.writeUInt32BE(width, 16);
+  bytes.writeUInt32BE(height, 20);
+  bytes.set([8, 2], 24);
+  return bytes.toString('base64');
+}
+
 test('a picture may come along, with its places or without', () => {
-  const texture = { type: 'image/png', data: 'iVBORw0K' };
+  const texture = { type: 'image/png', data: headOfPng(512, 512) };
   const textureCoord = Object.fromEntries(Object.entries(mara.fdp).filter(([name]) => !/^(6|7|10)/.test(name)).map(([name, p]) => [name, [0.5 + p[0] / 300, 0.5 + p[1] / 300]]));
   const taken = calibrate(mara, { featurePointsCoord: { 9.3: mara.fdp['9.3'] }, texture, textureCoord });
   assert.equal(taken.textures.skin, texture);
@@ -120,11 +130,13 @@ test('what is wrong is said with its field, and the head stays as it was', () =>
   wrong({ featurePointsCoord: { 8.4: '0 0 0' } }, `${points}.8.4`);
   wrong({ featurePointsCoord: { 8.3: p['8.4'], 8.4: p['8.3'] } }, points, /MW.*8\.3 to 8\.4/);
   wrong({ featurePointsCoord: { 8.4: p['8.4'] }, textureCoord: { 8.4: [0, 0] } }, 'calibration.texture', /missing/);
-  const texture = { type: 'image/png', data: 'iVBORw0K' };
+  const texture = { type: 'image/png', data: headOfPng(512, 512) };
   wrong({ featurePointsCoord: { 8.4: p['8.4'] }, textureCoord: { 8.4: [0, 2] }, texture }, 'calibration.textureCoord.8.4');
   wrong({ featurePointsCoord: { 8.4: p['8.4'] }, textureCoord: { 8.4: [0, 0.5] }, texture }, 'calibration.textureCoord', /at least 4/);
   wrong({ featurePointsCoord: { 8.4: p['8.4'] }, texture: { type: 'image/svg+xml', data: 'AAAA' } }, 'calibration.texture.type');
   wrong({ featurePointsCoord: { 8.4: p['8.4'] }, texture: { type: 'image/png', data: '<' } }, 'calibration.texture.data');
+  wrong({ featurePointsCoord: { 8.4: p['8.4'] }, texture: { type: 'image/png', data: headOfPng(16000, 16000) } }, 'calibration.texture.data', /16000 x 16000/);
+  wrong({ featurePointsCoord: { 8.4: p['8.4'] }, texture: { type: 'image/jpeg', data: headOfPng(512, 512) } }, 'calibration.texture.data', /jpeg/);
   const { 9.15: _, ...fdp } = mara.fdp;
   assert.throws(() => calibrate({ ...mara, fdp }, { featurePointsCoord: { 8.4: p['8.4'] } }), /fdp\.9\.15: is missing/);
 });

@@ -12,6 +12,7 @@ import { ARKIT, VISEMES } from '../../models/tools/avatar/shapes.mjs';
 import { pose, unpack } from '../../models/tools/lib/deform.mjs';
 import { view } from '../../models/tools/lib/sight.mjs';
 import { checkEyelids, checkLipsMoveAsOne, checkNeutral } from '../../models/tools/lib/check.mjs';
+import { readScene } from '../../models/tools/import/make-head.mjs';
 import { readModel } from '../../web/src/head/model.mjs';
 import { writeHeadFiles } from '../lib/head-files.mjs';
 import { binaryFbx, textFbx } from '../lib/fbx.mjs';
@@ -258,4 +259,57 @@ test('broken files and hostile ones are told with their place, and nothing is wr
   assert.ok(!fs.readdirSync(folder).some((name) => name.startsWith('never')));
   assert.equal(faccia('import').status, 2);
   assert.equal(faccia('import', at('head.obj'), '--unit', 'ell').status, 2);
+});
+
+/** A GLB of that JSON, with a place for each of three corners in its bytes. */
+const triangle = (change) => {
+  const bytes = Buffer.alloc(48);
+  [0, 0, 0, 1, 0, 0, 0, 1, 0].forEach((x, i) => bytes.writeFloatLE(x, 4 * i));
+  const json = {
+    asset: { version: '2.0' }, scene: 0, scenes: [{ nodes: [0] }], nodes: [{ mesh: 0 }], meshes: [{ primitives: [{ attributes: { POSITION: 0 } }] }],
+    accessors: [{ bufferView: 0, componentType: 5126, type: 'VEC3', count: 3 }], bufferViews: [{ buffer: 0, byteLength: 36 }], buffers: [{ byteLength: 48 }],
+  };
+  change(json);
+  return glb(json, bytes);
+};
+
+test('small files that ask for much are refused before it is done', async () => {
+  const header = (elements, format = 'ascii') => `ply\nformat ${format} 1.0\n${elements.join('\n')}\nend_header\n`;
+  const star = Array.from({ length: 20000 }, (_, i) => `v ${(i % 2 ? 1 : 0.5) * Math.cos(i / 3000)} ${(i % 2 ? 1 : 0.5) * Math.sin(i / 3000)} 0`).join('\n');
+  const faces = Array.from({ length: 2000 }, (_, i) => `${i} ${i + 1} ${i + 2} -1`).join(' ');
+  const again = Array.from({ length: 6 }, (_, k) => `DEF G${k} Group { children [ ${(k ? `USE G${k - 1} ` : 'USE F ').repeat(15)}] }`).join('\n');
+  const cases = {
+    'nothing.ply': [header(Array.from({ length: 2000 }, () => 'element idle 4000000')), /line \d+: a head has no more than \d+ kinds/],
+    'idle.ply': [header(['element x 4000000', ...Array(500).fill('property float nx')]), /the elements need \d+ bytes/],
+    'idle-binary.ply': [header(['element x 4000000', 'property double quality'], 'binary_little_endian'), /the elements need 32000000 bytes/],
+    'face.obj': [`${star}\nf ${Array.from({ length: 20000 }, (_, i) => i + 1).join(' ')}\n`, /line 20001: .* takes longer/],
+    'meshes.obj': [`v 0 0 0\nv 1 0 0\nv 0 1 0\n${Array.from({ length: 2000 }, (_, i) => `o ${i}\nf 1 2 3\n`).join('')}`, /line \d+: more than 512 meshes/],
+    'use.wrl': [`#VRML V2.0 utf8\nDEF F Shape { geometry IndexedFaceSet { coord Coordinate { point [ ${'0 0 1, 1 0 0, 0 1 0, '.repeat(700)}] } coordIndex [ ${faces} ] } }\n${again}`, /more than 512 meshes|numbers are wanted|takes longer/],
+    'views.glb': [triangle((json) => {
+      json.bufferViews = Array.from({ length: 64 }, () => ({ buffer: 0, byteLength: 48e6, extensions: { EXT_meshopt_compression: { buffer: 0, byteLength: 48, byteStride: 12, count: 4e6, mode: 'ATTRIBUTES' } } }));
+      json.images = json.bufferViews.map((_, bufferView) => ({ bufferView }));
+      json.textures = json.images.map((_, source) => ({ source }));
+      json.materials = json.textures.map((_, index) => ({ pbrMetallicRoughness: { baseColorTexture: { index } } }));
+    }), /bufferViews\[\d+\]: /],
+    'zeros.glb': [triangle((json) => {
+      json.accessors.push({ componentType: 5126, type: 'VEC3', count: 3 }, { componentType: 5126, type: 'VEC3', count: 3e6 });
+      json.nodes = Array.from({ length: 100 }, () => ({ mesh: 0 }));
+      json.scenes = [{ nodes: json.nodes.map((_, i) => i) }];
+      json.meshes[0].primitives[0].attributes.POSITION = 2;
+    }), /accessors\[2\]: more than \d+ numbers/],
+    'points.glb': [triangle((json) => {
+      json.nodes = Array.from({ length: 3000 }, () => ({ mesh: 0 }));
+      json.scenes = [{ nodes: json.nodes.map((_, i) => i) }];
+      json.meshes[0].primitives = Array(3000).fill({ mode: 0, attributes: { POSITION: 0 } });
+    }), /meshes\[0\]\.primitives\[\d+\]: .* takes longer/],
+  };
+  for (const [name, [bytes, says]] of Object.entries(cases)) {
+    fs.writeFileSync(at(name), bytes);
+    const before = process.memoryUsage().rss;
+    await assert.rejects(readScene(at(name)), (error) => {
+      assert.match(error.message, says, name);
+      return error.constructor.name === 'FileError';
+    });
+    assert.ok(process.memoryUsage().rss - before < 1e9, `${name}: ${process.memoryUsage().rss - before} bytes more`);
+  }
 });

@@ -6,7 +6,7 @@ import test from 'node:test';
 import { FapcDecoder, FapcEncoder, fapcFrame } from '../../protocol/fapc.mjs';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from '../../web/page/player-curve.js';
 import { gestureText, makeGesture } from '../../web/page/player-gesture.js';
-import { isFapc, readFap, readFapc, writeFap } from '../../web/page/player-file.js';
+import { FRAMES_MAX, isFapc, readFap, readFapc, writeFap } from '../../web/page/player-file.js';
 
 const table = JSON.parse(fs.readFileSync(new URL('../../protocol/fap-table.json', import.meta.url))).faps;
 
@@ -93,4 +93,18 @@ test('a stretch becomes a gesture of the groups that are wished for; what moves 
   assert.equal(makeGesture({ fps: 25, frames }, table, { ...wish, groups: [4] }), null);
   assert.equal(makeGesture({ fps: 25, frames }, table, { ...wish, to: 3 }), null);
   assert.equal(makeGesture({ fps: 1, frames }, table, { ...wish, to: 19 }), null);
+});
+
+test('a .fapc of more frames than a player holds is refused before one of them is decoded', () => {
+  const packet = Buffer.from([64, 2, 0, 0x80, 0]);
+  const header = Buffer.from('FPC1\xc4\x09\0\0', 'latin1');
+  const of = (frames) => new Uint8Array(Buffer.concat([header, ...Array(Math.ceil(frames / 64)).fill(packet)]));
+  class Decoder {
+    decode() {
+      throw new Error('something is decoded');
+    }
+  }
+  const place = 8 + 5 * Math.floor(FRAMES_MAX / 64);
+  assert.throws(() => readFapc(of(FRAMES_MAX + 64), Decoder), { code: 'bad-fap', message: 'too many frames', byte: place });
+  assert.throws(() => readFapc(of(64 * Math.floor(FRAMES_MAX / 64)), Decoder), { message: 'something is decoded' }, 'as many are read');
 });

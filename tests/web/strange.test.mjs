@@ -152,3 +152,93 @@ test('a texture without a picture that is known here is left out', async () => {
   const { head } = await read(changed((json) => (json.textures[0] = { extensions: { EXT_texture_unheard: { source: 0 } } })));
   assert.equal(head.meshes.find(({ name }) => name === 'skin').material.map, null);
 });
+
+/** Lips and lids of the skin as strangers' are looked at. */
+async function actsAsOurs(bytes, message) {
+  const { head } = await read(bytes);
+  const at = lookAt(head);
+  const apart = (now, [upper, lower]) => now[upper][1] - now[lower][1];
+  const [plain, open, blink] = [{}, { 3: 400, 4: -80, 5: -400, 8: -70, 9: -70, 10: -330, 11: -330 }, { 19: 940, 20: 940, 21: 84, 22: 84 }].map(at);
+  const flat = lookAt((await read(own)).head)({});
+  for (const pair of LIPS) {
+    assert.ok(Math.abs(apart(plain, pair) - apart(flat, pair)) < 0.3, `${message}: lips at rest ${apart(plain, pair)}`);
+    assert.ok(Math.abs(apart(at({ 3: 300 }), pair) - apart(flat, pair)) < 0.5, `${message}: closed lips ${apart(at({ 3: 300 }), pair)}`);
+  }
+  assert.ok(apart(open, LIPS[0]) - apart(plain, LIPS[0]) > 4, `${message}: opened ${apart(open, LIPS[0])}`);
+  for (const pair of LIDS) {
+    assert.ok(Math.abs(apart(plain, pair) / apart(flat, pair) - 1) < 0.05, `${message}: lids at rest`);
+    assert.ok(Math.abs(apart(blink, pair) / apart(plain, pair)) < 0.1, `${message}: lids ${apart(blink, pair)}`);
+  }
+  return head;
+}
+
+const weighed = (weights) => (json) => {
+  for (const mesh of json.meshes) if (mesh.extras?.targetNames) mesh.weights = mesh.extras.targetNames.map((name) => weights[name] ?? 0);
+};
+
+test('what a file shows its shapes at is taken away: lips and lids meet as without', async () => {
+  await actsAsOurs(changed(weighed({ jawOpen: 0.3, eyeBlinkLeft: 1, eyeBlinkRight: 1, mouthFunnel: 0.4 })), 'weights of meshes');
+  await actsAsOurs(changed((json) => {
+    for (const node of json.nodes) {
+      const names = json.meshes[node.mesh]?.extras?.targetNames;
+      if (names) node.weights = names.map((name) => ({ jawOpen: 0.5, mouthClose: 0.5, viseme_aa: 0.7 })[name] ?? 0);
+    }
+  }), 'weights of nodes');
+});
+
+test('a shape that moves nothing loses against one that does', async () => {
+  const head = await actsAsOurs(changed((json) => {
+    const empty = new Map();
+    for (const mesh of json.meshes) {
+      const names = mesh.extras?.targetNames;
+      if (!names) continue;
+      // the plain name is empty, and what moves has it with something before
+      for (const name of ['jawOpen', 'eyeBlinkLeft', 'eyeBlinkRight', 'mouthClose']) {
+        const i = names.indexOf(name);
+        if (i < 0) continue;
+        names[i] = `Face.M_F00_${name}_01`;
+        for (const { attributes, targets } of mesh.primitives) {
+          const { count } = json.accessors[attributes.POSITION];
+          if (!empty.has(count)) empty.set(count, json.accessors.push({ componentType: 5126, type: 'VEC3', count }) - 1);
+          targets.push({ POSITION: empty.get(count) });
+        }
+        names.push(name);
+      }
+      mesh.weights = names.map(() => 0);
+    }
+  }), 'empty shapes');
+  assert.ok(head.solver.names.includes('jawOpen'));
+});
+
+const ODD = {
+  'TANGENT: -1': (json) => json.meshes.forEach(({ primitives }) => primitives.forEach(({ attributes }) => (attributes.TANGENT = -1))),
+  'attributes that are nowhere': (json) => json.meshes.forEach(({ primitives }) => primitives.forEach(({ attributes }) => Object.assign(attributes, { COLOR_0: 9999, TEXCOORD_3: null, _BATCH: 9999 }))),
+  'tangents of targets that are nowhere': (json) => json.meshes.forEach(({ primitives }) => primitives.forEach(({ targets }) => targets?.forEach((target) => (target.TANGENT = -1)))),
+  'a target without places': (json) => json.meshes.forEach((mesh) => {
+    if (!mesh.extras?.targetNames) return;
+    for (const { targets } of mesh.primitives) targets.push({}, { POSITION: -1 });
+    mesh.extras.targetNames.push('jawForward', 'nothing');
+    delete mesh.weights;
+  }),
+  'normals for some targets': (json) => json.meshes.forEach(({ primitives }) => primitives.forEach(({ attributes, targets }) => targets && (targets[0].NORMAL = attributes.NORMAL))),
+  'presets and groups that are null': (json) => {
+    json.extensions = { ...json.extensions, VRMC_vrm: { ...json.extensions?.VRMC_vrm, expressions: { preset: { happy: null, aa: null }, custom: { x: null } } }, VRM: null };
+  },
+  'no scenes': (json) => {
+    delete json.scene;
+    delete json.scenes;
+  },
+  'a scene with nothing in it': (json) => {
+    json.scene = 0;
+    json.scenes = [{ name: 'Scene' }];
+  },
+  '-1 and null for none': (json) => {
+    json.nodes.forEach((node) => Object.assign(node, { mesh: node.mesh ?? -1, skin: node.skin ?? -1, camera: -1, children: node.children ?? null, weights: null }));
+    json.meshes.forEach(({ primitives }) => primitives.forEach((one) => (one.material ??= -1)));
+    json.textures.forEach((texture) => (texture.sampler ??= -1));
+  },
+  'weights of another length': (json) => json.meshes.forEach((mesh) => (mesh.weights = [0, null, 'x'])),
+  'names that are numbers': (json) => json.nodes.forEach((node, i) => node.mesh === undefined && !json.skins?.some(({ joints }) => joints.includes(i)) && (node.name = i)),
+};
+
+for (const [name, change] of Object.entries(ODD)) test(`what real exporters write is no reason to refuse a face: ${name}`, () => actsAsOurs(changed(change), name));

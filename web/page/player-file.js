@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: MIT
 // FAP files: .fap (text) and .fapc (coded) read, .fap written. No page needed: tests/web reads this.
 export const FAPS = 68;
-const FRAMES_MAX = 500000;
+export const FRAMES_MAX = 180000; // two hours at 25 a second: seconds of work, of a .fapc as of a .fap
 
 /**
  * @typedef {{name: string, fps: number, frames: Int32Array[], high: number[][]}} Faps frames: by FAP number, from 3 on; high:
@@ -58,17 +58,28 @@ export function readFap(text) {
 /** @param {Uint8Array} bytes */
 export const isFapc = (bytes) => String.fromCharCode(...bytes.subarray(0, 4)) === 'FPC1';
 
+/** Goes through the packets' heads, before one of them is decoded: a frame may take less than a bit. */
+function countFrames(bytes, view) {
+  let frames = 0;
+  for (let at = 8; at < bytes.length; at += 3 + view.getUint16(at + 1, true)) {
+    if (bytes.length - at < 3) throw new FileError('the file ends within the head of a packet', { byte: at });
+    if (!bytes[at] || bytes[at] > 64 || at + 3 + view.getUint16(at + 1, true) > bytes.length) throw new FileError('a damaged packet', { byte: at });
+    frames += bytes[at];
+    if (frames > FRAMES_MAX) throw new FileError('too many frames', { byte: at });
+  }
+}
+
 /** @param {Uint8Array} bytes @param {Function} FapcDecoder of protocol/fapc.mjs @returns {Faps} */
 export function readFapc(bytes, FapcDecoder) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   if (bytes.length < 8 || !isFapc(bytes)) throw new FileError('does not begin with FPC1', { byte: 0 });
   const fps = view.getUint32(4, true) / 100;
+  if (!(fps > 0 && fps <= 1000)) throw new FileError('no frame rate', { byte: 4 });
+  countFrames(bytes, view);
   const decoder = new FapcDecoder();
   const [frames, high] = [[], []];
   for (let at = 8; at < bytes.length; ) {
-    if (bytes.length - at < 3) throw new FileError('the file ends within the head of a packet', { byte: at });
     const [count, size] = [bytes[at], view.getUint16(at + 1, true)];
-    if (!count || count > 64 || at + 3 + size > bytes.length) throw new FileError('a damaged packet', { byte: at });
     let decoded;
     try {
       decoded = decoder.decode(bytes.subarray(at + 3, at + 3 + size), count);
@@ -81,7 +92,7 @@ export function readFapc(bytes, FapcDecoder) {
     }
     at += 3 + size;
   }
-  if (!frames.length || !(fps > 0)) throw new FileError('no frames', { byte: bytes.length });
+  if (!frames.length) throw new FileError('no frames', { byte: bytes.length });
   return { name: 'faccia', fps, frames, high };
 }
 

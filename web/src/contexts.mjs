@@ -33,6 +33,11 @@ export class Contexts {
     });
   }
 
+  /** Whether it may have one now. */
+  has(stage) {
+    return this.#in.has(stage);
+  }
+
   leave(stage) {
     this.#out.delete(stage);
     this.#in.delete(stage);

@@ -12,6 +12,8 @@ const PAUSE_MS = 3000; // between frames: more is no slow machine but a hidden p
 const AHEAD_MOST_MS = 300; // for longer nothing is foreseen
 const LAPSE_MS = 250; // from a picture to the next: beyond, they do not follow each other
 const CALM_MS = 30; // between pictures of a face that only idles: saves the battery
+const RESTORE_MS = 3000; // that a browser has to give a lost context back; then the face takes another, each time later
+const RESTORE_MOST_MS = 60000;
 const DISSOLVE_MS = 240; // from one quality to the next
 
 /**
@@ -48,6 +50,8 @@ export class Stage {
     this.used = false; // the canvas has had a context, and cannot have another
     this.pacer = new FramePacer(() => this.view.mark());
     this.lost = false;
+    this.restoring = 0; // timer
+    this.patience = RESTORE_MS;
     this.observer = new ResizeObserver(() => this.#resize());
   }
 
@@ -94,6 +98,7 @@ export class Stage {
 
   /** Gives its context back. */
   leave() {
+    clearTimeout(this.restoring);
     cancelAnimationFrame(this.request);
     this.request = 0;
     this.observer.disconnect();
@@ -193,13 +198,25 @@ export class Stage {
       event.preventDefault();
       this.lost = true;
       this.ports.trouble('lost');
+      clearTimeout(this.restoring);
+      this.restoring = setTimeout(() => this.#anew(), this.patience);
     });
     canvas.addEventListener('webglcontextrestored', () => {
       if (!now()) return;
+      clearTimeout(this.restoring);
       this.lost = false;
       this.ports.trouble(null);
       this.wake();
     });
+  }
+
+  /** The browser has not given the context back, as after the death of its graphics process: another canvas has another. */
+  #anew() {
+    if (!this.view || !this.lost) return;
+    this.patience = Math.min(RESTORE_MOST_MS, 2 * this.patience);
+    this.leave();
+    this.enter();
+    if (!this.view) this.restoring = setTimeout(() => !this.view && contexts.has(this) && this.enter(), this.patience);
   }
 
   /** @param {'auto'|'high'|'low'|'pictures'} wish */

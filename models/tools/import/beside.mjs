@@ -2,7 +2,7 @@
 /** The files that a model names: only those in its own folder or below it are read. */
 import fs from 'node:fs';
 import path from 'node:path';
-import { pictureSize } from '../../../web/src/avatar/picture-size.mjs';
+import { MOST_PIXELS, pictureSize } from '../../../web/src/picture-size.mjs';
 import { FileError, MOST } from './file-error.mjs';
 
 /** @param {string} file the model's @param {string} name as it stands there @param {string} place of that @returns {Buffer} */
@@ -40,12 +40,18 @@ export function readIfBeside(file, name, place, notes) {
 }
 
 /** A picture that a model names, or null: then it is noted why. */
-export function pictureBeside(file, name, place, notes) {
+export function pictureBeside(file, name, place, notes, budget) {
   const data = readIfBeside(file, name, place, notes);
-  const seen = data && data.length <= MOST.image && pictureOf(data);
-  if (data && !seen?.width) notes.push(`${place}: no PNG, JPEG or WebP of at most ${MOST.image} bytes: left out`);
-  return seen?.width ? { ...seen, data } : null;
+  budget.keep((data?.length ?? 0) / 8, place);
+  const seen = data && pictureOf(data);
+  if (!data || isUsable(seen, data)) return data ? { ...seen, data } : null;
+  notes.push(`${place}: ${NO_PICTURE}`);
+  return null;
 }
+
+/** Whether a head may have it: pages decode it. */
+export const isUsable = (seen, data) => data.length <= MOST.image && seen !== null && seen.width > 0 && seen.height > 0 && seen.width * seen.height <= MOST_PIXELS;
+export const NO_PICTURE = `no PNG, JPEG or WebP of at most ${MOST.image} bytes and ${MOST_PIXELS} points: left out`;
 
 /** What kind of picture it is, and its size, from its first bytes. @returns {{type, width, height}|null} */
 export function pictureOf(bytes) {

@@ -10,21 +10,19 @@ const SIZES = { Y: 2, C: 1, B: 1, I: 4, F: 4, D: 8, L: 8 };
 const LISTS = { f: 4, d: 8, l: 8, i: 4, b: 1, c: 1 };
 const TEXTS = ['S', 'R'];
 
-/** @param {Buffer} bytes of a binary FBX file @throws {FileError} with the byte that is wrong */
-export function checkFbx(bytes) {
+/** @param {Buffer} bytes of a binary FBX file @param {import('./budget.mjs').Budget} budget @throws {FileError} with the byte that is wrong */
+export function checkFbx(bytes, budget) {
   const version = bytes.length < START ? 0 : bytes.readUInt32LE(23);
   if (version < 6400 || version > 8000) throw new FileError('byte 23', `version ${version} is not read: save as FBX 7.4, or as GLB`);
   const long = version >= 7500;
   const head = long ? 25 : 13;
-  let numbers = 0;
   const whole = (at) => (long ? Number(bytes.readBigUInt64LE(at)) : bytes.readUInt32LE(at));
   const size = long ? 8 : 4;
 
   function list(at, end, kind) {
     if (at + 12 > end) throw new FileError(`byte ${at}`, 'a list is cut short');
     const [count, packed, length] = [0, 4, 8].map((more) => bytes.readUInt32LE(at + more));
-    numbers += count;
-    if (numbers > 4 * MOST.numbers) throw new FileError(`byte ${at}`, `${count} numbers are too many for a head`);
+    budget.keep(count / 4, `byte ${at}`); // what is made of them is counted again
     const wanted = count * LISTS[kind];
     const next = at + 12 + (packed ? length : wanted);
     if (packed > 1 || next > end) throw new FileError(`byte ${at}`, `a list of ${count} numbers goes beyond its node`);

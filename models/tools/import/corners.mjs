@@ -20,12 +20,14 @@ const left = (a, b, c) => (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] 
 /**
  * A face from its first corner, or, where that would leave it, ear after ear.
  * @param {number[]} corners @param {(corner: number) => number[]} at where a corner is @param {(a: number, b: number, c: number) => void} add
+ * @param {(steps: number) => void} work told of each look at all corners, which may say that it is enough
  */
-export function cutFace(corners, at, add) {
+export function cutFace(corners, at, add, work) {
   const fan = (list) => {
     for (let i = 2; i < list.length; i++) add(list[0], list[i - 1], list[i]);
   };
   if (corners.length === 3) return fan(corners);
+  work(8 * corners.length);
   const first = at(corners[0]);
   const points = flat(corners.map((v) => minus(at(v), first)));
   const around = (list, i) => [list.at(i - 1), list[i], list[(i + 1) % list.length]];
@@ -34,7 +36,9 @@ export function cutFace(corners, at, add) {
   while (rest.length > 3) {
     const ear = rest.findIndex((one, i) => {
       const [a, b, c] = around(rest, i);
+      work(1);
       if (left(a.p, b.p, c.p) <= 0) return false;
+      work(rest.length);
       const same = (p, q) => p[0] === q[0] && p[1] === q[1];
       return rest.every(({ p }) => [a, b, c].some((q) => same(p, q.p)) || left(a.p, b.p, p) < 0 || left(b.p, c.p, p) < 0 || left(c.p, a.p, p) < 0);
     });

@@ -12,6 +12,7 @@ import { packModel } from './pack-model.mjs';
 import { gatherParts, nameParts } from './parts.mjs';
 import { paintColors } from './paint.mjs';
 import { placeHead } from './place.mjs';
+import { Budget } from './budget.mjs';
 import { readFbx } from './read-fbx.mjs';
 import { readGltf } from './read-gltf.mjs';
 import { readObj } from './read-obj.mjs';
@@ -45,7 +46,7 @@ export async function readScene(file) {
   if (size > MOST.bytes) throw new FileError('', `${size} bytes are more than ${MOST.bytes}`);
   try {
     const bytes = fs.readFileSync(file);
-    const scene = await READERS[kind](file, bytes[0] === 0x1f && bytes[1] === 0x8b ? unzipped(bytes) : bytes);
+    const scene = await READERS[kind](file, bytes[0] === 0x1f && bytes[1] === 0x8b ? unzipped(bytes) : bytes, new Budget());
     nameTargets(scene);
     return scene;
   } catch (error) {

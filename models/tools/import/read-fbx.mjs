@@ -3,7 +3,7 @@
  * FBX 7 (Autodesk's, binary or text), by the reader of three.js: meshes where their nodes put them, shapes, plain colours, one picture each.
  * That reader is made for pages: what it asks of one for pictures, it gets here.
  */
-import { pictureOf, readBeside } from './beside.mjs';
+import { isUsable, NO_PICTURE, pictureOf, readBeside } from './beside.mjs';
 import { turnedOver } from './corners.mjs';
 import { fromLinear } from './paint.mjs';
 import { BINARY, checkFbx } from './check-fbx.mjs';
@@ -42,9 +42,9 @@ function onPage(work, warnings, blobs) {
 async function pictureFor(address, file, blobs, name, notes) {
   try {
     const data = address.startsWith('blob:') ? Buffer.from(await blobs[Number(address.slice(5))].arrayBuffer()) : readBeside(file, address, name);
-    const seen = data.length <= MOST.image && pictureOf(data);
-    if (seen?.width) return { ...seen, data };
-    notes.push(`the picture of ${name} is no PNG, JPEG or WebP of at most ${MOST.image} bytes: left out`);
+    const seen = pictureOf(data);
+    if (isUsable(seen, data)) return { ...seen, data };
+    notes.push(`the picture of ${name}: ${NO_PICTURE}`);
   } catch (error) {
     if (!(error instanceof FileError)) throw error;
     notes.push(`${error.message}: left out`); // a picture's place is often that on its maker's machine
@@ -65,11 +65,12 @@ function welded({ position, uv, color, shapes }, from, to) {
   return { index: Uint32Array.from(index), pick };
 }
 
-function meshesOf(mesh, materialOf) {
+function meshesOf(mesh, materialOf, budget) {
   const { geometry } = mesh;
   const { position, uv, color: tints } = geometry.attributes;
   const color = tints?.itemSize === 3 && tints.array.some((x, i) => Math.abs(x - tints.array[i % 3]) > 0.01) ? tints : null;
   if (!position?.count || geometry.index) return [];
+  budget.keep(position.count * (8 + 3 * (geometry.morphAttributes.position?.length ?? 0)), `mesh ${mesh.name}`); // however many nodes have the same
   for (const list of [position.array, ...(uv ? [uv.array] : []), ...(color ? [color.array] : []), ...(geometry.morphAttributes.position ?? []).map(({ array }) => array)]) {
     const bad = list.findIndex((x) => !Number.isFinite(x));
     if (bad >= 0) throw new FileError(`mesh ${mesh.name}`, `corner ${Math.floor((bad * position.count) / list.length)} is at no place`);
@@ -94,9 +95,9 @@ const colourOf = ({ color }) => {
 };
 
 /** @param {string} file @param {Buffer} bytes */
-export async function readFbx(file, bytes) {
+export async function readFbx(file, bytes, budget) {
   const binary = bytes.toString('latin1', 0, BINARY.length) === BINARY;
-  if (binary) checkFbx(bytes);
+  if (binary) checkFbx(bytes, budget);
   else if (!/^FBXHeaderExtension:/m.test(bytes.toString('latin1', 0, 4096))) throw new FileError('byte 0', 'this is no FBX file');
   const { FBXLoader } = await import('../../../web/node_modules/three/examples/jsm/loaders/FBXLoader.js');
   const [warnings, blobs] = [new Set(), []];
@@ -116,7 +117,7 @@ export async function readFbx(file, bytes) {
     return known.get(material);
   };
   const meshes = [];
-  scene.traverse((mesh) => mesh.isMesh && meshes.push(...meshesOf(mesh, materialOf)));
+  scene.traverse((mesh) => mesh.isMesh && meshes.push(...meshesOf(mesh, materialOf, budget)));
   if (!meshes.length) throw new FileError('', 'there is no mesh in it');
   if (meshes.length > MOST.meshes || meshes.reduce((sum, { position }) => sum + position.length, 0) > MOST.numbers) throw new FileError('', 'there is more in it than a head has');
   const unit = Number(scene.userData.unitScaleFactor) || 1;

@@ -3,9 +3,10 @@
  * glTF 2.0 and GLB (Khronos 2021), with KHR_mesh_quantization, what is packed by meshopt, Draco and Basis Universal, and EXT_texture_webp. Every
  * count is held against the bytes that are there before anything is made of it, so that a damaged file is told by the member that is wrong.
  */
-import { pictureOf, readBeside, readIfBeside } from './beside.mjs';
+import { isUsable, NO_PICTURE, pictureOf, readBeside, readIfBeside } from './beside.mjs';
 import { FileError, MOST } from './file-error.mjs';
 import { pictureAsPng } from './png.mjs';
+import { MOST_PIXELS, pictureSize } from '../../../web/src/picture-size.mjs';
 import { readPoints } from './points.mjs';
 import { asTriangles, turnedOver } from './corners.mjs';
 import { fromLinear } from './paint.mjs';
@@ -39,8 +40,8 @@ function chunksOf(bytes) {
 }
 
 class Gltf {
-  constructor(file, json, binary) {
-    Object.assign(this, { file, json, binary, notes: [], views: [], numbers: 0, nameOf: targetNamer(json) });
+  constructor(file, json, binary, budget) {
+    Object.assign(this, { file, json, binary, budget, notes: [], views: [], buffers: [], pictures: new Map(), nameOf: targetNamer(json) });
   }
 
   member(list, i, place) {
@@ -50,9 +51,14 @@ class Gltf {
   }
 
   buffer(i, place) {
+    return (this.buffers[i] ??= this.readBuffer(i, place));
+  }
+
+  readBuffer(i, place) {
     const { uri, byteLength } = this.member('buffers', i, place);
     const bytes = typeof uri === 'string' ? readBeside(this.file, uri, `buffers[${i}].uri`) : i === 0 ? this.binary : null;
     if (!bytes) throw new FileError(`buffers[${i}]`, 'its bytes are missing');
+    this.budget.keep(bytes === this.binary ? 0 : bytes.length / 8, `buffers[${i}]`);
     if (!whole(byteLength) || byteLength > bytes.length) throw new FileError(`buffers[${i}].byteLength`, `${byteLength} bytes are wanted, ${bytes.length} are there`);
     return bytes;
   }
@@ -85,7 +91,8 @@ class Gltf {
     const piece = bytes.subarray(byteOffset, byteOffset + byteLength);
     if (!packed) return piece;
     const { count, byteStride, mode, filter } = packed;
-    if (!whole(count) || !whole(byteStride) || count * byteStride > 4 * MOST.numbers) throw new FileError(at, `${count} elements of ${byteStride} bytes are too many`);
+    if (!whole(count) || !whole(byteStride)) throw new FileError(at, 'count and byteStride must be whole numbers');
+    this.budget.keep((count * byteStride) / 8, at); // of all that are packed together
     const out = new Uint8Array(count * byteStride);
     try {
       this.meshopt.decodeGltfBuffer(out, count, byteStride, piece, mode, filter);
@@ -103,8 +110,9 @@ class Gltf {
     const [Type, size, full] = TYPES[componentType] ?? [];
     if (!Type || WIDTHS[type] !== width) throw new FileError(at, `must be ${Object.keys(WIDTHS).find((name) => WIDTHS[name] === width)} of a known type`);
     if (!whole(count) || !count) throw new FileError(at, 'count must be a whole number above 0');
-    this.numbers += count * width;
-    if (this.numbers > MOST.numbers) throw new FileError(at, `${count} elements are too many for a head`);
+    if (count * width > MOST.numbers) throw new FileError(at, `${count} elements are too many for a head`);
+    this.budget.keep(count * width, at); // each time that it is named
+    this.budget.work(4 * count * width, at);
     const out = numbers ? new Float64Array(count * width) : new Uint32Array(count);
     const value = (data, offset) => new Type(data.buffer.slice(data.byteOffset + offset, data.byteOffset + offset + size))[0];
     const scaled = (x) => (normalized && Type !== Float32Array ? Math.max(-1, x / full) : x);
@@ -147,13 +155,13 @@ class Gltf {
   unpack({ extensions, attributes = {}, indices }, at) {
     const { bufferView, attributes: ids = {} } = extensions[DRACO];
     const where = `${at}.extensions.${DRACO}`;
-    const most = (i) => (i === undefined ? MOST.numbers : this.member('accessors', i, at).count);
+    const most = (i) => Math.min(this.budget.left, i === undefined ? Infinity : this.member('accessors', i, at).count);
     const wanted = Object.fromEntries(['POSITION', 'TEXCOORD_0'].filter((name) => whole(ids[name])).map((name) => [name, { id: ids[name], type: 'Float32Array' }]));
     try {
       const { index, count, attributes: own } = this.draco.decode(this.view(bufferView, where), wanted, { points: most(attributes.POSITION), corners: most(indices) });
-      this.numbers += 3 * count + index.length;
+      this.budget.keep(5 * count + index.length, where);
       if (own.POSITION?.width !== 3 || (own.TEXCOORD_0?.width ?? 2) !== 2) throw new Error('its places must have 3 numbers, its texture coordinates 2');
-      if (this.numbers > MOST.numbers || !own.POSITION.array.every(Number.isFinite)) throw new Error('its places are no numbers, or too many for a head');
+      if (!own.POSITION.array.every(Number.isFinite)) throw new Error('its places are no numbers');
       return { index, position: Float64Array.from(own.POSITION.array), uv: own.TEXCOORD_0 && Float64Array.from(own.TEXCOORD_0.array) };
     } catch (error) {
       throw error instanceof FileError ? error : new FileError(where, error.message);
@@ -168,20 +176,30 @@ class Gltf {
       this.notes.push(`textures[${i}] has no picture that can be read`);
       return null;
     }
-    const image = this.member('images', source, `textures[${i}]`);
+    const key = `${source} ${Boolean(texture.extensions?.[BASIS])}`;
+    if (!this.pictures.has(key)) this.pictures.set(key, this.readPicture(source, texture, `textures[${i}]`)); // many materials may have one
+    return this.pictures.get(key);
+  }
+
+  readPicture(source, texture, place) {
+    const image = this.member('images', source, place);
     const at = `images[${source}]`;
     const bytes = image.bufferView !== undefined ? this.view(image.bufferView, at) : readIfBeside(this.file, String(image.uri ?? ''), `${at}.uri`, this.notes);
     if (!bytes) return null;
+    this.budget.keep(bytes.length / 8, at);
     if (texture.extensions?.[BASIS]) return this.transcoded(bytes, at);
     const seen = pictureOf(bytes);
-    if (!seen || !seen.width || bytes.length > MOST.image) {
-      this.notes.push(`${at} is no PNG, JPEG or WebP of at most ${MOST.image} bytes: left out`);
+    if (!isUsable(seen, bytes)) {
+      this.notes.push(`${at} is ${NO_PICTURE}`);
       return null;
     }
     return { ...seen, data: bytes };
   }
 
   transcoded(bytes, at) {
+    const [width, height] = pictureSize(bytes) ?? [0, 0];
+    this.budget.work(64 * Math.min(width * height, SIDE * SIDE), at);
+    if (width * height > MOST_PIXELS) throw new FileError(at, `${width} x ${height} points are too many`);
     try {
       return pictureAsPng(this.basis.decode(bytes, SIDE));
     } catch (error) {
@@ -255,6 +273,7 @@ function readPrimitive(gltf, mesh, primitive, at, matrix, look) {
   const names = [mesh.extras?.targetNames, primitive.extras?.targetNames].find(Array.isArray) ?? [];
   const targets = {};
   (primitive.targets ?? []).forEach((target, i) => {
+    gltf.budget.work(100 + gltf.json.meshes.length, `${at}.targets[${i}]`);
     if (target.POSITION === undefined) return;
     const deltas = gltf.accessor(target.POSITION, 3, `${at}.targets[${i}].POSITION`, true, true);
     if (deltas.length !== raw.length) throw new FileError(`${at}.targets[${i}].POSITION`, `must have ${count} elements`);
@@ -264,7 +283,7 @@ function readPrimitive(gltf, mesh, primitive, at, matrix, look) {
 }
 
 /** @param {string} file @param {Buffer} bytes */
-export async function readGltf(file, bytes) {
+export async function readGltf(file, bytes, budget) {
   const { text, binary } = chunksOf(bytes);
   let json;
   try {
@@ -274,7 +293,7 @@ export async function readGltf(file, bytes) {
   }
   if (!String(json?.asset?.version ?? '').startsWith('2')) throw new FileError('asset.version', 'must be 2.0');
   for (const name of LISTS) if (json[name] !== undefined && !Array.isArray(json[name])) throw new FileError(name, 'must be a list');
-  const gltf = new Gltf(file, json, binary);
+  const gltf = new Gltf(file, json, binary, budget);
   await gltf.prepare();
   const materials = materialsOf(gltf);
   const world = new Map();
@@ -285,7 +304,8 @@ export async function readGltf(file, bytes) {
     world.set(i, product(above, matrixOf(node, `nodes[${i}]`)));
     for (const child of node.children ?? []) walk(child, world.get(i), `nodes[${i}].children`, depth + 1);
   };
-  const scene = json.scenes ? gltf.member('scenes', json.scene ?? 0, 'scene').nodes ?? [] : (json.nodes ?? []).map((_, i) => i).filter((i) => !json.nodes.some((node) => node.children?.includes(i)));
+  const inOthers = new Set((json.nodes ?? []).flatMap((node) => node?.children ?? []));
+  const scene = json.scenes ? gltf.member('scenes', json.scene ?? 0, 'scene').nodes ?? [] : (json.nodes ?? []).map((_, i) => i).filter((i) => !inOthers.has(i));
   for (const i of scene) walk(i, matrixOf({}, ''), 'scenes', 0);
   for (const [i, matrix] of world) {
     const node = json.nodes[i];
@@ -293,6 +313,7 @@ export async function readGltf(file, bytes) {
     const mesh = gltf.member('meshes', node.mesh, `nodes[${i}].mesh`);
     const place = node.skin === undefined ? matrix : skinMatrix(gltf, node.skin, world, `nodes[${i}].skin`);
     (mesh.primitives ?? []).forEach((primitive, k) => {
+      budget.work(1000, `meshes[${node.mesh}].primitives[${k}]`);
       if (meshes.length >= MOST.meshes) throw new FileError(`meshes[${node.mesh}]`, `more than ${MOST.meshes} meshes are no head`);
       if (primitive.material !== undefined) gltf.member('materials', primitive.material, `meshes[${node.mesh}].primitives[${k}].material`);
       const read = readPrimitive(gltf, mesh, primitive, `meshes[${node.mesh}].primitives[${k}]`, place, materials[primitive.material]);

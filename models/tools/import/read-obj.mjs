@@ -26,10 +26,11 @@ function mapName(words) {
   return words.slice(i).join(' ');
 }
 
-function readMtl(file, name, line, notes) {
+function readMtl(file, name, line, notes, budget) {
   const materials = [];
   const bytes = readIfBeside(file, name, `line ${line}`, notes);
   if (!bytes) return [];
+  budget.keep(bytes.length, `line ${line}`); // each time that it is named
   rowsOf(bytes).forEach((row, i) => {
     const [word, ...rest] = row.trim().split(/\s+/);
     const at = `${path.basename(name)}, line ${i + 1}`;
@@ -42,7 +43,7 @@ function readMtl(file, name, line, notes) {
       one.color = color.map((x) => Math.min(1, Math.max(0, x)));
     } else if (word === 'd' && Number(rest[0]) < 1) one.alpha = 'blend';
     else if (word === 'map_Kd') {
-      const picture = pictureBeside(file, mapName(rest), at, notes);
+      const picture = pictureBeside(file, mapName(rest), at, notes, budget);
       if (picture) Object.assign(one, { picture, color: [1, 1, 1] });
     }
   });
@@ -56,15 +57,15 @@ function asShares(list) {
 }
 
 /** Faces of many corners become triangles; a corner is a vertex by its place and its place on the texture. */
-export function readObj(file, bytes) {
+export function readObj(file, bytes, budget) {
   const notes = [];
   const [places, uvs, tints] = [[], [], []];
   let materials = [];
   const meshes = new Map();
   let [object, material] = ['mesh', ''];
-  let count = 0;
-  const meshOf = () => {
+  const meshOf = (line) => {
     const key = `${object}\n${material}`;
+    if (!meshes.has(key) && meshes.size === MOST.meshes) throw new FileError(`line ${line}`, `more than ${MOST.meshes} meshes are no head`);
     if (!meshes.has(key)) meshes.set(key, { name: object, materialName: material, position: [], uv: [], colors: [], index: [], corners: new Map(), places: [], textured: false });
     return meshes.get(key);
   };
@@ -78,14 +79,17 @@ export function readObj(file, bytes) {
     const line = i + 1;
     const [word, ...rest] = row.trim().split(/\s+/);
     if (word === 'v') {
+      budget.keep(3, () => `line ${line}`);
       places.push(...numbers(rest, 3, line));
       if (rest.length >= 6) tints[places.length / 3 - 1] = numbers(rest.slice(3), 3, line); // not of the format, but of many programs
-    } else if (word === 'vt') uvs.push(...numbers(rest, 2, line));
-    else if (word === 'o' || word === 'g') object = rest.join(' ') || 'mesh';
+    } else if (word === 'vt') {
+      budget.keep(2, () => `line ${line}`);
+      uvs.push(...numbers(rest, 2, line));
+    } else if (word === 'o' || word === 'g') object = rest.join(' ') || 'mesh';
     else if (word === 'usemtl') material = rest.join(' ');
-    else if (word === 'mtllib') materials = materials.concat(readMtl(file, rest.join(' '), line, notes));
+    else if (word === 'mtllib') materials = materials.concat(readMtl(file, rest.join(' '), line, notes, budget));
     else if (word === 'f') {
-      const mesh = meshOf();
+      const mesh = meshOf(line);
       if (rest.length < 3) throw new FileError(`line ${line}`, 'a face must have three corners or more');
       const corners = rest.map((corner) => {
         const [a, b] = corner.split('/');
@@ -93,6 +97,7 @@ export function readObj(file, bytes) {
         const t = b ? pick(b, uvs, 2, line, 'texture vertex') : -1;
         const key = `${p}/${t}`;
         if (!mesh.corners.has(key)) {
+          budget.keep(8, () => `line ${line}`); // colours and the texture's places, too
           mesh.corners.set(key, mesh.position.length / 3);
           mesh.position.push(...places.slice(3 * p, 3 * p + 3));
           if (tints.length) mesh.colors.push(...(tints[p] ?? [1, 1, 1]));
@@ -102,9 +107,8 @@ export function readObj(file, bytes) {
         }
         return mesh.corners.get(key);
       });
-      cutFace(corners, (v) => mesh.position.slice(3 * v, 3 * v + 3), (...three) => mesh.index.push(...three));
-      count += corners.length;
-      if (count > MOST.numbers / 3) throw new FileError(`line ${line}`, 'more faces than a head has');
+      budget.keep(3 * (corners.length - 2), () => `line ${line}`);
+      cutFace(corners, (v) => mesh.position.slice(3 * v, 3 * v + 3), (...three) => mesh.index.push(...three), (steps) => budget.work(steps, () => `line ${line}`));
     }
   });
   if (!meshes.size) throw new FileError('', 'there are no faces in it');

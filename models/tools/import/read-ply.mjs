@@ -10,6 +10,7 @@ const READ = {
   double: ['Float64', 8], float64: ['Float64', 8],
 };
 
+const MOST_ELEMENTS = 64;
 const COLORS = [['red', 'diffuse_red'], ['green', 'diffuse_green'], ['blue', 'diffuse_blue']];
 const IDLE = /^(n[xyz]|quality|alpha|confidence|intensity|radius|curvature)$/; // what is not used may be no number
 
@@ -26,6 +27,7 @@ function readHead(bytes) {
     if (words[0] === 'comment' && words[1] === 'TextureFile') head.texture = { name: words.slice(2).join(' '), at };
     if (words[0] === 'element') {
       const count = Number(words[2]);
+      if (head.elements.length === MOST_ELEMENTS) throw new FileError(at, `a head has no more than ${MOST_ELEMENTS} kinds of elements`);
       if (!Number.isInteger(count) || count < 0 || count > MOST.numbers / 3) throw new FileError(at, `a head has no ${words[2]} elements`);
       head.elements.push({ name: words[1], count, properties: [] });
     }
@@ -38,6 +40,14 @@ function readHead(bytes) {
   });
   if (!['ascii', 'binary_little_endian', 'binary_big_endian'].includes(head.format)) throw new FileError('line 2', 'the format must be ascii, binary_little_endian or binary_big_endian');
   return head;
+}
+
+/** That the bytes are there for what the head says: each number has one, or, as text, two. Of elements without properties there is nothing to read. */
+function checkSizes(bytes, head) {
+  const least = (property) => (head.format === 'ascii' ? 2 : READ[property.types[0]][1]);
+  const wanted = head.elements.reduce((sum, { count, properties }) => sum + count * properties.reduce((all, one) => all + least(one), 0), 0);
+  const there = bytes.length - head.data + 1; // the last number may have no blank behind it
+  if (wanted > there) throw new FileError(`byte ${bytes.length}`, `the elements need ${wanted} bytes, and ${there} are there`);
 }
 
 /** Gives numbers one after the other, and says where it is. */
@@ -67,8 +77,9 @@ function source(bytes, head) {
   return { next, place: () => `byte ${at}` };
 }
 
-export function readPly(file, bytes) {
+export function readPly(file, bytes, budget) {
   const head = readHead(bytes);
+  checkSizes(bytes, head);
   const { next, place } = source(bytes, head);
   const [position, uv, colors, index, notes] = [[], [], [], [], []];
   const wedges = new Map(); // a corner with its own place on the texture is a vertex of its own
@@ -81,25 +92,34 @@ export function readPly(file, bytes) {
     }
     return wedges.get(key);
   };
-  const add = (...three) => index.push(...three);
+  const add = (...three) => {
+    budget.keep(3, place);
+    index.push(...three);
+  };
+  const work = (steps) => budget.work(steps, place);
+  const cut = (corners, at) => cutFace(corners, at, add, work);
   const number = (type, name) => {
     const value = next(type);
     if (!Number.isFinite(value) && !IDLE.test(name)) throw new FileError(place(), 'a number is missing, or is none');
     return value;
   };
-  for (const { name, count, properties } of head.elements)
+  for (const { name, count, properties } of head.elements) {
+    if (!properties.length && name !== 'vertex') continue;
     for (let i = 0; i < count; i++) {
+      work(1 + properties.length);
       const values = {};
       for (const property of properties) {
         if (!property.list) values[property.name] = number(property.types[0], property.name);
         else {
           const length = number(property.types[0]);
           if (length > (name === 'tristrips' ? MOST.numbers : 256) || length < 0) throw new FileError(place(), `a list of ${length} numbers is no face`);
+          work(length);
           values[property.name] = Array.from({ length }, () => number(property.types[1]));
         }
       }
       if (name === 'vertex') {
         if (![values.x, values.y, values.z].every(Number.isFinite)) throw new FileError(place(), 'a vertex must have x, y and z');
+        budget.keep(8, place); // colours and the texture's places, too
         position.push(values.x, values.y, values.z);
         const [s, t] = [values.s ?? values.u ?? values.texture_u, values.t ?? values.v ?? values.texture_v];
         if (s !== undefined) uv.push(s, t);
@@ -113,12 +133,13 @@ export function readPly(file, bytes) {
       if (name === 'tristrips') cutStrip(corners, add);
       else if (values.texcoord && values.texcoord.length === 2 * corners.length && (from.length || !index.length)) {
         const own = corners.map((v, k) => wedge(v, values.texcoord[2 * k], values.texcoord[2 * k + 1]));
-        cutFace(own, (v) => position.slice(3 * from[v], 3 * from[v] + 3), add);
-      } else if (from.length) cutFace(corners.map((v) => wedge(v, 0, 0)), (v) => position.slice(3 * from[v], 3 * from[v] + 3), add);
-      else cutFace(corners, (v) => position.slice(3 * v, 3 * v + 3), add);
+        cut(own, (v) => position.slice(3 * from[v], 3 * from[v] + 3));
+      } else if (from.length) cut(corners.map((v) => wedge(v, 0, 0)), (v) => position.slice(3 * from[v], 3 * from[v] + 3));
+      else cut(corners, (v) => position.slice(3 * v, 3 * v + 3));
     }
+  }
   if (!index.length) throw new FileError('', 'there are no faces in it');
-  const picture = head.texture ? pictureBeside(file, head.texture.name, head.texture.at, notes) : null;
+  const picture = head.texture ? pictureBeside(file, head.texture.name, head.texture.at, notes, budget) : null;
   const asFaces = (list) => (from.length ? Float64Array.from({ length: 3 * from.length }, (_, i) => list[3 * from[Math.floor(i / 3)] + (i % 3)]) : Float64Array.from(list));
   const full = head.elements.some(({ properties }) => properties.some(({ name, types }) => COLORS.flat().includes(name) && /char|int8/.test(types[0]))) ? 255 : 1;
   return {

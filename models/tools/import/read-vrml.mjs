@@ -9,8 +9,9 @@ import { textOf } from './text.mjs';
 const TOKEN = /#[^\r\n]*|"(?:[^"\\]|\\.)*"|[[\]{}]|[^\s,[\]{}"#]+|\r\n|\r|\n/g;
 
 class Reader {
-  constructor(text) {
+  constructor(text, budget) {
     this.text = text;
+    this.budget = budget;
     this.line = 1;
     this.defined = new Map();
     this.words = this.tokens();
@@ -84,7 +85,6 @@ class Reader {
       while (this.word !== ']') {
         if (this.word === undefined) this.fail('the file ends within a list');
         list.push(this.item(depth));
-        if (list.length > MOST.numbers) this.fail('a list that is longer than any of a head');
       }
       this.advance();
       return list;
@@ -98,6 +98,7 @@ class Reader {
   item(depth) {
     const { word } = this;
     if (word === undefined) this.fail('the file ends where a value is wanted');
+    this.budget.keep(1, () => `line ${this.line}`);
     if (/^[-+.\d]/.test(word)) {
       const number = Number(this.advance());
       if (!Number.isFinite(number)) this.fail(`"${word.slice(0, 40)}" is no number`);
@@ -129,7 +130,7 @@ function transformOf({ fields, line }) {
   ].map((one) => matrixOf(one, at)).reduce(product);
 }
 
-function facesOf({ fields, line }, matrix, name, material, meshes) {
+function facesOf({ fields, line }, matrix, name, material, meshes, budget) {
   const fail = (what) => {
     throw new FileError(`line ${line}`, what);
   };
@@ -140,6 +141,8 @@ function facesOf({ fields, line }, matrix, name, material, meshes) {
   const tintIndex = listOf(fields.colorIndex);
   const coordIndex = listOf(fields.coordIndex);
   const texIndex = listOf(fields.texCoordIndex);
+  // what USE names is made each time, and told each time
+  budget.work(4 * coordIndex.length, `line ${line}`);
   const mesh = { name, material, position: [], uv: [], colors: [], index: [], targets: {}, from: [] };
   let ofFace = 0;
   const known = new Map();
@@ -147,7 +150,8 @@ function facesOf({ fields, line }, matrix, name, material, meshes) {
   const close = () => {
     if (face.length && face.length < 3) fail('a face must have three corners or more');
     const corners = fields.ccw === false ? face.reverse() : face;
-    if (corners.length) cutFace(corners, (v) => mesh.position.slice(3 * v, 3 * v + 3), (...three) => mesh.index.push(...three));
+    if (corners.length) cutFace(corners, (v) => mesh.position.slice(3 * v, 3 * v + 3), (...three) => mesh.index.push(...three), (steps) => budget.work(steps, `line ${line}`));
+    budget.keep(3 * Math.max(0, corners.length - 2), `line ${line}`);
     face = [];
     ofFace++;
   };
@@ -160,6 +164,7 @@ function facesOf({ fields, line }, matrix, name, material, meshes) {
     if (c >= tints.length / 3) fail(`the colour of coordIndex ${i} is ${c}, but there are ${tints.length / 3}`);
     const key = `${p}/${t}/${c}`;
     if (!known.has(key)) {
+      budget.keep(8, `line ${line}`); // colours and the texture's places, too
       known.set(key, mesh.position.length / 3);
       mesh.position.push(points[3 * p], points[3 * p + 1], points[3 * p + 2]);
       mesh.uv.push(...(t < 0 ? [0, 0] : [texture[2 * t], texture[2 * t + 1]]));
@@ -175,10 +180,10 @@ function facesOf({ fields, line }, matrix, name, material, meshes) {
   meshes.push({ ...mesh, position: apply(matrix, mesh.position), uv: texture.length ? Float64Array.from(mesh.uv) : null, index: mirrors(matrix) ? turnedOver(index) : index, colors: tints.length ? Float64Array.from(mesh.colors) : null });
 }
 
-export function readVrml(file, bytes) {
+export function readVrml(file, bytes, budget) {
   const text = textOf(bytes);
   if (!/^#VRML V2\.0 utf8/.test(text)) throw new FileError('line 1', 'this is no VRML97: it must begin with "#VRML V2.0 utf8"');
-  const reader = new Reader(text);
+  const reader = new Reader(text, budget);
   const roots = [];
   while (reader.word !== undefined) {
     if (reader.word !== 'ROUTE') roots.push(reader.node(0));
@@ -199,7 +204,7 @@ export function readVrml(file, bytes) {
       const look = { name: appearance.fields.material?.name ?? appearance.name ?? `material ${materials.length}`, color: diffuseColor ?? [0.8, 0.8, 0.8], roughness: 0.6, alpha: listOf(transparency)[0] > 0 ? 'blend' : 'opaque', double_sided: !solid, picture: null };
       const url = listOf(appearance.fields.texture?.fields?.url)[0];
       if (typeof url === 'string') {
-        const picture = pictureBeside(file, url, `line ${appearance.fields.texture.line}`, notes);
+        const picture = pictureBeside(file, url, `line ${appearance.fields.texture.line}`, notes, budget);
         if (picture) Object.assign(look, { picture, color: [1, 1, 1] });
       }
       materials.push(look);
@@ -210,10 +215,11 @@ export function readVrml(file, bytes) {
   const walk = (node, matrix, name) => {
     if (!node?.type) return;
     if (++visited > 1e5) throw new FileError(`line ${node.line}`, 'more nodes than a head has');
+    budget.work(100, `line ${node.line}`);
     const own = node.name ?? name;
     if (node.type === 'Shape') {
       const { geometry, appearance } = node.fields;
-      if (geometry?.type === 'IndexedFaceSet') facesOf(geometry, matrix, geometry.name ?? own ?? `mesh ${meshes.length}`, materialOf(appearance, geometry.fields.solid !== false), meshes);
+      if (geometry?.type === 'IndexedFaceSet') facesOf(geometry, matrix, geometry.name ?? own ?? `mesh ${meshes.length}`, materialOf(appearance, geometry.fields.solid !== false), meshes, budget);
       if (meshes.length > MOST.meshes) throw new FileError(`line ${node.line}`, `more than ${MOST.meshes} meshes are no head`);
       return;
     }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: MIT
 // What of an avatar can be moved, and what is meant by it: morph targets by name, expressions of VRM, a mapping file, bones.
-import { ARKIT, boneOf, BONE_NAMES, mirrored, presetOf, rowShapes, shapesAmong, VISEMES, VOWELS } from './names.mjs';
+import { ARKIT, boneOf, BONE_NAMES, mirrored, presetOf, rowShapes, shapeOf, shapesAmong, VISEMES, VOWELS } from './names.mjs';
 import { AvatarProblem } from './problem.mjs';
 
 /**
@@ -13,6 +13,7 @@ export const OPENERS = ['jawOpen', 'mouthOpen', 'viseme_aa', 'vowel_aa', 'viseme
 const MOUTH = /^(jaw|mouth)/;
 const LEAST_ARKIT = 8; // of the mouth, beside jawOpen
 const LEAST_VISEMES = 5;
+const STILL = 1e-5; // of a mesh's size
 
 /** Every morph target by its name in the file: `MESH#INDEX` where it has none. @returns {Map<string, Bind[]>} */
 function targetsOf(meshes) {
@@ -26,6 +27,36 @@ function targetsOf(meshes) {
     }
   }
   return out;
+}
+
+/** Whether a morph target moves anything: many exporters write all names, and leave most of them empty. */
+function moves({ mesh, index }) {
+  const { geometry } = mesh;
+  const target = geometry.morphAttributes.position?.[index];
+  if (!target) return false;
+  if (!geometry.boundingBox) geometry.computeBoundingBox();
+  const { min, max } = geometry.boundingBox;
+  const least = STILL * Math.max(max.x - min.x, max.y - min.y, max.z - min.z);
+  for (let v = 0; v < target.count; v++)
+    if (Math.abs(target.getX(v)) > least || Math.abs(target.getY(v)) > least || Math.abs(target.getZ(v)) > least) return true;
+  return false;
+}
+
+/** The targets that move something, each mesh's by themselves. */
+function movingOf(targets) {
+  const kept = [...targets].map(([name, binds]) => [name, binds.filter(moves)]);
+  return new Map(kept.filter(([, binds]) => binds.length));
+}
+
+/**
+ * Takes away what a file shows its shapes at (glTF's mesh.weights and node.weights): its face at rest is that without them, as FAPs mean it. What
+ * is no shape of the face stays as its maker left it.
+ * @param {Map<string, Bind[]>} targets @param {Map<string, Bind[]>} shapes
+ */
+function toRest(targets, shapes) {
+  const rows = rowShapes([...targets.keys()]);
+  const named = [...targets].filter(([name]) => rows.has(name) || shapeOf(name)).flatMap(([, binds]) => binds);
+  for (const { mesh, index } of [...named, ...[...shapes.values()].flat()]) mesh.morphTargetInfluences[index] = 0;
 }
 
 /** The expressions of VRM 1.0 and 0, by the shapes that they stand for. @returns {Map<string, Bind[]>} */
@@ -42,29 +73,31 @@ function expressionsOf(json, meshes, associations) {
       places
         .filter((place) => place[kind] === bind?.[kind === 'meshes' ? 'mesh' : 'node'])
         .filter(({ mesh }) => mesh.morphTargetInfluences?.[bind.index] !== undefined)
-        .map(({ mesh }) => ({ mesh, index: bind.index, weight: Number.isFinite(bind.weight) ? bind.weight / percent : 1 })),
+        .map(({ mesh }) => ({ mesh, index: bind.index, weight: Number.isFinite(bind.weight) ? bind.weight / percent : 1 }))
+        .filter(moves),
     );
     if (found.length) out.set(shape, found);
   };
   const { preset = {}, custom = {} } = json.extensions?.VRMC_vrm?.expressions ?? {};
-  for (const [name, { morphTargetBinds } = {}] of Object.entries({ ...custom, ...preset })) add(name, morphTargetBinds, 'nodes', 1);
+  for (const [name, one] of Object.entries({ ...custom, ...preset })) add(name, one?.morphTargetBinds, 'nodes', 1);
   const groups = json.extensions?.VRM?.blendShapeMaster?.blendShapeGroups;
-  for (const { presetName, name, binds } of Array.isArray(groups) ? groups : [])
+  for (const { presetName, name, binds } of Array.isArray(groups) ? groups.filter(Boolean) : [])
     add(presetName && presetName !== 'unknown' ? presetName : name, binds, 'meshes', 100);
   return out;
 }
 
 /** All shapes that the avatar has, from whatever says so: the mapping file first, then names, then expressions. */
-function shapesOf(targets, expressions, map) {
+function shapesOf(all, expressions, map) {
   const out = new Map();
   for (const [shape, weights] of map.shapes) {
     const binds = Object.entries(weights).flatMap(([name, weight]) => {
-      if (!targets.has(name)) throw new AvatarProblem('bad-map', `avatar-map, shapes.${shape}: the avatar has no morph target "${name}"`);
-      return targets.get(name).map((bind) => ({ ...bind, weight }));
+      if (!all.has(name)) throw new AvatarProblem('bad-map', `avatar-map, shapes.${shape}: the avatar has no morph target "${name}"`);
+      return all.get(name).map((bind) => ({ ...bind, weight }));
     });
     out.set(shape, binds);
   }
   if (!map.others) return out;
+  const targets = movingOf(all);
   const rows = rowShapes([...targets.keys()]);
   const meshes = new Set([...targets.values()].flat().map(({ mesh }) => mesh));
   for (const mesh of meshes) {
@@ -105,7 +138,7 @@ function bonesOf(gltf, map) {
   }
   const { humanBones } = json.extensions?.VRMC_vrm?.humanoid ?? {};
   const old = json.extensions?.VRM?.humanoid?.humanBones;
-  const listed = Array.isArray(old) ? Object.fromEntries(old.map(({ bone, node }) => [bone, { node }])) : (humanBones ?? {});
+  const listed = Array.isArray(old) ? Object.fromEntries(old.filter(Boolean).map(({ bone, node }) => [bone, { node }])) : (humanBones ?? {});
   for (const name of BONE_NAMES) bones[name] ??= byNode.get(listed[name]?.node);
   const joints = new Set((json.skins ?? []).flatMap((skin) => skin.joints ?? []));
   for (const [node, object] of byNode) {
@@ -142,7 +175,9 @@ export const namesIn = (scene) => [...targetsOf(meshesIn(scene)).keys()];
 export function controlsOf(gltf, map) {
   const meshes = meshesIn(gltf.scene);
   const { json, associations } = gltf.parser;
-  const shapes = shapesOf(targetsOf(meshes), expressionsOf(json, meshes, associations), map);
+  const targets = targetsOf(meshes);
+  const shapes = shapesOf(targets, expressionsOf(json, meshes, associations), map);
+  toRest(targets, shapes);
   const bones = bonesOf(gltf, map);
   const control = (name) => ({ name, binds: shapes.get(name) });
   const lids = shapes.has('eyeBlinkLeft') && shapes.has('eyeBlinkRight') ? [] : ['eyeBlink'];

@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { mended } from './mend.mjs';
 import { AvatarProblem } from './problem.mjs';
 import { checkReferences } from './references.mjs';
 
@@ -77,7 +78,8 @@ function named(mesh, accessors) {
  * Refuses what would cost a reader too much, or reach out of the file; takes out what a face has no use for.
  * @param {{json: object, binary: Uint8Array|null}} glb @returns {object} its JSON
  */
-export function checkGlb({ json, binary }) {
+export function checkGlb({ json: told, binary }) {
+  const json = mended(told);
   const names = (value) => (Array.isArray(value) ? value : []);
   const unread = names(json.extensionsRequired).filter((name) => !READ.includes(name));
   if (unread.length) throw new AvatarProblem('unsupported', `it needs ${unread.join(', ')}, which is not read here`);

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: MIT
 import { ClampToEdgeWrapping, LinearFilter, LinearMipmapLinearFilter, MirroredRepeatWrapping, NearestFilter, RepeatWrapping, Texture } from 'three';
-import { pictureSize } from './picture-size.mjs';
+import { MOST_PIXELS, pictureKind, pictureSize } from '../picture-size.mjs';
 import { AvatarProblem } from './problem.mjs';
 import { unpacker } from './unpackers.mjs';
 
 const WRAPS = { 33071: ClampToEdgeWrapping, 33648: MirroredRepeatWrapping, 10497: RepeatWrapping };
 const MOST_SIDE = 2048; // pixels: more of a face is not seen, and costs memory
-const MOST_POINTS = 1 << 26; // of a picture as it comes: 8192 x 8192
 const MOST_ALL = 1 << 28; // of all pictures
+const READ = ['png', 'jpeg', 'webp', 'avif', 'ktx2'];
 const PLAIN = { premultiplyAlpha: 'none', colorSpaceConversion: 'none' };
 
 /**
@@ -28,15 +28,16 @@ async function textureOf(parser, index, budget) {
   const image = json.images?.[source];
   if (!image) throw new AvatarProblem('damaged', `textures[${index}]: there is no ${place}`);
   const data = await parser.getDependency('bufferView', image.bufferView);
-  const size = pictureSize(new Uint8Array(data));
+  const bytes = new Uint8Array(data);
+  const size = READ.includes(pictureKind(bytes)) && pictureSize(bytes);
   if (!size) throw new AvatarProblem('damaged', `${place}: is no PNG, JPEG, WebP, AVIF or KTX2`);
   const points = size[0] * size[1];
   budget.left -= points;
-  if (points > MOST_POINTS || budget.left < 0) {
-    const beside = points > MOST_POINTS ? '' : ', beside those of the others,';
+  if (points > MOST_PIXELS || budget.left < 0) {
+    const beside = points > MOST_PIXELS ? '' : ', beside those of the others,';
     throw new AvatarProblem('too-large', `${place}: ${size.join(' x ')} points${beside} are too many`);
   }
-  const decoded = await pictureIn(data, image.mimeType)
+  const decoded = await pictureIn(data, pictureKind(bytes))
     .then((picture) => createImageBitmap(picture, PLAIN))
     .catch((error) => {
       throw error instanceof AvatarProblem ? error : new AvatarProblem('damaged', `${place}: cannot be decoded (${error.message})`);
@@ -56,8 +57,8 @@ async function textureOf(parser, index, budget) {
   return texture;
 }
 
-async function pictureIn(data, type) {
-  if (type !== 'image/ktx2') return new Blob([data], { type });
+async function pictureIn(data, kind) {
+  if (kind !== 'ktx2') return new Blob([data], { type: `image/${kind}` });
   const basis = await unpacker('basis');
   const { data: points, width, height } = basis.decode(new Uint8Array(data), MOST_SIDE);
   return new ImageData(points, width, height);

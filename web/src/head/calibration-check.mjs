@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: MIT
 // What a calibration must be like, before anything is done with it.
+import { pictureTrouble } from '../picture-size.mjs';
 import { ModelError } from './model-error.mjs';
 
 /** How many feature points each group of ISO/IEC 14496-2 has. */
 const GROUPS = { 2: 14, 3: 14, 4: 6, 5: 4, 6: 4, 7: 1, 8: 10, 9: 15, 10: 10, 11: 6 };
 const FARTHEST = 1000; // mm
+const MOST_PIXELS = 1 << 22; // of a texture, as server/net/calibration.h has it
 
 /** @param {string} name such as "8.4" */
 export function isFeaturePoint(name) {
@@ -42,4 +44,7 @@ export function checkCalibration(calibration, prefix = '') {
   const { data } = texture;
   if (typeof data !== 'string' || !data || data.length % 4 || !/^[A-Za-z0-9+/]*={0,2}$/.test(data))
     throw new ModelError(`${prefix}texture.data`, 'must be base64');
+  const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+  const trouble = pictureTrouble(bytes, MOST_PIXELS, [texture.type.slice('image/'.length)]);
+  if (trouble) throw new ModelError(`${prefix}texture.data`, trouble);
 }

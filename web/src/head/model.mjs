@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: MIT
+import { pictureTrouble } from '../picture-size.mjs';
 import { checkModel, ModelError } from './model-check.mjs';
 import { shared } from './shared.mjs';
 import { readOnce } from './together.mjs';
@@ -119,7 +120,10 @@ const decoded = new WeakMap(); // image -> its promise, which is looked for, and
 /** The image of a texture, for all heads that have it. @returns {Promise<ImageBitmap>} */
 export function decodeTexture(texture, options) {
   const decode = () => {
-    const coming = createImageBitmap(new Blob([bytes(texture.data)], { type: texture.type }), options);
+    const data = bytes(texture.data);
+    const trouble = pictureTrouble(data);
+    if (trouble) throw new ModelError('textures', `one ${trouble}`);
+    const coming = createImageBitmap(new Blob([data], { type: texture.type }), options);
     coming.then((image) => decoded.set(image, coming), () => {});
     return coming;
   };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 import { ModelError } from '../head/model.mjs';
+import { pictureTrouble } from '../picture-size.mjs';
 import { Region } from './morph.mjs';
 import { isRegion } from './space.mjs';
 
@@ -45,15 +46,19 @@ function checkRegion(region, set) {
  * @returns {Promise<{base: ImageBitmap, regions: Region[]}>}
  */
 export async function decodePictures(set) {
-  const [base, ...sheets] = await Promise.all([set.base, ...set.regions.map(({ sheet }) => sheet)].map(decode));
+  const all = [['base', set.base], ...set.regions.map(({ name, sheet }) => [`region ${name}`, sheet])].map(([place, one]) => measured(place, one));
+  const [base, ...sheets] = await Promise.all(all.map((one) => createImageBitmap(one)));
   const regions = set.regions.map((region, i) => new Region(region, cut(sheets[i], region), set.fapu));
   sheets.forEach((sheet) => sheet.close());
   return { base, regions };
 }
 
-function decode({ type, data }) {
+/** @throws {ModelError} before anything is decoded @returns {Blob} */
+function measured(place, { type, data }) {
   const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
-  return createImageBitmap(new Blob([bytes], { type }));
+  const trouble = pictureTrouble(bytes, MOST_PIXELS);
+  if (trouble) throw new ModelError(`${place}: its picture ${trouble}`);
+  return new Blob([bytes], { type });
 }
 
 /** The pictures of a sheet, row by row. @returns {Uint32Array[]} */

@@ -5,6 +5,7 @@
 import { closeUp, detectorSettings, findFace } from './detect.mjs';
 import { base64 } from './pack.mjs';
 import { asProfile, inOrder, makeHead, nearest } from './portrait.mjs';
+import { pictureSize, pictureTrouble } from '../picture-size.mjs';
 import { PortraitError } from './problem.mjs';
 
 export { PoseGuess } from './actions/guess.mjs';
@@ -23,6 +24,14 @@ function canvasOf(width, height) {
   return { canvas, context: canvas.getContext('2d', { willReadFrequently: true }) };
 }
 
+const HEADER_BYTES = 1 << 20; // before a photograph's own size may stand its thumbnail, colours and place
+
+/** Looks at the header before anything is decoded: 31 kB may be gigabytes then. What has none that is known, the browser decides. */
+async function measure(source) {
+  const size = pictureSize(new Uint8Array(await source.slice(0, HEADER_BYTES).arrayBuffer()));
+  if (size && size[0] * size[1] > MOST_PIXELS) throw new PortraitError('too_large', `the picture has more than ${MOST_PIXELS / 1e6} million pixels`);
+}
+
 /**
  * A picture as RGBA, upright, on grey where it is clear.
  * @param {Blob|HTMLVideoElement|HTMLCanvasElement} source @param {number} [longest] pixels of its longer side, at most
@@ -30,6 +39,7 @@ function canvasOf(width, height) {
  */
 export async function readPicture(source, longest = LONGEST) {
   let image;
+  if (source instanceof Blob) await measure(source);
   try {
     image = await createImageBitmap(source); // upright, as its camera says
   } catch (error) {
@@ -50,6 +60,8 @@ export async function readPicture(source, longest = LONGEST) {
 export const textures = {
   async read({ type, data }) {
     const bytes = Uint8Array.from(atob(data), (letter) => letter.charCodeAt(0));
+    const trouble = pictureTrouble(bytes);
+    if (trouble) throw new PortraitError('too_large', `a texture of the head ${trouble}`);
     const image = await createImageBitmap(new Blob([bytes], { type }), { colorSpaceConversion: 'none', premultiplyAlpha: 'none' });
     const { context } = canvasOf(image.width, image.height);
     context.drawImage(image, 0, 0);
