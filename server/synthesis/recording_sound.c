@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/mem.h"
+#include "server/base/mixdown.h"
+#include "server/base/wav_file.h"
 #include "server/synthesis/recording_internal.h"
 #include <math.h>
 #include <sndfile.h>
@@ -16,6 +18,7 @@ const char *const recording_sounds[] = {"wav",  "flac", "ogg", "opus", "oga", "m
 struct recording_sound {
     SNDFILE *file;
     SF_INFO info;
+    struct mixdown mixdown;
     const struct buf *memory; /* what is read from, when it is no file */
     sf_count_t at;
     float *block; /* BLOCK frames of all channels */
@@ -72,7 +75,9 @@ static void open_file(struct recording_sound *s, const struct recording_source *
     char *found = source->sound_path || source->sound.size ? NULL : recording_sound_beside(source->fap_path);
     const char *path = source->sound_path ? source->sound_path : found;
     s->memory = &source->sound;
-    s->file = path ? sf_open(path, SFM_READ, &s->info) : sf_open_virtual(&memory, SFM_READ, &s->info, s);
+    if (!path)
+        wav_file_mend(source->sound.data, source->sound.size);
+    s->file = path ? wav_file_open(path, &s->info) : sf_open_virtual(&memory, SFM_READ, &s->info, s);
     free(found);
 }
 
@@ -124,12 +129,9 @@ uint32_t recording_sound_rate(const struct recording_sound *s) {
     return (uint32_t)s->info.samplerate;
 }
 
-static int16_t mix(const float *frame, int channels) {
-    double sum = 0;
-    for (int c = 0; c < channels; c++)
-        sum += (double)frame[c];
-    double value = sum / channels * 32768;
-    return (int16_t)(value >= 32767 ? 32767 : value <= -32768 ? -32768 : isnan(value) ? 0 : lrint(value));
+static int16_t mix(struct recording_sound *s, const float *frame) {
+    double value = mixdown_frame(&s->mixdown, frame, (unsigned)s->info.channels) * 32768;
+    return (int16_t)(value >= 32767 ? 32767 : value <= -32768 ? -32768 : lrint(value));
 }
 
 uint32_t recording_sound_read(struct recording_sound *s, int16_t *pcm, uint32_t count) {
@@ -138,7 +140,7 @@ uint32_t recording_sound_read(struct recording_sound *s, int16_t *pcm, uint32_t 
         sf_count_t want = count - done < BLOCK ? count - done : BLOCK;
         sf_count_t got = sf_readf_float(s->file, s->block, want);
         for (sf_count_t i = 0; i < got; i++)
-            pcm[done + (uint32_t)i] = mix(s->block + i * s->info.channels, s->info.channels);
+            pcm[done + (uint32_t)i] = mix(s, s->block + i * s->info.channels);
         done += got > 0 ? (uint32_t)got : 0;
         if (got < want)
             break;
