@@ -101,7 +101,7 @@ const kit = await build({
   ...common,
   stdin: {
     contents: `export { default as uPlot } from 'uplot'; export { default as FFT } from 'fft.js';
-      export { FapcDecoder } from '../protocol/fapc.mjs';`,
+      export { FapcDecoder } from '../protocol/fapc.mjs'; export { mono } from './src/audio/mixdown.mjs';`,
     resolveDir: here,
   },
   outfile: path.join(out, 'player-kit.js'),

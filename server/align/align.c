@@ -14,6 +14,53 @@ static size_t nearest(const struct align_map *map, size_t j, size_t count) {
     return middle < count ? middle : count - 1;
 }
 
+/* Noise before a word costs the warp no more on a frame of the word than beside it, so the word may begin
+ * with the noise: a frame so near to the word's boundary (frames) that is held for so long (frames of the
+ * recording) is not the word but something that is none of it; so much is left to it. */
+enum { NEAR_WORD = 8, BEGIN_HELD = 30, END_HELD = 60, HELD_KEPT = 4 }; /* last vowels are long */
+
+static bool is_held(const struct align_map *map, size_t j, size_t least) {
+    return map->until[j] > map->at[j] + least;
+}
+
+/* Frames of the reference from..to of which the last that is held is `held`: begin where its holding ends. */
+static void begin_later(struct align_map *map, size_t from, size_t held) {
+    size_t begin = map->until[held] - HELD_KEPT;
+    for (size_t j = from; j <= held; j++)
+        map->at[j] = begin;
+    for (size_t j = from; j < held; j++)
+        map->until[j] = begin;
+}
+
+static void end_sooner(struct align_map *map, size_t held, size_t to) {
+    size_t end = map->at[held] + HELD_KEPT;
+    for (size_t j = held; j < to; j++)
+        map->until[j] = end;
+    for (size_t j = held + 1; j < to; j++)
+        map->at[j] = end;
+}
+
+/* Gives back what words hold at their beginnings and before pauses that none of them is. */
+static void release(struct align_map *map, const size_t *gaps, size_t count) {
+    for (size_t g = 0; g < count; g++) {
+        size_t held = SIZE_MAX, end = g + 1 < count ? gaps[g + 1] : map->frames;
+        for (size_t j = gaps[g]; j < gaps[g] + NEAR_WORD && j < end; j++)
+            if (is_held(map, j, BEGIN_HELD))
+                held = j;
+        if (held != SIZE_MAX)
+            begin_later(map, gaps[g], held);
+    }
+    for (size_t g = 0; g <= count; g++) { /* what ends there */
+        size_t to = g < count ? gaps[g] : map->frames, from = g ? gaps[g - 1] : 0;
+        size_t first = to > from + NEAR_WORD ? to - NEAR_WORD : from;
+        for (size_t j = first; j < to; j++)
+            if (is_held(map, j, END_HELD)) {
+                end_sooner(map, j, to);
+                break;
+            }
+    }
+}
+
 int align_make(struct align_map *map, const struct align_sound *recording,
                const struct align_sound *reference, const struct align_options *how) {
     struct features a, b;
@@ -35,6 +82,8 @@ int align_make(struct align_map *map, const struct align_sound *recording,
     map->apart = mem_alloc(b.count * sizeof *map->apart);
     map->passed = mem_alloc(b.count * sizeof *map->passed);
     map->distance = warp(&a, &b, &options, map->at, map->until);
+    if (map->distance >= 0)
+        release(map, gaps, gap_count);
     for (size_t j = 0; j < b.count && map->distance >= 0; j++)
         map->apart[j] = b.silent[j] ? -1 : warp_distance(a.frames[nearest(map, j, a.count)], b.frames[j]);
     for (size_t j = 1; j < b.count && map->distance >= 0; j++)
@@ -98,6 +147,14 @@ double align_apart(const struct align_map *map, uint64_t from, uint64_t to) {
             count++;
         }
     return count > 0 ? sum / count : -1;
+}
+
+double align_held(const struct align_map *map, uint64_t from, uint64_t to) {
+    size_t most = 0;
+    double end = frame_of(to, map->reference_rate);
+    for (size_t j = (size_t)frame_of(from, map->reference_rate); j < map->frames && (double)j < end; j++)
+        most = map->until[j] - map->at[j] > most ? map->until[j] - map->at[j] : most;
+    return (double)most * FEATURE_HOP / FEATURE_RATE;
 }
 
 double align_passed(const struct align_map *map, uint64_t from, uint64_t to) {

@@ -46,6 +46,10 @@ uint64_t align_end_time(const struct align_map *map, uint64_t reference_sample);
  * words are the same. Negative when there are only pauses. */
 double align_apart(const struct align_map *map, uint64_t from, uint64_t to);
 
+/* For how long, s, the recording stays at one moment of the reference between two of its samples: longer than
+ * speech does, it is a pause, noise or other words, and where what is said there begins is not known. */
+double align_held(const struct align_map *map, uint64_t from, uint64_t to);
+
 /* Seconds of sound between two samples of the reference, without the first, that are none of it. */
 double align_passed(const struct align_map *map, uint64_t from, uint64_t to);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/align/aligned_recording.h"
 #include "server/align/long_alignment.h"
+#include "server/base/buf.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include <math.h>
@@ -165,11 +166,23 @@ static int take_times(struct aligned_recording *r, const struct times *times, st
     return times->word_count ? take_words(r, times, e) : 0;
 }
 
+/* What the times say is said, as a text; to be freed. */
+static char *text_of(const struct times *times) {
+    struct buf text = {0};
+    for (size_t i = 0; i < times->word_count; i++) {
+        buf_add(&text, times->words[i].text, strlen(times->words[i].text));
+        buf_add(&text, " ", 1);
+    }
+    buf_add(&text, "", 1);
+    return (char *)text.data;
+}
+
 struct aligned_recording *aligned_recording_open(const struct aligned_recording_options *options,
                                                  struct error *e) {
     struct aligned_recording *r = mem_alloc(sizeof *r);
-    const char *text = options->text ? options->text : "";
-    size_t size = options->text ? options->text_size : 0, bad = utf8_check(text, size);
+    char *own = !options->text && options->times ? text_of(options->times) : NULL;
+    const char *text = options->text ? options->text : own ? own : "";
+    size_t size = options->text ? options->text_size : strlen(text), bad = utf8_check(text, size);
     const char *nul = size ? memchr(text, '\0', size) : NULL;
     if (nul && (size_t)(nul - text) < bad)
         bad = (size_t)(nul - text);
@@ -185,9 +198,12 @@ struct aligned_recording *aligned_recording_open(const struct aligned_recording_
         snprintf(r->gender, sizeof r->gender, "%s", options->gender ? options->gender : "");
         text_words_add(&r->tokens, r->text, size, 0);
         r->words = mem_alloc(r->tokens.count * sizeof *r->words);
-        if (!options->times || !take_times(r, options->times, e))
+        if (!options->times || !take_times(r, options->times, e)) {
+            free(own);
             return r;
+        }
     }
+    free(own);
     aligned_recording_free(r);
     return NULL;
 }

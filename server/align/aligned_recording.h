@@ -14,7 +14,7 @@
 
 struct aligned_recording_options {
     const char *sound; /* path */
-    const char *text;  /* what is read, UTF-8; copied. NULL = only times are known */
+    const char *text;  /* what is read, UTF-8; copied. NULL = the words of the times, if any */
     size_t text_size;
     const char *lang;                 /* BCP 47 */
     const char *gender;               /* "female", "male"; NULL = not known */

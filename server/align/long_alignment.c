@@ -116,7 +116,8 @@ static int follow(struct long_alignment *c, struct error *e) {
     int result = long_alignment_find(c, &map) ? 0 : 1;
     if (result && !c->made && !fits(c, &map, count)) {
         result = long_alignment_stopped(c) ? 0 : long_alignment_recover(c, c->said.spans[count].from, e);
-        if (c->failed && c->likely) { /* all in all they are the words: too few of them to be told apart */
+        if ((c->failed || (c->lost && result > 0)) && c->likely) {
+            /* all in all they are the words: too few of them to be told apart, or read too slowly */
             c->failed = c->lost = false;
             c->at = c->said.spans[0].from;
             c->ready_count = 0;

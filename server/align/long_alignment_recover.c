@@ -5,6 +5,7 @@
 #include "server/base/mem.h"
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* So much of the text is looked for at once, by sentences, in what it would take and so many seconds more;
  * then in what follows, which begins so many seconds before the end of that, so often. */
@@ -13,6 +14,8 @@ static const struct speak_amount block_amount = {40, 14};
 #define OVERLAP_SECONDS 25.0
 enum { LOOKS = 8 };
 #define PACE_FIRST 1.2
+/* A reader who is so much slower than the voice that it is aligned to is not found at its pace. */
+static const double paces[] = {1, 1.35, 1.8};
 /* Pieces that follow one another are believed if together they are nearer by so much than what is not of the
  * text. */
 #define TRUST 25.0f
@@ -83,14 +86,26 @@ static int search(const struct long_alignment *c, struct block *b) {
             (struct piece_frames){(size_t)((double)span->start * FEATURE_RATE / s->rate / FEATURE_HOP),
                                   (size_t)((double)span->end * FEATURE_RATE / s->rate / FEATURE_HOP)};
     }
-    const struct piece_search how = {&recording, &reference, frames, count, c->stop};
-    int result = piece_search(&how, places);
-    for (size_t i = 0; i < count; i++)
-        b->places[which[i]] = places[i];
+    int result = 0;
+    bool all = false;
+    for (size_t p = 0; p < sizeof paces / sizeof *paces && !result && !all; p++) {
+        struct piece_search how = {&recording, &reference, frames, count, paces[p], c->stop};
+        struct block best = *b; /* of the paces before */
+        result = piece_search(&how, places);
+        for (size_t i = 0; i < count; i++)
+            b->places[which[i]] = places[i];
+        judge(b);
+        all = true;
+        for (size_t i = 0; i < count; i++)
+            all = all && b->places[which[i]].found;
+        if (p && best.gain >= b->gain) {
+            memcpy(b->places, best.places, sizeof b->places);
+            b->last = best.last;
+            b->gain = best.gain;
+        }
+    }
     features_free(&recording);
     features_free(&reference);
-    if (!result)
-        judge(b);
     return result;
 }
 

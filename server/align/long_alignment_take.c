@@ -12,6 +12,9 @@
 /* Shares of other words' distance at which a piece is certain, and worth nothing (chance_distance.h). */
 #define CERTAIN 0.86
 #define WORTHLESS 1.0
+/* A word of which one moment is held for so long is doubtful, and worth nothing, s. */
+#define HELD_DOUBTFUL 0.25
+#define HELD_WORTHLESS 0.9
 /* A word is too short to be judged by itself: so many on both sides count, too. */
 enum { BESIDE = 2 };
 
@@ -77,14 +80,18 @@ static void take_phones(const struct fit *fit, const struct reference_span *span
         widen(piece, i);
 }
 
-/* How sure word i is: by the sound of it and of its neighbours, on the piece's scale. */
+/* How sure word i is: by the sound of it and of its neighbours, on the piece's scale, and by how it lasts. */
 static double word_confidence(const struct fit *fit, const struct reference_span *span, size_t i,
                               const struct long_alignment_piece *piece, double apart) {
     const struct reference_word *words = fit->said->speech.words;
     size_t first = i >= span->words + BESIDE ? i - BESIDE : span->words, last = i + BESIDE + 1;
     uint64_t end = last < span[1].words ? words[last].start : span->end;
+    uint64_t own = i + 1 < span[1].words ? words[i + 1].start : span->end;
     double here = apart_of(fit, words[first].start, end);
-    return here < 0 || piece->apart <= 0 ? confidence(apart) : confidence(apart * here / piece->apart);
+    double held = align_held(fit->map, inside(fit, words[i].start), inside(fit, own));
+    double lasts = fmax(0, fmin(1, (HELD_WORTHLESS - held) / (HELD_WORTHLESS - HELD_DOUBTFUL)));
+    return lasts *
+           (here < 0 || piece->apart <= 0 ? confidence(apart) : confidence(apart * here / piece->apart));
 }
 
 /* A word ends with its last phone. */

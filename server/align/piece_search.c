@@ -39,14 +39,17 @@ enum { STAYED, FROM_END, SKIPPED };
 struct search {
     const atomic_bool *stop;
     struct grid a, b;
-    float other; /* cost of a frame that is not of the text */
+    float other;     /* cost of a frame that is not of the text, in the mean */
+    float *other_at; /* the same for each frame of the recording */
     float *now, *before;
     uint32_t *start_now, *start_before; /* where a way began, with the highest bit: by a jump */
 };
 #define JUMPED (1u << 31)
 
-static void grid_make(struct grid *g, const struct features *f, size_t from, size_t to) {
-    for (size_t i = from; i < to && i < f->count; i += STEP)
+/* A frame in every `step`. */
+static void grid_make(struct grid *g, const struct features *f, size_t from, size_t to, double step) {
+    size_t i = from;
+    for (size_t k = 0; i < to && i < f->count; i = from + (size_t)((double)++k * step))
         if (!f->silent[i]) {
             memcpy(g->frames[g->count], f->frames[i], sizeof g->frames[0]);
             g->from[g->count++] = i;
@@ -85,8 +88,9 @@ static void step(struct search *s, size_t i, size_t from, size_t to, float enter
                 better(enter + leap, start, &best, &way);
         }
         s->start_now[j] = way;
-        s->now[j] =
-            best < FAR / 2 ? best + warp_distance(s->a.frames[i], s->b.frames[from + j]) - s->other : FAR;
+        s->now[j] = best < FAR / 2
+                        ? best + warp_distance(s->a.frames[i], s->b.frames[from + j]) - s->other_at[i]
+                        : FAR;
     }
 }
 
@@ -160,6 +164,8 @@ static float other_words(struct search *s, size_t m) {
         sum += warp_distance(s->a.frames[i], backwards[i * 7919 % used]);
     s->b.frames = backwards;
     s->other = (float)(sum / (double)n) * 0.9f;
+    for (size_t i = 0; i < n; i++)
+        s->other_at[i] = s->other;
     double distance = 0, length = 0;
     for (size_t from = 0; from < used; from += 4 * STRETCH * STRETCH / 2) {
         size_t to = from + 2 * STRETCH * STRETCH < used ? from + 2 * STRETCH * STRETCH : used;
@@ -183,6 +189,26 @@ static float other_words(struct search *s, size_t m) {
     s->b.frames = words;
     free(backwards);
     return length > 0 ? (float)(distance / length) : s->other;
+}
+
+/* Noise and music, which hardly change, are nearer to all words than words are to each other: what is not of
+ * the text costs less there, by how far the frames thereabouts are from the text's in the mean. */
+static void judge_frames(struct search *s) {
+    enum { SAMPLES = 64, ABOUT = 15 };
+    size_t n = s->a.count, m = s->b.count;
+    double *sums = mem_alloc((n + 1) * sizeof *sums);
+    for (size_t i = 0; i < n; i++) {
+        double sum = 0;
+        for (size_t k = 0; k < SAMPLES && m; k++)
+            sum += warp_distance(s->a.frames[i], s->b.frames[(i + k * m / SAMPLES) % m]);
+        sums[i + 1] = sums[i] + sum;
+    }
+    for (size_t i = 0; i < n; i++) {
+        size_t from = i > ABOUT ? i - ABOUT : 0, to = i + ABOUT < n ? i + ABOUT : n;
+        double here = (sums[to] - sums[from]) / (double)(to - from), all = sums[n] / (double)n;
+        s->other_at[i] = s->other * (float)(all > 0 ? fmin(1, here / all) : 1);
+    }
+    free(sums);
 }
 
 /* From the last frame back: which pieces were found, and where. */
@@ -223,10 +249,11 @@ int piece_search(const struct piece_search *how, struct piece_place *places) {
     struct node **nodes = mem_alloc((how->count + 1) * sizeof *nodes);
     memset(places, 0, how->count * sizeof *places);
     grid_open(&s.a, how->recording->count, 0);
-    grid_open(&s.b, how->reference->count, how->count);
-    grid_make(&s.a, how->recording, 0, how->recording->count);
+    double step = fmax(1, STEP / fmax(1, how->pace)); /* as many frames as the recording has of it */
+    grid_open(&s.b, STEP * how->reference->count, how->count);
+    grid_make(&s.a, how->recording, 0, how->recording->count, STEP);
     for (size_t k = 0; k < how->count; k++) {
-        grid_make(&s.b, how->reference, how->pieces[k].from, how->pieces[k].to);
+        grid_make(&s.b, how->reference, how->pieces[k].from, how->pieces[k].to, step);
         bounds[k + 1] = s.b.count;
         longest = bounds[k + 1] - bounds[k] > longest ? bounds[k + 1] - bounds[k] : longest;
     }
@@ -234,7 +261,9 @@ int piece_search(const struct piece_search *how, struct piece_place *places) {
     s.before = mem_alloc(longest * sizeof *s.before);
     s.start_now = mem_alloc(longest * sizeof *s.start_now);
     s.start_before = mem_alloc(longest * sizeof *s.start_before);
+    s.other_at = mem_alloc((s.a.count + 1) * sizeof *s.other_at);
     s.other = other_words(&s, s.b.count) * OTHER_SHARE;
+    judge_frames(&s);
     for (size_t k = 0; k <= how->count; k++)
         nodes[k] = mem_alloc((s.a.count + 1) * sizeof **nodes);
     for (size_t i = 0; i <= s.a.count; i++)
@@ -247,6 +276,7 @@ int piece_search(const struct piece_search *how, struct piece_place *places) {
         free(nodes[k]);
     free(nodes);
     free(bounds);
+    free(s.other_at);
     free(s.now);
     free(s.before);
     free(s.start_now);

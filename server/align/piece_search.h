@@ -24,6 +24,7 @@ struct piece_search {
     const struct features *recording, *reference;
     const struct piece_frames *pieces; /* in order */
     size_t count;
+    double pace; /* of the recording for each of the reference, 1 to 3: how much slower it is spoken */
     const atomic_bool *stop; /* NULL, or true when nobody wants the result any more */
 };
 

@@ -1,18 +1,21 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/align/sound_file.h"
 #include "server/base/mem.h"
+#include "server/base/mixdown.h"
+#include "server/base/wav_file.h"
 #include <math.h>
 #include <sndfile.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES = 4096, CHANNELS_MAX = 16, RATE_MIN = 8000, RATE_MAX = 192000 };
+enum { FRAMES = 4096, CHANNELS_MAX = MIXDOWN_CHANNELS_MAX, RATE_MIN = 8000, RATE_MAX = 192000 };
 
 #define CODE ERROR_BAD_SOUND
 
 struct sound_file {
     SNDFILE *file;
-    int channels;
+    unsigned channels;
+    struct mixdown mixdown;
     uint64_t at; /* the frame that is read next */
     struct sound_source source;
     float frames[FRAMES * CHANNELS_MAX];
@@ -29,11 +32,9 @@ static size_t read_frames(void *ctx, uint64_t from, int16_t *out, size_t count) 
         /* as shorts, files of floats would be read as a whole first, to scale them */
         sf_count_t got = sf_readf_float(s->file, s->frames, (sf_count_t)want);
         for (sf_count_t i = 0; i < got; i++) {
-            float sum = 0;
-            for (int c = 0; c < s->channels; c++)
-                sum += s->frames[i * s->channels + c];
-            sum *= 32768 / (float)s->channels;
-            out[done++] = (int16_t)lrintf(fmaxf(-32768, fminf(32767, sum)));
+            double mono =
+                32768 * mixdown_frame(&s->mixdown, s->frames + (size_t)i * s->channels, s->channels);
+            out[done++] = (int16_t)lrint(fmax(-32768, fmin(32767, mono)));
         }
         s->at += got > 0 ? (uint64_t)got : 0;
         if (got < (sf_count_t)want)
@@ -45,7 +46,7 @@ static size_t read_frames(void *ctx, uint64_t from, int16_t *out, size_t count) 
 struct sound_file *sound_open(const char *path, struct error *e) {
     struct sound_file *s = mem_alloc(sizeof *s);
     SF_INFO info = {0};
-    s->file = sf_open(path, SFM_READ, &info);
+    s->file = wav_file_open(path, &info);
     if (!s->file)
         error_set(e, CODE, "%.160s: %s", path, sf_strerror(NULL));
     else if (info.channels < 1 || info.channels > CHANNELS_MAX)
@@ -56,7 +57,7 @@ struct sound_file *sound_open(const char *path, struct error *e) {
     else if (info.frames < 1 || !info.seekable)
         error_set(e, CODE, "%.160s: there is no sound in it", path);
     else {
-        s->channels = info.channels;
+        s->channels = (unsigned)info.channels;
         s->source = (struct sound_source){read_frames, s, (uint32_t)info.samplerate, (uint64_t)info.frames};
         return s;
     }

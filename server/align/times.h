@@ -29,8 +29,9 @@ extern const char *const times_format_names[TIMES_FORMATS];
 
 struct times_options {
     enum times_format format;
-    const char *tier; /* textgrid: of the phones; NULL = "phones", "MAU"... or the first with intervals */
-    const char *word_tier; /* textgrid: NULL = "words", "ORT-MAU"..., if there is one */
+    const char *tier; /* textgrid: of the phones; NULL = "phones", "MAU", "anna - phones"..., or the only one
+                         besides the words */
+    const char *word_tier; /* textgrid: NULL = "words", "ORT-MAU", "anna - words"..., if there is one */
     const char *entry;     /* htk, in a master label file: the sound's name; NULL = its first */
     const json_t *names;   /* the file's name -> IPA, a stress mark before it, "" = a pause; NULL = it has IPA
                               (or X-SAMPA) */

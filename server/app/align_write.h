@@ -21,7 +21,7 @@ struct output {
 };
 
 struct align {
-    const char *sound, *text, *timing, *names, *gender;
+    const char *sound, *text, *timing, *names, *tier, *word_tier, *gender;
     struct speech_request request; /* lang, engine, fps, still, seed */
     struct output outputs[OUTPUTS];
     bool progress;

@@ -23,6 +23,8 @@ static const char usage[] =
     "byte "
     "offsets\n"
     "      --names FILE     JSON object: the timing's names of phones in IPA\n"
+    "      --tier NAME      of a TextGrid: has the phones; found by its name when it is not told\n"
+    "      --word-tier NAME has the words\n"
     "  -l, --lang TAG       it, pt-BR, tr, en, or any other that a voice speaks (it)\n"
     "      --gender WORD    of the speaker: female or male; found out when it is not told\n"
     "      --fps N          FAP frames per second, 1 to 120 (25)\n"
@@ -60,7 +62,8 @@ static int read_timing(struct align *a, struct times *times) {
     struct buf data = {0};
     json_error_t why;
     json_t *names = a->names ? json_load_file(a->names, 0, &why) : NULL;
-    const struct times_options options = {.format = TIMES_GUESS, .names = names, .pack = a->pack};
+    const struct times_options options = {
+        .format = TIMES_GUESS, .tier = a->tier, .word_tier = a->word_tier, .names = names, .pack = a->pack};
     struct error e;
     char text[400];
     int result = -1;
@@ -124,14 +127,12 @@ static int run(struct align *a, const struct settings *settings) {
 /* The exit code, or -1 to go on. */
 static int parse(int argc, char **argv, struct align *a) {
     static const struct option options[] = {
-        {"text", 1, NULL, 't'},   {"timing", 1, NULL, 'T'},
-        {"names", 1, NULL, 'N'},  {"lang", 1, NULL, 'l'},
-        {"gender", 1, NULL, 'g'}, {"fps", 1, NULL, 1},
-        {"engine", 1, NULL, 'e'}, {"contacts", 1, NULL, 1},
-        {"still", 0, NULL, 1},    {"seed", 1, NULL, 1},
-        {"json", 1, NULL, 'J'},   {"fap", 1, NULL, 'F'},
-        {"wav", 1, NULL, 'W'},    {"quiet", 0, NULL, 'q'},
-        {"help", 0, NULL, 'h'},   {0},
+        {"text", 1, NULL, 't'},      {"timing", 1, NULL, 'T'}, {"names", 1, NULL, 'N'},
+        {"lang", 1, NULL, 'l'},      {"gender", 1, NULL, 'g'}, {"fps", 1, NULL, 1},
+        {"engine", 1, NULL, 'e'},    {"contacts", 1, NULL, 1}, {"still", 0, NULL, 1},
+        {"seed", 1, NULL, 1},        {"json", 1, NULL, 'J'},   {"fap", 1, NULL, 'F'},
+        {"wav", 1, NULL, 'W'},       {"quiet", 0, NULL, 'q'},  {"tier", 1, NULL, 'P'},
+        {"word-tier", 1, NULL, 'O'}, {"help", 0, NULL, 'h'},   {0},
     };
     struct error e;
     char message[400];
@@ -139,6 +140,8 @@ static int parse(int argc, char **argv, struct align *a) {
         const char **const texts[] = {['t'] = &a->text,
                                       ['T'] = &a->timing,
                                       ['N'] = &a->names,
+                                      ['P'] = &a->tier,
+                                      ['O'] = &a->word_tier,
                                       ['g'] = &a->gender,
                                       ['J'] = &a->outputs[JSON].path,
                                       ['F'] = &a->outputs[FAP].path,

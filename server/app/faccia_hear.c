@@ -4,6 +4,7 @@
 #include "server/app/cli_options.h"
 #include "server/app/hear_write.h"
 #include "server/base/mem.h"
+#include "server/base/wav_file.h"
 #include <errno.h>
 #include <getopt.h>
 #include <sndfile.h>
@@ -77,7 +78,7 @@ static int open_sound(struct hear *h) {
     SF_INFO info = {0};
     if (h->raw)
         return 0;
-    h->file = sf_open(h->sound, SFM_READ, &info);
+    h->file = wav_file_open(h->sound, &info);
     if (!h->file) {
         cli_complain("%s: %s", h->sound, sf_strerror(NULL));
         return -1;

@@ -2,6 +2,9 @@
 #include "server/app/stimuli_faces.h"
 #include "server/app/cli.h"
 #include "server/base/mem.h"
+#include "server/base/mixdown.h"
+#include "server/base/wav_file.h"
+#include <math.h>
 #include <sndfile.h>
 #include <stdlib.h>
 #include <string.h>
@@ -108,11 +111,12 @@ void stimuli_faces_free(struct stimuli_faces *faces) {
 
 /* All channels into the first. */
 static void mix_down(int16_t *pcm, size_t frames, int channels) {
+    struct mixdown mixdown = {0};
+    float frame[MOST_CHANNELS];
     for (size_t i = 0; i < frames; i++) {
-        int sum = 0;
         for (int k = 0; k < channels; k++)
-            sum += pcm[i * (size_t)channels + (size_t)k];
-        pcm[i] = (int16_t)(sum / channels);
+            frame[k] = (float)pcm[i * (size_t)channels + (size_t)k] / 32768;
+        pcm[i] = (int16_t)fmin(32767, lrint(32768 * mixdown_frame(&mixdown, frame, (unsigned)channels)));
     }
 }
 
@@ -127,7 +131,7 @@ int stimuli_film_load(const struct stimuli_faces *faces, const char *item, struc
     *film = (struct stimuli_film){0};
     find_film(faces, item, film->file);
     snprintf(path, sizeof path, "%s/%s.wav", faces->films, item);
-    SNDFILE *sound = sf_open(path, SFM_READ, &info);
+    SNDFILE *sound = wav_file_open(path, &info);
     if (!sound) {
         cli_complain("%s: %s", path, sf_strerror(NULL));
         return -1;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/hear/hear_sound.h"
 #include "server/base/mem.h"
+#include "server/base/mixdown.h"
 #include <math.h>
 #include <soxr.h>
 #include <stdlib.h>
@@ -13,6 +14,7 @@ enum { BLOCK_MOST = HEAR_RATE_MOST / 100, READY_MOST = HEAR_RATE / 50 };
 
 struct hear_sound {
     unsigned channels;
+    struct mixdown mixdown;
     soxr_t resampler; /* NULL when the rate is right already */
     void (*take)(void *ctx, const float *samples, size_t count);
     void *ctx;
@@ -90,12 +92,12 @@ static void pass_on(struct hear_sound *s, size_t count) {
 
 void hear_sound_write(struct hear_sound *s, const float *samples, size_t frames) {
     for (size_t i = 0; i < frames; i++) {
-        float sum = 0;
+        float frame[HEAR_CHANNELS_MOST];
         for (unsigned c = 0; c < s->channels; c++) {
             float x = samples[i * s->channels + c];
-            sum += isfinite(x) ? fmaxf(-1, fminf(1, x)) : 0;
+            frame[c] = isfinite(x) ? fmaxf(-1, fminf(1, x)) : 0;
         }
-        s->block[s->filled++] = sum / (float)s->channels;
+        s->block[s->filled++] = (float)mixdown_frame(&s->mixdown, frame, s->channels);
         if (s->filled == s->block_size)
             pass_on(s, s->filled);
     }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/heard_sound.h"
 #include "server/base/mem.h"
+#include "server/base/mixdown.h"
+#include <math.h>
 #include <opus/opus.h>
 #include <stdlib.h>
 #include <string.h>
@@ -12,6 +14,7 @@ const char *const heard_codecs[] = {[HEARD_PCM] = "pcm_s16le", [HEARD_OPUS] = "o
 
 struct heard_sound {
     unsigned rate, channels;
+    struct mixdown mixdown;
     OpusDecoder *opus; /* NULL: it is PCM */
     uint8_t part[FRAME_BYTES_MOST];
     size_t part_size; /* of a sample of all channels, of which the rest has not come */
@@ -72,17 +75,15 @@ struct taker {
     void *ctx;
 };
 
-/* The mean of the channels. */
-static void mix(const struct heard_sound *s, const int16_t *samples, size_t frames, const struct taker *to) {
+static void mix(struct heard_sound *s, const int16_t *samples, size_t frames, const struct taker *to) {
     int16_t mono[HEARD_BLOCK];
-    int channels = (int)s->channels;
+    float frame[HEARD_CHANNELS_MOST];
     while (frames) {
         size_t count = frames < HEARD_BLOCK ? frames : HEARD_BLOCK;
-        for (size_t i = 0; i < count; i++, samples += channels) {
-            int sum = 0;
-            for (int c = 0; c < channels; c++)
-                sum += samples[c];
-            mono[i] = (int16_t)(sum / channels);
+        for (size_t i = 0; i < count; i++, samples += s->channels) {
+            for (unsigned c = 0; c < s->channels; c++)
+                frame[c] = (float)samples[c] / 32768;
+            mono[i] = (int16_t)fmin(32767, lrint(32768 * mixdown_frame(&s->mixdown, frame, s->channels)));
         }
         to->give(to->ctx, mono, count);
         frames -= count;

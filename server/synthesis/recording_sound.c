@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/base/beneath.h"
 #include "server/base/mem.h"
+#include "server/base/mixdown.h"
+#include "server/base/wav_file.h"
 #include "server/synthesis/recording_internal.h"
 #include <fcntl.h>
 #include <math.h>
@@ -18,6 +20,7 @@ const char *const recording_sounds[] = {"wav",  "flac", "ogg", "opus", "oga", "m
 struct recording_sound {
     SNDFILE *file;
     SF_INFO info;
+    struct mixdown mixdown;
     const struct buf *memory; /* what is read from, when it is no file */
     sf_count_t at;
     float *block; /* BLOCK frames of all channels */
@@ -75,12 +78,14 @@ static SNDFILE *open_file(struct recording_sound *s, const struct recording_sour
     *there = true;
     s->memory = &source->sound;
     if (source->sound_path)
-        return sf_open(source->sound_path, SFM_READ, &s->info);
-    if (source->sound.size)
+        return wav_file_open(source->sound_path, &s->info);
+    if (source->sound.size) {
+        wav_file_mend(source->sound.data, source->sound.size);
         return sf_open_virtual(&memory, SFM_READ, &s->info, s);
+    }
     int fd = source->fap_path ? recording_sound_beside(source->folder, source->fap_path) : -1;
     *there = fd >= 0;
-    return fd >= 0 ? sf_open_fd(fd, SFM_READ, &s->info, SF_TRUE) : NULL; /* which closes it in any case */
+    return fd >= 0 ? wav_file_open_fd(fd, SF_TRUE, &s->info) : NULL; /* which closes it in any case */
 }
 
 int recording_sound_open(struct recording_sound **sound, const struct recording_source *source,
@@ -125,12 +130,9 @@ uint32_t recording_sound_rate(const struct recording_sound *s) {
     return (uint32_t)s->info.samplerate;
 }
 
-static int16_t mix(const float *frame, int channels) {
-    double sum = 0;
-    for (int c = 0; c < channels; c++)
-        sum += (double)frame[c];
-    double value = sum / channels * 32768;
-    return (int16_t)(value >= 32767 ? 32767 : value <= -32768 ? -32768 : isnan(value) ? 0 : lrint(value));
+static int16_t mix(struct recording_sound *s, const float *frame) {
+    double value = mixdown_frame(&s->mixdown, frame, (unsigned)s->info.channels) * 32768;
+    return (int16_t)(value >= 32767 ? 32767 : value <= -32768 ? -32768 : lrint(value));
 }
 
 uint32_t recording_sound_read(struct recording_sound *s, int16_t *pcm, uint32_t count) {
@@ -139,7 +141,7 @@ uint32_t recording_sound_read(struct recording_sound *s, int16_t *pcm, uint32_t 
         sf_count_t want = count - done < BLOCK ? count - done : BLOCK;
         sf_count_t got = sf_readf_float(s->file, s->block, want);
         for (sf_count_t i = 0; i < got; i++)
-            pcm[done + (uint32_t)i] = mix(s->block + i * s->info.channels, s->info.channels);
+            pcm[done + (uint32_t)i] = mix(s, s->block + i * s->info.channels);
         done += got > 0 ? (uint32_t)got : 0;
         if (got < want)
             break;

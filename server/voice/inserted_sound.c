@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/voice/inserted_sound.h"
 #include "server/base/mem.h"
+#include "server/base/mixdown.h"
+#include "server/base/wav_file.h"
 #include "server/voice/assembly.h"
 #include "server/voice/sentence_audio_edit.h"
 #include <limits.h>
@@ -52,15 +54,14 @@ static void read_mono(SNDFILE *file, const SF_INFO *info, double volume, struct 
                       size_t limit) {
     enum { BLOCK = 4096 };
     float *block = mem_alloc((size_t)BLOCK * (size_t)info->channels * sizeof *block);
+    struct mixdown mixdown = {0};
+    const unsigned channels = (unsigned)info->channels;
     size_t cap = 0;
     sf_count_t got;
     while (u->samples < limit && (got = sf_readf_float(file, block, BLOCK)) > 0) {
         u->pcm = mem_grow(u->pcm, &cap, u->samples + (size_t)got, sizeof *u->pcm);
         for (sf_count_t i = 0; i < got; i++) {
-            double sum = 0;
-            for (int c = 0; c < info->channels; c++)
-                sum += (double)block[i * info->channels + c];
-            double value = sum / info->channels * volume * 32767;
+            double value = mixdown_frame(&mixdown, block + (size_t)i * channels, channels) * volume * 32767;
             u->pcm[u->samples++] = (int16_t)(value > 32767 ? 32767 : value > -32768 ? lrint(value) : -32768);
         }
     }
@@ -69,7 +70,7 @@ static void read_mono(SNDFILE *file, const SF_INFO *info, double volume, struct 
 
 struct sentence_audio *sound_read(const char *path, double volume, uint32_t sample_rate, struct error *e) {
     SF_INFO info = {0};
-    SNDFILE *file = sf_open(path, SFM_READ, &info);
+    SNDFILE *file = wav_file_open(path, &info);
     const char *name = strrchr(path, '/') ? strrchr(path, '/') + 1 : path;
     if (!file || info.samplerate < ASSEMBLY_RATE_MIN || info.samplerate > ASSEMBLY_RATE_MAX ||
         info.channels < 1 || info.channels > SOUND_CHANNELS_MAX) {

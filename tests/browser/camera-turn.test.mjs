@@ -73,6 +73,7 @@ test('of a turn the front and both sides are taken, and a head is made of them',
 
   await page.click('#camera-off');
   assert.equal(await page.evaluate(() => document.querySelector('#video').srcObject), null);
+  await page.selectOption('#like', 'mara');
   await page.click('#make');
   await page.waitForFunction(() => document.querySelector('#state').textContent.includes('Done'), null, { timeout: 120000 });
   checkStayed(watched, daemon.url);

@@ -60,6 +60,10 @@ test('a picture becomes a head that speaks, and never leaves the page', async ()
   await page.mouse.up();
   assert.ok((await place())[0] > before[0], 'and so does the pointer');
 
+  assert.match(await page.textContent('#pictures-hint'), /an approximation, not a likeness/);
+  await page.click('#make');
+  await state(page, 'whose hair');
+  assert.ok(await page.locator('#save').isDisabled(), 'no head is made with hair that nobody chose');
   await page.selectOption('#like', 'mara');
   await page.selectOption('#eyes', 'bruno');
   await page.click('#make');

@@ -137,6 +137,39 @@ test('people who read: vowels are louder than stops, pauses are silent, all is c
   assert.ok(vowel > closure + 10 && vowel > pause + 15, `${vowel} dB, closures ${closure} dB, pauses ${pause} dB`);
 });
 
+test('a second channel that is the first one inverted, and files whose recorder died', () => {
+  const truth = recorded('festival:pc', 'it', short), { pcm, rate } = truth;
+  const both = Int16Array.from({ length: 2 * pcm.length }, (_, i) => (i % 2 ? -1 : 1) * pcm[i >> 1]);
+  const first = words(aligned(truth.path, short, { from: ordinary }));
+  assert.deepEqual(words(aligned(write('inverted.wav', wavOf(both, rate, 2)), short, { from: ordinary })), first);
+  for (const length of [0, 0xffffffff]) {
+    const dead = wavOf(pcm, rate);
+    dead.writeUInt32LE(length, 4);
+    dead.writeUInt32LE(length, 40);
+    assert.deepEqual(words(aligned(write('dead.wav', dead), short, { from: ordinary })), first, `${length}`);
+    const heard = spawnSync(path.join(ordinary, 'server/app/faccia'), ['hear', '--fap', file('dead.fap'), file('dead.wav')], { encoding: 'utf8' });
+    assert.equal(heard.status, 0, heard.stderr);
+    assert.ok(fs.statSync(file('dead.fap')).size > 1000);
+  }
+});
+
+test('beside noise no word that is sure begins a second off', () => {
+  for (const voice of ['pc', 'lp']) {
+    const truth = recorded(`festival:${voice}`, 'it', short), { pcm, rate } = truth;
+    const at = truth.json.words.find((w) => w.text === 'Pippo').start, cut = Math.round((at - 0.02) * rate);
+    for (const loud of [1000, 3000]) {
+      const parts = join(noise(2 * rate, loud), pcm.subarray(0, cut), noise(3 * rate, loud), pcm.subarray(cut));
+      const found = aligned(wav('noisy.wav', parts, rate), short, { from: ordinary });
+      const real = wordStarts(truth);
+      for (const w of found.json.words) {
+        if (real[w.byte_start] === undefined || !(w.end > w.start)) continue;
+        const off = Math.abs(w.start - real[w.byte_start] - (real[w.byte_start] > at - 0.1 ? 5 : 2));
+        assert.ok(off < 1 || w.confidence < 0.5, `${voice} ${loud}: ${w.text} at ${w.start} is off by ${off} with confidence ${w.confidence}`);
+      }
+    }
+  }
+});
+
 test('the wrong transcript is named with its place and time; of one that goes wrong later, what is not read', () => {
   const italian = recorded('festival:pc', 'it', manzoni);
   const wrong = align(italian.path, austen, { lang: 'en', from: ordinary });

@@ -138,6 +138,59 @@ static void textgrid(void **state) {
                "wanted is the next interval");
 }
 
+/* A TextGrid of tiers with an interval each: NAME, LABEL... */
+static const char *grid_of(const char *const *names, size_t count) {
+    static char text[2000];
+    int used = snprintf(text, sizeof text, HEAD "0\n1\n<exists>\n%zu\n", count);
+    for (size_t i = 0; i < count; i++)
+        used += snprintf(text + used, sizeof text - (size_t)used,
+                         "\"IntervalTier\"\n\"%s\"\n0\n1\n1\n0\n1\n\"%s\"\n", names[2 * i], names[2 * i + 1]);
+    return text;
+}
+
+#define GRID(...)                                                                                            \
+    grid_of((const char *const[]){__VA_ARGS__},                                                              \
+            sizeof((const char *const[]){__VA_ARGS__}) / sizeof(char *) / 2)
+
+/* Tiers by names that are near the usual ones, whatever stands before them. */
+static void tiers_by_their_names(void **state) {
+    (void)state;
+    static const char *const phone_names[] = {
+        "phones",   "Phones",     "anna - phones", "phones (hand)",  "PHONES_2",         "speaker1-phones",
+        " phones ", "phone tier", "MAU",           "phonemes: anna", "Segments, checked"};
+    for (size_t i = 0; i < sizeof phone_names / sizeof *phone_names; i++)
+        reads(GRID("sentences", "di ah", "anna - words", "di", phone_names[i], "a"), TIMES_GUESS, "a@0-1",
+              "di@0-1");
+    reads(GRID("phones", "a", "phones-auto", "o", "words", "di"), TIMES_GUESS, "a@0-1", "di@0-1");
+    reads(GRID("words-auto", "si", "phones", "a"), TIMES_GUESS, "a@0-1", "si@0-1");
+    reads(GRID("telephones", "a"), TIMES_GUESS, "a@0-1", ""); /* the only one */
+    reads(GRID("anna", "a", "words", "di"), TIMES_GUESS, "a@0-1", "di@0-1");
+}
+
+/* Which is meant cannot be told: that is said, and no tier is taken for another. */
+static void tiers_that_are_mixed_up(void **state) {
+    (void)state;
+    fails_text(GRID("sentences", "di ah", "syllables", "a"), TIMES_GUESS,
+               "none of the tiers is named \"phones\": tell which of \"sentences\", \"syllables\"");
+    fails_text(GRID("sentences", "di ah"), TIMES_GUESS, "this is no phone");
+    const char *two =
+        GRID("anna - words", "di", "anna - phones", "a", "bob - words", "no", "bob - phones", "o");
+    fails_text(two, TIMES_GUESS, "\"anna - phones\" and \"bob - phones\" may both be the tier of phones");
+    static const char *const speakers[][4] = {{"anna - phones", "a@0-1", "di@0-1"},
+                                              {"bob - phones", "o@0-1", "no@0-1"}};
+    for (int i = 0; i < 2; i++) { /* the words are those of the same speaker */
+        struct times t = read_well(two, strlen(two),
+                                   (struct times_options){.format = TIMES_GUESS, .tier = speakers[i][0]});
+        check_phones(&t, speakers[i][1]);
+        check_words(&t, speakers[i][2]);
+        times_free(&t);
+    }
+    fails(two, strlen(two), (struct times_options){.format = TIMES_GUESS, .tier = "eve - phones"},
+          "eve - phones");
+    fails_text(GRID("phones", "a", "words (a)", "di", "words (b)", "no"), TIMES_GUESS,
+               "may both be the tier of words");
+}
+
 /* Praat writes UTF-16 when it needs more than ASCII. */
 static void utf16(void **state) {
     (void)state;
@@ -214,8 +267,15 @@ static void offsets(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(lab),  cmocka_unit_test(htk),   cmocka_unit_test(textgrid), cmocka_unit_test(utf16),
-        cmocka_unit_test(json), cmocka_unit_test(names), cmocka_unit_test(offsets),
+        cmocka_unit_test(lab),
+        cmocka_unit_test(htk),
+        cmocka_unit_test(textgrid),
+        cmocka_unit_test(tiers_by_their_names),
+        cmocka_unit_test(tiers_that_are_mixed_up),
+        cmocka_unit_test(utf16),
+        cmocka_unit_test(json),
+        cmocka_unit_test(names),
+        cmocka_unit_test(offsets),
     };
     return cmocka_run_group_tests_name("times", tests, NULL, NULL);
 }

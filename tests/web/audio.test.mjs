@@ -2,6 +2,7 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
 import { HeardClock, PositionMap } from '../../web/src/audio/clock.mjs';
+import { mono } from '../../web/src/audio/mixdown.mjs';
 import { PlayoutBuffer } from '../../web/src/audio/playout-buffer.mjs';
 import { Resampler } from '../../web/src/audio/resampler.mjs';
 import { Ring } from '../../web/src/audio/ring.mjs';
@@ -177,4 +178,15 @@ test('held it is silent within five milliseconds and stands still; released it g
   const step = Math.max(...played.slice(90, 400).map((sample, i, all) => (i ? Math.abs(sample - all[i - 1]) : 0)));
   assert.ok(step < 0.25, `a step of ${step}`);
   assert.equal(map().at(390).position, 190, 'nothing was lost');
+});
+
+test('a second channel that is the first one inverted does not silence it; ordinary stereo stays the mean', () => {
+  const buffer = (...channels) => ({ numberOfChannels: channels.length, getChannelData: (c) => channels[c] });
+  const left = Float32Array.from({ length: 8000 }, (_, i) => 0.5 * Math.sin(i / 12));
+  const power = (samples) => samples.subarray(400).reduce((sum, x) => sum + x * x, 0);
+  const inverted = mono(buffer(left, left.map((x) => -x)));
+  assert.ok(Math.abs(power(inverted) / power(left) - 1) < 0.01, `${power(inverted)} of ${power(left)}`);
+  const other = left.map((_, i) => 0.3 * Math.sin(i / 7));
+  mono(buffer(left, other)).forEach((x, i) => assert.ok(Math.abs(x - (left[i] + other[i]) / 2) < 1e-6));
+  assert.equal(mono(buffer(left)), left);
 });

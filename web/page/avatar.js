@@ -140,12 +140,17 @@ async function headOf(name) {
 }
 
 async function make() {
+  if (!$('like').value) {
+    tell('hairFirst');
+    $('like').focus();
+    return;
+  }
   tell('working');
   $('make').disabled = true;
   try {
     await new Promise((resolve) => setTimeout(resolve));
     const start = performance.now();
-    const name = $('like').value || $('like').dataset.nearest;
+    const name = $('like').value;
     const base = await headOf(name);
     const eyes = $('eyes').value ? await headOf($('eyes').value) : null;
     const result = await tools.makeHead(base.json, base.base, boxes.map(({ view }) => view), tools.textures, { title: say('title'), eyes: eyes?.json });

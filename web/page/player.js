@@ -4,7 +4,7 @@ import { Frame } from './frame.js';
 import { fill, FIRST, spokenLanguage } from './languages.js';
 import { drawnOver, History, keysOf, mirrored, smooth, spline } from './player-curve.js';
 import { isFapc, readFap, readFapc, wholeWav, writeFap } from './player-file.js';
-import { FapcDecoder } from './player-kit.js';
+import { FapcDecoder, mono } from './player-kit.js';
 import { openGestureForm } from './player-gesture.js';
 import { Plots } from './player-plots.js';
 import { lastTake } from './player-take.js';
@@ -44,7 +44,7 @@ function edit(read, buffer) {
   const { name, fps, frames, high, phones = [], words: said = [] } = read;
   take = {
     name, fps, frames, high, phones, words: said, duration: Math.max(frames.length / fps, buffer?.duration ?? 0),
-    samples: buffer?.getChannelData(0) ?? null, rate: buffer?.sampleRate ?? 0,
+    samples: buffer ? mono(buffer) : null, rate: buffer?.sampleRate ?? 0,
   };
   history = new History();
   keys = new Map();

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/doors/live/live_sound.h"
 #include "server/base/mem.h"
+#include "server/base/wav_file.h"
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
@@ -42,7 +43,7 @@ static int fail(const char *name, const char *why) {
 
 static int open_file(struct live_sound *s, const char *name) {
     SF_INFO info = {0};
-    s->file = s->fd == STDIN_FILENO ? sf_open_fd(s->fd, SFM_READ, &info, 0) : sf_open(name, SFM_READ, &info);
+    s->file = s->fd == STDIN_FILENO ? wav_file_open_fd(s->fd, SF_FALSE, &info) : wav_file_open(name, &info);
     if (!s->file)
         return fail(name, sf_strerror(NULL));
     if (info.channels > CHANNELS_MOST || info.samplerate < RATE_LEAST || info.samplerate > RATE_MOST)

@@ -1,13 +1,16 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/plugins/command/command_sound.h"
 #include "server/base/mem.h"
+#include "server/base/mixdown.h"
+#include "server/base/wav_file.h"
+#include <math.h>
 #include <sndfile.h>
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { FRAMES = 4096, CHANNELS_MAX = 16 };
+enum { FRAMES = 4096, CHANNELS_MAX = MIXDOWN_CHANNELS_MAX };
 
 /* A file in memory. */
 struct memory {
@@ -44,41 +47,15 @@ static sf_count_t tell(void *ctx) {
     return ((struct memory *)ctx)->at;
 }
 
-static void add_frames(struct cm_sound *sound, size_t *cap, const short *frames, size_t count, int channels) {
+static void add_frames(struct cm_sound *sound, struct mixdown *mixdown, size_t *cap, const short *frames,
+                       size_t count, int channels) {
+    float frame[CHANNELS_MAX];
     sound->samples = mem_grow(sound->samples, cap, sound->count + count, sizeof *sound->samples);
     for (size_t i = 0; i < count; i++) {
-        int sum = 0;
         for (int c = 0; c < channels; c++)
-            sum += frames[i * (size_t)channels + (size_t)c];
-        sound->samples[sound->count++] = (int16_t)(sum / channels);
-    }
-}
-
-static uint32_t get_u32(const uint8_t *at) {
-    return at[0] | (uint32_t)at[1] << 8 | (uint32_t)at[2] << 16 | (uint32_t)at[3] << 24;
-}
-
-static void put_u32(uint8_t *at, size_t value) {
-    for (int i = 0; i < 4; i++)
-        at[i] = (uint8_t)(value >> 8 * i);
-}
-
-/* A program that writes WAV to a pipe cannot go back to write its length, and says 0: then it is the rest. */
-static void mend_length(uint8_t *data, size_t size) {
-    if (size < 12 || memcmp(data, "RIFF", 4) != 0 || memcmp(data + 8, "WAVE", 4) != 0)
-        return;
-    for (size_t at = 12; size - at > 8;) {
-        size_t length = get_u32(data + at + 4);
-        if (!memcmp(data + at, "data", 4) && length == 0) {
-            put_u32(data + at + 4, size - at - 8);
-            put_u32(data + 4, size - 8);
-            return;
-        }
-        if (length > size - at - 8)
-            return;
-        at += 8 + length + length % 2;
-        if (at > size)
-            return;
+            frame[c] = (float)frames[i * (size_t)channels + (size_t)c] / 32768;
+        double mono = 32768 * mixdown_frame(mixdown, frame, (unsigned)channels);
+        sound->samples[sound->count++] = (int16_t)fmin(32767, lrint(mono));
     }
 }
 
@@ -87,6 +64,7 @@ int cm_sound_read(struct cm_sound *sound, void *data, size_t size, uint32_t raw,
     SF_VIRTUAL_IO io = {get_size, seek, get, put, tell};
     SF_INFO info = {0};
     short frames[FRAMES * CHANNELS_MAX];
+    struct mixdown mixdown = {0};
     size_t room = 0;
     *sound = (struct cm_sound){.rate = raw};
     if (raw) {
@@ -96,7 +74,7 @@ int cm_sound_read(struct cm_sound *sound, void *data, size_t size, uint32_t raw,
             memcpy(sound->samples, data, sound->count * sizeof *sound->samples);
         return 0;
     }
-    mend_length(data, size);
+    wav_file_mend(data, size); /* a program that writes to a pipe cannot go back to write the length */
     SNDFILE *file = size ? sf_open_virtual(&io, SFM_READ, &info, &memory) : NULL;
     if (!file || info.channels < 1 || info.channels > CHANNELS_MAX) {
         snprintf(message, cap, "wrote no sound (%zu bytes): %s", size,
@@ -109,7 +87,7 @@ int cm_sound_read(struct cm_sound *sound, void *data, size_t size, uint32_t raw,
     sound->rate = (uint32_t)info.samplerate;
     sf_command(file, SFC_SET_SCALE_FLOAT_INT_READ, NULL, SF_TRUE);
     for (sf_count_t n; (n = sf_readf_short(file, frames, FRAMES)) > 0;)
-        add_frames(sound, &room, frames, (size_t)n, info.channels);
+        add_frames(sound, &mixdown, &room, frames, (size_t)n, info.channels);
     sf_close(file);
     return 0;
 }

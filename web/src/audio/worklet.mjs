@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: MIT
 /* global AudioWorkletProcessor, registerProcessor, sampleRate, currentFrame */
+import { Mixdown } from './mixdown.mjs';
 import { PlayoutBuffer } from './playout-buffer.mjs';
 
 registerProcessor(
@@ -28,6 +29,7 @@ registerProcessor(
     constructor() {
       super();
       this.block = new Float32Array(Math.round(BLOCK_SECONDS * sampleRate));
+      this.mixdown = new Mixdown();
       this.filled = 0;
       this.closed = false;
       this.port.onmessage = () => (this.closed = true);
@@ -36,9 +38,7 @@ registerProcessor(
     process([channels]) {
       const length = channels[0]?.length ?? 0; // nothing is connected, or it has ended
       for (let i = 0; i < length; i++) {
-        let sum = 0;
-        for (const channel of channels) sum += channel[i];
-        this.block[this.filled++] = sum / channels.length;
+        this.block[this.filled++] = this.mixdown.sample(channels, i);
         if (this.filled < this.block.length) continue;
         this.port.postMessage(this.block);
         this.filled = 0;

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+#include "server/base/mixdown.h"
+#include <math.h>
+
+/* Correlations at which a channel counts as inverted, and no longer: below what the sides of a wide stereo
+ * recording come to. */
+#define INVERTED (-0.7)
+#define UPRIGHT 0.0
+/* Each frame keeps so much of what was heard before: about half a second at 44,100 frames a second. */
+#define KEEP (1 - 1.0 / 20000)
+/* So many frames are heard before a channel is judged: 5 to 30 ms. */
+enum { HEARD_LEAST = 256 };
+#define LOUDEST 16.0 /* a file of floats may hold anything; sums of squares must stay finite */
+
+static double sane(float x) {
+    return isfinite(x) ? fmax(-LOUDEST, fmin(LOUDEST, (double)x)) : 0;
+}
+
+double mixdown_frame(struct mixdown *m, const float *frame, unsigned channels) {
+    double sum = sane(frame[0]);
+    for (unsigned c = 1; c < channels; c++) {
+        double x = sane(frame[c]);
+        m->channels[c].energy = KEEP * m->channels[c].energy + x * x;
+        m->channels[c].rest = KEEP * m->channels[c].rest + sum * sum;
+        m->channels[c].with = KEEP * m->channels[c].with + x * sum;
+        if (m->channels[c].heard < HEARD_LEAST) {
+            m->channels[c].heard += x * sum != 0;
+        } else {
+            double limit = m->channels[c].inverted ? UPRIGHT : INVERTED;
+            m->channels[c].inverted =
+                m->channels[c].with < limit * sqrt(m->channels[c].energy * m->channels[c].rest);
+        }
+        sum += m->channels[c].inverted ? -x : x;
+    }
+    return sum / channels;
+}
