@@ -47,7 +47,7 @@ export function wav(seconds) {
 export async function probe(page) {
   await page.evaluate(async (most) => {
     const element = document.querySelector('talking-head');
-    const { stage, player } = element;
+    const { stage, player } = element.debugParts();
     const gl = stage.view.renderer.getContext();
     const box = [0.3, 0.1, 0.4, 0.5].map((share, i) => Math.round(share * (i % 2 ? gl.drawingBufferHeight : gl.drawingBufferWidth)));
     const size = 4 * box[2] * box[3];
