@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Runs benchmarks, after installing what they need beyond server/run.sh: npm packages of the tests, Debian packages.
+//     node tests/bench/run.mjs                      lists them
+//     node tests/bench/run.mjs NAME [ARGUMENT]...   runs one
+//     node tests/bench/run.mjs --moment [NAME]...   runs each with the least work that prints its result, to see that it still can
+// Imports only what Node.js brings: it must run before anything is installed.
+import { execFileSync, spawnSync } from 'node:child_process';
+import fs from 'node:fs';
+import path from 'node:path';
+import { fileURLToPath } from 'node:url';
+
+const folder = fileURLToPath(new URL('.', import.meta.url));
+const root = path.join(folder, '../..');
+
+const browser = ['chromium', 'chromium-headless-shell'];
+const italian = ['asterisk-core-sounds-it', 'asterisk-core-sounds-it-wav'];
+
+/** Each benchmark: `packages`, Debian's; `moment`, arguments of its shortest run; `long`, why that still takes over some seconds. */
+export const benchmarks = {
+  ablation: { moment: ['tr'] },
+  align: { long: 'speaks 25 sentences with each of four voices' },
+  'align-confidence': { packages: italian, long: 'aligns recordings with texts of other words' },
+  'align-people': { packages: italian, moment: ['4'] },
+  'align-recovery': { packages: italian, moment: ['6'] },
+  broadcast: { moment: ['10'] },
+  cache: { packages: ['redis-server'], moment: ['1', 'espeak:it'] },
+  'cluster-rooms': { packages: ['redis-server'], moment: ['20', '2', '1', '1'] },
+  cpu: { packages: ['espeak-ng'], moment: ['2', '2', '1'] },
+  crossings: { moment: ['--minutes', '0.05', 'mara'], long: 'loads a head and the sounds of all languages' },
+  day: { moment: ['--hours', '0.01', '--minutes', '0.1'] },
+  'emotions-picture': { packages: browser, long: 'draws a head seven times' },
+  engine: { packages: ['espeak-ng'], moment: [] },
+  faces: { packages: browser, moment: ['--turns', '1'], long: 'draws two faces' },
+  'first-media': { moment: ['1'] },
+  'first-picture': { packages: browser, moment: ['1'], long: 'draws each head' },
+  fps: { packages: browser, moment: ['--seconds', '1', '--turns', '1', '--only', 'low'], long: 'draws in software' },
+  frame: { packages: browser, moment: ['--rounds', '1', '--frames', '1', '--level', 'low'], long: 'draws in software' },
+  growth: { packages: ['redis-server'], moment: ['16', '0', '1', '2'] },
+  hear: { packages: ['ffmpeg', 'asterisk-core-sounds-it', 'asterisk-core-sounds-it-wav', 'asterisk-core-sounds-it-g722', 'asterisk-core-sounds-en',
+    'asterisk-core-sounds-en-g722', 'asterisk-core-sounds-es', 'asterisk-core-sounds-es-g722', 'asterisk-core-sounds-fr', 'asterisk-core-sounds-fr-g722',
+    'asterisk-core-sounds-ru', 'asterisk-core-sounds-ru-g722', 'pocketsphinx-testdata', 'festvox-kallpc16k'], long: 'installs recordings in five languages' },
+  'hear-picture': { packages: [...browser, 'pocketsphinx-testdata'], long: 'draws in real time' },
+  idle: { moment: ['10'], long: 'watches for half a minute' },
+  kiosk: { packages: browser, moment: ['--hours', '0.1', '--says', '10'] },
+  'kitchen-picture': { packages: browser, long: 'draws two pages' },
+  layers: { moment: [] },
+  library: { packages: ['sqlite3'], moment: ['1', '20'] },
+  'library-ahead': { moment: ['espeak:it', '2'] },
+  'library-load': { moment: ['4', '20', '1', '1'], long: 'searches for some seconds a turn' },
+  live: { moment: ['2'] },
+  markup: { moment: [], long: 'reads hundreds of megabytes' },
+  mouth: { moment: ['--rates', '160', '--engines', 'table'], long: 'speaks 25 sentences in four languages' },
+  'mouth-picture': { packages: browser, long: 'draws twelve mouths' },
+  open: { moment: ['1'] },
+  people: { long: 'needs recordings by articulograph, which are not in the tree' },
+  phones: { moment: ['espeak:it'], long: 'speaks 25 sentences' },
+  pictures: { packages: browser, long: 'draws in software' },
+  poses: { packages: browser, long: 'draws a head in nineteen poses' },
+  'seen-lips': { packages: [...browser, 'ffmpeg'], long: 'films a face' },
+  sharing: { packages: ['redis-server'], long: 'starts four daemons for each turn' },
+  sides: { long: 'makes three portraits' },
+  skew: { packages: browser, moment: ['3', 'low'], long: 'draws in software for half a minute' },
+  sound: { packages: ['sox', 'festival'], moment: ['espeak:it'], long: 'codes some minutes of sound' },
+  speakers: { moment: ['--seconds', '2', '2'] },
+  stall: { moment: ['1000'] },
+  stream: { packages: ['redis-server'], moment: ['2', '2'] },
+  teeth: { packages: browser, moment: ['mara'], long: 'draws each sound' },
+  tempo: { packages: italian, moment: ['1', 'voice'], long: 'speaks at six rates' },
+  'text-first': { packages: browser, moment: ['1'], long: 'loads pages over a slow line' },
+  voices: { packages: ['espeak-ng', 'festival', 'time'], moment: ['3', 'espeak:it'] },
+};
+
+const say = (text) => process.stderr.write(`${text}\n`);
+
+/** What server/setup.sh installs, if it is missing: npm packages of the tests, and Debian's. */
+function install(names) {
+  const packages = [...new Set(names.flatMap((name) => benchmarks[name].packages ?? []))];
+  execFileSync('sh', ['-euc', `root=$1; shift; die() { echo "bench: $*" >&2; exit 1; }; . "$root/server/setup.sh"
+    need_modules "$root/tests"; [ $# = 0 ] || need_packages "$@"`, 'sh', root, ...packages], { stdio: ['ignore', 2, 'inherit'] });
+  if (!fs.existsSync(path.join(root, 'build/build.ninja'))) throw new Error('build first: sh server/run.sh --build-only');
+}
+
+/** Runs one. @returns {{status: number, output: string, errors: string}} */
+export function run(name, argv, { stdio = 'inherit', timeout } = {}) {
+  const { status, signal, stdout = '', stderr = '' } = spawnSync(process.execPath, [path.join(folder, `${name}.mjs`), ...argv],
+    { stdio, timeout, killSignal: 'SIGKILL', encoding: 'utf8', maxBuffer: 1 << 26 });
+  return { status: signal ? 128 : status, output: `${stdout ?? ''}`, errors: `${stderr ?? ''}` };
+}
+
+function main([first, ...rest]) {
+  if (!first) {
+    for (const [name, { long }] of Object.entries(benchmarks)) {
+      const about = fs.readFileSync(path.join(folder, `${name}.mjs`), 'utf8').split('\n')[1].replace(/^\/\/ /, '');
+      console.log(`${name.padEnd(18)}${about}${long ? ` (${long})` : ''}`);
+    }
+    return 0;
+  }
+  const moment = first === '--moment';
+  const names = moment ? (rest.length ? rest : Object.keys(benchmarks).filter((name) => benchmarks[name].moment)) : [first];
+  const unknown = names.find((name) => !Object.hasOwn(benchmarks, name));
+  if (unknown) {
+    say(`No benchmark '${unknown}'. They are: ${Object.keys(benchmarks).join(' ')}`);
+    return 2;
+  }
+  install(names);
+  if (!moment) return run(first, rest).status;
+  let failed = 0;
+  for (const name of names) {
+    const from = performance.now();
+    const { status, output, errors } = run(name, benchmarks[name].moment ?? [], { stdio: ['ignore', 'pipe', 'pipe'] });
+    const ok = status === 0 && output.trim();
+    say(`${ok ? 'ok' : 'FAILED'} ${name} ${((performance.now() - from) / 1000).toFixed(1)} s`);
+    if (!ok) {
+      failed++;
+      say(errors.slice(-2000));
+    }
+  }
+  return failed ? 1 : 0;
+}
+
+if (process.argv[1] === fileURLToPath(import.meta.url)) process.exitCode = main(process.argv.slice(2));
