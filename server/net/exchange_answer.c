@@ -75,7 +75,7 @@ static void head_warnings(struct head *h, const struct exchange *x) {
 /* What --embed is for: texts and the face. The pages that change something or show what is said (operator,
  * editor, the makers of avatars) are framed by nobody, lest clicks are drawn into them. */
 static bool is_for_frames(const char *path) {
-    static const char *const pages[] = {"/", "/index.html", "/library.html", "/room.html"};
+    static const char *const pages[] = {"/", "/library.html", "/room.html"};
     for (size_t i = 0; i < sizeof pages / sizeof *pages; i++)
         if (!strcmp(path, pages[i]))
             return true;

@@ -49,12 +49,12 @@ test('live voices, and one that hardly says anything', async () => {
   await eventually(() => greedy.filter((each) => each.messages.some(({ code }) => code === 'too-many-voices')).length === 2, 'two to be refused', 20000);
   const modest = await stream(MODEST);
   modest.send({ type: 'voice', id: 'm', rate: 16000, lang: 'it' });
-  await modest.wait({ type: 'begin', id: 'm' });
   // the modest one speaks, the others send two bytes now and then: theirs end
   const timer = setInterval(() => {
     for (const each of greedy) each.socket.send(Buffer.alloc(2));
     modest.socket.send(Buffer.alloc(3200, 5));
   }, 100);
+  await modest.wait({ type: 'begin', id: 'm' }, { milliseconds: 20000 });
   const heard = greedy.filter((each) => !each.messages.some(({ code }) => code === 'too-many-voices'));
   await Promise.all(heard.map((each) => each.wait({ code: 'unfinished' }, { milliseconds: 20000 })));
   clearInterval(timer);
