@@ -49,8 +49,8 @@ function movingOf(targets) {
 }
 
 /**
- * Takes away what a file shows its shapes at (glTF's mesh.weights and node.weights): its face at rest is that without them, as FAPs mean it. What
- * is no shape of the face stays as its maker left it.
+ * Takes away what a file shows its shapes at (glTF's mesh.weights and node.weights): its face at rest is that without
+ * them, as FAPs mean it. What is no shape of the face stays as its maker left it.
  * @param {Map<string, Bind[]>} targets @param {Map<string, Bind[]>} shapes
  */
 function toRest(targets, shapes) {
