@@ -71,7 +71,8 @@ function ofAvif(view) {
   let best = null;
   for (let at = 0; at + 8 <= view.byteLength; ) {
     const length = view.getUint32(at);
-    const end = length === 0 ? view.byteLength : at + (length === 1 && at + 16 <= view.byteLength ? Number(view.getBigUint64(at + 8)) : length);
+    const long = length === 1 && at + 16 <= view.byteLength;
+    const end = length === 0 ? view.byteLength : at + (long ? Number(view.getBigUint64(at + 8)) : length);
     if (end < at + 8) return null;
     const most = view.getUint32(at + 4) === 0x6d657461 ? Math.min(end, view.byteLength) - 16 : -1; // meta
     for (let i = at + 8; i <= most; i++)

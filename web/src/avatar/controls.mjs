@@ -49,8 +49,8 @@ function movingOf(targets) {
 }
 
 /**
- * Takes away what a file shows its shapes at (glTF's mesh.weights and node.weights): its face at rest is that without them, as FAPs mean it. What
- * is no shape of the face stays as its maker left it.
+ * Takes away what a file shows its shapes at (glTF's mesh.weights and node.weights): its face at rest is that without
+ * them, as FAPs mean it. What is no shape of the face stays as its maker left it.
  * @param {Map<string, Bind[]>} targets @param {Map<string, Bind[]>} shapes
  */
 function toRest(targets, shapes) {
@@ -138,7 +138,8 @@ function bonesOf(gltf, map) {
   }
   const { humanBones } = json.extensions?.VRMC_vrm?.humanoid ?? {};
   const old = json.extensions?.VRM?.humanoid?.humanBones;
-  const listed = Array.isArray(old) ? Object.fromEntries(old.filter(Boolean).map(({ bone, node }) => [bone, { node }])) : (humanBones ?? {});
+  const named = Array.isArray(old) ? old.filter(Boolean).map(({ bone, node }) => [bone, { node }]) : null;
+  const listed = named ? Object.fromEntries(named) : (humanBones ?? {});
   for (const name of BONE_NAMES) bones[name] ??= byNode.get(listed[name]?.node);
   const joints = new Set((json.skins ?? []).flatMap((skin) => skin.joints ?? []));
   for (const [node, object] of byNode) {

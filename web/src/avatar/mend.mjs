@@ -1,27 +1,34 @@
 // SPDX-License-Identifier: MIT
-// What real exporters write and glTF 2.0 does not allow, where it is plain what is meant: -1 or null for "none", no scene, lists of another
-// length. A face has no need to be refused for it.
+// What real exporters write and glTF 2.0 does not allow, where it is plain what is meant: -1 or null for "none", no scene,
+// lists of another length. A face has no need to be refused for it.
 
 const isObject = (value) => value !== null && typeof value === 'object' && !Array.isArray(value);
 const none = (value) => value === null || value === -1;
 
 /** Numbers of other things that may be missing, by the list whose members have them. */
 const MAY_LACK = {
-  accessors: ['bufferView', 'sparse'], images: ['bufferView', 'uri'], meshes: ['weights'], nodes: ['mesh', 'skin', 'camera', 'children', 'weights', 'translation', 'rotation', 'scale', 'matrix'],
-  skins: ['skeleton', 'inverseBindMatrices'], textures: ['sampler', 'source'], scenes: ['nodes'],
+  accessors: ['bufferView', 'sparse'],
+  images: ['bufferView', 'uri'],
+  meshes: ['weights'],
+  nodes: ['mesh', 'skin', 'camera', 'children', 'weights', 'translation', 'rotation', 'scale', 'matrix'],
+  skins: ['skeleton', 'inverseBindMatrices'],
+  textures: ['sampler', 'source'],
+  scenes: ['nodes'],
 };
 const NEEDED = /^(POSITION|JOINTS_\d+|WEIGHTS_\d+)$/; // without these a primitive is another
 const USED = /^(POSITION|NORMAL|TANGENT|TEXCOORD_\d+|COLOR_0|JOINTS_0|WEIGHTS_0)$/;
 const DRACO = 'KHR_draco_mesh_compression';
 
 /** Without members that say "none" another way. */
-const without = (one, names) => Object.fromEntries(Object.entries(one).filter(([name, value]) => !(names.includes(name) && none(value))));
+const without = (one, names) =>
+  Object.fromEntries(Object.entries(one).filter(([name, value]) => !(names.includes(name) && none(value))));
 
 /** As many numbers as there are targets; what is none of them counts as 0. */
 function weightsOf(one, count) {
   if (one.weights === undefined) return one;
   const { weights, ...rest } = one;
-  return Array.isArray(weights) && count ? { ...rest, weights: Array.from({ length: count }, (_, i) => (Number.isFinite(weights[i]) ? weights[i] : 0)) } : rest;
+  if (!Array.isArray(weights) || !count) return rest;
+  return { ...rest, weights: Array.from({ length: count }, (_, i) => (Number.isFinite(weights[i]) ? weights[i] : 0)) };
 }
 
 /**
@@ -29,17 +36,23 @@ function weightsOf(one, count) {
  */
 export function mended(json) {
   const out = { ...json };
-  for (const [name, members] of Object.entries(MAY_LACK)) if (Array.isArray(json[name])) out[name] = json[name].map((one) => (isObject(one) ? without(one, members) : one));
+  const each = (name, change) => {
+    if (Array.isArray(out[name])) out[name] = out[name].map((one) => (isObject(one) ? change(one) : one));
+  };
+  for (const [name, members] of Object.entries(MAY_LACK)) each(name, (one) => without(one, members));
   for (const name of ['nodes', 'meshes', 'materials'])
-    if (Array.isArray(out[name])) out[name] = out[name].map((one) => (isObject(one) && one.name !== undefined && typeof one.name !== 'string' ? { ...one, name: String(one.name) } : one));
+    each(name, (one) => (one.name === undefined || typeof one.name === 'string' ? one : { ...one, name: String(one.name) }));
   if (!isObject(out.extensions)) delete out.extensions;
   if (!Array.isArray(out.extensionsUsed)) delete out.extensionsUsed;
   if (Array.isArray(out.meshes)) {
     out.accessors = [...(Array.isArray(out.accessors) ? out.accessors : [])];
-    out.meshes = out.meshes.map((mesh) => (isObject(mesh) && Array.isArray(mesh.primitives) ? weightsOf({ ...mesh, primitives: mesh.primitives.map((one) => primitiveOf(one, out.accessors)) }, targetsIn(mesh)) : mesh));
+    each('meshes', (mesh) => {
+      if (!Array.isArray(mesh.primitives)) return mesh;
+      return weightsOf({ ...mesh, primitives: mesh.primitives.map((one) => primitiveOf(one, out.accessors)) }, targetsIn(mesh));
+    });
   }
   if (Array.isArray(out.nodes)) {
-    out.nodes = out.nodes.map((node) => (isObject(node) ? weightsOf(node, targetsIn(out.meshes?.[node.mesh])) : node));
+    each('nodes', (node) => weightsOf(node, targetsIn(out.meshes?.[node.mesh])));
     withScene(out);
   }
   return out;

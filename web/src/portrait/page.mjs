@@ -26,7 +26,7 @@ function canvasOf(width, height) {
 
 const HEADER_BYTES = 1 << 20; // before a photograph's own size may stand its thumbnail, colours and place
 
-/** Looks at the header before anything is decoded: 31 kB may be gigabytes then. What has none that is known, the browser decides. */
+/** Looks at the header before anything is decoded: 31 kB may be gigabytes then. A kind that is not known the browser judges. */
 async function measure(source) {
   const size = pictureSize(new Uint8Array(await source.slice(0, HEADER_BYTES).arrayBuffer()));
   if (size && size[0] * size[1] > MOST_PIXELS) throw new PortraitError('too_large', `the picture has more than ${MOST_PIXELS / 1e6} million pixels`);
