@@ -15,6 +15,7 @@ import { flat, textures } from '../../models/tools/portrait/images.mjs';
 import { align, upright } from '../../web/src/portrait/align.mjs';
 import { lipLine, partedLips } from '../../web/src/portrait/fit.mjs';
 import { STEADY, withMoved } from '../../web/src/portrait/landmarks.mjs';
+import { toneOf } from '../../web/src/portrait/skin.mjs';
 import { inOrder, makeHead, nearest } from '../../web/src/portrait/portrait.mjs';
 import { photograph } from '../lib/drawn-photographs.mjs';
 import { violations } from '../lib/schema.mjs';
@@ -116,6 +117,20 @@ test('our own heads come back: each is the nearest to itself, and another head w
   const [before, now] = [apart(views.bruno.landmarks, views.mara.landmarks), apart(views.bruno.landmarks, again)];
   console.log(`Bruno on Mara: landmarks ${before.toFixed(2)} % of the face's height apart, then ${now.toFixed(2)} %`);
   assert.ok(now < 0.6 * before && now < 1.2, `${now.toFixed(2)} % of ${before.toFixed(2)} %`);
+});
+
+test('skin keeps its tone on a base of another: light, dark, and a person', async () => {
+  const base = JSON.parse(fs.readFileSync(path.join(built, 'models/heads/amina.json'), 'utf8'));
+  for (const name of ['mara', 'samuel', 'person']) {
+    const picture = name === 'person' ? person.picture : await flat(poster(name));
+    const landmarks = name === 'person' ? person.landmarks : await eye(picture);
+    const { head } = await makeHead(base, table.amina, [{ picture, landmarks }], textures);
+    const drawn = await flat(await drawPoster(head, false));
+    const [is, was] = [toneOf(drawn, await eye(drawn)), toneOf(picture, landmarks)];
+    const off = is.map((x, k) => Math.log2(x / was[k]));
+    console.log(`${name}: red, green and blue of the drawn skin are ${off.map((x) => x.toFixed(2))} stops from the picture's`);
+    assert.ok(off.every((x) => Math.abs(x) < 0.4), `${name}: ${off}`);
+  }
 });
 
 test('of parted lips the teeth are not painted where they close', async () => {

@@ -193,7 +193,9 @@ export function paintSkin({ part, texture, eyes, worn, base, isLid }, pictures, 
   const layers = pictures.map((one, i) =>
     layer(one, views[i], { base, part, normals, mask, tone: { ...tone, is: toneOf(one.picture, one.landmarks) },
     look: eyes }));
-  const ratio = tone.is.map((x, k) => x / tone.was[k]);
+  // Of the base it is known how its skin looks when it is drawn, by the same measure: light adds to what the texture has.
+  const drawn = base.tone ?? tone.was;
+  const ratio = tone.is.map((x, k) => x / drawn[k]);
   const slowOwn = slowly(position, own, mask, layers[0].chosen);
   for (const one of layers) {
     one.gain = new Float32Array(position.length);
