@@ -6,6 +6,7 @@
 #include "server/base/buf.h"
 #include "server/base/error.h"
 #include "server/library/recordings/alignment_job.h"
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -37,11 +38,12 @@ struct library_question {
     } kind;
     const char *work, *section, *passage;
     const char *query, *lang, *author, *limit, *after;
-    unsigned most; /* works */
+    unsigned most;               /* works */
+    const atomic_bool *given_up; /* turns true when nobody waits for the answer any more; NULL: never */
 };
 
 /* The answer as JSON, in any thread. -1 with *e: "unknown-work", "unknown-section", "unknown-passage",
- * "bad-query", "bad-field", "search-too-long", "bad-index". */
+ * "bad-query", "bad-field", "search-too-long" (or given up), "bad-index". */
 int library_answer(struct library *library, const struct library_question *question, struct buf *answer,
                    struct error *e);
 

@@ -19,6 +19,13 @@ struct index_reader {
     struct stems *stems;
 };
 
+/* How long an answer may take. SQLite asks now and then. */
+struct answer_limit {
+    const atomic_bool *given_up; /* or NULL */
+    uint64_t until;              /* ms of the monotonic clock */
+    bool late;                   /* it took longer, or nobody waits any more */
+};
+
 struct library {
     char *folder, *index, *voices, *lang;
     pthread_t thread;
@@ -46,11 +53,14 @@ void *library_scan(void *library);
 int library_recorded(struct library *library, struct index_writer *writer, const struct library_files *files,
                      struct error *e);
 
+/* library_answer.c: sets late when it is. */
+bool answer_is_late(struct answer_limit *limit);
+
 /* library_answer.c, library_section.c, library_search.c, library_newest.c: an answer; NULL with *e. */
 json_t *library_section_json(struct library *library, struct index_reader *reader, const char *work,
                              const char *section, struct error *e);
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
-                            struct error *e);
+                            struct answer_limit *limit, struct error *e);
 json_t *library_newest_json(struct index_reader *reader, unsigned most, struct error *e);
 json_t *library_passage_json(struct index_reader *reader, const char *id, struct error *e);
 
