@@ -5,6 +5,7 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
+#include "server/base/reader_process.h"
 #include "server/library/recordings/alignment_job.h"
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -18,6 +19,7 @@ struct library_options {
     const char *voices;     /* the folder of library_voices.h; NULL: nothing has a recording's voice */
     const char *lang;       /* of works that do not tell theirs */
     struct aligner aligner; /* of recordings */
+    struct reader reader;   /* of works */
 };
 
 /* Opens the index and begins to read the folder. NULL with *e: "bad-index", "bad-work". */

@@ -183,8 +183,8 @@ static int append(const char *text, size_t size, void *buf) {
 
 int library_answer(struct library *l, const struct library_question *q, struct buf *out, struct error *e) {
     struct index_reader *r = library_reader(l, e);
-    struct answer_limit limit = {q->given_up,
-                                 now() + (q->kind == LIBRARY_SEARCH ? SEARCH_MS : ANSWER_MS), false};
+    struct answer_limit limit = {q->given_up, now() + (q->kind == LIBRARY_SEARCH ? SEARCH_MS : ANSWER_MS),
+                                 false};
     json_t *answer = NULL;
     if (!r)
         return -1;
@@ -210,13 +210,19 @@ int library_answer(struct library *l, const struct library_question *q, struct b
         answer = library_newest_json(r, q->most, e);
     }
     sqlite3_progress_handler(r->sql, 0, NULL, NULL);
+    library_reader_look(r);
     sqlite3_exec(r->sql, "COMMIT", NULL, NULL, NULL);
+    const bool damaged = r->damaged;
     library_reader_done(l, r);
+    if (damaged) { /* nor is it then */
+        json_decref(answer);
+        return error_plain(e, ERROR_BAD_INDEX);
+    }
     if (limit.late) { /* what was read is not all of it */
         json_decref(answer);
-        return q->kind == LIBRARY_SEARCH
-                   ? error_plain(e, ERROR_SEARCH_TOO_LONG)
-                   : error_set(e, ERROR_SEARCH_TOO_LONG, "the answer takes longer than %d s", ANSWER_MS / 1000);
+        return q->kind == LIBRARY_SEARCH ? error_plain(e, ERROR_SEARCH_TOO_LONG)
+                                         : error_set(e, ERROR_SEARCH_TOO_LONG,
+                                                     "the answer takes longer than %d s", ANSWER_MS / 1000);
     }
     if (answer)
         json_dump_callback(answer, append, out, JSON_COMPACT | JSON_REAL_PRECISION(6));

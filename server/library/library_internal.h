@@ -17,6 +17,8 @@ enum { READERS_MAX = 8 };
 struct index_reader {
     sqlite3 *sql;
     struct stems *stems;
+    unsigned generation; /* of the index that it has open */
+    bool damaged;        /* it met a damaged page: what it has read is not all */
 };
 
 /* How long an answer may take. SQLite asks now and then. */
@@ -33,9 +35,12 @@ struct library {
     pthread_cond_t wake;
     struct index_reader *idle[READERS_MAX]; /* that nobody uses now */
     unsigned idle_count;
-    size_t done, of; /* files of this pass */
+    unsigned generation; /* of the index; another one, when it was begun anew */
+    size_t done, of;     /* files of this pass */
     bool indexing, closing;
     atomic_bool stop;
+    atomic_bool damaged;  /* somebody who reads the index has found it so: the thread begins it anew */
+    struct reader reader; /* its program is owned */
     struct alignments *alignments; /* NULL: recordings are no voices */
     uint64_t signature;            /* of the files that were looked through last; the thread sets it */
     struct library_ahead ahead;
@@ -44,6 +49,9 @@ struct library {
 /* library.c */
 struct index_reader *library_reader(struct library *library, struct error *e);
 void library_reader_done(struct library *library, struct index_reader *reader);
+
+/* After statements: notes whether the file turned out to be damaged. */
+void library_reader_look(struct index_reader *reader);
 
 /* library_scan.c: the thread. */
 void *library_scan(void *library);
