@@ -68,6 +68,7 @@ static struct net_options net_options_of(struct daemon *d) {
     struct net_options options = d->settings.net;
     options.models = d->settings.models;
     options.library = d->library;
+    options.reader = (struct reader){d->paths.reader, d->settings.voices.unconfined};
     options.gestures = d->settings.gestures;
     options.on_gestures = (struct shelf_listener){on_gestures, d};
     options.works = d->settings.library;

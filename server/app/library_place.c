@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/app/library_place.h"
+#include "server/base/log.h"
 #include "server/base/mem.h"
 #include "server/library/recordings/library_voices.h"
 #include <errno.h>
@@ -59,13 +60,13 @@ static char *with_recordings(const char *config, const char *folder, const char 
     return text;
 }
 
-static int place_voices(const struct settings *s, const char *index, char **folder, char **config,
-                        struct error *e) {
+static int place_voices(const struct settings *s, const char *index, const struct reader *reader,
+                        char **folder, char **config, struct error *e) {
     struct buf path = {0};
     buf_printf(&path, "%s.voices", index);
     buf_add(&path, "", 1);
     *config = NULL;
-    int count = library_voices_prepare(s->library, (char *)path.data, s->lang, e);
+    int count = library_voices_prepare(s->library, (char *)path.data, s->lang, reader, e);
     *folder = count >= 0 ? realpath((char *)path.data, NULL) : NULL;
     buf_free(&path);
     if (*folder)
@@ -96,8 +97,12 @@ int library_place_open(const struct settings *s, const struct paths *paths, stru
                                     .percent = *paths->aligner ? s->align_percent : 0,
                                     .megabytes = s->voices.megabytes,
                                     .unconfined = s->voices.unconfined};
-    if (index && !place_voices(s, index, &voices, voice_config, e))
-        *library = library_open(&(struct library_options){s->library, index, voices, s->lang, aligner}, e);
+    const struct reader reader = {paths->reader, s->voices.unconfined};
+    if (!*paths->reader)
+        log_warn("faccia-reader is not there: works are read without limits and sandbox");
+    if (index && !place_voices(s, index, &reader, &voices, voice_config, e))
+        *library =
+            library_open(&(struct library_options){s->library, index, voices, s->lang, aligner, reader}, e);
     buf_free(&plugin);
     free(index);
     free(voices);
@@ -106,7 +111,7 @@ int library_place_open(const struct settings *s, const struct paths *paths, stru
 
 int library_place_voices(const struct settings *s, char **voice_config, struct error *e) {
     char *index = index_place(s, e), *voices = NULL;
-    int result = index ? place_voices(s, index, &voices, voice_config, e) : -1;
+    int result = index ? place_voices(s, index, NULL, &voices, voice_config, e) : -1;
     free(index);
     free(voices);
     return result;

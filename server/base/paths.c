@@ -11,17 +11,19 @@
 
 /* Where the programs lie in a build tree and below a prefix, and beside them the rest. A tree that was moved,
  * or staged for a package (DESTDIR), is found by its programs. */
-enum place { MODELS, WEB, PLUGINS, WORKER, ALIGNER, PLACES };
+enum place { MODELS, WEB, PLUGINS, WORKER, ALIGNER, READER, PLACES };
 
 static const struct layout {
     const char *programs[2]; /* facciad and faccia; faccia-voice */
     const char *places[PLACES];
 } layouts[] = {
     {{"server/app", "server/voice"},
-     {"models", "web", "server/plugins", "server/voice/faccia-voice", "server/app/faccia-align"}},
+     {"models", "web", "server/plugins", "server/voice/faccia-voice", "server/app/faccia-align",
+      "server/app/faccia-reader"}},
     {{FACCIA_BINDIR, FACCIA_LIBDIR "/faccia"},
      {FACCIA_DATADIR "/faccia/models", FACCIA_DATADIR "/faccia/web", FACCIA_LIBDIR "/faccia/plugins",
-      FACCIA_LIBDIR "/faccia/faccia-voice", FACCIA_LIBDIR "/faccia/faccia-align"}},
+      FACCIA_LIBDIR "/faccia/faccia-voice", FACCIA_LIBDIR "/faccia/faccia-align",
+      FACCIA_LIBDIR "/faccia/faccia-reader"}},
 };
 
 enum { INSTALLED = 1 };
@@ -65,6 +67,7 @@ void paths_find(struct paths *paths) {
     paths->plugins = find(root, layout->places[PLUGINS]);
     paths->worker = find(root, layout->places[WORKER]);
     paths->aligner = find(root, layout->places[ALIGNER]);
+    paths->reader = find(root, layout->places[READER]);
 }
 
 void paths_free(struct paths *paths) {
@@ -73,5 +76,6 @@ void paths_free(struct paths *paths) {
     free(paths->plugins);
     free(paths->worker);
     free(paths->aligner);
+    free(paths->reader);
     *paths = (struct paths){0};
 }

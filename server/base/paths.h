@@ -11,6 +11,7 @@ struct paths {
     char *plugins; /* voice plugins */
     char *worker;  /* the faccia-voice program */
     char *aligner; /* the faccia-align program */
+    char *reader;  /* the faccia-reader program */
 };
 
 void paths_find(struct paths *paths);

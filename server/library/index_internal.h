@@ -20,7 +20,14 @@ struct index_writer {
     bool open;         /* a transaction is */
     size_t characters; /* in it */
     int64_t next;      /* row */
+    bool damaged;      /* SQLite has found the file to be no index, or a broken one */
 };
+
+/* Is that error one of a damaged file? */
+bool index_is_damaged(sqlite3 *sql);
+
+/* Removes the file with what belongs to it, and says so in the log: it is begun anew when it is opened. */
+void index_discard(const char *file);
 
 /* Opens, and makes, it. A damaged one, or of another version, is begun anew. -1 with *e. */
 int index_open(struct index_writer *writer, const char *file, struct error *e);

@@ -48,7 +48,24 @@ static int64_t number_of(sqlite3 *sql, const char *query) {
     return number;
 }
 
-static int fail(sqlite3 *sql, struct error *e) {
+bool index_is_damaged(sqlite3 *sql) {
+    int code = sqlite3_errcode(sql) & 0xff;
+    return code == SQLITE_CORRUPT || code == SQLITE_NOTADB;
+}
+
+void index_discard(const char *file) {
+    static const char *const ends[] = {"", "-wal", "-shm"};
+    char path[4096];
+    log_warn("the index %s is damaged or of another version; it is begun anew", file);
+    for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
+        snprintf(path, sizeof path, "%s%s", file, ends[i]);
+        unlink(path);
+    }
+}
+
+static int fail(struct index_writer *w, struct error *e) {
+    sqlite3 *sql = w->sql;
+    w->damaged = w->damaged || index_is_damaged(sql);
     return error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(sql));
 }
 
@@ -69,17 +86,11 @@ static int try_open(struct index_writer *w, const char *file) {
 }
 
 int index_open(struct index_writer *w, const char *file, struct error *e) {
-    static const char *const ends[] = {"", "-wal", "-shm"};
-    char path[4096];
     *w = (struct index_writer){0};
     int result = try_open(w, file);
     if (result < 0 && w->sql && !access(file, R_OK | W_OK)) {
-        log_warn("the index %s is damaged or of another version; it is begun anew", file);
         sqlite3_close(w->sql);
-        for (size_t i = 0; i < sizeof ends / sizeof *ends; i++) {
-            snprintf(path, sizeof path, "%s%s", file, ends[i]);
-            unlink(path);
-        }
+        index_discard(file);
         result = try_open(w, file);
     }
     if (result > 0)
@@ -104,11 +115,11 @@ void index_close(struct index_writer *w) {
     *w = (struct index_writer){0};
 }
 
+/* The file is not mapped: one that somebody cuts, or a disk that fails, would end the daemon with SIGBUS. */
 sqlite3 *index_open_reader(const char *file) {
     sqlite3 *sql = NULL;
     if (sqlite3_open_v2(file, &sql, SQLITE_OPEN_READONLY | SQLITE_OPEN_NOMUTEX, NULL) != SQLITE_OK ||
-        sqlite3_exec(sql, "PRAGMA query_only=1; PRAGMA mmap_size=2147418112;", NULL, NULL, NULL) !=
-            SQLITE_OK ||
+        sqlite3_exec(sql, "PRAGMA query_only=1; PRAGMA cache_size=-16384;", NULL, NULL, NULL) != SQLITE_OK ||
         search_rank_add(sql)) {
         sqlite3_close(sql);
         return NULL;
@@ -128,7 +139,7 @@ sqlite3_stmt *index_statement(struct index_writer *w, unsigned number, const cha
 int index_step(struct index_writer *w, sqlite3_stmt *statement, struct error *e) {
     int result = statement ? sqlite3_step(statement) : SQLITE_ERROR;
     if (result != SQLITE_ROW && result != SQLITE_DONE) {
-        fail(w->sql, e);
+        fail(w, e);
         sqlite3_reset(statement);
         return -1;
     }
@@ -139,7 +150,7 @@ int index_step(struct index_writer *w, sqlite3_stmt *statement, struct error *e)
 
 int index_begin(struct index_writer *w, struct error *e) {
     if (!w->open && sqlite3_exec(w->sql, "BEGIN", NULL, NULL, NULL) != SQLITE_OK)
-        return fail(w->sql, e);
+        return fail(w, e);
     w->open = true;
     return 0;
 }
@@ -149,7 +160,7 @@ int index_commit(struct index_writer *w, struct error *e) {
         return 0;
     w->characters = 0;
     if (sqlite3_exec(w->sql, "COMMIT", NULL, NULL, NULL) != SQLITE_OK) {
-        fail(w->sql, e);
+        fail(w, e);
         index_roll_back(w);
         return -1;
     }

@@ -24,9 +24,11 @@ struct library *library_open(const struct library_options *options, struct error
     l->index = mem_strdup(options->index);
     l->voices = options->voices ? mem_strdup(options->voices) : NULL;
     l->lang = mem_strdup(options->lang);
+    l->reader = (struct reader){options->reader.program ? mem_strdup(options->reader.program) : NULL,
+                                options->reader.unconfined};
     l->indexing = true;
     if (l->voices)
-        l->alignments = alignments_open(l->folder, l->voices, l->lang, &options->aligner);
+        l->alignments = alignments_open(l->folder, l->voices, l->lang, &options->aligner, &l->reader);
     pthread_mutex_init(&l->mutex, NULL);
     pthread_cond_init(&l->wake, NULL);
     if (!pthread_create(&l->thread, NULL, library_scan, l))
@@ -62,6 +64,7 @@ void library_close(struct library *l) {
     free(l->index);
     free(l->lang);
     free(l->voices);
+    free((char *)l->reader.program);
     free(l);
 }
 
@@ -70,22 +73,34 @@ struct index_reader *library_reader(struct library *l, struct error *e) {
     pthread_mutex_lock(&l->mutex);
     if (l->idle_count)
         r = l->idle[--l->idle_count];
+    const unsigned generation = l->generation;
     pthread_mutex_unlock(&l->mutex);
-    if (r)
+    if (r && r->generation == generation)
         return r;
+    if (r)
+        close_reader(r);
     sqlite3 *sql = index_open_reader(l->index);
     if (!sql) {
         error_plain(e, ERROR_BAD_INDEX);
         return NULL;
     }
     r = mem_alloc(sizeof *r);
-    *r = (struct index_reader){sql, stems_open()};
+    *r = (struct index_reader){sql, stems_open(), generation, false};
     return r;
+}
+
+void library_reader_look(struct index_reader *r) {
+    r->damaged = r->damaged || index_is_damaged(r->sql);
 }
 
 void library_reader_done(struct library *l, struct index_reader *r) {
     pthread_mutex_lock(&l->mutex);
-    bool kept = l->idle_count < READERS_MAX;
+    bool current = r->generation == l->generation;
+    bool kept = l->idle_count < READERS_MAX && current && !r->damaged;
+    if (r->damaged && current) {
+        atomic_store(&l->damaged, true);
+        pthread_cond_broadcast(&l->wake);
+    }
     if (kept)
         l->idle[l->idle_count++] = r;
     pthread_mutex_unlock(&l->mutex);
@@ -158,6 +173,10 @@ int library_passage(struct library *l, const char *id, double from, size_t most,
     *out = (struct library_passage){.markup = "plain"};
     struct index_reader *r = library_reader(l, e);
     int result = r ? library_find(r, id, most, &found, e) : -1;
+    if (r)
+        library_reader_look(r);
+    if (r && r->damaged && result)
+        error_plain(e, ERROR_BAD_INDEX);
     if (r)
         library_reader_done(l, r);
     if (result)

@@ -5,7 +5,9 @@
 
 #include "server/base/buf.h"
 #include "server/base/error.h"
+#include "server/base/reader_process.h"
 #include "server/library/recordings/alignment_job.h"
+#include <stdatomic.h>
 #include <stdbool.h>
 #include <stdint.h>
 
@@ -17,6 +19,7 @@ struct library_options {
     const char *voices;     /* the folder of library_voices.h; NULL: nothing has a recording's voice */
     const char *lang;       /* of works that do not tell theirs */
     struct aligner aligner; /* of recordings */
+    struct reader reader;   /* of works */
 };
 
 /* Opens the index and begins to read the folder. NULL with *e: "bad-index", "bad-work". */
@@ -37,11 +40,12 @@ struct library_question {
     } kind;
     const char *work, *section, *passage;
     const char *query, *lang, *author, *limit, *after;
-    unsigned most; /* works */
+    unsigned most;               /* works */
+    const atomic_bool *given_up; /* turns true when nobody waits for the answer any more; NULL: never */
 };
 
 /* The answer as JSON, in any thread. -1 with *e: "unknown-work", "unknown-section", "unknown-passage",
- * "bad-query", "bad-field", "search-too-long", "bad-index". */
+ * "bad-query", "bad-field", "search-too-long" (or given up), "bad-index". */
 int library_answer(struct library *library, const struct library_question *question, struct buf *answer,
                    struct error *e);
 

@@ -2,8 +2,30 @@
 #include "server/library/library_internal.h"
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
-enum { LIST_USUAL = 200, LIST_MOST = 1000 };
+enum {
+    LIST_USUAL = 200,
+    LIST_MOST = 1000,
+    SEARCH_MS = 2000,
+    ANSWER_MS = 10000,      /* anything else: all that is asked for is read from the index */
+    LOOK_OPERATIONS = 2000, /* of SQLite's machine, between two looks at the clock */
+};
+
+static uint64_t now(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
+}
+
+bool answer_is_late(struct answer_limit *limit) {
+    limit->late = limit->late || (limit->given_up && atomic_load(limit->given_up)) || now() > limit->until;
+    return limit->late;
+}
+
+static int on_progress(void *limit) {
+    return answer_is_late(limit);
+}
 
 /* A work's columns up to `recording`, in the order of this list. */
 #define WORK_COLUMNS                                                                                         \
@@ -161,9 +183,12 @@ static int append(const char *text, size_t size, void *buf) {
 
 int library_answer(struct library *l, const struct library_question *q, struct buf *out, struct error *e) {
     struct index_reader *r = library_reader(l, e);
+    struct answer_limit limit = {q->given_up, now() + (q->kind == LIBRARY_SEARCH ? SEARCH_MS : ANSWER_MS),
+                                 false};
     json_t *answer = NULL;
     if (!r)
         return -1;
+    sqlite3_progress_handler(r->sql, LOOK_OPERATIONS, on_progress, &limit);
     sqlite3_exec(r->sql, "BEGIN", NULL, NULL, NULL); /* what is read belongs together */
     switch (q->kind) {
     case LIBRARY_LIST:
@@ -179,13 +204,26 @@ int library_answer(struct library *l, const struct library_question *q, struct b
         answer = library_passage_json(r, q->passage, e);
         break;
     case LIBRARY_SEARCH:
-        answer = library_search_json(r, q, e);
+        answer = library_search_json(r, q, &limit, e);
         break;
     case LIBRARY_NEWEST:
         answer = library_newest_json(r, q->most, e);
     }
+    sqlite3_progress_handler(r->sql, 0, NULL, NULL);
+    library_reader_look(r);
     sqlite3_exec(r->sql, "COMMIT", NULL, NULL, NULL);
+    const bool damaged = r->damaged;
     library_reader_done(l, r);
+    if (damaged) { /* nor is it then */
+        json_decref(answer);
+        return error_plain(e, ERROR_BAD_INDEX);
+    }
+    if (limit.late) { /* what was read is not all of it */
+        json_decref(answer);
+        return q->kind == LIBRARY_SEARCH ? error_plain(e, ERROR_SEARCH_TOO_LONG)
+                                         : error_set(e, ERROR_SEARCH_TOO_LONG,
+                                                     "the answer takes longer than %d s", ANSWER_MS / 1000);
+    }
     if (answer)
         json_dump_callback(answer, append, out, JSON_COMPACT | JSON_REAL_PRECISION(6));
     json_decref(answer);

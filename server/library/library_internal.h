@@ -18,6 +18,15 @@ enum { READERS_MAX = 8 };
 struct index_reader {
     sqlite3 *sql;
     struct stems *stems;
+    unsigned generation; /* of the index that it has open */
+    bool damaged;        /* it met a damaged page: what it has read is not all */
+};
+
+/* How long an answer may take. SQLite asks now and then. */
+struct answer_limit {
+    const atomic_bool *given_up; /* or NULL */
+    uint64_t until;              /* ms of the monotonic clock */
+    bool late;                   /* it took longer, or nobody waits any more */
 };
 
 struct library {
@@ -27,9 +36,12 @@ struct library {
     pthread_cond_t wake;
     struct index_reader *idle[READERS_MAX]; /* that nobody uses now */
     unsigned idle_count;
-    size_t done, of; /* files of this pass */
+    unsigned generation; /* of the index; another one, when it was begun anew */
+    size_t done, of;     /* files of this pass */
     bool indexing, closing;
     atomic_bool stop;
+    atomic_bool damaged;  /* somebody who reads the index has found it so: the thread begins it anew */
+    struct reader reader; /* its program is owned */
     struct alignments *alignments; /* NULL: recordings are no voices */
     uint64_t signature;            /* of the files that were looked through last; the thread sets it */
     struct library_ahead ahead;
@@ -39,6 +51,9 @@ struct library {
 struct index_reader *library_reader(struct library *library, struct error *e);
 void library_reader_done(struct library *library, struct index_reader *reader);
 
+/* After statements: notes whether the file turned out to be damaged. */
+void library_reader_look(struct index_reader *reader);
+
 /* library_scan.c: the thread. */
 void *library_scan(void *library);
 
@@ -47,11 +62,14 @@ void *library_scan(void *library);
 int library_recorded(struct library *library, struct index_writer *writer, const struct library_files *files,
                      struct error *e);
 
+/* library_answer.c: sets late when it is. */
+bool answer_is_late(struct answer_limit *limit);
+
 /* library_answer.c, library_section.c, library_search.c, library_newest.c: an answer; NULL with *e. */
 json_t *library_section_json(struct library *library, struct index_reader *reader, const char *work,
                              const char *section, struct error *e);
 json_t *library_search_json(struct index_reader *reader, const struct library_question *question,
-                            struct error *e);
+                            struct answer_limit *limit, struct error *e);
 json_t *library_newest_json(struct index_reader *reader, unsigned most, struct error *e);
 json_t *library_passage_json(struct index_reader *reader, const char *id, struct error *e);
 

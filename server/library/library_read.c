@@ -4,8 +4,10 @@
 
 sqlite3_stmt *library_prepare(struct index_reader *r, const char *sql, struct error *e) {
     sqlite3_stmt *s = NULL;
+    library_reader_look(r);
     if (sqlite3_prepare_v2(r->sql, sql, -1, &s, NULL) != SQLITE_OK)
         error_set(e, ERROR_BAD_INDEX, "the index: %.200s", sqlite3_errmsg(r->sql));
+    library_reader_look(r);
     return s;
 }
 

@@ -4,6 +4,7 @@
 #include "server/base/mem.h"
 #include "server/library/library_files.h"
 #include "server/library/library_internal.h"
+#include "server/library/work_apart.h"
 #include <errno.h>
 #include <stdlib.h>
 #include <string.h>
@@ -75,7 +76,7 @@ static int take(struct pass *p, const char *path, struct index_file *file, struc
         t.failed = true;
     choose_name(&p->writer, path, file->work);
     int64_t first = p->writer.next;
-    int result = t.failed ? -1 : work_read(l->folder, path, &t.meta, &sink, &why);
+    int result = t.failed ? -1 : work_read_apart(&l->reader, l->folder, path, &t.meta, &sink, &l->stop, &why);
     bool some = p->writer.next > first;
     if (!t.failed && result)
         t.failed = index_add_problem(&p->writer, path, &why, true, &t.error);
@@ -180,8 +181,22 @@ static void rest(struct library *l) {
     clock_gettime(CLOCK_REALTIME, &until);
     until.tv_sec += LOOK_SECONDS;
     pthread_mutex_lock(&l->mutex);
-    while (!l->closing && pthread_cond_timedwait(&l->wake, &l->mutex, &until) != ETIMEDOUT)
+    while (!l->closing && !atomic_load(&l->damaged) &&
+           pthread_cond_timedwait(&l->wake, &l->mutex, &until) != ETIMEDOUT)
         ;
+    pthread_mutex_unlock(&l->mutex);
+}
+
+/* Those who read have the old file open; what they ask next they ask of the new one. */
+static void begin_anew(struct pass *p) {
+    struct library *l = p->library;
+    if (p->writer.sql)
+        index_close(&p->writer);
+    p->writer.damaged = false;
+    index_discard(l->index);
+    pthread_mutex_lock(&l->mutex);
+    l->generation++;
+    l->indexing = true;
     pthread_mutex_unlock(&l->mutex);
 }
 
@@ -191,9 +206,13 @@ void *library_scan(void *library) {
     char text[512];
     setpriority(PRIO_PROCESS, (id_t)syscall(SYS_gettid), NICE); /* of this thread alone */
     while (!atomic_load(&p.library->stop)) {
+        if (p.writer.damaged || atomic_exchange(&p.library->damaged, false))
+            begin_anew(&p);
         if ((!p.writer.sql && index_open(&p.writer, p.library->index, &e)) || read_all(&p, &e)) {
             log_warn("library: %s", error_text(&e, text, sizeof text));
+            bool damaged = p.writer.damaged;
             index_close(&p.writer);
+            p.writer.damaged = damaged;
         }
         rest(p.library);
     }

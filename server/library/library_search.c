@@ -5,14 +5,11 @@
 #include "server/library/search_query.h"
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 enum {
     LIMIT_USUAL = 20,
     LIMIT_MOST = 100,
     AFTER_MOST = 10000,
-    SEARCH_MS = 2000,
-    LOOK_OPERATIONS = 2000, /* of SQLite's machine, between two looks at the clock */
     SNIPPET_BEFORE = 60,    /* bytes */
     SNIPPET = 240,
     MARKS_MOST = 64,
@@ -23,21 +20,8 @@ struct searching {
     const struct library_question *question;
     struct search_query query;
     sqlite3_stmt *row, *shape;
-    uint64_t until; /* ms */
-    bool late;
+    struct answer_limit *limit;
 };
-
-static uint64_t now(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (uint64_t)t.tv_sec * 1000 + (uint64_t)t.tv_nsec / 1000000;
-}
-
-static int on_progress(void *ctx) {
-    struct searching *s = ctx;
-    s->late = now() > s->until;
-    return s->late;
-}
 
 static const char *text_at(sqlite3_stmt *s, int column) {
     const char *text = (const char *)sqlite3_column_text(s, column);
@@ -128,7 +112,7 @@ static json_t *result_of(struct searching *s, int64_t row, double worth) {
 static json_t *gather(struct searching *s, const struct search_places *places, unsigned limit,
                       unsigned after) {
     json_t *results = json_array();
-    for (size_t i = after; i < places->count && i < (size_t)after + limit; i++) {
+    for (size_t i = after; i < places->count && i < (size_t)after + limit && !answer_is_late(s->limit); i++) {
         sqlite3_reset(s->row);
         sqlite3_bind_int64(s->row, 1, places->list[i].row);
         if (sqlite3_step(s->row) == SQLITE_ROW)
@@ -151,16 +135,12 @@ static json_t *run(struct searching *s, struct error *e) {
     if (answer && places.count > end)
         json_object_set_new(answer, "next", json_sprintf("%zu", end));
     search_places_free(&places);
-    if (!s->late)
-        return answer;
-    json_decref(answer);
-    error_plain(e, ERROR_SEARCH_TOO_LONG);
-    return NULL;
+    return answer;
 }
 
 json_t *library_search_json(struct index_reader *r, const struct library_question *question,
-                            struct error *e) {
-    struct searching s = {.reader = r, .question = question, .until = now() + SEARCH_MS};
+                            struct answer_limit *limit, struct error *e) {
+    struct searching s = {.reader = r, .question = question, .limit = limit};
     const struct query_options options = {r->stems, question->lang};
     json_t *answer = NULL;
     if (!question->query) {
@@ -174,10 +154,8 @@ json_t *library_search_json(struct index_reader *r, const struct library_questio
         "w.author, s.title, w.recording FROM passage p JOIN work w ON w.name = p.work JOIN section s "
         "ON s.work = p.work AND s.number = p.section WHERE p.id = ?",
         e);
-    sqlite3_progress_handler(r->sql, LOOK_OPERATIONS, on_progress, &s);
     if (s.row && s.shape && !search_query_read(&s.query, question->query, &options, e))
         answer = run(&s, e);
-    sqlite3_progress_handler(r->sql, 0, NULL, NULL);
     search_query_free(&s.query);
     sqlite3_finalize(s.shape);
     sqlite3_finalize(s.row);

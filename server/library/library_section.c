@@ -123,8 +123,8 @@ json_t *library_section_json(struct library *l, struct index_reader *r, const ch
                       "recording", sqlite3_column_int(s, 9) ? recording_of(l, work, number) : json_null(),
                       "work", "id", work, "title", library_text(s, 5), "author", library_text(s, 6), "lang",
                       library_text(s, 7), "blocks", blocks_of(rows, work, number));
-    sqlite3_finalize(rows);
     sqlite3_finalize(s);
+    sqlite3_finalize(rows); /* last: library_reader_look sees how it went */
     return answer;
 }
 
@@ -284,8 +284,8 @@ int library_find(struct index_reader *r, const char *id, size_t most, struct fou
         return -1;
     sqlite3_stmt *s = section_row(r, p->work, p->section, e), *rows = s ? rows_with(r, p, s, e) : NULL;
     bool bad = s && !rows, any = rows && gather(p, rows, most);
-    sqlite3_finalize(rows);
     sqlite3_finalize(s);
+    sqlite3_finalize(rows); /* last: library_reader_look sees how it went */
     if (any)
         return 0;
     found_passage_free(p);

@@ -7,6 +7,7 @@
 #include "server/base/buf.h"
 #include "server/base/error.h"
 #include <stdbool.h>
+#include <stdio.h>
 
 enum block_kind {
     BLOCK_HEAD,
@@ -107,6 +108,11 @@ void section_free(struct section *section);
  * not be read, or not to its end; sections until then were given. */
 int work_read(const char *folder, const char *path, struct work_meta *meta, const struct work_sink *sink,
               struct error *e);
+
+/* Its two steps: opens the file, or NULL with *e; reads it, of the kind that its name says. */
+FILE *work_open(const char *folder, const char *path, struct error *e);
+int work_read_file(const char *name, FILE *file, struct work_meta *meta, const struct work_sink *sink,
+                   struct error *e);
 
 /* Can the content of a file of that name be read, all of it? Of any kind but EPUB. -1 with *e: "bad-field" of
  * the name, "bad-work" with the first thing that is wrong. */

@@ -134,12 +134,24 @@ static int read_any(const char *path, FILE *file, const struct buf *data, struct
     return result;
 }
 
-int work_read(const char *folder, const char *path, struct work_meta *meta, const struct work_sink *sink,
-              struct error *e) {
+FILE *work_open(const char *folder, const char *path, struct error *e) {
     FILE *file = beneath_file(folder, path);
     if (!file)
-        return error_set(e, ERROR_BAD_WORK, "%s", beneath_is_outside(errno) ? WORK_OUTSIDE : strerror(errno));
-    int result = read_any(path, file, NULL, meta, sink, e);
+        error_set(e, ERROR_BAD_WORK, "%s", beneath_is_outside(errno) ? WORK_OUTSIDE : strerror(errno));
+    return file;
+}
+
+int work_read_file(const char *name, FILE *file, struct work_meta *meta, const struct work_sink *sink,
+                   struct error *e) {
+    return read_any(name, file, NULL, meta, sink, e);
+}
+
+int work_read(const char *folder, const char *path, struct work_meta *meta, const struct work_sink *sink,
+              struct error *e) {
+    FILE *file = work_open(folder, path, e);
+    if (!file)
+        return -1;
+    int result = work_read_file(path, file, meta, sink, e);
     fclose(file);
     return result;
 }

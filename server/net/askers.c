@@ -35,11 +35,12 @@ int askers_ask(struct askers *askers, uv_loop_t *loop, const char *key, struct c
                struct asker **asker, struct error *e) {
     if (!askers->pool)
         askers->pool = coder_pool_open(loop, ASKERS_THREADS);
+    const enum error_code full = askers->full ? askers->full : ERROR_TOO_MANY_SEARCHES;
     if (!askers->pool || askers->questions >= ASKERS_MOST)
-        return error_plain(e, ERROR_TOO_MANY_SEARCHES);
+        return error_set(e, full, "too many wait already");
     struct asker *a = find(askers, key);
     if (a->questions >= (askers->questions < ASKERS_ALL ? ASKERS_EACH : ASKERS_FEW))
-        return error_set(e, ERROR_TOO_MANY_SEARCHES, "%u of yours wait already", a->questions);
+        return error_set(e, full, "%u of yours wait already", a->questions);
     a->questions++;
     askers->questions++;
     *asker = a;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Who asks something of the library: each in a line of his own, and the lines take turns, so that nobody
- * waits for all that another has asked. What is asked is answered in threads of lower priority than those
- * that speak. */
+/* Who asks something of the library, or saves something: each in a line of his own, and the lines take turns,
+ * so that nobody waits for all that another has asked. What is asked is answered in threads of lower priority
+ * than those that speak. */
 #ifndef FACCIA_NET_ASKERS_H
 #define FACCIA_NET_ASKERS_H
 
@@ -29,10 +29,11 @@ struct askers {
     struct coder_pool *pool; /* NULL: nobody has asked yet */
     struct asker *first;
     unsigned questions;
+    enum error_code full; /* too many wait; ERROR_NONE: of the library */
 };
 
 /* Puts the question into the line of who has that key: he is told in *asker, and stays until askers_answered,
- * which job->done has to call. -1 with *e ("too-many-searches"): too many wait. */
+ * which job->done has to call. -1 with *e (full, or "too-many-searches"): too many wait. */
 int askers_ask(struct askers *askers, uv_loop_t *loop, const char *key, struct coder_job *job,
                struct asker **asker, struct error *e);
 void askers_answered(struct askers *askers, struct asker *asker);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What editors save: works of the library (/v1/library/files) and gestures (/v1/gestures). */
 #include "server/expression/gestures.h"
-#include "server/library/work.h"
+#include "server/library/work_apart.h"
 #include "server/net/shelf_http.h"
 
 enum {
@@ -18,7 +18,7 @@ static const char *folder_of(const struct net *net, const char *folder) {
 
 int gestures_serve(struct exchange *x) {
     static const struct shelf_service service = {"/v1/gestures", "gestures", "application/json",
-                                                 gesture_check};
+                                                 gesture_check, NULL};
     const struct net *net = exchange_net(x);
     return shelf_serve(x, &service,
                        &(struct shelf){folder_of(net, net->options.gestures), ".json", ERROR_NOT_FOUND,
@@ -28,7 +28,7 @@ int gestures_serve(struct exchange *x) {
 
 int works_serve(struct exchange *x) {
     static const struct shelf_service service = {"/v1/library/files", "files", "application/octet-stream",
-                                                 work_check};
+                                                 NULL, work_check_apart};
     const struct net *net = exchange_net(x);
     return shelf_serve(
         x, &service,

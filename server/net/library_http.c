@@ -17,6 +17,7 @@ struct asking {
     struct coder_job job;
     struct asker *asker; /* NULL: it has been answered, or was refused */
     struct exchange *x;  /* NULL: its client is gone */
+    atomic_bool given_up; /* for the thread: likewise */
     struct net *net;
     struct library_question question;
     enum library_form form;
@@ -39,7 +40,7 @@ static void in_thread(struct coder_job *job) {
     struct asking *a = (struct asking *)job;
     askers_step_back();
     a->result = library_answer(a->net->options.library, &a->question, &a->answer, &a->error);
-    if (!a->result && a->form != LIBRARY_AS_JSON)
+    if (!a->result && a->form != LIBRARY_AS_JSON && !atomic_load(&a->given_up))
         library_page(a->form, a->base, a->section, &a->answer);
 }
 
@@ -62,6 +63,7 @@ static bool is_left(struct coder_job *job) {
 static void leave(void *self) {
     struct asking *a = self;
     a->x = NULL;
+    atomic_store(&a->given_up, true);
     if (a->asker) /* it comes back by itself */
         coder_pool_cancel(a->net->askers.pool, &a->asker->line, is_left);
     else
@@ -198,6 +200,7 @@ int library_get(struct exchange *x) {
     struct error e;
     struct asking *a = mem_alloc(sizeof *a);
     a->net = net;
+    a->question.given_up = &a->given_up;
     a->job.work = in_thread;
     a->job.done = done;
     if (!net->options.library || !read_request(a, request)) {

@@ -95,17 +95,29 @@ void library_sitemap(struct buf *out, const json_t *newest, const char *base) {
     buf_printf(out, "</urlset>\n");
 }
 
-/* Signs that TeX reads as its own are escaped; the rest is UTF-8, as biber takes it. */
+/* Signs that TeX reads as its own are escaped; the rest is UTF-8, as biber takes it. A brace is named: BibTeX
+ * counts braces also behind a backslash, so that "\\{" would leave its field open. */
 static void put_tex(struct buf *out, const char *text) {
     for (; *text; text++)
         if (strchr("\\~^", *text))
             buf_printf(out, *text == '\\'  ? "{\\textbackslash}"
                             : *text == '~' ? "{\\textasciitilde}"
                                            : "{\\textasciicircum}");
-        else if (strchr("&%$#_{}", *text))
+        else if (*text == '{' || *text == '}')
+            buf_printf(out, "{\\textbrace%s}", *text == '{' ? "left" : "right");
+        else if (strchr("&%$#_", *text))
             buf_printf(out, "\\%c", *text);
         else
-            buf_add(out, (unsigned char)*text < ' ' ? " " : text, 1);
+            buf_add(out, (unsigned char)*text < ' ' || *text == 0x7f ? " " : text, 1);
+}
+
+/* A URL is taken as it stands, but for what would end its field or the line. */
+static void put_tex_url(struct buf *out, const char *url) {
+    for (; *url; url++)
+        if (strchr("{}\\", *url) || (unsigned char)*url <= ' ' || *url == 0x7f)
+            buf_printf(out, "%%%02X", (unsigned char)*url);
+        else
+            buf_add(out, url, 1);
 }
 
 static void tex_field(struct buf *out, const char *name, const char *text, bool whole) {
@@ -130,7 +142,11 @@ void library_bibtex(struct buf *out, const json_t *work, const char *base) {
     tex_field(out, *year ? "" : "date", *year ? "" : date, false);
     tex_field(out, "language", text_of(work, "lang"), false);
     tex_field(out, "note", text_of(work, "source"), false);
-    buf_printf(out, ",\n  url = {%s/library/%s}\n}\n", base, text_of(work, "id"));
+    buf_printf(out, ",\n  url = {");
+    put_tex_url(out, base);
+    buf_printf(out, "/library/");
+    put_tex_url(out, text_of(work, "id"));
+    buf_printf(out, "}\n}\n");
 }
 
 void library_dublin_core(struct buf *out, const json_t *work, const char *base) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/net/library_page.h"
+#include "server/base/mem.h"
 #include "server/net/library_meta.h"
 #include <jansson.h>
 #include <stdbool.h>
@@ -56,41 +57,141 @@ static void open_tag(struct buf *out, const char *name, const char *class, const
     add(out, ">");
 }
 
-static void add_mark(struct buf *out, const json_t *mark, size_t at) {
-    const char *kind = text_of(mark, "kind");
-    size_t start = place_of(mark, "start"), end = place_of(mark, "end");
-    bool emphasis = !strcmp(kind, "emphasis"), foreign = !strcmp(kind, "foreign");
-    if (!strcmp(kind, "note") && start == at) {
-        add(out, "<a class=\"note-mark\" href=\"#");
-        add_text(out, text_of(mark, "note"));
-        add(out, "\">*</a>");
-    } else if (start < end && end == at && (emphasis || foreign)) {
-        add(out, emphasis ? "</em>" : "</i>");
-    } else if (start < end && start == at && emphasis) {
-        add(out, "<em>");
-    } else if (start < end && start == at && foreign) {
-        open_tag(out, "i", "", mark);
+/* Marks that may lie in each other and still be drawn: what is opened again on each line stays little. */
+enum { MARKS_OPEN_MAX = 16 };
+
+/* At one place marks end before notes stand there and others begin. */
+enum mark_edge { EDGE_END, EDGE_POINT, EDGE_START };
+
+struct edge {
+    size_t at; /* UTF-16 units */
+    enum mark_edge kind;
+    size_t number; /* of the mark */
+    const json_t *mark;
+};
+
+/* One pass over a block: its text, and the edges of its marks in the order of the text. */
+struct pass {
+    struct buf *out;
+    const char *text; /* what is left of it */
+    size_t at;        /* UTF-16 units before it */
+    struct edge *edges;
+    size_t count, next;
+    const json_t *open[MARKS_OPEN_MAX];
+    size_t depth;
+    bool drawing;
+};
+
+static int compare_edges(const void *left, const void *right) {
+    const struct edge *a = left, *b = right;
+    if (a->at != b->at)
+        return a->at < b->at ? -1 : 1;
+    if (a->kind != b->kind)
+        return a->kind < b->kind ? -1 : 1;
+    int order = a->number < b->number ? -1 : a->number > b->number;
+    return a->kind == EDGE_END ? -order : order; /* what was opened last ends first */
+}
+
+static void put_edge(struct pass *p, const json_t *mark, size_t number, enum mark_edge kind) {
+    size_t at = place_of(mark, kind == EDGE_END ? "end" : "start");
+    p->edges[p->count++] = (struct edge){at, kind, number, mark};
+}
+
+static void pass_open(struct pass *p, struct buf *out, const json_t *block) {
+    const json_t *marks = json_object_get(block, "marks"), *mark;
+    size_t i;
+    *p = (struct pass){.out = out, .text = text_of(block, "text")};
+    p->edges = mem_alloc((2 * json_array_size(marks) + 1) * sizeof *p->edges);
+    json_array_foreach(marks, i, mark) {
+        const char *kind = text_of(mark, "kind");
+        if (!strcmp(kind, "note")) {
+            put_edge(p, mark, i, EDGE_POINT);
+        } else if ((!strcmp(kind, "emphasis") || !strcmp(kind, "foreign")) &&
+                   place_of(mark, "start") < place_of(mark, "end")) {
+            put_edge(p, mark, i, EDGE_START);
+            put_edge(p, mark, i, EDGE_END);
+        }
+    }
+    qsort(p->edges, p->count, sizeof *p->edges, compare_edges);
+}
+
+static bool is_emphasis(const json_t *mark) {
+    return !strcmp(text_of(mark, "kind"), "emphasis");
+}
+
+static void draw_start(struct pass *p, const json_t *mark) {
+    if (p->drawing && is_emphasis(mark))
+        add(p->out, "<em>");
+    else if (p->drawing)
+        open_tag(p->out, "i", "", mark);
+}
+
+static void draw_end(struct pass *p, const json_t *mark) {
+    if (p->drawing)
+        add(p->out, is_emphasis(mark) ? "</em>" : "</i>");
+}
+
+/* Elements nest: those that began later than the mark are closed with it, and opened again. */
+static void end_mark(struct pass *p, const json_t *mark) {
+    size_t at = p->depth;
+    while (at && p->open[at - 1] != mark)
+        at--;
+    if (!at)
+        return; /* it lay too deep to be drawn */
+    for (size_t i = p->depth; i >= at; i--)
+        draw_end(p, p->open[i - 1]);
+    p->depth--;
+    for (size_t i = at - 1; i < p->depth; i++) {
+        p->open[i] = p->open[i + 1];
+        draw_start(p, p->open[i]);
     }
 }
 
-/* The text from one place to another, in UTF-16 units, with its marks; to: SIZE_MAX = its end. */
-static void add_stretch(struct buf *out, const json_t *block, size_t from, size_t to) {
-    const char *text = text_of(block, "text");
-    const json_t *marks = json_object_get(block, "marks"), *mark;
-    size_t at = 0, i;
-    for (bool more = true; more && at <= to;) {
-        size_t size = 1;
-        while (*text && (text[size] & 0xc0) == 0x80)
-            size++;
-        json_array_foreach(marks, i, mark) if (at >= from && place_of(mark, "start") >= from &&
-                                               (at < to || place_of(mark, "end") == at))
-            add_mark(out, mark, at);
-        more = *text;
-        if (more && at >= from && at < to)
-            add_sign(out, text, size);
-        at += size > 3 ? 2 : 1;
-        text += more ? size : 0;
+/* The edges up to where the text is; those there up to that kind. */
+static void pass_edges(struct pass *p, enum mark_edge last) {
+    for (; p->next < p->count; p->next++) {
+        const struct edge *e = &p->edges[p->next];
+        if (e->at > p->at || (e->at == p->at && e->kind > last))
+            return;
+        if (e->kind == EDGE_END) {
+            end_mark(p, e->mark);
+        } else if (e->kind == EDGE_START && p->depth < MARKS_OPEN_MAX) {
+            draw_start(p, e->mark);
+            p->open[p->depth++] = e->mark;
+        } else if (e->kind == EDGE_POINT && p->drawing) {
+            add(p->out, "<a class=\"note-mark\" href=\"#");
+            add_text(p->out, text_of(e->mark, "note"));
+            add(p->out, "\">*</a>");
+        }
     }
+}
+
+static void pass_text(struct pass *p, size_t to) {
+    while (*p->text && p->at < to) {
+        size_t size = 1;
+        pass_edges(p, EDGE_START);
+        while ((p->text[size] & 0xc0) == 0x80)
+            size++;
+        if (p->drawing)
+            add_sign(p->out, p->text, size);
+        p->at += size > 3 ? 2 : 1;
+        p->text += size;
+    }
+}
+
+/* The text from one place to another, in UTF-16 units, with its marks; to: SIZE_MAX = its end. Stretches of a
+ * block come in their order; a mark that goes on beyond one is closed there, and opened again in the next. */
+static void add_stretch(struct pass *p, size_t from, size_t to) {
+    pass_text(p, from);
+    pass_edges(p, EDGE_END);
+    p->drawing = true;
+    for (size_t i = 0; i < p->depth; i++)
+        draw_start(p, p->open[i]);
+    pass_text(p, to);
+    pass_edges(p, EDGE_POINT);
+    for (size_t i = p->depth; i-- > 0;)
+        draw_end(p, p->open[i]);
+    p->drawing = false;
 }
 
 static void add_block(struct buf *out, const json_t *block) {
@@ -100,17 +201,20 @@ static void add_block(struct buf *out, const json_t *block) {
     const char *name = !strcmp(kind, "head") ? "h2" : "p";
     if (!strcmp(kind, "page"))
         return;
+    struct pass pass;
+    pass_open(&pass, out, block);
     open_tag(out, name, !strcmp(kind, "paragraph") || !strcmp(kind, "head") ? "" : kind, block);
     if (json_array_size(lines)) {
         json_array_foreach(lines, i, line) {
             open_tag(out, "span", "line", line);
-            add_stretch(out, block, place_of(line, "start"), place_of(line, "end"));
+            add_stretch(&pass, place_of(line, "start"), place_of(line, "end"));
             add(out, "</span>\n");
         }
     } else {
-        add_stretch(out, block, 0, SIZE_MAX);
+        add_stretch(&pass, 0, SIZE_MAX);
     }
     buf_printf(out, "</%s>\n", name);
+    free(pass.edges);
 }
 
 static void add_link(struct buf *out, const char *work, long long section, const char *text) {

@@ -5,6 +5,7 @@
 
 #include "server/access/token.h"
 #include "server/base/buf.h"
+#include "server/base/reader_process.h"
 #include "server/base/shelf.h"
 #include "server/net/offer.h"
 #include "server/stream/stream.h"
@@ -33,6 +34,7 @@ struct net_options {
     const char *scenes;                    /* folder of scenes that operators keep; NULL = none */
     unsigned scene_bytes;                  /* of one */
     unsigned scene_count;
+    struct reader reader;         /* of works that are saved */
     struct library *library;      /* NULL = none */
     bool editing;                 /* who may operate saves gestures and works */
     const char *gestures, *works; /* folders of those; NULL = none */

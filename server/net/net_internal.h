@@ -50,6 +50,7 @@ struct net {
     struct hold hold;
     struct events *events;                  /* clients that follow a room over HTTP */
     struct askers askers;                   /* of the library */
+    struct askers savers;                   /* of shelves: speech does not wait for what they save */
     unsigned works;                         /* HTTP answers that are being made */
     json_t *more_languages;                 /* of hello */
     const struct offer_voice *languages_of; /* the list from which they were found */

@@ -127,7 +127,8 @@ int scene_check(const char *name, const void *data, size_t size, struct error *e
 }
 
 int scenes_serve(struct exchange *x) {
-    static const struct shelf_service scenes = {"/v1/scenes", "scenes", "application/json", scene_check};
+    static const struct shelf_service scenes = {"/v1/scenes", "scenes", "application/json", scene_check,
+                                                NULL};
     const struct net_options *options = &exchange_net(x)->options;
     struct shelf shelf = {options->scenes, ".json", ERROR_UNKNOWN_SCENE, options->scene_bytes,
                           options->scene_count};

@@ -8,8 +8,11 @@ enum doing { LISTING, READING, SAVING, REMOVING };
 
 /* Belongs to its exchange, and to the thread until it is done. */
 struct keeping {
-    uv_work_t work;
-    struct exchange *x; /* NULL: its client is gone */
+    struct coder_job job;
+    struct asker *asker; /* NULL: no thread has it */
+    struct net *net;
+    struct exchange *x;   /* NULL: its client is gone */
+    atomic_bool given_up; /* for the thread: likewise */
     const struct shelf_service *service;
     struct shelf shelf;
     struct shelf_listener listener;
@@ -21,7 +24,7 @@ struct keeping {
     struct shelf_entry *entries;
     size_t count;
     char tag[ETAG_BYTES];
-    bool created, running, done;
+    bool created;
     int result;
     struct error error;
 };
@@ -33,17 +36,24 @@ static void free_keeping(struct keeping *k) {
     free(k);
 }
 
-static void in_thread(uv_work_t *work) {
-    struct keeping *k = work->data;
+static int check(struct keeping *k) {
+    const struct shelf_service *s = k->service;
+    return s->check_apart ? s->check_apart(&k->net->options.reader, k->name, k->document.data,
+                                           k->document.size, &k->given_up, &k->error)
+                          : s->check(k->name, k->document.data, k->document.size, &k->error);
+}
+
+static void in_thread(struct coder_job *job) {
+    struct keeping *k = (struct keeping *)job;
     struct error *e = &k->error;
+    askers_step_back();
     if (k->doing == LISTING)
         k->result = shelf_list(&k->shelf, &k->entries, &k->count, e);
     else if (k->doing == READING)
         k->result = shelf_read(&k->shelf, k->name, &k->document, k->tag, e);
     else if (k->doing == SAVING)
-        k->result = k->service->check(k->name, k->document.data, k->document.size, e) ||
-                            shelf_save(&k->shelf, k->name, k->document.data, k->document.size, k->condition,
-                                       k->tag, &k->created, e)
+        k->result = check(k) || shelf_save(&k->shelf, k->name, k->document.data, k->document.size,
+                                           k->condition, k->tag, &k->created, e)
                         ? -1
                         : 0;
     else
@@ -73,27 +83,42 @@ static int answer(struct keeping *k) {
                          json_pack("{ss ss ss}", "type", "kept", "name", k->name, "etag", k->tag));
 }
 
-static void after(uv_work_t *work, int status) {
-    struct keeping *k = work->data;
-    k->done = true;
-    if (!status && !k->result && k->listener.changed && (k->doing == SAVING || k->doing == REMOVING))
+static void done(struct coder_job *job) {
+    struct keeping *k = (struct keeping *)job;
+    askers_answered(&k->net->savers, k->asker);
+    k->asker = NULL;
+    if (job->cancelled)
+        k->result = error_plain(&k->error, ERROR_CANCELLED);
+    if (!k->result && k->listener.changed && (k->doing == SAVING || k->doing == REMOVING))
         k->listener.changed(k->listener.ctx);
     if (!k->x)
         free_keeping(k);
-    else if (!status)
+    else
         answer(k);
+}
+
+static bool is_left(struct coder_job *job) {
+    return !((struct keeping *)job)->x;
 }
 
 static void leave(void *self) {
     struct keeping *k = self;
     k->x = NULL;
-    if (!k->running || k->done)
-        free_keeping(k); /* otherwise it comes back by itself */
+    atomic_store(&k->given_up, true);
+    if (k->asker) /* it comes back by itself */
+        coder_pool_cancel(k->net->savers.pool, &k->asker->line, is_left);
+    else
+        free_keeping(k);
 }
 
 static int begin(struct keeping *k) {
-    k->running = true;
-    uv_queue_work(exchange_net(k->x)->pipeline->loop, &k->work, in_thread, after);
+    struct error e;
+    k->net->savers.full = ERROR_TOO_MANY_REQUESTS;
+    k->job.work = in_thread;
+    k->job.done = done;
+    if (askers_ask(&k->net->savers, k->net->pipeline->loop, exchange_principal(k->x)->key, &k->job, &k->asker,
+                   &e))
+        return exchange_error(k->x, &e);
     return 0;
 }
 
@@ -134,7 +159,7 @@ int shelf_serve(struct exchange *x, const struct shelf_service *service, const s
     struct keeping *k = mem_alloc(sizeof *k);
     struct error e;
     *k = (struct keeping){.x = x, .service = service, .shelf = *shelf, .listener = listener};
-    k->work.data = k;
+    k->net = exchange_net(x);
     if (read_request(k, exchange_request(x), &e)) {
         free_keeping(k);
         return exchange_error(x, &e);

@@ -173,9 +173,9 @@ static void wake(struct alignments *a) {
 }
 
 struct alignments *alignments_open(const char *folder, const char *voices, const char *lang,
-                                   const struct aligner *aligner) {
+                                   const struct aligner *aligner, const struct reader *reader) {
     struct alignments *a = mem_alloc(sizeof *a);
-    *a = (struct alignments){.voices = voices, .lang = lang, .aligner = *aligner};
+    *a = (struct alignments){.voices = voices, .lang = lang, .reader = reader, .aligner = *aligner};
     a->folder = realpath(folder, NULL); /* the sandbox knows no other paths */
     if (!a->folder)
         a->folder = mem_strdup(folder);

@@ -5,6 +5,7 @@
 #define FACCIA_LIBRARY_RECORDINGS_ALIGNMENTS_H
 
 #include "server/base/buf.h"
+#include "server/base/reader_process.h"
 #include "server/library/recordings/alignment_job.h"
 #include <jansson.h>
 #include <stddef.h>
@@ -25,10 +26,10 @@ struct recorded_works {
 };
 void recorded_works_free(struct recorded_works *works);
 
-/* folder: the library's; voices: of library_voices.h; lang: of works that do not tell theirs. All three
- * must outlive it. */
+/* folder: the library's; voices: of library_voices.h; lang: of works that do not tell theirs. All, and
+ * the reader, must outlive it. */
 struct alignments *alignments_open(const char *folder, const char *voices, const char *lang,
-                                   const struct aligner *aligner);
+                                   const struct aligner *aligner, const struct reader *reader);
 
 /* Returns when thread and process have ended: at once, or when the reading of a work can be broken off. */
 void alignments_close(struct alignments *alignments);

@@ -21,6 +21,7 @@ struct alignment {
 
 struct alignments {
     const char *folder, *voices, *lang;
+    const struct reader *reader;
     struct aligner aligner;
     pthread_t thread;
     int wake; /* eventfd: something is to be looked at */

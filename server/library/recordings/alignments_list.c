@@ -106,7 +106,8 @@ static void look_at(struct alignments *a, struct alignment *one) {
     struct error e;
     char text[512], *why = NULL;
     char *sound = library_file_path(a->folder, one->of.sound);
-    int ready = library_voice_prepare(a->folder, one->of.path, one->of.work, a->voices, a->lang, &a->stop, &e);
+    int ready = library_voice_prepare(a->folder, one->of.path, one->of.work, a->voices, a->lang, a->reader,
+                                      &a->stop, &e);
     one->given = ready > 0 && library_voice_has_times(a->voices, one->of.work);
     if (ready < 0)
         alignments_set(a, one, ALIGNMENT_FAILED, error_text(&e, text, sizeof text));

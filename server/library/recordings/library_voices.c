@@ -4,7 +4,7 @@
 #include "server/base/mem.h"
 #include "server/library/library_files.h"
 #include "server/library/recordings/kept_file.h"
-#include "server/library/work.h"
+#include "server/library/work_apart.h"
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -104,12 +104,14 @@ static int describe(const char *folder, const char *work, const struct work_meta
 
 /* The places come last: they say that the text is there. */
 static int write_text(const char *library, const char *file, const char *work, const char *folder,
-                      const char *lang, const struct stat *info, const atomic_bool *stop, struct error *e) {
+                      const char *lang, const struct stat *info, const struct reader *reader,
+                      const atomic_bool *stop, struct error *e) {
     struct work_meta meta = {.lang = mem_strdup(lang)};
     struct spoken spoken = {.places = json_array(), .stop = stop};
     const struct work_sink sink = {&spoken, on_section, on_problem};
     struct error ignored;
-    bool whole = !work_read(library, file, &meta, &sink, &ignored) && !(stop && atomic_load(stop));
+    bool whole =
+        !work_read_apart(reader, library, file, &meta, &sink, stop, &ignored) && !(stop && atomic_load(stop));
     json_t *places = json_pack("{sI sI ss sO}", "size", (json_int_t)info->st_size, "modified",
                                (json_int_t)kept_time(info), "lang", lang, "places", spoken.places);
     int result = 0;
@@ -128,7 +130,8 @@ static int write_text(const char *library, const char *file, const char *work, c
 }
 
 int library_voice_prepare(const char *library, const char *file, const char *work, const char *folder,
-                          const char *lang, const atomic_bool *stop, struct error *e) {
+                          const char *lang, const struct reader *reader, const atomic_bool *stop,
+                          struct error *e) {
     char sound[PATH_MAX];
     struct stat info;
     int fd = library_file_sound(library, file, sound) ? beneath_open(library, file, O_RDONLY) : -1;
@@ -141,7 +144,7 @@ int library_voice_prepare(const char *library, const char *file, const char *wor
         return -1;
     return is_current(folder, work, lang, &info)
                ? 1
-               : write_text(library, file, work, folder, lang, &info, stop, e);
+               : write_text(library, file, work, folder, lang, &info, reader, stop, e);
 }
 
 static void tidy(const char *folder) {
@@ -157,7 +160,8 @@ static void tidy(const char *folder) {
         closedir(dir);
 }
 
-int library_voices_prepare(const char *library, const char *folder, const char *lang, struct error *e) {
+int library_voices_prepare(const char *library, const char *folder, const char *lang,
+                           const struct reader *reader, struct error *e) {
     struct library_files files = {0};
     int count = 0, result = library_files_list(&files, library, e);
     json_t *names = json_object(); /* of two files of one name the first one has the recording */
@@ -170,7 +174,7 @@ int library_voices_prepare(const char *library, const char *folder, const char *
         const char *path = files.list[i].path;
         library_file_name(path, false, work);
         if (!json_object_get(names, work) && library_file_has_sound(library, path)) {
-            int one = library_voice_prepare(library, path, work, folder, lang, NULL, e);
+            int one = library_voice_prepare(library, path, work, folder, lang, reader, NULL, e);
             result = one < 0 ? -1 : 0;
             count += one > 0;
             json_object_set_new(names, work, json_true());

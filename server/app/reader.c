@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: GPL-3.0-or-later */
+/* faccia-reader: parses one input that cannot be trusted for the daemon, which starts this program for each
+ * (base/reader_process.h). It may read that input, which is its standard input, and the system's libraries,
+ * write to its standard output, and take the processor time and memory that it is told. */
+#include "server/library/work_apart.h"
+#include "server/voice/memory_limit.h"
+#include "server/voice/sandbox.h"
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+enum { SECONDS = 1, MEGABYTES, SANDBOX, KIND, INPUT, LANG };
+
+static void limit(const char *seconds, const char *megabytes) {
+    const rlim_t most = (rlim_t)strtoul(seconds, NULL, 10);
+    const struct rlimit time = {most, most + 1}, nothing = {0, 0};
+    signal(SIGINT, SIG_IGN);
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    close_range(3, ~0u, 0); /* whatever the daemon left open is none of its business */
+    setrlimit(RLIMIT_CPU, &time);
+    setrlimit(RLIMIT_FSIZE, &nothing);
+    memory_limit((uint32_t)strtoul(megabytes, NULL, 10));
+}
+
+/* No file at all: the input has come with the process. */
+static void confine(const char *program) {
+    const struct needs needs = {.capabilities = 0};
+    const struct sandbox sandbox = {program, &needs, NULL, 0, getppid()};
+    struct sandbox_gaps gaps;
+    sandbox_enter(&sandbox, &gaps);
+}
+
+int main(int argc, char **argv) {
+    bool work = argc == LANG + 1 && !strcmp(argv[KIND], "work");
+    bool check = argc == INPUT + 1 && !strcmp(argv[KIND], "check");
+    if (!work && !check) {
+        fputs("usage: faccia-reader SECONDS MEGABYTES on|off work NAME LANG | check NAME\nParses a file, its "
+              "standard input, for "
+              "facciad, which starts this program by itself.\n",
+              stderr);
+        return argc == 2 && !strcmp(argv[1], "--help") ? 0 : 2;
+    }
+    limit(argv[SECONDS], argv[MEGABYTES]);
+    if (strcmp(argv[SANDBOX], "off") != 0)
+        confine(argv[0]);
+    return (work ? work_apart_read(argv[INPUT], argv[LANG], STDIN_FILENO, STDOUT_FILENO)
+                 : work_apart_check(argv[INPUT], STDIN_FILENO, STDOUT_FILENO))
+               ? 1
+               : 0;
+}

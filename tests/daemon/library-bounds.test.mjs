@@ -1,0 +1,121 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What a hostile file or client of the library may cost: pages grow with their text and no faster, what parses is a process with limits,
+// others are served meanwhile, and a damaged index is begun anew.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, before, test } from 'node:test';
+import { Daemon, eventually } from '../lib/daemon.mjs';
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-bounds-'));
+const [works, scenes, index] = ['works', 'scenes', 'index'].map((name) => path.join(folder, name));
+const put = (name, text) => fs.writeFileSync(path.join(works, name), text);
+const tei = (body) => `<TEI xmlns="http://www.tei-c.org/ns/1.0" xml:lang="it"><teiHeader/><text><body><div>${body}</div></body></text></TEI>`;
+const SMALL = 1500, FACTOR = 8; // one dimension of a work, and how much larger it is in the second one
+// what grows: marks in a paragraph, marks in each other, lines of a stanza, lines that marks go on over, notes, pages
+const shapes = {
+  marks: (n) => `<p>${'<emph>amo</emph> '.repeat(n)}</p>`,
+  crossed: (n) => `<p>${'<emph><foreign xml:lang="en">so</foreign></emph><name>Ada</name> '.repeat(n / 2)}</p>`,
+  lines: (n) => `<lg>${'<l>amo</l>'.repeat(n)}</lg>`,
+  over: (n) => `<lg>${'<l><emph>amo</emph> te</l>'.repeat(n / 2)}</lg>`,
+  notes: (n) => `<p>${'amo<note>sì</note> '.repeat(n / 4)}</p>`,
+  pages: (n) => `<p>${'amo<pb n="1"/> '.repeat(n)}</p>`,
+  blocks: (n) => '<p>amo</p>'.repeat(n),
+};
+const hostile = '![[]()';
+
+let daemon;
+const get = (address) => fetch(`${daemon.url}${address}`);
+const list = async () => (await get('/v1/library?limit=1000')).json();
+const ready = (what = 'the library') => eventually(async () => { const all = await list(); return all.state === 'ready' && all; }, what, 60000);
+// processor time of the daemon so far, in ticks of 10 ms
+const ticks = () => fs.readFileSync(`/proc/${daemon.process.pid}/stat`, 'utf8').replace(/\(.*\)/, 'x').split(' ').slice(13, 15).reduce((sum, each) => sum + Number(each), 0);
+const cost = async (address, times) => {
+  const before = ticks();
+  for (let i = 0; i < times; i++) assert.equal((await (await get(address)).text()).startsWith('<!doctype') || address.startsWith('/v1'), true);
+  return Math.max(ticks() - before, 1) / times;
+};
+
+before(async () => {
+  for (const each of [works, scenes]) fs.mkdirSync(each);
+  for (const [name, shape] of Object.entries(shapes)) {
+    put(`${name}-small.xml`, tei(shape(SMALL)));
+    put(`${name}-large.xml`, tei(shape(SMALL * FACTOR)));
+  }
+  put('nested.md', `uno *due **tre** quattro*\n\n# Fine\n\n{ graffa & ~ }\n`);
+  put('tesi.md', '---\ntitle: Insiemi { aperti e \\chiusi\nauthor: A } B\nlang: it\n---\ntesto\n');
+  put('poem.xml', tei('<lg><l>sol<emph>o</emph></l><l><emph>e <foreign xml:lang="en">so</foreign></emph> va</l></lg>'));
+  put('zz.md', `# Titolo\n\nbuono\n\n${hostile.repeat(60000)}\n`);
+  put('zzz.txt', 'dopo il peggio\n');
+  daemon = await Daemon.start(['--library', works, '--library-index', index, '--editing', '--scenes', scenes], {}, { voices: false });
+  await ready();
+});
+after(async () => {
+  await daemon?.stop();
+  fs.rmSync(folder, { recursive: true });
+});
+
+test('what a page costs grows with the text, whatever grows in it', async () => {
+  for (const name of Object.keys(shapes))
+    for (const address of ['/library/%/1', '/v1/library/works/%/sections/1', '/v1/library/search?q=amo&work=%&limit=100']) {
+      if (name === 'crossed' && address.includes('search')) continue;
+      const [small, large] = [await cost(address.replace('%', `${name}-small`), 4), await cost(address.replace('%', `${name}-large`), 2)];
+      assert.ok(large <= small * 25 + 20, `${address} of ${name}: ${small} -> ${large} ticks for ${FACTOR} times the text`);
+    }
+});
+
+test('marks of a page nest, line by line', async () => {
+  assert.match(await (await get('/library/poem/1')).text(), /sol<em>o<\/em><\/span>\n<span[^>]*><em>e <i lang="en">so<\/i><\/em> va<\/span>/);
+  assert.match(await (await get('/library/nested/1')).text(), /uno <em>due <em>tre<\/em> quattro<\/em>/);
+});
+
+test('braces in a name leave no field of BibTeX open', async () => {
+  const bib = await (await get('/library/tesi.bib')).text();
+  assert.match(bib, /title = \{\{Insiemi \{\\textbraceleft\} aperti e \{\\textbackslash\}chiusi\}\}/);
+  let depth = 0; // BibTeX counts all braces, also those behind a backslash
+  for (const sign of bib.trimEnd().slice(0, -1)) {
+    depth += sign === '{' ? 1 : sign === '}' ? -1 : 0;
+    assert.ok(depth >= 0, bib);
+  }
+  assert.equal(depth, 1, bib);
+});
+
+test('a file whose reading has no end is told, and those behind it are read', async () => {
+  const all = await list();
+  const told = all.problems.find(({ file }) => file === 'zz.md');
+  assert.match(told?.message ?? 'nothing', /its reading took more than \d+ s of processor time, (in its first section|after section 1)/);
+  assert.ok(all.works.some(({ id }) => id === 'zzz'));
+});
+
+test('what four clients save and leave holds up nobody', async () => {
+  await Promise.allSettled([1, 2, 3, 4].map((i) =>
+    fetch(`${daemon.url}/v1/library/files/b${i}.md`, { method: 'PUT', body: hostile.repeat(500000), signal: AbortSignal.timeout(1500) })));
+  for (const address of ['/v1/scenes', '/v1/library/files', '/v1/library/search?q=peggio'])
+    assert.equal((await fetch(`${daemon.url}${address}`, { signal: AbortSignal.timeout(10000) })).status, 200, address);
+  assert.deepEqual(fs.readdirSync(works).filter((name) => name.startsWith('b')).filter((name) => name.endsWith('.md')), []);
+});
+
+test('a damaged index is begun anew while the daemon runs, and told once', async () => {
+  const size = fs.statSync(index).size;
+  const file = fs.openSync(index, 'r+');
+  fs.writeSync(file, Buffer.alloc(size, 0xa5), 0, size, 0);
+  fs.closeSync(file);
+  fs.rmSync(`${index}-wal`, { force: true });
+  fs.unlinkSync(path.join(works, 'zz.md'));
+  await eventually(async () => { await (await get('/v1/library/search?q=peggio')).text(); return /is damaged or of another version; it is begun anew/.test(daemon.log); }, 'a line in the log', 30000);
+  await ready('the new index');
+  const { results } = await (await get('/v1/library/search?q=peggio')).json();
+  assert.deepEqual(results.map(({ work }) => work.id), ['zzz']);
+  assert.equal(daemon.log.match(/it is begun anew/g).length, 1);
+});
+
+test('SIGTERM is heeded while a file is being read', async () => {
+  put('again.md', hostile.repeat(500000));
+  await eventually(async () => (await list()).done < (await list()).of, 'the reading', 20000).catch(() => {});
+  await new Promise((resolve) => setTimeout(resolve, 4000));
+  const started = Date.now();
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+  assert.ok(Date.now() - started < 15000, 'it hangs');
+  daemon = undefined;
+});
