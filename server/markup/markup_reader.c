@@ -120,10 +120,14 @@ const char *reader_captured(struct markup_reader *r, struct frame *frame) {
 
 void reader_say(struct markup_reader *r, const struct frame *frame, const char *text,
                 const struct score_style *style) {
-    struct piece piece = {
-        .start = frame->inside, .end = r->end, .style = style, .depth = frame->style_depth, .atomic = true};
-    if (*text)
-        passage_text(&r->passage, text, strlen(text), piece);
+    size_t bytes = strlen(text);
+    struct piece piece = {.start = frame->inside,
+                          .end = r->end,
+                          .style = style,
+                          .depth = frame->style_depth,
+                          .atomic = bytes <= READER_ONE_BYTES};
+    if (bytes)
+        passage_text(&r->passage, text, bytes, piece);
 }
 
 const char *reader_keep(struct markup_reader *r, const char *s) {

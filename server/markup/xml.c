@@ -250,6 +250,7 @@ static int walk(struct walk *w, const struct prolog *prolog) {
     reader_boundary(r);
     if (r->vocabulary->finish)
         r->vocabulary->finish(r);
+    score_bound_pauses(r->score, r->rules ? r->rules->paused : 0);
     sort(r->score);
     return 0;
 }
