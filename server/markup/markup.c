@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/markup.h"
+#include "server/base/lang.h"
+#include "server/base/mem.h"
 #include "server/base/utf8.h"
 #include "server/markup/detect.h"
+#include "server/markup/markdown.h"
 #include "server/markup/plain.h"
+#include "server/markup/stray_tags.h"
 #include "server/markup/white.h"
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 
@@ -138,7 +143,51 @@ bool markup_lang(const char *text, size_t size, char *out) {
     for (at += 10; at < end && *at != quote && n < MARKUP_LANG_BYTES - 1; at++)
         out[n++] = *at;
     out[n] = '\0';
-    return n && at < end && *at == quote;
+    size_t bad;
+    return n && at < end && *at == quote && lang_is_tag(out, n, &bad);
+}
+
+static void warn(struct score *score, const struct error *e) {
+    score->warnings =
+        mem_grow(score->warnings, &score->warning_cap, score->warning_count + 1, sizeof *score->warnings);
+    score->warnings[score->warning_count++] = *e;
+}
+
+/* The words of a text with tags that is no document. broken: why it is none; NULL: it did not look like one. */
+static int read_words(struct score *score, const char *text, size_t size, const struct markup_rules *rules,
+                      const struct error *broken, struct error *e) {
+    struct markup_rules words = rules ? *rules : (struct markup_rules){0};
+    char *copy = mem_strndup(text, size);
+    struct stray_tags tags = stray_tags_blank(copy, size);
+    if (broken)
+        warn(score, broken);
+    if (tags.count)
+        score_warn(score, tags.first, ERROR_IGNORED,
+                   "this is no document: its words are spoken, and %zu tags, of which this is the first, are "
+                   "left out",
+                   tags.count);
+    words.markdown = words.markdown || memchr(copy, MARKDOWN_LEFT_OUT, size);
+    int failed = plain_read(score, copy, size, &words, e);
+    free(copy);
+    return failed;
+}
+
+static int read_leniently(const struct markup_kind *kind, struct score **score, const char *text, size_t size,
+                          const struct markup_rules *rules, struct error *e) {
+    if (kind == markup_by_name("plain"))
+        return memchr(text, '<', size) || memchr(text, '&', size)
+                   ? read_words(*score, text, size, rules, NULL, e)
+                   : plain_read(*score, text, size, rules, e);
+    if (!kind->read(*score, text, size, rules, e))
+        return 0;
+    if (e->code != ERROR_BAD_XML)
+        return -1;
+    struct error broken = *e;
+    score_free(*score);
+    *score = score_new();
+    (*score)->input = text;
+    (*score)->input_size = size;
+    return read_words(*score, text, size, rules, &broken, e);
 }
 
 struct score *markup_read(const struct markup_kind *kind, const char *text, size_t size,
@@ -156,7 +205,9 @@ struct score *markup_read(const struct markup_kind *kind, const char *text, size
     struct score *score = score_new();
     score->input = text;
     score->input_size = size;
-    int failed = kind->read(score, text, size, rules, e);
+    bool lenient = kind->read == auto_read || (rules && rules->lenient);
+    int failed = lenient ? read_leniently(markup_detect(kind, text, size), &score, text, size, rules, e)
+                         : kind->read(score, text, size, rules, e);
     if (!failed && !score->sentence_count)
         failed = error_set(e, ERROR_EMPTY_TEXT, "there is nothing to speak");
     if (failed) {

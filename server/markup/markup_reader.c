@@ -1,14 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/markup/markup_reader.h"
+#include "server/base/lang.h"
 #include "server/markup/white.h"
 #include <string.h>
 #include <strings.h>
-
-/* Letters, digits and hyphens (BCP 47). */
-static bool is_language(const char *s) {
-    size_t length = strspn(s, "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-");
-    return length >= 2 && length <= 35 && !s[length];
-}
 
 /* Do the two tags mean one language, one of them perhaps with a region? */
 static bool same_language(const char *a, const char *b) {
@@ -21,7 +16,8 @@ void reader_language(struct tag *tag, const char *attribute) {
     const char *lang = tag_take(tag, attribute);
     if (!lang)
         return;
-    if (*lang && !is_language(lang)) {
+    size_t bad;
+    if (*lang && !lang_is_tag(lang, strlen(lang), &bad)) {
         tag_bad(tag, attribute, "is no language tag");
         return;
     }
@@ -120,10 +116,14 @@ const char *reader_captured(struct markup_reader *r, struct frame *frame) {
 
 void reader_say(struct markup_reader *r, const struct frame *frame, const char *text,
                 const struct score_style *style) {
-    struct piece piece = {
-        .start = frame->inside, .end = r->end, .style = style, .depth = frame->style_depth, .atomic = true};
-    if (*text)
-        passage_text(&r->passage, text, strlen(text), piece);
+    size_t bytes = strlen(text);
+    struct piece piece = {.start = frame->inside,
+                          .end = r->end,
+                          .style = style,
+                          .depth = frame->style_depth,
+                          .atomic = bytes <= READER_ONE_BYTES};
+    if (bytes)
+        passage_text(&r->passage, text, bytes, piece);
 }
 
 const char *reader_keep(struct markup_reader *r, const char *s) {

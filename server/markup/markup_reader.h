@@ -14,6 +14,8 @@ enum {
     READER_ATTRIBUTES = 64, /* of one element */
     READER_BYTES = 16 << 20,
     READER_SECONDS = 60, /* the longest pause */
+    READER_ONE_BYTES = 1000, /* what stands for something else and is longer is cut into sentences as any text is */
+    READER_PHONES_BYTES = 500, /* of one phoneme element */
 };
 
 struct markup_reader;

@@ -2,6 +2,7 @@
 #include "server/markup/score.h"
 #include "server/base/mem.h"
 #include "server/base/utf8.h"
+#include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -147,6 +148,38 @@ void score_warn(struct score *score, size_t at, enum error_code code, const char
     size_t line, column;
     lines_place(&score->lines, score->input, at < score->input_size ? at : score->input_size, &line, &column);
     error_at_line(warning, code, line, column, "%s", message);
+}
+
+double score_pauses(const struct score *score) {
+    double seconds = 0;
+    for (size_t i = 0; i < score->item_count; i++)
+        if (score->items[i].kind == SCORE_BREAK)
+            seconds += score->items[i].seconds;
+    return seconds;
+}
+
+void score_bound_pauses(struct score *score, double paused) {
+    for (size_t i = 0; i < score->sentence_count; i++) {
+        const struct score_sentence *s = &score->sentences[i];
+        double own = 0;
+        bool told = false;
+        for (size_t k = s->first; k < s->first + s->count; k++) {
+            struct score_item *item = &score->items[k];
+            if (item->kind != SCORE_BREAK)
+                continue;
+            double left = fmax(fmin(SCORE_PAUSE_SENTENCE - own, SCORE_PAUSE_TEXT - paused), 0);
+            if (item->seconds > left && !told) {
+                bool all = SCORE_PAUSE_TEXT - paused < SCORE_PAUSE_SENTENCE - own;
+                score_warn(score, item->start, ERROR_BAD_VALUE,
+                           "the pauses of %s may last %d s together: the rest is left out",
+                           all ? "a text" : "a sentence", all ? SCORE_PAUSE_TEXT : SCORE_PAUSE_SENTENCE);
+                told = true;
+            }
+            item->seconds = fmin(item->seconds, left);
+            own += item->seconds;
+            paused += item->seconds;
+        }
+    }
 }
 
 void score_end_sentence(struct score *score) {

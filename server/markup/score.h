@@ -148,6 +148,12 @@ enum { SCORE_WARNINGS = 1000 };
 void score_warn(struct score *score, size_t at, enum error_code code, const char *format, ...)
     __attribute__((format(printf, 4, 5)));
 
+/* Shortens the pauses that go beyond SCORE_PAUSE_SENTENCE in a sentence, or beyond SCORE_PAUSE_TEXT together with
+ * those that there were in the text before (paused), s; warns of each sentence where it does. */
+enum { SCORE_PAUSE_SENTENCE = 120, SCORE_PAUSE_TEXT = 3600 };
+void score_bound_pauses(struct score *score, double paused);
+double score_pauses(const struct score *score); /* how long they are together, s */
+
 /* Adds copies of the items, sentences and cues of another score, behind what is there. place tells where in
  * the input of this one a byte of the other's stands. */
 void score_append(struct score *to, const struct score *from, size_t (*place)(const void *ctx, size_t byte),

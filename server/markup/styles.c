@@ -32,6 +32,10 @@ bool style_is_ipa(const char *ipa) {
 }
 
 void style_ipa(struct tag *tag, const char *attribute, const char *ipa) {
+    if (strlen(ipa) > READER_PHONES_BYTES) {
+        tag_bad(tag, attribute, "is too long: the text is read instead");
+        return;
+    }
     if (!style_is_ipa(ipa))
         tag_warn(tag, attribute, ERROR_BAD_VALUE, "not all of \"%.60s\" is IPA", ipa);
     if (*ipa)

@@ -5,6 +5,7 @@
 #include "server/base/utf8.h"
 #include "server/markup/detect.h"
 #include "server/markup/markup_reader.h"
+#include "server/markup/stray_tags.h"
 #include <expat.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -74,6 +75,16 @@ static void begin_known(struct markup_reader *r, struct frame *frame, struct tag
         passage_open(&r->passage, SPAN_STYLE, tag->at, r->depth);
 }
 
+/* Before and after an unknown element that HTML knows as a line's or a block's end: "a<br/>b" is two words. */
+static void part_words(struct walk *w, const char *name, size_t at, size_t end) {
+    struct markup_reader *r = &w->reader;
+    const struct frame *frame = &r->frames[r->depth];
+    if (!frame->mute && !frame->silent && !r->capturing && stray_tag_parts_words(name, strlen(name)))
+        passage_text(
+            &r->passage, " ", 1,
+            (struct piece){.start = at, .end = end, .style = frame->kept, .depth = frame->style_depth});
+}
+
 static void on_start(void *ctx, const XML_Char *name, const XML_Char **attributes) {
     struct walk *w = ctx;
     struct markup_reader *r = &w->reader;
@@ -115,6 +126,7 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
                        frame->mute ? "no element '%.40s' is known: it is not acted on"
                                    : "no element '%.40s' is known: its text is read as it is",
                        name);
+        part_words(w, name, tag.at, tag.at + tag.bytes);
         return;
     }
     frame->silent |= frame->element->flags & ELEMENT_SILENT;
@@ -130,11 +142,12 @@ static void on_start(void *ctx, const XML_Char *name, const XML_Char **attribute
 static void on_end(void *ctx, const XML_Char *name) {
     struct walk *w = ctx;
     struct markup_reader *r = &w->reader;
-    (void)name;
     if (w->failed || !r->depth)
         return;
     struct frame *frame = &r->frames[r->depth];
     r->end = here(w);
+    if (!frame->element)
+        part_words(w, name, r->end, r->end);
     if (frame->element && frame->element->end)
         frame->element->end(r, frame);
     passage_close(&r->passage, r->depth);
@@ -250,6 +263,7 @@ static int walk(struct walk *w, const struct prolog *prolog) {
     reader_boundary(r);
     if (r->vocabulary->finish)
         r->vocabulary->finish(r);
+    score_bound_pauses(r->score, r->rules ? r->rules->paused : 0);
     sort(r->score);
     return 0;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/codec/opus_audio.h"
 #include "server/net/net_internal.h"
+#include "server/net/surrogates.h"
 #include <stdio.h>
 #include <string.h>
 
@@ -221,13 +222,35 @@ static int set_field(struct speech_request *request, const char *name, const jso
     return request_set(request, name, v, e) < 0 ? -1 : 0;
 }
 
+/* The halves of characters in the text; the last one of a text that is being written may get its other half
+ * (request->half). */
+static void join_halves(struct speech_request *request) {
+    struct buf joined = {0};
+    uint16_t half = 0;
+    if (!request->text)
+        return;
+    surrogates_join(request->text, request->text_size, &half, &joined);
+    if (half && !request->open)
+        buf_add(&joined, "\xEF\xBF\xBD", 3); /* U+FFFD */
+    request->half = request->open ? half : 0;
+    if (joined.size <= request->text_size)
+        memcpy(request->text, joined.size ? joined.data : (const uint8_t *)"", joined.size);
+    request->text_size = joined.size;
+    request->text[joined.size] = '\0';
+    buf_free(&joined);
+}
+
 int request_from_json(struct speech_request *request, const json_t *object, struct error *e) {
     const char *name;
+    const json_t *id = json_object_get(object, "id");
+    if (id && set_field(request, "id", id, e)) /* first, so that what is refused has it */
+        return -1;
     for (size_t i = 0; (name = request_field(i)); i++) {
         const json_t *value = json_object_get(object, name);
         if (value && set_field(request, name, value, e))
             return -1;
     }
+    join_halves(request);
     return 0;
 }
 

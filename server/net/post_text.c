@@ -3,6 +3,7 @@
 #include "server/base/mem.h"
 #include "server/markup/markup.h"
 #include "server/net/net_internal.h"
+#include "server/net/surrogates.h"
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -46,7 +47,7 @@ int post_text_begin(struct post_text *p, struct exchange *x, const struct member
 static int read_json(struct post_text *p, struct speech_request *request, struct error *e) {
     json_error_t why;
     const struct buf *body = exchange_body(p->x);
-    p->object = json_loadb(body->size ? (const char *)body->data : "", body->size, JSON_ALLOW_NUL, &why);
+    p->object = surrogates_load(body->size ? (const char *)body->data : "", body->size, &why);
     if (!p->object)
         return message_bad_json(&why, e);
     if (!json_is_object(p->object))

@@ -12,6 +12,9 @@ enum { MESSAGE_TIMES = 16 };
 /* Clients wait half a minute for the answer to their close. */
 enum { HANG_UP_MS = 25000 };
 
+/* What is kept of the beginning of a message that is too long, bytes. */
+enum { HEAD_BYTES = 512 };
+
 static void warn(void *socket, const struct error *e) {
     json_t *warning = message_error(e);
     json_object_set_new(warning, "type", json_string("warning"));
@@ -44,6 +47,8 @@ static void piece(void *ctx, const uint8_t *bytes, size_t size, bool binary, boo
     s->too_long |= s->message.size + size > s->net->options.message_bytes;
     if (!s->too_long && (!binary || s->voice))
         buf_add(&s->message, bytes, size);
+    else if (s->too_long && !binary && s->message.size < HEAD_BYTES) /* its id, for who is told */
+        buf_add(&s->message, bytes, size < HEAD_BYTES - s->message.size ? size : HEAD_BYTES - s->message.size);
     if (last)
         socket_hear(s, binary);
 }

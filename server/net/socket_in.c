@@ -1,9 +1,14 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* What a WebSocket client sends: messages, taken in pieces and acted on. */
 #include "server/base/near.h"
+#include "server/base/utf8.h"
 #include "server/net/socket_internal.h"
+#include "server/net/surrogates.h"
 #include <stdio.h>
 #include <string.h>
+
+/* The longest id, in bytes. */
+enum { ID_BYTES = 64 };
 
 static void speak_json(struct socket *s, const json_t *message) {
     struct speech_request request;
@@ -84,7 +89,7 @@ static void authorise(struct socket *s, const json_t *message) {
     }
 }
 
-void socket_act(struct socket *s, const json_t *message) {
+static void act(struct socket *s, const json_t *message) {
     static const struct {
         const char *type;
         void (*act)(struct socket *s, const json_t *message);
@@ -119,14 +124,54 @@ void socket_act(struct socket *s, const json_t *message) {
     socket_complain(s, &e);
 }
 
-static void take(struct socket *s, const json_t *message, const json_error_t *why) {
+/* What is refused is answered with the id of the message, if it has one that can be read. */
+void socket_act(struct socket *s, const json_t *message) {
+    const json_t *id = json_object_get(message, "id");
+    const char *value = json_string_value(id);
+    s->asked = value && json_string_length(id) <= ID_BYTES && strlen(value) == json_string_length(id) ? value : NULL;
+    act(s, message);
+    s->asked = NULL;
+}
+
+/* The string of that member in what may be no JSON, without escapes and at most ID_BYTES long. */
+static bool find_member(const char *data, size_t size, const char *name, char out[ID_BYTES + 1]) {
+    char quoted[16];
+    size_t bytes = (size_t)snprintf(quoted, sizeof quoted, "\"%s\"", name), n = 0;
+    const char *end = data + size, *at = size ? memmem(data, size, quoted, bytes) : NULL;
+    if (!at)
+        return false;
+    for (at += bytes; at < end && strchr(" \t\r\n:", *at) && *at; at++)
+        ;
+    if (at == end || *at++ != '"')
+        return false;
+    for (; at < end && *at != '"' && *at != '\\' && (unsigned char)*at >= ' ' && n < ID_BYTES; at++)
+        out[n++] = *at;
+    out[n] = '\0';
+    return at < end && *at == '"' && utf8_check(out, n) == n;
+}
+
+/* A message that is no JSON, or is too long to be kept: what would have begun to speak ends, so that whoever
+ * waits for it is told. */
+static void refuse_unread(struct socket *s, const char *data, size_t size, const struct error *e) {
+    char id[ID_BYTES + 1], type[ID_BYTES + 1];
+    bool known = find_member(data, size, "id", id);
+    s->asked = known ? id : NULL;
+    if (known && find_member(data, size, "type", type) &&
+        (!strcmp(type, "speak") || !strcmp(type, "voice") || !strcmp(type, "play")))
+        socket_refuse(s, id, e);
+    else
+        socket_complain(s, e);
+    s->asked = NULL;
+}
+
+static void take(struct socket *s, const json_t *message, const json_error_t *why, const char *data, size_t size) {
     struct error e;
     if (message) {
         socket_act(s, message);
         return;
     }
     message_bad_json(why, &e);
-    socket_complain(s, &e);
+    refuse_unread(s, data, size, &e);
 }
 
 void socket_hear_json(struct socket *s, const char *data, size_t size) {
@@ -143,8 +188,8 @@ void socket_hear_json(struct socket *s, const char *data, size_t size) {
         return;
     }
     json_error_t why;
-    json_t *message = json_loadb(data, size, JSON_ALLOW_NUL, &why);
-    take(s, message, &why);
+    json_t *message = surrogates_load(data, size, &why);
+    take(s, message, &why, data, size);
     json_decref(message);
 }
 
@@ -153,7 +198,7 @@ void socket_hear(struct socket *s, bool binary) {
     if (s->too_long) {
         error_set(&e, ERROR_MESSAGE_TOO_LONG, "a message may have at most %u bytes",
                   s->net->options.message_bytes);
-        socket_complain(s, &e);
+        refuse_unread(s, s->message.size ? (const char *)s->message.data : "", s->message.size, &e);
     } else if (binary) {
         voice_sound(s, s->message.data, s->message.size);
     } else {

@@ -22,6 +22,7 @@ struct socket {
     void (*more)(struct socket *socket); /* says what comes once nothing waits to leave; NULL = nothing */
     struct follower follower;            /* of its own stream, or of a room's */
     struct speech_request defaults;      /* from the address */
+    const char *asked; /* id of the message that is acted on; NULL: none */
     struct written *written;             /* texts that it is writing, and what it says itself */
     uint32_t voice;                      /* the utterance that it speaks itself; 0 = none */
     size_t written_count, written_cap;
@@ -96,7 +97,8 @@ void socket_hear_json(struct socket *socket, const char *data, size_t size);
 
 /* socket_long.c: reads the message, whose text it takes, in another thread. done is told it, or why it could
  * not be read. */
-typedef void long_message_done(struct socket *socket, const json_t *message, const json_error_t *why);
+typedef void long_message_done(struct socket *socket, const json_t *message, const json_error_t *why,
+                               const char *data, size_t size);
 void socket_read_long(struct socket *socket, struct buf *message, long_message_done *done);
 void socket_forget_long(struct socket *socket);
 
@@ -171,13 +173,14 @@ void voice_sound(struct socket *socket, const uint8_t *bytes, size_t size);
 struct written {
     char *id;
     uint32_t utterance;
+    uint16_t half; /* of a character, with which its text ends: surrogates.h */
 };
 struct written *written_find(struct socket *socket, const char *id); /* NULL: none */
 void written_drop(struct socket *socket, struct written *written);
 
 /* Whether it may begin one with that request. -1 with *e. */
 int write_check(struct socket *socket, const struct speech_request *request, struct error *e);
-void write_begin(struct socket *socket, const char *id, uint32_t utterance);
+void write_begin(struct socket *socket, const char *id, uint32_t utterance, uint16_t half);
 
 /* It goes elsewhere: what it was writing is closed. */
 void write_leave(struct socket *socket);

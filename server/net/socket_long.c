@@ -3,6 +3,7 @@
  * meanwhile waits: messages are acted on in their order. */
 #include "server/base/mem.h"
 #include "server/net/socket_internal.h"
+#include "server/net/surrogates.h"
 #include <stdlib.h>
 
 struct long_message {
@@ -16,7 +17,7 @@ struct long_message {
 
 static void parse(uv_work_t *work) {
     struct long_message *m = work->data;
-    m->message = json_loadb((const char *)m->text.data, m->text.size, JSON_ALLOW_NUL, &m->why);
+    m->message = surrogates_load((const char *)m->text.data, m->text.size, &m->why);
 }
 
 static void drop(uv_work_t *work) {
@@ -50,7 +51,7 @@ static void after_parse(uv_work_t *work, int status) {
     if (s) {
         s->reading = NULL;
         if (!status && !s->closing)
-            m->done(s, m->message, &m->why);
+            m->done(s, m->message, &m->why, (const char *)m->text.data, m->text.size);
         go_on(s);
     }
     if (uv_queue_work(loop, &m->work, drop, after_drop))

@@ -112,7 +112,10 @@ void socket_say(struct socket *s, json_t *object) {
 }
 
 void socket_complain(struct socket *s, const struct error *e) {
-    socket_say(s, message_error(e));
+    json_t *error = message_error(e);
+    if (s->asked)
+        json_object_set_new(error, "id", json_string(s->asked));
+    socket_say(s, error);
 }
 
 static struct socket *socket_of(struct follower *f) {

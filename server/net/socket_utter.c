@@ -19,7 +19,7 @@ void socket_speak_request(struct socket *s, struct speech_request *request) {
         return;
     uint32_t utterance = stream_speak(socket_stream(s), request);
     if (request->open && utterance)
-        write_begin(s, request->id, utterance);
+        write_begin(s, request->id, utterance, request->half);
 }
 
 void socket_speak(struct socket *s, const char *text, size_t size) {

@@ -82,7 +82,7 @@ void voice_begin(struct socket *s, const json_t *message) {
         speech.payer = principal_payer(&s->principal);
         s->voice = stream_hear(socket_stream(s), &request);
         if (s->voice)
-            write_begin(s, speech.id, s->voice);
+            write_begin(s, speech.id, s->voice, 0);
     }
     request_free(&speech);
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Utterances whose text a WebSocket client is still writing. */
 #include "server/net/socket_internal.h"
+#include "server/net/surrogates.h"
 #include <string.h>
 
 static void complain(struct socket *s, const char *id, const struct error *e) {
@@ -44,11 +45,15 @@ void write_text(struct socket *s, const json_t *message) {
     if (!w)
         return;
     int wrong = 0;
+    struct buf joined = {0};
+    surrogates_join(json_string_value(text) ? json_string_value(text) : "", json_string_length(text), &w->half,
+                    &joined);
     if (!json_is_string(text))
         wrong = error_in_field(&e, text ? ERROR_BAD_FIELD : ERROR_MISSING_FIELD, "text", "must be a string");
-    if (wrong || stream_write(socket_stream(s), w->utterance, json_string_value(text),
-                              json_string_length(text), s->net->options.text_bytes, &e))
+    if (wrong || stream_write(socket_stream(s), w->utterance, joined.size ? (const char *)joined.data : "",
+                              joined.size, s->net->options.text_bytes, &e))
         complain(s, w->id, &e);
+    buf_free(&joined);
 }
 
 void write_flush(struct socket *s, const json_t *message) {
@@ -62,6 +67,14 @@ void write_close(struct socket *s, const json_t *message) {
     if (!w)
         return;
     uint32_t utterance = w->utterance;
+    struct error e;
+    if (w->half) {
+        error_set(&e, ERROR_BAD_UTF8, "the text ends in half a character, which is left out");
+        json_t *warning = message_error(&e);
+        json_object_set_new(warning, "type", json_string("warning"));
+        json_object_set_new(warning, "id", json_string(w->id));
+        socket_say(s, warning);
+    }
     written_drop(s, w);
     stream_close(socket_stream(s), utterance, NULL);
 }

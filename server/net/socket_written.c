@@ -41,13 +41,13 @@ int write_check(struct socket *s, const struct speech_request *request, struct e
     return 0;
 }
 
-void write_begin(struct socket *s, const char *id, uint32_t utterance) {
+void write_begin(struct socket *s, const char *id, uint32_t utterance, uint16_t half) {
     for (size_t i = s->written_count; i-- > 0;)
         if (!strcmp(s->written[i].id, id) ||
             (s->written_count >= s->net->options.open && !is_open(s, &s->written[i])))
             written_drop(s, &s->written[i]);
     s->written = mem_grow(s->written, &s->written_cap, s->written_count + 1, sizeof *s->written);
-    s->written[s->written_count++] = (struct written){mem_strdup(id), utterance};
+    s->written[s->written_count++] = (struct written){mem_strdup(id), utterance, half};
 }
 
 void write_leave(struct socket *s) {

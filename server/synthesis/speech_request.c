@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 #include "server/synthesis/speech_request.h"
+#include "server/base/lang.h"
 #include "server/base/mem.h"
 #include "server/markup/language_runs.h"
 #include <math.h>
@@ -27,7 +28,7 @@ static const char *const priorities[] = {
 /* The fields that anyone may set, with the limits that protocol/README.md states. */
 static const struct field {
     const char *name;
-    enum { TEXT, STRING, NUMBER, INTEGER, FLAG, CHOICE } type;
+    enum { TEXT, STRING, TAG, NUMBER, INTEGER, FLAG, CHOICE } type;
     size_t offset;
     double min, max;          /* of a number; of a string: max = its longest, in bytes */
     const char *const *words; /* of a choice: in the order of its enum, NULL-terminated */
@@ -37,7 +38,7 @@ static const struct field {
     {"from", INTEGER, offsetof(struct speech_request, from), 0, 100 << 20, NULL},
     {"languages", STRING, offsetof(struct speech_request, languages), 1, LANGUAGE_RUNS_BYTES_MAX, NULL},
     {"id", STRING, offsetof(struct speech_request, id), 0, 64, NULL},
-    {"lang", STRING, offsetof(struct speech_request, lang), 1, 35, NULL},
+    {"lang", TAG, offsetof(struct speech_request, lang), 1, 35, NULL},
     {"voice", STRING, offsetof(struct speech_request, voice), 1, 128, NULL},
     {"gender", CHOICE, offsetof(struct speech_request, gender), 0, 0, genders},
     {"engine", STRING, offsetof(struct speech_request, engine), 1, 64, NULL},
@@ -59,6 +60,10 @@ static const struct field {
     {"still", FLAG, offsetof(struct speech_request, still), 0, 1, NULL},
 };
 
+static bool is_string(const struct field *f) {
+    return f->type == STRING || f->type == TAG;
+}
+
 void request_init(struct speech_request *request) {
     *request = (struct speech_request){
         .pitch = 1, .volume = 1, .fps = 25, .seed = -1, .life = -1, .priority = PRIORITY_CHAT};
@@ -66,7 +71,7 @@ void request_init(struct speech_request *request) {
 
 void request_free(struct speech_request *request) {
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++)
-        if (fields[i].type == TEXT || fields[i].type == STRING)
+        if (fields[i].type == TEXT || is_string(&fields[i]))
             free(*(char **)((char *)request + fields[i].offset));
     *request = (struct speech_request){0};
 }
@@ -75,7 +80,7 @@ void request_copy(struct speech_request *to, const struct speech_request *from) 
     *to = *from;
     for (size_t i = 0; i < sizeof fields / sizeof *fields; i++) {
         char **string = (char **)((char *)to + fields[i].offset);
-        if (fields[i].type == STRING && *string)
+        if (is_string(&fields[i]) && *string)
             *string = mem_strdup(*string);
     }
     if (from->text) {
@@ -87,9 +92,13 @@ void request_copy(struct speech_request *to, const struct speech_request *from) 
 static int set_string(char **string, const struct field *f, const struct request_value *v, struct error *e) {
     if (v->type != REQUEST_STRING && v->type != REQUEST_WORD)
         return error_in_field(e, ERROR_BAD_FIELD, f->name, "must be a string");
-    if (f->type == STRING &&
+    size_t bad;
+    if (is_string(f) &&
         ((double)v->size < f->min || (double)v->size > f->max || memchr(v->string, 0, v->size)))
         return error_in_field(e, ERROR_BAD_FIELD, f->name, "must have %.0f to %.0f bytes", f->min, f->max);
+    if (f->type == TAG && !lang_is_tag(v->string, v->size, &bad))
+        return error_in_field(e, ERROR_BAD_FIELD, f->name,
+                              "is no language tag (BCP 47, such as pt-BR): byte %zu does not belong there", bad);
     free(*string);
     *string = mem_alloc(v->size + 1);
     memcpy(*string, v->string, v->size);
@@ -164,7 +173,7 @@ bool request_get(const struct speech_request *request, size_t i, struct request_
     const struct field *f = &fields[i];
     const void *member = (const char *)request + f->offset;
     double number = f->type == NUMBER || f->type == INTEGER ? *(const double *)member : 0;
-    const char *string = f->type == TEXT || f->type == STRING ? *(char *const *)member
+    const char *string = f->type == TEXT || is_string(f) ? *(char *const *)member
                          : f->type == CHOICE                  ? f->words[*(const unsigned *)member]
                                                               : NULL;
     switch (f->type) {
@@ -199,6 +208,7 @@ int request_set(struct speech_request *request, const char *name, struct request
             request->text_size = value.size;
             return 0;
         case STRING:
+        case TAG:
             return set_string(member, f, &value, e);
         case NUMBER:
         case INTEGER:

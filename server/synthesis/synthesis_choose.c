@@ -37,7 +37,8 @@ static int no_language(const struct pipeline *pipeline, const char *lang, struct
                           near_text(&near, text));
 }
 
-/* The language and the voice that the request asks for; each may follow from the other. */
+/* The language and the voice that the request asks for; each may follow from the other. When it fails, the
+ * voice that was chosen before stays. */
 static int choose_voice(struct synthesis *s, struct error *e) {
     const struct speech_packs *packs = s->pipeline->packs;
     const char *lang = s->request.lang;
@@ -55,23 +56,26 @@ static int choose_voice(struct synthesis *s, struct error *e) {
         lang = stated;
     if (!lang)
         lang = s->pipeline->default_lang;
-    s->pack = speech_packs_find(packs, lang);
-    if (!speech_pack_is_general(s->pack))
-        lang = speech_pack_lang(s->pack);
-    s->voice = voice_pool_find(s->pipeline->voices, s->request.voice, lang, speech_pack_voices(s->pack), e);
-    if (!s->voice)
+    const struct speech_pack *pack = speech_packs_find(packs, lang);
+    if (!pack)
+        return no_language(s->pipeline, lang, e);
+    if (!speech_pack_is_general(pack))
+        lang = speech_pack_lang(pack);
+    const struct voice *voice =
+        voice_pool_find(s->pipeline->voices, s->request.voice, lang, speech_pack_voices(pack), e);
+    if (!voice)
         return -1;
     const char *gender = request_gender(&s->request);
-    if (gender && !s->request.voice && strcmp(s->voice->gender, gender)) {
+    if (gender && !s->request.voice && strcmp(voice->gender, gender)) {
         const struct voice *other =
-            select_voice_of_gender(s->pipeline->voices, packs, lang, gender, s->voice->plugin);
+            select_voice_of_gender(s->pipeline->voices, packs, lang, gender, voice->plugin);
         if (other)
-            s->voice = other;
+            voice = other;
     }
     /* the phones are the voice's, so the lips follow its language where there is a pack for it */
-    const struct speech_pack *own = speech_packs_spoken(packs, s->pack, s->voice->lang);
-    if (own)
-        s->pack = own;
+    const struct speech_pack *own = speech_packs_spoken(packs, pack, voice->lang);
+    s->voice = voice;
+    s->pack = own ? own : pack;
     return 0;
 }
 
@@ -116,6 +120,7 @@ struct markup_rules synthesis_rules(const struct synthesis *s) {
                                  .lang = synthesis_lang(s),
                                  .sentence_bytes =
                                      s->voice->capabilities & FACCIA_VOICE_SLOW ? SLOW_SENTENCE_BYTES : 0,
+                                 .lenient = !s->request.markup || !strcmp(s->request.markup, "auto"),
                                  .given_up = &s->given_up};
 }
 

@@ -41,6 +41,7 @@ struct writing {
     struct open_text open;
     struct utf8_reader utf8;
     size_t text_cap;
+    double paused;                        /* s: the pauses of what was read */
     size_t *flushes;                      /* places of the text at which a piece ends */
     size_t flush_count, flush_cap, flush; /* the next of them */
     bool closed;                          /* nothing is written any more */

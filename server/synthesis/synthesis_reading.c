@@ -62,6 +62,7 @@ int writing_read_piece(struct synthesis *s, const struct open_piece *piece, stru
         return -1;
     rules = synthesis_rules(s);
     rules.markdown = s->writing->open.markdown;
+    rules.paused = s->writing->paused;
     r.document = markup_read(s->markup, piece->text, piece->size, &rules, e);
     if (!r.document && e->code == ERROR_EMPTY_TEXT)
         return 0;
@@ -72,6 +73,8 @@ int writing_read_piece(struct synthesis *s, const struct open_piece *piece, stru
     s->voices = voice_pool_hold(s->pipeline->voices);
     synthesis_direct(s, &r);
     voice_pool_let_go(s->pipeline->voices);
+    if (into == &s->result)
+        s->writing->paused += score_pauses(r.document);
     add_warnings(s, into->score, r.score, piece);
     score_append(into->score, r.score, place, piece);
     voice_selection_append(into->chosen, r.chosen);

@@ -35,16 +35,20 @@ void writing_open(struct synthesis *s) {
     writing_wake(s, SETTLE_MS);
 }
 
+/* While the voices are still starting (no score), the language's rules are not known: nothing is read yet. */
+static bool surely_ended(const struct synthesis *s) {
+    if (!s->score)
+        return false;
+    struct markup_rules rules = synthesis_rules(s);
+    return open_text_surely_ended(&s->writing->open, s->request.text, s->request.text_size, &rules);
+}
+
 static void wrote(struct synthesis *s) {
     struct writing *w = s->writing;
-    struct markup_rules rules = synthesis_rules(s);
     w->last = now_of(s);
     w->first = w->writes++ ? w->first : w->last;
     bool brisk = w->writes > 2 && w->last - w->first < BRISK_MS * (w->writes - 1);
-    w->settle =
-        brisk && s->score && open_text_surely_ended(&w->open, s->request.text, s->request.text_size, &rules)
-            ? SURE_MS
-            : SETTLE_MS;
+    w->settle = brisk && surely_ended(s) ? SURE_MS : SETTLE_MS;
     writing_wake(s, w->settle);
 }
 

@@ -49,7 +49,8 @@ int assembly_audio(struct assembly *a, const struct wire_frame *frame, struct er
         return error_set(e, ERROR_VOICE_FAILED, "changed its sample rate from %u to %u Hz", u->sample_rate,
                          rate);
     if (u->samples + count > a->seconds_max * rate)
-        return error_set(e, ERROR_VOICE_FAILED, "sent more than %u s of audio", (unsigned)a->seconds_max);
+        return error_set(e, ERROR_TEXT_TOO_LONG, "a sentence that makes more than %u s of sound",
+                         (unsigned)a->seconds_max);
     u->sample_rate = rate;
     if (!a->pcm_cap) /* room for all of it, as most voices speak: growing copies */
         u->pcm = mem_grow(u->pcm, &a->pcm_cap, expected_samples(a->plan, rate), sizeof *u->pcm);

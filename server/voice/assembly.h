@@ -29,8 +29,9 @@ struct assembly;
 struct assembly *assembly_new(const struct plan *plan);
 void assembly_free(struct assembly *a);
 
-/* Take the payload of an AUDIO or EVENTS frame. -1 with *e ("voice-failed") when the sentence cannot be
- * saved; its message is what the voice did: "sent broken audio". */
+/* Take the payload of an AUDIO or EVENTS frame. -1 with *e when the sentence cannot be saved: "voice-failed",
+ * whose message is what the voice did ("sent broken audio"), or "text-too-long": the sound goes beyond the
+ * bounds, which may be the text's doing. */
 int assembly_audio(struct assembly *a, const struct wire_frame *frame, struct error *e);
 int assembly_events(struct assembly *a, const struct wire_frame *frame, struct error *e);
 

@@ -39,12 +39,19 @@ static bool ends_with_pause(const struct sentence *s, const struct voice_part *p
     return false;
 }
 
-/* The marks of a part that has no voice stand at its beginning. */
+/* The marks of a part that has no voice: each after the pauses before it. */
 static void add_marks(const struct sentence *s, const struct voice_part *part, struct sentence_audio *u) {
+    double seconds = 0;
     u->marks = mem_alloc(part->count * sizeof *u->marks);
-    for (size_t i = part->first; i < part->first + part->count; i++)
-        if (sentence_item(s, i)->kind == SCORE_MARK)
-            u->marks[u->mark_count++] = (struct mark){.name = mem_strdup(sentence_item(s, i)->text)};
+    for (size_t i = part->first; i < part->first + part->count; i++) {
+        const struct score_item *item = sentence_item(s, i);
+        double at = seconds * u->sample_rate;
+        if (item->kind == SCORE_BREAK && item->seconds > 0)
+            seconds += item->seconds;
+        else if (item->kind == SCORE_MARK)
+            u->marks[u->mark_count++] = (struct mark){
+                .name = mem_strdup(item->text), .at = at < u->samples ? (uint32_t)at : u->samples};
+    }
 }
 
 struct sentence_audio *sentence_silence(struct sentence *s, const struct voice_part *part) {

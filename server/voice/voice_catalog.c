@@ -51,7 +51,8 @@ static void add(struct catalog *catalog, const char *plugin, uint32_t capabiliti
     const char *id = json_string_value(json_object_get(object, "id"));
     const char *lang = json_string_value(json_object_get(object, "lang"));
     char full[128];
-    if (!id || !lang || strlen(lang) > LANG_MAX || !*id ||
+    size_t bad;
+    if (!id || !lang || strlen(lang) > LANG_MAX || !lang_is_tag(lang, strlen(lang), &bad) || !*id ||
         (size_t)snprintf(full, sizeof full, "%s:%s", plugin, id) >= sizeof full ||
         by_id(catalog_list(catalog), full))
         return;

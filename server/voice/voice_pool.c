@@ -198,7 +198,7 @@ struct voice_job *voice_pool_speak(struct voice_pool *pool, const struct voice_r
 void voice_job_cancel(struct voice_job *job) {
     job->cancelled = true;
     if (job->worker) {
-        if (!job->gave_way) /* else it is being stopped */
+        if (!job->gave_way && !job->too_long) /* else it is being stopped */
             worker_cancel(job->worker);
         return;
     }

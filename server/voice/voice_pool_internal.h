@@ -10,9 +10,12 @@
 #include "server/voice/voice_pool.h"
 #include "server/voice/wire.h"
 
-/* First in, first out. */
+/* First in, first out; where a worker is waited for, by turns of those who asked (job_push_in_turn). */
+enum { QUEUE_PAYERS = 256 };
 struct job_queue {
     struct voice_job *first, *last;
+    uint64_t round;                /* of the job that left last */
+    uint64_t served[QUEUE_PAYERS]; /* the round of the payer's job that left last, by the payer's hash */
 };
 
 /* One sentence, from voice_pool_speak to its callback. */
@@ -24,8 +27,10 @@ struct voice_job {
     uint32_t number;       /* on the wire */
     enum voice_turn turn;
     uint32_t payer;
+    uint64_t round; /* its turn in the queue of those that wait for a worker */
     bool gave_way;  /* it was ahead, and somebody came */
     bool cancelled; /* nobody waits for it any more */
+    bool too_long;  /* the worker was told to stop: its text makes more sound than a sentence may have */
     bool moved;     /* to another worker, as the first one fell silent */
     const struct voice *voice;
     struct plan plan;
@@ -147,6 +152,9 @@ void plugins_tell_gaps(struct voice_pool *pool, const char *description); /* wha
 
 /* voice_pool_queue.c */
 void job_push(struct job_queue *queue, struct voice_job *job); /* at its end */
+
+/* One sentence of each payer a round: however many wait for one payer, the sentence of another comes soon. */
+void job_push_in_turn(struct job_queue *queue, struct voice_job *job);
 struct job_queue *job_queue_of(const struct voice_job *job);   /* that it waits in */
 void job_take_out(struct voice_job *job);                      /* of its queue */
 void job_wait(struct voice_job *job);                          /* for a worker, which may be idle */

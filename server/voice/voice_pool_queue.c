@@ -12,6 +12,22 @@ void job_push(struct job_queue *queue, struct voice_job *job) {
     queue->last = job;
 }
 
+void job_push_in_turn(struct job_queue *queue, struct voice_job *job) {
+    uint64_t own = queue->served[job->payer % QUEUE_PAYERS];
+    for (const struct voice_job *other = queue->first; other; other = other->next)
+        if (other->payer == job->payer)
+            own = other->round; /* the last one counts: they lie in the order of their rounds */
+    job->round = own + 1 > queue->round ? own + 1 : queue->round;
+    struct voice_job **at = &queue->first;
+    while (*at && (*at)->round <= job->round)
+        at = &(*at)->next;
+    job->next = *at;
+    *at = job;
+    if (!job->next)
+        queue->last = job;
+    job->queue = queue;
+}
+
 struct job_queue *job_queue_of(const struct voice_job *job) {
     struct plugin *plugin = job->plugin;
     return job->turn == VOICE_TURN_URGENT  ? &plugin->urgent
@@ -33,16 +49,19 @@ void job_take_out(struct voice_job *job) {
     job->queue = NULL;
 }
 
-/* First come, first served, but those that somebody waits for and those that are made ahead by turns: however
- * many begin to speak, who speaks already goes on. */
+/* Those that somebody waits for and those that are made ahead by turns: however many begin to speak, who speaks
+ * already goes on. */
 struct voice_job *pool_next_job(struct plugin *plugin) {
     struct voice_job *urgent = plugin->urgent.first, *waiting = plugin->waiting.first;
     struct voice_job *job = urgent && (!waiting || !plugin->urgent_last) ? urgent : waiting;
     plugin->urgent_last = job && job == urgent;
     if (!job)
         job = plugin->ahead.first;
-    if (job)
-        job_take_out(job);
+    if (!job)
+        return NULL;
+    job->queue->round = job->round;
+    job->queue->served[job->payer % QUEUE_PAYERS] = job->round;
+    job_take_out(job);
     return job;
 }
 
@@ -91,7 +110,7 @@ static void make_way(struct plugin *plugin) {
 void job_wait(struct voice_job *job) {
     struct plugin *plugin = job->plugin;
     bool stuck = true;
-    job_push(job_queue_of(job), job);
+    job_push_in_turn(job_queue_of(job), job);
     for (size_t i = 0; i < plugin->seat_count && !job->worker; i++) {
         worker_wake(&plugin->workers[i]);
         stuck = stuck && spare_is_stuck(&plugin->workers[i]);

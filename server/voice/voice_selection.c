@@ -67,8 +67,21 @@ static void add_silence(struct cutter *c, size_t first, size_t end, size_t inste
         add(c, PART_SILENCE, first, end - first, instead_of);
 }
 
+/* s: a pause that is as long or longer is no business of a voice: it is silence that is made here, and costs a
+ * worker nothing. A shorter one may lie in a sentence's melody. */
+static const double LONG_PAUSE = 1;
+
+/* The pause between the item (not included) and the next text, s. */
+static double pause_after(const struct cutter *c, size_t item, size_t end) {
+    double seconds = 0;
+    for (size_t i = item + 1; i < end && !is_text(c, i); i++)
+        if (kind(c, i) == SCORE_BREAK && c->score->items[i].seconds > 0)
+            seconds += c->score->items[i].seconds;
+    return seconds;
+}
+
 /* Items without a playable sound: a part for each voice. Marks go with the text around them; breaks between
- * two voices are silences of their own, so that each has its full length. */
+ * two voices, and long ones, are silences of their own, so that each has its full length. */
 static void cut_texts(struct cutter *c, size_t first, size_t end, size_t instead_of) {
     while (first < end) {
         size_t text = first;
@@ -84,8 +97,11 @@ static void cut_texts(struct cutter *c, size_t first, size_t end, size_t instead
         add_silence(c, first, begin, instead_of);
         for (size_t i = text;
              i < end && (!is_text(c, i) || c->selection->voices[i] == c->selection->voices[text]); i++)
-            if (is_text(c, i))
+            if (is_text(c, i)) {
                 last = i;
+                if (pause_after(c, i, end) >= LONG_PAUSE)
+                    break;
+            }
         add(c, PART_TEXT, begin, last + 1 - begin, instead_of);
         first = last + 1;
     }
@@ -115,11 +131,14 @@ struct voice_part *voice_selection_parts(const struct voice_selection *selection
     size_t end = s->first + s->count, texts = 0;
     bool simple = true;
     const struct voice *voice = NULL;
+    double pause = 0; /* since the last text, s */
     for (size_t i = s->first; i < end && simple; i++) {
         simple = !is_sound(&c, i) && (!is_text(&c, i) || !texts++ || selection->voices[i] == voice);
         voice = is_text(&c, i) ? selection->voices[i] : voice;
+        pause = is_text(&c, i) ? 0 : pause + (kind(&c, i) == SCORE_BREAK ? score->items[i].seconds : 0);
+        simple = simple && pause < LONG_PAUSE;
     }
-    if (simple)
+    if (simple && (texts || pause <= 0))
         add(&c, PART_TEXT, s->first, s->count, SIZE_MAX);
     else
         cut(&c, s->first, end, SIZE_MAX);

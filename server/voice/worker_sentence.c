@@ -20,6 +20,10 @@ static void far_failed(const struct worker *w, uint32_t code, const char *messag
               whole ? "" : " ", message);
 }
 
+static int error_too_long(struct error *e) {
+    return error_set(e, ERROR_TEXT_TOO_LONG, "a sentence makes more sound than one may have: it is left out");
+}
+
 /* All has been said about the sentence. */
 static void done(struct worker *w, struct wire_reader *r) {
     struct voice_job *job = w->job;
@@ -36,6 +40,8 @@ static void done(struct worker *w, struct wire_reader *r) {
         failed = 0;
     else if (job->gave_way)
         failed = (uint32_t)-error_plain(&e, ERROR_CANCELLED);
+    else if (job->too_long)
+        failed = (uint32_t)-error_too_long(&e);
     else if (failed && w->plugin->queue)
         far_failed(w, failed, message ? message : "", &e);
     else if (failed)
@@ -63,6 +69,11 @@ static void came_back(struct worker *w, const struct wire_frame *frame) {
     log_info("the voice %s: the worker that fell silent has come back", w->plugin->name);
     worker_set_state(w, WORKER_IDLE, 0);
     worker_wake(w);
+}
+
+/* Its sound is not wanted any more. */
+static bool is_dropped(const struct voice_job *job) {
+    return job->cancelled || job->too_long;
 }
 
 void worker_said(void *ctx, const struct wire_frame *frame) {
@@ -96,9 +107,9 @@ void worker_said(void *ctx, const struct wire_frame *frame) {
     if (expected && frame->type == WIRE_DONE)
         done(w, &r);
     else if (expected && frame->type == WIRE_AUDIO)
-        result = w->job->cancelled ? 0 : assembly_audio(w->job->assembly, frame, &e);
+        result = is_dropped(w->job) ? 0 : assembly_audio(w->job->assembly, frame, &e);
     else if (expected && frame->type == WIRE_EVENTS)
-        result = w->job->cancelled ? 0 : assembly_events(w->job->assembly, frame, &e);
+        result = is_dropped(w->job) ? 0 : assembly_events(w->job->assembly, frame, &e);
     else
         result = error_set(&e, ERROR_VOICE_FAILED, "sent garbage");
     if (!result && w->job && (frame->type == WIRE_AUDIO || frame->type == WIRE_EVENTS)) {
@@ -106,8 +117,12 @@ void worker_said(void *ctx, const struct wire_frame *frame) {
         if (w->state == WORKER_SPEAKING)
             be_patient(w);
     }
-    if (result < 0)
+    if (result < 0 && e.code == ERROR_TEXT_TOO_LONG && w->state == WORKER_SPEAKING) {
+        w->job->too_long = true; /* the text's doing: a voice that stops when told to is not at fault */
+        worker_cancel(w);
+    } else if (result < 0) {
         worker_lose(w, e.code, e.message, false);
+    }
 }
 
 void worker_wake(struct worker *w) {

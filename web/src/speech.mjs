@@ -275,7 +275,8 @@ export class Speech {
 
   #send(utterance) {
     const text = utterance.options.passage ? undefined : utterance.text; // the server has it; here it is for the captions
-    const message = { ...utterance.options, type: 'speak', text, id: utterance.key };
+    const message = { type: 'speak', id: utterance.key, ...utterance.options, text };
+    Object.assign(message, { type: 'speak', id: utterance.key }); // first, where a server finds it in what is too long to be read
     utterance.sent = utterance.writing ? utterance.writing.begin(message) : this.send(message);
     if (utterance.sent) clearTimeout(utterance.timer);
   }

@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Every message, every typed command and every route, in every state that a daemon may be in: each is answered or ends, and the
+// daemon lives. The lists are those of the schemas and of the commands' table, so that a new one is tried without a word here.
+import assert from 'node:assert/strict';
+import fs from 'node:fs';
+import os from 'node:os';
+import path from 'node:path';
+import { after, test } from 'node:test';
+import { setTimeout as sleep } from 'node:timers/promises';
+import WebSocket from 'ws';
+import { build, Daemon, root } from '../lib/daemon.mjs';
+
+const read = (name) => fs.readFileSync(path.join(root, name), 'utf8');
+const schema = JSON.parse(read('protocol/schema/client.json'));
+const openapi = JSON.parse(read('protocol/openapi.json'));
+const types = schema.properties.type.enum;
+const commands = ['mood joy', 'help', ...[...read('server/net/text_protocol.c').matchAll(/^ {4}\{"(\w+)", "\w+",/gm)].map(([, name]) => `${name} x`),
+  ...read('server/net/text_protocol.c').match(/settings\[\] = \{([^}]*)\}/)[1].match(/\w+(?=")/g).map((name) => `${name} 1`)];
+
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-states-'));
+after(() => fs.rmSync(folder, { recursive: true }));
+const gate = path.join(folder, 'gate'), config = path.join(folder, 'voices.json');
+fs.writeFileSync(config, JSON.stringify({ early: { file: gate } }));
+
+/** A folder of voice plugins; name: of the file that it is there. */
+function plugins(name, files) {
+  const place = path.join(folder, name);
+  fs.mkdirSync(place);
+  for (const [as, file] of Object.entries(files)) fs.symlinkSync(path.join(build, file), path.join(place, `${as}.so`));
+  return place;
+}
+const slow = plugins('slow', { early: 'tests/plugins/sleepy.so' });
+const none = plugins('none', { refuses: 'tests/plugins/refuses.so' });
+const espeak = plugins('espeak', { espeak: 'server/plugins/espeak.so' });
+const start = (place, env = {}) => Daemon.start(['--plugins', place, '--voice-config', config, '--lang', 'it', '--voice-start', '30'], env, { voices: false });
+
+/** A value that the schema allows. */
+function sample(name, of) {
+  const known = { id: 'u', room: 'hall', text: 'Ciao a tutti.', token: 'x', passage: 'x:1', voice: 'x', mark: 'x', name: 'x' };
+  if (of.$ref) return sample(name, of.$ref.split('/').slice(1).reduce((value, key) => value[key], schema));
+  if (of.enum) return of.enum[0];
+  if ('const' in of) return of.const;
+  if (of.type === 'array') return [sample('', of.items ?? { type: 'string' })];
+  if (of.type === 'object') return Object.fromEntries((of.required ?? []).map((key) => [key, sample(key, of.properties[key])]));
+  if (of.type === 'boolean') return true;
+  if (of.type === 'number' || of.type === 'integer') return of.minimum ?? 1;
+  return known[name] ?? 'x';
+}
+
+/** Of each type: with what it needs, with all that it may have, and with nothing. */
+function messages(type) {
+  const { required = [], properties = {} } = schema.$defs[type] ?? {};
+  const made = (names) => ({ ...Object.fromEntries(names.map((name) => [name, sample(name, properties[name] ?? {})])), type });
+  return [made(required), made(Object.keys(properties)), { type }];
+}
+
+async function everyMessage(daemon) {
+  for (const type of types) {
+    const stream = await daemon.stream();
+    for (const message of messages(type)) stream.send(message);
+    stream.send({ type: 'ping', id: type });
+    await stream.wait({ type: 'pong', id: type });
+    await stream.close();
+  }
+}
+
+async function everyCommand(daemon) {
+  const socket = new WebSocket(`ws://127.0.0.1:${daemon.port}/v1/stream`, ['faccia.text.v1']);
+  const heard = [];
+  socket.on('message', (data) => heard.push(String(data)));
+  await new Promise((resolve, reject) => socket.on('open', resolve).on('error', reject));
+  socket.send('Ciao.');
+  for (const command of commands) socket.send(`/${command}`);
+  socket.send('/help');
+  while (heard.filter((line) => line.startsWith('help')).length < 2) await sleep(10);
+  socket.terminate();
+}
+
+/** Begins them all; what waits for voices is answered later. */
+function everyRoute(daemon) {
+  return Object.entries(openapi.paths).flatMap(([address, item]) =>
+    ['get', 'post', 'put', 'delete'].filter((method) => method in item).map(async (method) => {
+      const url = `${address.replace(/\{\w+\}/g, 'x')}?text=Ciao&q=x&room=hall`;
+      const body = method === 'get' || method === 'delete' ? undefined : address === '/v1/speech' || address === '/v1/say' ? 'Ciao.' : '{}';
+      const controller = new AbortController();
+      const response = await daemon.get(url, { method: method.toUpperCase(), body, signal: controller.signal, headers: body ? { 'content-type': 'text/plain' } : {} });
+      assert.notEqual(response.status, 500, `${method} ${address}`);
+      if (response.status >= 400 && response.headers.get('content-type') === 'application/json' && address !== '/healthz')
+        assert.ok((await response.json()).code, `${method} ${address} ${response.status}`);
+      controller.abort();
+    }));
+}
+
+/** A text as a program writes it, faster than a voice can start; its end is told. */
+async function written(daemon, lang) {
+  const stream = await daemon.stream();
+  stream.send({ type: 'speak', open: true, id: 'u', lang, text: '' });
+  for (const text of ['Bon', 'jour ', 'tout ', 'le ', 'monde. ', 'Ça ', 'va bien?']) {
+    stream.send({ type: 'text', id: 'u', text });
+    await sleep(20);
+  }
+  stream.send({ type: 'flush', id: 'u' });
+  stream.send({ type: 'close', id: 'u' });
+  return stream;
+}
+
+async function all(daemon, lang) {
+  const stream = await written(daemon, lang);
+  const asked = everyRoute(daemon);
+  await everyMessage(daemon);
+  await everyCommand(daemon);
+  return async () => {
+    await Promise.all(asked);
+    return (await stream.wait({ type: 'end', id: 'u' })).reason;
+  };
+}
+
+test('while the voices are starting, and when they are ready', async () => {
+  const daemon = await start(slow);
+  const ended = await all(daemon, 'fr');
+  assert.equal((await (await daemon.get('/healthz')).json()).status, 'starting');
+  fs.writeFileSync(gate, '');
+  assert.equal(await ended(), 'done');
+  assert.equal(await (await all(daemon, 'fr'))(), 'done');
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+test('without any voice', async () => {
+  const daemon = await start(none);
+  await daemon.logged(/no voice plugin could be started/);
+  assert.equal(await (await all(daemon, 'it'))(), 'failed');
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+test('when a voice is gone', async () => {
+  const daemon = await start(espeak);
+  await daemon.logged(/ready: /);
+  const workers = fs.readFileSync(`/proc/${daemon.process.pid}/task/${daemon.process.pid}/children`, 'utf8').trim().split(' ');
+  assert.ok(workers[0]);
+  for (const worker of workers) process.kill(Number(worker), 'SIGKILL');
+  assert.equal(await (await all(daemon, 'it'))(), 'done');
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+test('while it is about to stop', async () => {
+  const daemon = await start(espeak, { FACCIA_STOP_SECONDS: '20' });
+  await daemon.logged(/ready: /);
+  const streams = [];
+  for (const type of types) streams.push([type, await daemon.stream()]);
+  const [, speaks] = streams.find(([type]) => type === 'stop');
+  speaks.send({ type: 'speak', id: 'long', lang: 'it', text: 'Uno, due, tre, quattro, cinque, sei, sette, otto, nove, dieci.' });
+  await speaks.wait({ type: 'begin', id: 'long' });
+  const left = daemon.stop();
+  await daemon.logged(/stop/i);
+  for (const [type, stream] of streams) {
+    for (const message of messages(type)) if (stream !== speaks) stream.send(message);
+    stream.send({ type: 'ping', id: type });
+    await Promise.race([stream.wait({ type: 'pong', id: type }), stream.closed]);
+    if (type === 'speak' && stream.socket.readyState === WebSocket.OPEN) assert.ok(stream.messages.some((m) => m.code === 'stopping'));
+  }
+  await Promise.allSettled(everyRoute(daemon)); // nobody is let in any more, or is told why
+  speaks.send({ type: 'stop' });
+  assert.equal((await speaks.wait({ type: 'end', id: 'long' })).reason, 'stopped');
+  assert.deepEqual(await left, { code: 0, signal: null });
+});

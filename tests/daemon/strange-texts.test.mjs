@@ -1,0 +1,144 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Texts as people and programs send them: nothing that a text says stops a voice, holds up others or is lost in silence.
+import assert from 'node:assert/strict';
+import { after, before, test } from 'node:test';
+import { Daemon } from '../lib/daemon.mjs';
+
+let daemon;
+before(async () => void (daemon = await Daemon.start(['--lang', 'en', '--max-message', '100000', '--workers', '1'])));
+after(async () => {
+  assert.doesNotMatch(daemon.log, /started again/); // no worker was lost
+  assert.deepEqual(await daemon.stop(), { code: 0, signal: null });
+});
+
+const post = (text, query = '', type = 'application/xml') =>
+  daemon.get(`/v1/speech?format=json&lang=en${query}`, { method: 'POST', body: text, headers: { 'content-type': type } });
+
+/** What is heard of a text: its words, and the codes of the warnings with their places. */
+async function spoken(text, more = {}) {
+  const stream = await daemon.stream('?audio=none&fap=none');
+  stream.send({ type: 'speak', id: 'a', lang: 'en', text, ...more });
+  const end = await stream.wait({ type: 'end', id: 'a' });
+  const bytes = Buffer.from(text);
+  const utf16 = (m) => text.slice(m.start, m.end);
+  const words = stream.messages.filter((m) => m.type === 'word').map((m) => m.text ?? utf16(m));
+  const warnings = stream.messages.filter((m) => m.type === 'warning');
+  const sentences = stream.messages.filter((m) => m.type === 'sentence').length;
+  await stream.close();
+  return { end, words, warnings, sentences, bytes, errors: stream.messages.filter((m) => m.type === 'error') };
+}
+
+
+test('pauses are no work of the voice: their sum is bounded, and told with the place', async () => {
+  const text = `<speak>One.${'<break time="10s"/>'.repeat(181)}</speak>`;
+  const response = await daemon.get('/v1/speech?format=wav&lang=en', { method: 'POST', body: text, headers: { 'content-type': 'application/ssml+xml' } });
+  assert.equal(response.status, 200);
+  const bytes = (await response.arrayBuffer()).byteLength;
+  const seconds = bytes / 2 / 22050;
+  assert.ok(seconds > 119 && seconds < 125, `${seconds} s`);
+});
+
+for (const [name, text] of Object.entries({
+  'a long sub': `<speak><sub alias="${'word '.repeat(3000)}">x</sub></speak>`,
+  'letters by the thousand': `<speak><prosody rate="x-slow"><say-as interpret-as="characters">${'abc'.repeat(1500)}</say-as></prosody></speak>`,
+  'a number of a thousand digits': `<speak><say-as interpret-as="cardinal">${'7'.repeat(1000)}</say-as></speak>`,
+  'long phones': `<speak><phoneme ph="${'a'.repeat(5000)}">Hello</phoneme></speak>`,
+  'many marks': `<speak>One ${'<mark name="m"/>'.repeat(5000)} two</speak>`,
+  'very slow': `<speak><prosody rate="0.2">${'word '.repeat(79)}</prosody></speak>`,
+}))
+  test(`${name}: spoken, or refused as a fault of the text`, async () => {
+    const response = await post(text, '&rate=40', 'application/ssml+xml');
+    const answer = await response.json();
+    if (response.status !== 200) assert.match(answer.code, /^(text-too-long|bad-value)$/, JSON.stringify(answer).slice(0, 200));
+  });
+
+for (const [text, words, warned] of [
+  ['<p>One.</p><p>Two</p>', ['One', 'Two'], 'bad-xml'],
+  ['<b>Hi</b> there', ['Hi', 'there'], 'ignored'],
+  ['<Anna> hi', ['Anna', 'hi'], null],
+  ['a<br/>b', ['a', 'b'], 'ignored'],
+  ['<p>one<br/>two</p>', ['one', 'two'], 'unknown-element'],
+  ['<speak>One <emphasis>two</speak>', ['One', 'two'], 'bad-xml'],
+  ['<i>Who is it?</i>\n<i>Me.</i>', ['Who', 'is', 'it', 'Me'], 'bad-xml'],
+  ['<ul><li>One</li><li>Two</li></ul> and more', ['One', 'Two', 'and', 'more'], 'ignored'],
+  ['<script>var words = 1;</script>Hello', ['Hello'], 'ignored'],
+  ['caf&eacute; caf&#233;', null, null],
+])
+  test(`the words of ${JSON.stringify(text)} are spoken`, async () => {
+    const said = await spoken(text);
+    assert.deepEqual(said.errors, []);
+    assert.equal(said.end.reason, 'done');
+    if (words) assert.deepEqual(said.words.map((word) => word.replace(/[^\p{L}]/gu, '')).filter(Boolean), words);
+    if (warned) assert.ok(said.warnings.some((w) => w.code === warned && w.line && w.column), JSON.stringify(said.warnings));
+  });
+
+test('a document that was said to be one is an error with its place', async () => {
+  const response = await post('<speak>One', '', 'application/ssml+xml');
+  const { code, line } = await response.json();
+  assert.deepEqual([response.status, code, line], [400, 'bad-xml', 1]);
+});
+
+test('a language is a tag of BCP 47, or is refused with its place', async () => {
+  for (const lang of ['it\r\nX: y', 'en"><script>', 'e', 'en--us', '-en', 'en-', 'toolongsubtag', '12', 'en_US', 'a-b']) {
+    const stream = await daemon.stream();
+    stream.send({ type: 'speak', id: 'a', lang, text: 'Hello.' });
+    const error = await stream.wait({ type: 'error', id: 'a' });
+    assert.deepEqual([error.code, error.field], ['bad-field', 'lang'], lang);
+    assert.match(error.message, /BCP 47|bytes/);
+    await stream.close();
+    const response = await daemon.get(`/v1/speech?text=Hi&lang=${encodeURIComponent(lang)}`, {});
+    assert.equal(response.status, 400);
+  }
+  for (const lang of ['en', 'en-US', 'x-klingon', 'EN-us']) {
+    const stream = await daemon.stream();
+    stream.send({ type: 'speak', id: 'a', lang, text: 'Hello.' });
+    const answer = await stream.wait((m) => ['begin', 'error'].includes(m.type));
+    assert.ok(answer.type === 'begin' || answer.code === 'unknown-language', JSON.stringify(answer));
+    await stream.close();
+  }
+});
+
+test('two halves of a character in two pieces of an open text are one', async () => {
+  const stream = await daemon.stream();
+  stream.send({ type: 'speak', open: true, id: 'a', lang: 'en', text: 'I love \ud83c' });
+  stream.send({ type: 'text', id: 'a', text: '\udf55 and \ud83d' });
+  stream.send({ type: 'text', id: 'a', text: '\ude00 a lot.' });
+  stream.send({ type: 'close', id: 'a' });
+  assert.equal((await stream.wait({ type: 'end', id: 'a' })).reason, 'done');
+  const sentence = stream.messages.find((m) => m.type === 'sentence');
+  assert.equal(sentence.end - sentence.start, Buffer.byteLength('I love 🍕 and 😀 a lot.'));
+  assert.ok(!stream.messages.some((m) => m.type === 'error' || m.type === 'warning'), JSON.stringify(stream.messages.filter((m) => m.type === 'error')));
+  // one that stays alone costs no word, and is told
+  stream.send({ type: 'speak', id: 'b', lang: 'en', text: 'Half \ud83d a face.' });
+  assert.equal((await stream.wait({ type: 'end', id: 'b' })).reason, 'done');
+  stream.send({ type: 'speak', open: true, id: 'c', lang: 'en', text: 'The end \ud83d' });
+  stream.send({ type: 'close', id: 'c' });
+  assert.equal((await stream.wait({ type: 'warning', id: 'c' })).code, 'bad-utf8');
+  assert.equal((await stream.wait({ type: 'end', id: 'c' })).reason, 'done');
+  await stream.close();
+});
+
+test('whatever is refused is answered with its id', async () => {
+  const stream = await daemon.stream();
+  for (const [i, [message, code]] of [
+    ['{"type":"speak","text":5,"id":"#"}', 'bad-field'],
+    ['{"type":"speak","text":"a","rate":"x","id":"#"}', 'bad-field'],
+    ['{"type":"speak","text":"a\\u0000b","lang":"en","id":"#"}', 'nul'],
+    ['{"type":"speak","text":"a,"id":"#"}', 'bad-json'],
+    ['{"type":"speak","id":"#","text":"a', 'bad-json'],
+    ['{"type":"play","name":5,"id":"#"}', null],
+    ['{"type":"voice","rate":"x","id":"#"}', 'bad-field'],
+    [`{"type":"speak","id":"#","text":"${'a '.repeat(60000)}"}`, 'message-too-long'],
+  ].entries()) {
+    const id = `id${i}`;
+    stream.send(message.replace('#', id));
+    const error = await stream.wait({ type: 'error', id });
+    if (code) assert.equal(error.code, code, message.slice(0, 80));
+    assert.equal((await stream.wait({ type: 'end', id })).reason, 'failed');
+  }
+  for (const [i, message] of ['{"type":"nonsense","id":"#"}', '{"type":"jump","mark":5,"id":"#"}', '{"type":"choose","choice":"x","id":"#"}', '{"type":"express","id":"#"}'].entries()) {
+    stream.send(message.replace('#', `other${i}`));
+    await stream.wait({ type: 'error', id: `other${i}` });
+  }
+  await stream.close();
+});
