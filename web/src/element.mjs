@@ -42,7 +42,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     send: (message) => this.#session.send(message),
     sendSound: (sound, bytes) => this.#session.sendSound(sound, bytes),
     emit: (type, detail) => this.#emit(type, detail),
-    idle: (chunk) => this.#presentation.idle.face.take(chunk, performance.now() / 1000),
+    idle: (chunk) => this.#presentation.idled(chunk),
   });
   #presentation;
   #reader;
