@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: MIT
-// The page of a room without its network. It is always fetched; only when nobody answers it comes from what was kept. All of one version
-// lies in a cache of its own, kept whole when this file, and so the version in it, has changed: versions are never mixed.
+// The page of a room without its network. It is always fetched; only when nobody answers it comes from what was kept. All of
+// one version lies in a cache of its own, kept whole when this file, and so the version in it, has changed: versions are never
+// mixed.
 const SHELL = 'faccia-room-';
 const VERSION = '@version@'; // build.mjs puts it here, and the page's files
 const FILES = ['@files@'];
 
 self.addEventListener('install', (event) => {
-  const fresh = FILES.map((file) => new Request(file, { cache: 'reload' }));
+  const fresh = FILES.map((file) => new self.Request(file, { cache: 'reload' }));
   event.waitUntil(
     caches
       .open(SHELL + VERSION)
