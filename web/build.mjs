@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Bundles the element and its audio worklet, and copies types, pages and the table of FAPs: node build.mjs FOLDER [DEPFILE]
 import { build } from 'esbuild';
+import { createHash } from 'node:crypto';
 import { copyFileSync, mkdirSync, readdirSync, readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { fileURLToPath } from 'node:url';
@@ -127,6 +128,16 @@ for (const [name, external] of [['library.js', ['./talking-head.js', './library-
   });
   note(reader.metafile);
 }
+// What the page of a room needs to show itself, for its worker to keep.
+const room = await build({
+  ...common, entryPoints: [path.join(here, 'page/room.js')], write: false, outdir: out, external: ['./talking-head.js'], metafile: true,
+});
+const shell = ['room.html', 'room.css', 'page.css', 'room-early.js', 'room.webmanifest', 'icon.svg', 'talking-head.js', 'talking-head-worklet.js',
+  ...Object.keys(room.metafile.inputs).map((file) => path.basename(file))];
+const version = createHash('sha256');
+for (const file of shell) version.update(readFileSync(path.join(out, file)));
+const worker = path.join(out, 'room-worker.js');
+writeFileSync(worker, readFileSync(worker, 'utf8').replace('@version@', version.digest('hex').slice(0, 16)).replace("'@files@'", shell.map((file) => `'${file}'`).join(', ')));
 const types = path.join(here, 'src/talking-head.d.ts');
 inputs.add(types);
 copyFileSync(types, path.join(out, 'talking-head.d.ts'));

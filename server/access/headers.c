@@ -8,7 +8,8 @@
  * reader has chosen (blob:, of the page's own making): it is played, and runs nothing. */
 static const char page_policy[] =
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; "
-    "img-src 'self' data:; media-src 'self' blob:; connect-src 'self'; base-uri 'none'; form-action 'none'; "
+    "img-src 'self' data:; media-src 'self' blob:; connect-src 'self'; manifest-src 'self'; base-uri 'none'; "
+    "form-action 'none'; "
     "require-trusted-types-for 'script'; frame-ancestors";
 
 /* What is no page loads nothing, should a browser take it for one. */

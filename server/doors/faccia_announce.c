@@ -26,9 +26,19 @@ static const char usage[] =
     "      --version         print the version and exit\n"
     "Exit status: 0 accepted, and with --wait heard to its end; 1 failed; 2 wrong usage; 3 nobody is there "
     "to hear it;\n"
-    "4 something is being said (--if-quiet); 5 it was cut short.\n";
+    "4 something is being said (--if-quiet); 5 it was cut short; 6 nobody can have heard it: the browsers "
+    "there\n"
+    "play no sound until somebody touches them (--wait).\n";
 
-enum { EXIT_HEARD = 0, EXIT_FAILED = 1, EXIT_USAGE = 2, EXIT_NOBODY = 3, EXIT_BUSY = 4, EXIT_CUT = 5 };
+enum {
+    EXIT_HEARD = 0,
+    EXIT_FAILED = 1,
+    EXIT_USAGE = 2,
+    EXIT_NOBODY = 3,
+    EXIT_BUSY = 4,
+    EXIT_CUT = 5,
+    EXIT_BLOCKED = 6
+};
 enum { TEXT_MOST = 1 << 20, LEAD_MS = 600 /* media that have left are heard within that */ };
 
 enum member { ROOM, LANG, VOICE, RATE, MARKUP, MODE, PRIORITY, TOPIC, ID, MEMBERS };
@@ -88,6 +98,13 @@ static void on_event(void *ctx, const char *type, const json_t *message) {
                     : code && !strcmp(code, "busy")  ? EXIT_BUSY
                                                      : EXIT_FAILED;
     } else if (!strcmp(type, "end") && reason && !strcmp(reason, "done")) {
+        if (json_is_true(json_object_get(message, "blocked"))) {
+            fputs("faccia-say: it was not heard: the browsers in the room play no sound until somebody "
+                  "touches them\n",
+                  stderr);
+            leave(a, EXIT_BLOCKED);
+            return;
+        }
         uv_timer_start(&a->last, on_heard, LEAD_MS, 0);
     } else if (!strcmp(type, "end")) {
         leave(a, reason && !strcmp(reason, "stopped") ? EXIT_CUT : a->status ? a->status : EXIT_FAILED);

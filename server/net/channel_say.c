@@ -196,8 +196,17 @@ static bool is_of_chunk(enum stream_event_kind kind) {
            kind == STREAM_PHONE;
 }
 
+/* The end in a room says when nobody can have heard it. */
+static const struct stream_event *with_blocked(const struct channel *c, const struct stream_event *event,
+                                               struct stream_event *end) {
+    *end = *event;
+    end->blocked = channel_is_blocked(c);
+    return end;
+}
+
 static void on_event(void *ctx, const struct stream_event *event) {
     struct channel *c = ctx;
+    struct stream_event end;
     for (struct variant *v = c->variants; v && event->kind == STREAM_END; v = v->next)
         encoder_end(v->encoder, event->reason && !strcmp(event->reason, "done"), add_media(c, v, false));
     for (struct variant *v = c->variants; v; v = v->next)
@@ -206,7 +215,7 @@ static void on_event(void *ctx, const struct stream_event *event) {
     if (event->kind == STREAM_END && !event->reason)
         add_end(c, event->utterance);
     else if (is_text(c, event->kind))
-        add_event(c, event);
+        add_event(c, event->kind == STREAM_END && c->room ? with_blocked(c, event, &end) : event);
     if (!is_of_chunk(event->kind))
         channel_say(c);
 }

@@ -188,6 +188,8 @@ void event_write(struct buf *out, const struct stream_event *e, const char *stre
     case STREAM_END:
         put_text(out, "reason", e->reason);
         put_seconds(out, "duration", e, e->duration);
+        if (e->blocked)
+            put(out, ",\"blocked\":true");
         break;
     }
     put(out, "}");

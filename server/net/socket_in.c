@@ -54,7 +54,8 @@ static void leave_room(struct socket *s, const json_t *message) {
 }
 
 static void choose_media(struct socket *s, const json_t *message) {
-    const json_t *kilobits = json_object_get(message, "kilobits");
+    const json_t *kilobits = json_object_get(message, "kilobits"),
+                 *blocked = json_object_get(message, "blocked");
     char number[32];
     struct media_wish wish = {json_string_value(json_object_get(message, "audio")),
                               json_string_value(json_object_get(message, "fap")),
@@ -69,6 +70,13 @@ static void choose_media(struct socket *s, const json_t *message) {
             return;
         }
     }
+    if (blocked && !json_is_boolean(blocked)) {
+        error_in_field(&e, ERROR_BAD_FIELD, "blocked", "must be true or false");
+        socket_complain(s, &e);
+        return;
+    }
+    if (blocked)
+        s->follower.blocked = json_is_true(blocked);
     if (kilobits) {
         snprintf(number, sizeof number, "%.12g", json_number_value(kilobits));
         wish.kilobits = number;

@@ -55,6 +55,7 @@ struct stream_event {
     const struct error *error; /* WARNING, ERROR */
     const char *reason;        /* END: "done", "stopped", "failed"; NULL: it is spoken again elsewhere,
                                   nobody is told of an end */
+    bool blocked;              /* END: the sound of all who listened was blocked */
     const char *voice, *lang, *engine, *markup; /* BEGIN */
     double fps;                                 /* BEGIN */
     bool again;                                 /* BEGIN: it is spoken again when it is lost */

@@ -2,6 +2,7 @@
 // The card for Home Assistant's dashboards, in a page of another origin that plays the part of the dashboard.
 import assert from 'node:assert/strict';
 import { after, before, test } from 'node:test';
+import { PNG } from 'pngjs';
 import { launch } from '../lib/browser.mjs';
 import { artefacts, Daemon, eventually } from '../lib/daemon.mjs';
 import { servePages } from '../lib/page-server.mjs';
@@ -101,4 +102,41 @@ test('other settings take effect in place; wrong ones are told', async () => {
   await page.evaluate((server) => window.card.setConfig({ url: `${server}/`, room: 'hall', captions: false }), daemon.url);
   await eventually(async () => (await (await daemon.get('/v1/rooms')).json()).rooms.some(({ name }) => name === 'hall'), 'the other room');
   assert.equal(await page.evaluate(() => window.head.captions), false);
+});
+
+test('the face is drawn in the card, also where the dashboard tells its state before the settings', async () => {
+  const seeing = await launch();
+  try {
+    const dashboard = await seeing.newPage({ viewport: { width: 420, height: 420 } });
+    const wrong = [];
+    dashboard.on('pageerror', (error) => wrong.push(String(error)));
+    await dashboard.goto(pages.url);
+    await dashboard.evaluate(async (server) => {
+      customElements.define('ha-card', class extends HTMLElement {});
+      await import(`${server}/faccia-card.js`);
+      const card = window.card = document.createElement('faccia-card');
+      card.hass = { language: 'it', states: { 'sensor.hall_state': { state: 'thinking' } } };
+      card.setConfig({ type: 'custom:faccia-card', url: server, room: 'hall', entity: 'sensor.hall_state', height: 240 });
+      document.querySelector('main').append(card);
+      const head = card.shadowRoot.querySelector('talking-head');
+      head.setAttribute('quality', 'low');
+      head.setAttribute('poster', 'off');
+      await new Promise((resolve) => head.addEventListener('ready', resolve, { once: true }));
+      head.pose({ 3: 0 });
+    }, daemon.url);
+    const skin = async () => {
+      const { data } = PNG.sync.read(await dashboard.screenshot({ path: `${artefacts}/card-face.png` }));
+      let count = 0;
+      for (let i = 0; i < data.length; i += 4) if (data[i] > 100 && data[i] > data[i + 1] + 15 && data[i + 1] > data[i + 2]) count++;
+      return count;
+    };
+    await eventually(async () => (await skin()) > 2000, 'the face in the card');
+    assert.deepEqual(await dashboard.evaluate(() => {
+      const head = window.card.shadowRoot.querySelector('talking-head');
+      return [head.lang, window.card.shadowRoot.querySelector('span').textContent, head.offsetHeight];
+    }), ['it', 'thinking', 240]);
+    assert.deepEqual(wrong, []);
+  } finally {
+    await seeing.close();
+  }
 });

@@ -220,6 +220,20 @@ test('she idles only while she is seen and not to keep still', async () => {
   await moves();
 });
 
+test('keeping still she shows her mood all the same, and holds it', async () => {
+  const change = (act) => page.evaluate(`{ const head = document.querySelector('talking-head'); ${act} }`);
+  const shown = () => page.evaluate(() => document.querySelector('talking-head').faps);
+  await change("head.setAttribute('still', ''); head.setAttribute('expression', 'joy 0.9')");
+  await page.waitForFunction(() => document.querySelector('talking-head').faps[12] > 20, null, { timeout: 60000 }); // a corner of the lips
+  await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 2500))); // the mood has been taken on
+  const before = await shown();
+  await page.evaluate(() => new Promise((resolve) => setTimeout(resolve, 1500)));
+  assert.deepEqual(await shown(), before);
+  await change("head.setAttribute('expression', '')");
+  await page.waitForFunction(() => !Object.keys(document.querySelector('talking-head').faps).length, null, { timeout: 60000 });
+  await change("head.removeAttribute('still'); head.removeAttribute('expression')");
+});
+
 test('the attribute `expression` is a mood', async () => {
   await page.evaluate(() => document.querySelector('talking-head').setAttribute('expression', 'joy 0.9'));
   await drawn(12, 130, 1200);

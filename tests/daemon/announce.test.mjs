@@ -83,6 +83,21 @@ test('what is wrong is told', async () => {
   assert.match(gone.stderr, /connect/i);
 });
 
+test('where every browser there blocks the sound it was not heard: status 6, until one plays it', async () => {
+  kiosk.send({ type: 'media', blocked: true });
+  const blocked = await run([...kitchen, '--wait', 'Ciao.']);
+  assert.equal(blocked.status, 6);
+  assert.match(blocked.stderr, /touches/);
+  const other = await daemon.stream('?lang=it&room=kitchen');
+  await other.wait({ type: 'joined' });
+  assert.equal((await run([...kitchen, '--wait', 'Ciao.'])).status, 0, 'another one hears it');
+  await other.close();
+  kiosk.send({ type: 'media', blocked: 1 });
+  await kiosk.wait({ type: 'error', code: 'bad-field', field: 'blocked' });
+  kiosk.send({ type: 'media', blocked: false });
+  assert.equal((await run([...kitchen, '--wait', 'Ciao.'])).status, 0);
+});
+
 test('a token is shown to a daemon that wants one', async () => {
   const folder = fs.mkdtempSync(path.join(os.tmpdir(), 'faccia-'));
   const [secret, token] = ['secret', 'token'].map((name) => path.join(folder, name));

@@ -24,6 +24,7 @@ test('pages run what comes from here, and nothing that is written into them', as
     assert.equal(directives['default-src'], "'none'");
     assert.equal(directives['script-src'], "'self' 'wasm-unsafe-eval'");
     assert.equal(directives['style-src'], "'self'");
+    assert.equal(directives['manifest-src'], "'self'", 'the page of a room can be installed');
     assert.equal(directives['base-uri'], "'none'");
     assert.equal(directives['form-action'], "'none'");
     assert.equal(directives['media-src'], "'self' blob:", 'a video that its reader has chosen');

@@ -106,6 +106,25 @@ test('keeping still, only jaw, lips and tongue move', () => {
   assert.deepEqual(moved, [...lips, ...tongue, ...outer]);
 });
 
+test('keeping still it shows its mood, also while it speaks, and neither looks about nor turns', () => {
+  const mixer = new FaceMixer();
+  mixer.still = true;
+  const idle = new FaceTrack(25);
+  idle.put(0, Array.from({ length: 10 }, () => faceValues({ 31: 80, 12: 40, 48: 900, 23: 300 })));
+  const speech = new FaceTrack(25);
+  speech.put(0, Array.from({ length: 10 }, () => faceValues({ 31: -500, 3: 200, 48: -700 })));
+  const left = { track: idle, seconds: 0.1 };
+  let now = 0;
+  for (; now < 3000; now += 16) mixer.update(now, null, left);
+  const shown = () => [31, 12, 48, 23, 3].map((n) => Math.round(mixer.values[n]));
+  assert.deepEqual(shown(), [80, 40, 0, 0, 0]);
+  assert.equal(mixer.update(now, null, left), false, 'nothing changes any more');
+  for (const end = now + 400; now < end; now += 16) mixer.update(now, heard(speech, 0.1), null);
+  assert.deepEqual(shown(), [80, 0, 0, 0, 200], 'brows of the mood, lips of the speech');
+  for (const end = now + 3000; now < end; now += 16) mixer.update(now, null, null);
+  assert.deepEqual(shown(), [0, 0, 0, 0, 0], 'no mood any more');
+});
+
 test('a pose is gone over to smoothly when it is asked for so', () => {
   const mixer = new FaceMixer();
   mixer.pose = faceValues({ 3: 250 });

@@ -33,6 +33,7 @@ function check(config) {
 class FacciaCard extends HTMLElement {
   #head = null;
   #config = null;
+  #hass = null;
   #sign = document.createElement('span');
   #question = document.createElement('div');
   #states = { entity: '', room: '' };
@@ -53,11 +54,14 @@ class FacciaCard extends HTMLElement {
       if (value) this.#head.setAttribute(name, value);
       else this.#head.removeAttribute(name);
     this.#head.style.height = `${config.height ?? HEIGHT}px`;
+    if (this.#hass) this.hass = this.#hass;
   }
 
-  /** The state of the house, again with every change of anything in it. */
+  /** The state of the house, again with every change of anything in it; some dashboards set it before the card's settings. */
   set hass(hass) {
-    const entity = hass.states[this.#config?.entity], state = entity?.state;
+    this.#hass = hass;
+    if (!this.#head) return;
+    const entity = hass.states?.[this.#config?.entity], state = entity?.state;
     if (hass.language && this.#head.lang !== hass.language) this.#head.lang = hass.language;
     this.#show('entity', SIGNS.includes(state) ? state : '');
   }

@@ -3,6 +3,7 @@
 import { Access } from './access.js';
 import { errorWords } from './error-words.js';
 import { pageLanguage } from './languages.js';
+import { keepShell } from './room-offline.js';
 import { Consent } from './room-consent.js';
 import { isWithin, readWish } from './room-wish.js';
 import { words } from './room-words.js';
@@ -10,6 +11,7 @@ import { sharedWords } from './shared-words.js';
 
 const AWAKE_MS = 60000; // so long it stays awake at night after the last that happened
 const ANSWERED_MS = 6000; // so long the answer can be read
+const TROUBLE_MS = 20000; // so long what went wrong can be read; that there is no link, as long as there is none
 const SHIFT_MS = 60000; // the picture is moved a little, so that it does not burn in
 const SHIFTS = [[0, 0], [6, 2], [4, -5], [-3, -6], [-6, 3]];
 const $ = (id) => document.getElementById(id);
@@ -26,6 +28,7 @@ const consent = new Consent(head, say, {
   },
 });
 let awakeUntil = 0;
+let trouble = ''; // what was told while there was no link
 let lock = null;
 
 function showState() {
@@ -52,7 +55,9 @@ function answer(choice) {
 
 function showQuestion() {
   const { question = '', choices = [] } = now.offered ?? {};
-  $('question').hidden = !choices.length || consent.asked; // one question at a time
+  const hidden = !choices.length || consent.asked; // one question at a time
+  $('question').hidden = hidden;
+  document.body.toggleAttribute('data-offered', !hidden);
   $('question').querySelector('.what').textContent = question;
   $('question').querySelector('.answers').replaceChildren(...choices.map((text, choice) => {
     const button = document.createElement('button');
@@ -104,7 +109,10 @@ head.addEventListener('connection', ({ detail }) => {
   showQuestion();
   showState();
 });
-head.addEventListener('joined', () => showState());
+head.addEventListener('joined', () => {
+  if ($('news').textContent === trouble) $('news').textContent = ''; // the link is back
+  showState();
+});
 head.addEventListener('begin', () => {
   now.utterances++;
   wake();
@@ -139,7 +147,11 @@ head.addEventListener('chosen', ({ detail }) => {
   tell(say('chosen', { text: detail.text }), ANSWERED_MS);
 });
 head.addEventListener('error', ({ detail }) => {
-  if (!access.concerns(detail.code)) $('news').textContent = errorWords[lang][detail.code] ?? detail.message;
+  if (access.concerns(detail.code)) return;
+  const text = errorWords[lang][detail.code] ?? detail.message;
+  clearTimeout(telling);
+  if (now.connection === 'open') tell(text, TROUBLE_MS);
+  else $('news').textContent = trouble = text;
 });
 
 document.addEventListener('click', ({ target }) => {
@@ -169,4 +181,5 @@ if (wish.room) head.setAttribute('room', wish.room);
 else $('news').textContent = say('noRoom');
 showState();
 look();
+keepShell();
 await import('./talking-head.js');

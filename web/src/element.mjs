@@ -31,6 +31,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   #opened = false;
   #leaving = 0; // timer
+  #blocked = false; // whether the server knows that its sound is blocked
   #ready = false;
   #title = '';
   #controls;
@@ -42,7 +43,7 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
     send: (message) => this.#session.send(message),
     sendSound: (sound, bytes) => this.#session.sendSound(sound, bytes),
     emit: (type, detail) => this.#emit(type, detail),
-    idle: (chunk) => this.#presentation.idle.face.take(chunk, performance.now() / 1000),
+    idle: (chunk) => this.#presentation.idled(chunk),
   });
   #presentation;
   #reader;
@@ -79,6 +80,10 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
       emit: (type, detail) => {
         this.#emit(type, detail);
         if (type === 'hello') this.#ears.linked();
+        if (type === 'hello') {
+          this.#blocked = false; // as the server takes it
+          this.#tellSound(this.#player.sound);
+        }
       },
       fail: (name, values) => this.#fail(name, values),
       show: (json) => this.#show(json),
@@ -348,8 +353,15 @@ export class TalkingHead extends (globalThis.HTMLElement ?? class {}) {
 
   #soundChanged(sound, reason) {
     this.#controls.sound.hidden = sound !== 'blocked';
+    this.#tellSound(sound);
     this.#emit('sound', { sound, ...(reason ? { reason } : {}) });
     this.#presentation.wake();
+  }
+
+  /** Who speaks here is to know that nobody hears it. */
+  #tellSound(sound) {
+    const blocked = sound === 'blocked';
+    if (blocked !== this.#blocked && this.#session.send({ type: 'media', blocked })) this.#blocked = blocked;
   }
 
   #express() {

@@ -3,10 +3,14 @@ import { FAP_VALUES } from './face-track.mjs';
 
 const CHANGE_MS = 90; // of the mouth, from one source to the next: at rest within a tenth of a second after a stop
 const UPPER_CHANGE_MS = 250; // of head, eyes and brows
+const MOOD_MS = 400; // in which a face that keeps still takes on a mood: what moves faster is no mood
 const STALL_MS = 160; // how long a face waits for late frames before it goes to rest
 
-/** The FAPs that stay when the face is to keep still: jaw, lips and tongue. */
+/** The FAPs that speech moves also when the face is to keep still: jaw, lips and tongue. */
 const moving = (n) => (n >= 3 && n <= 18) || (n >= 43 && n <= 47) || (n >= 51 && n <= 60);
+
+/** Gaze, pupils and the head: they move while the face idles, and are no mood. */
+const looking = (n) => (n >= 23 && n <= 30) || (n >= 48 && n <= 50);
 
 /** @param {Record<number, number>} faps by number @returns {Float32Array} all of them */
 export function faceValues(faps) {
@@ -30,6 +34,7 @@ export class FaceMixer {
     this.ease = false; // whether a pose is gone over to smoothly, or taken at once
     this.from = new Float32Array(FAP_VALUES);
     this.target = new Float32Array(FAP_VALUES);
+    this.mood = new Float32Array(FAP_VALUES); // what a face that keeps still shows beside its lips: that of the idle track
     this.source = null;
     this.since = -Infinity;
     this.seen = -Infinity;
@@ -68,16 +73,27 @@ export class FaceMixer {
         this.#change(now, null);
         this.target.fill(0);
       }
+      this.#settle(now);
     }
     const weight = (milliseconds) => ease(Math.min(1, Math.max(0, (now - this.since) / milliseconds)));
     const [mouth, upper] = [weight(CHANGE_MS), weight(UPPER_CHANGE_MS)];
     for (let n = 0; n < FAP_VALUES; n++) {
       const w = moving(n) ? mouth : upper;
-      const target = this.still && !this.pose && !moving(n) ? 0 : this.target[n];
+      const target = this.still && !this.pose && !moving(n) ? this.mood[n] : this.target[n];
       this.values[n] = w === 1 ? target : this.from[n] + w * (target - this.from[n]);
     }
     this.before = now;
     return this.values.some((value, n) => value !== shown[n]);
+  }
+
+  /** The mood of a face that keeps still follows what the idle track shows on the whole. */
+  #settle(now) {
+    const share = this.still ? 1 - Math.exp(-Math.max(0, Math.min(100, now - this.before)) / MOOD_MS) : 1;
+    for (let n = 0; n < FAP_VALUES; n++) {
+      const target = looking(n) ? 0 : this.target[n];
+      const left = target - this.mood[n];
+      this.mood[n] = Math.abs(left) < 0.5 ? target : this.mood[n] + share * left;
+    }
   }
 
   /** Whether it still goes over from one source to another. */

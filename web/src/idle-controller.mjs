@@ -7,13 +7,20 @@ import { IdleFace } from './idle.mjs';
  * both, and asks again when the link is new.
  */
 export class IdleController {
-  /** @param {(message: object) => boolean} send */
-  constructor(send) {
+  /** @param {(message: object) => boolean} send @param {() => void} [changed] there is a mood now, or none any more */
+  constructor(send, changed = () => {}) {
     this.send = send;
+    this.changed = changed;
     this.face = new IdleFace();
     this.wanted = null; // what idling is to be: null, or further members of the message
     this.asked = 'null'; // what the server was asked for
-    this.mix = [];
+    this.mix = []; // what was wished here
+    this.room = []; // what the server has told of the room
+  }
+
+  /** Whether the face is to show a mood. */
+  get moody() {
+    return [...this.mix, ...this.room].some(({ intensity }) => intensity !== 0);
   }
 
   /** The link is new: nothing has been asked for. */
@@ -27,6 +34,7 @@ export class IdleController {
   unlinked() {
     this.face.reset();
     this.asked = 'null';
+    this.room = []; // told anew
   }
 
   /** @param {object|null} wanted members of the idle message; null: no idling */
@@ -39,11 +47,14 @@ export class IdleController {
   express(mix, { ease } = {}) {
     this.mix = readMix(mix);
     this.send({ type: 'express', mix: this.mix, ...(ease === undefined ? {} : { ease }) });
+    this.changed();
   }
 
   /** The mood of the room, whoever made it so: what was wished here before does not come back with the next link. */
   heard(mix) {
     if (this.mix.length) this.mix = mix;
+    this.room = mix;
+    this.changed();
   }
 
   #ask() {

@@ -24,8 +24,8 @@ export class Presentation {
   constructor(element, root, { controls, poster, speech }, { send, trouble, unfit }) {
     this.element = element;
     this.speech = speech;
-    this.idle = new IdleController(send);
-    this.visibility = new Visibility(element, () => this.#visibilityChanged());
+    this.idle = new IdleController(send, () => this.idleChanged());
+    this.visibility = new Visibility(root.querySelector('.layout'), () => this.#visibilityChanged());
     this.captions = new CaptionView(root.querySelector('.captions'));
     this.orbit = new Orbit(root.querySelector('.stage'), controls.turn, { moved: () => this.stage?.wake() });
     this.stage = new Stage(controls.canvas, {
@@ -58,6 +58,12 @@ export class Presentation {
     this.stage.close();
   }
 
+  /** Media of the idle face. One that keeps still has no pictures running: it is drawn when its mood has changed. */
+  idled(chunk) {
+    this.idle.face.take(chunk, performance.now() / 1000);
+    if (this.#mixer.still && !this.speech.busy) this.wake();
+  }
+
   /** Something has changed. */
   wake() {
     this.stage.wake();
@@ -68,7 +74,7 @@ export class Presentation {
     if (!this.#mixer.pose) this.wake();
   }
 
-  /** Whether only the lips move. */
+  /** Whether nothing moves but the lips; the mood is there all the same. */
   get still() {
     return this.#mixer.still;
   }
@@ -82,10 +88,12 @@ export class Presentation {
     this.wake();
   };
 
-  /** Has the face idle while there is somebody to see it. */
+  /** Has the face idle while there is somebody to see it; one that keeps still has its mood from that. */
   idleChanged() {
-    const { life } = this.element;
-    const wanted = this.visibility.seen && !this.#mixer.still;
+    const { still } = this.#mixer;
+    const wanted = this.visibility.seen && (!still || this.idle.moody);
+    // In a room the first one's way of idling is everybody's: others may move there.
+    const life = still && !this.element.hasAttribute('room') ? 0 : this.element.life;
     this.idle.idle(wanted ? (life === null ? {} : { life }) : null);
     this.wake();
   }
@@ -151,7 +159,7 @@ export class Presentation {
     const turning = this.orbit.update(now / 1000);
     const speaks = this.speech.busy || changing;
     const held = this.#mixer.pose && !changing; // whatever is heard
-    const more = changed || turning || (!held && (speaks || idle));
+    const more = changed || turning || (!held && (speaks || (idle && !this.#mixer.still)));
     return { values: this.#mixer.values, turned: this.orbit.turned, more, calm: !speaks && !turning };
   }
 }

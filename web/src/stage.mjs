@@ -282,7 +282,7 @@ export class Stage {
     const { view, canvas } = this;
     const { level } = this.governor;
     if (!view || view.level === level) return;
-    if (view.head && !this.lost && canvas.isConnected) {
+    if (view.head && !this.lost && canvas.isConnected && canvas.width && canvas.height) {
       const veil = document.createElement('canvas');
       Object.assign(veil, { width: canvas.width, height: canvas.height, ariaHidden: 'true' });
       view.draw(); // it is kept until this task ends

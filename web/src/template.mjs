@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: MIT
 import { captionStyle } from './caption-style.mjs';
 
+// A page's own rules go over those of :host, so nothing inside depends on them: `.layout` fills the element, and is
+// 20rem by 26rem where the element has no size of its own (`display: block` with `height: auto`, `all: unset`).
 export const styles = `
-  :host { display: inline-flex; flex-direction: column; inline-size: 20rem; block-size: 26rem; position: relative;
-    font-family: system-ui, sans-serif; }
+  :host { display: inline-flex; flex-direction: column; inline-size: 20rem; block-size: 26rem; min-inline-size: 0;
+    min-block-size: 0; position: relative; }
   :host([hidden]), [hidden] { display: none !important; }
-  .stage { position: relative; flex: 1; min-block-size: 0; }
+  .layout { display: flex; flex-direction: column; position: relative; inline-size: 100%; block-size: 100%; min-inline-size: 0;
+    min-block-size: 0; contain: inline-size; contain-intrinsic-inline-size: 20rem; font-family: system-ui, sans-serif; }
+  .stage { position: relative; flex: 1 1 26rem; min-block-size: 0; }
   canvas { position: absolute; inset: 0; inline-size: 100%; block-size: 100%; display: block; }
   .poster { position: absolute; inset: 0; margin-inline: auto; max-inline-size: 100%; block-size: 100%; object-fit: contain;
     mask-image: linear-gradient(90deg, transparent, #000 12%, #000 88%, transparent); }
@@ -46,15 +50,14 @@ function make(name, attributes = {}, children = [], namespace = 'http://www.w3.o
 export function parts() {
   const waves = make('svg', { viewBox: '0 0 24 24', 'aria-hidden': 'true' }, [make('path', { d: WAVES }, [], SVG)], SVG);
   const line = ['said', 'word', 'rest'].map((name) => make('span', { class: name, part: name }));
-  return [
-    make('div', { class: 'stage', part: 'stage' }, [
-      make('img', { class: 'poster', part: 'poster', alt: '', hidden: '' }),
-      make('canvas', { part: 'canvas', role: 'img' }),
-      make('p', { class: 'message', part: 'message', role: 'status', hidden: '' }),
-      make('input', { class: 'turn', part: 'turn', type: 'range' }),
-      make('button', { class: 'switch', part: 'captions-button', type: 'button' }, ['CC']),
-      make('button', { class: 'sound', part: 'sound-button', type: 'button', hidden: '' }, [waves, ' ', make('span')]),
-    ]),
-    make('div', { class: 'captions', part: 'captions', 'aria-live': 'off' }, [make('p', { dir: 'auto' }, line)]),
-  ];
+  const stage = make('div', { class: 'stage', part: 'stage' }, [
+    make('img', { class: 'poster', part: 'poster', alt: '', hidden: '' }),
+    make('canvas', { part: 'canvas', role: 'img' }),
+    make('p', { class: 'message', part: 'message', role: 'status', hidden: '' }),
+    make('input', { class: 'turn', part: 'turn', type: 'range' }),
+    make('button', { class: 'switch', part: 'captions-button', type: 'button' }, ['CC']),
+    make('button', { class: 'sound', part: 'sound-button', type: 'button', hidden: '' }, [waves, ' ', make('span')]),
+  ]);
+  const captions = make('div', { class: 'captions', part: 'captions', 'aria-live': 'off' }, [make('p', { dir: 'auto' }, line)]);
+  return [make('div', { class: 'layout' }, [stage, captions])];
 }
